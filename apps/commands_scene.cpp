@@ -56,7 +56,7 @@ Command heat_command() {
       "--fit writes a scene file instead: numbers { value, fit = true, min, max } of the ground's material fitted to\n"
       "its measured temperature, with their standard errors.",
       "  mtf heat vehicle/scene.toml -o temperatures\n"
-      "  mtf heat scene.toml -o temperatures --tolerance \"0.5 K\" --rays 128"};
+      "  mtf heat scene.toml -o temperatures --tolerance \"0.5 K\" --rays 256"};
   add_file(app, "scene", "scene file (TOML)", options.scene);
   add_text(app, "-o,--out", "PATH", "folder to create; with --fit the fitted scene file", options.out).required = true;
   add_word(app, "--tolerance", "X", "with its unit; default \"1 K\", with --fit \"0.05 K\"",
@@ -66,7 +66,7 @@ Command heat_command() {
              if (options.tolerance_k < 1e-4)
                throw mtf::UsageError("--tolerance: " + text + " is below 0.0001 K, which rounding does not allow");
            });
-  add_word(app, "--rays", "N", "for the view of each class of facets; default 512",
+  add_word(app, "--rays", "N", "for the view of each side of a facet; default 128",
            [&](const std::string& text) { options.rays = whole_number("--rays", text, 16, 65536); });
   add_word(app, "--sun-directions", "N", "of the table of shadows, a day; default 36",
            [&](const std::string& text) { options.directions = whole_number("--sun-directions", text, 4, 1440); });

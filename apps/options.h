@@ -197,7 +197,7 @@ struct SceneOptions {
 struct HeatCommandOptions {
   std::string scene, out;
   double tolerance_k = 1.0;
-  int rays = 512;            ///< of the view of each class of facets
+  int rays = 128;            ///< of the view of each side of a facet
   int directions = 36;       ///< of the table of shadows, a day
   bool every_facet = false;  ///< no classes
   bool ply = false, vtk = false;

@@ -9,6 +9,10 @@
 
 namespace radiometry::heat {
 
+GroupForcing for_all_groups(const Forcing& forcing) {
+  return [&forcing](std::size_t, std::size_t) -> Forcing { return Forcing(std::cref(forcing)); };
+}
+
 void require_valid(const Batch& batch) {
   require_valid(batch.construction, "construction");
   if (batch.facets == 0) throw mtf::UsageError("heat: a batch without facets");

@@ -39,6 +39,13 @@ struct ForcingValues {
 /// values.front.absorbed_w_m2 has. It is called from several threads at once, and for any facets in any order of time.
 using Forcing = std::function<void(Instant, std::size_t first, ForcingValues& values)>;
 
+/// A forcing for the facets first, first + 1, ..., first + count - 1 of a batch alone, of which what does not change
+/// with time has been worked out: it is asked for once before a group of facets is advanced.
+using GroupForcing = std::function<Forcing(std::size_t first, std::size_t count)>;
+
+/// The same forcing for all groups; `forcing` has to live as long.
+GroupForcing for_all_groups(const Forcing& forcing);
+
 /// Facets of one construction that are advanced side by side. Neighbours in the batch share their time steps, so facets
 /// with similar forcing (the same shadows at the same times) should stand together.
 struct Batch {

@@ -16,6 +16,7 @@ namespace {
 /// so intervals of equal length share their eliminations.
 constexpr int kFinest = 48;
 constexpr std::int64_t kWhole = std::int64_t{1} << kFinest;
+constexpr double kUnit = 1.0 / static_cast<double>(kWhole);
 
 /// The error of a step falls with its third power; a step grows to at most four times the last.
 double next_step(double step_s, double error_k, double tolerance_k) {
@@ -62,9 +63,10 @@ GroupRun::GroupRun(const Plan& plan, const State& start, const Forcing& forcing,
       kept_(&kept),
       first_(first),
       count_(std::min(kLanes, plan.batch.facets - first)),
+      three_(start.runs() == Runs::three),
       fine_(plan.fine.nodes()),
-      doubled_(plan.fine.nodes()),
-      coarse_(plan.coarse.nodes()),
+      doubled_(three_ ? plan.fine.nodes() : 0),
+      coarse_(three_ ? plan.coarse.nodes() : 0),
       before_(plan.fine.nodes() * kLanes),
       wanted_s_(start.step_s[first / kLanes]) {
   const Construction& construction = plan.batch.construction;
@@ -74,20 +76,26 @@ GroupRun::GroupRun(const Plan& plan, const State& start, const Forcing& forcing,
   fine_grid_ = group_grid(plan.fine, construction, front_buoyancy_, back_buoyancy_);
   coarse_grid_ = group_grid(plan.coarse, construction, front_buoyancy_, back_buoyancy_);
   gather(start.fine, start.facets, first, count_, fine_.t);
+  if (!three_) return;
   gather(start.doubled, start.facets, first, count_, doubled_.t);
   gather(start.coarse, start.facets, first, count_, coarse_.t);
 }
 
+Surfaces GroupRun::front() const {
+  return {fine_.t.data(), three_ ? doubled_.t.data() : nullptr, three_ ? coarse_.t.data() : nullptr};
+}
+
 Surfaces GroupRun::back() const {
   const auto last = [](const GroupState& state) { return state.t.data() + (state.t.size() - kLanes); };
-  return {last(fine_), last(doubled_), last(coarse_)};
+  return {last(fine_), three_ ? last(doubled_) : nullptr, three_ ? last(coarse_) : nullptr};
 }
 
 void GroupRun::store(State& end) const {
   scatter(fine_.t, end.facets, first_, count_, end.fine);
+  end.step_s[first_ / kLanes] = wanted_s_;
+  if (!three_) return;
   scatter(doubled_.t, end.facets, first_, count_, end.doubled);
   scatter(coarse_.t, end.facets, first_, count_, end.coarse);
-  end.step_s[first_ / kLanes] = wanted_s_;
 }
 
 void GroupRun::evaluate(Instant instant, Boundary& boundary) const {
@@ -116,54 +124,80 @@ void GroupRun::evaluate(Instant instant, Boundary& boundary) const {
                             " s has a value that is not finite, or a wind below 0");
 }
 
-void GroupRun::advance(double t0_s, double t1_s) {
-  const double length = t1_s - t0_s;
-  const auto instant = [&](double position) -> Instant {  // in units of 2^-kFinest of the interval
+/// An interval between breaks. Positions in it count in 2^-kFinest of its length.
+struct GroupRun::Interval {
+  double t0_s, t1_s;
+  double length_s() const { return t1_s - t0_s; }
+  Instant at(double position) const {
     if (position >= static_cast<double>(kWhole)) return {t1_s, Instant::Limit::before};
-    return {t0_s + length * (position / static_cast<double>(kWhole)), Instant::Limit::after};
-  };
+    return {t0_s + length_s() * (position / static_cast<double>(kWhole)), Instant::Limit::after};
+  }
+};
+
+bool GroupRun::step_of_three(const Interval& interval, double from, double whole) {
+  const double half = 0.5 * whole, step_s = interval.length_s() * (whole * kUnit);
+  const Elimination<double>& long_step = kept_->fine.of_step(step_s);
+  evaluate(interval.at(from + kGamma * whole), doubled_middle_);
+  evaluate(interval.at(from + whole), end_);
+  before_ = doubled_.t;
+  take_step(fine_grid_, long_step, {&begin_, &doubled_middle_, &end_}, doubled_, nullptr);
+  steps_.facet_steps += static_cast<std::int64_t>(count_);
+  const double error = step_error(fine_grid_, long_step, begin_, before_, doubled_);
+  if (!accept(step_s, error)) {
+    doubled_.t = before_;
+    return false;
+  }
+  evaluate(interval.at(from + kGamma * half), early_);
+  evaluate(interval.at(from + half), quarter_);
+  evaluate(interval.at(from + half + kGamma * half), late_);
+  const Elimination<double>& short_step = kept_->fine.of_step(0.5 * step_s);
+  take_step(fine_grid_, short_step, {&begin_, &early_, &quarter_}, fine_, &heat_);
+  take_step(fine_grid_, short_step, {&quarter_, &late_, &end_}, fine_, &heat_);
+  take_step(coarse_grid_, kept_->coarse.of_step(step_s), {&begin_, &doubled_middle_, &end_}, coarse_, nullptr);
+  steps_.facet_steps += 3 * static_cast<std::int64_t>(count_);
+  return true;
+}
+
+bool GroupRun::step_of_one(const Interval& interval, double from, double whole) {
+  const double step_s = interval.length_s() * (whole * kUnit);
+  const Elimination<double>& elimination = kept_->fine.of_step(step_s);
+  evaluate(interval.at(from + kGamma * whole), doubled_middle_);
+  evaluate(interval.at(from + whole), end_);
+  before_ = fine_.t;
+  take_step(fine_grid_, elimination, {&begin_, &doubled_middle_, &end_}, fine_, nullptr);
+  steps_.facet_steps += static_cast<std::int64_t>(count_);
+  if (accept(step_s, step_error(fine_grid_, elimination, begin_, before_, fine_))) return true;
+  fine_.t = before_;
+  return false;
+}
+
+bool GroupRun::accept(double step_s, double error_k) {
+  wanted_s_ = next_step(step_s, error_k, plan_->step_tolerance_k);
+  if (error_k <= plan_->step_tolerance_k) {
+    ++steps_.taken;
+    return true;
+  }
+  wanted_s_ = std::min(0.5 * step_s, wanted_s_);  // the first where the error is not a number
+  ++steps_.refused;
+  return false;
+}
+
+void GroupRun::advance(double t0_s, double t1_s) {
+  const Interval interval{t0_s, t1_s};
   kept_->fine.limit();
   kept_->coarse.limit();
-  Boundary begin, early, quarter, late, doubled_middle, middle, end;
-  evaluate(instant(0.0), begin);
-
+  evaluate(interval.at(0.0), begin_);
   for (std::int64_t at = 0; at < kWhole;) {
     std::int64_t step = kWhole;
-    while (step > 2 && (step > kWhole - at || length * std::ldexp(static_cast<double>(step), -kFinest) > wanted_s_))
+    while (step > 2 && (step > kWhole - at || interval.length_s() * (static_cast<double>(step) * kUnit) > wanted_s_))
       step /= 2;
     if (step <= 2)
       throw mtf::RuntimeError("heat: no step keeps the tolerance at " +
-                              mtf::format_double(instant(static_cast<double>(at)).time_s) +
+                              mtf::format_double(interval.at(static_cast<double>(at)).time_s) +
                               " s: has the forcing a jump that is not in the breaks?");
-    const double from = static_cast<double>(at), whole = static_cast<double>(step), half = 0.5 * whole;
-    const double step_s = length * std::ldexp(whole, -kFinest);
-    const Elimination<double>& long_step = kept_->fine.of_step(step_s);
-
-    evaluate(instant(from + kGamma * whole), doubled_middle);
-    evaluate(instant(from + whole), end);
-    before_ = doubled_.t;
-    take_step(fine_grid_, long_step, {&begin, &doubled_middle, &end}, doubled_, nullptr);
-    const double error = step_error(fine_grid_, long_step, begin, before_, doubled_);
-    wanted_s_ = next_step(step_s, error, plan_->step_tolerance_k);
-    const auto lanes = static_cast<std::int64_t>(count_);
-    steps_.facet_steps += lanes;
-    if (!(error <= plan_->step_tolerance_k)) {
-      doubled_.t = before_;
-      wanted_s_ = std::min(0.5 * step_s, wanted_s_);  // the first where the error is not a number
-      ++steps_.refused;
-      continue;
-    }
-
-    evaluate(instant(from + kGamma * half), early);
-    evaluate(instant(from + half), quarter);
-    evaluate(instant(from + half + kGamma * half), late);
-    const Elimination<double>& short_step = kept_->fine.of_step(0.5 * step_s);
-    take_step(fine_grid_, short_step, {&begin, &early, &quarter}, fine_, &heat_);
-    take_step(fine_grid_, short_step, {&quarter, &late, &end}, fine_, &heat_);
-    take_step(coarse_grid_, kept_->coarse.of_step(step_s), {&begin, &doubled_middle, &end}, coarse_, nullptr);
-    steps_.facet_steps += 3 * lanes;
-    ++steps_.taken;
-    std::swap(begin, end);
+    const double from = static_cast<double>(at), whole = static_cast<double>(step);
+    if (!(three_ ? step_of_three(interval, from, whole) : step_of_one(interval, from, whole))) continue;
+    std::swap(begin_, end_);
     at += step;
   }
 }

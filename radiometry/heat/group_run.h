@@ -15,7 +15,7 @@ struct PlanEliminations {
   Eliminations fine, coarse;
 };
 
-/// Surface temperatures of the three runs.
+/// Surface temperatures of the three runs; of Runs::one the last two are null.
 struct Surfaces {
   const double *fine, *doubled, *coarse;  ///< kLanes each
 };
@@ -29,13 +29,19 @@ class GroupRun {
   void advance(double t0_s, double t1_s);
 
   std::size_t count() const { return count_; }
-  Surfaces front() const { return {fine_.t.data(), doubled_.t.data(), coarse_.t.data()}; }
+  Surfaces front() const;
   Surfaces back() const;
   const HeatSums& heat() const { return heat_; }
   const StepCount& steps() const { return steps_; }
   void store(State& end) const;
 
  private:
+  /// One step of 2h by all runs, from `begin` at a position of an interval; false where it is refused.
+  struct Interval;
+  bool step_of_three(const Interval& interval, double from, double whole);
+  bool step_of_one(const Interval& interval, double from, double whole);
+  /// Whether a step of 2h with that error is taken, and the next one to try.
+  bool accept(double step_s, double error_k);
   void evaluate(Instant instant, Boundary& boundary) const;
 
   const Plan* plan_;
@@ -44,7 +50,9 @@ class GroupRun {
   std::size_t first_, count_;
   Buoyancy front_buoyancy_, back_buoyancy_;
   GroupGrid fine_grid_, coarse_grid_;
+  bool three_;
   GroupState fine_, doubled_, coarse_;
+  Boundary begin_, early_, quarter_, late_, doubled_middle_, end_;
   std::vector<double> before_;
   double wanted_s_;  ///< the step 2h to try next
   HeatSums heat_;

@@ -53,10 +53,11 @@ double sample_time(const Timeline& period, std::size_t j) {
 }
 
 /// The forcing of some facets at all sample times.
-std::vector<FacetSamples> sample(const Plan& plan, const Forcing& forcing, const Timeline& period, std::size_t first,
-                                 std::size_t count) {
+std::vector<FacetSamples> sample(const Plan& plan, const GroupForcing& of_group, const Timeline& period,
+                                 std::size_t first, std::size_t count) {
   const Construction& construction = plan.batch.construction;
   const auto* sheet = std::get_if<Sheet>(&construction.inside);
+  const Forcing forcing = of_group(first, count);
   std::vector<FacetSamples> samples(count);
   std::vector<double> front(count), back(sheet ? count : 0);
   for (std::size_t j = 0; j < kSamples; ++j) {
@@ -214,15 +215,21 @@ struct GridOfRun {
 
 PeriodicStart periodic_start(const Plan& plan, const Forcing& forcing, const Timeline& period, double residual_k,
                              int most_periods, int threads) {
+  return periodic_start(plan, for_all_groups(forcing), period, residual_k, most_periods, threads);
+}
+
+PeriodicStart periodic_start(const Plan& plan, const GroupForcing& forcing, const Timeline& period, double residual_k,
+                             int most_periods, int threads, Runs runs_carried) {
   const double period_s = period.end_s - period.start_s;
   if (!(period_s > 0.0)) throw mtf::UsageError("heat: the period of a repeating start has to be above 0");
   const std::size_t facets = plan.batch.facets;
   const bool sheet = plan.batch.construction.is_sheet();
-  const GridOfRun runs[] = {{&plan.fine, &State::fine}, {&plan.fine, &State::doubled}, {&plan.coarse, &State::coarse}};
-  Timeline days = period;
-  days.outputs_s.clear();
+  const bool three = runs_carried == Runs::three;
+  std::vector<GridOfRun> runs{{&plan.fine, &State::fine}};
+  if (three) runs.insert(runs.end(), {{&plan.fine, &State::doubled}, {&plan.coarse, &State::coarse}});
 
-  PeriodicStart result{.state = uniform_state(plan, period.start_s, 0.0)};
+  PeriodicStart result;
+  result.state = uniform_state(plan, period.start_s, 0.0, runs_carried);
   std::vector<Linearised> linear(facets);
   const Harmonics harmonics = harmonics_of(plan.fine, sheet, period_s);
   const std::size_t stride = plan.fine.nodes() > 1 ? 2 : 1;  // from node to node of the coarse grid
@@ -234,15 +241,16 @@ PeriodicStart periodic_start(const Plan& plan, const Forcing& forcing, const Tim
       linear[facet] = mean_state(plan, samples[i]);
       const std::vector<double> t = linear_state(plan, harmonics, samples[i], linear[facet]);
       for (std::size_t node = 0; node < t.size(); ++node) result.state.fine[node * facets + facet] = t[node];
-      for (std::size_t node = 0; node < plan.coarse.nodes(); ++node)
+      for (std::size_t node = 0; three && node < plan.coarse.nodes(); ++node)
         result.state.coarse[node * facets + facet] = t[stride * node];
     }
   };
   mtf::parallel_for(static_cast<std::int64_t>(facets), kFacetsAtOnce, threads, linear_states);
-  result.state.doubled = result.state.fine;
+  if (three) result.state.doubled = result.state.fine;
 
   while (result.periods < most_periods) {
-    const Run day = advance(plan, result.state, forcing, days, threads);
+    result.last = advance(plan, result.state, forcing, period, threads);
+    const Run& day = result.last;
     ++result.periods;
     result.residual_k = 0.0;
     for (const GridOfRun& run : runs)

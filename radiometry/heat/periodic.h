@@ -20,12 +20,15 @@ struct PeriodicStart {
   State state;
   double residual_k = 0.0;  ///< the largest change of any node over the last period; it is corrected in the state
   int periods = 0;          ///< periods run
+  Run last;                 ///< the last of them, with its outputs; it began before the last correction
 };
 
-/// The timeline is one period; its outputs are not used. Ends when a period changes no node of any facet by more than
+/// The timeline is one period. Ends when a period changes no node of any facet by more than
 /// `residual_k`, or after `most_periods`, so the residual has to be checked. Throws UsageError for a construction
 /// whose mean temperature is not determined: neither emission, convection nor an inside temperature.
 PeriodicStart periodic_start(const Plan& plan, const Forcing& forcing, const Timeline& period, double residual_k,
                              int most_periods = 8, int threads = 1);
+PeriodicStart periodic_start(const Plan& plan, const GroupForcing& forcing, const Timeline& period, double residual_k,
+                             int most_periods = 8, int threads = 1, Runs runs = Runs::three);
 
 }  // namespace radiometry::heat

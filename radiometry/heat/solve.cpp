@@ -66,15 +66,17 @@ Plan plan_of(const Batch& batch, const Layers& layers, const Guess& guess) {
 /// Neighbouring facets of a batch as a batch of their own.
 struct Trial {
   Batch batch;
-  Forcing forcing;
+  GroupForcing forcing;
 };
 
-Trial trial_of(const Batch& batch, const Forcing& forcing, std::size_t begin) {
+Trial trial_of(const Batch& batch, const GroupForcing& forcing, std::size_t begin) {
   const std::size_t count = std::min(kLanes, batch.facets - begin);
   Trial trial{.batch = {batch.construction, count, {}}, .forcing = {}};
   for (std::size_t i = 0; i < count && !batch.up.empty(); ++i) trial.batch.up.push_back(batch.up[begin + i]);
-  trial.forcing = [&forcing, begin](Instant instant, std::size_t first, ForcingValues& values) {
-    forcing(instant, begin + first, values);
+  trial.forcing = [&forcing, begin](std::size_t first, std::size_t facets) -> Forcing {
+    return [own = forcing(begin + first, facets), begin](Instant instant, std::size_t at, ForcingValues& values) {
+      own(instant, begin + at, values);
+    };
   };
   return trial;
 }
@@ -84,7 +86,7 @@ struct Started {
   double residual_k = 0.0;
 };
 
-Started start_of(const Plan& plan, const Forcing& forcing, const Timeline& timeline, const Start& start,
+Started start_of(const Plan& plan, const GroupForcing& forcing, const Timeline& timeline, const Start& start,
                  double tolerance_k, int threads) {
   if (const auto* uniform = std::get_if<UniformStart>(&start))
     return {uniform_state(plan, timeline.start_s, uniform->temperature_k), 0.0};
@@ -99,7 +101,7 @@ struct Outcome {
   double residual_k;
 };
 
-Outcome run_plan(const Plan& plan, const Forcing& forcing, const Timeline& timeline, const Start& start,
+Outcome run_plan(const Plan& plan, const GroupForcing& forcing, const Timeline& timeline, const Start& start,
                  double tolerance_k, int threads) {
   const Started started = start_of(plan, forcing, timeline, start, tolerance_k, threads);
   return {advance(plan, started.state, forcing, timeline, threads), started.residual_k};
@@ -135,7 +137,7 @@ bool pays(const Guess& next, const Guess& guess, bool one_node) {
 /// A batch of facets with all that decides its plan but the guess.
 struct Problem {
   const Batch* batch;
-  const Forcing* forcing;
+  const GroupForcing* forcing;
   const Timeline* timeline;
   const Start* start;
   double tolerance_k;
@@ -196,6 +198,11 @@ Prepared prepare(const Problem& problem) {
 
 Plan make_plan(const Batch& batch, const Forcing& forcing, const Timeline& timeline, const Start& start,
                double tolerance_k) {
+  return make_plan(batch, for_all_groups(forcing), timeline, start, tolerance_k);
+}
+
+Plan make_plan(const Batch& batch, const GroupForcing& forcing, const Timeline& timeline, const Start& start,
+               double tolerance_k) {
   const Problem problem{&batch, &forcing, &timeline, &start, tolerance_k};
   Prepared prepared = prepare(problem);
   if (batch.facets <= kLanes) return find(problem, prepared.layers, prepared.guess, true, 1).plan;
@@ -203,6 +210,11 @@ Plan make_plan(const Batch& batch, const Forcing& forcing, const Timeline& timel
 }
 
 Solution solve(const Batch& batch, const Forcing& forcing, const Timeline& timeline, const Start& start,
+               double tolerance_k, int threads) {
+  return solve(batch, for_all_groups(forcing), timeline, start, tolerance_k, threads);
+}
+
+Solution solve(const Batch& batch, const GroupForcing& forcing, const Timeline& timeline, const Start& start,
                double tolerance_k, int threads) {
   const Problem problem{&batch, &forcing, &timeline, &start, tolerance_k};
   Prepared prepared = prepare(problem);

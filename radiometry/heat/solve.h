@@ -29,6 +29,8 @@ using Start = std::variant<UniformStart, RepeatingStart>;
 /// tolerance cannot be kept with the finest grid or the shortest step.
 Plan make_plan(const Batch& batch, const Forcing& forcing, const Timeline& timeline, const Start& start,
                double tolerance_k);
+Plan make_plan(const Batch& batch, const GroupForcing& forcing, const Timeline& timeline, const Start& start,
+               double tolerance_k);
 
 struct Solution {
   Plan plan;
@@ -39,6 +41,8 @@ struct Solution {
 /// make_plan, the start and advance; where a facet beyond those of the trial breaks the tolerance, all of it again with
 /// a finer plan.
 Solution solve(const Batch& batch, const Forcing& forcing, const Timeline& timeline, const Start& start,
+               double tolerance_k, int threads = 1);
+Solution solve(const Batch& batch, const GroupForcing& forcing, const Timeline& timeline, const Start& start,
                double tolerance_k, int threads = 1);
 
 }  // namespace radiometry::heat

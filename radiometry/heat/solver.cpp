@@ -25,7 +25,9 @@ void require(bool holds, const char* message) {
 
 void require_state_of(const Plan& plan, const State& state) {
   require(state.facets == plan.batch.facets && state.fine.size() == plan.fine.nodes() * state.facets &&
-              state.doubled.size() == state.fine.size() && state.coarse.size() == plan.coarse.nodes() * state.facets &&
+              (state.runs() == Runs::one ? state.coarse.empty()
+                                         : state.doubled.size() == state.fine.size() &&
+                                               state.coarse.size() == plan.coarse.nodes() * state.facets) &&
               state.step_s.size() == groups_of(plan),
           "the state is of another plan: start with uniform_state or periodic_start of this plan");
 }
@@ -63,6 +65,7 @@ double worst_difference(const double* a, const double* b, std::size_t count) {
 /// What an output adds to the result and to the promise.
 void record(const Surfaces& surfaces, std::size_t count, double* to, Promise& promised) {
   std::copy_n(surfaces.fine, count, to);
+  if (surfaces.doubled == nullptr) return;
   promised.steps_k = std::max(promised.steps_k, worst_difference(surfaces.fine, surfaces.doubled, count));
   promised.grid_k = std::max(promised.grid_k, worst_difference(surfaces.doubled, surfaces.coarse, count));
 }
@@ -90,7 +93,7 @@ double HeatBalance::exchanged() const { return std::abs(absorbed) + emitted + st
 
 double HeatBalance::relative_drift() const { return exchanged() > 0.0 ? std::abs(drift()) / exchanged() : 0.0; }
 
-State uniform_state(const Plan& plan, double time_s, std::span<const double> temperature_k) {
+State uniform_state(const Plan& plan, double time_s, std::span<const double> temperature_k, Runs runs) {
   const std::size_t facets = plan.batch.facets;
   require(temperature_k.size() == facets, "as many temperatures are needed as the batch has facets");
   for (const double t : temperature_k)
@@ -103,30 +106,36 @@ State uniform_state(const Plan& plan, double time_s, std::span<const double> tem
               .step_s = std::vector<double>(groups_of(plan), std::numeric_limits<double>::infinity())};
   for (std::size_t i = 0; i < plan.fine.nodes(); ++i)
     state.fine.insert(state.fine.end(), temperature_k.begin(), temperature_k.end());
+  if (runs == Runs::one) return state;
   state.doubled = state.fine;
   state.coarse.assign(state.fine.begin(),
                       state.fine.begin() + static_cast<std::ptrdiff_t>(plan.coarse.nodes() * facets));
   return state;
 }
 
-State uniform_state(const Plan& plan, double time_s, double temperature_k) {
-  return uniform_state(plan, time_s, std::vector<double>(plan.batch.facets, temperature_k));
+State uniform_state(const Plan& plan, double time_s, double temperature_k, Runs runs) {
+  return uniform_state(plan, time_s, std::vector<double>(plan.batch.facets, temperature_k), runs);
 }
 
 Run advance(const Plan& plan, const State& start, const Forcing& forcing, const Timeline& timeline, int threads) {
+  return advance(plan, start, for_all_groups(forcing), timeline, threads);
+}
+
+Run advance(const Plan& plan, const State& start, const GroupForcing& forcing, const Timeline& timeline, int threads) {
   require_state_of(plan, start);
   require(start.time_s == timeline.start_s, "the state is of another time than the start of the timeline");
   const std::vector<Stop> stops = stops_of(timeline);
   const std::size_t facets = plan.batch.facets;
-  const bool sheet = plan.batch.construction.is_sheet();
+  const bool sheet = plan.batch.construction.is_sheet(), three = start.runs() == Runs::three;
 
   Run run;
   run.promised.depth_k = plan.depth_k;
+  if (!three) run.promised.steps_k = run.promised.grid_k = std::numeric_limits<double>::infinity();
   for (const Stop& stop : stops)
     if (stop.output) run.outputs_s.push_back(stop.time_s);
   run.front_k.resize(run.outputs_s.size() * facets);
   if (sheet) run.back_k.resize(run.front_k.size());
-  run.balance.resize(facets);
+  if (three) run.balance.resize(facets);
   run.end = start;
   run.end.time_s = timeline.end_s;
 
@@ -137,7 +146,8 @@ Run advance(const Plan& plan, const State& start, const Forcing& forcing, const 
     StepCount steps;
     for (std::int64_t g = begin; g < end; ++g) {
       const std::size_t first = static_cast<std::size_t>(g) * kLanes;
-      GroupRun group(plan, start, forcing, first, kept);
+      const Forcing own = forcing(first, std::min(kLanes, facets - first));
+      GroupRun group(plan, start, own, first, kept);
       std::size_t output = 0;
       for (std::size_t i = 0; i < stops.size(); ++i) {
         if (i > 0) group.advance(stops[i - 1].time_s, stops[i].time_s);
@@ -147,7 +157,7 @@ Run advance(const Plan& plan, const State& start, const Forcing& forcing, const 
         ++output;
       }
       group.store(run.end);
-      for (std::size_t l = 0; l < group.count(); ++l)
+      for (std::size_t l = 0; three && l < group.count(); ++l)
         run.balance[first + l] = balance_of(group.heat(), l, heat_stored(plan, start, run.end, first + l));
       steps.taken += group.steps().taken;
       steps.refused += group.steps().refused;

@@ -8,6 +8,10 @@
 // three are 3 times the error of the steps and 3 times the error of the grid (Richardson). The promise of a run is the
 // largest such difference over facets and outputs, undivided: a factor of 3 is left for steps and cells that are not
 // yet small. The result is the first of the three.
+//
+// A state may also hold one run alone (Runs::one): that in steps of 2h on the whole grid, in a quarter of the time. It
+// promises nothing. Its steps are those of the second of the three runs, whose error is 4/3 of the difference to the
+// first: for facets that are like those of another batch of the same plan, which is run with all three.
 
 #include <cstdint>
 #include <span>
@@ -35,13 +39,19 @@ struct Plan {
   double depth_k = 0.0;           ///< as in Promise
 };
 
+/// How often a facet is carried.
+enum class Runs { three, one };
+
 /// Temperatures of all nodes of a batch at a time, as a value: an interval can be taken again from the same state.
 struct State {
   double time_s = 0.0;
   std::size_t facets = 0;
   /// [node * facets + facet], K: in steps of h, in steps of 2h, on the coarse grid in steps of 2h.
   std::vector<double> fine, doubled, coarse;
+  /// For Runs::one the first is the run in steps of 2h, and the other two are empty.
   std::vector<double> step_s;  ///< per group of facets that share their steps: the step 2h to try next
+
+  Runs runs() const { return doubled.empty() ? Runs::one : Runs::three; }
 };
 
 /// Heat of one facet over a run, J/m2, summed with the weights of the scheme itself.
@@ -68,20 +78,22 @@ struct Run {
   std::vector<double> outputs_s;  ///< the outputs of the timeline that lie in the run, start included
   std::vector<double> front_k;    ///< [output * facets + facet]
   std::vector<double> back_k;     ///< of sheets; else empty
-  Promise promised;
+  Promise promised;               ///< infinite for Runs::one
   StepCount steps;
-  std::vector<HeatBalance> balance;  ///< per facet
+  std::vector<HeatBalance> balance;  ///< per facet; empty for Runs::one
   State end;
 };
 
 /// The state in which all nodes of every facet have a temperature.
-State uniform_state(const Plan& plan, double time_s, double temperature_k);
+State uniform_state(const Plan& plan, double time_s, double temperature_k, Runs runs = Runs::three);
 /// One temperature per facet.
-State uniform_state(const Plan& plan, double time_s, std::span<const double> temperature_k);
+State uniform_state(const Plan& plan, double time_s, std::span<const double> temperature_k, Runs runs = Runs::three);
 
 /// Advances a batch from `start` over the timeline (start.time_s has to be timeline.start_s). Results do not depend on
 /// `threads` (0: all cores). Throws UsageError for a state of another plan or a timeline whose times do not rise, and
 /// RuntimeError where the forcing gives a value that is not finite, or no step is short enough.
 Run advance(const Plan& plan, const State& start, const Forcing& forcing, const Timeline& timeline, int threads = 1);
+Run advance(const Plan& plan, const State& start, const GroupForcing& forcing, const Timeline& timeline,
+            int threads = 1);
 
 }  // namespace radiometry::heat

@@ -22,7 +22,8 @@ struct SurfaceLoss {
   /// Below 0 K, which Newton's method may visit, the loss goes on as an odd function, so that it rises everywhere.
   LossAndSlope at(double t) const {
     const double cube = t * t * std::abs(t), excess = t - air_k;
-    const double c = (excess > 0.0 ? natural.warm : natural.cold) * std::cbrt(std::abs(excess));
+    double c = excess > 0.0 ? natural.warm : natural.cold;
+    if (c != 0.0) c *= std::cbrt(std::abs(excess));
     return {emission * cube * t + (film + c) * excess, 4.0 * emission * cube + film + 4.0 / 3.0 * c};
   }
 };

@@ -93,7 +93,7 @@ double balance_temperature(const Gain& gain) {
 
 }  // namespace
 
-Survey survey(const Batch& batch, const Forcing& forcing, const Timeline& timeline, double start_k) {
+Survey survey(const Batch& batch, const GroupForcing& forcing, const Timeline& timeline, double start_k) {
   const std::vector<double> stops = stops_of(timeline);
   const std::vector<Instant> instants = sample_instants(stops);
   const bool sheet = batch.construction.is_sheet();
@@ -108,11 +108,12 @@ Survey survey(const Batch& batch, const Forcing& forcing, const Timeline& timeli
   for (const bool flux : {false, true})
     for (std::size_t first = 0; first < batch.facets; first += kFacetsAtOnce) {
       const std::size_t count = std::min(kFacetsAtOnce, batch.facets - first);
+      const Forcing own = forcing(first, count);
       for (const Instant instant : instants) {
         ForcingValues values;
         values.front.absorbed_w_m2 = {front.data(), count};
         if (sheet) values.back.absorbed_w_m2 = {back.data(), count};
-        forcing(instant, first, values);
+        own(instant, first, values);
         // A few facets stand for all of the piece: the extremes of the absorbed flux.
         std::size_t least = 0, most = 0;
         for (std::size_t i = 0; i < count; ++i) {

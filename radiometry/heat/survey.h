@@ -20,7 +20,7 @@ struct Survey {
 /// Samples the forcing at the stops, on both sides, and between. With balances linear in time between the samples a
 /// surface stays within the range of the temperatures at which it would be in balance with each of them and that of its
 /// start, `start_k` (NaN: none, as for a start that repeats).
-Survey survey(const Batch& batch, const Forcing& forcing, const Timeline& timeline, double start_k);
+Survey survey(const Batch& batch, const GroupForcing& forcing, const Timeline& timeline, double start_k);
 
 /// Of the batch in blocks of `block` neighbours: the first facet of the one with the facet whose flux changes most.
 std::size_t block_to_try(const Survey& survey, std::size_t block);

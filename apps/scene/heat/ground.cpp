@@ -23,6 +23,9 @@ Units level_unit(const Surface& surface) {
   unit.front.emissivity = surface.construction.emissivity;
   unit.front.source_w_m2 = surface.source_w_m2;
   units.unit.push_back(unit);
+  units.exchange.area_m2 = units.exchange.receiver_area_m2 = {1.0};
+  units.exchange.patch_of = {0};
+  units.exchange.rows.first = {0, 0};
   return units;
 }
 
@@ -36,7 +39,7 @@ heat::Plan plan_like(const heat::Plan& like, const heat::Batch& batch) {
   return plan;
 }
 
-heat::Solution solve_like(const heat::Plan& like, const heat::Batch& batch, const heat::Forcing& forcing,
+heat::Solution solve_like(const heat::Plan& like, const heat::Batch& batch, const heat::GroupForcing& forcing,
                           const heat::Timeline& timeline, double tolerance_k) {
   constexpr double kResidualShare = 0.1;
   heat::Plan plan = plan_like(like, batch);
@@ -54,8 +57,9 @@ LevelRun level_run(const Surroundings& s, double utc_s, const Surface& surface, 
   Units units = level_unit(surface);
   units.sun = {1, s.shadow_to_sun.size(), std::vector<std::uint8_t>(s.shadow_to_sun.size(), 1)};
   const GroundLight none{std::vector<double>(s.nodes(), 0.0), std::vector<double>(s.nodes(), 0.0)};
-  const ReceiverTable table = make_receiver_table(0, s.nodes() - 1, 1);
-  const heat::Forcing forcing = forcing_of(units.unit, units, s, none, table, table, surface.inside, utc_s);
+  const PatchLight dark = make_patch_light(units, 0, s.nodes() - 1);
+  const heat::GroupForcing forcing =
+      forcing_of({{&units.unit.front()}, 0, s.nodes() - 1}, units, s, none, dark, surface.inside, utc_s);
   const heat::Timeline timeline{s.time_s.front(), s.time_s.back(), s.time_s, s.time_s};
   const heat::Batch batch{surface.construction, 1, {1.0}};
   std::optional<heat::Solution> solution;

@@ -5,26 +5,28 @@
 #include <cmath>
 #include <limits>
 
+#include "apps/scene/heat/sample_units.h"
 #include "apps/text/words.h"
 #include "mtf/error.h"
 #include "mtf/parallel.h"
+#include "radiometry/heat/lanes.h"
 #include "radiometry/heat/solve.h"
 #include "radiometry/heat/weather/instant.h"
+#include "radiometry/heat/weather/sky.h"
+#include "radiometry/light/constants.h"
 
 namespace apps::scene {
 namespace {
 
 namespace heat = radiometry::heat;
 constexpr int kMostIterations = 60;
-constexpr int kStarts = 2;
-constexpr double kPlanShare = 0.5;   // of the tolerance: plans are made by trial, other units and days may need more
-constexpr double kStartShare = 0.2;  // of the tolerance: what the state at the start may change in a day
-
-heat::Timeline timeline_of(const Surroundings& s, const Window& window) {
-  const auto first = s.time_s.begin() + static_cast<std::ptrdiff_t>(window.first);
-  const std::vector<double> nodes(first, s.time_s.begin() + static_cast<std::ptrdiff_t>(window.last) + 1);
-  return {nodes.front(), nodes.back(), nodes, nodes};
-}
+constexpr int kStarts = 2;             // iterations of the sample that find the state which repeats anew
+constexpr int kMostRounds = 20;        // solutions of units
+constexpr double kPlanShare = 0.5;     // of the tolerance: plans are made by trial, other units and days may need more
+constexpr double kStartShare = 0.4;    // of the tolerance: what the state at the start may change in a day
+constexpr double kStepsFactor = 2.0;   // see the header
+constexpr double kAgainShare = 0.6;    // of what is allowed: with more a unit is solved again, once another has to be
+constexpr double kSampleShare = 0.25;  // of what is allowed: where the iteration of the sample ends
 
 /// The larger of two promises, part by part.
 heat::Promise worse(const heat::Promise& a, const heat::Promise& b) {
@@ -35,6 +37,27 @@ double worst_drift(const std::vector<heat::HeatBalance>& balances) {
   double worst = 0.0;
   for (const heat::HeatBalance& balance : balances) worst = std::max(worst, balance.relative_drift());
   return worst;
+}
+
+/// The states of some facets, and back.
+heat::State picked(const heat::State& all, const std::vector<std::uint32_t>& places) {
+  heat::State some{all.time_s, places.size(), {}, {}, {}, {}};
+  for (std::size_t node = 0; node < all.fine.size() / all.facets; ++node)
+    for (const std::uint32_t place : places) some.fine.push_back(all.fine[node * all.facets + place]);
+  some.step_s.assign((places.size() + heat::kLanes - 1) / heat::kLanes, std::numeric_limits<double>::infinity());
+  return some;
+}
+
+void put_back(const heat::State& some, const std::vector<std::uint32_t>& places, heat::State& all) {
+  for (std::size_t node = 0; node < all.fine.size() / all.facets; ++node)
+    for (std::size_t i = 0; i < places.size(); ++i)
+      all.fine[node * all.facets + places[i]] = some.fine[node * some.facets + i];
+}
+
+void add(heat::StepCount& sum, const heat::StepCount& steps) {
+  sum.taken += steps.taken;
+  sum.refused += steps.refused;
+  sum.facet_steps += steps.facet_steps;
 }
 
 }  // namespace
@@ -51,166 +74,366 @@ std::vector<Window> windows_of(const Surroundings& s) {
 
 HeatBatches::HeatBatches(const HeatScene& scene, const Units& units, const GroundLight& ground, double tolerance_k,
                          int threads)
-    : scene_(scene), units_(units), ground_(ground), tolerance_k_(tolerance_k), threads_(threads) {
-  for (std::size_t i = 0; i < units.unit.size(); ++i) {
+    : scene_(scene),
+      units_(units),
+      ground_(ground),
+      tolerance_k_(tolerance_k),
+      threads_(threads),
+      means_(patch_means(units)) {
+  for (std::uint32_t i = 0; i < units.unit.size(); ++i) {
     const Unit& unit = units.unit[i];
     if (unit.given) continue;
     if (batches_.empty() || batches_.back().material != *unit.material) {
-      Batch batch;
-      batch.first = i;
-      batch.material = *unit.material;
-      batch.run.name = scene.material[batch.material].name;
-      batch.heat.construction = scene.material[batch.material].construction;
-      batches_.push_back(std::move(batch));
+      batches_.emplace_back();
+      batches_.back().material = *unit.material;
+      batches_.back().run.name = scene.material[*unit.material].name;
+      batches_.back().wanted_k = kPlanShare * tolerance_k;
     }
-    ++batches_.back().units;
-    batches_.back().heat.up.push_back(std::clamp(unit.front.normal[2], -1.0, 1.0));
+    batches_.back().all.unit.push_back(i);
   }
+  const std::vector<bool> sampled = sampled_units(units, scene.surroundings);
+  sampled_area_.assign(units.exchange.patches(), 0.0);
   for (Batch& batch : batches_) {
-    batch.heat.facets = batch.run.units = batch.units;
-    batch.wanted_k = kPlanShare * tolerance_k;
-    batch.forcing =
-        forcing_of(std::span(units.unit).subspan(batch.first, batch.units), units, scene.surroundings, ground, solar_,
-                   longwave_, scene.material[batch.material].inside, scene.file.time.start_s);
+    for (const std::uint32_t i : batch.all.unit)
+      if (sampled[i]) batch.sample.unit.push_back(i);
+    batch.promise.unit = batch.sample.unit;
+    batch.run.units = batch.all.unit.size();
+    batch.run.sample = batch.sample.unit.size();
+    for (Group* group : {&batch.all, &batch.sample, &batch.promise}) {
+      group->heat.construction = scene.material[batch.material].construction;
+      group->heat.facets = group->unit.size();
+      for (const std::uint32_t i : group->unit)
+        group->heat.up.push_back(std::clamp(units.unit[i].front.normal[2], -1.0, 1.0));
+    }
+    for (const std::uint32_t i : batch.sample.unit) {
+      const Unit& unit = units.unit[i];
+      for (std::size_t r = unit.receiver; r <= unit.receiver + (unit.has_own_back() ? 1 : 0); ++r)
+        sampled_area_[units.exchange.patch_of[r]] += units.exchange.receiver_area_m2[r];
+    }
   }
 }
 
-double HeatBatches::update_exchange() {
-  const std::size_t receivers = units_.exchange.receivers();
-  std::vector<double> change(longwave_.nodes(), 0.0);
-  mtf::parallel_for(static_cast<std::int64_t>(change.size()), 1, threads_, [&](std::int64_t begin, std::int64_t end) {
-    std::vector<float> before(receivers);
-    for (std::int64_t k = begin; k < end; ++k) {
-      const auto row = static_cast<std::size_t>(k);
-      const std::span<float> irradiance = longwave_.row(window_.first + row);
-      std::copy(irradiance.begin(), irradiance.end(), before.begin());
-      longwave_exchange(units_, scene_.surroundings, ground_, window_.first + row,
-                        std::span(receiver_k_).subspan(row * receivers, receivers), irradiance);
-      for (std::size_t i = 0; i < receivers; ++i)
-        change[row] = std::max(change[row], static_cast<double>(std::abs(irradiance[i] - before[i])));
-    }
-  });
-  return *std::max_element(change.begin(), change.end());
+heat::Timeline HeatBatches::timeline(std::size_t first, std::size_t last, bool middles) const {
+  const std::vector<double>& times = scene_.surroundings.time_s;
+  heat::Timeline line{times[first], times[last], {}, {}};
+  for (std::size_t k = first; k <= last; ++k) {
+    line.breaks_s.push_back(times[k]);
+    line.outputs_s.push_back(times[k]);
+    if (middles && k < last) line.outputs_s.push_back(0.5 * (times[k] + times[k + 1]));
+  }
+  return line;
 }
 
 void HeatBatches::set_window(const Window& window, bool first) {
   const std::vector<double>& times = scene_.surroundings.time_s;
-  const std::size_t receivers = units_.exchange.receivers();
-  const std::vector<double> before = std::move(receiver_k_);
+  const std::size_t receivers = units_.exchange.receivers(), patches = units_.exchange.patches();
   const Window old = window_;
+  const std::vector<double> emitted = std::move(emitted_), beyond = std::move(beyond_sample_);
   window_ = window;
-  receiver_k_.assign((window.last + 1 - window.first) * receivers, 0.0);
-  std::size_t near = old.first;  // a guess: the temperatures of a day before
-  for (std::size_t k = window.first; k <= window.last; ++k) {
-    if (first) {
-      std::fill_n(&kelvin(k, 0), receivers, scene_.surroundings.air_k[k]);
-    } else {
-      while (near < old.last && times[near] < times[k] - heat::kDay_s) ++near;
-      std::copy_n(before.begin() + static_cast<std::ptrdiff_t>((near - old.first) * receivers), receivers,
-                  &kelvin(k, 0));
+  light_ = make_patch_light(units_, window.first, window.last);
+  const std::size_t moments = light_.moments();
+  receiver_k_.assign(moments * receivers, 0.0);
+  samples_ = 0;
+  emitted_.assign(moments * patches, 0.0);
+  beyond_sample_.assign(moments * patches, 0.0);
+  given_.assign(moments * patches, 0.0);
+  std::size_t near = 2 * old.first;  // a moment of the old window
+  const auto time_of = [&](std::size_t moment) {
+    return moment % 2 == 0 ? times[moment / 2] : 0.5 * (times[moment / 2] + times[moment / 2 + 1]);
+  };
+  for (std::size_t m = 0; m < moments; ++m) {
+    const double time = time_of(2 * window.first + m);
+    while (!first && near + 1 < 2 * old.last && time_of(near + 1) < time - heat::kDay_s) ++near;
+    const double step_s = first ? 1.0 : time_of(near + 1) - time_of(near);
+    const double share = first ? 0.0 : std::clamp((time - heat::kDay_s - time_of(near)) / step_s, 0.0, 1.0);
+    const double air = scene_.surroundings.air_k[window.first + m / 2];
+    for_receivers(units_, [&](std::size_t i, const Unit& unit, const UnitSide& side) {
+      const std::uint32_t p = units_.exchange.patch_of[i];
+      if (!unit.given && !first) return;
+      const double kelvin_here = unit.given ? scene_.given_k(unit.leader, time) : air;
+      const double part = units_.exchange.receiver_area_m2[i] / units_.exchange.area_m2[p] * side.emissivity *
+                          heat::blackbody_w_m2(kelvin_here);
+      (unit.given ? given_ : emitted_)[m * patches + p] += part;
+      if (unit.given) receiver_k_[m * receivers + i] = kelvin_here;
+    });
+    for (std::size_t p = 0; p < patches; ++p) {
+      double& value = emitted_[m * patches + p];
+      if (!first) {  // a guess: the day before
+        const std::size_t from = (near - 2 * old.first) * patches + p;
+        const auto then = [&](const std::vector<double>& of) {
+          return of[from] + share * (of[from + patches] - of[from]);
+        };
+        value = sampled_area_[p] > 0.0 ? then(emitted) : 0.0;
+        beyond_sample_[m * patches + p] = then(beyond);
+      }
+      value += given_[m * patches + p];
     }
-    for (const Unit& unit : units_.unit)
-      if (unit.given) kelvin(k, unit.receiver) = scene_.given_k(unit.leader, times[k]);
   }
-  solar_ = make_receiver_table(window.first, window.last, receivers);
-  longwave_ = solar_;
-  fill_solar_exchange(units_, scene_.surroundings, ground_, threads_, solar_);
+  const PatchScene patch = patch_scene();
+  fill_solar(patch, light_);
+  for (Batch& batch : batches_)
+    for (Group* group : {&batch.all, &batch.sample, &batch.promise}) set_forcing(*group, batch);
 }
 
-void HeatBatches::start(Batch& batch, const heat::Timeline& day) {
+void HeatBatches::set_forcing(Group& group, const Batch& batch) {
+  ForcedUnits forced{{}, window_.first, window_.last};
+  for (const std::uint32_t i : group.unit) forced.unit.push_back(&units_.unit[i]);
+  group.forcing = forcing_of(std::move(forced), units_, scene_.surroundings, ground_, light_,
+                             scene_.material[batch.material].inside, scene_.file.time.start_s);
+}
+
+heat::Plan HeatBatches::make_plan_of(const Batch& batch) {
   // Made for the whole run, whose later days may be clearer; only the exchange is that of the first day.
-  if (!batch.plan)
-    batch.plan =
-        make_plan(batch.heat, batch.forcing, timeline_of(scene_.surroundings, {0, scene_.surroundings.nodes() - 1}),
-                  heat::RepeatingStart{heat::kDay_s}, batch.wanted_k);
-  batch.begin = periodic_start(*batch.plan, batch.forcing, day, kStartShare * tolerance_k_, 8, threads_).state;
+  const std::size_t last = scene_.surroundings.nodes() - 1;
+  ForcedUnits forced{{}, 0, last};
+  for (const std::uint32_t i : batch.sample.unit) forced.unit.push_back(&units_.unit[i]);
+  return make_plan(batch.sample.heat,
+                   forcing_of(std::move(forced), units_, scene_.surroundings, ground_, light_,
+                              scene_.material[batch.material].inside, scene_.file.time.start_s),
+                   timeline(0, last, true), heat::RepeatingStart{heat::kDay_s}, batch.wanted_k);
 }
 
-void HeatBatches::run(Batch& batch, const heat::Timeline& timeline, bool first) {
-  heat::Run run = advance(*batch.plan, batch.begin, batch.forcing, timeline, threads_);
-  // Plans are made by trial on a few units; where another one breaks the promise, a finer plan is made.
-  for (int i = 0; first && run.promised.total_k() > tolerance_k_ && i < 4; ++i) {
-    batch.wanted_k *= 0.7 * tolerance_k_ / run.promised.total_k();
-    batch.plan.reset();
-    start(batch, timeline);
-    run = advance(*batch.plan, batch.begin, batch.forcing, timeline, threads_);
+heat::Run HeatBatches::run(Batch& batch, Group& group, int days, heat::Runs runs) {
+  if (!group.plan) {
+    if (!batch.sample.plan) batch.sample.plan = make_plan_of(batch);
+    group.plan = batch.sample.plan;
+    group.plan->batch = group.heat;
   }
-  batch.end = run.end;
-  batch.promised = run.promised;
-  batch.drift = worst_drift(run.balance);
-  batch.run.nodes = batch.plan->fine.nodes();
-  batch.run.steps.taken += run.steps.taken;
-  batch.run.steps.refused += run.steps.refused;
-  batch.run.steps.facet_steps += run.steps.facet_steps;
-  if (first) {
-    batch.run.start_residual_k = 0.0;
-    for (std::size_t i = 0; i < run.end.fine.size(); ++i)
-      batch.run.start_residual_k =
-          std::max(batch.run.start_residual_k, std::abs(run.end.fine[i] - batch.begin.fine[i]));
+  const heat::Timeline line = timeline(window_.first, window_.last, true);
+  heat::Run run;
+  if (days > 0) {
+    heat::PeriodicStart repeating =
+        periodic_start(*group.plan, group.forcing, line, kStartShare * tolerance_k_, days, threads_, runs);
+    group.begin = std::move(repeating.state);
+    run = std::move(repeating.last);
+  } else {
+    run = advance(*group.plan, group.begin, group.forcing, line, threads_);
   }
-  for (std::size_t k = 0; k < run.outputs_s.size(); ++k)
-    for (std::size_t i = 0; i < batch.units; ++i) {
-      const Unit& unit = units_.unit[batch.first + i];
-      kelvin(window_.first + k, unit.receiver) = run.front_k[k * batch.units + i];
-      if (unit.has_own_back()) kelvin(window_.first + k, unit.back_receiver) = run.back_k[k * batch.units + i];
-    }
+  group.end = run.end;
+  add(batch.run.steps, run.steps);
+  return run;
 }
 
-double HeatBatches::line_error() const {
-  const std::vector<double>& times = scene_.surroundings.time_s;
-  const std::size_t receivers = units_.exchange.receivers();
-  std::vector<float> off(receivers, 0.0F), off_before(receivers, std::numeric_limits<float>::infinity());
-  float worst = 0.0F;
-  for (std::size_t k = window_.first + 1; k < window_.last; ++k) {
-    const auto share = static_cast<float>((times[k] - times[k - 1]) / (times[k + 1] - times[k - 1]));
-    const std::span<const float> before = longwave_.row(k - 1), here = longwave_.row(k), after = longwave_.row(k + 1);
-    for (std::size_t i = 0; i < receivers; ++i) {
-      off[i] = std::abs(here[i] - before[i] - share * (after[i] - before[i]));
-      worst = std::max(worst, std::min(off[i], off_before[i]));
-    }
-    std::swap(off, off_before);
+void HeatBatches::promise(Batch& batch, bool first) {
+  heat::Promise promised;
+  for (int i = 0;; ++i) {
+    if (first) run(batch, batch.promise, 2, heat::Runs::three);
+    const heat::Run three = run(batch, batch.promise, 0, heat::Runs::three);
+    promised = three.promised;
+    promised.steps_k *= kStepsFactor;
+    batch.run.drift = std::max(batch.run.drift, worst_drift(three.balance));
+    // Plans are made by trial on a few units; where another one breaks the promise, a finer plan is made.
+    if (!first || promised.total_k() <= tolerance_k_ || i == 4) break;
+    batch.wanted_k *= 0.7 * tolerance_k_ / promised.total_k();
+    for (Group* group : {&batch.sample, &batch.promise, &batch.all}) group->plan.reset();
   }
-  return 0.25 * static_cast<double>(worst);
+  batch.promise.begin = std::move(batch.promise.end);
+  batch.run.nodes = batch.promise.plan->fine.nodes();
+  batch.run.promised = worse(batch.run.promised, promised);
+}
+
+void HeatBatches::add_emitted(const Group& group, const heat::Run& run, std::vector<double>& emitted) const {
+  const radiometry::scene::Exchange& exchange = units_.exchange;
+  const std::size_t patches = exchange.patches(), units = group.unit.size();
+  mtf::parallel_for(
+      static_cast<std::int64_t>(light_.moments()), 8, threads_, [&](std::int64_t begin, std::int64_t end) {
+        for (auto m = static_cast<std::size_t>(begin); m < static_cast<std::size_t>(end); ++m)
+          for (std::size_t i = 0; i < units; ++i) {
+            const Unit& unit = units_.unit[group.unit[i]];
+            const auto side = [&](const UnitSide& of, std::size_t r, double kelvin_here) {
+              const double square = kelvin_here * kelvin_here;
+              emitted[m * patches + exchange.patch_of[r]] +=
+                  exchange.receiver_area_m2[r] * of.emissivity * radiometry::kStefanBoltzmann_w_m2_k4 * square * square;
+            };
+            side(unit.front, unit.receiver, run.front_k[m * units + i]);
+            if (unit.has_own_back()) side(*unit.back, unit.back_receiver, run.back_k[m * units + i]);
+          }
+      });
+}
+
+std::vector<double> HeatBatches::run_sample(int days) {
+  const std::size_t patches = units_.exchange.patches();
+  std::vector<double> emitted(light_.moments() * patches, 0.0);
+  for (Batch& batch : batches_) {
+    Group& group = batch.sample;
+    add_emitted(group, run(batch, group, days, heat::Runs::one), emitted);
+    // The first day repeats itself: the next iteration begins where this one ended.
+    if (window_.first == 0 && days == 0) {
+      group.begin = group.end;
+      group.begin.time_s = scene_.surroundings.time_s[window_.first];
+    }
+  }
+  for (std::size_t e = 0; e < emitted.size(); ++e) {
+    const double area = sampled_area_[e % patches];
+    emitted[e] = (area > 0.0 ? emitted[e] / area : 0.0) + given_[e];
+  }
+  return emitted;
+}
+
+void HeatBatches::keep_temperatures(const std::vector<std::uint32_t>& units, const heat::Run& run) {
+  const std::size_t receivers = units_.exchange.receivers(), count = units.size();
+  mtf::parallel_for(static_cast<std::int64_t>(light_.moments()), 8, threads_,
+                    [&](std::int64_t begin, std::int64_t end) {
+                      for (auto m = static_cast<std::size_t>(begin); m < static_cast<std::size_t>(end); ++m)
+                        for (std::size_t i = 0; i < count; ++i) {
+                          const Unit& unit = units_.unit[units[i]];
+                          receiver_k_[m * receivers + unit.receiver] = run.front_k[m * count + i];
+                          if (unit.has_own_back())
+                            receiver_k_[m * receivers + unit.back_receiver] = run.back_k[m * count + i];
+                        }
+                    });
+}
+
+std::vector<double> HeatBatches::emitted_by_all() const {
+  const radiometry::scene::Exchange& exchange = units_.exchange;
+  const std::size_t patches = exchange.patches();
+  std::vector<double> emitted(light_.moments() * patches, 0.0);
+  mtf::parallel_for(
+      static_cast<std::int64_t>(light_.moments()), 8, threads_, [&](std::int64_t begin, std::int64_t end) {
+        for (auto m = static_cast<std::size_t>(begin); m < static_cast<std::size_t>(end); ++m)
+          for_receivers(units_, [&](std::size_t r, const Unit&, const UnitSide& side) {
+            const double kelvin = receiver_k_[m * exchange.receivers() + r], square = kelvin * kelvin;
+            emitted[m * patches + exchange.patch_of[r]] += exchange.receiver_area_m2[r] /
+                                                           exchange.area_m2[exchange.patch_of[r]] * side.emissivity *
+                                                           radiometry::kStefanBoltzmann_w_m2_k4 * square * square;
+          });
+      });
+  return emitted;
+}
+
+void HeatBatches::run_all(int days) {
+  for (Batch& batch : batches_) keep_temperatures(batch.all.unit, run(batch, batch.all, days, heat::Runs::one));
+}
+
+void HeatBatches::run_again(const std::vector<std::vector<std::uint32_t>>& places, bool first) {
+  for (std::size_t b = 0; b < batches_.size(); ++b) {
+    if (places[b].empty()) continue;
+    Batch& batch = batches_[b];
+    Group some;
+    some.heat.construction = batch.all.heat.construction;
+    some.heat.facets = places[b].size();
+    for (const std::uint32_t place : places[b]) {
+      some.unit.push_back(batch.all.unit[place]);
+      some.heat.up.push_back(batch.all.heat.up[place]);
+    }
+    set_forcing(some, batch);
+    some.begin = picked(first ? batch.all.end : batch.all.begin, places[b]);  // the first day repeats itself
+    some.begin.time_s = scene_.surroundings.time_s[window_.first];
+    keep_temperatures(some.unit, run(batch, some, 0, heat::Runs::one));
+    put_back(some.begin, places[b], batch.all.begin);
+    put_back(some.end, places[b], batch.all.end);
+  }
+}
+
+double HeatBatches::residual_k(const Batch& batch, std::uint32_t place) const {
+  const std::size_t units = batch.all.unit.size();
+  double most = 0.0;
+  for (std::size_t at = place; at < batch.all.end.fine.size(); at += units)
+    most = std::max(most, std::abs(batch.all.end.fine[at] - batch.all.begin.fine[at]));
+  return most;
+}
+
+void HeatBatches::relax_sample(bool first, double enough_k, double loss_w_m2_k, double ratio_bound) {
+  const PatchScene patch = patch_scene();
+  double last = 0.0;
+  for (int iteration = 1;; ++iteration) {
+    const std::vector<double> emitted = run_sample(first && samples_ < kStarts ? kStarts : 0);
+    ++samples_;
+    for (std::size_t e = 0; e < emitted.size(); ++e) emitted_[e] = emitted[e] + beyond_sample_[e];
+    const PatchTable before = light_.longwave;
+    fill_longwave(patch, emitted_, light_);
+    const std::vector<double> change = changes(patch, before, light_.longwave);
+    const double most = *std::max_element(change.begin(), change.end()) / loss_w_m2_k;
+    // A change becomes smaller by the ratio at least with every iteration; it may do so faster than the bound says.
+    const double ratio = iteration > 2 && last > 0.0 ? std::min(ratio_bound, most / last) : ratio_bound;
+    const double error = most / (1.0 - std::clamp(ratio, 0.0, 0.99));
+    if (error <= enough_k && (!first || samples_ > kStarts)) return;
+    if (iteration == kMostIterations)
+      throw mtf::RuntimeError("the exchange of radiation between surfaces has an error of " + significant(error, 2) +
+                              " K after " + plural(kMostIterations, "iteration") + "; ask for a larger tolerance");
+    last = most;
+  }
 }
 
 Relaxed HeatBatches::solve(const Window& window, bool first, double tolerance_k, double loss_w_m2_k,
                            double ratio_bound) {
   set_window(window, first);
-  update_exchange();
-  const heat::Timeline timeline = timeline_of(scene_.surroundings, window);
-  Relaxed relaxed;
-  double last = 1.0;
-  for (;;) {
-    for (Batch& batch : batches_) {
-      // The first day repeats itself: its start is found anew while the exchange still changes, and where it does not
-      // repeat yet; then it is run again from where it ended.
-      if (first && (relaxed.iterations < kStarts || batch.run.start_residual_k > kStartShare * tolerance_k_))
-        start(batch, timeline);
-      else if (first) {
-        batch.begin = std::move(batch.end);
-        batch.begin.time_s = timeline.start_s;
-      }
-      run(batch, timeline, first);
-    }
-    ++relaxed.iterations;
-    const double change = update_exchange() / loss_w_m2_k;
-    // A change becomes smaller by the ratio at least with every iteration; it may do so faster than the bound says.
-    const double ratio = relaxed.iterations > 2 ? std::min(ratio_bound, change / last) : ratio_bound;
-    relaxed.error_k = change / (1.0 - std::clamp(ratio, 0.0, 0.99));
-    if (relaxed.error_k <= tolerance_k) break;
-    if (relaxed.iterations == kMostIterations)
-      throw mtf::RuntimeError("the exchange of radiation between surfaces has an error of " +
-                              significant(relaxed.error_k, 2) + " K after " + plural(kMostIterations, "iteration") +
-                              "; ask for a larger tolerance");
-    last = change;
+  const PatchScene patch = patch_scene();
+  fill_longwave(patch, emitted_, light_);
+  const double enough_k = kSampleShare * tolerance_k;
+  relax_sample(first, enough_k, loss_w_m2_k, ratio_bound);
+  for (Batch& batch : batches_) promise(batch, first);
+  if (first) {
+    // The day that finds the state which repeats tells what all units emit beyond the sample, when both are run so.
+    const std::vector<double> sample = run_sample(1);
+    run_all(1);
+    const std::vector<double> all = emitted_by_all();
+    for (std::size_t e = 0; e < all.size(); ++e) beyond_sample_[e] = all[e] - sample[e];
+    relax_sample(first, enough_k, loss_w_m2_k, ratio_bound);
   }
-  relaxed.error_k += line_error() / loss_w_m2_k;
+
+  // All units; then those again that saw another light than this one comes to, or whose day does not repeat.
+  run_all(0);
+  Relaxed relaxed{.iterations = 1, .error_k = 0.0};
+  const PatchTable of_all = light_.longwave;  // with which units were solved, and those that were solved again
+  PatchTable of_again = of_all;
+  std::vector<bool> again(units_.unit.size(), false);
+  for (;; ++relaxed.iterations) {
+    const std::vector<double> all = emitted_by_all();
+    for (std::size_t e = 0; e < all.size(); ++e) {
+      beyond_sample_[e] += all[e] - emitted_[e];
+      emitted_[e] = all[e];
+    }
+    fill_longwave(patch, emitted_, light_);
+    const std::vector<double> change = changes(patch, of_all, light_.longwave),
+                              change_again = changes(patch, of_again, light_.longwave);
+    relaxed.error_k = 0.0;
+    std::vector<std::vector<std::uint32_t>> places(batches_.size());
+    bool enough = true;
+    for (std::size_t b = 0; b < batches_.size(); ++b) {
+      Batch& batch = batches_[b];
+      batch.run.start_residual_k = 0.0;
+      for (std::uint32_t place = 0; place < batch.all.unit.size(); ++place) {
+        const std::uint32_t u = batch.all.unit[place];
+        const Unit& unit = units_.unit[u];
+        const std::vector<double>& of = again[u] ? change_again : change;
+        const double error_k = std::max(of[unit.receiver], unit.back ? of[unit.back_receiver] : 0.0) / loss_w_m2_k /
+                               (1.0 - std::clamp(ratio_bound, 0.0, 0.99));
+        const double residual = first ? residual_k(batch, place) : 0.0;
+        relaxed.error_k = std::max(relaxed.error_k, error_k);
+        batch.run.start_residual_k = std::max(batch.run.start_residual_k, residual);
+        const double part = std::max(error_k / tolerance_k, residual / (kStartShare * tolerance_k_));
+        enough = enough && part <= 1.0;
+        again[u] = again[u] || part > kAgainShare;
+        if (again[u]) places[b].push_back(place);
+      }
+    }
+    if (enough) break;
+    if (relaxed.iterations == kMostRounds)
+      throw mtf::RuntimeError("the exchange of radiation between surfaces has an error of " +
+                              significant(relaxed.error_k, 2) + " K after " + plural(kMostRounds, "solution") +
+                              "; ask for a larger tolerance");
+    relax_sample(first, enough_k, loss_w_m2_k, ratio_bound);
+    run_again(places, first);
+    of_again = light_.longwave;
+  }
+  relaxed.error_k += parabola_error(patch, light_.longwave) / loss_w_m2_k;
   for (Batch& batch : batches_) {
-    batch.begin = std::move(batch.end);
-    batch.run.promised = worse(batch.run.promised, batch.promised);
-    batch.run.drift = std::max(batch.run.drift, batch.drift);
+    batch.all.begin = std::move(batch.all.end);
+    batch.sample.begin = std::move(batch.sample.end);
+    batch.sample.begin.time_s = batch.all.begin.time_s;
   }
   return relaxed;
+}
+
+std::vector<double> HeatBatches::patch_radiosity(std::size_t node) const {
+  const PatchTable& table = light_.longwave;
+  const std::size_t moment = 2 * (node - window_.first);
+  std::vector<double> radiosity;
+  for (std::size_t p = 0; p < units_.exchange.patches(); ++p)
+    radiosity.push_back(table.reference_w_m2[moment] +
+                        static_cast<double>(table.radiosity[p * table.moments + moment]));
+  return radiosity;
 }
 
 std::vector<MaterialRun> HeatBatches::materials() const {

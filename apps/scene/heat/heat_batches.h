@@ -2,6 +2,15 @@
 #pragma once
 
 // The units of a scene as batches of the heat solver, one for each material, solved window by window.
+//
+// Units exchange radiation by way of patches, and what patches emit follows from the temperatures of all units. A few
+// units of each patch are its sample: they are solved again and again until what they emit no longer changes. Then all
+// units are solved, and what they emit in the mean beyond the sample is kept as a difference: with it the sample is
+// solved again. What that changes is measured for every unit; those for which it is too much are solved again.
+//
+// The sample also carries what the promise of the solver needs (Runs::three), the other units are carried once, in the
+// steps of the second of the three runs. Its error is 4/3 of the difference to the first; the promise is twice the
+// difference.
 
 #include <optional>
 
@@ -13,11 +22,11 @@ namespace apps::scene {
 /// Of one material.
 struct MaterialRun {
   std::string name;
-  std::size_t units = 0, nodes = 0;
+  std::size_t units = 0, sample = 0, nodes = 0;
   radiometry::heat::Promise promised;
   radiometry::heat::StepCount steps;
   double start_residual_k = 0.0;
-  double drift = 0.0;  ///< heat missing from the balance over the heat that was exchanged: rounding
+  double drift = 0.0;  ///< of the sample: heat missing from the balance over the heat that was exchanged: rounding
 };
 
 /// Nodes [first, last] of the surroundings: a day, or what is left of the run.
@@ -28,8 +37,8 @@ std::vector<Window> windows_of(const Surroundings& surroundings);
 
 /// What the iteration of a window came to.
 struct Relaxed {
-  int iterations = 0;
-  double error_k = 0.0;  ///< what further iterations would change, and lines between nodes leave out
+  int iterations = 0;    ///< solutions of all units, or of some again
+  double error_k = 0.0;  ///< what further iterations would change, and parabolas between nodes leave out
 };
 
 class HeatBatches {
@@ -46,52 +55,70 @@ class HeatBatches {
   /// The temperature of a receiver (Unit::receiver, and the next one for the back of a sheet) at a node of the window
   /// solved last.
   double receiver_k(std::size_t node, std::size_t receiver) const {
-    return receiver_k_[(node - window_.first) * units_.exchange.receivers() + receiver];
+    return receiver_k_[2 * (node - window_.first) * units_.exchange.receivers() + receiver];
   }
 
-  /// Long-wave irradiance of a receiver by other surfaces at a node of that window.
-  float longwave_w_m2(std::size_t node, std::size_t receiver) const { return longwave_.row(node)[receiver]; }
+  /// Long-wave radiosity of the patches at a node of that window, W/m2.
+  std::vector<double> patch_radiosity(std::size_t node) const;
 
   std::vector<MaterialRun> materials() const;
 
  private:
-  struct Batch {
-    std::size_t first = 0, units = 0;  ///< in Units::unit
-    std::size_t material = 0;
+  /// Units of a batch, with what the solver needs for them.
+  struct Group {
+    std::vector<std::uint32_t> unit;  ///< in Units::unit
     radiometry::heat::Batch heat;
-    radiometry::heat::Forcing forcing;
+    radiometry::heat::GroupForcing forcing;  ///< within the window
     std::optional<radiometry::heat::Plan> plan;
-    double wanted_k = 0.0;          ///< the tolerance that the plan is made for
     radiometry::heat::State begin;  ///< at the begin of the window
-    radiometry::heat::State end;    ///< at its end, by the last iteration, as the two below
-    radiometry::heat::Promise promised;
-    double drift = 0.0;
+    radiometry::heat::State end;    ///< at its end, by the last run
+  };
+  struct Batch {
+    std::size_t material = 0;
+    Group all, sample, promise;  ///< the last two of the same units
+    double wanted_k = 0.0;       ///< the tolerance that the plan is made for
     MaterialRun run;
   };
 
-  /// The state that repeats after the day, and the plan where there is none.
-  void start(Batch& batch, const radiometry::heat::Timeline& day);
-  /// The batch over the window, from batch.begin.
-  void run(Batch& batch, const radiometry::heat::Timeline& timeline, bool first);
   void set_window(const Window& window, bool first);
-  double& kelvin(std::size_t node, std::size_t receiver) {
-    return receiver_k_[(node - window_.first) * units_.exchange.receivers() + receiver];
-  }
-  /// Long-wave exchange from the temperatures; the largest change of irradiance, W/m2.
-  double update_exchange();
-  /// What the straight lines between nodes are off by, W/m2: a quarter of the difference of a node from the line
-  /// between its neighbours, the smaller one of the two ends of an interval, since a bend at a node is no error.
-  double line_error() const;
+  void choose_sample();
+  void set_forcing(Group& group, const Batch& batch);
+  /// The plan and the promise of the window, from the sample.
+  void promise(Batch& batch, bool first);
+  radiometry::heat::Plan make_plan_of(const Batch& batch);
+  /// One group over the window: from its begin, or one that repeats (`days` at most).
+  radiometry::heat::Run run(Batch& batch, Group& group, int days, radiometry::heat::Runs runs);
+  /// Adds what the units emit in a run of theirs, times their area, to the sums of their patches.
+  void add_emitted(const Group& group, const radiometry::heat::Run& run, std::vector<double>& emitted) const;
+  /// What patches emit by a run of the sample, and by the temperatures of all units; [moment * patches + patch].
+  std::vector<double> run_sample(int days);
+  std::vector<double> emitted_by_all() const;
+  /// Iterates the sample until the long-wave light changes by less than `enough_k`.
+  void relax_sample(bool first, double enough_k, double loss_w_m2_k, double ratio_bound);
+  void run_all(int days);
+  /// Runs units again: those of each batch at the given places of Batch::all.
+  void run_again(const std::vector<std::vector<std::uint32_t>>& places, bool first);
+  void keep_temperatures(const std::vector<std::uint32_t>& units, const radiometry::heat::Run& run);
+  /// What a unit of a batch changes in a day that should repeat, K.
+  double residual_k(const Batch& batch, std::uint32_t place) const;
+  radiometry::heat::Timeline timeline(std::size_t first, std::size_t last, bool middles) const;
+  PatchScene patch_scene() const { return {&units_, &means_, &scene_.surroundings, &ground_, threads_}; }
 
   const HeatScene& scene_;
   const Units& units_;
   const GroundLight& ground_;
   double tolerance_k_;
   int threads_;
-  ReceiverTable solar_, longwave_;
+  PatchMeans means_;
+  PatchLight light_;
   std::vector<Batch> batches_;
   Window window_;
-  std::vector<double> receiver_k_;  ///< [node of the window * receivers + receiver]
+  std::vector<double> receiver_k_;     ///< [moment of the window * receivers + receiver]
+  int samples_ = 0;                    ///< runs of the sample in this window
+  std::vector<double> sampled_area_;   ///< of each patch: of the units of the sample
+  std::vector<double> given_;          ///< what patches of given temperature emit, times area / area of the patch
+  std::vector<double> emitted_;        ///< [moment * patches + patch], W/m2
+  std::vector<double> beyond_sample_;  ///< of all units less that of the sample
 };
 
 }  // namespace apps::scene

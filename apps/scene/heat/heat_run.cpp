@@ -87,7 +87,7 @@ double largest_ratio(const HeatScene& scene, double warmest) {
 }
 
 /// Shares of what is left of the tolerance when exchange passes errors on.
-constexpr double kSolverShare = 0.45, kUnitsShare = 0.35, kGroundShare = 0.05, kExchangeShare = 0.1;
+constexpr double kSolverShare = 0.4, kUnitsShare = 0.15, kGroundShare = 0.03, kExchangeShare = 0.25;
 
 }  // namespace
 
@@ -107,6 +107,7 @@ HeatReport run_heat(const HeatScene& scene, const HeatOptions& options,
   const double left_k = options.tolerance_k * (1.0 - largest_ratio(scene, warmest + kSunlit_k));
   const Units units = units_of(scene, options, options.every_facet ? 0.0 : kUnitsShare * left_k * loss);
   report.timing_ms.emplace_back("rays", units.rays_ms);
+  report.timing_ms.emplace_back("classes", units.classes_ms);
   report.timing_ms.emplace_back("table errors", units.error_ms);
 
   const Stopwatch watch;

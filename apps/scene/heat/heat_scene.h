@@ -19,11 +19,10 @@ namespace apps::scene {
 struct HeatOptions {
   double tolerance_k = 1.0;  ///< of the worst facet at any output, with the tables of shadows, views and exchange given
   int directions = 36;       ///< of the table of shadows, a day
-  int rough_rays = 64;       ///< of each facet: they tell which facets are alike
-  int rays = 512;            ///< of each unit
+  int rays = 128;            ///< of each side of a facet
   int sun_points = 4;        ///< of each facet
   std::size_t patches = 500;  ///< that surfaces exchange radiation by, at most
-  bool every_facet = false;   ///< each facet is solved by itself
+  bool every_facet = false;   ///< no facets are solved as one but those that others cover
   int threads = 0;            ///< 0: all cores; results do not depend on it
   /// Asked after each day; false ends the run with the outputs that are finished.
   std::function<bool()> go_on{};

@@ -41,6 +41,32 @@ std::vector<heat::WeatherQuantity> wanted_of(const SkySection& sky) {
   return wanted;
 }
 
+/// About so many directions a day, at the begin and the end of every stretch of daylight and at nodes between them, the
+/// same times every day: so shadows repeat from day to day, and no more steps end than at nodes.
+std::vector<heat::SunAt> shadow_directions(const heat::Place& place, double start, double end, int directions) {
+  constexpr double step = kLongestStep_s;  // whatever the tolerance: the table does not depend on it
+  // Begin and end of each stretch.
+  std::vector<double> edges;
+  if (sun_position(start, place).direction[2] > 0.0) edges.push_back(start);
+  for (const heat::SunCrossing& crossing : sun_crossings(place, start, end)) edges.push_back(crossing.utc_s);
+  if (edges.size() % 2 == 1) edges.push_back(end);
+  double daylight_s = 0.0;
+  for (std::size_t i = 0; i < edges.size(); i += 2) daylight_s += edges[i + 1] - edges[i];
+  const double of_day = daylight_s / (end - start);
+  const double between = heat::kDay_s / std::max(1.0, std::round(std::max(directions, 2) / std::max(of_day, 1e-3)));
+  std::vector<heat::SunAt> table;
+  const auto add = [&](double utc) { table.push_back({utc, sun_position(utc, place)}); };
+  for (std::size_t i = 0; i < edges.size(); i += 2) {
+    add(edges[i]);
+    for (double at = 0.0; at < end - start; at += between) {
+      const double utc = start + step * std::round(at / step);
+      if (utc > table.back().utc_s + 0.5 * step && utc < edges[i + 1] - 0.5 * step) add(utc);
+    }
+    add(edges[i + 1]);
+  }
+  return table;
+}
+
 /// For the interval after each node the entry of the table of shadows that it begins in.
 std::vector<int> entries_of(const Surroundings& s, const SceneFile& scene) {
   std::vector<int> entry(s.nodes(), -1);
@@ -73,10 +99,10 @@ Surroundings surroundings_of(const SceneFile& scene, int directions, double tole
 
   Surroundings s;
   s.warnings = weather.warnings;
-  const double days = (end - start) / heat::kDay_s;
   std::vector<double> times{0.0, end - start};
-  for (const heat::SunAt& at :
-       sun_table(scene.place, start, end, static_cast<int>(std::lround(std::ceil(directions * days))))) {
+  // The exchange between surfaces is a parabola between nodes, whose error goes with the cube of their distance.
+  const double step = std::clamp(kLongestStep_s * std::cbrt(10.0 * tolerance_k), kShortestStep_s, kLongestStep_s);
+  for (const heat::SunAt& at : shadow_directions(scene.place, start, end, directions)) {
     s.shadow_time_s.push_back(at.utc_s - start);
     s.shadow_to_sun.push_back(heat::in_scene_axes(at.sun.direction, scene.north_rad));
     // At sunrise and sunset the sun is on the horizon: rounding may not put it below, where nothing is lit.
@@ -90,8 +116,6 @@ Surroundings surroundings_of(const SceneFile& scene, int directions, double tole
   const auto steps = std::llround((scene.time.end_s - start) / scene.time.step_s);
   for (std::int64_t i = 0; i <= steps; ++i) outputs.push_back(static_cast<double>(i) * scene.time.step_s);
   times.insert(times.end(), outputs.begin(), outputs.end());
-  // The exchange between surfaces is a line between nodes, whose error goes with the square of their distance.
-  const double step = std::clamp(kLongestStep_s * std::sqrt(tolerance_k), kShortestStep_s, kLongestStep_s);
   for (double t = 0.0; t < end - start; t += step) times.push_back(t);
   s.time_s = merged(std::move(times));
   for (const double t : outputs) s.outputs.push_back(node_at(s.time_s, t));

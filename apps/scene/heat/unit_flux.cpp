@@ -3,9 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 
-#include "mtf/parallel.h"
-#include "radiometry/light/constants.h"
+#include "mtf/engines/simd.h"
 
 namespace apps::scene {
 namespace {
@@ -32,25 +32,141 @@ double between(const std::vector<double>& values, Between at) {
   return values[at.node] + at.share * (values[at.node + 1] - values[at.node]);
 }
 
-/// The direct light of an instant: direction, irradiance, and the entry of the table of shadows.
-struct Beam {
-  geometry::Vector to_sun{};
-  double irradiance_w_m2 = 0.0;  ///< 0 while the sun is down
-  std::size_t entry = 0;
-  double share = 0.0;
+/// One side of a group of units: arrays of the units side by side.
+struct SideLanes {
+  std::size_t units = 0;
+  std::array<std::vector<double>, 3> normal;
+  std::vector<float> lit;   ///< absorptance times the share in the sun: [entry * units + unit]
+  std::vector<float> rest;  ///< all but the beam, less `base`: [moment * units + unit]
+  std::vector<double> base;
 };
 
-Beam beam_at(const Surroundings& s, Between at, double time_s) {
+/// absorbed = base + parabola through three rows + beam
+struct Absorbed {
+  template <int Bytes>
+  static MTFKIT_INLINE void run(std::size_t units, const double* base, const float* const* rows, const double* weights,
+                                double* __restrict absorbed) {
+    const auto w0 = static_cast<float>(weights[0]), w1 = static_cast<float>(weights[1]),
+               w2 = static_cast<float>(weights[2]);
+    const float *r0 = rows[0], *r1 = rows[1], *r2 = rows[2];
+    for (std::size_t i = 0; i < units; ++i)
+      absorbed[i] = base[i] + static_cast<double>(w0 * r0[i] + w1 * r1[i] + w2 * r2[i]);
+  }
+};
+struct AddBeam {
+  template <int Bytes>
+  static MTFKIT_INLINE void run(std::size_t units, const double* nx, const double* ny, const double* nz,
+                                const float* lit, const float* lit_next, const Beam* beam,
+                                double* __restrict absorbed) {
+    const double x = beam->to_sun[0], y = beam->to_sun[1], z = beam->to_sun[2], e = beam->irradiance_w_m2;
+    const auto share = static_cast<float>(beam->share);
+    for (std::size_t i = 0; i < units; ++i) {
+      const double cosine = nx[i] * x + ny[i] * y + nz[i] * z;
+      absorbed[i] += (cosine > 0.0 ? e * cosine : 0.0) * static_cast<double>(lit[i] + share * (lit_next[i] - lit[i]));
+    }
+  }
+};
+
+/// What all groups of a batch share.
+struct Context {
+  ForcedUnits batch;
+  const Units* units;
+  const Surroundings* surroundings;
+  const GroundLight* ground;
+  const PatchLight* light;
+  const heat::Schedule* inside;
+  double start_s;
+};
+
+/// The first and the last entry of the table of shadows within the nodes of the batch; none: {0, -1}.
+std::pair<std::size_t, std::size_t> entries_of(const Context& context) {
+  const std::vector<int>& entry = context.surroundings->shadow_entry;
+  std::size_t first = 0, end = 0;
+  for (std::size_t k = context.batch.first; k < context.batch.last; ++k)
+    if (entry[k] >= 0) {
+      if (end == 0) first = static_cast<std::size_t>(entry[k]);
+      end = static_cast<std::size_t>(entry[k]) + 2;
+    }
+  return {first, end};
+}
+
+struct GroupLanes {
+  SideLanes front, back;
+  std::size_t first_entry = 0;
+};
+
+SideLanes lanes_of(const Context& context, const std::vector<const UnitSide*>& sides,
+                   const std::vector<std::size_t>& receivers, std::pair<std::size_t, std::size_t> entries) {
+  const Surroundings& s = *context.surroundings;
+  const GroundLight& ground = *context.ground;
+  const PatchLight& light = *context.light;
+  const geometry::SunVisibility& sun = context.units->sun;
+  SideLanes lanes;
+  const std::size_t n = lanes.units = sides.size();
+  const std::size_t moments = 2 * (context.batch.last - context.batch.first) + 1;
+  lanes.rest.resize(moments * n);
+  lanes.lit.resize((entries.second - entries.first) * n);
+  lanes.base.assign(n, 0.0);
+  std::vector<float> solar, longwave, row(moments);
+  for (std::size_t i = 0; i < n; ++i) {
+    const UnitSide& side = *sides[i];
+    for (std::size_t axis = 0; axis < 3; ++axis) lanes.normal[axis].push_back(side.normal[axis]);
+    const double scale = side.absorptance / sun.points;
+    for (std::size_t e = entries.first; e < entries.second; ++e)
+      lanes.lit[(e - entries.first) * n + i] = static_cast<float>(scale * sun.lit[side.sun_row * sun.directions + e]);
+    light.solar.irradiance(*context.units, receivers[i], solar);
+    light.longwave.irradiance(*context.units, receivers[i], longwave);
+    double share_of_reference = light.longwave.share(*context.units, receivers[i]);
+    double sum = 0.0;
+    std::vector<double> exact(moments);
+    for (std::size_t m = 0; m < moments; ++m) {
+      const std::size_t node = context.batch.first + m / 2;
+      const auto here = [&](const std::vector<double>& values) {
+        return m % 2 == 0 ? values[node] : 0.5 * (values[node] + values[node + 1]);
+      };
+      const std::size_t in_light = light.moment_of(2 * context.batch.first + m);
+      exact[m] = side.source_w_m2 +
+                 side.absorptance * (side.sky * here(s.diffuse_w_m2) + side.ground * here(ground.solar_w_m2) +
+                                     static_cast<double>(solar[in_light])) +
+                 side.emissivity * (side.sky * here(s.sky_longwave_w_m2) + side.ground * here(ground.longwave_w_m2) +
+                                    share_of_reference * light.longwave.reference_w_m2[in_light] +
+                                    static_cast<double>(longwave[in_light]));
+      sum += exact[m];
+    }
+    lanes.base[i] = sum / static_cast<double>(moments);
+    for (std::size_t m = 0; m < moments; ++m) lanes.rest[m * n + i] = static_cast<float>(exact[m] - lanes.base[i]);
+  }
+  return lanes;
+}
+
+void absorbed_by(const SideLanes& lanes, const Beam& beam, std::size_t first_entry, std::size_t moment, double share,
+                 std::span<double> absorbed) {
+  const double weights[3] = {(1.0 - share) * (1.0 - 2.0 * share), 4.0 * share * (1.0 - share),
+                             share * (2.0 * share - 1.0)};
+  const std::size_t n = lanes.units;
+  const float* rows[3];
+  for (std::size_t j = 0; j < 3; ++j) rows[j] = lanes.rest.data() + (moment + j) * n;
+  mtf::simd::run<Absorbed>(n, lanes.base.data(), &rows[0], &weights[0], absorbed.data());
+  if (beam.irradiance_w_m2 <= 0.0) return;
+  const float* lit = lanes.lit.data() + (beam.entry - first_entry) * n;
+  mtf::simd::run<AddBeam>(n, lanes.normal[0].data(), lanes.normal[1].data(), lanes.normal[2].data(), lit, lit + n,
+                          &beam, absorbed.data());
+}
+
+}  // namespace
+
+Beam beam_at(const Surroundings& s, std::size_t node, double share) {
   Beam beam;
-  const int entry = s.shadow_entry[at.node];
+  const int entry = s.shadow_entry[node];
   if (entry < 0) return beam;
   for (std::size_t axis = 0; axis < 3; ++axis)
-    beam.to_sun[axis] = s.to_sun[at.node][axis] + at.share * (s.to_sun[at.node + 1][axis] - s.to_sun[at.node][axis]);
+    beam.to_sun[axis] = s.to_sun[node][axis] + share * (s.to_sun[node + 1][axis] - s.to_sun[node][axis]);
   const double size = geometry::length(beam.to_sun);
   for (double& component : beam.to_sun) component /= size;
-  beam.irradiance_w_m2 = between(s.direct_w_m2, at);
+  beam.irradiance_w_m2 = between(s.direct_w_m2, {node, share});
   beam.entry = static_cast<std::size_t>(entry);
   const double begin = s.shadow_time_s[beam.entry], end = s.shadow_time_s[beam.entry + 1];
+  const double time_s = s.time_s[node] + share * (s.time_s[node + 1] - s.time_s[node]);
   beam.share = std::clamp((time_s - begin) / (end - begin), 0.0, 1.0);
   return beam;
 }
@@ -63,89 +179,39 @@ double direct_w_m2(const UnitSide& side, const geometry::SunVisibility& sun, con
   return beam.irradiance_w_m2 * cosine * (lit[0] + beam.share * (lit[1] - lit[0])) / sun.points;
 }
 
-/// Of receivers, what comes from other surfaces: the whole irradiance without that from sky, ground and sun.
-void solve_exchange(const Units& units, const geometry::ReceiverFluxes& fluxes, std::span<float> from_surfaces) {
-  const std::vector<double> whole = irradiance_w_m2(units.exchange, fluxes, 1e-11);
-  for (std::size_t i = 0; i < whole.size(); ++i)
-    from_surfaces[i] = static_cast<float>(whole[i] - fluxes.environment[i] - fluxes.direct[i]);
-}
-
-/// The exchange is defined for reflectances below 1.
-double reflectance_of(double absorbed_part) { return std::min(1.0 - absorbed_part, 1.0 - 1e-9); }
-
-}  // namespace
-
-ReceiverTable make_receiver_table(std::size_t first, std::size_t last, std::size_t receivers) {
-  return {first, receivers, std::vector<float>((last + 1 - first) * receivers, 0.0F)};
-}
-
-void fill_solar_exchange(const Units& units, const Surroundings& s, const GroundLight& ground, int threads,
-                         ReceiverTable& irradiance) {
-  const std::size_t receivers = irradiance.receivers;
-  std::vector<double> reflectance(receivers);
-  for_receivers(units, [&](std::size_t i, const Unit&, const UnitSide& side) {
-    reflectance[i] = reflectance_of(side.absorptance);
-  });
-  mtf::parallel_for(
-      static_cast<std::int64_t>(irradiance.nodes()), 1, threads, [&](std::int64_t begin, std::int64_t end) {
-        std::vector<double> none(receivers, 0.0), environment(receivers), direct(receivers);
-        for (std::int64_t k = begin; k < end; ++k) {
-          const std::size_t node = irradiance.first + static_cast<std::size_t>(k);
-          if (s.global_w_m2[node] <= 0.0) continue;
-          const bool from_before = node + 1 == s.nodes() || (node > 0 && s.shadow_entry[node] < 0);
-          const Beam beam = beam_at(s, from_before ? Between{node - 1, 1.0} : Between{node, 0.0}, s.time_s[node]);
-          for_receivers(units, [&](std::size_t i, const Unit&, const UnitSide& side) {
-            direct[i] = direct_w_m2(side, units.sun, beam);
-            environment[i] = side.sky * s.diffuse_w_m2[node] + side.ground * ground.solar_w_m2[node];
-          });
-          solve_exchange(units, {none, reflectance, environment, direct}, irradiance.row(node));
-        }
-      });
-}
-
-void longwave_exchange(const Units& units, const Surroundings& s, const GroundLight& ground, std::size_t node,
-                       std::span<const double> receiver_k, std::span<float> irradiance) {
-  const std::size_t receivers = units.exchange.receivers();
-  std::vector<double> emitted(receivers), reflectance(receivers), environment(receivers), none(receivers, 0.0);
-  for_receivers(units, [&](std::size_t i, const Unit&, const UnitSide& side) {
-    emitted[i] = side.emissivity * radiometry::kStefanBoltzmann_w_m2_k4 * (receiver_k[i] * receiver_k[i]) *
-                 (receiver_k[i] * receiver_k[i]);
-    reflectance[i] = reflectance_of(side.emissivity);
-    environment[i] = side.sky * s.sky_longwave_w_m2[node] + side.ground * ground.longwave_w_m2[node];
-  });
-  solve_exchange(units, {emitted, reflectance, environment, none}, irradiance);
-}
-
-heat::Forcing forcing_of(std::span<const Unit> batch, const Units& units, const Surroundings& s,
-                         const GroundLight& ground, const ReceiverTable& solar, const ReceiverTable& longwave,
-                         const heat::Schedule& inside, double start_s) {
-  return [=, &units, &s, &ground, &solar, &longwave, &inside](heat::Instant at, std::size_t first,
-                                                              heat::ForcingValues& values) {
-    const Between place = place_of(s.time_s, at);
-    const Beam beam = beam_at(s, place, at.time_s);
-    const double diffuse = between(s.diffuse_w_m2, place), sky = between(s.sky_longwave_w_m2, place);
-    const double ground_solar = between(ground.solar_w_m2, place), ground_warm = between(ground.longwave_w_m2, place);
-    values.front.air_k = values.back.air_k = between(s.air_k, place);
-    values.front.wind_m_s = values.back.wind_m_s = between(s.wind_m_s, place);
-    if (!inside.value.empty()) values.inside = value_at(inside, start_s + at.time_s);
-    // Beyond the window, where only plans are tried, the exchange is that of its end.
-    const std::size_t last = solar.first + solar.nodes() - 1;
-    const std::size_t row = std::min(place.node, last), next = std::min(place.node + 1, last);
-    const auto exchanged = [&](const ReceiverTable& table, std::size_t receiver) {
-      const double a = table.row(row)[receiver], b = table.row(next)[receiver];
-      return a + place.share * (b - a);
-    };
-    const auto absorbed = [&](const UnitSide& side, std::size_t receiver) {
-      return side.source_w_m2 +
-             side.absorptance * (direct_w_m2(side, units.sun, beam) + side.sky * diffuse + side.ground * ground_solar +
-                                 exchanged(solar, receiver)) +
-             side.emissivity * (side.sky * sky + side.ground * ground_warm + exchanged(longwave, receiver));
-    };
-    for (std::size_t i = 0; i < values.front.absorbed_w_m2.size(); ++i) {
-      const Unit& unit = batch[first + i];
-      values.front.absorbed_w_m2[i] = absorbed(unit.front, unit.receiver);
-      if (unit.back) values.back.absorbed_w_m2[i] = absorbed(*unit.back, unit.back_receiver);
+heat::GroupForcing forcing_of(ForcedUnits batch, const Units& units, const Surroundings& s, const GroundLight& ground,
+                              const PatchLight& light, const heat::Schedule& inside, double start_s) {
+  const auto context =
+      std::make_shared<const Context>(Context{std::move(batch), &units, &s, &ground, &light, &inside, start_s});
+  return [context](std::size_t first, std::size_t count) -> heat::Forcing {
+    const auto entries = entries_of(*context);
+    std::vector<const UnitSide*> front, back;
+    std::vector<std::size_t> receivers, back_receivers;
+    for (std::size_t i = 0; i < count; ++i) {
+      const Unit& unit = *context->batch.unit[first + i];
+      front.push_back(&unit.front);
+      receivers.push_back(unit.receiver);
+      if (!unit.back) continue;
+      back.push_back(&*unit.back);
+      back_receivers.push_back(unit.back_receiver);
     }
+    const auto lanes = std::make_shared<const GroupLanes>(GroupLanes{lanes_of(*context, front, receivers, entries),
+                                                                     lanes_of(*context, back, back_receivers, entries),
+                                                                     entries.first});
+    return [context, lanes](heat::Instant at, std::size_t, heat::ForcingValues& values) {
+      const Surroundings& around = *context->surroundings;
+      Between place = place_of(around.time_s, at);
+      values.front.air_k = values.back.air_k = between(around.air_k, place);
+      values.front.wind_m_s = values.back.wind_m_s = between(around.wind_m_s, place);
+      if (!context->inside->value.empty()) values.inside = value_at(*context->inside, context->start_s + at.time_s);
+      if (place.node >= context->batch.last) place = {context->batch.last - 1, 1.0};  // rounding of the last time
+      if (place.node < context->batch.first) place = {context->batch.first, 0.0};
+      const Beam beam = beam_at(around, place.node, place.share);
+      const std::size_t moment = 2 * (place.node - context->batch.first);
+      absorbed_by(lanes->front, beam, lanes->first_entry, moment, place.share, values.front.absorbed_w_m2);
+      if (!values.back.absorbed_w_m2.empty())
+        absorbed_by(lanes->back, beam, lanes->first_entry, moment, place.share, values.back.absorbed_w_m2);
+    };
   };
 }
 

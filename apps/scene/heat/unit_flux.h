@@ -6,51 +6,38 @@
 // and the heat that the layers generate.
 // a solar absorptance, eps emissivity, E direct normal, D diffuse and G global irradiance, s the direction to the sun,
 // V the table of shadows (linear in time between its directions), F shares of the view. H is what arrives from other
-// surfaces of the scene: the radiosity of patches that reflect solar light and that emit and reflect long waves, with
-// any number of reflections. H is computed at the nodes of the surroundings and is a straight line between them.
+// surfaces of the scene (patch_light.h). All but the beam is known at the nodes of the surroundings and in the middle
+// between them, and is a parabola through these three in each interval.
 
-#include <span>
-#include <vector>
-
-#include "apps/scene/heat/units.h"
+#include "apps/scene/heat/patch_light.h"
 #include "radiometry/heat/forcing.h"
 
 namespace apps::scene {
 
-/// What the ground beyond the scene gives off at the nodes, W/m2: long-wave radiation emitted and reflected, and solar
-/// light reflected.
-struct GroundLight {
-  std::vector<double> longwave_w_m2, solar_w_m2;
+/// The direct light of an instant: direction, irradiance, and the entry of the table of shadows.
+struct Beam {
+  radiometry::scene::Vector to_sun{};
+  double irradiance_w_m2 = 0.0;  ///< 0 while the sun is down
+  std::size_t entry = 0;
+  double share = 0.0;
 };
 
-/// A table over the nodes of a window and receivers (Units::views), W/m2.
-struct ReceiverTable {
-  std::size_t first = 0;  ///< node of the first row
-  std::size_t receivers = 0;
-  std::vector<float> value;  ///< [(node - first) * receivers + receiver]
+/// At a share of the interval after a node.
+Beam beam_at(const Surroundings& surroundings, std::size_t node, double share);
 
-  std::size_t nodes() const { return receivers == 0 ? 0 : value.size() / receivers; }
-  std::span<float> row(std::size_t node) { return std::span(value).subspan((node - first) * receivers, receivers); }
-  std::span<const float> row(std::size_t node) const {
-    return std::span(value).subspan((node - first) * receivers, receivers);
-  }
+/// What a side gets of the beam, W/m2.
+double direct_w_m2(const UnitSide& side, const radiometry::scene::SunVisibility& sun, const Beam& beam);
+
+/// Which units a batch holds, and for which nodes their absorbed flux is tabulated.
+struct ForcedUnits {
+  std::vector<const Unit*> unit;
+  std::size_t first = 0, last = 0;  ///< nodes
 };
-ReceiverTable make_receiver_table(std::size_t first, std::size_t last, std::size_t receivers);
 
-/// Solar irradiance by other surfaces, at the nodes of the table.
-void fill_solar_exchange(const Units& units, const Surroundings& surroundings, const GroundLight& ground, int threads,
-                         ReceiverTable& irradiance);
-
-/// Long-wave irradiance of receivers by other surfaces at one node, from the temperatures of units, front and back as
-/// receivers have them.
-void longwave_exchange(const Units& units, const Surroundings& surroundings, const GroundLight& ground,
-                       std::size_t node, std::span<const double> receiver_k, std::span<float> irradiance);
-
-/// The absorbed flux of units first, first + 1, ... of a batch, and what drives them otherwise, within the window that
-/// the tables hold. All references have to live as long as the forcing.
-radiometry::heat::Forcing forcing_of(std::span<const Unit> batch, const Units& units, const Surroundings& surroundings,
-                                     const GroundLight& ground, const ReceiverTable& solar,
-                                     const ReceiverTable& longwave, const radiometry::heat::Schedule& inside,
-                                     double start_s);
+/// The forcing of the batch within its nodes. Where they go beyond the window of the light of patches, as when plans
+/// are tried, the exchange is that of the end of the window. All references have to live as long as the forcing.
+radiometry::heat::GroupForcing forcing_of(ForcedUnits batch, const Units& units, const Surroundings& surroundings,
+                                          const GroundLight& ground, const PatchLight& light,
+                                          const radiometry::heat::Schedule& inside, double start_s);
 
 }  // namespace apps::scene

@@ -175,25 +175,74 @@ geometry::Classes patches_of(const HeatScene& scene, const std::vector<Side>& si
 /// finer than sampling resolves. What remains is measured (view_spread.h).
 void add_seen_kinds(const HeatScene& scene, const std::vector<Side>& sides, const geometry::Views& seen,
                     const geometry::SunVisibility& sun, const geometry::FluxAmplitudes& amplitudes,
-                    double tolerance_w_m2, const geometry::ViewOptions& rough,
-                    std::vector<geometry::SideFinish>& finish) {
+                    double tolerance_w_m2, const HeatOptions& options, std::vector<geometry::SideFinish>& finish) {
   constexpr std::size_t kKinds = 24;
-  const geometry::Classes kinds = patches_of(scene, sides, finish, seen, sun, amplitudes, kKinds, rough.threads);
-  const geometry::Receivers receivers = geometry::single_sides(sides);
-  const geometry::Views by_kind =
-      views(scene.rays, receivers, patches_of_sides(scene.facets(), receivers, kinds.class_of), kinds.size(), rough);
-  const double resolved = 0.25 / std::sqrt(static_cast<double>(rough.rays));
+  const geometry::Classes kinds = patches_of(scene, sides, finish, seen, sun, amplitudes, kKinds, options.threads);
+  const double resolved = 0.25 / std::sqrt(static_cast<double>(options.rays));
   const double step = std::max(tolerance_w_m2 / std::max(amplitudes.surfaces_longwave, 1.0), resolved);
   std::map<std::vector<std::uint32_t>, std::uint32_t> known;
   std::vector<std::uint32_t> key;
+  std::vector<double> share(kinds.size());
   for (std::size_t i = 0; i < finish.size(); ++i) {
+    std::fill(share.begin(), share.end(), 0.0);
+    for (std::uint64_t e = seen.patches.first[i]; e < seen.patches.first[i + 1]; ++e)
+      share[kinds.class_of[seen.patches.column[e]]] += seen.patches.value[e];
     key = {finish[i].key};
-    for (std::uint64_t e = by_kind.patches.first[i]; e < by_kind.patches.first[i + 1]; ++e) {
-      const auto steps = static_cast<std::uint32_t>(std::lround(by_kind.patches.value[e] / step));
-      if (steps > 0) key.insert(key.end(), {by_kind.patches.column[e], steps});
+    for (std::uint32_t kind = 0; kind < share.size(); ++kind) {
+      const auto steps = static_cast<std::uint32_t>(std::lround(share[kind] / step));
+      if (steps > 0) key.insert(key.end(), {kind, steps});
     }
     finish[i].key = known.try_emplace(key, static_cast<std::uint32_t>(known.size())).first->second;
   }
+}
+
+/// Whether no ray from a side left the scene, nor met anything but the inside of the solid that covers it: then it sees
+/// its own patch alone.
+std::vector<bool> covered_sides(const geometry::Views& seen) {
+  std::vector<bool> covered(seen.size());
+  for (std::size_t i = 0; i < seen.size(); ++i) {
+    const std::uint64_t first = seen.patches.first[i], count = seen.patches.first[i + 1] - first;
+    covered[i] = seen.ground[i] == 0.0 && seen.sky_share(i) == 0.0 && count == 1 && seen.patches.column[first] == i;
+  }
+  return covered;
+}
+
+/// Shadows of the sides that see any sky; the others are dark.
+geometry::SunVisibility sun_of(const HeatScene& scene, const std::vector<Side>& sides, const geometry::Views& seen,
+                               const geometry::SunOptions& options) {
+  std::vector<Side> open;
+  std::vector<std::size_t> row;
+  for (std::size_t i = 0; i < sides.size(); ++i)
+    if (seen.sky_share(i) > 0.0) {
+      open.push_back(sides[i]);
+      row.push_back(i);
+    }
+  const std::vector<geometry::Vector>& to_sun = scene.surroundings.shadow_to_sun;
+  const geometry::SunVisibility traced = sun_visibility(scene.rays, open, to_sun, options);
+  geometry::SunVisibility sun{options.points, to_sun.size(),
+                              std::vector<std::uint8_t>(sides.size() * to_sun.size(), 0)};
+  for (std::size_t i = 0; i < row.size(); ++i)
+    std::copy_n(traced.lit.begin() + static_cast<std::ptrdiff_t>(i * to_sun.size()), to_sun.size(),
+                sun.lit.begin() + static_cast<std::ptrdiff_t>(row[i] * to_sun.size()));
+  return sun;
+}
+
+/// Covered sides of one finish are one class, whatever else is merged.
+void merge_covered(const std::vector<geometry::SideFinish>& finish, const std::vector<bool>& covered,
+                   geometry::Classes& classes) {
+  std::map<std::uint32_t, std::uint32_t> of_finish;
+  std::vector<std::uint32_t> renumbered(classes.size(), geometry::kNone);
+  geometry::Classes merged{.class_of = {}, .leader = {}, .bound_w_m2 = classes.bound_w_m2};
+  for (std::uint32_t i = 0; i < covered.size(); ++i) {
+    std::uint32_t& number = covered[i] ? of_finish.try_emplace(finish[i].key, geometry::kNone).first->second
+                                       : renumbered[classes.class_of[i]];
+    if (number == geometry::kNone) {
+      number = static_cast<std::uint32_t>(merged.leader.size());
+      merged.leader.push_back(i);
+    }
+    merged.class_of.push_back(number);
+  }
+  classes = std::move(merged);
 }
 
 /// Entries of a table for some of its rows.
@@ -255,17 +304,30 @@ Units units_of(const HeatScene& scene, const HeatOptions& options, double tolera
   const Sides all = sides_of(scene);
   require_room(scene, all.sides.size());
   std::vector<geometry::SideFinish> finish = finishes_of(scene, all.sides);
-  const geometry::ViewOptions rough{.rays = options.rough_rays, .threads = options.threads};
-  const geometry::Views seen = views(scene.rays, geometry::single_sides(all.sides), rough);
+  // Rays are traced once, with each side a patch of its own: what is merged, they tell.
+  const geometry::ViewOptions view_options{.rays = options.rays, .threads = options.threads};
+  const geometry::Receivers single = geometry::single_sides(all.sides);
+  std::vector<std::uint32_t> own(all.sides.size());
+  std::iota(own.begin(), own.end(), 0U);
+  const geometry::Views seen =
+      views(scene.rays, single, patches_of_sides(facets, single, own), own.size(), view_options);
   const geometry::SunOptions sun_options{.points = options.sun_points, .threads = options.threads};
   Units units;
-  units.sun = sun_visibility(scene.rays, all.sides, to_sun, sun_options);
-  const geometry::FluxAmplitudes amplitudes = amplitudes_of(scene, rough.rings);
+  units.sun = sun_of(scene, all.sides, seen, sun_options);
+  units.rays_ms = watch.ms();
+
+  const Stopwatch classing;
+  const geometry::FluxAmplitudes amplitudes = amplitudes_of(scene, view_options.rings);
+  const std::vector<bool> covered = covered_sides(seen);
+  for (std::size_t i = 0; i < finish.size(); ++i) finish[i].key = 2 * finish[i].key + (covered[i] ? 1 : 0);
   const std::vector<geometry::SideFinish> plain = finish;
-  add_seen_kinds(scene, all.sides, seen, units.sun, amplitudes, tolerance_w_m2, rough, finish);
-  const geometry::Classes classes =
+  if (tolerance_w_m2 > 0.0)
+    add_seen_kinds(scene, all.sides, seen, units.sun, amplitudes, tolerance_w_m2, options, finish);
+  geometry::Classes classes =
       classes_of(facets, all.sides, finish, seen, units.sun, to_sun, amplitudes, tolerance_w_m2, options.threads);
+  merge_covered(plain, covered, classes);
   units.bound_w_m2 = classes.bound_w_m2;
+  units.covered = static_cast<std::size_t>(std::count(covered.begin(), covered.end(), true));
   Grouping grouping = group(all, classes, facets.size());
   sort_units(grouping, scene, units.sun);
   units.unit_of = grouping.unit_of;
@@ -307,9 +369,11 @@ Units units_of(const HeatScene& scene, const HeatOptions& options, double tolera
   const geometry::Classes patches =
       patches_of(scene, leaders, leader_finish, rows_of(seen, leader_rows), rows_of(units.sun, leader_rows), amplitudes,
                  options.patches, options.threads);
-  const geometry::ViewOptions fine{.rays = options.rays, .threads = options.threads};
   units.patch_of_side = patches_of_sides(facets, receivers, patches.class_of);
-  units.views = views(scene.rays, receivers, units.patch_of_side, patches.size(), fine);
+  std::vector<std::uint32_t> patch_of_row;
+  for (const std::uint32_t receiver : receiver_of) patch_of_row.push_back(patches.class_of[receiver]);
+  units.views =
+      combined_views(seen, areas_m2(facets, single), receiver_of, leaders.size(), patch_of_row, patches.size());
   units.exchange = exchange_of(units.views, areas_m2(facets, receivers), patches.class_of, patches.size());
   const auto add_view = [&](UnitSide& side, std::size_t receiver) {
     side.sky = units.views.sky_share(receiver);
@@ -321,10 +385,10 @@ Units units_of(const HeatScene& scene, const HeatOptions& options, double tolera
     add_view(unit.front, unit.receiver);
     if (unit.back) add_view(*unit.back, unit.back_receiver);
   }
-  units.rays_ms = watch.ms();
+  units.classes_ms = classing.ms();
 
   const Stopwatch errors;
-  units.view_error = view_error(scene.rays, receivers, units.views, fine);
+  units.view_error = view_error(scene.rays, receivers, units.views, view_options);
   units.sun_error = sun_error(scene.rays, all.sides, to_sun, units.sun, sun_options);
   units.error_ms = errors.ms();
   return units;

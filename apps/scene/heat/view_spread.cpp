@@ -19,22 +19,6 @@ std::vector<std::uint32_t> picked(std::size_t facets, std::size_t count) {
   return all;
 }
 
-/// Long-wave radiosity of the patches at a node: the mean of their receivers by area.
-std::vector<double> patch_radiosity(const Units& units, const Surroundings& s, const GroundLight& ground,
-                                    const HeatBatches& batches, std::size_t node) {
-  std::vector<double> radiosity(units.exchange.patches(), 0.0);
-  for_receivers(units, [&](std::size_t receiver, const Unit&, const UnitSide& side) {
-    const double kelvin = batches.receiver_k(node, receiver);
-    const double received = side.sky * s.sky_longwave_w_m2[node] + side.ground * ground.longwave_w_m2[node] +
-                            static_cast<double>(batches.longwave_w_m2(node, receiver));
-    const double leaving =
-        side.emissivity * radiometry::heat::blackbody_w_m2(kelvin) + (1.0 - side.emissivity) * received;
-    const std::uint32_t patch = units.exchange.patch_of[receiver];
-    radiosity[patch] += leaving * units.exchange.receiver_area_m2[receiver] / units.exchange.area_m2[patch];
-  });
-  return radiosity;
-}
-
 double from_patches(const geometry::SparseRows& rows, std::size_t row, const std::vector<double>& radiosity) {
   double sum = 0.0;
   for (std::uint64_t i = rows.first[row]; i < rows.first[row + 1]; ++i)
@@ -60,7 +44,7 @@ ViewSpread view_spread(const HeatScene& scene, const Units& units, const GroundL
             {.rays = options.rays, .seed = 1, .threads = options.threads});
   std::vector<double> largest(facets.size(), 0.0);
   for (std::size_t node = window.first; node <= window.last; node += kEvery) {
-    const std::vector<double> radiosity = patch_radiosity(units, s, ground, batches, node);
+    const std::vector<double> radiosity = batches.patch_radiosity(node);
     const double sky = s.sky_longwave_w_m2[node], below = ground.longwave_w_m2[node];
     for (std::size_t i = 0; i < facets.size(); ++i) {
       const Unit& unit = units.unit[units.unit_of[facets[i]]];

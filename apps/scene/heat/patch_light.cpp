@@ -1,0 +1,230 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/scene/heat/patch_light.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+#include "apps/scene/heat/unit_flux.h"
+#include "mtf/engines/simd.h"
+#include "mtf/parallel.h"
+
+namespace apps::scene {
+namespace {
+
+namespace geometry = radiometry::scene;
+constexpr double kTolerance = 1e-11;  // of the radiosity, relative
+
+struct AddScaled {
+  template <int Bytes>
+  static MTFKIT_INLINE void run(std::size_t count, float factor, const float* from, float* __restrict to) {
+    for (std::size_t k = 0; k < count; ++k) to[k] += factor * from[k];
+  }
+};
+
+/// The values of the surroundings at a moment.
+double at_moment(const std::vector<double>& values, std::size_t first, std::size_t moment) {
+  const std::size_t node = first + moment / 2;
+  return moment % 2 == 0 ? values[node] : 0.5 * (values[node] + values[node + 1]);
+}
+
+/// Outside: what each patch gets from sky and ground, and from the sun.
+struct Outside {
+  double sky_w_m2 = 0.0, ground_w_m2 = 0.0;
+  std::span<const double> direct;
+};
+
+void solve_moment(const PatchScene& scene, const Outside& from, std::span<const double> emitted,
+                  std::span<const double> reflectance, std::size_t moment, bool referred, PatchTable& table) {
+  const geometry::Exchange& exchange = scene.units->exchange;
+  const PatchMeans& means = *scene.means;
+  const std::size_t patches = exchange.patches();
+  std::vector<double> outside(patches);
+  for (std::size_t p = 0; p < patches; ++p)
+    outside[p] = exchange.leaving_scale[p] * (means.sky[p] * from.sky_w_m2 + means.ground[p] * from.ground_w_m2) +
+                 from.direct[p];
+  const geometry::Radiosity solved = radiosity(exchange, emitted, reflectance, outside, kTolerance);
+  const std::vector<double>& j = solved.radiosity_w_m2;
+  double reference = 0.0;
+  if (referred) reference = std::accumulate(j.begin(), j.end(), 0.0) / static_cast<double>(patches);
+  table.reference_w_m2[moment] = reference;
+  for (std::size_t p = 0; p < patches; ++p) {
+    double got = means.sky[p] * from.sky_w_m2 + means.ground[p] * from.ground_w_m2 + from.direct[p];
+    for (std::uint64_t e = means.seen.first[p]; e < means.seen.first[p + 1]; ++e)
+      got += means.seen.value[e] * j[means.seen.column[e]];
+    table.shift[p * table.moments + moment] = static_cast<float>(solved.irradiance_w_m2[p] - got);
+    table.radiosity[p * table.moments + moment] = static_cast<float>(j[p] - reference);
+  }
+}
+
+/// `value(receiver, scratch)` of all receivers.
+template <class Value>
+std::vector<double> of_receivers(const PatchScene& scene, const Value& value) {
+  std::vector<double> values(scene.units->exchange.receivers());
+  mtf::parallel_for(static_cast<std::int64_t>(values.size()), 1024, scene.threads,
+                    [&](std::int64_t begin, std::int64_t end) {
+                      std::vector<float> series;
+                      for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i)
+                        values[i] = value(i, series);
+                    });
+  return values;
+}
+
+PatchTable make_table(std::size_t patches, std::size_t moments) {
+  return {moments, std::vector<double>(moments, 0.0), std::vector<float>(patches * moments, 0.0F),
+          std::vector<float>(patches * moments, 0.0F)};
+}
+
+}  // namespace
+
+void PatchTable::irradiance(const Units& units, std::size_t receiver, std::vector<float>& all) const {
+  const geometry::SparseRows& rows = units.exchange.rows;
+  const float* own = shift.data() + units.exchange.patch_of[receiver] * moments;
+  all.assign(own, own + moments);
+  for (std::uint64_t e = rows.first[receiver]; e < rows.first[receiver + 1]; ++e)
+    mtf::simd::run<AddScaled>(moments, static_cast<float>(rows.value[e]), radiosity.data() + rows.column[e] * moments,
+                              all.data());
+}
+
+double PatchTable::share(const Units& units, std::size_t receiver) {
+  const geometry::SparseRows& rows = units.exchange.rows;
+  double sum = 0.0;
+  for (std::uint64_t e = rows.first[receiver]; e < rows.first[receiver + 1]; ++e) sum += rows.value[e];
+  return sum;
+}
+
+std::size_t PatchLight::moment_of(std::size_t moment) const {
+  return std::clamp(moment, 2 * first, 2 * last) - 2 * first;
+}
+
+PatchLight make_patch_light(const Units& units, std::size_t first, std::size_t last) {
+  PatchLight light{first, last, {}, {}};
+  light.solar = light.longwave = make_table(units.exchange.patches(), light.moments());
+  return light;
+}
+
+PatchMeans patch_means(const Units& units) {
+  const geometry::Exchange& exchange = units.exchange;
+  const std::size_t patches = exchange.patches();
+  const std::vector<double> zero(patches, 0.0);
+  PatchMeans means{zero, zero, zero, zero, {}};
+  std::vector<std::vector<std::uint32_t>> members(patches);
+  for_receivers(units, [&](std::size_t receiver, const Unit&, const UnitSide& side) {
+    // The exchange is defined for reflectances below 1.
+    const auto reflectance_of = [](double absorbed_part) { return std::min(1.0 - absorbed_part, 1.0 - 1e-9); };
+    const std::uint32_t p = exchange.patch_of[receiver];
+    const double weight = exchange.receiver_area_m2[receiver] / exchange.area_m2[p];
+    means.sky[p] += weight * side.sky;
+    means.ground[p] += weight * side.ground;
+    means.solar_reflectance[p] += weight * reflectance_of(side.absorptance);
+    means.long_reflectance[p] += weight * reflectance_of(side.emissivity);
+    members[p].push_back(static_cast<std::uint32_t>(receiver));
+  });
+  for (std::vector<double>* reflectance : {&means.solar_reflectance, &means.long_reflectance})
+    for (double& value : *reflectance) value = std::min(value, 1.0 - 1e-9);
+  std::vector<double> row(patches);
+  for (std::size_t p = 0; p < patches; ++p) {
+    std::fill(row.begin(), row.end(), 0.0);
+    for (const std::uint32_t i : members[p])
+      for (std::uint64_t e = exchange.rows.first[i]; e < exchange.rows.first[i + 1]; ++e)
+        row[exchange.rows.column[e]] += exchange.receiver_area_m2[i] / exchange.area_m2[p] * exchange.rows.value[e];
+    for (std::uint32_t q = 0; q < patches; ++q)
+      if (row[q] != 0.0) {
+        means.seen.column.push_back(q);
+        means.seen.value.push_back(row[q]);
+      }
+    means.seen.first.push_back(means.seen.column.size());
+  }
+  return means;
+}
+
+void fill_solar(const PatchScene& scene, PatchLight& light) {
+  const Units& units = *scene.units;
+  const Surroundings& s = *scene.surroundings;
+  const geometry::Exchange& exchange = units.exchange;
+  mtf::parallel_for(
+      static_cast<std::int64_t>(light.moments()), 1, scene.threads, [&](std::int64_t begin, std::int64_t end) {
+        const std::vector<double> none(exchange.patches(), 0.0);
+        std::vector<double> direct;
+        for (auto m = static_cast<std::size_t>(begin); m < static_cast<std::size_t>(end); ++m) {
+          if (at_moment(s.global_w_m2, light.first, m) <= 0.0) continue;
+          // A node belongs to the interval before it where that is the one in which the sun is up.
+          const std::size_t node = light.first + m / 2;
+          const bool from_before = m % 2 == 0 && node > 0 && (node + 1 == s.nodes() || s.shadow_entry[node] < 0);
+          const Beam beam = from_before ? beam_at(s, node - 1, 1.0) : beam_at(s, node, m % 2 == 0 ? 0.0 : 0.5);
+          direct.assign(exchange.patches(), 0.0);
+          if (beam.irradiance_w_m2 > 0.0)
+            for_receivers(units, [&](std::size_t i, const Unit&, const UnitSide& side) {
+              const std::uint32_t p = exchange.patch_of[i];
+              direct[p] += exchange.receiver_area_m2[i] / exchange.area_m2[p] * direct_w_m2(side, units.sun, beam);
+            });
+          solve_moment(
+              scene,
+              {at_moment(s.diffuse_w_m2, light.first, m), at_moment(scene.ground->solar_w_m2, light.first, m), direct},
+              none, scene.means->solar_reflectance, m, false, light.solar);
+        }
+      });
+}
+
+void fill_longwave(const PatchScene& scene, std::span<const double> emitted, PatchLight& light) {
+  const Surroundings& s = *scene.surroundings;
+  const std::size_t patches = scene.units->exchange.patches();
+  mtf::parallel_for(
+      static_cast<std::int64_t>(light.moments()), 4, scene.threads, [&](std::int64_t begin, std::int64_t end) {
+        const std::vector<double> none(patches, 0.0);
+        for (auto m = static_cast<std::size_t>(begin); m < static_cast<std::size_t>(end); ++m)
+          solve_moment(scene,
+                       {at_moment(s.sky_longwave_w_m2, light.first, m),
+                        at_moment(scene.ground->longwave_w_m2, light.first, m), none},
+                       emitted.subspan(m * patches, patches), scene.means->long_reflectance, m, true, light.longwave);
+      });
+}
+
+std::vector<double> changes(const PatchScene& scene, const PatchTable& before, const PatchTable& after) {
+  PatchTable change = after;
+  for (std::size_t m = 0; m < change.moments; ++m) change.reference_w_m2[m] -= before.reference_w_m2[m];
+  for (std::size_t e = 0; e < change.radiosity.size(); ++e) {
+    change.radiosity[e] -= before.radiosity[e];
+    change.shift[e] -= before.shift[e];
+  }
+  return of_receivers(scene, [&](std::size_t receiver, std::vector<float>& series) {
+    change.irradiance(*scene.units, receiver, series);
+    const double share = PatchTable::share(*scene.units, receiver);
+    double most = 0.0;
+    for (std::size_t m = 0; m < change.moments; ++m)
+      most = std::max(most, std::abs(share * change.reference_w_m2[m] + static_cast<double>(series[m])));
+    return most;
+  });
+}
+
+double parabola_error(const PatchScene& scene, const PatchTable& table) {
+  constexpr double kOff = 4.0 / 124.7;  // of the change of the second difference
+  const std::size_t intervals = table.moments / 2;
+  if (intervals < 3) return 0.0;
+  const std::vector<double> errors = of_receivers(scene, [&](std::size_t receiver, std::vector<float>& series) {
+    table.irradiance(*scene.units, receiver, series);
+    const double share = PatchTable::share(*scene.units, receiver);
+    const auto second = [&](std::size_t i) {
+      const auto value = [&](std::size_t m) {
+        return share * table.reference_w_m2[m] + static_cast<double>(series[m]);
+      };
+      return value(2 * i) - 2.0 * value(2 * i + 1) + value(2 * i + 2);
+    };
+    double most = 0.0, before = std::numeric_limits<double>::infinity(), last = second(0);
+    for (std::size_t i = 1; i < intervals; ++i) {
+      const double here = second(i), change = std::abs(here - last);
+      most = std::max(most, std::min(before, change));
+      before = change;
+      last = here;
+    }
+    return kOff * most;
+  });
+  double worst = 0.0;
+  for_receivers(*scene.units, [&](std::size_t receiver, const Unit& unit, const UnitSide&) {
+    if (!unit.given) worst = std::max(worst, errors[receiver]);
+  });
+  return worst;
+}
+
+}  // namespace apps::scene
