@@ -154,6 +154,37 @@ TEST_F(HeatCommand, RefusalsLeaveNothing) {
   refused("mtf heat skyless.toml -o out", "longwave_down");
 }
 
+TEST_F(HeatCommand, NamesMissingFilesWithTheirPlace) {
+  std::filesystem::remove(scratch_ / "plates.obj");
+  const Result result = scratch_.run("mtf heat scene.toml -o out");
+  EXPECT_EQ(result.status, 1);
+  EXPECT_NE(result.err.find("scene.toml:24:8: error: mesh[0].file: there is no file plates.obj"), std::string::npos)
+      << result.err;
+  EXPECT_FALSE(std::filesystem::exists(scratch_ / "out"));
+}
+
+TEST_F(HeatCommand, SaysWhatTheTemperaturesDependOn) {
+  const Result result = scratch_.run("mtf heat scene.toml -o out --sensitivity --vtk --tolerance '0.1 K' --rays 64");
+  ASSERT_EQ(result.status, 0) << result.err;
+  EXPECT_NE(result.out.find("convection +10 %"), std::string::npos) << result.out;
+  const auto rows = lines(read_file(scratch_ / "out/sensitivity.csv"));
+  ASSERT_EQ(rows.size(), 7U);
+  EXPECT_EQ(rows[0], "change,region,mean_K,largest_K");
+  const auto mean = [&](std::size_t row) {
+    std::istringstream cells(rows[row]);
+    std::string cell;
+    for (int i = 0; i < 3; ++i) std::getline(cells, cell, ',');
+    return std::stod(cell);
+  };
+  // The sunlit plates are warmer than the air: more wind cools them. 10 W/m2 of long wave, times 0.9, into what gives
+  // off 13.3 + 5 W/m2 for each kelvin is 0.49 K where a plate sees nothing but the sky; the lower one sees less of it.
+  EXPECT_LT(mean(1), -0.2);
+  EXPECT_GT(mean(2), 0.2);
+  EXPECT_LT(mean(2), 0.55);
+  EXPECT_GT(mean(3), 0.0);
+  EXPECT_TRUE(read_file(scratch_ / "out/facets.vtk").starts_with("# vtk DataFile"));
+}
+
 /// A folder's names, sorted.
 std::vector<std::string> names_in(const std::filesystem::path& folder) {
   std::vector<std::string> names;
@@ -163,30 +194,48 @@ std::vector<std::string> names_in(const std::filesystem::path& folder) {
   return names;
 }
 
-// Half a year of days takes long enough to be interrupted, wherever that is.
+/// Terrain of n x n squares in triangles, bumpy enough for every facet to be a class of its own.
+std::string bumps(int n) {
+  std::ostringstream obj;
+  for (int j = 0; j <= n; ++j)
+    for (int i = 0; i <= n; ++i)
+      obj << "v " << i << " " << j << " " << 0.8 * std::sin(1.7 * i) * std::cos(2.3 * j) << "\n";
+  for (int j = 0; j < n; ++j)
+    for (int i = 0; i < n; ++i) {
+      const int a = j * (n + 1) + i + 1, c = a + n + 1;
+      obj << "f " << a << " " << a + 1 << " " << c + 1 << "\nf " << a << " " << c + 1 << " " << c << "\n";
+    }
+  return obj.str();
+}
+
+// Two months are interrupted when the first days stand in the temporary file.
 TEST_F(HeatCommand, KeepsFinishedDaysWhenItIsInterrupted) {
   std::string text = kScene;
-  text.replace(text.find("end = 2026-06-22"), 16, "end = 2026-12-21");
+  text.replace(text.find("end = 2026-06-22"), 16, "end = 2026-08-20");
+  text.replace(text.find("step = \"2 h\""), 12, "step = \"1 h\"");
   write_file(scratch_ / "scene.toml", text);
-  bool kept = false;
-  for (const std::string wait : {"0.05", "1", "2", "4", "8"}) {
-    const Result result = scratch_.run("timeout --preserve-status -s INT " + wait + " mtf heat scene.toml -o days");
-    if (result.status != 130) continue;  // done before
-    if (!std::filesystem::exists(scratch_ / "days")) continue;   // before the first day was finished
-    ASSERT_NE(result.err.find("the temperatures end at"), std::string::npos) << result.err;
-    kept = true;
-    const nlohmann::json json = nlohmann::json::parse(read_file(scratch_ / "days/heat.json"));
-    EXPECT_FALSE(json.at("finished").get<bool>());
-    const std::size_t outputs = json.at("outputs").get<std::size_t>();
-    EXPECT_LT(outputs, 183U * 12U + 1U);
-    EXPECT_EQ(outputs % 12, 1U);  // whole days of outputs every two hours
-    EXPECT_EQ(lines(read_file(scratch_ / "days/times.csv")).size(), outputs + 1);
-    for (const std::string& name : names_in(scratch_ / "days"))
-      EXPECT_EQ(name.find(".tmp."), std::string::npos) << name;
-    break;
-  }
-  ASSERT_TRUE(kept);
+  write_file(scratch_ / "plates.obj", bumps(20));
+  const Result result = scratch_.run(
+      "mtf heat scene.toml -o days & pid=$!\n"
+      "while kill -0 $pid 2>/dev/null; do\n"
+      "  [ -n \"$(find days -name '*.tmp.*' -size +0 2>/dev/null)\" ] && kill -INT $pid && break\n"
+      "  sleep 0.05\ndone\nwait $pid");
+  ASSERT_EQ(result.status, 130) << result.err;
+  ASSERT_NE(result.err.find("the temperatures end at"), std::string::npos) << result.err;
+  const nlohmann::json json = nlohmann::json::parse(read_file(scratch_ / "days/heat.json"));
+  EXPECT_FALSE(json.at("finished").get<bool>());
+  const std::size_t outputs = json.at("outputs").get<std::size_t>();
+  EXPECT_LT(outputs, 60U * 24U + 1U);
+  EXPECT_EQ(outputs % 24, 1U);  // whole days, and the start
+  EXPECT_EQ(lines(read_file(scratch_ / "days/times.csv")).size(), outputs + 1);
+  for (const std::string& name : names_in(scratch_ / "days")) EXPECT_EQ(name.find(".tmp."), std::string::npos) << name;
+
+  // Before anything is finished no folder stays.
+  EXPECT_EQ(scratch_.run("timeout --preserve-status -s INT 0.3 mtf heat scene.toml -o early").status, 130);
+  EXPECT_FALSE(std::filesystem::exists(scratch_ / "early"));
+
   write_file(scratch_ / "scene.toml", kScene);
+  write_file(scratch_ / "plates.obj", kPlates);
   ASSERT_EQ(scratch_.run("mtf heat scene.toml -o days").status, 0);  // its own unfinished folder
   EXPECT_TRUE(nlohmann::json::parse(read_file(scratch_ / "days/heat.json")).at("finished").get<bool>());
   EXPECT_EQ(scratch_.run("mtf heat scene.toml -o days").status, 2);  // a finished one asks for --force
