@@ -46,7 +46,7 @@ std::string air_words(const radiometry::AtmosphereSettings& s, const air::Air<do
   std::string text = through.profile.source;
   if (s.temperature_k && !s.pressure_pa) text += ", " + significant(*s.temperature_k, 5) + " K at the lowest altitude";
   if (s.relative_humidity && !s.pressure_pa)
-    text += ", " + significant(100.0 * *s.relative_humidity, 4) + " % humidity there";
+    text += ", " + significant(100.0 * *s.relative_humidity, 4) + " % humidity at the lowest altitude";
   text += ", CO2 " + significant(through.profile.levels.front()[air::Gas::carbon_dioxide], 4) + " ppm";
   const std::string kind(air::kHazeNames[static_cast<std::size_t>(through.haze.kind)]);
   text += through.haze.kind == air::HazeKind::none ? ", no aerosol"
@@ -126,14 +126,14 @@ std::vector<Figure> atmosphere_figures(const AtmosphereReport& report) {
   for (auto nu = path.wavenumber_cm.rbegin(); nu != path.wavenumber_cm.rend(); ++nu) wavelength_um.push_back(1e4 / *nu);
   const auto reversed = [](const std::vector<double>& v) { return std::vector<double>(v.rbegin(), v.rend()); };
   Figure transmission;
-  transmission.title = "transmission: " + report.air;
+  transmission.title = "transmission over " + length_words(path.sight.range_m);
   transmission.x_label = "wavelength [um]";
-  transmission.y_label = "transmission over " + length_words(path.sight.range_m);
+  transmission.y_label = "transmission";
   transmission.y_low = 0.0;
   transmission.y_high = 1.02;
   for (std::size_t c = 0; c < air::kComponents; ++c) {
     const auto& curve = path.component[c];
-    if (curve.empty() || *std::min_element(curve.begin(), curve.end()) > 0.99) continue;
+    if (curve.empty() || *std::min_element(curve.begin(), curve.end()) > 0.95) continue;
     Series series{std::string(air::kComponentNames[c]), wavelength_um, reversed(curve)};
     std::replace(series.name.begin(), series.name.end(), '_', ' ');
     series.style = c;
@@ -145,7 +145,7 @@ std::vector<Figure> atmosphere_figures(const AtmosphereReport& report) {
   Figure radiance;
   radiance.title = "thermal radiance of the path";
   radiance.x_label = "wavelength [um]";
-  radiance.y_label = "path radiance [W m^-2 sr^-1 um^-1]";
+  radiance.y_label = "radiance [W/m2/sr/um]";
   std::vector<double> per_um;
   for (std::size_t i = path.radiance.size(); i-- > 0;)
     per_um.push_back(path.radiance[i] * path.wavenumber_cm[i] * path.wavenumber_cm[i] * 1e-4);

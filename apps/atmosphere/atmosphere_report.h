@@ -30,7 +30,7 @@ std::string sight_words(const radiometry::atmosphere::SightNumbers<double>& sigh
 
 std::string as_table(const AtmosphereReport& report);
 std::string as_json(const AtmosphereReport& report);
-/// Transmission of all and of each component that takes more than a hundredth anywhere; radiance beside it.
+/// Transmission of all and of each component that takes more than a twentieth anywhere; radiance beside it.
 std::vector<Figure> atmosphere_figures(const AtmosphereReport& report);
 
 /// The sky over zenith angles: radiance in each band and over all wavelengths.

@@ -17,7 +17,8 @@ std::string metres(double value) { return format_double(1e-3 * std::round(1e3 * 
 void refuse_sensor(const std::string& source, double altitude_m, double lowest_m, double highest_m) {
   throw UsageError("line of sight: an altitude of " + metres(altitude_m) +
                    (altitude_m < lowest_m ? " is below the ground; " : " is above the air; ") + source + " goes from " +
-                   metres(lowest_m) + " to " + metres(highest_m));
+                   metres(lowest_m) + " to " + metres(highest_m) +
+                   (altitude_m < lowest_m ? "" : "; there is no air above, so put the end of the line there"));
 }
 void refuse_one_level(const std::string& source) {
   throw UsageError(

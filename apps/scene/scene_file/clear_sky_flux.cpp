@@ -58,6 +58,9 @@ double ClearSkyFlux::at(double air_k, double vapour_pressure_pa) {
     throw mtf::UsageError("[sky] longwave = \"atmosphere\": air of " + mtf::format_double(air_k) +
                           " K; the model is for " + mtf::format_double(kColdest_k) + " to " +
                           mtf::format_double(kWarmest_k) + " K");
+  if (!(vapour_pressure_pa >= 0.0))
+    throw mtf::UsageError("[sky] longwave = \"atmosphere\": a vapour pressure of " +
+                          mtf::format_double(vapour_pressure_pa) + " Pa; it has to be 0 or above");
   const double t = air_k / kStep_k, h = humidity_percent(air_k, vapour_pressure_pa) / kStep_percent;
   const int t0 = static_cast<int>(t), h0 = std::min(static_cast<int>(h), 9);
   const double dt = t - t0, dh = h - h0;

@@ -19,7 +19,8 @@ class ClearSkyFlux {
   /// Throws UsageError "atmosphere.KEY: ..." as read_air does, and for an altitude that the air does not have.
   ClearSkyFlux(const radiometry::AtmosphereSettings& settings, double altitude_m);
 
-  /// W/m2 on a horizontal plane. Throws UsageError for air outside 180 ... 340 K.
+  /// W/m2 on a horizontal plane; vapour above saturation counts as saturated. Throws UsageError for air outside 180 ...
+  /// 340 K and vapour pressures below 0.
   double at(double air_k, double vapour_pressure_pa);
 
  private:

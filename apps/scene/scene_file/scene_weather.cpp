@@ -80,6 +80,8 @@ std::optional<ClearSkyFlux> clear_sky_of(const SceneFile& scene) {
 }
 
 SkyLongwave sky_longwave(const SkySection& sky, const heat::WeatherAt& weather, ClearSkyFlux* air) {
+  if (sky.longwave == LongwaveModel::atmosphere && air == nullptr)
+    throw mtf::UsageError("[sky] longwave = \"atmosphere\" needs the air of [atmosphere] (clear_sky_of)");
   const auto clear = [&](std::string_view what) {
     if (air != nullptr)
       return air->at(value_of(weather, WeatherQuantity::air_temperature, what),

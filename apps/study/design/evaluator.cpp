@@ -299,7 +299,9 @@ std::vector<std::string> Evaluator::skipped() const {
   }
   skip(plan.budget, "signal and noise");
   skip(plan.range, "MRTD and range models");
-  if (plan.budget)
+  const auto& parameters = impl_->study->parameters;
+  if (plan.budget && std::none_of(parameters.begin(), parameters.end(),
+                                  [](const Parameter& p) { return radiometry::is_spectral(p.path); }))
     sentences.emplace_back(
         "band integrals of the scene's radiance: computed once for each variant, shared by all its designs");
   if (impl_->study->variants > 0)
