@@ -50,8 +50,8 @@ void add_path_rows(const radiometry::Sensor& sensor, double temperature_k, Rows&
     if (!(clear > 0.0)) row.refused = "no light of the scene makes electrons";
     rows.push_back(std::move(row));
   };
-  add("path_transmission", "share of the scene's light that the path lets through", radiometry::scene_radiance);
-  add("contrast_transmission", "the same of a small temperature difference", radiometry::scene_derivative);
+  add("path_share", "share of the scene's light that the path lets through", radiometry::scene_radiance);
+  add("contrast_share", "the same of a small temperature difference", radiometry::scene_derivative);
 }
 
 std::string as_table(const Rows& rows, const radiometry::Saturation& saturation) {

@@ -27,6 +27,7 @@ namespace air = radiometry::atmosphere;
 using radiometry::Interval;
 
 constexpr double kTableError = 1e-4, kNearest = 1e-2;  // of a table up to --range
+constexpr double kDryAltitude_m = 5000.0;
 constexpr std::size_t kMostRanges = 256, kMostBands = 32;
 constexpr std::array kUsualBands{Interval{3.0, 5.0}, Interval{3.4, 4.8}, Interval{8.0, 12.0}, Interval{8.0, 14.0}};
 
@@ -107,8 +108,10 @@ std::vector<double> table_ranges(const AtmosphereOptions& options, const air::Ai
                                  const air::Sight<double>& sight, const Interval& band, const Global& global) {
   if (!options.ranges.empty()) return frequency_list("--ranges", options.ranges);
   const double longest_m = sight_numbers(through, sight).range_m;
-  const air::TableRanges found =
-      ranges_for(through, sight, kNearest * longest_m, longest_m, kTableError, band, kMostRanges);
+  double nearest_m = kNearest * longest_m;
+  if (const auto* between = std::get_if<air::Between<double>>(&sight))
+    nearest_m = std::max(nearest_m, std::abs(between->object_altitude_m - between->sensor_altitude_m));
+  const air::TableRanges found = ranges_for(through, sight, nearest_m, longest_m, kTableError, band, kMostRanges);
   note(global, "note: " + std::to_string(found.ranges_m.size()) + " ranges from " +
                    significant(found.ranges_m.front(), 4) + " m on; between them the table is right within " +
                    significant(found.error, 2));
@@ -123,7 +126,8 @@ void write_table(const AtmosphereOptions& options, const air::Air<double>& throu
   emit(options.table, path_table_csv(result.table, what));
 }
 
-int run_sky(const AtmosphereOptions& options, const Given& given, const std::vector<Interval>& bands) {
+int run_sky(const AtmosphereOptions& options, const Given& given, const std::vector<Interval>& bands,
+            const Global& global) {
   const air::Air<double> through = read_air(given.settings);
   SkyReport report;
   report.air = air_words(given.settings, through);
@@ -146,6 +150,10 @@ int run_sky(const AtmosphereOptions& options, const Given& given, const std::vec
       row.push_back(weighted_path_radiance(camera_in({}, band), path_of(path, "the sky")));
   }
   report.flux = sky_flux(through, report.altitude_m);
+  for (const std::string& limit : limits_of(through, hull(bands))) note(global, "warning: " + limit);
+  if (report.altitude_m > kDryAltitude_m)
+    note(global,
+         "warning: above 5 km too little vapour is left to make the sky black below 650 cm^-1, as the flux takes it");
   emit(options.out, options.format == Format::csv    ? as_csv(report)
                     : options.format == Format::json ? as_json(report)
                                                      : as_table(report));
@@ -158,7 +166,7 @@ int run_atmosphere(const AtmosphereOptions& options, const Global& global) {
   const Given given = given_by(options, global);
   require_outputs(options, given);
   const std::vector<Interval> bands = bands_of(options, given);
-  if (options.sky) return run_sky(options, given, bands);
+  if (options.sky) return run_sky(options, given, bands, global);
 
   const air::Air<double> through = read_air(given.settings);
   const air::Sight<double> sight = read_sight(given.settings);

@@ -2,6 +2,7 @@
 #include "apps/atmosphere/atmosphere_report.h"
 
 #include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
 #include <numbers>
 
@@ -17,7 +18,10 @@ namespace {
 
 constexpr double kDegrees = 180.0 / std::numbers::pi;
 
-std::string length_words(double m) { return m >= 1000.0 ? significant(1e-3 * m, 4) + " km" : significant(m, 4) + " m"; }
+std::string length_words(double m) {
+  const double shown = std::abs(m) < 1e-3 ? 0.0 : m;  // the rest is rounding of a traced line
+  return shown >= 1000.0 ? significant(1e-3 * shown, 4) + " km" : significant(shown, 4) + " m";
+}
 
 std::string band_words(const radiometry::Interval& band) {
   return significant(band.lo_um, 4) + "-" + significant(band.hi_um, 4);

@@ -20,6 +20,7 @@ namespace {
 /// Of a transmission between the ranges of a table for scene.depth_channel; at most kMostRanges of them.
 constexpr double kTableError = 1e-5;
 constexpr std::size_t kMostRanges = 256;
+constexpr double kJoin_m = 500.0;  // from the top of a sounding to the first level of the model
 
 static_assert(mtf::io::kProfileGases.size() == air::kGases);
 
@@ -29,9 +30,24 @@ double model_ppm(const air::Profile<double>& model, air::Gas gas, double altitud
   return air::level_at(model, inside_m)[gas];
 }
 
+/// Soundings end somewhere; the air above is the model's, its pressure in proportion so that it joins. A single level
+/// is the air of horizontal lines and stays alone.
+void add_model_above(air::Profile<double>& profile, const air::Profile<double>& model) {
+  if (profile.levels.size() < 2) return;
+  const air::Level<double> top = profile.levels.back();
+  if (top.altitude_m >= model.levels.back().altitude_m) return;
+  const double factor =
+      top.pressure_pa / air::level_at(model, std::max(top.altitude_m, model.levels.front().altitude_m)).pressure_pa;
+  for (air::Level<double> level : model.levels) {
+    if (level.altitude_m < top.altitude_m + kJoin_m) continue;
+    level.pressure_pa *= factor;
+    profile.levels.push_back(level);
+  }
+}
+
 air::Profile<double> profile_of(const mtf::io::AirProfileColumns& columns, const AtmosphereSettings& settings) {
-  const air::Profile<double> model =
-      air::model_profile(settings.model.value_or(air::ModelAtmosphere::us_standard_1976), settings.carbon_dioxide_ppm);
+  const air::Profile<double> model = air::model_profile(settings.model.value_or(air::ModelAtmosphere::us_standard_1976),
+                                                        settings.carbon_dioxide_ppm.value_or(air::kCarbonDioxide_ppm));
   air::Profile<double> profile{.source = columns.source, .levels = {}};
   for (std::size_t i = 0; i < columns.altitude_m.size(); ++i) {
     air::Level<double> level{.altitude_m = columns.altitude_m[i],
@@ -49,6 +65,7 @@ air::Profile<double> profile_of(const mtf::io::AirProfileColumns& columns, const
     }
     profile.levels.push_back(level);
   }
+  add_model_above(profile, model);
   return profile;
 }
 

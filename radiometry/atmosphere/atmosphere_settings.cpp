@@ -11,6 +11,7 @@ using namespace atmosphere;
 
 namespace {
 
+constexpr double kMostVapour_ppm = 5e5, kRainTop_m = 6000.0;
 constexpr ModelAtmosphere kGasesOfProfiles = ModelAtmosphere::us_standard_1976;
 
 /// Runs `action`; what the model refuses is said of the table.
@@ -40,10 +41,12 @@ void require_one_source(const AtmosphereSettings& s) {
 }
 
 Profile<double> profile_of(const AtmosphereSettings& s, const std::optional<Profile<double>>& given) {
+  const double carbon_dioxide_ppm = s.carbon_dioxide_ppm.value_or(kCarbonDioxide_ppm);
   if (s.pressure_pa)
-    return surface_air(*s.pressure_pa, *s.temperature_k, 100.0 * *s.relative_humidity, s.carbon_dioxide_ppm);
-  Profile<double> profile =
-      given && !s.profile.empty() ? *given : model_profile(s.model.value_or(kGasesOfProfiles), s.carbon_dioxide_ppm);
+    return surface_air(*s.pressure_pa, *s.temperature_k, 100.0 * *s.relative_humidity, carbon_dioxide_ppm);
+  const bool by_file = given && !s.profile.empty();
+  Profile<double> profile = by_file ? *given : model_profile(s.model.value_or(kGasesOfProfiles), carbon_dioxide_ppm);
+  if (by_file && s.carbon_dioxide_ppm) profile = with_carbon_dioxide(std::move(profile), *s.carbon_dioxide_ppm);
   if (!s.temperature_k && !s.relative_humidity) return profile;
   const Level<double>& lowest = profile.levels.front();
   const double humidity_percent =
@@ -56,6 +59,8 @@ Profile<double> profile_of(const AtmosphereSettings& s, const std::optional<Prof
 Air<double> air_of(const AtmosphereSettings& s, const std::optional<Profile<double>>& profile) {
   require_valid("atmosphere", s);
   require_one_source(s);
+  if (s.haze == HazeKind::none && s.season)
+    throw mtf::UsageError("atmosphere.season: needs haze; write for example haze = \"rural\"");
   if (s.haze == HazeKind::none && s.visibility_m)
     throw mtf::UsageError(
         "atmosphere.visibility: needs haze, which says what limits it; write for example haze = \"rural\"");
@@ -66,6 +71,12 @@ Air<double> air_of(const AtmosphereSettings& s, const std::optional<Profile<doub
                 .season = s.season.value_or(s.model ? season_of(*s.model) : Season::spring_summer)};
     air.rain_mm_h = s.rain_mm_h;
     require_valid(air);
+    if (air.rain_mm_h > 0.0)
+      for (const Level<double>& level : air.profile.levels)
+        if (level.altitude_m < kRainTop_m && water_ppm(level.pressure_pa, level.temperature_k, 100.0) > kMostVapour_ppm)
+          throw mtf::UsageError("rain saturates the air, and that of " + mtf::format_double(level.temperature_k) +
+                                " K at " + mtf::format_double(level.pressure_pa) +
+                                " Pa would be mostly vapour; give other air or no rain");
     return air;
   });
 }

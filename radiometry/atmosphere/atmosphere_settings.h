@@ -24,7 +24,7 @@ struct AtmosphereSettings {
   std::optional<atmosphere::ModelAtmosphere> model{};
   std::string profile{};  ///< CSV file of the air by altitude
   std::optional<double> pressure_pa{}, temperature_k{}, relative_humidity{};
-  double carbon_dioxide_ppm = atmosphere::kCarbonDioxide_ppm;
+  std::optional<double> carbon_dioxide_ppm{};  ///< else kCarbonDioxide_ppm, or what the profile has
   atmosphere::HazeKind haze = atmosphere::HazeKind::none;
   std::optional<double> visibility_m{};  ///< else the usual one of the haze
   std::optional<atmosphere::Season> season{};
@@ -37,9 +37,10 @@ struct AtmosphereSettings {
     using A = AtmosphereSettings;
     return std::tuple{
         Field{optional_row("model", "\"mid_latitude_summer\"", "model atmosphere of AFGL-TR-86-0110"), &A::model},
-        Field{optional_row("profile", "\"sounding.csv\"",
-                           "CSV file of altitude, pressure, temperature and humidity; gases that it lacks are those "
-                           "of model"),
+        Field{optional_row(
+                  "profile", "\"sounding.csv\"",
+                  "CSV file of altitude, pressure, temperature and humidity; gases that it lacks, and the air above "
+                  "it, are those of model"),
               &A::profile},
         Field{optional_row("pressure", pressure, "Pa", 1.0, 120e3, "\"1013 hPa\"",
                            "of the air of a horizontal line, with temperature and relative_humidity in place of model"),

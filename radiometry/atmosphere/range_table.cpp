@@ -61,10 +61,14 @@ double interpolation_error(const SpectralPath<double>& a, const SpectralPath<dou
   return worst;
 }
 
+/// The worst place of an interval lies beside its middle, where the difference is a little larger.
+constexpr double kMiddle = 1.2;
+
 }  // namespace
 
 TableRanges ranges_for(const Air<double>& air, const Sight<double>& sight, double nearest_m, double longest_m,
                        double tolerance, const Interval& band, std::size_t most) {
+  if (nearest_m > 0.0 && nearest_m == longest_m) return {{nearest_m}, 0.0};
   if (!(nearest_m > 0.0 && nearest_m < longest_m))
     throw UsageError("atmosphere: ranges from " + format_double(nearest_m) + " to " + format_double(longest_m) +
                      " m; they have to rise from above 0");
@@ -87,7 +91,7 @@ TableRanges ranges_for(const Air<double>& air, const Sight<double>& sight, doubl
   compute({nearest_m, longest_m});
   // Every round halves (geometrically) all intervals that are off; the halves are part of the table from then on.
   std::vector<double> open{nearest_m};  // lower ends
-  double error = 0.0;
+  double error = 0.0, settled = 0.0;    // of the last round, and of intervals that were good before
   while (!open.empty()) {
     std::vector<double> middles;
     for (const double lo : open) {
@@ -104,14 +108,17 @@ TableRanges ranges_for(const Air<double>& air, const Sight<double>& sight, doubl
       const double off =
           interpolation_error(known.at(lo), known.at(middles[i]), known.at(hi), (middles[i] - lo) / (hi - lo), air_k);
       // Halves are four times better than their interval.
-      if (off > 4.0 * tolerance) next.insert(next.end(), {lo, middles[i]});
+      if (off > 4.0 * tolerance)
+        next.insert(next.end(), {lo, middles[i]});
+      else
+        settled = std::max(settled, 0.25 * off);
       error = std::max(error, 0.25 * off);
     }
     if (known.size() + next.size() > most) break;
     if (next.empty()) break;
     open = std::move(next);
   }
-  TableRanges out{{}, error};
+  TableRanges out{{}, kMiddle * std::max(error, settled)};
   for (const auto& [range, path] : known) out.ranges_m.push_back(range);
   return out;
 }

@@ -111,7 +111,8 @@ TEST_F(AtmosphereCommand, options_take_the_place_of_keys) {
             "ph s^-1 m^-2 sr^-1");
 }
 
-// Each pixel has its own range: an image of two ranges is made of the images of each.
+// Each pixel has its own range: an image of two ranges is made of the images of each. The transmissions of such a table
+// are weighted with one spectrum for all pixels, here that of the scene.
 TEST_F(AtmosphereCommand, ranges_of_pixels) {
   Image planes(64, 48), depth(64, 48);
   for (std::int64_t y = 0; y < 48; ++y)
@@ -124,7 +125,8 @@ TEST_F(AtmosphereCommand, ranges_of_pixels) {
   mtf::io::write_exr((scratch / "two.exr").string(), {{"Y", planes.view()}, {"Z", depth.view()}}, metadata);
   write_flat(scratch / "one.exr", 310.0F);
   const auto value = [&](const std::string& air, const std::string& scene, std::int64_t x) {
-    sensor(air, "[scene]", scene == "two.exr" ? "[scene]\ndepth_channel = \"Z\"\nborder = \"reflect\"" : "[scene]");
+    sensor(air, "[scene]",
+           scene == "two.exr" ? "[scene]\ndepth_channel = \"Z\"\nsource_temperature = \"310 K\"" : "[scene]");
     const Result r =
         scratch.run("mtf simulate s.toml " + scene + " --channel Y -o out.exr --stage electrons --report r.json");
     EXPECT_EQ(r.status, 0) << r.err;
@@ -151,13 +153,13 @@ TEST_F(AtmosphereCommand, refusals_name_place_and_remedy) {
          {"mtf budget s.toml", "mtf config check s.toml", "mtf simulate s.toml t300.exr -o out.exr"})
       expect_refused(command, parts);
   };
-  refused("[atmosphere]\nrange = \"2 km\"\n", {"s.toml:23:1: error: [atmosphere]", "says nothing of the air"});
+  refused("[atmosphere]\nrange = \"2 km\"\n", {"s.toml:25:2: error: [atmosphere]", "says nothing of the air"});
   refused("[atmosphere]\nmodel = \"tropical\"\n", {"gives no line of sight"});
-  refused("[atmosphere]\nmodel = \"tropic\"\nrange = \"2 km\"\n", {"s.toml:24:", "tropical"});
+  refused("[atmosphere]\nmodel = \"tropic\"\nrange = \"2 km\"\n", {"s.toml:26:", "tropical"});
   refused(kAir + "[path]\ntransmission = 0.8\n", {"[atmosphere]", "the air would count twice"});
   refused("[atmosphere]\nmodel = \"tropical\"\nrange = \"2 km\"\nvisibility = \"5 km\"\n",
-          {"s.toml:26:1: error: atmosphere.visibility", "needs haze"});
-  refused("[atmosphere]\nmodel = \"tropical\"\nrange = \"2 km\"\nrelative_humidity = 55\n", {"s.toml:26:", "0 to 1"});
+          {"s.toml:28:1: error: atmosphere.visibility", "needs haze"});
+  refused("[atmosphere]\nmodel = \"tropical\"\nrange = \"2 km\"\nrelative_humidity = 55\n", {"s.toml:28:", "[0, 1]"});
   refused("[atmosphere]\nmodel = \"tropical\"\nrange = \"2 km\"\npressure = \"1013 hPa\"\n",
           {"atmosphere.pressure", "given together with model"});
   refused("[atmosphere]\npressure = \"1013 hPa\"\nrange = \"2 km\"\n", {"needs temperature and relative_humidity"});

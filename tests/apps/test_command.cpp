@@ -133,7 +133,7 @@ TEST(Command, UsageErrorsSayWhatWasMeant) {
   struct Case {
     const char *arguments, *message;
   };
-  for (const Case& c : {Case{"", "demo, info, config, curve, budget, simulate"},
+  for (const Case& c : {Case{"", "demo, info, config, curve, budget, atmosphere, simulate"},
                         {"crve", "did you mean curve?"},
                         {"config chek sensor.toml", "did you mean check?"},
                         {"config", "init, check, explain"},

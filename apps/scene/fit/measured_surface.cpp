@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/scene/fit/measured_surface.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "apps/text/words.h"
 #include "mtf/error.h"
@@ -15,6 +17,40 @@ namespace {
 namespace heat = radiometry::heat;
 
 constexpr double kMissing = std::numeric_limits<double>::quiet_NaN();
+
+/// Records that are missing leave longer ones.
+std::optional<double> smallest_step(const std::vector<double>& time_s) {
+  if (time_s.size() < 2) return std::nullopt;
+  double step = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 1; i < time_s.size(); ++i) step = std::min(step, time_s[i] - time_s[i - 1]);
+  return step;
+}
+
+/// On equal steps, with nothing where a record is missing: the correlation of neighbours is that of neighbours in time.
+MeasuredSurface on_equal_steps(const MeasuredSurface& given) {
+  const std::optional<double> step = smallest_step(given.time_s);
+  if (!step) return given;
+  constexpr double kOffGrid = 0.01, kMostSteps = 1e6;
+  const double last = (given.time_s.back() - given.time_s.front()) / *step;
+  if (!(last <= kMostSteps))
+    throw mtf::UsageError(one_line(given.source) + ": the shortest time between two records is " +
+                          mtf::format_double(*step) + " s, of which the run has more than a million; average them");
+  MeasuredSurface even{.source = given.source, .from_longwave = given.from_longwave, .time_s = {}, .kelvin = {}};
+  for (std::size_t i = 0; i < given.time_s.size(); ++i) {
+    const double place = (given.time_s[i] - given.time_s.front()) / *step;
+    if (std::abs(place - std::round(place)) > kOffGrid)
+      throw mtf::UsageError(one_line(given.source) + ": the records are not equally spaced; " +
+                            mtf::format_double(given.time_s[i]) + " s after the start is no multiple of " +
+                            mtf::format_double(*step) + " s from the first: give equal steps, or means over them");
+    while (even.time_s.size() < static_cast<std::size_t>(std::llround(place))) {
+      even.time_s.push_back(given.time_s.front() + static_cast<double>(even.time_s.size()) * *step);
+      even.kelvin.push_back(kMissing);
+    }
+    even.time_s.push_back(given.time_s[i]);
+    even.kelvin.push_back(given.kelvin[i]);
+  }
+  return even;
+}
 
 /// Of a record's stamp, where it stands for an interval: the middle, from the stamp.
 double to_middle_s(heat::Stamp stamp, double interval_s) {
@@ -34,12 +70,9 @@ MeasuredSurface from_longwave(const SceneFile& scene, double emissivity) {
         ": has no longwave_up beside longwave_down, which tell the temperature of the ground; or write "
         "[measured] with temperature = \"surface.csv\"");
   MeasuredSurface measured{.source = scene.weather.file, .from_longwave = true, .time_s = {}, .kelvin = {}};
-  const std::size_t n = weather.time_s.size();
-  for (std::size_t i = 0; i < n; ++i) {
-    const double interval = scene.weather.average_s > 0.0 ? scene.weather.average_s
-                            : i > 0                       ? weather.time_s[i] - weather.time_s[i - 1]
-                            : n > 1                       ? weather.time_s[1] - weather.time_s[0]
-                                                          : 0.0;
+  const double interval =
+      scene.weather.average_s > 0.0 ? scene.weather.average_s : smallest_step(weather.time_s).value_or(0.0);
+  for (std::size_t i = 0; i < weather.time_s.size(); ++i) {
     const double emitted = weather[longwave_up][i] - (1.0 - emissivity) * weather[longwave_down][i];
     measured.time_s.push_back(weather.time_s[i] + to_middle_s(weather.stamp, interval) - scene.time.start_s);
     measured.kelvin.push_back(
@@ -70,7 +103,7 @@ MeasuredSurface measured_surface(const SceneFile& scene, double emissivity) {
   if (inside.time_s.empty())
     throw mtf::UsageError(one_line(measured.source) + ": no record lies between the start of the run, " +
                           heat::instant_text(scene.time.start_s) + ", and its end");
-  return inside;
+  return on_equal_steps(inside);
 }
 
 }  // namespace apps::scene

@@ -15,7 +15,9 @@ namespace air = radiometry::atmosphere;
 
 namespace {
 
-constexpr double kStep_k = 5.0, kStep_percent = 10.0;
+constexpr double kStep_k = 5.0;
+constexpr double kBelow_m = 500.0;  // that a place may lie below the lowest altitude of the air
+constexpr int kHumidities = 20;     // steps of ln(1 + RH / 1 %), in which the flux is nearly straight
 constexpr double kColdest_k = 180.0, kWarmest_k = 340.0;
 constexpr int kAngles = 4;  // Gauss's nodes over the cosine of the zenith angle: within 0.1 W/m2 of eight
 
@@ -26,6 +28,8 @@ air::Profile<double> above(const air::Profile<double>& profile, double altitude_
     if (level.altitude_m > altitude_m + 1.0) cut.levels.push_back(level);
   return cut;
 }
+
+double percent_of(int node) { return std::min(std::expm1(std::log(101.0) * node / kHumidities), 100.0); }
 
 double humidity_percent(double air_k, double vapour_pressure_pa) {
   const double saturated_pa = 1e6 * air::saturation_per_cm3(air_k) * radiometry::kBoltzmann_j_k * air_k;
@@ -40,14 +44,22 @@ ClearSkyFlux::ClearSkyFlux(const radiometry::AtmosphereSettings& settings, doubl
     throw mtf::UsageError(
         "atmosphere.pressure: is the air of a horizontal line; the sky needs model or profile, whose lowest part "
         "follows the weather");
-  air_.profile = above(air_.profile, std::max(altitude_m, air_.profile.levels.front().altitude_m));
+  const double lowest_m = air_.profile.levels.front().altitude_m;
+  if (altitude_m < lowest_m - kBelow_m)
+    throw mtf::UsageError("atmosphere.profile: begins at " + mtf::format_double(lowest_m) +
+                          " m, above the altitude of [place]; add the air below");
+  if (settings.temperature_k || settings.relative_humidity || sight_of(settings))
+    throw mtf::UsageError(
+        "[atmosphere]: of a scene it is the air alone; remove temperature, relative_humidity, target_altitude, "
+        "zenith_angle and range, which weather and camera give");
+  air_.profile = above(air_.profile, std::max(altitude_m, lowest_m));
 }
 
 double ClearSkyFlux::node(int temperature, int humidity) {
   const auto known = nodes_.find({temperature, humidity});
   if (known != nodes_.end()) return known->second;
   air::Air<double> today = air_;
-  today.profile = with_surface(air_.profile, kStep_k * temperature, std::min(kStep_percent * humidity, 100.0));
+  today.profile = with_surface(air_.profile, kStep_k * temperature, percent_of(humidity));
   const double flux = sky_flux(today, today.profile.levels.front().altitude_m, kAngles).total_w_m2;
   nodes_.emplace(std::pair{temperature, humidity}, flux);
   return flux;
@@ -61,8 +73,9 @@ double ClearSkyFlux::at(double air_k, double vapour_pressure_pa) {
   if (!(vapour_pressure_pa >= 0.0))
     throw mtf::UsageError("[sky] longwave = \"atmosphere\": a vapour pressure of " +
                           mtf::format_double(vapour_pressure_pa) + " Pa; it has to be 0 or above");
-  const double t = air_k / kStep_k, h = humidity_percent(air_k, vapour_pressure_pa) / kStep_percent;
-  const int t0 = static_cast<int>(t), h0 = std::min(static_cast<int>(h), 9);
+  const double t = air_k / kStep_k;
+  const double h = kHumidities * std::log1p(humidity_percent(air_k, vapour_pressure_pa)) / std::log(101.0);
+  const int t0 = static_cast<int>(t), h0 = std::min(static_cast<int>(h), kHumidities - 1);
   const double dt = t - t0, dh = h - h0;
   const double dry = (1.0 - dt) * node(t0, h0) + dt * node(t0 + 1, h0);
   const double humid = (1.0 - dt) * node(t0, h0 + 1) + dt * node(t0 + 1, h0 + 1);

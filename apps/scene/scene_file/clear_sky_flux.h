@@ -3,7 +3,7 @@
 
 // Long wave of the clear sky by the band model of the air (radiometry/atmosphere/sky_radiance.h), for the temperature
 // and humidity that the weather has at the ground. The air above is that of [atmosphere], from the altitude of [place]
-// on; its lowest 2 km follow the weather. The flux is computed at temperatures 5 K and humidities a tenth apart, where
+// on; its lowest 2 km follow the weather. The flux is computed at temperatures 5 K apart and at 21 humidities, where
 // the weather needs them, and goes as straight lines between, which is within 0.5 W/m2 of the model. The model itself
 // takes the sky for black below 650 cm^-1.
 

@@ -196,6 +196,11 @@ void Evaluator::Impl::evaluate_at(std::span<const double> values, std::span<doub
       }
       variant.model->metrics(*spectral, metrics);
       error = variant.model->error();
+      // The wavelengths of the OTF are weighted by the air of the variant: where a design has other air, the error of
+      // its resolution is not known.
+      const bool other_air = std::any_of(overrides.begin(), overrides.end(),
+                                         [](const auto& o) { return o.path.starts_with("atmosphere."); });
+      if (other_air && plan.resolution && variant.sensor.system.band) error = kNan;
       refusal = variant.model->refusal();
       caution = variant.model->caution();
       if (first_refusal.empty()) first_refusal = refusal;
