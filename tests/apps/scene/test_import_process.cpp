@@ -118,7 +118,8 @@ bool comes_true(const Condition& condition) {
   return false;
 }
 
-// The process is stopped as soon as it is there, so that it cannot end by itself; then its parent is interrupted.
+// The process is stopped as soon as it has asked the kernel to end it with its parent, its first act, so that it cannot
+// end by itself; then its parent is interrupted.
 TEST(ImportProcess, EndsWithTheCaller) {
   const Folder folder;
   const fs::path file = folder.put("a.obj", std::string(256U << 20U, '\n'));
@@ -130,6 +131,8 @@ TEST(ImportProcess, EndsWithTheCaller) {
   }
   pid_t child = 0;
   ASSERT_TRUE(comes_true([&] { return (child = child_of(caller)) != 0; }));
+  ASSERT_TRUE(comes_true([&] { return has(text_of("/proc/" + std::to_string(child) + "/comm"), "mtfkit-import"); }));
+  ::usleep(100'000);
   ASSERT_EQ(::kill(child, SIGSTOP), 0);
   ::kill(caller, SIGINT);
   int status = 0;
