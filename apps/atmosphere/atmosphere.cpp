@@ -12,11 +12,9 @@
 #include "apps/atmosphere/spectrum_text.h"
 #include "apps/sensor/sensor_air.h"
 #include "apps/sensor/sensor_file.h"
-#include "apps/sensor/sensor_place.h"
 #include "apps/simulate/output_files.h"
 #include "apps/terminal/output.h"
 #include "mtf/error.h"
-#include "mtf/io/atomic_file.h"
 #include "radiometry/atmosphere/range_table.h"
 
 namespace apps {
@@ -96,8 +94,7 @@ void require_outputs(const AtmosphereOptions& options, const Given& given) {
     outputs.push_back(figure_data_path(options.plot));
   }
   if (!options.out.empty() && options.out != "-") outputs.push_back(options.out);
-  std::vector<std::string> inputs = given.files;
-  require_writable(outputs, inputs);
+  require_writable(outputs, given.files);
   if (options.sky && (!options.table.empty() || !options.tape7.empty() || !options.plot.empty()))
     throw mtf::UsageError("--sky: prints the sky; --table, --tape7 and --plot are of a line of sight, remove them");
   if (!options.ranges.empty() && options.table.empty())
@@ -133,13 +130,10 @@ int run_sky(const AtmosphereOptions& options, const Given& given, const std::vec
   report.air = air_words(given.settings, through);
   report.altitude_m = given.settings.sensor_altitude_m;
   report.bands = bands;
-  std::vector<double> zenith_rad;
-  for (const double degrees : {0.0, 15.0, 30.0, 45.0, 60.0, 70.0, 75.0, 80.0, 85.0, 87.5, 90.0}) {
-    report.zenith_deg.push_back(degrees);
-    zenith_rad.push_back(degrees * std::numbers::pi / 180.0);
-  }
-  for (const double zenith : zenith_rad) {
-    const air::SkyRadiance sky = sky_radiance(through, report.altitude_m, zenith, options.tolerance);
+  report.zenith_deg = {0.0, 15.0, 30.0, 45.0, 60.0, 70.0, 75.0, 80.0, 85.0, 87.5, 90.0};
+  for (const double degrees : report.zenith_deg) {
+    const air::SkyRadiance sky =
+        sky_radiance(through, report.altitude_m, degrees * std::numbers::pi / 180.0, options.tolerance);
     report.radiance.push_back(sky.whole);
     air::SpectralPath<double> path;
     path.wavenumber_cm = sky.wavenumber_cm;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Spectra of the air as files: CSV and JSON of `mtf atmosphere`, the table over ranges that path.table reads, and
+// Spectra of the air as files: CSV of `mtf atmosphere`, the table over ranges that path.table reads, and
 // columns as in MODTRAN's tape7 (mtf/io/csv/tape7.h says which), for programs that read those.
 
 #include <string>
@@ -18,7 +18,7 @@ std::string spectrum_csv(const radiometry::atmosphere::SpectralPath<double>& pat
 /// range_m,wavelength_um,transmission,radiance_w_m2_sr_um
 std::string path_table_csv(const radiometry::PathTable& table, const std::string& what);
 
-/// One run: FREQ, TOT TRANS, PTH THRML, and the log of the total. The radiance is 0 where the model has none.
+/// One run with FREQ, TOT TRANS and PTH THRML; SOL SCAT is blank. Throws UsageError where the model has no emission.
 std::string tape7_text(const radiometry::atmosphere::SpectralPath<double>& path, const std::string& what);
 
 }  // namespace apps

@@ -6,6 +6,7 @@
 #include <limits>
 #include <mutex>
 
+#include "apps/sensor/sensor_place.h"
 #include "mtf/error.h"
 #include "mtf/io/csv/air_profile_csv.h"
 #include "radiometry/atmosphere/range_table.h"
@@ -20,7 +21,7 @@ namespace {
 /// Of a transmission between the ranges of a table for scene.depth_channel; at most kMostRanges of them.
 constexpr double kTableError = 1e-5;
 constexpr std::size_t kMostRanges = 256;
-constexpr double kJoin_m = 500.0;  // from the top of a sounding to the first level of the model
+constexpr double kJoin_m = 500.0;  // levels of the model nearer than that to the top of a sounding are not taken
 
 static_assert(mtf::io::kProfileGases.size() == air::kGases);
 
@@ -69,15 +70,7 @@ air::Profile<double> profile_of(const mtf::io::AirProfileColumns& columns, const
   return profile;
 }
 
-/// What the model refuses is said of the table.
-template <class Action>
-auto of_table(const Action& action) {
-  try {
-    return action();
-  } catch (const mtf::UsageError& error) {
-    throw mtf::UsageError(std::string("[atmosphere]: ") + error.what());
-  }
-}
+constexpr const char* kTable = "[atmosphere]";
 
 /// Tables over the ranges of images, a function of the nearest and the longest range alone, so that a frame does not
 /// depend on those before it. Horizontal lines take ranges of whole powers of 2 in m, whose table frames then share.
@@ -108,7 +101,7 @@ class AirTables {
     AtmosphereSettings line = settings_;
     line.range_m = longest_m;
     const air::Sight<double> sight = read_sight(line);
-    return of_table([&] {
+    return at_key(kTable, [&] {
       const air::TableRanges ranges =
           ranges_for(through_, sight, nearest_m, longest_m, kTableError, band_, kMostRanges);
       double warmest_k = 0.0;
@@ -131,13 +124,8 @@ class AirTables {
 
 std::optional<air::Profile<double>> read_profile(const AtmosphereSettings& settings) {
   if (settings.profile.empty()) return std::nullopt;
-  try {
-    return profile_of(mtf::io::read_air_profile_csv(settings.profile), settings);
-  } catch (const mtf::UsageError& error) {
-    throw mtf::UsageError(std::string("atmosphere.profile: ") + error.what());
-  } catch (const mtf::RuntimeError& error) {
-    throw mtf::RuntimeError(std::string("atmosphere.profile: ") + error.what());
-  }
+  return at_key("atmosphere.profile",
+                [&] { return std::optional(profile_of(mtf::io::read_air_profile_csv(settings.profile), settings)); });
 }
 
 air::Sight<double> read_sight(const AtmosphereSettings& settings) {
@@ -157,7 +145,7 @@ void read_atmosphere(const radiometry::SensorSettings& settings, LoadedSensor& l
     loaded.sensor.air = [profile, band](const AtmosphereSettings& numbers) {
       const air::Air<double> through = air_of(numbers, profile);
       const air::Sight<double> sight = read_sight(numbers);
-      return of_table([&] { return path_of(spectral_path(through, sight, {.band = band}), "[atmosphere]"); });
+      return at_key(kTable, [&] { return path_of(spectral_path(through, sight, {.band = band}), "[atmosphere]"); });
     };
     loaded.sensor.path = loaded.sensor.air(given);
     return;

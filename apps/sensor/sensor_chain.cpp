@@ -25,18 +25,6 @@ using radiometry::Spectrum;
 
 constexpr double kAny = std::numeric_limits<double>::max();
 
-/// Runs `read`, and says which key asked for it when it fails.
-template <class Read>
-auto at_key(const char* key, const Read& read) {
-  try {
-    return read();
-  } catch (const mtf::UsageError& error) {
-    throw mtf::UsageError(std::string(key) + ": " + error.what());
-  } catch (const mtf::RuntimeError& error) {
-    throw mtf::RuntimeError(std::string(key) + ": " + error.what());
-  }
-}
-
 /// The last part of "detector.quantum_efficiency", which is the name of the column too.
 std::string column_of(const std::string& key) { return key.substr(key.rfind('.') + 1); }
 

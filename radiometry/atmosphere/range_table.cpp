@@ -91,7 +91,7 @@ TableRanges ranges_for(const Air<double>& air, const Sight<double>& sight, doubl
   compute({nearest_m, longest_m});
   // Every round halves (geometrically) all intervals that are off; the halves are part of the table from then on.
   std::vector<double> open{nearest_m};  // lower ends
-  double error = 0.0, settled = 0.0;    // of the last round, and of intervals that were good before
+  double error = 0.0, finished = 0.0;   // of the last round, and of the intervals that earlier rounds left as they are
   while (!open.empty()) {
     std::vector<double> middles;
     for (const double lo : open) {
@@ -111,14 +111,14 @@ TableRanges ranges_for(const Air<double>& air, const Sight<double>& sight, doubl
       if (off > 4.0 * tolerance)
         next.insert(next.end(), {lo, middles[i]});
       else
-        settled = std::max(settled, 0.25 * off);
+        finished = std::max(finished, 0.25 * off);
       error = std::max(error, 0.25 * off);
     }
     if (known.size() + next.size() > most) break;
     if (next.empty()) break;
     open = std::move(next);
   }
-  TableRanges out{{}, kMiddle * std::max(error, settled)};
+  TableRanges out{{}, kMiddle * std::max(error, finished)};
   for (const auto& [range, path] : known) out.ranges_m.push_back(range);
   return out;
 }
