@@ -47,7 +47,8 @@ struct Level {
   S& operator[](Gas gas) { return ppm[static_cast<std::size_t>(gas)]; }
 };
 
-/// Levels in rising order. A profile of one level is the air of horizontal paths; all others need two or more.
+/// Levels in order of rising altitude. A profile of one level holds the air of horizontal lines; every other line of
+/// sight needs a profile of at least two levels.
 template <class S>
 struct Profile {
   std::string source;  ///< for messages
@@ -88,11 +89,11 @@ Profile<S> with_carbon_dioxide(Profile<S> profile, const S& ppm);
 template <class S>
 Profile<S> with_surface(Profile<S> profile, const S& temperature_k, const S& relative_humidity_percent);
 
-/// One level of air, at altitude 0, for horizontal paths: what a weather station tells. The gases but water are those
-/// of US standard 1976 at the ground, CO2 as given. Throws UsageError for a humidity outside 0 ... 100 %, a temperature
-/// outside 150 ... 350 K (degrees Celsius given for kelvin are named), a pressure outside 0.01 ... 120000 Pa
-/// (hectopascals given for pascals are named where the temperature is that of the lower air), and vapour that would be
-/// more than half of the air.
+/// A profile of one level, at altitude 0, from what a weather station measures; it is for horizontal lines. CO2 is as
+/// given, and the other gases but water are those of US standard 1976 at the ground. Throws UsageError for a humidity
+/// outside 0 ... 100 %, a temperature outside 150 ... 350 K (degrees Celsius given for kelvin are named), a pressure
+/// outside 0.01 ... 120000 Pa (hectopascals given for pascals are named where the temperature is that of the lower
+/// air), and vapour that would be more than half of the air.
 template <class S>
 Profile<S> surface_air(const S& pressure_pa, const S& temperature_k, const S& relative_humidity_percent,
                        double carbon_dioxide_ppm = kCarbonDioxide_ppm);

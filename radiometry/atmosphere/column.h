@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// The air on the levels of the model: densities of all amounts per km, and n r for refraction.
+// What the air holds at each altitude that the model computes with: the amount of every absorber per km, and, for
+// refraction, the refractive index times the distance from the centre of the earth (n r).
 
 #include <array>
 #include <cmath>
@@ -75,7 +76,7 @@ std::array<S, kDensities> densities_of(const Air<S>& air, Level<S> level) {
   return out;
 }
 
-/// Levels of the profile and those of the model within it.
+/// The levels of the profile, and between them the altitudes at which the model divides its layers.
 template <class S>
 std::vector<Level<S>> refined_levels(const Profile<S>& profile) {
   std::vector<double> altitudes;
