@@ -4,7 +4,12 @@
 set -eu
 cd "$(dirname "$0")/.."
 formatter=${1:-clang-format}
-offenders=$(find mtf radiometry calib apps tests \( -name '*.h' -o -name '*.cpp' \) -print 2>/dev/null | sort |
+sources() {
+  find mtf radiometry calib apps tests \( -name '*.h' -o -name '*.cpp' \) -print 2>/dev/null | sort
+}
+# Nearly all of the time of one file is the start of the program: all files together take a tenth.
+sources | xargs -r -d '\n' "$formatter" --dry-run -Werror >/dev/null 2>&1 && exit 0
+offenders=$(sources |
   while IFS= read -r file; do
     "$formatter" --dry-run -Werror "$file" >/dev/null 2>&1 || printf '%s\n' "$file"
   done)
