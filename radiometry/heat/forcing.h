@@ -60,8 +60,11 @@ void require_valid(const Batch& batch);
 /// The times of a run. Outputs rise; times outside [start, end] are ignored.
 struct Timeline {
   double start_s = 0.0, end_s = 0.0;
-  std::vector<double> outputs_s;
-  std::vector<double> breaks_s;
+  std::vector<double> outputs_s;  ///< steps end here
+  std::vector<double> breaks_s;   ///< and here
+  /// Further outputs, of Runs::one alone, at which steps need not end: within a step, the surface temperature is the
+  /// parabola through both its ends and the stage between them. The error is of third order, as that of one step.
+  std::vector<double> between_s{};
 };
 
 }  // namespace radiometry::heat

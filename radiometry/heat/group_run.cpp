@@ -90,6 +90,17 @@ Surfaces GroupRun::back() const {
   return {last(fine_), three_ ? last(doubled_) : nullptr, three_ ? last(coarse_) : nullptr};
 }
 
+Lanes GroupRun::within(double share, std::size_t node) const {
+  const double of_stage = share * (1.0 - share) / (kGamma * (1.0 - kGamma));
+  const double of_end = share * (share - kGamma) / (1.0 - kGamma);
+  Lanes kelvin;
+  for (std::size_t l = 0; l < kLanes; ++l) {
+    const double to_stage = fine_.first[node + l], to_end = to_stage + fine_.second[node + l];
+    kelvin[l] = before_[node + l] + of_stage * to_stage + of_end * to_end;
+  }
+  return kelvin;
+}
+
 void GroupRun::store(State& end) const {
   scatter(fine_.t, end.facets, first_, count_, end.fine);
   end.step_s[first_ / kLanes] = wanted_s_;
@@ -182,7 +193,7 @@ bool GroupRun::accept(double step_s, double error_k) {
   return false;
 }
 
-void GroupRun::advance(double t0_s, double t1_s) {
+void GroupRun::advance(double t0_s, double t1_s, const std::function<void(double, double)>& after_step) {
   const Interval interval{t0_s, t1_s};
   kept_->fine.limit();
   kept_->coarse.limit();
@@ -199,6 +210,7 @@ void GroupRun::advance(double t0_s, double t1_s) {
     if (!(three_ ? step_of_three(interval, from, whole) : step_of_one(interval, from, whole))) continue;
     std::swap(begin_, end_);
     at += step;
+    after_step(interval.at(from).time_s, interval.at(from + whole).time_s);
   }
 }
 

@@ -25,12 +25,16 @@ class GroupRun {
   /// Facets `first` and up to kLanes - 1 more of the batch.
   GroupRun(const Plan& plan, const State& start, const Forcing& forcing, std::size_t first, PlanEliminations& kept);
 
-  /// Advances from t0 to t1, between which there is no break. Throws RuntimeError as advance does.
-  void advance(double t0_s, double t1_s);
+  /// Advances from t0 to t1, between which there is no break. `after_step` is called with the begin and the end of
+  /// every step that was taken. Throws RuntimeError as advance does.
+  void advance(double t0_s, double t1_s, const std::function<void(double, double)>& after_step);
 
   std::size_t count() const { return count_; }
   Surfaces front() const;
   Surfaces back() const;
+  /// Of Runs::one, within the last step: `share` of it is over. See Timeline::between_s.
+  Lanes front_within(double share) const { return within(share, 0); }
+  Lanes back_within(double share) const { return within(share, fine_.t.size() - kLanes); }
   const HeatSums& heat() const { return heat_; }
   const StepCount& steps() const { return steps_; }
   void store(State& end) const;
@@ -43,6 +47,7 @@ class GroupRun {
   /// Whether a step of 2h with that error is taken, and the next one to try.
   bool accept(double step_s, double error_k);
   void evaluate(Instant instant, Boundary& boundary) const;
+  Lanes within(double share, std::size_t node) const;
 
   const Plan* plan_;
   const Forcing* forcing_;

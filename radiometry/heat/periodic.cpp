@@ -19,8 +19,8 @@ namespace {
 
 using Complex = std::complex<double>;
 
-constexpr std::size_t kSamples = 64;  ///< of the forcing in a period
-constexpr std::size_t kHarmonics = kSamples / 2 - 1;
+constexpr std::size_t kSamples = 64;    ///< of the forcing in a period
+constexpr std::size_t kHarmonics = 12;  ///< what is left is corrected by the days that are run
 constexpr std::size_t kFacetsAtOnce = 64;
 constexpr int kMostIterations = 100;
 
@@ -219,7 +219,7 @@ PeriodicStart periodic_start(const Plan& plan, const Forcing& forcing, const Tim
 }
 
 PeriodicStart periodic_start(const Plan& plan, const GroupForcing& forcing, const Timeline& period, double residual_k,
-                             int most_periods, int threads, Runs runs_carried) {
+                             int most_periods, int threads, Runs runs_carried, const OutputSink& sink) {
   const double period_s = period.end_s - period.start_s;
   if (!(period_s > 0.0)) throw mtf::UsageError("heat: the period of a repeating start has to be above 0");
   const std::size_t facets = plan.batch.facets;
@@ -249,7 +249,7 @@ PeriodicStart periodic_start(const Plan& plan, const GroupForcing& forcing, cons
   if (three) result.state.doubled = result.state.fine;
 
   while (result.periods < most_periods) {
-    result.last = advance(plan, result.state, forcing, period, threads);
+    result.last = advance(plan, result.state, forcing, period, threads, sink);
     const Run& day = result.last;
     ++result.periods;
     result.residual_k = 0.0;
@@ -259,13 +259,16 @@ PeriodicStart periodic_start(const Plan& plan, const GroupForcing& forcing, cons
     result.state.step_s = day.end.step_s;
     for (const GridOfRun& run : runs) {
       const std::size_t n = run.grid->nodes();
-      std::vector<double> r(n);
-      for (std::size_t facet = 0; facet < facets; ++facet) {
-        for (std::size_t i = 0; i < n; ++i)
-          r[i] = (day.end.*run.t)[i * facets + facet] - (result.state.*run.t)[i * facets + facet];
-        correct(plan, *run.grid, period_s, linear[facet], r);
-        for (std::size_t i = 0; i < n; ++i) (result.state.*run.t)[i * facets + facet] += r[i];
-      }
+      const auto correct_facets = [&](std::int64_t begin, std::int64_t end) {
+        std::vector<double> r(n);
+        for (auto facet = static_cast<std::size_t>(begin); facet < static_cast<std::size_t>(end); ++facet) {
+          for (std::size_t i = 0; i < n; ++i)
+            r[i] = (day.end.*run.t)[i * facets + facet] - (result.state.*run.t)[i * facets + facet];
+          correct(plan, *run.grid, period_s, linear[facet], r);
+          for (std::size_t i = 0; i < n; ++i) (result.state.*run.t)[i * facets + facet] += r[i];
+        }
+      };
+      mtf::parallel_for(static_cast<std::int64_t>(facets), kFacetsAtOnce, threads, correct_facets);
     }
     if (result.residual_k <= residual_k) break;
   }

@@ -25,10 +25,12 @@ struct PeriodicStart {
 
 /// The timeline is one period. Ends when a period changes no node of any facet by more than
 /// `residual_k`, or after `most_periods`, so the residual has to be checked. Throws UsageError for a construction
-/// whose mean temperature is not determined: neither emission, convection nor an inside temperature.
+/// whose mean temperature is not determined: neither emission, convection nor an inside temperature. `sink` gets the
+/// outputs of every period that is run, one after the other.
 PeriodicStart periodic_start(const Plan& plan, const Forcing& forcing, const Timeline& period, double residual_k,
                              int most_periods = 8, int threads = 1);
 PeriodicStart periodic_start(const Plan& plan, const GroupForcing& forcing, const Timeline& period, double residual_k,
-                             int most_periods = 8, int threads = 1, Runs runs = Runs::three);
+                             int most_periods = 8, int threads = 1, Runs runs = Runs::three,
+                             const OutputSink& sink = {});
 
 }  // namespace radiometry::heat

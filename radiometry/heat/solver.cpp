@@ -32,26 +32,30 @@ void require_state_of(const Plan& plan, const State& state) {
           "the state is of another plan: start with uniform_state or periodic_start of this plan");
 }
 
-/// A time at which steps end.
+/// A time at which steps end, unless it is `between`.
 struct Stop {
   double time_s;
-  bool output;
+  bool output, between;
 };
 
-std::vector<Stop> stops_of(const Timeline& timeline) {
+/// The stops of a timeline, and the outputs between them where they are wanted, once each.
+std::vector<Stop> stops_of(const Timeline& timeline, bool with_between) {
   require(std::isfinite(timeline.start_s) && std::isfinite(timeline.end_s) && timeline.start_s < timeline.end_s,
           "the end of the timeline is not after its start");
-  std::vector<Stop> all{{timeline.start_s, false}, {timeline.end_s, false}};
-  for (const double output : timeline.outputs_s) all.push_back({output, true});
-  for (const double at : timeline.breaks_s) all.push_back({at, false});
+  std::vector<Stop> all{{timeline.start_s, false, false}, {timeline.end_s, false, false}};
+  for (const double output : timeline.outputs_s) all.push_back({output, true, false});
+  for (const double at : timeline.breaks_s) all.push_back({at, false, false});
+  if (with_between)
+    for (const double output : timeline.between_s) all.push_back({output, true, true});
   for (const Stop& stop : all) require(std::isfinite(stop.time_s), "a time of the timeline is not finite");
   require(std::is_sorted(timeline.outputs_s.begin(), timeline.outputs_s.end()), "the outputs do not rise");
   std::erase_if(all, [&](const Stop& stop) { return stop.time_s < timeline.start_s || stop.time_s > timeline.end_s; });
   std::sort(all.begin(), all.end(), [](const Stop& a, const Stop& b) { return a.time_s < b.time_s; });
   std::vector<Stop> merged;
   for (const Stop& stop : all) {
-    if (merged.empty() || merged.back().time_s < stop.time_s) merged.push_back({stop.time_s, false});
+    if (merged.empty() || merged.back().time_s < stop.time_s) merged.push_back({stop.time_s, false, true});
     merged.back().output |= stop.output;
+    merged.back().between &= stop.between;
   }
   return merged;
 }
@@ -62,9 +66,8 @@ double worst_difference(const double* a, const double* b, std::size_t count) {
   return worst;
 }
 
-/// What an output adds to the result and to the promise.
-void record(const Surfaces& surfaces, std::size_t count, double* to, Promise& promised) {
-  std::copy_n(surfaces.fine, count, to);
+/// What an output adds to the promise.
+void add_differences(const Surfaces& surfaces, std::size_t count, Promise& promised) {
   if (surfaces.doubled == nullptr) return;
   promised.steps_k = std::max(promised.steps_k, worst_difference(surfaces.fine, surfaces.doubled, count));
   promised.grid_k = std::max(promised.grid_k, worst_difference(surfaces.doubled, surfaces.coarse, count));
@@ -121,20 +124,27 @@ Run advance(const Plan& plan, const State& start, const Forcing& forcing, const 
   return advance(plan, start, for_all_groups(forcing), timeline, threads);
 }
 
-Run advance(const Plan& plan, const State& start, const GroupForcing& forcing, const Timeline& timeline, int threads) {
+Run advance(const Plan& plan, const State& start, const GroupForcing& forcing, const Timeline& timeline, int threads,
+            const OutputSink& sink) {
   require_state_of(plan, start);
   require(start.time_s == timeline.start_s, "the state is of another time than the start of the timeline");
-  const std::vector<Stop> stops = stops_of(timeline);
   const std::size_t facets = plan.batch.facets;
   const bool sheet = plan.batch.construction.is_sheet(), three = start.runs() == Runs::three;
+  const std::vector<Stop> stops = stops_of(timeline, !three);
 
   Run run;
   run.promised.depth_k = plan.depth_k;
   if (!three) run.promised.steps_k = run.promised.grid_k = std::numeric_limits<double>::infinity();
   for (const Stop& stop : stops)
     if (stop.output) run.outputs_s.push_back(stop.time_s);
-  run.front_k.resize(run.outputs_s.size() * facets);
+  if (!sink) run.front_k.resize(run.outputs_s.size() * facets);
   if (sheet) run.back_k.resize(run.front_k.size());
+  const OutputSink keep = [&](std::size_t output, std::size_t first, std::span<const double> front,
+                              std::span<const double> back) {
+    std::copy(front.begin(), front.end(), run.front_k.begin() + static_cast<std::ptrdiff_t>(output * facets + first));
+    std::copy(back.begin(), back.end(), run.back_k.begin() + static_cast<std::ptrdiff_t>(output * facets + first));
+  };
+  const OutputSink& give = sink ? sink : keep;
   if (three) run.balance.resize(facets);
   run.end = start;
   run.end.time_s = timeline.end_s;
@@ -148,13 +158,24 @@ Run advance(const Plan& plan, const State& start, const GroupForcing& forcing, c
       const std::size_t first = static_cast<std::size_t>(g) * kLanes;
       const Forcing own = forcing(first, std::min(kLanes, facets - first));
       GroupRun group(plan, start, own, first, kept);
-      std::size_t output = 0;
-      for (std::size_t i = 0; i < stops.size(); ++i) {
-        if (i > 0) group.advance(stops[i - 1].time_s, stops[i].time_s);
-        if (!stops[i].output) continue;
-        record(group.front(), group.count(), &run.front_k[output * facets + first], promised);
-        if (sheet) record(group.back(), group.count(), &run.back_k[output * facets + first], promised);
-        ++output;
+      const std::size_t count = group.count(), back_count = sheet ? count : 0;
+      std::size_t output = 0, next = 0;  // next: of the stops, the first that is not over
+      const auto after_step = [&](double begin_s, double end_s) {
+        for (; stops[next].between && stops[next].time_s < end_s; ++next) {
+          const double share = (stops[next].time_s - begin_s) / (end_s - begin_s);
+          const Lanes front = group.front_within(share), back = sheet ? group.back_within(share) : Lanes{};
+          give(output++, first, {front.at.data(), count}, {back.at.data(), back_count});
+        }
+      };
+      for (double from_s = timeline.start_s; next < stops.size(); ++next) {
+        const auto to = std::find_if(stops.begin() + static_cast<std::ptrdiff_t>(next), stops.end(),
+                                     [](const Stop& stop) { return !stop.between; });
+        if (to->time_s > from_s) group.advance(from_s, to->time_s, after_step);
+        from_s = to->time_s;
+        if (!to->output) continue;
+        add_differences(group.front(), count, promised);
+        if (sheet) add_differences(group.back(), count, promised);
+        give(output++, first, {group.front().fine, count}, {group.back().fine, back_count});
       }
       group.store(run.end);
       for (std::size_t l = 0; three && l < group.count(); ++l)

@@ -75,8 +75,8 @@ struct StepCount {
 };
 
 struct Run {
-  std::vector<double> outputs_s;  ///< the outputs of the timeline that lie in the run, start included
-  std::vector<double> front_k;    ///< [output * facets + facet]
+  std::vector<double> outputs_s;  ///< the outputs of the timeline that lie in the run, start included; times rise
+  std::vector<double> front_k;    ///< [output * facets + facet]; empty where an OutputSink gets them
   std::vector<double> back_k;     ///< of sheets; else empty
   Promise promised;               ///< infinite for Runs::one
   StepCount steps;
@@ -84,16 +84,22 @@ struct Run {
   State end;
 };
 
+/// Gets the surface temperatures of facets first, first + 1, ... at an output (in Run::outputs_s). It is called from
+/// several threads, for different facets; `back_k` is empty but for sheets.
+using OutputSink = std::function<void(std::size_t output, std::size_t first, std::span<const double> front_k,
+                                      std::span<const double> back_k)>;
+
 /// The state in which all nodes of every facet have a temperature.
 State uniform_state(const Plan& plan, double time_s, double temperature_k, Runs runs = Runs::three);
 /// One temperature per facet.
 State uniform_state(const Plan& plan, double time_s, std::span<const double> temperature_k, Runs runs = Runs::three);
 
 /// Advances a batch from `start` over the timeline (start.time_s has to be timeline.start_s). Results do not depend on
-/// `threads` (0: all cores). Throws UsageError for a state of another plan or a timeline whose times do not rise, and
-/// RuntimeError where the forcing gives a value that is not finite, or no step is short enough.
+/// `threads` (0: all cores). `sink`: gets the outputs, which are not kept then. Throws UsageError for a state of
+/// another plan or a timeline whose times do not rise, and RuntimeError where the forcing gives a value that is not
+/// finite, or no step is short enough.
 Run advance(const Plan& plan, const State& start, const Forcing& forcing, const Timeline& timeline, int threads = 1);
 Run advance(const Plan& plan, const State& start, const GroupForcing& forcing, const Timeline& timeline,
-            int threads = 1);
+            int threads = 1, const OutputSink& sink = {});
 
 }  // namespace radiometry::heat

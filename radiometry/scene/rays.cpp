@@ -49,7 +49,7 @@ Rays::~Rays() = default;
 Hit Rays::first_hit(const Ray& ray) const {
   check(ray, facets_.middle, 0);
   const Vector direction = unit(ray.direction);
-  return hit_of(facets_, embree_->first_triangle(embree_->single(ray.origin, direction)), ray.origin, direction);
+  return hit_of(facets_, embree_->first_triangle(embree_->single(ray.origin, direction)).number, ray.origin, direction);
 }
 
 void Rays::first_hits(std::span<const Ray> rays, std::span<Hit> hits, int threads) const {

@@ -44,9 +44,8 @@ class PatchFinder {
  public:
   PatchFinder(const Facets& facets, std::span<const std::uint32_t> patch_of) : facets_(facets), patch_of_(patch_of) {}
   bool wanted() const { return !patch_of_.empty(); }
-  std::uint32_t operator()(Side from, std::uint32_t triangle, const Vector& direction) const {
-    const std::uint32_t facet = facets_.facet_of[triangle];
-    const std::uint32_t patch = patch_of_[index({facet, dot(facets_.facet[facet].normal, direction) > 0.0})];
+  std::uint32_t operator()(Side from, EmbreeScene::FirstTriangle triangle) const {
+    const std::uint32_t patch = patch_of_[index({facets_.facet_of[triangle.number], triangle.back})];
     return patch == kNone ? patch_of_[index(from)] : patch;
   }
 
@@ -61,6 +60,7 @@ Sample sample(const Rays& rays, std::span<const Side> sides, std::uint64_t recei
   const ReceiverSurface surface(rays.facets(), sides, embree.lift_m());
   const SpreadNumbers<4> numbers(receiver, options.seed);
   Sample sample{.sent = std::vector<int>(static_cast<std::size_t>(rings.rings()) + 1, 0), .hidden = {}};
+  sample.hidden.reserve(static_cast<std::size_t>(options.rays));
   for (int i = 0; i < options.rays; ++i) {
     const auto [u, v, p, q] = numbers(static_cast<std::uint64_t>(i));
     const auto [point, normal, side] = surface.at(u, v);
@@ -70,8 +70,8 @@ Sample sample(const Rays& rays, std::span<const Side> sides, std::uint64_t recei
     const SingleRay ray = embree.single(point, direction);
     if (!patch_of.wanted()) {
       if (embree.blocked(ray)) sample.hidden.push_back({0, zone});
-    } else if (const std::uint32_t triangle = embree.first_triangle(ray); triangle != kNone) {
-      sample.hidden.push_back({patch_of(side, triangle, direction), zone});
+    } else if (const auto triangle = embree.first_triangle(ray); triangle.number != kNone) {
+      sample.hidden.push_back({patch_of(side, triangle), zone});
     }
   }
   return sample;
@@ -97,8 +97,9 @@ std::vector<std::size_t> sampled_zones(std::span<const int> sent) {
 }
 
 /// Turns counts into shares: `zones` holds what the receiver would see without obstacles, and gets what it sees. The
-/// hidden part of each zone goes to the patches in proportion to the rays.
-std::vector<PatchShare> post_stratify(Sample& sample, std::span<double> zones) {
+/// hidden part of each zone goes to the patches in proportion to the rays; their shares are appended to `row`, patches
+/// rising.
+void post_stratify(Sample& sample, std::span<double> zones, std::vector<PatchShare>& row) {
   const std::vector<std::size_t> nearest = sampled_zones(sample.sent);
   std::vector<int> hidden(zones.size(), 0);
   for (const HiddenRay& ray : sample.hidden) ++hidden[static_cast<std::size_t>(ray.zone)];
@@ -112,12 +113,28 @@ std::vector<PatchShare> post_stratify(Sample& sample, std::span<double> zones) {
   std::sort(sample.hidden.begin(), sample.hidden.end(), [](const HiddenRay& a, const HiddenRay& b) {
     return a.patch != b.patch ? a.patch < b.patch : a.zone < b.zone;
   });
-  std::vector<PatchShare> shares;
+  const std::size_t before = row.size();
   for (const HiddenRay& ray : sample.hidden) {
-    if (shares.empty() || shares.back().patch != ray.patch) shares.push_back({ray.patch, 0.0});
-    shares.back().share += weight[static_cast<std::size_t>(ray.zone)];
+    if (row.size() == before || row.back().patch != ray.patch) row.push_back({ray.patch, 0.0});
+    row.back().share += weight[static_cast<std::size_t>(ray.zone)];
   }
-  return shares;
+}
+
+/// One row for each receiver from the shares of chunks of receivers, which are freed.
+SparseRows joined(std::vector<std::vector<PatchShare>>& chunks, const std::vector<std::uint32_t>& row_sizes) {
+  SparseRows rows;
+  rows.first.reserve(row_sizes.size() + 1);
+  for (const std::uint32_t size : row_sizes) rows.first.push_back(rows.first.back() + size);
+  rows.column.reserve(rows.first.back());
+  rows.value.reserve(rows.first.back());
+  for (std::vector<PatchShare>& chunk : chunks) {
+    for (const PatchShare& entry : chunk) {
+      rows.column.push_back(entry.patch);
+      rows.value.push_back(entry.share);
+    }
+    chunk = {};
+  }
+  return rows;
 }
 
 }  // namespace
@@ -150,34 +167,36 @@ Views views(const Rays& rays, const Receivers& receivers, std::span<const std::u
               .surfaces = std::vector<double>(count),
               .rays = std::vector<double>(count, options.rays),
               .patches = {}};
-  std::vector<std::vector<PatchShare>> shares(finder.wanted() ? count : 0);
+  constexpr std::int64_t kChunk = 256;
+  std::vector<std::vector<PatchShare>> chunks(count / kChunk + 1);
+  std::vector<std::uint32_t> row_sizes(finder.wanted() ? count : 0);
 
-  mtf::parallel_for(static_cast<std::int64_t>(count), 256, options.threads, [&](std::int64_t begin, std::int64_t end) {
-    std::vector<double> seen(zones);
-    for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
-      double area = 0.0;
-      for (const Side& side : receivers[i]) area += facets.facet[side.facet].area_m2;
-      std::fill(seen.begin(), seen.end(), 0.0);
-      for (const Side& side : receivers[i]) {
-        const Facet& facet = facets.facet[side.facet];
-        rings.add_shares(side.back ? -facet.normal[2] : facet.normal[2], facet.area_m2 / area, seen);
-      }
-      Sample counts = sample(rays, receivers[i], i, rings, finder, options);
-      std::vector<PatchShare> row = post_stratify(counts, seen);
-      std::copy(seen.begin(), seen.end() - 1, views.sky.begin() + static_cast<std::ptrdiff_t>(i * (zones - 1)));
-      views.ground[i] = seen.back();
-      for (const PatchShare& entry : row) views.surfaces[i] += entry.share;
-      if (finder.wanted()) shares[i] = std::move(row);
-    }
-  });
+  mtf::parallel_for(
+      static_cast<std::int64_t>(count), kChunk, options.threads, [&](std::int64_t begin, std::int64_t end) {
+        std::vector<double> seen(zones);
+        std::vector<PatchShare>& rows = chunks[static_cast<std::size_t>(begin / kChunk)];
+        for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
+          double area = 0.0;
+          for (const Side& side : receivers[i]) area += facets.facet[side.facet].area_m2;
+          std::fill(seen.begin(), seen.end(), 0.0);
+          for (const Side& side : receivers[i]) {
+            const Facet& facet = facets.facet[side.facet];
+            rings.add_shares(side.back ? -facet.normal[2] : facet.normal[2], facet.area_m2 / area, seen);
+          }
+          Sample counts = sample(rays, receivers[i], i, rings, finder, options);
+          const std::size_t before = rows.size();
+          post_stratify(counts, seen, rows);
+          std::copy(seen.begin(), seen.end() - 1, views.sky.begin() + static_cast<std::ptrdiff_t>(i * (zones - 1)));
+          views.ground[i] = seen.back();
+          for (std::size_t e = before; e < rows.size(); ++e) views.surfaces[i] += rows[e].share;
+          if (finder.wanted())
+            row_sizes[i] = static_cast<std::uint32_t>(rows.size() - before);
+          else
+            rows.clear();
+        }
+      });
 
-  for (const std::vector<PatchShare>& row : shares) {
-    for (const PatchShare& entry : row) {
-      views.patches.column.push_back(entry.patch);
-      views.patches.value.push_back(entry.share);
-    }
-    views.patches.first.push_back(views.patches.column.size());
-  }
+  if (finder.wanted()) views.patches = joined(chunks, row_sizes);
   return views;
 }
 

@@ -6,8 +6,6 @@
 #include <limits>
 
 #include "apps/scene/heat/sample_units.h"
-#include "apps/text/words.h"
-#include "mtf/error.h"
 #include "mtf/parallel.h"
 #include "radiometry/heat/lanes.h"
 #include "radiometry/heat/solve.h"
@@ -19,14 +17,10 @@ namespace apps::scene {
 namespace {
 
 namespace heat = radiometry::heat;
-constexpr int kMostIterations = 60;
-constexpr int kStarts = 2;             // iterations of the sample that find the state which repeats anew
-constexpr int kMostRounds = 20;        // solutions of units
-constexpr double kPlanShare = 0.5;     // of the tolerance: plans are made by trial, other units and days may need more
-constexpr double kStartShare = 0.4;    // of the tolerance: what the state at the start may change in a day
-constexpr double kStepsFactor = 2.0;   // see the header
-constexpr double kAgainShare = 0.6;    // of what is allowed: with more a unit is solved again, once another has to be
-constexpr double kSampleShare = 0.25;  // of what is allowed: where the iteration of the sample ends
+constexpr double kPlanShare = 0.5;    // of the tolerance: plans are made by trial, other units and days may need more
+constexpr double kStepsFactor = 2.0;  // see the header
+constexpr double kCoarseStop_s = 1200.0;  // steps of a coarse plan end there, unless their error has them end before:
+constexpr double kCoarseStepShare = 2.0, kCoarseStep_k = 0.15;  // of the tolerance, and at most
 
 /// The larger of two promises, part by part.
 heat::Promise worse(const heat::Promise& a, const heat::Promise& b) {
@@ -91,6 +85,11 @@ HeatBatches::HeatBatches(const HeatScene& scene, const Units& units, const Groun
     }
     batches_.back().all.unit.push_back(i);
   }
+  emission_.assign(units.exchange.receivers(), 0.0);
+  for_receivers(units, [&](std::size_t r, const Unit&, const UnitSide& side) {
+    emission_[r] = units.exchange.receiver_area_m2[r] / units.exchange.area_m2[units.exchange.patch_of[r]] *
+                   side.emissivity * radiometry::kStefanBoltzmann_w_m2_k4;
+  });
   const std::vector<bool> sampled = sampled_units(units, scene.surroundings);
   sampled_area_.assign(units.exchange.patches(), 0.0);
   for (Batch& batch : batches_) {
@@ -107,19 +106,24 @@ HeatBatches::HeatBatches(const HeatScene& scene, const Units& units, const Groun
     }
     for (const std::uint32_t i : batch.sample.unit) {
       const Unit& unit = units.unit[i];
-      for (std::size_t r = unit.receiver; r <= unit.receiver + (unit.has_own_back() ? 1 : 0); ++r)
+      for (std::size_t r = unit.receiver; r <= unit.receiver + (unit.has_own_back() ? 1 : 0); ++r) {
+        sampled_receivers_.push_back(static_cast<std::uint32_t>(r));
         sampled_area_[units.exchange.patch_of[r]] += units.exchange.receiver_area_m2[r];
+      }
     }
   }
 }
 
-heat::Timeline HeatBatches::timeline(std::size_t first, std::size_t last, bool middles) const {
+heat::Timeline HeatBatches::timeline(std::size_t first, std::size_t last, Pace pace) const {
   const std::vector<double>& times = scene_.surroundings.time_s;
   heat::Timeline line{times[first], times[last], {}, {}};
+  double next_s = times[first];  // where steps have to end
   for (std::size_t k = first; k <= last; ++k) {
-    line.breaks_s.push_back(times[k]);
-    line.outputs_s.push_back(times[k]);
-    if (middles && k < last) line.outputs_s.push_back(0.5 * (times[k] + times[k + 1]));
+    const bool ends = pace == Pace::fine || k == last || times[k] >= next_s;
+    if (ends) next_s = times[k] + kCoarseStop_s - 1e-3;
+    if (ends) line.breaks_s.push_back(times[k]);
+    (ends ? line.outputs_s : line.between_s).push_back(times[k]);
+    if (k < last) line.between_s.push_back(0.5 * (times[k] + times[k + 1]));
   }
   return line;
 }
@@ -137,6 +141,21 @@ void HeatBatches::set_window(const Window& window, bool first) {
   emitted_.assign(moments * patches, 0.0);
   beyond_sample_.assign(moments * patches, 0.0);
   given_.assign(moments * patches, 0.0);
+  struct Given {
+    std::size_t receiver;
+    std::uint32_t facet;
+    double emissivity;  // times area, over that of its patch
+  };
+  std::vector<Given> all_given;
+  std::vector<double> emissivity(patches, 0.0);  // of what is solved, by area
+  for_receivers(units_, [&](std::size_t i, const Unit& unit, const UnitSide& side) {
+    const std::uint32_t p = units_.exchange.patch_of[i];
+    const double part = units_.exchange.receiver_area_m2[i] / units_.exchange.area_m2[p] * side.emissivity;
+    if (unit.given)
+      all_given.push_back({i, unit.leader, part});
+    else
+      emissivity[p] += part;
+  });
   std::size_t near = 2 * old.first;  // a moment of the old window
   const auto time_of = [&](std::size_t moment) {
     return moment % 2 == 0 ? times[moment / 2] : 0.5 * (times[moment / 2] + times[moment / 2 + 1]);
@@ -146,19 +165,18 @@ void HeatBatches::set_window(const Window& window, bool first) {
     while (!first && near + 1 < 2 * old.last && time_of(near + 1) < time - heat::kDay_s) ++near;
     const double step_s = first ? 1.0 : time_of(near + 1) - time_of(near);
     const double share = first ? 0.0 : std::clamp((time - heat::kDay_s - time_of(near)) / step_s, 0.0, 1.0);
-    const double air = scene_.surroundings.air_k[window.first + m / 2];
-    for_receivers(units_, [&](std::size_t i, const Unit& unit, const UnitSide& side) {
-      const std::uint32_t p = units_.exchange.patch_of[i];
-      if (!unit.given && !first) return;
-      const double kelvin_here = unit.given ? scene_.given_k(unit.leader, time) : air;
-      const double part = units_.exchange.receiver_area_m2[i] / units_.exchange.area_m2[p] * side.emissivity *
-                          heat::blackbody_w_m2(kelvin_here);
-      (unit.given ? given_ : emitted_)[m * patches + p] += part;
-      if (unit.given) receiver_k_[m * receivers + i] = kelvin_here;
-    });
+    for (const Given& given : all_given) {
+      const double kelvin_here = scene_.given_k(given.facet, time);
+      receiver_k_[m * receivers + given.receiver] = kelvin_here;
+      given_[m * patches + units_.exchange.patch_of[given.receiver]] +=
+          given.emissivity * heat::blackbody_w_m2(kelvin_here);
+    }
+    const double of_air = heat::blackbody_w_m2(scene_.surroundings.air_k[window.first + m / 2]);
     for (std::size_t p = 0; p < patches; ++p) {
       double& value = emitted_[m * patches + p];
-      if (!first) {  // a guess: the day before
+      if (first) {  // a guess: everything is as warm as the air
+        value = emissivity[p] * of_air;
+      } else {  // the day before
         const std::size_t from = (near - 2 * old.first) * patches + p;
         const auto then = [&](const std::vector<double>& of) {
           return of[from] + share * (of[from + patches] - of[from]);
@@ -190,25 +208,31 @@ heat::Plan HeatBatches::make_plan_of(const Batch& batch) {
   return make_plan(batch.sample.heat,
                    forcing_of(std::move(forced), units_, scene_.surroundings, ground_, light_,
                               scene_.material[batch.material].inside, scene_.file.time.start_s),
-                   timeline(0, last, true), heat::RepeatingStart{heat::kDay_s}, batch.wanted_k);
+                   timeline(0, last, Pace::fine), heat::RepeatingStart{heat::kDay_s}, batch.wanted_k);
 }
 
-heat::Run HeatBatches::run(Batch& batch, Group& group, int days, heat::Runs runs) {
+heat::Run HeatBatches::run(Batch& batch, Group& group, int days, heat::Runs runs, Pace pace,
+                           const heat::OutputSink& sink) {
   if (!group.plan) {
     if (!batch.sample.plan) batch.sample.plan = make_plan_of(batch);
     group.plan = batch.sample.plan;
     group.plan->batch = group.heat;
   }
-  const heat::Timeline line = timeline(window_.first, window_.last, true);
+  const heat::Timeline line = timeline(window_.first, window_.last, pace);
+  heat::Plan& plan = *group.plan;
+  const double step_tolerance_k = plan.step_tolerance_k;
+  if (pace == Pace::coarse)
+    plan.step_tolerance_k = std::max(step_tolerance_k, std::min(kCoarseStepShare * tolerance_k_, kCoarseStep_k));
   heat::Run run;
   if (days > 0) {
     heat::PeriodicStart repeating =
-        periodic_start(*group.plan, group.forcing, line, kStartShare * tolerance_k_, days, threads_, runs);
+        periodic_start(plan, group.forcing, line, kStartShare * tolerance_k_, days, threads_, runs, sink);
     group.begin = std::move(repeating.state);
     run = std::move(repeating.last);
   } else {
-    run = advance(*group.plan, group.begin, group.forcing, line, threads_);
+    run = advance(plan, group.begin, group.forcing, line, threads_, sink);
   }
+  plan.step_tolerance_k = step_tolerance_k;
   group.end = run.end;
   add(batch.run.steps, run.steps);
   return run;
@@ -217,8 +241,8 @@ heat::Run HeatBatches::run(Batch& batch, Group& group, int days, heat::Runs runs
 void HeatBatches::promise(Batch& batch, bool first) {
   heat::Promise promised;
   for (int i = 0;; ++i) {
-    if (first) run(batch, batch.promise, 2, heat::Runs::three);
-    const heat::Run three = run(batch, batch.promise, 0, heat::Runs::three);
+    if (first) run(batch, batch.promise, 2, heat::Runs::three, Pace::fine);
+    const heat::Run three = run(batch, batch.promise, 0, heat::Runs::three, Pace::fine);
     promised = three.promised;
     promised.steps_k *= kStepsFactor;
     batch.run.drift = std::max(batch.run.drift, worst_drift(three.balance));
@@ -232,12 +256,12 @@ void HeatBatches::promise(Batch& batch, bool first) {
   batch.run.promised = worse(batch.run.promised, promised);
 }
 
-std::vector<double> HeatBatches::run_sample(int days) {
+std::vector<double> HeatBatches::run_sample(int days, Pace pace) {
   const std::size_t patches = units_.exchange.patches();
   std::vector<double> emitted(light_.moments() * patches, 0.0);
   for (Batch& batch : batches_) {
     Group& group = batch.sample;
-    add_emitted(group, run(batch, group, days, heat::Runs::one), emitted);
+    add_emitted(group, run(batch, group, days, heat::Runs::one, pace), emitted);
     // The first day repeats itself: the next iteration begins where this one ended.
     if (window_.first == 0 && days == 0) {
       group.begin = group.end;
@@ -251,8 +275,8 @@ std::vector<double> HeatBatches::run_sample(int days) {
   return emitted;
 }
 
-void HeatBatches::run_all(int days) {
-  for (Batch& batch : batches_) keep_temperatures(batch.all.unit, run(batch, batch.all, days, heat::Runs::one));
+void HeatBatches::run_all(int days, Pace pace) {
+  for (Batch& batch : batches_) run(batch, batch.all, days, heat::Runs::one, pace, keeper_of(batch.all.unit));
 }
 
 void HeatBatches::run_again(const std::vector<std::vector<std::uint32_t>>& places, bool first) {
@@ -269,111 +293,10 @@ void HeatBatches::run_again(const std::vector<std::vector<std::uint32_t>>& place
     set_forcing(some, batch);
     some.begin = picked(first ? batch.all.end : batch.all.begin, places[b]);  // the first day repeats itself
     some.begin.time_s = scene_.surroundings.time_s[window_.first];
-    keep_temperatures(some.unit, run(batch, some, 0, heat::Runs::one));
+    run(batch, some, 0, heat::Runs::one, Pace::fine, keeper_of(some.unit));
     put_back(some.begin, places[b], batch.all.begin);
     put_back(some.end, places[b], batch.all.end);
   }
-}
-
-double HeatBatches::residual_k(const Batch& batch, std::uint32_t place) const {
-  const std::size_t units = batch.all.unit.size();
-  double most = 0.0;
-  for (std::size_t at = place; at < batch.all.end.fine.size(); at += units)
-    most = std::max(most, std::abs(batch.all.end.fine[at] - batch.all.begin.fine[at]));
-  return most;
-}
-
-void HeatBatches::relax_sample(bool first, double enough_k, double loss_w_m2_k, double ratio_bound) {
-  const PatchScene patch = patch_scene();
-  double last = 0.0;
-  for (int iteration = 1;; ++iteration) {
-    const std::vector<double> emitted = run_sample(first && samples_ < kStarts ? kStarts : 0);
-    ++samples_;
-    for (std::size_t e = 0; e < emitted.size(); ++e) emitted_[e] = emitted[e] + beyond_sample_[e];
-    const PatchTable before = light_.longwave;
-    fill_longwave(patch, emitted_, light_);
-    const std::vector<double> change = changes(patch, before, light_.longwave);
-    const double most = *std::max_element(change.begin(), change.end()) / loss_w_m2_k;
-    // A change becomes smaller by the ratio at least with every iteration; it may do so faster than the bound says.
-    const double ratio = iteration > 2 && last > 0.0 ? std::min(ratio_bound, most / last) : ratio_bound;
-    const double error = most / (1.0 - std::clamp(ratio, 0.0, 0.99));
-    if (error <= enough_k && (!first || samples_ > kStarts)) return;
-    if (iteration == kMostIterations)
-      throw mtf::RuntimeError("the exchange of radiation between surfaces has an error of " + significant(error, 2) +
-                              " K after " + plural(kMostIterations, "iteration") + "; ask for a larger tolerance");
-    last = most;
-  }
-}
-
-Relaxed HeatBatches::solve(const Window& window, bool first, double tolerance_k, double loss_w_m2_k,
-                           double ratio_bound) {
-  set_window(window, first);
-  const PatchScene patch = patch_scene();
-  fill_longwave(patch, emitted_, light_);
-  const double enough_k = kSampleShare * tolerance_k;
-  relax_sample(first, enough_k, loss_w_m2_k, ratio_bound);
-  for (Batch& batch : batches_) promise(batch, first);
-  if (first) {
-    // The day that finds the state which repeats tells what all units emit beyond the sample, when both are run so.
-    const std::vector<double> sample = run_sample(1);
-    run_all(1);
-    const std::vector<double> all = emitted_by_all();
-    for (std::size_t e = 0; e < all.size(); ++e) beyond_sample_[e] = all[e] - sample[e];
-    relax_sample(first, enough_k, loss_w_m2_k, ratio_bound);
-  }
-
-  // All units; then those again that saw another light than this one comes to, or whose day does not repeat.
-  run_all(0);
-  Relaxed relaxed{.iterations = 1, .error_k = 0.0};
-  const PatchTable of_all = light_.longwave;  // with which units were solved, and those that were solved again
-  PatchTable of_again = of_all;
-  std::vector<bool> again(units_.unit.size(), false);
-  for (;; ++relaxed.iterations) {
-    const std::vector<double> all = emitted_by_all();
-    for (std::size_t e = 0; e < all.size(); ++e) {
-      beyond_sample_[e] += all[e] - emitted_[e];
-      emitted_[e] = all[e];
-    }
-    fill_longwave(patch, emitted_, light_);
-    const std::vector<double> change = changes(patch, of_all, light_.longwave),
-                              change_again = changes(patch, of_again, light_.longwave);
-    relaxed.error_k = 0.0;
-    std::vector<std::vector<std::uint32_t>> places(batches_.size());
-    bool enough = true;
-    for (std::size_t b = 0; b < batches_.size(); ++b) {
-      Batch& batch = batches_[b];
-      batch.run.start_residual_k = 0.0;
-      for (std::uint32_t place = 0; place < batch.all.unit.size(); ++place) {
-        const std::uint32_t u = batch.all.unit[place];
-        const Unit& unit = units_.unit[u];
-        const std::vector<double>& of = again[u] ? change_again : change;
-        const double error_k = std::max(of[unit.receiver], unit.back ? of[unit.back_receiver] : 0.0) / loss_w_m2_k /
-                               (1.0 - std::clamp(ratio_bound, 0.0, 0.99));
-        const double residual = first ? residual_k(batch, place) : 0.0;
-        relaxed.error_k = std::max(relaxed.error_k, error_k);
-        batch.run.start_residual_k = std::max(batch.run.start_residual_k, residual);
-        const double part = std::max(error_k / tolerance_k, residual / (kStartShare * tolerance_k_));
-        enough = enough && part <= 1.0;
-        again[u] = again[u] || part > kAgainShare;
-        if (again[u]) places[b].push_back(place);
-      }
-    }
-    if (enough) break;
-    if (relaxed.iterations == kMostRounds)
-      throw mtf::RuntimeError("the exchange of radiation between surfaces has an error of " +
-                              significant(relaxed.error_k, 2) + " K after " + plural(kMostRounds, "solution") +
-                              "; ask for a larger tolerance");
-    relax_sample(first, enough_k, loss_w_m2_k, ratio_bound);
-    run_again(places, first);
-    of_again = light_.longwave;
-  }
-  relaxed.error_k += parabola_error(patch, light_.longwave) / loss_w_m2_k;
-  for (Batch& batch : batches_) {
-    batch.all.begin = std::move(batch.all.end);
-    batch.sample.begin = std::move(batch.sample.end);
-    batch.sample.begin.time_s = batch.all.begin.time_s;
-  }
-  return relaxed;
 }
 
 std::vector<MaterialRun> HeatBatches::materials() const {

@@ -8,6 +8,10 @@
 // units are solved, and what they emit in the mean beyond the sample is kept as a difference: with it the sample is
 // solved again. What that changes is measured for every unit; those for which it is too much are solved again.
 //
+// That is done first with a coarse plan, of long steps that take no notice of the nodes of the surroundings, for as
+// long as it pays: the exchange needs what patches emit, and of that only what all units emit beyond the sample, in
+// which the errors of long steps cancel.
+//
 // The sample also carries what the promise of the solver needs (Runs::three), the other units are carried once, in the
 // steps of the second of the three runs. Its error is 4/3 of the difference to the first; the promise is twice the
 // difference.
@@ -73,11 +77,20 @@ class HeatBatches {
     radiometry::heat::State begin;  ///< at the begin of the window
     radiometry::heat::State end;    ///< at its end, by the last run
   };
+  static constexpr double kStartShare = 0.4;  ///< of the tolerance: what the state at the start may change in a day
+
+  /// Plans of the batch, or coarse ones.
+  enum class Pace { fine, coarse };
   struct Batch {
     std::size_t material = 0;
     Group all, sample, promise;  ///< the last two of the same units
     double wanted_k = 0.0;       ///< the tolerance that the plan is made for
     MaterialRun run;
+  };
+
+  /// What the exchange has to keep: see `solve`.
+  struct Exchange {
+    double tolerance_k, loss_w_m2_k, ratio_bound;
   };
 
   void set_window(const Window& window, bool first);
@@ -87,21 +100,26 @@ class HeatBatches {
   void promise(Batch& batch, bool first);
   radiometry::heat::Plan make_plan_of(const Batch& batch);
   /// One group over the window: from its begin, or one that repeats (`days` at most).
-  radiometry::heat::Run run(Batch& batch, Group& group, int days, radiometry::heat::Runs runs);
+  radiometry::heat::Run run(Batch& batch, Group& group, int days, radiometry::heat::Runs runs, Pace pace,
+                            const radiometry::heat::OutputSink& sink = {});
   /// Adds what the units emit in a run of theirs, times their area, to the sums of their patches.
   void add_emitted(const Group& group, const radiometry::heat::Run& run, std::vector<double>& emitted) const;
   /// What patches emit by a run of the sample, and by the temperatures of all units; [moment * patches + patch].
-  std::vector<double> run_sample(int days);
+  std::vector<double> run_sample(int days, Pace pace);
   std::vector<double> emitted_by_all() const;
   /// Iterates the sample until the long-wave light changes by less than `enough_k`.
-  void relax_sample(bool first, double enough_k, double loss_w_m2_k, double ratio_bound);
-  void run_all(int days);
+  void relax_sample(bool first, const Exchange& exchange, Pace pace);
+  void run_all(int days, Pace pace);
+  /// All units with the coarse plans, again and again, until the next time would change less than the tolerance, or
+  /// nothing comes nearer.
+  void guess_exchange(bool first, const Exchange& exchange);
   /// Runs units again: those of each batch at the given places of Batch::all.
   void run_again(const std::vector<std::vector<std::uint32_t>>& places, bool first);
-  void keep_temperatures(const std::vector<std::uint32_t>& units, const radiometry::heat::Run& run);
+  /// Where the temperatures of some units are kept.
+  radiometry::heat::OutputSink keeper_of(const std::vector<std::uint32_t>& units);
   /// What a unit of a batch changes in a day that should repeat, K.
   double residual_k(const Batch& batch, std::uint32_t place) const;
-  radiometry::heat::Timeline timeline(std::size_t first, std::size_t last, bool middles) const;
+  radiometry::heat::Timeline timeline(std::size_t first, std::size_t last, Pace pace) const;
   PatchScene patch_scene() const { return {&units_, &means_, &scene_.surroundings, &ground_, threads_}; }
 
   const HeatScene& scene_;
@@ -113,8 +131,10 @@ class HeatBatches {
   PatchLight light_;
   std::vector<Batch> batches_;
   Window window_;
-  std::vector<double> receiver_k_;     ///< [moment of the window * receivers + receiver]
-  int samples_ = 0;                    ///< runs of the sample in this window
+  std::vector<double> receiver_k_;  ///< [moment of the window * receivers + receiver]
+  int samples_ = 0;                 ///< runs of the sample in this window
+  std::vector<double> emission_;    ///< of each receiver: epsilon sigma, times its area over that of its patch
+  std::vector<std::uint32_t> sampled_receivers_;
   std::vector<double> sampled_area_;   ///< of each patch: of the units of the sample
   std::vector<double> given_;          ///< what patches of given temperature emit, times area / area of the patch
   std::vector<double> emitted_;        ///< [moment * patches + patch], W/m2

@@ -9,6 +9,7 @@
 #include "apps/scene/heat/stopwatch.h"
 #include "apps/text/words.h"
 #include "mtf/error.h"
+#include "mtf/parallel.h"
 #include "radiometry/heat/weather/sky.h"
 #include "radiometry/light/constants.h"
 
@@ -118,15 +119,21 @@ HeatReport run_heat(const HeatScene& scene, const HeatOptions& options,
   const std::vector<Window> windows = windows_of(s);
   std::vector<double> front(scene.region.size()), back(units.has_sheets() ? scene.region.size() : 0);
   const auto emit = [&](std::size_t node) {
+    constexpr std::int64_t kFacetsAtOnce = 16384;
+    mtf::parallel_for(static_cast<std::int64_t>(front.size()), kFacetsAtOnce, options.threads,
+                      [&](std::int64_t begin, std::int64_t end) {
+                        for (auto f = static_cast<std::size_t>(begin); f < static_cast<std::size_t>(end); ++f) {
+                          const Unit& unit = units.unit[units.unit_of[f]];
+                          front[f] = unit.given ? scene.given_k(static_cast<std::uint32_t>(f), s.time_s[node])
+                                                : batches.receiver_k(node, unit.receiver);
+                          if (!back.empty())
+                            back[f] = unit.has_own_back() ? batches.receiver_k(node, unit.back_receiver)
+                                                          : std::numeric_limits<double>::quiet_NaN();
+                        }
+                      });
     for (std::size_t f = 0; f < front.size(); ++f) {
-      const Unit& unit = units.unit[units.unit_of[f]];
-      front[f] = unit.given ? scene.given_k(static_cast<std::uint32_t>(f), s.time_s[node])
-                            : batches.receiver_k(node, unit.receiver);
       require_plausible(scene, f, front[f], s.time_s[node]);
       warmest = std::max(warmest, front[f]);
-      if (!back.empty())
-        back[f] = unit.has_own_back() ? batches.receiver_k(node, unit.back_receiver)
-                                      : std::numeric_limits<double>::quiet_NaN();
     }
     output({s.time_s[node], front, back});
     ++report.outputs;

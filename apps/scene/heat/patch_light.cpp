@@ -14,7 +14,7 @@ namespace apps::scene {
 namespace {
 
 namespace geometry = radiometry::scene;
-constexpr double kTolerance = 1e-11;  // of the radiosity, relative
+constexpr double kTolerance = 1e-9;  // of the radiosity, relative
 
 struct AddScaled {
   template <int Bytes>
@@ -58,17 +58,35 @@ void solve_moment(const PatchScene& scene, const Outside& from, std::span<const 
   }
 }
 
-/// `value(receiver, scratch)` of all receivers.
+/// `value(i, scratch)` of `count` things.
 template <class Value>
-std::vector<double> of_receivers(const PatchScene& scene, const Value& value) {
-  std::vector<double> values(scene.units->exchange.receivers());
-  mtf::parallel_for(static_cast<std::int64_t>(values.size()), 1024, scene.threads,
-                    [&](std::int64_t begin, std::int64_t end) {
-                      std::vector<float> series;
-                      for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i)
-                        values[i] = value(i, series);
-                    });
+std::vector<double> of_each(std::size_t count, int threads, const Value& value) {
+  std::vector<double> values(count);
+  mtf::parallel_for(static_cast<std::int64_t>(count), 1024, threads, [&](std::int64_t begin, std::int64_t end) {
+    std::vector<float> series;
+    for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) values[i] = value(i, series);
+  });
   return values;
+}
+
+PatchTable difference(const PatchTable& before, const PatchTable& after) {
+  PatchTable change = after;
+  for (std::size_t m = 0; m < change.moments; ++m) change.reference_w_m2[m] -= before.reference_w_m2[m];
+  for (std::size_t e = 0; e < change.radiosity.size(); ++e) {
+    change.radiosity[e] -= before.radiosity[e];
+    change.shift[e] -= before.shift[e];
+  }
+  return change;
+}
+
+/// The largest value of a table at a receiver.
+double most_of(const PatchTable& table, const Units& units, std::size_t receiver, std::vector<float>& series) {
+  table.irradiance(units, receiver, series);
+  const double share = PatchTable::share(units, receiver);
+  double most = 0.0;
+  for (std::size_t m = 0; m < table.moments; ++m)
+    most = std::max(most, std::abs(share * table.reference_w_m2[m] + static_cast<double>(series[m])));
+  return most;
 }
 
 PatchTable make_table(std::size_t patches, std::size_t moments) {
@@ -182,27 +200,27 @@ void fill_longwave(const PatchScene& scene, std::span<const double> emitted, Pat
 }
 
 std::vector<double> changes(const PatchScene& scene, const PatchTable& before, const PatchTable& after) {
-  PatchTable change = after;
-  for (std::size_t m = 0; m < change.moments; ++m) change.reference_w_m2[m] -= before.reference_w_m2[m];
-  for (std::size_t e = 0; e < change.radiosity.size(); ++e) {
-    change.radiosity[e] -= before.radiosity[e];
-    change.shift[e] -= before.shift[e];
-  }
-  return of_receivers(scene, [&](std::size_t receiver, std::vector<float>& series) {
-    change.irradiance(*scene.units, receiver, series);
-    const double share = PatchTable::share(*scene.units, receiver);
-    double most = 0.0;
-    for (std::size_t m = 0; m < change.moments; ++m)
-      most = std::max(most, std::abs(share * change.reference_w_m2[m] + static_cast<double>(series[m])));
-    return most;
-  });
+  const PatchTable change = difference(before, after);
+  return of_each(scene.units->exchange.receivers(), scene.threads,
+                 [&](std::size_t receiver, std::vector<float>& series) {
+                   return most_of(change, *scene.units, receiver, series);
+                 });
+}
+
+double largest_change(const PatchScene& scene, const PatchTable& before, const PatchTable& after,
+                      std::span<const std::uint32_t> receivers) {
+  const PatchTable change = difference(before, after);
+  const std::vector<double> all = of_each(
+      receivers.size(), scene.threads,
+      [&](std::size_t i, std::vector<float>& series) { return most_of(change, *scene.units, receivers[i], series); });
+  return all.empty() ? 0.0 : *std::max_element(all.begin(), all.end());
 }
 
 double parabola_error(const PatchScene& scene, const PatchTable& table) {
   constexpr double kOff = 4.0 / 124.7;  // of the change of the second difference
   const std::size_t intervals = table.moments / 2;
   if (intervals < 3) return 0.0;
-  const std::vector<double> errors = of_receivers(scene, [&](std::size_t receiver, std::vector<float>& series) {
+  const auto error_at = [&](std::size_t receiver, std::vector<float>& series) {
     table.irradiance(*scene.units, receiver, series);
     const double share = PatchTable::share(*scene.units, receiver);
     const auto second = [&](std::size_t i) {
@@ -219,7 +237,8 @@ double parabola_error(const PatchScene& scene, const PatchTable& table) {
       last = here;
     }
     return kOff * most;
-  });
+  };
+  const std::vector<double> errors = of_each(scene.units->exchange.receivers(), scene.threads, error_at);
   double worst = 0.0;
   for_receivers(*scene.units, [&](std::size_t receiver, const Unit& unit, const UnitSide&) {
     if (!unit.given) worst = std::max(worst, errors[receiver]);

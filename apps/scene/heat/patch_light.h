@@ -68,6 +68,10 @@ void fill_longwave(const PatchScene& scene, std::span<const double> emitted, Pat
 /// Of each receiver, the largest difference of what it gets between two tables, W/m2.
 std::vector<double> changes(const PatchScene& scene, const PatchTable& before, const PatchTable& after);
 
+/// The largest of these of some receivers.
+double largest_change(const PatchScene& scene, const PatchTable& before, const PatchTable& after,
+                      std::span<const std::uint32_t> receivers);
+
 /// What parabolas through the moments of each interval are off by: from the change of the second difference from
 /// interval to interval, the smaller one at both ends, since a bend at a node is no error. A cubic with the third
 /// derivative f''' is off by at most f''' h^3 / (72 sqrt(3)), and its second differences change by f''' h^3 / 4.

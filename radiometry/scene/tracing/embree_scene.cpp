@@ -77,14 +77,16 @@ SingleRay EmbreeScene::single(const Point& origin, const Vector& direction) cons
   return {rounded(origin - middle_), rounded(direction)};
 }
 
-std::uint32_t EmbreeScene::first_triangle(const SingleRay& ray) const {
+EmbreeScene::FirstTriangle EmbreeScene::first_triangle(const SingleRay& ray) const {
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
   RTCRayHit hit{};
   hit.ray = single_ray(ray);
   hit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
   rtcIntersect1(scene_.get(), &context, &hit);
-  return hit.hit.geomID == RTC_INVALID_GEOMETRY_ID ? kNone : hit.hit.primID;
+  if (hit.hit.geomID == RTC_INVALID_GEOMETRY_ID) return {kNone, false};
+  const float towards = hit.hit.Ng_x * hit.ray.dir_x + hit.hit.Ng_y * hit.ray.dir_y + hit.hit.Ng_z * hit.ray.dir_z;
+  return {hit.hit.primID, towards > 0.0F};
 }
 
 bool EmbreeScene::blocked(const SingleRay& ray) const {

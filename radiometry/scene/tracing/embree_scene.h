@@ -32,8 +32,12 @@ class EmbreeScene {
   /// place of single precision, 2^-25 of the largest coordinate on each axis; both together are less than 2^-22 of it.
   double lift_m() const { return lift_m_; }
 
-  /// The number of the first triangle, or kNone.
-  std::uint32_t first_triangle(const SingleRay& ray) const;
+  /// The number of the first triangle, or kNone; whether the ray meets the back of it.
+  struct FirstTriangle {
+    std::uint32_t number;
+    bool back;
+  };
+  FirstTriangle first_triangle(const SingleRay& ray) const;
   bool blocked(const SingleRay& ray) const;
   /// Up to kPacket rays together.
   void first_triangles(std::span<const SingleRay> rays, std::span<std::uint32_t> triangles) const;

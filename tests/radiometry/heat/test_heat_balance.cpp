@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <complex>
 #include <limits>
 
 #include "mtf/error.h"
@@ -167,6 +168,54 @@ TEST(HeatSolver, ABatchKeepsTheToleranceOfEveryFacet) {
       EXPECT_NEAR(all.run.front_k[i * batch.facets + facet], alone.run.front_k[i],
                   all.run.promised.total_k() + alone.run.promised.total_k());
   }
+}
+
+/// A plate of one node under a flux q cos(w t) and a linear film: T - T_air = Re[q / (h + i w C) exp(i w t)]. Twice as
+/// many steps make the errors of step ends, and of outputs within steps, at least 3 times smaller (4 in the limit).
+TEST(HeatSolver, OutputsWithinStepsAreAsGoodAsTheirEnds) {
+  const double h = 20.0, q = 400.0, capacity = kAluminium.density_kg_m3 * kAluminium.heat_capacity_j_kg_k * 0.02;
+  const Batch batch{{{{237.0, 2700.0, 900.0, 0.02}}, 0.0, LinearConvection{h, 0.0}, Adiabatic{}}, 40, {}};
+  const double omega = 2.0 * M_PI / kDay_s;
+  const auto exact = [&](double time_s) {
+    return 290.0 + (q / std::complex<double>(h, omega * capacity) * std::polar(1.0, omega * time_s)).real();
+  };
+  const Forcing forcing = [&](Instant at, std::size_t, ForcingValues& values) {
+    std::fill(values.front.absorbed_w_m2.begin(), values.front.absorbed_w_m2.end(), q * std::cos(omega * at.time_s));
+    values.front.air_k = 290.0;
+  };
+  std::vector<double> worst_at_ends, worst_within;
+  for (const double step_s : {7200.0, 3600.0}) {
+    Timeline day{0.0, kDay_s, every(step_s, kDay_s), {}};
+    Plan plan = make_plan(batch, forcing, day, UniformStart{exact(0.0)}, 50.0);
+    plan.step_tolerance_k = 100.0;
+    for (const double share : {0.1, 0.5, 0.9})
+      for (double begin = 0.0; begin < kDay_s; begin += step_s) day.between_s.push_back(begin + share * step_s);
+    const auto kept = advance(plan, uniform_state(plan, 0.0, exact(0.0), Runs::one), forcing, day);
+    ASSERT_EQ(kept.outputs_s.size(), day.outputs_s.size() + day.between_s.size());
+    ASSERT_TRUE(std::is_sorted(kept.outputs_s.begin(), kept.outputs_s.end()));
+    ASSERT_EQ(kept.steps.taken, 2 * static_cast<std::int64_t>(day.outputs_s.size()));  // of two groups of facets
+    double at_ends = 0.0, within = 0.0;
+    for (std::size_t i = 0; i < kept.outputs_s.size(); ++i) {
+      const bool end = std::fmod(kept.outputs_s[i] + 1.0, step_s) < 2.0;
+      double& worst = end ? at_ends : within;
+      worst = std::max(worst, std::abs(kept.front_k[i * batch.facets + 39] - exact(kept.outputs_s[i])));
+    }
+    EXPECT_LT(within, 1.5 * at_ends);
+    worst_at_ends.push_back(at_ends);
+    worst_within.push_back(within);
+
+    std::vector<double> given(kept.front_k.size(), 0.0);
+    const auto sunk = advance(
+        plan, uniform_state(plan, 0.0, exact(0.0), Runs::one), for_all_groups(forcing), day, 2,
+        [&](std::size_t output, std::size_t first, std::span<const double> front, std::span<const double> back) {
+          EXPECT_TRUE(back.empty());
+          for (std::size_t i = 0; i < front.size(); ++i) given[output * batch.facets + first + i] = front[i];
+        });
+    EXPECT_TRUE(sunk.front_k.empty());
+    EXPECT_EQ(given, kept.front_k);
+  }
+  EXPECT_GT(worst_at_ends[0], 3.0 * worst_at_ends[1]);
+  EXPECT_GT(worst_within[0], 3.0 * worst_within[1]);
 }
 
 /// T^4 overflows: an error and not a search without end.

@@ -1,0 +1,204 @@
+// SPDX-License-Identifier: Apache-2.0
+
+// The exchange of radiation between units, by iteration: see heat_batches.h.
+
+#include <algorithm>
+#include <cmath>
+
+#include "apps/scene/heat/heat_batches.h"
+#include "apps/text/words.h"
+#include "mtf/error.h"
+#include "mtf/parallel.h"
+#include "radiometry/light/constants.h"
+
+namespace apps::scene {
+namespace {
+
+constexpr int kMostIterations = 60;
+constexpr int kStarts = 2;             // iterations of the sample that find the state which repeats anew
+constexpr int kMostRounds = 20;        // solutions of units
+constexpr double kAgainShare = 0.6;    // of what is allowed: with more a unit is solved again, once another has to be
+constexpr double kSampleShare = 0.25;  // of what is allowed: where the iteration of the sample ends
+
+namespace heat = radiometry::heat;
+
+}  // namespace
+
+void HeatBatches::add_emitted(const Group& group, const heat::Run& run, std::vector<double>& emitted) const {
+  const radiometry::scene::Exchange& exchange = units_.exchange;
+  const std::size_t patches = exchange.patches(), units = group.unit.size();
+  mtf::parallel_for(
+      static_cast<std::int64_t>(light_.moments()), 8, threads_, [&](std::int64_t begin, std::int64_t end) {
+        for (auto m = static_cast<std::size_t>(begin); m < static_cast<std::size_t>(end); ++m)
+          for (std::size_t i = 0; i < units; ++i) {
+            const Unit& unit = units_.unit[group.unit[i]];
+            const auto side = [&](const UnitSide& of, std::size_t r, double kelvin_here) {
+              const double square = kelvin_here * kelvin_here;
+              emitted[m * patches + exchange.patch_of[r]] +=
+                  exchange.receiver_area_m2[r] * of.emissivity * radiometry::kStefanBoltzmann_w_m2_k4 * square * square;
+            };
+            side(unit.front, unit.receiver, run.front_k[m * units + i]);
+            if (unit.has_own_back()) side(*unit.back, unit.back_receiver, run.back_k[m * units + i]);
+          }
+      });
+}
+
+heat::OutputSink HeatBatches::keeper_of(const std::vector<std::uint32_t>& units) {
+  return [&units, this](std::size_t moment, std::size_t first, std::span<const double> front,
+                        std::span<const double> back) {
+    double* kelvin = receiver_k_.data() + moment * units_.exchange.receivers();
+    for (std::size_t i = 0; i < front.size(); ++i) {
+      const Unit& unit = units_.unit[units[first + i]];
+      kelvin[unit.receiver] = front[i];
+      if (!back.empty() && unit.has_own_back()) kelvin[unit.back_receiver] = back[i];
+    }
+  };
+}
+
+std::vector<double> HeatBatches::emitted_by_all() const {
+  const radiometry::scene::Exchange& exchange = units_.exchange;
+  const std::size_t patches = exchange.patches();
+  std::vector<double> emitted(light_.moments() * patches, 0.0);
+  mtf::parallel_for(static_cast<std::int64_t>(light_.moments()), 8, threads_,
+                    [&](std::int64_t begin, std::int64_t end) {
+                      for (auto m = static_cast<std::size_t>(begin); m < static_cast<std::size_t>(end); ++m)
+                        for (std::size_t r = 0; r < exchange.receivers(); ++r) {
+                          const double kelvin = receiver_k_[m * exchange.receivers() + r], square = kelvin * kelvin;
+                          emitted[m * patches + exchange.patch_of[r]] += emission_[r] * square * square;
+                        }
+                    });
+  return emitted;
+}
+
+std::vector<double> HeatBatches::patch_radiosity(std::size_t node) const {
+  const PatchTable& table = light_.longwave;
+  const std::size_t moment = 2 * (node - window_.first);
+  std::vector<double> radiosity;
+  for (std::size_t p = 0; p < units_.exchange.patches(); ++p)
+    radiosity.push_back(table.reference_w_m2[moment] +
+                        static_cast<double>(table.radiosity[p * table.moments + moment]));
+  return radiosity;
+}
+
+double HeatBatches::residual_k(const Batch& batch, std::uint32_t place) const {
+  const std::size_t units = batch.all.unit.size();
+  double most = 0.0;
+  for (std::size_t at = place; at < batch.all.end.fine.size(); at += units)
+    most = std::max(most, std::abs(batch.all.end.fine[at] - batch.all.begin.fine[at]));
+  return most;
+}
+
+void HeatBatches::relax_sample(bool first, const Exchange& exchange, Pace pace) {
+  const PatchScene patch = patch_scene();
+  double last = 0.0;
+  for (int iteration = 1;; ++iteration) {
+    const std::vector<double> emitted = run_sample(first && samples_ < kStarts ? kStarts : 0, pace);
+    ++samples_;
+    for (std::size_t e = 0; e < emitted.size(); ++e) emitted_[e] = emitted[e] + beyond_sample_[e];
+    const PatchTable before = light_.longwave;
+    fill_longwave(patch, emitted_, light_);
+    const double most = largest_change(patch, before, light_.longwave, sampled_receivers_) / exchange.loss_w_m2_k;
+    // A change becomes smaller by the ratio at least with every iteration; it may do so faster than the bound says.
+    const double ratio =
+        iteration > 2 && last > 0.0 ? std::min(exchange.ratio_bound, most / last) : exchange.ratio_bound;
+    const double error = most / (1.0 - std::clamp(ratio, 0.0, 0.99));
+    if (error <= kSampleShare * exchange.tolerance_k && (!first || samples_ > kStarts)) return;
+    if (iteration == kMostIterations)
+      throw mtf::RuntimeError("the exchange of radiation between surfaces has an error of " + significant(error, 2) +
+                              " K after " + plural(kMostIterations, "iteration") + "; ask for a larger tolerance");
+    last = most;
+  }
+}
+
+void HeatBatches::guess_exchange(bool first, const Exchange& exchange) {
+  const PatchScene patch = patch_scene();
+  relax_sample(first, exchange, Pace::coarse);
+  double last = 0.0;
+  for (int pass = 1;; ++pass) {
+    // Both in the same way: the first time by a day that finds the state which repeats, then from where that ended.
+    const int days = first && pass == 1 ? 1 : 0;
+    const std::vector<double> sample = run_sample(days, Pace::coarse);
+    run_all(days, Pace::coarse);
+    if (first && pass > 1)  // the first day repeats itself
+      for (Batch& batch : batches_) {
+        batch.all.begin = batch.all.end;
+        batch.all.begin.time_s = scene_.surroundings.time_s[window_.first];
+      }
+    const std::vector<double> all = emitted_by_all();
+    for (std::size_t e = 0; e < all.size(); ++e) beyond_sample_[e] = all[e] - sample[e];
+    const PatchTable before = light_.longwave;
+    relax_sample(first, exchange, Pace::coarse);
+    const double most = largest_change(patch, before, light_.longwave, sampled_receivers_) / exchange.loss_w_m2_k;
+    // What the next pass would change, by how this one changed less than the last; or none comes nearer.
+    const double ratio = pass > 1 ? most / last : 1.0;
+    if (ratio * most <= exchange.tolerance_k || (pass > 1 && ratio > 0.5)) return;
+    last = most;
+  }
+}
+
+Relaxed HeatBatches::solve(const Window& window, bool first, double tolerance_k, double loss_w_m2_k,
+                           double ratio_bound) {
+  set_window(window, first);
+  const PatchScene patch = patch_scene();
+  fill_longwave(patch, emitted_, light_);
+  const Exchange exchange{tolerance_k, loss_w_m2_k, ratio_bound};
+  guess_exchange(first, exchange);
+  samples_ = 0;
+  relax_sample(first, exchange, Pace::fine);
+  for (Batch& batch : batches_) promise(batch, first);
+
+  // All units; then those again that saw another light than this one comes to, or whose day does not repeat.
+  run_all(0, Pace::fine);
+  Relaxed relaxed{.iterations = 1, .error_k = 0.0};
+  const PatchTable of_all = light_.longwave;  // with which units were solved, and those that were solved again
+  PatchTable of_again = of_all;
+  std::vector<bool> again(units_.unit.size(), false);
+  for (;; ++relaxed.iterations) {
+    const std::vector<double> all = emitted_by_all();
+    for (std::size_t e = 0; e < all.size(); ++e) {
+      beyond_sample_[e] += all[e] - emitted_[e];
+      emitted_[e] = all[e];
+    }
+    fill_longwave(patch, emitted_, light_);
+    const std::vector<double> change = changes(patch, of_all, light_.longwave),
+                              change_again = changes(patch, of_again, light_.longwave);
+    relaxed.error_k = 0.0;
+    std::vector<std::vector<std::uint32_t>> places(batches_.size());
+    bool enough = true;
+    for (std::size_t b = 0; b < batches_.size(); ++b) {
+      Batch& batch = batches_[b];
+      batch.run.start_residual_k = 0.0;
+      for (std::uint32_t place = 0; place < batch.all.unit.size(); ++place) {
+        const std::uint32_t u = batch.all.unit[place];
+        const Unit& unit = units_.unit[u];
+        const std::vector<double>& of = again[u] ? change_again : change;
+        const double error_k = std::max(of[unit.receiver], unit.back ? of[unit.back_receiver] : 0.0) / loss_w_m2_k /
+                               (1.0 - std::clamp(ratio_bound, 0.0, 0.99));
+        const double residual = first ? residual_k(batch, place) : 0.0;
+        relaxed.error_k = std::max(relaxed.error_k, error_k);
+        batch.run.start_residual_k = std::max(batch.run.start_residual_k, residual);
+        const double part = std::max(error_k / tolerance_k, residual / (kStartShare * tolerance_k_));
+        enough = enough && part <= 1.0;
+        again[u] = again[u] || part > kAgainShare;
+        if (again[u]) places[b].push_back(place);
+      }
+    }
+    if (enough) break;
+    if (relaxed.iterations == kMostRounds)
+      throw mtf::RuntimeError("the exchange of radiation between surfaces has an error of " +
+                              significant(relaxed.error_k, 2) + " K after " + plural(kMostRounds, "solution") +
+                              "; ask for a larger tolerance");
+    relax_sample(first, exchange, Pace::fine);
+    run_again(places, first);
+    of_again = light_.longwave;
+  }
+  relaxed.error_k += parabola_error(patch, light_.longwave) / loss_w_m2_k;
+  for (Batch& batch : batches_) {
+    batch.all.begin = std::move(batch.all.end);
+    batch.sample.begin = std::move(batch.sample.end);
+    batch.sample.begin.time_s = batch.all.begin.time_s;
+  }
+  return relaxed;
+}
+
+}  // namespace apps::scene
