@@ -45,6 +45,8 @@ struct Relaxed {
   double error_k = 0.0;  ///< what further iterations would change, and parabolas between nodes leave out
 };
 
+struct SavedBatches;
+
 class HeatBatches {
  public:
   /// All references have to live as long as this.
@@ -66,6 +68,11 @@ class HeatBatches {
   std::vector<double> patch_radiosity(std::size_t node) const;
 
   std::vector<MaterialRun> materials() const;
+
+  /// What the next window is solved from, to go on in another process (checkpoint.h).
+  SavedBatches save() const;
+  /// Throws RuntimeError for what other units saved.
+  void restore(const SavedBatches& saved);
 
  private:
   /// Units of a batch, with what the solver needs for them.

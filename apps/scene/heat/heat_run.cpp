@@ -1,169 +1,48 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/scene/heat/heat_run.h"
 
-#include <algorithm>
-#include <cmath>
-#include <limits>
-
-#include "apps/scene/heat/ground.h"
-#include "apps/scene/heat/stopwatch.h"
-#include "apps/text/words.h"
-#include "mtf/error.h"
-#include "mtf/parallel.h"
-#include "radiometry/heat/weather/sky.h"
-#include "radiometry/light/constants.h"
+#include "apps/scene/heat/verify_heat.h"
 
 namespace apps::scene {
-namespace {
 
-namespace heat = radiometry::heat;
-
-/// No surface of the scene gets colder: the coldest of air, of the sky as a black body, and of what is given.
-double coldest_k(const HeatScene& scene) {
-  const Surroundings& s = scene.surroundings;
-  double coldest = *std::min_element(s.air_k.begin(), s.air_k.end());
-  for (const double sky : s.sky_longwave_w_m2) coldest = std::min(coldest, heat::sky_temperature_k(std::max(sky, 0.0)));
-  for (const heat::Schedule* schedule : temperature_schedules(scene.file))
-    coldest = std::min(coldest, *std::min_element(schedule->value.begin(), schedule->value.end()));
-  for (const auto& table : scene.tables)
-    if (table)
-      for (const float kelvin : table->kelvin)
-        if (!std::isnan(kelvin)) coldest = std::min(coldest, static_cast<double>(kelvin));
-  return coldest;
-}
-
-/// What a side of a material gives off for each kelvin, at least: by radiation, and by the film in the weakest wind.
-struct Loss {
-  double radiation = 0.0, film = 0.0;
-  double total() const { return radiation + film; }
-};
-
-Loss loss_of(const HeatScene& scene, const Surface& material, bool back, double kelvin) {
-  const std::vector<double>& wind = scene.surroundings.wind_m_s;
-  return {4.0 * material.emissivity(back) * radiometry::kStefanBoltzmann_w_m2_k4 * std::pow(kelvin, 3),
-          forced_coefficient(material.construction.convection, *std::min_element(wind.begin(), wind.end()))};
-}
-
-/// The least of all materials that are solved, W/m2/K.
-double least_loss(const HeatScene& scene) {
-  const double coldest = coldest_k(scene);
-  double least = std::numeric_limits<double>::infinity();
-  for (const Surface& material : scene.material)
-    for (const bool back : {false, true}) least = std::min(least, loss_of(scene, material, back, coldest).total());
-  return std::isfinite(least) && least > 0.0 ? least : 1e-3;
-}
-
-/// No scene is so cold or so hot: a flux or a film of the wrong size makes such numbers.
-void require_plausible(const HeatScene& scene, std::size_t facet, double kelvin, double time_s) {
-  constexpr double kHottest_k = 3000.0;
-  if (kelvin > 0.0 && kelvin <= kHottest_k) return;
-  throw mtf::RuntimeError(one_line(scene.file.file) + ": region '" +
-                          one_line(scene.region_of(static_cast<std::uint32_t>(facet)).name) + "' comes to " +
-                          significant(kelvin, 4) + " K after " + significant(time_s / 3600.0, 3) +
-                          " h, which no surface does; look at its flux, its film, its emissivity and its convection");
-}
-
-/// The part of a change of all temperatures that comes back to a surface by exchange, at most: its share of other
-/// surfaces times what they radiate, over what it gives off. None is warmer than `warmest`.
-double feedback_ratio(const HeatScene& scene, const Units& units, double warmest) {
-  double most = 0.0;
-  for_receivers(units, [&](std::size_t receiver, const Unit& unit, const UnitSide& side) {
-    if (unit.given || !unit.material) return;
-    const Loss loss = loss_of(scene, scene.material[*unit.material], receiver != unit.receiver, warmest);
-    const double shares = std::max(0.0, 1.0 - side.sky - side.ground);
-    if (loss.radiation > 0.0) most = std::max(most, shares * loss.radiation / loss.total());
-  });
-  return std::min(most, 0.99);
-}
-
-/// The same for a surface that sees nothing but others, of whichever material; at most 0.6, which closed rooms without
-/// convection would exceed.
-double largest_ratio(const HeatScene& scene, double warmest) {
-  double most = 0.0;
-  for (const Surface& material : scene.material)
-    for (const bool back : {false, true})
-      if (const Loss loss = loss_of(scene, material, back, warmest); loss.radiation > 0.0)
-        most = std::max(most, loss.radiation / loss.total());
-  return std::min(most, 0.6);
-}
-
-/// Shares of what is left of the tolerance when exchange passes errors on.
-constexpr double kSolverShare = 0.4, kUnitsShare = 0.15, kGroundShare = 0.03, kExchangeShare = 0.25;
-
-}  // namespace
-
-HeatReport run_heat(const HeatScene& scene, const HeatOptions& options,
-                    const std::function<void(const HeatOutput&)>& output,
-                    const std::function<void(const std::string&, double)>& progress) {
-  const Surroundings& s = scene.surroundings;
-  const double loss = least_loss(scene);
+HeatReport run_heat(const HeatScene& scene, const HeatOptions& options, const HeatOutputs& output,
+                    const HeatProgress& progress) {
   HeatReport report;
   report.timing_ms = scene.timing_ms;
   report.warnings = scene.warnings;
 
-  constexpr double kSunlit_k = 40.0;  // above the air, for shares of the tolerance; the promise takes the true one
-  double warmest = *std::max_element(s.air_k.begin(), s.air_k.end());
-
   progress("rays", 0.0);
-  const double left_k = options.tolerance_k * (1.0 - largest_ratio(scene, warmest + kSunlit_k));
-  const Units units = units_of(scene, options, options.every_facet ? 0.0 : kUnitsShare * left_k * loss);
+  const Units units =
+      units_of(scene, options, options.every_facet ? 0.0 : units_tolerance_w_m2(scene, options.tolerance_k));
   report.timing_ms.emplace_back("rays", units.rays_ms);
   report.timing_ms.emplace_back("classes", units.classes_ms);
   report.timing_ms.emplace_back("table errors", units.error_ms);
 
-  const Stopwatch watch;
-  const double ratio = feedback_ratio(scene, units, warmest + kSunlit_k);
-  const double room_k = options.tolerance_k * (1.0 - ratio);
-  const Ground ground = ground_of(scene, kGroundShare * room_k);
-  HeatBatches batches(scene, units, ground.light, kSolverShare * room_k, options.threads);
-  const std::vector<Window> windows = windows_of(s);
-  std::vector<double> front(scene.region.size()), back(units.has_sheets() ? scene.region.size() : 0);
-  const auto emit = [&](std::size_t node) {
-    constexpr std::int64_t kFacetsAtOnce = 16384;
-    mtf::parallel_for(static_cast<std::int64_t>(front.size()), kFacetsAtOnce, options.threads,
-                      [&](std::int64_t begin, std::int64_t end) {
-                        for (auto f = static_cast<std::size_t>(begin); f < static_cast<std::size_t>(end); ++f) {
-                          const Unit& unit = units.unit[units.unit_of[f]];
-                          front[f] = unit.given ? scene.given_k(static_cast<std::uint32_t>(f), s.time_s[node])
-                                                : batches.receiver_k(node, unit.receiver);
-                          if (!back.empty())
-                            back[f] = unit.has_own_back() ? batches.receiver_k(node, unit.back_receiver)
-                                                          : std::numeric_limits<double>::quiet_NaN();
-                        }
-                      });
-    for (std::size_t f = 0; f < front.size(); ++f) {
-      require_plausible(scene, f, front[f], s.time_s[node]);
-      warmest = std::max(warmest, front[f]);
-    }
-    output({s.time_s[node], front, back});
-    ++report.outputs;
-  };
-  auto next = s.outputs.begin();
-  for (std::size_t w = 0; w < windows.size() && next != s.outputs.end(); ++w) {
-    if (w > 0 && options.go_on && !options.go_on()) break;
-    progress("heat", static_cast<double>(w) / static_cast<double>(windows.size()));
-    const Relaxed relaxed = batches.solve(windows[w], w == 0, kExchangeShare * room_k, loss, ratio);
-    report.iterations = std::max(report.iterations, relaxed.iterations);
-    report.promised.exchange_k = std::max(report.promised.exchange_k, relaxed.error_k);
-    if (w == 0) report.view_spread = view_spread(scene, units, ground.light, batches, windows[w], options, loss);
-    for (; next != s.outputs.end() && *next <= windows[w].last; ++next) emit(*next);
-  }
-  report.timing_ms.emplace_back("heat", watch.ms());
-
-  report.promised.feedback = 1.0 / (1.0 - feedback_ratio(scene, units, warmest));
-  report.materials = batches.materials();
-  for (const MaterialRun& run : report.materials)
-    if (run.promised.total_k() > report.promised.solver.total_k()) report.promised.solver = run.promised;
-  if (ground.run) {
-    report.promised.ground_k = ground.run->promised.total_k();
-    report.materials.push_back(*ground.run);
-  }
-  report.promised.units_k = units.bound_w_m2 / loss;
+  KeptOutputs kept;
+  UnitsRun solved = solve_units(
+      scene, units, options,
+      [&](const HeatOutput& at) {
+        if (options.verify) kept.keep(at);
+        output(at);
+      },
+      progress);
+  report.timing_ms.emplace_back("heat", solved.ms);
+  report.promised = solved.promised;
+  report.materials = solved.materials;
+  report.outputs = solved.outputs;
+  report.iterations = solved.iterations;
+  report.view_spread = solved.view_spread;
+  report.checkpoint = std::move(solved.checkpoint);
   report.facets = scene.region.size();
   report.units = units.unit.size();
   report.patches = units.exchange.patches();
+  report.covered = units.covered;
   report.view_error = units.view_error;
   report.sun_error = units.sun_error;
+  // A run that is continued has not all outputs at hand.
+  if (options.verify && options.from == nullptr && solved.outputs == scene.surroundings.outputs.size())
+    report.verified = verify_heat(scene, units, options, kept, progress);
+  if (report.verified) report.timing_ms.emplace_back("verification", report.verified->ms);
   return report;
 }
 

@@ -16,6 +16,8 @@
 
 namespace apps::scene {
 
+struct Checkpoint;
+
 struct HeatOptions {
   double tolerance_k = 1.0;  ///< of the worst facet at any output, with the tables of shadows, views and exchange given
   int directions = 36;       ///< of the table of shadows, a day
@@ -23,9 +25,12 @@ struct HeatOptions {
   int sun_points = 4;        ///< of each facet
   std::size_t patches = 500;  ///< that surfaces exchange radiation by, at most
   bool every_facet = false;   ///< no facets are solved as one but those that others cover
+  bool verify = false;        ///< the realised error too, by runs at a tenth of the tolerance; all facets for tables
   int threads = 0;            ///< 0: all cores; results do not depend on it
   /// Asked after each day; false ends the run with the outputs that are finished.
   std::function<bool()> go_on{};
+  /// Where an earlier run of the same inputs and options was ended (checkpoint.h); it is continued from there.
+  const Checkpoint* from = nullptr;
 };
 
 struct HeatScene {

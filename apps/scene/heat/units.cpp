@@ -18,7 +18,8 @@ namespace {
 namespace geometry = radiometry::scene;
 using geometry::Side;
 
-constexpr std::uint32_t kTilts = 1024;  // steps of the vertical component of the normal that buoyancy depends on
+constexpr std::size_t kCheckedFacets = 2000;  // for the errors of the tables
+constexpr std::uint32_t kTilts = 1024;        // steps of the vertical component of the normal that buoyancy depends on
 
 /// The fronts of all facets, then the backs of sheets; where the back of each facet stands: for a pair, the front of
 /// the opposite facet.
@@ -297,7 +298,7 @@ void require_room(const HeatScene& scene, std::size_t sides) {
 
 }  // namespace
 
-Units units_of(const HeatScene& scene, const HeatOptions& options, double tolerance_w_m2) {
+Units units_of(const HeatScene& scene, const HeatOptions& options, double tolerance_w_m2, const Units* like) {
   const Stopwatch watch;
   const geometry::Facets& facets = scene.facets();
   const std::vector<geometry::Vector>& to_sun = scene.surroundings.shadow_to_sun;
@@ -366,15 +367,19 @@ Units units_of(const HeatScene& scene, const HeatOptions& options, double tolera
   const geometry::Receivers receivers = geometry::sets_of_sides(all.sides, receiver_of, leaders.size());
   std::vector<geometry::SideFinish> leader_finish;
   for (const std::uint32_t row : leader_rows) leader_finish.push_back(plain[row]);
-  const geometry::Classes patches =
-      patches_of(scene, leaders, leader_finish, rows_of(seen, leader_rows), rows_of(units.sun, leader_rows), amplitudes,
-                 options.patches, options.threads);
-  units.patch_of_side = patches_of_sides(facets, receivers, patches.class_of);
+  std::vector<std::uint32_t> patch_of;
+  if (like == nullptr)
+    patch_of = patches_of(scene, leaders, leader_finish, rows_of(seen, leader_rows), rows_of(units.sun, leader_rows),
+                          amplitudes, options.patches, options.threads)
+                   .class_of;
+  else
+    for (const Side side : leaders) patch_of.push_back(like->patch_of_side[geometry::index(side)]);
+  const std::size_t patches = 1 + *std::max_element(patch_of.begin(), patch_of.end());
+  units.patch_of_side = patches_of_sides(facets, receivers, patch_of);
   std::vector<std::uint32_t> patch_of_row;
-  for (const std::uint32_t receiver : receiver_of) patch_of_row.push_back(patches.class_of[receiver]);
-  units.views =
-      combined_views(seen, areas_m2(facets, single), receiver_of, leaders.size(), patch_of_row, patches.size());
-  units.exchange = exchange_of(units.views, areas_m2(facets, receivers), patches.class_of, patches.size());
+  for (const std::uint32_t receiver : receiver_of) patch_of_row.push_back(patch_of[receiver]);
+  units.views = combined_views(seen, areas_m2(facets, single), receiver_of, leaders.size(), patch_of_row, patches);
+  units.exchange = exchange_of(units.views, areas_m2(facets, receivers), patch_of, patches);
   const auto add_view = [&](UnitSide& side, std::size_t receiver) {
     side.sky = units.views.sky_share(receiver);
     side.ground = units.views.ground[receiver];
@@ -388,8 +393,9 @@ Units units_of(const HeatScene& scene, const HeatOptions& options, double tolera
   units.classes_ms = classing.ms();
 
   const Stopwatch errors;
-  units.view_error = view_error(scene.rays, receivers, units.views, view_options);
-  units.sun_error = sun_error(scene.rays, all.sides, to_sun, units.sun, sun_options);
+  const std::size_t checked = options.verify ? all.sides.size() : kCheckedFacets;
+  units.view_error = view_error(scene.rays, receivers, units.views, view_options, checked);
+  units.sun_error = sun_error(scene.rays, all.sides, to_sun, units.sun, sun_options, checked);
   units.error_ms = errors.ms();
   return units;
 }

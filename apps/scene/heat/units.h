@@ -61,7 +61,8 @@ void for_receivers(const Units& units, const Visit& visit) {
   }
 }
 
-/// `tolerance_w_m2`: the largest difference of absorbed flux within a unit.
-Units units_of(const HeatScene& scene, const HeatOptions& options, double tolerance_w_m2);
+/// `tolerance_w_m2`: the largest difference of absorbed flux within a unit. `like`: units of the same facets and rays,
+/// whose patches are taken.
+Units units_of(const HeatScene& scene, const HeatOptions& options, double tolerance_w_m2, const Units* like = nullptr);
 
 }  // namespace apps::scene

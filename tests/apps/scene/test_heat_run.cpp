@@ -82,6 +82,44 @@ TEST_F(HeatRun, RealisedErrorsAreBelowThePromise) {
   }
 }
 
+// The realised error is that against runs of tighter tolerances made here, one with the same units, one without.
+TEST_F(HeatRun, VerificationFindsTheRealisedError) {
+  std::string obj = "g plate\n";
+  for (int i = 0; i < 40; ++i)  // plates side by side that turn away from the zenith little by little
+    for (const auto& [x, y] : {std::pair{0.0, 0.0}, std::pair{1.0, 0.0}, std::pair{1.0, 1.0}, std::pair{0.0, 1.0}})
+      obj += "v " + std::to_string(2.0 * i + x) + " " + std::to_string(y) + " " + std::to_string(0.01 * i * y) + "\n";
+  for (int i = 0; i < 40; ++i) {
+    obj += "f";
+    for (int c = 1; c <= 4; ++c) obj += " " + std::to_string(4 * i + c);
+    obj += "\n";
+  }
+  const std::string text = kDay + weather(280.0, 3.0, 800.0, 80.0, 280.0) + kSky +
+                           material("thin", 0.8, 0.9, "\"mcadams\"") + kMesh + region("", "material = \"thin\"");
+  const HeatOptions options{.tolerance_k = 1.0, .verify = true};
+  const Outcome checked = run(text, obj, options);
+  ASSERT_LT(checked.report.units, 40U);
+  ASSERT_TRUE(checked.report.verified && checked.report.verified->as_units);
+  const RealisedError &same = *checked.report.verified->as_units, &single = checked.report.verified->by_itself;
+  EXPECT_LE(same.largest_k, checked.report.promised.total_k());
+  EXPECT_LE(single.largest_k, checked.report.promised.total_k() + checked.report.view_spread.largest_k);
+  EXPECT_EQ(checked.report.sun_error.count, 40U);
+  EXPECT_EQ(checked.report.view_error.sky.count, checked.report.units);
+
+  const Outcome truth = run(text, obj, {.tolerance_k = 0.01, .every_facet = true});
+  double worst = 0.0;
+  for (std::size_t i = 0; i < truth.front.size(); ++i)
+    for (std::size_t f = 0; f < truth.front[i].size(); ++f)
+      worst = std::max(worst, std::abs(truth.front[i][f] - checked.front[i][f]));
+  EXPECT_GT(worst, 0.02);  // classes of a tolerance of 1 K show
+  EXPECT_NEAR(single.largest_k, worst, single.promised_k + truth.report.promised.total_k());
+  EXPECT_LT(same.largest_k, single.largest_k);
+
+  const Outcome each = run(text, obj, {.tolerance_k = 1.0, .every_facet = true, .verify = true});
+  ASSERT_TRUE(each.report.verified);
+  EXPECT_FALSE(each.report.verified->as_units);
+  EXPECT_LE(each.report.verified->by_itself.largest_k, each.report.promised.total_k());
+}
+
 // A first day without sun must not decide how deep later days are followed into the material.
 TEST_F(HeatRun, LaterDaysMayBeClearer) {
   std::string csv =

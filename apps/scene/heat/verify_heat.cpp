@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/scene/heat/verify_heat.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "apps/scene/heat/stopwatch.h"
+
+namespace apps::scene {
+namespace {
+
+constexpr double kFiner = 0.1;
+constexpr double kKeptAbove_k = 300.0;
+
+/// Largest errors of facets and the sum of squares, output by output.
+class Comparison {
+ public:
+  Comparison(const KeptOutputs& kept, std::size_t facets) : kept_(kept), worst_(facets, 0.0F) {}
+
+  void add(const HeatOutput& truth) {
+    add_side(truth, truth.front_k, kept_.front);
+    if (!truth.back_k.empty()) add_side(truth, truth.back_k, kept_.back);
+    ++outputs_;
+  }
+
+  std::size_t outputs() const { return outputs_; }
+
+  RealisedError result(double promised_k) {
+    error_.rms_k = std::sqrt(squares_ / static_cast<double>(std::max<std::size_t>(count_, 1)));
+    error_.promised_k = promised_k;
+    error_.count = worst_.size();
+    std::sort(worst_.begin(), worst_.end());
+    const auto at = [&](std::size_t per_mille) {
+      return static_cast<double>(worst_[(worst_.size() - 1) * per_mille / 1000]);
+    };
+    error_.percentile_95_k = at(950);
+    error_.percentile_999_k = at(999);
+    return error_;
+  }
+
+ private:
+  void add_side(const HeatOutput& truth, std::span<const double> kelvin, const std::vector<float>& kept) {
+    const float* ours = kept.data() + outputs_ * worst_.size();
+    for (std::size_t f = 0; f < worst_.size(); ++f) {
+      if (std::isnan(kelvin[f])) continue;
+      const double error = std::abs(static_cast<double>(ours[f]) + kKeptAbove_k - kelvin[f]);
+      squares_ += error * error;
+      ++count_;
+      worst_[f] = std::max(worst_[f], static_cast<float>(error));
+      if (error <= error_.largest_k) continue;
+      error_.largest_k = error;
+      error_.facet = static_cast<std::uint32_t>(f);
+      error_.time_s = truth.time_s;
+    }
+  }
+
+  const KeptOutputs& kept_;
+  std::vector<float> worst_;  ///< of each facet
+  std::size_t outputs_ = 0, count_ = 0;
+  double squares_ = 0.0;
+  RealisedError error_;
+};
+
+/// Nothing when the run was ended before its last output.
+std::optional<RealisedError> realised(const HeatScene& scene, const Units& units, const HeatOptions& options,
+                                      const KeptOutputs& kept, const std::string& step, const HeatProgress& progress) {
+  Comparison comparison(kept, scene.region.size());
+  const UnitsRun truth = solve_units(
+      scene, units, options, [&](const HeatOutput& output) { comparison.add(output); },
+      [&](const std::string&, double share) { progress(step, share); });
+  if (comparison.outputs() < scene.surroundings.outputs.size()) return std::nullopt;
+  return comparison.result(truth.promised.total_k());
+}
+
+}  // namespace
+
+void KeptOutputs::keep(const HeatOutput& output) {
+  for (const double kelvin : output.front_k) front.push_back(static_cast<float>(kelvin - kKeptAbove_k));
+  for (const double kelvin : output.back_k) back.push_back(static_cast<float>(kelvin - kKeptAbove_k));
+}
+
+std::optional<Verification> verify_heat(const HeatScene& scene, const Units& units, const HeatOptions& options,
+                                        const KeptOutputs& kept, const HeatProgress& progress) {
+  const Stopwatch watch;
+  HeatOptions finer = options;
+  finer.tolerance_k *= kFiner;
+  const HeatScene fine = prepare_heat(scene.file, finer);  // the same facets, more nodes
+  Verification verification;
+  if (!options.every_facet) {
+    verification.as_units = realised(fine, units, finer, kept, "verification: classes", progress);
+    if (!verification.as_units) return std::nullopt;
+    finer.every_facet = true;
+  }
+  progress("verification: rays", 0.0);
+  const Units single = options.every_facet ? Units() : units_of(fine, finer, 0.0, &units);
+  const std::optional<RealisedError> by_itself =
+      realised(fine, options.every_facet ? units : single, finer, kept, "verification: facets", progress);
+  if (!by_itself) return std::nullopt;
+  verification.by_itself = *by_itself;
+  verification.ms = watch.ms();
+  return verification;
+}
+
+}  // namespace apps::scene

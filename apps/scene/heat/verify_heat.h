@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// The realised error of a run: its temperatures against those of runs at a tenth of the tolerance, with the nodes that
+// this tolerance asks for, and the same rays and patches, so that tables of shadows, views and exchange are the same.
+//   as units     the same units: steps, cells, depth, the iteration of the exchange and its parabolas, all of which the
+//                promise is about
+//   by itself    every facet a unit: merging too, and with it what facets of a unit see differently, which is measured
+//                beside the promise (view_spread.h)
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "apps/scene/heat/solve_units.h"
+
+namespace apps::scene {
+
+/// Of all facets at all outputs, fronts and backs.
+struct RealisedError {
+  double rms_k = 0.0;
+  double percentile_95_k = 0.0, percentile_999_k = 0.0;  ///< over facets, of the largest error of each
+  double largest_k = 0.0;
+  std::uint32_t facet = 0;  ///< that has the largest
+  double time_s = 0.0;      ///< when, from the start of the run
+  double promised_k = 0.0;  ///< of the run that is taken for the truth
+  std::size_t count = 0;    ///< facets
+};
+
+struct Verification {
+  std::optional<RealisedError> as_units;  ///< none where every facet is a unit anyhow
+  RealisedError by_itself;
+  double ms = 0.0;
+  /// What the promise is about.
+  const RealisedError& of_promise() const { return as_units ? *as_units : by_itself; }
+};
+
+/// Temperatures of a run, kept to be compared: single precision about 300 K, which is 2e-5 K at 600 K.
+struct KeptOutputs {
+  std::vector<float> front, back;  ///< [output * facets + facet], K - 300
+  void keep(const HeatOutput& output);
+};
+
+/// `kept` holds all outputs of the scene. Nothing when options.go_on ended a run before.
+std::optional<Verification> verify_heat(const HeatScene& scene, const Units& units, const HeatOptions& options,
+                                        const KeptOutputs& kept, const HeatProgress& progress);
+
+}  // namespace apps::scene
