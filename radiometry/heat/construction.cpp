@@ -32,12 +32,16 @@ void require_valid(const Construction& construction, std::string_view where) {
       if (!(value > 0.0) || !std::isfinite(value)) refuse(where, prefix + name, value, "above 0");
   }
   require_fraction(construction.emissivity, where, "emissivity");
+  require_fraction(construction.wet_fraction, where, "wet fraction");
+  if (construction.is_wet() && !(construction.air_pressure_pa > 0.0 && std::isfinite(construction.air_pressure_pa)))
+    refuse(where, "air pressure (Pa)", construction.air_pressure_pa, "above 0");
   require_valid(construction.convection, where);
   if (const auto* film = std::get_if<InnerFilm>(&construction.inside)) {
     if (!(film->h_w_m2_k >= 0.0) || !std::isfinite(film->h_w_m2_k))
       refuse(where, "inside h (W/m2/K)", film->h_w_m2_k, "a number that is not negative");
   } else if (const auto* sheet = std::get_if<Sheet>(&construction.inside)) {
     require_fraction(sheet->emissivity, where, "inside emissivity");
+    require_fraction(sheet->wet_fraction, where, "inside wet fraction");
     require_valid(sheet->convection, std::string(where) + ": inside");
   }
 }

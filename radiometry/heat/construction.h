@@ -41,6 +41,7 @@ struct InnerFlux {};
 struct Sheet {
   double emissivity = 0.9;
   Convection convection = McAdams{};
+  double wet_fraction = 0.0;
 };
 using Inside = std::variant<Adiabatic, FixedTemperature, InnerFilm, InnerFlux, Sheet>;
 
@@ -49,12 +50,20 @@ struct Construction {
   double emissivity = 0.9;    ///< of the outer surface, its Planck mean
   Convection convection = McAdams{};
   Inside inside = Adiabatic{};
+  double wet_fraction = 0.0;          ///< of the outer surface, that evaporates (evaporation.h)
+  double air_pressure_pa = 101325.0;  ///< of evaporation alone
+  bool generates = false;             ///< layers generate heat, as ForcingValues::source_w_m3 says
 
+  /// Whether any side evaporates.
+  bool is_wet() const {
+    const auto* sheet = std::get_if<Sheet>(&inside);
+    return wet_fraction > 0.0 || (sheet != nullptr && sheet->wet_fraction > 0.0);
+  }
   bool is_sheet() const { return std::holds_alternative<Sheet>(inside); }
 };
 
 /// Throws UsageError that begins with `where` and names the value: a layer whose conductivity, density, heat capacity
-/// or thickness is not above 0 and finite, an emissivity outside 0 ... 1, no layer, a negative film.
+/// or thickness is not above 0 and finite, an emissivity or a wet fraction outside 0 ... 1, no layer, a negative film.
 void require_valid(const Construction& construction, std::string_view where);
 
 /// Thermal resistance of all layers, m2 K / W, and their heat capacity, J / m2 / K.

@@ -27,12 +27,14 @@ struct SideForcing {
                                     ///< sources at the surface; emission and convection are the solver's
   double air_k = 0.0;
   double wind_m_s = 0.0;
+  double vapour_pa = 0.0;  ///< pressure of the air's vapour, for surfaces that are wet
 };
 
 struct ForcingValues {
   SideForcing front;
-  SideForcing back;     ///< of sheets; absorbed_w_m2 is empty for other constructions
-  double inside = 0.0;  ///< K for a fixed temperature and a film, W/m2 for a flux, unused otherwise
+  SideForcing back;                 ///< of sheets; absorbed_w_m2 is empty for other constructions
+  double inside = 0.0;              ///< K for a fixed temperature and a film, W/m2 for a flux, unused otherwise
+  std::span<double> source_w_m3{};  ///< heat generated in each layer, to be filled; empty where it generates none
 };
 
 /// Fills the values at an instant for the facets first, first + 1, ... of the batch, as many as

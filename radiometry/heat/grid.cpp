@@ -36,7 +36,12 @@ class Spacing {
   double total_, half_, first_, growth_;
 };
 
-void append_cell(Grid& grid, const Layer& layer, double width_m) {
+void append_cell(Grid& grid, const Construction& construction, std::size_t of_layer, double width_m) {
+  const Layer& layer = construction.layers[of_layer];
+  const std::size_t layers = construction.layers.size();
+  grid.layer_m.resize(grid.layer_m.size() + layers, 0.0);
+  for (const std::size_t node : {grid.nodes() - 1, grid.nodes()})
+    grid.layer_m[node * layers + of_layer] += 0.5 * width_m;
   const double half = 0.5 * layer.density_kg_m3 * layer.heat_capacity_j_kg_k * width_m;
   grid.capacity.back() += half;
   grid.capacity.push_back(half);
@@ -44,17 +49,21 @@ void append_cell(Grid& grid, const Layer& layer, double width_m) {
   grid.depth_m.push_back(grid.depth_m.back() + width_m);
 }
 
-void close_inside(Grid& grid, const Inside& inside) {
+void close_inside(Grid& grid, const Construction& construction) {
+  const Inside& inside = construction.inside;
   if (const auto* film = std::get_if<InnerFilm>(&inside)) grid.inner_w_m2_k = film->h_w_m2_k;
   if (std::holds_alternative<FixedTemperature>(inside)) {  // the last node is the boundary itself
     grid.inner_w_m2_k = grid.conductance.back();
     grid.capacity.pop_back();
     grid.conductance.pop_back();
     grid.depth_m.pop_back();
+    grid.layer_m.resize(grid.layer_m.size() - construction.layers.size());
   }
 }
 
-Grid start_of_grid() { return {.capacity = {0.0}, .conductance = {}, .depth_m = {0.0}}; }
+Grid start_of_grid(std::size_t layers) {
+  return {.capacity = {0.0}, .conductance = {}, .depth_m = {0.0}, .layer_m = std::vector<double>(layers, 0.0)};
+}
 
 }  // namespace
 
@@ -63,9 +72,11 @@ Grids make_grids(const Construction& construction, const GridRequest& request) {
   for (const Layer& layer : construction.layers) total += root_time(layer);
   const Spacing spacing(total, !std::holds_alternative<Adiabatic>(construction.inside), request);
 
-  Grids grids{start_of_grid(), start_of_grid()};
+  const Grid start = start_of_grid(construction.layers.size());
+  Grids grids{start, start};
   double begin = 0.0;
-  for (const Layer& layer : construction.layers) {
+  for (std::size_t l = 0; l < construction.layers.size(); ++l) {
+    const Layer& layer = construction.layers[l];
     const double length = root_time(layer), root = std::sqrt(layer.diffusivity());
     const double first = spacing.cells(begin), last = spacing.cells(begin + length);
     const int cells = std::max(1, static_cast<int>(std::ceil(last - first - 1e-9)));
@@ -74,19 +85,20 @@ Grids make_grids(const Construction& construction, const GridRequest& request) {
       return std::clamp(spacing.place(first + (last - first) * u / cells) - begin, 0.0, length) * root;
     };
     for (int i = 0; i < cells; ++i) {
-      append_cell(grids.coarse, layer, depth(i + 1) - depth(i));
-      append_cell(grids.fine, layer, depth(i + 0.5) - depth(i));
-      append_cell(grids.fine, layer, depth(i + 1) - depth(i + 0.5));
+      append_cell(grids.coarse, construction, l, depth(i + 1) - depth(i));
+      append_cell(grids.fine, construction, l, depth(i + 0.5) - depth(i));
+      append_cell(grids.fine, construction, l, depth(i + 1) - depth(i + 0.5));
     }
     begin += length;
   }
-  close_inside(grids.fine, construction.inside);
-  close_inside(grids.coarse, construction.inside);
+  close_inside(grids.fine, construction);
+  close_inside(grids.coarse, construction);
   return grids;
 }
 
 Grids make_one_node(const Construction& construction) {
-  Grid grid{.capacity = {capacity(construction)}, .conductance = {}, .depth_m = {0.0}};
+  Grid grid{.capacity = {capacity(construction)}, .conductance = {}, .depth_m = {0.0}, .layer_m = {}};
+  for (const Layer& layer : construction.layers) grid.layer_m.push_back(layer.thickness_m);
   const double through = resistance(construction);
   if (std::holds_alternative<FixedTemperature>(construction.inside)) grid.inner_w_m2_k = 1.0 / through;
   if (const auto* film = std::get_if<InnerFilm>(&construction.inside))
@@ -95,7 +107,8 @@ Grids make_one_node(const Construction& construction) {
 }
 
 double one_node_error(const Construction& construction, double flux_w_m2) {
-  if (!std::holds_alternative<Adiabatic>(construction.inside)) return flux_w_m2 * resistance(construction);
+  if (!std::holds_alternative<Adiabatic>(construction.inside) || construction.generates)
+    return flux_w_m2 * resistance(construction);
   const double total = capacity(construction);
   double below = total, sum = 0.0;
   for (const Layer& layer : construction.layers) {
@@ -107,7 +120,7 @@ double one_node_error(const Construction& construction, double flux_w_m2) {
 }
 
 Cut cut_depth(const Construction& construction, double range_k, double duration_s, double error_k) {
-  if (!std::holds_alternative<Adiabatic>(construction.inside)) return {construction, 0.0};
+  if (!std::holds_alternative<Adiabatic>(construction.inside) || construction.generates) return {construction, 0.0};
   constexpr double kDay_s = 86400.0;
   Cut cut;
   cut.construction = construction;

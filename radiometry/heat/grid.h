@@ -19,6 +19,7 @@ struct Grid {
   std::vector<double> capacity;     ///< of each node, J/m2/K, outside first
   std::vector<double> conductance;  ///< of each cell, W/m2/K: one fewer than nodes
   std::vector<double> depth_m;      ///< of each node
+  std::vector<double> layer_m;      ///< [node * layers + layer]: how much of the layer belongs to the node
   double inner_w_m2_k = 0.0;  ///< from the last node to the inside temperature: a film, or the last cell before a fixed
                               ///< temperature; 0: none
 
@@ -42,13 +43,14 @@ Grids make_one_node(const Construction& construction);
 
 /// Bound of the error of one node instead of the layers, K, for net fluxes up to `flux_w_m2`. The flux times the
 /// resistance; with an adiabatic inside the flux at a depth is in proportion to the capacity C below it, and the
-/// surface differs from the mean by flux * integral of (C / C_total)^2 / k dx: a third of that for one layer.
+/// surface differs from the mean by flux * integral of (C / C_total)^2 / k dx: a third of that for one layer. Layers
+/// that generate heat have the first bound.
 double one_node_error(const Construction& construction, double flux_w_m2);
 
 /// The construction cut off, adiabatic, where what lies deeper changes the surface by no more than `error_k`, and the
-/// bound that was found; only an adiabatic construction is cut. Temperatures within a range of `range_k`, over
-/// `duration_s`: a step of that size at the depth s arrives at the surface as 2 erfc(s / (2 sqrt(t))) of it, an
-/// oscillation of period P as 2 exp(-s sqrt(pi / P)); every interface at most doubles it.
+/// bound that was found; only an adiabatic construction is cut, which generates no heat. Temperatures within a range of
+/// `range_k`, over `duration_s`: a step of that size at the depth s arrives at the surface as 2 erfc(s / (2 sqrt(t)))
+/// of it, an oscillation of period P as 2 exp(-s sqrt(pi / P)); every interface at most doubles it.
 struct Cut {
   Construction construction;
   double error_k = 0.0;

@@ -7,7 +7,7 @@
 
 #include "mtf/error.h"
 #include "mtf/units.h"
-#include "radiometry/light/constants.h"
+#include "radiometry/heat/surface_loss.h"
 
 namespace radiometry::heat {
 namespace {
@@ -51,7 +51,7 @@ Buoyancy buoyancy_of(const Convection& convection, const Batch& batch, std::size
 
 GroupGrid group_grid(const Grid& grid, const Construction& construction, const Buoyancy& front, const Buoyancy& back) {
   const Sides sides = !construction.is_sheet() ? Sides::one : grid.nodes() == 1 ? Sides::two_on_one_node : Sides::two;
-  return {&grid, sides, std::holds_alternative<InnerFlux>(construction.inside), &front, &back};
+  return {&grid, sides, std::holds_alternative<InnerFlux>(construction.inside), construction.is_wet(), &front, &back};
 }
 
 }  // namespace
@@ -111,23 +111,29 @@ void GroupRun::store(State& end) const {
 
 void GroupRun::evaluate(Instant instant, Boundary& boundary) const {
   const Construction& construction = plan_->batch.construction;
-  const auto* sheet = std::get_if<Sheet>(&construction.inside);
+  const bool sheet = construction.is_sheet();
   ForcingValues values;
   values.front.absorbed_w_m2 = {boundary.front.absorbed.at.data(), count_};
   if (sheet) values.back.absorbed_w_m2 = {boundary.back.absorbed.at.data(), count_};
+  if (construction.generates) boundary.source_w_m3.resize(construction.layers.size());
+  values.source_w_m3 = boundary.source_w_m3;
   (*forcing_)(instant, first_, values);
 
   double sum = values.inside;
-  const auto take = [&](const SideForcing& from, double emissivity, const Convection& convection, Surface& to) {
-    to.emission = emissivity * kStefanBoltzmann_w_m2_k4;
-    to.film = forced_coefficient(convection, from.wind_m_s);
-    to.air_k = from.air_k;
+  for (const double source : boundary.source_w_m3) sum += source;
+  const auto take = [&](const SideForcing& from, bool back, Surface& to) {
+    const SurfaceLoss loss = surface_loss(construction, back, from, 0.0);
+    to.emission = loss.emission;
+    to.film = loss.film;
+    to.air_k = loss.air_k;
+    to.latent = loss.latent;
+    to.vapour_pa = loss.vapour_pa;
     for (std::size_t l = count_; l < kLanes; ++l) to.absorbed[l] = to.absorbed[count_ - 1];
     for (const double absorbed : to.absorbed.at) sum += absorbed;
-    sum += to.film + to.air_k;
+    sum += to.film + to.air_k + to.latent + to.vapour_pa;
   };
-  take(values.front, construction.emissivity, construction.convection, boundary.front);
-  if (sheet) take(values.back, sheet->emissivity, sheet->convection, boundary.back);
+  take(values.front, false, boundary.front);
+  if (sheet) take(values.back, true, boundary.back);
   boundary.inside = values.inside;
   if (!std::isfinite(sum))
     throw mtf::RuntimeError("heat: the forcing of facets " + std::to_string(first_) + " to " +

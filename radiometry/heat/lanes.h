@@ -28,6 +28,7 @@ struct alignas(64) Lanes {
 struct Surface {
   double emission = 0.0;  ///< epsilon sigma
   double film = 0.0, air_k = 0.0;
+  double latent = 0.0, vapour_pa = 0.0;  ///< as SurfaceLoss
   Lanes absorbed;
 };
 
@@ -44,6 +45,7 @@ struct GroupGrid {
   const Grid* grid = nullptr;
   Sides sides = Sides::one;
   bool inner_flux = false;  ///< the inside value is a flux and not a temperature
+  bool wet = false;         ///< a side evaporates
   const Buoyancy* front_buoyancy = nullptr;
   const Buoyancy* back_buoyancy = nullptr;
 };
@@ -52,6 +54,7 @@ struct GroupGrid {
 struct Boundary {
   Surface front, back;
   double inside = 0.0;
+  std::vector<double> source_w_m3{};  ///< of each layer; empty: none
 };
 
 /// One implicit stage, with increments D of the temperatures T as unknowns:
@@ -78,7 +81,7 @@ double surface_error(const GroupGrid& group, const Elimination<double>& eliminat
 
 /// Heat over the boundaries, J/m2 per lane.
 struct HeatSums {
-  Lanes absorbed, emitted, convected, inside;
+  Lanes absorbed, emitted, convected, inside;  ///< convected: latent heat too
 };
 /// Adds the flows at temperatures `t` and boundaries `at`, for `duration_s`.
 void add_heat(const GroupGrid& group, const Boundary& at, const std::vector<double>& t, double duration_s,

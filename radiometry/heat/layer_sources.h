@@ -7,7 +7,8 @@
 //   theta   without sources, with the heat that S brings to the surfaces added to what they absorb
 // S is 0 at the surfaces, so theta is the temperature there at all times, exactly: nothing of the solver changes. Of a
 // source at a depth the part R' / R comes out of the front, R' the resistance from there to where S is 0 inside, R that
-// of the whole way; all of it where no heat passes inside. A source that changes with time would move S.
+// of the whole way; all of it where no heat passes inside. A source that changes with time would move S: then the
+// solver has the sources of all layers at its nodes (Construction::generates, ForcingValues::source_w_m3).
 
 #include <span>
 

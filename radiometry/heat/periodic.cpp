@@ -12,7 +12,6 @@
 #include "mtf/parallel.h"
 #include "radiometry/heat/elimination.h"
 #include "radiometry/heat/surface_loss.h"
-#include "radiometry/light/constants.h"
 
 namespace radiometry::heat {
 namespace {
@@ -28,9 +27,11 @@ constexpr int kMostIterations = 100;
 struct SideSamples {
   double emission = 0.0;
   NaturalConvection natural;
-  std::array<double, kSamples> absorbed{}, film{}, air_k{};
+  std::array<double, kSamples> absorbed{}, film{}, air_k{}, latent{}, vapour_pa{};
 
-  LossAndSlope at(std::size_t j, double t) const { return SurfaceLoss{emission, film[j], air_k[j], natural}.at(t); }
+  LossAndSlope at(std::size_t j, double t) const {
+    return SurfaceLoss{emission, film[j], air_k[j], natural, latent[j], vapour_pa[j]}.at(t);
+  }
   /// Means over the period at a temperature: net flow inwards, and the slope of the loss.
   LossAndSlope mean(double t) const {
     double net = 0.0, slope = 0.0;
@@ -46,6 +47,7 @@ struct SideSamples {
 struct FacetSamples {
   SideSamples front, back;
   std::array<double, kSamples> inside{};
+  std::vector<std::array<double, kSamples>> source_w_m3{};  ///< of each layer that generates heat
 };
 
 double sample_time(const Timeline& period, std::size_t j) {
@@ -56,31 +58,33 @@ double sample_time(const Timeline& period, std::size_t j) {
 std::vector<FacetSamples> sample(const Plan& plan, const GroupForcing& of_group, const Timeline& period,
                                  std::size_t first, std::size_t count) {
   const Construction& construction = plan.batch.construction;
-  const auto* sheet = std::get_if<Sheet>(&construction.inside);
+  const bool sheet = construction.is_sheet();
   const Forcing forcing = of_group(first, count);
   std::vector<FacetSamples> samples(count);
   std::vector<double> front(count), back(sheet ? count : 0);
+  std::vector<double> source(construction.generates ? construction.layers.size() : 0);
   for (std::size_t j = 0; j < kSamples; ++j) {
     ForcingValues values{.front = {.absorbed_w_m2 = front}, .back = {.absorbed_w_m2 = back}};
+    values.source_w_m3 = source;
     forcing({sample_time(period, j), Instant::Limit::after}, first, values);
     for (std::size_t i = 0; i < count; ++i) {
-      const auto take = [&](const SideForcing& from, const Convection& convection, SideSamples& to) {
+      const double up = plan.batch.up.empty() ? 0.0 : plan.batch.up[first + i];
+      const auto take = [&](const SideForcing& from, bool of_back, SideSamples& to) {
+        const SurfaceLoss loss = surface_loss(construction, of_back, from, of_back ? -up : up);
+        to.emission = loss.emission;
+        to.natural = loss.natural;
         to.absorbed[j] = from.absorbed_w_m2[i];
-        to.film[j] = forced_coefficient(convection, from.wind_m_s);
-        to.air_k[j] = from.air_k;
+        to.film[j] = loss.film;
+        to.air_k[j] = loss.air_k;
+        to.latent[j] = loss.latent;
+        to.vapour_pa[j] = loss.vapour_pa;
       };
-      take(values.front, construction.convection, samples[i].front);
-      if (sheet) take(values.back, sheet->convection, samples[i].back);
+      take(values.front, false, samples[i].front);
+      if (sheet) take(values.back, true, samples[i].back);
       samples[i].inside[j] = values.inside;
+      samples[i].source_w_m3.resize(source.size());
+      for (std::size_t k = 0; k < source.size(); ++k) samples[i].source_w_m3[k][j] = source[k];
     }
-  }
-  for (std::size_t i = 0; i < count; ++i) {
-    const double up = plan.batch.up.empty() ? 0.0 : plan.batch.up[first + i];
-    samples[i].front.emission = construction.emissivity * kStefanBoltzmann_w_m2_k4;
-    samples[i].front.natural = natural_coefficient(construction.convection, up);
-    if (!sheet) continue;
-    samples[i].back.emission = sheet->emissivity * kStefanBoltzmann_w_m2_k4;
-    samples[i].back.natural = natural_coefficient(sheet->convection, -up);
   }
   return samples;
 }
@@ -125,6 +129,9 @@ Linearised mean_state(const Plan& plan, const FacetSamples& facet) {
       b[i] = flow - inwards;
       flow = inwards;
     }
+    for (std::size_t k = 0; k < facet.source_w_m3.size(); ++k)
+      for (std::size_t i = 0; i < n; ++i)
+        b[i] += grid.layer_m[i * facet.source_w_m3.size() + k] * mean_of(facet.source_w_m3[k]);
     b.front() += front.loss;
     b.back() += sheet ? back.loss : inside_flow(plan, grid, inside, state.mean_k.back());
     solve_linear(steady, state.front_slope, state.back_slope, b);
@@ -184,6 +191,12 @@ std::vector<double> linear_state(const Plan& plan, const Harmonics& harmonics, c
   for (std::size_t k = 1; k <= kHarmonics; ++k) {
     const Elimination<Complex>& e = harmonics.eliminations[k - 1];
     std::fill(b.begin(), b.end(), Complex{});
+    for (std::size_t layer = 0; layer < facet.source_w_m3.size(); ++layer) {
+      const std::size_t layers = facet.source_w_m3.size();
+      const Complex source =
+          e.a * harmonic(k, harmonics.turns, [&](std::size_t j) { return facet.source_w_m3[layer][j]; });
+      for (std::size_t i = 0; i < b.size(); ++i) b[i] += grid.layer_m[i * layers + layer] * source;
+    }
     b.front() += e.a * harmonic(k, harmonics.turns, [&](std::size_t j) { return front[j]; });
     b.back() += e.a * harmonic(k, harmonics.turns, [&](std::size_t j) { return back[j]; });
     solve_linear(e, linear.front_slope, linear.back_slope, b);

@@ -58,8 +58,8 @@ struct State {
 struct HeatBalance {
   double absorbed = 0.0;   ///< both sides of a sheet
   double emitted = 0.0;    ///< epsilon sigma T^4
-  double convected = 0.0;  ///< to the air
-  double inside = 0.0;     ///< from the inside boundary into the construction
+  double convected = 0.0;  ///< to the air, latent heat too
+  double inside = 0.0;     ///< from the inside boundary into the construction, and from sources in its layers
   double stored = 0.0;     ///< end minus start
   /// What is missing: rounding alone.
   double drift() const { return absorbed + inside - emitted - convected - stored; }

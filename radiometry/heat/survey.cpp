@@ -6,7 +6,6 @@
 #include <limits>
 
 #include "radiometry/heat/surface_loss.h"
-#include "radiometry/light/constants.h"
 
 namespace radiometry::heat {
 namespace {
@@ -60,21 +59,19 @@ struct Gain {
   std::size_t facet;
   double up;
 
-  double side(const SideForcing& from, double emissivity, const Convection& convection, double direction,
-              double t) const {
-    const SurfaceLoss loss{emissivity * kStefanBoltzmann_w_m2_k4, forced_coefficient(convection, from.wind_m_s),
-                           from.air_k, natural_coefficient(convection, direction)};
-    return from.absorbed_w_m2[facet] - loss.at(t).loss;
+  double side(const SideForcing& from, bool back, double t) const {
+    return from.absorbed_w_m2[facet] - surface_loss(*construction, back, from, back ? -up : up).at(t).loss;
   }
   double at(double t) const {
-    double sum = side(values->front, construction->emissivity, construction->convection, up, t);
-    if (const auto* sheet = std::get_if<Sheet>(&construction->inside))
-      sum += side(values->back, sheet->emissivity, sheet->convection, -up, t);
+    double sum = side(values->front, false, t);
+    if (construction->is_sheet()) sum += side(values->back, true, t);
     const double through = resistance(*construction);
     if (const auto* film = std::get_if<InnerFilm>(&construction->inside))
       sum += film->h_w_m2_k / (1.0 + film->h_w_m2_k * through) * (values->inside - t);
     if (std::holds_alternative<FixedTemperature>(construction->inside)) sum += (values->inside - t) / through;
     if (std::holds_alternative<InnerFlux>(construction->inside)) sum += values->inside;
+    for (std::size_t i = 0; i < values->source_w_m3.size(); ++i)
+      sum += values->source_w_m3[i] * construction->layers[i].thickness_m;
     return sum;
   }
 };
@@ -104,6 +101,7 @@ Survey survey(const Batch& batch, const GroupForcing& forcing, const Timeline& t
                 .flux_w_m2 = 0.0,
                 .shortest_lag_s = shortest_lag(timeline)};
   std::vector<double> front(kFacetsAtOnce), back(kFacetsAtOnce);
+  std::vector<double> source(batch.construction.generates ? batch.construction.layers.size() : 0);
   // Twice over the samples: the range of temperatures, then the largest net flux within it.
   for (const bool flux : {false, true})
     for (std::size_t first = 0; first < batch.facets; first += kFacetsAtOnce) {
@@ -113,6 +111,7 @@ Survey survey(const Batch& batch, const GroupForcing& forcing, const Timeline& t
         ForcingValues values;
         values.front.absorbed_w_m2 = {front.data(), count};
         if (sheet) values.back.absorbed_w_m2 = {back.data(), count};
+        values.source_w_m3 = source;
         own(instant, first, values);
         // A few facets stand for all of the piece: the extremes of the absorbed flux.
         std::size_t least = 0, most = 0;

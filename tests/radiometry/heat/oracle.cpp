@@ -29,17 +29,29 @@ struct Side {
   double flow, slope;  ///< into the surface; its derivative
 };
 
-Side side(const SideForcing& from, double emissivity, const Convection& convection, double up, double t) {
+/// Evaporation as FAO-56 writes it: psychrometric constant 0.665e-3 P (eq. 8), the WMO's Magnus form for saturation.
+Side evaporation(const SideForcing& from, double wet, double h, double air_pressure_pa, double t) {
+  if (wet == 0.0) return {0.0, 0.0};
+  const double celsius = t - 273.15, saturated = 611.2 * std::exp(17.62 * celsius / (243.12 + celsius));
+  const double coefficient = wet * h / (1013.0 / (0.622 * 2.45e6) * air_pressure_pa);
+  return {coefficient * (from.vapour_pa - saturated),
+          -coefficient * saturated * 17.62 * 243.12 / std::pow(243.12 + celsius, 2)};
+}
+
+Side side(const SideForcing& from, double emissivity, const Convection& convection, double wet, double pressure_pa,
+          double up, double t) {
   const NaturalConvection natural = natural_coefficient(convection, up);
   const double excess = t - from.air_k, sigma = kStefanBoltzmann_w_m2_k4;
   const double c = (excess > 0 ? natural.warm : natural.cold) * std::cbrt(std::abs(excess));
   const double h = forced_coefficient(convection, from.wind_m_s);
-  return {from.absorbed_w_m2[0] - emissivity * sigma * std::pow(t, 4) - (h + c) * excess,
-          -4 * emissivity * sigma * std::pow(t, 3) - h - 4.0 / 3.0 * c};
+  const Side vapour = evaporation(from, wet, h, pressure_pa, t);
+  return {from.absorbed_w_m2[0] - emissivity * sigma * std::pow(t, 4) - (h + c) * excess + vapour.flow,
+          -4 * emissivity * sigma * std::pow(t, 3) - h - 4.0 / 3.0 * c + vapour.slope};
 }
 
 struct Ends {
   Side front, back;
+  std::vector<double> source_w_m3;
 };
 
 Ends ends(const System& system, double time_s, const double* t) {
@@ -49,14 +61,20 @@ Ends ends(const System& system, double time_s, const double* t) {
   ForcingValues values{.front = {.absorbed_w_m2 = front}, .back = {}};
   if (sheet) values.back.absorbed_w_m2 = back;
   const bool at_end = time_s >= system.end_s;
+  std::vector<double> source(construction.generates ? construction.layers.size() : 0);
+  values.source_w_m3 = source;
   (*system.forcing)(
       {std::clamp(time_s, system.begin_s, system.end_s), at_end ? Instant::Limit::before : Instant::Limit::after},
       system.facet, values);
   const double up = system.batch->up.empty() ? 0.0 : system.batch->up[system.facet];
   const double last = t[system.grid->nodes() - 1], g = system.grid->inner_w_m2_k;
-  Ends result{side(values.front, construction.emissivity, construction.convection, up, t[0]), {}};
+  const double pressure = construction.air_pressure_pa;
+  Ends result{side(values.front, construction.emissivity, construction.convection, construction.wet_fraction, pressure,
+                   up, t[0]),
+              {},
+              source};
   if (sheet)
-    result.back = side(values.back, sheet->emissivity, sheet->convection, -up, last);
+    result.back = side(values.back, sheet->emissivity, sheet->convection, sheet->wet_fraction, pressure, -up, last);
   else if (std::holds_alternative<InnerFlux>(construction.inside))
     result.back = {values.inside, 0.0};
   else
@@ -71,10 +89,25 @@ int right_side(double time_s, N_Vector y, N_Vector ydot, void* user) {
   double* rate = N_VGetArrayPointer(ydot);
   const std::size_t n = grid.nodes();
   const Ends at = ends(system, time_s, t);
+  double whole = 0.0;
+  for (const Layer& layer : system.batch->construction.layers) whole += layer.thickness_m;
+  const bool fixed = std::holds_alternative<FixedTemperature>(system.batch->construction.inside);
   for (std::size_t i = 0; i < n; ++i) {
     double flow = 0.0;
     if (i > 0) flow += grid.conductance[i - 1] * (t[i - 1] - t[i]);
     if (i + 1 < n) flow += grid.conductance[i] * (t[i + 1] - t[i]);
+    // By the depths that half cells reach to, not by the shares that the grid itself has.
+    const std::vector<double>& depth = grid.depth_m;
+    const double above = i > 0 ? 0.5 * (depth[i - 1] + depth[i]) : 0.0;
+    const double below = i + 1 < n                          ? 0.5 * (depth[i] + depth[i + 1])
+                         : grid.inner_w_m2_k > 0.0 && fixed ? whole - 0.5 * (whole - depth[i])
+                                                            : whole;
+    double begin = 0.0;
+    for (std::size_t k = 0; k < at.source_w_m3.size(); ++k) {
+      const double end = begin + system.batch->construction.layers[k].thickness_m;
+      flow += at.source_w_m3[k] * std::max(0.0, std::min(end, below) - std::max(begin, above));
+      begin = end;
+    }
     if (i == 0) flow += at.front.flow;
     if (i + 1 == n) flow += at.back.flow;
     rate[i] = flow / grid.capacity[i];

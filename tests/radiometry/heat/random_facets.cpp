@@ -108,4 +108,42 @@ RandomFacet random_facet(std::uint32_t seed) {
   return facet;
 }
 
+RandomFacet random_heated_facet(std::uint32_t seed) {
+  Random random{std::mt19937_64(seed + 2000000ULL)};
+  RandomFacet facet = random_facet(seed);
+  Construction& construction = facet.batch.construction;
+  construction.generates = true;
+  const double on_s = random.between(0.0, 4.0 * kHour_s), off_s = on_s + random.between(600.0, 6.0 * kHour_s);
+  std::vector<double> power_w_m3;
+  for (const Layer& layer : construction.layers)
+    power_w_m3.push_back(random.between(-100.0, 400.0) / layer.thickness_m /
+                         static_cast<double>(construction.layers.size()));
+  facet.timeline.breaks_s.insert(facet.timeline.breaks_s.end(), {on_s, off_s});
+  std::sort(facet.timeline.breaks_s.begin(), facet.timeline.breaks_s.end());
+  facet.forcing = [day = facet.forcing, power_w_m3, on_s, off_s](Instant at, std::size_t first, ForcingValues& values) {
+    day(at, first, values);
+    const bool after = at.limit == Instant::Limit::after;
+    const bool on = (after ? at.time_s >= on_s : at.time_s > on_s) && !(after ? at.time_s >= off_s : at.time_s > off_s);
+    const double part = on ? 1.0 : 0.2 * std::sin(at.time_s / kHour_s);
+    for (std::size_t i = 0; i < values.source_w_m3.size(); ++i) values.source_w_m3[i] = part * power_w_m3[i];
+  };
+  return facet;
+}
+
+RandomFacet random_wet_facet(std::uint32_t seed) {
+  Random random{std::mt19937_64(seed + 1000000ULL)};
+  RandomFacet facet = random_facet(seed);
+  Construction& construction = facet.batch.construction;
+  construction.wet_fraction = random.log_between(0.05, 1.0);
+  construction.air_pressure_pa = random.between(6e4, 1.05e5);
+  if (auto* sheet = std::get_if<Sheet>(&construction.inside)) sheet->wet_fraction = random.between(0.0, 1.0);
+  const double vapour_pa = random.log_between(100.0, 2000.0);
+  facet.forcing = [dry = facet.forcing, vapour_pa](Instant at, std::size_t first, ForcingValues& values) {
+    dry(at, first, values);
+    values.front.vapour_pa = values.back.vapour_pa =
+        vapour_pa * (1.0 + 0.5 * std::sin(2.0 * std::numbers::pi * at.time_s / (24.0 * kHour_s)));
+  };
+  return facet;
+}
+
 }  // namespace radiometry::heat::test

@@ -16,5 +16,10 @@ struct RandomFacet {
 };
 
 RandomFacet random_facet(std::uint32_t seed);
+/// The same, wet to a fraction of 0.05 to 1 on both sides, in air of 100 to 2000 Pa of vapour that swings by half of
+/// it.
+RandomFacet random_wet_facet(std::uint32_t seed);
+/// The same as random_facet, with layers that generate -100 to 400 W/m2, switched on and off where the inside jumps.
+RandomFacet random_heated_facet(std::uint32_t seed);
 
 }  // namespace radiometry::heat::test

@@ -11,6 +11,7 @@
 #include <limits>
 
 #include "mtf/error.h"
+#include "radiometry/heat/evaporation.h"
 #include "radiometry/light/constants.h"
 #include "tests/radiometry/heat/exact_cases.h"
 #include "tests/radiometry/heat/oracle.h"
@@ -240,6 +241,45 @@ TEST(HeatSolver, AForcingThatIsNotANumberIsNamed) {
   } catch (const mtf::RuntimeError& error) {
     EXPECT_NE(std::string(error.what()).find("not finite"), std::string::npos) << error.what();
   }
+}
+
+// Full wind on a wet insulated surface in the dark: it comes to the wet-bulb temperature, where h (T_air - T) pays for
+// the evaporation: T_air - T = (e_s(T) - e) / gamma. At 20 degC, 1013.25 hPa and 50 % that is 13.7 to 13.8 degC
+// (psychrometric tables of the WMO's guide, ventilated by 0.665e-3 P).
+TEST(HeatBalance, AWetSurfaceComesToItsWetBulbTemperature) {
+  const Construction felt{.layers = {{0.2, 600.0, 1500.0, 0.001}},
+                          .emissivity = 0.0,
+                          .convection = LinearConvection{25.0, 0.0},
+                          .inside = Adiabatic{},
+                          .wet_fraction = 1.0};
+  const double vapour_pa = 0.5 * saturation(293.15).pressure_pa;
+  const Forcing air = [=](Instant, std::size_t, ForcingValues& values) {
+    std::fill(values.front.absorbed_w_m2.begin(), values.front.absorbed_w_m2.end(), 0.0);
+    values.front.air_k = 293.15;
+    values.front.vapour_pa = vapour_pa;
+  };
+  const Timeline hours{.start_s = 0.0, .end_s = 36000.0, .outputs_s = {36000.0}, .breaks_s = {}};
+  const Solution solution = solve({felt, 1, {}}, air, hours, UniformStart{293.15}, 1e-4);
+  const double t = solution.run.front_k.back();
+  EXPECT_NEAR(293.15 - t, (saturation(t).pressure_pa - vapour_pa) / (0.665e-3 * 101325.0), 0.01);
+  EXPECT_NEAR(t - 273.15, 13.75, 0.15);
+  EXPECT_LT(std::abs(solution.run.balance.front().relative_drift()), 1e-12);
+  const Solution repeating = solve({felt, 1, {}}, air, hours, RepeatingStart{36000.0}, 1e-4);
+  EXPECT_NEAR(repeating.run.front_k.back(), t, 1e-3);
+}
+
+// Monotone everywhere, with the slope it says: Newton's method has one solution to find.
+TEST(HeatBalance, SaturationRises) {
+  double before = saturation(-100.0).pressure_pa;
+  for (double t = -95.0; t < 1200.0; t += 5.0) {
+    const Vapour here = saturation(t);
+    EXPECT_GE(here.pressure_pa, before) << t;
+    EXPECT_NEAR(here.slope_pa_k, (saturation(t + 1e-3).pressure_pa - saturation(t - 1e-3).pressure_pa) / 2e-3,
+                1e-5 * std::abs(here.slope_pa_k) + 1e-9)
+        << t;
+    before = here.pressure_pa;
+  }
+  EXPECT_NEAR(saturation(293.15).pressure_pa, 2338.8, 0.01 * 2338.8);  // IAPWS-95
 }
 
 }  // namespace
