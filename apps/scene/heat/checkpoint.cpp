@@ -84,6 +84,7 @@ void grid(Archive& a, Grid& g) {
   a(g.capacity);
   a(g.conductance);
   a(g.depth_m);
+  a(g.layer_m);
   a(g.inner_w_m2_k);
 }
 
@@ -178,7 +179,8 @@ Fingerprints fingerprints_of(const HeatScene& scene, const HeatOptions& options)
     emissivities += hash_of(material.emissivity(false), material.emissivity(true));
   return {{"the scene file", scene.file.sha256},
           {"a mesh", hash_of(facets.vertices, facets.triangles, facets.facet_of, scene.region, scene.opposite)},
-          {"the weather", hash_of(s.time_s, s.air_k, s.wind_m_s, s.direct_w_m2, s.diffuse_w_m2, s.sky_longwave_w_m2)},
+          {"the weather",
+           hash_of(s.time_s, s.air_k, s.wind_m_s, s.vapour_pa, s.direct_w_m2, s.diffuse_w_m2, s.sky_longwave_w_m2)},
           {"a spectrum of emissivity", mtf::io::sha256_hex(emissivities)},
           {"a table of temperatures or fluxes", hash_of_tables(scene)},
           {"an option (--tolerance, --rays, --sun-directions, --sun-points or --every-facet)",

@@ -192,7 +192,7 @@ Relaxed HeatBatches::solve(const Window& window, bool first, double tolerance_k,
     run_again(places, first);
     of_again = light_.longwave;
   }
-  relaxed.error_k += parabola_error(patch, light_.longwave) / loss_w_m2_k;
+  relaxed.error_k += (parabola_error(patch, light_.longwave) + parabola_error(patch, light_.solar)) / loss_w_m2_k;
   for (Batch& batch : batches_) {
     batch.all.begin = std::move(batch.all.end);
     batch.sample.begin = std::move(batch.sample.end);

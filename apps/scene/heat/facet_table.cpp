@@ -99,6 +99,8 @@ std::vector<double> times_of(const std::string& path, std::size_t rows) {
   return times;
 }
 
+bool is_temperature(float kelvin) { return kelvin > 0.0F && static_cast<double>(kelvin) <= kHottest_k; }
+
 FacetTable read_npy(const std::string& path, std::size_t facets) {
   const std::string bytes = mtf::io::read_table_text(path, kMostBytes);
   const NpyShape shape = shape_of(bytes, path);
@@ -140,6 +142,10 @@ FacetTable read_csv(const std::string& path, std::size_t facets) {
     float& kelvin = table.kelvin[static_cast<std::size_t>(facet)];
     if (!std::isnan(kelvin)) throw mtf::UsageError(one_line(path) + where + "the facet stands twice");
     kelvin = static_cast<float>(numbers.column[1][i]);
+    if (!is_temperature(kelvin))
+      throw mtf::UsageError(one_line(path) + where + significant(numbers.column[1][i], 4) +
+                            " K, which no surface has; it has to be above 0 and no more than " +
+                            significant(kHottest_k, 4) + " K");
   }
   return table;
 }
@@ -167,7 +173,7 @@ FacetTable read_facet_table(const std::string& path, std::size_t facets) {
   FacetTable table = path.ends_with(".npy") ? read_npy(path, facets) : read_csv(path, facets);
   for (std::size_t i = 0; i < table.kelvin.size(); ++i)
     if (const auto kelvin = static_cast<double>(table.kelvin[i]);
-        !std::isnan(kelvin) && !(kelvin > 0.0 && kelvin <= kHottest_k))
+        !std::isnan(kelvin) && !is_temperature(table.kelvin[i]))
       fail(path, "facet " + std::to_string(i % facets) + " has " + significant(kelvin, 4) + " K, which no surface has");
   return table;
 }

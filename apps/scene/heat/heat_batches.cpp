@@ -197,7 +197,7 @@ void HeatBatches::set_forcing(Group& group, const Batch& batch) {
   ForcedUnits forced{{}, window_.first, window_.last};
   for (const std::uint32_t i : group.unit) forced.unit.push_back(&units_.unit[i]);
   group.forcing = forcing_of(std::move(forced), units_, scene_.surroundings, ground_, light_,
-                             scene_.material[batch.material].inside, scene_.file.time.start_s);
+                             scene_.material[batch.material], scene_.file.time.start_s);
 }
 
 heat::Plan HeatBatches::make_plan_of(const Batch& batch) {
@@ -207,7 +207,7 @@ heat::Plan HeatBatches::make_plan_of(const Batch& batch) {
   for (const std::uint32_t i : batch.sample.unit) forced.unit.push_back(&units_.unit[i]);
   return make_plan(batch.sample.heat,
                    forcing_of(std::move(forced), units_, scene_.surroundings, ground_, light_,
-                              scene_.material[batch.material].inside, scene_.file.time.start_s),
+                              scene_.material[batch.material], scene_.file.time.start_s),
                    timeline(0, last, Pace::fine), heat::RepeatingStart{heat::kDay_s}, batch.wanted_k);
 }
 

@@ -24,8 +24,8 @@ struct HeatReport {
   HeatPromise promised;
   std::vector<MaterialRun> materials;  ///< with units; the ground is last, where it is solved
   std::size_t facets = 0, units = 0, patches = 0, outputs = 0;
-  std::size_t covered = 0;  ///< sides that lie inside other solids and see nothing else
-  int iterations = 0;       ///< the most of any window
+  std::vector<std::uint32_t> covered;  ///< facets that lie inside other solids and see nothing else
+  int iterations = 0;                  ///< the most of any window
   radiometry::scene::ViewError view_error;
   radiometry::scene::TableError sun_error;
   ViewSpread view_spread;                ///< facets against their units, in the first day

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/scene/heat/solve_units.h"
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -78,6 +80,25 @@ double largest_ratio(const HeatScene& scene, double warmest) {
   return std::min(most, 0.6);
 }
 
+/// Temperatures of all receivers and the light of all patches at the moments of a day are held at once.
+void require_room(const HeatScene& scene, const Units& units, const std::vector<Window>& windows) {
+  constexpr double kReceiver = 2.0 * sizeof(double), kPatch = 10.0 * sizeof(double);
+  std::size_t nodes = 0;
+  for (const Window& window : windows) nodes = std::max(nodes, window.last - window.first);
+  const double bytes = 2.0 * static_cast<double>(nodes) *
+                       (kReceiver * static_cast<double>(units.exchange.receivers()) +
+                        kPatch * static_cast<double>(units.exchange.patches()));
+  const double memory = static_cast<double>(::sysconf(_SC_PHYS_PAGES)) * static_cast<double>(::sysconf(_SC_PAGESIZE));
+  constexpr double kGibibyte = 1024.0 * 1024.0 * 1024.0;
+  if (bytes > 0.8 * memory)
+    throw mtf::UsageError(one_line(scene.file.file) + ": the temperatures of " +
+                          std::to_string(units.exchange.receivers()) + " surfaces at the " + std::to_string(nodes) +
+                          " nodes of a day would take " + significant(bytes / kGibibyte, 3) + " GiB of the " +
+                          significant(memory / kGibibyte, 3) +
+                          " GiB of this machine; ask for a larger tolerance, a longer [time] step, or means of the "
+                          "weather: [weather] average = \"5 min\"");
+}
+
 constexpr std::size_t kSpreadFacets = 2000;
 constexpr double kSunlit_k = 40.0;  // above the air, for shares of the tolerance; the promise takes the true one
 
@@ -112,9 +133,10 @@ UnitsRun solve_units(const HeatScene& scene, const Units& units, const HeatOptio
   UnitsRun solved;
   const double ratio = feedback_ratio(scene, units, warmest + kSunlit_k);
   const double room_k = options.tolerance_k * (1.0 - ratio);
+  const std::vector<Window> windows = windows_of(s);
+  require_room(scene, units, windows);
   const Ground ground = ground_of(scene, kGroundShare * room_k);
   HeatBatches batches(scene, units, ground.light, kSolverShare * room_k, options.threads);
-  const std::vector<Window> windows = windows_of(s);
   std::vector<double> front(scene.region.size()), back(units.has_sheets() ? scene.region.size() : 0);
   const auto emit = [&](std::size_t node) {
     constexpr std::int64_t kFacetsAtOnce = 16384;

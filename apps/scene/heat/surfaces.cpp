@@ -8,6 +8,7 @@
 #include "apps/text/words.h"
 #include "mtf/error.h"
 #include "radiometry/heat/layer_sources.h"
+#include "radiometry/heat/weather/clear_sky.h"
 #include "radiometry/light/constants.h"
 
 namespace apps::scene {
@@ -63,6 +64,21 @@ void set_inside(const MaterialSection& material, Surface& surface) {
       break;
     }
   }
+}
+
+/// Constant sources as heat at the surfaces; others as schedules of all layers.
+void set_sources(const MaterialSection& material, Surface& surface) {
+  std::vector<double> constant;
+  for (const LayerSection& layer : material.layers) {
+    surface.sources.push_back(layer.source.value.empty() ? heat::constant_schedule(0.0) : layer.source);
+    surface.construction.generates = surface.construction.generates || !surface.sources.back().constant();
+    constant.push_back(surface.sources.back().value.front());
+  }
+  if (surface.construction.generates) return;
+  surface.sources.clear();
+  const heat::SourceHeat generated = heat::source_heat(surface.construction, constant);
+  surface.source_w_m2 = generated.front_w_m2;
+  surface.back_source_w_m2 = generated.back_w_m2;
 }
 
 /// A scene of [ground] alone.
@@ -129,8 +145,6 @@ double Surface::emissivity(bool back) const {
 
 Surface surface_of(const MaterialSection& material) {
   const std::string where = "material '" + one_line(material.name) + "'";
-  if (material.wet_fraction > 0.0)
-    throw mtf::UsageError(where + ": wet_fraction: evaporation is not solved yet; leave it out");
   Surface surface;
   surface.name = material.name;
   for (const LayerSection& layer : material.layers) {
@@ -142,12 +156,10 @@ Surface surface_of(const MaterialSection& material) {
   surface.solar_absorptance = material.solar_absorptance;
   surface.back_solar_absorptance = material.inside.back_solar_absorptance.value_or(material.solar_absorptance);
   set_inside(material, surface);
+  surface.construction.wet_fraction = material.wet_fraction;
+  if (auto* sheet = std::get_if<heat::Sheet>(&surface.construction.inside)) sheet->wet_fraction = material.wet_fraction;
   require_valid(surface.construction, where);
-  std::vector<double> sources;
-  for (const LayerSection& layer : material.layers) sources.push_back(layer.source_w_m3);
-  const heat::SourceHeat generated = heat::source_heat(surface.construction, sources);
-  surface.source_w_m2 = generated.front_w_m2;
-  surface.back_source_w_m2 = generated.back_w_m2;
+  set_sources(material, surface);
   constexpr double kLeast_w_m2_k = 1e-3;  // about a thousandth of what a black surface radiates at 200 K
   constexpr double kWind_m_s = 1.0, kKelvin = 300.0;
   const auto& c = surface.construction;
@@ -168,7 +180,10 @@ Surfaces read_surfaces(const SceneFile& scene) {
                           ": [ground]: it has no facets, so that no table of them tells its temperature; give a "
                           "temperature, or a schedule as a CSV file of time and temperature");
   Surfaces surfaces;
-  for (const MaterialSection& material : scene.materials) surfaces.material.push_back(surface_of(material));
+  for (const MaterialSection& material : scene.materials) {
+    surfaces.material.push_back(surface_of(material));
+    surfaces.material.back().construction.air_pressure_pa = heat::standard_pressure_pa(scene.place.altitude_m);
+  }
   std::vector<Mesh> meshes;
   for (const MeshSection& mesh : scene.meshes)
     meshes.push_back(mesh.file.empty() ? open_facet() : import_mesh(mesh.file, mesh.unit_m));

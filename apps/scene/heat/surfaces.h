@@ -22,6 +22,8 @@ struct Surface {
   double solar_absorptance = 0.0, back_solar_absorptance = 0.0;
   /// Heat generated in the layers that comes out of the front and of the back, W/m2 (layer_sources.h).
   double source_w_m2 = 0.0, back_source_w_m2 = 0.0;
+  /// Of each layer, W/m3, where one changes with time: then the solver has them and the two above are 0. Else empty.
+  std::vector<radiometry::heat::Schedule> sources{};
   double pair_m = 0.0;                ///< inside.kind = "pair": the longest distance of opposite faces; else 0
   radiometry::heat::Schedule inside;  ///< K or W/m2, what the construction's inside asks for; empty: nothing
 
@@ -36,8 +38,8 @@ struct Surfaces {
   std::vector<std::string> warnings;
 };
 
-/// The material of the file as the heat solver has it. Throws UsageError, beginning with the material's name, for what
-/// is not solved yet: evaporation.
+/// The material of the file as the heat solver has it, in air of 1013.25 hPa. Throws UsageError, beginning with the
+/// material's name, for what nothing determines the temperature of.
 Surface surface_of(const MaterialSection& material);
 
 /// Reads the meshes of the scene and finds the region of every facet. Throws UsageError for a face that no region has,

@@ -30,13 +30,19 @@ std::size_t node_at(const std::vector<double>& times, double t) {
   return std::min(static_cast<std::size_t>(at - times.begin()), times.size() - 1);
 }
 
+bool evaporates(const SceneFile& scene) {
+  return std::any_of(scene.materials.begin(), scene.materials.end(),
+                     [](const MaterialSection& material) { return material.wet_fraction > 0.0; });
+}
+
 /// What the balance and the sky of the file need; gaps in other columns do not matter.
-std::vector<heat::WeatherQuantity> wanted_of(const SkySection& sky) {
+std::vector<heat::WeatherQuantity> wanted_of(const SceneFile& scene) {
   using enum heat::WeatherQuantity;
+  const SkySection& sky = scene.sky;
   std::vector<heat::WeatherQuantity> wanted{air_temperature, wind_speed, direct_normal, diffuse_horizontal};
   const bool formula = sky.longwave != LongwaveModel::measured;
   if (!formula || sky.cloud == CloudSource::from_longwave) wanted.push_back(longwave_down);
-  if (formula && sky.longwave != LongwaveModel::swinbank) wanted.push_back(vapour_pressure);
+  if ((formula && sky.longwave != LongwaveModel::swinbank) || evaporates(scene)) wanted.push_back(vapour_pressure);
   if (formula && sky.cloud == CloudSource::from_weather) wanted.push_back(cloud_cover);
   return wanted;
 }
@@ -87,7 +93,7 @@ Surroundings surroundings_of(const SceneFile& scene, int directions, double tole
   const heat::WeatherSeries weather = scene_weather(scene);
   const double start = scene.time.start_s;
   const double end = std::max(scene.time.end_s, start + heat::kDay_s);
-  const std::vector<heat::WeatherQuantity> wanted = wanted_of(scene.sky);
+  const std::vector<heat::WeatherQuantity> wanted = wanted_of(scene);
   try {
     heat::require(weather, wanted, start, end);
   } catch (const mtf::UsageError& e) {
@@ -129,6 +135,7 @@ Surroundings surroundings_of(const SceneFile& scene, int directions, double tole
     const heat::SunPosition sun = sun_position(utc, scene.place);
     const double up = sun.direction[2];
     s.air_k.push_back(at[air_temperature]);
+    s.vapour_pa.push_back(evaporates(scene) ? at[vapour_pressure] : 0.0);
     s.wind_m_s.push_back(std::max(at[wind_speed], 0.0));
     s.direct_w_m2.push_back(up > -10.0 * kOnHorizon ? std::max(at[direct_normal], 0.0) : 0.0);
     s.diffuse_w_m2.push_back(std::max(at[diffuse_horizontal], 0.0));

@@ -16,6 +16,7 @@ namespace apps::scene {
 struct Surroundings {
   std::vector<double> time_s;  ///< from the start of the run, strictly rising
   std::vector<double> air_k, wind_m_s;
+  std::vector<double> vapour_pa;                  ///< where a material is wet; else 0
   std::vector<double> direct_w_m2;                ///< on a plane that faces the sun; 0 while the sun is down
   std::vector<double> diffuse_w_m2;               ///< on a horizontal plane, without the beam
   std::vector<double> global_w_m2;                ///< on a horizontal plane: direct cos z + diffuse

@@ -74,7 +74,7 @@ struct Context {
   const Surroundings* surroundings;
   const GroundLight* ground;
   const PatchLight* light;
-  const heat::Schedule* inside;
+  const Surface* surface;  ///< for what is inside and in its layers
   double start_s;
 };
 
@@ -180,9 +180,9 @@ double direct_w_m2(const UnitSide& side, const geometry::SunVisibility& sun, con
 }
 
 heat::GroupForcing forcing_of(ForcedUnits batch, const Units& units, const Surroundings& s, const GroundLight& ground,
-                              const PatchLight& light, const heat::Schedule& inside, double start_s) {
+                              const PatchLight& light, const Surface& surface, double start_s) {
   const auto context =
-      std::make_shared<const Context>(Context{std::move(batch), &units, &s, &ground, &light, &inside, start_s});
+      std::make_shared<const Context>(Context{std::move(batch), &units, &s, &ground, &light, &surface, start_s});
   return [context](std::size_t first, std::size_t count) -> heat::Forcing {
     const auto entries = entries_of(*context);
     std::vector<const UnitSide*> front, back;
@@ -203,7 +203,12 @@ heat::GroupForcing forcing_of(ForcedUnits batch, const Units& units, const Surro
       Between place = place_of(around.time_s, at);
       values.front.air_k = values.back.air_k = between(around.air_k, place);
       values.front.wind_m_s = values.back.wind_m_s = between(around.wind_m_s, place);
-      if (!context->inside->value.empty()) values.inside = value_at(*context->inside, context->start_s + at.time_s);
+      values.front.vapour_pa = values.back.vapour_pa = between(around.vapour_pa, place);
+      const Surface& of = *context->surface;
+      const double utc_s = context->start_s + at.time_s;
+      if (!of.inside.value.empty()) values.inside = value_at(of.inside, utc_s);
+      for (std::size_t k = 0; k < values.source_w_m3.size(); ++k)
+        values.source_w_m3[k] = value_at(of.sources[k], utc_s);
       if (place.node >= context->batch.last) place = {context->batch.last - 1, 1.0};  // rounding of the last time
       if (place.node < context->batch.first) place = {context->batch.first, 0.0};
       const Beam beam = beam_at(around, place.node, place.share);

@@ -37,7 +37,7 @@ struct ForcedUnits {
 /// The forcing of the batch within its nodes. Where they go beyond the window of the light of patches, as when plans
 /// are tried, the exchange is that of the end of the window. All references have to live as long as the forcing.
 radiometry::heat::GroupForcing forcing_of(ForcedUnits batch, const Units& units, const Surroundings& surroundings,
-                                          const GroundLight& ground, const PatchLight& light,
-                                          const radiometry::heat::Schedule& inside, double start_s);
+                                          const GroundLight& ground, const PatchLight& light, const Surface& surface,
+                                          double start_s);
 
 }  // namespace apps::scene

@@ -328,7 +328,8 @@ Units units_of(const HeatScene& scene, const HeatOptions& options, double tolera
       classes_of(facets, all.sides, finish, seen, units.sun, to_sun, amplitudes, tolerance_w_m2, options.threads);
   merge_covered(plain, covered, classes);
   units.bound_w_m2 = classes.bound_w_m2;
-  units.covered = static_cast<std::size_t>(std::count(covered.begin(), covered.end(), true));
+  for (std::uint32_t f = 0; f < facets.size(); ++f)
+    if (covered[f]) units.covered.push_back(f);
   Grouping grouping = group(all, classes, facets.size());
   sort_units(grouping, scene, units.sun);
   units.unit_of = grouping.unit_of;

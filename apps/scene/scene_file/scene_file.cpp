@@ -80,6 +80,9 @@ std::vector<const radiometry::heat::Schedule*> all_schedules(const SceneFile& sc
   std::vector<const radiometry::heat::Schedule*> all = temperature_schedules(scene);
   for (const MaterialSection& material : scene.materials)
     if (!material.inside.flux.value.empty()) all.push_back(&material.inside.flux);
+  for (const MaterialSection& material : scene.materials)
+    for (const LayerSection& layer : material.layers)
+      if (!layer.source.value.empty()) all.push_back(&layer.source);
   return all;
 }
 

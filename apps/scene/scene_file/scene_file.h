@@ -63,7 +63,7 @@ struct LayerSection {
   double density_kg_m3 = 0.0;
   double heat_capacity_j_kg_k = 0.0;
   double thickness_m = 0.0;
-  double source_w_m3 = 0.0;  ///< heat that the layer generates
+  radiometry::heat::Schedule source{};  ///< W/m3, heat that the layer generates; empty: none
 };
 
 /// Emissivity of a surface: the number that the balance takes, and the spectrum that it is the Planck mean of.

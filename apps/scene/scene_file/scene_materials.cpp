@@ -50,7 +50,7 @@ constexpr FieldInfo kSource{.name = "source",
                             .hi = 1e9,
                             .presence = Presence::optional,
                             .example = "\"500 W/m3\"",
-                            .doc = "heat that the layer generates"};
+                            .doc = "heat that the layer generates; a constant, or the name of a schedule.csv"};
 constexpr FieldInfo kSolarAbsorptance{.name = "solar_absorptance",
                                       .lo = 0.0,
                                       .hi = 1.0,
@@ -102,7 +102,7 @@ std::vector<std::string_view> inside_keys(InsideKind kind) {
   return {};
 }
 
-void read_layers(const Section& material, std::vector<LayerSection>& layers) {
+void read_layers(SceneReader& s, const Section& material, std::vector<LayerSection>& layers) {
   const Node* node = material.find("layers");
   const std::string remedy =
       "write layers = [{ conductivity = \"45 W/m/K\", density = \"7800 kg/m3\", heat_capacity = \"480 J/kg/K\", "
@@ -126,7 +126,7 @@ void read_layers(const Section& material, std::vector<LayerSection>& layers) {
                       .density_kg_m3 = read_si(section, kDensity).value_or(1.0),
                       .heat_capacity_j_kg_k = read_si(section, kHeatCapacity).value_or(1.0),
                       .thickness_m = read_si(section, kThickness).value_or(1.0),
-                      .source_w_m3 = read_si(section, kSource).value_or(0.0)});
+                      .source = read_schedule_value(s, section, kSource).value_or(radiometry::heat::Schedule{})});
   }
 }
 
@@ -214,7 +214,7 @@ void read_materials(SceneReader& s) {
     material.emissivity = read_emissivity(section, "emissivity").value_or(Emissivity{});
     material.wet_fraction = read_si(section, kWetFraction).value_or(0.0);
     read_convection(section, material.convection);
-    read_layers(section, material.layers);
+    read_layers(s, section, material.layers);
     read_inside(s, section, material.inside);
     s.scene.materials.push_back(std::move(material));
   }

@@ -83,7 +83,8 @@ void read_measured(SceneReader& s);
 void read_camera(SceneReader& s);
 
 /// A schedule has to stay within the range of a field; the value that does not, in words.
-std::optional<std::string> out_of_range(const radiometry::heat::Schedule& schedule, const mtf::FieldInfo& field);
+std::optional<std::string> out_of_range(const radiometry::heat::Schedule& schedule, const mtf::FieldInfo& field,
+                                        double origin_s);
 
 inline constexpr double kHottest_k = 3000.0;
 inline constexpr mtf::FieldInfo kTemperature{.name = "temperature",

@@ -7,6 +7,7 @@
 
 #include "apps/scene/scene_file/scene_reader.h"
 #include "apps/scene/weather/si_units.h"
+#include "apps/scene/weather/timed_table.h"
 #include "apps/scene/weather/weather_csv.h"
 #include "mtf/error.h"
 #include "mtf/io/csv/csv_cells.h"
@@ -132,10 +133,15 @@ std::optional<std::string> read_path(const Section& section, std::string_view ke
   return std::nullopt;
 }
 
-std::optional<std::string> out_of_range(const Schedule& schedule, const FieldInfo& field) {
-  for (const double value : schedule.value)
-    if (!cfg::in_range(field, value))
-      return with_unit(value, field) + " is outside " + cfg::range_text(field) + " " + std::string(field.unit);
+std::optional<std::string> out_of_range(const Schedule& schedule, const FieldInfo& field, double origin_s) {
+  for (std::size_t i = 0; i < schedule.value.size(); ++i) {
+    if (cfg::in_range(field, schedule.value[i])) continue;
+    const TimedTable table = parse_timed_table(mtf::io::read_table_text(schedule.source), schedule.source, origin_s);
+    const auto at = std::find(table.time_s.begin(), table.time_s.end(), schedule.time_s[i]) - table.time_s.begin();
+    return error_at(schedule.source, table.line.at(static_cast<std::size_t>(at))) +
+           with_unit(schedule.value[i], field) + " is outside " + cfg::range_text(field) + " " +
+           std::string(field.unit);
+  }
   return std::nullopt;
 }
 
@@ -153,7 +159,7 @@ std::optional<Schedule> read_schedule_value(SceneReader& s, const Section& secti
   };
   try {
     Schedule schedule = read_schedule(*path, field.unit, s.scene.time.start_s);
-    if (const auto problem = out_of_range(schedule, field)) return fail(*path + ": " + *problem);
+    if (const auto problem = out_of_range(schedule, field, s.scene.time.start_s)) return fail(*problem);
     return schedule;
   } catch (const mtf::Error& error) {
     return fail(error.what());

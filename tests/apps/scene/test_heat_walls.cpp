@@ -143,6 +143,60 @@ TEST_F(HeatWalls, SourcesInLayersComeOutOfTheSurfaces) {
   EXPECT_GT(insulated - film, 3.0);
 }
 
+// A schedule takes another way through the solver than a constant: the same power has to come to the same temperatures.
+TEST_F(HeatWalls, SourcesBySchedule) {
+  std::ofstream(folder_ / "even.csv") << "time (h),source (W/m3)\n0,8000\n30,8000\n";
+  std::ofstream(folder_ / "switched.csv") << "time (h),source (W/m3)\n0,0\n6,0\n6.5,40000\n12,40000\n12.5,0\n24,0\n";
+  std::ofstream(folder_ / "flux.csv") << "time (h),flux (W/m2)\n0,0\n6,0\n6.5,200\n12,200\n12.5,0\n24,0\n";
+  const HeatOptions options{.tolerance_k = 0.02};
+  const auto wall = [&](const std::string& source, const std::string& layer, const std::string& inside) {
+    return run(kDay + weather(290.0, 1.0, 300.0, 50.0, 300.0) + kSky +
+                   "[[material]]\nname = \"heater\"\nsolar_absorptance = 0.7\nemissivity = 0.9\n"
+                   "convection = \"mcadams\"\nlayers = [{ " +
+                   layer + (source.empty() ? "" : ", source = \"" + source + "\"") + " }]\ninside = " + inside + "\n" +
+                   kMesh + region("", "material = \"heater\""),
+               plate(1.0), options);
+  };
+  const auto expect_same = [&](const Outcome& a, const Outcome& b) {
+    ASSERT_EQ(a.front.size(), b.front.size());
+    for (std::size_t i = 0; i < a.front.size(); ++i) EXPECT_NEAR(a.front[i][0], b.front[i][0], 0.04) << i;
+    EXPECT_LE(a.report.promised.total_k(), options.tolerance_k);
+    for (const MaterialRun& material : a.report.materials) EXPECT_LT(material.drift, 1e-12);
+  };
+  const std::string board =
+      "conductivity = \"0.2 W/m/K\", density = \"500 kg/m3\", heat_capacity = \"1000 J/kg/K\", thickness = \"40 mm\"";
+  for (const std::string inside :
+       {"{ kind = \"adiabatic\" }", "{ kind = \"sheet\" }", "{ kind = \"fixed\", temperature = \"285 K\" }",
+        "{ kind = \"film\", h = \"10 W/m2/K\", temperature = \"280 K\" }"})
+    expect_same(wall("even.csv", board, inside), wall("8000 W/m3", board, inside));
+  // In 5 mm of steel it does not matter where heat comes from.
+  const std::string steel =
+      "conductivity = \"45 W/m/K\", density = \"7800 kg/m3\", heat_capacity = \"480 J/kg/K\", thickness = \"5 mm\"";
+  const Outcome switched = wall("switched.csv", steel, "{ kind = \"adiabatic\" }");
+  expect_same(switched, wall("", steel, "{ kind = \"flux\", flux = \"flux.csv\" }"));
+  EXPECT_GT(switched.front[12][0], wall("", steel, "{ kind = \"adiabatic\" }").front[12][0] + 5.0);
+}
+
+// A wet plate in the dark: eps L + h (T_air - T) = eps sigma T^4 + h / gamma (e_s(T) - e).
+TEST_F(HeatWalls, WetSurfacesAreColder) {
+  std::string air = weather(293.15, 2.0, 0.0, 0.0, 350.0);
+  const std::string rest = kSky + material("felt", 0.7, 0.9, "\"mcadams\"", "wet_fraction = 0.5\n") + kMesh +
+                           region("", "material = \"felt\"");
+  EXPECT_NE(test::message_of([&] { run(kDay + air + rest, plate(1.0)); }).find("vapour_pressure"), std::string::npos);
+  air += "vapour_pressure = \"1000 Pa\"\n";
+  const double kelvin = run(kDay + air + rest, plate(1.0), {.tolerance_k = 0.01}).front.back()[0];
+  double low = 200.0, high = 400.0;
+  for (int i = 0; i < 200; ++i) {
+    const double t = 0.5 * (low + high), celsius = t - 273.15, h = 5.7 + 3.8 * 2.0;
+    const double saturated = 611.2 * std::exp(17.62 * celsius / (243.12 + celsius));
+    const double gains = 0.9 * 350.0 + h * (293.15 - t) - 0.9 * kSigma * std::pow(t, 4) -
+                         0.5 * h / (1013.0 * 101325.0 / (0.622 * 2.45e6)) * (saturated - 1000.0);
+    (gains > 0.0 ? low : high) = t;
+  }
+  EXPECT_NEAR(kelvin, low, 0.01);
+  EXPECT_LT(kelvin, 288.0);
+}
+
 // Over a day of sun the pair and a sheet of the same layers are the same: top and bottom, front and back.
 TEST_F(HeatWalls, APairIsASheetWithTwoFaces) {
   const std::string head = kDay + weather(285.0, 1.0, 700.0, 80.0, 270.0) + kSky;

@@ -72,7 +72,8 @@ TEST(SceneFile, EveryValueArrives) {
   ASSERT_EQ(soil.layers.size(), 2u);
   EXPECT_DOUBLE_EQ(soil.layers[0].density_kg_m3, 1600.0);
   EXPECT_DOUBLE_EQ(soil.layers[0].heat_capacity_j_kg_k, 900.0);
-  EXPECT_EQ(soil.layers[1].source_w_m3, 1e-6);
+  ASSERT_TRUE(soil.layers[1].source.constant());
+  EXPECT_EQ(soil.layers[1].source.value.front(), 1e-6);
   EXPECT_EQ(soil.inside.kind, InsideKind::adiabatic);
 
   const MaterialSection& canvas = scene.materials[2];
