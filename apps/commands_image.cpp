@@ -115,14 +115,16 @@ Command bench_command() {
       "For every decade of tolerance from 1e-1 to 1e-7: the plan that is chosen, every other method that keeps the\n"
       "tolerance, and plain OpenCV, each compared with the exact image in double and timed in interleaved rounds with\n"
       "bare FFTW. Writes bench.csv, bench.json, bench.svg and bench.png. Exit code 3 when an error is above its\n"
-      "promise. A tolerance that cannot be kept has a row `refused` with the one that can.",
+      "promise. A tolerance that cannot be kept has a row `refused` with the one that can.\n"
+      "With a scene file alone: the tolerances of mtf heat in K, with the error that is promised, the realised one\n"
+      "(mtf heat --verify) and the time; heat_bench.csv, heat_bench.json and heat_bench.svg.",
       "  mtf bench sensor.toml scene.exr -o bench --rounds 3 --seconds 5\n"
       "  mtf bench sensor.toml scene.exr -o bench-1 --threads 1 --rounds 3 --seconds 5 --format csv"};
-  add_file(app, "sensor", "sensor file (TOML)", options.sensor);
-  add_file(app, "scene", "image of the scene", options.scene);
+  add_file(app, "sensor", "sensor file, or a scene file (TOML)", options.sensor);
+  add_file(app, "scene", "image of the scene; none with a scene file", options.scene).required = false;
   add_text(app, "-o,--out", "FOLDER", "folder to create", options.out).required = true;
   add_channel_choice(app, options.channel, options.layer, options.part);
-  add_word(app, "--rounds", "N", "runs of each method; default 15, fewer of slow ones",
+  add_word(app, "--rounds", "N", "runs of each method; default 15, fewer of slow ones; with a scene file 1",
            [&](const std::string& text) { options.rounds = whole_number("--rounds", text, 1, 10000); });
   add_word(app, "--seconds", "S", "time for the whole, about; default 60", [&](const std::string& text) {
     options.seconds = number("--seconds", text);
@@ -131,9 +133,25 @@ Command bench_command() {
   });
   add_choice(app, "--rigor", "RIGOR", "of plans: estimate (default) or measure; bare FFTW is always measured", kRigor,
              options.measure);
+  add_word(
+      app, "--tolerance", "X", "with a scene file: such as \"0.5 K\", may be given again; default: 1, 0.3 and 0.1 K",
+      [&](const std::string& text) { options.tolerances_k.push_back(temperature_difference("--tolerance", text)); })
+      .repeats = true;
   add_format(app, "of standard output: table (default), csv or json", options.format);
   add_force(app, options.force);
-  app.run = [shared](const Global& global) { return run_bench(*shared, global); };
+  app.run = [shared](const Global& global) {
+    if (!shared->scene.empty()) {
+      if (!shared->tolerances_k.empty()) throw mtf::UsageError("--tolerance belongs to a scene file without an image");
+      return run_bench(*shared, global);
+    }
+    if (shared->channel || shared->layer || shared->part || shared->measure)
+      throw mtf::UsageError("name the image of the scene; --channel, --layer, --part and --rigor belong to images");
+#ifdef MTFKIT_HAVE_SCENE
+    return run_bench_heat(*shared, global);
+#else
+    throw mtf::UsageError("name the image of the scene (scene files are not part of this build)");
+#endif
+  };
   return app;
 }
 

@@ -52,7 +52,8 @@ Command heat_command() {
       "heat.json, a plot, and with [camera] a picture. The tolerance is that of the worst facet at any output;\n"
       "sampling errors of shadows and views are measured and stated beside it. Conduction along surfaces is\n"
       "left out, and formulas of convection and sky are good to 1 to 3 K: they are named in heat.json. Exit code 3\n"
-      "where the promised error is above the tolerance.\n"
+      "where the promised error is above the tolerance, or, with --verify, below the realised one.\n"
+      "After Ctrl-C the folder holds the days that are finished, and the same command goes on from there.\n"
       "--fit writes a scene file instead: numbers { value, fit = true, min, max } of the ground's material fitted to\n"
       "its measured temperature, with their standard errors.",
       "  mtf heat vehicle/scene.toml -o temperatures\n"
@@ -70,11 +71,18 @@ Command heat_command() {
            [&](const std::string& text) { options.rays = whole_number("--rays", text, 16, 65536); });
   add_word(app, "--sun-directions", "N", "of the table of shadows, a day; default 36",
            [&](const std::string& text) { options.directions = whole_number("--sun-directions", text, 4, 1440); });
+  add_word(app, "--sun-points", "N", "on each facet, for its share in the sun; default 4",
+           [&](const std::string& text) { options.sun_points = whole_number("--sun-points", text, 1, 255); });
   add_flag(app, "--every-facet", "solve each facet by itself, without classes: slower, and free of their error",
            options.every_facet);
+  add_flag(app, "--verify",
+           "the realised error too, against runs at a tenth of the tolerance, and errors of the tables on all facets",
+           options.verify);
   add_flag(app, "--ply", "write the mesh with the last temperatures too, for ParaView, MeshLab or Blender",
            options.ply);
   add_flag(app, "--vtk", "the same as VTK, which ParaView reads with values of facets", options.vtk);
+  add_flag(app, "--anew", "begin again where the folder holds an interrupted run, which is continued otherwise",
+           options.anew);
   add_flag(app, "--sensitivity",
            "run six times more, with convection, sky or materials changed, and say what it changes",
            options.sensitivity);

@@ -76,11 +76,14 @@ struct DemoOptions {
 };
 
 struct BenchOptions {
-  std::string sensor, scene, out;
+  std::string sensor;  ///< or, without an image, a scene file
+  std::string scene;   ///< image; "" = `sensor` is a scene file
+  std::string out;
   std::optional<std::string> channel, layer;
   std::optional<int> part;
-  int rounds = 15;
-  double seconds = 60.0;  ///< for everything, about
+  std::optional<int> rounds;         ///< else 15; of a scene file 1
+  double seconds = 60.0;             ///< for everything, about
+  std::vector<double> tolerances_k;  ///< of a scene file; empty: 1, 0.3 and 0.1
   Format format = Format::table;
   bool measure = false;  ///< --rigor measure
   bool force = false;
@@ -199,8 +202,11 @@ struct HeatCommandOptions {
   double tolerance_k = 1.0;
   int rays = 128;            ///< of the view of each side of a facet
   int directions = 36;       ///< of the table of shadows, a day
+  int sun_points = 4;        ///< of each facet
   bool every_facet = false;  ///< no classes
+  bool verify = false;       ///< the realised error too
   bool ply = false, vtk = false;
+  bool anew = false;         ///< an interrupted run in the folder is not continued
   bool sensitivity = false;  ///< six more runs, with one thing changed each
   bool force = false;
   bool fit = false;  ///< numbers of the ground to what was measured; `out` is the fitted scene file then
@@ -215,6 +221,7 @@ int run_info(const InfoOptions& options, const Global& global);
 int run_config(const ConfigOptions& options, const Global& global);
 int run_simulate(const SimulateCommandOptions& options, const Global& global);
 int run_bench(const BenchOptions& options, const Global& global);
+int run_bench_heat(const BenchOptions& options, const Global& global);
 int run_demo(const DemoOptions& options, const Global& global);
 int run_budget(const BudgetOptions& options, const Global& global);
 int run_measure(const MeasureOptions& options, const Global& global);

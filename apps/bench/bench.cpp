@@ -30,6 +30,8 @@ namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 using Size = std::array<std::int64_t, 2>;
 
+constexpr int kRounds = 15;
+
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
 /// The sizes that bare FFTW is timed at: the image's first.
@@ -53,7 +55,7 @@ void time_all(const ToleranceRuns& results, const BenchOptions& options, double 
       cases.emplace_back(
           [pair = std::make_shared<const Pair>(size[0], size[1], place, mtf::Rigor::measure)] { pair->execute(); });
   const std::vector<Timing> times =
-      interleave(cases, {.rounds = options.rounds, .seconds = seconds, .progress = [&](double share) {
+      interleave(cases, {.rounds = *options.rounds, .seconds = seconds, .progress = [&](double share) {
                            progress.update("timing", share);
                          }});
   const std::size_t count = results.contenders.size();
@@ -91,7 +93,7 @@ void time_all(const ToleranceRuns& results, const BenchOptions& options, double 
 
 std::string command_line(const BenchOptions& options, const Global& global) {
   std::string text = "mtf bench " + shell_word(options.sensor) + " " + shell_word(options.scene) + " -o " +
-                     shell_word(options.out) + " --rounds " + std::to_string(options.rounds) + " --seconds " +
+                     shell_word(options.out) + " --rounds " + std::to_string(*options.rounds) + " --seconds " +
                      mtf::format_double(options.seconds) + " --threads " + std::to_string(global.threads);
   if (options.measure) text += " --rigor measure";
   if (options.channel) text += " --channel " + shell_word(*options.channel);
@@ -132,7 +134,9 @@ int count_broken(const BenchReport& report) {
 
 }  // namespace
 
-int run_bench(const BenchOptions& options, const Global& global) {
+int run_bench(const BenchOptions& given, const Global& global) {
+  BenchOptions options = given;
+  options.rounds = given.rounds.value_or(kRounds);
   const Clock::time_point start = Clock::now();
   if (options.out.empty()) throw mtf::UsageError("-o, --out is missing: name the folder for the results");
   const fs::path folder = options.out;
@@ -157,7 +161,7 @@ int run_bench(const BenchOptions& options, const Global& global) {
   report.scene_path = options.scene;
   report.channel = scene.names[0];
   report.threads = global.threads > 0 ? global.threads : this_machine().cores;
-  report.rounds = options.rounds;
+  report.rounds = *options.rounds;
   if (report.threads > 1)
     report.notes.push_back("plans use " + std::to_string(report.threads) +
                            " threads, FFTW and OpenCV one; --threads 1 compares like with like");

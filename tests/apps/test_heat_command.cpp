@@ -96,6 +96,38 @@ TEST_F(HeatCommand, WritesWhatItSays) {
     EXPECT_GT(read_file(scratch_ / ("out/" + std::string(name))).size(), 100U);
 }
 
+TEST_F(HeatCommand, VerifiesWhatItPromises) {
+  const Result result = scratch_.run("mtf heat scene.toml -o out --verify --tolerance '0.3 K'");
+  ASSERT_EQ(result.status, 0) << result.err;
+  EXPECT_NE(result.out.find("realised, against runs that promise"), std::string::npos) << result.out;
+  const auto json = nlohmann::json::parse(read_file(scratch_ / "out/heat.json"));
+  const nlohmann::json& classes = json.at("realised").at("as_classes");
+  EXPECT_LE(classes.at("largest_K"), json.at("promised_K"));
+  EXPECT_GT(classes.at("largest_K"), 0.0);
+  EXPECT_EQ(json.at("realised").at("each_facet").at("count"), 2);
+  ASSERT_EQ(scratch_.run("mtf heat scene.toml -o plain").status, 0);
+  EXPECT_TRUE(nlohmann::json::parse(read_file(scratch_ / "plain/heat.json")).at("realised").is_null());
+}
+
+TEST_F(HeatCommand, BenchShowsWhatAToleranceCosts) {
+  const Result result =
+      scratch_.run("mtf bench scene.toml -o ladder --tolerance '1 K' --tolerance '0.1 K' --format csv");
+  ASSERT_EQ(result.status, 0) << result.err;
+  const auto rows = lines(result.out);
+  ASSERT_EQ(rows.size(), 3U);
+  EXPECT_EQ(rows[0].substr(0, 33), "tolerance_K,promised_K,realised_K");
+  EXPECT_EQ(result.out, read_file(scratch_ / "ladder/heat_bench.csv"));
+  const auto json = nlohmann::json::parse(read_file(scratch_ / "ladder/heat_bench.json"));
+  for (const nlohmann::json& row : json.at("rows")) {
+    EXPECT_LE(row.at("promised_K"), row.at("tolerance_K"));
+    EXPECT_LE(row.at("realised_K"), row.at("promised_K"));
+    EXPECT_GT(row.at("time_ms_min"), 0.0);
+  }
+  EXPECT_LT(json.at("rows").at(1).at("realised_K"), json.at("rows").at(0).at("realised_K"));
+  EXPECT_EQ(scratch_.run("mtf bench scene.toml -o ladder").status, 2);  // not empty
+  EXPECT_EQ(scratch_.run("mtf bench scene.toml -o other --channel R").status, 2);
+}
+
 TEST_F(HeatCommand, CheckAndExplain) {
   EXPECT_EQ(scratch_.run("mtf scene check scene.toml").out, "scene.toml: ok, 2 facets in 1 region\n");
   const Result explained = scratch_.run("mtf scene explain scene.toml");
@@ -208,37 +240,81 @@ std::string bumps(int n) {
   return obj.str();
 }
 
-// Two months are interrupted when the first days stand in the temporary file.
-TEST_F(HeatCommand, KeepsFinishedDaysWhenItIsInterrupted) {
+/// `mtf heat scene.toml -o FOLDER`, interrupted as soon as a day stands in the temporary file.
+std::string interrupted(const std::string& folder) {
+  return "mtf heat scene.toml -o " + folder +
+         " & pid=$!\n"
+         "while kill -0 $pid 2>/dev/null; do\n"
+         "  [ -n \"$(find " +
+         folder +
+         " -name 'temperatures.npy.tmp.*' -size +0 2>/dev/null)\" ] && kill -INT $pid && break\n"
+         "  sleep 0.02\ndone\nwait $pid";
+}
+
+TEST_F(HeatCommand, GoesOnAfterAnInterrupt) {
+  std::string text = kScene;
+  text.replace(text.find("end = 2026-06-22"), 16, "end = 2026-07-20");
+  text.replace(text.find("step = \"2 h\""), 12, "step = \"1 h\"");
+  write_file(scratch_ / "scene.toml", text);
+  write_file(scratch_ / "plates.obj", bumps(20));
+  const Result whole = scratch_.run("mtf heat scene.toml -o whole");
+  ASSERT_EQ(whole.status, 0) << whole.err;
+  const Result first = scratch_.run(interrupted("days"));
+  ASSERT_EQ(first.status, 130) << first.err;
+  ASSERT_NE(first.err.find("the temperatures end at"), std::string::npos) << first.err;
+  const nlohmann::json json = nlohmann::json::parse(read_file(scratch_ / "days/heat.json"));
+  EXPECT_FALSE(json.at("finished").get<bool>());
+  const std::size_t outputs = json.at("outputs").get<std::size_t>();
+  EXPECT_LT(outputs, 29U * 24U + 1U);
+  EXPECT_EQ(outputs % 24, 1U);  // whole days, and the start
+  EXPECT_EQ(lines(read_file(scratch_ / "days/times.csv")).size(), outputs + 1);
+  for (const std::string& name : names_in(scratch_ / "days")) EXPECT_EQ(name.find(".tmp."), std::string::npos) << name;
+
+  // Inputs that changed are refused, by name, and nothing is lost.
+  write_file(scratch_ / "plates.obj", bumps(19));
+  const Result mesh = scratch_.run("mtf heat scene.toml -o days");
+  EXPECT_EQ(mesh.status, 2);
+  EXPECT_NE(mesh.err.find("a mesh is not what it was"), std::string::npos) << mesh.err;
+  write_file(scratch_ / "plates.obj", bumps(20));
+  const Result tolerance = scratch_.run("mtf heat scene.toml -o days --tolerance '0.5 K'");
+  EXPECT_EQ(tolerance.status, 2);
+  const std::string state = read_file(scratch_ / "days/unfinished.bin");
+  write_file(scratch_ / "days/unfinished.bin", state.substr(0, state.size() - 8));
+  const Result damaged = scratch_.run("mtf heat scene.toml -o days");
+  EXPECT_EQ(damaged.status, 2);
+  EXPECT_NE(damaged.err.find("damaged"), std::string::npos) << damaged.err;
+  write_file(scratch_ / "days/unfinished.bin", state);
+  EXPECT_EQ(nlohmann::json::parse(read_file(scratch_ / "days/heat.json")).at("outputs"), outputs);
+
+  const Result second = scratch_.run("mtf heat scene.toml -o days");
+  ASSERT_EQ(second.status, 0) << second.err;
+  EXPECT_NE(second.err.find("going on after " + std::to_string(outputs) + " outputs"), std::string::npos) << second.err;
+  for (const char* name : {"temperatures.npy", "regions.csv", "times.csv", "facets.csv"})
+    EXPECT_TRUE(read_file(scratch_ / "days" / name) == read_file(scratch_ / "whole" / name)) << name;
+  EXPECT_FALSE(std::filesystem::exists(scratch_ / "days/unfinished.bin"));
+  const auto one = nlohmann::json::parse(read_file(scratch_ / "whole/heat.json"));
+  const auto two = nlohmann::json::parse(read_file(scratch_ / "days/heat.json"));
+  EXPECT_TRUE(two.at("finished").get<bool>());
+  for (const char* key : {"promised_K", "steps", "residual_K", "materials"}) EXPECT_EQ(one.at(key), two.at(key)) << key;
+  EXPECT_EQ(scratch_.run("mtf heat scene.toml -o days").status, 2);  // a finished one asks for --force
+}
+
+TEST_F(HeatCommand, BeginsAnewAfterAnInterruptWhereThatIsAskedFor) {
   std::string text = kScene;
   text.replace(text.find("end = 2026-06-22"), 16, "end = 2026-08-20");
   text.replace(text.find("step = \"2 h\""), 12, "step = \"1 h\"");
   write_file(scratch_ / "scene.toml", text);
   write_file(scratch_ / "plates.obj", bumps(20));
-  const Result result = scratch_.run(
-      "mtf heat scene.toml -o days & pid=$!\n"
-      "while kill -0 $pid 2>/dev/null; do\n"
-      "  [ -n \"$(find days -name '*.tmp.*' -size +0 2>/dev/null)\" ] && kill -INT $pid && break\n"
-      "  sleep 0.05\ndone\nwait $pid");
-  ASSERT_EQ(result.status, 130) << result.err;
-  ASSERT_NE(result.err.find("the temperatures end at"), std::string::npos) << result.err;
-  const nlohmann::json json = nlohmann::json::parse(read_file(scratch_ / "days/heat.json"));
-  EXPECT_FALSE(json.at("finished").get<bool>());
-  const std::size_t outputs = json.at("outputs").get<std::size_t>();
-  EXPECT_LT(outputs, 60U * 24U + 1U);
-  EXPECT_EQ(outputs % 24, 1U);  // whole days, and the start
-  EXPECT_EQ(lines(read_file(scratch_ / "days/times.csv")).size(), outputs + 1);
-  for (const std::string& name : names_in(scratch_ / "days")) EXPECT_EQ(name.find(".tmp."), std::string::npos) << name;
-
   // Before anything is finished no folder stays.
   EXPECT_EQ(scratch_.run("timeout --preserve-status -s INT 0.3 mtf heat scene.toml -o early").status, 130);
   EXPECT_FALSE(std::filesystem::exists(scratch_ / "early"));
-
+  ASSERT_EQ(scratch_.run(interrupted("days")).status, 130);
   write_file(scratch_ / "scene.toml", kScene);
   write_file(scratch_ / "plates.obj", kPlates);
-  ASSERT_EQ(scratch_.run("mtf heat scene.toml -o days").status, 0);  // its own unfinished folder
+  EXPECT_EQ(scratch_.run("mtf heat scene.toml -o days").status, 2);
+  ASSERT_EQ(scratch_.run("mtf heat scene.toml -o days --anew").status, 0);
   EXPECT_TRUE(nlohmann::json::parse(read_file(scratch_ / "days/heat.json")).at("finished").get<bool>());
-  EXPECT_EQ(scratch_.run("mtf heat scene.toml -o days").status, 2);  // a finished one asks for --force
+  EXPECT_FALSE(std::filesystem::exists(scratch_ / "days/unfinished.bin"));
 }
 
 // The shipped day was made with other numbers than the file's, which it keeps: make_ground_day.py has them.

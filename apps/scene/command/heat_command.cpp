@@ -12,6 +12,7 @@
 #include "apps/scene/command/heat_files.h"
 #include "apps/scene/command/heat_sensitivity.h"
 #include "apps/scene/command/scene_picture.h"
+#include "apps/scene/command/unfinished_run.h"
 #include "apps/scene/outputs/mesh_files.h"
 #include "apps/simulate/output_files.h"
 #include "apps/sweep/output_folder.h"
@@ -73,6 +74,26 @@ void write_mesh_of(const std::string& path, const HeatScene& scene, std::span<co
   write(path, mesh, {{"temperature", of_vertex}}, {{"temperature", of_face}});
 }
 
+std::string covered_text(const HeatScene& scene, const HeatReport& report) {
+  std::string names;
+  for (const auto& [name, count] : covered_by_region(scene, report))
+    names += (names.empty() ? "" : ", ") + one_line(name) + " " + std::to_string(count);
+  return "facets inside other solids, without sun and sky: " + names + "\n";
+}
+
+std::string error_text(const RealisedError& error) {
+  return significant(error.rms_k, 2) + " K rms, below " + significant(error.percentile_95_k, 2) + " K in 95 % and " +
+         significant(error.percentile_999_k, 2) + " K in 99.9 % of the facets, at most " +
+         significant(error.largest_k, 2) + " K\n";
+}
+
+std::string verification_text(const Verification& verified) {
+  std::string text =
+      "realised, against runs that promise " + significant(verified.of_promise().promised_k, 2) + " K:\n";
+  if (verified.as_units) text += "  classes as they are " + error_text(*verified.as_units);
+  return text + "  each facet by itself " + error_text(verified.by_itself);
+}
+
 std::string summary_text(const HeatScene& scene, const HeatReport& report, const HeatFiles& files) {
   TextTable table({"region", "coldest", "mean", "warmest [K]"});
   for (std::size_t r = 0; r < scene.file.regions.size(); ++r) {
@@ -89,6 +110,7 @@ std::string summary_text(const HeatScene& scene, const HeatReport& report, const
   text += plural(static_cast<std::int64_t>(report.facets), "facet") + " as " + std::to_string(report.units) +
           (report.units == 1 ? " class, " : " classes, ") +
           plural(static_cast<std::int64_t>(report.outputs), "output") + "\n";
+  if (!report.covered.empty()) text += covered_text(scene, report);
   text += "promised error " + significant(p.total_k(), 2) + " K: " + significant(p.feedback, 3) + " (exchange) x (" +
           significant(p.solver.total_k(), 2) + " steps and cells + " + significant(p.ground_k, 2) + " ground + " +
           significant(p.units_k, 2) + " classes + " + significant(p.exchange_k, 2) + " iteration of the exchange)\n";
@@ -97,6 +119,7 @@ std::string summary_text(const HeatScene& scene, const HeatReport& report, const
           " K rms, " + significant(spread.error_k.percentile_95, 2) + " K for 95 %, at most " +
           significant(spread.largest_k, 2) + " K; shadows " + significant(100.0 * report.sun_error.rms, 2) +
           " % of the direct light rms\nmodels of convection and sky: 1 to 3 K\n";
+  if (report.verified) text += verification_text(*report.verified);
   double total = 0.0;
   std::string times;
   for (const auto& [name, ms] : report.timing_ms) {
@@ -110,7 +133,7 @@ std::vector<std::string> outputs_of(const std::string& folder) {
   std::vector<std::string> paths;
   for (const char* name :
        {"temperatures.npy", "temperatures_back.npy", "facets.csv", "times.csv", "regions.csv", "heat.json",
-        "regions.svg", "regions.svg.csv", "scene.png", "facets.ply", "facets.vtk", "sensitivity.csv"})
+        "regions.svg", "regions.svg.csv", "scene.png", "facets.ply", "facets.vtk", "sensitivity.csv", "unfinished.bin"})
     paths.push_back(folder + "/" + name);
   return paths;
 }
@@ -132,7 +155,7 @@ void require_no_input_in(const std::string& folder, const SceneFile& file) {
                               ", which this run reads and would replace; choose another folder");
 }
 
-/// An interrupted run is replaced without --force.
+/// An interrupted run is continued, or replaced, without --force.
 bool is_unfinished(const std::string& folder) {
   std::ifstream file(folder + "/heat.json");
   const nlohmann::json json = file ? nlohmann::json::parse(file, nullptr, false) : nlohmann::json();
@@ -142,7 +165,9 @@ bool is_unfinished(const std::string& folder) {
 }  // namespace
 
 int run_heat(const HeatCommandOptions& options, const Global& global) {
-  const bool force = options.force || is_unfinished(options.out);
+  const bool unfinished = is_unfinished(options.out), force = options.force || unfinished;
+  if (options.anew && !unfinished && !options.force)
+    throw mtf::UsageError("--anew: " + one_line(options.out) + " holds no interrupted run");
   check_folder(options.out, force);
   std::vector<mtf::io::Diagnostic> findings;
   const SceneFile file = load_scene(options.scene, &findings);
@@ -153,15 +178,29 @@ int run_heat(const HeatCommandOptions& options, const Global& global) {
   StopInGoodOrder interrupt(
       "mtf: interrupted: the day that is being solved is finished and written first; once more to stop at once\n",
       fresh ? options.out : std::string());
-  const HeatOptions heat_options{.tolerance_k = options.tolerance_k,
-                                 .directions = options.directions,
-                                 .rays = options.rays,
-                                 .every_facet = options.every_facet,
-                                 .threads = global.threads,
-                                 .go_on = [&] { return !interrupt.asked(); }};
+  HeatOptions heat_options{.tolerance_k = options.tolerance_k,
+                           .directions = options.directions,
+                           .rays = options.rays,
+                           .sun_points = options.sun_points,
+                           .every_facet = options.every_facet,
+                           .verify = options.verify,
+                           .threads = global.threads,
+                           .go_on = [&] { return !interrupt.asked(); }};
   ProgressLine progress(global);
   HeatScene scene = prepare_heat(file, heat_options);
   for (const std::string& warning : scene.warnings) note(global, "warning: " + warning);
+  std::optional<UnfinishedRun> earlier;
+  if (unfinished && !options.anew && fs::exists(unfinished_path(options.out))) {
+    if (options.verify || options.sensitivity)
+      throw mtf::UsageError(
+          one_line(options.out) +
+          " holds a run that was interrupted, and --verify and --sensitivity need one from its begin: "
+          "--anew begins again, without them it goes on");
+    earlier = read_unfinished(options.out, fingerprints_of(scene, heat_options));
+    heat_options.from = &earlier->checkpoint;
+    note(global, "note: going on after " + std::to_string(earlier->checkpoint.outputs) + " outputs, at " +
+                     radiometry::heat::instant_text(file.time.start_s + earlier->outputs.times_s.back()));
+  }
   std::vector<radiometry::scene::Hit> seen;
   if (file.camera) seen = camera_hits(scene, *file.camera);
   if (file.camera && seen.empty())
@@ -171,6 +210,7 @@ int run_heat(const HeatCommandOptions& options, const Global& global) {
                      "': the picture shows the inner sides of its faces");
   std::string text, sensitivity;
   double promised_k = 0.0, spread_k = 0.0;
+  std::optional<Verification> verified;
   const std::vector<std::string> outputs = outputs_of(options.out);
   std::vector<std::string> paths = outputs;
   if (fresh) paths.insert(paths.begin(), options.out);
@@ -178,6 +218,7 @@ int run_heat(const HeatCommandOptions& options, const Global& global) {
   write_together(paths, [&] {
     prepare_folder(options.out, force);
     HeatFiles files(options.out, scene);
+    if (earlier) files.take_over(earlier->outputs);
     std::vector<double> last;
     const HeatReport report = run_heat(
         scene, heat_options,
@@ -190,8 +231,16 @@ int run_heat(const HeatCommandOptions& options, const Global& global) {
         [&](const std::string& step, double share) { progress.update(step, share); });
     promised_k = report.promised.total_k();
     spread_k = report.view_spread.error_k.percentile_95;
-    for (const std::string& path : outputs) fs::remove(path);  // of an earlier run: no file of two runs stands together
+    verified = report.verified;
+    // Of an earlier run: no file of two runs stands together. What an interrupted one finished is replaced, so that it
+    // is lost at no time.
+    for (const std::string& path : outputs)
+      if (!earlier) fs::remove(path);
+    if (report.checkpoint)
+      write_unfinished(options.out,
+                       {fingerprints_of(scene, heat_options), {files.times_s(), files.regions()}, *report.checkpoint});
     files.commit(report, heat_options);
+    if (!report.checkpoint) fs::remove(unfinished_path(options.out));
     write_figure(options.out + "/regions.svg", region_figure(file, files));
     if (!seen.empty())
       write_scene_picture(options.out + "/scene.png", seen, last,
@@ -220,9 +269,17 @@ int run_heat(const HeatCommandOptions& options, const Global& global) {
   if (options.format == Format::table) print("written to " + options.out + "/\n");
   if (until_s + 0.01 < file.time.end_s - file.time.start_s) {
     complain("mtf: interrupted: the temperatures end at " +
-             radiometry::heat::instant_text(file.time.start_s + until_s) + "; the same command starts anew");
+             radiometry::heat::instant_text(file.time.start_s + until_s) + "; the same command goes on from there");
     return 130;
   }
+  const double realised_k = verified ? verified->of_promise().largest_k - verified->of_promise().promised_k : 0.0;
+  if (realised_k > promised_k) {
+    complain("mtf: PROMISE BROKEN: promised " + significant(promised_k, 3) + " K, realised " +
+             significant(verified->of_promise().largest_k, 3) + " K in facet " +
+             std::to_string(verified->of_promise().facet));
+    return 3;
+  }
+  if (options.verify && !verified) note(global, "note: interrupted: the realised error is not known");
   if (promised_k <= options.tolerance_k) return 0;
   complain("mtf: warning: the promised error of " + significant(promised_k, 3) + " K is above the tolerance of " +
            significant(options.tolerance_k, 3) + " K");

@@ -19,6 +19,14 @@ HeatFiles::HeatFiles(std::string folder, const HeatScene& scene)
     if (scene.is_sheet(f)) back_ = std::make_unique<NpyFile>(at("temperatures_back.npy"), scene.facets().size());
 }
 
+void HeatFiles::take_over(const EarlierOutputs& earlier) {
+  const std::size_t outputs = earlier.times_s.size();
+  copy_rows(at("temperatures.npy"), outputs, *front_);
+  if (back_) copy_rows(at("temperatures_back.npy"), outputs, *back_);
+  times_s_ = earlier.times_s;
+  regions_ = earlier.regions;
+}
+
 std::string HeatFiles::instant(double time_s) const {
   return radiometry::heat::instant_text(scene_.file.time.start_s + time_s);
 }
@@ -38,6 +46,15 @@ void HeatFiles::append(const HeatOutput& output) {
   for (std::size_t r = 0; r < regions.size(); ++r) regions[r].mean_k /= region_area_m2_[r];
   regions_.push_back(std::move(regions));
   times_s_.push_back(output.time_s);
+}
+
+std::vector<std::pair<std::string, std::size_t>> covered_by_region(const HeatScene& scene, const HeatReport& report) {
+  std::vector<std::size_t> count(scene.file.regions.size(), 0);
+  for (const std::uint32_t facet : report.covered) ++count[scene.region[facet]];
+  std::vector<std::pair<std::string, std::size_t>> named;
+  for (std::size_t r = 0; r < count.size(); ++r)
+    if (count[r] > 0) named.emplace_back(scene.file.regions[r].name, count[r]);
+  return named;
 }
 
 std::string HeatFiles::facets_csv() const {

@@ -8,10 +8,12 @@
 //   temperatures.npy      float32, output times x facets, K; the front of sheets
 //   temperatures_back.npy where there are sheets: their back, NaN for other facets
 //   heat.json             closures, classes, steps, promise, residuals, times
+// and, where it was interrupted, unfinished.bin (unfinished_run.h).
 // Every file appears whole or not at all.
 
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "apps/scene/heat/heat_run.h"
@@ -24,9 +26,19 @@ struct RegionTemperature {
   double least_k = 0.0, mean_k = 0.0, most_k = 0.0;
 };
 
+/// Of the outputs that a run had when it was interrupted.
+struct EarlierOutputs {
+  std::vector<double> times_s;
+  std::vector<std::vector<RegionTemperature>> regions;  ///< [output][region]
+};
+
 class HeatFiles {
  public:
   HeatFiles(std::string folder, const HeatScene& scene);
+
+  /// The outputs that stand in the folder, before others are appended. Throws RuntimeError where its tables are not
+  /// those of that many outputs.
+  void take_over(const EarlierOutputs& earlier);
 
   void append(const HeatOutput& output);
   /// All files appear.
@@ -48,6 +60,9 @@ class HeatFiles {
   std::vector<double> times_s_;
   std::vector<std::vector<RegionTemperature>> regions_;
 };
+
+/// Facets inside other solids, by the names of their regions, without those that have none.
+std::vector<std::pair<std::string, std::size_t>> covered_by_region(const HeatScene& scene, const HeatReport& report);
 
 /// heat.json
 std::string heat_json(const HeatScene& scene, const HeatReport& report, const HeatOptions& options);

@@ -11,6 +11,8 @@ namespace {
 namespace heat = radiometry::heat;
 using Json = nlohmann::ordered_json;
 
+constexpr const char* kEvaporation = "bulk, w h / gamma (e_s(T) - e), h of the wind, FAO-56 gamma, Magnus over water";
+
 Json closures(const HeatScene& scene) {
   Json materials = Json::array();
   for (std::size_t i = 0; i < scene.file.materials.size(); ++i) {
@@ -19,7 +21,9 @@ Json closures(const HeatScene& scene) {
                          {"convection", name_of(material.construction.convection)},
                          {"inside", kInsideNames.at(static_cast<std::size_t>(scene.file.materials[i].inside.kind))},
                          {"solar_absorptance", material.solar_absorptance},
-                         {"emissivity", material.construction.emissivity}});
+                         {"emissivity", material.construction.emissivity},
+                         {"evaporation", material.construction.is_wet() ? kEvaporation : "none"},
+                         {"wet_fraction", material.construction.wet_fraction}});
   }
   const std::optional<GroundSection>& ground = scene.file.ground;
   return {{"materials", materials},
@@ -30,7 +34,7 @@ Json closures(const HeatScene& scene) {
           {"ground", !ground               ? "black, at the temperature of the air"
                      : ground->temperature ? "of given temperature"
                                            : "solved"},
-          {"left_out", {"conduction along surfaces", "evaporation", "half shadow of the sun's disc"}}};
+          {"left_out", {"conduction along surfaces", "drying and wetting", "half shadow of the sun's disc"}}};
 }
 
 Json promise(const heat::Promise& promised) {
@@ -39,6 +43,32 @@ Json promise(const heat::Promise& promised) {
 
 Json error_json(const radiometry::scene::TableError& error) {
   return {{"rms", error.rms}, {"percentile_95", error.percentile_95}, {"count", error.count}};
+}
+
+/// By region.
+Json covered_json(const HeatScene& scene, const HeatReport& report) {
+  Json regions = Json::object();
+  for (const auto& [name, count] : covered_by_region(scene, report)) regions[name] = count;
+  return regions;
+}
+
+Json realised_json(const HeatScene& scene, const RealisedError& error) {
+  return {{"rms_K", error.rms_k},
+          {"percentile_95_K", error.percentile_95_k},
+          {"percentile_99_9_K", error.percentile_999_k},
+          {"largest_K", error.largest_k},
+          {"facet", error.facet},
+          {"time", heat::instant_text(scene.file.time.start_s + error.time_s)},
+          {"count", error.count},
+          {"truth_promises_K", error.promised_k}};
+}
+
+/// null where it was not asked for.
+Json verified_json(const HeatScene& scene, const HeatReport& report) {
+  if (!report.verified) return nullptr;
+  const std::optional<RealisedError>& as_units = report.verified->as_units;
+  return {{"as_classes", as_units ? realised_json(scene, *as_units) : Json(nullptr)},
+          {"each_facet", realised_json(scene, report.verified->by_itself)}};
 }
 
 }  // namespace
@@ -73,6 +103,7 @@ std::string heat_json(const HeatScene& scene, const HeatReport& report, const He
                      {"facets", report.facets},
                      {"classes", report.units},
                      {"patches", report.patches},
+                     {"covered_facets", covered_json(scene, report)},
                      {"steps", steps},
                      {"tolerance_K", options.tolerance_k},
                      {"promised_K", p.total_k()},
@@ -82,6 +113,7 @@ std::string heat_json(const HeatScene& scene, const HeatReport& report, const He
                        {"classes_K", p.units_k},
                        {"exchange_K", p.exchange_k},
                        {"feedback", p.feedback}}},
+                     {"realised", verified_json(scene, report)},
                      {"residual_K", residual},
                      {"exchange_iterations", report.iterations},
                      {"tables",

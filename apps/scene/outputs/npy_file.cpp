@@ -2,7 +2,9 @@
 #include "apps/scene/outputs/npy_file.h"
 
 #include <bit>
+#include <fstream>
 #include <string>
+#include <vector>
 
 #include "mtf/error.h"
 
@@ -11,13 +13,15 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "'<f4' is the byte order of the machine");
 
+constexpr std::size_t kHeaderSize = 128;  // in all, as numpy aligns it
+
 // As long for every number of rows, so that it can be written first and corrected at the end.
 std::string header(std::uint64_t rows, std::uint64_t columns) {
-  constexpr std::size_t size = 128, fixed = 10;  // in all, as numpy aligns it; magic number, version and length
+  constexpr std::size_t fixed = 10;  // magic number, version and length
   std::string text = "{'descr': '<f4', 'fortran_order': False, 'shape': (" + std::to_string(rows) + ", " +
                      std::to_string(columns) + "), }";
-  text.resize(size - fixed - 1, ' ');
-  return std::string("\x93NUMPY\x01\0", 8) + static_cast<char>(size - fixed) + '\0' + text + '\n';
+  text.resize(kHeaderSize - fixed - 1, ' ');
+  return std::string("\x93NUMPY\x01\0", 8) + static_cast<char>(kHeaderSize - fixed) + '\0' + text + '\n';
 }
 
 }  // namespace
@@ -40,6 +44,24 @@ void NpyFile::commit() {
   file_.seek(0);
   file_.write(text.data(), text.size());
   file_.commit();
+}
+
+void copy_rows(const std::filesystem::path& from, std::uint64_t rows, NpyFile& to) {
+  std::error_code error;
+  const std::uint64_t row_bytes = to.columns() * sizeof(float), size = std::filesystem::file_size(from, error);
+  std::ifstream file(from, std::ios::binary);
+  std::string head(kHeaderSize, '\0');
+  file.read(head.data(), kHeaderSize);
+  const std::uint64_t held = error || size < kHeaderSize ? 0 : (size - kHeaderSize) / row_bytes;
+  if (!file || held < rows || head != header(held, to.columns()))
+    throw mtf::RuntimeError(from.string() + " is not the table of " + std::to_string(rows) + " outputs and " +
+                            std::to_string(to.columns()) + " facets that an interrupted run left");
+  std::vector<float> row(to.columns());
+  for (std::uint64_t i = 0; i < rows; ++i) {
+    file.read(reinterpret_cast<char*>(row.data()), static_cast<std::streamsize>(row_bytes));
+    if (!file) throw mtf::RuntimeError(from.string() + ": it cannot be read");
+    to.append(row);
+  }
 }
 
 }  // namespace apps::scene

@@ -20,10 +20,14 @@ class NpyFile {
   /// Throws UsageError for a row of another length, RuntimeError when it cannot be written.
   void append(std::span<const float> row);
   void commit();
+  std::uint64_t columns() const { return columns_; }
 
  private:
   mtf::io::AtomicFile file_;
   std::uint64_t columns_, rows_ = 0;
 };
+
+/// Appends the first rows of a table that an NpyFile wrote. Throws RuntimeError where it has fewer, or other columns.
+void copy_rows(const std::filesystem::path& from, std::uint64_t rows, NpyFile& to);
 
 }  // namespace apps::scene

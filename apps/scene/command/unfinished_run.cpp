@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/scene/command/unfinished_run.h"
+
+#include <fstream>
+#include <iterator>
+#include <nlohmann/json.hpp>
+
+#include "apps/terminal/output.h"
+#include "mtf/error.h"
+#include "mtf/io/atomic_file.h"
+
+namespace apps::scene {
+namespace {
+
+using Json = nlohmann::json;
+constexpr std::string_view kMagic = "mtf heat, unfinished\n";
+
+[[noreturn]] void refuse(const std::string& folder, const std::string& why) {
+  throw mtf::UsageError(one_line(folder) + " holds a run that was interrupted, " + why +
+                        "; --anew begins again and replaces it");
+}
+
+}  // namespace
+
+std::string unfinished_path(const std::string& folder) { return folder + "/unfinished.bin"; }
+
+// A line that says what it is, a line of JSON, the checkpoint.
+void write_unfinished(const std::string& folder, const UnfinishedRun& run) {
+  Json regions = Json::array();
+  for (const auto& output : run.outputs.regions)
+    for (const RegionTemperature& region : output) regions.push_back({region.least_k, region.mean_k, region.most_k});
+  const Json head = {{"fingerprints", run.fingerprints}, {"times_s", run.outputs.times_s}, {"regions", regions}};
+  mtf::io::write_text_file(unfinished_path(folder),
+                           std::string(kMagic) + head.dump() + "\n" + bytes_of(run.checkpoint));
+}
+
+UnfinishedRun read_unfinished(const std::string& folder, const Fingerprints& now) {
+  std::ifstream file(unfinished_path(folder), std::ios::binary);
+  const std::string bytes{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+  const std::size_t end = bytes.find('\n', kMagic.size());
+  if (!bytes.starts_with(kMagic) || end == std::string::npos) refuse(folder, "but its unfinished.bin is damaged");
+  UnfinishedRun run;
+  try {
+    const Json head = Json::parse(bytes.begin() + kMagic.size(), bytes.begin() + static_cast<std::ptrdiff_t>(end));
+    head.at("fingerprints").get_to(run.fingerprints);
+    head.at("times_s").get_to(run.outputs.times_s);
+    const std::size_t outputs = run.outputs.times_s.size(), regions = head.at("regions").size();
+    if (outputs == 0 || regions % outputs != 0) throw mtf::RuntimeError("regions");
+    for (std::size_t i = 0; i < outputs; ++i) {
+      run.outputs.regions.emplace_back();
+      for (std::size_t r = 0; r < regions / outputs; ++r) {
+        const Json& one = head.at("regions").at(i * (regions / outputs) + r);
+        run.outputs.regions.back().push_back(
+            {one.at(0).get<double>(), one.at(1).get<double>(), one.at(2).get<double>()});
+      }
+    }
+    for (std::size_t i = 0; i < now.size(); ++i)
+      if (i >= run.fingerprints.size() || run.fingerprints[i] != now[i])
+        refuse(folder, "and " + now[i].first + " is not what it was then");
+    run.checkpoint = checkpoint_of(std::string_view(bytes).substr(end + 1));
+    if (run.checkpoint.outputs != outputs) throw mtf::RuntimeError("outputs");
+  } catch (const Json::exception&) {
+    refuse(folder, "but its unfinished.bin is damaged");
+  } catch (const mtf::RuntimeError&) {
+    refuse(folder, "but its unfinished.bin is damaged");
+  }
+  return run;
+}
+
+}  // namespace apps::scene
