@@ -95,14 +95,14 @@ MTFKIT_INLINE void sweep_outwards(const Grid& grid, const Elimination<double>& e
     double* row = b + i * kLanes;
     const double* eliminated = i + 1 < n ? row + kLanes : row;
     const bool end = i == 0 || i + 1 == n;
-    const double generated = source != nullptr ? source[i] : 0.0;
     MTFKIT_LANES(l) {
       const double flow = g * (outer[l] - here[l]);
-      double sum = increments.of_first * m * first[l] + (flow - inner[l]) + forward * eliminated[l] + generated;
+      double sum = increments.of_first * m * first[l] + (flow - inner[l]) + forward * eliminated[l];
       if constexpr (Second) sum += increments.of_second * m * second[l];
       row[l] = end ? row[l] + sum : sum;
       inner[l] = flow;
     }
+    if (source != nullptr) MTFKIT_LANES(l) row[l] += source[i];
     if constexpr (S == Sides::two)
       if (!end) MTFKIT_LANES(l) back[l] += e.to_back[i] * row[l];
   }

@@ -15,7 +15,7 @@
 #include <fstream>
 #include <string_view>
 
-#include "apps/scene/heat/heat_run.h"
+#include "apps/scene/heat/run/heat_run.h"
 #include "apps/scene/heat/stopwatch.h"
 #include "apps/scene/outputs/mesh_files.h"
 #include "apps/scene/scene_file/demo_scene_text.h"

@@ -10,7 +10,7 @@
 #include "apps/bench/machine.h"
 #include "apps/figures/plot.h"
 #include "apps/options.h"
-#include "apps/scene/heat/heat_run.h"
+#include "apps/scene/heat/run/heat_run.h"
 #include "apps/sweep/output_folder.h"
 #include "apps/terminal/output.h"
 #include "apps/terminal/progress_line.h"

@@ -16,7 +16,7 @@
 #include <utility>
 #include <vector>
 
-#include "apps/scene/heat/heat_run.h"
+#include "apps/scene/heat/run/heat_run.h"
 #include "apps/scene/outputs/npy_file.h"
 
 namespace apps::scene {

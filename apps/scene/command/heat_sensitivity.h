@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "apps/scene/heat/heat_run.h"
+#include "apps/scene/heat/run/heat_run.h"
 
 namespace apps::scene {
 

@@ -94,6 +94,10 @@ Surroundings surroundings_of(const SceneFile& scene, int directions, double tole
   const double start = scene.time.start_s;
   const double end = std::max(scene.time.end_s, start + heat::kDay_s);
   const std::vector<heat::WeatherQuantity> wanted = wanted_of(scene);
+  if (evaporates(scene) && !weather.has(vapour_pressure))
+    throw mtf::UsageError(one_line(scene.file) +
+                          ": a material has wet_fraction, for which the weather needs vapour_pressure or "
+                          "relative_humidity; give one of them, or leave wet_fraction out");
   try {
     heat::require(weather, wanted, start, end);
   } catch (const mtf::UsageError& e) {

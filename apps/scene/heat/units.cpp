@@ -18,8 +18,7 @@ namespace {
 namespace geometry = radiometry::scene;
 using geometry::Side;
 
-constexpr std::size_t kCheckedFacets = 2000;  // for the errors of the tables
-constexpr std::uint32_t kTilts = 1024;        // steps of the vertical component of the normal that buoyancy depends on
+constexpr std::uint32_t kTilts = 1024;  // steps of the vertical component of the normal that buoyancy depends on
 
 /// The fronts of all facets, then the backs of sheets; where the back of each facet stands: for a pair, the front of
 /// the opposite facet.
@@ -80,9 +79,6 @@ std::vector<geometry::SideFinish> finishes_of(const HeatScene& scene, const std:
 /// measured afterwards (view_spread.h).
 geometry::FluxAmplitudes amplitudes_of(const HeatScene& scene, int rings) {
   const Surroundings& s = scene.surroundings;
-  const auto largest = [](const std::vector<double>& values) {
-    return *std::max_element(values.begin(), values.end());
-  };
   geometry::FluxAmplitudes a;
   a.direct.assign(s.shadow_to_sun.size(), 0.0);
   for (std::size_t k = 0; k + 1 < s.nodes(); ++k)
@@ -106,9 +102,9 @@ geometry::FluxAmplitudes amplitudes_of(const HeatScene& scene, int rings) {
     if (table)
       for (const float kelvin : table->kelvin)
         if (!std::isnan(kelvin)) widen(static_cast<double>(kelvin));
-  a.sky_solar.assign(static_cast<std::size_t>(rings), largest(s.diffuse_w_m2));
+  a.sky_solar.assign(static_cast<std::size_t>(rings), *std::ranges::max_element(s.diffuse_w_m2));
   a.sky_longwave.assign(static_cast<std::size_t>(rings), 0.0);
-  a.ground_solar = a.surfaces_solar = 0.3 * largest(s.global_w_m2);
+  a.ground_solar = a.surfaces_solar = 0.3 * *std::ranges::max_element(s.global_w_m2);
   a.ground_longwave = a.surfaces_longwave = colder + warmer;
   return a;
 }
@@ -394,7 +390,7 @@ Units units_of(const HeatScene& scene, const HeatOptions& options, double tolera
   units.classes_ms = classing.ms();
 
   const Stopwatch errors;
-  const std::size_t checked = options.verify ? all.sides.size() : kCheckedFacets;
+  const std::size_t checked = options.verify ? all.sides.size() : 2000;
   units.view_error = view_error(scene.rays, receivers, units.views, view_options, checked);
   units.sun_error = sun_error(scene.rays, all.sides, to_sun, units.sun, sun_options, checked);
   units.error_ms = errors.ms();

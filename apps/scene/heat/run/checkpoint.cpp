@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "apps/scene/heat/checkpoint.h"
+#include "apps/scene/heat/run/checkpoint.h"
 
 #include <cstring>
 #include <type_traits>

@@ -16,7 +16,7 @@
 #include <utility>
 #include <vector>
 
-#include "apps/scene/heat/verify_heat.h"
+#include "apps/scene/heat/run/verify_heat.h"
 
 namespace apps::scene {
 

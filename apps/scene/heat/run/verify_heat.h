@@ -12,7 +12,7 @@
 #include <optional>
 #include <vector>
 
-#include "apps/scene/heat/solve_units.h"
+#include "apps/scene/heat/run/solve_units.h"
 
 namespace apps::scene {
 

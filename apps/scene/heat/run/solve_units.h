@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "apps/scene/heat/checkpoint.h"
+#include "apps/scene/heat/run/checkpoint.h"
 
 namespace apps::scene {
 

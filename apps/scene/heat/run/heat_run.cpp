@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "apps/scene/heat/heat_run.h"
+#include "apps/scene/heat/run/heat_run.h"
 
-#include "apps/scene/heat/verify_heat.h"
+#include "apps/scene/heat/run/verify_heat.h"
 
 namespace apps::scene {
 

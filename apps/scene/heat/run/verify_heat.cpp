@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "apps/scene/heat/verify_heat.h"
+#include "apps/scene/heat/run/verify_heat.h"
 
 #include <algorithm>
 #include <cmath>
@@ -31,7 +31,7 @@ class Comparison {
     error_.count = worst_.size();
     std::sort(worst_.begin(), worst_.end());
     const auto at = [&](std::size_t per_mille) {
-      return static_cast<double>(worst_[(worst_.size() - 1) * per_mille / 1000]);
+      return static_cast<double>(worst_[((worst_.size() - 1) * per_mille + 999) / 1000]);
     };
     error_.percentile_95_k = at(950);
     error_.percentile_999_k = at(999);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "apps/scene/heat/solve_units.h"
+#include "apps/scene/heat/run/solve_units.h"
 
 #include <unistd.h>
 
