@@ -111,7 +111,7 @@ void GroupRun::store(State& end) const {
 
 void GroupRun::evaluate(Instant instant, Boundary& boundary) const {
   const Construction& construction = plan_->batch.construction;
-  const bool sheet = construction.is_sheet();
+  const auto* sheet = std::get_if<Sheet>(&construction.inside);
   ForcingValues values;
   values.front.absorbed_w_m2 = {boundary.front.absorbed.at.data(), count_};
   if (sheet) values.back.absorbed_w_m2 = {boundary.back.absorbed.at.data(), count_};
@@ -121,19 +121,19 @@ void GroupRun::evaluate(Instant instant, Boundary& boundary) const {
 
   double sum = values.inside;
   for (const double source : boundary.source_w_m3) sum += source;
-  const auto take = [&](const SideForcing& from, bool back, Surface& to) {
-    const SurfaceLoss loss = surface_loss(construction, back, from, 0.0);
-    to.emission = loss.emission;
-    to.film = loss.film;
-    to.air_k = loss.air_k;
-    to.latent = loss.latent;
-    to.vapour_pa = loss.vapour_pa;
+  const auto take = [&](const SideForcing& from, double emissivity, const Convection& convection, double wet,
+                        Surface& to) {
+    to.emission = emissivity * kStefanBoltzmann_w_m2_k4;
+    to.film = forced_coefficient(convection, from.wind_m_s);
+    to.air_k = from.air_k;
+    to.latent = latent_coefficient(wet, to.film, construction.air_pressure_pa);
+    to.vapour_pa = from.vapour_pa;
     for (std::size_t l = count_; l < kLanes; ++l) to.absorbed[l] = to.absorbed[count_ - 1];
     for (const double absorbed : to.absorbed.at) sum += absorbed;
     sum += to.film + to.air_k + to.latent + to.vapour_pa;
   };
-  take(values.front, false, boundary.front);
-  if (sheet) take(values.back, true, boundary.back);
+  take(values.front, construction.emissivity, construction.convection, construction.wet_fraction, boundary.front);
+  if (sheet) take(values.back, sheet->emissivity, sheet->convection, sheet->wet_fraction, boundary.back);
   boundary.inside = values.inside;
   if (!std::isfinite(sum))
     throw mtf::RuntimeError("heat: the forcing of facets " + std::to_string(first_) + " to " +
