@@ -9,7 +9,6 @@
 #include "apps/text/words.h"
 #include "mtf/error.h"
 #include "mtf/parallel.h"
-#include "radiometry/light/constants.h"
 
 namespace apps::scene {
 namespace {
@@ -27,20 +26,19 @@ namespace heat = radiometry::heat;
 void HeatBatches::add_emitted(const Group& group, const heat::Run& run, std::vector<double>& emitted) const {
   const radiometry::scene::Exchange& exchange = units_.exchange;
   const std::size_t patches = exchange.patches(), units = group.unit.size();
-  mtf::parallel_for(
-      static_cast<std::int64_t>(light_.moments()), 8, threads_, [&](std::int64_t begin, std::int64_t end) {
-        for (auto m = static_cast<std::size_t>(begin); m < static_cast<std::size_t>(end); ++m)
-          for (std::size_t i = 0; i < units; ++i) {
-            const Unit& unit = units_.unit[group.unit[i]];
-            const auto side = [&](const UnitSide& of, std::size_t r, double kelvin_here) {
-              const double square = kelvin_here * kelvin_here;
-              emitted[m * patches + exchange.patch_of[r]] +=
-                  exchange.receiver_area_m2[r] * of.emissivity * radiometry::kStefanBoltzmann_w_m2_k4 * square * square;
-            };
-            side(unit.front, unit.receiver, run.front_k[m * units + i]);
-            if (unit.has_own_back()) side(*unit.back, unit.back_receiver, run.back_k[m * units + i]);
-          }
-      });
+  mtf::parallel_for(static_cast<std::int64_t>(light_.moments()), 8, threads_,
+                    [&](std::int64_t begin, std::int64_t end) {
+                      for (auto m = static_cast<std::size_t>(begin); m < static_cast<std::size_t>(end); ++m)
+                        for (std::size_t i = 0; i < units; ++i) {
+                          const Unit& unit = units_.unit[group.unit[i]];
+                          const auto side = [&](std::size_t r, double kelvin_here) {
+                            const double square = kelvin_here * kelvin_here;
+                            emitted[m * patches + exchange.patch_of[r]] += emission_[r] * square * square;
+                          };
+                          side(unit.receiver, run.front_k[m * units + i]);
+                          if (unit.has_own_back()) side(unit.back_receiver, run.back_k[m * units + i]);
+                        }
+                    });
 }
 
 heat::OutputSink HeatBatches::keeper_of(const std::vector<std::uint32_t>& units) {

@@ -10,7 +10,6 @@
 #include "radiometry/heat/lanes.h"
 #include "radiometry/heat/solve.h"
 #include "radiometry/heat/weather/instant.h"
-#include "radiometry/heat/weather/sky.h"
 #include "radiometry/light/constants.h"
 
 namespace apps::scene {
@@ -19,7 +18,7 @@ namespace {
 namespace heat = radiometry::heat;
 constexpr double kPlanShare = 0.5;    // of the tolerance: plans are made by trial, other units and days may need more
 constexpr double kStepsFactor = 2.0;  // see the header
-constexpr double kCoarseStop_s = 1200.0;  // steps of a coarse plan end there, unless their error has them end before:
+constexpr double kCoarseStop_s = 1200.0;  // steps of a coarse plan end there, unless their error has them end before
 constexpr double kCoarseStepShare = 2.0, kCoarseStep_k = 0.15;  // of the tolerance, and at most
 
 /// The larger of two promises, part by part.
@@ -91,7 +90,7 @@ HeatBatches::HeatBatches(const HeatScene& scene, const Units& units, const Groun
                    side.emissivity * radiometry::kStefanBoltzmann_w_m2_k4;
   });
   const std::vector<bool> sampled = sampled_units(units, scene.surroundings);
-  sampled_area_.assign(units.exchange.patches(), 0.0);
+  sampled_share_.assign(units.exchange.patches(), 0.0);
   for (Batch& batch : batches_) {
     for (const std::uint32_t i : batch.all.unit)
       if (sampled[i]) batch.sample.unit.push_back(i);
@@ -108,7 +107,8 @@ HeatBatches::HeatBatches(const HeatScene& scene, const Units& units, const Groun
       const Unit& unit = units.unit[i];
       for (std::size_t r = unit.receiver; r <= unit.receiver + (unit.has_own_back() ? 1 : 0); ++r) {
         sampled_receivers_.push_back(static_cast<std::uint32_t>(r));
-        sampled_area_[units.exchange.patch_of[r]] += units.exchange.receiver_area_m2[r];
+        const std::uint32_t p = units.exchange.patch_of[r];
+        sampled_share_[p] += units.exchange.receiver_area_m2[r] / units.exchange.area_m2[p];
       }
     }
   }
@@ -144,17 +144,14 @@ void HeatBatches::set_window(const Window& window, bool first) {
   struct Given {
     std::size_t receiver;
     std::uint32_t facet;
-    double emissivity;  // times area, over that of its patch
   };
   std::vector<Given> all_given;
-  std::vector<double> emissivity(patches, 0.0);  // of what is solved, by area
-  for_receivers(units_, [&](std::size_t i, const Unit& unit, const UnitSide& side) {
-    const std::uint32_t p = units_.exchange.patch_of[i];
-    const double part = units_.exchange.receiver_area_m2[i] / units_.exchange.area_m2[p] * side.emissivity;
+  std::vector<double> emission(patches, 0.0);  // of what is solved, as emission_
+  for_receivers(units_, [&](std::size_t i, const Unit& unit, const UnitSide&) {
     if (unit.given)
-      all_given.push_back({i, unit.leader, part});
+      all_given.push_back({i, unit.leader});
     else
-      emissivity[p] += part;
+      emission[units_.exchange.patch_of[i]] += emission_[i];
   });
   std::size_t near = 2 * old.first;  // a moment of the old window
   const auto time_of = [&](std::size_t moment) {
@@ -169,19 +166,19 @@ void HeatBatches::set_window(const Window& window, bool first) {
       const double kelvin_here = scene_.given_k(given.facet, time);
       receiver_k_[m * receivers + given.receiver] = kelvin_here;
       given_[m * patches + units_.exchange.patch_of[given.receiver]] +=
-          given.emissivity * heat::blackbody_w_m2(kelvin_here);
+          emission_[given.receiver] * std::pow(kelvin_here, 4);
     }
-    const double of_air = heat::blackbody_w_m2(scene_.surroundings.air_k[window.first + m / 2]);
+    const double of_air = std::pow(scene_.surroundings.air_k[window.first + m / 2], 4);
     for (std::size_t p = 0; p < patches; ++p) {
       double& value = emitted_[m * patches + p];
       if (first) {  // a guess: everything is as warm as the air
-        value = emissivity[p] * of_air;
+        value = emission[p] * of_air;
       } else {  // the day before
         const std::size_t from = (near - 2 * old.first) * patches + p;
         const auto then = [&](const std::vector<double>& of) {
           return of[from] + share * (of[from + patches] - of[from]);
         };
-        value = sampled_area_[p] > 0.0 ? then(emitted) : 0.0;
+        value = sampled_share_[p] > 0.0 ? then(emitted) : 0.0;
         beyond_sample_[m * patches + p] = then(beyond);
       }
       value += given_[m * patches + p];
@@ -269,8 +266,8 @@ std::vector<double> HeatBatches::run_sample(int days, Pace pace) {
     }
   }
   for (std::size_t e = 0; e < emitted.size(); ++e) {
-    const double area = sampled_area_[e % patches];
-    emitted[e] = (area > 0.0 ? emitted[e] / area : 0.0) + given_[e];
+    const double share = sampled_share_[e % patches];
+    emitted[e] = (share > 0.0 ? emitted[e] / share : 0.0) + given_[e];
   }
   return emitted;
 }

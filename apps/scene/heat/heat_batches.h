@@ -142,7 +142,7 @@ class HeatBatches {
   int samples_ = 0;                 ///< runs of the sample in this window
   std::vector<double> emission_;    ///< of each receiver: epsilon sigma, times its area over that of its patch
   std::vector<std::uint32_t> sampled_receivers_;
-  std::vector<double> sampled_area_;   ///< of each patch: of the units of the sample
+  std::vector<double> sampled_share_;  ///< of each patch: the part of its area that the units of the sample have
   std::vector<double> given_;          ///< what patches of given temperature emit, times area / area of the patch
   std::vector<double> emitted_;        ///< [moment * patches + patch], W/m2
   std::vector<double> beyond_sample_;  ///< of all units less that of the sample
