@@ -390,7 +390,7 @@ Units units_of(const HeatScene& scene, const HeatOptions& options, double tolera
   units.classes_ms = classing.ms();
 
   const Stopwatch errors;
-  const std::size_t checked = options.verify ? all.sides.size() : 2000;
+  const std::size_t checked = options.measured(all.sides.size());
   units.view_error = view_error(scene.rays, receivers, units.views, view_options, checked);
   units.sun_error = sun_error(scene.rays, all.sides, to_sun, units.sun, sun_options, checked);
   units.error_ms = errors.ms();

@@ -99,7 +99,6 @@ void require_room(const HeatScene& scene, const Units& units, const std::vector<
                           "weather: [weather] average = \"5 min\"");
 }
 
-constexpr std::size_t kSpreadFacets = 2000;
 constexpr double kSunlit_k = 40.0;  // above the air, for shares of the tolerance; the promise takes the true one
 
 double warmest_air_k(const HeatScene& scene) {
@@ -186,7 +185,7 @@ UnitsRun solve_units(const HeatScene& scene, const Units& units, const HeatOptio
     solved.promised.exchange_k = std::max(solved.promised.exchange_k, relaxed.error_k);
     if (w == 0)
       solved.view_spread = view_spread(scene, units, ground.light, batches, windows[w], options, loss,
-                                       options.verify ? scene.region.size() : kSpreadFacets);
+                                       options.measured(scene.region.size()));
     for (; next != s.outputs.end() && *next <= windows[w].last; ++next) emit(*next);
   }
 
