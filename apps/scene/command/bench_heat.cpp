@@ -3,7 +3,6 @@
 // `mtf bench scene.toml -o DIR`: what each tolerance of the temperatures costs: promised and realised error, and time.
 
 #include <algorithm>
-#include <chrono>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
@@ -11,6 +10,7 @@
 #include "apps/figures/plot.h"
 #include "apps/options.h"
 #include "apps/scene/heat/run/heat_run.h"
+#include "apps/scene/heat/stopwatch.h"
 #include "apps/sweep/output_folder.h"
 #include "apps/terminal/output.h"
 #include "apps/terminal/progress_line.h"
@@ -25,7 +25,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using namespace scene;
-using Clock = std::chrono::steady_clock;
 using Json = nlohmann::ordered_json;
 
 struct Rung {
@@ -41,21 +40,17 @@ struct Rung {
   bool kept() const { return report.verified->of_promise().largest_k <= report.promised.total_k(); }
 };
 
-double ms_since(Clock::time_point start) {
-  return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
-}
-
 Rung rung_of(const SceneFile& file, double tolerance_k, int rounds, const Global& global, ProgressLine& progress) {
   Rung rung{tolerance_k, {}, {}};
   const std::string name = significant(tolerance_k, 2) + " K: ";
   const auto say = [&](const std::string& step, double share) { progress.update(name + step, share); };
   HeatOptions options{.tolerance_k = tolerance_k, .threads = global.threads};
   for (int round = 0; round < rounds; ++round) {
-    const Clock::time_point start = Clock::now();
+    const Stopwatch watch;
     const HeatScene scene = prepare_heat(file, options);
     run_heat(
         scene, options, [](const HeatOutput&) {}, say);
-    rung.ms.push_back(ms_since(start));
+    rung.ms.push_back(watch.ms());
   }
   options.verify = true;
   const HeatScene scene = prepare_heat(file, options);
