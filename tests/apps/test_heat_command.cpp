@@ -240,6 +240,15 @@ std::string bumps(int n) {
   return obj.str();
 }
 
+/// A scene of hourly outputs until that day, and a mesh of so many facets that a run of it can be interrupted.
+void write_many_days(const Scratch& folder, const std::string& end) {
+  std::string text = kScene;
+  text.replace(text.find("end = 2026-06-22"), 16, "end = " + end);
+  text.replace(text.find("step = \"2 h\""), 12, "step = \"1 h\"");
+  write_file(folder / "scene.toml", text);
+  write_file(folder / "plates.obj", bumps(20));
+}
+
 /// `mtf heat scene.toml -o FOLDER`, interrupted as soon as a day stands in the temporary file.
 std::string interrupted(const std::string& folder) {
   return "mtf heat scene.toml -o " + folder +
@@ -252,11 +261,7 @@ std::string interrupted(const std::string& folder) {
 }
 
 TEST_F(HeatCommand, GoesOnAfterAnInterrupt) {
-  std::string text = kScene;
-  text.replace(text.find("end = 2026-06-22"), 16, "end = 2026-07-20");
-  text.replace(text.find("step = \"2 h\""), 12, "step = \"1 h\"");
-  write_file(scratch_ / "scene.toml", text);
-  write_file(scratch_ / "plates.obj", bumps(20));
+  write_many_days(scratch_, "2026-07-20");
   const Result whole = scratch_.run("mtf heat scene.toml -o whole");
   ASSERT_EQ(whole.status, 0) << whole.err;
   const Result first = scratch_.run(interrupted("days"));
@@ -300,11 +305,7 @@ TEST_F(HeatCommand, GoesOnAfterAnInterrupt) {
 }
 
 TEST_F(HeatCommand, BeginsAnewAfterAnInterruptWhereThatIsAskedFor) {
-  std::string text = kScene;
-  text.replace(text.find("end = 2026-06-22"), 16, "end = 2026-08-20");
-  text.replace(text.find("step = \"2 h\""), 12, "step = \"1 h\"");
-  write_file(scratch_ / "scene.toml", text);
-  write_file(scratch_ / "plates.obj", bumps(20));
+  write_many_days(scratch_, "2026-08-20");
   // Before anything is finished no folder stays.
   EXPECT_EQ(scratch_.run("timeout --preserve-status -s INT 0.3 mtf heat scene.toml -o early").status, 130);
   EXPECT_FALSE(std::filesystem::exists(scratch_ / "early"));
