@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// unfinished.bin in the folder of an interrupted `mtf heat`: with it the same command goes on where it ended. It is
-// meant for the program that wrote it; it holds the hashes of all inputs, so that none of them has changed.
+// An interrupted `mtf heat` leaves the file unfinished.bin in its folder. The same command reads it and continues with
+// the first day that is not finished. Only the program that wrote the file can read it. The file holds the hashes of
+// all inputs, by which a changed input is recognised and refused.
 
 #include <string>
 
@@ -21,7 +22,7 @@ std::string unfinished_path(const std::string& folder);
 /// The file appears whole or not at all.
 void write_unfinished(const std::string& folder, const UnfinishedRun& run);
 
-/// Throws RuntimeError for a file that is damaged, UsageError where an input is not what it was.
+/// Throws UsageError for a file that is damaged, and where an input is not what it was.
 UnfinishedRun read_unfinished(const std::string& folder, const Fingerprints& now);
 
 }  // namespace apps::scene
