@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mtf/otf/split_mean.h"
 
+#include <limits>
 #include <numeric>
 
 #include "mtf/math/quadrature.h"
@@ -78,8 +79,10 @@ double BandWeights::RateSeries::at(double wavelength_um) const {
 }
 
 /// The part is halved until the last terms are rounding errors: a source of 3 K in the visible changes by hundreds of
-/// powers of ten.
-void BandWeights::add_series(double lo_um, double hi_um, int depth) {
+/// powers of ten. On a part of width w that a curve fills with a straight line, the place between its ends is rounded
+/// to 2^-52 lambda / w of it, and so is the rate, however finely the part is halved: `rounding`, which is where halving
+/// ends too.
+void BandWeights::add_series(double lo_um, double hi_um, double rounding, int depth) {
   constexpr int kDegree = static_cast<int>(kRateTerms) - 1, kDeepest = 30;
   std::vector<double> value;
   for (int j = 0; j <= kDegree; ++j)
@@ -88,14 +91,16 @@ void BandWeights::add_series(double lo_um, double hi_um, int depth) {
   RateSeries series{.lo_um = lo_um, .hi_um = hi_um};
   const auto [least, most] = std::minmax_element(value.begin(), value.end());
   series.flat = *least > 0.7 * *most;
+  if (depth == 0) rounding = 8.0 * std::numeric_limits<double>::epsilon() * hi_um / (hi_um - lo_um) * *most;
   const Transform& turn = transform(kDegree);
   for (std::size_t j = 0; j < kRateTerms; ++j)
     for (std::size_t k = 0; k < kRateTerms; ++k) series.coefficient[k] += value[j] * turn[j * kRateTerms + k];
   const double left = std::abs(series.coefficient[kRateTerms - 1]) + std::abs(series.coefficient[kRateTerms - 2]);
-  if (left > 1e-14 * *most && left > 1e-17 && depth < kDeepest) {  // the largest of Planck's law counts 1
+  // The largest of Planck's law counts 1.
+  if (left > std::max({1e-14 * *most, 1e-17, rounding}) && depth < kDeepest) {
     const double middle = 0.5 * (lo_um + hi_um);
-    add_series(lo_um, middle, depth + 1);
-    add_series(middle, hi_um, depth + 1);
+    add_series(lo_um, middle, rounding, depth + 1);
+    add_series(middle, hi_um, rounding, depth + 1);
     return;
   }
   series_.push_back(series);
@@ -108,7 +113,7 @@ void BandWeights::set(const Band& band) {
   series_.clear();
   if (!rate_) return;
   const std::vector<double>& ends = rate_->breaks_um();
-  for (std::size_t i = 1; i < ends.size(); ++i) add_series(ends[i - 1], ends[i], 0);
+  for (std::size_t i = 1; i < ends.size(); ++i) add_series(ends[i - 1], ends[i], 0.0, 0);
   double total = 0.0;
   for (const RateSeries& series : series_)  // the integral of T_k is 2 / (1 - k^2) for even k, else 0
     for (std::size_t k = 0; k < kRateTerms; k += 2)

@@ -53,7 +53,7 @@ class BandWeights {
     bool flat = true;  ///< true: the rate changes by no more than a third
     double at(double wavelength_um) const;
   };
-  void add_series(double lo_um, double hi_um, int depth);
+  void add_series(double lo_um, double hi_um, double rounding, int depth);
   double rate_at(double wavelength_um) const;
   bool smooth(double a_um, double b_um) const;
   void moments(Piece& piece, int degree) const;

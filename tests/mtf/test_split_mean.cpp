@@ -71,5 +71,27 @@ TEST(SplitMean, TheSamplesOfTheRateAreInTheWeights) {
   }
 }
 
+// Lines as narrow as those of the air's spectra, some of them falling to nothing: the place on each is rounded by 1e-13
+// of its length, and what that does to the rate must not be halved without end.
+TEST(SplitMean, NarrowSteepSamplesEnd) {
+  std::vector<double> wavelength_um, rate;
+  for (int i = 0; i <= 400; ++i) {
+    wavelength_um.push_back(1e4 / (3000.0 - 2.5 * i));
+    rate.push_back(i % 3 == 0 ? 1.0 : i % 3 == 1 ? 1e-3 : 0.0);
+  }
+  double total = 0.0, sum = 0.0;
+  for (std::size_t i = 1; i < rate.size(); ++i) {
+    const double lo = wavelength_um[i - 1], h = wavelength_um[i] - lo, slope = (rate[i] - rate[i - 1]) / h;
+    total += 0.5 * (rate[i] + rate[i - 1]) * h;
+    sum += rate[i - 1] * (lo * h + 0.5 * h * h) + slope * (0.5 * lo * h * h + h * h * h / 3.0);
+  }
+  BandWeights weights;
+  weights.set(sampled_band(wavelength_um, rate));
+  const auto mean = split_mean<double, 1>(weights, {}, kInfinity, 1e-12, [](double w) {
+    return std::array{Complex<double>{w, 0.0}};
+  });
+  EXPECT_NEAR(mean.value[0].re, sum / total, 1e-11 * sum / total);
+}
+
 }  // namespace
 }  // namespace mtf::test
