@@ -51,12 +51,14 @@ Command atmosphere_command() {
   Command app{
       "atmosphere", "transmission and thermal radiance of the air by a band model",
       "The air and the line of sight are those of [atmosphere] of a sensor file, or of options with the names "
-      "of its\nkeys, which also take the place of single keys of the file. The table has averages in bands, "
+      "of its\nkeys, which also take the place of single keys of the file. Of a scene file the air begins at its "
+      "place. The table has averages in bands, "
       "weighted with the\nsensor's own response where a file is given; csv has the spectrum, json both. The "
       "model: radiometry/atmosphere.",
       "  mtf atmosphere --model mid_latitude_summer --haze rural --visibility '23 km' --range '2 km'\n"
       "  mtf atmosphere --model us_standard_1976 --zenith-angle '0 deg' --bands 8:12 --format csv -o zenith.csv"};
-  add_text(app, "file", "FILE", "sensor file with [atmosphere]; without one the options say all", options.file);
+  add_text(app, "file", "FILE", "sensor or scene file with [atmosphere]; without one the options say all",
+           options.file);
   add_keys(app, options);
   add_text(app, "--bands", "LO:HI,...", "in um; default: the band of the sensor, or 3:5,3.4:4.8,8:12,8:14",
            options.bands);
@@ -70,6 +72,13 @@ Command atmosphere_command() {
                throw mtf::UsageError("--tolerance " + text + ": from 0 to below 1");
            });
   add_flag(app, "--sky", "the radiance of the sky over the zenith angle, in place of a line of sight", options.sky);
+  add_word(app, "--cloud-cover", "N", "of --sky: share of the sky, 0 to 1, under clouds of --cloud-temperature",
+           [&](const std::string& text) { options.cloud_cover = number("--cloud-cover", text); });
+  add_word(app, "--cloud-temperature", "K", "of the clouds, taken for black",
+           [&](const std::string& text) { options.cloud_k = temperature("--cloud-temperature", text).kelvin; });
+  add_word(app, "--longwave", "W/m2",
+           "measured on a horizontal plane: the cloud cover is the one that it needs, in place of --cloud-cover",
+           [&](const std::string& text) { options.longwave_w_m2 = number("--longwave", text); });
   add_text(app, "--plot", "FILE", "figure of the spectrum: a .svg, .pdf or .png file", options.plot);
   add_text(app, "--table", "FILE", "CSV over range and wavelength, which path.table of a sensor file reads",
            options.table);

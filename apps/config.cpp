@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/kinds.h"
+#include "apps/sensor/sensor_air.h"
 #include "apps/sensor/sensor_chain.h"
 #include "apps/sensor/sensor_file.h"
 #include "apps/sensor/sensor_place.h"
@@ -106,7 +107,7 @@ int report_verdict(const Verdict& verdict, Format format) {
 
 int check_sensor(const std::string& file, Format format) {
   mtf::io::ConfigResult result =
-      mtf::io::parse_config(mtf::io::read_text_file(file, mtf::io::cfg::kMaxBytes), file, radiometry::sensor_tables());
+      mtf::io::parse_config(mtf::io::read_text_file(file, mtf::io::cfg::kMaxBytes), file, sensor_schema());
   if (result.ok()) {
     for (mtf::io::Diagnostic& warning : chain_warnings(result.config)) result.diagnostics.push_back(std::move(warning));
     if (auto problem = chain_problem(result.config)) result.diagnostics.push_back(std::move(*problem));

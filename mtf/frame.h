@@ -149,6 +149,13 @@ struct Optics {
   std::optional<S> wavelength_um;
 };
 
+/// The path through the air, for components that state no path of their own; [atmosphere] of a sensor file gives it.
+template <class S>
+struct PathAir {
+  std::optional<S> path_length_m;
+  std::optional<S> scattering;  ///< optical depth of what the aerosol scatters along it
+};
+
 /// Everything outside a component that its OTF depends on. `wavelength_um` is the node of the band average, or the
 /// monochromatic wavelength of the system.
 template <class S>
@@ -156,6 +163,7 @@ struct Context {
   Frame<S> frame;
   Optics<S> optics;
   S wavelength_um{};
+  PathAir<S> air{};
 };
 
 }  // namespace mtf

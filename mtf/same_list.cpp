@@ -82,7 +82,8 @@ bool same(const std::optional<Band>& a, const std::optional<Band>& b) {
 bool same_list(const System<double>& a, const System<double>& b, Stage stage) {
   const auto &first = a.list(stage), &second = b.list(stage);
   if (first.empty() && second.empty()) return true;
-  return same(a.frame, b.frame) && same(a.optics, b.optics) && same(a.band, b.band) && a.band_nodes == b.band_nodes &&
+  return same(a.frame, b.frame) && same(a.optics, b.optics) && a.air.path_length_m == b.air.path_length_m &&
+         a.air.scattering == b.air.scattering && same(a.band, b.band) && a.band_nodes == b.band_nodes &&
          std::equal(first.begin(), first.end(), second.begin(), second.end(),
                     [](const auto& x, const auto& y) { return same(x.component, y.component); });
 }

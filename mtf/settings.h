@@ -6,6 +6,7 @@
 // values that are there, checked by the rows; the library makes its own types of them. So files know no radiometry, and
 // a build without it has no such tables.
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -13,6 +14,7 @@
 #include <variant>
 #include <vector>
 
+#include "mtf/band.h"
 #include "mtf/component.h"
 
 namespace mtf {
@@ -47,6 +49,8 @@ struct AbsentKey {
   std::string_view name, remedy;
 };
 
+struct SettingsTable;
+
 struct TableInfo {
   std::string_view name;  ///< "detector"; the name of a table of the System ("optics") adds rows to that one
   std::string_view doc{};
@@ -54,6 +58,9 @@ struct TableInfo {
   /// These rows take the place of those of the same table without a condition where the file has that word.
   std::optional<GivenWord> where{};
   std::vector<AbsentKey> absent{};
+  /// What the table says of the path through the air for components; empty where it is no such table. Throws Error
+  /// where it says nothing that can be.
+  std::function<PathAir<double>(const SettingsTable& table, const std::optional<Band>& band)> path_air{};
 };
 
 /// A value as given: a number in FieldInfo::unit; a whole number or the index of a word; true or false; a text or the

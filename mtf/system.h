@@ -38,6 +38,7 @@ struct System {
   std::string name;
   Frame<S> frame;
   Optics<S> optics;
+  PathAir<S> air{};  ///< no part of the OTF by itself
   std::optional<Band> band;
   /// Wavelengths that otf() takes for the band: 0 splits it at the kinks of each frequency and takes as many as
   /// kBandError needs; n is the plain Gauss rule of n nodes. Plans choose their own number from the tolerance.

@@ -44,7 +44,7 @@ Context<S> System<S>::context() const {
 }
 template <class S>
 Context<S> System<S>::context(const S& wavelength_um) const {
-  return {frame, optics, wavelength_um};
+  return {frame, optics, wavelength_um, air};
 }
 
 template <class S>
@@ -102,6 +102,10 @@ System<To> cast(const System<From>& from) {
               from.frame.columns,
               from.frame.rows};
   to.optics = detail::cast_optics<To>(from.optics);
+  const auto optional = [](const std::optional<From>& value) {
+    return value ? std::optional<To>(detail::cast_value<To>(*value)) : std::nullopt;
+  };
+  to.air = {optional(from.air.path_length_m), optional(from.air.scattering)};
   for (std::size_t i = 0; i < from.stages.size(); ++i)
     for (const Entry<From>& entry : from.stages[i])
       to.stages[i].push_back({detail::cast_component<To>(entry.component), entry.label});

@@ -14,8 +14,10 @@ namespace {
 
 constexpr std::string_view kAtmospherePrefix = "atmosphere.";
 
-/// The settings with the numbers that are overridden.
-AtmosphereSettings with_numbers(AtmosphereSettings settings, const Overrides<double>& numbers) {
+}  // namespace
+
+AtmosphereSettings atmosphere_with(const Sensor& sensor, const Overrides<double>& numbers) {
+  AtmosphereSettings settings = *sensor.settings.atmosphere;
   for_each_field(settings, [&](const FieldInfo& info, auto& member) {
     using Member = std::decay_t<decltype(member)>;
     if constexpr (std::is_same_v<Member, double> || std::is_same_v<Member, std::optional<double>>)
@@ -24,10 +26,19 @@ AtmosphereSettings with_numbers(AtmosphereSettings settings, const Overrides<dou
   return settings;
 }
 
+namespace {
+
+/// A curve in whose place a number is given.
+void set_constant(Spectrum& spectrum, std::string_view name, const Overrides<double>& numbers, double most) {
+  if (const double* value = numbers.find(name)) spectrum = constant_spectrum(std::string(name), *value, most);
+}
+
 }  // namespace
 
+bool changes_color(std::string_view path) { return path.starts_with(kAtmospherePrefix); }
+
 bool is_spectral(std::string_view path) {
-  if (path.starts_with(kAtmospherePrefix)) return true;
+  if (changes_color(path)) return true;
   constexpr std::array<std::string_view, 8> paths{
       "optics.temperature", "optics.stop_temperature", "detector.shutter_temperature",
       "path.transmission",  "path.radiance",           "path.air_temperature",
@@ -52,26 +63,27 @@ double kept_of_flicker(const SensorSettings& settings, int frames) {
   return frame_flicker_mean_variance(unit, frames) / frame_flicker_variance(unit);
 }
 
-SpectralNumbers<double> spectral_numbers(const Sensor& sensor, double temperature_k, double warmer_k,
-                                         const Overrides<double>& numbers) {
+Path path_with(const Sensor& sensor, const Overrides<double>& numbers) {
   const SensorSettings& settings = sensor.settings;
-  const double given = settings.scene ? settings.scene->surroundings_k.value_or(0.0) : 0.0;
-  Surface surface{temperature_k, sensor.emissivity, numbers("scene.surroundings", given)};
+  if (sensor.air && numbers.any(changes_color)) return sensor.air(atmosphere_with(sensor, numbers));
   Path path = sensor.path;
-  if (sensor.air && numbers.any([](std::string_view name) { return name.starts_with(kAtmospherePrefix); }))
-    path = sensor.air(with_numbers(*settings.atmosphere, numbers));
-  const auto constant = [&](std::string_view name, Spectrum& spectrum, double most) {
-    if (const double* value = numbers.find(name)) spectrum = constant_spectrum(std::string(name), *value, most);
-  };
-  constant("scene.emissivity", surface.emissivity, 1.0);
-  constant("path.transmission", path.transmission, 1.0);
-  constant("path.radiance", path.radiance, std::numeric_limits<double>::max());
+  set_constant(path.transmission, "path.transmission", numbers, 1.0);
+  set_constant(path.radiance, "path.radiance", numbers, std::numeric_limits<double>::max());
   const double* air = numbers.find("path.air_temperature");
   if (settings.path && (air != nullptr || settings.path->air_temperature_k)) {  // air emits what it absorbs
     const Path absorbing = absorbing_path(path.transmission, air != nullptr ? *air : *settings.path->air_temperature_k);
     path.emissivity = absorbing.emissivity;
     path.air_temperature_k = absorbing.air_temperature_k;
   }
+  return path;
+}
+
+SpectralNumbers<double> spectral_numbers(const Sensor& sensor, const Path& path, double temperature_k, double warmer_k,
+                                         const Overrides<double>& numbers) {
+  const SensorSettings& settings = sensor.settings;
+  const double given = settings.scene ? settings.scene->surroundings_k.value_or(0.0) : 0.0;
+  Surface surface{temperature_k, sensor.emissivity, numbers("scene.surroundings", given)};
+  set_constant(surface.emissivity, "scene.emissivity", numbers, 1.0);
   CameraEmission emission = emission_of(settings);
   emission.optics_k = numbers("optics.temperature", emission.optics_k);
   emission.stop_k = numbers("optics.stop_temperature", emission.stop_k);
@@ -141,7 +153,7 @@ std::vector<std::string> budget_notes(const Sensor& sensor) {
 Budget<double> budget_of(const mtf::System<double>& system, const Sensor& sensor, double temperature_k) {
   require_consistent(system, sensor);
   pixel_of(system, sensor);  // throws where there is no [detector]
-  return sensor_budget(system, budget_settings(sensor), spectral_numbers(sensor, temperature_k),
+  return sensor_budget(system, budget_settings(sensor), spectral_numbers(sensor, sensor.path, temperature_k),
                        flicker_rms_e(system, sensor.settings));
 }
 

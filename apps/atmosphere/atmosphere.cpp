@@ -10,11 +10,14 @@
 #include "apps/atmosphere/atmosphere_options.h"
 #include "apps/atmosphere/atmosphere_report.h"
 #include "apps/atmosphere/spectrum_text.h"
+#include "apps/scene/scene_file/scene_file.h"
 #include "apps/sensor/sensor_air.h"
 #include "apps/sensor/sensor_file.h"
 #include "apps/simulate/output_files.h"
 #include "apps/terminal/output.h"
 #include "mtf/error.h"
+#include "mtf/io/config/config_tree.h"
+#include "mtf/io/csv/curve_csv.h"
 #include "radiometry/atmosphere/range_table.h"
 
 namespace apps {
@@ -33,12 +36,35 @@ constexpr std::array kUsualBands{Interval{3.0, 5.0}, Interval{3.4, 4.8}, Interva
 struct Given {
   radiometry::AtmosphereSettings settings;
   std::optional<radiometry::SpectralCamera> camera;  ///< of a sensor file
+  air::AerosolLoss loss = air::AerosolLoss::extinction;
   std::vector<std::string> files;
 };
 
+/// True for a scene file: sensor files have no [place].
+bool is_scene_file(const std::string& file) {
+  const mtf::io::cfg::Tree tree = mtf::io::cfg::read_tree(mtf::io::read_text_file(file, mtf::io::cfg::kMaxBytes));
+  return !tree.error && tree.root.find("place") != nullptr;
+}
+
+/// The air of a scene, seen from its camera or, without one, from its place.
+void take_scene(const AtmosphereOptions& options, Given& given, const Global& global) {
+  std::vector<mtf::io::Diagnostic> warnings;
+  const scene::SceneFile scene = scene::load_scene(options.file, &warnings);
+  for (const mtf::io::Diagnostic& warning : warnings)
+    note(global, one_line(mtf::io::format_diagnostic(warning, options.file)));
+  if (!scene.atmosphere)
+    throw mtf::UsageError(options.file +
+                          ": has no [atmosphere]; add one (mtf config kinds atmosphere), or say all by options");
+  given.settings = *scene.atmosphere;
+  given.settings.sensor_altitude_m = scene.place.altitude_m + (scene.camera ? scene.camera->position_m[2] : 0.0);
+  given.files.push_back(options.file);
+}
+
 Given given_by(const AtmosphereOptions& options, const Global& global) {
   Given given;
-  if (!options.file.empty()) {
+  if (!options.file.empty() && is_scene_file(options.file)) {
+    take_scene(options, given, global);
+  } else if (!options.file.empty()) {
     const mtf::io::SensorConfig config = read_sensor(options.file, global);
     const mtf::SettingsTable* table = find_table(config.tables, "atmosphere");
     if (table == nullptr)
@@ -46,6 +72,7 @@ Given given_by(const AtmosphereOptions& options, const Global& global) {
                             ": has no [atmosphere]; add one (mtf config kinds atmosphere), or say all by options");
     given.settings = radiometry::from_table<radiometry::AtmosphereSettings>(*table);
     if (config.system.band) given.camera = load_curves(config);
+    given.loss = loss_in(config.system);
     given.files = files_of(config);
   }
   for (const auto& [key, text] : options.given) {
@@ -97,6 +124,11 @@ void require_outputs(const AtmosphereOptions& options, const Given& given) {
   require_writable(outputs, given.files);
   if (options.sky && (!options.table.empty() || !options.tape7.empty() || !options.plot.empty()))
     throw mtf::UsageError("--sky: prints the sky; --table, --tape7 and --plot are of a line of sight, remove them");
+  const int covers = (options.cloud_cover ? 1 : 0) + (options.longwave_w_m2 ? 1 : 0);
+  if (!options.sky && (covers > 0 || options.cloud_k))
+    throw mtf::UsageError("clouds: are of --sky; add it, or remove --cloud-cover, --cloud-temperature and --longwave");
+  if (covers != (options.cloud_k ? 1 : 0))
+    throw mtf::UsageError("clouds: give --cloud-temperature and one of --cloud-cover and --longwave");
   if (!options.ranges.empty() && options.table.empty())
     throw mtf::UsageError("--ranges: are those of --table FILE; add it");
 }
@@ -123,6 +155,13 @@ void write_table(const AtmosphereOptions& options, const air::Air<double>& throu
   emit(options.table, path_table_csv(result.table, what));
 }
 
+air::Clouds clouds_of(const AtmosphereOptions& options, double clear_w_m2) {
+  if (!options.cloud_k) return {};
+  const double cover = options.longwave_w_m2 ? air::cloud_cover(*options.longwave_w_m2, clear_w_m2, *options.cloud_k)
+                                             : *options.cloud_cover;
+  return {cover, *options.cloud_k};
+}
+
 int run_sky(const AtmosphereOptions& options, const Given& given, const std::vector<Interval>& bands,
             const Global& global) {
   const air::Air<double> through = read_air(given.settings);
@@ -131,9 +170,16 @@ int run_sky(const AtmosphereOptions& options, const Given& given, const std::vec
   report.altitude_m = given.settings.sensor_altitude_m;
   report.bands = bands;
   report.zenith_deg = {0.0, 15.0, 30.0, 45.0, 60.0, 70.0, 75.0, 80.0, 85.0, 87.5, 90.0};
+  const air::SkyFlux clear = sky_flux(through, report.altitude_m);
+  report.clouds = clouds_of(options, clear.total_w_m2);
+  if (options.longwave_w_m2 && (report.clouds.cover == 0.0 || report.clouds.cover == 1.0))
+    note(global, "warning: --longwave " + mtf::format_double(*options.longwave_w_m2) + " W/m2 is " +
+                     (report.clouds.cover == 0.0 ? "at most that of the clear sky, " + fixed(clear.total_w_m2, 1)
+                                                 : "at least that of clouds all over") +
+                     (report.clouds.cover == 0.0 ? " W/m2: it is taken for clear" : ": it is taken for overcast"));
   for (const double degrees : report.zenith_deg) {
-    const air::SkyRadiance sky =
-        sky_radiance(through, report.altitude_m, degrees * std::numbers::pi / 180.0, options.tolerance);
+    const air::SkyRadiance sky = under_clouds(
+        sky_radiance(through, report.altitude_m, degrees * std::numbers::pi / 180.0, options.tolerance), report.clouds);
     report.radiance.push_back(sky.whole);
     air::SpectralPath<double> path;
     path.wavenumber_cm = sky.wavenumber_cm;
@@ -143,7 +189,7 @@ int run_sky(const AtmosphereOptions& options, const Given& given, const std::vec
     for (const Interval& band : bands)
       row.push_back(weighted_path_radiance(camera_in({}, band), path_of(path, "the sky")));
   }
-  report.flux = sky_flux(through, report.altitude_m);
+  report.flux = under_clouds(clear, report.clouds);
   for (const std::string& limit : limits_of(through, hull(bands))) note(global, "warning: " + limit);
   if (report.altitude_m > kDryAltitude_m)
     note(global,
@@ -162,7 +208,12 @@ int run_atmosphere(const AtmosphereOptions& options, const Global& global) {
   const std::vector<Interval> bands = bands_of(options, given);
   if (options.sky) return run_sky(options, given, bands, global);
 
-  const air::Air<double> through = read_air(given.settings);
+  air::Air<double> through = read_air(given.settings);
+  through.haze.loss = given.loss;
+  if (given.loss == air::AerosolLoss::absorption && through.haze.kind != air::HazeKind::none)
+    note(
+        global,
+        "note: what haze scatters is in the aerosol component of the sensor; transmissions here hold what is absorbed");
   const air::Sight<double> sight = read_sight(given.settings);
   AtmosphereReport report;
   report.air = air_words(given.settings, through);

@@ -3,6 +3,7 @@
 
 // What `mtf atmosphere` takes: the keys of [atmosphere], from a file, from options of the same names, or both.
 
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -18,6 +19,8 @@ struct AtmosphereOptions {
   double source_k = 300.0;
   double tolerance = 0.0;
   bool sky = false;
+  std::optional<double> cloud_cover, cloud_k;  ///< of the sky
+  std::optional<double> longwave_w_m2;         ///< measured, in place of cloud_cover
   Format format = Format::table;
   std::string out;     ///< "" = stdout
   std::string plot;    ///< .svg, .pdf or .png

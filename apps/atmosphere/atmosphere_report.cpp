@@ -182,8 +182,11 @@ std::string as_table(const SkyReport& report) {
   return "air   " + one_line(report.air) + "\nsky   radiance in W m^-2 sr^-1, seen from an altitude of " +
          length_words(report.altitude_m) + "\n" +
          table.aligned(std::vector<Align>(report.bands.size() + 2, Align::right)) +
-         "long-wave irradiance of a horizontal plane under this clear sky " + fixed(report.flux.total_w_m2, 1) +
-         " W/m2, of it " + fixed(report.flux.below_650_w_m2, 1) +
+         (report.clouds.cover > 0.0 ? "clouds of " + significant(report.clouds.temperature_k, 4) + " K over " +
+                                          significant(100.0 * report.clouds.cover, 3) + " % of the sky\n"
+                                    : "") +
+         "long-wave irradiance of a horizontal plane under this " + (report.clouds.cover > 0.0 ? "" : "clear ") +
+         "sky " + fixed(report.flux.total_w_m2, 1) + " W/m2, of it " + fixed(report.flux.below_650_w_m2, 1) +
          " W/m2 below 650 cm^-1, where the sky is taken for black\n";
 }
 
@@ -201,6 +204,8 @@ std::string as_csv(const SkyReport& report) {
 std::string as_json(const SkyReport& report) {
   Json json{{"air", report.air},
             {"altitude_m", report.altitude_m},
+            {"cloud_cover", report.clouds.cover},
+            {"cloud_temperature_k", report.clouds.cover > 0.0 ? Json(report.clouds.temperature_k) : Json()},
             {"longwave_w_m2", report.flux.total_w_m2},
             {"longwave_below_650_cm-1_w_m2", report.flux.below_650_w_m2},
             {"zenith_angle_deg", report.zenith_deg},

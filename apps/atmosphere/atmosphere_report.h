@@ -42,6 +42,7 @@ struct SkyReport {
   std::vector<std::vector<double>> band_radiance;  ///< [angle][band], W m^-2 sr^-1
   std::vector<double> radiance;                    ///< of all wavelengths
   radiometry::atmosphere::SkyFlux flux;
+  radiometry::atmosphere::Clouds clouds{};
 };
 std::string as_table(const SkyReport& report);
 std::string as_csv(const SkyReport& report);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/report/report_chosen.h"
+#include "apps/sensor/sensor_air.h"
 
 #include <algorithm>
 #include <cmath>
@@ -55,7 +56,7 @@ void load(const Sweep& sweep, ChosenDesign& design) {
   design.text = text_of(sweep, design.chosen.file, problem);
   if (!problem.empty()) throw mtf::RuntimeError(problem);
   const std::string path = (sweep.folder / design.chosen.file).string();
-  mtf::io::ConfigResult parsed = mtf::io::parse_config(design.text, path, radiometry::sensor_tables());
+  mtf::io::ConfigResult parsed = mtf::io::parse_config(design.text, path, sensor_schema());
   for (const mtf::io::Diagnostic& diagnostic : parsed.diagnostics)
     if (diagnostic.error) throw mtf::UsageError(mtf::io::format_diagnostic(diagnostic, design.chosen.file));
   design.config = std::move(parsed.config);

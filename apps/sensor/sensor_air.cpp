@@ -7,6 +7,7 @@
 #include <mutex>
 
 #include "apps/sensor/sensor_place.h"
+#include "mtf/components/aerosol.h"
 #include "mtf/error.h"
 #include "mtf/io/csv/air_profile_csv.h"
 #include "radiometry/atmosphere/range_table.h"
@@ -71,6 +72,13 @@ air::Profile<double> profile_of(const mtf::io::AirProfileColumns& columns, const
 }
 
 constexpr const char* kTable = "[atmosphere]";
+
+/// The aerosol component that takes its scattering from [atmosphere], or has its own; null without one.
+const mtf::Aerosol<double>* aerosol_of(const mtf::System<double>& system) {
+  for (const auto& entry : system.list(mtf::Stage::presample))
+    if (const auto* aerosol = entry.component.get_if<mtf::Aerosol<double>>()) return aerosol;
+  return nullptr;
+}
 
 /// Tables over the ranges of images, a function of the nearest and the longest range alone, so that a frame does not
 /// depend on those before it. Horizontal lines take ranges of whole powers of 2 in m, whose table frames then share.
@@ -137,13 +145,46 @@ air::Sight<double> read_sight(const AtmosphereSettings& settings) {
 
 air::Air<double> read_air(const AtmosphereSettings& settings) { return air_of(settings, read_profile(settings)); }
 
-void read_atmosphere(const radiometry::SensorSettings& settings, LoadedSensor& loaded) {
+air::AerosolLoss loss_in(const mtf::System<double>& system) {
+  const auto* aerosol = aerosol_of(system);
+  return aerosol != nullptr && !aerosol->scattering_1_km ? air::AerosolLoss::absorption : air::AerosolLoss::extinction;
+}
+
+mtf::PathAir<double> path_air_of(const AtmosphereSettings& settings, const std::optional<air::Profile<double>>& profile,
+                                 const std::optional<mtf::Band>& band) {
+  const auto sight = sight_of(settings);
+  if (!sight) return {};
+  const air::Air<double> through = air_of(settings, profile);
+  mtf::PathAir<double> path{.path_length_m = sight_numbers(through, *sight).range_m, .scattering = {}};
+  if (through.haze.kind != air::HazeKind::none && band)
+    path.scattering = scattering_depth(through, *sight, {band->lo_um, band->hi_um});
+  return path;
+}
+
+std::vector<mtf::TableInfo> sensor_schema() {
+  std::vector<mtf::TableInfo> tables = radiometry::sensor_tables();
+  for (mtf::TableInfo& table : tables)
+    if (table.name == "atmosphere")
+      table.path_air = [](const mtf::SettingsTable& given, const std::optional<mtf::Band>& band) {
+        const auto settings = radiometry::from_table<AtmosphereSettings>(given);
+        return path_air_of(settings, read_profile(settings), band);
+      };
+  return tables;
+}
+
+void read_atmosphere(const mtf::System<double>& system, const radiometry::SensorSettings& settings,
+                     LoadedSensor& loaded) {
   const AtmosphereSettings& given = *settings.atmosphere;
   const radiometry::Interval band = loaded.sensor.curves.band;
   const auto profile = read_profile(given);
+  const air::AerosolLoss loss = loss_in(system);
   if (!settings.scene || settings.scene->depth_channel.name.empty()) {
-    loaded.sensor.air = [profile, band](const AtmosphereSettings& numbers) {
-      const air::Air<double> through = air_of(numbers, profile);
+    loaded.path_air = [profile, system_band = system.band](const AtmosphereSettings& numbers) {
+      return path_air_of(numbers, profile, system_band);
+    };
+    loaded.sensor.air = [profile, band, loss](const AtmosphereSettings& numbers) {
+      air::Air<double> through = air_of(numbers, profile);
+      through.haze.loss = loss;
       const air::Sight<double> sight = read_sight(numbers);
       return at_key(kTable, [&] { return path_of(spectral_path(through, sight, {.band = band}), "[atmosphere]"); });
     };
@@ -155,7 +196,9 @@ void read_atmosphere(const radiometry::SensorSettings& settings, LoadedSensor& l
   if (given.target_altitude_m && given.zenith_deg)
     throw mtf::UsageError(
         "atmosphere.zenith_angle: given together with target_altitude and scene.depth_channel; remove one of them");
-  const auto tables = std::make_shared<const AirTables>(air_of(given, profile), given, band);
+  air::Air<double> through = air_of(given, profile);
+  through.haze.loss = loss;
+  const auto tables = std::make_shared<const AirTables>(std::move(through), given, band);
   loaded.paths = [tables](double nearest_m, double longest_m) { return tables->covering(nearest_m, longest_m); };
 }
 
@@ -165,6 +208,20 @@ std::vector<mtf::io::Diagnostic> atmosphere_warnings(const mtf::io::SensorConfig
   if (table == nullptr || !config.system.band) return warnings;
   try {
     const auto settings = radiometry::from_table<AtmosphereSettings>(*table);
+    const auto* aerosol = aerosol_of(config.system);
+    if (aerosol != nullptr && aerosol->scattering_1_km && settings.haze != air::HazeKind::none)
+      warnings.push_back({.error = false,
+                          .position = {},
+                          .path = "atmosphere.haze",
+                          .text = "its transmission and the scattering of the aerosol component count scattered light "
+                                  "twice; leave scattering and path_length out of the component, which then takes them "
+                                  "from here, or remove haze"});
+    if (!sight_of(settings) && aerosol == nullptr)
+      warnings.push_back({.error = false,
+                          .position = {},
+                          .path = "atmosphere",
+                          .text = "each pixel has a range of its own: curves of this file are those without air",
+                          .remark = true});
     for (std::string& text : air::limits_of(read_air(settings), {config.system.band->lo_um, config.system.band->hi_um}))
       warnings.push_back({.error = false, .position = {}, .path = "atmosphere", .text = std::move(text)});
   } catch (const mtf::Error&) {  // refused where the sensor is loaded

@@ -23,9 +23,24 @@ radiometry::atmosphere::Air<double> read_air(const radiometry::AtmosphereSetting
 /// The line of sight; throws UsageError for a table without one.
 radiometry::atmosphere::Sight<double> read_sight(const radiometry::AtmosphereSettings& settings);
 
+/// Tables of sensor files, radiometry::sensor_tables(), where [atmosphere] also gives components their path.
+std::vector<mtf::TableInfo> sensor_schema();
+
+/// The path that components of a system take from [atmosphere]: its length, and what haze scatters in the band; nothing
+/// where the table has no line.
+mtf::PathAir<double> path_air_of(const radiometry::AtmosphereSettings& settings,
+                                 const std::optional<radiometry::atmosphere::Profile<double>>& profile,
+                                 const std::optional<mtf::Band>& band);
+
+/// What the path of such a system loses to haze: absorption alone where an `aerosol` component counts what is scattered.
+radiometry::atmosphere::AerosolLoss loss_in(const mtf::System<double>& system);
+
 /// Fills the path of a sensor with [atmosphere]: the path itself, how it follows from other numbers, or, with
-/// scene.depth_channel, the table over ranges and its error. Throws UsageError as above and for a table without a line.
-void read_atmosphere(const radiometry::SensorSettings& settings, LoadedSensor& loaded);
+/// scene.depth_channel, the table over ranges and its error. Light that haze scatters stays in the image where an
+/// `aerosol` component of the system counts it, and is lost elsewhere. Throws UsageError as above and for a table
+/// without a line.
+void read_atmosphere(const mtf::System<double>& system, const radiometry::SensorSettings& settings,
+                     LoadedSensor& loaded);
 
 /// What the model is not good for in the band of this sensor (radiometry/atmosphere: limits_of).
 std::vector<mtf::io::Diagnostic> atmosphere_warnings(const mtf::io::SensorConfig& config);

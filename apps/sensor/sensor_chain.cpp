@@ -111,7 +111,7 @@ void read_path(const radiometry::SensorSettings& settings, LoadedSensor& loaded)
 }  // namespace
 
 mtf::io::SensorConfig read_sensor_file(const std::string& file, std::vector<mtf::io::Diagnostic>* diagnostics) {
-  mtf::io::SensorConfig config = mtf::io::load_config(file, diagnostics, radiometry::sensor_tables());
+  mtf::io::SensorConfig config = mtf::io::load_config(file, diagnostics, sensor_schema());
   if (diagnostics != nullptr)
     for (mtf::io::Diagnostic& warning : chain_warnings(config)) diagnostics->push_back(std::move(warning));
   return config;
@@ -177,7 +177,7 @@ LoadedSensor load_parts(const mtf::io::SensorConfig& config) {
   if (settings.path)
     read_path(settings, loaded);
   else if (settings.atmosphere)
-    read_atmosphere(settings, loaded);
+    read_atmosphere(config.system, settings, loaded);
   else if (settings.scene && !settings.scene->depth_channel.name.empty())
     throw mtf::UsageError(
         "scene.depth_channel: needs [atmosphere] or path.table, which say what a path of that length does");
@@ -215,25 +215,29 @@ LoadedSensor load_chain(const mtf::io::SensorConfig& config) try {
   throw mtf::RuntimeError(told(config, error.what()));
 }
 
-mtf::System<double> with_electron_rate(const mtf::System<double>& system, const LoadedSensor& loaded) {
+std::shared_ptr<const mtf::ElectronRate> electron_rate(const mtf::System<double>& system, const LoadedSensor& loaded,
+                                                       const radiometry::Path& path) {
   const radiometry::SpectralCamera& camera = loaded.sensor.curves;
   const bool even = camera.optics.empty() && camera.cold_filter.empty() && camera.quantum_efficiency.empty() &&
-                    loaded.sensor.path.transmission.value.size() <= 1;
-  if (!system.band || (even && !loaded.source_k)) return system;
+                    path.transmission.value.size() <= 1;
+  if (!system.band || (even && !loaded.source_k)) return nullptr;
   const auto chromatic = [&](const auto& entry) { return entry.component.traits(system.context()).chromatic; };
   if (std::none_of(system.stages.begin(), system.stages.end(),
                    [&](const auto& list) { return std::any_of(list.begin(), list.end(), chromatic); }))
-    return system;  // nothing is averaged
-  mtf::System<double> weighted = system;
-  const radiometry::SceneBand band = radiometry::scene_band(camera, loaded.sensor.path);
+    return nullptr;  // nothing is averaged
+  const radiometry::SceneBand band = radiometry::scene_band(camera, path);
   const radiometry::BandResponse response(band.band, band.curves);
   const std::string key = response.integral() > 0.0 ? "scene.source_temperature" : "path.transmission";
   try {
-    weighted.band->rate =
-        std::make_shared<const mtf::ElectronRate>(response.electron_rate(loaded.source_k, camera.flux));
+    return std::make_shared<const mtf::ElectronRate>(response.electron_rate(loaded.source_k, camera.flux));
   } catch (const mtf::UsageError& error) {
     throw mtf::UsageError(key + ": " + error.what());
   }
+}
+
+mtf::System<double> with_electron_rate(const mtf::System<double>& system, const LoadedSensor& loaded) {
+  mtf::System<double> weighted = system;
+  if (auto rate = electron_rate(system, loaded, loaded.sensor.path)) weighted.band->rate = std::move(rate);
   return weighted;
 }
 

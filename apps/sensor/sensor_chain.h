@@ -43,6 +43,8 @@ struct LoadedSensor {
   /// For an image whose pixels have ranges from the nearest to the longest; empty where all have one path. It may be
   /// called from several threads at once.
   std::function<RangedPaths(double nearest_m, double longest_m)> paths;
+  /// What components take from [atmosphere] with other numbers; empty without it, or where pixels have their own range.
+  std::function<mtf::PathAir<double>(const radiometry::AtmosphereSettings&)> path_air;
   std::optional<double> source_k;  ///< source_temperature_k() of the quantity that [scene] states
 };
 
@@ -53,8 +55,13 @@ LoadedSensor load_chain(const mtf::io::SensorConfig& config);
 /// The curves of the camera alone, from the same tables. Throws as load_chain.
 radiometry::SpectralCamera load_curves(const mtf::io::SensorConfig& config);
 
-/// The system whose band is weighted by the electrons that light of that spectrum gives after all curves; unchanged
-/// where there is neither a curve nor a source temperature. Throws UsageError where that light gives no electrons.
+/// The electrons over the band that light of the sensor's source gives behind that path and through all curves;
+/// nothing where they need no weights: without a curve and a source temperature, or without a component that depends on
+/// the wavelength. Throws UsageError where that light gives no electrons.
+std::shared_ptr<const mtf::ElectronRate> electron_rate(const mtf::System<double>& system, const LoadedSensor& loaded,
+                                                       const radiometry::Path& path);
+
+/// The system whose band has the electron_rate() of the sensor's own path.
 mtf::System<double> with_electron_rate(const mtf::System<double>& system, const LoadedSensor& loaded);
 
 /// The error for a file without [detector] that has other tables of the chain; empty when it has none.

@@ -91,16 +91,17 @@ Parameter parameter_of(const mtf::SettingInfo& row) {
   return parameter;
 }
 
-/// The required fields; without any, or when they do not do, the first of the others that will.
+/// The required fields; without any, or when they do not do, the first of the others that will, or the first two
+/// neighbours among them.
 void add_example(const Component<double>& blank, ComponentKind& kind) {
   const auto fields = blank.fields();
   std::string list;
   for (const mtf::Stage stage : mtf::kStages)
     if (list.empty() && blank.stages().allows(stage)) list = stage_name(stage);
-  const auto with = [&](const FieldRef<double>* extra) {
+  const auto with = [&](const FieldRef<double>* extra, const FieldRef<double>* more = nullptr) {
     std::string text = "[[" + list + "]]\nkind = \"" + std::string(kind.kind) + "\"\n";
     for (const FieldRef<double>& field : fields)
-      if (field.info->presence == Presence::required || &field == extra)
+      if (field.info->presence == Presence::required || &field == extra || &field == more)
         text += std::string(field.info->name) + " = " + std::string(field.info->example) + "\n";
     return text;
   };
@@ -120,13 +121,16 @@ void add_example(const Component<double>& blank, ComponentKind& kind) {
   if (!some_required) extras.push_back(nullptr);
   add_all(Presence::shared);
   kind.example = with(nullptr);
-  for (const FieldRef<double>* extra : extras) {
-    const mtf::io::ConfigResult result = mtf::io::parse_config(sensor + with(extra), "");
+  std::vector<std::string> examples;
+  for (const FieldRef<double>* extra : extras) examples.push_back(with(extra));
+  for (std::size_t i = 1; i < extras.size(); ++i) examples.push_back(with(extras[i - 1], extras[i]));
+  for (const std::string& example : examples) {
+    const mtf::io::ConfigResult result = mtf::io::parse_config(sensor + example, "");
     if (!result.ok()) continue;
     const mtf::System<double>& system = result.config.system;
     for (const auto& entries : system.stages)
       for (const auto& entry : entries) {
-        kind.example = with(extra);
+        kind.example = example;
         kind.traits = entry.component.traits(system.context());
         return;
       }

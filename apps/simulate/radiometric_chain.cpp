@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "apps/sensor/sensor_place.h"
+#include "apps/simulate/range_weights.h"
 #include "apps/simulate/simulate_parts.h"
 #include "mtf/error.h"
 
@@ -85,8 +86,16 @@ SceneLight to_light(const mtf::io::SensorConfig& config, const RadiometricChain&
   }
   masks.clear();
   masks.push_back(std::move(bad));
-  const SceneLight light =
-      at_its_place(config, [&] { return to_light(config, radiometric.loaded, scene, source, threads); });
+  const SceneLight light = at_its_place(config, [&] {
+    SceneLight made = to_light(config, radiometric.loaded, scene, source, threads);
+    if (made.ranges_m) {
+      RangeWeights weights =
+          range_weights(radiometric.system, radiometric.loaded, made.ranges_m->first, made.ranges_m->second);
+      made.rate = std::move(weights.rate);
+      if (!weights.warning.empty()) made.warnings.push_back(std::move(weights.warning));
+    }
+    return made;
+  });
   // The scene's own values are finite here: bad pixels have been filled or refused.
   if (!mtf::all_finite(scene.planes.front().view())) refuse_overflow(scene.names.front());
   return light;

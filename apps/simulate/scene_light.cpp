@@ -4,6 +4,8 @@
 #include "mtf/error.h"
 #include "radiometry/light/path_planes.h"
 #include "radiometry/light/scene_radiance.h"
+#include "radiometry/light/temperature_paths.h"
+#include "radiometry/stages/detector/pixel_rules.h"
 
 namespace apps {
 namespace {
@@ -21,7 +23,7 @@ class Converter {
                            : radiometry::scene_band(loaded.sensor.curves, loaded.sensor.path)),
         quantity_(quantity),
         options_{.negative = scene_.negative, .threads = threads} {
-    const bool surfaces = quantity == Quantity::temperature || quantity == Quantity::counts;
+    const bool surfaces = is_of_surfaces();
     const bool finish = scene_.surroundings_k || !scene_.emissivity.file.empty() || scene_.emissivity.number != 1.0 ||
                         !scene_.emissivity_channel.name.empty();
     if (!surfaces && finish)
@@ -53,15 +55,7 @@ class Converter {
         radiance_of_band(image.view(), light_per_unit(), options_);
         break;
       case Quantity::counts:
-        if (!settings_.counts)
-          throw mtf::UsageError(file_ +
-                                ": a scene of counts needs [camera_counts] with the constants of the camera that wrote "
-                                "it, or [scene] quantity and gain that make a radiance or temperature of them");
-        // The surface's own temperature, then what it emits and reflects in this band.
-        temperature_of_counts(
-            image.view(), *settings_.counts,
-            {.emissivity = scene_.emissivity.number, .reflected_k = scene_.surroundings_k.value_or(0.0)},
-            options_.threads);
+        to_temperature(image);
         radiance_of_temperature(image.view(), band_,
                                 {loaded_.sensor.emissivity, {}, scene_.surroundings_k.value_or(0.0)}, options_);
         break;
@@ -90,16 +84,30 @@ class Converter {
   /// What a path that is the same for all pixels adds.
   void add_path(mtf::Image& image) const { add(path_light(), image.view()); }
 
-  /// Returns how much a pixel errs at most: the table's error of a transmission times the light that it takes from, and
-  /// of an emission times the light of a blackbody.
-  double through_paths(mtf::Image& image, const mtf::Image& range_m) const {
+  /// Values of the scene's quantity to radiance at the aperture, through a path of each pixel's range. Surfaces whose
+  /// temperatures are known have the spectrum of their own; `to_radiance` has been called for other quantities.
+  SceneLight through_paths(mtf::Image& image, const mtf::Image& emissivity, const mtf::Image& range_m) const {
+    radiometry::refuse_pixels(std::as_const(range_m).view(),
+                              {"scene.depth_channel", "without a finite range above 0 m",
+                               "give every pixel its distance along the line of sight, in m"},
+                              options_.threads, [](float r) { return !(r > 0.0F && std::isfinite(r)); });
     const mtf::Statistics ranges = mtf::statistics(range_m.view());
     const RangedPaths paths = loaded_.paths(ranges.min, ranges.max);
-    const double before = mtf::statistics(image.view()).max;
-    radiometry::RangeTable(band_, *paths.table, source_k()).apply(image.view(), range_m.view(), options_.threads);
-    if (paths.error == 0.0) return 0.0;
-    const radiometry::Surface air{.temperature_k = paths.air_k};
-    return paths.error * (before + scene_radiance(loaded_.sensor.curves, air, {}));
+    double interpolation = 0.0, before = 0.0;
+    if (is_of_surfaces()) {
+      if (quantity_ == Quantity::counts) to_temperature(image);
+      const mtf::Statistics warm = mtf::statistics(image.view());
+      interpolation = radiometry::radiance_at_ranges(
+          image.view(), range_m.view(), band_,
+          {loaded_.sensor.emissivity, emissivity.view(), scene_.surroundings_k.value_or(0.0)}, *paths.table, options_);
+      before = black(std::max({warm.max, scene_.surroundings_k.value_or(0.0), 0.0}));
+    } else {
+      before = mtf::statistics(image.view()).max;
+      radiometry::RangeTable(band_, *paths.table, source_k()).apply(image.view(), range_m.view(), options_.threads);
+    }
+    // The table's error of a transmission errs the light that it takes from, that of an emission the air's own.
+    return {.error = (paths.error + interpolation) * before + paths.error * black(paths.air_k),
+            .ranges_m = std::pair{ranges.min, ranges.max}};
   }
 
   /// What a constant border of that value is worth.
@@ -111,10 +119,29 @@ class Converter {
     return static_cast<double>(border.at(0, 0));
   }
 
+  /// True for scenes that say how warm things are.
+  bool is_of_surfaces() const { return quantity_ == Quantity::temperature || quantity_ == Quantity::counts; }
+
   const radiometry::SceneSettings& scene() const { return scene_; }
   const radiometry::SceneBand& band() const { return band_; }
 
  private:
+  /// Counts become the temperatures of the surfaces themselves.
+  void to_temperature(mtf::Image& image) const {
+    if (!settings_.counts)
+      throw mtf::UsageError(file_ +
+                            ": a scene of counts needs [camera_counts] with the constants of the camera that wrote "
+                            "it, or [scene] quantity and gain that make a radiance or temperature of them");
+    temperature_of_counts(image.view(), *settings_.counts,
+                          {.emissivity = scene_.emissivity.number, .reflected_k = scene_.surroundings_k.value_or(0.0)},
+                          options_.threads);
+  }
+
+  /// Weighted radiance of a blackbody.
+  double black(double temperature_k) const {
+    return temperature_k > 0.0 ? scene_radiance(loaded_.sensor.curves, {.temperature_k = temperature_k}, {}) : 0.0;
+  }
+
   /// Of this scene's own quantity, which its file may state.
   std::optional<double> source_k() const { return source_temperature_k(settings_, quantity_); }
 
@@ -188,12 +215,20 @@ SceneLight to_light(const mtf::io::SensorConfig& config, const LoadedSensor& loa
   if (!spectrum) require_one_channel(scene, source.file);
   if (spectrum) merge_spectrum(scene, convert, threads);
   mtf::Image& plane = scene.planes.front();
-  if (!spectrum) convert.to_radiance(plane, emissivity);
-  convert.add_path(plane);
+  const bool ranged = static_cast<bool>(loaded.paths);
+  if (!spectrum && !(ranged && convert.is_of_surfaces())) convert.to_radiance(plane, emissivity);
   SceneLight light;
-  if (loaded.paths) light.error = convert.through_paths(plane, range_m);
+  if (ranged) {
+    light = convert.through_paths(plane, emissivity, range_m);
+    if (spectrum)
+      light.warnings.emplace_back(
+          "scene.depth_channel: the air takes from the sum of the spectral channels what it takes from light that is "
+          "even over the band, not from each channel its own; this is not in the promised error");
+  } else {
+    convert.add_path(plane);
+  }
   if (config.scene.border != mtf::Border::constant) return light;
-  if (loaded.paths)
+  if (ranged)
     throw mtf::UsageError(config.file +
                           ": scene.border: a constant border has no range, which scene.depth_channel gives each pixel; "
                           "use border = \"reflect\"");

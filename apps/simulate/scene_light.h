@@ -5,7 +5,11 @@
 // (radiometry/light/scene_radiance.h).
 
 #include <functional>
+#include <memory>
+#include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "apps/sensor/sensor_chain.h"
 #include "apps/simulate/scene_source.h"
@@ -17,9 +21,14 @@ namespace apps {
 struct SceneLight {
   double border_value = 0.0;  ///< what a constant border is worth
   double error = 0.0;         ///< of a pixel, at most: what the table of the path lacks between its ranges
+  /// The nearest and the longest range of the pixels, in m, where each has its own.
+  std::optional<std::pair<double, double>> ranges_m{};
+  /// Of the band's OTF at these ranges (range_weights.h); nothing where that of the sensor holds.
+  std::shared_ptr<const mtf::ElectronRate> rate{};
+  std::vector<std::string> warnings{};
 };
 
-/// The planes of `scene` become the one of its radiance.
+/// The planes of `scene` become the one of its radiance; `rate` stays empty.
 /// `source`: of the channels of emissivity and depth that [scene] names. Throws UsageError for a scene of several
 /// channels that are no spectrum, and for values that cannot be (how many, and the first one).
 SceneLight to_light(const mtf::io::SensorConfig& config, const LoadedSensor& loaded, mtf::io::Scene& scene,

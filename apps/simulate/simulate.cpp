@@ -64,7 +64,9 @@ SimulateResult simulate_whole(const mtf::io::SensorConfig& config, SceneSource& 
     defaults.border_value = light.border_value;
     watch.tell_stage("light");
   }
-  const mtf::System<double>& system = radiometric != nullptr ? radiometric->system : config.system;
+  mtf::System<double> system = radiometric != nullptr ? radiometric->system : config.system;
+  if (light.rate) system.band->rate = light.rate;
+  for (std::string& warning : light.warnings) report.warnings.push_back(std::move(warning));
 
   mtf::PlanOptions plan_options = plan_options_of(options, config, scene.grid);
   plan_options.scene = summarise_all(scene, defaults, light.error);

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "apps/sensor/sensor_air.h"
 #include "apps/sensor/sensor_chain.h"
 #include "apps/study/study_reader.h"
 #include "mtf/error.h"
@@ -60,7 +61,7 @@ std::optional<SensorView> read_sensor(StudyReader& s, const Node& node, const st
   try {
     const std::string text = mtf::io::read_text_file(file, cfg::kMaxBytes);
     if (is_study(text)) return fail(mtf::io::printable(node.text) + " is a study itself; name a sensor file");
-    result = mtf::io::parse_config(text, file, radiometry::sensor_tables());
+    result = mtf::io::parse_config(text, file, apps::sensor_schema());
   } catch (const mtf::Error& error) {
     return fail(mtf::io::printable(error.what(), 600));
   }

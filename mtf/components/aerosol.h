@@ -9,9 +9,10 @@
 // a halo of finite width. Real, positive, radial. The mean of the image is kept (otf(0) = 1): what is lost to
 // absorption, exp(-A R), belongs to the path transmission of the radiometry and never here. Count scattering once: with
 // this component the path transmission holds absorption alone; with a transmission exp(-(A + s) R) and its path
-// radiance in the radiometry, leave this component out. Monte-Carlo work finds a contrast loss nearly independent of
-// frequency and hardly any blur, hence the default. (Kopeika, A System Engineering Approach to Imaging, with exp(-A R)
-// taken out of its aerosol MTF.)
+// radiance in the radiometry, leave this component out. Without `scattering`, s R is that of the haze and the line of
+// [atmosphere], whose transmission then holds absorption alone; without `path_length`, R is the length of that line.
+// Monte-Carlo work finds a contrast loss nearly independent of frequency and hardly any blur, hence the default.
+// (Kopeika, A System Engineering Approach to Imaging, with exp(-A R) taken out of its aerosol MTF.)
 
 #include "mtf/components/field.h"
 
@@ -26,53 +27,62 @@ struct Aerosol {
   static constexpr Stages stages{.presample = true};
   static constexpr SensorPart part = SensorPart::path;
 
-  S scattering_1_km{};
-  NumberIn<S, kilometres> path_length_km{};
+  std::optional<S> scattering_1_km{};
+  OptionalIn<S, kilometres> path_length_km{};
   Choice mode{0, kAerosolNames};
   SpatialFrequency<S> cutoff{};
   OptionalIn<S, micrometres> particle_radius_um{};
   OptionalIn<S, micrometres> wavelength_um{};
 
   static constexpr auto fields() {
-    return std::tuple{Field{FieldInfo{.name = "scattering",
-                                      .lo = 0.0,
-                                      .hi = 1e3,
-                                      .example = "0.1",
-                                      .doc = "scattering coefficient per km, a plain number"},
-                            &Aerosol::scattering_1_km},
-                      Field{FieldInfo{.name = "path_length",
-                                      .dimension = Dimension::length,
-                                      .unit = "km",
-                                      .lo = 0.0,
-                                      .hi = 1e6,
-                                      .example = "\"5 km\"",
-                                      .doc = "length of the path"},
-                            &Aerosol::path_length_km},
-                      Field{FieldInfo{.name = "mode",
-                                      .presence = Presence::optional,
-                                      .example = "\"blur\"",
-                                      .doc = "contrast (a veil) or blur (a halo)"},
-                            &Aerosol::mode},
-                      Field{FieldInfo{.name = "cutoff",
-                                      .dimension = Dimension::frequency,
-                                      .lo = 1e-9,
-                                      .hi = 1e9,
-                                      .presence = Presence::optional,
-                                      .example = "\"2 cy/mrad\"",
-                                      .doc = "blur: frequency uc from which the loss is constant"},
-                            &Aerosol::cutoff},
-                      Field{FieldInfo{.name = "particle_radius",
-                                      .dimension = Dimension::length,
-                                      .unit = "um",
-                                      .lo = 1e-3,
-                                      .hi = 1e5,
-                                      .presence = Presence::optional,
-                                      .example = "\"100 um\"",
-                                      .doc = "blur: uc = radius / wavelength, instead of cutoff"},
-                            &Aerosol::particle_radius_um},
-                      Field{kWavelengthInfo, &Aerosol::wavelength_um}};
+    return std::tuple{
+        Field{FieldInfo{.name = "scattering",
+                        .lo = 0.0,
+                        .hi = 1e3,
+                        .presence = Presence::optional,
+                        .example = "0.1",
+                        .doc = "scattering coefficient per km, a plain number; else that of [atmosphere]"},
+              &Aerosol::scattering_1_km},
+        Field{FieldInfo{.name = "path_length",
+                        .dimension = Dimension::length,
+                        .unit = "km",
+                        .lo = 0.0,
+                        .hi = 1e6,
+                        .presence = Presence::optional,
+                        .example = "\"5 km\"",
+                        .doc = "length of the path; else that of [atmosphere]"},
+              &Aerosol::path_length_km},
+        Field{FieldInfo{.name = "mode",
+                        .presence = Presence::optional,
+                        .example = "\"blur\"",
+                        .doc = "contrast (a veil) or blur (a halo)"},
+              &Aerosol::mode},
+        Field{FieldInfo{.name = "cutoff",
+                        .dimension = Dimension::frequency,
+                        .lo = 1e-9,
+                        .hi = 1e9,
+                        .presence = Presence::optional,
+                        .example = "\"2 cy/mrad\"",
+                        .doc = "blur: frequency uc from which the loss is constant"},
+              &Aerosol::cutoff},
+        Field{FieldInfo{.name = "particle_radius",
+                        .dimension = Dimension::length,
+                        .unit = "um",
+                        .lo = 1e-3,
+                        .hi = 1e5,
+                        .presence = Presence::optional,
+                        .example = "\"100 um\"",
+                        .doc = "blur: uc = radius / wavelength, instead of cutoff"},
+              &Aerosol::particle_radius_um},
+        Field{kWavelengthInfo, &Aerosol::wavelength_um}};
   }
   bool is_blur() const { return mode.index == 1; }
+  /// s R.
+  S optical_depth(const Context<S>& ctx) const {
+    if (!scattering_1_km) return ctx.air.scattering.value_or(S(0));
+    if (path_length_km) return *scattering_1_km * *path_length_km;
+    return *scattering_1_km * ctx.air.path_length_m.value_or(S(0)) * S(1e-3);
+  }
   Traits traits(const Context<S>&) const {
     // The step of the contrast at f = 0 keeps it out of tables over |f|, the pitch a cutoff in cy/px off the circle.
     const bool round = cutoff.unit == nullptr || cutoff.unit->name != "cy/px";
@@ -89,7 +99,7 @@ struct Aerosol {
     return radius(f.x, f.y) * (ctx.frame.focal_length_mm * wavelength) / particle_radius_um.value_or(S(1));
   }
   Complex<S> otf(const Freq<S>& f, const Context<S>& ctx) const {
-    const S depth = scattering_1_km * path_length_km.value;
+    const S depth = optical_depth(ctx);
     const double most = std::exp(-value_of(depth));
     if (!is_blur()) {
       if (value_of(f.x) == 0.0 && value_of(f.y) == 0.0) return {S(1), S(0)};
@@ -108,11 +118,18 @@ struct Aerosol {
     return {1.0 / value_of(relative({S(1), S(0)}, ctx))};
   }
   double deviation(double fx, double fy, const Context<S>& ctx) const {
-    const double depth = value_of(scattering_1_km) * value_of(path_length_km.value);
+    const double depth = value_of(optical_depth(ctx));
     const double r = is_blur() ? std::min(1.0, value_of(relative({S(fx), S(fy)}, ctx))) : 1.0;
     return -std::expm1(-depth * r * r);
   }
-  std::vector<Problem> check(const Context<S>&) const {
+  std::vector<Problem> check(const Context<S>& ctx) const {
+    if (!scattering_1_km && path_length_km)
+      return {{.field = "scattering", .text = "missing beside path_length; without both, those of [atmosphere] count"}};
+    if (!scattering_1_km && !ctx.air.scattering)
+      return {{.field = "scattering",
+               .text = "missing; give it with path_length, or [atmosphere] with haze and a line of sight"}};
+    if (scattering_1_km && !path_length_km && !ctx.air.path_length_m)
+      return {{.field = "path_length", .text = "missing; give it, or [atmosphere] with a line of sight"}};
     const bool has_cutoff = cutoff.unit != nullptr;
     if (is_blur() && has_cutoff == particle_radius_um.has_value())
       return {{.field = "cutoff", .text = "mode = \"blur\" needs either cutoff or particle_radius"}};

@@ -9,7 +9,8 @@
 // exposure. Real, positive, radial; multiplies `diffraction`. r0 is given, scaled as lambda^(6/5) from
 // wavelength_reference where that is stated; or it follows from a path (`mtf/components/fried.h`): profile "constant"
 // with cn2 and path_length, or "hufnagel_valley" with wind, ground_cn2, the altitudes of target and sensor, and
-// path_length or zenith_angle (flat Earth: up to 80 degrees). Valid within the inertial range (outer scale far above D,
+// path_length or zenith_angle (flat Earth: up to 80 degrees). A path without either is as long as the line of
+// [atmosphere]. Valid within the inertial range (outer scale far above D,
 // inner scale far below r0). The short exposure is a formula for lambda u < D; beyond, where the aperture passes
 // nothing, the bracket keeps its value 1 - alpha, so the otf never grows above 1. Conditioning: with E the exponent of
 // the long exposure, the relative error is within (4 + 2 E) 2^-52, and what the rounding of lambda u / r0 adds; a path
@@ -183,26 +184,26 @@ struct Turbulence {
     return {.radial = true, .even_x = true, .even_y = true, .chromatic = !wavelength_um};
   }
   /// M of mtf/components/fried.h, in m^(1/3).
-  S path() const {
+  S path(const Context<S>& ctx) const {
     const Wave kind_of_wave = wave.index == 0 ? Wave::spherical : Wave::plane;
-    if (profile.index == 0)
-      return cn2.value_or(S(0)) * path_length_m.value_or(S(0)) * S(constant_path_weight(kind_of_wave));
+    if (profile.index == 0) return cn2.value_or(S(0)) * length_m(ctx) * S(constant_path_weight(kind_of_wave));
     const S wind = wind_m_s.value_or(S(21)), ground = ground_cn2.value_or(S(1.7e-14));
     const S target = target_altitude_m.value_or(S(0)), sensor = sensor_altitude_m.value_or(S(0));
     const PathMean mean =
         path_mean({value_of(wind), value_of(ground)}, value_of(target), value_of(sensor), kind_of_wave);
     const S per_length = lift({mean.value, mean.by_wind}, wind) + lift({0.0, mean.by_ground}, ground) +
                          lift({0.0, mean.by_target}, target) + lift({0.0, mean.by_sensor}, sensor);
-    return per_length * length_m();
+    return per_length * length_m(ctx);
   }
-  S length_m() const {
+  S length_m(const Context<S>& ctx) const {
     if (path_length_m) return *path_length_m;
+    if (!zenith_angle_deg) return ctx.air.path_length_m.value_or(S(0));
     const S rise = sensor_altitude_m.value_or(S(0)) - target_altitude_m.value_or(S(0));
     return (value_of(rise) < 0.0 ? S(-rise) : rise) / unit_vector(zenith_angle_deg.value_or(S(0))).x;
   }
-  S inverse_r0_1_mm(const S& wavelength) const {
+  S inverse_r0_1_mm(const S& wavelength, const Context<S>& ctx) const {
     if (!fried_parameter_mm) {
-      const S m = path();
+      const S m = path(ctx);
       const InverseFried r = inverse_fried(value_of(m), value_of(wavelength));
       return lift({r.value_1_mm, r.by_path}, m) + lift({0.0, r.by_wavelength}, wavelength);
     }
@@ -215,17 +216,18 @@ struct Turbulence {
   auto evaluator(const Context<S>& ctx) const {
     const S wavelength = wavelength_um.value_or(ctx.wavelength_um);
     // cycles/mm x focal length = cycles/rad; x wavelength = a length in the aperture.
-    return [scale_mm2 = S(ctx.frame.focal_length_mm * wavelength * S(1e-3)), inverse_r0 = inverse_r0_1_mm(wavelength),
-            inverse_d = is_short() ? S(S(1) / aperture_of(aperture_mm, ctx)) : S(0),
-            a = is_short() ? alpha.value_or(S(0.5)) : S(0), c = c()](const Freq<S>& f) {
-      const S span_mm = radius(f.x, f.y) * scale_mm2;
-      const S v = span_mm * inverse_r0, w = span_mm * inverse_d;
-      const KolmogorovExponent e = kolmogorov_exponent(value_of(v), value_of(w), value_of(a));
-      const double h = std::exp(-c * e.value), slope = -c * h;
-      if (h == 0.0) return Complex<S>{S(0), S(0)};
-      return Complex<S>{lift({h, slope * e.d_v}, v) + lift({0.0, slope * e.d_w}, w) + lift({0.0, slope * e.d_alpha}, a),
-                        S(0)};
-    };
+    return
+        [scale_mm2 = S(ctx.frame.focal_length_mm * wavelength * S(1e-3)), inverse_r0 = inverse_r0_1_mm(wavelength, ctx),
+         inverse_d = is_short() ? S(S(1) / aperture_of(aperture_mm, ctx)) : S(0),
+         a = is_short() ? alpha.value_or(S(0.5)) : S(0), c = c()](const Freq<S>& f) {
+          const S span_mm = radius(f.x, f.y) * scale_mm2;
+          const S v = span_mm * inverse_r0, w = span_mm * inverse_d;
+          const KolmogorovExponent e = kolmogorov_exponent(value_of(v), value_of(w), value_of(a));
+          const double h = std::exp(-c * e.value), slope = -c * h;
+          if (h == 0.0) return Complex<S>{S(0), S(0)};
+          return Complex<S>{
+              lift({h, slope * e.d_v}, v) + lift({0.0, slope * e.d_w}, w) + lift({0.0, slope * e.d_alpha}, a), S(0)};
+        };
   }
   Complex<S> otf(const Freq<S>& f, const Context<S>& ctx) const { return evaluator(ctx)(f); }
   double cutoff_cy_mm(const Context<S>&) const { return kInfinity; }
@@ -239,11 +241,11 @@ struct Turbulence {
   double deviation(double fx, double fy, const Context<S>& ctx) const {
     const S wavelength = wavelength_um.value_or(ctx.wavelength_um);
     const double v = std::hypot(fx, fy) * value_of(ctx.frame.focal_length_mm) * value_of(wavelength) * 1e-3 *
-                     value_of(inverse_r0_1_mm(wavelength));
+                     value_of(inverse_r0_1_mm(wavelength, ctx));
     return -std::expm1(-c() * kolmogorov_exponent(v, 0.0, 0.0).value);
   }
   std::vector<Problem> check(const Context<S>& ctx) const {
-    if (std::vector<Problem> path_problems = check_path(); !path_problems.empty()) return path_problems;
+    if (std::vector<Problem> path_problems = check_path(ctx); !path_problems.empty()) return path_problems;
     if (!is_short()) {
       if (!alpha) return {};
       return {{.error = false, .field = "alpha", .text = "has no effect on exposure = \"long\""}};
@@ -255,7 +257,7 @@ struct Turbulence {
 
  private:
   /// Exactly one way to r0, and nothing that belongs to another.
-  std::vector<Problem> check_path() const {
+  std::vector<Problem> check_path(const Context<S>& ctx) const {
     const auto stray = [](bool given, const char* name, const char* owner) {
       return given ? std::vector<Problem>{{.field = name, .text = std::string("belongs to ") + owner}}
                    : std::vector<Problem>{};
@@ -281,16 +283,18 @@ struct Turbulence {
         return {{.field = "fried_parameter",
                  .text = "missing; give it, or cn2 and path_length, or profile = \"hufnagel_valley\""}};
       if (!cn2) return {{.field = "cn2", .text = "missing beside path_length"}};
-      if (!path_length_m) return {{.field = "path_length", .text = "missing beside cn2"}};
+      if (!path_length_m && !ctx.air.path_length_m)
+        return {{.field = "path_length", .text = "missing beside cn2; give it, or [atmosphere] with a line of sight"}};
       return {};
     }
     if (!target_altitude_m) return {{.field = "target_altitude", .text = "missing for hufnagel_valley"}};
-    if (path_length_m.has_value() == zenith_angle_deg.has_value())
+    const bool either = path_length_m || zenith_angle_deg;
+    if ((path_length_m && zenith_angle_deg) || (!either && !ctx.air.path_length_m))
       return {{.field = "path_length", .text = "hufnagel_valley needs either path_length or zenith_angle"}};
     const double rise = std::abs(value_of(sensor_altitude_m.value_or(S(0))) - value_of(*target_altitude_m));
-    if (path_length_m && value_of(*path_length_m) < rise * (1.0 - 1e-6))
+    if (!zenith_angle_deg && value_of(length_m(ctx)) < rise * (1.0 - 1e-6))
       return {{.field = "path_length",
-               .text = format_double(value_of(*path_length_m)) + " m is shorter than the difference of altitudes, " +
+               .text = format_double(value_of(length_m(ctx))) + " m is shorter than the difference of altitudes, " +
                        format_double(rise) + " m"}};
     if (zenith_angle_deg && rise == 0.0)
       return {{.field = "zenith_angle", .text = "target and sensor at one altitude: give path_length"}};

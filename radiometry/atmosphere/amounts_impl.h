@@ -117,7 +117,7 @@ class LineLayers {
       extinction = extinction + sum[kAerosolDensity];
       humid = humid + sum[kHumidAerosolDensity];
       if (value_of(sum[kAerosolDensity]) > 0.0) {
-        const auto spectrum = boundary_spectrum(line.haze, S(humid / extinction));
+        const auto spectrum = boundary_spectrum(line.haze, line.loss, S(humid / extinction));
         for (std::size_t k = 0; k < kAerosolNodes; ++k) {
           const S depth = extinction * spectrum[k];
           if (value_of(depth) <= value_of(before[k])) continue;
@@ -143,7 +143,7 @@ class LineLayers {
     }
     for (std::size_t region = 1; line_.haze != HazeKind::none && region < kAerosolRegions; ++region) {
       const S& extinction = sum[kAerosolDensity + region];
-      const auto spectrum = upper_spectrum(static_cast<AerosolRegion>(region));
+      const auto spectrum = upper_spectrum(static_cast<AerosolRegion>(region), line_.loss);
       for (std::size_t k = 0; k < kAerosolNodes; ++k)
         layer.amounts.aerosol[k] = layer.amounts.aerosol[k] + extinction * spectrum[k];
     }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "radiometry/atmosphere/atmosphere_settings.h"
 
+#include <cmath>
 #include <numbers>
 
 #include "mtf/error.h"
@@ -12,6 +13,7 @@ using namespace atmosphere;
 namespace {
 
 constexpr double kMostVapour_ppm = 5e5, kRainTop_m = 6000.0;
+constexpr double kNear_m = 500.0;  // from a single level, whose air is taken all along a horizontal line
 constexpr ModelAtmosphere kGasesOfProfiles = ModelAtmosphere::us_standard_1976;
 
 /// Runs `action`; what the model refuses is said of the table.
@@ -45,6 +47,12 @@ Profile<double> profile_of(const AtmosphereSettings& s, const std::optional<Prof
   if (s.pressure_pa)
     return surface_air(*s.pressure_pa, *s.temperature_k, 100.0 * *s.relative_humidity, carbon_dioxide_ppm);
   const bool by_file = given && !s.profile.empty();
+  if (by_file && given->levels.size() == 1 &&
+      std::abs(given->levels.front().altitude_m - s.sensor_altitude_m) > kNear_m)
+    throw mtf::UsageError("atmosphere.profile: " + given->source + " has one level, at " +
+                          mtf::format_double(given->levels.front().altitude_m) +
+                          " m, which is the air of a horizontal line there; sensor_altitude is " +
+                          mtf::format_double(s.sensor_altitude_m) + " m: give that altitude, or levels around it");
   Profile<double> profile = by_file ? *given : model_profile(s.model.value_or(kGasesOfProfiles), carbon_dioxide_ppm);
   if (by_file && s.carbon_dioxide_ppm) profile = with_carbon_dioxide(std::move(profile), *s.carbon_dioxide_ppm);
   if (!s.temperature_k && !s.relative_humidity) return profile;
@@ -90,6 +98,10 @@ std::optional<Sight<double>> sight_of(const AtmosphereSettings& s) {
           "atmosphere.target_altitude: given together with zenith_angle and range, which say where the line ends; "
           "remove one of the three");
     if (s.range_m) return Between<double>{from_m, *s.target_altitude_m, *s.range_m};
+    if (s.zenith_deg && *s.target_altitude_m == from_m)
+      throw mtf::UsageError(
+          "atmosphere.target_altitude: the same as sensor_altitude, so that zenith_angle says no length; give range in "
+          "place of zenith_angle");
     if (s.zenith_deg) return ToAltitude<double>{from_m, zenith_rad, *s.target_altitude_m};
     throw mtf::UsageError("atmosphere.target_altitude: needs range or zenith_angle beside it");
   }

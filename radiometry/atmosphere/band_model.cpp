@@ -80,15 +80,17 @@ const BandModel& band_model() {
 }
 
 double haze_humidity_share() { return kHazeHumidityShare; }
-AerosolSpectrum haze_spectrum(HazeKind kind, std::size_t humidity) {
-  return AerosolSpectrum(
-      kHazeSpectra[static_cast<std::size_t>(kind) - static_cast<std::size_t>(HazeKind::rural)][humidity]);
+AerosolSpectrum haze_spectrum(HazeKind kind, AerosolLoss loss, std::size_t humidity) {
+  const auto& spectra = loss == AerosolLoss::extinction ? kHazeSpectra : kHazeAbsorption;
+  return AerosolSpectrum(spectra[static_cast<std::size_t>(kind) - static_cast<std::size_t>(HazeKind::rural)][humidity]);
 }
-AerosolSpectrum fog_spectrum(HazeKind kind) {
-  return AerosolSpectrum(kFogSpectra[kind == HazeKind::advection_fog ? 0 : 1]);
+AerosolSpectrum fog_spectrum(HazeKind kind, AerosolLoss loss) {
+  const auto& spectra = loss == AerosolLoss::extinction ? kFogSpectra : kFogAbsorption;
+  return AerosolSpectrum(spectra[kind == HazeKind::advection_fog ? 0 : 1]);
 }
-AerosolSpectrum upper_spectrum(AerosolRegion region) {
-  return AerosolSpectrum(kUpperSpectra[static_cast<std::size_t>(region) - 1]);
+AerosolSpectrum upper_spectrum(AerosolRegion region, AerosolLoss loss) {
+  const auto& spectra = loss == AerosolLoss::extinction ? kUpperSpectra : kUpperAbsorption;
+  return AerosolSpectrum(spectra[static_cast<std::size_t>(region) - 1]);
 }
 
 double boundary_aerosol(std::size_t visibility, std::size_t altitude) { return kBoundaryAerosol[visibility][altitude]; }

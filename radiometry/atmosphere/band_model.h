@@ -39,13 +39,14 @@ struct BandModel {
 };
 const BandModel& band_model();
 
-/// Extinction over that at 0.55 um at the wavelengths of the spectra.
+/// Extinction, or what of it is absorbed, over the extinction at 0.55 um, at the wavelengths of the spectra.
 using AerosolSpectrum = std::span<const double, kAerosolNodes>;
 inline constexpr std::array<double, 4> kHazeHumidities{0.0, 70.0, 80.0, 99.0};
 double haze_humidity_share();  ///< of the relative humidity that counts: see tables/coefficients.inc
-AerosolSpectrum haze_spectrum(HazeKind kind, std::size_t humidity);  ///< rural, urban, maritime, tropospheric
-AerosolSpectrum fog_spectrum(HazeKind kind);
-AerosolSpectrum upper_spectrum(AerosolRegion region);  ///< all but the boundary
+/// Of rural, urban, maritime, tropospheric haze.
+AerosolSpectrum haze_spectrum(HazeKind kind, AerosolLoss loss, std::size_t humidity);
+AerosolSpectrum fog_spectrum(HazeKind kind, AerosolLoss loss);
+AerosolSpectrum upper_spectrum(AerosolRegion region, AerosolLoss loss);  ///< all but the boundary
 
 /// Extinction at 0.55 um per km at the altitudes of the tables.
 double boundary_aerosol(std::size_t visibility, std::size_t altitude);  ///< 50, 23, 10, 5, 2 km; 0, 1, 2 km

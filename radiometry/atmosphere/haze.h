@@ -40,11 +40,16 @@ Season season_of(ModelAtmosphere model);
 /// for advection, 500 m for radiation fog.
 double usual_visibility_m(HazeKind kind);
 
+/// What of the aerosol counts as lost on a path. Scattered light that stays in the image as a veil over the scene is a
+/// matter of the OTF (component `aerosol` of mtf); then the path loses what is absorbed alone.
+enum class AerosolLoss { extinction, absorption };
+
 template <class S>
 struct Haze {
   HazeKind kind = HazeKind::none;
   S visibility_m = S(23000.0);
   Season season = Season::spring_summer;
+  AerosolLoss loss = AerosolLoss::extinction;
 };
 
 /// All that a path goes through.

@@ -88,11 +88,11 @@ std::array<S, kAerosolRegions> aerosol_per_km(const Haze<S>& haze, double altitu
 
 /// The spectrum of the boundary region for a relative humidity.
 template <class S>
-std::array<S, kAerosolNodes> boundary_spectrum(HazeKind kind, const S& relative_humidity_percent) {
+std::array<S, kAerosolNodes> boundary_spectrum(HazeKind kind, AerosolLoss loss, const S& relative_humidity_percent) {
   using std::exp, std::log;
   std::array<S, kAerosolNodes> out;
   if (kind == HazeKind::advection_fog || kind == HazeKind::radiation_fog) {
-    std::ranges::transform(fog_spectrum(kind), out.begin(), [](double v) { return S(v); });
+    std::ranges::transform(fog_spectrum(kind, loss), out.begin(), [](double v) { return S(v); });
     return out;
   }
   S humidity = haze_humidity_share() * relative_humidity_percent;
@@ -101,7 +101,7 @@ std::array<S, kAerosolNodes> boundary_spectrum(HazeKind kind, const S& relative_
   while (i + 1 < kHazeHumidities.size() && value_of(humidity) > kHazeHumidities[i]) ++i;
   const double dry = std::log(100.0 - kHazeHumidities[i - 1]), humid = std::log(100.0 - kHazeHumidities[i]);
   const S share = (log(100.0 - humidity) - dry) / (humid - dry);
-  const auto a = haze_spectrum(kind, i - 1), b = haze_spectrum(kind, i);
+  const auto a = haze_spectrum(kind, loss, i - 1), b = haze_spectrum(kind, loss, i);
   for (std::size_t k = 0; k < kAerosolNodes; ++k) out[k] = a[k] * exp(share * std::log(b[k] / a[k]));
   return out;
 }

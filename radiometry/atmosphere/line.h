@@ -14,6 +14,7 @@ struct Line {
   std::vector<Piece<S>> pieces;  ///< of Horizontal: one
   std::array<S, kDensities> at_sensor{};
   HazeKind haze = HazeKind::none;
+  AerosolLoss loss = AerosolLoss::extinction;
   SightNumbers<S> numbers;
 };
 
@@ -205,6 +206,7 @@ Line<S> line_of(const Air<S>& air, const Sight<S>& sight) {
   require_valid(air);
   Line<S> line = std::visit([&](const auto& one) { return line_of(air, one); }, sight);
   line.haze = air.haze.kind;
+  line.loss = air.haze.loss;
   return line;
 }
 

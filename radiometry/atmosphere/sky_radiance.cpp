@@ -52,9 +52,56 @@ SkyFlux sky_flux(const Air<double>& air, double altitude_m, int nodes) {
   return out;
 }
 
-double cloud_cover(double measured_w_m2, double clear_w_m2, double cloud_k) {
+namespace {
+
+void require_cloud(double cloud_k) {
   if (!(cloud_k >= 150.0 && cloud_k <= 350.0))
     throw mtf::UsageError("sky: a cloud of " + mtf::format_double(cloud_k) + " K; it has to be from 150 to 350 K");
+}
+
+double mixed(double cover, double of_clear, double of_cloud) { return (1.0 - cover) * of_clear + cover * of_cloud; }
+
+void require_clouds(const Clouds& clouds) {
+  if (!(clouds.cover >= 0.0 && clouds.cover <= 1.0))
+    throw mtf::UsageError("sky: a cloud cover of " + mtf::format_double(clouds.cover) + "; it has to be from 0 to 1");
+  if (clouds.cover > 0.0) require_cloud(clouds.temperature_k);
+}
+
+}  // namespace
+
+SkyRadiance under_clouds(SkyRadiance clear, const Clouds& clouds) {
+  require_clouds(clouds);
+  if (clouds.cover == 0.0) return clear;
+  double change = 0.0, before = 0.0;
+  for (std::size_t i = 0; i < clear.radiance.size(); ++i) {
+    const double own = clear.radiance[i];
+    clear.radiance[i] = mixed(clouds.cover, own, planck_per_cm(clear.wavenumber_cm[i], clouds.temperature_k).value);
+    const double now = clear.radiance[i] - own;
+    if (i > 0) change += 0.5 * (clear.wavenumber_cm[i] - clear.wavenumber_cm[i - 1]) * (now + before);
+    before = now;
+  }
+  const double far =
+      mixed(clouds.cover, clear.below_650,
+            band_radiance(Flux::watts, kLongest_um, std::numeric_limits<double>::infinity(), clouds.temperature_k));
+  clear.whole += change + far - clear.below_650;
+  clear.below_650 = far;
+  return clear;
+}
+
+SkyFlux under_clouds(SkyFlux clear, const Clouds& clouds) {
+  require_clouds(clouds);
+  if (clouds.cover == 0.0) return clear;
+  clear.total_w_m2 =
+      mixed(clouds.cover, clear.total_w_m2, kStefanBoltzmann_w_m2_k4 * std::pow(clouds.temperature_k, 4));
+  clear.below_650_w_m2 = mixed(clouds.cover, clear.below_650_w_m2,
+                               mtf::kPi * band_radiance(Flux::watts, kLongest_um,
+                                                        std::numeric_limits<double>::infinity(), clouds.temperature_k));
+  clear.quadrature_error_w_m2 *= 1.0 - clouds.cover;
+  return clear;
+}
+
+double cloud_cover(double measured_w_m2, double clear_w_m2, double cloud_k) {
+  require_cloud(cloud_k);
   if (!(measured_w_m2 >= 0.0) || !(clear_w_m2 >= 0.0))
     throw mtf::UsageError("sky: fluxes of " + mtf::format_double(measured_w_m2) + " and " +
                           mtf::format_double(clear_w_m2) + " W/m2; they have to be 0 or more");

@@ -55,6 +55,71 @@ Path path_of(const SpectralPath<double>& path, const std::string& source) {
   return out;
 }
 
+namespace {
+
+/// Where the air is outside of what the coefficients were fitted to.
+std::vector<std::string> fit_limits_of(const Air<double>& air) {
+  constexpr double kColdest_k = 220.0, kWarmest_k = 310.0, kMostVapour_per_cm3 = 1.5e18, kMostHumid_percent = 99.0;
+  constexpr double kHeight_m = 6000.0;  // above, air is colder in every model, and has little of what absorbs
+  const Level<double>*coldest = nullptr, *warmest = nullptr, *humid = nullptr, *misty = nullptr;
+  const auto vapour = [](const Level<double>& z) {
+    return 1e-6 * z[Gas::water] * air_per_cm3(z.pressure_pa, z.temperature_k);
+  };
+  for (const Level<double>& level : air.profile.levels) {
+    if (level.altitude_m > kHeight_m) break;
+    if (level.temperature_k < (coldest != nullptr ? coldest->temperature_k : kColdest_k)) coldest = &level;
+    if (level.temperature_k > (warmest != nullptr ? warmest->temperature_k : kWarmest_k)) warmest = &level;
+    if (vapour(level) > (humid != nullptr ? vapour(*humid) : kMostVapour_per_cm3)) humid = &level;
+    if (misty == nullptr && level.altitude_m < 2000.0 && relative_humidity_percent(level) > kMostHumid_percent)
+      misty = &level;
+  }
+  const auto at = [](const Level<double>& level) {
+    return mtf::format_double(std::round(10.0 * level.temperature_k) / 10.0) + " K at " +
+           mtf::format_double(level.altitude_m) + " m";
+  };
+  std::vector<std::string> limits;
+  if (coldest != nullptr)
+    limits.push_back("the coefficients were fitted to air of 220 to 310 K; " + at(*coldest) + " is colder");
+  if (warmest != nullptr)
+    limits.push_back("the coefficients were fitted to air of 220 to 310 K; " + at(*warmest) + " is warmer");
+  if (humid != nullptr)
+    limits.push_back("the coefficients were fitted to at most 45 g/m3 of vapour; the air of " + at(*humid) + " has " +
+                     mtf::format_double(std::round(vapour(*humid) * 18.015 / 6.02214076e17)) + " g/m3");
+  const HazeKind kind = air.haze.kind;
+  if (misty != nullptr && air.rain_mm_h == 0.0 && kind != HazeKind::none && kind != HazeKind::advection_fog &&
+      kind != HazeKind::radiation_fog)
+    limits.push_back("above 99 % humidity haze has the spectrum of 99 %; the air has more at " +
+                     mtf::format_double(misty->altitude_m) + " m");
+  return limits;
+}
+
+}  // namespace
+
+double scattering_depth(Air<double> air, const Sight<double>& sight, const Interval& band) {
+  require_options({.band = band});
+  if (air.haze.kind == HazeKind::none) return 0.0;
+  std::array<double, kAerosolNodes> nodes{};
+  for (const auto& [loss, sign] : {std::pair{AerosolLoss::extinction, 1.0}, std::pair{AerosolLoss::absorption, -1.0}}) {
+    air.haze.loss = loss;
+    for (const PathLayer<double>& layer : path_layers(air, sight))
+      for (std::size_t k = 0; k < kAerosolNodes; ++k) nodes[k] += sign * layer.amounts.aerosol[k];
+  }
+  const BandModel& model = band_model();
+  const Slice slice = slice_of(band);
+  const auto depth = [&](std::size_t i) {
+    const auto k = static_cast<std::size_t>(model.aerosol_node[i]);
+    const double share = model.aerosol_share[i];
+    return std::max(0.0, nodes[k] + share * (nodes[k + 1] - nodes[k]));
+  };
+  double sum = 0.0, width = 0.0;
+  for (std::size_t i = slice.first; i + 1 < slice.first + slice.count; ++i) {
+    const double step = 1e4 / wavenumber_cm(i) - 1e4 / wavenumber_cm(i + 1);
+    sum += 0.5 * step * (depth(i) + depth(i + 1));
+    width += step;
+  }
+  return sum / width;
+}
+
 std::vector<std::string> limits_of(const Air<double>& air, const Interval& band) {
   std::vector<std::string> limits;
   if (band.lo_um < kShortestEmission_um)
@@ -70,6 +135,7 @@ std::vector<std::string> limits_of(const Air<double>& air, const Interval& band)
     limits.push_back(
         "fog and rain emit as if they absorbed all that they take: scattering of thermal radiation is not modelled");
   if (air.rain_mm_h > 0.0) limits.push_back("where it rains (below 6 km) the air is taken as saturated with vapour");
+  for (std::string& text : fit_limits_of(air)) limits.push_back(std::move(text));
   return limits;
 }
 

@@ -85,8 +85,13 @@ SpectralPath<S> spectral_path(const Air<S>& air, const Sight<S>& sight, const Sp
 /// nothing is known of it: see limits_of).
 Path path_of(const SpectralPath<double>& path, const std::string& source);
 
+/// Optical depth of what the aerosol scatters along a line, the mean over the wavelengths of a band: extinction less
+/// absorption. Throws UsageError as spectral_path.
+double scattering_depth(Air<double> air, const Sight<double>& sight, const Interval& band);
+
 /// What a user of this band and air has to be told: no radiance (scattered sunlight, at night little) below 2.857 um;
-/// bands narrower than 20 cm^-1; fog and rain, which scatter thermal radiation; humidity beyond the fitted range.
+/// bands narrower than 20 cm^-1; fog and rain, which scatter thermal radiation; temperature, vapour and humidity beyond
+/// what the coefficients were fitted to.
 std::vector<std::string> limits_of(const Air<double>& air, const Interval& band);
 
 }  // namespace radiometry::atmosphere

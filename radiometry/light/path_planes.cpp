@@ -54,7 +54,20 @@ double sum(std::span<const double> weight, std::span<const double> value) {
   return std::inner_product(weight.begin(), weight.end(), value.begin(), 0.0);
 }
 
+void refuse_ranges(mtf::ImageView<const float> range_m, double longest_m, const std::string& source, int threads) {
+  const auto most = static_cast<float>(longest_m);
+  refuse_pixels(
+      range_m,
+      {"depth", "without a range from above 0 to " + mtf::format_double(longest_m) + " m, the end of " + source,
+       "give every pixel its range in m, or a table that goes as far"},
+      threads, [most](float r) { return !(r > 0.0F && r <= most); });
+}
+
 }  // namespace
+
+void require_ranges(mtf::ImageView<const float> range_m, const PathTable& table, int threads) {
+  refuse_ranges(range_m, table.range_m().back(), table.source(), threads);
+}
 
 RangeTable::RangeTable(const SceneBand& scene, const PathTable& table, std::optional<double> source_k)
     : source_(table.source()), range_m_(table.range_m()) {
@@ -135,12 +148,7 @@ double RangeTable::radiance(double range_m) const {
 
 void RangeTable::apply(mtf::ImageView<float> radiance, mtf::ImageView<const float> range_m, int threads) const {
   require_size_of(radiance, range_m, "depth");
-  const auto most = static_cast<float>(longest_m());
-  refuse_pixels(
-      range_m,
-      {"depth", "without a range from above 0 to " + mtf::format_double(longest_m()) + " m, the end of " + source_,
-       "give every pixel its range in m, or a table that goes as far"},
-      threads, [most](float r) { return !(r > 0.0F && r <= most); });
+  refuse_ranges(range_m, longest_m(), source_, threads);
   for_each_pixel(radiance, range_m, threads, [&](float light, float range) {
     const double r = std::min(static_cast<double>(range), longest_m());
     const Segment& s = segment(r);

@@ -8,9 +8,10 @@
 // with hat_j, the straight lines between the wavelengths of the table, and S, the radiance of a blackbody of
 // `source_k` or, without one, a constant. So tau(r) is exact for a scene of that spectrum, band and not Beer behaviour
 // included; for a scene of other spectra or temperatures it is an approximation, since the spectrum of a pixel is no
-// longer known here. Between the ranges of the table tau_j and L_j follow PathTable; at range 0 the path is clear. tau
-// is interpolated between nodes so dense that cubics through value and slope are right within 1e-7 (at most 4096 nodes
-// between two ranges, fewer for more than 24000 wavelengths); the radiance of the path is exact.
+// longer known here (temperature_paths.h takes scenes of temperatures). Between the ranges of the table tau_j and L_j
+// follow PathTable; at range 0 the path is clear. tau is interpolated between nodes so dense that cubics through value
+// and slope are right within 1e-7 (at most 4096 nodes between two ranges, fewer for more than 24000 wavelengths); the
+// radiance of the path is exact.
 
 #include <optional>
 #include <string>
@@ -20,6 +21,10 @@
 #include "radiometry/light/scene_radiance.h"
 
 namespace radiometry {
+
+/// Throws UsageError for ranges, in m, that are not above 0 or lie beyond the table, with the number of pixels and the
+/// first one.
+void require_ranges(mtf::ImageView<const float> range_m, const PathTable& table, int threads = 1);
 
 class RangeTable {
  public:

@@ -27,13 +27,22 @@ struct SpectralNumbers {
   }
 };
 
-/// For a surface of that temperature and a target `warmer_k` above it, with numbers of [path], [scene] and [optics]
-/// overridden; overrides that have no part in the integrals are ignored. Throws UsageError as band_radiances.
-SpectralNumbers<double> spectral_numbers(const Sensor& sensor, double temperature_k, double warmer_k = 0.0,
-                                         const Overrides<double>& numbers = {});
+/// [atmosphere] of the sensor with numbers of it overridden.
+AtmosphereSettings atmosphere_with(const Sensor& sensor, const Overrides<double>& numbers);
 
-/// True for a number that only spectral_numbers reads.
+/// The path of the sensor with numbers of [path] or [atmosphere] overridden. Throws UsageError as Sensor::air.
+Path path_with(const Sensor& sensor, const Overrides<double>& numbers);
+
+/// For a surface of that temperature behind the path and a target `warmer_k` above it, with numbers of [scene] and
+/// [optics] overridden; overrides that have no part in the integrals are ignored. Throws UsageError as band_radiances.
+SpectralNumbers<double> spectral_numbers(const Sensor& sensor, const Path& path, double temperature_k,
+                                         double warmer_k = 0.0, const Overrides<double>& numbers = {});
+
+/// True for a number that only path_with and spectral_numbers read.
 bool is_spectral(std::string_view path);
+/// True for a number that changes which wavelengths the path lets through, and so how much each counts in the OTF of a
+/// band.
+bool changes_color(std::string_view path);
 
 /// The part of the variance of a pixel's 1/f noise that the mean of so many successive frames keeps; 0 without it.
 double kept_of_flicker(const SensorSettings& settings, int frames);

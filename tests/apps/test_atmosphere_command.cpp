@@ -111,8 +111,7 @@ TEST_F(AtmosphereCommand, options_take_the_place_of_keys) {
             "ph s^-1 m^-2 sr^-1");
 }
 
-// Each pixel has its own range: an image of two ranges is made of the images of each. The transmissions of such a table
-// are weighted with one spectrum for all pixels, here that of the scene.
+// Each pixel has its own range: an image of two ranges is made of the images of each.
 TEST_F(AtmosphereCommand, ranges_of_pixels) {
   Image planes(64, 48), depth(64, 48);
   for (std::int64_t y = 0; y < 48; ++y)
@@ -125,8 +124,7 @@ TEST_F(AtmosphereCommand, ranges_of_pixels) {
   mtf::io::write_exr((scratch / "two.exr").string(), {{"Y", planes.view()}, {"Z", depth.view()}}, metadata);
   write_flat(scratch / "one.exr", 310.0F);
   const auto value = [&](const std::string& air, const std::string& scene, std::int64_t x) {
-    sensor(air, "[scene]",
-           scene == "two.exr" ? "[scene]\ndepth_channel = \"Z\"\nsource_temperature = \"310 K\"" : "[scene]");
+    sensor(air, "[scene]", scene == "two.exr" ? "[scene]\ndepth_channel = \"Z\"" : "[scene]");
     // The tail of the diffraction would carry half a percent of the step between the halves this far.
     std::string text = read_file(scratch / "s.toml");
     const std::string diffraction = "[[presample]]\nkind = \"diffraction\"\n";
@@ -150,6 +148,106 @@ TEST_F(AtmosphereCommand, ranges_of_pixels) {
   EXPECT_GT(report["plan"]["predicted_parts"]["arithmetic"].get<double>(), 1e-6);
 }
 
+// An image whose pixels have one range is that of a sensor file with this range: surfaces of all temperatures with the
+// spectrum of each, and the OTF of the band behind this air. In the second image ranges differ, and it is said by how
+// much the OTF does.
+TEST_F(AtmosphereCommand, one_range_for_all_pixels_is_that_of_the_file) {
+  Image planes(64, 48), depth(64, 48);
+  for (std::int64_t y = 0; y < 48; ++y)
+    for (std::int64_t x = 0; x < 64; ++x) {
+      planes.at(x, y) = 280.0F + 60.0F * (((x / 3) + (y / 5)) % 2 == 0 ? 1.0F : 0.0F);
+      depth.at(x, y) = 4000.0F;
+    }
+  mtf::io::Metadata metadata;
+  metadata.text["mtf:quantity"] = "temperature";
+  mtf::io::write_exr((scratch / "deep.exr").string(), {{"Y", planes.view()}, {"Z", depth.view()}}, metadata);
+  const std::string air = kAir.substr(0, kAir.find("range"));
+  const auto image = [&](const std::string& range, const std::string& scene) {
+    sensor(air + range, "[scene]", scene);
+    const Result r =
+        scratch.run("mtf simulate s.toml deep.exr --channel Y -o out.exr --stage electrons --tolerance 3e-4");
+    EXPECT_EQ(r.status, 0) << r.err;
+    EXPECT_EQ(r.err.find("scene.depth_channel"), std::string::npos) << r.err;
+    Image found = read(scratch / "out.exr");
+    fs::remove(scratch / "out.exr");
+    return found;
+  };
+  const Image by_file = image("range = \"4 km\"\n", "[scene]"), by_pixel = image("", "[scene]\ndepth_channel = \"Z\"");
+  double most = 0.0, least = 1e300, worst = 0.0;
+  for (std::int64_t i = 0; i < by_file.size(); ++i) {
+    const double value = static_cast<double>(by_file.data()[i]);
+    most = std::max(most, value), least = std::min(least, value);
+    worst = std::max(worst, std::abs(value - static_cast<double>(by_pixel.data()[i])));
+  }
+  EXPECT_LT(worst, 2e-3 * (most - least));  // both plans may err by 3e-4 rms; the air of the file's OTF alone is 1e-2
+  depth.at(0, 0) = 20.0F;
+  mtf::io::write_exr((scratch / "deep.exr").string(), {{"Y", planes.view()}, {"Z", depth.view()}}, metadata);
+  const Result said = scratch.run("mtf simulate s.toml deep.exr --channel Y -o out.exr --stage electrons");
+  EXPECT_NE(said.err.find("the MTF differs from it by up to 0.0"), std::string::npos) << said.err;
+  fs::remove(scratch / "out.exr");
+  depth.at(5, 7) = 0.0F;
+  mtf::io::write_exr((scratch / "deep.exr").string(), {{"Y", planes.view()}, {"Z", depth.view()}}, metadata);
+  expect_refused("mtf simulate s.toml deep.exr --channel Y -o none.exr",
+                 {"scene.depth_channel", "1 pixel", "column 5, row 7"});
+}
+
+// The aerosol of the path as a component: what haze scatters is a loss of contrast there, and none of light.
+TEST_F(AtmosphereCommand, an_aerosol_component_takes_what_haze_scatters) {
+  const std::string aerosol = "[[presample]]\nkind = \"aerosol\"\n";
+  sensor(kAir);
+  const Json lost = budget();
+  sensor(kAir + aerosol);
+  const Json kept = budget();
+  EXPECT_GT(kept["scene"]["value"].get<double>(), lost["scene"]["value"].get<double>());
+  const Result curve = scratch.run("mtf curve s.toml --freq 0,10 --format json");
+  ASSERT_EQ(curve.status, 0) << curve.err;
+  EXPECT_EQ(curve.err.find("twice"), std::string::npos) << curve.err;
+  double contrast = 0.0;
+  const Json curves = Json::parse(curve.out);
+  for (const Json& component : curves["components"])
+    if (component["kind"] == "aerosol") contrast = component["re"][1];
+  EXPECT_LT(contrast, 0.99);
+  // What it takes from the contrast is about what the transmission lost before: both are exp(-scattering) of a band.
+  EXPECT_NEAR(contrast, lost["scene"]["value"].get<double>() / kept["scene"]["value"].get<double>(), 0.01);
+  sensor(kAir + aerosol + "scattering = 0.1\n");
+  EXPECT_NE(scratch.run("mtf config check s.toml").out.find("count scattered light twice"), std::string::npos);
+  sensor(aerosol);
+  expect_refused("mtf budget s.toml", {"scattering", "missing", "[atmosphere]"});
+  sensor("[atmosphere]\nmodel = \"tropical\"\nrange = \"2 km\"\n" + aerosol);
+  expect_refused("mtf budget s.toml", {"scattering", "with haze"});
+}
+
+TEST_F(AtmosphereCommand, the_air_of_a_scene_begins_at_its_place) {
+  ASSERT_EQ(scratch.run("mtf scene demo -o demo").status, 0);
+  const std::string text = read_file(scratch / "demo/scene.toml");
+  write_file(scratch / "demo/air.toml", text + "\n[atmosphere]\nmodel = \"mid_latitude_winter\"\n");
+  expect_refused("mtf atmosphere demo/scene.toml --sky", {"has no [atmosphere]"});
+  const Json sky = Json::parse(scratch.run("mtf atmosphere demo/air.toml --sky --format json --quiet").out);
+  EXPECT_GT(sky["altitude_m"].get<double>(), 0.0);
+  const Json line = Json::parse(scratch.run("mtf atmosphere demo/air.toml --range '1 km' --format json --quiet").out);
+  EXPECT_EQ(line["line"]["target_altitude_m"], sky["altitude_m"]);
+}
+
+TEST_F(AtmosphereCommand, clouds_of_the_sky) {
+  const std::string sky = "mtf atmosphere --model mid_latitude_summer --sky --format json --quiet ";
+  const Json clear = Json::parse(scratch.run(sky).out);
+  const Json half = Json::parse(scratch.run(sky + "--cloud-cover 0.5 --cloud-temperature '285 K'").out);
+  const Json over = Json::parse(scratch.run(sky + "--cloud-cover 1 --cloud-temperature '285 K'").out);
+  for (std::size_t i = 0; i < 3; ++i) {
+    const auto at = [&](const Json& json) { return json["bands"][2]["radiance_W_m-2_sr-1"][i].get<double>(); };
+    EXPECT_NEAR(at(half), 0.5 * (at(clear) + at(over)), 1e-9 * at(over));
+    EXPECT_NEAR(at(over), radiometry::band_radiance(radiometry::Flux::watts, 8.0, 12.0, 285.0), 1e-5 * at(over));
+  }
+  const std::string flux = std::to_string(half["longwave_w_m2"].get<double>());
+  const Json by_flux = Json::parse(scratch.run(sky + "--longwave " + flux + " --cloud-temperature '285 K'").out);
+  EXPECT_NEAR(by_flux["cloud_cover"].get<double>(), 0.5, 1e-6);
+  expect_refused("mtf atmosphere --model tropical --sky --cloud-cover 0.5", {"--cloud-temperature"});
+  expect_refused("mtf atmosphere --model tropical --sky --cloud-cover 1.5 --cloud-temperature '280 K'",
+                 {"from 0 to 1"});
+  expect_refused("mtf atmosphere --model tropical --range '1 km' --cloud-cover 0.5 --cloud-temperature '280 K'",
+                 {"--sky"});
+}
+
 TEST_F(AtmosphereCommand, refusals_name_place_and_remedy) {
   const auto refused = [&](const std::string& air, std::initializer_list<std::string> parts) {
     sensor(air);
@@ -168,6 +266,11 @@ TEST_F(AtmosphereCommand, refusals_name_place_and_remedy) {
           {"atmosphere.pressure", "given together with model"});
   refused("[atmosphere]\npressure = \"1013 hPa\"\nrange = \"2 km\"\n", {"needs temperature and relative_humidity"});
   refused("[atmosphere]\nmodel = \"tropical\"\ntarget_altitude = \"0 m\"\n", {"needs range or zenith_angle"});
+  refused("[atmosphere]\nmodel = \"tropical\"\ntarget_altitude = \"0 m\"\nzenith_angle = \"90 deg\"\n",
+          {"atmosphere.target_altitude", "the same as sensor_altitude"});
+  write_file(scratch / "one.csv", "altitude_m,pressure_pa,temperature_k,relative_humidity\n100,100000,288,.5\n");
+  refused("[atmosphere]\nprofile = \"one.csv\"\nsensor_altitude = \"3 km\"\nrange = \"2 km\"\n",
+          {"atmosphere.profile", "has one level, at 100 m"});
   sensor("[atmosphere]\nprofile = \"none.csv\"\nrange = \"2 km\"\n");
   expect_refused("mtf budget s.toml", {"s.toml:26:1: error: atmosphere.profile", "none.csv"}, 1);
   write_file(scratch / "p.csv", "altitude_m,pressure_pa,temperature_k,relative_humidity\n0,1013,288,.5\n");
@@ -187,6 +290,11 @@ TEST_F(AtmosphereCommand, limits_of_the_model_are_warnings) {
   EXPECT_NE(scratch.run("mtf atmosphere --model tropical --range '2 km' --bands 10:10.01").err.find("20 cm^-1"),
             std::string::npos);
   EXPECT_EQ(scratch.run("mtf atmosphere --model tropical --range '2 km' --bands 8:12").err, "");
+  EXPECT_NE(scratch
+                .run("mtf atmosphere --pressure '1013 hPa' --temperature '60 degC' --relative-humidity 0.2 --range "
+                     "'2 km' --bands 8:12")
+                .err.find("333.2 K at 0 m is warmer"),
+            std::string::npos);
 }
 
 TEST_F(AtmosphereCommand, the_sky_is_colder_upwards) {

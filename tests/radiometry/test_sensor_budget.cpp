@@ -101,7 +101,7 @@ TEST(SensorBudget, a_flat_scene_comes_out_as_the_budget_says_for_either_cone_and
       sensor.settings.optics->cone = cone;
       sensor.settings.optics->stop_band = stop_band;
       const Budget<double> budget = budget_of(mwir_system(), sensor, 300.0);
-      const SpectralNumbers<double> spectral = spectral_numbers(sensor, 300.0);
+      const SpectralNumbers<double> spectral = spectral_numbers(sensor, sensor.path, 300.0);
       const Chain chain = make_chain(mwir_system(), sensor, 16, 16, 15.0);
       const auto light = static_cast<float>(spectral.radiances.scene + spectral.radiances.path);
       const mtf::Image image = chain.run(test::flat(16, 16, light), 0, OutputStage::electrons).image;
@@ -116,7 +116,7 @@ TEST(SensorBudget, a_flat_scene_comes_out_as_the_budget_says_for_either_cone_and
 /// less what of their own noise is left in it.
 double pattern_e(const Sensor& sensor, double temperature_k) {
   constexpr int kFrames = 40;
-  const SpectralNumbers<double> spectral = spectral_numbers(sensor, temperature_k);
+  const SpectralNumbers<double> spectral = spectral_numbers(sensor, sensor.path, temperature_k);
   const Chain chain = make_chain(mwir_system(), sensor, 128, 128, 15.0);
   const auto light = static_cast<float>(spectral.radiances.scene + spectral.radiances.path);
   std::vector<double> sum(128 * 128, 0.0), squares(128 * 128, 0.0);

@@ -17,7 +17,8 @@ namespace {
 
 constexpr double kStep_k = 5.0;
 constexpr double kBelow_m = 500.0;  // that a place may lie below the lowest altitude of the air
-constexpr int kHumidities = 20;     // steps of ln(1 + RH / 1 %), in which the flux is nearly straight
+constexpr double kMostHumid_percent = 110.0;
+constexpr int kHumidities = 20;  // steps of ln(1 + RH / 1 %), in which the flux is nearly straight
 constexpr double kColdest_k = 180.0, kWarmest_k = 340.0;
 constexpr int kAngles = 4;  // Gauss's nodes over the cosine of the zenith angle: within 0.1 W/m2 of eight
 
@@ -33,27 +34,38 @@ double percent_of(int node) { return std::min(std::expm1(std::log(101.0) * node 
 
 double humidity_percent(double air_k, double vapour_pressure_pa) {
   const double saturated_pa = 1e6 * air::saturation_per_cm3(air_k) * radiometry::kBoltzmann_j_k * air_k;
-  return std::clamp(100.0 * vapour_pressure_pa / saturated_pa, 0.0, 100.0);
+  const double percent = 100.0 * vapour_pressure_pa / saturated_pa;
+  if (percent > kMostHumid_percent)
+    throw mtf::UsageError("[sky] longwave = \"atmosphere\": a vapour pressure of " +
+                          mtf::format_double(vapour_pressure_pa) + " Pa in air of " + mtf::format_double(air_k) +
+                          " K is a humidity of " + mtf::format_double(std::round(percent)) +
+                          " %; check the units of both in [weather]");
+  return std::min(percent, 100.0);
 }
 
 }  // namespace
 
-ClearSkyFlux::ClearSkyFlux(const radiometry::AtmosphereSettings& settings, double altitude_m)
-    : air_(read_air(settings)) {
+air::Air<double> air_above(const radiometry::AtmosphereSettings& settings, double altitude_m) {
   if (settings.pressure_pa)
     throw mtf::UsageError(
         "atmosphere.pressure: is the air of a horizontal line; the sky needs model or profile, whose lowest part "
         "follows the weather");
-  const double lowest_m = air_.profile.levels.front().altitude_m;
+  if (settings.temperature_k || settings.relative_humidity || settings.target_altitude_m || settings.zenith_deg ||
+      settings.range_m || settings.sensor_altitude_m != 0.0)
+    throw mtf::UsageError(
+        "[atmosphere]: of a scene it is the air alone; remove temperature, relative_humidity, sensor_altitude, "
+        "target_altitude, zenith_angle and range, which weather and camera give");
+  air::Air<double> through = read_air(settings);
+  const double lowest_m = through.profile.levels.front().altitude_m;
   if (altitude_m < lowest_m - kBelow_m)
     throw mtf::UsageError("atmosphere.profile: begins at " + mtf::format_double(lowest_m) +
                           " m, above the altitude of [place]; add the air below");
-  if (settings.temperature_k || settings.relative_humidity || sight_of(settings))
-    throw mtf::UsageError(
-        "[atmosphere]: of a scene it is the air alone; remove temperature, relative_humidity, target_altitude, "
-        "zenith_angle and range, which weather and camera give");
-  air_.profile = above(air_.profile, std::max(altitude_m, lowest_m));
+  through.profile = above(through.profile, std::max(altitude_m, lowest_m));
+  return through;
 }
+
+ClearSkyFlux::ClearSkyFlux(const radiometry::AtmosphereSettings& settings, double altitude_m)
+    : air_(air_above(settings, altitude_m)) {}
 
 double ClearSkyFlux::node(int temperature, int humidity) {
   const auto known = nodes_.find({temperature, humidity});

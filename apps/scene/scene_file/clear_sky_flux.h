@@ -14,13 +14,17 @@
 
 namespace apps::scene {
 
+/// The air of a scene, from the altitude of its place on. Throws UsageError "atmosphere.KEY: ..." as read_air does, for
+/// keys that weather and camera give, and for an altitude that the air does not have.
+radiometry::atmosphere::Air<double> air_above(const radiometry::AtmosphereSettings& settings, double altitude_m);
+
 class ClearSkyFlux {
  public:
-  /// Throws UsageError "atmosphere.KEY: ..." as read_air does, and for an altitude that the air does not have.
+  /// Throws UsageError as air_above.
   ClearSkyFlux(const radiometry::AtmosphereSettings& settings, double altitude_m);
 
-  /// W/m2 on a horizontal plane; vapour above saturation counts as saturated. Throws UsageError for air outside 180 ...
-  /// 340 K and vapour pressures below 0.
+  /// W/m2 on a horizontal plane; vapour up to 10 % above saturation, as hygrometers show it in fog, counts as
+  /// saturated. Throws UsageError for more, for air outside 180 ... 340 K and for vapour pressures below 0.
   double at(double air_k, double vapour_pressure_pa);
 
  private:

@@ -28,6 +28,22 @@ void read_atmosphere(SceneReader& s) {
   for (const mtf::SettingsTable& table : cfg::read_settings(s.root()))
     s.scene.atmosphere = radiometry::from_table<radiometry::AtmosphereSettings>(table);
   s.reader.schema = {};
+  if (!s.scene.atmosphere || !s.reader.failed.empty()) return;
+  try {
+    static_cast<void>(air_above(*s.scene.atmosphere, s.scene.place.altitude_m));
+  } catch (const mtf::Error& refused) {
+    // "atmosphere.KEY: ..." at the key, "[atmosphere]: ..." at the table.
+    constexpr std::string_view prefix = "atmosphere.", table = "[atmosphere]: ";
+    const std::string text = refused.what();
+    const std::size_t colon = text.find(": ");
+    const bool of_key = text.starts_with(prefix) && colon != std::string::npos;
+    const cfg::Node* node = s.tree.find("atmosphere");
+    const cfg::Node* key = of_key ? node->find(text.substr(prefix.size(), colon - prefix.size())) : nullptr;
+    s.reader.error((key != nullptr ? key : node)->position, of_key ? text.substr(0, colon) : "atmosphere",
+                   of_key                    ? text.substr(colon + 2)
+                   : text.starts_with(table) ? text.substr(table.size())
+                                             : text);
+  }
 }
 
 /// False when the file is of another version: its keys mean something else then.

@@ -28,6 +28,8 @@ SceneInput load_input(SceneSource source, const mtf::io::SensorConfig& sensor, c
     light = to_light(sensor, *radiometric, input.scene, input.masks, source, threads);
     defaults.border_value = input.border_value = light.border_value;
   }
+  input.rate = light.rate;
+  for (std::string& warning : light.warnings) input.scene.warnings.push_back(std::move(warning));
   input.summary = summarise_all(input.scene, defaults, light.error);
   return input;
 }

@@ -20,6 +20,8 @@ struct SceneInput {
   std::string bad_pixels;         ///< what happened to them, "" = none
   std::optional<mtf::SceneSummary> summary;
   double border_value = 0.0;  ///< in the unit of the planes
+  /// Of the band's OTF, where the scene says how far away its pixels are; else that of the sensor holds.
+  std::shared_ptr<const mtf::ElectronRate> rate{};
 };
 
 /// Takes the scene out of `source`. `radiometric`: of a sensor with a chain, else null. Throws as take_scene,

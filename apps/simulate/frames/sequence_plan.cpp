@@ -60,8 +60,11 @@ bool same_filters(const mtf::PlanOptions& a, const mtf::PlanOptions& b) {
   return a.border == b.border && a.separate_readout == b.separate_readout && same_aperture(a.aperture, b.aperture);
 }
 
-const mtf::System<double>& system_of(const mtf::io::SensorConfig& sensor, const RadiometricChain* radiometric) {
-  return radiometric != nullptr ? radiometric->system : sensor.system;
+mtf::System<double> system_of(const mtf::io::SensorConfig& sensor, const RadiometricChain* radiometric,
+                              const SceneInput& input) {
+  mtf::System<double> system = radiometric != nullptr ? radiometric->system : sensor.system;
+  if (input.rate) system.band->rate = input.rate;
+  return system;
 }
 
 int steps_of(const RadiometricChain* radiometric) {
@@ -109,7 +112,7 @@ std::shared_ptr<const mtf::SensorPlan> SequencePlanner::compile(const mtf::io::S
     options.scene = summary;
     options.tolerance = tolerance;
     return std::make_shared<const mtf::SensorPlan>(
-        mtf::compile_sensor(system_of(sensor, radiometric), input.scene.grid, options, steps_of(radiometric)));
+        mtf::compile_sensor(system_of(sensor, radiometric, input), input.scene.grid, options, steps_of(radiometric)));
   };
   const double canvas = options.border == mtf::Border::reflect ? kRounding : kRoomCanvas;
   const SceneDifficulty room{met_.storage * kRoomStorage, met_.canvas * canvas};
@@ -136,7 +139,7 @@ std::shared_ptr<const mtf::SensorPlan> SequencePlanner::plan_for(const mtf::io::
                                                                  const RadiometricChain* radiometric,
                                                                  const SceneInput& input,
                                                                  std::vector<std::string>& warnings) {
-  const mtf::System<double>& system = system_of(sensor, radiometric);
+  const mtf::System<double> system = system_of(sensor, radiometric, input);
   mtf::PlanOptions options = options_for(sensor, radiometric, input);
   const bool filters_alike = plan_ && same_filters(plan_->options, options);
   const bool unchanged = filters_alike && same_system(plan_->system, system);

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 
+#include "apps/study/design/design_light.h"
 #include "apps/study/design/range_models.h"
 #include "apps/study/design/variant_sensor.h"
 #include "calib/fit/parameter_site.h"
@@ -56,6 +57,15 @@ class DesignModel {
       found->value = value;
     else
       overrides_.push_back({path, value});
+  }
+
+  /// What of the light and its path the OTF depends on.
+  void set_light(const DesignLight& light) {
+    if (system_.band) system_.band->rate = light.rate;
+    const auto scalar = [](const std::optional<double>& value) {
+      return value ? std::optional<S>(*value) : std::nullopt;
+    };
+    system_.air = {scalar(light.air.path_length_m), scalar(light.air.scattering)};
   }
 
   const mtf::System<S>& system() const { return system_; }

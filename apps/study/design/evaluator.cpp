@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 
+#include "apps/study/design/design_light.h"
 #include "apps/study/design/design_model.h"
 #include "apps/study/design/gradient.h"
 #include "apps/study/design/metric_gap.h"
@@ -59,6 +60,7 @@ struct Evaluator::Impl {
   struct Ready {
     VariantSensor sensor;
     std::unique_ptr<DesignModel<double>> model;
+    KeptLight light;
     std::uint64_t used = 0;  ///< when last
   };
   std::map<std::vector<int>, std::unique_ptr<Ready>> variants{};
@@ -66,6 +68,7 @@ struct Evaluator::Impl {
   std::vector<ConstraintValues> sides{};
   std::vector<int> levels{};
   std::uint64_t uses = 0;
+  const DesignLight* light = nullptr;  ///< of the last design
   bool valid = false;
   std::string problem{}, refusal{}, caution{}, first_problem{}, first_refusal{};
 
@@ -151,13 +154,21 @@ bool Evaluator::Impl::fill_parameters(const Ready& variant, std::span<const doub
   return problem.empty();
 }
 
-/// The sensor with these numbers. False when no sensor has them.
+/// The sensor with these numbers, and its light. False when no sensor has them.
 bool Evaluator::Impl::set_system(Ready& variant) {
   variant.model->set(parameters);
   for (const AsBuilt& built : study->as_built) {
     const auto i = static_cast<std::size_t>(built.parameter);
     if (study->parameters[i].role == Parameter::Role::fixed) variant.model->set_fixed(i, parameters[i]);
   }
+  try {
+    light = &variant.light.at(variant.sensor, study->conditions, variant.model->overrides(),
+                              {.numbers = plan.budget, .otf = plan.resolution});
+  } catch (const mtf::UsageError& refused) {
+    problem = refused.what();
+    return false;
+  }
+  variant.model->set_light(*light);
   const auto errors = variant.model->system().errors();
   if (errors.empty()) return true;
   const auto& [where, what] = errors.front();
@@ -184,23 +195,8 @@ void Evaluator::Impl::evaluate_at(std::span<const double> values, std::span<doub
     }
   } else if (fill_parameters(variant, values, shift) && set_system(variant)) {
     try {
-      radiometry::SpectralNumbers<double> changed;
-      const radiometry::SpectralNumbers<double>* spectral = &variant.sensor.spectral;
-      const auto overrides = variant.model->overrides();
-      const bool moved = std::any_of(overrides.begin(), overrides.end(),
-                                     [](const auto& o) { return radiometry::is_spectral(o.path); });
-      if (moved && plan.budget && variant.sensor.loaded) {
-        changed = spectral_numbers(study->conditions, variant.sensor.loaded->sensor,
-                                   radiometry::Overrides<double>{overrides});
-        spectral = &changed;
-      }
-      variant.model->metrics(*spectral, metrics);
+      variant.model->metrics(light->numbers, metrics);
       error = variant.model->error();
-      // The wavelengths of the OTF are weighted by the air of the variant: where a design has other air, the error of
-      // its resolution is not known.
-      const bool other_air = std::any_of(overrides.begin(), overrides.end(),
-                                         [](const auto& o) { return o.path.starts_with("atmosphere."); });
-      if (other_air && plan.resolution && variant.sensor.system.band) error = kNan;
       refusal = variant.model->refusal();
       caution = variant.model->caution();
       if (first_refusal.empty()) first_refusal = refusal;

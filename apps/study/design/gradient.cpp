@@ -2,7 +2,9 @@
 #include "apps/study/design/gradient.h"
 
 #include <cmath>
+#include <exception>
 
+#include "apps/study/design/design_light.h"
 #include "apps/study/design/design_model.h"
 #include "calib/fit/system_jet.h"
 #include "mtf/error.h"
@@ -17,43 +19,121 @@ namespace {
 using calib::Jet4;
 constexpr int kStride = 4;
 
-/// Band integrals as jets: their values, and slopes by those of their numbers that carry derivatives.
-radiometry::SpectralNumbers<Jet4> spectral_jets(const VariantSensor& variant, const Conditions& conditions,
-                                                std::span<const radiometry::Override<Jet4>> overrides) {
-  std::vector<radiometry::Override<double>> plain;
-  for (const auto& o : overrides) plain.push_back({o.path, o.value.a});
-  const auto at = [&] {
-    return spectral_numbers(conditions, variant.loaded->sensor,
-                            radiometry::Overrides<double>{std::span<const radiometry::Override<double>>(plain)});
-  };
-  radiometry::SpectralNumbers<double> here = at();
-  radiometry::SpectralNumbers<Jet4> jets;
-  const auto numbers = jets.all();
-  const auto values = here.all();
-  for (std::size_t n = 0; n < numbers.size(); ++n) *numbers[n] = Jet4(*values[n]);
-  for (std::size_t i = 0; i < plain.size(); ++i) {
-    if (!radiometry::is_spectral(plain[i].path) || overrides[i].value.v.isZero()) continue;
-    const double value = plain[i].value;
-    // Inside of what is allowed, on one side where the value lies at the end of it: fractions stop at 0 and 1. The
-    // slope of a band model at range 0 is infinite; the one at 1 m stands for it.
-    const bool fraction = plain[i].path == "path.transmission" || plain[i].path == "scene.emissivity" ||
-                          plain[i].path == "atmosphere.relative_humidity";
-    const double least = plain[i].path == "atmosphere.range" ? 1.0 : 0.0;
-    const double h = 1e-3 * std::max({std::abs(value), 1e-3, least});
-    const double middle = fraction ? std::clamp(value, 2.0 * h, 1.0 - 2.0 * h) : std::max(value, least + 2.0 * h);
-    std::array<radiometry::SpectralNumbers<double>, 4> around;
-    constexpr std::array<double, 4> steps{-2.0, -1.0, 1.0, 2.0};
-    for (std::size_t k = 0; k < steps.size(); ++k) {
-      plain[i].value = middle + steps[k] * h;
-      around[k] = at();
-    }
-    plain[i].value = value;
-    for (std::size_t n = 0; n < numbers.size(); ++n) {
-      const auto of = [&](std::size_t k) { return *around[k].all()[n]; };
-      numbers[n]->v += (8.0 * (of(2) - of(1)) - (of(3) - of(0))) / (12.0 * h) * overrides[i].value.v;
-    }
+/// A difference formula of fourth order: the derivative is the sum of weight x value at the steps, over 12 h.
+struct Stencil {
+  std::array<double, 5> step, weight;
+};
+constexpr std::array<Stencil, 3> kStencils{{{{-2.0, -1.0, 0.0, 1.0, 2.0}, {1.0, -8.0, 0.0, 8.0, -1.0}},
+                                            {{0.0, 1.0, 2.0, 3.0, 4.0}, {-25.0, 48.0, -36.0, 16.0, -3.0}},
+                                            {{-4.0, -3.0, -2.0, -1.0, 0.0}, {3.0, -16.0, 36.0, -48.0, 25.0}}}};
+
+/// The light of a design at the five places of a stencil, where one of its numbers differs.
+struct LightAround {
+  std::size_t number = 0;  ///< index of the override
+  bool moves_otf = false;
+  Stencil stencil{};
+  double h = 0.0;
+  std::array<DesignLight, 5> light{};
+};
+
+class LightSlopes {
+ public:
+  LightSlopes(const Study& study, const MetricPlan& plan, const VariantSensor& variant,
+              std::span<const radiometry::Override<Jet4>> overrides)
+      : study_(study), variant_(variant), needs_{.numbers = plan.budget, .otf = plan.resolution} {
+    for (const auto& o : overrides) plain_.push_back({o.path, o.value.a});
+    here_ = at();
+    for (std::size_t i = 0; i < plain_.size(); ++i)
+      if (radiometry::is_spectral(plain_[i].path) && !overrides[i].value.v.isZero()) around_.push_back(around(i));
   }
-  return jets;
+
+  const DesignLight& here() const { return here_; }
+  const std::vector<LightAround>& around() const { return around_; }
+
+  /// Band integrals as jets: their values, and slopes by those of their numbers that carry derivatives.
+  radiometry::SpectralNumbers<Jet4> numbers(std::span<const radiometry::Override<Jet4>> overrides) {
+    radiometry::SpectralNumbers<Jet4> jets;
+    const auto all = jets.all();
+    const auto values = here_.numbers.all();
+    for (std::size_t n = 0; n < all.size(); ++n) {
+      *all[n] = Jet4(*values[n]);
+      for (LightAround& one : around_) {
+        double slope = 0.0;
+        for (std::size_t k = 0; k < one.light.size(); ++k)
+          slope += one.stencil.weight[k] * *one.light[k].numbers.all()[n];
+        all[n]->v += slope / (12.0 * one.h) * overrides[one.number].value.v;
+      }
+    }
+    return jets;
+  }
+
+ private:
+  DesignLight at() const {
+    return light_of(variant_, study_.conditions,
+                    radiometry::Overrides<double>{std::span<const radiometry::Override<double>>(plain_)}, needs_);
+  }
+
+  /// Central where the number's range and the model of the air allow it, else one-sided. The slope of a band model at
+  /// range 0 is infinite; the one at 1 m stands for it.
+  LightAround around(std::size_t number) {
+    radiometry::Override<double>& moved = plain_[number];
+    const double value = moved.value;
+    const auto parameter = std::find_if(study_.parameters.begin(), study_.parameters.end(),
+                                        [&](const Parameter& p) { return p.path == moved.path; });
+    const double least = moved.path == "atmosphere.range" ? 1.0 : 0.0;
+    const double middle = std::max(value, least);
+    LightAround result{.number = number,
+                       .moves_otf = needs_.otf && radiometry::changes_color(moved.path),
+                       .h = 1e-3 * std::max({std::abs(value), 1e-3, least})};
+    std::exception_ptr refusal;
+    for (const Stencil& stencil : kStencils) {
+      result.stencil = stencil;
+      if (middle + stencil.step.front() * result.h < std::max(parameter->lo, least) ||
+          middle + stencil.step.back() * result.h > parameter->hi)
+        continue;
+      try {
+        for (std::size_t k = 0; k < stencil.step.size(); ++k) {
+          if (stencil.weight[k] == 0.0) continue;
+          moved.value = middle + stencil.step[k] * result.h;
+          result.light[k] = at();
+        }
+        moved.value = value;
+        return result;
+      } catch (const mtf::UsageError&) {
+        refusal = std::current_exception();
+        moved.value = value;
+      }
+    }
+    if (refusal) std::rethrow_exception(refusal);
+    throw mtf::UsageError(std::string(moved.path) + ": its range is too narrow for a derivative");
+  }
+
+  const Study& study_;
+  const VariantSensor& variant_;
+  LightNeeds needs_;
+  std::vector<radiometry::Override<double>> plain_;
+  DesignLight here_;
+  std::vector<LightAround> around_;
+};
+
+/// Adds to the slopes of the metrics what comes from the OTF's part of the light (DesignModel::set_light), which is no
+/// jet: the same differences, of the metrics with that part alone moved.
+void add_slopes_of_otf(const LightSlopes& slopes, std::span<const radiometry::Override<Jet4>> overrides,
+                       std::span<const double> parameters, DesignModel<double>& model, std::span<Jet4> metrics) {
+  std::vector<double> moved(metrics.size());
+  for (const LightAround& one : slopes.around()) {
+    if (!one.moves_otf) continue;
+    std::vector<double> slope(metrics.size(), 0.0);
+    for (std::size_t k = 0; k < one.light.size(); ++k) {
+      if (one.stencil.weight[k] == 0.0) continue;
+      model.set(parameters);
+      model.set_light(one.light[k]);
+      model.metrics(slopes.here().numbers, moved);
+      for (std::size_t m = 0; m < moved.size(); ++m) slope[m] += one.stencil.weight[k] * moved[m];
+    }
+    for (std::size_t m = 0; m < moved.size(); ++m)
+      metrics[m].v += slope[m] / (12.0 * one.h) * overrides[one.number].value.v;
+  }
 }
 
 }  // namespace
@@ -78,6 +158,7 @@ Gradient gradient_of(const Study& study, const VariantSensor& variant, std::span
 
   const MetricPlan plan = plan_metrics(study, std::min(study.tolerance, tolerance));
   DesignModel<Jet4> model(study, plan, variant, mtf::cast<Jet4>(variant.system));
+  DesignModel<double> plain_model(study, plan, variant, variant.system);
   for (std::size_t first = 0; first < axes.size(); first += kStride) {
     std::vector<Jet4> values(parameters.begin(), parameters.end()), slots(study.slots()), metrics(study.metrics.size());
     const std::size_t count = std::min<std::size_t>(kStride, axes.size() - first);
@@ -91,9 +172,10 @@ Gradient gradient_of(const Study& study, const VariantSensor& variant, std::span
     }
     model.set(values);
     try {
-      radiometry::SpectralNumbers<Jet4> spectral;
-      if (plan.budget && variant.loaded) spectral = spectral_jets(variant, study.conditions, model.overrides());
-      model.metrics(spectral, metrics);
+      LightSlopes slopes(study, plan, variant, model.overrides());
+      model.set_light(slopes.here());
+      model.metrics(slopes.numbers(model.overrides()), metrics);
+      add_slopes_of_otf(slopes, model.overrides(), parameters, plain_model, metrics);
     } catch (const mtf::UsageError&) {
       return gradient;  // as the row of this design: no metrics
     }

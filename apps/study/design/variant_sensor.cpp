@@ -40,8 +40,10 @@ bool is_overridable(std::string_view path) {
 }
 
 radiometry::SpectralNumbers<double> spectral_numbers(const Conditions& conditions, const radiometry::Sensor& sensor,
+                                                     const radiometry::Path& path,
                                                      const radiometry::Overrides<double>& numbers) {
-  return radiometry::spectral_numbers(sensor, conditions.temperature_k, conditions.contrast_k.value_or(0.0), numbers);
+  return radiometry::spectral_numbers(sensor, path, conditions.temperature_k, conditions.contrast_k.value_or(0.0),
+                                      numbers);
 }
 
 VariantSensor load_variant(const Study& study, std::span<const int> levels) {
@@ -64,7 +66,7 @@ VariantSensor load_variant(const Study& study, std::span<const int> levels) {
         result.problems.push_back(why);
       result.system = apps::with_electron_rate(result.config.system, *result.loaded);
       result.flicker_e = radiometry::flicker_rms_e(result.system, result.loaded->sensor.settings);
-      result.spectral = spectral_numbers(study.conditions, result.loaded->sensor);
+      result.spectral = spectral_numbers(study.conditions, result.loaded->sensor, result.loaded->sensor.path);
       result.loaded->sensor.settings = radiometry::budget_settings(result.loaded->sensor);
       if (result.loaded->paths) result.no_budget = "the path has the range of each pixel";
     } catch (const mtf::UsageError& error) {

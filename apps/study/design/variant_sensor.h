@@ -29,8 +29,9 @@ struct VariantSensor {
 /// Reads the variant, its curves and tables. Throws RuntimeError for files that cannot be read.
 VariantSensor load_variant(const Study& study, std::span<const int> levels);
 
-/// The conditions of the study's surface and target, see radiometry/performance/sensor_budget.h.
+/// The study's surface and target behind a path, see radiometry/performance/sensor_budget.h.
 radiometry::SpectralNumbers<double> spectral_numbers(const Conditions& conditions, const radiometry::Sensor& sensor,
+                                                     const radiometry::Path& path,
                                                      const radiometry::Overrides<double>& numbers = {});
 
 /// True for a number of a table that a design may override; any other needs a variant of its own.

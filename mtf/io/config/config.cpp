@@ -87,6 +87,19 @@ bool ConfigResult::ok() const {
   return std::none_of(diagnostics.begin(), diagnostics.end(), [](const Diagnostic& d) { return d.error; });
 }
 
+namespace {
+
+/// The path for components that state none. A table that cannot be is refused where it is used.
+void read_path_air(SensorConfig& config) {
+  for (const TableInfo& info : config.schema)
+    if (const SettingsTable* table = info.path_air ? find_table(config.tables, info.name) : nullptr) try {
+        config.system.air = info.path_air(*table, config.system.band);
+      } catch (const Error&) {
+      }
+}
+
+}  // namespace
+
 namespace cfg {
 
 void interpret(const Node& tree, ConfigResult& result) {
@@ -104,6 +117,7 @@ void interpret(const Node& tree, ConfigResult& result) {
     read_name(root, system);
     read_sections(root, result.config);
     result.config.tables = read_settings(root);
+    read_path_air(result.config);
     const Origin origin = read_components(root, system);
     check_system(reader, system, origin);
     if (reader.failed.empty()) note_what_is_missing(reader, system);

@@ -31,6 +31,7 @@ GASES = {"h2o": "water", "co2": "carbon_dioxide", "o3": "ozone", "n2o": "nitrous
          "ch4": "methane", "o2": "oxygen", "no": "nitric_oxide", "so2": "sulphur_dioxide", "no2": "nitrogen_dioxide",
          "nh3": "ammonia", "hno3": "nitric_acid"}
 BEER = (1.0, 0.0, 0.0)  # a, n, m of absorption that goes exponentially with the amount
+LEAST_ABSORPTION = 1e-9  # over the extinction at 0.55 um
 # Wavelengths between which aerosol spectra are straight lines: those of Shettle and Fenn, AFGL-TR-79-0214 (1979), with
 # the ends of the model.
 NODES_UM = [0.4, 0.55, 0.6943, 1.06, 1.536, 2.0, 2.25, 2.5, 2.7, 3.0, 3.3923, 3.75, 4.5, 5.0, 5.5, 6.0, 6.2, 6.5, 7.2,
@@ -199,9 +200,9 @@ def hats(wavelengths):
     return np.stack([np.interp(wavelengths, NODES_UM, unit) for unit in np.eye(len(NODES_UM))], 1)
 
 
-def at_nodes(x, value):
-    """Values at the nodes for least squares of the relative differences."""
-    return np.linalg.lstsq(x / value[:, None], np.ones(len(value)), rcond=None)[0]
+def at_nodes(x, value, scale):
+    """Values at the nodes for least squares of the differences over `scale`; what is absorbed may be nothing at all."""
+    return np.maximum(np.linalg.lstsq(x / scale[:, None], value / scale, rcond=None)[0], LEAST_ABSORPTION)
 
 
 def between_humidities(percent):
@@ -221,20 +222,31 @@ def fit_aerosol(data):
     def relative(source, name, scale):
         return np.array([float(r[name]) for r in source]) / scale
 
-    hazes, worst = {}, 0.0
     labels = np.array([0, 50, 70, 80, 90, 95, 99])
     weights = between_humidities(HUMIDITY_OF_RUNS * labels)
-    for haze in HAZES:
-        value = [relative(rows, f"ext_{haze}_vis23km_rh{rh}", EXTINCTION_550["23"]) for rh in labels]
-        logs = np.log([at_nodes(x, v) for v in value])
-        hazes[haze] = rounded(np.exp(np.linalg.lstsq(weights, logs, rcond=None)[0]))
-        model = np.exp(weights @ np.log(hazes[haze])) @ x.T
-        worst = max(worst, np.abs(model / value - 1).max())
-    fixed = [(x, relative(rows, f"ext_fog{k}_vis1km", EXTINCTION_550["1"])) for k in (1, 2)]
-    fixed += [(x_upper, relative(upper, f"ext_{region}_relative", 1.0)) for region in ("2_10km", "10_30km", "30_100km")]
-    spectra = [rounded(at_nodes(x, value)) for x, value in fixed]
-    worst_fixed = max(np.abs(x @ s / value - 1).max() for s, (x, value) in zip(spectra, fixed))
-    return hazes, spectra[:2], spectra[2:], worst_fixed, worst
+
+    def spectra(part):
+        """Haze by kind and humidity, fog, upper air: nodes of one part of the extinction; how far they miss, over it."""
+        def fixed_of(which):
+            values = [(x, relative(rows, f"{which}_fog{k}_vis1km", EXTINCTION_550["1"])) for k in (1, 2)]
+            return values + [(x_upper, relative(upper, f"{which}_{region}_relative", 1.0))
+                             for region in ("2_10km", "10_30km", "30_100km")]
+
+        hazes, worst = [], 0.0
+        for haze in HAZES:
+            value, scale = ([relative(rows, f"{which}_{haze}_vis23km_rh{rh}", EXTINCTION_550["23"]) for rh in labels]
+                            for which in (part, "ext"))
+            logs = np.log([at_nodes(x, v, s) for v, s in zip(value, scale)])
+            hazes.append(rounded(np.exp(np.linalg.lstsq(weights, logs, rcond=None)[0])))
+            model = np.exp(weights @ np.log(hazes[-1])) @ x.T
+            worst = max(worst, (np.abs(model - value) / scale).max())
+        fixed, scales = fixed_of(part), [scale for _, scale in fixed_of("ext")]
+        nodes = [rounded(at_nodes(lines, value, scale)) for (lines, value), scale in zip(fixed, scales)]
+        worst_fixed = max((np.abs(lines @ s - value) / scale).max()
+                          for s, (lines, value), scale in zip(nodes, fixed, scales))
+        return hazes, nodes[:2], nodes[2:], worst_fixed, worst
+
+    return spectra("ext"), spectra("abs")
 
 
 def aerosol_altitudes(data):
@@ -284,7 +296,8 @@ def write_coefficients(data, folder):
     nitrogen_first, nitrogen, nitrogen_miss = fit_nitrogen(data)
     rayleigh_a, rayleigh_b, rayleigh_miss = fit_rayleigh(data)
     oxygen_first, oxygen, oxygen_worst = fit_oxygen(data)
-    hazes, fogs, above, fixed_worst, haze_worst = fit_aerosol(data)
+    extinction, absorption = fit_aerosol(data)
+    (hazes, fogs, above, fixed_worst, haze_worst), absorbed = extinction, absorption[:3]
     boundary, troposphere, stratosphere, upper = aerosol_altitudes(data)
     gases = "\n".join(f"//   {name:18} {fit:.1e}  {check:.1e}" for (fit, check), name in
                       ((lines_worst[gas], name) for gas, name in GASES.items()))
@@ -305,6 +318,7 @@ def write_coefficients(data, folder):
 //   Rayleigh           {rayleigh_miss[:, 0].max():.1e}  {rayleigh_miss[100:, 1:].max():.1e}   (the second above 4000 cm^-1)
 //   spectra of fog and of the upper air   {fixed_worst:.1e}
 //   spectra of haze, seven humidities     {haze_worst:.1e}
+//   the same of what is absorbed alone    {absorption[3]:.1e}, {absorption[4]:.1e}
 
 // Bands: tau = exp(-(C W)^a), W = column / (1e20 molecules/cm^2) (P / 1013.25 hPa)^n (296 K / T)^m.
 inline constexpr BandLaw kBands[{len(bands)}] = {{
@@ -332,9 +346,12 @@ inline constexpr BandLaw kBands[{len(bands)}] = {{
     text += "// The program's humidity at the conditions of its runs, as part of the model's; that of the spectra.\n"
     text += f"inline constexpr double kHazeHumidityShare = {HUMIDITY_OF_RUNS};\n"
     text += "// rural, urban, maritime, tropospheric; each at a relative humidity of 0, 70, 80 and 99 %.\n"
-    text += array("kHazeSpectra", [hazes[h] for h in HAZES], "{:.5g}")
+    text += array("kHazeSpectra", hazes, "{:.5g}")
     text += "// Advection and radiation fog.\n" + array("kFogSpectra", fogs, "{:.5g}")
     text += "// 2 to 10 km, 10 to 30 km, 30 to 100 km.\n" + array("kUpperSpectra", above, "{:.5g}")
+    text += "// The same of what is absorbed alone, over the extinction at 0.55 um.\n"
+    for name, part in zip(("kHazeAbsorption", "kFogAbsorption", "kUpperAbsorption"), absorbed):
+        text += array(name, part, "{:.5g}")
     text += "\n// Extinction at 0.55 um per km. Boundary: visibility 50, 23, 10, 5, 2 km; at 0, 1, 2 km.\n"
     text += array("kBoundaryAerosol", boundary)
     text += "// Troposphere: spring and summer, autumn and winter; visibility 50, 23 km; at 3, 4 ... 10 km.\n"

@@ -17,6 +17,22 @@ std::string errors_of(const SceneFolder& folder, const std::string& text) {
   return errors;
 }
 
+// The air is checked whether or not the sky is made of it: render sees through it.
+TEST(SceneErrors, OfTheAirWhateverTheSkyIs) {
+  const SceneFolder folder;
+  const auto with_air = [&](const std::string& air) {
+    return errors_of(folder, scene_text() + "[atmosphere]\n" + air);
+  };
+  EXPECT_EQ(with_air("model = \"mid_latitude_winter\"\n"), "");
+  EXPECT_NE(
+      with_air("model = \"tropical\"\nrange = \"2 km\"\n").find("error: atmosphere: of a scene it is the air alone"),
+      std::string::npos);
+  EXPECT_NE(with_air("model = \"tropical\"\nvisibility = \"2 km\"\n").find("error: atmosphere.visibility: needs haze"),
+            std::string::npos);
+  EXPECT_NE(with_air("profile = \"none.csv\"\n").find("error: atmosphere.profile: "), std::string::npos);
+  EXPECT_NE(with_air("haze = \"rural\"\n").find("says nothing of the air"), std::string::npos);
+}
+
 struct Fault {
   const char* from;
   const char* to;

@@ -75,6 +75,23 @@ TEST(AtmosphereDerivatives, SlantPath) {
       [](const auto& x) { return slant(x[0], x[1], x[2], x[3]); }, at);
 }
 
+template <class S>
+SpectralPath<S> upward(const S& zenith, const S& humidity, const S& visibility, const S& kelvin) {
+  const auto profile = with_scalar<S>(model_profile(ModelAtmosphere::us_standard_1976));
+  const Air<S> air{.profile = with_surface(profile, kelvin, humidity),
+                   .haze = {.kind = HazeKind::rural, .visibility_m = visibility}};
+  return spectral_path(air, Sight<S>(ToSpace<S>{50.0, zenith}), {.band = kBand});
+}
+
+TEST(AtmosphereDerivatives, ByZenithAngle) {
+  for (const double zenith : {0.3, 1.1, 1.45}) {
+    const std::array<double, 4> at{zenith, 48.0, 20e3, 286.0};
+    compare(
+        upward(Jet(at[0], 0), Jet(at[1], 1), Jet(at[2], 2), Jet(at[3], 3)),
+        [](const auto& x) { return upward(x[0], x[1], x[2], x[3]); }, at);
+  }
+}
+
 // At range 0 the slope by range is that at 1 m, and nothing else matters.
 TEST(AtmosphereDerivatives, AtRangeZero) {
   const auto zero = horizontal(Jet(0.0, 0), Jet(63.0, 1), Jet(12e3, 2), Jet(291.0, 3));

@@ -8,6 +8,8 @@
 #include <random>
 
 #include "mtf/error.h"
+#include "mtf/math/quadrature.h"
+#include "mtf/units.h"
 #include "radiometry/atmosphere/range_table.h"
 #include "radiometry/atmosphere/sky_radiance.h"
 #include "radiometry/light/blackbody.h"
@@ -259,6 +261,78 @@ TEST(AtmosphereSky, CloudsFillWhatIsMissing) {
   EXPECT_EQ(cloud_cover(400.0, 300.0, 280.0), 1.0);
   const double covered = 5.670374419184429e-8 * std::pow(280.0, 4), n = cloud_cover(320.0, 300.0, 280.0);
   EXPECT_NEAR((1.0 - n) * 300.0 + n * covered, 320.0, 1e-9);
+}
+
+// The flux of a cloudy sky by its own formula, and by the integral of its radiance over the hemisphere; an overcast sky
+// is a blackbody at every wavenumber.
+TEST(AtmosphereSky, CloudsInABand) {
+  const Air<double> air{model_profile(ModelAtmosphere::mid_latitude_summer)};
+  const Clouds some{.cover = 0.4, .temperature_k = 281.0}, all{.cover = 1.0, .temperature_k = 281.0};
+  const SkyFlux clear = sky_flux(air, 0.0), cloudy = under_clouds(clear, some);
+  EXPECT_NEAR(cloud_cover(cloudy.total_w_m2, clear.total_w_m2, 281.0), 0.4, 1e-12);
+  double sum = 0.0, far = 0.0;
+  const mtf::GaussRule rule = mtf::mean_rule(0.0, 1.0, 8);
+  for (std::size_t i = 0; i < rule.node.size(); ++i) {
+    const SkyRadiance sky = under_clouds(sky_radiance(air, 0.0, std::acos(rule.node[i])), some);
+    sum += 2.0 * mtf::kPi * rule.weight[i] * rule.node[i] * sky.whole;
+    far += 2.0 * mtf::kPi * rule.weight[i] * rule.node[i] * sky.below_650;
+  }
+  // sigma T^4 holds what lies above 3500 cm^-1, 1e-4 of it, and the trapezia of the radiance err as much.
+  EXPECT_NEAR(sum, cloudy.total_w_m2, 3e-4 * cloudy.total_w_m2);
+  EXPECT_NEAR(far, cloudy.below_650_w_m2, 1e-4 * far);
+  const SkyRadiance black = under_clouds(sky_radiance(air, 0.0, 0.3), all);
+  for (std::size_t i = 0; i < black.radiance.size(); i += 50) {
+    const double nu = black.wavenumber_cm[i], um = 1e4 / nu;
+    const double planck = radiometry::planck(radiometry::Flux::watts, um, 281.0) * um * um * 1e-4;
+    EXPECT_NEAR(black.radiance[i], planck, 1e-12 * planck) << nu;
+  }
+  EXPECT_EQ(under_clouds(sky_radiance(air, 0.0, 0.3), {}).whole, sky_radiance(air, 0.0, 0.3).whole);
+  EXPECT_THROW(under_clouds(clear, {.cover = 1.2, .temperature_k = 280.0}), mtf::UsageError);
+  EXPECT_THROW(under_clouds(clear, {.cover = 0.2, .temperature_k = 8.0}), mtf::UsageError);
+}
+
+// What is absorbed and what is scattered make the extinction: of the optical depths, wavenumber by wavenumber, and of
+// the mean over a band by quadrature of them.
+TEST(AtmosphereHaze, LosesAbsorptionAloneWhereScatteredLightStays) {
+  for (const HazeKind kind : {HazeKind::rural, HazeKind::urban, HazeKind::maritime, HazeKind::radiation_fog}) {
+    Air<double> air{.profile = model_profile(ModelAtmosphere::mid_latitude_summer),
+                    .haze = {.kind = kind, .visibility_m = 4e3}};
+    const Sight<double> sight = Between<double>{400.0, 0.0, 900.0};
+    const SpectralOptions options{.band = {3.0, 12.0}, .components = true};
+    const auto whole = spectral_path(air, sight, options);
+    air.haze.loss = AerosolLoss::absorption;
+    const auto absorbed = spectral_path(air, sight, options);
+    const auto aerosol = static_cast<std::size_t>(Component::aerosol);
+    double sum = 0.0, width = 0.0, before = 0.0;
+    for (std::size_t i = 0; i < whole.transmission.size(); ++i) {
+      ASSERT_LE(whole.component[aerosol][i], absorbed.component[aerosol][i] * (1.0 + 1e-12));
+      const double depth = std::log(absorbed.component[aerosol][i] / whole.component[aerosol][i]);
+      if (i > 0) {
+        const double step = 1e4 / whole.wavenumber_cm[i - 1] - 1e4 / whole.wavenumber_cm[i];
+        sum += 0.5 * step * (depth + before);
+        width += step;
+      }
+      before = depth;
+    }
+    EXPECT_NEAR(scattering_depth(air, sight, options.band), sum / width, 1e-9 * sum / width);
+    EXPECT_GT(sum, 0.0);
+  }
+  const Air<double> clear{model_profile(ModelAtmosphere::mid_latitude_summer)};
+  EXPECT_EQ(scattering_depth(clear, Horizontal<double>{0.0, 1000.0}, {3.0, 5.0}), 0.0);
+}
+
+TEST(AtmosphereLimits, AirBeyondWhatWasFittedIsSaid) {
+  const auto said = [](const Air<double>& air, const std::string& part) {
+    for (const std::string& text : limits_of(air, {8.0, 12.0}))
+      if (text.find(part) != std::string::npos) return true;
+    return false;
+  };
+  EXPECT_TRUE(limits_of(Air<double>{model_profile(ModelAtmosphere::us_standard_1976)}, {8.0, 12.0}).empty());
+  EXPECT_TRUE(said({surface_air(101325.0, 333.0, 10.0)}, "333 K at 0 m is warmer"));
+  EXPECT_TRUE(said({surface_air(101325.0, 190.0, 10.0)}, "190 K at 0 m is colder"));
+  EXPECT_TRUE(said({surface_air(101325.0, 315.0, 95.0)}, "g/m3 of vapour"));
+  EXPECT_TRUE(said({.profile = surface_air(101325.0, 290.0, 99.5), .haze = {.kind = HazeKind::rural}}, "above 99 %"));
+  EXPECT_FALSE(said({surface_air(101325.0, 290.0, 99.5)}, "above 99 %"));
 }
 
 }  // namespace
