@@ -199,28 +199,29 @@ void fill_longwave(const PatchScene& scene, std::span<const double> emitted, Pat
       });
 }
 
-std::vector<double> changes(const PatchScene& scene, const PatchTable& before, const PatchTable& after) {
+std::vector<double> changes(const PatchScene& scene, const PatchTable& before, const PatchTable& after,
+                            std::span<const std::uint32_t> receivers) {
   const PatchTable change = difference(before, after);
-  return of_each(scene.units->exchange.receivers(), scene.threads,
-                 [&](std::size_t receiver, std::vector<float>& series) {
-                   return most_of(change, *scene.units, receiver, series);
-                 });
+  const std::vector<double> some = of_each(
+      receivers.size(), scene.threads,
+      [&](std::size_t i, std::vector<float>& series) { return most_of(change, *scene.units, receivers[i], series); });
+  std::vector<double> all(scene.units->exchange.receivers(), 0.0);
+  for (std::size_t i = 0; i < some.size(); ++i) all[receivers[i]] = some[i];
+  return all;
 }
 
 double largest_change(const PatchScene& scene, const PatchTable& before, const PatchTable& after,
                       std::span<const std::uint32_t> receivers) {
-  const PatchTable change = difference(before, after);
-  const std::vector<double> all = of_each(
-      receivers.size(), scene.threads,
-      [&](std::size_t i, std::vector<float>& series) { return most_of(change, *scene.units, receivers[i], series); });
+  const std::vector<double> all = changes(scene, before, after, receivers);
   return all.empty() ? 0.0 : *std::max_element(all.begin(), all.end());
 }
 
-double parabola_error(const PatchScene& scene, const PatchTable& table) {
+double parabola_error(const PatchScene& scene, const PatchTable& table, std::span<const std::uint32_t> receivers) {
   constexpr double kOff = 4.0 / 124.7;  // of the change of the second difference
   const std::size_t intervals = table.moments / 2;
   if (intervals < 3) return 0.0;
-  const auto error_at = [&](std::size_t receiver, std::vector<float>& series) {
+  const auto error_at = [&](std::size_t place, std::vector<float>& series) {
+    const std::size_t receiver = receivers[place];
     table.irradiance(*scene.units, receiver, series);
     const double share = PatchTable::share(*scene.units, receiver);
     const auto second = [&](std::size_t i) {
@@ -238,12 +239,8 @@ double parabola_error(const PatchScene& scene, const PatchTable& table) {
     }
     return kOff * most;
   };
-  const std::vector<double> errors = of_each(scene.units->exchange.receivers(), scene.threads, error_at);
-  double worst = 0.0;
-  for_receivers(*scene.units, [&](std::size_t receiver, const Unit& unit, const UnitSide&) {
-    if (!unit.given) worst = std::max(worst, errors[receiver]);
-  });
-  return worst;
+  const std::vector<double> errors = of_each(receivers.size(), scene.threads, error_at);
+  return errors.empty() ? 0.0 : *std::max_element(errors.begin(), errors.end());
 }
 
 }  // namespace apps::scene
