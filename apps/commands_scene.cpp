@@ -75,6 +75,10 @@ Command heat_command() {
            [&](const std::string& text) { options.sun_points = whole_number("--sun-points", text, 1, 255); });
   add_flag(app, "--every-facet", "solve each facet by itself, without classes: slower, and free of their error",
            options.every_facet);
+  add_flag(
+      app, "--seen",
+      "only temperatures of facets that [camera] sees, of others as much as those need: faster; the others are NaN",
+      options.seen);
   add_flag(app, "--verify",
            "the realised error too, against runs at a tenth of the tolerance, and errors of the tables on all facets",
            options.verify);

@@ -204,6 +204,7 @@ struct HeatCommandOptions {
   int directions = 36;       ///< of the table of shadows, a day
   int sun_points = 4;        ///< of each facet
   bool every_facet = false;  ///< no classes
+  bool seen = false;         ///< only facets that the camera of the scene sees
   bool verify = false;       ///< the realised error too
   bool ply = false, vtk = false;
   bool anew = false;         ///< an interrupted run in the folder is not continued

@@ -6,9 +6,9 @@
 // give 0 and cost no ray. The sun is a point: the half shadow of its disc, 9.3 mm wide for each metre of distance, is
 // left out.
 //
-// Points are spread over the facet by R2 (Roberts 2018), rotated by a hash of the number of the side. Where the
-// straight edge of a shadow crosses a square facet the share has an rms error of .17 with 4 points, .09 with 16 and
-// .026 with 64; it is exact where none does.
+// Points are spread over the facet by R2 (Roberts 2018), rotated by a hash of the side (facets.h, `index`), so that
+// they are the same whichever other sides are asked for. Where the straight edge of a shadow crosses a square facet the
+// share has an rms error of .17 with 4 points, .09 with 16 and .026 with 64; it is exact where none does.
 
 #include <cstdint>
 #include <span>

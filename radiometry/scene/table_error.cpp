@@ -44,8 +44,10 @@ TableError error_of(std::vector<double> differences, std::size_t count) {
 }  // namespace
 
 ViewError view_error(const Rays& rays, const Receivers& receivers, const Views& made, const ViewOptions& options,
-                     std::size_t count) {
-  const std::vector<std::size_t> numbers = picked(receivers.size(), count, options.seed);
+                     std::size_t count, std::span<const std::uint32_t> among) {
+  std::vector<std::size_t> numbers = picked(among.empty() ? receivers.size() : among.size(), count, options.seed);
+  if (!among.empty())
+    for (std::size_t& number : numbers) number = among[number];
   Receivers some;
   for (const std::size_t i : numbers) {
     some.sides.insert(some.sides.end(), receivers[i].begin(), receivers[i].end());
@@ -53,6 +55,7 @@ ViewError view_error(const Rays& rays, const Receivers& receivers, const Views& 
   }
   ViewOptions twice = options;
   twice.rays *= 2;
+  twice.rays_of = {};
   twice.seed += kOtherSet;
   const Views again = views(rays, some, twice);
   std::vector<double> sky, surfaces;

@@ -25,9 +25,9 @@ struct ViewError {
   TableError sky, surfaces;
 };
 
-/// `views` was made of `receivers` with `options`.
+/// `views` was made of `receivers` with `options`; of those among the receivers, where they are named.
 ViewError view_error(const Rays& rays, const Receivers& receivers, const Views& views, const ViewOptions& options,
-                     std::size_t count = 2000);
+                     std::size_t count = 2000, std::span<const std::uint32_t> among = {});
 
 /// Of the irradiance by the sun as a share of the direct normal irradiance, visibility times cosine, over sides and
 /// those directions that they face: the tabulated ones and those halfway between two successive ones, with visibility

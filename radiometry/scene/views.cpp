@@ -14,12 +14,19 @@
 namespace radiometry::scene {
 namespace {
 
+constexpr int kMostRays = 1 << 24;
+
 void check(const Rays& rays, const Receivers& receivers, const ViewOptions& options) {
   const auto refuse = [](const std::string& what, int value, const std::string& range) {
     throw mtf::UsageError("views: " + what + " is " + std::to_string(value) + ", it must be " + range);
   };
   if (options.rings < 1 || options.rings > 90) refuse("the number of rings", options.rings, "1 to 90.");
-  if (options.rays < 1 || options.rays > 1 << 24) refuse("the number of rays", options.rays, "1 to 16777216.");
+  if (options.rays < 1 || options.rays > kMostRays) refuse("the number of rays", options.rays, "1 to 16777216.");
+  if (!options.rays_of.empty() && options.rays_of.size() != receivers.size())
+    throw mtf::UsageError("views: there are " + std::to_string(options.rays_of.size()) + " numbers of rays for " +
+                          std::to_string(receivers.size()) + " receivers");
+  for (const int of_receiver : options.rays_of)
+    if (of_receiver < 1 || of_receiver > kMostRays) refuse("the number of rays", of_receiver, "1 to 16777216.");
   for (const Side& side : receivers.sides)
     if (side.facet >= rays.facets().size())
       throw mtf::UsageError("views: there is no facet " + std::to_string(side.facet));
@@ -56,12 +63,13 @@ class PatchFinder {
 
 Sample sample(const Rays& rays, std::span<const Side> sides, std::uint64_t receiver, const ZenithRings& rings,
               const PatchFinder& patch_of, const ViewOptions& options) {
+  const int count = options.rays_of.empty() ? options.rays : options.rays_of[receiver];
   const EmbreeScene& embree = rays.embree();
   const ReceiverSurface surface(rays.facets(), sides, embree.lift_m());
   const SpreadNumbers<4> numbers(receiver, options.seed);
   Sample sample{.sent = std::vector<int>(static_cast<std::size_t>(rings.rings()) + 1, 0), .hidden = {}};
-  sample.hidden.reserve(static_cast<std::size_t>(options.rays));
-  for (int i = 0; i < options.rays; ++i) {
+  sample.hidden.reserve(static_cast<std::size_t>(count));
+  for (int i = 0; i < count; ++i) {
     const auto [u, v, p, q] = numbers(static_cast<std::uint64_t>(i));
     const auto [point, normal, side] = surface.at(u, v);
     const Vector direction = cosine_direction(normal, p, q);
@@ -167,6 +175,7 @@ Views views(const Rays& rays, const Receivers& receivers, std::span<const std::u
               .surfaces = std::vector<double>(count),
               .rays = std::vector<double>(count, options.rays),
               .patches = {}};
+  std::copy(options.rays_of.begin(), options.rays_of.end(), views.rays.begin());
   constexpr std::int64_t kChunk = 256;
   std::vector<std::vector<PatchShare>> chunks(count / kChunk + 1);
   std::vector<std::uint32_t> row_sizes(finder.wanted() ? count : 0);

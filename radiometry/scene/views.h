@@ -29,8 +29,10 @@
 namespace radiometry::scene {
 
 struct ViewOptions {
-  int rings = 9;           ///< 1 to 90
-  int rays = 64;           ///< of each receiver
+  int rings = 9;  ///< 1 to 90
+  int rays = 64;  ///< of each receiver
+  /// Of every receiver its own number instead, where receivers do not all matter as much; empty: `rays`.
+  std::span<const int> rays_of{};
   std::uint64_t seed = 0;  ///< another one gives an independent set of rays
   int threads = 0;         ///< 0: all cores; the result does not depend on it
 };

@@ -9,72 +9,21 @@
 #include <regex>
 #include <sstream>
 
-#include "tests/apps/command.h"
+#include "tests/apps/heat_command_case.h"
 
 namespace apps_test {
 namespace {
-
-const std::string kScene = R"(schema = 1
-[place]
-latitude = "40 deg"
-longitude = "0 deg"
-altitude = "0 m"
-[time]
-start = 2026-06-21T00:00:00Z
-end = 2026-06-22T00:00:00Z
-step = "2 h"
-[weather]
-air_temperature = "15 degC"
-wind_speed = "2 m/s"
-direct_normal = "800 W/m2"
-diffuse_horizontal = "80 W/m2"
-longwave_down = "320 W/m2"
-[[material]]
-name = "steel"
-solar_absorptance = 0.7
-emissivity = 0.9
-convection = "mcadams"
-layers = [{ conductivity = "45 W/m/K", density = "7800 kg/m3", heat_capacity = "480 J/kg/K", thickness = "5 mm" }]
-[[mesh]]
-name = "plates"
-file = "plates.obj"
-unit = "1 m"
-[[region]]
-mesh = "plates"
-material = "steel"
-[camera]
-position = ["4 m", "-3 m", "3 m"]
-look_at = ["0.5 m", "0.5 m", "0.5 m"]
-)";
-const std::string kPlates =
-    "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\nf 1 2 3 4\nf 5 6 7 8\n";
-
-class HeatCommand : public testing::Test {
- protected:
-  HeatCommand() {
-    write_file(scratch_ / "scene.toml", kScene);
-    write_file(scratch_ / "plates.obj", kPlates);
-  }
-  Scratch scratch_;
-};
-
-std::vector<std::string> lines(const std::string& text) {
-  std::vector<std::string> all;
-  std::istringstream stream(text);
-  for (std::string line; std::getline(stream, line);) all.push_back(line);
-  return all;
-}
 
 TEST_F(HeatCommand, WritesWhatItSays) {
   const Result result = scratch_.run("mtf heat scene.toml -o out --ply --tolerance '0.1 K'");
   ASSERT_EQ(result.status, 0) << result.err;
   EXPECT_NE(result.out.find("2 facets as 2 classes, 13 outputs"), std::string::npos) << result.out;
-  const auto regions = lines(read_file(scratch_ / "out/regions.csv"));
+  const auto regions = lines_of(read_file(scratch_ / "out/regions.csv"));
   ASSERT_EQ(regions.size(), 14U);
   EXPECT_EQ(regions[0], "time,region,min_K,mean_K,max_K");
   EXPECT_EQ(regions[1].substr(0, 28), "2026-06-21T00:00:00Z,plates,");
-  EXPECT_EQ(lines(read_file(scratch_ / "out/times.csv")).size(), 14U);
-  const auto facets = lines(read_file(scratch_ / "out/facets.csv"));
+  EXPECT_EQ(lines_of(read_file(scratch_ / "out/times.csv")).size(), 14U);
+  const auto facets = lines_of(read_file(scratch_ / "out/facets.csv"));
   ASSERT_EQ(facets.size(), 3U);
   EXPECT_EQ(facets[1], "0,plates,plates,steel,1,0.5,0.5,0,0,0,1");
   EXPECT_EQ(facets[2], "1,plates,plates,steel,1,0.5,0.5,1,0,0,1");
@@ -109,11 +58,65 @@ TEST_F(HeatCommand, VerifiesWhatItPromises) {
   EXPECT_TRUE(nlohmann::json::parse(read_file(scratch_ / "plain/heat.json")).at("realised").is_null());
 }
 
+// The camera looks down on the upper plate, which hides the lower one.
+TEST_F(HeatCommand, LeavesOutWhatTheCameraDoesNotSee) {
+  std::string text = kScene;
+  text.replace(text.find("position = ["), 34, "position = [\"0.4 m\", \"0.5 m\", \"9 m\"]");
+  text.replace(text.find("[[region]]"), 10, "[[region]]\ngroup = \"low\"");
+  text.replace(text.find("[camera]"), 8,
+               "[[region]]\nmesh = \"plates\"\ngroup = \"high\"\nmaterial = \"steel\"\n[camera]");
+  write_file(scratch_ / "scene.toml", text);
+  std::string plates = kPlates;
+  plates.replace(plates.find("f 1"), 3, "g low\nf 1");
+  plates.replace(plates.find("f 5"), 3, "g high\nf 5");
+  write_file(scratch_ / "plates.obj", plates);
+  const Result result = scratch_.run("mtf heat scene.toml -o out --seen --ply --vtk --sensitivity --tolerance '0.1 K'");
+  ASSERT_EQ(result.status, 0) << result.err;
+  EXPECT_NE(result.out.find("the camera sees 1 facets"), std::string::npos) << result.out;
+  EXPECT_NE(result.out.find("not seen"), std::string::npos) << result.out;
+  ASSERT_EQ(scratch_.run("mtf heat scene.toml -o all --tolerance '0.1 K'").status, 0);
+  const auto kelvin_in = [&](const std::string& folder) {
+    std::array<float, 26> kelvin{};
+    const std::string npy = read_file(scratch_ / (folder + "/temperatures.npy"));
+    EXPECT_EQ(npy.size(), 128U + sizeof kelvin);
+    std::memcpy(kelvin.data(), npy.data() + 128, sizeof kelvin);
+    return kelvin;
+  };
+  const std::array<float, 26> seen = kelvin_in("out"), all = kelvin_in("all");
+  for (std::size_t i = 0; i < 13; ++i) {
+    EXPECT_TRUE(std::isnan(seen[2 * i]));
+    EXPECT_NEAR(seen[2 * i + 1], all[2 * i + 1], 0.1) << i;
+  }
+  const auto regions = lines_of(read_file(scratch_ / "out/regions.csv"));
+  EXPECT_TRUE(regions[1].ends_with(",low,,,")) << regions[1];
+  EXPECT_FALSE(regions[2].ends_with(",")) << regions[2];
+  const auto json = nlohmann::json::parse(read_file(scratch_ / "out/heat.json"));
+  EXPECT_EQ(json.at("seen").at("facets"), 1);
+  EXPECT_EQ(json.at("seen").at("facets_left_out"), 1);
+  EXPECT_TRUE(nlohmann::json::parse(read_file(scratch_ / "all/heat.json")).at("seen").is_null());
+
+  // Where temperatures are taken from there, one that is missing is named.
+  text.replace(text.rfind("material = \"steel\"\n[camera]"), 17, "temperature = \"out/temperatures.npy\"");
+  std::string low = text;
+  low.replace(low.find("group = \"low\"") + 13, 0, "\ntemperature = \"out/temperatures.npy\"");
+  write_file(scratch_ / "table.toml", low);
+  const Result table = scratch_.run("mtf heat table.toml -o taken");
+  EXPECT_EQ(table.status, 2);
+  EXPECT_NE(table.err.find("region 'low' has no temperature"), std::string::npos) << table.err;
+
+  EXPECT_EQ(scratch_.run("mtf heat scene.toml -o fit.toml --fit --seen").status, 2);
+  write_file(scratch_ / "scene.toml", kScene.substr(0, kScene.find("[camera]")));
+  const Result blind = scratch_.run("mtf heat scene.toml -o none --seen");
+  EXPECT_EQ(blind.status, 2);
+  EXPECT_NE(blind.err.find("there is no [camera]"), std::string::npos) << blind.err;
+  EXPECT_FALSE(fs::exists(scratch_ / "none"));
+}
+
 TEST_F(HeatCommand, BenchShowsWhatAToleranceCosts) {
   const Result result =
       scratch_.run("mtf bench scene.toml -o ladder --tolerance '1 K' --tolerance '0.1 K' --format csv");
   ASSERT_EQ(result.status, 0) << result.err;
-  const auto rows = lines(result.out);
+  const auto rows = lines_of(result.out);
   ASSERT_EQ(rows.size(), 3U);
   EXPECT_EQ(rows[0].substr(0, 33), "tolerance_K,promised_K,realised_K");
   EXPECT_EQ(result.out, read_file(scratch_ / "ladder/heat_bench.csv"));
@@ -199,7 +202,7 @@ TEST_F(HeatCommand, SaysWhatTheTemperaturesDependOn) {
   const Result result = scratch_.run("mtf heat scene.toml -o out --sensitivity --vtk --tolerance '0.1 K' --rays 64");
   ASSERT_EQ(result.status, 0) << result.err;
   EXPECT_NE(result.out.find("convection +10 %"), std::string::npos) << result.out;
-  const auto rows = lines(read_file(scratch_ / "out/sensitivity.csv"));
+  const auto rows = lines_of(read_file(scratch_ / "out/sensitivity.csv"));
   ASSERT_EQ(rows.size(), 7U);
   EXPECT_EQ(rows[0], "change,region,mean_K,largest_K");
   const auto mean = [&](std::size_t row) {
@@ -215,107 +218,6 @@ TEST_F(HeatCommand, SaysWhatTheTemperaturesDependOn) {
   EXPECT_LT(mean(2), 0.55);
   EXPECT_GT(mean(3), 0.0);
   EXPECT_TRUE(read_file(scratch_ / "out/facets.vtk").starts_with("# vtk DataFile"));
-}
-
-/// A folder's names, sorted.
-std::vector<std::string> names_in(const std::filesystem::path& folder) {
-  std::vector<std::string> names;
-  for (const auto& entry : std::filesystem::directory_iterator(folder))
-    names.push_back(entry.path().filename().string());
-  std::sort(names.begin(), names.end());
-  return names;
-}
-
-/// Terrain of n x n squares in triangles, bumpy enough for every facet to be a class of its own.
-std::string bumps(int n) {
-  std::ostringstream obj;
-  for (int j = 0; j <= n; ++j)
-    for (int i = 0; i <= n; ++i)
-      obj << "v " << i << " " << j << " " << 0.8 * std::sin(1.7 * i) * std::cos(2.3 * j) << "\n";
-  for (int j = 0; j < n; ++j)
-    for (int i = 0; i < n; ++i) {
-      const int a = j * (n + 1) + i + 1, c = a + n + 1;
-      obj << "f " << a << " " << a + 1 << " " << c + 1 << "\nf " << a << " " << c + 1 << " " << c << "\n";
-    }
-  return obj.str();
-}
-
-/// A scene of hourly outputs until that day, and a mesh of so many facets that a run of it can be interrupted.
-void write_many_days(const Scratch& folder, const std::string& end) {
-  std::string text = kScene;
-  text.replace(text.find("end = 2026-06-22"), 16, "end = " + end);
-  text.replace(text.find("step = \"2 h\""), 12, "step = \"1 h\"");
-  write_file(folder / "scene.toml", text);
-  write_file(folder / "plates.obj", bumps(20));
-}
-
-/// `mtf heat scene.toml -o FOLDER`, interrupted as soon as a day stands in the temporary file.
-std::string interrupted(const std::string& folder) {
-  return "mtf heat scene.toml -o " + folder +
-         " & pid=$!\n"
-         "while kill -0 $pid 2>/dev/null; do\n"
-         "  [ -n \"$(find " +
-         folder +
-         " -name 'temperatures.npy.tmp.*' -size +0 2>/dev/null)\" ] && kill -INT $pid && break\n"
-         "  sleep 0.02\ndone\nwait $pid";
-}
-
-TEST_F(HeatCommand, GoesOnAfterAnInterrupt) {
-  write_many_days(scratch_, "2026-07-20");
-  const Result whole = scratch_.run("mtf heat scene.toml -o whole");
-  ASSERT_EQ(whole.status, 0) << whole.err;
-  const Result first = scratch_.run(interrupted("days"));
-  ASSERT_EQ(first.status, 130) << first.err;
-  ASSERT_NE(first.err.find("the temperatures end at"), std::string::npos) << first.err;
-  const nlohmann::json json = nlohmann::json::parse(read_file(scratch_ / "days/heat.json"));
-  EXPECT_FALSE(json.at("finished").get<bool>());
-  const std::size_t outputs = json.at("outputs").get<std::size_t>();
-  EXPECT_LT(outputs, 29U * 24U + 1U);
-  EXPECT_EQ(outputs % 24, 1U);  // whole days, and the start
-  EXPECT_EQ(lines(read_file(scratch_ / "days/times.csv")).size(), outputs + 1);
-  for (const std::string& name : names_in(scratch_ / "days")) EXPECT_EQ(name.find(".tmp."), std::string::npos) << name;
-
-  // Inputs that changed are refused, by name, and nothing is lost.
-  write_file(scratch_ / "plates.obj", bumps(19));
-  const Result mesh = scratch_.run("mtf heat scene.toml -o days");
-  EXPECT_EQ(mesh.status, 2);
-  EXPECT_NE(mesh.err.find("a mesh is not what it was"), std::string::npos) << mesh.err;
-  write_file(scratch_ / "plates.obj", bumps(20));
-  const Result tolerance = scratch_.run("mtf heat scene.toml -o days --tolerance '0.5 K'");
-  EXPECT_EQ(tolerance.status, 2);
-  const std::string state = read_file(scratch_ / "days/unfinished.bin");
-  write_file(scratch_ / "days/unfinished.bin", state.substr(0, state.size() - 8));
-  const Result damaged = scratch_.run("mtf heat scene.toml -o days");
-  EXPECT_EQ(damaged.status, 2);
-  EXPECT_NE(damaged.err.find("damaged"), std::string::npos) << damaged.err;
-  write_file(scratch_ / "days/unfinished.bin", state);
-  EXPECT_EQ(nlohmann::json::parse(read_file(scratch_ / "days/heat.json")).at("outputs"), outputs);
-
-  const Result second = scratch_.run("mtf heat scene.toml -o days");
-  ASSERT_EQ(second.status, 0) << second.err;
-  EXPECT_NE(second.err.find("going on after " + std::to_string(outputs) + " outputs"), std::string::npos) << second.err;
-  for (const char* name : {"temperatures.npy", "regions.csv", "times.csv", "facets.csv"})
-    EXPECT_TRUE(read_file(scratch_ / "days" / name) == read_file(scratch_ / "whole" / name)) << name;
-  EXPECT_FALSE(std::filesystem::exists(scratch_ / "days/unfinished.bin"));
-  const auto one = nlohmann::json::parse(read_file(scratch_ / "whole/heat.json"));
-  const auto two = nlohmann::json::parse(read_file(scratch_ / "days/heat.json"));
-  EXPECT_TRUE(two.at("finished").get<bool>());
-  for (const char* key : {"promised_K", "steps", "residual_K", "materials"}) EXPECT_EQ(one.at(key), two.at(key)) << key;
-  EXPECT_EQ(scratch_.run("mtf heat scene.toml -o days").status, 2);  // a finished one asks for --force
-}
-
-TEST_F(HeatCommand, BeginsAnewAfterAnInterruptWhereThatIsAskedFor) {
-  write_many_days(scratch_, "2026-08-20");
-  // Before anything is finished no folder stays.
-  EXPECT_EQ(scratch_.run("timeout --preserve-status -s INT 0.3 mtf heat scene.toml -o early").status, 130);
-  EXPECT_FALSE(std::filesystem::exists(scratch_ / "early"));
-  ASSERT_EQ(scratch_.run(interrupted("days")).status, 130);
-  write_file(scratch_ / "scene.toml", kScene);
-  write_file(scratch_ / "plates.obj", kPlates);
-  EXPECT_EQ(scratch_.run("mtf heat scene.toml -o days").status, 2);
-  ASSERT_EQ(scratch_.run("mtf heat scene.toml -o days --anew").status, 0);
-  EXPECT_TRUE(nlohmann::json::parse(read_file(scratch_ / "days/heat.json")).at("finished").get<bool>());
-  EXPECT_FALSE(std::filesystem::exists(scratch_ / "days/unfinished.bin"));
 }
 
 // The shipped day was made with other numbers than the file's, which it keeps: make_ground_day.py has them.
@@ -344,7 +246,7 @@ TEST(HeatFitCommand, FindsTheNumbersOfTheExample) {
   EXPECT_NE(text.find("stderr = "), std::string::npos);
   const Result again = scratch.run("mtf heat fitted.toml -o day");
   ASSERT_EQ(again.status, 0) << again.err;
-  EXPECT_EQ(lines(read_file(scratch / "day/facets.csv")).size(), 2U);
+  EXPECT_EQ(lines_of(read_file(scratch / "day/facets.csv")).size(), 2U);
   // Fitted again it stays, and the head is not doubled.
   ASSERT_EQ(scratch.run("mtf heat fitted.toml --fit -o twice.toml").status, 0);
   const std::string twice = read_file(scratch / "twice.toml");

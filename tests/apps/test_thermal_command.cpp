@@ -170,7 +170,7 @@ TEST_F(ThermalCommand, StudiesHaveItsNetdAndNep) {
     EXPECT_GT(number(first, column), 0.0);
     EXPECT_NEAR(number(second, column) / number(first, column), 2.0, 1e-9);
   }
-  write_file(scratch / "study.toml", study + ", \"signal\"]\n");
+  write_file(scratch / "study.toml", study.substr(0, study.find("list = [")) + "list = [\"signal\"]\n");
   const Result wrong = scratch.run("mtf sweep study.toml -o wrong");
   EXPECT_NE((wrong.err + wrong.out).find("a thermal detector has no electrons"), std::string::npos) << wrong.err;
 }

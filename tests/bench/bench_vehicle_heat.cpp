@@ -3,8 +3,9 @@
 // Surface temperatures of the example scene of `mtf scene demo` (177,736 facets of a tracked vehicle, 8,100 of terrain;
 // 48 h in outputs of 10 minutes, 72 directions to the sun, views and exchange between surfaces included) at several
 // tolerances: time of all threads by the processor and by the clock, stage by stage, and the promise. Arguments: the
-// tolerances in K, 1, 0.3 and 0.1 without any. With `verify` as the first the realised error too, as `mtf heat
-// --verify` has it, which is in the times then. The bar: 6 s by the clock on two cores at 0.1 K.
+// tolerances in K, 1, 0.3 and 0.1 without any. With `verify` among them the realised error too, as `mtf heat --verify`
+// has it, which is in the times then; with `seen` only what the camera of the scene sees, as with `mtf heat --seen`.
+// The bar: 6 s by the clock on two cores at 0.1 K.
 
 #include <algorithm>
 #include <cmath>
@@ -51,10 +52,10 @@ void print(const char* name, const RealisedError& error) {
       name, error.rms_k, error.percentile_95_k, error.percentile_999_k, error.largest_k, error.promised_k);
 }
 
-void run(const SceneFile& file, double tolerance_k, bool verify) {
+void run(const SceneFile& file, double tolerance_k, bool verify, bool seen) {
   const Stopwatch clock;
   const double begin_s = processor_s();
-  const HeatOptions options{.tolerance_k = tolerance_k, .verify = verify};
+  const HeatOptions options{.tolerance_k = tolerance_k, .seen = seen, .verify = verify};
   const HeatScene scene = prepare_heat(file, options);
   const HeatReport report = run_heat(
       scene, options, [](const HeatOutput&) {}, [](const std::string&, double) {});
@@ -65,6 +66,11 @@ void run(const SceneFile& file, double tolerance_k, bool verify) {
   const HeatPromise& p = report.promised;
   std::printf("\n  promise: %.2f x (%.3f solver + %.3f ground + %.3f units + %.3f exchange), %d passes\n", p.feedback,
               p.solver.total_k(), p.ground_k, p.units_k, p.exchange_k, report.iterations);
+  if (report.left_out)
+    std::printf(
+        "  left out: %zu facets of %zu, %zu units: %.3f K rms, %.3f K for 95 %%, %.3f K at most (standard errors)\n",
+        report.left_out->facets, report.facets, report.left_out->units, report.left_out->error_k.rms,
+        report.left_out->error_k.percentile_95, report.left_out->largest_k);
   for (const MaterialRun& m : report.materials)
     std::printf("  %-16s %6zu units %3zu nodes %11lld steps of facets, %7lld refused, %.4f K\n", m.name.c_str(),
                 m.units, m.nodes, static_cast<long long>(m.steps.facet_steps), static_cast<long long>(m.steps.refused),
@@ -85,10 +91,15 @@ void run(const SceneFile& file, double tolerance_k, bool verify) {
 int main(int count, char** arguments) {
   std::printf("mtfkit %s\n", std::string(mtf::version).c_str());
   const SceneFile file = load_scene(demo_scene().string());
-  const bool verify = count > 1 && std::string_view(arguments[1]) == "verify";
+  bool verify = false, seen = false;
   std::vector<double> tolerances_k;
-  for (int i = verify ? 2 : 1; i < count; ++i) tolerances_k.push_back(std::strtod(arguments[i], nullptr));
+  for (int i = 1; i < count; ++i) {
+    const std::string_view argument = arguments[i];
+    verify = verify || argument == "verify";
+    seen = seen || argument == "seen";
+    if (argument != "verify" && argument != "seen") tolerances_k.push_back(std::strtod(arguments[i], nullptr));
+  }
   if (tolerances_k.empty()) tolerances_k = {1.0, 0.3, 0.1};
-  for (const double tolerance_k : tolerances_k) run(file, tolerance_k, verify);
+  for (const double tolerance_k : tolerances_k) run(file, tolerance_k, verify, seen);
   return 0;
 }

@@ -3,6 +3,7 @@
 // `mtf heat`: a scene file to a folder of temperatures.
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -60,6 +61,7 @@ void write_mesh_of(const std::string& path, const HeatScene& scene, std::span<co
     const std::uint32_t facet = facets.facet_of[t];
     for (const std::uint32_t corner : facets.triangles[t]) {
       mesh.corners.push_back(corner);
+      if (std::isnan(facet_k[facet])) continue;  // not asked for
       sum[corner] += facets.facet[facet].area_m2 * facet_k[facet];
       area[corner] += facets.facet[facet].area_m2;
     }
@@ -69,7 +71,8 @@ void write_mesh_of(const std::string& path, const HeatScene& scene, std::span<co
     of_face.push_back(static_cast<float>(facet_k[facet]));
   }
   std::vector<float> of_vertex;
-  for (std::size_t v = 0; v < sum.size(); ++v) of_vertex.push_back(static_cast<float>(sum[v] / area[v]));
+  for (std::size_t v = 0; v < sum.size(); ++v)
+    of_vertex.push_back(area[v] > 0.0 ? static_cast<float>(sum[v] / area[v]) : std::nanf(""));
   const auto write = vtk ? write_vtk : write_ply;
   write(path, mesh, {{"temperature", of_vertex}}, {{"temperature", of_face}});
 }
@@ -79,6 +82,14 @@ std::string covered_text(const HeatScene& scene, const HeatReport& report) {
   for (const auto& [name, count] : covered_by_region(scene, report))
     names += (names.empty() ? "" : ", ") + one_line(name) + " " + std::to_string(count);
   return "facets inside other solids, without sun and sky: " + names + "\n";
+}
+
+std::string left_out_text(const HeatReport& report) {
+  const LeftOut& out = *report.left_out;
+  return "the camera sees " + std::to_string(report.facets - out.facets) + " facets, of which regions are the means; " +
+         std::to_string(out.units) + " classes that it does not see are left out, which changes the others by " +
+         significant(out.error_k.rms, 2) + " K rms, " + significant(out.error_k.percentile_95, 2) +
+         " K for 95 %, at most " + significant(out.largest_k, 2) + " K (standard errors)\n";
 }
 
 std::string error_text(const RealisedError& error) {
@@ -103,7 +114,8 @@ std::string summary_text(const HeatScene& scene, const HeatReport& report, const
       most = std::max(most, regions[r].most_k);
       mean += regions[r].mean_k / static_cast<double>(files.regions().size());
     }
-    table.add({one_line(scene.file.regions[r].name), fixed(least, 2), fixed(mean, 2), fixed(most, 2)});
+    const auto cell = [](double kelvin) { return std::isnan(kelvin) ? std::string("not seen") : fixed(kelvin, 2); };
+    table.add({one_line(scene.file.regions[r].name), cell(least), cell(mean), cell(most)});
   }
   const HeatPromise& p = report.promised;
   std::string text = table.aligned({Align::left, Align::right, Align::right, Align::right});
@@ -113,12 +125,15 @@ std::string summary_text(const HeatScene& scene, const HeatReport& report, const
   if (!report.covered.empty()) text += covered_text(scene, report);
   text += "promised error " + significant(p.total_k(), 2) + " K: " + significant(p.feedback, 3) + " (exchange) x (" +
           significant(p.solver.total_k(), 2) + " steps and cells + " + significant(p.ground_k, 2) + " ground + " +
-          significant(p.units_k, 2) + " classes + " + significant(p.exchange_k, 2) + " iteration of the exchange)\n";
+          significant(p.units_k, 2) + " classes + " + significant(p.exchange_k, 2) + " iteration of the exchange" +
+          ")\n";
   const ViewSpread& spread = report.view_spread;
   text += "measured, not in it: views of facets against those of their class " + significant(spread.error_k.rms, 2) +
           " K rms, " + significant(spread.error_k.percentile_95, 2) + " K for 95 %, at most " +
           significant(spread.largest_k, 2) + " K; shadows " + significant(100.0 * report.sun_error.rms, 2) +
-          " % of the direct light rms\nmodels of convection and sky: 1 to 3 K\n";
+          " % of the direct light rms\n";
+  if (report.left_out) text += left_out_text(report);
+  text += "models of convection and sky: 1 to 3 K\n";
   if (report.verified) text += verification_text(*report.verified);
   double total = 0.0;
   std::string times;
@@ -183,6 +198,7 @@ int run_heat(const HeatCommandOptions& options, const Global& global) {
                            .rays = options.rays,
                            .sun_points = options.sun_points,
                            .every_facet = options.every_facet,
+                           .seen = options.seen,
                            .verify = options.verify,
                            .threads = global.threads,
                            .go_on = [&] { return !interrupt.asked(); }};
@@ -203,6 +219,9 @@ int run_heat(const HeatCommandOptions& options, const Global& global) {
   }
   std::vector<radiometry::scene::Hit> seen;
   if (file.camera) seen = camera_hits(scene, *file.camera);
+  if (options.seen)
+    for (const radiometry::scene::Hit& hit : seen)
+      if (hits(hit)) scene.seen[hit.facet] = true;
   if (file.camera && seen.empty())
     note(global, "warning: [camera] sees nothing of the scene, so there is no picture of it");
   if (const auto mesh = mesh_around_camera(scene, seen))

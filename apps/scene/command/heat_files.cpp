@@ -2,6 +2,7 @@
 #include "apps/scene/command/heat_files.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "apps/terminal/output.h"
@@ -12,8 +13,8 @@ namespace apps::scene {
 
 HeatFiles::HeatFiles(std::string folder, const HeatScene& scene)
     : folder_(std::move(folder)), scene_(scene), region_area_m2_(scene.file.regions.size(), 0.0) {
-  for (std::size_t f = 0; f < scene.region.size(); ++f)
-    region_area_m2_[scene.region[f]] += scene.facets().facet[f].area_m2;
+  for (std::uint32_t f = 0; f < scene.region.size(); ++f)
+    if (scene.is_seen(f)) region_area_m2_[scene.region[f]] += scene.facets().facet[f].area_m2;
   front_ = std::make_unique<NpyFile>(at("temperatures.npy"), scene.facets().size());
   for (std::uint32_t f = 0; f < scene.facets().size() && !back_; ++f)
     if (scene.is_sheet(f)) back_ = std::make_unique<NpyFile>(at("temperatures_back.npy"), scene.facets().size());
@@ -39,11 +40,16 @@ void HeatFiles::append(const HeatOutput& output) {
   for (std::size_t f = 0; f < output.front_k.size(); ++f) {
     RegionTemperature& region = regions[scene_.region[f]];
     const double kelvin = output.front_k[f], area = scene_.facets().facet[f].area_m2;
+    if (std::isnan(kelvin)) continue;  // not asked for
     region.least_k = std::min(region.least_k, kelvin);
     region.most_k = std::max(region.most_k, kelvin);
     region.mean_k += area * kelvin;
   }
-  for (std::size_t r = 0; r < regions.size(); ++r) regions[r].mean_k /= region_area_m2_[r];
+  constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+  for (std::size_t r = 0; r < regions.size(); ++r) {
+    regions[r].mean_k /= region_area_m2_[r];
+    if (region_area_m2_[r] == 0.0) regions[r] = {kUnknown, kUnknown, kUnknown};
+  }
   regions_.push_back(std::move(regions));
   times_s_.push_back(output.time_s);
 }
@@ -80,8 +86,10 @@ void HeatFiles::commit(const HeatReport& report, const HeatOptions& options) {
     times += std::to_string(i) + "," + when + "," + csv_number(times_s_[i]) + "\n";
     for (std::size_t r = 0; r < regions_[i].size(); ++r) {
       const RegionTemperature& region = regions_[i][r];
-      regions += when + "," + csv_field(scene_.file.regions[r].name) + "," + fixed(region.least_k, 4) + "," +
-                 fixed(region.mean_k, 4) + "," + fixed(region.most_k, 4) + "\n";
+      regions += when + "," + csv_field(scene_.file.regions[r].name);
+      for (const double kelvin : {region.least_k, region.mean_k, region.most_k})
+        regions += "," + (std::isnan(kelvin) ? std::string() : fixed(kelvin, 4));
+      regions += "\n";
     }
   }
   front_->commit();

@@ -3,9 +3,10 @@
 
 // The folder that `mtf heat` writes:
 //   times.csv             output, time (UTC), seconds from the start
-//   regions.csv           time, region, least, mean (by area) and largest temperature
+//   regions.csv           time, region, least, mean (by area) and largest temperature of the facets that are asked for,
+//                         empty where there is none
 //   facets.csv            facet, mesh, region, material, area, centre, normal
-//   temperatures.npy      float32, output times x facets, K; the front of sheets
+//   temperatures.npy      float32, output times x facets, K; the front of sheets; NaN where it is not asked for
 //   temperatures_back.npy where there are sheets: their back, NaN for other facets
 //   heat.json             closures, classes, steps, promise, residuals, times
 // and, where it was interrupted, unfinished.bin (unfinished_run.h).

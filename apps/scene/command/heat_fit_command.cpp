@@ -31,9 +31,9 @@ std::string outcome_of(const HeatFit& fit) {
 }  // namespace
 
 int run_heat_fit(const HeatCommandOptions& options, const Global& global) {
-  if (options.ply || options.vtk || options.sensitivity || options.every_facet)
+  if (options.ply || options.vtk || options.sensitivity || options.every_facet || options.seen)
     throw mtf::UsageError(
-        "--fit solves the ground alone: --ply, --vtk, --sensitivity and --every-facet do not go with it");
+        "--fit solves the ground alone: --ply, --vtk, --sensitivity, --every-facet and --seen do not go with it");
   std::vector<mtf::io::Diagnostic> findings;
   const SceneFile file = load_scene(options.scene, &findings);
   std::vector<std::string> outputs{options.out, options.fit_report};

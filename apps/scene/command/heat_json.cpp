@@ -52,6 +52,19 @@ Json covered_json(const HeatScene& scene, const HeatReport& report) {
   return regions;
 }
 
+/// null where all facets are asked for.
+Json seen_json(const HeatReport& report) {
+  if (!report.left_out) return nullptr;
+  return {{"facets", report.facets - report.left_out->facets},
+          {"facets_left_out", report.left_out->facets},
+          {"classes_left_out", report.left_out->units},
+          {"error_K",
+           {{"rms", report.left_out->error_k.rms},
+            {"percentile_95", report.left_out->error_k.percentile_95},
+            {"largest", report.left_out->largest_k},
+            {"count", report.left_out->error_k.count}}}};
+}
+
 Json realised_json(const HeatScene& scene, const RealisedError& error) {
   return {{"rms_K", error.rms_k},
           {"percentile_95_K", error.percentile_95_k},
@@ -104,6 +117,7 @@ std::string heat_json(const HeatScene& scene, const HeatReport& report, const He
                      {"classes", report.units},
                      {"patches", report.patches},
                      {"covered_facets", covered_json(scene, report)},
+                     {"seen", seen_json(report)},
                      {"steps", steps},
                      {"tolerance_K", options.tolerance_k},
                      {"promised_K", p.total_k()},

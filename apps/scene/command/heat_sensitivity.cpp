@@ -67,6 +67,7 @@ std::vector<Change> changes() {
 std::vector<double> means_of(const HeatScene& scene, std::span<const double> facet_k) {
   std::vector<double> sum(scene.file.regions.size(), 0.0), area(sum.size(), 0.0);
   for (std::size_t f = 0; f < facet_k.size(); ++f) {
+    if (std::isnan(facet_k[f])) continue;  // not asked for
     const double of_facet = scene.facets().facet[f].area_m2;
     sum[scene.region[f]] += of_facet * facet_k[f];
     area[scene.region[f]] += of_facet;
@@ -81,12 +82,14 @@ std::vector<RegionChange> difference(const RegionMeans& changed, const RegionMea
     for (std::size_t r = 0; r < regions.size(); ++r) {
       const double kelvin = changed[i][r] - base[i][r];
       regions[r].mean_k += kelvin / static_cast<double>(base.size());
-      if (std::abs(kelvin) > std::abs(regions[r].largest_k)) regions[r].largest_k = kelvin;
+      if (!(std::abs(kelvin) <= std::abs(regions[r].largest_k))) regions[r].largest_k = kelvin;
     }
   return regions;
 }
 
-std::string signed_text(double kelvin) { return (kelvin < 0.0 ? "" : "+") + fixed(kelvin, 2); }
+std::string signed_text(double kelvin) {
+  return std::isnan(kelvin) ? "not seen" : (kelvin < 0.0 ? "" : "+") + fixed(kelvin, 2);
+}
 
 }  // namespace
 

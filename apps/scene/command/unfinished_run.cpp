@@ -3,6 +3,7 @@
 
 #include <fstream>
 #include <iterator>
+#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "apps/terminal/output.h"
@@ -18,6 +19,11 @@ constexpr std::string_view kMagic = "mtf heat, unfinished\n";
 [[noreturn]] void refuse(const std::string& folder, const std::string& why) {
   throw mtf::UsageError(one_line(folder) + " holds a run that was interrupted, " + why +
                         "; --anew begins again and replaces it");
+}
+
+/// JSON has no NaN: that of a region that the camera does not see is null.
+double kelvin_of(const Json& number) {
+  return number.is_null() ? std::numeric_limits<double>::quiet_NaN() : number.get<double>();
 }
 
 }  // namespace
@@ -50,8 +56,7 @@ UnfinishedRun read_unfinished(const std::string& folder, const Fingerprints& now
       run.outputs.regions.emplace_back();
       for (std::size_t r = 0; r < regions / outputs; ++r) {
         const Json& one = head.at("regions").at(i * (regions / outputs) + r);
-        run.outputs.regions.back().push_back(
-            {one.at(0).get<double>(), one.at(1).get<double>(), one.at(2).get<double>()});
+        run.outputs.regions.back().push_back({kelvin_of(one.at(0)), kelvin_of(one.at(1)), kelvin_of(one.at(2))});
       }
     }
     for (std::size_t i = 0; i < now.size(); ++i)

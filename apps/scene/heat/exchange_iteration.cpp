@@ -158,8 +158,8 @@ Relaxed HeatBatches::solve(const Window& window, bool first, double tolerance_k,
       emitted_[e] = all[e];
     }
     fill_longwave(patch, emitted_, light_);
-    const std::vector<double> change = changes(patch, of_all, light_.longwave),
-                              change_again = changes(patch, of_again, light_.longwave);
+    const std::vector<double> change = changes(patch, of_all, light_.longwave, solved_receivers_),
+                              change_again = changes(patch, of_again, light_.longwave, solved_receivers_);
     relaxed.error_k = 0.0;
     std::vector<std::vector<std::uint32_t>> places(batches_.size());
     bool enough = true;
@@ -190,7 +190,9 @@ Relaxed HeatBatches::solve(const Window& window, bool first, double tolerance_k,
     run_again(places, first);
     of_again = light_.longwave;
   }
-  relaxed.error_k += (parabola_error(patch, light_.longwave) + parabola_error(patch, light_.solar)) / loss_w_m2_k;
+  relaxed.error_k += (parabola_error(patch, light_.longwave, solved_receivers_) +
+                      parabola_error(patch, light_.solar, solved_receivers_)) /
+                     loss_w_m2_k;
   for (Batch& batch : batches_) {
     batch.all.begin = std::move(batch.all.end);
     batch.sample.begin = std::move(batch.sample.end);

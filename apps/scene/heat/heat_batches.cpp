@@ -73,9 +73,10 @@ HeatBatches::HeatBatches(const HeatScene& scene, const Units& units, const Groun
       tolerance_k_(tolerance_k),
       threads_(threads),
       means_(patch_means(units)) {
+  const std::vector<bool> solved = solved_units(units, scene);
   for (std::uint32_t i = 0; i < units.unit.size(); ++i) {
     const Unit& unit = units.unit[i];
-    if (unit.given) continue;
+    if (unit.given || !solved[i]) continue;
     if (batches_.empty() || batches_.back().material != *unit.material) {
       batches_.emplace_back();
       batches_.back().material = *unit.material;
@@ -84,12 +85,27 @@ HeatBatches::HeatBatches(const HeatScene& scene, const Units& units, const Groun
     }
     batches_.back().all.unit.push_back(i);
   }
-  emission_.assign(units.exchange.receivers(), 0.0);
-  for_receivers(units, [&](std::size_t r, const Unit&, const UnitSide& side) {
-    emission_[r] = units.exchange.receiver_area_m2[r] / units.exchange.area_m2[units.exchange.patch_of[r]] *
-                   side.emissivity * radiometry::kStefanBoltzmann_w_m2_k4;
+  // Shares of the area of a patch that is solved or given.
+  std::vector<double> share(units.exchange.receivers(), 0.0), area_m2(units.exchange.patches(), 0.0);
+  const auto has_temperature = [&](const Unit& unit) {
+    return unit.given || solved[static_cast<std::size_t>(&unit - units.unit.data())];
+  };
+  for_receivers(units, [&](std::size_t r, const Unit& unit, const UnitSide&) {
+    if (has_temperature(unit)) area_m2[units.exchange.patch_of[r]] += units.exchange.receiver_area_m2[r];
   });
-  const std::vector<bool> sampled = sampled_units(units, scene.surroundings);
+  emission_.assign(units.exchange.receivers(), 0.0);
+  for_receivers(units, [&](std::size_t r, const Unit& unit, const UnitSide& side) {
+    if (!has_temperature(unit)) return;
+    share[r] = units.exchange.receiver_area_m2[r] / area_m2[units.exchange.patch_of[r]];
+    emission_[r] = share[r] * side.emissivity * radiometry::kStefanBoltzmann_w_m2_k4;
+    if (unit.given) return;
+    solved_receivers_.push_back(static_cast<std::uint32_t>(r));
+    if (unit.paired) solved_receivers_.push_back(static_cast<std::uint32_t>(unit.back_receiver));
+  });
+  std::ranges::sort(solved_receivers_);
+  const auto repeated = std::ranges::unique(solved_receivers_);
+  solved_receivers_.erase(repeated.begin(), repeated.end());
+  const std::vector<bool> sampled = sampled_units(units, scene);
   sampled_share_.assign(units.exchange.patches(), 0.0);
   for (Batch& batch : batches_) {
     for (const std::uint32_t i : batch.all.unit)
@@ -107,8 +123,7 @@ HeatBatches::HeatBatches(const HeatScene& scene, const Units& units, const Groun
       const Unit& unit = units.unit[i];
       for (std::size_t r = unit.receiver; r <= unit.receiver + (unit.has_own_back() ? 1 : 0); ++r) {
         sampled_receivers_.push_back(static_cast<std::uint32_t>(r));
-        const std::uint32_t p = units.exchange.patch_of[r];
-        sampled_share_[p] += units.exchange.receiver_area_m2[r] / units.exchange.area_m2[p];
+        sampled_share_[units.exchange.patch_of[r]] += share[r];
       }
     }
   }

@@ -16,6 +16,10 @@
 // steps of the second of the three runs. Its error is 4/3 of the difference to the first; the promise is twice the
 // difference.
 
+//
+// Where only a part of the scene is asked for (HeatScene::seen), "all units" are those and the sample: a patch that is
+// not asked for emits what its sample does (seen/left_out.h).
+
 #include <optional>
 
 #include "apps/scene/heat/unit_flux.h"
@@ -59,7 +63,7 @@ class HeatBatches {
   Relaxed solve(const Window& window, bool first, double tolerance_k, double loss_w_m2_k, double ratio_bound);
 
   /// The temperature of a receiver (Unit::receiver, and the next one for the back of a sheet) at a node of the window
-  /// solved last.
+  /// solved last; 0 where it is not solved.
   double receiver_k(std::size_t node, std::size_t receiver) const {
     return receiver_k_[2 * (node - window_.first) * units_.exchange.receivers() + receiver];
   }
@@ -140,8 +144,11 @@ class HeatBatches {
   Window window_;
   std::vector<double> receiver_k_;  ///< [moment of the window * receivers + receiver]
   int samples_ = 0;                 ///< runs of the sample in this window
-  std::vector<double> emission_;    ///< of each receiver: epsilon sigma, times its area over that of its patch
+  /// Of each receiver: epsilon sigma, times its area over that of its patch, or of what is solved of the patch; 0 for
+  /// what is not solved.
+  std::vector<double> emission_;
   std::vector<std::uint32_t> sampled_receivers_;
+  std::vector<std::uint32_t> solved_receivers_;  ///< also those that are the other end of a wall
   std::vector<double> sampled_share_;  ///< of each patch: the part of its area that the units of the sample have
   std::vector<double> given_;          ///< what patches of given temperature emit, times area / area of the patch
   std::vector<double> emitted_;        ///< [moment * patches + patch], W/m2

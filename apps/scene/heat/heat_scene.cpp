@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "apps/scene/heat/opposite_walls.h"
+#include "apps/scene/heat/seen/seen_facets.h"
 #include "apps/scene/heat/stopwatch.h"
 #include "apps/text/words.h"
 #include "mtf/error.h"
@@ -57,6 +58,16 @@ void read_tables(HeatScene& scene) {
                             one_line(scene.region_of(f).name) + "' has no temperature");
 }
 
+void find_seen(HeatScene& scene, int threads) {
+  const Stopwatch watch;
+  const std::string where = one_line(scene.file.file) + ": what the camera sees is asked for, ";
+  if (!scene.file.camera) throw mtf::UsageError(where + "and there is no [camera]");
+  scene.seen = seen_facets(scene, scene.file.camera->position_m, threads);
+  if (std::ranges::find(scene.seen, true) == scene.seen.end())
+    throw mtf::UsageError(where + "and [camera] sees no facet from its position");
+  scene.timing_ms.emplace_back("seen", watch.ms());
+}
+
 }  // namespace
 
 bool HeatScene::is_sheet(std::uint32_t facet) const {
@@ -102,6 +113,7 @@ HeatScene prepare_heat(const SceneFile& file, const HeatOptions& options) {
   read_tables(scene);
   pair_walls(scene, options.threads);
   warn_of_seen_backs(scene, options.threads);
+  if (options.seen) find_seen(scene, options.threads);
   return scene;
 }
 

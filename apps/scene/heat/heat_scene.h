@@ -25,8 +25,11 @@ struct HeatOptions {
   int sun_points = 4;        ///< of each facet
   std::size_t patches = 500;  ///< that surfaces exchange radiation by, at most
   bool every_facet = false;   ///< no facets are solved as one but those that others cover
-  bool verify = false;        ///< the realised error too, by runs at a tenth of the tolerance; all facets for tables
-  int threads = 0;            ///< 0: all cores; results do not depend on it
+  /// Temperatures of those facets alone that the camera of the scene can see (seen/seen_facets.h), which it has to
+  /// have.
+  bool seen = false;
+  bool verify = false;  ///< the realised error too, by runs at a tenth of the tolerance; all facets for tables
+  int threads = 0;      ///< 0: all cores; results do not depend on it
   /// On how many of `all` facets the errors of tables are measured.
   std::size_t measured(std::size_t all) const { return verify ? all : 2000; }
   /// Asked after each day; false ends the run with the outputs that are finished.
@@ -48,10 +51,14 @@ struct HeatScene {
 
   std::vector<std::optional<FacetTable>> tables{};  ///< of each region, where facets have temperatures of their own
 
+  std::vector<bool> seen{};  ///< of each facet, where only those that the camera sees are asked for; else empty
+
   /// The temperature that a facet has been given, at seconds from the start of the run.
   double given_k(std::uint32_t facet, double time_s) const;
   const radiometry::scene::Facets& facets() const { return rays.facets(); }
   const RegionSection& region_of(std::uint32_t facet) const { return file.regions[region[facet]]; }
+  /// Whether the temperature of the facet is asked for.
+  bool is_seen(std::uint32_t facet) const { return seen.empty() || seen[facet]; }
   /// Whether the facet is solved with two exposed sides.
   bool is_sheet(std::uint32_t facet) const;
   /// The facet on the other side of its wall, kNone without.
@@ -60,7 +67,8 @@ struct HeatScene {
   std::size_t material_of(std::uint32_t facet) const;
 };
 
-/// Reads weather and meshes. Throws as surroundings_of and read_surfaces.
+/// Reads weather and meshes. Throws as surroundings_of and read_surfaces, and UsageError where what the camera sees is
+/// asked for and there is none, or it sees nothing.
 HeatScene prepare_heat(const SceneFile& file, const HeatOptions& options);
 
 }  // namespace apps::scene

@@ -14,7 +14,8 @@ namespace apps::scene {
 namespace {
 
 namespace geometry = radiometry::scene;
-constexpr double kTolerance = 1e-9;  // of the radiosity, relative
+// Of the irradiance, relative; the radiosity, which is kept in single precision, has that times the reflectance.
+constexpr double kTolerance = 1e-7;
 
 struct AddScaled {
   template <int Bytes>
@@ -157,32 +158,58 @@ PatchMeans patch_means(const Units& units) {
   return means;
 }
 
-void fill_solar(const PatchScene& scene, PatchLight& light) {
+namespace {
+
+/// What each patch gets of the beams of all moments: [patch * moments + moment], W/m2.
+std::vector<double> direct_of_patches(const PatchScene& scene, const std::vector<Beam>& beams) {
   const Units& units = *scene.units;
-  const Surroundings& s = *scene.surroundings;
   const geometry::Exchange& exchange = units.exchange;
-  mtf::parallel_for(
-      static_cast<std::int64_t>(light.moments()), 1, scene.threads, [&](std::int64_t begin, std::int64_t end) {
-        const std::vector<double> none(exchange.patches(), 0.0);
-        std::vector<double> direct;
-        for (auto m = static_cast<std::size_t>(begin); m < static_cast<std::size_t>(end); ++m) {
-          if (at_moment(s.global_w_m2, light.first, m) <= 0.0) continue;
-          // A node belongs to the interval before it where that is the one in which the sun is up.
-          const std::size_t node = light.first + m / 2;
-          const bool from_before = m % 2 == 0 && node > 0 && (node + 1 == s.nodes() || s.shadow_entry[node] < 0);
-          const Beam beam = from_before ? beam_at(s, node - 1, 1.0) : beam_at(s, node, m % 2 == 0 ? 0.0 : 0.5);
-          direct.assign(exchange.patches(), 0.0);
-          if (beam.irradiance_w_m2 > 0.0)
-            for_receivers(units, [&](std::size_t i, const Unit&, const UnitSide& side) {
-              const std::uint32_t p = exchange.patch_of[i];
-              direct[p] += exchange.receiver_area_m2[i] / exchange.area_m2[p] * direct_w_m2(side, units.sun, beam);
-            });
-          solve_moment(
-              scene,
-              {at_moment(s.diffuse_w_m2, light.first, m), at_moment(scene.ground->solar_w_m2, light.first, m), direct},
-              none, scene.means->solar_reflectance, m, false, light.solar);
-        }
-      });
+  struct Member {
+    std::size_t receiver;
+    const UnitSide* side;
+  };
+  std::vector<std::vector<Member>> members(exchange.patches());
+  for_receivers(units, [&](std::size_t i, const Unit&, const UnitSide& side) {
+    members[exchange.patch_of[i]].push_back({i, &side});
+  });
+  std::vector<double> direct(exchange.patches() * beams.size(), 0.0);
+  mtf::parallel_for(static_cast<std::int64_t>(exchange.patches()), 4, scene.threads,
+                    [&](std::int64_t begin, std::int64_t end) {
+                      for (auto p = static_cast<std::size_t>(begin); p < static_cast<std::size_t>(end); ++p)
+                        for (const Member& member : members[p]) {
+                          const double share = exchange.receiver_area_m2[member.receiver] / exchange.area_m2[p];
+                          for (std::size_t m = 0; m < beams.size(); ++m)
+                            direct[p * beams.size() + m] += share * direct_w_m2(*member.side, units.sun, beams[m]);
+                        }
+                    });
+  return direct;
+}
+
+}  // namespace
+
+void fill_solar(const PatchScene& scene, PatchLight& light) {
+  const Surroundings& s = *scene.surroundings;
+  const std::size_t patches = scene.units->exchange.patches(), moments = light.moments();
+  std::vector<Beam> beams(moments);
+  for (std::size_t m = 0; m < moments; ++m) {
+    if (at_moment(s.global_w_m2, light.first, m) <= 0.0) continue;
+    // A node belongs to the interval before it where that is the one in which the sun is up.
+    const std::size_t node = light.first + m / 2;
+    const bool from_before = m % 2 == 0 && node > 0 && (node + 1 == s.nodes() || s.shadow_entry[node] < 0);
+    beams[m] = from_before ? beam_at(s, node - 1, 1.0) : beam_at(s, node, m % 2 == 0 ? 0.0 : 0.5);
+  }
+  const std::vector<double> direct = direct_of_patches(scene, beams);
+  mtf::parallel_for(static_cast<std::int64_t>(moments), 1, scene.threads, [&](std::int64_t begin, std::int64_t end) {
+    const std::vector<double> none(patches, 0.0);
+    std::vector<double> here(patches);
+    for (auto m = static_cast<std::size_t>(begin); m < static_cast<std::size_t>(end); ++m) {
+      if (at_moment(s.global_w_m2, light.first, m) <= 0.0) continue;
+      for (std::size_t p = 0; p < patches; ++p) here[p] = direct[p * moments + m];
+      solve_moment(
+          scene, {at_moment(s.diffuse_w_m2, light.first, m), at_moment(scene.ground->solar_w_m2, light.first, m), here},
+          none, scene.means->solar_reflectance, m, false, light.solar);
+    }
+  });
 }
 
 void fill_longwave(const PatchScene& scene, std::span<const double> emitted, PatchLight& light) {
@@ -199,28 +226,29 @@ void fill_longwave(const PatchScene& scene, std::span<const double> emitted, Pat
       });
 }
 
-std::vector<double> changes(const PatchScene& scene, const PatchTable& before, const PatchTable& after) {
+std::vector<double> changes(const PatchScene& scene, const PatchTable& before, const PatchTable& after,
+                            std::span<const std::uint32_t> receivers) {
   const PatchTable change = difference(before, after);
-  return of_each(scene.units->exchange.receivers(), scene.threads,
-                 [&](std::size_t receiver, std::vector<float>& series) {
-                   return most_of(change, *scene.units, receiver, series);
-                 });
+  const std::vector<double> some = of_each(
+      receivers.size(), scene.threads,
+      [&](std::size_t i, std::vector<float>& series) { return most_of(change, *scene.units, receivers[i], series); });
+  std::vector<double> all(scene.units->exchange.receivers(), 0.0);
+  for (std::size_t i = 0; i < some.size(); ++i) all[receivers[i]] = some[i];
+  return all;
 }
 
 double largest_change(const PatchScene& scene, const PatchTable& before, const PatchTable& after,
                       std::span<const std::uint32_t> receivers) {
-  const PatchTable change = difference(before, after);
-  const std::vector<double> all = of_each(
-      receivers.size(), scene.threads,
-      [&](std::size_t i, std::vector<float>& series) { return most_of(change, *scene.units, receivers[i], series); });
+  const std::vector<double> all = changes(scene, before, after, receivers);
   return all.empty() ? 0.0 : *std::max_element(all.begin(), all.end());
 }
 
-double parabola_error(const PatchScene& scene, const PatchTable& table) {
+double parabola_error(const PatchScene& scene, const PatchTable& table, std::span<const std::uint32_t> receivers) {
   constexpr double kOff = 4.0 / 124.7;  // of the change of the second difference
   const std::size_t intervals = table.moments / 2;
   if (intervals < 3) return 0.0;
-  const auto error_at = [&](std::size_t receiver, std::vector<float>& series) {
+  const auto error_at = [&](std::size_t place, std::vector<float>& series) {
+    const std::size_t receiver = receivers[place];
     table.irradiance(*scene.units, receiver, series);
     const double share = PatchTable::share(*scene.units, receiver);
     const auto second = [&](std::size_t i) {
@@ -238,12 +266,8 @@ double parabola_error(const PatchScene& scene, const PatchTable& table) {
     }
     return kOff * most;
   };
-  const std::vector<double> errors = of_each(scene.units->exchange.receivers(), scene.threads, error_at);
-  double worst = 0.0;
-  for_receivers(*scene.units, [&](std::size_t receiver, const Unit& unit, const UnitSide&) {
-    if (!unit.given) worst = std::max(worst, errors[receiver]);
-  });
-  return worst;
+  const std::vector<double> errors = of_each(receivers.size(), scene.threads, error_at);
+  return errors.empty() ? 0.0 : *std::max_element(errors.begin(), errors.end());
 }
 
 }  // namespace apps::scene

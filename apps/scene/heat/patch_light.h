@@ -65,16 +65,19 @@ void fill_solar(const PatchScene& scene, PatchLight& light);
 /// From what patches emit, W/m2, [moment * patches + patch].
 void fill_longwave(const PatchScene& scene, std::span<const double> emitted, PatchLight& light);
 
-/// Of each receiver, the largest difference of what it gets between two tables, W/m2.
-std::vector<double> changes(const PatchScene& scene, const PatchTable& before, const PatchTable& after);
+/// Of some receivers, the largest difference of what each gets between two tables, W/m2, at the place of the receiver
+/// in a list of all; 0 for others.
+std::vector<double> changes(const PatchScene& scene, const PatchTable& before, const PatchTable& after,
+                            std::span<const std::uint32_t> receivers);
 
-/// The largest of these of some receivers.
+/// The largest of these.
 double largest_change(const PatchScene& scene, const PatchTable& before, const PatchTable& after,
                       std::span<const std::uint32_t> receivers);
 
 /// What parabolas through the moments of each interval are off by: from the change of the second difference from
 /// interval to interval, the smaller one at both ends, since a bend at a node is no error. A cubic with the third
 /// derivative f''' is off by at most f''' h^3 / (72 sqrt(3)), and its second differences change by f''' h^3 / 4.
-double parabola_error(const PatchScene& scene, const PatchTable& table);
+/// The largest of some receivers.
+double parabola_error(const PatchScene& scene, const PatchTable& table, std::span<const std::uint32_t> receivers);
 
 }  // namespace apps::scene

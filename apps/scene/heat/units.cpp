@@ -7,6 +7,7 @@
 #include <numeric>
 #include <set>
 
+#include "apps/scene/heat/sides.h"
 #include "apps/scene/heat/stopwatch.h"
 #include "apps/text/words.h"
 #include "mtf/error.h"
@@ -19,28 +20,6 @@ namespace geometry = radiometry::scene;
 using geometry::Side;
 
 constexpr std::uint32_t kTilts = 1024;  // steps of the vertical component of the normal that buoyancy depends on
-
-/// The fronts of all facets, then the backs of sheets; where the back of each facet stands: for a pair, the front of
-/// the opposite facet.
-struct Sides {
-  std::vector<Side> sides;
-  std::vector<std::uint32_t> back_of;  ///< of each facet, kNone without
-};
-
-Sides sides_of(const HeatScene& scene) {
-  Sides all;
-  const auto facets = static_cast<std::uint32_t>(scene.facets().size());
-  all.back_of.assign(facets, geometry::kNone);
-  for (std::uint32_t f = 0; f < facets; ++f) all.sides.push_back({f, false});
-  for (std::uint32_t f = 0; f < facets; ++f)
-    if (const std::uint32_t opposite = scene.opposite_of(f); opposite != geometry::kNone) {
-      all.back_of[f] = opposite;
-    } else if (scene.is_sheet(f)) {
-      all.back_of[f] = static_cast<std::uint32_t>(all.sides.size());
-      all.sides.push_back({f, true});
-    }
-  return all;
-}
 
 /// Facets of a table whose mean temperatures are within 1 K radiate alike: the step of a facet's.
 std::uint32_t temperature_step(const HeatScene& scene, std::uint32_t facet) {
@@ -193,37 +172,6 @@ void add_seen_kinds(const HeatScene& scene, const std::vector<Side>& sides, cons
   }
 }
 
-/// Whether no ray from a side left the scene, nor met anything but the inside of the solid that covers it: then it sees
-/// its own patch alone.
-std::vector<bool> covered_sides(const geometry::Views& seen) {
-  std::vector<bool> covered(seen.size());
-  for (std::size_t i = 0; i < seen.size(); ++i) {
-    const std::uint64_t first = seen.patches.first[i], count = seen.patches.first[i + 1] - first;
-    covered[i] = seen.ground[i] == 0.0 && seen.sky_share(i) == 0.0 && count == 1 && seen.patches.column[first] == i;
-  }
-  return covered;
-}
-
-/// Shadows of the sides that see any sky; the others are dark.
-geometry::SunVisibility sun_of(const HeatScene& scene, const std::vector<Side>& sides, const geometry::Views& seen,
-                               const geometry::SunOptions& options) {
-  std::vector<Side> open;
-  std::vector<std::size_t> row;
-  for (std::size_t i = 0; i < sides.size(); ++i)
-    if (seen.sky_share(i) > 0.0) {
-      open.push_back(sides[i]);
-      row.push_back(i);
-    }
-  const std::vector<geometry::Vector>& to_sun = scene.surroundings.shadow_to_sun;
-  const geometry::SunVisibility traced = sun_visibility(scene.rays, open, to_sun, options);
-  geometry::SunVisibility sun{options.points, to_sun.size(),
-                              std::vector<std::uint8_t>(sides.size() * to_sun.size(), 0)};
-  for (std::size_t i = 0; i < row.size(); ++i)
-    std::copy_n(traced.lit.begin() + static_cast<std::ptrdiff_t>(i * to_sun.size()), to_sun.size(),
-                sun.lit.begin() + static_cast<std::ptrdiff_t>(row[i] * to_sun.size()));
-  return sun;
-}
-
 /// Covered sides of one finish are one class, whatever else is merged.
 void merge_covered(const std::vector<geometry::SideFinish>& finish, const std::vector<bool>& covered,
                    geometry::Classes& classes) {
@@ -280,18 +228,6 @@ UnitSide side_of(const HeatScene& scene, const Unit& unit, std::uint32_t facet, 
   return side;
 }
 
-/// The table of shadows has a byte, and classes have four, for each side and direction.
-void require_room(const HeatScene& scene, std::size_t sides) {
-  constexpr double kMost = 4.0 * 1024 * 1024 * 1024;
-  const double directions = static_cast<double>(scene.surroundings.shadow_to_sun.size());
-  const double bytes = 5.0 * static_cast<double>(sides) * directions;
-  if (bytes > kMost)
-    throw mtf::UsageError(one_line(scene.file.file) + ": the table of shadows of " + std::to_string(sides) +
-                          " surfaces and " + significant(directions, 6) + " directions of the sun would take " +
-                          significant(bytes / (1024.0 * 1024 * 1024), 3) +
-                          " GiB; shorten [time], or ask for fewer directions a day (--sun-directions)");
-}
-
 }  // namespace
 
 Units units_of(const HeatScene& scene, const HeatOptions& options, double tolerance_w_m2, const Units* like) {
@@ -299,10 +235,10 @@ Units units_of(const HeatScene& scene, const HeatOptions& options, double tolera
   const geometry::Facets& facets = scene.facets();
   const std::vector<geometry::Vector>& to_sun = scene.surroundings.shadow_to_sun;
   const Sides all = sides_of(scene);
-  require_room(scene, all.sides.size());
+  require_room(scene, all);
   std::vector<geometry::SideFinish> finish = finishes_of(scene, all.sides);
-  // Rays are traced once, with each side a patch of its own: what is merged, they tell.
-  const geometry::ViewOptions view_options{.rays = options.rays, .threads = options.threads};
+  const std::vector<int> rays_of_side = rays_of(scene, all, options.rays);
+  const geometry::ViewOptions view_options{.rays = options.rays, .rays_of = rays_of_side, .threads = options.threads};
   const geometry::Receivers single = geometry::single_sides(all.sides);
   std::vector<std::uint32_t> own(all.sides.size());
   std::iota(own.begin(), own.end(), 0U);
@@ -310,13 +246,15 @@ Units units_of(const HeatScene& scene, const HeatOptions& options, double tolera
       views(scene.rays, single, patches_of_sides(facets, single, own), own.size(), view_options);
   const geometry::SunOptions sun_options{.points = options.sun_points, .threads = options.threads};
   Units units;
-  units.sun = sun_of(scene, all.sides, seen, sun_options);
+  units.sun = sun_of(scene, all, seen, sun_options);
   units.rays_ms = watch.ms();
 
   const Stopwatch classing;
   const geometry::FluxAmplitudes amplitudes = amplitudes_of(scene, view_options.rings);
   const std::vector<bool> covered = covered_sides(seen);
-  for (std::size_t i = 0; i < finish.size(); ++i) finish[i].key = 2 * finish[i].key + (covered[i] ? 1 : 0);
+  // Neither units nor patches hold both what is seen and what is not.
+  for (std::size_t i = 0; i < finish.size(); ++i)
+    finish[i].key = 4 * finish[i].key + (covered[i] ? 1 : 0) + (scene.is_seen(all.sides[i].facet) ? 0 : 2);
   const std::vector<geometry::SideFinish> plain = finish;
   if (tolerance_w_m2 > 0.0)
     add_seen_kinds(scene, all.sides, seen, units.sun, amplitudes, tolerance_w_m2, options, finish);
@@ -391,7 +329,10 @@ Units units_of(const HeatScene& scene, const HeatOptions& options, double tolera
 
   const Stopwatch errors;
   const std::size_t checked = options.measured(all.sides.size());
-  units.view_error = view_error(scene.rays, receivers, units.views, view_options, checked);
+  std::vector<std::uint32_t> asked_for;
+  for (std::uint32_t i = 0; i < leaders.size(); ++i)
+    if (scene.is_seen(leaders[i].facet)) asked_for.push_back(i);
+  units.view_error = view_error(scene.rays, receivers, units.views, view_options, checked, asked_for);
   units.sun_error = sun_error(scene.rays, all.sides, to_sun, units.sun, sun_options, checked);
   units.error_ms = errors.ms();
   return units;

@@ -11,12 +11,14 @@ namespace {
 
 namespace geometry = radiometry::scene;
 
-/// Every n-th facet of the list.
-std::vector<std::uint32_t> picked(std::size_t facets, std::size_t count) {
-  std::vector<std::uint32_t> all;
-  const std::size_t step = std::max<std::size_t>(1, facets / count);
-  for (std::size_t f = step / 2; f < facets; f += step) all.push_back(static_cast<std::uint32_t>(f));
-  return all;
+/// Every n-th facet of those that are asked for.
+std::vector<std::uint32_t> picked(const HeatScene& scene, std::size_t count) {
+  std::vector<std::uint32_t> all, some;
+  for (std::uint32_t f = 0; f < scene.region.size(); ++f)
+    if (scene.is_seen(f)) all.push_back(f);
+  const std::size_t step = std::max<std::size_t>(1, all.size() / count);
+  for (std::size_t i = step / 2; i < all.size(); i += step) some.push_back(all[i]);
+  return some;
 }
 
 double from_patches(const geometry::SparseRows& rows, std::size_t row, const std::vector<double>& radiosity) {
@@ -34,7 +36,7 @@ ViewSpread view_spread(const HeatScene& scene, const Units& units, const GroundL
   constexpr std::size_t kEvery = 6;  // nodes: an hour, where they are 10 minutes apart
   const Surroundings& s = scene.surroundings;
   std::vector<std::uint32_t> facets;
-  for (const std::uint32_t f : picked(scene.region.size(), count))
+  for (const std::uint32_t f : picked(scene, count))
     if (!units.unit[units.unit_of[f]].given) facets.push_back(f);
   if (facets.empty()) return {};
   std::vector<geometry::Side> sides;

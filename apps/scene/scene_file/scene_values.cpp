@@ -9,6 +9,7 @@
 #include "apps/scene/weather/si_units.h"
 #include "apps/scene/weather/timed_table.h"
 #include "apps/scene/weather/weather_csv.h"
+#include "apps/text/words.h"
 #include "mtf/error.h"
 #include "mtf/io/csv/csv_cells.h"
 #include "mtf/io/csv/csv_numbers.h"
@@ -82,7 +83,12 @@ std::optional<double> read_plain_si(const Section& section, const Node& node, co
     }
   }
   if (cfg::in_range(field, value)) return value;
-  return fail(with_unit(value, field) + " is outside " + cfg::range_text(field) +
+  const bool in_other_unit =
+      !node.is_number() && !field.unit.empty() && !node.text.ends_with(" " + std::string(field.unit));
+  const std::string given = in_other_unit ? printable(node.text, 60) + ", which is " + significant(value, 9) + " " +
+                                                std::string(field.unit) + ","
+                                          : with_unit(value, field);
+  return fail(given + " is outside " + cfg::range_text(field) +
               (field.unit.empty() ? "" : " " + std::string(field.unit)));
 }
 

@@ -125,6 +125,7 @@ void all_of(Archive& a, Saved& c) {
   a(c.windows);
   a(c.outputs);
   a(c.exchange_k);
+  a(c.left_out);
   a(c.warmest_k);
   a(c.iterations);
   a(c.view_spread);
@@ -183,9 +184,9 @@ Fingerprints fingerprints_of(const HeatScene& scene, const HeatOptions& options)
            hash_of(s.time_s, s.air_k, s.wind_m_s, s.vapour_pa, s.direct_w_m2, s.diffuse_w_m2, s.sky_longwave_w_m2)},
           {"a spectrum of emissivity", mtf::io::sha256_hex(emissivities)},
           {"a table of temperatures or fluxes", hash_of_tables(scene)},
-          {"an option (--tolerance, --rays, --sun-directions, --sun-points or --every-facet)",
+          {"an option (--tolerance, --rays, --sun-directions, --sun-points, --every-facet or --seen)",
            hash_of(options.tolerance_k, options.directions, options.rays, options.sun_points, options.patches,
-                   options.every_facet)},
+                   options.every_facet, options.seen)},
           {"the program", std::string(mtf::version) + " " + std::string(mtf::git_commit)}};
 }
 

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "apps/scene/heat/heat_batches.h"
+#include "apps/scene/heat/seen/left_out.h"
 #include "apps/scene/heat/view_spread.h"
 
 namespace apps::scene {
@@ -35,7 +36,9 @@ struct SavedBatches {
 
 struct Checkpoint {
   std::size_t windows = 0, outputs = 0;  ///< that are finished
-  double exchange_k = 0.0, warmest_k = 0.0;
+  double exchange_k = 0.0;
+  LeftOut left_out;  ///< empty where all is asked for
+  double warmest_k = 0.0;
   int iterations = 0;
   ViewSpread view_spread;
   SavedBatches batches;

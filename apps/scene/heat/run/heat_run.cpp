@@ -36,6 +36,7 @@ HeatReport run_heat(const HeatScene& scene, const HeatOptions& options, const He
   report.facets = scene.region.size();
   report.units = units.unit.size();
   report.patches = units.exchange.patches();
+  report.left_out = solved.left_out;
   report.covered = units.covered;
   report.view_error = units.view_error;
   report.sun_error = units.sun_error;

@@ -24,6 +24,7 @@ struct HeatReport {
   HeatPromise promised;
   std::vector<MaterialRun> materials;  ///< with units; the ground is last, where it is solved
   std::size_t facets = 0, units = 0, patches = 0, outputs = 0;
+  std::optional<LeftOut> left_out;     ///< where only what the camera sees is asked for
   std::vector<std::uint32_t> covered;  ///< facets that lie inside other solids and see nothing else
   int iterations = 0;                  ///< the most of any window
   radiometry::scene::ViewError view_error;

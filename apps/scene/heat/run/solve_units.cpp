@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "apps/scene/heat/ground.h"
+#include "apps/scene/heat/seen/left_out.h"
 #include "apps/scene/heat/stopwatch.h"
 #include "apps/text/words.h"
 #include "mtf/error.h"
@@ -136,21 +137,24 @@ UnitsRun solve_units(const HeatScene& scene, const Units& units, const HeatOptio
   require_room(scene, units, windows);
   const Ground ground = ground_of(scene, kGroundShare * room_k);
   HeatBatches batches(scene, units, ground.light, kSolverShare * room_k, options.threads);
-  std::vector<double> front(scene.region.size()), back(units.has_sheets() ? scene.region.size() : 0);
+  constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+  std::vector<double> front(scene.region.size(), kUnknown),
+      back(units.has_sheets() ? scene.region.size() : 0, kUnknown);
   const auto emit = [&](std::size_t node) {
     constexpr std::int64_t kFacetsAtOnce = 16384;
     mtf::parallel_for(static_cast<std::int64_t>(front.size()), kFacetsAtOnce, options.threads,
                       [&](std::int64_t begin, std::int64_t end) {
                         for (auto f = static_cast<std::size_t>(begin); f < static_cast<std::size_t>(end); ++f) {
                           const Unit& unit = units.unit[units.unit_of[f]];
+                          if (!scene.is_seen(static_cast<std::uint32_t>(f))) continue;
                           front[f] = unit.given ? scene.given_k(static_cast<std::uint32_t>(f), s.time_s[node])
                                                 : batches.receiver_k(node, unit.receiver);
-                          if (!back.empty())
-                            back[f] = unit.has_own_back() ? batches.receiver_k(node, unit.back_receiver)
-                                                          : std::numeric_limits<double>::quiet_NaN();
+                          if (!back.empty() && unit.has_own_back())
+                            back[f] = batches.receiver_k(node, unit.back_receiver);
                         }
                       });
-    for (std::size_t f = 0; f < front.size(); ++f) {
+    for (std::uint32_t f = 0; f < front.size(); ++f) {
+      if (!scene.is_seen(f)) continue;
       require_plausible(scene, f, front[f], s.time_s[node]);
       warmest = std::max(warmest, front[f]);
     }
@@ -163,6 +167,7 @@ UnitsRun solve_units(const HeatScene& scene, const Units& units, const HeatOptio
     first = from->windows;
     solved.outputs = from->outputs;
     solved.promised.exchange_k = from->exchange_k;
+    if (options.seen) solved.left_out = from->left_out;
     solved.iterations = from->iterations;
     solved.view_spread = from->view_spread;
     warmest = from->warmest_k;
@@ -170,19 +175,17 @@ UnitsRun solve_units(const HeatScene& scene, const Units& units, const HeatOptio
   auto next = s.outputs.begin() + static_cast<std::ptrdiff_t>(solved.outputs);
   for (std::size_t w = first; w < windows.size() && next != s.outputs.end(); ++w) {
     if (w > first && options.go_on && !options.go_on()) {
-      solved.checkpoint = Checkpoint{w,
-                                     solved.outputs,
-                                     solved.promised.exchange_k,
-                                     warmest,
-                                     solved.iterations,
-                                     solved.view_spread,
-                                     batches.save()};
+      solved.checkpoint =
+          Checkpoint{w,       solved.outputs,    solved.promised.exchange_k, solved.left_out.value_or(LeftOut{}),
+                     warmest, solved.iterations, solved.view_spread,         batches.save()};
       break;
     }
     progress("heat", static_cast<double>(w) / static_cast<double>(windows.size()));
     const Relaxed relaxed = batches.solve(windows[w], w == 0, kExchangeShare * room_k, loss, ratio);
     solved.iterations = std::max(solved.iterations, relaxed.iterations);
     solved.promised.exchange_k = std::max(solved.promised.exchange_k, relaxed.error_k);
+    if (w == 0 && !scene.seen.empty())
+      solved.left_out = left_out(scene, units, batches, windows[w], loss, options.threads);
     if (w == 0)
       solved.view_spread = view_spread(scene, units, ground.light, batches, windows[w], options, loss,
                                        options.measured(scene.region.size()));

@@ -26,7 +26,7 @@ struct HeatPromise {
 /// Temperatures at one output.
 struct HeatOutput {
   double time_s = 0.0;              ///< from the start of the run
-  std::span<const double> front_k;  ///< of each facet
+  std::span<const double> front_k;  ///< of each facet; NaN where it is not asked for
   std::span<const double> back_k;   ///< of each facet of a sheet, NaN elsewhere; empty without sheets
 };
 using HeatOutputs = std::function<void(const HeatOutput&)>;
@@ -38,6 +38,7 @@ struct UnitsRun {
   std::size_t outputs = 0;             ///< fewer than the scene has after an interrupt
   int iterations = 0;                  ///< the most of any window
   ViewSpread view_spread;              ///< facets against their units, in the first day
+  std::optional<LeftOut> left_out;     ///< where only what the camera sees is asked for, in the first day
   double ms = 0.0;
   std::optional<Checkpoint> checkpoint;  ///< after an interrupt
 };

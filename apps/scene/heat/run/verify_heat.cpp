@@ -15,7 +15,7 @@ constexpr double kKeptAbove_k = 300.0;
 /// Largest errors of facets and the sum of squares, output by output.
 class Comparison {
  public:
-  Comparison(const KeptOutputs& kept, std::size_t facets) : kept_(kept), worst_(facets, 0.0F) {}
+  Comparison(const KeptOutputs& kept, std::size_t facets) : kept_(kept), worst_(facets, -1.0F) {}
 
   void add(const HeatOutput& truth) {
     add_side(truth, truth.front_k, kept_.front);
@@ -28,6 +28,7 @@ class Comparison {
   RealisedError result(double promised_k) {
     error_.rms_k = std::sqrt(squares_ / static_cast<double>(std::max<std::size_t>(count_, 1)));
     error_.promised_k = promised_k;
+    std::erase_if(worst_, [](float error) { return error < 0.0F; });
     error_.count = worst_.size();
     std::sort(worst_.begin(), worst_.end());
     const auto at = [&](std::size_t per_mille) {
@@ -42,7 +43,7 @@ class Comparison {
   void add_side(const HeatOutput& truth, std::span<const double> kelvin, const std::vector<float>& kept) {
     const float* ours = kept.data() + outputs_ * worst_.size();
     for (std::size_t f = 0; f < worst_.size(); ++f) {
-      if (std::isnan(kelvin[f])) continue;
+      if (std::isnan(kelvin[f]) || std::isnan(ours[f])) continue;  // no sheet; not asked for
       const double error = std::abs(static_cast<double>(ours[f]) + kKeptAbove_k - kelvin[f]);
       squares_ += error * error;
       ++count_;
@@ -55,7 +56,7 @@ class Comparison {
   }
 
   const KeptOutputs& kept_;
-  std::vector<float> worst_;  ///< of each facet
+  std::vector<float> worst_;  ///< of each facet; below 0 where there is nothing to compare
   std::size_t outputs_ = 0, count_ = 0;
   double squares_ = 0.0;
   RealisedError error_;
@@ -84,6 +85,7 @@ std::optional<Verification> verify_heat(const HeatScene& scene, const Units& uni
   const Stopwatch watch;
   HeatOptions finer = options;
   finer.tolerance_k *= kFiner;
+  finer.seen = false;                                      // what is left out of the run is solved here
   const HeatScene fine = prepare_heat(scene.file, finer);  // the same facets, more nodes
   Verification verification;
   if (!options.every_facet) {

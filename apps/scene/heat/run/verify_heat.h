@@ -8,6 +8,9 @@
 //   by itself    every facet a unit: merging too, and with it what facets of a unit see differently, which is measured
 //                beside the promise (view_spread.h)
 
+// Where only what the camera sees is asked for, both solve the whole scene, the second one with all rays of what is not
+// seen, and what is seen is compared.
+
 #include <cstdint>
 #include <optional>
 #include <vector>

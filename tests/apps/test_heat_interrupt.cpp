@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: Apache-2.0
+
+// `mtf heat` that is interrupted or killed: what it leaves, and how it goes on.
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "tests/apps/heat_command_case.h"
+
+namespace apps_test {
+namespace {
+
+/// A folder's names, sorted.
+std::vector<std::string> names_in(const std::filesystem::path& folder) {
+  std::vector<std::string> names;
+  for (const auto& entry : std::filesystem::directory_iterator(folder))
+    names.push_back(entry.path().filename().string());
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+/// Terrain of n x n squares in triangles, bumpy enough for every facet to be a class of its own.
+std::string bumps(int n) {
+  std::ostringstream obj;
+  for (int j = 0; j <= n; ++j)
+    for (int i = 0; i <= n; ++i)
+      obj << "v " << i << " " << j << " " << 0.8 * std::sin(1.7 * i) * std::cos(2.3 * j) << "\n";
+  for (int j = 0; j < n; ++j)
+    for (int i = 0; i < n; ++i) {
+      const int a = j * (n + 1) + i + 1, c = a + n + 1;
+      obj << "f " << a << " " << a + 1 << " " << c + 1 << "\nf " << a << " " << c + 1 << " " << c << "\n";
+    }
+  return obj.str();
+}
+
+/// A scene of hourly outputs until that day, and a mesh of so many facets that a run of it can be interrupted.
+void write_many_days(const Scratch& folder, const std::string& end) {
+  std::string text = kScene;
+  text.replace(text.find("end = 2026-06-22"), 16, "end = " + end);
+  text.replace(text.find("step = \"2 h\""), 12, "step = \"1 h\"");
+  write_file(folder / "scene.toml", text);
+  write_file(folder / "plates.obj", bumps(20));
+}
+
+/// `mtf heat scene.toml -o FOLDER`, stopped by a signal as soon as a day stands in the temporary file.
+std::string stopped(const std::string& folder, const std::string& signal) {
+  return "mtf heat scene.toml -o " + folder +
+         " & pid=$!\n"
+         "while kill -0 $pid 2>/dev/null; do\n"
+         "  [ -n \"$(find " +
+         folder + " -name 'temperatures.npy.tmp.*' -size +0 2>/dev/null)\" ] && kill -" + signal +
+         " $pid && break\n"
+         "  sleep 0.02\ndone\nwait $pid";
+}
+std::string interrupted(const std::string& folder) { return stopped(folder, "INT"); }
+
+TEST_F(HeatCommand, GoesOnAfterAnInterrupt) {
+  write_many_days(scratch_, "2026-07-01");
+  const Result whole = scratch_.run("mtf heat scene.toml -o whole");
+  ASSERT_EQ(whole.status, 0) << whole.err;
+  const Result first = scratch_.run(interrupted("days"));
+  ASSERT_EQ(first.status, 130) << first.err;
+  ASSERT_NE(first.err.find("the temperatures end at"), std::string::npos) << first.err;
+  const nlohmann::json json = nlohmann::json::parse(read_file(scratch_ / "days/heat.json"));
+  EXPECT_FALSE(json.at("finished").get<bool>());
+  const std::size_t outputs = json.at("outputs").get<std::size_t>();
+  EXPECT_LT(outputs, 10U * 24U + 1U);
+  EXPECT_EQ(outputs % 24, 1U);  // whole days, and the start
+  EXPECT_EQ(lines_of(read_file(scratch_ / "days/times.csv")).size(), outputs + 1);
+  for (const std::string& name : names_in(scratch_ / "days")) EXPECT_EQ(name.find(".tmp."), std::string::npos) << name;
+
+  // Inputs that changed are refused, by name, and nothing is lost.
+  write_file(scratch_ / "plates.obj", bumps(19));
+  const Result mesh = scratch_.run("mtf heat scene.toml -o days");
+  EXPECT_EQ(mesh.status, 2);
+  EXPECT_NE(mesh.err.find("a mesh is not what it was"), std::string::npos) << mesh.err;
+  write_file(scratch_ / "plates.obj", bumps(20));
+  const Result tolerance = scratch_.run("mtf heat scene.toml -o days --tolerance '0.5 K'");
+  EXPECT_EQ(tolerance.status, 2);
+  const std::string state = read_file(scratch_ / "days/unfinished.bin");
+  write_file(scratch_ / "days/unfinished.bin", state.substr(0, state.size() - 8));
+  const Result damaged = scratch_.run("mtf heat scene.toml -o days");
+  EXPECT_EQ(damaged.status, 2);
+  EXPECT_NE(damaged.err.find("damaged"), std::string::npos) << damaged.err;
+  write_file(scratch_ / "days/unfinished.bin", state);
+  EXPECT_EQ(nlohmann::json::parse(read_file(scratch_ / "days/heat.json")).at("outputs"), outputs);
+
+  const Result second = scratch_.run("mtf heat scene.toml -o days");
+  ASSERT_EQ(second.status, 0) << second.err;
+  EXPECT_NE(second.err.find("going on after " + std::to_string(outputs) + " outputs"), std::string::npos) << second.err;
+  for (const char* name : {"temperatures.npy", "regions.csv", "times.csv", "facets.csv"})
+    EXPECT_TRUE(read_file(scratch_ / "days" / name) == read_file(scratch_ / "whole" / name)) << name;
+  EXPECT_FALSE(std::filesystem::exists(scratch_ / "days/unfinished.bin"));
+  const auto one = nlohmann::json::parse(read_file(scratch_ / "whole/heat.json"));
+  const auto two = nlohmann::json::parse(read_file(scratch_ / "days/heat.json"));
+  EXPECT_TRUE(two.at("finished").get<bool>());
+  for (const char* key : {"promised_K", "steps", "residual_K", "materials"}) EXPECT_EQ(one.at(key), two.at(key)) << key;
+  EXPECT_EQ(scratch_.run("mtf heat scene.toml -o days").status, 2);  // a finished one asks for --force
+}
+
+// A process that is killed cannot tidy up: its temporaries stay until the same files are written again.
+TEST_F(HeatCommand, AKilledRunLeavesNothingHalfWritten) {
+  write_many_days(scratch_, "2026-06-25");
+  ASSERT_EQ(scratch_.run(stopped("fresh", "KILL")).status, 137);
+  for (const std::string& name : names_in(scratch_ / "fresh")) EXPECT_NE(name.find(".tmp."), std::string::npos) << name;
+  EXPECT_EQ(scratch_.run("mtf heat scene.toml -o fresh").status, 2);  // not empty
+  const Result again = scratch_.run("mtf heat scene.toml -o fresh --force");
+  ASSERT_EQ(again.status, 0) << again.err;
+  for (const std::string& name : names_in(scratch_ / "fresh")) EXPECT_EQ(name.find(".tmp."), std::string::npos) << name;
+
+  // What an interrupted run finished is there still when the one that goes on is killed, and is gone on from once more.
+  ASSERT_EQ(scratch_.run(interrupted("days")).status, 130);
+  const std::string state = read_file(scratch_ / "days/unfinished.bin"), times = read_file(scratch_ / "days/times.csv");
+  ASSERT_EQ(scratch_.run(stopped("days", "KILL")).status, 137);
+  EXPECT_TRUE(read_file(scratch_ / "days/unfinished.bin") == state);
+  EXPECT_EQ(read_file(scratch_ / "days/times.csv"), times);
+  const Result last = scratch_.run("mtf heat scene.toml -o days");
+  ASSERT_EQ(last.status, 0) << last.err;
+  for (const char* name : {"temperatures.npy", "regions.csv", "times.csv"})
+    EXPECT_TRUE(read_file(scratch_ / "days" / name) == read_file(scratch_ / "fresh" / name)) << name;
+}
+
+// A limit on the size of files stands for a disk that is full.
+TEST_F(HeatCommand, ADiskWithoutRoomIsNamed) {
+  write_many_days(scratch_, "2026-06-25");
+  const Result result = scratch_.run("ulimit -f 128; mtf heat scene.toml -o out");
+  EXPECT_EQ(result.status, 1) << result.err;
+  EXPECT_NE(result.err.find("cannot write out/temperatures.npy"), std::string::npos) << result.err;
+  EXPECT_FALSE(std::filesystem::exists(scratch_ / "out"));
+}
+
+TEST_F(HeatCommand, BeginsAnewAfterAnInterruptWhereThatIsAskedFor) {
+  write_many_days(scratch_, "2026-08-20");
+  // Before anything is finished no folder stays.
+  EXPECT_EQ(scratch_.run("timeout --preserve-status -s INT 0.3 mtf heat scene.toml -o early").status, 130);
+  EXPECT_FALSE(std::filesystem::exists(scratch_ / "early"));
+  ASSERT_EQ(scratch_.run(interrupted("days")).status, 130);
+  write_file(scratch_ / "scene.toml", kScene);
+  write_file(scratch_ / "plates.obj", kPlates);
+  EXPECT_EQ(scratch_.run("mtf heat scene.toml -o days").status, 2);
+  ASSERT_EQ(scratch_.run("mtf heat scene.toml -o days --anew").status, 0);
+  EXPECT_TRUE(nlohmann::json::parse(read_file(scratch_ / "days/heat.json")).at("finished").get<bool>());
+  EXPECT_FALSE(std::filesystem::exists(scratch_ / "days/unfinished.bin"));
+}
+
+}  // namespace
+}  // namespace apps_test
