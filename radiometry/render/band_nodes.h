@@ -26,11 +26,11 @@ namespace radiometry::render {
 
 struct BandNodes {
   Flux flux = Flux::photons;
-  Interval range;  ///< of wavelengths with a response
-  std::vector<double> wavelength_um, weight;
-  std::vector<double> sample_um;      ///< of the air, rising; one or more
-  std::vector<std::uint32_t> sample;  ///< of each node: the sample at or below it
-  std::vector<double> share;          ///< and what part belongs to the one above
+  Interval range{};  ///< of wavelengths with a response
+  std::vector<double> wavelength_um{}, weight{};
+  std::vector<double> sample_um{};      ///< of the air, rising; one or more
+  std::vector<std::uint32_t> sample{};  ///< of each node: the sample at or below it
+  std::vector<double> share{};          ///< and what part belongs to the one above
 
   std::size_t size() const { return weight.size(); }
   std::size_t samples() const { return sample_um.size(); }

@@ -51,14 +51,15 @@ bool BandShader::prepare(double camera_height_m, const PathExtent& extent) {
   if (tables_ && camera_height_m == camera_height_m_ && grid_.extent.covers(extent)) return false;
   camera_height_m_ = camera_height_m;
   if (with_air_) {
-    view_ = std::make_unique<AirView>(*scene_.air, nodes_, scene_.altitude_m, camera_height_m);
+    view_ = std::make_unique<AirView>(*scene_.air, nodes_, scene_.altitude_m, camera_height_m,
+                                      with_room(extent).farthest_m);
     grid_ = path_grid(*view_, nodes_, with_room(extent), tolerance_);
   } else {
     grid_ = no_air(nodes_);
   }
   tables_ = std::make_unique<BandTables>(nodes_, *folds_, emissivity_, sources_, grid_,
                                          view_ ? view_->reference_k() : 300.0);
-  promised_ = promised_error(band_.curves, nodes_, curves_, *folds_, *tables_, grid_, view_.get());
+  promised_ = promised_error(band_.curves, curves_, *folds_, *tables_, grid_, view_.get());
   backdrop_ = std::make_unique<Backdrop>(scene_, nodes_, sources_, view_.get(), camera_height_m,
                                          ground_height_m(scene_.facets()));
   for (Shaded& one : shaded_) one.finish = scene::kNone;

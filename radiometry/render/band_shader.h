@@ -17,8 +17,8 @@
 namespace radiometry::render {
 
 struct RenderBand {
-  std::string name;
-  SpectralCamera curves;
+  std::string name{};
+  SpectralCamera curves{};
 };
 
 class BandShader {
@@ -50,7 +50,7 @@ class BandShader {
  private:
   struct Shaded {
     std::array<float, 6> value{};
-    PathGrid::Cell cell;
+    PathGrid::Cell cell{};
     std::uint32_t finish = scene::kNone;  ///< kNone: not yet shaded
   };
   Shaded shaded(const VisibleSides& sides, std::size_t number, PathGrid::Cell cell) const;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 
 #include "radiometry/light/constants.h"
 
@@ -125,7 +126,7 @@ SixValues BandTables::sunlit(std::size_t finish, std::size_t node) const {
   return sun_.empty() ? SixValues{} : six(sun_[finish], node);
 }
 
-double promised_error(const SpectralCamera& camera, const BandNodes& nodes, std::span<const Spectrum> emissivity,
+double promised_error(const SpectralCamera& camera, std::span<const Spectrum> emissivity,
                       const EmissionFolds& folds, const BandTables& tables, const PathGrid& grid,
                       const AirView* view) {
   constexpr std::size_t kTemperatures = 12;
@@ -142,10 +143,12 @@ double promised_error(const SpectralCamera& camera, const BandNodes& nodes, std:
       for (const double t : {kBetween, 1.0 - kBetween}) {
         const double root = std::lerp(grid.root[2 * cell], grid.root[2 * cell + 2], t);
         const double height = std::midpoint(grid.height_m[layer], grid.height_m[layer + 1U]);
+        if (view != nullptr && !view->reaches(root * root, height)) continue;
         places.push_back({{cell, layer}, root, height, view != nullptr ? view->to(root * root, height) : grid.node[0]});
       }
   const double reference_k = view != nullptr ? view->reference_k() : 0.0;
-  const Values air = fold(fine, blackbody_at(fine, reference_k));
+  const Values air_light = blackbody_at(fine, reference_k), air = fold(fine, air_light);
+  const double air_black = integral(fine, air_light);
   double worst = 0.0;
   for (std::size_t m = 0; m < folds.size(); ++m) {
     const EmissionFolds::Table& table = folds.of(m);
@@ -161,7 +164,7 @@ double promised_error(const SpectralCamera& camera, const BandNodes& nodes, std:
         const SixValues emitted = tables.emitted(m, kelvin, node), path = tables.path(node);
         double seen = 0.0;
         for (std::size_t k = 0; k < 6; ++k) seen += static_cast<double>(weights[k]) * (emitted[k] + path[k]);
-        if (direct > 0.0) worst = std::max(worst, std::abs(seen / direct - 1.0));
+        worst = std::max(worst, std::abs(seen - direct) / std::max(direct, air_black));
       }
     }
   }

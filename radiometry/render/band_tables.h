@@ -12,7 +12,8 @@
 //
 // The promise covers what interpolation and quadrature err: tables are compared with integrals of twice the nodes and air
 // of that very place, at middles between temperatures and at the places of each cell where its parabola is worst, and the
-// largest relative difference is multiplied by kPromise, as places between may be worse.
+// largest difference is multiplied by kPromise, as places between may be worse. It is relative to the radiance, or to that of
+// a blackbody at the temperature of the air where this is more: the air adds as much to a surface that is far colder.
 
 #include "radiometry/render/light_sources.h"
 #include "radiometry/render/path_grid.h"
@@ -38,7 +39,7 @@ class EmissionFolds {
   struct Table {
     double first_k = 0.0, step_k = 1.0;
     std::size_t temperatures = 0;
-    std::vector<double> value;  ///< [temperature * samples + sample]
+    std::vector<double> value{};  ///< [temperature * samples + sample]
   };
   const Table& of(std::size_t finish) const { return table_[finish]; }
   std::size_t size() const { return table_.size(); }
@@ -78,7 +79,7 @@ class BandTables {
   std::size_t nodes_, roots_;
   struct Emitted {
     EmissionFolds::Table place;  ///< without values
-    std::vector<double> value;   ///< [temperature * nodes + node]
+    std::vector<double> value{};   ///< [temperature * nodes + node]
   };
   std::vector<Emitted> emitted_;
   std::vector<std::vector<double>> reflected_, sun_;  ///< of each finish: [source * nodes + node], [node]
@@ -87,7 +88,7 @@ class BandTables {
 
 /// The error that is promised for finishes in those ranges, relative: see the head of this file. `view`: null without
 /// air.
-double promised_error(const SpectralCamera& camera, const BandNodes& nodes, std::span<const Spectrum> emissivity,
+double promised_error(const SpectralCamera& camera, std::span<const Spectrum> emissivity,
                       const EmissionFolds& folds, const BandTables& tables, const PathGrid& grid, const AirView* view);
 
 }  // namespace radiometry::render

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "mtf/error.h"
+#include "mtf/units.h"
 
 namespace radiometry::render {
 namespace {
@@ -40,7 +41,7 @@ Camera camera_of(const Lens& lens, const Pose& pose) {
     throw mtf::UsageError("camera: " + mtf::format_double(wanted) + " samples are more than " +
                           std::to_string(kMostSamples) + "; take fewer samples a pitch or a smaller format");
   const Vector forward = pose.look_at - pose.position, across = scene::cross(forward, pose.up);
-  if (!finite(pose.position) || !finite(forward) || !finite(pose.up))
+  if (!scene::finite(pose.position) || !scene::finite(forward) || !scene::finite(pose.up))
     throw mtf::UsageError("camera: a coordinate of position, look_at or up is not finite");
   const double far = scene::length(forward), aside = scene::length(across);
   if (!(far > 0.0) || !(aside > 1e-9 * far * scene::length(pose.up)))

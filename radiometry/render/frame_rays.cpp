@@ -57,7 +57,7 @@ RayPlan::Place RayPlan::place(std::size_t packet, std::size_t lane) const {
   const std::size_t ray = packet * kPencilRays + lane, each = static_cast<std::size_t>(n_ * n_), at = ray / each;
   const std::uint32_t sample = samples_[std::min(at, samples_.size() - 1)];
   const auto part = static_cast<int>(ray % each);
-  return {at < samples_.size() ? sample : kNone, sample % width_ + (part % n_ + 0.5) / n_,
+  return {at < samples_.size() ? sample : kNone, static_cast<double>(sample % width_) + (part % n_ + 0.5) / n_,
           static_cast<double>(sample / width_) + (part / n_ + 0.5) / n_};
 }
 
@@ -115,7 +115,7 @@ void trace_shadows(const scene::Rays& rays, const Camera& camera, const RayPlan&
                           if (hits.side[i] == kNone) continue;
                           const scene::Facet& facet = facets.facet[hits.side[i] / 2];
                           const double side = hits.side[i] % 2 == 1 ? -1.0 : 1.0;
-                          if (!(side * dot(facet.normal, beam.direction()) > 0.0)) continue;
+                          if (!(side * scene::dot(facet.normal, beam.direction()) > 0.0)) continue;
                           const RayPlan::Place place = plan.place(first + p, lane);
                           const Vector d = camera.direction(place.x, place.y);
                           from[count] = camera.position +

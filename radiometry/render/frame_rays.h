@@ -14,11 +14,11 @@ namespace radiometry::render {
 
 /// What each ray meets.
 struct RayHits {
-  std::vector<std::uint32_t> side;      ///< scene::index(side); kNone where the ray leaves the scene
-  std::vector<float> range_m;           ///< along the ray
-  std::vector<float> height_m;          ///< of what it meets; where it leaves, the sine of its elevation
-  std::vector<std::uint8_t> lit;        ///< the sun reaches it; empty where nobody asked
-  std::vector<std::uint32_t> triangle;  ///< kept where it is asked for, else empty
+  std::vector<std::uint32_t> side{};      ///< scene::index(side); kNone where the ray leaves the scene
+  std::vector<float> range_m{};           ///< along the ray
+  std::vector<float> height_m{};          ///< of what it meets; where it leaves, the sine of its elevation
+  std::vector<std::uint8_t> lit{};        ///< the sun reaches it; empty where nobody asked
+  std::vector<std::uint32_t> triangle{};  ///< kept where it is asked for, else empty
 
   std::size_t packets() const { return side.size() / scene::kPencilRays; }
   void resize(std::size_t packets, bool triangles);

@@ -20,8 +20,8 @@ namespace radiometry::render {
 /// Radiances at the nodes of a band: rings of the sky, from the zenith on, then the ground, then patches.
 struct LightSources {
   int rings = 0;
-  std::vector<std::vector<double>> radiance;
-  std::vector<double> sun_irradiance;  ///< at the nodes, on a plane that faces it; empty without a sun
+  std::vector<std::vector<double>> radiance{};
+  std::vector<double> sun_irradiance{};  ///< at the nodes, on a plane that faces it; empty without a sun
   double change = 0.0;                 ///< of the last iteration, relative
 
   std::size_t ground() const { return static_cast<std::size_t>(rings); }

@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "radiometry/render/patches.h"
 
+#include <array>
 #include <cmath>
 #include <map>
-#include <utility>
 
 namespace radiometry::render {
 namespace {
 
-using Key = std::pair<std::uint32_t, std::int64_t>;  // finish, step of temperature
+using Key = std::array<std::int64_t, 4>;  // finish, mesh, front or back, step of temperature
 
 Key key_of(const RenderScene& scene, std::size_t side, double step_k) {
-  return {scene.finish_of[side],
+  return {scene.finish_of[side], scene.facets().facet[side / 2].mesh, static_cast<std::int64_t>(side % 2),
           static_cast<std::int64_t>(std::floor(static_cast<double>(scene.temperature_k[side]) / step_k))};
 }
 
@@ -35,7 +35,7 @@ Patches patches_by_temperature(const RenderScene& scene, std::size_t most) {
     patches.step_k *= 2.0;
     number = numbered(scene, patches.step_k);
   }
-  for (const auto& [key, value] : number) patches.finish.push_back(key.first);
+  for (const auto& [key, value] : number) patches.finish.push_back(static_cast<std::uint32_t>(key[0]));
   std::vector<scene::Side> sides;
   std::vector<std::uint32_t> set_of;
   patches.patch_of.assign(scene.temperature_k.size(), scene::kNone);

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Patches: sets of sides of one finish and nearly one temperature. What a side reflects of other surfaces is known by
-// patch: each has one radiance, the mean of its sides. They are by temperature, in steps of 1 K or as much more as makes
-// them few.
+// Patches: sets of sides of one mesh, fronts or backs, of one finish and nearly one temperature. What a side reflects of
+// other surfaces is known by patch: each has one radiance, the mean of its sides. Steps of temperature are 1 K, or as much
+// more as makes patches few.
 
 #include "radiometry/render/render_scene.h"
 #include "radiometry/scene/views.h"
@@ -11,9 +11,9 @@
 namespace radiometry::render {
 
 struct Patches {
-  std::vector<std::uint32_t> patch_of;  ///< of each side; kNone for the inside of solids
-  scene::Receivers sides;               ///< of each patch
-  std::vector<std::uint32_t> finish;    ///< of each patch
+  std::vector<std::uint32_t> patch_of{};  ///< of each side; kNone for the inside of solids
+  scene::Receivers sides{};               ///< of each patch
+  std::vector<std::uint32_t> finish{};    ///< of each patch
   double step_k = 0.0;
 
   std::size_t size() const { return finish.size(); }

@@ -51,6 +51,9 @@ std::array<double, 3> parabola(double t) {
   return {(1.0 - t) * (1.0 - 2.0 * t), 4.0 * t * (1.0 - t), t * (2.0 * t - 1.0)};
 }
 
+/// Of the range, how far up or down a line goes at most.
+constexpr double kUpright = 1.0 - 1e-6;
+
 /// Where t (t - 1/2) (t - 1) has its extremes.
 constexpr std::array kWorst{0.21132486540518713, 0.78867513459481287};
 
@@ -71,11 +74,13 @@ class KnownLines {
 
 }  // namespace
 
-AirView::AirView(atmosphere::Air<double> air, const BandNodes& nodes, double altitude_m, double camera_height_m)
+AirView::AirView(atmosphere::Air<double> air, const BandNodes& nodes, double altitude_m, double camera_height_m,
+                 double farthest_m)
     : air_(std::move(air)),
       sample_um_(nodes.sample_um),
       altitude_m_(altitude_m),
       camera_height_m_(camera_height_m),
+      level_m_(0.1 + farthest_m * farthest_m / (2.0 * atmosphere::kEarthRadius_m)),
       reference_k_(0.0) {
   require_valid(air_);
   reference_k_ = level_at(air_.profile, altitude_of(camera_height_m)).temperature_k;
@@ -99,9 +104,21 @@ AirSamples AirView::samples_of(const atmosphere::Sight<double>& sight) const {
 }
 
 AirSamples AirView::to(double range_m, double height_m) const {
+  const double above = height_m - camera_height_m_;
+  if (range_m > 0.0 && !reaches(range_m, height_m)) {
+    const double reach = std::copysign(kUpright * range_m, above);
+    const AirSamples level = to(range_m, camera_height_m_), upright = to(range_m, camera_height_m_ + reach);
+    return mixed({{1.0 - above / reach, &level}, {above / reach, &upright}});
+  }
+  if (!layered() || std::abs(above) >= level_m_) return line_to(range_m, height_m);
+  const AirSamples low = line_to(range_m, camera_height_m_ - level_m_), high = line_to(range_m, camera_height_m_ + level_m_);
+  const double share = 0.5 * (1.0 + above / level_m_);
+  return mixed({{1.0 - share, &low}, {share, &high}});
+}
+
+AirSamples AirView::line_to(double range_m, double height_m) const {
   if (range_m <= 0.0) return {std::vector<double>(sample_um_.size(), 1.0), std::vector<double>(sample_um_.size(), 0.0)};
   if (!layered()) return samples_of(atmosphere::Horizontal<double>{.altitude_m = 0.0, .range_m = range_m});
-  constexpr double kUpright = 1.0 - 1e-6;  // of a straight line up or down, whose ends are as far apart as it is long
   const double from = altitude_of(camera_height_m_), apart = kUpright * range_m;
   const double to = std::max(std::clamp(altitude_of(height_m), from - apart, from + apart), altitude_of(-1e9));
   if (range_m >= horizon_range_m(air_, from, to))
@@ -152,11 +169,15 @@ PathGrid path_grid(const AirView& view, const BandNodes& nodes, const PathExtent
   const double low = extent.lowest_m, high = std::max(extent.highest_m, low + kLeastHeight_m);
 
   // Layers: straight lines of the height, at the nearest, a middle and the farthest range.
-  grid.height_m = {low, high};
+  grid.height_m = {low};
+  for (const double level : {view.camera_height_m() - view.level_m(), view.camera_height_m() + view.level_m()})
+    if (view.layered() && level > low && level < high) grid.height_m.push_back(level);
+  grid.height_m.push_back(high);
   const auto layer_error = [&](double from, double to) {
     double worst = 0.0;
     for (const double root : {near, 0.5 * (near + far), far})
-      worst = std::max(worst, weights.difference(mixed({{0.5, &lines.at(root, from)}, {0.5, &lines.at(root, to)}}),
+      if (view.reaches(root * root, 0.5 * (from + to)))
+        worst = std::max(worst, weights.difference(mixed({{0.5, &lines.at(root, from)}, {0.5, &lines.at(root, to)}}),
                                                  lines.at(root, 0.5 * (from + to))));
     return worst;
   };
@@ -177,6 +198,7 @@ PathGrid path_grid(const AirView& view, const BandNodes& nodes, const PathExtent
     double worst = 0.0;
     for (const double height : grid.height_m)
       for (const double t : kWorst) {
+        if (!view.reaches(std::pow(std::lerp(from, to, t), 2), height)) continue;
         const auto [a, b, c] = parabola(t);
         worst = std::max(worst, weights.difference(mixed({{a, &lines.at(from, height)},
                                                           {b, &lines.at(0.5 * (from + to), height)},

@@ -11,6 +11,7 @@
 // tau and of s, are within the tolerance at the places between nodes where a parabola is worst.
 
 #include <array>
+#include <cmath>
 #include <optional>
 
 #include "radiometry/atmosphere/range_table.h"
@@ -20,22 +21,32 @@ namespace radiometry::render {
 
 /// Transmission and source at the samples of BandNodes.
 struct AirSamples {
-  std::vector<double> transmission, source;
+  std::vector<double> transmission{}, source{};
 };
 
-/// The air of a scene, seen from one height.
+/// The air of a scene, seen from one height. The model takes the humidity of haze from the part of a layer below the camera
+/// for lines that go down and from the part above for those that go up, so that its transmission has a step of some 1e-4
+/// between them (of the optical depth of the haze, a few per cent). Lines that end within `level_m` of the camera's height
+/// are interpolated between those that end there; level_m is what the earth's curvature makes of a level line.
 class AirView {
  public:
   /// `altitude_m`: of height 0. Throws mtf::UsageError as require_valid does.
-  AirView(atmosphere::Air<double> air, const BandNodes& nodes, double altitude_m, double camera_height_m);
+  AirView(atmosphere::Air<double> air, const BandNodes& nodes, double altitude_m, double camera_height_m,
+          double farthest_m = 0.0);
 
-  /// To a point of that height at that range. Where there is no such line (heights farther apart than the range, points
-  /// beyond the horizon) it is the nearest one there is: straight up or down, or horizontal.
+  /// To a point of that height at that range. Beyond the horizon it is a horizontal line. Where heights are farther apart
+  /// than the range there is no line, but the grid has such corners: a straight line of the height goes on there, from the
+  /// level line through the one straight up or down.
   AirSamples to(double range_m, double height_m) const;
   /// The source of the line to space; nothing for air that is known at one level alone.
   std::optional<AirSamples> to_space(double zenith_rad) const;
   bool layered() const { return air_.profile.levels.size() > 1; }
   double camera_height_m() const { return camera_height_m_; }
+  double level_m() const { return level_m_; }
+  /// Whether there is a line of that range to that height.
+  bool reaches(double range_m, double height_m) const {
+    return !layered() || std::abs(height_m - camera_height_m_) <= range_m;
+  }
   double reference_k() const { return reference_k_; }  ///< temperature of the air at the camera
   const atmosphere::Air<double>& air() const { return air_; }
   double sensor_altitude_m() const { return altitude_of(camera_height_m_); }
@@ -46,7 +57,9 @@ class AirView {
 
   atmosphere::Air<double> air_;
   std::vector<double> sample_um_, blackbody_;  ///< of reference_k_ at the samples, W m^-2 sr^-1 per cm^-1
-  double altitude_m_, camera_height_m_, reference_k_;
+  AirSamples line_to(double range_m, double height_m) const;
+
+  double altitude_m_, camera_height_m_, level_m_, reference_k_;
 };
 
 /// What a grid has to cover.
@@ -60,10 +73,10 @@ struct PathExtent {
 };
 
 struct PathGrid {
-  PathExtent extent;
-  std::vector<double> root;      ///< square roots of ranges, m^(1/2): ends of cells and their middles
-  std::vector<double> height_m;  ///< two or more
-  std::vector<AirSamples> node;  ///< [height * root.size() + root]
+  PathExtent extent{};
+  std::vector<double> root{};      ///< square roots of ranges, m^(1/2): ends of cells and their middles
+  std::vector<double> height_m{};  ///< two or more
+  std::vector<AirSamples> node{};  ///< [height * root.size() + root]
   double error = 0.0;            ///< largest seen between nodes, of integrals over the band, relative to a blackbody's
 
   std::size_t roots() const { return root.size(); }

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "mtf/error.h"
+#include "mtf/units.h"
 
 namespace radiometry::render {
 namespace {
@@ -46,7 +47,7 @@ void require_valid(const RenderScene& scene) {
   if (!scene.sun) return;
   if (!(scene.sun->direct_w_m2 >= 0.0 && std::isfinite(scene.sun->direct_w_m2)))
     refuse("a sun of " + mtf::format_double(scene.sun->direct_w_m2) + " W/m2; it has to be 0 or more");
-  if (!finite(scene.sun->to_sun) || !(scene.sun->to_sun[2] > 0.0))
+  if (!scene::finite(scene.sun->to_sun) || !(scene.sun->to_sun[2] > 0.0))
     refuse("the direction to the sun is not finite, or below the horizon");
 }
 

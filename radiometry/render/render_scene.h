@@ -15,8 +15,8 @@ namespace radiometry::render {
 
 /// An opaque surface that reflects diffusely what it does not emit.
 struct Finish {
-  std::string name;
-  Spectrum emissivity;  ///< held beyond its ends
+  std::string name{};
+  Spectrum emissivity{};  ///< held beyond its ends
 };
 
 /// The sky. Where the scene has layered air it is the clear sky of that air, (1 - cloud_cover) of it, and clouds that
@@ -40,13 +40,13 @@ inline constexpr double kSun_k = 5772.0;  ///< IAU 2015 Resolution B3
 
 struct RenderScene {
   const scene::Rays* rays = nullptr;         ///< outlives what is made of it
-  std::vector<Finish> finish;
-  std::vector<std::uint32_t> finish_of;      ///< of each side: scene::index(side)
-  std::vector<float> temperature_k;          ///< of each side; NaN for the inside of solids
-  Sky sky;
-  GroundSurface ground;
-  std::optional<Sun> sun;
-  std::optional<atmosphere::Air<double>> air;  ///< nothing: pictures are of surfaces, and the path is in none of them
+  std::vector<Finish> finish{};
+  std::vector<std::uint32_t> finish_of{};      ///< of each side: scene::index(side)
+  std::vector<float> temperature_k{};          ///< of each side; NaN for the inside of solids
+  Sky sky{};
+  GroundSurface ground{};
+  std::optional<Sun> sun{};
+  std::optional<atmosphere::Air<double>> air{};  ///< nothing: pictures are of surfaces, and the path is in none of them
   double altitude_m = 0.0;                     ///< of height 0, above the sea
 
   const scene::Facets& facets() const { return rays->facets(); }

@@ -36,7 +36,7 @@ struct RenderOptions {
   int further = 2;           ///< n x n rays where a sample differs: 1 (never), 2 or 4
   double contrast = 0.02;    ///< that differ by more than this part of the picture's standard deviation
   bool everywhere = false;   ///< all samples take n x n rays
-  double tolerance = 1e-5;   ///< of the tables of the air, relative
+  double tolerance = 5e-6;   ///< of the tables of the air, relative
   int view_rays = 64;        ///< of each visible side that reflects
   int patch_rays = 256;      ///< of each patch
   int rings = 9;             ///< of the sky
@@ -45,17 +45,17 @@ struct RenderOptions {
 };
 
 struct NamedLayer {
-  std::string name;
-  mtf::Image plane;
+  std::string name{};
+  mtf::Image plane{};
 };
 
 struct RenderedFrame {
-  std::vector<mtf::Image> radiance;  ///< of each band: W or photons s^-1, m^-2 sr^-1
-  std::vector<NamedLayer> layers;    ///< as chosen, with the names of OpenEXR channels
-  std::vector<double> promised;      ///< of each band: relative error of tables and quadrature
+  std::vector<mtf::Image> radiance{};  ///< of each band: W or photons s^-1, m^-2 sr^-1
+  std::vector<NamedLayer> layers{};    ///< as chosen, with the names of OpenEXR channels
+  std::vector<double> promised{};      ///< of each band: relative error of tables and quadrature
   std::size_t rays = 0, shadow_rays = 0, divided = 0;  ///< `divided`: samples with further rays
   std::size_t facet_hits = 0, sides = 0, shaded = 0;   ///< sides seen so far; worked out for this frame
-  std::vector<std::pair<std::string, double>> timing_ms;
+  std::vector<std::pair<std::string, double>> timing_ms{};
 };
 
 class Renderer {

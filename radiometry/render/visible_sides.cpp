@@ -51,7 +51,7 @@ std::size_t VisibleSides::add(const RayHits& hits) {
     side_.push_back(side);
     double cosine = 0.0;
     if (scene_.sun) {
-      cosine = dot(scene_.facets().facet[side / 2].normal, scene_.sun->to_sun) / scene::length(scene_.sun->to_sun);
+      cosine = scene::dot(scene_.facets().facet[side / 2].normal, scene_.sun->to_sun) / scene::length(scene_.sun->to_sun);
       if (side % 2 == 1) cosine = -cosine;
     }
     sun_cosine_.push_back(static_cast<float>(std::max(cosine, 0.0)));
