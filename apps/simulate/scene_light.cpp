@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/simulate/scene_light.h"
 
+#include "apps/sensor/response.h"
 #include "mtf/error.h"
 #include "radiometry/light/path_planes.h"
 #include "radiometry/light/scene_radiance.h"
@@ -9,6 +10,39 @@ namespace apps {
 namespace {
 
 using mtf::io::Quantity;
+
+bool is_weighted(Quantity quantity) {
+  return quantity == Quantity::weighted_radiance || quantity == Quantity::weighted_photon_radiance;
+}
+
+std::string attribute(const mtf::io::Scene& scene, const char* name) {
+  const auto found = scene.info.attributes.find(name);
+  return found == scene.info.attributes.end() ? std::string() : found->second;
+}
+
+/// What a picture says of itself has to suit the sensor: its air counts once, and its light is weighted once, by the
+/// response that it has here.
+void require_own_light(const mtf::io::SensorConfig& config, const LoadedSensor& loaded, const mtf::io::Scene& scene,
+                       const std::string& file) {
+  const radiometry::SensorSettings& settings = loaded.sensor.settings;
+  if (attribute(scene, "mtf:path") == "included" && (settings.path || settings.atmosphere))
+    throw mtf::UsageError(file + ": the air is in it already, and would count twice with [" +
+                          (settings.path ? "path" : "atmosphere") + "] of " + config.file +
+                          "; remove that table, or render without air");
+  if (!is_weighted(scene.quantity)) return;
+  const bool watts = scene.quantity == Quantity::weighted_radiance;
+  if (watts != (loaded.sensor.curves.flux == radiometry::Flux::watts))
+    throw mtf::UsageError(file + ": holds " + std::string(mtf::io::quantity_name(scene.quantity)) + ", for " +
+                          (watts ? "thermal" : "photon") + " detectors; " + config.file + " has the other kind");
+  const std::string given = attribute(scene, "mtf:response");
+  if (given.empty())
+    throw mtf::UsageError(file + ": holds " + std::string(mtf::io::quantity_name(scene.quantity)) +
+                          " and does not say by which response it is weighted (mtf:response); a scene of `radiance` "
+                          "needs none");
+  if (given != response_sha256(loaded.sensor.curves))
+    throw mtf::UsageError(file + ": is weighted by another response than that of " + config.file +
+                          " (band, transmission and quantum efficiency as curves); render it with this sensor");
+}
 
 class Converter {
  public:
@@ -50,6 +84,8 @@ class Converter {
       case Quantity::radiance:
       case Quantity::photon_radiance:
       case Quantity::spectral_radiance:
+      case Quantity::weighted_radiance:
+      case Quantity::weighted_photon_radiance:
         radiance_of_band(image.view(), light_per_unit(), options_);
         break;
       case Quantity::counts:
@@ -124,8 +160,17 @@ class Converter {
       const double middle_um = 0.5 * (band_.band.lo_um + band_.band.hi_um);
       return channel_weights(band_, std::array{middle_um}).weight.front();
     }
+    if (is_weighted(quantity_)) return path_share();
     const auto flux = quantity_ == Quantity::radiance ? radiometry::Flux::watts : radiometry::Flux::photons;
     return light_per_radiance(flux, band_, source_k());
+  }
+
+  /// What a path that is the same for all pixels leaves of light that is weighted already.
+  double path_share() const {
+    if (loaded_.paths) return 1.0;
+    const radiometry::Surface surface{.temperature_k = source_k().value_or(kSurface_k)};
+    return scene_radiance(loaded_.sensor.curves, surface, loaded_.sensor.path) /
+           scene_radiance(loaded_.sensor.curves, surface, {});
   }
 
   float path_light() const {
@@ -181,6 +226,7 @@ void merge_spectrum(mtf::io::Scene& scene, const Converter& convert, int threads
 
 SceneLight to_light(const mtf::io::SensorConfig& config, const LoadedSensor& loaded, mtf::io::Scene& scene,
                     const SceneSource& source, int threads) {
+  require_own_light(config, loaded, scene, source.file);
   const Converter convert(config, loaded, scene.quantity, threads);
   const mtf::Image emissivity = channel_of(source, convert.scene().emissivity_channel.name, "emissivity_channel");
   const mtf::Image range_m = channel_of(source, convert.scene().depth_channel.name, "depth_channel");
@@ -216,6 +262,7 @@ void require_light_of_windows(const mtf::io::SensorConfig& config, const LoadedS
   if (const std::string refusal = refusal_of_light(config, loaded, scene); !refusal.empty())
     throw mtf::UsageError(file + ": in tiles (--memory) " + refusal +
                           "; make a scene of radiance of it before, or let the whole image through at once");
+  require_own_light(config, loaded, scene, file);
   require_one_channel(scene, file);
 }
 

@@ -66,7 +66,7 @@ SimulateResult simulate_whole(const mtf::io::SensorConfig& config, SceneSource& 
   }
   const mtf::System<double>& system = radiometric != nullptr ? radiometric->system : config.system;
 
-  mtf::PlanOptions plan_options = plan_options_of(options, config, scene.grid);
+  mtf::PlanOptions plan_options = plan_options_of(options, config, scene);
   plan_options.scene = summarise_all(scene, defaults, light.error);
   plan_options.separate_readout = radiometric != nullptr;
   if (radiometric != nullptr && !options.tolerance && plan_options.scene)

@@ -12,7 +12,7 @@
 namespace apps {
 
 mtf::PlanOptions plan_options_of(const SimulateOptions& options, const mtf::io::SensorConfig& config,
-                                 const mtf::SampleGrid& scene) {
+                                 const mtf::io::Scene& scene) {
   mtf::PlanOptions plan;
   plan.tolerance = options.tolerance.value_or(plan.tolerance);
   plan.border = config.scene.border;

@@ -8,6 +8,7 @@
 // takes the sky for black below 650 cm^-1.
 
 #include <map>
+#include <optional>
 #include <utility>
 
 #include "radiometry/atmosphere/atmosphere_settings.h"
@@ -22,6 +23,9 @@ class ClearSkyFlux {
   /// W/m2 on a horizontal plane; vapour above saturation counts as saturated. Throws UsageError for air outside 180 ...
   /// 340 K and vapour pressures below 0.
   double at(double air_k, double vapour_pressure_pa);
+
+  /// The air with that weather at the ground; without a vapour pressure its relative humidity there stays. Throws as at.
+  radiometry::atmosphere::Air<double> air_at(double air_k, std::optional<double> vapour_pressure_pa) const;
 
  private:
   double node(int temperature, int humidity);
