@@ -5,6 +5,7 @@
 #include "apps/arguments.h"
 #include "apps/command_line.h"
 #include "apps/commands.h"
+#include "apps/scene/command/render_options.h"
 
 namespace apps {
 namespace {

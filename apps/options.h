@@ -216,21 +216,6 @@ struct HeatCommandOptions {
   Format format = Format::table;  ///< of standard output: table or json
 };
 
-/// `mtf render`.
-struct RenderCommandOptions {
-  std::string scene, sensor, out;
-  std::string temperatures, time;
-  std::optional<std::array<double, 3>> position, look_at;  ///< m; in place of those of [camera]
-  double samples_per_pitch = 2.0;
-  int rays = 4;            ///< of a sample that differs from its neighbours: 1, 4 or 16
-  double contrast = 0.02;  ///< by which part of the picture's standard deviation
-  bool everywhere = false;
-  bool plain = false;  ///< radiance in the band, without weights
-  bool no_air = false;
-  std::vector<std::string> layers;
-  bool json = false;
-};
-
 int run_curve(const CurveOptions& options, const Global& global);
 int run_info(const InfoOptions& options, const Global& global);
 int run_config(const ConfigOptions& options, const Global& global);
@@ -247,7 +232,6 @@ int run_check(const CheckOptions& options, const Global& global);
 int run_report(const ReportOptions& options, const Global& global);
 int run_scene(const SceneOptions& options, const Global& global);
 int run_heat(const HeatCommandOptions& options, const Global& global);
-int run_render(const RenderCommandOptions& options, const Global& global);
 int run_heat_fit(const HeatCommandOptions& options, const Global& global);
 
 }  // namespace apps

@@ -32,7 +32,7 @@ BenchJob make_job(const mtf::io::SensorConfig& config, mtf::io::Scene& scene, st
   job.in = scene.grid;
   job.out = mtf::detector_grid(config.system, scene.grid);
   job.options.border = config.scene.border;
-  job.options.aperture = mtf::io::scene_aperture(config.scene, scene);
+  job.options.aperture = mtf::io::scene_aperture(config.scene, scene.grid);
   job.border_value = config.scene.border_value;
   job.scene = std::move(scene.planes[plane]);
   const mtf::Statistics s = mtf::statistics(job.scene.view());

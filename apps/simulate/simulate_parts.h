@@ -19,6 +19,9 @@ namespace apps {
 mtf::PlanOptions plan_options_of(const SimulateOptions& options, const mtf::io::SensorConfig& config,
                                  const mtf::io::Scene& scene);
 
+/// The blur of the samples: what the file says (attribute mtf:aperture, "point" or "box" of one sample), else [scene].
+mtf::SceneAperture aperture_of(const mtf::io::SceneDefaults& defaults, const mtf::io::Scene& scene);
+
 /// Fills in what was simulated, for whom, and where it went.
 void describe_run(RunReport& report, const mtf::io::SensorConfig& config, mtf::io::Scene scene_facts,
                   const std::string& scene_path, const SimulateOptions& options, double tolerance);

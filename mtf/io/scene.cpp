@@ -14,10 +14,8 @@
 namespace mtf::io {
 namespace {
 
-constexpr std::array kQuantities{Quantity::radiance,          Quantity::photon_radiance,
-                                 Quantity::spectral_radiance, Quantity::temperature,
-                                 Quantity::counts,            Quantity::weighted_radiance,
-                                 Quantity::weighted_photon_radiance};
+constexpr std::array kQuantities{Quantity::radiance, Quantity::photon_radiance, Quantity::spectral_radiance,
+                                 Quantity::temperature, Quantity::counts};
 
 std::optional<std::array<double, 2>> two_numbers(const std::string& text) {
   std::array<double, 2> values{};
@@ -52,20 +50,14 @@ SampleGrid grid_of(const SensorConfig& config, const ImageFile& file, const std:
                    config.file);
 }
 
-/// The blur that a file says its samples have, where it says so.
-std::optional<Aperture> stated_aperture(const FileInfo& info) {
-  const auto found = info.attributes.find("mtf:aperture");
-  if (found == info.attributes.end()) return std::nullopt;
-  if (found->second == "point") return Aperture::point;
-  if (found->second == "box") return Aperture::box;
-  return std::nullopt;
-}
-
 std::optional<Quantity> stated_quantity(const ImageFile& file, const std::string& path) {
   const auto found = file.info.attributes.find("mtf:quantity");
   if (found == file.info.attributes.end()) return std::nullopt;
   for (const Quantity quantity : kQuantities)
     if (quantity_name(quantity) == found->second) return quantity;
+  // Radiance that is weighted by a response; those who take it look at the attributes for which.
+  if (found->second == "weighted_radiance") return Quantity::radiance;
+  if (found->second == "weighted_photon_radiance") return Quantity::photon_radiance;
   throw UsageError(
       path + ": holds " + printable(found->second, 40) +
       ", which is no scene: a scene is radiance, photon_radiance, spectral_radiance, temperature or counts");
@@ -177,10 +169,6 @@ Scene describe_scene(const SensorConfig& config, const std::string& path, const 
     scene.warnings.push_back(path + " states samples of " + format_double(step_x) + " x " + format_double(step_y) +
                              " um, [scene] says " + format_double(*defaults.sample_x_um) + " x " +
                              format_double(*defaults.sample_y_um) + " um; the file wins");
-  if (const auto aperture = stated_aperture(file.info);
-      aperture && defaults.aperture != Aperture::point && *aperture != defaults.aperture)
-    scene.warnings.push_back(path + " says what blur its samples have, and aperture of [scene] says another one; the "
-                             "file wins");
   scene.names = file.names;
   scene.info = file.info;
   return scene;
@@ -220,15 +208,6 @@ SceneAperture scene_aperture(const SceneDefaults& defaults, const SampleGrid& gr
   aperture.curve = defaults.aperture_curve;
   aperture.gain_limit = defaults.aperture_gain_limit;
   return aperture;
-}
-
-SceneAperture scene_aperture(const SceneDefaults& defaults, const Scene& scene) {
-  SceneDefaults own = defaults;
-  if (const auto stated = stated_aperture(scene.info)) {
-    own.aperture = *stated;
-    own.aperture_size = {};
-  }
-  return scene_aperture(own, scene.grid);
 }
 
 std::vector<std::string> sampling_warnings(const System<double>& system, const SampleGrid& grid) {

@@ -47,8 +47,6 @@ void require_decoded(const Scene& scene);
 
 /// The blur that is in the samples according to [scene] aperture.
 SceneAperture scene_aperture(const SceneDefaults& defaults, const SampleGrid& grid);
-/// The same for a file that may state it (attribute mtf:aperture, "point" or "box" of one sample): the file wins.
-SceneAperture scene_aperture(const SceneDefaults& defaults, const Scene& scene);
 
 /// Doubts about sampling: fewer than 2 samples per pitch along an axis, with the reason. Empty when fine.
 std::vector<std::string> sampling_warnings(const System<double>& system, const SampleGrid& grid);

@@ -161,6 +161,7 @@ PathGrid no_air(const BandNodes& nodes) {
 
 PathGrid path_grid(const AirView& view, const BandNodes& nodes, const PathExtent& extent, double tolerance) {
   constexpr std::size_t kMostCells = 64, kMostLayers = 16;
+  constexpr int kRoots = 6;
   constexpr double kLeastHeight_m = 1e-3;
   const BandWeights weights(nodes, view.reference_k());
   KnownLines lines(view);
@@ -168,17 +169,19 @@ PathGrid path_grid(const AirView& view, const BandNodes& nodes, const PathExtent
   const double near = std::sqrt(extent.nearest_m), far = std::max(std::sqrt(extent.farthest_m), near + kLeastHeight_m);
   const double low = extent.lowest_m, high = std::max(extent.highest_m, low + kLeastHeight_m);
 
-  // Layers: straight lines of the height, at the nearest, a middle and the farthest range.
+  // Layers: straight lines of the height, at ranges from the nearest to the farthest.
   grid.height_m = {low};
   for (const double level : {view.camera_height_m() - view.level_m(), view.camera_height_m() + view.level_m()})
     if (view.layered() && level > low && level < high) grid.height_m.push_back(level);
   grid.height_m.push_back(high);
   const auto layer_error = [&](double from, double to) {
     double worst = 0.0;
-    for (const double root : {near, 0.5 * (near + far), far})
+    for (int i = 0; i <= kRoots; ++i) {
+      const double root = std::lerp(near, far, static_cast<double>(i) / kRoots);
       if (view.reaches(root * root, 0.5 * (from + to)))
         worst = std::max(worst, weights.difference(mixed({{0.5, &lines.at(root, from)}, {0.5, &lines.at(root, to)}}),
                                                  lines.at(root, 0.5 * (from + to))));
+    }
     return worst;
   };
   for (std::size_t i = 0; i + 1 < grid.height_m.size();) {

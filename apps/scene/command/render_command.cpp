@@ -6,8 +6,8 @@
 #include <array>
 #include <nlohmann/json.hpp>
 
-#include "apps/options.h"
 #include "apps/scene/heat/stopwatch.h"
+#include "apps/scene/command/render_options.h"
 #include "apps/scene/render/picture.h"
 #include "apps/sensor/sensor_file.h"
 #include "apps/simulate/output_files.h"

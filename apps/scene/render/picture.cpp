@@ -17,10 +17,9 @@ namespace {
 
 using mtf::io::Quantity;
 
+/// In photons, or watts.
 Quantity quantity_of(const PictureSensor& sensor) {
-  if (sensor.quantity == PictureQuantity::radiance) return Quantity::radiance;
-  return sensor.band.curves.flux == radiometry::Flux::watts ? Quantity::weighted_radiance
-                                                            : Quantity::weighted_photon_radiance;
+  return sensor.band.curves.flux == radiometry::Flux::watts ? Quantity::radiance : Quantity::photon_radiance;
 }
 
 }  // namespace
@@ -75,7 +74,8 @@ mtf::io::Metadata picture_metadata(const SceneFile& file, const PictureScene& sc
                                    const radiometry::render::RenderedFrame& frame) {
   mtf::io::Metadata m;
   const Quantity quantity = quantity_of(sensor);
-  m.text["mtf:quantity"] = quantity_name(quantity);
+  m.text["mtf:quantity"] =
+      (sensor.quantity == PictureQuantity::weighted ? "weighted_" : "") + std::string(quantity_name(quantity));
   m.text["mtf:units"] = quantity_unit(quantity);
   if (!sensor.response.empty()) m.text["mtf:response"] = sensor.response;
   m.text["mtf:path"] = scene.scene.air ? "included" : "none";

@@ -5,6 +5,7 @@
 
 #include "apps/sensor/sensor_place.h"
 #include "apps/text/words.h"
+#include "apps/simulate/simulate_parts.h"
 #include "mtf/same_list.h"
 
 namespace apps {
@@ -81,7 +82,7 @@ mtf::PlanOptions SequencePlanner::options_for(const mtf::io::SensorConfig& senso
   mtf::PlanOptions options = base_;
   options.border = sensor.scene.border;
   options.separate_readout = radiometric != nullptr;
-  options.aperture = mtf::io::scene_aperture(sensor.scene, input.scene);
+  options.aperture = aperture_of(sensor.scene, input.scene);
   if (radiometric != nullptr && !asked_ && input.summary)
     options.tolerance = radiometric->tolerance(base_.tolerance, input.summary->std);
   return options;

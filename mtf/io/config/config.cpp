@@ -70,10 +70,8 @@ std::string_view quantity_name(Quantity quantity) { return cfg::kQuantityNames[s
 std::string_view quantity_unit(Quantity quantity) {
   switch (quantity) {
     case Quantity::radiance:
-    case Quantity::weighted_radiance:
       return "W.m^-2.sr^-1";
     case Quantity::photon_radiance:
-    case Quantity::weighted_photon_radiance:
       return "ph.s^-1.m^-2.sr^-1";
     case Quantity::spectral_radiance:
       return "W.m^-2.sr^-1.um^-1";

@@ -20,17 +20,7 @@
 
 namespace mtf::io {
 
-/// The last two are radiance that is weighted by the response of one sensor, as pictures of 3-D scenes have it: W for a
-/// thermal detector, photons for others. A file says them, with the response; [scene] cannot.
-enum class Quantity {
-  radiance,
-  photon_radiance,
-  spectral_radiance,
-  temperature,
-  counts,
-  weighted_radiance,
-  weighted_photon_radiance
-};
+enum class Quantity { radiance, photon_radiance, spectral_radiance, temperature, counts };
 enum class Aperture { point, box, gaussian, curve };
 
 std::string_view quantity_name(Quantity quantity);

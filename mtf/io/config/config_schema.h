@@ -144,11 +144,8 @@ inline constexpr std::array<std::string_view, 18> kSceneKeys{"sample",
                                                              "aperture_file",
                                                              "aperture_gain_limit"};
 
-/// In the order of Quantity; those that [scene] may name come first.
-inline constexpr std::array<std::string_view, 7> kQuantityNames{
-    "radiance", "photon_radiance", "spectral_radiance", "temperature", "counts", "weighted_radiance",
-    "weighted_photon_radiance"};
-inline constexpr std::size_t kSceneQuantities = 5;
+inline constexpr std::array<std::string_view, 5> kQuantityNames{"radiance", "photon_radiance", "spectral_radiance",
+                                                                "temperature", "counts"};
 inline constexpr std::array<std::string_view, 4> kApertureNames{"point", "box", "gaussian", "curve"};
 
 }  // namespace mtf::io::cfg

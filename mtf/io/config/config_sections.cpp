@@ -171,8 +171,7 @@ void read_scene(const Section& root, const Frame<double>& frame, SceneDefaults& 
   const Section section{root.reader, *table, "scene", "[scene]"};
   check_keys(section, with_rows(kSceneKeys, root.reader.schema, "scene"));
   read_sample(section, frame, scene);
-  if (const auto word = read_word(section, "quantity", std::span(kQuantityNames).first(kSceneQuantities)))
-    scene.quantity = static_cast<Quantity>(*word);
+  if (const auto word = read_word(section, "quantity", kQuantityNames)) scene.quantity = static_cast<Quantity>(*word);
   scene.gain = read_number(section, kGain, "gain");
   if (scene.gain == 0.0) section.error("gain", "0 would make every pixel the same; value = gain x file + offset");
   scene.offset = read_number(section, kOffset, "offset");
