@@ -58,7 +58,7 @@ class Converter {
     const bool surfaces = quantity == Quantity::temperature || quantity == Quantity::counts;
     const bool finish = scene_.surroundings_k || !scene_.emissivity.file.empty() || scene_.emissivity.number != 1.0 ||
                         !scene_.emissivity_channel.name.empty();
-    if (!surfaces && finish)
+    if (!surfaces && finish && !weighted_)  // which a picture of surfaces has in it
       throw mtf::UsageError(file_ +
                             ": scene.emissivity, emissivity_channel and surroundings are for scenes of "
                             "temperatures or counts; this one is " +
