@@ -51,7 +51,8 @@ Command render_command() {
   Command app{
       "render", "the picture of a scene that a sensor takes in, for mtf simulate",
       "Camera rays through the sensor's field of view meet facets; their temperature and emissivity, the light that\n"
-      "they reflect of sky, ground, other surfaces and the sun, and the air before them give one radiance, weighted by\n"
+      "they reflect of sky, ground, other surfaces and the sun, and the air before them give one radiance, weighted "
+      "by\n"
       "the response of the sensor. The OpenEXR file says so, and mtf simulate takes it without options. The camera\n"
       "stands where [camera] of the scene file says; the air is that of [atmosphere] of either file. Bands from 3 to\n"
       "14 um. Samples that differ from a neighbour take further rays; the attribute mtf:aperture says it.",
@@ -63,8 +64,8 @@ Command render_command() {
   add_text(app, "--temperatures", "PATH",
            "folder that mtf heat wrote, or a table of facets (.npy, .csv); default: those of the scene file's regions",
            options.temperatures);
-  add_text(app, "--time", "INSTANT", "UTC, as 2026-06-21T11:40:00Z; default: the last of the folder, or the scene's start",
-           options.time);
+  add_text(app, "--time", "INSTANT",
+           "UTC, as 2026-06-21T11:40:00Z; default: the last of the folder, or the scene's start", options.time);
   const auto point = [](const char* name, const std::string& text) {
     const std::vector<double> numbers = number_list(name, text);
     if (numbers.size() != 3) throw mtf::UsageError(std::string(name) + ": write three numbers, X,Y,Z in m");
@@ -81,7 +82,8 @@ Command render_command() {
   });
   constexpr std::array kRays{std::pair{std::string_view("1"), 1}, std::pair{std::string_view("4"), 4},
                              std::pair{std::string_view("16"), 16}};
-  add_choice(app, "--rays", "N", "1, 4 (default) or 16, of a sample that differs from a neighbour", kRays, options.rays);
+  add_choice(app, "--rays", "N", "1, 4 (default) or 16, of a sample that differs from a neighbour", kRays,
+             options.rays);
   add_word(app, "--contrast", "X", "by more than this part of the picture's standard deviation; default 0.02",
            [&](const std::string& text) {
              options.contrast = number("--contrast", text);
@@ -95,14 +97,14 @@ Command render_command() {
              options.plain = choice("--quantity", text, words);
            });
   add_flag(app, "--no-air", "surfaces alone, for sensors that bring a path of their own", options.no_air);
-  OptionSpec& layer = add_word(app, "--layer", "NAME",
-           "write this too: temperature, emissivity, Z (range, m), facet, material, normal, surface (before the air), "
-           "transmittance",
-           [&](const std::string& text) { options.layers.push_back(text); });
+  OptionSpec& layer = add_word(
+      app, "--layer", "NAME",
+      "write this too: temperature, emissivity, Z (range, m), facet, material, normal, surface (before the air), "
+      "transmittance",
+      [&](const std::string& text) { options.layers.push_back(text); });
   layer.repeats = true;
-  add_word(app, "--format", "FORMAT", "of standard output: table (default) or json", [&](const std::string& text) {
-    options.json = choice("--format", text, kTableOrJson) == Format::json;
-  });
+  add_word(app, "--format", "FORMAT", "of standard output: table (default) or json",
+           [&](const std::string& text) { options.json = choice("--format", text, kTableOrJson) == Format::json; });
   app.run = [shared](const Global& global) { return run_render(*shared, global); };
   return app;
 }

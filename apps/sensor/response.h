@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// What the weighted radiance of an image was weighted by: images that say it are taken by sensors with the same response
-// and by no others.
+// What the weighted radiance of an image was weighted by: images that say it are taken by sensors with the same
+// response and by no others.
 
 #include <string>
 

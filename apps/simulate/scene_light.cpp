@@ -32,10 +32,12 @@ void require_own_light(const mtf::io::SensorConfig& config, const LoadedSensor& 
   const bool watts = scene.quantity == Quantity::radiance;
   const std::string quantity = attribute(scene, "mtf:quantity");
   if (watts != (loaded.sensor.curves.flux == radiometry::Flux::watts))
-    throw mtf::UsageError(file + ": holds " + quantity + ", for " + (watts ? "thermal" : "photon") + " detectors; " + config.file + " has the other kind");
+    throw mtf::UsageError(file + ": holds " + quantity + ", for " + (watts ? "thermal" : "photon") + " detectors; " +
+                          config.file + " has the other kind");
   const std::string given = attribute(scene, "mtf:response");
   if (given.empty())
-    throw mtf::UsageError(file + ": holds " + quantity + " and does not say by which response it is weighted (mtf:response); a scene of `radiance` "
+    throw mtf::UsageError(file + ": holds " + quantity +
+                          " and does not say by which response it is weighted (mtf:response); a scene of `radiance` "
                           "needs none");
   if (given != response_sha256(loaded.sensor.curves))
     throw mtf::UsageError(file + ": is weighted by another response than that of " + config.file +

@@ -21,7 +21,8 @@ Metadata provenance(const SensorConfig& config, const Scene& scene, const mtf::S
   // Filtered light is still weighted by what it was weighted by, and has its air.
   for (const char* name : {"mtf:quantity", "mtf:response", "mtf:path"})
     if (const auto found = scene.info.attributes.find(name);
-        found != scene.info.attributes.end() && (name != std::string_view("mtf:quantity") || found->second.starts_with("weighted_")))
+        found != scene.info.attributes.end() &&
+        (name != std::string_view("mtf:quantity") || found->second.starts_with("weighted_")))
       m.text[name] = found->second;
   m.text["mtf:configSha256"] = config.sha256;
   m.text["mtf:sensor"] = config.system.name;

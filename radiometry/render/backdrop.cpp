@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::size_t kAngles = 33;
 constexpr double kRight = 0.5 * std::numbers::pi;
-constexpr double kLowest = 1e-4;        // rad: lines nearer to the horizon are taken to have this elevation
+constexpr double kLowest = 1e-4;       // rad: lines nearer to the horizon are taken to have this elevation
 constexpr double kFarthest_m = 300e3;  // of a ground that the air does not hide
 
 double elevation_of(std::size_t angle) {

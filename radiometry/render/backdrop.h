@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// What a camera sees where no facet is: the sky above the horizon, with all the air before it, and below it the ground, a
-// level plane that goes on as far as the horizon, through the air between. Radiance in the band by the sine of the
+// What a camera sees where no facet is: the sky above the horizon, with all the air before it, and below it the ground,
+// a level plane that goes on as far as the horizon, through the air between. Radiance in the band by the sine of the
 // elevation: cubics of the zenith angle, whose steps are the smaller the nearer they are to the horizon.
 
 #include "radiometry/render/light_sources.h"

@@ -24,7 +24,8 @@ std::vector<Spectrum> curves_of(const SpectralCamera& camera) {
 /// The wavenumbers of the air model from one at or below the range to one at or above it, by rising wavelength.
 std::vector<double> air_samples(const Interval& range) {
   std::vector<double> um;
-  const double highest = std::ceil(1e4 / range.lo_um / kAirStep_cm), lowest = std::floor(1e4 / range.hi_um / kAirStep_cm);
+  const double highest = std::ceil(1e4 / range.lo_um / kAirStep_cm),
+               lowest = std::floor(1e4 / range.hi_um / kAirStep_cm);
   for (double step = highest; step >= lowest; step -= 1.0) um.push_back(1e4 / (kAirStep_cm * step));
   return um;
 }
@@ -67,9 +68,9 @@ std::vector<double> at_nodes(const BandNodes& nodes, const Spectrum& curve) {
   std::vector<double> values;
   values.reserve(nodes.size());
   for (const double um : nodes.wavelength_um)
-    values.push_back(curve.value.size() == 1 ? curve.value[0]
-                                             : evaluate(curve, std::clamp(um, curve.wavelength_um.front(),
-                                                                          curve.wavelength_um.back())));
+    values.push_back(curve.value.size() == 1
+                         ? curve.value[0]
+                         : evaluate(curve, std::clamp(um, curve.wavelength_um.front(), curve.wavelength_um.back())));
   return values;
 }
 

@@ -57,8 +57,8 @@ bool BandShader::prepare(double camera_height_m, const PathExtent& extent) {
   } else {
     grid_ = no_air(nodes_);
   }
-  tables_ = std::make_unique<BandTables>(nodes_, *folds_, emissivity_, sources_, grid_,
-                                         view_ ? view_->reference_k() : 300.0);
+  tables_ =
+      std::make_unique<BandTables>(nodes_, *folds_, emissivity_, sources_, grid_, view_ ? view_->reference_k() : 300.0);
   promised_ = promised_error(band_.curves, curves_, *folds_, *tables_, grid_, view_.get());
   backdrop_ = std::make_unique<Backdrop>(scene_, nodes_, sources_, view_.get(), camera_height_m,
                                          ground_height_m(scene_.facets()));
@@ -124,52 +124,53 @@ void BandShader::radiance(const RayHits& hits, const VisibleSides& sides, std::v
       }
   constexpr float kSlack = 1e-4F;  // of a cell, at the ends of which neighbours agree
   const std::size_t cells = grid_.cells();
-  const auto last_cell = static_cast<std::uint16_t>(cells - 1), last_layer = static_cast<std::uint16_t>(grid_.layers() - 1);
+  const auto last_cell = static_cast<std::uint16_t>(cells - 1),
+             last_layer = static_cast<std::uint16_t>(grid_.layers() - 1);
 
-  mtf::parallel_for(static_cast<std::int64_t>(hits.side.size()), 1 << 14, threads, [&](std::int64_t begin,
-                                                                                      std::int64_t end) {
-    struct Elsewhere {
-      std::uint32_t number = scene::kNone;
-      Shaded shaded;
-    };
-    std::array<Elsewhere, 256> elsewhere;
-    for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
-      const std::uint32_t side = hits.side[i];
-      if (side == scene::kNone) {
-        out[i] = static_cast<float>(backdrop_->radiance(static_cast<double>(hits.height_m[i])));
-        continue;
-      }
-      const std::uint32_t number = sides.number(side);
-      const Shaded* at = &shaded_[number];
-      const float root = std::sqrt(hits.range_m[i]), height = hits.height_m[i];
-      std::size_t place = at->cell.layer * cells + at->cell.root;
-      float t = (root - places[place].root) * places[place].per_root;
-      float u = (height - places[place].height) * places[place].per_height;
-      const bool inside = (t >= -kSlack || at->cell.root == 0) && (t <= 1.0F + kSlack || at->cell.root == last_cell) &&
-                          (u >= -kSlack || at->cell.layer == 0) && (u <= 1.0F + kSlack || at->cell.layer == last_layer);
-      if (!inside) {
-        const PathGrid::Cell cell = grid_.cell_at(static_cast<double>(root), static_cast<double>(height));
-        Elsewhere& known = elsewhere[number % elsewhere.size()];
-        if (known.number != number || !(known.shaded.cell == cell))
-          known = {number, shaded(sides, number, cell)};
-        at = &known.shaded;
-        place = cell.layer * cells + cell.root;
-        t = (root - places[place].root) * places[place].per_root;
-        u = (height - places[place].height) * places[place].per_height;
-      }
-      t = std::clamp(t, 0.0F, 1.0F);
-      u = std::clamp(u, 0.0F, 1.0F);
-      const float a = (1.0F - t) * (1.0F - 2.0F * t), b = 4.0F * t * (1.0F - t), c = t * (2.0F * t - 1.0F);
-      const auto mixed = [&](const std::array<float, 6>& v) {
-        const float low = a * v[0] + b * v[1] + c * v[2], high = a * v[3] + b * v[4] + c * v[5];
-        return low + u * (high - low);
-      };
-      float sum = mixed(at->value);
-      if (sunny && hits.lit[i] != 0)
-        sum += sides.sun_cosine(number) * mixed(sun[at->finish * places.size() + place]);
-      out[i] = sum;
-    }
-  });
+  mtf::parallel_for(
+      static_cast<std::int64_t>(hits.side.size()), 1 << 14, threads, [&](std::int64_t begin, std::int64_t end) {
+        struct Elsewhere {
+          std::uint32_t number = scene::kNone;
+          Shaded shaded;
+        };
+        std::array<Elsewhere, 256> elsewhere;
+        for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
+          const std::uint32_t side = hits.side[i];
+          if (side == scene::kNone) {
+            out[i] = static_cast<float>(backdrop_->radiance(static_cast<double>(hits.height_m[i])));
+            continue;
+          }
+          const std::uint32_t number = sides.number(side);
+          const Shaded* at = &shaded_[number];
+          const float root = std::sqrt(hits.range_m[i]), height = hits.height_m[i];
+          std::size_t place = at->cell.layer * cells + at->cell.root;
+          float t = (root - places[place].root) * places[place].per_root;
+          float u = (height - places[place].height) * places[place].per_height;
+          const bool inside =
+              (t >= -kSlack || at->cell.root == 0) && (t <= 1.0F + kSlack || at->cell.root == last_cell) &&
+              (u >= -kSlack || at->cell.layer == 0) && (u <= 1.0F + kSlack || at->cell.layer == last_layer);
+          if (!inside) {
+            const PathGrid::Cell cell = grid_.cell_at(static_cast<double>(root), static_cast<double>(height));
+            Elsewhere& known = elsewhere[number % elsewhere.size()];
+            if (known.number != number || !(known.shaded.cell == cell)) known = {number, shaded(sides, number, cell)};
+            at = &known.shaded;
+            place = cell.layer * cells + cell.root;
+            t = (root - places[place].root) * places[place].per_root;
+            u = (height - places[place].height) * places[place].per_height;
+          }
+          t = std::clamp(t, 0.0F, 1.0F);
+          u = std::clamp(u, 0.0F, 1.0F);
+          const float a = (1.0F - t) * (1.0F - 2.0F * t), b = 4.0F * t * (1.0F - t), c = t * (2.0F * t - 1.0F);
+          const auto mixed = [&](const std::array<float, 6>& v) {
+            const float low = a * v[0] + b * v[1] + c * v[2], high = a * v[3] + b * v[4] + c * v[5];
+            return low + u * (high - low);
+          };
+          float sum = mixed(at->value);
+          if (sunny && hits.lit[i] != 0)
+            sum += sides.sun_cosine(number) * mixed(sun[at->finish * places.size() + place]);
+          out[i] = sum;
+        }
+      });
 }
 
 double BandShader::emissivity(std::size_t finish, double temperature_k) const {

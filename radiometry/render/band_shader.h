@@ -57,7 +57,7 @@ class BandShader {
 
   RenderBand band_;
   const RenderScene& scene_;
-  std::vector<Spectrum> curves_;                  ///< emissivities
+  std::vector<Spectrum> curves_;                 ///< emissivities
   std::vector<std::vector<double>> emissivity_;  ///< at the nodes
   double tolerance_;
   bool with_air_;

@@ -38,8 +38,8 @@ Values through(const BandNodes& nodes, const Values& values, const PathGrid& gri
   return out;
 }
 
-/// In a middle interval a cubic errs by 9/384 h^4 times the fourth derivative, which is at most (c2 / (lambda T^2))^4 of
-/// the value.
+/// In a middle interval a cubic errs by 9/384 h^4 times the fourth derivative, which is at most (c2 / (lambda T^2))^4
+/// of the value.
 EmissionFolds::Table place_of(const KelvinRange& range, double shortest_um) {
   EmissionFolds::Table table;
   const double lo = std::max(range.lo_k, kColdest_k), hi = std::max(range.hi_k, lo);
@@ -126,9 +126,8 @@ SixValues BandTables::sunlit(std::size_t finish, std::size_t node) const {
   return sun_.empty() ? SixValues{} : six(sun_[finish], node);
 }
 
-double promised_error(const SpectralCamera& camera, std::span<const Spectrum> emissivity,
-                      const EmissionFolds& folds, const BandTables& tables, const PathGrid& grid,
-                      const AirView* view) {
+double promised_error(const SpectralCamera& camera, std::span<const Spectrum> emissivity, const EmissionFolds& folds,
+                      const BandTables& tables, const PathGrid& grid, const AirView* view) {
   constexpr std::size_t kTemperatures = 12;
   constexpr double kBetween = 0.21132486540518713, kRounding = 1e-7;  // rounding: of pixels, which are floats
   const BandNodes fine = band_nodes(camera, emissivity, 6);

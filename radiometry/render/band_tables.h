@@ -7,13 +7,14 @@
 //   reflected  M(m, l, p) = sum_i tau_pi fold((1 - eps_m) L_l)_i       by finish and source of light l
 //   sun        S(m, p)    = sum_i tau_pi fold((1 - eps_m) E_sun / pi)_i
 //   path       P(p)       = sum_i s_pi fold(B(T_air))_i
-// A pixel is the sum of them, E interpolated in T by cubics through equally spaced temperatures, all in range and height by
-// the weights of the grid. Temperatures below 50 K radiate as at 50 K.
+// A pixel is the sum of them, E interpolated in T by cubics through equally spaced temperatures, all in range and
+// height by the weights of the grid. Temperatures below 50 K radiate as at 50 K.
 //
-// The promise covers what interpolation and quadrature err: tables are compared with integrals of twice the nodes and air
-// of that very place, at middles between temperatures and at the places of each cell where its parabola is worst, and the
-// largest difference is multiplied by kPromise, as places between may be worse. It is relative to the radiance, or to that of
-// a blackbody at the temperature of the air where this is more: the air adds as much to a surface that is far colder.
+// The promise covers what interpolation and quadrature err: tables are compared with integrals of twice the nodes and
+// air of that very place, at middles between temperatures and at the places of each cell where its parabola is worst,
+// and the largest difference is multiplied by kPromise, as places between may be worse. It is relative to the radiance,
+// or to that of a blackbody at the temperature of the air where this is more: the air adds as much to a surface that is
+// far colder.
 
 #include "radiometry/render/light_sources.h"
 #include "radiometry/render/path_grid.h"
@@ -78,8 +79,8 @@ class BandTables {
 
   std::size_t nodes_, roots_;
   struct Emitted {
-    EmissionFolds::Table place;  ///< without values
-    std::vector<double> value{};   ///< [temperature * nodes + node]
+    EmissionFolds::Table place;   ///< without values
+    std::vector<double> value{};  ///< [temperature * nodes + node]
   };
   std::vector<Emitted> emitted_;
   std::vector<std::vector<double>> reflected_, sun_;  ///< of each finish: [source * nodes + node], [node]
@@ -88,7 +89,7 @@ class BandTables {
 
 /// The error that is promised for finishes in those ranges, relative: see the head of this file. `view`: null without
 /// air.
-double promised_error(const SpectralCamera& camera, std::span<const Spectrum> emissivity,
-                      const EmissionFolds& folds, const BandTables& tables, const PathGrid& grid, const AirView* view);
+double promised_error(const SpectralCamera& camera, std::span<const Spectrum> emissivity, const EmissionFolds& folds,
+                      const BandTables& tables, const PathGrid& grid, const AirView* view);
 
 }  // namespace radiometry::render

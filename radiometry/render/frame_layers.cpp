@@ -55,28 +55,32 @@ std::vector<NamedLayer> layers_of(const LayerInputs& in) {
   const auto side = [&](std::size_t ray) { return in.hits.side[ray]; };
   using Index = std::int64_t;
   if (in.choice.temperature)
-    add("temperature", [&](std::size_t ray, Index, Index) { return in.scene.temperature_k[side(ray)]; }, kNan);
+    add(
+        "temperature", [&](std::size_t ray, Index, Index) { return in.scene.temperature_k[side(ray)]; }, kNan);
   if (in.choice.emissivity) {
     const std::vector<float> value = emissivities(in);
-    add("emissivity", [&](std::size_t ray, Index, Index) { return value[in.sides.number(side(ray))]; }, kNan);
+    add(
+        "emissivity", [&](std::size_t ray, Index, Index) { return value[in.sides.number(side(ray))]; }, kNan);
   }
   if (in.choice.range)
-    layers.push_back({"Z", made(in.camera, in.threads, [&](std::size_t ray, Index x, Index y) {
-                        if (side(ray) == kNone)
-                          return static_cast<float>(
-                              in.shader.backdrop().range_m(static_cast<double>(in.hits.height_m[ray])));
-                        const Vector d = in.camera.direction(static_cast<double>(x) + 0.5, static_cast<double>(y) + 0.5);
-                        return static_cast<float>(scene::length(d) * scene::distance_to(in.scene.facets(),
-                                                                                        in.hits.triangle[ray],
-                                                                                        in.camera.position, d));
-                      })});
+    layers.push_back(
+        {"Z", made(in.camera, in.threads, [&](std::size_t ray, Index x, Index y) {
+           if (side(ray) == kNone)
+             return static_cast<float>(in.shader.backdrop().range_m(static_cast<double>(in.hits.height_m[ray])));
+           const Vector d = in.camera.direction(static_cast<double>(x) + 0.5, static_cast<double>(y) + 0.5);
+           return static_cast<float>(
+               scene::length(d) * scene::distance_to(in.scene.facets(), in.hits.triangle[ray], in.camera.position, d));
+         })});
   if (in.choice.facet)
-    add("facet", [&](std::size_t ray, Index, Index) { return static_cast<float>(side(ray) / 2); }, -1.0F);
+    add(
+        "facet", [&](std::size_t ray, Index, Index) { return static_cast<float>(side(ray) / 2); }, -1.0F);
   if (in.choice.finish)
-    add("material", [&](std::size_t ray, Index, Index) { return static_cast<float>(in.scene.finish_of[side(ray)]); },
+    add(
+        "material", [&](std::size_t ray, Index, Index) { return static_cast<float>(in.scene.finish_of[side(ray)]); },
         -1.0F);
   for (std::size_t axis = 0; in.choice.normal && axis < 3; ++axis)
-    add(std::string("normal.") + "XYZ"[axis],
+    add(
+        std::string("normal.") + "XYZ"[axis],
         [&](std::size_t ray, Index, Index) {
           const double value = in.scene.facets().facet[side(ray) / 2].normal[axis];
           return static_cast<float>(side(ray) % 2 == 1 ? -value : value);
@@ -87,18 +91,17 @@ std::vector<NamedLayer> layers_of(const LayerInputs& in) {
   in.surface->radiance(in.hits, in.sides, before, in.threads);
   const auto above = [&](std::size_t ray) { return side(ray) == kNone && in.hits.height_m[ray] >= 0.0F; };
   if (in.choice.surface)
-    layers.push_back({"surface", made(in.camera, in.threads, [&](std::size_t ray, Index, Index) {
-                        return above(ray) ? 0.0F : before[ray];
-                      })});
+    layers.push_back({"surface", made(in.camera, in.threads,
+                                      [&](std::size_t ray, Index, Index) { return above(ray) ? 0.0F : before[ray]; })});
   if (in.choice.transmittance)
-    layers.push_back(
-        {"transmittance", made(in.camera, in.threads, [&](std::size_t ray, Index, Index) {
-           if (above(ray)) return 0.0F;
-           if (side(ray) == kNone) return kNan;  // of the ground beyond the facets it is not kept
-           const double path = in.shader.path_radiance(static_cast<double>(in.hits.range_m[ray]),
-                                                       static_cast<double>(in.hits.height_m[ray]));
-           return static_cast<float>((static_cast<double>(in.radiance[ray]) - path) / static_cast<double>(before[ray]));
-         })});
+    layers.push_back({"transmittance", made(in.camera, in.threads, [&](std::size_t ray, Index, Index) {
+                        if (above(ray)) return 0.0F;
+                        if (side(ray) == kNone) return kNan;  // of the ground beyond the facets it is not kept
+                        const double path = in.shader.path_radiance(static_cast<double>(in.hits.range_m[ray]),
+                                                                    static_cast<double>(in.hits.height_m[ray]));
+                        return static_cast<float>((static_cast<double>(in.radiance[ray]) - path) /
+                                                  static_cast<double>(before[ray]));
+                      })});
   return layers;
 }
 

@@ -13,8 +13,8 @@ struct LayerInputs {
   const RayHits& hits;  ///< of RayPlan::tiles
   const VisibleSides& sides;
   const BandShader& shader;
-  const BandShader* surface;             ///< the same band without air; null where neither layer asks for it
-  const std::vector<float>& radiance;    ///< of the rays
+  const BandShader* surface;           ///< the same band without air; null where neither layer asks for it
+  const std::vector<float>& radiance;  ///< of the rays
   const LayerChoice& choice;
   int threads;
 };

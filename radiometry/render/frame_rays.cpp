@@ -66,32 +66,31 @@ void trace_rays(const scene::Rays& rays, const Camera& camera, const RayPlan& pl
   const scene::Pencil pencil(rays, camera.position);
   const scene::Facets& facets = rays.facets();
   const auto height = static_cast<float>(camera.position[2]);
-  mtf::parallel_for(static_cast<std::int64_t>(hits.packets()), kChunk, threads,
-                    [&](std::int64_t begin, std::int64_t end) {
-                      scene::PencilDirections directions{.count = kPencilRays};
-                      scene::PencilHits met;
-                      for (auto p = static_cast<std::size_t>(begin); p < static_cast<std::size_t>(end); ++p) {
-                        for (std::size_t lane = 0; lane < kPencilRays; ++lane) {
-                          const RayPlan::Place place = plan.place(first + p, lane);
-                          const Vector d = camera.direction(place.x, place.y);
-                          directions.x[lane] = static_cast<float>(d[0]);
-                          directions.y[lane] = static_cast<float>(d[1]);
-                          directions.z[lane] = static_cast<float>(d[2]);
-                        }
-                        pencil.trace(directions, met);
-                        for (std::size_t lane = 0; lane < kPencilRays; ++lane) {
-                          const std::size_t i = p * kPencilRays + lane;
-                          const float x = directions.x[lane], y = directions.y[lane], z = directions.z[lane];
-                          const float size = std::sqrt(x * x + y * y + z * z);
-                          const std::uint32_t triangle = met.triangle[lane];
-                          if (!hits.triangle.empty()) hits.triangle[i] = triangle;
-                          hits.range_m[i] = met.length[lane] * size;
-                          hits.side[i] =
-                              triangle == kNone ? kNone : 2 * facets.facet_of[triangle] + (met.back >> lane & 1U);
-                          hits.height_m[i] = triangle == kNone ? z / size : height + met.length[lane] * z;
-                        }
-                      }
-                    });
+  mtf::parallel_for(
+      static_cast<std::int64_t>(hits.packets()), kChunk, threads, [&](std::int64_t begin, std::int64_t end) {
+        scene::PencilDirections directions{.count = kPencilRays};
+        scene::PencilHits met;
+        for (auto p = static_cast<std::size_t>(begin); p < static_cast<std::size_t>(end); ++p) {
+          for (std::size_t lane = 0; lane < kPencilRays; ++lane) {
+            const RayPlan::Place place = plan.place(first + p, lane);
+            const Vector d = camera.direction(place.x, place.y);
+            directions.x[lane] = static_cast<float>(d[0]);
+            directions.y[lane] = static_cast<float>(d[1]);
+            directions.z[lane] = static_cast<float>(d[2]);
+          }
+          pencil.trace(directions, met);
+          for (std::size_t lane = 0; lane < kPencilRays; ++lane) {
+            const std::size_t i = p * kPencilRays + lane;
+            const float x = directions.x[lane], y = directions.y[lane], z = directions.z[lane];
+            const float size = std::sqrt(x * x + y * y + z * z);
+            const std::uint32_t triangle = met.triangle[lane];
+            if (!hits.triangle.empty()) hits.triangle[i] = triangle;
+            hits.range_m[i] = met.length[lane] * size;
+            hits.side[i] = triangle == kNone ? kNone : 2 * facets.facet_of[triangle] + (met.back >> lane & 1U);
+            hits.height_m[i] = triangle == kNone ? z / size : height + met.length[lane] * z;
+          }
+        }
+      });
 }
 
 void trace_shadows(const scene::Rays& rays, const Camera& camera, const RayPlan& plan, std::size_t first,
@@ -99,33 +98,32 @@ void trace_shadows(const scene::Rays& rays, const Camera& camera, const RayPlan&
   const scene::Beam beam(rays, to_sun);
   const scene::Facets& facets = rays.facets();
   hits.lit.assign(hits.side.size(), 0);
-  mtf::parallel_for(static_cast<std::int64_t>(hits.packets()), kChunk, threads,
-                    [&](std::int64_t begin, std::int64_t end) {
-                      std::array<Point, kPencilRays> from;
-                      std::array<std::size_t, kPencilRays> of{};
-                      std::size_t count = 0;
-                      const auto trace = [&] {
-                        const std::uint32_t blocked = beam.blocked(std::span<const Point>(from).first(count));
-                        for (std::size_t k = 0; k < count; ++k) hits.lit[of[k]] = (blocked >> k & 1U) == 0U ? 1 : 0;
-                        count = 0;
-                      };
-                      for (auto p = static_cast<std::size_t>(begin); p < static_cast<std::size_t>(end); ++p)
-                        for (std::size_t lane = 0; lane < kPencilRays; ++lane) {
-                          const std::size_t i = p * kPencilRays + lane;
-                          if (hits.side[i] == kNone) continue;
-                          const scene::Facet& facet = facets.facet[hits.side[i] / 2];
-                          const double side = hits.side[i] % 2 == 1 ? -1.0 : 1.0;
-                          if (!(side * scene::dot(facet.normal, beam.direction()) > 0.0)) continue;
-                          const RayPlan::Place place = plan.place(first + p, lane);
-                          const Vector d = camera.direction(place.x, place.y);
-                          from[count] = camera.position +
-                                        (static_cast<double>(hits.range_m[i]) / scene::length(d)) * d +
-                                        (side * beam.lift_m()) * facet.normal;
-                          of[count++] = i;
-                          if (count == kPencilRays) trace();
-                        }
-                      if (count > 0) trace();
-                    });
+  mtf::parallel_for(
+      static_cast<std::int64_t>(hits.packets()), kChunk, threads, [&](std::int64_t begin, std::int64_t end) {
+        std::array<Point, kPencilRays> from;
+        std::array<std::size_t, kPencilRays> of{};
+        std::size_t count = 0;
+        const auto trace = [&] {
+          const std::uint32_t blocked = beam.blocked(std::span<const Point>(from).first(count));
+          for (std::size_t k = 0; k < count; ++k) hits.lit[of[k]] = (blocked >> k & 1U) == 0U ? 1 : 0;
+          count = 0;
+        };
+        for (auto p = static_cast<std::size_t>(begin); p < static_cast<std::size_t>(end); ++p)
+          for (std::size_t lane = 0; lane < kPencilRays; ++lane) {
+            const std::size_t i = p * kPencilRays + lane;
+            if (hits.side[i] == kNone) continue;
+            const scene::Facet& facet = facets.facet[hits.side[i] / 2];
+            const double side = hits.side[i] % 2 == 1 ? -1.0 : 1.0;
+            if (!(side * scene::dot(facet.normal, beam.direction()) > 0.0)) continue;
+            const RayPlan::Place place = plan.place(first + p, lane);
+            const Vector d = camera.direction(place.x, place.y);
+            from[count] = camera.position + (static_cast<double>(hits.range_m[i]) / scene::length(d)) * d +
+                          (side * beam.lift_m()) * facet.normal;
+            of[count++] = i;
+            if (count == kPencilRays) trace();
+          }
+        if (count > 0) trace();
+      });
 }
 
 }  // namespace radiometry::render

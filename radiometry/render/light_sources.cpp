@@ -28,7 +28,8 @@ Values given_off(const Values& emissivity, const Values& blackbody, const Values
 /// The light of rings and ground on the patch of that row.
 Values outside_light(const LightSources& sources, const scene::Views& views, std::size_t row, std::size_t nodes) {
   Values light(nodes, 0.0);
-  for (std::size_t r = 0; r < sources.ground(); ++r) add(views.sky[row * sources.ground() + r], sources.radiance[r], light);
+  for (std::size_t r = 0; r < sources.ground(); ++r)
+    add(views.sky[row * sources.ground() + r], sources.radiance[r], light);
   add(views.ground[row], sources.radiance[sources.ground()], light);
   return light;
 }

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Patches: sets of sides of one mesh, fronts or backs, of one finish and nearly one temperature. What a side reflects of
-// other surfaces is known by patch: each has one radiance, the mean of its sides. Steps of temperature are 1 K, or as much
-// more as makes patches few.
+// Patches: sets of sides of one mesh, fronts or backs, of one finish and nearly one temperature. What a side reflects
+// of other surfaces is known by patch: each has one radiance, the mean of its sides. Steps of temperature are 1 K, or
+// as much more as makes patches few.
 
 #include "radiometry/render/render_scene.h"
 #include "radiometry/scene/views.h"

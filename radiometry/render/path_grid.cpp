@@ -111,7 +111,8 @@ AirSamples AirView::to(double range_m, double height_m) const {
     return mixed({{1.0 - above / reach, &level}, {above / reach, &upright}});
   }
   if (!layered() || std::abs(above) >= level_m_) return line_to(range_m, height_m);
-  const AirSamples low = line_to(range_m, camera_height_m_ - level_m_), high = line_to(range_m, camera_height_m_ + level_m_);
+  const AirSamples low = line_to(range_m, camera_height_m_ - level_m_),
+                   high = line_to(range_m, camera_height_m_ + level_m_);
   const double share = 0.5 * (1.0 + above / level_m_);
   return mixed({{1.0 - share, &low}, {share, &high}});
 }
@@ -143,7 +144,8 @@ PathGrid::Cell PathGrid::cell_at(double root_m, double height) const {
 std::array<float, 6> PathGrid::weights(Cell cell, double root_m, double height) const {
   const std::size_t r = 2 * std::size_t{cell.root};
   const double t = std::clamp((root_m - root[r]) / (root[r + 2] - root[r]), 0.0, 1.0);
-  const double u = std::clamp((height - height_m[cell.layer]) / (height_m[cell.layer + 1U] - height_m[cell.layer]), 0.0, 1.0);
+  const double u =
+      std::clamp((height - height_m[cell.layer]) / (height_m[cell.layer + 1U] - height_m[cell.layer]), 0.0, 1.0);
   const auto [a, b, c] = parabola(t);
   return {static_cast<float>(a * (1.0 - u)), static_cast<float>(b * (1.0 - u)), static_cast<float>(c * (1.0 - u)),
           static_cast<float>(a * u),         static_cast<float>(b * u),         static_cast<float>(c * u)};
@@ -180,7 +182,7 @@ PathGrid path_grid(const AirView& view, const BandNodes& nodes, const PathExtent
       const double root = std::lerp(near, far, static_cast<double>(i) / kRoots);
       if (view.reaches(root * root, 0.5 * (from + to)))
         worst = std::max(worst, weights.difference(mixed({{0.5, &lines.at(root, from)}, {0.5, &lines.at(root, to)}}),
-                                                 lines.at(root, 0.5 * (from + to))));
+                                                   lines.at(root, 0.5 * (from + to))));
     }
     return worst;
   };

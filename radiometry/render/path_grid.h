@@ -4,11 +4,11 @@
 // The air between a camera and what it sees, over the range and the height of the end point, for the height that the
 // camera has: transmission tau and source s (band_nodes.h) at the wavenumbers of the air model.
 //
-// Between the nodes of the grid tau and s of every wavenumber are interpolated with the same weights, which sum to 1: so
-// is every integral over the band, and tau B + (1 - tau) B = B holds between nodes as at them. The weights are those of a
-// parabola through three nodes in the square root of the range (strong lines take exp(-(C W)^a) with a about 1/2: tau falls
-// as the root of a short range), and of a straight line in the height. Cells are halved until integrals over the band, of
-// tau and of s, are within the tolerance at the places between nodes where a parabola is worst.
+// Between the nodes of the grid tau and s of every wavenumber are interpolated with the same weights, which sum to 1:
+// so is every integral over the band, and tau B + (1 - tau) B = B holds between nodes as at them. The weights are those
+// of a parabola through three nodes in the square root of the range (strong lines take exp(-(C W)^a) with a about 1/2:
+// tau falls as the root of a short range), and of a straight line in the height. Cells are halved until integrals over
+// the band, of tau and of s, are within the tolerance at the places between nodes where a parabola is worst.
 
 #include <array>
 #include <cmath>
@@ -24,19 +24,20 @@ struct AirSamples {
   std::vector<double> transmission{}, source{};
 };
 
-/// The air of a scene, seen from one height. The model takes the humidity of haze from the part of a layer below the camera
-/// for lines that go down and from the part above for those that go up, so that its transmission has a step of some 1e-4
-/// between them (of the optical depth of the haze, a few per cent). Lines that end within `level_m` of the camera's height
-/// are interpolated between those that end there; level_m is what the earth's curvature makes of a level line.
+/// The air of a scene, seen from one height. The model takes the humidity of haze from the part of a layer below the
+/// camera for lines that go down and from the part above for those that go up, so that its transmission has a step of
+/// some 1e-4 between them (of the optical depth of the haze, a few per cent). Lines that end within `level_m` of the
+/// camera's height are interpolated between those that end there; level_m is what the earth's curvature makes of a
+/// level line.
 class AirView {
  public:
   /// `altitude_m`: of height 0. Throws mtf::UsageError as require_valid does.
   AirView(atmosphere::Air<double> air, const BandNodes& nodes, double altitude_m, double camera_height_m,
           double farthest_m = 0.0);
 
-  /// To a point of that height at that range. Beyond the horizon it is a horizontal line. Where heights are farther apart
-  /// than the range there is no line, but the grid has such corners: a straight line of the height goes on there, from the
-  /// level line through the one straight up or down.
+  /// To a point of that height at that range. Beyond the horizon it is a horizontal line. Where heights are farther
+  /// apart than the range there is no line, but the grid has such corners: a straight line of the height goes on there,
+  /// from the level line through the one straight up or down.
   AirSamples to(double range_m, double height_m) const;
   /// The source of the line to space; nothing for air that is known at one level alone.
   std::optional<AirSamples> to_space(double zenith_rad) const;
@@ -77,7 +78,7 @@ struct PathGrid {
   std::vector<double> root{};      ///< square roots of ranges, m^(1/2): ends of cells and their middles
   std::vector<double> height_m{};  ///< two or more
   std::vector<AirSamples> node{};  ///< [height * root.size() + root]
-  double error = 0.0;            ///< largest seen between nodes, of integrals over the band, relative to a blackbody's
+  double error = 0.0;  ///< largest seen between nodes, of integrals over the band, relative to a blackbody's
 
   std::size_t roots() const { return root.size(); }
   std::size_t cells() const { return (root.size() - 1) / 2; }

@@ -35,7 +35,8 @@ void require_valid(const RenderScene& scene) {
     if (scene.finish_of[s] >= scene.finish.size())
       refuse("facet " + std::to_string(s / 2) + " has finish " + std::to_string(scene.finish_of[s]) + " of " +
              std::to_string(scene.finish.size()));
-    if (!std::isnan(kelvin)) require_temperature(kelvin, ("facet " + std::to_string(s / 2) + " with a temperature").c_str());
+    if (!std::isnan(kelvin))
+      require_temperature(kelvin, ("facet " + std::to_string(s / 2) + " with a temperature").c_str());
   }
   if (scene.ground.finish >= scene.finish.size()) refuse("the ground has no finish");
   require_temperature(scene.ground.temperature_k, "a ground");

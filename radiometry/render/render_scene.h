@@ -33,21 +33,21 @@ struct GroundSurface {
 };
 
 struct Sun {
-  scene::Vector to_sun{};        ///< z above 0
-  double direct_w_m2 = 0.0;      ///< on a plane that faces it, all wavelengths
+  scene::Vector to_sun{};    ///< z above 0
+  double direct_w_m2 = 0.0;  ///< on a plane that faces it, all wavelengths
 };
 inline constexpr double kSun_k = 5772.0;  ///< IAU 2015 Resolution B3
 
 struct RenderScene {
-  const scene::Rays* rays = nullptr;         ///< outlives what is made of it
+  const scene::Rays* rays = nullptr;  ///< outlives what is made of it
   std::vector<Finish> finish{};
-  std::vector<std::uint32_t> finish_of{};      ///< of each side: scene::index(side)
-  std::vector<float> temperature_k{};          ///< of each side; NaN for the inside of solids
+  std::vector<std::uint32_t> finish_of{};  ///< of each side: scene::index(side)
+  std::vector<float> temperature_k{};      ///< of each side; NaN for the inside of solids
   Sky sky{};
   GroundSurface ground{};
   std::optional<Sun> sun{};
   std::optional<atmosphere::Air<double>> air{};  ///< nothing: pictures are of surfaces, and the path is in none of them
-  double altitude_m = 0.0;                     ///< of height 0, above the sea
+  double altitude_m = 0.0;                       ///< of height 0, above the sea
 
   const scene::Facets& facets() const { return rays->facets(); }
 };

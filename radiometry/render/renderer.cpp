@@ -147,9 +147,9 @@ void Renderer::Parts::make(std::vector<RenderBand> bands) {
   patch_views.rings = options.rings;
   if (light) {
     patches = patches_by_temperature(scene);
-    patch_views = scene::views(*scene.rays, patches.sides, patches.patch_of, patches.size(),
-                               {.rings = options.rings, .rays = options.patch_rays, .threads = options.threads,
-                                .rays_of_side = true});
+    patch_views = scene::views(
+        *scene.rays, patches.sides, patches.patch_of, patches.size(),
+        {.rings = options.rings, .rays = options.patch_rays, .threads = options.threads, .rays_of_side = true});
   }
   laps.lap("views of patches");
   if (options.layers.surface || options.layers.transmittance)
@@ -240,8 +240,7 @@ RenderedFrame Renderer::render(const Camera& camera) {
   const RayPlan plan = RayPlan::tiles(camera);
   parts.trace(camera, plan, 0, plan.packets(), frame, laps);
   const Met met = met_by(parts.hits, options.threads);
-  if (met.hits == 0)
-    throw mtf::UsageError("the camera sees no facet of the scene: turn it, or move it nearer");
+  if (met.hits == 0) throw mtf::UsageError("the camera sees no facet of the scene: turn it, or move it nearer");
   frame.facet_hits = met.hits;
   for (BandShader& one : parts.shader) {
     one.prepare(camera.position[2], met.extent);
@@ -261,8 +260,8 @@ RenderedFrame Renderer::render(const Camera& camera) {
   laps.lap("pixels");
   if (options.layers.any()) {
     if (parts.surface) parts.surface->shade(*parts.sides, camera.position, options.threads);
-    frame.layers = layers_of({parts.scene, camera, parts.hits, *parts.sides, parts.shader.front(),
-                              parts.surface.get(), parts.radiance.front(), options.layers, options.threads});
+    frame.layers = layers_of({parts.scene, camera, parts.hits, *parts.sides, parts.shader.front(), parts.surface.get(),
+                              parts.radiance.front(), options.layers, options.threads});
     laps.lap("layers");
   }
   if (options.further > 1) parts.divide(camera, parts.differing(frame), frame, laps);

@@ -3,8 +3,9 @@
 
 // Pictures of a scene in the bands of cameras: radiance at the aperture of every sample,
 //   L = tau [eps B(T) + (1 - eps) (light of sky, ground and other surfaces + sun)] + L_path
-// in one sum over the band (band_nodes.h, band_tables.h). Light is diffuse and constant over a side; shadows of the sun are
-// traced for every ray. A sample takes one ray through its middle, and further ones where it differs from a neighbour.
+// in one sum over the band (band_nodes.h, band_tables.h). Light is diffuse and constant over a side; shadows of the sun
+// are traced for every ray. A sample takes one ray through its middle, and further ones where it differs from a
+// neighbour.
 
 #include <memory>
 #include <string>
@@ -33,15 +34,15 @@ struct LayerChoice {
 };
 
 struct RenderOptions {
-  int further = 2;           ///< n x n rays where a sample differs: 1 (never), 2 or 4
-  double contrast = 0.02;    ///< that differ by more than this part of the picture's standard deviation
-  bool everywhere = false;   ///< all samples take n x n rays
-  double tolerance = 5e-6;   ///< of the tables of the air, relative
-  int view_rays = 64;        ///< of each visible side that reflects
-  int patch_rays = 256;      ///< of each patch
-  int rings = 9;             ///< of the sky
+  int further = 2;          ///< n x n rays where a sample differs: 1 (never), 2 or 4
+  double contrast = 0.02;   ///< that differ by more than this part of the picture's standard deviation
+  bool everywhere = false;  ///< all samples take n x n rays
+  double tolerance = 5e-6;  ///< of the tables of the air, relative
+  int view_rays = 64;       ///< of each visible side that reflects
+  int patch_rays = 256;     ///< of each patch
+  int rings = 9;            ///< of the sky
   LayerChoice layers{};
-  int threads = 0;           ///< 0: all cores; pictures do not depend on it
+  int threads = 0;  ///< 0: all cores; pictures do not depend on it
 };
 
 struct NamedLayer {
@@ -50,9 +51,9 @@ struct NamedLayer {
 };
 
 struct RenderedFrame {
-  std::vector<mtf::Image> radiance{};  ///< of each band: W or photons s^-1, m^-2 sr^-1
-  std::vector<NamedLayer> layers{};    ///< as chosen, with the names of OpenEXR channels
-  std::vector<double> promised{};      ///< of each band: relative error of tables and quadrature
+  std::vector<mtf::Image> radiance{};                  ///< of each band: W or photons s^-1, m^-2 sr^-1
+  std::vector<NamedLayer> layers{};                    ///< as chosen, with the names of OpenEXR channels
+  std::vector<double> promised{};                      ///< of each band: relative error of tables and quadrature
   std::size_t rays = 0, shadow_rays = 0, divided = 0;  ///< `divided`: samples with further rays
   std::size_t facet_hits = 0, sides = 0, shaded = 0;   ///< sides seen so far; worked out for this frame
   std::vector<std::pair<std::string, double>> timing_ms{};
@@ -60,8 +61,8 @@ struct RenderedFrame {
 
 class Renderer {
  public:
-  /// `scene` is kept by reference, and its numbers may not change. Throws mtf::UsageError as require_valid and BandShader
-  /// do, and for options out of range.
+  /// `scene` is kept by reference, and its numbers may not change. Throws mtf::UsageError as require_valid and
+  /// BandShader do, and for options out of range.
   Renderer(const RenderScene& scene, std::vector<RenderBand> bands, RenderOptions options = {});
   ~Renderer();
   Renderer(Renderer&&) noexcept;

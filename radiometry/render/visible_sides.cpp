@@ -51,7 +51,8 @@ std::size_t VisibleSides::add(const RayHits& hits) {
     side_.push_back(side);
     double cosine = 0.0;
     if (scene_.sun) {
-      cosine = scene::dot(scene_.facets().facet[side / 2].normal, scene_.sun->to_sun) / scene::length(scene_.sun->to_sun);
+      cosine =
+          scene::dot(scene_.facets().facet[side / 2].normal, scene_.sun->to_sun) / scene::length(scene_.sun->to_sun);
       if (side % 2 == 1) cosine = -cosine;
     }
     sun_cosine_.push_back(static_cast<float>(std::max(cosine, 0.0)));
@@ -67,9 +68,9 @@ void VisibleSides::add_views(std::span<const std::uint32_t> fresh) {
   if (fresh.empty()) return;
   std::vector<scene::Side> sides;
   for (const std::uint32_t side : fresh) sides.push_back({side / 2, side % 2 == 1});
-  const scene::Views views = scene::views(
-      *scene_.rays, scene::single_sides(std::move(sides)), patches_.patch_of, patches_.size(),
-      {.rings = options_.rings, .rays = options_.rays, .threads = options_.threads, .rays_of_side = true});
+  const scene::Views views =
+      scene::views(*scene_.rays, scene::single_sides(std::move(sides)), patches_.patch_of, patches_.size(),
+                   {.rings = options_.rings, .rays = options_.rays, .threads = options_.threads, .rays_of_side = true});
   const auto rings = static_cast<std::size_t>(options_.rings);
   const auto add = [&](std::size_t source, double share) {
     if (share == 0.0) return;

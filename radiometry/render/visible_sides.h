@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// The sides that a camera has seen, numbered as they came: what belongs to a side for all bands is worked out when it is
-// first seen, and kept. What no ray has met costs nothing. The rays that find the view of a side belong to the side, so
-// that its light does not depend on what else was seen before.
+// The sides that a camera has seen, numbered as they came: what belongs to a side for all bands is worked out when it
+// is first seen, and kept. What no ray has met costs nothing. The rays that find the view of a side belong to the side,
+// so that its light does not depend on what else was seen before.
 
 #include "radiometry/render/frame_rays.h"
 #include "radiometry/render/patches.h"

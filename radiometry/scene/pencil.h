@@ -2,9 +2,9 @@
 #pragma once
 
 // Rays that share an end, in packets of 16 that Embree takes as they are: a pencil leaves one point, as the rays of a
-// camera do; a beam goes in one direction, as shadow rays to the sun do. Both are in single precision about the middle of
-// the scene, without the checks and the distances in double precision of rays.h: for frames of a million rays. The same
-// triangles are met as there.
+// camera do; a beam goes in one direction, as shadow rays to the sun do. Both are in single precision about the middle
+// of the scene, without the checks and the distances in double precision of rays.h: for frames of a million rays. The
+// same triangles are met as there.
 
 #include <array>
 #include <cstdint>

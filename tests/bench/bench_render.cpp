@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 
-// Frames of the example scene of `mtf scene demo` (356,000 triangles) through a sensor: a camera that moves in every frame,
-// two samples a pitch with further rays where they differ, air, and the sensor's chain with noise. Stage by stage, least
-// and median time by the clock; as a floor the bare Embree rays of the same frames, in packets of 16, in turn with them.
-// Arguments: sensor files (with [detector]); then, as a number, the threads (2). Temperatures are made up, as the heat
-// balance is not what is timed. The bars, on two cores: 28 frames a second for the uncooled camera, 25 for the cooled one.
+// Frames of the example scene of `mtf scene demo` (356,000 triangles) through a sensor: a camera that moves in every
+// frame, two samples a pitch with further rays where they differ, air, and the sensor's chain with noise. Stage by
+// stage, least and median time by the clock; as a floor the bare Embree rays of the same frames, in packets of 16, in
+// turn with them. Arguments: sensor files (with [detector]); then, as a number, the threads (2). Temperatures are made
+// up, as the heat balance is not what is timed. The bars, on two cores: 28 frames a second for the uncooled camera, 25
+// for the cooled one.
 
 #include <unistd.h>
 
@@ -17,9 +18,10 @@
 #include <fstream>
 #include <map>
 
+#include "apps/scene/heat/surfaces.h"
 #include "apps/scene/outputs/mesh_files.h"
 #include "apps/scene/outputs/npy_file.h"
-#include "apps/scene/render/picture.h"
+#include "apps/scene/render/sensor_picture.h"
 #include "apps/scene/scene_file/demo_scene_text.h"
 #include "apps/scene/vehicle/vehicle.h"
 #include "apps/simulate/radiometric_chain.h"
@@ -83,8 +85,9 @@ double bare_rays_ms(const radiometry::scene::Rays& rays, const render::Camera& c
     directions.count = radiometry::scene::kPencilRays;
     for (std::int64_t tile = first; tile < last; ++tile) {
       for (std::size_t lane = 0; lane < directions.count; ++lane) {
-        const auto d = camera.direction(static_cast<double>(tile % across * 4 + static_cast<std::int64_t>(lane % 4)) + 0.5,
-                                        static_cast<double>(tile / across * 4 + static_cast<std::int64_t>(lane / 4)) + 0.5);
+        const auto d =
+            camera.direction(static_cast<double>(tile % across * 4 + static_cast<std::int64_t>(lane % 4)) + 0.5,
+                             static_cast<double>(tile / across * 4 + static_cast<std::int64_t>(lane / 4)) + 0.5);
         directions.x[lane] = static_cast<float>(d[0]);
         directions.y[lane] = static_cast<float>(d[1]);
         directions.z[lane] = static_cast<float>(d[2]);
@@ -145,8 +148,8 @@ void run(const SceneFile& file, const std::string& temperatures, const std::stri
     const double start = now_ms();
     frame = renderer.render(here);
     const double rendered = now_ms();
-    radiometry::ChainFrame image = chain.run(std::move(frame.radiance.front()), static_cast<std::uint32_t>(i),
-                                             radiometric->stage, 0.0, threads);
+    radiometry::ChainFrame image =
+        chain.run(std::move(frame.radiance.front()), static_cast<std::uint32_t>(i), radiometric->stage, 0.0, threads);
     const double done = now_ms();
     if (i == 0) continue;  // warms up
     for (const auto& [name, ms] : frame.timing_ms) series.add(name, ms);

@@ -6,9 +6,9 @@
 #include <array>
 #include <nlohmann/json.hpp>
 
-#include "apps/scene/heat/stopwatch.h"
 #include "apps/scene/command/render_options.h"
-#include "apps/scene/render/picture.h"
+#include "apps/scene/heat/stopwatch.h"
+#include "apps/scene/render/sensor_picture.h"
 #include "apps/sensor/sensor_file.h"
 #include "apps/simulate/output_files.h"
 #include "apps/terminal/output.h"
@@ -99,7 +99,8 @@ int run_render(const RenderCommandOptions& options, const Global& global) {
   for (const mtf::io::Diagnostic& finding : findings) note(global, mtf::io::format_diagnostic(finding, file.file));
   const mtf::io::SensorConfig config = read_sensor(options.sensor, global);
   require_writable({options.out}, inputs_of(options, file, config));
-  const PictureSensor sensor = picture_sensor(config, options.plain ? PictureQuantity::radiance : PictureQuantity::weighted);
+  const PictureSensor sensor =
+      picture_sensor(config, options.plain ? PictureQuantity::radiance : PictureQuantity::weighted);
   const render::Camera camera = picture_camera(sensor, pose_of(options, file), options.samples_per_pitch);
   const PictureScene scene = read_picture_scene(file, {.temperatures = options.temperatures,
                                                        .utc_s = instant_of(options.time),
@@ -108,7 +109,9 @@ int run_render(const RenderCommandOptions& options, const Global& global) {
                                                        .air = !options.no_air});
   for (const std::string& warning : scene.warnings) note(global, "warning: " + warning);
   require_above_ground(scene, camera.position);
-  const render::RenderOptions how{.further = options.rays == 1 ? 1 : options.rays == 4 ? 2 : 4,
+  const render::RenderOptions how{.further = options.rays == 1   ? 1
+                                             : options.rays == 4 ? 2
+                                                                 : 4,
                                   .contrast = options.contrast,
                                   .everywhere = options.everywhere,
                                   .layers = layers_of(options.layers),

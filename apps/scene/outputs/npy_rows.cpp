@@ -10,7 +10,7 @@
 namespace apps::scene {
 namespace {
 
-constexpr std::size_t kFixed = 10;       // magic number, version and length of NPY 1.0
+constexpr std::size_t kFixed = 10;           // magic number, version and length of NPY 1.0
 constexpr std::uint64_t kMost = 1ULL << 40;  // numbers of a table
 
 /// The whole numbers of "(12, 345)".

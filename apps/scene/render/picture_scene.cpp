@@ -48,7 +48,7 @@ void set_finishes(const SceneFile& file, const Surfaces& surfaces, render::Rende
   for (std::uint32_t f = 0; f < surfaces.facets.size(); ++f) {
     const auto& material = file.regions[surfaces.region[f]].material;
     scene.finish_of.push_back(material ? static_cast<std::uint32_t>(*material) : black);
-    scene.finish_of.push_back(!material                            ? black
+    scene.finish_of.push_back(!material                     ? black
                               : is_sheet(file, surfaces, f) ? back[*material]
                                                             : static_cast<std::uint32_t>(*material));
   }
@@ -85,7 +85,8 @@ void set_weather(const SceneFile& file, const Surfaces& surfaces, const PictureO
     const double vapour = weather[WeatherQuantity::vapour_pressure];
     const ClearSkyFlux model(*file.atmosphere, file.place.altitude_m);
     out.scene.air = model.air_at(air_k, std::isnan(vapour) ? std::nullopt : std::optional(vapour));
-    out.closures.emplace_back("air", "[atmosphere] of " + one_line(file.file) + ", its lowest 2 km as the weather has them");
+    out.closures.emplace_back("air",
+                              "[atmosphere] of " + one_line(file.file) + ", its lowest 2 km as the weather has them");
   } else if (options.air && options.sensor_air) {
     out.scene.air = options.sensor_air;
     out.closures.emplace_back("air", "[atmosphere] of " + one_line(options.sensor_file));
@@ -93,21 +94,22 @@ void set_weather(const SceneFile& file, const Surfaces& surfaces, const PictureO
     out.closures.emplace_back("air", "none: the path is not in the picture");
   }
   const bool layered = out.scene.air && out.scene.air->profile.levels.size() > 1;
-  out.closures.emplace_back(
-      "sky", layered ? text_of("clear sky of the air, %.0f %% of it, and clouds at %.1f K",
-                               100.0 * (1.0 - sky.cloud_cover), air_k)
-                     : text_of("blackbody of %.1f K for %.1f W/m2 of long wave",
-                               heat::sky_temperature_k(sky.irradiance_w_m2), sky.irradiance_w_m2));
+  out.closures.emplace_back("sky", layered
+                                       ? text_of("clear sky of the air, %.0f %% of it, and clouds at %.1f K",
+                                                 100.0 * (1.0 - sky.cloud_cover), air_k)
+                                       : text_of("blackbody of %.1f K for %.1f W/m2 of long wave",
+                                                 heat::sky_temperature_k(sky.irradiance_w_m2), sky.irradiance_w_m2));
   const heat::SunPosition sun = sun_position(out.utc_s, file.place);
   const double direct = std::max(weather[WeatherQuantity::direct_normal], 0.0);
   if (sun.direction[2] > 0.0 && direct > 0.0)
     out.scene.sun = render::Sun{heat::in_scene_axes(sun.direction, file.north_rad), direct};
-  out.closures.emplace_back("sun", out.scene.sun ? text_of("Planck at 5772 K, scaled to %.0f W/m2", direct) + (layered ? ", through the air above" : "")
+  out.closures.emplace_back("sun", out.scene.sun ? text_of("Planck at 5772 K, scaled to %.0f W/m2", direct) +
+                                                       (layered ? ", through the air above" : "")
                                                  : std::string("none"));
   out.scene.ground.temperature_k = ground_k(file, surfaces, out.utc_s, air_k);
-  out.closures.emplace_back("ground beyond the meshes",
-                            text_of("level, %.2f K", out.scene.ground.temperature_k) + ", " +
-                                one_line(out.scene.finish[out.scene.ground.finish].name));
+  out.closures.emplace_back("ground beyond the meshes", text_of("level, %.2f K", out.scene.ground.temperature_k) +
+                                                            ", " +
+                                                            one_line(out.scene.finish[out.scene.ground.finish].name));
   out.scene.altitude_m = file.place.altitude_m;
 }
 

@@ -11,6 +11,7 @@
 #include "apps/text/words.h"
 #include "mtf/error.h"
 #include "mtf/io/csv/csv_cells.h"
+#include "mtf/io/csv/csv_numbers.h"
 #include "radiometry/heat/weather/instant.h"
 
 namespace apps::scene {
@@ -75,8 +76,8 @@ std::vector<float> row_at(const std::string& path, std::size_t facets, const Bet
   if (place.next == place.row) return values;
   const std::vector<float> next = table.row(place.next);
   for (std::size_t f = 0; f < facets; ++f)
-    values[f] = static_cast<float>(
-        (1.0 - place.share) * static_cast<double>(values[f]) + place.share * static_cast<double>(next[f]));
+    values[f] = static_cast<float>((1.0 - place.share) * static_cast<double>(values[f]) +
+                                   place.share * static_cast<double>(next[f]));
   return values;
 }
 
@@ -123,8 +124,8 @@ FacetTemperatures from_regions(const SceneFile& file, const Surfaces& surfaces, 
   for (std::uint32_t f = 0; f < facets; ++f) {
     const std::uint32_t region = surfaces.region[f];
     const auto& table = tables[region];
-    out.front.push_back(static_cast<float>(
-        table ? table->at(f, utc_s) : value_at(file.regions[region].temperature->schedule, utc_s)));
+    out.front.push_back(
+        static_cast<float>(table ? table->at(f, utc_s) : value_at(file.regions[region].temperature->schedule, utc_s)));
   }
   return out;
 }
@@ -143,7 +144,7 @@ SideTemperatures side_temperatures(const SceneFile& file, const Surfaces& surfac
   const radiometry::scene::Facets& facets = surfaces.facets;
   std::error_code ignored;
   const double start_s = utc_s.value_or(file.time.start_s);
-  const FacetTemperatures of = source.empty()                    ? from_regions(file, surfaces, start_s)
+  const FacetTemperatures of = source.empty()                      ? from_regions(file, surfaces, start_s)
                                : fs::is_directory(source, ignored) ? from_folder(source, facets.size(), utc_s)
                                                                    : from_table(source, facets.size(), start_s);
   SideTemperatures out{.kelvin = {}, .utc_s = of.utc_s};

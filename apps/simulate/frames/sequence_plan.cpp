@@ -4,8 +4,8 @@
 #include <algorithm>
 
 #include "apps/sensor/sensor_place.h"
-#include "apps/text/words.h"
 #include "apps/simulate/simulate_parts.h"
+#include "apps/text/words.h"
 #include "mtf/same_list.h"
 
 namespace apps {

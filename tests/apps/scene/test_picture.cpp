@@ -2,7 +2,7 @@
 // From scene and sensor files to pictures, and from pictures to counts: what `mtf budget` says of a plate at 1 km is
 // measured in rendered frames.
 
-#include "apps/scene/render/picture.h"
+#include "apps/scene/render/sensor_picture.h"
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -180,8 +180,8 @@ TEST_P(Cameras, SeeTheDifferenceThatTheBudgetSays) {
   quiet.erase(quiet.find("[noise]"));
   const SimulateResult result =
       simulate(sensor(quiet), {.file = scene},
-               {.tolerance = 1e-4, .stage = GetParam() == 0 ? radiometry::OutputStage::electrons
-                                                            : radiometry::OutputStage::volts});
+               {.tolerance = 1e-4,
+                .stage = GetParam() == 0 ? radiometry::OutputStage::electrons : radiometry::OutputStage::volts});
   const mtf::Image& image = result.images.front().planes.front();
   const double measured = mean_of(image, 76, 124) - mean_of(image, 4, 52);
   EXPECT_NEAR(measured / (0.1 * budget.signal_per_k), 1.0, 0.01);
@@ -228,9 +228,9 @@ TEST_F(Picture, BelongsToOneResponse) {
 TEST_F(Picture, HasItsAirOnce) {
   const std::string scene = picture(kCooled + kAir);
   EXPECT_NE(refusal([&] { simulate(sensor(kCooled + kAir), {.file = scene}); }).find("count twice"), std::string::npos);
-  EXPECT_NE(refusal([&] { simulate(sensor(kCooled + "[path]\ntransmission = 0.7\n"), {.file = scene}); })
-                .find("count twice"),
-            std::string::npos);
+  EXPECT_NE(
+      refusal([&] { simulate(sensor(kCooled + "[path]\ntransmission = 0.7\n"), {.file = scene}); }).find("count twice"),
+      std::string::npos);
   write("scene.toml", kScene + "[atmosphere]\nmodel = \"mid_latitude_summer\"\n");
   EXPECT_NE(refusal([&] { picture(kCooled + kAir); }).find("both have [atmosphere]"), std::string::npos);
   // Without air the sensor's own path is taken, once: the same light as with it in the picture.
@@ -292,9 +292,13 @@ layers = [{ conductivity = "45 W/m/K", density = "7800 kg/m3", heat_capacity = "
 }
 
 TEST_F(Picture, RefusesACameraBelowTheGround) {
-  write("plates.obj", "v -50 -50 0\nv 50 -50 0\nv 50 50 0\nv -50 50 0\nv 50 50 20\ng left\nf 1 2 3 4\ng right\nf 2 3 5\n");
+  write("plates.obj",
+        "v -50 -50 0\nv 50 -50 0\nv 50 50 0\nv -50 50 0\nv 50 50 20\ng left\nf 1 2 3 4\ng right\nf 2 3 5\n");
   const PictureScene scene = read_picture_scene(load_scene(path("scene.toml")), {});
-  EXPECT_NE(refusal([&] { require_above_ground(scene, {3.0, 1.0, -2.0}); }).find("below the ground"), std::string::npos);
+  EXPECT_NE(refusal([&] {
+              require_above_ground(scene, {3.0, 1.0, -2.0});
+            }).find("below the ground"),
+            std::string::npos);
   EXPECT_EQ(refusal([&] { require_above_ground(scene, {3.0, 1.0, 2.0}); }), "");
 }
 

@@ -33,8 +33,8 @@ const std::vector<Place>& places() {
   return all;
 }
 
-/// The path of those samples as the camera equation takes it: transmission and, of a blackbody of the air's temperature,
-/// emissivity, straight lines between the wavenumbers of the model.
+/// The path of those samples as the camera equation takes it: transmission and, of a blackbody of the air's
+/// temperature, emissivity, straight lines between the wavenumbers of the model.
 Path path_of(const BandNodes& nodes, const AirSamples& samples, double reference_k) {
   Path path;
   path.transmission = {"transmission", nodes.sample_um, samples.transmission};
@@ -116,8 +116,7 @@ TEST(PathGrid, AirOfOneTemperatureEmitsWhatItTakes) {
   const AirView view({.profile = profile}, nodes, 0.0, 100.0);
   const PathGrid grid = path_grid(view, nodes, {20.0, 4000.0, 0.0, 300.0}, 1e-4);
   for (const AirSamples& node : grid.node)
-    for (std::size_t i = 0; i < node.source.size(); ++i)
-      EXPECT_NEAR(node.source[i] + node.transmission[i], 1.0, 1e-10);
+    for (std::size_t i = 0; i < node.source.size(); ++i) EXPECT_NEAR(node.source[i] + node.transmission[i], 1.0, 1e-10);
 }
 
 }  // namespace

@@ -17,8 +17,9 @@ using scene::operator-, scene::operator+, scene::operator*;
 using scene::dot, scene::cross;
 
 TEST(Camera, SeesAlongItsAxisAndToTheSides) {
-  const Camera eye = camera_of({.focal_length_mm = 50.0, .pitch_x_um = 20.0, .pitch_y_um = 10.0, .columns = 64, .rows = 32},
-                               {.position = {1, 2, 3}, .look_at = {1, 12, 3}});
+  const Camera eye =
+      camera_of({.focal_length_mm = 50.0, .pitch_x_um = 20.0, .pitch_y_um = 10.0, .columns = 64, .rows = 32},
+                {.position = {1, 2, 3}, .look_at = {1, 12, 3}});
   EXPECT_EQ(eye.width, 128);
   EXPECT_EQ(eye.height, 64);
   const Vector middle = eye.direction(64.0, 32.0), right = eye.direction(65.0, 32.0), down = eye.direction(64.0, 33.0);
@@ -61,8 +62,8 @@ Nearest nearest_triangle(const scene::Facets& facets, const Point& origin, const
     const double towards = dot(normal, direction), along = dot(normal, a - origin) / towards;
     if (!(along > 0.0) || !std::isfinite(along)) continue;
     const Point p = origin + along * direction;
-    nearest.to_edge = std::min({nearest.to_edge, distance_to_segment(p, a, b), distance_to_segment(p, b, c),
-                                distance_to_segment(p, c, a)});
+    nearest.to_edge = std::min(
+        {nearest.to_edge, distance_to_segment(p, a, b), distance_to_segment(p, b, c), distance_to_segment(p, c, a)});
     const double u = dot(cross(b - a, p - a), normal), v = dot(cross(c - b, p - b), normal),
                  w = dot(cross(a - c, p - c), normal);
     if (u < 0.0 || v < 0.0 || w < 0.0 || along >= nearest.distance) continue;
@@ -128,9 +129,7 @@ std::size_t leaks(const scene::Mesh& mesh, int cameras, std::int64_t size, std::
   return lost;
 }
 
-TEST(FrameRays, NoneLeavesAClosedSurface) {
-  EXPECT_EQ(leaks(scene::test::sphere({0, 0, 0}, 1.0, 60), 10, 316, 5), 0u);
-}
+TEST(FrameRays, NoneLeavesAClosedSurface) { EXPECT_EQ(leaks(scene::test::sphere({0, 0, 0}, 1.0, 60), 10, 316, 5), 0u); }
 TEST(FrameRaysLong, NoneOfTenMillionLeavesAClosedSurface) {
   EXPECT_EQ(leaks(scene::test::sphere({0, 0, 0}, 1.0, 200), 50, 448, 6), 0u);
   scene::Mesh box = empty_mesh();

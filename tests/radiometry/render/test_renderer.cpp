@@ -128,7 +128,11 @@ TEST(Renderer, FurtherRaysGoWhereSamplesDiffer) {
   double worst = 0.0;
   for (std::int64_t i = 0; i < 260 * 250; ++i)
     worst = std::max(worst, std::abs(static_cast<double>(some.radiance[0].data()[i] - all.radiance[0].data()[i])));
-  EXPECT_LT(worst, 5e-7 * blackbody(lwir(), 310.0));  // rounding: a sphere whose outline is smooth has no sample that only further rays could find
+  EXPECT_LT(
+      worst,
+      5e-7 * blackbody(
+                 lwir(),
+                 310.0));  // rounding: a sphere whose outline is smooth has no sample that only further rays could find
 }
 
 TEST(Renderer, ShadowsEndWhereTheyShould) {
@@ -174,9 +178,12 @@ TEST(Renderer, ReflectsWhatASideSees) {
   for (const RenderBand& band : {mwir(), lwir()}) {
     Renderer renderer(made.scene, {band}, {.further = 1});
     const RenderedFrame frame = renderer.render(camera({.position = {0, 0, 6}, .look_at = {0, 0.1, 0}}, 16, 16, 0.01));
-    const double expected = scene_radiance(
-        band.curves, {.temperature_k = 300.0, .emissivity = make_spectrum("c", coloured().wavelength_um, coloured().value),
-                      .surroundings_k = 250.0}, {});
+    const double expected =
+        scene_radiance(band.curves,
+                       {.temperature_k = 300.0,
+                        .emissivity = make_spectrum("c", coloured().wavelength_um, coloured().value),
+                        .surroundings_k = 250.0},
+                       {});
     EXPECT_NEAR(static_cast<double>(frame.radiance[0].at(8, 8)) / expected, 1.0, 1e-6);
   }
 }
@@ -213,8 +220,7 @@ TEST(Renderer, LayersSayWhatIsSeen) {
   made.scene.temperature_k[2] = 320.0F;
   made.scene.air = air::Air<double>{.profile = air::surface_air(101325.0, 280.0, 50.0)};
   const Camera eye = camera({.position = {0, 0, 12}, .look_at = {0, 0.001, 0}}, 64, 64, 0.03);
-  Renderer renderer(made.scene, {lwir()},
-                    {.further = 1, .layers = {true, true, true, true, true, true, true, true}});
+  Renderer renderer(made.scene, {lwir()}, {.further = 1, .layers = {true, true, true, true, true, true, true, true}});
   const RenderedFrame frame = renderer.render(eye);
   const auto layer = [&](const std::string& name, std::int64_t x, std::int64_t y) {
     for (const NamedLayer& one : frame.layers)

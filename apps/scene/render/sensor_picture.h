@@ -21,7 +21,7 @@ struct PictureSensor {
   mtf::io::SensorConfig config{};
   radiometry::render::RenderBand band{};
   PictureQuantity quantity = PictureQuantity::weighted;
-  std::string response{};  ///< hash; "" for plain radiance
+  std::string response{};                                    ///< hash; "" for plain radiance
   std::optional<radiometry::atmosphere::Air<double>> air{};  ///< [atmosphere]
 };
 

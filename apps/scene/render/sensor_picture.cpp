@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "apps/scene/render/picture.h"
+#include "apps/scene/render/sensor_picture.h"
 
 #include <cmath>
 
@@ -43,8 +43,7 @@ PictureSensor picture_sensor(const mtf::io::SensorConfig& config, PictureQuantit
                             "radiance");
     sensor.response = response_sha256(sensor.band.curves);
   }
-  if (settings.atmosphere)
-    sensor.air = at_its_place(config, [&] { return read_air(*settings.atmosphere); });
+  if (settings.atmosphere) sensor.air = at_its_place(config, [&] { return read_air(*settings.atmosphere); });
   return sensor;
 }
 
@@ -88,7 +87,8 @@ mtf::io::Metadata picture_metadata(const SceneFile& file, const PictureScene& sc
   m.text["mtf:promisedError"] = mtf::format_double(frame.promised.front());
   for (const auto& [name, words] : scene.closures) m.text["mtf:" + name] = words;
   const mtf::Frame<double>& lens = sensor.config.system.frame;
-  const double step_x = camera.step_x * lens.focal_length_mm * 1e-3, step_y = camera.step_y * lens.focal_length_mm * 1e-3;
+  const double step_x = camera.step_x * lens.focal_length_mm * 1e-3,
+               step_y = camera.step_y * lens.focal_length_mm * 1e-3;
   m.pairs["mtf:pixelPitch"] = {step_x, step_y};
   m.lists["mtf:bandEdges"] = {static_cast<float>(sensor.band.curves.band.lo_um),
                               static_cast<float>(sensor.band.curves.band.hi_um)};
