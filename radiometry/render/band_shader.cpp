@@ -62,6 +62,10 @@ bool BandShader::prepare(double camera_height_m, const PathExtent& extent) {
   promised_ = promised_error(band_.curves, curves_, *folds_, *tables_, grid_, view_.get());
   backdrop_ = std::make_unique<Backdrop>(scene_, nodes_, sources_, view_.get(), camera_height_m,
                                          ground_height_m(scene_.facets()));
+  sunlight_ = 0.0;
+  const double black = integral(nodes_, blackbody_at(nodes_, view_ ? view_->reference_k() : 300.0));
+  for (std::size_t m = 0; m < scene_.finish.size(); ++m)
+    for (const double value : tables_->sunlit(m, 0)) sunlight_ = std::max(sunlight_, value / black);
   for (Shaded& one : shaded_) one.finish = scene::kNone;
   return true;
 }
@@ -112,7 +116,7 @@ void BandShader::radiance(const RayHits& hits, const VisibleSides& sides, std::v
                         static_cast<float>(1.0 / (grid_.root[2 * cell + 2] - grid_.root[2 * cell])),
                         static_cast<float>(grid_.height_m[layer]),
                         static_cast<float>(1.0 / (grid_.height_m[layer + 1] - grid_.height_m[layer]))});
-  const bool sunny = tables_->sunny() && !hits.lit.empty();
+  const bool sunny = tables_->sunny(), traced = !hits.lit.empty();
   std::vector<std::array<float, 6>> sun;
   for (std::size_t m = 0; sunny && m < scene_.finish.size(); ++m)
     for (std::uint16_t layer = 0; layer < grid_.layers(); ++layer)
@@ -166,8 +170,10 @@ void BandShader::radiance(const RayHits& hits, const VisibleSides& sides, std::v
             return low + u * (high - low);
           };
           float sum = mixed(at->value);
-          if (sunny && hits.lit[i] != 0)
-            sum += sides.sun_cosine(number) * mixed(sun[at->finish * places.size() + place]);
+          if (sunny) {
+            const float lit = !traced ? sides.sun_share(number) : hits.lit[i] != 0 ? 1.0F : 0.0F;
+            if (lit > 0.0F) sum += lit * sides.sun_cosine(number) * mixed(sun[at->finish * places.size() + place]);
+          }
           out[i] = sum;
         }
       });

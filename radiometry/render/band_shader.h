@@ -32,7 +32,7 @@ class BandShader {
   bool prepare(double camera_height_m, const PathExtent& extent);
   /// The values of all visible sides, for this camera; only of those whose cell or tables changed. Returns how many.
   std::size_t shade(const VisibleSides& sides, const Point& camera, int threads);
-  /// Radiance of each ray.
+  /// Radiance of each ray. Without shadow rays (RayHits::lit) sides are lit by the share of them that is in the sun.
   void radiance(const RayHits& hits, const VisibleSides& sides, std::vector<float>& out, int threads) const;
 
   const RenderBand& band() const { return band_; }
@@ -40,8 +40,8 @@ class BandShader {
   const Backdrop& backdrop() const { return *backdrop_; }
   double promised() const { return promised_; }
   const PathGrid& grid() const { return grid_; }
-  /// What the sun adds at most, and what a blackbody of the ground gives: to tell whether shadows matter.
-  bool sunny() const { return tables_ && tables_->sunny(); }
+  /// What the sun adds at most, of a blackbody at the temperature of the air: whether its shadows are worth rays.
+  double sunlight() const { return sunlight_; }
   /// The mean of a finish's emissivity over the band, weighted by response and blackbody.
   double emissivity(std::size_t finish, double temperature_k) const;
   /// Radiance that the air adds on the way.
@@ -68,7 +68,7 @@ class BandShader {
   PathGrid grid_;
   std::unique_ptr<BandTables> tables_;
   std::unique_ptr<Backdrop> backdrop_;
-  double camera_height_m_ = 0.0, promised_ = 0.0;
+  double camera_height_m_ = 0.0, promised_ = 0.0, sunlight_ = 0.0;
   std::vector<Shaded> shaded_;  ///< of each visible side
 };
 

@@ -138,6 +138,7 @@ struct Renderer::Parts {
              Laps& laps);
   void shade(const Camera& camera, RenderedFrame& frame, Laps& laps);
   void divide(const Camera& camera, std::vector<std::uint32_t> samples, RenderedFrame& frame, Laps& laps);
+  bool shadows_matter() const;
   std::vector<std::uint32_t> differing(const RenderedFrame& frame) const;
 };
 
@@ -179,6 +180,12 @@ void Renderer::Parts::shade(const Camera& camera, RenderedFrame& frame, Laps& la
   laps.lap("visible sides");
 }
 
+/// Where the sun adds next to nothing, as in the long-wave window, the share of each side in the sun will do.
+bool Renderer::Parts::shadows_matter() const {
+  constexpr double kSunlight = 1e-3;
+  return std::any_of(shader.begin(), shader.end(), [](const BandShader& one) { return one.sunlight() > kSunlight; });
+}
+
 /// Samples that differ from a neighbour in any band, in tiles of 4 x 4 so that their rays stay together.
 std::vector<std::uint32_t> Renderer::Parts::differing(const RenderedFrame& frame) const {
   const mtf::Image& first = frame.radiance.front();
@@ -202,7 +209,7 @@ void Renderer::Parts::divide(const Camera& camera, std::vector<std::uint32_t> sa
   const auto each = static_cast<std::size_t>(options.further * options.further);
   frame.divided = samples.size();
   const RayPlan plan = RayPlan::further(camera, samples, options.further);
-  const bool shadows = std::any_of(shader.begin(), shader.end(), [](const BandShader& one) { return one.sunny(); });
+  const bool shadows = shadows_matter();
   for (std::size_t first = 0; first < plan.packets(); first += kPackets) {
     trace(camera, plan, first, std::min(kPackets, plan.packets() - first), frame, laps);
     if (shadows) trace_shadows(*scene.rays, camera, plan, first, scene.sun->to_sun, hits, options.threads);
@@ -248,7 +255,7 @@ RenderedFrame Renderer::render(const Camera& camera) {
   }
   if (parts.surface) parts.surface->prepare(camera.position[2], met.extent);
   laps.lap("tables of the air");
-  if (std::any_of(parts.shader.begin(), parts.shader.end(), [](const BandShader& one) { return one.sunny(); })) {
+  if (parts.shadows_matter()) {
     trace_shadows(*parts.scene.rays, camera, plan, 0, parts.scene.sun->to_sun, parts.hits, options.threads);
     laps.lap("shadows");
   }

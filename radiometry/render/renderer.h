@@ -3,9 +3,10 @@
 
 // Pictures of a scene in the bands of cameras: radiance at the aperture of every sample,
 //   L = tau [eps B(T) + (1 - eps) (light of sky, ground and other surfaces + sun)] + L_path
-// in one sum over the band (band_nodes.h, band_tables.h). Light is diffuse and constant over a side; shadows of the sun
-// are traced for every ray. A sample takes one ray through its middle, and further ones where it differs from a
-// neighbour.
+// in one sum over the band (band_nodes.h, band_tables.h). Light is diffuse and constant over a side. Shadows of the sun
+// are traced for every ray where the sun adds more than 1e-3 of what a blackbody of the air gives; else a side is lit
+// by the share of it that is in the sun. A sample takes one ray through its middle, and further ones where it differs
+// from a neighbour.
 
 #include <memory>
 #include <string>

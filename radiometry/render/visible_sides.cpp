@@ -7,6 +7,7 @@
 
 #include "mtf/error.h"
 #include "mtf/parallel.h"
+#include "radiometry/scene/sun_visibility.h"
 
 namespace radiometry::render {
 
@@ -49,28 +50,39 @@ std::size_t VisibleSides::add(const RayHits& hits) {
   for (const std::uint32_t side : fresh) {
     number_[side] = static_cast<std::uint32_t>(side_.size());
     side_.push_back(side);
-    double cosine = 0.0;
-    if (scene_.sun) {
-      cosine =
-          scene::dot(scene_.facets().facet[side / 2].normal, scene_.sun->to_sun) / scene::length(scene_.sun->to_sun);
-      if (side % 2 == 1) cosine = -cosine;
-    }
-    sun_cosine_.push_back(static_cast<float>(std::max(cosine, 0.0)));
   }
+  std::vector<scene::Side> sides;
+  for (const std::uint32_t side : fresh) sides.push_back({side / 2, side % 2 == 1});
+  add_sun(sides);
   if (options_.views)
-    add_views(fresh);
+    add_views(sides);
   else
     first_.resize(side_.size() + 1, 0);
   return fresh.size();
 }
 
-void VisibleSides::add_views(std::span<const std::uint32_t> fresh) {
+void VisibleSides::add_sun(std::span<const scene::Side> fresh) {
+  constexpr int kPoints = 16;
+  sun_cosine_.resize(side_.size(), 0.0F);
+  sun_share_.resize(side_.size(), 0.0F);
+  if (!scene_.sun || fresh.empty()) return;
+  const Vector& to_sun = scene_.sun->to_sun;
+  const scene::SunVisibility lit =
+      sun_visibility(*scene_.rays, fresh, std::span(&to_sun, 1),
+                     {.points = kPoints, .threads = options_.threads, .points_of_side = true});
+  for (std::size_t i = 0; i < fresh.size(); ++i) {
+    const double cosine = scene::dot(scene_.facets().facet[fresh[i].facet].normal, to_sun) / scene::length(to_sun);
+    const std::size_t number = side_.size() - fresh.size() + i;
+    sun_cosine_[number] = static_cast<float>(std::max(fresh[i].back ? -cosine : cosine, 0.0));
+    sun_share_[number] = static_cast<float>(lit.share(i, 0));
+  }
+}
+
+void VisibleSides::add_views(std::span<const scene::Side> fresh) {
   if (fresh.empty()) return;
-  std::vector<scene::Side> sides;
-  for (const std::uint32_t side : fresh) sides.push_back({side / 2, side % 2 == 1});
-  const scene::Views views =
-      scene::views(*scene_.rays, scene::single_sides(std::move(sides)), patches_.patch_of, patches_.size(),
-                   {.rings = options_.rings, .rays = options_.rays, .threads = options_.threads, .rays_of_side = true});
+  const scene::Views views = scene::views(
+      *scene_.rays, scene::single_sides(std::vector(fresh.begin(), fresh.end())), patches_.patch_of, patches_.size(),
+      {.rings = options_.rings, .rays = options_.rays, .threads = options_.threads, .rays_of_side = true});
   const auto rings = static_cast<std::size_t>(options_.rings);
   const auto add = [&](std::size_t source, double share) {
     if (share == 0.0) return;

@@ -30,6 +30,8 @@ class VisibleSides {
   std::uint32_t side(std::size_t number) const { return side_[number]; }
   const scene::Facet& facet(std::size_t number) const { return scene_.facets().facet[side_[number] / 2]; }
   float sun_cosine(std::size_t number) const { return sun_cosine_[number]; }
+  /// Which part of the side the sun reaches; 0 where it faces away.
+  float sun_share(std::size_t number) const { return sun_share_[number]; }
 
   /// What the side sees: sources as LightSources has them, and their shares.
   struct Light {
@@ -43,13 +45,14 @@ class VisibleSides {
 
  private:
   std::vector<std::uint32_t> unknown(const RayHits& hits) const;
-  void add_views(std::span<const std::uint32_t> fresh);
+  void add_sun(std::span<const scene::Side> fresh);
+  void add_views(std::span<const scene::Side> fresh);
 
   const RenderScene& scene_;
   const Patches& patches_;
   Options options_;
   std::vector<std::uint32_t> number_, side_;
-  std::vector<float> sun_cosine_;
+  std::vector<float> sun_cosine_, sun_share_;
   std::vector<std::size_t> first_{0};
   std::vector<std::uint32_t> source_;
   std::vector<float> share_;
