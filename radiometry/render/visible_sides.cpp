@@ -67,15 +67,20 @@ void VisibleSides::add_sun(std::span<const scene::Side> fresh) {
   sun_share_.resize(side_.size(), 0.0F);
   if (!scene_.sun || fresh.empty()) return;
   const Vector& to_sun = scene_.sun->to_sun;
-  const scene::SunVisibility lit =
-      sun_visibility(*scene_.rays, fresh, std::span(&to_sun, 1),
-                     {.points = kPoints, .threads = options_.threads, .points_of_side = true});
-  for (std::size_t i = 0; i < fresh.size(); ++i) {
-    const double cosine = scene::dot(scene_.facets().facet[fresh[i].facet].normal, to_sun) / scene::length(to_sun);
-    const std::size_t number = side_.size() - fresh.size() + i;
-    sun_cosine_[number] = static_cast<float>(std::max(fresh[i].back ? -cosine : cosine, 0.0));
-    sun_share_[number] = static_cast<float>(lit.share(i, 0));
-  }
+  const std::size_t first = side_.size() - fresh.size();
+  mtf::parallel_for(
+      static_cast<std::int64_t>(fresh.size()), 256, options_.threads, [&](std::int64_t begin, std::int64_t end) {
+        for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
+          const double up = scene::dot(scene_.facets().facet[fresh[i].facet].normal, to_sun);
+          const double cosine = (fresh[i].back ? -up : up) / scene::length(to_sun);
+          if (!(cosine > 0.0)) continue;
+          // One at a time, so that the points are those of the side, whatever others there are.
+          const scene::SunVisibility lit = sun_visibility(*scene_.rays, fresh.subspan(i, 1), std::span(&to_sun, 1),
+                                                          {.points = kPoints, .seed = index(fresh[i]), .threads = 1});
+          sun_cosine_[first + i] = static_cast<float>(cosine);
+          sun_share_[first + i] = static_cast<float>(lit.share(0, 0));
+        }
+      });
 }
 
 void VisibleSides::add_views(std::span<const scene::Side> fresh) {

@@ -31,7 +31,7 @@ std::vector<Point> starts_on(const Rays& rays, std::span<const Side> sides, std:
   starts.reserve((end - begin) * static_cast<std::size_t>(options.points));
   for (std::size_t i = begin; i < end; ++i) {
     const ReceiverSurface surface(rays.facets(), sides.subspan(i, 1), rays.embree().lift_m());
-    const SpreadNumbers<2> numbers(options.points_of_side ? index(sides[i]) : i, options.seed);
+    const SpreadNumbers<2> numbers(i, options.seed);
     for (int p = 0; p < options.points; ++p) {
       const auto [u, v] = numbers(static_cast<std::uint64_t>(p));
       starts.push_back(surface.at(u, v).point);

@@ -22,9 +22,6 @@ struct SunOptions {
   int points = 4;          ///< on each facet, 1 to 255
   std::uint64_t seed = 0;  ///< another one gives other points
   int threads = 0;         ///< 0: all cores; the result does not depend on it
-  /// The points belong to the side in place of its number in the list, so that they are the same whatever other sides
-  /// there are.
-  bool points_of_side = false;
 };
 
 /// Sides times directions.

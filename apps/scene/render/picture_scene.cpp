@@ -107,9 +107,8 @@ void set_weather(const SceneFile& file, const Surfaces& surfaces, const PictureO
                                                        (layered ? ", through the air above" : "")
                                                  : std::string("none"));
   out.scene.ground.temperature_k = ground_k(file, surfaces, out.utc_s, air_k);
-  out.closures.emplace_back("ground beyond the meshes", text_of("level, %.2f K", out.scene.ground.temperature_k) +
-                                                            ", " +
-                                                            one_line(out.scene.finish[out.scene.ground.finish].name));
+  out.closures.emplace_back("ground", text_of("level, %.2f K", out.scene.ground.temperature_k) + ", " +
+                                          one_line(out.scene.finish[out.scene.ground.finish].name));
   out.scene.altitude_m = file.place.altitude_m;
 }
 
