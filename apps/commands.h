@@ -26,5 +26,6 @@ Command optimize_command();
 // Where scenes are built.
 Command scene_command();
 Command heat_command();
+Command render_command();
 
 }  // namespace apps

@@ -2,8 +2,10 @@
 
 // What the commands of 3-D scenes take.
 
+#include "apps/arguments.h"
 #include "apps/command_line.h"
 #include "apps/commands.h"
+#include "apps/scene/command/render_options.h"
 
 namespace apps {
 namespace {
@@ -40,6 +42,70 @@ Command scene_command() {
                                     "", "  mtf scene check scene.toml\n  mtf scene check vehicle/scene.toml"));
   app.commands.push_back(scene_verb("explain", explain, "regions, materials and weather of a scene in numbers", "",
                                     "  mtf scene explain scene.toml\n  mtf scene explain vehicle/scene.toml"));
+  return app;
+}
+
+Command render_command() {
+  const auto shared = std::make_shared<RenderCommandOptions>();
+  RenderCommandOptions& options = *shared;
+  Command app{
+      "render", "the picture of a scene that a sensor takes in, for mtf simulate",
+      "Camera rays through the sensor's field of view meet facets; their temperature and emissivity, the light that\n"
+      "they reflect of sky, ground, other surfaces and the sun, and the air before them give one radiance, weighted "
+      "by\n"
+      "the response of the sensor. The OpenEXR file says so, and mtf simulate takes it without options. The camera\n"
+      "stands where [camera] of the scene file says; the air is that of [atmosphere] of either file. Bands from 3 to\n"
+      "14 um. Samples that differ from a neighbour take further rays; the attribute mtf:aperture says it.",
+      "  mtf render vehicle/scene.toml camera.toml --temperatures temperatures -o scene.exr\n"
+      "  mtf render scene.toml camera.toml --time 2026-06-21T11:40:00Z --layer Z --layer temperature -o scene.exr"};
+  add_file(app, "scene", "scene file (TOML)", options.scene);
+  add_file(app, "sensor", "sensor file (TOML)", options.sensor);
+  add_text(app, "-o,--out", "FILE", "OpenEXR file to write", options.out).required = true;
+  add_text(app, "--temperatures", "PATH",
+           "folder that mtf heat wrote, or a table of facets (.npy, .csv); default: those of the scene file's regions",
+           options.temperatures);
+  add_text(app, "--time", "INSTANT",
+           "UTC, as 2026-06-21T11:40:00Z; default: the last of the folder, or the scene's start", options.time);
+  const auto point = [](const char* name, const std::string& text) {
+    const std::vector<double> numbers = number_list(name, text);
+    if (numbers.size() != 3) throw mtf::UsageError(std::string(name) + ": write three numbers, X,Y,Z in m");
+    return std::array{numbers[0], numbers[1], numbers[2]};
+  };
+  add_word(app, "--position", "X,Y,Z", "of the camera, m; default: [camera] of the scene file",
+           [&, point](const std::string& text) { options.position = point("--position", text); });
+  add_word(app, "--look-at", "X,Y,Z", "what it looks at, m; default: [camera] of the scene file",
+           [&, point](const std::string& text) { options.look_at = point("--look-at", text); });
+  add_word(app, "--samples-per-pitch", "N", "along each axis; default 2", [&](const std::string& text) {
+    options.samples_per_pitch = number("--samples-per-pitch", text);
+    if (!(options.samples_per_pitch >= 0.5 && options.samples_per_pitch <= 64.0))
+      throw mtf::UsageError("--samples-per-pitch: " + text + "; it is from 0.5 to 64");
+  });
+  constexpr std::array kRays{std::pair{std::string_view("1"), 1}, std::pair{std::string_view("4"), 4},
+                             std::pair{std::string_view("16"), 16}};
+  add_choice(app, "--rays", "N", "1, 4 (default) or 16, of a sample that differs from a neighbour", kRays,
+             options.rays);
+  add_word(app, "--contrast", "X", "by more than this part of the picture's standard deviation; default 0.02",
+           [&](const std::string& text) {
+             options.contrast = number("--contrast", text);
+             if (!(options.contrast >= 0.0)) throw mtf::UsageError("--contrast: " + text + "; it is 0 or more");
+           });
+  add_flag(app, "--everywhere", "as many rays for every sample", options.everywhere);
+  add_word(app, "--quantity", "WORD", "weighted (default), by the sensor's response, or radiance in W m-2 sr-1",
+           [&](const std::string& text) {
+             constexpr std::array words{std::pair{std::string_view("weighted"), false},
+                                        std::pair{std::string_view("radiance"), true}};
+             options.plain = choice("--quantity", text, words);
+           });
+  add_flag(app, "--no-air", "surfaces alone, for sensors that bring a path of their own", options.no_air);
+  OptionSpec& layer = add_word(
+      app, "--layer", "NAME",
+      "write this too: temperature, emissivity, Z (range, m), facet, material, normal, surface (before the air), "
+      "transmittance",
+      [&](const std::string& text) { options.layers.push_back(text); });
+  layer.repeats = true;
+  add_word(app, "--format", "FORMAT", "of standard output: table (default) or json",
+           [&](const std::string& text) { options.json = choice("--format", text, kTableOrJson) == Format::json; });
+  app.run = [shared](const Global& global) { return run_render(*shared, global); };
   return app;
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/simulate/scene_light.h"
 
+#include "apps/sensor/response.h"
 #include "mtf/error.h"
 #include "radiometry/light/path_planes.h"
 #include "radiometry/light/scene_radiance.h"
@@ -12,21 +13,56 @@ namespace {
 
 using mtf::io::Quantity;
 
+std::string attribute(const mtf::io::Scene& scene, const char* name) {
+  const auto found = scene.info.attributes.find(name);
+  return found == scene.info.attributes.end() ? std::string() : found->second;
+}
+
+/// Radiance that is weighted by the response of a sensor: in W for a thermal detector, in photons for others.
+bool is_weighted(const mtf::io::Scene& scene) { return attribute(scene, "mtf:quantity").starts_with("weighted_"); }
+
+/// What a picture says of itself has to suit the sensor: its air counts once, and its light is weighted once, by the
+/// response that it has here.
+void require_own_light(const mtf::io::SensorConfig& config, const LoadedSensor& loaded, const mtf::io::Scene& scene,
+                       const std::string& file) {
+  const radiometry::SensorSettings& settings = loaded.sensor.settings;
+  if (attribute(scene, "mtf:path") == "included" && (settings.path || settings.atmosphere))
+    throw mtf::UsageError(file + ": the air is in it already, and would count twice with [" +
+                          (settings.path ? "path" : "atmosphere") + "] of " + config.file +
+                          "; remove that table, or render without air");
+  if (!is_weighted(scene)) return;
+  const bool watts = scene.quantity == Quantity::radiance;
+  const std::string quantity = attribute(scene, "mtf:quantity");
+  if (watts != (loaded.sensor.curves.flux == radiometry::Flux::watts))
+    throw mtf::UsageError(file + ": holds " + quantity + ", for " + (watts ? "thermal" : "photon") + " detectors; " +
+                          config.file + " has the other kind");
+  const std::string given = attribute(scene, "mtf:response");
+  if (given.empty())
+    throw mtf::UsageError(file + ": holds " + quantity +
+                          " and does not say by which response it is weighted (mtf:response); a scene of `radiance` "
+                          "needs none");
+  if (given != response_sha256(loaded.sensor.curves))
+    throw mtf::UsageError(file + ": is weighted by another response than that of " + config.file +
+                          " (band, transmission and quantum efficiency as curves); render it with this sensor");
+}
+
 class Converter {
  public:
-  Converter(const mtf::io::SensorConfig& config, const LoadedSensor& loaded, Quantity quantity, int threads)
+  Converter(const mtf::io::SensorConfig& config, const LoadedSensor& loaded, const mtf::io::Scene& scene, int threads)
       : file_(config.file),
         loaded_(loaded),
         settings_(loaded.sensor.settings),
         scene_(settings_.scene.value_or(radiometry::SceneSettings{})),
         band_(loaded.paths ? radiometry::scene_band(loaded.sensor.curves)
                            : radiometry::scene_band(loaded.sensor.curves, loaded.sensor.path)),
-        quantity_(quantity),
+        quantity_(scene.quantity),
+        weighted_(is_weighted(scene)),
         options_{.negative = scene_.negative, .threads = threads} {
+    const Quantity quantity = quantity_;
     const bool surfaces = is_of_surfaces();
     const bool finish = scene_.surroundings_k || !scene_.emissivity.file.empty() || scene_.emissivity.number != 1.0 ||
                         !scene_.emissivity_channel.name.empty();
-    if (!surfaces && finish)
+    if (!surfaces && finish && !weighted_)  // which a picture of surfaces has in it
       throw mtf::UsageError(file_ +
                             ": scene.emissivity, emissivity_channel and surroundings are for scenes of "
                             "temperatures or counts; this one is " +
@@ -151,8 +187,17 @@ class Converter {
       const double middle_um = 0.5 * (band_.band.lo_um + band_.band.hi_um);
       return channel_weights(band_, std::array{middle_um}).weight.front();
     }
+    if (weighted_) return path_share();
     const auto flux = quantity_ == Quantity::radiance ? radiometry::Flux::watts : radiometry::Flux::photons;
     return light_per_radiance(flux, band_, source_k());
+  }
+
+  /// What a path that is the same for all pixels leaves of light that is weighted already.
+  double path_share() const {
+    if (loaded_.paths) return 1.0;
+    const radiometry::Surface surface{.temperature_k = source_k().value_or(kSurface_k)};
+    return scene_radiance(loaded_.sensor.curves, surface, loaded_.sensor.path) /
+           scene_radiance(loaded_.sensor.curves, surface, {});
   }
 
   float path_light() const {
@@ -172,6 +217,7 @@ class Converter {
   radiometry::SceneSettings scene_;
   radiometry::SceneBand band_;
   Quantity quantity_;
+  bool weighted_;
   radiometry::PlaneOptions options_;
 };
 
@@ -208,7 +254,8 @@ void merge_spectrum(mtf::io::Scene& scene, const Converter& convert, int threads
 
 SceneLight to_light(const mtf::io::SensorConfig& config, const LoadedSensor& loaded, mtf::io::Scene& scene,
                     const SceneSource& source, int threads) {
-  const Converter convert(config, loaded, scene.quantity, threads);
+  require_own_light(config, loaded, scene, source.file);
+  const Converter convert(config, loaded, scene, threads);
   const mtf::Image emissivity = channel_of(source, convert.scene().emissivity_channel.name, "emissivity_channel");
   const mtf::Image range_m = channel_of(source, convert.scene().depth_channel.name, "depth_channel");
   const bool spectrum = !scene.wavelength_um.empty();
@@ -251,12 +298,13 @@ void require_light_of_windows(const mtf::io::SensorConfig& config, const LoadedS
   if (const std::string refusal = refusal_of_light(config, loaded, scene); !refusal.empty())
     throw mtf::UsageError(file + ": in tiles (--memory) " + refusal +
                           "; make a scene of radiance of it before, or let the whole image through at once");
+  require_own_light(config, loaded, scene, file);
   require_one_channel(scene, file);
 }
 
 LightOfWindows light_of_windows(const mtf::io::SensorConfig& config, const LoadedSensor& loaded,
                                 const mtf::io::Scene& scene, const mtf::Statistics& values) {
-  const Converter convert(config, loaded, scene.quantity, 1);
+  const Converter convert(config, loaded, scene, 1);
   if (values.min < 0.0 && convert.scene().negative == radiometry::Negative::refuse)
     throw mtf::UsageError("values below 0, down to " + mtf::format_double(values.min) + " " +
                           std::string(mtf::io::quantity_unit(scene.quantity)) +

@@ -18,6 +18,12 @@ Metadata provenance(const SensorConfig& config, const Scene& scene, const mtf::S
   Metadata m;
   m.text["mtf:quantity"] = quantity_name(scene.quantity);
   m.text["mtf:units"] = quantity_unit(scene.quantity);
+  // Filtered light is still weighted by what it was weighted by, and has its air.
+  for (const char* name : {"mtf:quantity", "mtf:response", "mtf:path"})
+    if (const auto found = scene.info.attributes.find(name);
+        found != scene.info.attributes.end() &&
+        (name != std::string_view("mtf:quantity") || found->second.starts_with("weighted_")))
+      m.text[name] = found->second;
   m.text["mtf:configSha256"] = config.sha256;
   m.text["mtf:sensor"] = config.system.name;
   m.text["mtf:version"] = std::string(mtf::version) + " " + mtf::git_commit;

@@ -12,14 +12,24 @@
 namespace apps {
 
 mtf::PlanOptions plan_options_of(const SimulateOptions& options, const mtf::io::SensorConfig& config,
-                                 const mtf::SampleGrid& scene) {
+                                 const mtf::io::Scene& scene) {
   mtf::PlanOptions plan;
   plan.tolerance = options.tolerance.value_or(plan.tolerance);
   plan.border = config.scene.border;
   plan.rigor = options.measure ? mtf::Rigor::measure : mtf::Rigor::estimate;
-  plan.aperture = mtf::io::scene_aperture(config.scene, scene);
+  plan.aperture = aperture_of(config.scene, scene);
   plan.threads = options.threads;
   return plan;
+}
+
+mtf::SceneAperture aperture_of(const mtf::io::SceneDefaults& defaults, const mtf::io::Scene& scene) {
+  mtf::io::SceneDefaults own = defaults;
+  const auto stated = scene.info.attributes.find("mtf:aperture");
+  if (stated != scene.info.attributes.end() && (stated->second == "point" || stated->second == "box")) {
+    own.aperture = stated->second == "box" ? mtf::io::Aperture::box : mtf::io::Aperture::point;
+    own.aperture_size = {};
+  }
+  return scene_aperture(own, scene.grid);
 }
 
 void describe_run(RunReport& report, const mtf::io::SensorConfig& config, mtf::io::Scene scene_facts,

@@ -17,7 +17,10 @@ namespace apps {
 
 /// Tolerance, border, rigor, threads and the blur of the samples, as the caller and the sensor file say.
 mtf::PlanOptions plan_options_of(const SimulateOptions& options, const mtf::io::SensorConfig& config,
-                                 const mtf::SampleGrid& scene);
+                                 const mtf::io::Scene& scene);
+
+/// The blur of the samples: what the file says (attribute mtf:aperture, "point" or "box" of one sample), else [scene].
+mtf::SceneAperture aperture_of(const mtf::io::SceneDefaults& defaults, const mtf::io::Scene& scene);
 
 /// Fills in what was simulated, for whom, and where it went.
 void describe_run(RunReport& report, const mtf::io::SensorConfig& config, mtf::io::Scene scene_facts,

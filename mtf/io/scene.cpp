@@ -55,6 +55,9 @@ std::optional<Quantity> stated_quantity(const ImageFile& file, const std::string
   if (found == file.info.attributes.end()) return std::nullopt;
   for (const Quantity quantity : kQuantities)
     if (quantity_name(quantity) == found->second) return quantity;
+  // Radiance that is weighted by a response; those who take it look at the attributes for which.
+  if (found->second == "weighted_radiance") return Quantity::radiance;
+  if (found->second == "weighted_photon_radiance") return Quantity::photon_radiance;
   throw UsageError(
       path + ": holds " + printable(found->second, 40) +
       ", which is no scene: a scene is radiance, photon_radiance, spectral_radiance, temperature or counts");

@@ -6,12 +6,11 @@
 
 #include "mtf/error.h"
 #include "mtf/parallel.h"
+#include "radiometry/scene/pencil.h"
 #include "radiometry/scene/tracing/embree_scene.h"
 
 namespace radiometry::scene {
 namespace {
-
-constexpr double kFarthestOrigin_m = 1e12;  // its single-precision value is finite, and so are Embree's products
 
 void check(const Ray& ray, const Point& middle, std::size_t number) {
   const auto refuse = [&](const std::string& what) {
@@ -32,11 +31,8 @@ Hit hit_of(const Facets& facets, std::uint32_t triangle, const Point& origin, co
   if (triangle == kNone) return {};
   const auto& [a, b, c] = facets.triangles[triangle];
   const Point& corner = facets.vertices[a];
-  const Vector normal = cross(facets.vertices[b] - corner, facets.vertices[c] - corner);
-  const double towards = dot(normal, direction);
-  // A ray in the plane of the triangle, to rounding, has no better distance than that of the corner.
-  const double distance = towards != 0.0 ? dot(normal, corner - origin) / towards : dot(corner - origin, direction);
-  return {facets.facet_of[triangle], towards > 0.0, std::max(0.0, distance)};
+  const double towards = dot(cross(facets.vertices[b] - corner, facets.vertices[c] - corner), direction);
+  return {facets.facet_of[triangle], towards > 0.0, distance_to(facets, triangle, origin, direction)};
 }
 
 }  // namespace

@@ -16,6 +16,9 @@
 
 namespace radiometry::scene {
 
+/// Of an origin from the middle of the scene: its single-precision value is finite, and so are Embree's products.
+inline constexpr double kFarthestOrigin_m = 1e12;
+
 struct Ray {
   Point origin;      ///< in coordinates of the scene
   Vector direction;  ///< of any length above 0

@@ -192,7 +192,8 @@ Views views(const Rays& rays, const Receivers& receivers, std::span<const std::u
             const Facet& facet = facets.facet[side.facet];
             rings.add_shares(side.back ? -facet.normal[2] : facet.normal[2], facet.area_m2 / area, seen);
           }
-          Sample counts = sample(rays, receivers[i], i, rings, finder, options);
+          const std::uint64_t own = options.rays_of_side ? index(receivers[i].front()) : i;
+          Sample counts = sample(rays, receivers[i], own, rings, finder, options);
           const std::size_t before = rows.size();
           post_stratify(counts, seen, rows);
           std::copy(seen.begin(), seen.end() - 1, views.sky.begin() + static_cast<std::ptrdiff_t>(i * (zones - 1)));

@@ -35,6 +35,9 @@ struct ViewOptions {
   std::span<const int> rays_of{};
   std::uint64_t seed = 0;  ///< another one gives an independent set of rays
   int threads = 0;         ///< 0: all cores; the result does not depend on it
+  /// The rays of a receiver belong to its first side in place of its number in the list, so that they are the same
+  /// whatever other receivers there are.
+  bool rays_of_side = false;
 };
 
 /// Rows of a sparse matrix: row i has the entries [first[i], first[i + 1]), columns rising.

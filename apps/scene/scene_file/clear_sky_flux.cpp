@@ -77,6 +77,14 @@ double ClearSkyFlux::node(int temperature, int humidity) {
   return flux;
 }
 
+air::Air<double> ClearSkyFlux::air_at(double air_k, std::optional<double> vapour_pressure_pa) const {
+  air::Air<double> today = air_;
+  const double humidity = vapour_pressure_pa ? humidity_percent(air_k, *vapour_pressure_pa)
+                                             : relative_humidity_percent(air_.profile.levels.front());
+  today.profile = with_surface(air_.profile, air_k, humidity);
+  return today;
+}
+
 double ClearSkyFlux::at(double air_k, double vapour_pressure_pa) {
   if (!(air_k >= kColdest_k && air_k <= kWarmest_k))
     throw mtf::UsageError("[sky] longwave = \"atmosphere\": air of " + mtf::format_double(air_k) +

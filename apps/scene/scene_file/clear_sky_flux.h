@@ -8,6 +8,7 @@
 // takes the sky for black below 650 cm^-1.
 
 #include <map>
+#include <optional>
 #include <utility>
 
 #include "radiometry/atmosphere/atmosphere_settings.h"
@@ -26,6 +27,10 @@ class ClearSkyFlux {
   /// W/m2 on a horizontal plane; vapour up to 10 % above saturation, as hygrometers show it in fog, counts as
   /// saturated. Throws UsageError for more, for air outside 180 ... 340 K and for vapour pressures below 0.
   double at(double air_k, double vapour_pressure_pa);
+
+  /// The air with that weather at the ground; without a vapour pressure its relative humidity there stays. Throws as
+  /// at.
+  radiometry::atmosphere::Air<double> air_at(double air_k, std::optional<double> vapour_pressure_pa) const;
 
  private:
   double node(int temperature, int humidity);

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "apps/sensor/sensor_place.h"
+#include "apps/simulate/simulate_parts.h"
 #include "apps/text/words.h"
 #include "mtf/same_list.h"
 
@@ -84,7 +85,7 @@ mtf::PlanOptions SequencePlanner::options_for(const mtf::io::SensorConfig& senso
   mtf::PlanOptions options = base_;
   options.border = sensor.scene.border;
   options.separate_readout = radiometric != nullptr;
-  options.aperture = mtf::io::scene_aperture(sensor.scene, input.scene.grid);
+  options.aperture = aperture_of(sensor.scene, input.scene);
   if (radiometric != nullptr && !asked_ && input.summary)
     options.tolerance = radiometric->tolerance(base_.tolerance, input.summary->std);
   return options;

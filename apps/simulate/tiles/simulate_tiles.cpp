@@ -210,7 +210,7 @@ SurveyedPlan survey_and_plan(const mtf::io::SensorConfig& config, const Simulate
                              TileScene& source, RunReport& report, RunWatch& watch) {
   const mtf::SampleGrid& grid = source.scene.grid;
   const mtf::TileOptions tiles = tile_options_of(options, source, radiometric);
-  mtf::PlanOptions plan_options = plan_options_of(options, config, grid);
+  mtf::PlanOptions plan_options = plan_options_of(options, config, source.scene);
   plan_options.progress = watch.planning();
   std::vector<mtf::Survey> surveys = survey_all(source,
                                                 {.border = defaults.border,

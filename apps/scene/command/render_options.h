@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// What `mtf render` takes.
+
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "apps/options.h"
+
+namespace apps {
+
+struct RenderCommandOptions {
+  std::string scene, sensor, out;
+  std::string temperatures, time;
+  std::optional<std::array<double, 3>> position, look_at;  ///< m; in place of those of [camera]
+  double samples_per_pitch = 2.0;
+  int rays = 4;            ///< of a sample that differs from its neighbours: 1, 4 or 16
+  double contrast = 0.02;  ///< by which part of the picture's standard deviation
+  bool everywhere = false;
+  bool plain = false;  ///< radiance in the band, without weights
+  bool no_air = false;
+  std::vector<std::string> layers;
+  bool json = false;
+};
+
+int run_render(const RenderCommandOptions& options, const Global& global);
+
+}  // namespace apps

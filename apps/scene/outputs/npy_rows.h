@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// Rows of a table of float32 in an NPY file, one at a time: tables of a run hold hundreds of rows of hundreds of
+// thousands of facets, of which a picture needs two.
+
+#include <cstdint>
+#include <fstream>
+#include <string>
+#include <vector>
+
+namespace apps::scene {
+
+class NpyRows {
+ public:
+  /// Throws RuntimeError for a file that cannot be read, UsageError with its name for one that is no table '<f4' in C
+  /// order of one or two dimensions, or is cut off.
+  explicit NpyRows(const std::string& path);
+
+  std::uint64_t rows() const { return rows_; }
+  std::uint64_t columns() const { return columns_; }
+  std::vector<float> row(std::uint64_t row);
+
+ private:
+  std::string path_;
+  std::ifstream file_;
+  std::uint64_t rows_ = 1, columns_ = 0, begin_ = 0;
+};
+
+}  // namespace apps::scene

@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/scene/render/sensor_picture.h"
+
+#include <cmath>
+
+#include "apps/sensor/response.h"
+#include "apps/sensor/sensor_air.h"
+#include "apps/sensor/sensor_chain.h"
+#include "apps/sensor/sensor_place.h"
+#include "apps/text/words.h"
+#include "mtf/error.h"
+#include "mtf/version.h"
+#include "radiometry/heat/weather/instant.h"
+
+namespace apps::scene {
+namespace {
+
+using mtf::io::Quantity;
+
+/// In photons, or watts.
+Quantity quantity_of(const PictureSensor& sensor) {
+  return sensor.band.curves.flux == radiometry::Flux::watts ? Quantity::radiance : Quantity::photon_radiance;
+}
+
+}  // namespace
+
+PictureSensor picture_sensor(const mtf::io::SensorConfig& config, PictureQuantity quantity) {
+  PictureSensor sensor{.config = config, .band = {.name = "Y", .curves = load_curves(config)}, .quantity = quantity};
+  const mtf::Frame<double>& frame = config.system.frame;
+  if (frame.columns < 1 || frame.rows < 1)
+    throw mtf::UsageError(config.file +
+                          ": frame.format: missing; the field of view follows from it: write format = [640, 512]");
+  const radiometry::SensorSettings settings = radiometry::sensor_settings(config.tables);
+  if (quantity == PictureQuantity::radiance) {
+    const radiometry::Interval band = sensor.band.curves.band;
+    sensor.band.curves = {};
+    sensor.band.curves.band = band;
+    sensor.band.curves.flux = radiometry::Flux::watts;
+  } else {
+    if (!settings.detector)
+      throw mtf::UsageError(config.file +
+                            ": has no [detector], whose response weights the radiance; add it, or write --quantity "
+                            "radiance");
+    sensor.response = response_sha256(sensor.band.curves);
+  }
+  if (settings.atmosphere) sensor.air = at_its_place(config, [&] { return read_air(*settings.atmosphere); });
+  return sensor;
+}
+
+radiometry::render::Camera picture_camera(const PictureSensor& sensor, const radiometry::render::Pose& pose,
+                                          double samples_per_pitch) {
+  const mtf::Frame<double>& frame = sensor.config.system.frame;
+  return camera_of({.focal_length_mm = frame.focal_length_mm,
+                    .pitch_x_um = frame.pitch_x_um,
+                    .pitch_y_um = frame.pitch_y_um,
+                    .columns = frame.columns,
+                    .rows = frame.rows,
+                    .samples_per_pitch = samples_per_pitch},
+                   pose);
+}
+
+radiometry::render::Pose pose_of(const SceneFile& file) {
+  if (!file.camera)
+    throw mtf::UsageError(one_line(file.file) +
+                          ": [camera]: missing; write position = [\"14 m\", \"-12 m\", \"5 m\"] and look_at, or give "
+                          "--position and --look-at");
+  return {.position = file.camera->position_m, .look_at = file.camera->look_at_m, .up = file.camera->up};
+}
+
+mtf::io::Metadata picture_metadata(const SceneFile& file, const PictureScene& scene, const PictureSensor& sensor,
+                                   const radiometry::render::Camera& camera,
+                                   const radiometry::render::RenderOptions& options,
+                                   const radiometry::render::RenderedFrame& frame) {
+  mtf::io::Metadata m;
+  const Quantity quantity = quantity_of(sensor);
+  m.text["mtf:quantity"] =
+      (sensor.quantity == PictureQuantity::weighted ? "weighted_" : "") + std::string(quantity_name(quantity));
+  m.text["mtf:units"] = quantity_unit(quantity);
+  if (!sensor.response.empty()) m.text["mtf:response"] = sensor.response;
+  m.text["mtf:path"] = scene.scene.air ? "included" : "none";
+  m.text["mtf:aperture"] = options.further > 1 ? "box" : "point";
+  m.text["mtf:sensor"] = sensor.config.system.name;
+  m.text["mtf:configSha256"] = sensor.config.sha256;
+  m.text["mtf:sceneSha256"] = file.sha256;
+  m.text["mtf:time"] = radiometry::heat::instant_text(scene.utc_s);
+  m.text["mtf:version"] = std::string(mtf::version) + " " + mtf::git_commit;
+  m.text["mtf:promisedError"] = mtf::format_double(frame.promised.front());
+  for (const auto& [name, words] : scene.closures) m.text["mtf:" + name] = words;
+  const mtf::Frame<double>& lens = sensor.config.system.frame;
+  const double step_x = camera.step_x * lens.focal_length_mm * 1e-3,
+               step_y = camera.step_y * lens.focal_length_mm * 1e-3;
+  m.pairs["mtf:pixelPitch"] = {step_x, step_y};
+  m.lists["mtf:bandEdges"] = {static_cast<float>(sensor.band.curves.band.lo_um),
+                              static_cast<float>(sensor.band.curves.band.hi_um)};
+  m.history.push_back("mtf render: " + std::to_string(frame.rays) + " rays");
+  return m;
+}
+
+std::vector<mtf::io::NamedPlane> picture_planes(const radiometry::render::RenderedFrame& frame) {
+  std::vector<mtf::io::NamedPlane> planes{{"Y", frame.radiance.front().view()}};
+  for (const radiometry::render::NamedLayer& layer : frame.layers) planes.push_back({layer.name, layer.plane.view()});
+  return planes;
+}
+
+}  // namespace apps::scene

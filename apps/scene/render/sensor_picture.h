@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// The picture of a scene that a sensor takes in, with what a file of it says: the scene of `mtf simulate`, without
+// options. Field of view and samples follow from [frame] of the sensor file; the weights from its curves.
+
+#include "apps/scene/render/picture_scene.h"
+#include "mtf/io/config/config.h"
+#include "mtf/io/image_io.h"
+#include "radiometry/render/renderer.h"
+
+namespace apps::scene {
+
+enum class PictureQuantity {
+  weighted,  ///< by the response of the sensor: photons, or W for a thermal detector
+  radiance   ///< W m-2 sr-1 in the band
+};
+
+/// What a sensor file says of a picture.
+struct PictureSensor {
+  mtf::io::SensorConfig config{};
+  radiometry::render::RenderBand band{};
+  PictureQuantity quantity = PictureQuantity::weighted;
+  std::string response{};                                    ///< hash; "" for plain radiance
+  std::optional<radiometry::atmosphere::Air<double>> air{};  ///< [atmosphere]
+};
+
+/// Throws UsageError for a sensor without a band or format, and for weighted radiance without [detector].
+PictureSensor picture_sensor(const mtf::io::SensorConfig& config, PictureQuantity quantity);
+
+/// The camera of that sensor there. Throws UsageError as radiometry::render::camera_of.
+radiometry::render::Camera picture_camera(const PictureSensor& sensor, const radiometry::render::Pose& pose,
+                                          double samples_per_pitch);
+
+/// The pose that [camera] of a scene file states. Throws UsageError where it has none.
+radiometry::render::Pose pose_of(const SceneFile& file);
+
+/// Attributes of the file of a frame.
+mtf::io::Metadata picture_metadata(const SceneFile& file, const PictureScene& scene, const PictureSensor& sensor,
+                                   const radiometry::render::Camera& camera,
+                                   const radiometry::render::RenderOptions& options,
+                                   const radiometry::render::RenderedFrame& frame);
+
+/// The planes of a frame under their names: Y, then the layers.
+std::vector<mtf::io::NamedPlane> picture_planes(const radiometry::render::RenderedFrame& frame);
+
+}  // namespace apps::scene

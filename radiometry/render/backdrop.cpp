@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "radiometry/render/backdrop.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+namespace radiometry::render {
+namespace {
+
+constexpr std::size_t kAngles = 33;
+constexpr double kRight = 0.5 * std::numbers::pi;
+constexpr double kLowest = 1e-4;       // rad: lines nearer to the horizon are taken to have this elevation
+constexpr double kFarthest_m = 300e3;  // of a ground that the air does not hide
+
+double elevation_of(std::size_t angle) {
+  const double root = static_cast<double>(angle) / (kAngles - 1);
+  return std::max(kRight * root * root, kLowest);
+}
+
+double interpolated(const std::vector<double>& values, double elevation) {
+  const double at = std::sqrt(std::clamp(elevation / kRight, 0.0, 1.0)) * (kAngles - 1);
+  const double below = std::clamp(std::floor(at), 1.0, static_cast<double>(kAngles - 3)), t = at - below;
+  const double* v = values.data() + static_cast<std::size_t>(below) - 1;
+  return -t * (t - 1.0) * (t - 2.0) / 6.0 * v[0] + (t + 1.0) * (t - 1.0) * (t - 2.0) / 2.0 * v[1] -
+         (t + 1.0) * t * (t - 2.0) / 2.0 * v[2] + (t + 1.0) * t * (t - 1.0) / 6.0 * v[3];
+}
+
+}  // namespace
+
+Backdrop::Backdrop(const RenderScene& scene, const BandNodes& nodes, const LightSources& sources, const AirView* view,
+                   double camera_height_m, double ground_m)
+    : camera_above_m_(camera_height_m - ground_m) {
+  const AirView* layered = view != nullptr && view->layered() ? view : nullptr;
+  const std::vector<double> ground = fold(nodes, sources.radiance[sources.ground()]);
+  std::vector<double> air;
+  if (view != nullptr) air = fold(nodes, blackbody_at(nodes, view->reference_k()));
+  for (std::size_t i = 0; i < kAngles; ++i) {
+    const double elevation = elevation_of(i);
+    above_.push_back(integral(nodes, sky_at(scene.sky, nodes, layered, kRight - elevation)));
+    double sum = 0.0;
+    if (view == nullptr || camera_above_m_ <= 0.0) {
+      for (const double part : ground) sum += part;
+    } else {
+      const AirSamples path = view->to(std::min(camera_above_m_ / std::sin(elevation), kFarthest_m), ground_m);
+      for (std::size_t s = 0; s < ground.size(); ++s) sum += path.transmission[s] * ground[s] + path.source[s] * air[s];
+    }
+    below_.push_back(sum);
+  }
+}
+
+double Backdrop::radiance(double sine_of_elevation) const {
+  const double elevation = std::asin(std::clamp(sine_of_elevation, -1.0, 1.0));
+  return elevation >= 0.0 ? interpolated(above_, elevation) : interpolated(below_, -elevation);
+}
+
+double Backdrop::range_m(double sine_of_elevation) const {
+  if (sine_of_elevation >= 0.0 || camera_above_m_ <= 0.0) return std::numeric_limits<double>::infinity();
+  return std::min(camera_above_m_ / -sine_of_elevation, kFarthest_m);
+}
+
+}  // namespace radiometry::render

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// What a camera sees where no facet is: the sky above the horizon, with all the air before it, and below it the ground,
+// a level plane that goes on as far as the horizon, through the air between. Radiance in the band by the sine of the
+// elevation: cubics of the zenith angle, whose steps are the smaller the nearer they are to the horizon.
+
+#include "radiometry/render/light_sources.h"
+
+namespace radiometry::render {
+
+class Backdrop {
+ public:
+  /// `view`: null without air. `ground_m`: the height of the plane.
+  Backdrop(const RenderScene& scene, const BandNodes& nodes, const LightSources& sources, const AirView* view,
+           double camera_height_m, double ground_m);
+
+  double radiance(double sine_of_elevation) const;
+  /// To the plane; infinite above the horizon.
+  double range_m(double sine_of_elevation) const;
+
+ private:
+  double camera_above_m_;
+  std::vector<double> above_, below_;  ///< equally spaced in the root of the elevation
+};
+
+}  // namespace radiometry::render

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// One band of a frame: the radiance of every visible side at the six nodes of the cell of the path grid that the side's
+// centre lies in, worked out once for a frame or for as long as nothing changes; a pixel is then six weights times six
+// values, and the sun where it shines. Where a facet reaches into another cell, the values of that cell are worked out
+// for it too and kept for the rays that follow.
+
+#include <memory>
+#include <string>
+
+#include "mtf/image.h"
+#include "radiometry/render/backdrop.h"
+#include "radiometry/render/band_tables.h"
+#include "radiometry/render/visible_sides.h"
+
+namespace radiometry::render {
+
+struct RenderBand {
+  std::string name{};
+  SpectralCamera curves{};
+};
+
+class BandShader {
+ public:
+  /// `views`: of patches; without rows where nothing reflects. All arguments but the band outlive it. Throws
+  /// mtf::UsageError as band_nodes and AirView do.
+  BandShader(RenderBand band, const RenderScene& scene, const Patches& patches, const scene::Views& views,
+             double tolerance, bool with_air);
+
+  /// Sees to it that tables hold for a camera at that height and what it sees; returns whether they were made anew.
+  bool prepare(double camera_height_m, const PathExtent& extent);
+  /// The values of all visible sides, for this camera; only of those whose cell or tables changed. Returns how many.
+  std::size_t shade(const VisibleSides& sides, const Point& camera, int threads);
+  /// Radiance of each ray. Without shadow rays (RayHits::lit) sides are lit by the share of them that is in the sun.
+  void radiance(const RayHits& hits, const VisibleSides& sides, std::vector<float>& out, int threads) const;
+
+  const RenderBand& band() const { return band_; }
+  const BandNodes& nodes() const { return nodes_; }
+  const Backdrop& backdrop() const { return *backdrop_; }
+  double promised() const { return promised_; }
+  const PathGrid& grid() const { return grid_; }
+  /// What the sun adds at most, of a blackbody at the temperature of the air: whether its shadows are worth rays.
+  double sunlight() const { return sunlight_; }
+  /// The mean of a finish's emissivity over the band, weighted by response and blackbody.
+  double emissivity(std::size_t finish, double temperature_k) const;
+  /// Radiance that the air adds on the way.
+  double path_radiance(double range_m, double height_m) const;
+
+ private:
+  struct Shaded {
+    std::array<float, 6> value{};
+    PathGrid::Cell cell{};
+    std::uint32_t finish = scene::kNone;  ///< kNone: not yet shaded
+  };
+  Shaded shaded(const VisibleSides& sides, std::size_t number, PathGrid::Cell cell) const;
+
+  RenderBand band_;
+  const RenderScene& scene_;
+  std::vector<Spectrum> curves_;                 ///< emissivities
+  std::vector<std::vector<double>> emissivity_;  ///< at the nodes
+  double tolerance_;
+  bool with_air_;
+  BandNodes nodes_;
+  std::unique_ptr<EmissionFolds> folds_;
+  LightSources sources_;
+  std::unique_ptr<AirView> view_;
+  PathGrid grid_;
+  std::unique_ptr<BandTables> tables_;
+  std::unique_ptr<Backdrop> backdrop_;
+  double camera_height_m_ = 0.0, promised_ = 0.0, sunlight_ = 0.0;
+  std::vector<Shaded> shaded_;  ///< of each visible side
+};
+
+}  // namespace radiometry::render

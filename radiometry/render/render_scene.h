@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// What a picture is made of: facets with a finish and a temperature on each side, and what surrounds them.
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "radiometry/atmosphere/haze.h"
+#include "radiometry/light/spectrum.h"
+#include "radiometry/scene/rays.h"
+
+namespace radiometry::render {
+
+/// An opaque surface that reflects diffusely what it does not emit.
+struct Finish {
+  std::string name{};
+  Spectrum emissivity{};  ///< held beyond its ends
+};
+
+/// The sky. Where the scene has layered air it is the clear sky of that air, (1 - cloud_cover) of it, and clouds that
+/// radiate as a blackbody; otherwise a blackbody that gives a level surface this irradiance at all wavelengths.
+struct Sky {
+  double longwave_w_m2 = 0.0;
+  double cloud_cover = 0.0, cloud_k = 0.0;
+};
+
+/// What is seen below the horizon, beyond the facets: level, and as low as the lowest of them.
+struct GroundSurface {
+  std::uint32_t finish = 0;
+  double temperature_k = 300.0;
+};
+
+struct Sun {
+  scene::Vector to_sun{};    ///< z above 0
+  double direct_w_m2 = 0.0;  ///< on a plane that faces it, all wavelengths
+};
+inline constexpr double kSun_k = 5772.0;  ///< IAU 2015 Resolution B3
+
+struct RenderScene {
+  const scene::Rays* rays = nullptr;  ///< outlives what is made of it
+  std::vector<Finish> finish{};
+  std::vector<std::uint32_t> finish_of{};  ///< of each side: scene::index(side)
+  std::vector<float> temperature_k{};      ///< of each side; NaN for the inside of solids
+  Sky sky{};
+  GroundSurface ground{};
+  std::optional<Sun> sun{};
+  std::optional<atmosphere::Air<double>> air{};  ///< nothing: pictures are of surfaces, and the path is in none of them
+  double altitude_m = 0.0;                       ///< of height 0, above the sea
+
+  const scene::Facets& facets() const { return rays->facets(); }
+};
+
+/// Throws mtf::UsageError for sizes that do not fit each other, and for temperatures, emissivities and fluxes that are
+/// none: with the number of sides and the first of them.
+void require_valid(const RenderScene& scene);
+
+/// The height of what lies beyond the facets: that of the lowest of them.
+double ground_height_m(const scene::Facets& facets);
+
+}  // namespace radiometry::render

@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "radiometry/render/visible_sides.h"
+
+#include <algorithm>
+#include <cmath>
+#include <mutex>
+
+#include "mtf/error.h"
+#include "mtf/parallel.h"
+#include "radiometry/scene/sun_visibility.h"
+
+namespace radiometry::render {
+
+VisibleSides::VisibleSides(const RenderScene& scene, const Patches& patches, const Options& options)
+    : scene_(scene), patches_(patches), options_(options), number_(2 * scene.facets().size(), scene::kNone) {}
+
+/// In the order of sides, so that what lies together in space lies together here.
+std::vector<std::uint32_t> VisibleSides::unknown(const RayHits& hits) const {
+  constexpr std::int64_t kChunk = 1 << 16;
+  std::vector<std::uint32_t> fresh;
+  std::mutex lock;
+  mtf::parallel_for(static_cast<std::int64_t>(hits.side.size()), kChunk, options_.threads,
+                    [&](std::int64_t begin, std::int64_t end) {
+                      std::vector<std::uint32_t> here;
+                      for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
+                        const std::uint32_t side = hits.side[i];
+                        if (side != scene::kNone && number_[side] == scene::kNone) here.push_back(side);
+                      }
+                      if (here.empty()) return;
+                      std::sort(here.begin(), here.end());
+                      here.erase(std::unique(here.begin(), here.end()), here.end());
+                      const std::scoped_lock guard(lock);
+                      fresh.insert(fresh.end(), here.begin(), here.end());
+                    });
+  std::sort(fresh.begin(), fresh.end());
+  fresh.erase(std::unique(fresh.begin(), fresh.end()), fresh.end());
+  return fresh;
+}
+
+std::size_t VisibleSides::add(const RayHits& hits) {
+  const std::vector<std::uint32_t> fresh = unknown(hits);
+  const auto inside = std::find_if(fresh.begin(), fresh.end(),
+                                   [&](std::uint32_t side) { return std::isnan(scene_.temperature_k[side]); });
+  if (inside != fresh.end()) {
+    const std::uint32_t facet = *inside / 2;
+    throw mtf::UsageError("the camera sees the inside of a solid, of mesh '" +
+                          scene_.facets().report[scene_.facets().facet[facet].mesh].name + "' (facet " +
+                          std::to_string(facet) + "): it stands in it, or the solid has a hole; move the camera out");
+  }
+  for (const std::uint32_t side : fresh) {
+    number_[side] = static_cast<std::uint32_t>(side_.size());
+    side_.push_back(side);
+  }
+  std::vector<scene::Side> sides;
+  for (const std::uint32_t side : fresh) sides.push_back({side / 2, side % 2 == 1});
+  add_sun(sides);
+  if (options_.views)
+    add_views(sides);
+  else
+    first_.resize(side_.size() + 1, 0);
+  return fresh.size();
+}
+
+void VisibleSides::add_sun(std::span<const scene::Side> fresh) {
+  constexpr int kPoints = 16;
+  sun_cosine_.resize(side_.size(), 0.0F);
+  sun_share_.resize(side_.size(), 0.0F);
+  if (!scene_.sun || fresh.empty()) return;
+  const Vector& to_sun = scene_.sun->to_sun;
+  const std::size_t first = side_.size() - fresh.size();
+  mtf::parallel_for(
+      static_cast<std::int64_t>(fresh.size()), 256, options_.threads, [&](std::int64_t begin, std::int64_t end) {
+        for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
+          const double up = scene::dot(scene_.facets().facet[fresh[i].facet].normal, to_sun);
+          const double cosine = (fresh[i].back ? -up : up) / scene::length(to_sun);
+          if (!(cosine > 0.0)) continue;
+          // One at a time, so that the points are those of the side, whatever others there are.
+          const scene::SunVisibility lit = sun_visibility(*scene_.rays, fresh.subspan(i, 1), std::span(&to_sun, 1),
+                                                          {.points = kPoints, .seed = index(fresh[i]), .threads = 1});
+          sun_cosine_[first + i] = static_cast<float>(cosine);
+          sun_share_[first + i] = static_cast<float>(lit.share(0, 0));
+        }
+      });
+}
+
+void VisibleSides::add_views(std::span<const scene::Side> fresh) {
+  if (fresh.empty()) return;
+  const scene::Views views = scene::views(
+      *scene_.rays, scene::single_sides(std::vector(fresh.begin(), fresh.end())), patches_.patch_of, patches_.size(),
+      {.rings = options_.rings, .rays = options_.rays, .threads = options_.threads, .rays_of_side = true});
+  const auto rings = static_cast<std::size_t>(options_.rings);
+  const auto add = [&](std::size_t source, double share) {
+    if (share == 0.0) return;
+    source_.push_back(static_cast<std::uint32_t>(source));
+    share_.push_back(static_cast<float>(share));
+  };
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    for (std::size_t r = 0; r < rings; ++r) add(r, views.sky[i * rings + r]);
+    add(rings, views.ground[i]);
+    for (std::uint64_t e = views.patches.first[i]; e < views.patches.first[i + 1]; ++e)
+      add(rings + 1 + views.patches.column[e], views.patches.value[e]);
+    first_.push_back(source_.size());
+  }
+}
+
+}  // namespace radiometry::render

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// The sides that a camera has seen, numbered as they came: what belongs to a side for all bands is worked out when it
+// is first seen, and kept. What no ray has met costs nothing. The rays that find the view of a side belong to the side,
+// so that its light does not depend on what else was seen before.
+
+#include "radiometry/render/frame_rays.h"
+#include "radiometry/render/patches.h"
+
+namespace radiometry::render {
+
+class VisibleSides {
+ public:
+  struct Options {
+    int rings = 9, rays = 64;
+    bool views = true;  ///< false where nothing reflects
+    int threads = 0;
+  };
+  /// `scene` and `patches` outlive it.
+  VisibleSides(const RenderScene& scene, const Patches& patches, const Options& options);
+
+  /// Numbers the sides of these hits that are new; returns how many. Throws mtf::UsageError where a ray met the inside
+  /// of a solid: the camera stands in it, or its surface has a hole.
+  std::size_t add(const RayHits& hits);
+
+  std::size_t size() const { return side_.size(); }
+  /// Of a side that was added.
+  std::uint32_t number(std::uint32_t side) const { return number_[side]; }
+  std::uint32_t side(std::size_t number) const { return side_[number]; }
+  const scene::Facet& facet(std::size_t number) const { return scene_.facets().facet[side_[number] / 2]; }
+  float sun_cosine(std::size_t number) const { return sun_cosine_[number]; }
+  /// Which part of the side the sun reaches; 0 where it faces away.
+  float sun_share(std::size_t number) const { return sun_share_[number]; }
+
+  /// What the side sees: sources as LightSources has them, and their shares.
+  struct Light {
+    std::span<const std::uint32_t> source;
+    std::span<const float> share;
+  };
+  Light light(std::size_t number) const {
+    const std::size_t from = first_[number], size = first_[number + 1] - from;
+    return {std::span(source_).subspan(from, size), std::span(share_).subspan(from, size)};
+  }
+
+ private:
+  std::vector<std::uint32_t> unknown(const RayHits& hits) const;
+  void add_sun(std::span<const scene::Side> fresh);
+  void add_views(std::span<const scene::Side> fresh);
+
+  const RenderScene& scene_;
+  const Patches& patches_;
+  Options options_;
+  std::vector<std::uint32_t> number_, side_;
+  std::vector<float> sun_cosine_, sun_share_;
+  std::vector<std::size_t> first_{0};
+  std::vector<std::uint32_t> source_;
+  std::vector<float> share_;
+};
+
+}  // namespace radiometry::render
