@@ -10,6 +10,7 @@
 #include "apps/atmosphere/atmosphere_options.h"
 #include "apps/atmosphere/atmosphere_report.h"
 #include "apps/atmosphere/spectrum_text.h"
+#include "apps/scene/scene_file/clear_sky_flux.h"
 #include "apps/scene/scene_file/scene_file.h"
 #include "apps/sensor/sensor_air.h"
 #include "apps/sensor/sensor_file.h"
@@ -37,8 +38,18 @@ struct Given {
   radiometry::AtmosphereSettings settings;
   std::optional<radiometry::SpectralCamera> camera;  ///< of a sensor file
   air::AerosolLoss loss = air::AerosolLoss::extinction;
+  std::optional<double> place_m;  ///< altitude of the place of a scene file, where its air begins
   std::vector<std::string> files;
 };
+
+/// Of a scene, whose weather gives the temperature and humidity at its place, the air above that.
+air::Air<double> air_in(const Given& given) {
+  if (!given.place_m) return read_air(given.settings);
+  radiometry::AtmosphereSettings alone = given.settings;
+  alone.sensor_altitude_m = 0.0;
+  alone.target_altitude_m = alone.zenith_deg = alone.range_m = std::nullopt;
+  return scene::air_above(alone, *given.place_m);
+}
 
 /// True for a scene file: sensor files have no [place].
 bool is_scene_file(const std::string& file) {
@@ -56,6 +67,7 @@ void take_scene(const AtmosphereOptions& options, Given& given, const Global& gl
     throw mtf::UsageError(options.file +
                           ": has no [atmosphere]; add one (mtf config kinds atmosphere), or say all by options");
   given.settings = *scene.atmosphere;
+  given.place_m = scene.place.altitude_m;
   given.settings.sensor_altitude_m = scene.place.altitude_m + (scene.camera ? scene.camera->position_m[2] : 0.0);
   given.files.push_back(options.file);
 }
@@ -164,7 +176,7 @@ air::Clouds clouds_of(const AtmosphereOptions& options, double clear_w_m2) {
 
 int run_sky(const AtmosphereOptions& options, const Given& given, const std::vector<Interval>& bands,
             const Global& global) {
-  const air::Air<double> through = read_air(given.settings);
+  const air::Air<double> through = air_in(given);
   SkyReport report;
   report.air = air_words(given.settings, through);
   report.altitude_m = given.settings.sensor_altitude_m;
@@ -208,7 +220,7 @@ int run_atmosphere(const AtmosphereOptions& options, const Global& global) {
   const std::vector<Interval> bands = bands_of(options, given);
   if (options.sky) return run_sky(options, given, bands, global);
 
-  air::Air<double> through = read_air(given.settings);
+  air::Air<double> through = air_in(given);
   through.haze.loss = given.loss;
   if (given.loss == air::AerosolLoss::absorption && through.haze.kind != air::HazeKind::none)
     note(

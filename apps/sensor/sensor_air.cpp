@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <mutex>
+#include <span>
 
 #include "apps/sensor/sensor_place.h"
 #include "mtf/components/aerosol.h"
@@ -73,12 +74,23 @@ air::Profile<double> profile_of(const mtf::io::AirProfileColumns& columns, const
 
 constexpr const char* kTable = "[atmosphere]";
 
-/// The aerosol component that takes its scattering from [atmosphere], or has its own; null without one.
-const mtf::Aerosol<double>* aerosol_of(const mtf::System<double>& system) {
-  for (const auto& entry : system.list(mtf::Stage::presample))
-    if (const auto* aerosol = entry.component.get_if<mtf::Aerosol<double>>()) return aerosol;
-  return nullptr;
+/// True where each pixel has a range of its own, so that there is no path for all.
+bool has_depth_channel(std::span<const mtf::SettingsTable> tables) {
+  return std::any_of(tables.begin(), tables.end(), [](const mtf::SettingsTable& table) {
+    return table.name == "scene" && table.find("depth_channel") != nullptr;
+  });
 }
+
+/// True for an aerosol component of the system that is such.
+template <class Is>
+bool any_aerosol(const mtf::System<double>& system, const Is& is) {
+  const auto& list = system.list(mtf::Stage::presample);
+  return std::any_of(list.begin(), list.end(), [&](const auto& entry) {
+    const auto* aerosol = entry.component.template get_if<mtf::Aerosol<double>>();
+    return aerosol != nullptr && is(*aerosol);
+  });
+}
+bool has_scattering(const mtf::Aerosol<double>& aerosol) { return aerosol.scattering_1_km.has_value(); }
 
 /// Tables over the ranges of images, a function of the nearest and the longest range alone, so that a frame does not
 /// depend on those before it. Horizontal lines take ranges of whole powers of 2 in m, whose table frames then share.
@@ -146,8 +158,8 @@ air::Sight<double> read_sight(const AtmosphereSettings& settings) {
 air::Air<double> read_air(const AtmosphereSettings& settings) { return air_of(settings, read_profile(settings)); }
 
 air::AerosolLoss loss_in(const mtf::System<double>& system) {
-  const auto* aerosol = aerosol_of(system);
-  return aerosol != nullptr && !aerosol->scattering_1_km ? air::AerosolLoss::absorption : air::AerosolLoss::extinction;
+  const bool kept = any_aerosol(system, [](const auto& aerosol) { return !has_scattering(aerosol); });
+  return kept ? air::AerosolLoss::absorption : air::AerosolLoss::extinction;
 }
 
 mtf::PathAir<double> path_air_of(const AtmosphereSettings& settings, const std::optional<air::Profile<double>>& profile,
@@ -208,22 +220,21 @@ std::vector<mtf::io::Diagnostic> atmosphere_warnings(const mtf::io::SensorConfig
   if (table == nullptr || !config.system.band) return warnings;
   try {
     const auto settings = radiometry::from_table<AtmosphereSettings>(*table);
-    const auto* aerosol = aerosol_of(config.system);
-    if (aerosol != nullptr && aerosol->scattering_1_km && settings.haze != air::HazeKind::none)
+    if (settings.haze != air::HazeKind::none && any_aerosol(config.system, has_scattering))
       warnings.push_back({.error = false,
                           .position = {},
                           .path = "atmosphere.haze",
                           .text = "its transmission and the scattering of the aerosol component count scattered light "
                                   "twice; leave scattering and path_length out of the component, which then takes them "
                                   "from here, or remove haze"});
-    if (!sight_of(settings) && aerosol == nullptr)
+    for (std::string& text : air::limits_of(read_air(settings), {config.system.band->lo_um, config.system.band->hi_um}))
+      warnings.push_back({.error = false, .position = {}, .path = "atmosphere", .text = std::move(text)});
+    if (has_depth_channel(config.tables))
       warnings.push_back({.error = false,
                           .position = {},
                           .path = "atmosphere",
                           .text = "each pixel has a range of its own: curves of this file are those without air",
                           .remark = true});
-    for (std::string& text : air::limits_of(read_air(settings), {config.system.band->lo_um, config.system.band->hi_um}))
-      warnings.push_back({.error = false, .position = {}, .path = "atmosphere", .text = std::move(text)});
   } catch (const mtf::Error&) {  // refused where the sensor is loaded
   }
   return warnings;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "apps/sensor/sensor_air.h"
 #include "apps/sensor/sensor_place.h"
 #include "apps/simulate/range_weights.h"
 #include "apps/simulate/simulate_parts.h"
@@ -70,8 +71,8 @@ bool same_light(const mtf::io::SensorConfig& a, const mtf::io::SensorConfig& b) 
     const auto *first = find_table(a.tables, name), *second = find_table(b.tables, name);
     return first == nullptr || second == nullptr ? first == second : *first == *second;
   };
-  return band(a) == band(b) && same("scene") && same("camera_counts") && same("path") && same("atmosphere") &&
-         same("optics") && same("detector");
+  return band(a) == band(b) && loss_in(a.system) == loss_in(b.system) && same("scene") && same("camera_counts") &&
+         same("path") && same("atmosphere") && same("optics") && same("detector");
 }
 
 SceneLight to_light(const mtf::io::SensorConfig& config, const RadiometricChain& radiometric, mtf::io::Scene& scene,
@@ -88,9 +89,8 @@ SceneLight to_light(const mtf::io::SensorConfig& config, const RadiometricChain&
   masks.push_back(std::move(bad));
   const SceneLight light = at_its_place(config, [&] {
     SceneLight made = to_light(config, radiometric.loaded, scene, source, threads);
-    if (made.ranges_m) {
-      RangeWeights weights =
-          range_weights(radiometric.system, radiometric.loaded, made.ranges_m->first, made.ranges_m->second);
+    if (made.ranges) {
+      RangeWeights weights = range_weights(radiometric.system, radiometric.loaded, *made.ranges);
       made.rate = std::move(weights.rate);
       if (!weights.warning.empty()) made.warnings.push_back(std::move(weights.warning));
     }

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/simulate/range_weights.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "apps/sensor/otf_curves.h"
 #include "apps/text/words.h"
+#include "mtf/error.h"
 
 namespace apps {
 namespace {
@@ -35,21 +37,32 @@ std::string kilometres(double m) { return significant(1e-3 * m, 3) + " km"; }
 
 }  // namespace
 
-RangeWeights range_weights(const mtf::System<double>& system, const LoadedSensor& loaded, double nearest_m,
-                           double longest_m) {
-  const RangedPaths paths = loaded.paths(nearest_m, longest_m);
-  const auto rate_at = [&](double range_m) { return electron_rate(system, loaded, paths.table->at(range_m)); };
-  const double middle_m = std::sqrt(nearest_m * longest_m);
-  RangeWeights weights{.rate = rate_at(middle_m), .warning = {}};
-  if (!weights.rate || nearest_m == longest_m) return weights;
+RangeWeights range_weights(const mtf::System<double>& system, const LoadedSensor& loaded, const PixelRanges& ranges) {
+  const RangedPaths paths = loaded.paths(ranges.nearest_m, ranges.longest_m);
+  // Pixels are float32, and the last may be rounded beyond the table.
+  const auto rate_at = [&](double range_m) {
+    return electron_rate(system, loaded, paths.table->at(std::min(range_m, paths.table->range_m().back())));
+  };
+  RangeWeights weights;
+  try {
+    weights.rate = rate_at(ranges.middle_m);
+  } catch (const mtf::UsageError&) {
+    weights.warning = "scene.depth_channel: no light gets through " + kilometres(ranges.middle_m) +
+                      " of air, the middle of the ranges: the OTF of the band is that without air";
+    return weights;
+  }
+  if (!weights.rate || ranges.nearest_m == ranges.longest_m) return weights;
   const Values middle = otf_values(system, weights.rate);
   double most = 0.0;
-  for (const double end_m : {nearest_m, longest_m})
-    most = std::max(most, largest_difference(otf_values(system, rate_at(end_m)), middle));
+  for (const double end_m : {ranges.nearest_m, ranges.longest_m}) try {
+      most = std::max(most, largest_difference(otf_values(system, rate_at(end_m)), middle));
+    } catch (const mtf::UsageError&) {  // opaque: there is no image at that range
+    }
   if (most > kSeen)
     weights.warning = "scene.depth_channel: all pixels are filtered by the OTF of the band behind " +
-                      kilometres(middle_m) + " of air, the middle of the ranges; at " + kilometres(nearest_m) +
-                      " and " + kilometres(longest_m) + " the MTF differs from it by up to " + significant(most, 2) +
+                      kilometres(ranges.middle_m) + " of air, the middle of the ranges; at " +
+                      kilometres(ranges.nearest_m) + " and " + kilometres(ranges.longest_m) +
+                      " the MTF differs from it by up to " + significant(most, 2) +
                       ", which is not in the promised error";
   return weights;
 }

@@ -3,8 +3,8 @@
 
 // The OTF of a band where each pixel has a range of its own. A wavelength counts in the OTF by the light that gets
 // through the air, so that the OTF of a band changes along the path; an image is filtered by one OTF. It is that of the
-// middle range, the geometric mean of the nearest and the longest, and how much the OTFs of these two differ from it
-// can be said.
+// middle range, the geometric mean of all pixels, and how much the OTFs of the nearest and the longest range differ
+// from it can be said.
 
 #include <memory>
 #include <string>
@@ -18,9 +18,13 @@ struct RangeWeights {
   std::string warning;  ///< by how much the MTF differs at the ends of the ranges; "" below 1e-4
 };
 
-/// For a sensor with `paths`. Nothing where the band needs no weights. Throws UsageError as LoadedSensor::paths and
-/// electron_rate.
-RangeWeights range_weights(const mtf::System<double>& system, const LoadedSensor& loaded, double nearest_m,
-                           double longest_m);
+/// Ranges of the pixels of an image, in m.
+struct PixelRanges {
+  double nearest_m = 0.0, middle_m = 0.0, longest_m = 0.0;
+};
+
+/// For a sensor with `paths`. No rate where the band needs no weights, and none, with a warning, where no light gets
+/// through the air of the middle range. Throws UsageError as LoadedSensor::paths.
+RangeWeights range_weights(const mtf::System<double>& system, const LoadedSensor& loaded, const PixelRanges& ranges);
 
 }  // namespace apps

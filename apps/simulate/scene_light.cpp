@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/simulate/scene_light.h"
 
+#include <cmath>
+
 #include "apps/sensor/response.h"
 #include "mtf/error.h"
 #include "radiometry/light/path_planes.h"
@@ -44,6 +46,12 @@ void require_own_light(const mtf::io::SensorConfig& config, const LoadedSensor& 
   if (given != response_sha256(loaded.sensor.curves))
     throw mtf::UsageError(file + ": is weighted by another response than that of " + config.file +
                           " (band, transmission and quantum efficiency as curves); render it with this sensor");
+}
+
+double geometric_mean(const mtf::Image& plane) {
+  double sum = 0.0;
+  for (std::int64_t i = 0; i < plane.size(); ++i) sum += std::log(static_cast<double>(plane.data()[i]));
+  return std::exp(sum / static_cast<double>(plane.size()));
 }
 
 class Converter {
@@ -143,7 +151,7 @@ class Converter {
     }
     // The table's error of a transmission errs the light that it takes from, that of an emission the air's own.
     return {.error = (paths.error + interpolation) * before + paths.error * black(paths.air_k),
-            .ranges_m = std::pair{ranges.min, ranges.max}};
+            .ranges = PixelRanges{ranges.min, geometric_mean(range_m), ranges.max}};
   }
 
   /// What a constant border of that value is worth.

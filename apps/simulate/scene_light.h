@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "apps/sensor/sensor_chain.h"
+#include "apps/simulate/range_weights.h"
 #include "apps/simulate/scene_source.h"
 #include "mtf/io/scene.h"
 #include "mtf/survey/statistics.h"
@@ -19,10 +20,9 @@
 namespace apps {
 
 struct SceneLight {
-  double border_value = 0.0;  ///< what a constant border is worth
-  double error = 0.0;         ///< of a pixel, at most: what the table of the path lacks between its ranges
-  /// The nearest and the longest range of the pixels, in m, where each has its own.
-  std::optional<std::pair<double, double>> ranges_m{};
+  double border_value = 0.0;            ///< what a constant border is worth
+  double error = 0.0;                   ///< of a pixel, at most: what the table of the path lacks between its ranges
+  std::optional<PixelRanges> ranges{};  ///< where each pixel has its own
   /// Of the band's OTF at these ranges (range_weights.h); nothing where that of the sensor holds.
   std::shared_ptr<const mtf::ElectronRate> rate{};
   std::vector<std::string> warnings{};

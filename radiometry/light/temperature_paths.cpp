@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "mtf/parallel.h"
@@ -66,6 +67,8 @@ TemperatureRangeTable::TemperatureRangeTable(const SceneBand& scene, const PathT
   };
   for (int j = 0; j <= kFewest; ++j) add(chebyshev_point(hot, cold, j, kFewest));
   set_weights();
+  const BandResponse response(scene.band, scene.curves);
+  const double hottest = response.radiance(scene.flux, hottest_k);
   for (int n = 2 * kFewest; n <= kMost; n *= 2) {
     std::vector<double> inverse_k;
     std::vector<RangeTable> tables;
@@ -76,9 +79,10 @@ TemperatureRangeTable::TemperatureRangeTable(const SceneBand& scene, const PathT
       inverse_k.push_back(kept ? inverse_k_[before] : chebyshev_point(hot, cold, j, n));
       tables.push_back(kept ? tables_[before] : RangeTable(scene, table, 1.0 / inverse_k.back()));
       if (kept) continue;
+      const double share = response.radiance(scene.flux, 1.0 / inverse_k.back()) / hottest;
       for (const double range_m : table.range_m())
-        error_ = std::max(
-            error_, std::abs(transmission(1.0 / inverse_k.back(), range_m) - tables.back().transmission(range_m)));
+        error_ = std::max(error_, share * std::abs(transmission(1.0 / inverse_k.back(), range_m) -
+                                                   tables.back().transmission(range_m)));
     }
     inverse_k_ = std::move(inverse_k);
     tables_ = std::move(tables);
@@ -113,8 +117,12 @@ double radiance_at_ranges(mtf::ImageView<float> temperature_k, mtf::ImageView<co
   const bool by_pixel = finish.plane.data != nullptr;
   const mtf::Statistics warm = mtf::statistics(temperature_k);
   const double hottest_k = std::max(warm.max, 1.0);
-  const TemperatureRangeTable tau(by_pixel ? scene : with_curve(scene, finish.emissivity), table,
-                                  std::clamp(warm.min, 0.0, hottest_k), hottest_k);
+  // Surfaces that emit nothing, mirrors or cold ones, have no spectrum to be taken from.
+  const SceneBand emitting = by_pixel ? scene : with_curve(scene, finish.emissivity);
+  std::optional<TemperatureRangeTable> tau;
+  if (kLeastShare * BandResponse(emitting.band, emitting.curves).radiance(emitting.flux, hottest_k) >=
+      std::numeric_limits<double>::min())
+    tau.emplace(emitting, table, std::clamp(warm.min, 0.0, hottest_k), hottest_k);
   const RangeTable added(scene, table, std::nullopt);
   // What all surfaces reflect: of an emissivity by pixel, the part that one of emissivity 0 would.
   const SceneBand mirror = by_pixel ? scene : with_curve(scene, complement(finish.emissivity));
@@ -130,8 +138,8 @@ double radiance_at_ranges(mtf::ImageView<float> temperature_k, mtf::ImageView<co
       const float *light = emitted.view().row(y), *range = range_m.row(y);
       for (std::int64_t x = 0; x < temperature_k.width; ++x) {
         const double r = std::min(static_cast<double>(range[x]), added.longest_m());
-        double sum =
-            tau.transmission(static_cast<double>(row[x]), r) * static_cast<double>(light[x]) + added.radiance(r);
+        double sum = added.radiance(r);
+        if (tau) sum += tau->transmission(static_cast<double>(row[x]), r) * static_cast<double>(light[x]);
         if (tau_reflected) {
           const double share = by_pixel ? 1.0 - static_cast<double>(finish.plane.at(x, y)) : 1.0;
           sum += share * reflected * tau_reflected->transmission(r);
@@ -140,7 +148,7 @@ double radiance_at_ranges(mtf::ImageView<float> temperature_k, mtf::ImageView<co
       }
     }
   });
-  return tau.error();
+  return tau ? tau->error() : 0.0;
 }
 
 }  // namespace radiometry

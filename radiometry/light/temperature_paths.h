@@ -7,8 +7,8 @@
 //   E(T) = integral of R eps B(T),   tau(T, r) = (integral of R eps B(T) tau(r)) / E(T),
 // E' and tau' the same with 1 - eps, R the camera's curves (scene_radiance.h), Ts what the surfaces reflect. tau(T, r)
 // by range is the RangeTable of a source of temperature T (path_planes.h); between temperatures it is the polynomial of
-// 1/T through Chebyshev points of the scene's temperatures, 3, 5, 9 or 17 of them, until twice as many change it by
-// less than 1e-7.
+// 1/T through Chebyshev points of the scene's temperatures, 3, 5, 9 or 17 of them, until twice as many change tau E
+// by less than 1e-7 of the hottest E.
 
 #include "radiometry/light/path_planes.h"
 
@@ -23,7 +23,8 @@ class TemperatureRangeTable {
 
   /// At a range in [0, longest]; a temperature beyond the ends is taken as the end.
   double transmission(double temperature_k, double range_m) const;
-  /// What the last doubling of the temperatures changed, at most: the error of tau is below it.
+  /// What the last doubling of the temperatures changed of tau, at most, as a share of the light of the hottest: what
+  /// cold surfaces emit beside it counts as little in the image. The error of tau E / E(hottest) is below it.
   double error() const { return error_; }
 
  private:

@@ -97,12 +97,26 @@ TEST(TemperaturePaths, ends_of_what_there_is) {
   mtf::Image mixed = flat(3, 1, 300.0F);
   mixed.at(0, 0) = 0.0F;
   mixed.at(2, 0) = std::numeric_limits<float>::quiet_NaN();
-  EXPECT_LE(radiance_at_ranges(mixed.view(), range.view(), scene_band(camera()), {}, air()), 1e-5);
+  EXPECT_LE(radiance_at_ranges(mixed.view(), range.view(), scene_band(camera()), {}, air()), 1e-6);
   const double path = exact(Surface{0.0}, 420.0);
   EXPECT_NEAR(static_cast<double>(mixed.at(0, 0)), path, 1e-6 * path);
   EXPECT_NEAR(static_cast<double>(mixed.at(1, 0)), static_cast<double>(plane.at(1, 0)),
               5e-7 * static_cast<double>(plane.at(1, 0)));
   EXPECT_TRUE(std::isnan(mixed.at(2, 0)));
+}
+
+// Mirrors, and scenes so cold that they give nothing: what is left is reflected and added.
+TEST(TemperaturePaths, surfaces_that_emit_nothing) {
+  const mtf::Image range = flat(2, 1, 420.0F);
+  mtf::Image mirror = flat(2, 1, 300.0F), cold = flat(2, 1, 0.0F), cool = flat(2, 1, 4.0F);
+  const SurfaceFinish finish{.emissivity = constant_spectrum("mirror", 0.0), .plane = {}, .surroundings_k = 310.0};
+  radiance_at_ranges(mirror.view(), range.view(), scene_band(camera()), finish, air());
+  const double reflected = exact(Surface{310.0}, 420.0), path = exact(Surface{0.0}, 420.0);
+  EXPECT_NEAR(static_cast<double>(mirror.at(0, 0)), reflected, 5e-7 * reflected);
+  for (mtf::Image* plane : {&cold, &cool}) {
+    radiance_at_ranges(plane->view(), range.view(), scene_band(camera()), {}, air());
+    EXPECT_NEAR(static_cast<double>(plane->at(1, 0)), path, 1e-6 * path);
+  }
 }
 
 TEST(TemperaturePaths, refusals_change_no_pixel) {

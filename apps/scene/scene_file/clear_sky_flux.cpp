@@ -17,7 +17,7 @@ namespace {
 
 constexpr double kStep_k = 5.0;
 constexpr double kBelow_m = 500.0;  // that a place may lie below the lowest altitude of the air
-constexpr double kMostHumid_percent = 110.0;
+constexpr double kMostHumid_percent = 150.0;
 constexpr int kHumidities = 20;  // steps of ln(1 + RH / 1 %), in which the flux is nearly straight
 constexpr double kColdest_k = 180.0, kWarmest_k = 340.0;
 constexpr int kAngles = 4;  // Gauss's nodes over the cosine of the zenith angle: within 0.1 W/m2 of eight

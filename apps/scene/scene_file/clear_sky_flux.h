@@ -24,8 +24,9 @@ class ClearSkyFlux {
   /// Throws UsageError as air_above.
   ClearSkyFlux(const radiometry::AtmosphereSettings& settings, double altitude_m);
 
-  /// W/m2 on a horizontal plane; vapour up to 10 % above saturation, as hygrometers show it in fog, counts as
-  /// saturated. Throws UsageError for more, for air outside 180 ... 340 K and for vapour pressures below 0.
+  /// W/m2 on a horizontal plane; vapour above saturation, as hygrometers and interpolated weather have it, counts as
+  /// saturated. Throws UsageError for half as much again, for air outside 180 ... 340 K and for vapour pressures below
+  /// 0.
   double at(double air_k, double vapour_pressure_pa);
 
   /// The air with that weather at the ground; without a vapour pressure its relative humidity there stays. Throws as

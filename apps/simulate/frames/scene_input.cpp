@@ -2,6 +2,7 @@
 #include "apps/simulate/frames/scene_input.h"
 
 #include "apps/simulate/simulate_parts.h"
+#include "mtf/same_list.h"
 
 namespace apps {
 namespace {
@@ -47,7 +48,9 @@ std::shared_ptr<const SceneInput> StillScene::of(const std::shared_ptr<const mtf
                                                  const RadiometricChain* radiometric) {
   const bool light = radiometric != nullptr;
   const bool serves = input_ && light == light_ && same_values(sensor_->scene, sensor->scene) &&
-                      (!light || same_light(*sensor_, *sensor));
+                      (!light || same_light(*sensor_, *sensor)) &&
+                      (!light || !radiometric->loaded.paths ||
+                       mtf::same_list(sensor_->system, sensor->system, mtf::Stage::presample));  // `rate` is of it
   if (serves) return input_;
   input_ = std::make_shared<const SceneInput>(load_input(clone(source_), *sensor, radiometric, nan_, threads_));
   sensor_ = sensor;

@@ -68,6 +68,12 @@ mtf::System<double> system_of(const mtf::io::SensorConfig& sensor, const Radiome
   return system;
 }
 
+/// The weights of the band, which differ from frame to frame where pixels have ranges, make no other sensor.
+mtf::System<double> without_rate(mtf::System<double> system) {
+  if (system.band) system.band->rate = nullptr;
+  return system;
+}
+
 int steps_of(const RadiometricChain* radiometric) {
   return radiometric != nullptr ? radiometric->samples_a_pitch() : 1;
 }
@@ -144,7 +150,8 @@ std::shared_ptr<const mtf::SensorPlan> SequencePlanner::plan_for(const mtf::io::
   mtf::PlanOptions options = options_for(sensor, radiometric, input);
   const bool filters_alike = plan_ && same_filters(plan_->options, options);
   const bool unchanged = filters_alike && same_system(plan_->system, system);
-  if (!unchanged || !same_values(scene_, sensor.scene)) loosened_ = 0.0;  // another sensor may keep its default
+  const bool same_sensor = filters_alike && same_system(without_rate(plan_->system), without_rate(system));
+  if (!same_sensor || !same_values(scene_, sensor.scene)) loosened_ = 0.0;  // another sensor may keep its default
   scene_ = sensor.scene;
   options.tolerance = std::max(options.tolerance, loosened_);
   // A uniform frame asks for no tolerance; equal ones may differ by rounding.

@@ -197,6 +197,13 @@ void Evaluator::Impl::evaluate_at(std::span<const double> values, std::span<doub
     try {
       variant.model->metrics(light->numbers, metrics);
       error = variant.model->error();
+      // Air that is not there to be changed, because the chain is refused or each pixel has its own range.
+      const bool no_air = !variant.sensor.loaded || !variant.sensor.loaded->sensor.air;
+      const auto overrides = variant.model->overrides();
+      if (no_air && plan.resolution && std::any_of(overrides.begin(), overrides.end(), [](const auto& o) {
+            return radiometry::changes_color(o.path);
+          }))
+        error = kNan;
       refusal = variant.model->refusal();
       caution = variant.model->caution();
       if (first_refusal.empty()) first_refusal = refusal;

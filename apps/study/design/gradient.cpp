@@ -82,9 +82,10 @@ class LightSlopes {
                                         [&](const Parameter& p) { return p.path == moved.path; });
     const double least = moved.path == "atmosphere.range" ? 1.0 : 0.0;
     const double middle = std::max(value, least);
-    LightAround result{.number = number,
-                       .moves_otf = needs_.otf && radiometry::changes_color(moved.path),
-                       .h = 1e-3 * std::max({std::abs(value), 1e-3, least})};
+    LightAround result{
+        .number = number,
+        .moves_otf = needs_.otf && radiometry::changes_color(moved.path),
+        .h = 1e-3 * std::max({std::abs(value), moved.path.ends_with("_altitude") ? 100.0 : 1e-3, least})};
     std::exception_ptr refusal;
     for (const Stencil& stencil : kStencils) {
       result.stencil = stencil;

@@ -89,13 +89,29 @@ bool ConfigResult::ok() const {
 
 namespace {
 
-/// The path for components that state none. A table that cannot be is refused where it is used.
-void read_path_air(SensorConfig& config) {
+/// The path for components that state none; why there is none where the table cannot be, which is refused where it is
+/// used.
+std::optional<Diagnostic> read_path_air(const Node& tree, SensorConfig& config) {
+  const SettingsTable* scene = find_table(config.tables, "scene");
+  if (scene != nullptr && scene->find("depth_channel") != nullptr) return std::nullopt;  // each pixel has its own
   for (const TableInfo& info : config.schema)
     if (const SettingsTable* table = info.path_air ? find_table(config.tables, info.name) : nullptr) try {
         config.system.air = info.path_air(*table, config.system.band);
-      } catch (const Error&) {
+      } catch (const Error& error) {
+        const Node* node = tree.find(info.name);
+        return Diagnostic{.error = true,
+                          .position = node != nullptr ? node->position : Position{},
+                          .path = std::string(info.name),
+                          .text = error.what()};
       }
+  return std::nullopt;
+}
+
+bool takes_path_air(const System<double>& system) {
+  const auto& list = system.list(Stage::presample);
+  return std::any_of(list.begin(), list.end(), [](const Entry<double>& entry) {
+    return entry.component.kind() == "aerosol" || entry.component.kind() == "turbulence";
+  });
 }
 
 }  // namespace
@@ -117,8 +133,9 @@ void interpret(const Node& tree, ConfigResult& result) {
     read_name(root, system);
     read_sections(root, result.config);
     result.config.tables = read_settings(root);
-    read_path_air(result.config);
+    const std::optional<Diagnostic> no_air = read_path_air(tree, result.config);
     const Origin origin = read_components(root, system);
+    if (no_air && takes_path_air(system)) reader.diagnostics.push_back(*no_air);
     check_system(reader, system, origin);
     if (reader.failed.empty()) note_what_is_missing(reader, system);
   }

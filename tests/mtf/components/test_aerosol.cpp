@@ -63,5 +63,22 @@ TEST(Aerosol, refusals) {
   EXPECT_TRUE(refused(c, "cutoff"));
 }
 
+// Without numbers of its own it takes those of the system's path; one without a path is refused.
+TEST(Aerosol, TakesThePathOfTheSystem) {
+  for (const bool own_scattering : {false, true}) {
+    Component<double> component = Component<double>::make("aerosol");
+    if (own_scattering) set(component, "scattering", 0.1);
+    System<double> system;
+    system.frame = {.focal_length_mm = 100.0, .pitch_x_um = 15.0, .pitch_y_um = 15.0};
+    system.add(Stage::presample, std::move(component));
+    const Entry<double>& entry = system.list(Stage::presample).front();
+    EXPECT_FALSE(entry.component.check(system.context()).empty());
+    system.air = {.path_length_m = 5000.0, .scattering = 0.5};
+    EXPECT_TRUE(entry.component.check(system.context()).empty());
+    EXPECT_NEAR(system.otf(entry, {3.0, 0.0}).re, std::exp(-0.5), 1e-15);
+    EXPECT_NEAR(cast<float>(system).otf(Stage::presample, {3.0F, 0.0F}).re, std::exp(-0.5F), 1e-7F);
+  }
+}
+
 }  // namespace
 }  // namespace mtf::test
