@@ -30,7 +30,7 @@ using radiometry::Interval;
 
 constexpr double kTableError = 1e-4, kNearest = 1e-2;  // of a table up to --range
 constexpr double kDryAltitude_m = 5000.0;
-constexpr std::size_t kMostRanges = 256, kMostBands = 32;
+constexpr std::size_t kMostTableRanges = 4096, kMostRanges = 256, kMostBands = 32;
 constexpr std::array kUsualBands{Interval{3.0, 5.0}, Interval{3.4, 4.8}, Interval{8.0, 12.0}, Interval{8.0, 14.0}};
 
 /// What file and options say together.
@@ -147,7 +147,13 @@ void require_outputs(const AtmosphereOptions& options, const Given& given) {
 
 std::vector<double> table_ranges(const AtmosphereOptions& options, const air::Air<double>& through,
                                  const air::Sight<double>& sight, const Interval& band, const Global& global) {
-  if (!options.ranges.empty()) return frequency_list("--ranges", options.ranges);
+  if (!options.ranges.empty()) {
+    std::vector<double> ranges_m = frequency_list("--ranges", options.ranges);
+    if (ranges_m.size() > kMostTableRanges)
+      throw mtf::UsageError("--ranges: " + std::to_string(ranges_m.size()) + " ranges; a table has at most " +
+                            std::to_string(kMostTableRanges) + ", between which it is interpolated");
+    return ranges_m;
+  }
   const double longest_m = sight_numbers(through, sight).range_m;
   double nearest_m = kNearest * longest_m;
   if (const auto* between = std::get_if<air::Between<double>>(&sight))

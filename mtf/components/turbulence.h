@@ -9,8 +9,8 @@
 // exposure. Real, positive, radial; multiplies `diffraction`. r0 is given, scaled as lambda^(6/5) from
 // wavelength_reference where that is stated; or it follows from a path (`mtf/components/fried.h`): profile "constant"
 // with cn2 and path_length, or "hufnagel_valley" with wind, ground_cn2, the altitudes of target and sensor, and
-// path_length or zenith_angle (flat Earth: up to 80 degrees). A path without either is as long as the line of
-// [atmosphere]. Valid within the inertial range (outer scale far above D,
+// path_length or zenith_angle (flat Earth: up to 80 degrees). A constant path without a length is as long as the
+// line of [atmosphere]. Valid within the inertial range (outer scale far above D,
 // inner scale far below r0). The short exposure is a formula for lambda u < D; beyond, where the aperture passes
 // nothing, the bracket keeps its value 1 - alpha, so the otf never grows above 1. Conditioning: with E the exponent of
 // the long exposure, the relative error is within (4 + 2 E) 2^-52, and what the rounding of lambda u / r0 adds; a path
@@ -197,7 +197,7 @@ struct Turbulence {
   }
   S length_m(const Context<S>& ctx) const {
     if (path_length_m) return *path_length_m;
-    if (!zenith_angle_deg) return ctx.air.path_length_m.value_or(S(0));
+    if (profile.index == 0) return ctx.air.path_length_m.value_or(S(0));
     const S rise = sensor_altitude_m.value_or(S(0)) - target_altitude_m.value_or(S(0));
     return (value_of(rise) < 0.0 ? S(-rise) : rise) / unit_vector(zenith_angle_deg.value_or(S(0))).x;
   }
@@ -288,11 +288,10 @@ struct Turbulence {
       return {};
     }
     if (!target_altitude_m) return {{.field = "target_altitude", .text = "missing for hufnagel_valley"}};
-    const bool either = path_length_m || zenith_angle_deg;
-    if ((path_length_m && zenith_angle_deg) || (!either && !ctx.air.path_length_m))
+    if (path_length_m.has_value() == zenith_angle_deg.has_value())
       return {{.field = "path_length", .text = "hufnagel_valley needs either path_length or zenith_angle"}};
     const double rise = std::abs(value_of(sensor_altitude_m.value_or(S(0))) - value_of(*target_altitude_m));
-    if (!zenith_angle_deg && value_of(length_m(ctx)) < rise * (1.0 - 1e-6))
+    if (path_length_m && value_of(length_m(ctx)) < rise * (1.0 - 1e-6))
       return {{.field = "path_length",
                .text = format_double(value_of(length_m(ctx))) + " m is shorter than the difference of altitudes, " +
                        format_double(rise) + " m"}};

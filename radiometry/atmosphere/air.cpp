@@ -83,8 +83,9 @@ void require_valid_levels(const std::string& source, std::span<const LevelValues
     const LevelValues& level = levels[i];
     if (!(level.altitude_m >= -500.0 && level.altitude_m <= 120000.0))
       refuse(i, "altitudes have to be from -500 to 120000 m");
-    if (i > 0 && !(level.altitude_m > levels[i - 1].altitude_m))
-      refuse(i, "altitudes have to rise; sort the levels and remove double ones");
+    // Closer levels would bend light beyond what the shells can follow.
+    if (i > 0 && !(level.altitude_m >= levels[i - 1].altitude_m + 0.01))
+      refuse(i, "altitudes have to rise, by a centimetre or more; sort the levels and remove double ones");
     const bool high = level.altitude_m > 60000.0;
     if (!(level.temperature_k >= (high ? 100.0 : 150.0) && level.temperature_k <= (high ? 1000.0 : 350.0)))
       refuse(i, "a temperature of " + format_double(level.temperature_k) + " K" + celsius_hint(level.temperature_k) +
