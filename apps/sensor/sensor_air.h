@@ -32,7 +32,8 @@ mtf::PathAir<double> path_air_of(const radiometry::AtmosphereSettings& settings,
                                  const std::optional<radiometry::atmosphere::Profile<double>>& profile,
                                  const std::optional<mtf::Band>& band);
 
-/// What the path of such a system loses to haze: absorption alone where an `aerosol` component counts what is scattered.
+/// What the path of such a system loses to haze: absorption alone where an `aerosol` component counts what is
+/// scattered.
 radiometry::atmosphere::AerosolLoss loss_in(const mtf::System<double>& system);
 
 /// Fills the path of a sensor with [atmosphere]: the path itself, how it follows from other numbers, or, with
