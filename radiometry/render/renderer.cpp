@@ -2,6 +2,7 @@
 #include "radiometry/render/renderer.h"
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <cmath>
 #include <limits>
@@ -87,6 +88,30 @@ Met met_by(const RayHits& hits, int threads) {
   return all;
 }
 
+/// At the outline of a solid single precision now and then meets the inner side of a facet that faces away: it is taken
+/// for the outer one. More than a hundredth of the rays do so where the camera stands in a solid, or sees into one.
+void turn_insides(const RenderScene& scene, RayHits& hits, int threads) {
+  constexpr std::size_t kMost = 100;
+  std::atomic<std::size_t> turned = 0;
+  std::atomic<std::uint32_t> facet = 0;
+  mtf::parallel_for(static_cast<std::int64_t>(hits.side.size()), 1 << 16, threads,
+                    [&](std::int64_t begin, std::int64_t end) {
+                      std::size_t here = 0;
+                      for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
+                        std::uint32_t& side = hits.side[i];
+                        if (side == scene::kNone || side % 2 == 0 || !std::isnan(scene.temperature_k[side])) continue;
+                        facet = side / 2;
+                        side -= 1;
+                        ++here;
+                      }
+                      turned += here;
+                    });
+  if (kMost * turned <= hits.side.size()) return;
+  throw mtf::UsageError("the camera sees the inside of a solid, of mesh '" +
+                        scene.facets().report[scene.facets().facet[facet].mesh].name + "' (facet " +
+                        std::to_string(facet) + "): it stands in it, or the solid has a hole; move the camera out");
+}
+
 double standard_deviation(const mtf::Image& image) {
   double mean = 0.0, square = 0.0;
   const double count = static_cast<double>(image.size()), about = static_cast<double>(image.data()[0]);
@@ -170,6 +195,7 @@ void Renderer::Parts::trace(const Camera& camera, const RayPlan& plan, std::size
   hits.resize(count, options.layers.range);
   trace_rays(*scene.rays, camera, plan, first, hits, options.threads);
   frame.rays += hits.side.size();
+  turn_insides(scene, hits, options.threads);
   laps.lap("rays");
   sides->add(hits);
   laps.lap("views of visible sides");
@@ -212,7 +238,10 @@ void Renderer::Parts::divide(const Camera& camera, std::vector<std::uint32_t> sa
   const bool shadows = shadows_matter();
   for (std::size_t first = 0; first < plan.packets(); first += kPackets) {
     trace(camera, plan, first, std::min(kPackets, plan.packets() - first), frame, laps);
-    if (shadows) trace_shadows(*scene.rays, camera, plan, first, scene.sun->to_sun, hits, options.threads);
+    if (shadows) {
+      trace_shadows(*scene.rays, camera, plan, first, scene.sun->to_sun, hits, options.threads);
+      laps.lap("shadows");
+    }
     shade(camera, frame, laps);
     for (std::size_t b = 0; b < shader.size(); ++b) {
       shader[b].radiance(hits, *sides, radiance[b], options.threads);
