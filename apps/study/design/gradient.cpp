@@ -19,7 +19,8 @@ namespace {
 using calib::Jet4;
 constexpr int kStride = 4;
 
-/// A difference formula of fourth order: the derivative is the sum of weight x value at the steps, over 12 h.
+/// A difference formula of fourth order: the derivative is the sum of weight x (value at the step - value in the
+/// middle), over 12 h. Without the middle, values that do not change at all would leave their rounding.
 struct Stencil {
   std::array<double, 5> step, weight;
 };
@@ -60,7 +61,8 @@ class LightSlopes {
       for (LightAround& one : around_) {
         double slope = 0.0;
         for (std::size_t k = 0; k < one.light.size(); ++k)
-          slope += one.stencil.weight[k] * *one.light[k].numbers.all()[n];
+          if (one.stencil.weight[k] != 0.0)
+            slope += one.stencil.weight[k] * (*one.light[k].numbers.all()[n] - *values[n]);
         all[n]->v += slope / (12.0 * one.h) * overrides[one.number].value.v;
       }
     }
@@ -121,16 +123,21 @@ class LightSlopes {
 /// jet: the same differences, of the metrics with that part alone moved.
 void add_slopes_of_otf(const LightSlopes& slopes, std::span<const radiometry::Override<Jet4>> overrides,
                        std::span<const double> parameters, DesignModel<double>& model, std::span<Jet4> metrics) {
-  std::vector<double> moved(metrics.size());
+  std::vector<double> moved(metrics.size()), middle(metrics.size());
+  const auto metrics_in = [&](const DesignLight& light, std::vector<double>& values) {
+    model.set(parameters);
+    model.set_light(light);
+    model.metrics(slopes.here().numbers, values);
+  };
+  if (std::any_of(slopes.around().begin(), slopes.around().end(), [](const auto& one) { return one.moves_otf; }))
+    metrics_in(slopes.here(), middle);
   for (const LightAround& one : slopes.around()) {
     if (!one.moves_otf) continue;
     std::vector<double> slope(metrics.size(), 0.0);
     for (std::size_t k = 0; k < one.light.size(); ++k) {
       if (one.stencil.weight[k] == 0.0) continue;
-      model.set(parameters);
-      model.set_light(one.light[k]);
-      model.metrics(slopes.here().numbers, moved);
-      for (std::size_t m = 0; m < moved.size(); ++m) slope[m] += one.stencil.weight[k] * moved[m];
+      metrics_in(one.light[k], moved);
+      for (std::size_t m = 0; m < moved.size(); ++m) slope[m] += one.stencil.weight[k] * (moved[m] - middle[m]);
     }
     for (std::size_t m = 0; m < moved.size(); ++m)
       metrics[m].v += slope[m] / (12.0 * one.h) * overrides[one.number].value.v;
