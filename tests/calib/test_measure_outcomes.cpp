@@ -357,7 +357,7 @@ TEST(MeasureOutcomes, RidgesAreNotSteps) {
   for (std::int64_t j = 0; j < image.height(); ++j)
     for (std::int64_t i = 0; i < image.width(); ++i) {
       const double d = made::distance(scene, static_cast<double>(i) + 0.5, static_cast<double>(j) + 0.5);
-      image.at(i, j) += static_cast<float>(1.8 * std::exp(-0.02 * (d - 4.0) * (d - 4.0)));
+      image.at(i, j) += static_cast<float>(1.5 * std::exp(-0.02 * (d - 4.0) * (d - 4.0)));
     }
   const EdgeMeasurement found = measure(image);
   EXPECT_EQ(found.trouble, Trouble::contaminated) << found.reason;
