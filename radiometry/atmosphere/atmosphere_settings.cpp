@@ -36,6 +36,11 @@ void require_one_source(const AtmosphereSettings& s) {
       throw mtf::UsageError("atmosphere.pressure: needs temperature and relative_humidity beside it");
     return;
   }
+  if (!s.model && s.profile.empty() && s.temperature_k && s.relative_humidity)
+    throw mtf::UsageError(
+        "atmosphere.pressure: missing beside temperature and relative_humidity, for example \"1013 hPa\"; or give "
+        "model, "
+        "whose lowest air they change");
   if (!s.model && s.profile.empty())
     throw mtf::UsageError(
         "[atmosphere]: says nothing of the air; write for example model = \"mid_latitude_summer\", or pressure, "

@@ -11,6 +11,7 @@
 #include "apps/scene/render/side_temperatures.h"
 #include "apps/text/words.h"
 #include "mtf/error.h"
+#include "radiometry/atmosphere/sky_radiance.h"
 #include "radiometry/heat/weather/instant.h"
 
 namespace apps::scene {
@@ -69,6 +70,8 @@ double ground_k(const SceneFile& file, const Surfaces& surfaces, double utc_s, d
   return std::lerp(level.kelvin[k - 1], level.kelvin[k], (at - s.time_s[k - 1]) / (s.time_s[k] - s.time_s[k - 1]));
 }
 
+constexpr int kSkyAngles = 4;  // Gauss's nodes of the flux: within 0.1 W/m2 of eight
+
 void set_weather(const SceneFile& file, const Surfaces& surfaces, const PictureOptions& options, PictureScene& out) {
   const heat::WeatherSeries series = scene_weather(file);
   require(series, {WeatherQuantity::air_temperature, WeatherQuantity::direct_normal}, out.utc_s, out.utc_s);
@@ -78,7 +81,7 @@ void set_weather(const SceneFile& file, const Surfaces& surfaces, const PictureO
   const SkyLongwave sky = sky_longwave(file.sky, weather, clear ? &*clear : nullptr);
   out.scene.sky = {.longwave_w_m2 = sky.irradiance_w_m2, .cloud_cover = sky.cloud_cover, .cloud_k = air_k};
 
-  if (options.sensor_air && file.atmosphere)
+  if (options.air && options.sensor_air && file.atmosphere)
     throw mtf::UsageError(one_line(options.sensor_file) + " and " + one_line(file.file) +
                           " both have [atmosphere]; the air belongs to one of them");
   if (options.air && file.atmosphere) {
@@ -94,9 +97,16 @@ void set_weather(const SceneFile& file, const Surfaces& surfaces, const PictureO
     out.closures.emplace_back("air", "none: the path is not in the picture");
   }
   const bool layered = out.scene.air && out.scene.air->profile.levels.size() > 1;
+  // Where nothing else says how much of the sky is clear, as much as gives the long wave that was measured.
+  if (layered && file.sky.longwave == LongwaveModel::measured && file.sky.cloud == CloudSource::none) {
+    const double from_m = std::max(file.place.altitude_m, out.scene.air->profile.levels.front().altitude_m);
+    const double clear_w_m2 = sky_flux(*out.scene.air, from_m, kSkyAngles).total_w_m2;
+    out.scene.sky.cloud_cover = radiometry::atmosphere::cloud_cover(sky.irradiance_w_m2, clear_w_m2, air_k);
+  }
+  const double cover = out.scene.sky.cloud_cover;
   out.closures.emplace_back("sky", layered
-                                       ? text_of("clear sky of the air, %.0f %% of it, and clouds at %.1f K",
-                                                 100.0 * (1.0 - sky.cloud_cover), air_k)
+                                       ? text_of("clear sky of the air, %.0f %% of it", 100.0 * (1.0 - cover)) +
+                                             (cover > 0.0 ? text_of(", and clouds at %.1f K", air_k) : std::string())
                                        : text_of("blackbody of %.1f K for %.1f W/m2 of long wave",
                                                  heat::sky_temperature_k(sky.irradiance_w_m2), sky.irradiance_w_m2));
   const heat::SunPosition sun = sun_position(out.utc_s, file.place);
