@@ -9,9 +9,9 @@
 #include <utility>
 #include <vector>
 
-#include "apps/scene/heat/facet_table.h"
 #include "apps/scene/heat/surfaces.h"
 #include "apps/scene/heat/surroundings.h"
+#include "apps/scene/heat/tables/facet_table.h"
 #include "radiometry/scene/rays.h"
 
 namespace apps::scene {

@@ -6,12 +6,10 @@
 #include <filesystem>
 #include <limits>
 
-#include "apps/scene/heat/facet_table.h"
-#include "apps/scene/outputs/npy_rows.h"
+#include "apps/scene/heat/tables/facet_table.h"
+#include "apps/scene/heat/tables/npy_rows.h"
 #include "apps/text/words.h"
 #include "mtf/error.h"
-#include "mtf/io/csv/csv_cells.h"
-#include "mtf/io/csv/csv_numbers.h"
 #include "radiometry/heat/weather/instant.h"
 
 namespace apps::scene {
@@ -19,36 +17,6 @@ namespace {
 
 namespace fs = std::filesystem;
 namespace heat = radiometry::heat;
-
-/// The instants of times.csv, which `mtf heat` writes beside its tables.
-std::vector<double> instants_of(const std::string& path, std::uint64_t rows) {
-  const std::string text = mtf::io::read_table_text(path);
-  std::string_view rest = mtf::io::without_mark(text);
-  std::vector<double> times;
-  std::size_t column = 0;
-  for (bool header = true; !rest.empty();) {
-    const std::string_view line = mtf::io::take_text_line(rest);
-    if (line.empty() || mtf::io::is_comment(line)) continue;
-    const auto cells = mtf::io::split_cells(line, mtf::io::separator_of(line));
-    if (header) {
-      const auto found = std::find(cells.begin(), cells.end(), "time");
-      if (found == cells.end()) throw mtf::UsageError(one_line(path) + ": has no column 'time'");
-      column = static_cast<std::size_t>(found - cells.begin());
-      header = false;
-      continue;
-    }
-    heat::InstantError error;
-    const auto instant = column < cells.size() ? heat::parse_instant(cells[column], error) : std::nullopt;
-    if (!instant || (!times.empty() && !(*instant > times.back())))
-      throw mtf::UsageError(one_line(path) + ": line " + std::to_string(times.size() + 2) +
-                            " has no instant after the one before");
-    times.push_back(*instant);
-  }
-  if (times.size() != rows)
-    throw mtf::UsageError(one_line(path) + ": has " + std::to_string(times.size()) + " times, the table beside it " +
-                          std::to_string(rows) + " rows");
-  return times;
-}
 
 /// Two rows, and how much of the second.
 struct Between {
@@ -89,7 +57,7 @@ struct FacetTemperatures {
 
 FacetTemperatures from_folder(const std::string& folder, std::size_t facets, std::optional<double> utc_s) {
   const std::string front = folder + "/temperatures.npy", back = folder + "/temperatures_back.npy";
-  const std::vector<double> times = instants_of(folder + "/times.csv", NpyRows(front).rows());
+  const std::vector<double> times = read_output_times(folder + "/times.csv", NpyRows(front).rows());
   FacetTemperatures out;
   out.utc_s = utc_s.value_or(times.back());
   const Between place = between(times, out.utc_s, folder);

@@ -24,6 +24,10 @@ struct FacetTable {
   double mean(std::uint32_t facet) const;
 };
 
+/// The instants (UTC, s) of the times.csv that `mtf heat` writes beside tables of that many rows. Throws RuntimeError
+/// where it cannot be read, UsageError with its name for another number of times, or times that do not rise.
+std::vector<double> read_output_times(const std::string& file, std::uint64_t rows);
+
 /// Throws RuntimeError where a file cannot be read, UsageError with its name for a table of another number of facets,
 /// times that do not rise, and temperatures that are none.
 FacetTable read_facet_table(const std::string& path, std::size_t facets);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Rows of a table of float32 in an NPY file, one at a time: tables of a run hold hundreds of rows of hundreds of
-// thousands of facets, of which a picture needs two.
+// Rows of a table of facets in an NPY file, '<f4' or '<f8', one at a time: tables of a run hold hundreds of rows of
+// hundreds of thousands of facets, of which a picture needs two.
 
 #include <cstdint>
 #include <fstream>
@@ -13,8 +13,8 @@ namespace apps::scene {
 
 class NpyRows {
  public:
-  /// Throws RuntimeError for a file that cannot be read, UsageError with its name for one that is no table '<f4' in C
-  /// order of one or two dimensions, or is cut off.
+  /// Throws RuntimeError for a file that cannot be read, UsageError with its name for one that is no table of floats in
+  /// C order of one or two dimensions, or is cut off.
   explicit NpyRows(const std::string& path);
 
   std::uint64_t rows() const { return rows_; }
@@ -25,6 +25,7 @@ class NpyRows {
   std::string path_;
   std::ifstream file_;
   std::uint64_t rows_ = 1, columns_ = 0, begin_ = 0;
+  std::size_t item_ = sizeof(float);  ///< bytes of a number
 };
 
 }  // namespace apps::scene
