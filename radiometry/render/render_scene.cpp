@@ -52,6 +52,12 @@ void require_valid(const RenderScene& scene) {
     refuse("the direction to the sun is not finite, or below the horizon");
 }
 
+void refuse_inside(const RenderScene& scene, std::uint32_t facet) {
+  throw mtf::UsageError("the camera sees the inside of a solid, of mesh '" +
+                        scene.facets().report[scene.facets().facet[facet].mesh].name + "' (facet " +
+                        std::to_string(facet) + "): it stands in it, or the solid has a hole; move the camera out");
+}
+
 double ground_height_m(const scene::Facets& facets) {
   double lowest = facets.middle[2] + facets.half_extent_m;
   for (const scene::Point& vertex : facets.vertices) lowest = std::min(lowest, vertex[2]);

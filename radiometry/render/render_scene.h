@@ -3,6 +3,7 @@
 
 // What a picture is made of: facets with a finish and a temperature on each side, and what surrounds them.
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -55,6 +56,9 @@ struct RenderScene {
 /// Throws mtf::UsageError for sizes that do not fit each other, and for temperatures, emissivities and fluxes that are
 /// none: with the number of sides and the first of them.
 void require_valid(const RenderScene& scene);
+
+/// Refuses a picture that shows the inner side of a facet of a solid, with its mesh and number.
+[[noreturn]] void refuse_inside(const RenderScene& scene, std::uint32_t facet);
 
 /// The height of what lies beyond the facets: that of the lowest of them.
 double ground_height_m(const scene::Facets& facets);

@@ -10,6 +10,7 @@
 
 #include "mtf/error.h"
 #include "mtf/parallel.h"
+#include "mtf/survey/statistics.h"
 #include "radiometry/render/frame_layers.h"
 
 namespace radiometry::render {
@@ -107,21 +108,7 @@ void turn_insides(const RenderScene& scene, RayHits& hits, int threads) {
                       turned += here;
                     });
   if (kMost * turned <= hits.side.size()) return;
-  throw mtf::UsageError("the camera sees the inside of a solid, of mesh '" +
-                        scene.facets().report[scene.facets().facet[facet].mesh].name + "' (facet " +
-                        std::to_string(facet) + "): it stands in it, or the solid has a hole; move the camera out");
-}
-
-double standard_deviation(const mtf::Image& image) {
-  double mean = 0.0, square = 0.0;
-  const double count = static_cast<double>(image.size()), about = static_cast<double>(image.data()[0]);
-  for (std::int64_t i = 0; i < image.size(); ++i) {
-    const double value = static_cast<double>(image.data()[i]) - about;
-    mean += value;
-    square += value * value;
-  }
-  mean /= count;
-  return std::sqrt(std::max(0.0, square / count - mean * mean));
+  refuse_inside(scene, facet);
 }
 
 /// Marks samples that differ from a neighbour by more than `threshold`.
@@ -218,7 +205,7 @@ std::vector<std::uint32_t> Renderer::Parts::differing(const RenderedFrame& frame
   std::vector<std::uint8_t> marked(static_cast<std::size_t>(first.size()), options.everywhere ? 1 : 0);
   if (!options.everywhere)
     for (const mtf::Image& image : frame.radiance)
-      mark_edges(image, options.contrast * standard_deviation(image), options.threads, marked);
+      mark_edges(image, options.contrast * mtf::statistics(image.view()).std, options.threads, marked);
   std::vector<std::uint32_t> samples;
   for (std::int64_t y = 0; y < first.height(); y += 4)
     for (std::int64_t x = 0; x < first.width(); x += 4)

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <mutex>
 
-#include "mtf/error.h"
 #include "mtf/parallel.h"
 #include "radiometry/scene/sun_visibility.h"
 
@@ -41,12 +40,7 @@ std::size_t VisibleSides::add(const RayHits& hits) {
   const std::vector<std::uint32_t> fresh = unknown(hits);
   const auto inside = std::find_if(fresh.begin(), fresh.end(),
                                    [&](std::uint32_t side) { return std::isnan(scene_.temperature_k[side]); });
-  if (inside != fresh.end()) {
-    const std::uint32_t facet = *inside / 2;
-    throw mtf::UsageError("the camera sees the inside of a solid, of mesh '" +
-                          scene_.facets().report[scene_.facets().facet[facet].mesh].name + "' (facet " +
-                          std::to_string(facet) + "): it stands in it, or the solid has a hole; move the camera out");
-  }
+  if (inside != fresh.end()) refuse_inside(scene_, *inside / 2);
   for (const std::uint32_t side : fresh) {
     number_[side] = static_cast<std::uint32_t>(side_.size());
     side_.push_back(side);

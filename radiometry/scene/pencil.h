@@ -45,8 +45,8 @@ class Beam {
  public:
   /// `direction`: of any length above 0. Throws mtf::UsageError for another one.
   Beam(const Rays& rays, const Vector& direction);
-  /// Bit i of the result: something is in the way of the ray from `from[i]`, of at most 16 points; they are finite and
-  /// near the scene.
+  /// Takes at most 16 points, finite and near the scene. Bit i of the result is set where the ray from point i is
+  /// blocked.
   std::uint32_t blocked(std::span<const Point> from) const;
   /// How far above a surface its rays have to start.
   double lift_m() const;
