@@ -9,6 +9,7 @@
 
 #include "apps/sensor/sensor_place.h"
 #include "mtf/components/aerosol.h"
+#include "mtf/components/path_air.h"
 #include "mtf/error.h"
 #include "mtf/io/csv/air_profile_csv.h"
 #include "radiometry/atmosphere/range_table.h"
@@ -191,9 +192,10 @@ void read_atmosphere(const mtf::System<double>& system, const radiometry::Sensor
   const auto profile = read_profile(given);
   const air::AerosolLoss loss = loss_in(system);
   if (!settings.scene || settings.scene->depth_channel.name.empty()) {
-    loaded.path_air = [profile, system_band = system.band](const AtmosphereSettings& numbers) {
-      return path_air_of(numbers, profile, system_band);
-    };
+    if (takes_path_air(system))
+      loaded.path_air = [profile, system_band = system.band](const AtmosphereSettings& numbers) {
+        return path_air_of(numbers, profile, system_band);
+      };
     loaded.sensor.air = [profile, band, loss](const AtmosphereSettings& numbers) {
       air::Air<double> through = air_of(numbers, profile);
       through.haze.loss = loss;

@@ -43,7 +43,8 @@ struct LoadedSensor {
   /// For an image whose pixels have ranges from the nearest to the longest; empty where all have one path. It may be
   /// called from several threads at once.
   std::function<RangedPaths(double nearest_m, double longest_m)> paths;
-  /// What components take from [atmosphere] with other numbers; empty without it, or where pixels have their own range.
+  /// What components take from [atmosphere] with other numbers; empty where none takes any, or pixels have their own
+  /// range.
   std::function<mtf::PathAir<double>(const radiometry::AtmosphereSettings&)> path_air;
   std::optional<double> source_k;  ///< source_temperature_k() of the quantity that [scene] states
 };

@@ -5,6 +5,7 @@
 #include <iterator>
 #include <tuple>
 
+#include "mtf/components/path_air.h"
 #include "mtf/error.h"
 #include "mtf/io/config/config_reader.h"
 #include "mtf/io/csv/curve_csv.h"
@@ -107,13 +108,6 @@ std::optional<Diagnostic> read_path_air(const Node& tree, SensorConfig& config) 
   return std::nullopt;
 }
 
-bool takes_path_air(const System<double>& system) {
-  const auto& list = system.list(Stage::presample);
-  return std::any_of(list.begin(), list.end(), [](const Entry<double>& entry) {
-    return entry.component.kind() == "aerosol" || entry.component.kind() == "turbulence";
-  });
-}
-
 }  // namespace
 
 namespace cfg {
@@ -133,9 +127,9 @@ void interpret(const Node& tree, ConfigResult& result) {
     read_name(root, system);
     read_sections(root, result.config);
     result.config.tables = read_settings(root);
-    const std::optional<Diagnostic> no_air = read_path_air(tree, result.config);
     const Origin origin = read_components(root, system);
-    if (no_air && takes_path_air(system)) reader.diagnostics.push_back(*no_air);
+    if (takes_path_air(system))
+      if (const auto no_air = read_path_air(tree, result.config)) reader.diagnostics.push_back(*no_air);
     check_system(reader, system, origin);
     if (reader.failed.empty()) note_what_is_missing(reader, system);
   }
