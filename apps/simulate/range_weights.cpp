@@ -38,10 +38,9 @@ std::string kilometres(double m) { return significant(1e-3 * m, 3) + " km"; }
 }  // namespace
 
 RangeWeights range_weights(const mtf::System<double>& system, const LoadedSensor& loaded, const PixelRanges& ranges) {
-  const RangedPaths paths = loaded.paths(ranges.nearest_m, ranges.longest_m);
   // Pixels are float32, and the last may be rounded beyond the table.
   const auto rate_at = [&](double range_m) {
-    return electron_rate(system, loaded, paths.table->at(std::min(range_m, paths.table->range_m().back())));
+    return electron_rate(system, loaded, ranges.paths->at(std::min(range_m, ranges.paths->range_m().back())));
   };
   RangeWeights weights;
   try {

@@ -18,13 +18,14 @@ struct RangeWeights {
   std::string warning;  ///< by how much the MTF differs at the ends of the ranges; "" below 1e-4
 };
 
-/// Ranges of the pixels of an image, in m.
+/// Ranges of the pixels of an image, in m, and the paths that long.
 struct PixelRanges {
   double nearest_m = 0.0, middle_m = 0.0, longest_m = 0.0;
+  std::shared_ptr<const radiometry::PathTable> paths;
 };
 
-/// For a sensor with `paths`. No rate where the band needs no weights, and none, with a warning, where no light gets
-/// through the air of the middle range. Throws UsageError as LoadedSensor::paths.
+/// No rate where the band needs no weights, and none, with a warning, where no light gets through the air of the middle
+/// range.
 RangeWeights range_weights(const mtf::System<double>& system, const LoadedSensor& loaded, const PixelRanges& ranges);
 
 }  // namespace apps

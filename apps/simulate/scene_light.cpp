@@ -151,7 +151,7 @@ class Converter {
     }
     // The table's error of a transmission errs the light that it takes from, that of an emission the air's own.
     return {.error = (paths.error + interpolation) * before + paths.error * black(paths.air_k),
-            .ranges = PixelRanges{ranges.min, geometric_mean(range_m), ranges.max}};
+            .ranges = PixelRanges{ranges.min, geometric_mean(range_m), ranges.max, paths.table}};
   }
 
   /// What a constant border of that value is worth.

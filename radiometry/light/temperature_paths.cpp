@@ -70,22 +70,23 @@ TemperatureRangeTable::TemperatureRangeTable(const SceneBand& scene, const PathT
   const BandResponse response(scene.band, scene.curves);
   const double hottest = response.radiance(scene.flux, hottest_k);
   for (int n = 2 * kFewest; n <= kMost; n *= 2) {
+    // The points between those before, compared with what those say; then both in their order.
     std::vector<double> inverse_k;
     std::vector<RangeTable> tables;
     error_ = 0.0;
-    for (int j = 0; j <= n; ++j) {
-      const auto before = static_cast<std::size_t>(j / 2);
-      const bool kept = j % 2 == 0;
-      inverse_k.push_back(kept ? inverse_k_[before] : chebyshev_point(hot, cold, j, n));
-      tables.push_back(kept ? tables_[before] : RangeTable(scene, table, 1.0 / inverse_k.back()));
-      if (kept) continue;
-      const double share = response.radiance(scene.flux, 1.0 / inverse_k.back()) / hottest;
+    for (int j = 1; j < n; j += 2) {
+      const double inverse = chebyshev_point(hot, cold, j, n);
+      const RangeTable& fresh = tables.emplace_back(scene, table, 1.0 / inverse);
+      const double share = response.radiance(scene.flux, 1.0 / inverse) / hottest;
       for (const double range_m : table.range_m())
-        error_ = std::max(error_, share * std::abs(transmission(1.0 / inverse_k.back(), range_m) -
-                                                   tables.back().transmission(range_m)));
+        error_ = std::max(error_, share * std::abs(transmission(1.0 / inverse, range_m) - fresh.transmission(range_m)));
+      inverse_k.push_back(inverse);
     }
-    inverse_k_ = std::move(inverse_k);
-    tables_ = std::move(tables);
+    for (std::size_t j = 0; j < tables.size(); ++j) {
+      const auto place = static_cast<std::ptrdiff_t>(2 * j + 1);
+      inverse_k_.insert(inverse_k_.begin() + place, inverse_k[j]);
+      tables_.insert(tables_.begin() + place, std::move(tables[j]));
+    }
     set_weights();
     if (error_ <= kTemperatureError) return;
   }

@@ -61,17 +61,18 @@ bool same_filters(const mtf::PlanOptions& a, const mtf::PlanOptions& b) {
   return a.border == b.border && a.separate_readout == b.separate_readout && same_aperture(a.aperture, b.aperture);
 }
 
-mtf::System<double> system_of(const mtf::io::SensorConfig& sensor, const RadiometricChain* radiometric,
-                              const SceneInput& input) {
-  mtf::System<double> system = radiometric != nullptr ? radiometric->system : sensor.system;
-  if (input.rate) system.band->rate = input.rate;
+const mtf::System<double>& system_of(const mtf::io::SensorConfig& sensor, const RadiometricChain* radiometric) {
+  return radiometric != nullptr ? radiometric->system : sensor.system;
+}
+
+mtf::System<double> with_rate(mtf::System<double> system, std::shared_ptr<const mtf::ElectronRate> rate) {
+  if (system.band) system.band->rate = std::move(rate);
   return system;
 }
 
 /// The weights of the band, which differ from frame to frame where pixels have ranges, make no other sensor.
-mtf::System<double> without_rate(mtf::System<double> system) {
-  if (system.band) system.band->rate = nullptr;
-  return system;
+bool same_but_for_rate(const mtf::System<double>& a, const mtf::System<double>& b) {
+  return same_system(a, b) || same_system(with_rate(a, nullptr), with_rate(b, nullptr));
 }
 
 int steps_of(const RadiometricChain* radiometric) {
@@ -107,7 +108,7 @@ double SequencePlanner::roomy_tolerance(const RadiometricChain* radiometric, con
   return std::max(wanted(kRoomContrast * input.summary->std), loosened_);
 }
 
-std::shared_ptr<const mtf::SensorPlan> SequencePlanner::compile(const mtf::io::SensorConfig& sensor,
+std::shared_ptr<const mtf::SensorPlan> SequencePlanner::compile(const mtf::System<double>& system,
                                                                 const RadiometricChain* radiometric,
                                                                 const SceneInput& input, mtf::PlanOptions options,
                                                                 std::vector<std::string>& warnings) {
@@ -119,7 +120,7 @@ std::shared_ptr<const mtf::SensorPlan> SequencePlanner::compile(const mtf::io::S
     options.scene = summary;
     options.tolerance = tolerance;
     return std::make_shared<const mtf::SensorPlan>(
-        mtf::compile_sensor(system_of(sensor, radiometric, input), input.scene.grid, options, steps_of(radiometric)));
+        mtf::compile_sensor(system, input.scene.grid, options, steps_of(radiometric)));
   };
   const double canvas = options.border == mtf::Border::reflect ? kRounding : kRoomCanvas;
   const SceneDifficulty room{met_.storage * kRoomStorage, met_.canvas * canvas};
@@ -146,11 +147,13 @@ std::shared_ptr<const mtf::SensorPlan> SequencePlanner::plan_for(const mtf::io::
                                                                  const RadiometricChain* radiometric,
                                                                  const SceneInput& input,
                                                                  std::vector<std::string>& warnings) {
-  const mtf::System<double> system = system_of(sensor, radiometric, input);
+  std::optional<mtf::System<double>> own;  // of an image whose pixels have ranges
+  if (input.rate) own = with_rate(system_of(sensor, radiometric), input.rate);
+  const mtf::System<double>& system = own ? *own : system_of(sensor, radiometric);
   mtf::PlanOptions options = options_for(sensor, radiometric, input);
   const bool filters_alike = plan_ && same_filters(plan_->options, options);
   const bool unchanged = filters_alike && same_system(plan_->system, system);
-  const bool same_sensor = filters_alike && same_system(without_rate(plan_->system), without_rate(system));
+  const bool same_sensor = filters_alike && same_but_for_rate(plan_->system, system);
   if (!same_sensor || !same_values(scene_, sensor.scene)) loosened_ = 0.0;  // another sensor may keep its default
   scene_ = sensor.scene;
   options.tolerance = std::max(options.tolerance, loosened_);
@@ -158,13 +161,13 @@ std::shared_ptr<const mtf::SensorPlan> SequencePlanner::plan_for(const mtf::io::
   const bool tight = filters_alike && (!input.summary || plan_->options.tolerance <= options.tolerance * kRounding);
   const bool fits = tight && plan_->in() == input.scene.grid && serves(plan_->options.scene, input.summary) &&
                     mtf::sensor_grid(system, input.scene.grid, steps_of(radiometric)) == plan_->out();
-  if (!fits) return plan_ = compile(sensor, radiometric, input, options, warnings);
+  if (!fits) return plan_ = compile(system, radiometric, input, options, warnings);
   if (unchanged) return plan_;
   try {
     plan_ = std::make_shared<const mtf::SensorPlan>(plan_->with(system));
     ++(plan_->updated ? updated_ : compiled_);
   } catch (const mtf::UnreachableTolerance&) {
-    plan_ = compile(sensor, radiometric, input, options, warnings);
+    plan_ = compile(system, radiometric, input, options, warnings);
   }
   return plan_;
 }

@@ -48,9 +48,9 @@ class SequencePlanner {
   int updated() const { return updated_; }
 
  private:
-  std::shared_ptr<const mtf::SensorPlan> compile(const mtf::io::SensorConfig& sensor,
-                                                 const RadiometricChain* radiometric, const SceneInput& input,
-                                                 mtf::PlanOptions options, std::vector<std::string>& warnings);
+  std::shared_ptr<const mtf::SensorPlan> compile(const mtf::System<double>& system, const RadiometricChain* radiometric,
+                                                 const SceneInput& input, mtf::PlanOptions options,
+                                                 std::vector<std::string>& warnings);
   /// The tolerance of a plan with room for frames of more contrast, where the present plan kept the tolerance of the
   /// contrast before and does not keep that of this frame; else the tolerance of the frame.
   double roomy_tolerance(const RadiometricChain* radiometric, const SceneInput& input, double tolerance) const;
