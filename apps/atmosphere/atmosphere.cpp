@@ -190,11 +190,13 @@ int run_sky(const AtmosphereOptions& options, const Given& given, const std::vec
   report.zenith_deg = {0.0, 15.0, 30.0, 45.0, 60.0, 70.0, 75.0, 80.0, 85.0, 87.5, 90.0};
   const air::SkyFlux clear = sky_flux(through, report.altitude_m);
   report.clouds = clouds_of(options, clear.total_w_m2);
-  if (options.longwave_w_m2 && (report.clouds.cover == 0.0 || report.clouds.cover == 1.0))
-    note(global, "warning: --longwave " + mtf::format_double(*options.longwave_w_m2) + " W/m2 is " +
-                     (report.clouds.cover == 0.0 ? "at most that of the clear sky, " + fixed(clear.total_w_m2, 1)
-                                                 : "at least that of clouds all over") +
-                     (report.clouds.cover == 0.0 ? " W/m2: it is taken for clear" : ": it is taken for overcast"));
+  if (options.longwave_w_m2 && report.clouds.cover == 0.0)
+    note(global, "warning: --longwave " + mtf::format_double(*options.longwave_w_m2) +
+                     " W/m2 is at most that of the clear sky, " + fixed(clear.total_w_m2, 1) +
+                     " W/m2: it is taken for clear");
+  if (options.longwave_w_m2 && report.clouds.cover == 1.0)
+    note(global, "warning: --longwave " + mtf::format_double(*options.longwave_w_m2) +
+                     " W/m2 is at least that of clouds all over: it is taken for overcast");
   for (const double degrees : report.zenith_deg) {
     const air::SkyRadiance sky = under_clouds(
         sky_radiance(through, report.altitude_m, degrees * std::numbers::pi / 180.0, options.tolerance), report.clouds);

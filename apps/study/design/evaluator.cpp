@@ -68,7 +68,6 @@ struct Evaluator::Impl {
   std::vector<ConstraintValues> sides{};
   std::vector<int> levels{};
   std::uint64_t uses = 0;
-  const DesignLight* light = nullptr;  ///< of the last design
   bool valid = false;
   std::string problem{}, refusal{}, caution{}, first_problem{}, first_refusal{};
 
@@ -115,7 +114,7 @@ struct Evaluator::Impl {
   }
 
   bool fill_parameters(const Ready& variant, std::span<const double> values, std::span<const double> shift);
-  bool set_system(Ready& variant);
+  const DesignLight* set_system(Ready& variant);
   void write_row(std::span<double> row);
   void evaluate_at(std::span<const double> values, std::span<double> row, std::span<const double> shift);
 };
@@ -154,26 +153,27 @@ bool Evaluator::Impl::fill_parameters(const Ready& variant, std::span<const doub
   return problem.empty();
 }
 
-/// The sensor with these numbers, and its light. False when no sensor has them.
-bool Evaluator::Impl::set_system(Ready& variant) {
+/// The sensor with these numbers; its light, null when no sensor has them.
+const DesignLight* Evaluator::Impl::set_system(Ready& variant) {
   variant.model->set(parameters);
   for (const AsBuilt& built : study->as_built) {
     const auto i = static_cast<std::size_t>(built.parameter);
     if (study->parameters[i].role == Parameter::Role::fixed) variant.model->set_fixed(i, parameters[i]);
   }
+  const DesignLight* light = nullptr;
   try {
     light = &variant.light.at(variant.sensor, study->conditions, variant.model->overrides(),
                               {.numbers = plan.budget, .otf = plan.resolution});
   } catch (const mtf::UsageError& refused) {
     problem = refused.what();
-    return false;
+    return nullptr;
   }
   variant.model->set_light(*light);
   const auto errors = variant.model->system().errors();
-  if (errors.empty()) return true;
+  if (errors.empty()) return light;
   const auto& [where, what] = errors.front();
   problem = where + (what.field.empty() ? "" : "." + what.field) + ": " + what.text;
-  return false;
+  return nullptr;
 }
 
 void Evaluator::Impl::evaluate_at(std::span<const double> values, std::span<double> row,
@@ -193,17 +193,14 @@ void Evaluator::Impl::evaluate_at(std::span<const double> values, std::span<doub
       parameters[static_cast<std::size_t>(axis.parameter)] =
           axis.discrete() ? axis.values[static_cast<std::size_t>(values[a])] : values[a];
     }
-  } else if (fill_parameters(variant, values, shift) && set_system(variant)) {
+  } else if (const DesignLight* light = fill_parameters(variant, values, shift) ? set_system(variant) : nullptr) {
     try {
       variant.model->metrics(light->numbers, metrics);
       error = variant.model->error();
       // Air that is not there to be changed, because the chain is refused or each pixel has its own range.
       const bool no_air = !variant.sensor.loaded || !variant.sensor.loaded->sensor.air;
-      const auto overrides = variant.model->overrides();
-      if (no_air && plan.resolution && std::any_of(overrides.begin(), overrides.end(), [](const auto& o) {
-            return radiometry::changes_color(o.path);
-          }))
-        error = kNan;
+      const radiometry::Overrides<double> overrides(variant.model->overrides());
+      if (no_air && plan.resolution && overrides.any(radiometry::changes_color)) error = kNan;
       refusal = variant.model->refusal();
       caution = variant.model->caution();
       if (first_refusal.empty()) first_refusal = refusal;
