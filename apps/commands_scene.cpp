@@ -50,12 +50,11 @@ Command render_command() {
   RenderCommandOptions& options = *shared;
   Command app{
       "render", "the picture of a scene that a sensor takes in, for mtf simulate",
-      "Camera rays through the sensor's field of view meet facets; their temperature and emissivity, the light that\n"
-      "they reflect of sky, ground, other surfaces and the sun, and the air before them give one radiance, weighted "
-      "by\n"
-      "the response of the sensor. The OpenEXR file says so, and mtf simulate takes it without options. The camera\n"
+      "Facets in the sensor's field of view: their temperature and emissivity, the light that they reflect of sky,\n"
+      "ground, other surfaces and the sun, and the air before them give one radiance, weighted by the response of the\n"
+      "sensor. The OpenEXR file says so, and mtf simulate takes it without options. The camera\n"
       "stands where [camera] of the scene file says; the air is that of [atmosphere] of either file. Bands from 3 to\n"
-      "14 um. Samples that differ from a neighbour take further rays; the attribute mtf:aperture says it.",
+      "14 um. A sample is the mean of several points; the attribute mtf:aperture says it.",
       "  mtf render vehicle/scene.toml camera.toml --temperatures temperatures -o scene.exr\n"
       "  mtf render scene.toml camera.toml --time 2026-06-21T11:40:00Z --layer Z --layer temperature -o scene.exr"};
   add_file(app, "scene", "scene file (TOML)", options.scene);
@@ -80,16 +79,12 @@ Command render_command() {
     if (!(options.samples_per_pitch >= 0.5 && options.samples_per_pitch <= 64.0))
       throw mtf::UsageError("--samples-per-pitch: " + text + "; it is from 0.5 to 64");
   });
-  constexpr std::array kRays{std::pair{std::string_view("1"), 1}, std::pair{std::string_view("4"), 4},
-                             std::pair{std::string_view("16"), 16}};
-  add_choice(app, "--rays", "N", "1, 4 (default) or 16, of a sample that differs from a neighbour", kRays,
-             options.rays);
-  add_word(app, "--contrast", "X", "by more than this part of the picture's standard deviation; default 0.02",
-           [&](const std::string& text) {
-             options.contrast = number("--contrast", text);
-             if (!(options.contrast >= 0.0)) throw mtf::UsageError("--contrast: " + text + "; it is 0 or more");
-           });
-  add_flag(app, "--everywhere", "as many rays for every sample", options.everywhere);
+  constexpr std::array kPoints{std::pair{std::string_view("1"), 1}, std::pair{std::string_view("4"), 4},
+                               std::pair{std::string_view("16"), 16}};
+  add_choice(app, "--points", "N", "1, 4 (default) or 16, of each sample, which is their mean", kPoints,
+             options.points);
+  add_flag(app, "--all-shadows", "a shadow ray for all that is seen; default: one a square of 2 x 2 samples, more at edges",
+           options.all_shadows);
   add_word(app, "--quantity", "WORD", "weighted (default), by the sensor's response, or radiance in W m-2 sr-1",
            [&](const std::string& text) {
              constexpr std::array words{std::pair{std::string_view("weighted"), false},

@@ -9,23 +9,30 @@
 namespace radiometry::render {
 namespace {
 
-using scene::kNone, scene::kPencilRays;
+using scene::kNone;
 
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 
-/// An image of value(ray).
+/// An image of value(part).
 template <class Value>
-mtf::Image made(const Camera& camera, int threads, const Value& value) {
-  mtf::Image image(camera.width, camera.height);
-  const std::int64_t tiles = (camera.width + 3) / 4;
-  mtf::parallel_for((camera.height + 3) / 4, 8, threads, [&](std::int64_t begin, std::int64_t end) {
-    for (std::int64_t y = 4 * begin; y < std::min(4 * end, camera.height); ++y)
-      for (std::int64_t x = 0; x < camera.width; ++x) {
-        const std::int64_t ray = (y / 4 * tiles + x / 4) * static_cast<std::int64_t>(kPencilRays) + y % 4 * 4 + x % 4;
-        image.at(x, y) = value(static_cast<std::size_t>(ray), x, y);
-      }
-  });
+mtf::Image made(const LayerInputs& in, const Value& value) {
+  mtf::Image image(in.camera.width, in.camera.height);
+  mtf::parallel_for(static_cast<std::int64_t>(in.middles.band.size()), 1, in.threads,
+                    [&](std::int64_t begin, std::int64_t end) {
+                      for (std::int64_t b = begin; b < end; ++b)
+                        for (const SamplePart& part : in.middles.band[static_cast<std::size_t>(b)])
+                          image.at(part.column, part.row) = value(part);
+                    });
   return image;
+}
+
+/// Along the ray through the middle of a sample to the plane of the facet that it shows.
+double range_of(const LayerInputs& in, const SamplePart& part) {
+  using scene::operator-;
+  const scene::Facet& facet = in.scene.facets().facet[part.side / 2];
+  const Vector d =
+      in.camera.direction(static_cast<double>(part.column) + 0.5, static_cast<double>(part.row) + 0.5);
+  return scene::length(d) * scene::dot(facet.normal, facet.centre - in.camera.position) / scene::dot(facet.normal, d);
 }
 
 /// The emissivity of each visible side, where it was asked for.
@@ -41,66 +48,49 @@ std::vector<float> emissivities(const LayerInputs& in) {
 
 }  // namespace
 
-mtf::Image image_of(const Camera& camera, const std::vector<float>& of_rays, int threads) {
-  return made(camera, threads, [&](std::size_t ray, std::int64_t, std::int64_t) { return of_rays[ray]; });
-}
-
 std::vector<NamedLayer> layers_of(const LayerInputs& in) {
   std::vector<NamedLayer> layers;
-  const auto add = [&](const std::string& name, const auto& of_facet, float otherwise) {
-    layers.push_back({name, made(in.camera, in.threads, [&](std::size_t ray, std::int64_t x, std::int64_t y) {
-                        return in.hits.side[ray] == kNone ? otherwise : of_facet(ray, x, y);
-                      })});
+  using Part = SamplePart;
+  const auto add = [&](const std::string& name, float otherwise, const auto& of_facet) {
+    layers.push_back(
+        {name, made(in, [&](const Part& part) { return part.side == kNone ? otherwise : of_facet(part); })});
   };
-  const auto side = [&](std::size_t ray) { return in.hits.side[ray]; };
-  using Index = std::int64_t;
   if (in.choice.temperature)
-    add(
-        "temperature", [&](std::size_t ray, Index, Index) { return in.scene.temperature_k[side(ray)]; }, kNan);
+    add("temperature", kNan, [&](const Part& part) { return in.scene.temperature_k[part.side]; });
   if (in.choice.emissivity) {
     const std::vector<float> value = emissivities(in);
-    add(
-        "emissivity", [&](std::size_t ray, Index, Index) { return value[in.sides.number(side(ray))]; }, kNan);
+    add("emissivity", kNan, [&](const Part& part) { return value[in.sides.number(part.side)]; });
   }
   if (in.choice.range)
-    layers.push_back(
-        {"Z", made(in.camera, in.threads, [&](std::size_t ray, Index x, Index y) {
-           if (side(ray) == kNone)
-             return static_cast<float>(in.shader.backdrop().range_m(static_cast<double>(in.hits.height_m[ray])));
-           const Vector d = in.camera.direction(static_cast<double>(x) + 0.5, static_cast<double>(y) + 0.5);
-           return static_cast<float>(
-               scene::length(d) * scene::distance_to(in.scene.facets(), in.hits.triangle[ray], in.camera.position, d));
-         })});
-  if (in.choice.facet)
-    add(
-        "facet", [&](std::size_t ray, Index, Index) { return static_cast<float>(side(ray) / 2); }, -1.0F);
+    layers.push_back({"Z", made(in, [&](const Part& part) {
+                        return static_cast<float>(
+                            part.side == kNone ? in.shader.backdrop().range_m(static_cast<double>(part.height_m))
+                                               : range_of(in, part));
+                      })});
+  if (in.choice.facet) add("facet", -1.0F, [&](const Part& part) { return static_cast<float>(part.side / 2); });
   if (in.choice.finish)
-    add(
-        "material", [&](std::size_t ray, Index, Index) { return static_cast<float>(in.scene.finish_of[side(ray)]); },
-        -1.0F);
+    add("material", -1.0F, [&](const Part& part) { return static_cast<float>(in.scene.finish_of[part.side]); });
   for (std::size_t axis = 0; in.choice.normal && axis < 3; ++axis)
-    add(
-        std::string("normal.") + "XYZ"[axis],
-        [&](std::size_t ray, Index, Index) {
-          const double value = in.scene.facets().facet[side(ray) / 2].normal[axis];
-          return static_cast<float>(side(ray) % 2 == 1 ? -value : value);
-        },
-        0.0F);
+    add(std::string("normal.") + "XYZ"[axis], 0.0F, [&](const Part& part) {
+      const double value = in.scene.facets().facet[part.side / 2].normal[axis];
+      return static_cast<float>(part.side % 2 == 1 ? -value : value);
+    });
   if (in.surface == nullptr) return layers;
-  std::vector<float> before;
-  in.surface->radiance(in.hits, in.sides, before, in.threads);
-  const auto above = [&](std::size_t ray) { return side(ray) == kNone && in.hits.height_m[ray] >= 0.0F; };
-  if (in.choice.surface)
-    layers.push_back({"surface", made(in.camera, in.threads,
-                                      [&](std::size_t ray, Index, Index) { return above(ray) ? 0.0F : before[ray]; })});
+  mtf::Image before(in.camera.width, in.camera.height);
+  in.surface->radiance(in.middles, in.sides, in.shadows, before, in.threads);
+  const auto above = [&](const Part& part) { return part.side == kNone && part.height_m >= 0.0F; };
+  if (in.choice.surface) layers.push_back({"surface", made(in, [&](const Part& part) {
+                                             return above(part) ? 0.0F : before.at(part.column, part.row);
+                                           })});
   if (in.choice.transmittance)
-    layers.push_back({"transmittance", made(in.camera, in.threads, [&](std::size_t ray, Index, Index) {
-                        if (above(ray)) return 0.0F;
-                        if (side(ray) == kNone) return kNan;  // of the ground beyond the facets it is not kept
-                        const double path = in.shader.path_radiance(static_cast<double>(in.hits.range_m[ray]),
-                                                                    static_cast<double>(in.hits.height_m[ray]));
-                        return static_cast<float>((static_cast<double>(in.radiance[ray]) - path) /
-                                                  static_cast<double>(before[ray]));
+    layers.push_back({"transmittance", made(in, [&](const Part& part) {
+                        if (above(part)) return 0.0F;
+                        if (part.side == kNone) return kNan;  // of the ground beyond the facets it is not kept
+                        const double path = in.shader.path_radiance(static_cast<double>(part.range_m),
+                                                                    static_cast<double>(part.height_m));
+                        return static_cast<float>(
+                            (static_cast<double>(in.radiance.at(part.column, part.row)) - path) /
+                            static_cast<double>(before.at(part.column, part.row)));
                       })});
   return layers;
 }

@@ -52,10 +52,19 @@ void require_valid(const RenderScene& scene) {
     refuse("the direction to the sun is not finite, or below the horizon");
 }
 
-void refuse_inside(const RenderScene& scene, std::uint32_t facet) {
-  throw mtf::UsageError("the camera sees the inside of a solid, of mesh '" +
-                        scene.facets().report[scene.facets().facet[facet].mesh].name + "' (facet " +
-                        std::to_string(facet) + "): it stands in it, or the solid has a hole; move the camera out");
+void require_outside(const RenderScene& scene, const scene::Point& camera) {
+  // Something else may stand in the solid too, but hardly in all of these directions.
+  for (int x = -1; x <= 1; ++x)
+    for (int y = -1; y <= 1; ++y)
+      for (int z = -1; z <= 1; ++z) {
+        if (x == 0 && y == 0 && z == 0) continue;
+        const scene::Hit hit = scene.rays->first_hit({camera, {x + 0.1, y + 0.02, z + 0.003}});
+        if (!scene::hits(hit)) continue;
+        if (!std::isnan(scene.temperature_k[scene::index({hit.facet, hit.back})])) continue;
+        throw mtf::UsageError("the camera stands in a solid, of mesh '" +
+                              scene.facets().report[scene.facets().facet[hit.facet].mesh].name + "': it sees facet " +
+                              std::to_string(hit.facet) + " from the inside; move the camera out");
+      }
 }
 
 double ground_height_m(const scene::Facets& facets) {

@@ -57,8 +57,8 @@ struct RenderScene {
 /// none: with the number of sides and the first of them.
 void require_valid(const RenderScene& scene);
 
-/// Refuses a picture that shows the inner side of a facet of a solid, with its mesh and number.
-[[noreturn]] void refuse_inside(const RenderScene& scene, std::uint32_t facet);
+/// Throws mtf::UsageError for a camera in a solid, whose inside has no temperature: with the mesh and the facet.
+void require_outside(const RenderScene& scene, const scene::Point& camera);
 
 /// The height of what lies beyond the facets: that of the lowest of them.
 double ground_height_m(const scene::Facets& facets);

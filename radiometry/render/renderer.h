@@ -4,9 +4,8 @@
 // Pictures of a scene in the bands of cameras: radiance at the aperture of every sample,
 //   L = tau [eps B(T) + (1 - eps) (light of sky, ground and other surfaces + sun)] + L_path
 // in one sum over the band (band_nodes.h, band_tables.h). Light is diffuse and constant over a side. Shadows of the sun
-// are traced for every ray where the sun adds more than 1e-3 of what a blackbody of the air gives; else a side is lit
-// by the share of it that is in the sun. A sample takes one ray through its middle, and further ones where it differs
-// from a neighbour.
+// are traced where the sun adds more than 1e-3 of what a blackbody of the air gives; else a side is lit by the share of
+// it that is in the sun. A sample is the mean of n x n points (visibility/screen.h).
 
 #include <memory>
 #include <string>
@@ -18,11 +17,11 @@
 
 namespace radiometry::render {
 
-/// Planes beside the radiance, of the ray through the middle of each sample.
+/// Planes beside the radiance, of the middle of each sample.
 struct LayerChoice {
   bool temperature = false;    ///< K; NaN where there is no facet
   bool emissivity = false;     ///< mean over the first band
-  bool range = false;          ///< m along the ray; infinite where it meets nothing
+  bool range = false;          ///< m along the line of sight; infinite where it meets nothing
   bool facet = false;          ///< number; -1 where there is none
   bool finish = false;         ///< number; -1 where there is no facet
   bool normal = false;         ///< of the side that is seen: x, y, z; 0 where there is no facet
@@ -35,9 +34,8 @@ struct LayerChoice {
 };
 
 struct RenderOptions {
-  int further = 2;          ///< n x n rays where a sample differs: 1 (never), 2 or 4
-  double contrast = 0.02;   ///< that differ by more than this part of the picture's standard deviation
-  bool everywhere = false;  ///< all samples take n x n rays
+  int points = 2;            ///< n x n of a sample: 1, 2 or 4
+  bool all_shadows = false;  ///< a shadow ray for everything seen; else for squares of 2 x 2 samples, more where they differ
   double tolerance = 5e-6;  ///< of the tables of the air, relative
   int view_rays = 64;       ///< of each visible side that reflects
   int patch_rays = 256;     ///< of each patch
@@ -55,8 +53,9 @@ struct RenderedFrame {
   std::vector<mtf::Image> radiance{};                  ///< of each band: W or photons s^-1, m^-2 sr^-1
   std::vector<NamedLayer> layers{};                    ///< as chosen, with the names of OpenEXR channels
   std::vector<double> promised{};                      ///< of each band: relative error of tables and quadrature
-  std::size_t rays = 0, shadow_rays = 0, divided = 0;  ///< `divided`: samples with further rays
-  std::size_t facet_hits = 0, sides = 0, shaded = 0;   ///< sides seen so far; worked out for this frame
+  std::size_t divided = 0;                             ///< samples that show more than one side
+  std::size_t shadow_rays = 0;
+  std::size_t sides = 0, shaded = 0;  ///< sides seen so far; worked out for this frame
   std::vector<std::pair<std::string, double>> timing_ms{};
 };
 
@@ -75,6 +74,8 @@ class Renderer {
   const std::vector<std::pair<std::string, double>>& timing_ms() const;  ///< of making it
 
  private:
+  void add_layers(const Camera& camera, bool shadows, RenderedFrame& frame);
+
   struct Parts;
   std::unique_ptr<Parts> parts_;
 };

@@ -14,17 +14,16 @@ VisibleSides::VisibleSides(const RenderScene& scene, const Patches& patches, con
     : scene_(scene), patches_(patches), options_(options), number_(2 * scene.facets().size(), scene::kNone) {}
 
 /// In the order of sides, so that what lies together in space lies together here.
-std::vector<std::uint32_t> VisibleSides::unknown(const RayHits& hits) const {
-  constexpr std::int64_t kChunk = 1 << 16;
+std::vector<std::uint32_t> VisibleSides::unknown(const VisibleParts& parts) const {
   std::vector<std::uint32_t> fresh;
   std::mutex lock;
-  mtf::parallel_for(static_cast<std::int64_t>(hits.side.size()), kChunk, options_.threads,
+  mtf::parallel_for(static_cast<std::int64_t>(parts.band.size()), 1, options_.threads,
                     [&](std::int64_t begin, std::int64_t end) {
                       std::vector<std::uint32_t> here;
-                      for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
-                        const std::uint32_t side = hits.side[i];
-                        if (side != scene::kNone && number_[side] == scene::kNone) here.push_back(side);
-                      }
+                      for (std::int64_t band = begin; band < end; ++band)
+                        for (const SamplePart& part : parts.band[static_cast<std::size_t>(band)])
+                          if (part.side != scene::kNone && number_[part.side] == scene::kNone)
+                            here.push_back(part.side);
                       if (here.empty()) return;
                       std::sort(here.begin(), here.end());
                       here.erase(std::unique(here.begin(), here.end()), here.end());
@@ -36,11 +35,8 @@ std::vector<std::uint32_t> VisibleSides::unknown(const RayHits& hits) const {
   return fresh;
 }
 
-std::size_t VisibleSides::add(const RayHits& hits) {
-  const std::vector<std::uint32_t> fresh = unknown(hits);
-  const auto inside = std::find_if(fresh.begin(), fresh.end(),
-                                   [&](std::uint32_t side) { return std::isnan(scene_.temperature_k[side]); });
-  if (inside != fresh.end()) refuse_inside(scene_, *inside / 2);
+std::size_t VisibleSides::add(const VisibleParts& parts) {
+  const std::vector<std::uint32_t> fresh = unknown(parts);
   for (const std::uint32_t side : fresh) {
     number_[side] = static_cast<std::uint32_t>(side_.size());
     side_.push_back(side);

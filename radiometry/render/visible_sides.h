@@ -2,11 +2,11 @@
 #pragma once
 
 // The sides that a camera has seen, numbered as they came: what belongs to a side for all bands is worked out when it
-// is first seen, and kept. What no ray has met costs nothing. The rays that find the view of a side belong to the side,
+// is first seen, and kept. What was never seen costs nothing. The rays that find the view of a side belong to the side,
 // so that its light does not depend on what else was seen before.
 
-#include "radiometry/render/frame_rays.h"
 #include "radiometry/render/patches.h"
+#include "radiometry/render/visibility/visible_parts.h"
 
 namespace radiometry::render {
 
@@ -20,9 +20,8 @@ class VisibleSides {
   /// `scene` and `patches` outlive it.
   VisibleSides(const RenderScene& scene, const Patches& patches, const Options& options);
 
-  /// Numbers the sides of these hits that are new; returns how many. Throws mtf::UsageError where a ray met the inside
-  /// of a solid: the camera stands in it, or its surface has a hole.
-  std::size_t add(const RayHits& hits);
+  /// Numbers the sides of these parts that are new; returns how many.
+  std::size_t add(const VisibleParts& parts);
 
   std::size_t size() const { return side_.size(); }
   /// Of a side that was added.
@@ -44,7 +43,7 @@ class VisibleSides {
   }
 
  private:
-  std::vector<std::uint32_t> unknown(const RayHits& hits) const;
+  std::vector<std::uint32_t> unknown(const VisibleParts& parts) const;
   void add_sun(std::span<const scene::Side> fresh);
   void add_views(std::span<const scene::Side> fresh);
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 // Frames of the example scene of `mtf scene demo` (356,000 triangles) through a sensor: a camera that moves in every
-// frame, two samples a pitch with further rays where they differ, air, and the sensor's chain with noise. Stage by
+// frame, two samples a pitch of four points each, air, and the sensor's chain with noise. Stage by
 // stage, least and median time by the clock; as a floor the bare Embree rays of the same frames, in packets of 16, in
 // turn with them. Arguments: sensor files (with [detector]); then, as a number, the threads (2). Temperatures are made
 // up, as the heat balance is not what is timed. The bars, on two cores: 28 frames a second for the uncooled camera, 25
@@ -28,6 +28,7 @@
 #include "mtf/io/scene.h"
 #include "mtf/parallel.h"
 #include "mtf/version.h"
+#include "radiometry/scene/pencil.h"
 
 namespace {
 
@@ -158,8 +159,8 @@ void run(const SceneFile& file, const std::string& temperatures, const std::stri
     series.add("frame", done - start);
     series.add("floor: bare rays, one a sample", bare);
   }
-  std::printf("%zu rays and %zu divided samples in the last frame, %zu sides seen\n  %-34s %8s %8s\n", frame.rays,
-              frame.divided, frame.sides, "ms a frame", "least", "median");
+  std::printf("%zu samples of more than one side, %zu shadow rays in the last frame; %zu sides seen\n  %-34s %8s %8s\n",
+              frame.divided, frame.shadow_rays, frame.sides, "ms a frame", "least", "median");
   series.print(kFrames);
 }
 

@@ -79,8 +79,8 @@ nlohmann::json json_of(const PictureScene& scene, const render::Renderer& render
   nlohmann::json json;
   for (const auto& [name, text] : metadata.text) json["attributes"][name] = text;
   for (const auto& [name, text] : scene.closures) json["closures"][name] = text;
-  json["rays"] = frame.rays;
   json["divided_samples"] = frame.divided;
+  json["shadow_rays"] = frame.shadow_rays;
   json["visible_sides"] = frame.sides;
   json["promised_error"] = frame.promised.front();
   for (const auto& times : {scene.timing_ms, renderer.timing_ms(), frame.timing_ms})
@@ -109,11 +109,10 @@ int run_render(const RenderCommandOptions& options, const Global& global) {
                                                        .air = !options.no_air});
   for (const std::string& warning : scene.warnings) note(global, "warning: " + warning);
   require_above_ground(scene, camera.position);
-  const render::RenderOptions how{.further = options.rays == 1   ? 1
-                                             : options.rays == 4 ? 2
-                                                                 : 4,
-                                  .contrast = options.contrast,
-                                  .everywhere = options.everywhere,
+  const render::RenderOptions how{.points = options.points == 1   ? 1
+                                            : options.points == 4 ? 2
+                                                                  : 4,
+                                  .all_shadows = options.all_shadows,
                                   .layers = layers_of(options.layers),
                                   .threads = global.threads};
   render::Renderer renderer(scene.scene, {sensor.band}, how);
@@ -136,7 +135,9 @@ int run_render(const RenderCommandOptions& options, const Global& global) {
   table.add({"time", radiometry::heat::instant_text(scene.utc_s)});
   table.add({metadata.text.at("mtf:quantity") + " [" + unit + "]",
              significant(s.min, 4) + " to " + significant(s.max, 4) + ", mean " + significant(s.mean, 4)});
-  table.add({"rays", std::to_string(frame.rays) + ", " + std::to_string(frame.divided) + " samples with further rays"});
+  table.add({"visible sides", std::to_string(frame.sides) + "; " + std::to_string(frame.divided) +
+                                  " samples show more than one"});
+  if (frame.shadow_rays > 0) table.add({"shadow rays", std::to_string(frame.shadow_rays)});
   table.add({"error of tables", "at most " + significant(frame.promised.front(), 2) + ", relative"});
   for (const auto& [name, words] : scene.closures) table.add({name, words});
   using enum Align;

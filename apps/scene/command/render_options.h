@@ -17,9 +17,8 @@ struct RenderCommandOptions {
   std::string temperatures, time;
   std::optional<std::array<double, 3>> position, look_at;  ///< m; in place of those of [camera]
   double samples_per_pitch = 2.0;
-  int rays = 4;            ///< of a sample that differs from its neighbours: 1, 4 or 16
-  double contrast = 0.02;  ///< by which part of the picture's standard deviation
-  bool everywhere = false;
+  int points = 4;  ///< of a sample: 1, 4 or 16
+  bool all_shadows = false;
   bool plain = false;  ///< radiance in the band, without weights
   bool no_air = false;
   std::vector<std::string> layers;

@@ -78,7 +78,7 @@ mtf::io::Metadata picture_metadata(const SceneFile& file, const PictureScene& sc
   m.text["mtf:units"] = quantity_unit(quantity);
   if (!sensor.response.empty()) m.text["mtf:response"] = sensor.response;
   m.text["mtf:path"] = scene.scene.air ? "included" : "none";
-  m.text["mtf:aperture"] = options.further > 1 ? "box" : "point";
+  m.text["mtf:aperture"] = options.points > 1 ? "box" : "point";
   m.text["mtf:sensor"] = sensor.config.system.name;
   m.text["mtf:configSha256"] = sensor.config.sha256;
   m.text["mtf:sceneSha256"] = file.sha256;
@@ -92,7 +92,7 @@ mtf::io::Metadata picture_metadata(const SceneFile& file, const PictureScene& sc
   m.pairs["mtf:pixelPitch"] = {step_x, step_y};
   m.lists["mtf:bandEdges"] = {static_cast<float>(sensor.band.curves.band.lo_um),
                               static_cast<float>(sensor.band.curves.band.hi_um)};
-  m.history.push_back("mtf render: " + std::to_string(frame.rays) + " rays");
+  m.history.push_back("mtf render: " + std::to_string(options.points * options.points) + " points a sample");
   return m;
 }
 

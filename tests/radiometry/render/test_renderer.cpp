@@ -89,7 +89,7 @@ std::array<double, 2> projected(const Camera& eye, const Point& point) {
 void expect_silhouette(const scene::Mesh& mesh, const Camera& eye, double least_area) {
   SmallScene made = small_scene(mesh, 310.0, grey(1.0), 280.0);
   made.scene.ground.temperature_k = 280.0;
-  Renderer renderer(made.scene, {lwir()}, {.further = 4, .everywhere = true});
+  Renderer renderer(made.scene, {lwir()}, {.points = 4});
   const RenderedFrame frame = renderer.render(eye);
   std::vector<std::array<double, 2>> points;
   for (const Point& vertex : mesh.vertices) points.push_back(projected(eye, vertex));
@@ -114,25 +114,24 @@ TEST(Renderer, ATiltedPlateHasTheRadianceOfItsSilhouette) {
   expect_silhouette(plate, eye, 10000.0);
 }
 
-TEST(Renderer, FurtherRaysGoWhereSamplesDiffer) {
+TEST(Renderer, SamplesAreMeansOfTheirPoints) {
   const scene::Mesh ball = scene::test::sphere({0, 0, 1}, 1.0, 40);
   SmallScene made = small_scene(ball, 310.0, grey(1.0), 280.0);
   const Camera eye = camera({.position = {0, -10, 1}, .look_at = {0, 0, 1}}, 260, 250, 0.001);
-  Renderer everywhere(made.scene, {lwir()}, {.further = 4, .everywhere = true});
-  Renderer edges(made.scene, {lwir()}, {.further = 4});
-  Renderer never(made.scene, {lwir()}, {.further = 1});
-  const RenderedFrame all = everywhere.render(eye), some = edges.render(eye), none = never.render(eye);
-  EXPECT_EQ(none.divided, 0u);
-  EXPECT_EQ(all.divided, 260u * 250u);
-  EXPECT_LT(some.divided, all.divided / 20);
-  double worst = 0.0;
-  for (std::int64_t i = 0; i < 260 * 250; ++i)
-    worst = std::max(worst, std::abs(static_cast<double>(some.radiance[0].data()[i] - all.radiance[0].data()[i])));
-  EXPECT_LT(
-      worst,
-      5e-7 * blackbody(
-                 lwir(),
-                 310.0));  // rounding: a sphere whose outline is smooth has no sample that only further rays could find
+  const RenderedFrame points = Renderer(made.scene, {lwir()}, {.points = 1}).render(eye);
+  const RenderedFrame means = Renderer(made.scene, {lwir()}, {.points = 4}).render(eye);
+  EXPECT_EQ(points.divided, 0u);
+  const double warm = blackbody(lwir(), 310.0), cold = blackbody(lwir(), 280.0);
+  std::size_t between = 0;
+  for (std::int64_t i = 0; i < 260 * 250; ++i) {
+    const double whole = (static_cast<double>(points.radiance[0].data()[i]) - cold) / (warm - cold);
+    const double sixteenths = 16.0 * (static_cast<double>(means.radiance[0].data()[i]) - cold) / (warm - cold);
+    ASSERT_NEAR(whole, std::round(whole), 1e-5);
+    ASSERT_NEAR(sixteenths, std::round(sixteenths), 1e-4);
+    if (sixteenths > 0.5 && sixteenths < 15.5) ++between;
+  }
+  EXPECT_GT(between, 500u);
+  EXPECT_LT(between, means.divided);  // and samples that show several facets of the ball
 }
 
 TEST(Renderer, ShadowsEndWhereTheyShould) {
@@ -141,7 +140,7 @@ TEST(Renderer, ShadowsEndWhereTheyShould) {
   add_plate(mesh, {-1, -1, 2}, {2, 0, 0}, {0, 2, 0});
   SmallScene made = small_scene(mesh, 300.0, grey(0.5), 300.0);
   made.scene.sun = Sun{.to_sun = {0.5, 0.25, 1.0}, .direct_w_m2 = 900.0};
-  Renderer renderer(made.scene, {mwir()}, {.further = 1, .view_rays = 256, .layers = {.facet = true}});
+  Renderer renderer(made.scene, {mwir()}, {.points = 1, .view_rays = 256, .layers = {.facet = true}});
   const Camera eye = camera({.position = {0.1, -9, 12}, .look_at = {-0.8, -0.4, 0}}, 200, 200, 0.002);
   const RenderedFrame frame = renderer.render(eye);
   // What the sun adds: (1 - eps) E cos / pi, E by Planck's law at 5772 K.
@@ -176,7 +175,7 @@ TEST(Renderer, ReflectsWhatASideSees) {
   add_plate(mesh, {-5, -5, 0}, {10, 0, 0}, {0, 10, 0});
   SmallScene made = small_scene(mesh, 300.0, coloured(), 250.0);
   for (const RenderBand& band : {mwir(), lwir()}) {
-    Renderer renderer(made.scene, {band}, {.further = 1});
+    Renderer renderer(made.scene, {band}, {.points = 1});
     const RenderedFrame frame = renderer.render(camera({.position = {0, 0, 6}, .look_at = {0, 0.1, 0}}, 16, 16, 0.01));
     const double expected =
         scene_radiance(band.curves,
@@ -220,7 +219,7 @@ TEST(Renderer, LayersSayWhatIsSeen) {
   made.scene.temperature_k[2] = 320.0F;
   made.scene.air = air::Air<double>{.profile = air::surface_air(101325.0, 280.0, 50.0)};
   const Camera eye = camera({.position = {0, 0, 12}, .look_at = {0, 0.001, 0}}, 64, 64, 0.03);
-  Renderer renderer(made.scene, {lwir()}, {.further = 1, .layers = {true, true, true, true, true, true, true, true}});
+  Renderer renderer(made.scene, {lwir()}, {.points = 1, .layers = {true, true, true, true, true, true, true, true}});
   const RenderedFrame frame = renderer.render(eye);
   const auto layer = [&](const std::string& name, std::int64_t x, std::int64_t y) {
     for (const NamedLayer& one : frame.layers)

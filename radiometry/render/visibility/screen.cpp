@@ -1,0 +1,245 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "radiometry/render/visibility/screen.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "mtf/engines/simd.h"
+#include "mtf/parallel.h"
+
+namespace radiometry::render {
+namespace {
+
+namespace simd = mtf::simd;
+
+constexpr int kBlock = 64;  // points that share one evaluation in double precision
+
+/// a x + b y + c.
+struct Plane {
+  double a = 0.0, b = 0.0, c = 0.0;
+};
+
+struct ScreenTriangle {
+  std::array<Plane, 3> edge{};  ///< none is negative inside
+  Plane nearness{};
+  float least = 0.0F, most = 0.0F;  ///< nearness of its corners
+  std::int32_t x0 = 0, x1 = 0, y0 = 0, y1 = 0;
+  std::uint32_t side = 0;
+  std::array<double, 3> crossing{};  ///< -n / a of each edge: over it, the column where an edge crosses a row
+
+  /// Columns of points between the edges, a few more for rounding; `rest`: of the edges in this row, b y + c.
+  struct Columns {
+    std::int32_t first, last;
+  };
+  MTFKIT_INLINE Columns columns(const std::array<double, 3>& rest) const {
+    double left = static_cast<double>(x0), right = static_cast<double>(x1);
+    for (std::size_t k = 0; k < 3; ++k) {
+      const double crossed = rest[k] * crossing[k];
+      if (edge[k].a > 0.0) left = std::max(left, crossed - 2.0);
+      if (edge[k].a < 0.0) right = std::min(right, crossed + 2.0);
+    }
+    return {static_cast<std::int32_t>(left), static_cast<std::int32_t>(right)};
+  }
+};
+
+/// Where the points of a band are, in samples.
+struct PointPlaces {
+  int n;
+  double per_n;
+  std::array<float, kBlock> in_block{};      ///< from the first sample of a block
+  std::array<double, Screen::kRows> row{};   ///< from the first row of the image
+
+  PointPlaces(int points, std::int64_t first_row) : n(points), per_n(1.0 / points) {
+    for (int k = 0; k < kBlock; ++k)
+      in_block[static_cast<std::size_t>(k)] = static_cast<float>(k / n + point_in_sample(n, k % n));
+    for (std::int64_t k = 0; k < Screen::kRows; ++k)
+      row[static_cast<std::size_t>(k)] = static_cast<double>((first_row + k) / n) +
+                                         point_in_sample(n, static_cast<int>((first_row + k) % n));
+  }
+};
+
+/// Draws triangles, one after the other, into the rows from `first_row`.
+struct Draw {
+  template <int Bytes>
+  static MTFKIT_INLINE void run(const ScreenTriangle* triangle, const ScreenTriangle* end, std::int64_t first_row,
+                                const PointPlaces* places, ScreenRows* rows) {
+    using Floats = simd::Vector<float, Bytes>;
+    using Ints = simd::Vector<std::int32_t, Bytes>;
+    constexpr int kLanes = Bytes / static_cast<int>(sizeof(float));
+    for (; triangle != end; ++triangle) {
+      const ScreenTriangle& t = *triangle;
+      const Floats a0 = Floats{} + static_cast<float>(t.edge[0].a), a1 = Floats{} + static_cast<float>(t.edge[1].a),
+                   a2 = Floats{} + static_cast<float>(t.edge[2].a), aw = Floats{} + static_cast<float>(t.nearness.a);
+      const Floats least = Floats{} + t.least, most = Floats{} + t.most;
+      const Ints side = Ints{} + static_cast<std::int32_t>(t.side);
+      for (std::int64_t y = t.y0 - first_row; y < t.y1 - first_row; ++y) {
+        const double v = places->row[static_cast<std::size_t>(y)];
+        const double r0 = t.edge[0].b * v + t.edge[0].c, r1 = t.edge[1].b * v + t.edge[1].c,
+                     r2 = t.edge[2].b * v + t.edge[2].c, rw = t.nearness.b * v + t.nearness.c;
+        const std::int64_t row = y * rows->stride;
+        const auto [left, right] = t.columns({r0, r1, r2});
+        for (std::int32_t x = left & -kBlock; x < right; x += kBlock) {
+          const double u = places->per_n * static_cast<double>(x);
+          const Floats e0 = Floats{} + static_cast<float>(r0 + t.edge[0].a * u),
+                       e1 = Floats{} + static_cast<float>(r1 + t.edge[1].a * u),
+                       e2 = Floats{} + static_cast<float>(r2 + t.edge[2].a * u),
+                       ew = Floats{} + static_cast<float>(rw + t.nearness.a * u);
+          const std::int32_t to = std::min(right - x, kBlock);
+          for (std::int32_t k = std::max(left - x, 0) & -kLanes; k < to; k += kLanes) {
+            const Floats at = simd::load<Floats>(places->in_block.data() + k);
+            const Ints outside = __builtin_bit_cast(Ints, a0 * at + e0) | __builtin_bit_cast(Ints, a1 * at + e1) |
+                                 __builtin_bit_cast(Ints, a2 * at + e2);
+            Floats near = aw * at + ew;
+            near = near < least ? least : near;
+            near = near > most ? most : near;
+            float* const nearness = rows->nearness.data() + row + x + k;
+            std::uint32_t* const shown = rows->side.data() + row + x + k;
+            const Floats before = simd::load<Floats>(nearness);
+            const Ints drawn = (outside >= 0) & (near > before);
+            simd::store(drawn ? near : before, nearness);
+            simd::store(drawn ? side : simd::load<Ints>(shown), shown);
+          }
+        }
+      }
+    }
+  }
+};
+
+}  // namespace
+
+Screen::Screen(const RenderScene& scene, const Camera& camera, int n, int threads)
+    : scene_(scene), n_(n), width_(camera.width * n), height_(camera.height * n) {
+  place_corners(camera, threads);
+  constexpr std::int64_t kChunk = 1 << 14;
+  const auto triangles = static_cast<std::int64_t>(scene.facets().triangles.size());
+  std::vector<std::vector<Seen>> seen(static_cast<std::size_t>((triangles + kChunk - 1) / kChunk));
+  mtf::parallel_for(triangles, kChunk, threads, [&](std::int64_t begin, std::int64_t end) {
+    for (std::int64_t from = begin; from < end; from += kChunk)
+      seen[static_cast<std::size_t>(from / kChunk)] =
+          seen_among(static_cast<std::uint32_t>(from), static_cast<std::uint32_t>(std::min(from + kChunk, end)));
+  });
+  for (const std::vector<Seen>& some : seen) seen_.insert(seen_.end(), some.begin(), some.end());
+
+  const auto bands = static_cast<std::size_t>((height_ + kRows - 1) / kRows);
+  first_.assign(bands + 1, 0);
+  const auto each_band = [&](const auto& work) {
+    for (std::uint32_t i = 0; i < seen_.size(); ++i)
+      for (std::int64_t band = seen_[i].y0 / kRows; band <= (seen_[i].y1 - 1) / kRows; ++band)
+        work(static_cast<std::size_t>(band), i);
+  };
+  each_band([&](std::size_t band, std::uint32_t) { ++first_[band + 1]; });
+  for (std::size_t band = 0; band < bands; ++band) first_[band + 1] += first_[band];
+  of_band_.resize(first_.back());
+  std::vector<std::size_t> next(first_.begin(), first_.end() - 1);
+  each_band([&](std::size_t band, std::uint32_t i) { of_band_[next[band]++] = i; });
+}
+
+void Screen::place_corners(const Camera& camera, int threads) {
+  using scene::operator-;
+  const std::vector<Point>& vertices = scene_.facets().vertices;
+  corner_.resize(vertices.size());
+  const double per_x = 1.0 / camera.step_x, per_y = 1.0 / camera.step_y;
+  mtf::parallel_for(static_cast<std::int64_t>(vertices.size()), 1 << 14, threads,
+                    [&](std::int64_t begin, std::int64_t end) {
+                      for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
+                        const Vector v = vertices[i] - camera.position;
+                        const double w = scene::dot(v, camera.ahead);
+                        corner_[i] = {per_x * scene::dot(v, camera.right) + camera.axis_x * w,
+                                      per_y * scene::dot(v, camera.down) + camera.axis_y * w, w};
+                      }
+                    });
+}
+
+std::vector<Screen::Seen> Screen::seen_among(std::uint32_t begin, std::uint32_t end) const {
+  constexpr double kNear = 1e-12;  // of the deepest corner: where an edge is cut that comes from behind the camera
+  constexpr double kSlack = 0.15;  // points are at most 0.125 n-ths of a sample from where they were if evenly spread
+  const scene::Facets& facets = scene_.facets();
+  std::vector<Seen> seen;
+  for (std::uint32_t t = begin; t < end; ++t) {
+    const std::array<Corner, 3> c{corner_[facets.triangles[t][0]], corner_[facets.triangles[t][1]],
+                                  corner_[facets.triangles[t][2]]};
+    const double deepest = std::max({c[0].w, c[1].w, c[2].w});
+    if (!(deepest > 0.0)) continue;
+    const double least = kNear * deepest;
+    double left = std::numeric_limits<double>::infinity(), top = left, right = -left, bottom = -left;
+    const auto take = [&](double x, double y, double w) {
+      const double depth = 1.0 / w;
+      left = std::min(left, x * depth), right = std::max(right, x * depth);
+      top = std::min(top, y * depth), bottom = std::max(bottom, y * depth);
+    };
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Corner &p = c[k], &q = c[(k + 1) % 3];
+      if (p.w >= least) take(p.x, p.y, p.w);
+      if ((p.w >= least) == (q.w >= least)) continue;
+      const double cut = (least - p.w) / (q.w - p.w);
+      take(std::lerp(p.x, q.x, cut), std::lerp(p.y, q.y, cut), least);
+    }
+    const auto first = [&](double from, std::int64_t most) {
+      return static_cast<std::int32_t>(std::clamp(std::ceil(n_ * from - 0.5 - kSlack), 0.0, static_cast<double>(most)));
+    };
+    const auto last = [&](double to, std::int64_t most) {
+      return static_cast<std::int32_t>(std::clamp(std::floor(n_ * to + 0.5 + kSlack), 0.0, static_cast<double>(most)));
+    };
+    Seen one{.triangle = t,
+             .side = 2 * facets.facet_of[t],
+             .x0 = first(left, width_),
+             .x1 = last(right, width_),
+             .y0 = first(top, height_),
+             .y1 = last(bottom, height_)};
+    if (one.x0 >= one.x1 || one.y0 >= one.y1) continue;
+    const double volume = c[0].x * (c[1].y * c[2].w - c[1].w * c[2].y) + c[0].y * (c[1].w * c[2].x - c[1].x * c[2].w) +
+                          c[0].w * (c[1].x * c[2].y - c[1].y * c[2].x);
+    if (volume > 0.0) one.side += 1;  // rows run downwards: the front is seen where corners run clockwise
+    if (volume == 0.0 || std::isnan(scene_.temperature_k[one.side])) continue;
+    seen.push_back(one);
+  }
+  return seen;
+}
+
+void Screen::draw(std::int64_t band, ScreenRows& out) const {
+  out.stride = (width_ + kBlock - 1) / kBlock * kBlock;
+  const auto points = static_cast<std::size_t>(out.stride * kRows);
+  out.nearness.assign(points, 0.0F);
+  out.side.assign(points, scene::kNone);
+  const scene::Facets& facets = scene_.facets();
+  std::vector<ScreenTriangle> triangles;
+  const auto b = static_cast<std::size_t>(band);
+  triangles.reserve(first_[b + 1] - first_[b]);
+  for (std::size_t i = first_[b]; i < first_[b + 1]; ++i) {
+    const Seen& seen = seen_[of_band_[i]];
+    const std::array<std::uint32_t, 3>& number = facets.triangles[seen.triangle];
+    ScreenTriangle t{.x0 = seen.x0,
+                     .x1 = seen.x1,
+                     .y0 = std::max(seen.y0, static_cast<std::int32_t>(band * kRows)),
+                     .y1 = std::min(seen.y1, static_cast<std::int32_t>((band + 1) * kRows)),
+                     .side = seen.side};
+    for (std::size_t k = 0; k < 3; ++k) {
+      // From the lower number to the higher, whichever triangle asks.
+      std::uint32_t from = number[(k + 1) % 3], to = number[(k + 2) % 3];
+      double sign = (seen.side % 2 == 0) ? -1.0 : 1.0;
+      if (from > to) std::swap(from, to), sign = -sign;
+      const Corner &p = corner_[from], &q = corner_[to];
+      t.edge[k] = {sign * (p.y * q.w - p.w * q.y), sign * (p.w * q.x - p.x * q.w), sign * (p.x * q.y - p.y * q.x)};
+    }
+    const Corner& c = corner_[number[0]];
+    const double volume = t.edge[0].a * c.x + t.edge[0].b * c.y + t.edge[0].c * c.w;
+    if (!(volume > 0.0)) continue;  // edge on, to rounding
+    const double scale = 1.0 / volume;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Plane& edge = t.edge[k];
+      t.nearness = {t.nearness.a + scale * edge.a, t.nearness.b + scale * edge.b, t.nearness.c + scale * edge.c};
+      t.crossing[k] = -n_ / edge.a;
+    }
+    const std::array<double, 3> depth{corner_[number[0]].w, corner_[number[1]].w, corner_[number[2]].w};
+    const auto [nearest, deepest] = std::minmax_element(depth.begin(), depth.end());
+    t.least = static_cast<float>(1.0 / *deepest);
+    t.most = *nearest > 0.0 ? static_cast<float>(1.0 / *nearest) : std::numeric_limits<float>::infinity();
+    triangles.push_back(t);
+  }
+  const PointPlaces places(n_, band * kRows);
+  simd::run<Draw>(triangles.data(), triangles.data() + triangles.size(), band * kRows, &places, &out);
+}
+
+}  // namespace radiometry::render

@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <array>
+#include <atomic>
+
+#include "mtf/parallel.h"
+#include "radiometry/render/visibility/visible_parts.h"
+#include "radiometry/scene/pencil.h"
+
+namespace radiometry::render {
+namespace {
+
+using scene::kPencilRays;
+using scene::operator+, scene::operator*;
+
+enum Light : std::uint8_t { unknown, dark, bright, mixed };
+
+/// Gathers shadow rays into packets; `take(of, lit)` is told the answers.
+template <class Take>
+class ShadowRays {
+ public:
+  ShadowRays(const RenderScene& scene, const Camera& camera, const scene::Beam& beam, int n, Take take)
+      : facets_(scene.facets()), camera_(camera), beam_(beam), n_(n), take_(take) {}
+
+  void add(const SamplePart& part, std::size_t of) {
+    const PlaceInImage place = place_of(part, n_);
+    const Vector d = camera_.direction(place.x, place.y);
+    const double side = part.side % 2 == 0 ? 1.0 : -1.0;
+    from_[count_] = camera_.position + (static_cast<double>(part.range_m) / scene::length(d)) * d +
+                    (side * beam_.lift_m()) * facets_.facet[part.side / 2].normal;
+    of_[count_++] = of;
+    if (count_ == kPencilRays) trace();
+  }
+  void trace() {
+    if (count_ == 0) return;
+    const std::uint32_t blocked = beam_.blocked(std::span<const Point>(from_).first(count_));
+    for (std::size_t k = 0; k < count_; ++k) take_(of_[k], (blocked >> k & 1U) == 0U);
+    rays_ += count_;
+    count_ = 0;
+  }
+  std::size_t rays() const { return rays_; }
+
+ private:
+  const scene::Facets& facets_;
+  const Camera& camera_;
+  const scene::Beam& beam_;
+  int n_;
+  Take take_;
+  std::array<Point, kPencilRays> from_;
+  std::array<std::size_t, kPencilRays> of_{};
+  std::size_t count_ = 0, rays_ = 0;
+};
+
+/// Whether each side faces the sun.
+std::vector<std::uint8_t> facing(const scene::Facets& facets, const Vector& to_sun, int threads) {
+  std::vector<std::uint8_t> faces(2 * facets.size());
+  mtf::parallel_for(static_cast<std::int64_t>(facets.size()), 1 << 14, threads,
+                    [&](std::int64_t begin, std::int64_t end) {
+                      for (auto f = static_cast<std::size_t>(begin); f < static_cast<std::size_t>(end); ++f) {
+                        const double cosine = scene::dot(facets.facet[f].normal, to_sun);
+                        faces[2 * f] = cosine > 0.0;
+                        faces[2 * f + 1] = cosine < 0.0;
+                      }
+                    });
+  return faces;
+}
+
+/// The light on squares of 2 x 2 samples.
+struct LightMap {
+  std::int64_t width = 0, height = 0;
+  std::vector<Light> light{};
+
+  std::size_t of(const SamplePart& part) const {
+    return static_cast<std::size_t>(part.row / 2 * width + part.column / 2);
+  }
+  /// What each square of rows [from, to) and its neighbours agree on; `mixed` where they do not.
+  std::vector<Light> agreed(std::int64_t from, std::int64_t to) const {
+    std::vector<Light> down(static_cast<std::size_t>(width)), out;
+    const auto both = [](Light a, Light b) { return static_cast<Light>(a | b); };
+    for (std::int64_t y = from; y < to; ++y) {
+      const Light* const row = light.data() + y * width;
+      const Light *const above = y > 0 ? row - width : row, *const below = y + 1 < height ? row + width : row;
+      for (std::size_t x = 0; x < down.size(); ++x) down[x] = both(row[x], both(above[x], below[x]));
+      for (std::size_t x = 0; x < down.size(); ++x)
+        out.push_back(both(down[x], both(down[x > 0 ? x - 1 : x], down[x + 1 < down.size() ? x + 1 : x])));
+    }
+    return out;
+  }
+};
+static_assert((dark | bright) == mixed);
+
+}  // namespace
+
+std::size_t find_shadows(const RenderScene& scene, const Camera& camera, VisibleParts& parts, bool all, int threads) {
+  const scene::Beam beam(*scene.rays, scene.sun->to_sun);
+  const std::vector<std::uint8_t> faces = facing(scene.facets(), beam.direction(), threads);
+  const auto dim = [&](const SamplePart& part) { return part.side == scene::kNone || faces[part.side] == 0; };
+  const auto bands = static_cast<std::int64_t>(parts.band.size());
+  std::atomic<std::size_t> rays = 0;
+  LightMap map{(camera.width + 1) / 2, (camera.height + 1) / 2, {}};
+  const std::int64_t rows_a_band = Screen::kRows / parts.n / 2;
+  if (!all) {
+    map.light.assign(static_cast<std::size_t>(map.width * map.height), unknown);
+    mtf::parallel_for(bands, 1, threads, [&](std::int64_t begin, std::int64_t end) {
+      ShadowRays shadow(scene, camera, beam, parts.n,
+                        [&](std::size_t square, bool lit) { map.light[square] = lit ? bright : dark; });
+      for (std::int64_t b = begin; b < end; ++b)
+        for (const SamplePart& part : parts.band[static_cast<std::size_t>(b)]) {
+          const std::size_t square = map.of(part);
+          if (map.light[square] != unknown || dim(part)) continue;
+          map.light[square] = mixed;  // until the answer comes
+          shadow.add(part, square);
+        }
+      shadow.trace();
+      rays += shadow.rays();
+    });
+  }
+  mtf::parallel_for(bands, 1, threads, [&](std::int64_t begin, std::int64_t end) {
+    for (std::int64_t b = begin; b < end; ++b) {
+      std::vector<SamplePart>& band = parts.band[static_cast<std::size_t>(b)];
+      const std::int64_t first_row = b * rows_a_band;
+      const std::vector<Light> agreed =
+          all ? std::vector<Light>() : map.agreed(first_row, std::min(first_row + rows_a_band, map.height));
+      const std::size_t first = static_cast<std::size_t>(first_row * map.width);
+      ShadowRays shadow(scene, camera, beam, parts.n, [&](std::size_t part, bool lit) { band[part].lit = lit; });
+      for (std::size_t i = 0; i < band.size(); ++i) {
+        if (dim(band[i])) continue;
+        const Light light = all ? mixed : agreed[map.of(band[i]) - first];
+        if (light == mixed)
+          shadow.add(band[i], i);
+        else
+          band[i].lit = light == bright;
+      }
+      shadow.trace();
+      rays += shadow.rays();
+    }
+  });
+  return rays;
+}
+
+}  // namespace radiometry::render

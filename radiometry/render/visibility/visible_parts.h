@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// What the samples of a frame show. A sample has n x n points (screen.h); those of them that show the same side are one
+// part of it, and so are those that show none. The place of a part is the mean of its points: on the plane of the facet
+// one over the depth is linear in the image, so that its mean over the points is that at this place.
+
+#include <cstdint>
+#include <vector>
+
+#include "radiometry/render/path_grid.h"
+#include "radiometry/render/visibility/screen.h"
+
+namespace radiometry::render {
+
+struct SamplePart {
+  std::uint32_t column = 0, row = 0;  ///< of the sample
+  std::uint32_t side = 0;             ///< scene::index(side); kNone where the scene is left
+  float range_m = 0.0F;               ///< from the camera; 0 where the scene is left
+  float height_m = 0.0F;              ///< of what is seen; where the scene is left, the sine of the elevation
+  std::uint16_t points = 0;  ///< bit j * n + i: the point in column i and row j; the first part of a sample has bit 0
+  std::uint8_t shown = 0;    ///< number of these points
+  bool lit = false;          ///< the sun reaches it, where that was asked
+};
+
+/// Bands of whole rows of samples, with their parts in the order of samples.
+struct VisibleParts {
+  int n = 1;
+  std::vector<std::vector<SamplePart>> band{};
+  PathExtent extent{};       ///< of what is seen of facets
+  std::size_t on_facets = 0;  ///< parts
+  std::size_t divided = 0;    ///< samples of more than one part
+};
+
+/// Fills `parts`, whose memory is used again. `n` is 1, 2 or 4. The result does not depend on `threads`.
+void find_parts(const RenderScene& scene, const Camera& camera, int n, VisibleParts& parts, int threads);
+
+/// Where a part is, in samples from the outer corner of the image.
+struct PlaceInImage {
+  double x, y;
+};
+PlaceInImage place_of(const SamplePart& part, int n);
+
+/// Fills `lit` of the parts that face the sun, and returns the number of shadow rays. One ray goes from each square of
+/// 2 x 2 samples; where its answer is not that of the squares around it, all parts in it have rays of their own. With
+/// `all` every part has. A shadow that is smaller than 2 x 2 samples shows where a ray meets it.
+std::size_t find_shadows(const RenderScene& scene, const Camera& camera, VisibleParts& parts, bool all, int threads);
+
+}  // namespace radiometry::render
