@@ -83,7 +83,8 @@ Command render_command() {
                                std::pair{std::string_view("16"), 16}};
   add_choice(app, "--points", "N", "1, 4 (default) or 16, of each sample, which is their mean", kPoints,
              options.points);
-  add_flag(app, "--all-shadows", "a shadow ray for all that is seen; default: one a square of 2 x 2 samples, more at edges",
+  add_flag(app, "--all-shadows",
+           "a shadow ray for all that is seen; default: one a square of 2 x 2 samples, more at edges",
            options.all_shadows);
   add_word(app, "--quantity", "WORD", "weighted (default), by the sensor's response, or radiance in W m-2 sr-1",
            [&](const std::string& text) {

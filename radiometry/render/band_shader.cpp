@@ -132,55 +132,56 @@ void BandShader::radiance(const VisibleParts& parts, const VisibleSides& sides, 
   const auto last_cell = static_cast<std::uint16_t>(cells - 1),
              last_layer = static_cast<std::uint16_t>(grid_.layers() - 1);
 
-  mtf::parallel_for(static_cast<std::int64_t>(parts.band.size()), 1, threads, [&](std::int64_t begin, std::int64_t end) {
-    struct Elsewhere {
-      std::uint32_t number = scene::kNone;
-      Shaded shaded;
-    };
-    std::array<Elsewhere, 256> elsewhere;
-    const auto of_part = [&](const SamplePart& part) {
-      if (part.side == scene::kNone)
-        return static_cast<float>(backdrop_->radiance(static_cast<double>(part.height_m)));
-      const std::uint32_t number = sides.number(part.side);
-      const Shaded* at = &shaded_[number];
-      const float root = std::sqrt(part.range_m), height = part.height_m;
-      std::size_t place = at->cell.layer * cells + at->cell.root;
-      float t = (root - places[place].root) * places[place].per_root;
-      float u = (height - places[place].height) * places[place].per_height;
-      const bool inside = (t >= -kSlack || at->cell.root == 0) && (t <= 1.0F + kSlack || at->cell.root == last_cell) &&
-                          (u >= -kSlack || at->cell.layer == 0) &&
-                          (u <= 1.0F + kSlack || at->cell.layer == last_layer);
-      if (!inside) {
-        const PathGrid::Cell cell = grid_.cell_at(static_cast<double>(root), static_cast<double>(height));
-        Elsewhere& known = elsewhere[number % elsewhere.size()];
-        if (known.number != number || !(known.shaded.cell == cell)) known = {number, shaded(sides, number, cell)};
-        at = &known.shaded;
-        place = cell.layer * cells + cell.root;
-        t = (root - places[place].root) * places[place].per_root;
-        u = (height - places[place].height) * places[place].per_height;
-      }
-      t = std::clamp(t, 0.0F, 1.0F);
-      u = std::clamp(u, 0.0F, 1.0F);
-      const float a = (1.0F - t) * (1.0F - 2.0F * t), b = 4.0F * t * (1.0F - t), c = t * (2.0F * t - 1.0F);
-      const auto mixed = [&](const std::array<float, 6>& v) {
-        const float low = a * v[0] + b * v[1] + c * v[2], high = a * v[3] + b * v[4] + c * v[5];
-        return low + u * (high - low);
-      };
-      float sum = mixed(at->value);
-      if (sunny) {
-        const float lit = !shadows ? sides.sun_share(number) : part.lit ? 1.0F : 0.0F;
-        if (lit > 0.0F) sum += lit * sides.sun_cosine(number) * mixed(sun[at->finish * places.size() + place]);
-      }
-      return sum;
-    };
-    for (std::int64_t band = begin; band < end; ++band)
-      for (const SamplePart& part : parts.band[static_cast<std::size_t>(band)]) {
-        const float value = of_part(part);
-        float& pixel = out.data()[static_cast<std::int64_t>(part.row) * out.width() + part.column];
-        const float share = static_cast<float>(part.shown) / static_cast<float>(points);
-        pixel = part.shown == points ? value : (part.points & 1U) != 0U ? share * value : pixel + share * value;
-      }
-  });
+  mtf::parallel_for(
+      static_cast<std::int64_t>(parts.band.size()), 1, threads, [&](std::int64_t begin, std::int64_t end) {
+        struct Elsewhere {
+          std::uint32_t number = scene::kNone;
+          Shaded shaded;
+        };
+        std::array<Elsewhere, 256> elsewhere;
+        const auto of_part = [&](const SamplePart& part) {
+          if (part.side == scene::kNone)
+            return static_cast<float>(backdrop_->radiance(static_cast<double>(part.height_m)));
+          const std::uint32_t number = sides.number(part.side);
+          const Shaded* at = &shaded_[number];
+          const float root = std::sqrt(part.range_m), height = part.height_m;
+          std::size_t place = at->cell.layer * cells + at->cell.root;
+          float t = (root - places[place].root) * places[place].per_root;
+          float u = (height - places[place].height) * places[place].per_height;
+          const bool inside =
+              (t >= -kSlack || at->cell.root == 0) && (t <= 1.0F + kSlack || at->cell.root == last_cell) &&
+              (u >= -kSlack || at->cell.layer == 0) && (u <= 1.0F + kSlack || at->cell.layer == last_layer);
+          if (!inside) {
+            const PathGrid::Cell cell = grid_.cell_at(static_cast<double>(root), static_cast<double>(height));
+            Elsewhere& known = elsewhere[number % elsewhere.size()];
+            if (known.number != number || !(known.shaded.cell == cell)) known = {number, shaded(sides, number, cell)};
+            at = &known.shaded;
+            place = cell.layer * cells + cell.root;
+            t = (root - places[place].root) * places[place].per_root;
+            u = (height - places[place].height) * places[place].per_height;
+          }
+          t = std::clamp(t, 0.0F, 1.0F);
+          u = std::clamp(u, 0.0F, 1.0F);
+          const float a = (1.0F - t) * (1.0F - 2.0F * t), b = 4.0F * t * (1.0F - t), c = t * (2.0F * t - 1.0F);
+          const auto mixed = [&](const std::array<float, 6>& v) {
+            const float low = a * v[0] + b * v[1] + c * v[2], high = a * v[3] + b * v[4] + c * v[5];
+            return low + u * (high - low);
+          };
+          float sum = mixed(at->value);
+          if (sunny) {
+            const float lit = !shadows ? sides.sun_share(number) : part.lit ? 1.0F : 0.0F;
+            if (lit > 0.0F) sum += lit * sides.sun_cosine(number) * mixed(sun[at->finish * places.size() + place]);
+          }
+          return sum;
+        };
+        for (std::int64_t band = begin; band < end; ++band)
+          for (const SamplePart& part : parts.band[static_cast<std::size_t>(band)]) {
+            const float value = of_part(part);
+            float& pixel = out.data()[static_cast<std::int64_t>(part.row) * out.width() + part.column];
+            const float share = static_cast<float>(part.shown) / static_cast<float>(points);
+            pixel = part.shown == points ? value : (part.points & 1U) != 0U ? share * value : pixel + share * value;
+          }
+      });
 }
 
 double BandShader::emissivity(std::size_t finish, double temperature_k) const {

@@ -32,8 +32,8 @@ class BandShader {
   bool prepare(double camera_height_m, const PathExtent& extent);
   /// The values of all visible sides, for this camera; only of those whose cell or tables changed. Returns how many.
   std::size_t shade(const VisibleSides& sides, const Point& camera, int threads);
-  /// The radiance of each sample. Unless shadows were found (SamplePart::lit) sides are lit by the share of them that is
-  /// in the sun.
+  /// The radiance of each sample. Unless shadows were found (SamplePart::lit) sides are lit by the share of them that
+  /// is in the sun.
   void radiance(const VisibleParts& parts, const VisibleSides& sides, bool shadows, mtf::Image& out, int threads) const;
 
   const RenderBand& band() const { return band_; }

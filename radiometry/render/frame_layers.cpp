@@ -30,8 +30,7 @@ mtf::Image made(const LayerInputs& in, const Value& value) {
 double range_of(const LayerInputs& in, const SamplePart& part) {
   using scene::operator-;
   const scene::Facet& facet = in.scene.facets().facet[part.side / 2];
-  const Vector d =
-      in.camera.direction(static_cast<double>(part.column) + 0.5, static_cast<double>(part.row) + 0.5);
+  const Vector d = in.camera.direction(static_cast<double>(part.column) + 0.5, static_cast<double>(part.row) + 0.5);
   return scene::length(d) * scene::dot(facet.normal, facet.centre - in.camera.position) / scene::dot(facet.normal, d);
 }
 
@@ -63,9 +62,9 @@ std::vector<NamedLayer> layers_of(const LayerInputs& in) {
   }
   if (in.choice.range)
     layers.push_back({"Z", made(in, [&](const Part& part) {
-                        return static_cast<float>(
-                            part.side == kNone ? in.shader.backdrop().range_m(static_cast<double>(part.height_m))
-                                               : range_of(in, part));
+                        return static_cast<float>(part.side == kNone
+                                                      ? in.shader.backdrop().range_m(static_cast<double>(part.height_m))
+                                                      : range_of(in, part));
                       })});
   if (in.choice.facet) add("facet", -1.0F, [&](const Part& part) { return static_cast<float>(part.side / 2); });
   if (in.choice.finish)
@@ -79,18 +78,17 @@ std::vector<NamedLayer> layers_of(const LayerInputs& in) {
   mtf::Image before(in.camera.width, in.camera.height);
   in.surface->radiance(in.middles, in.sides, in.shadows, before, in.threads);
   const auto above = [&](const Part& part) { return part.side == kNone && part.height_m >= 0.0F; };
-  if (in.choice.surface) layers.push_back({"surface", made(in, [&](const Part& part) {
-                                             return above(part) ? 0.0F : before.at(part.column, part.row);
-                                           })});
+  if (in.choice.surface)
+    layers.push_back(
+        {"surface", made(in, [&](const Part& part) { return above(part) ? 0.0F : before.at(part.column, part.row); })});
   if (in.choice.transmittance)
     layers.push_back({"transmittance", made(in, [&](const Part& part) {
                         if (above(part)) return 0.0F;
                         if (part.side == kNone) return kNan;  // of the ground beyond the facets it is not kept
                         const double path = in.shader.path_radiance(static_cast<double>(part.range_m),
                                                                     static_cast<double>(part.height_m));
-                        return static_cast<float>(
-                            (static_cast<double>(in.radiance.at(part.column, part.row)) - path) /
-                            static_cast<double>(before.at(part.column, part.row)));
+                        return static_cast<float>((static_cast<double>(in.radiance.at(part.column, part.row)) - path) /
+                                                  static_cast<double>(before.at(part.column, part.row)));
                       })});
   return layers;
 }

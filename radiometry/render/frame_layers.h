@@ -13,8 +13,8 @@ struct LayerInputs {
   const VisibleParts& middles;  ///< n = 1
   const VisibleSides& sides;
   const BandShader& shader;
-  const BandShader* surface;           ///< the same band without air; null where neither layer asks for it
-  const mtf::Image& radiance;          ///< of the middles
+  const BandShader* surface;   ///< the same band without air; null where neither layer asks for it
+  const mtf::Image& radiance;  ///< of the middles
   const LayerChoice& choice;
   bool shadows;  ///< SamplePart::lit is known
   int threads;

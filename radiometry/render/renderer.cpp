@@ -112,7 +112,8 @@ RenderedFrame Renderer::render(const Camera& camera) {
   Laps laps(frame.timing_ms);
   require_outside(my.scene, camera.position);
   find_parts(my.scene, camera, options.points, my.parts, options.threads);
-  if (my.parts.on_facets == 0) throw mtf::UsageError("the camera sees no facet of the scene: turn it, or move it nearer");
+  if (my.parts.on_facets == 0)
+    throw mtf::UsageError("the camera sees no facet of the scene: turn it, or move it nearer");
   frame.divided = my.parts.divided;
   laps.lap("what is seen");
   my.sides->add(my.parts);

@@ -34,8 +34,9 @@ struct LayerChoice {
 };
 
 struct RenderOptions {
-  int points = 2;            ///< n x n of a sample: 1, 2 or 4
-  bool all_shadows = false;  ///< a shadow ray for everything seen; else for squares of 2 x 2 samples, more where they differ
+  int points = 2;  ///< n x n of a sample: 1, 2 or 4
+  bool all_shadows =
+      false;  ///< a shadow ray for everything seen; else for squares of 2 x 2 samples, more where they differ
   double tolerance = 5e-6;  ///< of the tables of the air, relative
   int view_rays = 64;       ///< of each visible side that reflects
   int patch_rays = 256;     ///< of each patch
@@ -50,10 +51,10 @@ struct NamedLayer {
 };
 
 struct RenderedFrame {
-  std::vector<mtf::Image> radiance{};                  ///< of each band: W or photons s^-1, m^-2 sr^-1
-  std::vector<NamedLayer> layers{};                    ///< as chosen, with the names of OpenEXR channels
-  std::vector<double> promised{};                      ///< of each band: relative error of tables and quadrature
-  std::size_t divided = 0;                             ///< samples that show more than one side
+  std::vector<mtf::Image> radiance{};  ///< of each band: W or photons s^-1, m^-2 sr^-1
+  std::vector<NamedLayer> layers{};    ///< as chosen, with the names of OpenEXR channels
+  std::vector<double> promised{};      ///< of each band: relative error of tables and quadrature
+  std::size_t divided = 0;             ///< samples that show more than one side
   std::size_t shadow_rays = 0;
   std::size_t sides = 0, shaded = 0;  ///< sides seen so far; worked out for this frame
   std::vector<std::pair<std::string, double>> timing_ms{};

@@ -135,8 +135,8 @@ int run_render(const RenderCommandOptions& options, const Global& global) {
   table.add({"time", radiometry::heat::instant_text(scene.utc_s)});
   table.add({metadata.text.at("mtf:quantity") + " [" + unit + "]",
              significant(s.min, 4) + " to " + significant(s.max, 4) + ", mean " + significant(s.mean, 4)});
-  table.add({"visible sides", std::to_string(frame.sides) + "; " + std::to_string(frame.divided) +
-                                  " samples show more than one"});
+  table.add({"visible sides",
+             std::to_string(frame.sides) + "; " + std::to_string(frame.divided) + " samples show more than one"});
   if (frame.shadow_rays > 0) table.add({"shadow rays", std::to_string(frame.shadow_rays)});
   table.add({"error of tables", "at most " + significant(frame.promised.front(), 2) + ", relative"});
   for (const auto& [name, words] : scene.closures) table.add({name, words});

@@ -48,15 +48,15 @@ struct ScreenTriangle {
 struct PointPlaces {
   int n;
   double per_n;
-  std::array<float, kBlock> in_block{};      ///< from the first sample of a block
-  std::array<double, Screen::kRows> row{};   ///< from the first row of the image
+  std::array<float, kBlock> in_block{};     ///< from the first sample of a block
+  std::array<double, Screen::kRows> row{};  ///< from the first row of the image
 
   PointPlaces(int points, std::int64_t first_row) : n(points), per_n(1.0 / points) {
     for (int k = 0; k < kBlock; ++k)
       in_block[static_cast<std::size_t>(k)] = static_cast<float>(k / n + point_in_sample(n, k % n));
     for (std::int64_t k = 0; k < Screen::kRows; ++k)
-      row[static_cast<std::size_t>(k)] = static_cast<double>((first_row + k) / n) +
-                                         point_in_sample(n, static_cast<int>((first_row + k) % n));
+      row[static_cast<std::size_t>(k)] =
+          static_cast<double>((first_row + k) / n) + point_in_sample(n, static_cast<int>((first_row + k) % n));
   }
 };
 
@@ -97,7 +97,7 @@ struct Draw {
             float* const nearness = rows->nearness.data() + row + x + k;
             std::uint32_t* const shown = rows->side.data() + row + x + k;
             const Floats before = simd::load<Floats>(nearness);
-            const Ints drawn = (outside >= 0) & (near > before);
+            const Ints drawn = ~(outside >> 31) & (near > before);  // no sign bit is set inside
             simd::store(drawn ? near : before, nearness);
             simd::store(drawn ? side : simd::load<Ints>(shown), shown);
           }
@@ -204,9 +204,15 @@ void Screen::draw(std::int64_t band, ScreenRows& out) const {
   out.nearness.assign(points, 0.0F);
   out.side.assign(points, scene::kNone);
   const scene::Facets& facets = scene_.facets();
-  std::vector<ScreenTriangle> triangles;
+  const PointPlaces places(n_, band * kRows);
+  std::array<ScreenTriangle, 64> some;  // a few at a time stay in the cache
+  std::size_t count = 0;
+  const auto draw_some = [&] {
+    simd::run<Draw>(static_cast<const ScreenTriangle*>(some.data()),
+                    static_cast<const ScreenTriangle*>(some.data() + count), band * kRows, &places, &out);
+    count = 0;
+  };
   const auto b = static_cast<std::size_t>(band);
-  triangles.reserve(first_[b + 1] - first_[b]);
   for (std::size_t i = first_[b]; i < first_[b + 1]; ++i) {
     const Seen& seen = seen_[of_band_[i]];
     const std::array<std::uint32_t, 3>& number = facets.triangles[seen.triangle];
@@ -236,10 +242,10 @@ void Screen::draw(std::int64_t band, ScreenRows& out) const {
     const auto [nearest, deepest] = std::minmax_element(depth.begin(), depth.end());
     t.least = static_cast<float>(1.0 / *deepest);
     t.most = *nearest > 0.0 ? static_cast<float>(1.0 / *nearest) : std::numeric_limits<float>::infinity();
-    triangles.push_back(t);
+    some[count++] = t;
+    if (count == some.size()) draw_some();
   }
-  const PointPlaces places(n_, band * kRows);
-  simd::run<Draw>(triangles.data(), triangles.data() + triangles.size(), band * kRows, &places, &out);
+  draw_some();
 }
 
 }  // namespace radiometry::render

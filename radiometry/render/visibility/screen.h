@@ -12,9 +12,9 @@
 // depth along the axis. A place (x, y, 1) is a sum of the coordinates of three corners. The triangle covers it where no
 // weight of that sum is negative, and the sum of the weights is one over the depth there, so that corners behind the
 // camera need no clipping (Olano and Greer, "Triangle scan conversion using 2D homogeneous coordinates", 1997). The
-// weight of a corner vanishes along the edge of the other two, E = a x + b y + c, where (a, b, c) is the cross product of
-// their coordinates. Two triangles that share an edge have the same numbers with opposite signs, and E is worked out by
-// the same steps for both: no place between them is missed, so that nothing shows through a closed surface.
+// weight of a corner vanishes along the edge of the other two, E = a x + b y + c, where (a, b, c) is the cross product
+// of their coordinates. Two triangles that share an edge have the same numbers with opposite signs, and E is worked out
+// by the same steps for both: no place between them is missed, so that nothing shows through a closed surface.
 //
 // Coordinates and edges are in double precision; within 64 points E and the depth are continued in single precision,
 // 4e-6 of a sample and 2e-7 of the depth. A point costs a few instructions, where the traversal of a tree costs some
@@ -33,17 +33,16 @@ namespace radiometry::render {
 constexpr double point_in_sample(int n, int i) {
   constexpr std::array<double, 1> one{0.5};
   constexpr std::array<double, 2> two{0.21132486540518712, 0.7886751345948129};
-  constexpr std::array<double, 4> four{0.10267276385411728, 0.4062037629574601, 0.5937962370425399,
-                                       0.8973272361458828};
+  constexpr std::array<double, 4> four{0.10267276385411728, 0.4062037629574601, 0.5937962370425399, 0.8973272361458828};
   const auto k = static_cast<std::size_t>(i);
   return n == 1 ? one[k] : n == 2 ? two[k] : four[k];
 }
 
 /// What is seen at the points of a band of rows.
 struct ScreenRows {
-  std::int64_t stride = 0;  ///< from a row to the next
-  std::vector<float> nearness{};         ///< one over the depth; 0 where nothing is seen
-  std::vector<std::uint32_t> side{};     ///< scene::index(side); kNone where nothing is seen
+  std::int64_t stride = 0;            ///< from a row to the next
+  std::vector<float> nearness{};      ///< one over the depth; 0 where nothing is seen
+  std::vector<std::uint32_t> side{};  ///< scene::index(side); kNone where nothing is seen
 };
 
 class Screen {

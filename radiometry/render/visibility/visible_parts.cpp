@@ -63,8 +63,8 @@ class RowOfSamples {
       std::array<float, N * N> near;
       bool one = true;
       for (std::size_t k = 0; k < N * N; ++k) {
-        const std::size_t at = static_cast<std::size_t>(first_point) + k / N * static_cast<std::size_t>(rows.stride) +
-                               column * N + k % N;
+        const std::size_t at =
+            static_cast<std::size_t>(first_point) + k / N * static_cast<std::size_t>(rows.stride) + column * N + k % N;
         side[k] = rows.side[at];
         near[k] = rows.nearness[at];
         one = one && side[k] == side[0];
@@ -72,7 +72,7 @@ class RowOfSamples {
       if (one) {
         float sum = 0.0F;
         for (const float each : near) sum += each;
-        parts.push_back(part(column, y, side[0], kAll, N * N, sum, whole_[column]));
+        fill(parts.emplace_back(), column, y, side[0], kAll, N * N, sum, whole_[column]);
         continue;
       }
       ++sum_.divided;
@@ -85,7 +85,7 @@ class RowOfSamples {
           if (side[k] == first) points |= 1U << k, ++shown, sum += near[k];
         left &= ~points;
         const PlaceInImage in = N <= 2 ? place_[points % kPlaces] : middle_of(static_cast<std::uint16_t>(points), N);
-        parts.push_back(part(column, y, first, points, shown, sum, line_of_sight(column + in.x, y + in.y)));
+        fill(parts.emplace_back(), column, y, first, points, shown, sum, line_of_sight(column + in.x, y + in.y));
       }
     }
   }
@@ -103,18 +103,18 @@ class RowOfSamples {
   LineOfSight line_of_sight(double x, double y) const {
     const auto u = static_cast<float>((x - camera_.axis_x) * camera_.step_x),
                v = static_cast<float>((y - camera_.axis_y) * camera_.step_y);
-    return {std::sqrt(1.0F + u * u + v * v),
-            static_cast<float>(camera_.ahead[2]) + u * static_cast<float>(camera_.right[2]) +
-                v * static_cast<float>(camera_.down[2])};
+    return {std::sqrt(1.0F + u * u + v * v), static_cast<float>(camera_.ahead[2]) +
+                                                 u * static_cast<float>(camera_.right[2]) +
+                                                 v * static_cast<float>(camera_.down[2])};
   }
 
-  SamplePart part(std::uint32_t column, std::uint32_t row, std::uint32_t side, std::uint32_t points, int shown,
-                  float nearness_sum, const LineOfSight& line) {
-    SamplePart out{.column = column,
-                   .row = row,
-                   .side = side,
-                   .points = static_cast<std::uint16_t>(points),
-                   .shown = static_cast<std::uint8_t>(shown)};
+  void fill(SamplePart& out, std::uint32_t column, std::uint32_t row, std::uint32_t side, std::uint32_t points,
+            int shown, float nearness_sum, const LineOfSight& line) {
+    out.column = column;
+    out.row = row;
+    out.side = side;
+    out.points = static_cast<std::uint16_t>(points);
+    out.shown = static_cast<std::uint8_t>(shown);
     if (side == kNone) {
       out.height_m = line.rise / line.length;
     } else {
@@ -123,7 +123,6 @@ class RowOfSamples {
       out.height_m = static_cast<float>(camera_.position[2]) + depth * line.rise;
       sum_.add(out.range_m, out.height_m);
     }
-    return out;
   }
 
   const Camera& camera_;
@@ -138,7 +137,8 @@ void parts_of(const Screen& screen, const Camera& camera, VisibleParts& parts, i
   Sum all;
   std::mutex lock;
   parts.band.resize(static_cast<std::size_t>(screen.bands()));
-  mtf::parallel_for(screen.bands(), 1, threads, [&](std::int64_t begin, std::int64_t end) {
+  const std::int64_t together = std::max<std::int64_t>(screen.bands() / (16 * mtf::threads_of(threads)), 1);
+  mtf::parallel_for(screen.bands(), together, threads, [&](std::int64_t begin, std::int64_t end) {
     ScreenRows rows;
     RowOfSamples<N> samples(camera);
     for (std::int64_t b = begin; b < end; ++b) {

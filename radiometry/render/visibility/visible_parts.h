@@ -27,7 +27,7 @@ struct SamplePart {
 struct VisibleParts {
   int n = 1;
   std::vector<std::vector<SamplePart>> band{};
-  PathExtent extent{};       ///< of what is seen of facets
+  PathExtent extent{};        ///< of what is seen of facets
   std::size_t on_facets = 0;  ///< parts
   std::size_t divided = 0;    ///< samples of more than one part
 };

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a camera sees: where it looks, what is there against a search through all triangles in double precision, and that
-// nothing shows through a closed surface.
+// What a camera sees: where it looks, what is there against a search through all triangles in double precision, and
+// that nothing shows through a closed surface.
 
 #include "radiometry/render/visibility/screen.h"
 
