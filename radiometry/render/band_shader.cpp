@@ -39,12 +39,28 @@ BandShader::BandShader(RenderBand band, const RenderScene& scene, const Patches&
   for (const Finish& finish : scene.finish) curves_.push_back(finish.emissivity);
   nodes_ = band_nodes(band_.curves, curves_);
   for (const Spectrum& curve : curves_) emissivity_.push_back(at_nodes(nodes_, curve));
-  folds_ = std::make_unique<EmissionFolds>(nodes_, emissivity_, ranges_of(scene));
+  range_ = ranges_of(scene);
+  folds_ = std::make_unique<EmissionFolds>(nodes_, emissivity_, range_);
   std::optional<AirView> sky;
   if (scene.air && scene.air->profile.levels.size() > 1)
     sky.emplace(*scene.air, nodes_, scene.altitude_m, ground_height_m(scene.facets()));
   sources_ = light_sources(scene, nodes_, emissivity_, patches, patch_temperatures_k(scene, patches), views,
                            sky ? &*sky : nullptr);
+}
+
+void BandShader::temperatures_changed() {
+  constexpr double kRoom_k = 2.0;  // so that those to come are covered too
+  const std::vector<KelvinRange> now = ranges_of(scene_);
+  bool covered = true;
+  for (std::size_t m = 0; m < now.size(); ++m)
+    covered = covered && now[m].lo_k >= range_[m].lo_k && now[m].hi_k <= range_[m].hi_k;
+  if (!covered) {
+    for (std::size_t m = 0; m < now.size(); ++m)
+      range_[m] = {std::min(range_[m].lo_k, now[m].lo_k - kRoom_k), std::max(range_[m].hi_k, now[m].hi_k + kRoom_k)};
+    folds_ = std::make_unique<EmissionFolds>(nodes_, emissivity_, range_);
+    tables_.reset();
+  }
+  for (Shaded& one : shaded_) one.finish = scene::kNone;
 }
 
 bool BandShader::prepare(double camera_height_m, const PathExtent& extent) {

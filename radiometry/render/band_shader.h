@@ -28,6 +28,8 @@ class BandShader {
   BandShader(RenderBand band, const RenderScene& scene, const Patches& patches, const scene::Views& views,
              double tolerance, bool with_air);
 
+  /// Temperatures of the scene are others: nothing that depends on them is kept.
+  void temperatures_changed();
   /// Sees to it that tables hold for a camera at that height and what it sees; returns whether they were made anew.
   bool prepare(double camera_height_m, const PathExtent& extent);
   /// The values of all visible sides, for this camera; only of those whose cell or tables changed. Returns how many.
@@ -63,6 +65,7 @@ class BandShader {
   double tolerance_;
   bool with_air_;
   BandNodes nodes_;
+  std::vector<KelvinRange> range_;  ///< of temperatures, by finish
   std::unique_ptr<EmissionFolds> folds_;
   LightSources sources_;
   std::unique_ptr<AirView> view_;

@@ -65,4 +65,18 @@ std::vector<double> patch_temperatures_k(const RenderScene& scene, const Patches
   return mean_k;
 }
 
+bool still_alike(const RenderScene& scene, const Patches& patches) {
+  constexpr double kLeast_k = 2.0;
+  constexpr std::size_t kMost = 100;  // one in so many may be farther
+  const double limit = std::max(patches.step_k, kLeast_k);
+  const std::vector<double> mean_k = patch_temperatures_k(scene, patches);
+  std::size_t sides = 0, far = 0;
+  for (std::size_t s = 0; s < patches.patch_of.size(); ++s) {
+    if (patches.patch_of[s] == scene::kNone) continue;
+    ++sides;
+    far += std::abs(static_cast<double>(scene.temperature_k[s]) - mean_k[patches.patch_of[s]]) > limit ? 1 : 0;
+  }
+  return kMost * far <= sides;
+}
+
 }  // namespace radiometry::render

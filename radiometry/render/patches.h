@@ -22,6 +22,10 @@ struct Patches {
 /// At most `most` patches, or one for each finish where these are more. Sides without a temperature belong to none.
 Patches patches_by_temperature(const RenderScene& scene, std::size_t most = 300);
 
+/// Whether patches made of other temperatures still do: sides are within `step_k`, or 2 K, of the mean of their patch,
+/// nearly all of them.
+bool still_alike(const RenderScene& scene, const Patches& patches);
+
 /// The mean temperature of each patch, by area.
 std::vector<double> patch_temperatures_k(const RenderScene& scene, const Patches& patches);
 

@@ -61,16 +61,30 @@ struct Renderer::Parts {
   std::unique_ptr<BandShader> surface{};  ///< of the first band, without air
   std::unique_ptr<VisibleSides> sides{};
   VisibleParts parts{}, middles{};  ///< of the frame, and of its layers
+  double camera_height_m = 0.0;     ///< of the last frame
 
-  void make(std::vector<RenderBand> bands);
+  void make(std::vector<RenderBand> bands, const Known* known);
   bool shadows_matter() const;
 };
 
-void Renderer::Parts::make(std::vector<RenderBand> bands) {
+struct Renderer::Known {
+  RenderOptions options;
+  Patches patches;
+  scene::Views patch_views;
+  PathExtent extent;  ///< of the last frame
+  double camera_height_m;
+  RenderScene scene;  ///< of `sides`, with its sun alone
+  std::optional<VisibleSides> sides{};
+};
+
+void Renderer::Parts::make(std::vector<RenderBand> bands, const Known* known) {
   Laps laps(timing);
   const bool light = reflects(scene);
   patch_views.rings = options.rings;
-  if (light) {
+  if (known != nullptr) {
+    patches = known->patches;
+    patch_views = known->patch_views;
+  } else if (light) {
     patches = patches_by_temperature(scene);
     patch_views = scene::views(
         *scene.rays, patches.sides, patches.patch_of, patches.size(),
@@ -81,10 +95,13 @@ void Renderer::Parts::make(std::vector<RenderBand> bands) {
     surface = std::make_unique<BandShader>(bands.front(), scene, patches, patch_views, options.tolerance, false);
   for (RenderBand& band : bands)
     shader.emplace_back(std::move(band), scene, patches, patch_views, options.tolerance, true);
-  sides = std::make_unique<VisibleSides>(
-      scene, patches,
-      VisibleSides::Options{
-          .rings = options.rings, .rays = options.view_rays, .views = light, .threads = options.threads});
+  if (known != nullptr)
+    sides = std::make_unique<VisibleSides>(scene, patches, *known->sides);
+  else
+    sides = std::make_unique<VisibleSides>(
+        scene, patches,
+        VisibleSides::Options{
+            .rings = options.rings, .rays = options.view_rays, .views = light, .threads = options.threads});
   laps.lap("light and emission");
 }
 
@@ -98,8 +115,36 @@ Renderer::Renderer(const RenderScene& scene, std::vector<RenderBand> bands, Rend
   require_valid(scene);
   require_options(options, bands.size());
   parts_ = std::make_unique<Parts>(Parts{.scene = scene, .options = options});
-  parts_->make(std::move(bands));
+  parts_->make(std::move(bands), nullptr);
 }
+
+Renderer::Renderer(const RenderScene& scene, std::vector<RenderBand> bands, const Known& known) {
+  require_valid(scene);
+  require_options(known.options, bands.size());
+  parts_ = std::make_unique<Parts>(Parts{.scene = scene, .options = known.options});
+  const bool alike = known.patches.size() == 0 || still_alike(scene, known.patches);
+  parts_->make(std::move(bands), alike ? &known : nullptr);
+  if (known.extent.farthest_m > 0.0)
+    for (BandShader& one : parts_->shader) one.prepare(known.camera_height_m, known.extent);
+}
+
+std::shared_ptr<const Renderer::Known> Renderer::known() const {
+  const Parts& my = *parts_;
+  const auto copy = std::make_shared<Known>(Known{.options = my.options,
+                                                  .patches = my.patches,
+                                                  .patch_views = my.patch_views,
+                                                  .extent = my.parts.extent,
+                                                  .camera_height_m = my.camera_height_m,
+                                                  .scene = {.rays = my.scene.rays, .sun = my.scene.sun}});
+  copy->sides.emplace(copy->scene, copy->patches, *my.sides);
+  return copy;
+}
+
+void Renderer::temperatures_changed() {
+  for (BandShader& one : parts_->shader) one.temperatures_changed();
+  if (parts_->surface) parts_->surface->temperatures_changed();
+}
+
 Renderer::~Renderer() = default;
 Renderer::Renderer(Renderer&&) noexcept = default;
 
@@ -110,6 +155,7 @@ RenderedFrame Renderer::render(const Camera& camera) {
   const RenderOptions& options = my.options;
   RenderedFrame frame;
   Laps laps(frame.timing_ms);
+  my.camera_height_m = camera.position[2];
   require_outside(my.scene, camera.position);
   find_parts(my.scene, camera, options.points, my.parts, options.threads);
   if (my.parts.on_facets == 0)

@@ -68,6 +68,18 @@ class Renderer {
   ~Renderer();
   Renderer(Renderer&&) noexcept;
 
+  /// What a renderer knows of a scene that does not depend on light, air and bands: which sides were seen, what they
+  /// see of each other. A copy, for a renderer of the same facets and finishes at another time or in other bands.
+  struct Known;
+  std::shared_ptr<const Known> known() const;
+  /// With tables ready for the camera that `known` saw last. Where temperatures have become others than those that
+  /// surfaces were put together by, only facets are taken over. May run beside render() of another renderer.
+  Renderer(const RenderScene& scene, std::vector<RenderBand> bands, const Known& known);
+
+  /// To be called when `temperature_k` of the scene has changed. What surfaces reflect stays that of the temperatures
+  /// at the start.
+  void temperatures_changed();
+
   /// What did not change since the last frame is not worked out again. Throws mtf::UsageError for a camera that sees no
   /// facet, or the inside of a solid.
   RenderedFrame render(const Camera& camera);

@@ -13,6 +13,22 @@ namespace radiometry::render {
 VisibleSides::VisibleSides(const RenderScene& scene, const Patches& patches, const Options& options)
     : scene_(scene), patches_(patches), options_(options), number_(2 * scene.facets().size(), scene::kNone) {}
 
+VisibleSides::VisibleSides(const RenderScene& scene, const Patches& patches, const VisibleSides& known)
+    : scene_(scene),
+      patches_(patches),
+      options_(known.options_),
+      number_(known.number_),
+      side_(known.side_),
+      sun_cosine_(known.sun_cosine_),
+      sun_share_(known.sun_share_),
+      first_(known.first_),
+      source_(known.source_),
+      share_(known.share_) {
+  const std::optional<Sun>& sun = known.scene_.sun;
+  const bool same = scene.sun ? sun && sun->to_sun == scene.sun->to_sun : !sun;
+  if (!same) light(0);
+}
+
 /// In the order of sides, so that what lies together in space lies together here.
 std::vector<std::uint32_t> VisibleSides::unknown(const VisibleParts& parts) const {
   std::vector<std::uint32_t> fresh;
@@ -43,7 +59,7 @@ std::size_t VisibleSides::add(const VisibleParts& parts) {
   }
   std::vector<scene::Side> sides;
   for (const std::uint32_t side : fresh) sides.push_back({side / 2, side % 2 == 1});
-  add_sun(sides);
+  light(side_.size() - fresh.size());
   if (options_.views)
     add_views(sides);
   else
@@ -51,26 +67,28 @@ std::size_t VisibleSides::add(const VisibleParts& parts) {
   return fresh.size();
 }
 
-void VisibleSides::add_sun(std::span<const scene::Side> fresh) {
+void VisibleSides::light(std::size_t first) {
   constexpr int kPoints = 16;
-  sun_cosine_.resize(side_.size(), 0.0F);
-  sun_share_.resize(side_.size(), 0.0F);
-  if (!scene_.sun || fresh.empty()) return;
+  sun_cosine_.resize(side_.size());
+  sun_share_.resize(side_.size());
+  std::fill(sun_cosine_.begin() + static_cast<std::ptrdiff_t>(first), sun_cosine_.end(), 0.0F);
+  std::fill(sun_share_.begin() + static_cast<std::ptrdiff_t>(first), sun_share_.end(), 0.0F);
+  if (!scene_.sun) return;
   const Vector& to_sun = scene_.sun->to_sun;
-  const std::size_t first = side_.size() - fresh.size();
-  mtf::parallel_for(
-      static_cast<std::int64_t>(fresh.size()), 256, options_.threads, [&](std::int64_t begin, std::int64_t end) {
-        for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
-          const double up = scene::dot(scene_.facets().facet[fresh[i].facet].normal, to_sun);
-          const double cosine = (fresh[i].back ? -up : up) / scene::length(to_sun);
-          if (!(cosine > 0.0)) continue;
-          // One at a time, so that the points are those of the side, whatever others there are.
-          const scene::SunVisibility lit = sun_visibility(*scene_.rays, fresh.subspan(i, 1), std::span(&to_sun, 1),
-                                                          {.points = kPoints, .seed = index(fresh[i]), .threads = 1});
-          sun_cosine_[first + i] = static_cast<float>(cosine);
-          sun_share_[first + i] = static_cast<float>(lit.share(0, 0));
-        }
-      });
+  const auto count = static_cast<std::int64_t>(side_.size() - first);
+  mtf::parallel_for(count, 256, options_.threads, [&](std::int64_t begin, std::int64_t end) {
+    for (std::size_t n = first + static_cast<std::size_t>(begin); n < first + static_cast<std::size_t>(end); ++n) {
+      const scene::Side side{side_[n] / 2, side_[n] % 2 == 1};
+      const double up = scene::dot(scene_.facets().facet[side.facet].normal, to_sun);
+      const double cosine = (side.back ? -up : up) / scene::length(to_sun);
+      if (!(cosine > 0.0)) continue;
+      // One at a time, so that the points are those of the side, whatever others there are.
+      const scene::SunVisibility lit = sun_visibility(*scene_.rays, std::span(&side, 1), std::span(&to_sun, 1),
+                                                      {.points = kPoints, .seed = index(side), .threads = 1});
+      sun_cosine_[n] = static_cast<float>(cosine);
+      sun_share_[n] = static_cast<float>(lit.share(0, 0));
+    }
+  });
 }
 
 void VisibleSides::add_views(std::span<const scene::Side> fresh) {

@@ -19,6 +19,8 @@ class VisibleSides {
   };
   /// `scene` and `patches` outlive it.
   VisibleSides(const RenderScene& scene, const Patches& patches, const Options& options);
+  /// Those that `known` has, of the same facets and patches, in the sun of `scene`.
+  VisibleSides(const RenderScene& scene, const Patches& patches, const VisibleSides& known);
 
   /// Numbers the sides of these parts that are new; returns how many.
   std::size_t add(const VisibleParts& parts);
@@ -44,7 +46,8 @@ class VisibleSides {
 
  private:
   std::vector<std::uint32_t> unknown(const VisibleParts& parts) const;
-  void add_sun(std::span<const scene::Side> fresh);
+  /// The sun on the sides from number `first` on.
+  void light(std::size_t first);
   void add_views(std::span<const scene::Side> fresh);
 
   const RenderScene& scene_;

@@ -7,8 +7,6 @@
 
 #include "apps/scene/heat/ground.h"
 #include "apps/scene/heat/stopwatch.h"
-#include "apps/scene/heat/surfaces.h"
-#include "apps/scene/render/side_temperatures.h"
 #include "apps/text/words.h"
 #include "mtf/error.h"
 #include "radiometry/atmosphere/sky_radiance.h"
@@ -124,27 +122,49 @@ void set_weather(const SceneFile& file, const Surfaces& surfaces, const PictureO
 
 }  // namespace
 
-PictureScene read_picture_scene(const SceneFile& file, const PictureOptions& options) {
-  require_files(file);
-  PictureScene out;
+PictureSource::PictureSource(const SceneFile& file, PictureOptions options, std::optional<HeatRows> rows)
+    : file_(file), options_(std::move(options)) {
+  require_files(file_);
   const Stopwatch read;
-  Surfaces surfaces = read_surfaces(file);
-  out.warnings = surfaces.warnings;
-  out.timing_ms.emplace_back("meshes", read.ms());
-  const Stopwatch temperatures;
-  SideTemperatures sides = side_temperatures(file, surfaces, options.temperatures, options.utc_s);
-  out.scene.temperature_k = std::move(sides.kelvin);
-  out.utc_s = sides.utc_s;
-  out.timing_ms.emplace_back("temperatures", temperatures.ms());
-  const Stopwatch weather;
-  set_finishes(file, surfaces, out.scene);
-  set_weather(file, surfaces, options, out);
-  out.timing_ms.emplace_back("weather", weather.ms());
+  surfaces_ = read_surfaces(file_);
+  timing_ms_.emplace_back("meshes", read.ms());
+  const Stopwatch opened;
+  if (rows)
+    temperatures_.emplace(file_, surfaces_, std::move(*rows));
+  else
+    temperatures_.emplace(file_, surfaces_, options_.temperatures);
+  set_finishes(file_, surfaces_, finishes_);
+  timing_ms_.emplace_back("temperatures", opened.ms());
   const Stopwatch tree;
-  out.rays = std::make_unique<radiometry::scene::Rays>(std::move(surfaces.facets));
-  out.scene.rays = out.rays.get();
-  out.timing_ms.emplace_back("tree", tree.ms());
+  rays_ = std::make_shared<const radiometry::scene::Rays>(std::move(surfaces_.facets));
+  finishes_.rays = rays_.get();
+  timing_ms_.emplace_back("tree", tree.ms());
+}
+
+PictureScene PictureSource::at(std::optional<double> utc_s) {
+  PictureScene out;
+  out.rays = rays_;
+  out.scene = finishes_;
+  out.warnings = surfaces_.warnings;
+  out.timing_ms = timing_ms_;
+  out.utc_s = utc_s ? *utc_s : options_.utc_s ? *options_.utc_s : temperatures_->default_utc_s();
+  const Stopwatch temperatures;
+  temperatures_->at(out.utc_s, out.scene.temperature_k);
+  out.timing_ms[1].second += temperatures.ms();
+  const Stopwatch weather;
+  set_weather(file_, surfaces_, options_, out);
+  out.timing_ms.emplace_back("weather", weather.ms());
   return out;
+}
+
+void PictureSource::set_air(const PictureOptions& options) {
+  options_.sensor_air = options.sensor_air;
+  options_.sensor_file = options.sensor_file;
+  options_.air = options.air;
+}
+
+PictureScene read_picture_scene(const SceneFile& file, const PictureOptions& options) {
+  return PictureSource(file, options).at();
 }
 
 void require_above_ground(const PictureScene& picture, const radiometry::scene::Point& camera) {

@@ -20,7 +20,8 @@
 #include <utility>
 #include <vector>
 
-#include "apps/scene/scene_file/scene_file.h"
+#include "apps/scene/heat/surfaces.h"
+#include "apps/scene/render/side_temperatures.h"
 #include "radiometry/render/render_scene.h"
 
 namespace apps::scene {
@@ -35,7 +36,7 @@ struct PictureOptions {
 };
 
 struct PictureScene {
-  std::unique_ptr<radiometry::scene::Rays> rays;
+  std::shared_ptr<const radiometry::scene::Rays> rays;
   radiometry::render::RenderScene scene;  ///< refers to `rays`
   double utc_s = 0.0;
   std::vector<std::pair<std::string, std::string>> closures;  ///< what stands for sky, sun, ground and air: name, words
@@ -43,8 +44,33 @@ struct PictureScene {
   std::vector<std::pair<std::string, double>> timing_ms;
 };
 
-/// Throws UsageError for regions without a temperature (by name), times that tables and weather do not have, air in
-/// both files, and as read_surfaces; RuntimeError for files that cannot be read.
+/// The pictures' scene at one time or another: meshes are read once.
+class PictureSource {
+ public:
+  /// `rows`: temperatures in place of those that `options` name. Throws UsageError for regions without a temperature
+  /// (by name), air in both files, and as read_surfaces; RuntimeError for files that cannot be read.
+  PictureSource(const SceneFile& file, PictureOptions options, std::optional<HeatRows> rows = std::nullopt);
+
+  /// All of it at `utc_s`, or else at PictureOptions::utc_s, the end of the table, or the start of the file. Throws
+  /// UsageError for times that temperatures and weather do not have.
+  PictureScene at(std::optional<double> utc_s = std::nullopt);
+  /// The temperatures alone.
+  void temperatures(double utc_s, std::vector<float>& kelvin) { temperatures_->at(utc_s, kelvin); }
+  bool temperatures_change() const { return temperatures_->change(); }
+  /// The same scene in the air of another sensor file, or of none.
+  void set_air(const PictureOptions& options);
+
+ private:
+  SceneFile file_;
+  PictureOptions options_;
+  Surfaces surfaces_;  ///< its facets are in `rays_`
+  std::shared_ptr<const radiometry::scene::Rays> rays_;
+  std::optional<SideTemperatures> temperatures_;
+  radiometry::render::RenderScene finishes_;  ///< and their sides
+  std::vector<std::pair<std::string, double>> timing_ms_;
+};
+
+/// One picture: PictureSource(file, options).at().
 PictureScene read_picture_scene(const SceneFile& file, const PictureOptions& options);
 
 /// Throws UsageError where the camera is below the ground: it looks at the back of an open surface above it, and

@@ -18,87 +18,176 @@ namespace {
 namespace fs = std::filesystem;
 namespace heat = radiometry::heat;
 
-/// Two rows, and how much of the second.
-struct Between {
-  std::uint64_t row = 0, next = 0;
-  double share = 0.0;
-};
-
-Between between(const std::vector<double>& times, double utc_s, const std::string& folder) {
-  if (!(utc_s >= times.front() && utc_s <= times.back()))
-    throw mtf::UsageError("--time: " + heat::instant_text(utc_s) + " is outside of the temperatures of " +
-                          one_line(folder) + ", which go from " + heat::instant_text(times.front()) + " to " +
-                          heat::instant_text(times.back()));
-  const auto above = std::upper_bound(times.begin(), times.end(), utc_s);
-  const auto row = static_cast<std::uint64_t>(above - times.begin()) - 1;
-  if (above == times.end()) return {row, row, 0.0};
-  return {row, row + 1, (utc_s - times[row]) / (times[row + 1] - times[row])};
-}
-
-std::vector<float> row_at(const std::string& path, std::size_t facets, const Between& place) {
-  NpyRows table(path);
-  if (table.columns() != facets)
-    throw mtf::UsageError(one_line(path) + ": has " + std::to_string(table.columns()) + " facets, the scene " +
-                          std::to_string(facets) + "; it belongs to another scene");
-  std::vector<float> values = table.row(place.row);
-  if (place.next == place.row) return values;
-  const std::vector<float> next = table.row(place.next);
-  for (std::size_t f = 0; f < facets; ++f)
-    values[f] = static_cast<float>((1.0 - place.share) * static_cast<double>(values[f]) +
-                                   place.share * static_cast<double>(next[f]));
-  return values;
-}
-
 /// Fronts, and the backs of sheets where they are known.
 struct FacetTemperatures {
   std::vector<float> front, back;
-  double utc_s = 0.0;
 };
 
-FacetTemperatures from_folder(const std::string& folder, std::size_t facets, std::optional<double> utc_s) {
-  const std::string front = folder + "/temperatures.npy", back = folder + "/temperatures_back.npy";
-  const std::vector<double> times = read_output_times(folder + "/times.csv", NpyRows(front).rows());
-  FacetTemperatures out;
-  out.utc_s = utc_s.value_or(times.back());
-  const Between place = between(times, out.utc_s, folder);
-  out.front = row_at(front, facets, place);
-  std::error_code ignored;
-  if (fs::exists(back, ignored)) out.back = row_at(back, facets, place);
-  return out;
-}
-
-FacetTemperatures from_table(const std::string& path, std::size_t facets, double utc_s) {
-  const FacetTable table = read_facet_table(path, facets);
-  FacetTemperatures out{.front = {}, .back = {}, .utc_s = utc_s};
-  for (std::uint32_t f = 0; f < facets; ++f) out.front.push_back(static_cast<float>(table.at(f, utc_s)));
-  return out;
-}
-
-FacetTemperatures from_regions(const SceneFile& file, const Surfaces& surfaces, double utc_s) {
-  std::string missing;
-  for (const RegionSection& region : file.regions)
-    if (!region.temperature) missing += (missing.empty() ? "'" : ", '") + one_line(region.name) + "'";
-  if (!missing.empty())
-    throw mtf::UsageError(one_line(file.file) + ": no temperature is given for the regions " + missing +
-                          "; name the folder that `mtf heat` wrote with --temperatures, or give each region a "
-                          "temperature");
-  const std::size_t facets = surfaces.facets.size();
-  std::vector<std::optional<FacetTable>> tables;
-  for (const RegionSection& region : file.regions)
-    tables.push_back(region.temperature->table.empty()
-                         ? std::nullopt
-                         : std::optional(read_facet_table(region.temperature->table, facets)));
-  FacetTemperatures out{.front = {}, .back = {}, .utc_s = utc_s};
-  for (std::uint32_t f = 0; f < facets; ++f) {
-    const std::uint32_t region = surfaces.region[f];
-    const auto& table = tables[region];
-    out.front.push_back(
-        static_cast<float>(table ? table->at(f, utc_s) : value_at(file.regions[region].temperature->schedule, utc_s)));
+/// Rows of a folder, of which the two about the last time stay in memory.
+class FolderRows {
+ public:
+  FolderRows(const std::string& folder, std::size_t facets) : front_(folder + "/temperatures.npy") {
+    times_ = read_output_times(folder + "/times.csv", front_.rows());
+    const std::string back = folder + "/temperatures_back.npy";
+    std::error_code ignored;
+    if (fs::exists(back, ignored)) back_.emplace(back);
+    for (const NpyRows* table : {&front_, back_ ? &*back_ : nullptr})
+      if (table != nullptr && table->columns() != facets)
+        throw mtf::UsageError(one_line(folder) + ": has " + std::to_string(table->columns()) + " facets, the scene " +
+                              std::to_string(facets) + "; it belongs to another scene");
   }
-  return out;
+  const std::vector<double>& times() const { return times_; }
+  const FacetTemperatures& row(std::size_t i) {
+    Known& known = known_[i % known_.size()];
+    if (known.row != i) {
+      known.values = {front_.row(i), back_ ? back_->row(i) : std::vector<float>()};
+      known.row = i;
+    }
+    return known.values;
+  }
+
+ private:
+  struct Known {
+    std::size_t row = static_cast<std::size_t>(-1);
+    FacetTemperatures values{};
+  };
+  NpyRows front_;
+  std::optional<NpyRows> back_{};
+  std::vector<double> times_{};
+  std::array<Known, 2> known_{};
+};
+
+void mix(const std::vector<float>& a, const std::vector<float>& b, double share, std::vector<float>& out) {
+  out.resize(a.size());
+  for (std::size_t f = 0; f < a.size(); ++f)
+    out[f] = static_cast<float>((1.0 - share) * static_cast<double>(a[f]) + share * static_cast<double>(b[f]));
 }
 
 }  // namespace
+
+struct SideTemperatures::State {
+  SceneFile file;
+  std::string source;
+  std::vector<std::uint32_t> region;
+  std::vector<bool> solid;  ///< of each facet: its back is the inside of a solid
+  std::optional<FolderRows> folder{};
+  HeatRows rows{};
+  std::optional<FacetTable> table{};
+  std::vector<std::optional<FacetTable>> region_tables{};
+  FacetTemperatures now{};
+
+  State(const SceneFile& scene, const Surfaces& surfaces, std::string from)
+      : file(scene), source(std::move(from)), region(surfaces.region) {
+    const radiometry::scene::Facets& facets = surfaces.facets;
+    for (std::uint32_t f = 0; f < facets.size(); ++f)
+      solid.push_back(facets.shells[facets.facet[f].shell].outward && !is_sheet(file, surfaces, f));
+  }
+
+  const std::vector<double>& times() const { return folder ? folder->times() : rows.utc_s; }
+  void from_rows(double utc_s);
+  void from_file(double utc_s);
+  void require_all() const;
+};
+
+void SideTemperatures::State::from_rows(double utc_s) {
+  const std::vector<double>& time = times();
+  if (!(utc_s >= time.front() && utc_s <= time.back()))
+    throw mtf::UsageError(heat::instant_text(utc_s) + " is outside of the temperatures of " + one_line(source) +
+                          ", which go from " + heat::instant_text(time.front()) + " to " +
+                          heat::instant_text(time.back()));
+  const auto above = std::upper_bound(time.begin(), time.end(), utc_s);
+  const std::size_t row = static_cast<std::size_t>(above - time.begin()) - 1;
+  const std::size_t next = std::min(row + 1, time.size() - 1);
+  const double share = next == row ? 0.0 : (utc_s - time[row]) / (time[next] - time[row]);
+  if (folder) {
+    const FacetTemperatures &a = folder->row(row), &b = folder->row(next);
+    mix(a.front, b.front, share, now.front);
+    mix(a.back, b.back, share, now.back);
+  } else {
+    mix(rows.front[row], rows.front[next], share, now.front);
+    mix(rows.back[row], rows.back[next], share, now.back);
+  }
+}
+
+void SideTemperatures::State::from_file(double utc_s) {
+  now.front.resize(region.size());
+  for (std::uint32_t f = 0; f < region.size(); ++f) {
+    const std::optional<FacetTable>& own = table ? table : region_tables[region[f]];
+    now.front[f] =
+        static_cast<float>(own ? own->at(f, utc_s) : value_at(file.regions[region[f]].temperature->schedule, utc_s));
+  }
+}
+
+void SideTemperatures::State::require_all() const {
+  std::vector<std::size_t> unknown(file.regions.size(), 0);
+  for (std::size_t f = 0; f < region.size(); ++f)
+    if (!(now.front[f] > 0.0F)) ++unknown[region[f]];
+  std::string missing;
+  for (std::size_t r = 0; r < unknown.size(); ++r)
+    if (unknown[r] > 0)
+      missing += (missing.empty() ? "'" : ", '") + one_line(file.regions[r].name) + "' (" + std::to_string(unknown[r]) +
+                 " facets)";
+  if (!missing.empty())
+    throw mtf::UsageError(one_line(source) + ": has no temperature for facets of the regions " + missing);
+}
+
+SideTemperatures::SideTemperatures(const SceneFile& file, const Surfaces& surfaces, const std::string& source)
+    : state_(std::make_unique<State>(file, surfaces, source.empty() ? file.file : source)) {
+  std::error_code ignored;
+  const std::size_t facets = surfaces.facets.size();
+  if (source.empty()) {
+    if (const std::string missing = regions_to_solve(file); !missing.empty())
+      throw mtf::UsageError(one_line(file.file) + ": no temperature is given for the regions " + missing +
+                            "; name the folder that `mtf heat` wrote with --temperatures, or give each region a "
+                            "temperature");
+    for (const RegionSection& region : file.regions)
+      state_->region_tables.push_back(region.temperature->table.empty()
+                                          ? std::nullopt
+                                          : std::optional(read_facet_table(region.temperature->table, facets)));
+  } else if (fs::is_directory(source, ignored)) {
+    state_->folder.emplace(source, facets);
+  } else {
+    state_->table = read_facet_table(source, facets);
+  }
+}
+
+SideTemperatures::SideTemperatures(const SceneFile& file, const Surfaces& surfaces, HeatRows rows)
+    : state_(std::make_unique<State>(file, surfaces, file.file)) {
+  state_->rows = std::move(rows);
+}
+
+SideTemperatures::~SideTemperatures() = default;
+SideTemperatures::SideTemperatures(SideTemperatures&&) noexcept = default;
+
+double SideTemperatures::default_utc_s() const {
+  return state_->times().empty() ? state_->file.time.start_s : state_->times().back();
+}
+
+bool SideTemperatures::change() const {
+  const State& state = *state_;
+  if (!state.times().empty()) return state.times().size() > 1;
+  if (state.table) return state.table->time_s.size() > 1;
+  return std::any_of(state.file.regions.begin(), state.file.regions.end(), [](const RegionSection& region) {
+    return region.temperature && (!region.temperature->table.empty() || !region.temperature->schedule.constant());
+  });
+}
+
+void SideTemperatures::at(double utc_s, std::vector<float>& kelvin) {
+  State& state = *state_;
+  if (state.times().empty())
+    state.from_file(utc_s);
+  else
+    state.from_rows(utc_s);
+  state.require_all();
+  const std::vector<float>&front = state.now.front, &back = state.now.back;
+  kelvin.resize(2 * front.size());
+  for (std::size_t f = 0; f < front.size(); ++f) {
+    kelvin[2 * f] = front[f];
+    kelvin[2 * f + 1] = state.solid[f]                          ? std::numeric_limits<float>::quiet_NaN()
+                        : back.empty() || !(back[f] > 0.0F) ? front[f]
+                                                                : back[f];
+  }
+}
 
 bool is_sheet(const SceneFile& file, const Surfaces& surfaces, std::uint32_t facet) {
   const RegionSection& region = file.regions[surfaces.region[facet]];
@@ -107,32 +196,11 @@ bool is_sheet(const SceneFile& file, const Surfaces& surfaces, std::uint32_t fac
   return surface.construction.is_sheet() && surface.pair_m == 0.0;
 }
 
-SideTemperatures side_temperatures(const SceneFile& file, const Surfaces& surfaces, const std::string& source,
-                                   std::optional<double> utc_s) {
-  const radiometry::scene::Facets& facets = surfaces.facets;
-  std::error_code ignored;
-  const double start_s = utc_s.value_or(file.time.start_s);
-  const FacetTemperatures of = source.empty()                      ? from_regions(file, surfaces, start_s)
-                               : fs::is_directory(source, ignored) ? from_folder(source, facets.size(), utc_s)
-                                                                   : from_table(source, facets.size(), start_s);
-  SideTemperatures out{.kelvin = {}, .utc_s = of.utc_s};
-  std::vector<std::size_t> unknown(file.regions.size(), 0);
-  for (std::uint32_t f = 0; f < facets.size(); ++f) {
-    const float front = of.front[f];
-    if (!(front > 0.0F)) ++unknown[surfaces.region[f]];
-    const bool solid = facets.shells[facets.facet[f].shell].outward && !is_sheet(file, surfaces, f);
-    const float own = of.back.empty() || !(of.back[f] > 0.0F) ? front : of.back[f];
-    out.kelvin.push_back(front);
-    out.kelvin.push_back(solid ? std::numeric_limits<float>::quiet_NaN() : own);
-  }
+std::string regions_to_solve(const SceneFile& file) {
   std::string missing;
-  for (std::size_t r = 0; r < unknown.size(); ++r)
-    if (unknown[r] > 0)
-      missing += (missing.empty() ? "'" : ", '") + one_line(file.regions[r].name) + "' (" + std::to_string(unknown[r]) +
-                 " facets)";
-  if (!missing.empty())
-    throw mtf::UsageError(one_line(source) + ": has no temperature for facets of the regions " + missing);
-  return out;
+  for (const RegionSection& region : file.regions)
+    if (!region.temperature) missing += (missing.empty() ? "'" : ", '") + one_line(region.name) + "'";
+  return missing;
 }
 
 }  // namespace apps::scene

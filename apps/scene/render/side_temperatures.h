@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Temperatures of both sides of all facets at one time.
+// Temperatures of both sides of all facets over time: what `mtf heat` wrote or worked out, a table from elsewhere, or
+// what the regions of the scene file have. Straight lines between the times that are known.
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -11,17 +13,38 @@
 
 namespace apps::scene {
 
-struct SideTemperatures {
-  std::vector<float> kelvin;  ///< radiometry::scene::index(side); NaN for the inside of solids
-  double utc_s = 0.0;
+/// Temperatures of all facets at some times.
+struct HeatRows {
+  std::vector<double> utc_s{};                  ///< rising
+  std::vector<std::vector<float>> front{}, back{};  ///< K, [time][facet]; back: NaN, or empty, where it is not another
 };
 
-/// `source`: the folder that `mtf heat` wrote, or a table of facets (facet_table.h); "": what the regions of the file
-/// have. Throws UsageError naming the regions without a temperature, and for a time that the table does not have.
-SideTemperatures side_temperatures(const SceneFile& file, const Surfaces& surfaces, const std::string& source,
-                                   std::optional<double> utc_s);
+class SideTemperatures {
+ public:
+  /// `source`: the folder that `mtf heat` wrote, or a table of facets (facet_table.h); "": what the regions of the file
+  /// have. Throws UsageError naming the regions without a temperature.
+  SideTemperatures(const SceneFile& file, const Surfaces& surfaces, const std::string& source);
+  SideTemperatures(const SceneFile& file, const Surfaces& surfaces, HeatRows rows);
+  ~SideTemperatures();
+  SideTemperatures(SideTemperatures&&) noexcept;
+
+  /// Of the last row; of the start of the run where there are no rows.
+  double default_utc_s() const;
+  /// Whether they change with time.
+  bool change() const;
+  /// Fills `kelvin` of radiometry::scene::index(side); NaN for the inside of solids. Throws UsageError for a time that
+  /// the rows do not have, and for facets without a temperature, with their regions. Not from two threads at once.
+  void at(double utc_s, std::vector<float>& kelvin);
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
 
 /// Whether the back of that facet is exposed and has a temperature of its own.
 bool is_sheet(const SceneFile& file, const Surfaces& surfaces, std::uint32_t facet);
+
+/// The regions of the file that have no temperature, as words: 'a', 'b'; "" where all have.
+std::string regions_to_solve(const SceneFile& file);
 
 }  // namespace apps::scene
