@@ -27,5 +27,6 @@ Command optimize_command();
 Command scene_command();
 Command heat_command();
 Command render_command();
+Command fly_command();
 
 }  // namespace apps

@@ -5,6 +5,7 @@
 #include "apps/arguments.h"
 #include "apps/command_line.h"
 #include "apps/commands.h"
+#include "apps/scene/command/fly_options.h"
 #include "apps/scene/command/render_options.h"
 
 namespace apps {
@@ -45,6 +46,9 @@ Command scene_command() {
   return app;
 }
 
+constexpr std::array kPoints{std::pair{std::string_view("1"), 1}, std::pair{std::string_view("4"), 4},
+                             std::pair{std::string_view("16"), 16}};
+
 Command render_command() {
   const auto shared = std::make_shared<RenderCommandOptions>();
   RenderCommandOptions& options = *shared;
@@ -79,8 +83,6 @@ Command render_command() {
     if (!(options.samples_per_pitch >= 0.5 && options.samples_per_pitch <= 64.0))
       throw mtf::UsageError("--samples-per-pitch: " + text + "; it is from 0.5 to 64");
   });
-  constexpr std::array kPoints{std::pair{std::string_view("1"), 1}, std::pair{std::string_view("4"), 4},
-                               std::pair{std::string_view("16"), 16}};
   add_choice(app, "--points", "N", "1, 4 (default) or 16, of each sample, which is their mean", kPoints,
              options.points);
   add_flag(app, "--all-shadows",
@@ -102,6 +104,78 @@ Command render_command() {
   add_word(app, "--format", "FORMAT", "of standard output: table (default) or json",
            [&](const std::string& text) { options.json = choice("--format", text, kTableOrJson) == Format::json; });
   app.run = [shared](const Global& global) { return run_render(*shared, global); };
+  return app;
+}
+
+Command fly_command() {
+  const auto shared = std::make_shared<FlyCommandOptions>();
+  FlyCommandOptions& options = *shared;
+  Command app{
+      "fly", "image after image of a 3-D scene, while everything may change",
+      "Each frame is the picture that mtf render makes and the image that mtf simulate makes of it, in one process:\n"
+      "temperatures at that time, sun and sky, the camera on its path ([camera] path of the scene file), the air, and\n"
+      "the whole sensor, whose parameters a schedule may change from frame to frame. Without --temperatures the heat\n"
+      "balance is worked out first. Only what has changed is done again. Prints frames a second and the time of each\n"
+      "stage; without -o nothing is written. After Ctrl-C the frames that are finished stay.",
+      "  mtf fly vehicle/scene.toml camera.toml --time 2026-06-22T05:00:00Z --seconds 4 -o frame.%04d.png\n"
+      "  mtf fly scene.toml camera.toml --temperatures temperatures --schedule zoom.csv --frames 0:99"};
+  add_file(app, "scene", "scene file (TOML)", options.scene);
+  add_file(app, "sensor", "sensor file (TOML)", options.sensor);
+  add_text(app, "-o,--out", "FILE", "files to write, as frame.%04d.png; .exr to measure them", options.out);
+  add_word(app, "--frames", "RANGE", "START:STOP[:STEP], both ends; default: those of the camera's path",
+           [&](const std::string& text) { options.frames = frame_range("--frames", text); });
+  const auto positive = [](const char* name, double& to, double most) {
+    return [name, &to, most](const std::string& text) {
+      to = number(name, text);
+      if (!(to > 0.0 && to <= most))
+        throw mtf::UsageError(std::string(name) + ": " + text + " is outside (0, " + mtf::format_double(most) + "]");
+    };
+  };
+  add_word(app, "--seconds", "N", "how long the flight takes, in place of --frames", [&](const std::string& text) {
+    options.seconds = number("--seconds", text);
+    if (!(*options.seconds >= 0.0)) throw mtf::UsageError("--seconds: " + text + " is below 0");
+  });
+  add_word(app, "--rate", "HZ", "frames a second of the flight; default 25", positive("--rate", options.rate_hz, 1e6));
+  add_word(app, "--speed", "X", "of the scene's clock against the flight's; 600: ten minutes a second; default 1",
+           [&](const std::string& text) {
+             options.speed = number("--speed", text);
+             if (!(options.speed >= 0.0 && options.speed <= 1e6))
+               throw mtf::UsageError("--speed: " + text + " is outside [0, 1e6]");
+           });
+  add_text(app, "--time", "INSTANT", "of frame 0, UTC, as 2026-06-21T11:40:00Z; default: the scene's start",
+           options.time);
+  add_text(app, "--temperatures", "PATH", "folder that mtf heat wrote, or a table of facets (.npy, .csv)",
+           options.temperatures);
+  add_word(
+      app, "--heat-tolerance", "X", "of the heat balance, with its unit; default \"1 K\"",
+      [&](const std::string& text) { options.heat_tolerance_k = temperature_difference("--heat-tolerance", text); });
+  add_text(app, "--schedule", "FILE", "CSV frame,parameter,value: parameters of the sensor that change over frames",
+           options.schedule);
+  add_word(app, "--light-every", "S",
+           "of the scene's clock, for which the light of sky, sun and surfaces is kept; default 60",
+           positive("--light-every", options.light_every_s, 1e9));
+  add_word(app, "--samples-per-pitch", "N", "along each axis; default 2", [&](const std::string& text) {
+    options.samples_per_pitch = number("--samples-per-pitch", text);
+    if (!(options.samples_per_pitch >= 0.5 && options.samples_per_pitch <= 64.0))
+      throw mtf::UsageError("--samples-per-pitch: " + text + "; it is from 0.5 to 64");
+  });
+  add_choice(app, "--points", "N", "1, 4 (default) or 16, of each sample, which is their mean", kPoints,
+             options.points);
+  add_flag(app, "--all-shadows",
+           "a shadow ray for all that is seen; default: one a square of 2 x 2 samples, more at edges",
+           options.all_shadows);
+  add_flag(app, "--no-air", "surfaces alone, for sensors that bring a path of their own", options.no_air);
+  add_word(app, "--tolerance", "X", "rms error of the sensor's filters, as for mtf simulate",
+           [&](const std::string& text) {
+             options.image.tolerance = number("--tolerance", text);
+             if (!(*options.image.tolerance > 0.0 && *options.image.tolerance < 1.0))
+               throw mtf::UsageError("--tolerance: " + text + " is outside (0, 1)");
+           });
+  add_word(app, "--range", "LOW:HIGH", "values that are black and white in PNG and TIFF",
+           [&](const std::string& text) { options.image.range = number_range("--range", text); });
+  add_word(app, "--format", "FORMAT", "of standard output: table (default) or json",
+           [&](const std::string& text) { options.json = choice("--format", text, kTableOrJson) == Format::json; });
+  app.run = [shared](const Global& global) { return run_fly(*shared, global); };
   return app;
 }
 

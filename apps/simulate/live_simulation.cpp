@@ -24,6 +24,10 @@ struct LiveSimulation::State {
   mtf::SampleGrid chain_grid;  ///< of the images that chain_state remembers
   std::vector<std::string> names, warnings;
   std::shared_ptr<const mtf::SensorPlan> plan;
+  std::shared_ptr<const mtf::io::SensorConfig> sensor;  ///< of the last image, with its chain
+  std::shared_ptr<const RadiometricChain> radiometric;
+
+  SimulatedImage run(Frame& frame);
 };
 
 LiveSimulation::LiveSimulation(SceneSource scene, const SimulateOptions& options)
@@ -32,40 +36,71 @@ LiveSimulation::~LiveSimulation() = default;
 LiveSimulation::LiveSimulation(LiveSimulation&&) noexcept = default;
 LiveSimulation& LiveSimulation::operator=(LiveSimulation&&) noexcept = default;
 
-SimulatedImage LiveSimulation::image(const mtf::io::SensorConfig& sensor, std::int64_t number) {
-  State& state = *state_;
+namespace {
+
+void require_noise_number(std::int64_t number) {
   if (number < 0 || number > kLastNoiseFrame)
     throw mtf::UsageError("frame " + std::to_string(number) + ": noise is numbered from 0 to " +
                           std::to_string(kLastNoiseFrame));
+}
+
+}  // namespace
+
+SimulatedImage LiveSimulation::image(const mtf::io::SensorConfig& sensor, std::int64_t number) {
+  require_noise_number(number);
+  State& state = *state_;
   Frame frame;
   frame.number = number;
   frame.sensor = std::make_shared<const mtf::io::SensorConfig>(sensor);
   frame.radiometric = radiometric_chain_of(sensor, state.options.stage);
   frame.input = state.still.of(frame.sensor, frame.radiometric.get());
+  return state.run(frame);
+}
+
+SimulatedImage LiveSimulation::image(mtf::io::Scene scene, const std::shared_ptr<const mtf::io::SensorConfig>& sensor,
+                                     std::int64_t number) {
+  require_noise_number(number);
+  State& state = *state_;
+  Frame frame;
+  frame.number = number;
+  frame.sensor = sensor;
+  frame.radiometric = sensor == state.sensor ? state.radiometric : radiometric_chain_of(*sensor, state.options.stage);
+  frame.input = std::make_shared<const SceneInput>(load_input(
+      {.image = std::move(scene)}, *sensor, frame.radiometric.get(), state.options.nan, state.options.threads));
+  return state.run(frame);
+}
+
+SimulatedImage LiveSimulation::State::run(Frame& frame) {
   frame.warnings = frame.input->scene.warnings;
-  for (std::string& text : mtf::io::sampling_warnings(sensor.system, frame.input->scene.grid))
+  for (std::string& text : mtf::io::sampling_warnings(frame.sensor->system, frame.input->scene.grid))
     frame.warnings.push_back(std::move(text));
   // Everything that one image leaves to the next is changed in a copy, which replaces it once the image is there.
-  SequencePlanner planner = state.planner;
-  frame.plan = planner.plan_for(sensor, frame.radiometric.get(), *frame.input, frame.warnings);
+  SequencePlanner next = planner;
+  frame.plan = next.plan_for(*frame.sensor, frame.radiometric.get(), *frame.input, frame.warnings);
   for (const std::string& text : frame.plan->presample.report().notes) frame.warnings.push_back(text);
-  if (frame.radiometric) frame.chain = planner.chain_for(sensor, frame.radiometric, frame.plan);
+  if (frame.radiometric) frame.chain = next.chain_for(*frame.sensor, frame.radiometric, frame.plan);
   const bool remembered = frame.radiometric && remembers(*frame.radiometric);
-  radiometry::ChainState chain_state;  // what pixels remember says nothing of those of another grid
-  if (remembered && state.chain_grid == frame.plan->out()) chain_state = clone(state.chain_state);
-  frame.image.frame = number;
-  frame.image.planes = run_planes(frame, remembered ? &chain_state : nullptr, state.options.threads);
+  radiometry::ChainState remembering;  // what pixels remember says nothing of those of another grid
+  if (remembered && chain_grid == frame.plan->out()) remembering = clone(chain_state);
+  frame.image.frame = frame.number;
+  frame.image.planes = run_planes(frame, remembered ? &remembering : nullptr, options.threads);
   if (frame.counted.held.any()) frame.warnings.push_back(words(frame.counted.held));
   frame.image.metadata = metadata_of(frame);
-  state.names = output_names(frame.input->scene.names);
-  state.planner = std::move(planner);
+  names = output_names(frame.input->scene.names);
+  planner = std::move(next);
   if (remembered) {
-    state.chain_state = std::move(chain_state);
-    state.chain_grid = frame.plan->out();
+    chain_state = std::move(remembering);
+    chain_grid = frame.plan->out();
   }
-  state.warnings = std::move(frame.warnings);
-  state.plan = frame.plan;
+  warnings = std::move(frame.warnings);
+  plan = frame.plan;
+  sensor = frame.sensor;
+  radiometric = frame.radiometric;
   return std::move(frame.image);
+}
+
+IntegerRange LiveSimulation::integer_range() const {
+  return apps::integer_range(state_->radiometric.get(), state_->options);
 }
 
 const std::vector<std::string>& LiveSimulation::names() const { return state_->names; }

@@ -12,6 +12,7 @@
 
 #include <memory>
 
+#include "apps/simulate/sensor_image.h"
 #include "apps/simulate/simulate.h"
 
 namespace apps {
@@ -21,6 +22,8 @@ class LiveSimulation {
   /// `scene`: one image, which is read with the first image. Of the options those of one whole image count: tolerance,
   /// nan, measure, stage, threads.
   explicit LiveSimulation(SceneSource scene, const SimulateOptions& options = {});
+  /// Of scenes that come with each image.
+  explicit LiveSimulation(const SimulateOptions& options) : LiveSimulation(SceneSource{}, options) {}
   ~LiveSimulation();
   LiveSimulation(LiveSimulation&&) noexcept;
   LiveSimulation& operator=(LiveSimulation&&) noexcept;
@@ -31,6 +34,13 @@ class LiveSimulation {
   /// simulate(); the image after a failed one is what it would be without that call.
   SimulatedImage image(const mtf::io::SensorConfig& sensor, std::int64_t frame = 0);
 
+  /// The image of `scene`, which takes the place of the one that the simulation began with, of values in memory. A
+  /// sensor that is the same object as that of the image before is taken to be unchanged.
+  SimulatedImage image(mtf::io::Scene scene, const std::shared_ptr<const mtf::io::SensorConfig>& sensor,
+                       std::int64_t frame);
+
+  /// Of the last image: how it becomes whole numbers in a file.
+  IntegerRange integer_range() const;
   /// Of the last image: names of its planes; reasons to doubt it; its plan, with the promise that it keeps.
   const std::vector<std::string>& names() const;
   const std::vector<std::string>& warnings() const;

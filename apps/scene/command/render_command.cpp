@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/scene/command/render_options.h"
+#include "apps/scene/command/scene_instant.h"
 #include "apps/scene/heat/stopwatch.h"
 #include "apps/scene/render/sensor_picture.h"
 #include "apps/sensor/sensor_file.h"
@@ -45,14 +46,6 @@ render::LayerChoice layers_of(const std::vector<std::string>& names) {
     choice.*(found->second) = true;
   }
   return choice;
-}
-
-std::optional<double> instant_of(const std::string& text) {
-  if (text.empty()) return std::nullopt;
-  radiometry::heat::InstantError error;
-  const auto instant = radiometry::heat::parse_instant(text, error);
-  if (!instant) throw mtf::UsageError("--time: " + one_line(text) + ": " + error.text);
-  return instant;
 }
 
 render::Pose pose_of(const RenderCommandOptions& options, const SceneFile& file) {
@@ -103,7 +96,7 @@ int run_render(const RenderCommandOptions& options, const Global& global) {
       picture_sensor(config, options.plain ? PictureQuantity::radiance : PictureQuantity::weighted);
   const render::Camera camera = picture_camera(sensor, pose_of(options, file), options.samples_per_pitch);
   const PictureScene scene = read_picture_scene(file, {.temperatures = options.temperatures,
-                                                       .utc_s = instant_of(options.time),
+                                                       .utc_s = instant_of("--time", options.time),
                                                        .sensor_air = sensor.air,
                                                        .sensor_file = config.file,
                                                        .air = !options.no_air});

@@ -141,26 +141,25 @@ PictureSource::PictureSource(const SceneFile& file, PictureOptions options, std:
   timing_ms_.emplace_back("tree", tree.ms());
 }
 
-PictureScene PictureSource::at(std::optional<double> utc_s) {
+PictureScene PictureSource::at(std::optional<double> utc_s, const PictureOptions& air) {
   PictureScene out;
   out.rays = rays_;
   out.scene = finishes_;
   out.warnings = surfaces_.warnings;
   out.timing_ms = timing_ms_;
   out.utc_s = utc_s ? *utc_s : options_.utc_s ? *options_.utc_s : temperatures_->default_utc_s();
-  const Stopwatch temperatures;
-  temperatures_->at(out.utc_s, out.scene.temperature_k);
-  out.timing_ms[1].second += temperatures.ms();
+  const Stopwatch reading;
+  temperatures(out.utc_s, out.scene.temperature_k);
+  out.timing_ms[1].second += reading.ms();
   const Stopwatch weather;
-  set_weather(file_, surfaces_, options_, out);
+  set_weather(file_, surfaces_, air, out);
   out.timing_ms.emplace_back("weather", weather.ms());
   return out;
 }
 
-void PictureSource::set_air(const PictureOptions& options) {
-  options_.sensor_air = options.sensor_air;
-  options_.sensor_file = options.sensor_file;
-  options_.air = options.air;
+void PictureSource::temperatures(double utc_s, std::vector<float>& kelvin) {
+  const std::scoped_lock guard(reading_);
+  temperatures_->at(utc_s, kelvin);
 }
 
 PictureScene read_picture_scene(const SceneFile& file, const PictureOptions& options) {

@@ -15,6 +15,7 @@
 //                 it stands there
 
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <string>
 #include <utility>
@@ -53,12 +54,13 @@ class PictureSource {
 
   /// All of it at `utc_s`, or else at PictureOptions::utc_s, the end of the table, or the start of the file. Throws
   /// UsageError for times that temperatures and weather do not have.
-  PictureScene at(std::optional<double> utc_s = std::nullopt);
+  PictureScene at(std::optional<double> utc_s = std::nullopt) { return at(utc_s, options_); }
+  /// The same with air and sensor_air of `air`. From several threads at once, as `temperatures`.
+  PictureScene at(std::optional<double> utc_s, const PictureOptions& air);
   /// The temperatures alone.
-  void temperatures(double utc_s, std::vector<float>& kelvin) { temperatures_->at(utc_s, kelvin); }
+  void temperatures(double utc_s, std::vector<float>& kelvin);
   bool temperatures_change() const { return temperatures_->change(); }
-  /// The same scene in the air of another sensor file, or of none.
-  void set_air(const PictureOptions& options);
+  const radiometry::scene::Rays& rays() const { return *rays_; }
 
  private:
   SceneFile file_;
@@ -66,6 +68,7 @@ class PictureSource {
   Surfaces surfaces_;  ///< its facets are in `rays_`
   std::shared_ptr<const radiometry::scene::Rays> rays_;
   std::optional<SideTemperatures> temperatures_;
+  std::mutex reading_;                        ///< of temperatures
   radiometry::render::RenderScene finishes_;  ///< and their sides
   std::vector<std::pair<std::string, double>> timing_ms_;
 };

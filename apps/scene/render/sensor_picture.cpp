@@ -96,6 +96,18 @@ mtf::io::Metadata picture_metadata(const SceneFile& file, const PictureScene& sc
   return m;
 }
 
+mtf::io::Scene scene_of(radiometry::render::RenderedFrame frame, const PictureSensor& sensor,
+                        const radiometry::render::Camera& camera, const mtf::io::Metadata& metadata) {
+  const double focal_length_um = sensor.config.system.frame.focal_length_mm * 1e3;
+  mtf::io::Scene scene;
+  scene.names = {"Y"};
+  scene.planes.push_back(std::move(frame.radiance.front()));
+  scene.grid = {camera.width, camera.height, camera.step_x * focal_length_um, camera.step_y * focal_length_um};
+  scene.quantity = quantity_of(sensor);
+  for (const auto& [name, text] : metadata.text) scene.info.attributes[name] = text;
+  return scene;
+}
+
 std::vector<mtf::io::NamedPlane> picture_planes(const radiometry::render::RenderedFrame& frame) {
   std::vector<mtf::io::NamedPlane> planes{{"Y", frame.radiance.front().view()}};
   for (const radiometry::render::NamedLayer& layer : frame.layers) planes.push_back({layer.name, layer.plane.view()});

@@ -7,6 +7,7 @@
 #include "apps/scene/render/picture_scene.h"
 #include "mtf/io/config/config.h"
 #include "mtf/io/image_io.h"
+#include "mtf/io/scene.h"
 #include "radiometry/render/renderer.h"
 
 namespace apps::scene {
@@ -40,6 +41,10 @@ mtf::io::Metadata picture_metadata(const SceneFile& file, const PictureScene& sc
                                    const radiometry::render::Camera& camera,
                                    const radiometry::render::RenderOptions& options,
                                    const radiometry::render::RenderedFrame& frame);
+
+/// What mtf::io::load_scene makes of the file of a frame: its first band.
+mtf::io::Scene scene_of(radiometry::render::RenderedFrame frame, const PictureSensor& sensor,
+                        const radiometry::render::Camera& camera, const mtf::io::Metadata& metadata);
 
 /// The planes of a frame under their names: Y, then the layers.
 std::vector<mtf::io::NamedPlane> picture_planes(const radiometry::render::RenderedFrame& frame);

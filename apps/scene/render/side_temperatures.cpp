@@ -183,9 +183,9 @@ void SideTemperatures::at(double utc_s, std::vector<float>& kelvin) {
   kelvin.resize(2 * front.size());
   for (std::size_t f = 0; f < front.size(); ++f) {
     kelvin[2 * f] = front[f];
-    kelvin[2 * f + 1] = state.solid[f]                          ? std::numeric_limits<float>::quiet_NaN()
+    kelvin[2 * f + 1] = state.solid[f]                      ? std::numeric_limits<float>::quiet_NaN()
                         : back.empty() || !(back[f] > 0.0F) ? front[f]
-                                                                : back[f];
+                                                            : back[f];
   }
 }
 

@@ -15,7 +15,7 @@ namespace apps::scene {
 
 /// Temperatures of all facets at some times.
 struct HeatRows {
-  std::vector<double> utc_s{};                  ///< rising
+  std::vector<double> utc_s{};                      ///< rising
   std::vector<std::vector<float>> front{}, back{};  ///< K, [time][facet]; back: NaN, or empty, where it is not another
 };
 

@@ -13,6 +13,7 @@
 #include <variant>
 #include <vector>
 
+#include "apps/scene/scene_file/camera_path.h"
 #include "apps/scene/scene_file/clear_sky_flux.h"
 #include "apps/scene/weather/weather_file.h"
 #include "mtf/io/config/config.h"
@@ -150,6 +151,7 @@ struct MeasuredSection {
 
 struct CameraSection {
   std::array<double, 3> position_m{}, look_at_m{}, up{0.0, 0.0, 1.0};
+  std::optional<CameraPath> path{};  ///< position_m and look_at_m are where it begins
 };
 
 struct SceneFile {

@@ -139,16 +139,32 @@ void read_camera(SceneReader& s) {
   const Node* table = find_section(s, "camera", "");
   if (table == nullptr) return;
   const Section section{s.reader, *table, "camera", "[camera]"};
-  cfg::check_keys(section, std::array<std::string_view, 3>{"position", "look_at", "up"});
-  for (const std::string_view key : {"position", "look_at"})
-    if (section.find(key) == nullptr && !s.reader.has_failed(section.at(key)))
-      section.error(key, "missing; write " + std::string(key) + " = [\"14 m\", \"-12 m\", \"5 m\"]");
-  const auto position = read_point(section, "position"), look_at = read_point(section, "look_at"),
-             up = read_point(section, "up");
+  cfg::check_keys(section, std::array<std::string_view, 4>{"position", "look_at", "path", "up"});
+  const auto up = read_point(section, "up");
   if (up && distance(*up, {}) == 0.0) section.error("up", "a direction of length 0");
-  if (!position || !look_at) return;
-  if (distance(*position, *look_at) == 0.0) section.error("look_at", "the camera looks at its own position");
-  CameraSection camera{.position_m = *position, .look_at_m = *look_at};
+  CameraSection camera;
+  if (section.find("path") != nullptr) {
+    for (const std::string_view key : {"position", "look_at"})
+      if (section.find(key) != nullptr) section.error(key, "the camera has a path already; leave out one of them");
+    const auto file = read_path(section, "path");
+    if (!file) return;
+    try {
+      camera.path = read_camera_path(*file);
+    } catch (const mtf::Error& error) {
+      return section.error("path", mtf::io::printable(error.what(), 400));
+    }
+    camera.position_m = camera.path->place.front().position_m;
+    camera.look_at_m = camera.path->place.front().look_at_m;
+  } else {
+    for (const std::string_view key : {"position", "look_at"})
+      if (section.find(key) == nullptr && !s.reader.has_failed(section.at(key)))
+        section.error(key, "missing; write " + std::string(key) + " = [\"14 m\", \"-12 m\", \"5 m\"]");
+    const auto position = read_point(section, "position"), look_at = read_point(section, "look_at");
+    if (!position || !look_at) return;
+    if (distance(*position, *look_at) == 0.0) section.error("look_at", "the camera looks at its own position");
+    camera.position_m = *position;
+    camera.look_at_m = *look_at;
+  }
   if (up) camera.up = *up;
   s.scene.camera = camera;
 }

@@ -1,0 +1,250 @@
+// SPDX-License-Identifier: Apache-2.0
+
+// `mtf fly SCENE SENSOR -o frame.%04d.png`: image after image of a 3-D scene.
+
+#include <algorithm>
+#include <cmath>
+#include <future>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "apps/scene/command/fly_options.h"
+#include "apps/scene/command/scene_instant.h"
+#include "apps/scene/fly/flight.h"
+#include "apps/scene/fly/solved_rows.h"
+#include "apps/scene/heat/stopwatch.h"
+#include "apps/sensor/sensor_file.h"
+#include "apps/simulate/frames/frame_names.h"
+#include "apps/simulate/image_output.h"
+#include "apps/simulate/output_files.h"
+#include "apps/terminal/interrupt.h"
+#include "apps/terminal/output.h"
+#include "apps/terminal/progress_line.h"
+#include "apps/terminal/text_table.h"
+#include "mtf/error.h"
+#include "mtf/io/config/schedule.h"
+#include "radiometry/heat/weather/instant.h"
+
+namespace apps {
+namespace {
+
+using namespace scene;
+
+constexpr std::int64_t kAhead = 15;  // frames: light is asked for so long before it is wanted
+
+/// Times of a stage over the frames.
+class StageTimes {
+ public:
+  void add(const std::string& name, double ms) {
+    const auto found = std::find_if(stages_.begin(), stages_.end(), [&](const auto& one) { return one.first == name; });
+    if (found == stages_.end())
+      stages_.push_back({name, {ms}});
+    else
+      found->second.push_back(ms);
+  }
+  struct Row {
+    std::string name;
+    double least, median, most;
+  };
+  /// A stage that not all of `frames` had took no time in the others.
+  std::vector<Row> rows(std::size_t frames) const {
+    std::vector<Row> out;
+    for (const auto& [name, ms] : stages_) {
+      std::vector<double> sorted = ms;
+      sorted.resize(std::max(frames, ms.size()), 0.0);
+      std::sort(sorted.begin(), sorted.end());
+      out.push_back({name, sorted.front(), sorted[sorted.size() / 2], sorted.back()});
+    }
+    return out;
+  }
+
+ private:
+  std::vector<std::pair<std::string, std::vector<double>>> stages_;
+};
+
+/// Where and when frames are.
+struct Course {
+  const FlyCommandOptions& options;
+  const SceneFile& file;
+  double begin_s = 0.0;  ///< UTC of frame 0
+  std::vector<std::int64_t> frames{};
+
+  double seconds_of(std::int64_t frame) const { return static_cast<double>(frame) / options.rate_hz; }
+  double utc_of(std::int64_t frame) const { return begin_s + options.speed * seconds_of(frame); }
+  CameraPlace place_of(std::int64_t frame) const {
+    const CameraSection& camera = *file.camera;
+    return camera.path ? camera.path->at(seconds_of(frame)) : CameraPlace{camera.position_m, camera.look_at_m};
+  }
+};
+
+std::vector<std::int64_t> frames_of(const FlyCommandOptions& options, const SceneFile& file) {
+  if (options.frames && options.seconds)
+    throw mtf::UsageError("--frames and --seconds both say how many frames there are; leave out one of them");
+  if (options.frames) return frames_of(*options.frames);
+  const std::optional<CameraPath>& path = file.camera->path;
+  if (!options.seconds && !path)
+    throw mtf::UsageError(
+        "the camera stands still, so its path does not say how many frames there are: write --frames "
+        "0:99 or --seconds 4");
+  const double seconds = options.seconds ? *options.seconds : path->time_s.back();
+  const double count = std::floor(seconds * options.rate_hz + 1e-9);
+  if (!(count >= 0.0 && count < 1e7)) throw mtf::UsageError("--seconds: more than ten million frames");
+  return frames_of(FrameRange{0, static_cast<std::int64_t>(count), 1});
+}
+
+std::vector<std::string> inputs_of(const FlyCommandOptions& options, const SceneFile& file,
+                                   const mtf::io::SensorConfig& config) {
+  std::vector<std::string> inputs = files_of(config);
+  inputs.push_back(options.scene);
+  for (const std::string& name : {file.weather.file, options.schedule}) inputs.push_back(name);
+  for (const MeshSection& mesh : file.meshes) inputs.push_back(mesh.file);
+  if (file.camera->path) inputs.push_back(file.camera->path->source);
+  std::erase(inputs, "");
+  return inputs;
+}
+
+nlohmann::json json_of(const StageTimes& times, std::size_t frames, double fps, double first_ms, const Flight& flight,
+                       const FlightFrame& last) {
+  nlohmann::json json;
+  json["frames"] = frames;
+  json["frames_per_second"] = fps;
+  json["first_frame_ms"] = first_ms;
+  for (const StageTimes::Row& row : times.rows(frames - 1))
+    json["timing_ms"][row.name] = {{"least", row.least}, {"median", row.median}, {"most", row.most}};
+  for (const auto& [name, words] : flight.closures()) json["closures"][name] = words;
+  json["promised_error"] = last.promised;
+  json["visible_sides"] = last.sides;
+  return json;
+}
+
+}  // namespace
+
+int run_fly(const FlyCommandOptions& options, const Global& global) {
+  const Stopwatch all;
+  std::vector<mtf::io::Diagnostic> findings;
+  const SceneFile file = load_scene(options.scene, &findings);
+  for (const mtf::io::Diagnostic& finding : findings) note(global, mtf::io::format_diagnostic(finding, file.file));
+  if (!file.camera)
+    throw mtf::UsageError(one_line(file.file) +
+                          ": [camera]: missing; write position and look_at, or path = \"flight.csv\"");
+  const mtf::io::SensorConfig config = read_sensor(options.sensor, global);
+  const std::optional<FrameNames> names = options.out.empty() ? std::nullopt : FrameNames::parse(options.out);
+  if (!options.out.empty() && !names)
+    throw mtf::UsageError("-o: " + one_line(options.out) +
+                          ": each frame is a file; write a number into the name, as "
+                          "frame.%04d.png");
+  Course course{options, file, instant_of("--time", options.time).value_or(file.time.start_s)};
+  course.frames = frames_of(options, file);
+  const std::int64_t first = course.frames.front(), last = course.frames.back();
+  if (names) {
+    std::vector<std::string> outputs;
+    for (const std::int64_t frame : course.frames) outputs.push_back(names->name(frame));
+    require_writable(outputs, inputs_of(options, file, config));
+  }
+  for (const std::int64_t frame : {first, last}) course.place_of(frame);  // the path has them
+
+  StopInGoodOrder interrupt(
+      "mtf: interrupted: the frame that is being made is written first; once more to stop at once\n", "");
+  ProgressLine progress(global);
+  std::optional<HeatRows> rows;
+  const PictureOptions air{.temperatures = options.temperatures, .utc_s = course.utc_of(first), .air = !options.no_air};
+  double heat_ms = 0.0;
+  if (options.temperatures.empty() && !regions_to_solve(file).empty()) {
+    const Stopwatch heat;
+    rows = solved_rows(file, course.utc_of(first), course.utc_of(last),
+                       {.tolerance_k = options.heat_tolerance_k, .threads = global.threads},
+                       [&](const std::string& step, double share) { progress.update(step, share); });
+    heat_ms = heat.ms();
+  }
+  PictureSource source(file, air, std::move(rows));
+  FlightOptions how{.samples_per_pitch = options.samples_per_pitch,
+                    .render = {.points = options.points == 1   ? 1
+                                         : options.points == 4 ? 2
+                                                               : 4,
+                               .all_shadows = options.all_shadows,
+                               .threads = global.threads},
+                    .image = options.image,
+                    .light_every_s = options.light_every_s,
+                    .begin_s = course.utc_of(first),
+                    .end_s = course.utc_of(last)};
+  how.image.threads = global.threads;
+  Flight flight(source, file, air, how);
+
+  const mtf::io::Schedule schedule =
+      options.schedule.empty() ? mtf::io::Schedule{} : mtf::io::read_schedule(options.schedule, config);
+  mtf::io::ScheduledSensor now(config, schedule), ahead(config, schedule);
+  Flight::Sensor sensor, coming;
+  const auto advance = [](mtf::io::ScheduledSensor& scheduled, std::int64_t frame, Flight::Sensor& to) {
+    if (scheduled.advance(frame) || !to) to = std::make_shared<const mtf::io::SensorConfig>(scheduled.sensor());
+  };
+  std::set<std::string> said;
+  StageTimes times;
+  std::future<void> writing;
+  FlightFrame frame;
+  double first_ms = 0.0;
+  Stopwatch running;
+  std::size_t done = 0, lights = 0, late = 0;
+  for (std::size_t i = 0; i < course.frames.size() && !interrupt.asked(); ++i) {
+    const std::int64_t number = course.frames[i];
+    const Stopwatch whole;
+    advance(now, number, sensor);
+    if (i > 0) {
+      const std::int64_t later =
+          course.frames[std::min(i + static_cast<std::size_t>(kAhead), course.frames.size() - 1)];
+      advance(ahead, later, coming);
+      flight.prepare(ahead.in_force() == now.in_force() ? sensor : coming, course.utc_of(later));
+    }
+    frame = flight.frame(sensor, course.place_of(number), course.utc_of(number), number);
+    for (const std::string& warning : frame.warnings)
+      if (said.insert(warning).second) note(global, "warning: frame " + std::to_string(number) + ": " + warning);
+    const Stopwatch waiting;
+    if (writing.valid()) writing.get();
+    if (names)
+      writing = std::async(
+          std::launch::async,
+          [&flight, &options, file_name = names->name(number), outputs = flight.names(), range = flight.integer_range(),
+           image = std::move(frame.image)]() mutable { deliver(options.image, file_name, outputs, image, range); });
+    ++done;
+    lights += frame.new_light ? 1 : 0;
+    if (i == 0) {
+      first_ms = all.ms();
+      if (writing.valid()) writing.get();
+      interrupt.keep();
+      running = Stopwatch();
+      continue;
+    }
+    late += frame.late ? 1 : 0;
+    for (const auto& [name, ms] : frame.timing_ms) times.add(name, ms);
+    times.add("waiting for files", waiting.ms());
+    times.add("frame", whole.ms());
+    progress.update("frames", static_cast<double>(done) / static_cast<double>(course.frames.size()));
+  }
+  if (writing.valid()) writing.get();
+  const double fps = done > 1 ? 1e3 * static_cast<double>(done - 1) / running.ms() : 0.0;
+  if (options.json) {
+    print(json_of(times, done, fps, first_ms, flight, frame).dump(2) + "\n");
+  } else {
+    TextTable table({"ms a frame", "least", "median", "most"});
+    for (const StageTimes::Row& row : times.rows(done - 1))
+      table.add({row.name, significant(row.least, 3), significant(row.median, 3), significant(row.most, 3)});
+    using enum Align;
+    std::string text = done > 1 ? table.aligned({left, right, right, right}) : std::string();
+    text += std::to_string(done) + " frames" + (done > 1 ? ", " + significant(fps, 3) + " a second" : "") +
+            "; the first one after " + significant(first_ms * 1e-3, 3) + " s" +
+            (heat_ms > 0.0 ? ", of which the heat balance took " + significant(heat_ms * 1e-3, 3) + " s" : "") + "\n";
+    text += "left out: " + std::to_string(2 * source.rays().facets().size() - frame.sides) + " of " +
+            std::to_string(2 * source.rays().facets().size()) + " sides, which no frame shows; light was made " +
+            std::to_string(lights) + " times, " + std::to_string(late) +
+            " of them while a frame waited; filters were planned " + std::to_string(flight.plans_compiled()) +
+            " times and changed " + std::to_string(flight.plans_updated()) + " times\n";
+    text += "error of the radiance: tables within " + significant(frame.promised, 2) + ", relative\n";
+    if (names) text += "written to " + names->name(first) + " to " + names->name(course.frames[done - 1]) + "\n";
+    print(text);
+  }
+  if (done == course.frames.size()) return 0;
+  complain("mtf: interrupted: " + std::to_string(done) + " of " + std::to_string(course.frames.size()) +
+           " frames are finished and whole");
+  return 130;
+}
+
+}  // namespace apps

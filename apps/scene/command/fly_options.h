@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// What `mtf fly` takes.
+
+#include <optional>
+#include <string>
+
+#include "apps/options.h"
+#include "apps/simulate/simulate_options.h"
+
+namespace apps {
+
+struct FlyCommandOptions {
+  std::string scene, sensor, out;
+  std::string temperatures, time, schedule;
+  std::optional<FrameRange> frames;
+  std::optional<double> seconds;
+  double rate_hz = 25.0;
+  double speed = 1.0;  ///< of the scene's clock
+  double light_every_s = 60.0;
+  double heat_tolerance_k = 1.0;
+  double samples_per_pitch = 2.0;
+  int points = 4;
+  bool all_shadows = false, no_air = false;
+  SimulateOptions image;  ///< tolerance, range, nan
+  bool json = false;
+};
+
+int run_fly(const FlyCommandOptions& options, const Global& global);
+
+}  // namespace apps

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// Image after image of a 3-D scene while everything may change: temperatures, sun and sky with the time, the place of
+// the camera, and any parameter of the sensor.
+//   scene, temperatures --PictureSource--> surfaces, sky, sun, air --Renderer--> radiance --LiveSimulation--> image
+// Only what has changed is done again:
+//   light         sky, sun, ground and what surfaces give each other are worked out once for `light_every_s` of the
+//                 scene's clock, for the middle of that time, and anew for another band or another air
+//   temperatures  of surfaces, which are seen at once, are taken anew once the clock has moved by
+//   `temperatures_every_s` sensor        its plan and chain, where a parameter is another one (LiveSimulation) views of
+//   sides that were never seen before
+// New light is made beside frames where prepare() says in time that it will be wanted; without it frames are the same
+// within the promise of their tables.
+
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "apps/scene/render/sensor_picture.h"
+#include "apps/simulate/live_simulation.h"
+
+namespace apps::scene {
+
+struct FlightOptions {
+  double samples_per_pitch = 2.0;
+  radiometry::render::RenderOptions render{};  ///< without layers
+  SimulateOptions image{};                     ///< those of LiveSimulation
+  double light_every_s = 60.0, temperatures_every_s = 1.0;
+  double begin_s = 0.0, end_s = 0.0;  ///< UTC, of the first and the last frame
+};
+
+struct FlightFrame {
+  SimulatedImage image;
+  std::vector<std::string> warnings{};
+  std::vector<std::pair<std::string, double>> timing_ms{};
+  double promised = 0.0;                 ///< relative error of the radiance (RenderedFrame)
+  std::size_t sides = 0, shaded = 0;     ///< seen so far; worked out for this frame
+  bool new_light = false, late = false;  ///< light was made anew; and not ready before the frame
+};
+
+class Flight {
+ public:
+  using Sensor = std::shared_ptr<const mtf::io::SensorConfig>;
+
+  /// `source` outlives it. `air`: as PictureOptions of one picture.
+  Flight(PictureSource& source, const SceneFile& file, const PictureOptions& air, const FlightOptions& options);
+  ~Flight();
+
+  /// Begins to make the light of that time and sensor, where it is another than that of the last frame and none is
+  /// being made.
+  void prepare(const Sensor& sensor, double utc_s);
+  /// `number`: of the frame, which is that of the noise. Sensors that are the same object are taken to be unchanged.
+  /// Throws mtf::UsageError as picture_sensor, PictureSource::at, Renderer::render and LiveSimulation::image.
+  FlightFrame frame(const Sensor& sensor, const CameraPlace& place, double utc_s, std::int64_t number);
+
+  const std::vector<std::pair<std::string, std::string>>& closures() const;  ///< of the last frame
+  IntegerRange integer_range() const;
+  const std::vector<std::string>& names() const;
+  int plans_compiled() const;
+  int plans_updated() const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace apps::scene
