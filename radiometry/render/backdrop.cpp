@@ -32,6 +32,7 @@ double interpolated(const std::vector<double>& values, double elevation) {
 Backdrop::Backdrop(const RenderScene& scene, const BandNodes& nodes, const LightSources& sources, const AirView* view,
                    double camera_height_m, double ground_m)
     : camera_above_m_(camera_height_m - ground_m) {
+  below_.push_back({camera_above_m_, {}});
   const AirView* layered = view != nullptr && view->layered() ? view : nullptr;
   const std::vector<double> ground = fold(nodes, sources.radiance[sources.ground()]);
   std::vector<double> air;
@@ -46,13 +47,30 @@ Backdrop::Backdrop(const RenderScene& scene, const BandNodes& nodes, const Light
       const AirSamples path = view->to(std::min(camera_above_m_ / std::sin(elevation), kFarthest_m), ground_m);
       for (std::size_t s = 0; s < ground.size(); ++s) sum += path.transmission[s] * ground[s] + path.source[s] * air[s];
     }
-    below_.push_back(sum);
+    below_.back().radiance.push_back(sum);
   }
 }
 
+Backdrop Backdrop::between(const Backdrop& low, const Backdrop& high, double share) {
+  Backdrop out = low;
+  out.camera_above_m_ = std::lerp(low.camera_above_m_, high.camera_above_m_, share);
+  for (std::size_t i = 0; i < kAngles; ++i) out.above_[i] = std::lerp(low.above_[i], high.above_[i], share);
+  out.below_.push_back(high.below_.front());
+  out.share_ = share;
+  return out;
+}
+
+double Backdrop::below(const Below& from, double range_m) const {
+  const double sine = from.camera_above_m > 0.0 ? std::min(from.camera_above_m / range_m, 1.0) : 1.0;
+  return interpolated(from.radiance, std::asin(sine));
+}
+
 double Backdrop::radiance(double sine_of_elevation) const {
-  const double elevation = std::asin(std::clamp(sine_of_elevation, -1.0, 1.0));
-  return elevation >= 0.0 ? interpolated(above_, elevation) : interpolated(below_, -elevation);
+  if (sine_of_elevation >= 0.0) return interpolated(above_, std::asin(std::min(sine_of_elevation, 1.0)));
+  if (below_.size() == 1 || camera_above_m_ <= 0.0)
+    return interpolated(below_.front().radiance, std::asin(std::min(-sine_of_elevation, 1.0)));
+  const double range_m = camera_above_m_ / -sine_of_elevation;
+  return std::lerp(below(below_[0], range_m), below(below_[1], range_m), share_);
 }
 
 double Backdrop::range_m(double sine_of_elevation) const {

@@ -15,13 +15,26 @@ class Backdrop {
   Backdrop(const RenderScene& scene, const BandNodes& nodes, const LightSources& sources, const AirView* view,
            double camera_height_m, double ground_m);
 
+  /// What a camera between those of two backdrops sees, over the same ground: means of the sky in the same direction
+  /// and of the ground at the same range.
+  static Backdrop between(const Backdrop& low, const Backdrop& high, double share);
+
   double radiance(double sine_of_elevation) const;
   /// To the plane; infinite above the horizon.
   double range_m(double sine_of_elevation) const;
 
  private:
+  /// Of the ground, from one height.
+  struct Below {
+    double camera_above_m;
+    std::vector<double> radiance;  ///< equally spaced in the root of the elevation
+  };
+  double below(const Below& from, double range_m) const;
+
   double camera_above_m_;
-  std::vector<double> above_, below_;  ///< equally spaced in the root of the elevation
+  std::vector<double> above_;  ///< equally spaced in the root of the elevation
+  std::vector<Below> below_;   ///< one, or two that the camera is between
+  double share_ = 0.0;         ///< of the second one
 };
 
 }  // namespace radiometry::render

@@ -63,9 +63,77 @@ void BandShader::temperatures_changed() {
   for (Shaded& one : shaded_) one.finish = scene::kNone;
 }
 
-bool BandShader::prepare(double camera_height_m, const PathExtent& extent) {
-  if (tables_ && camera_height_m == camera_height_m_ && grid_.extent.covers(extent)) return false;
-  camera_height_m_ = camera_height_m;
+BandShader::FromHeight BandShader::from_height(double height_m, const AirView* view, const PathGrid& grid) const {
+  return {height_m,
+          BandTables(nodes_, *folds_, emissivity_, sources_, grid, view != nullptr ? view->reference_k() : 300.0),
+          Backdrop(scene_, nodes_, sources_, view, height_m, ground_height_m(scene_.facets()))};
+}
+
+void BandShader::use(FromHeight from) {
+  camera_height_m_ = from.height_m;
+  tables_ = std::make_unique<BandTables>(std::move(from.tables));
+  backdrop_ = std::make_unique<Backdrop>(std::move(from.backdrop));
+  sunlight_ = 0.0;
+  const double black = integral(nodes_, blackbody_at(nodes_, view_ ? view_->reference_k() : 300.0));
+  for (std::size_t m = 0; m < scene_.finish.size(); ++m)
+    for (const double value : tables_->sunlit(m, 0)) sunlight_ = std::max(sunlight_, value / black);
+  for (Shaded& one : shaded_) one.finish = scene::kNone;
+}
+
+bool BandShader::take_between(double height_m) {
+  if (!low_ || height_m < low_->height_m || height_m > high_->height_m) return false;
+  const double share = (height_m - low_->height_m) / (high_->height_m - low_->height_m);
+  use({height_m, BandTables::between(low_->tables, high_->tables, share),
+       Backdrop::between(low_->backdrop, high_->backdrop, share)});
+  return true;
+}
+
+/// The promise is that of the middle between both heights, where straight lines err most, and of the ends.
+void BandShader::make_ends(double height_m, const PathExtent& extent, int threads) {
+  constexpr double kAhead = 0.9;  // of the way between the ends lies before a camera that goes on
+  const double ground_m = ground_height_m(scene_.facets());
+  const bool rises = height_m > camera_height_m_;
+  for (const double apart : {48.0, 12.0}) {
+    double low_m = height_m - (rises ? 1.0 - kAhead : kAhead) * apart;
+    if (height_m > ground_m) low_m = std::max(low_m, ground_m);
+    const double high_m = low_m + apart, middle_m = 0.5 * (low_m + high_m);
+    const auto view_from = [&](double from_m) {
+      return AirView(*scene_.air, nodes_, scene_.altitude_m, from_m, extent.farthest_m);
+    };
+    view_ = std::make_unique<AirView>(view_from(middle_m));
+    grid_ = path_grid(*view_, nodes_, extent, tolerance_);
+    promised_ = 0.0;
+    for (const double end_m : {low_m, high_m}) {
+      const AirView view = view_from(end_m);
+      const PathGrid grid = seen_from(view, grid_, threads);
+      FromHeight end = from_height(end_m, &view, grid);
+      promised_ = std::max(promised_, promised_error(band_.curves, curves_, *folds_, end.tables, grid, &view));
+      (end_m == low_m ? low_ : high_) = std::move(end);
+    }
+    const BandTables middle = BandTables::between(low_->tables, high_->tables, 0.5);
+    promised_ = std::max(promised_, promised_error(band_.curves, curves_, *folds_, middle, grid_, view_.get()));
+    if (promised_ <= kBetweenHeights) break;
+  }
+}
+
+bool BandShader::prepare(double camera_height_m, const PathExtent& extent, int threads) {
+  const bool covered = tables_ && grid_.extent.covers(extent);
+  if (covered && camera_height_m == camera_height_m_) return false;
+  if (covered && take_between(camera_height_m)) return true;
+  const bool layered = with_air_ && scene_.air->profile.levels.size() > 1;
+  if (covered && !layered) {
+    camera_height_m_ = camera_height_m;
+    backdrop_ = std::make_unique<Backdrop>(scene_, nodes_, sources_, view_.get(), camera_height_m,
+                                           ground_height_m(scene_.facets()));
+    return true;
+  }
+  const bool moves = tables_ && camera_height_m != camera_height_m_;
+  low_.reset(), high_.reset();
+  if (layered && moves) {
+    make_ends(camera_height_m, with_room(extent), threads);
+    take_between(camera_height_m);
+    return true;
+  }
   if (with_air_) {
     view_ = std::make_unique<AirView>(*scene_.air, nodes_, scene_.altitude_m, camera_height_m,
                                       with_room(extent).farthest_m);
@@ -73,16 +141,9 @@ bool BandShader::prepare(double camera_height_m, const PathExtent& extent) {
   } else {
     grid_ = no_air(nodes_);
   }
-  tables_ =
-      std::make_unique<BandTables>(nodes_, *folds_, emissivity_, sources_, grid_, view_ ? view_->reference_k() : 300.0);
-  promised_ = promised_error(band_.curves, curves_, *folds_, *tables_, grid_, view_.get());
-  backdrop_ = std::make_unique<Backdrop>(scene_, nodes_, sources_, view_.get(), camera_height_m,
-                                         ground_height_m(scene_.facets()));
-  sunlight_ = 0.0;
-  const double black = integral(nodes_, blackbody_at(nodes_, view_ ? view_->reference_k() : 300.0));
-  for (std::size_t m = 0; m < scene_.finish.size(); ++m)
-    for (const double value : tables_->sunlit(m, 0)) sunlight_ = std::max(sunlight_, value / black);
-  for (Shaded& one : shaded_) one.finish = scene::kNone;
+  FromHeight own = from_height(camera_height_m, view_.get(), grid_);
+  promised_ = promised_error(band_.curves, curves_, *folds_, own.tables, grid_, view_.get());
+  use(std::move(own));
   return true;
 }
 

@@ -7,6 +7,7 @@
 // for it too and kept for the rays that follow.
 
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "mtf/image.h"
@@ -15,6 +16,8 @@
 #include "radiometry/render/visible_sides.h"
 
 namespace radiometry::render {
+
+inline constexpr double kBetweenHeights = 1e-4;
 
 struct RenderBand {
   std::string name{};
@@ -30,8 +33,10 @@ class BandShader {
 
   /// Temperatures of the scene are others: nothing that depends on them is kept.
   void temperatures_changed();
-  /// Sees to it that tables hold for a camera at that height and what it sees; returns whether they were made anew.
-  bool prepare(double camera_height_m, const PathExtent& extent);
+  /// Sees to it that tables hold for a camera at that height and what it sees; returns whether they are others than
+  /// before. The tables of the first height are its own. A camera that leaves it gets those of two heights about it, as
+  /// far apart as keeps the promise below kBetweenHeights, at least 12 m, and straight lines between them.
+  bool prepare(double camera_height_m, const PathExtent& extent, int threads = 0);
   /// The values of all visible sides, for this camera; only of those whose cell or tables changed. Returns how many.
   std::size_t shade(const VisibleSides& sides, const Point& camera, int threads);
   /// The radiance of each sample. Unless shadows were found (SamplePart::lit) sides are lit by the share of them that
@@ -68,8 +73,20 @@ class BandShader {
   std::vector<KelvinRange> range_;  ///< of temperatures, by finish
   std::unique_ptr<EmissionFolds> folds_;
   LightSources sources_;
+  /// What one height sees.
+  struct FromHeight {
+    double height_m;
+    BandTables tables;
+    Backdrop backdrop;
+  };
+  FromHeight from_height(double height_m, const AirView* view, const PathGrid& grid) const;
+  bool take_between(double height_m);
+  void make_ends(double height_m, const PathExtent& extent, int threads);
+  void use(FromHeight from);
+
   std::unique_ptr<AirView> view_;
   PathGrid grid_;
+  std::optional<FromHeight> low_, high_;  ///< ends that cameras are between; empty: tables are those of one height
   std::unique_ptr<BandTables> tables_;
   std::unique_ptr<Backdrop> backdrop_;
   double camera_height_m_ = 0.0, promised_ = 0.0, sunlight_ = 0.0;

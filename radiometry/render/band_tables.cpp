@@ -105,6 +105,20 @@ BandTables::BandTables(const BandNodes& nodes, const EmissionFolds& folds,
   for (const AirSamples& node : grid.node) path_.push_back(dot_of(node.source, air));
 }
 
+BandTables BandTables::between(const BandTables& low, const BandTables& high, double share) {
+  BandTables out = low;
+  const auto mix = [&](Values& to, const Values& other) {
+    for (std::size_t i = 0; i < to.size(); ++i) to[i] = std::lerp(to[i], other[i], share);
+  };
+  for (std::size_t m = 0; m < out.emitted_.size(); ++m) {
+    mix(out.emitted_[m].value, high.emitted_[m].value);
+    mix(out.reflected_[m], high.reflected_[m]);
+  }
+  for (std::size_t m = 0; m < out.sun_.size(); ++m) mix(out.sun_[m], high.sun_[m]);
+  mix(out.path_, high.path_);
+  return out;
+}
+
 SixValues BandTables::emitted(std::size_t finish, double temperature_k, std::size_t node) const {
   const Emitted& table = emitted_[finish];
   const auto [first, weight] = cubic_place(table.place, temperature_k);

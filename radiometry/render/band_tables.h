@@ -62,6 +62,9 @@ class BandTables {
   BandTables(const BandNodes& nodes, const EmissionFolds& folds, std::span<const std::vector<double>> emissivity,
              const LightSources& sources, const PathGrid& grid, double reference_k);
 
+  /// (1 - share) low + share high, of tables on one grid.
+  static BandTables between(const BandTables& low, const BandTables& high, double share);
+
   SixValues emitted(std::size_t finish, double temperature_k, std::size_t node) const;
   /// Adds share x source.
   void add_reflected(std::size_t finish, std::size_t source, double share, std::size_t node, SixValues& sum) const;

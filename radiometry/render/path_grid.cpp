@@ -6,6 +6,7 @@
 #include <map>
 
 #include "mtf/error.h"
+#include "mtf/parallel.h"
 
 namespace radiometry::render {
 namespace {
@@ -229,6 +230,15 @@ PathGrid path_grid(const AirView& view, const BandNodes& nodes, const PathExtent
   for (const double height : grid.height_m)
     for (const double root : grid.root) grid.node.push_back(lines.at(root, height));
   return grid;
+}
+
+PathGrid seen_from(const AirView& view, const PathGrid& grid, int threads) {
+  PathGrid out = grid;
+  mtf::parallel_for(static_cast<std::int64_t>(grid.node.size()), 1, threads, [&](std::int64_t begin, std::int64_t end) {
+    for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i)
+      out.node[i] = view.to(std::pow(grid.root[i % grid.roots()], 2), grid.height_m[i / grid.roots()]);
+  });
+  return out;
 }
 
 }  // namespace radiometry::render

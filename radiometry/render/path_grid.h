@@ -100,5 +100,7 @@ PathGrid no_air(const BandNodes& nodes);
 /// `tolerance`: of integrals over the band, relative to those of a blackbody at the temperature of the air; `error` is
 /// above it where 64 cells a layer or 16 layers did not do.
 PathGrid path_grid(const AirView& view, const BandNodes& nodes, const PathExtent& extent, double tolerance);
+/// The same nodes, seen from another height.
+PathGrid seen_from(const AirView& view, const PathGrid& grid, int threads);
 
 }  // namespace radiometry::render

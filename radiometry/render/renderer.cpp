@@ -125,7 +125,7 @@ Renderer::Renderer(const RenderScene& scene, std::vector<RenderBand> bands, cons
   const bool alike = known.patches.size() == 0 || still_alike(scene, known.patches);
   parts_->make(std::move(bands), alike ? &known : nullptr);
   if (known.extent.farthest_m > 0.0)
-    for (BandShader& one : parts_->shader) one.prepare(known.camera_height_m, known.extent);
+    for (BandShader& one : parts_->shader) one.prepare(known.camera_height_m, known.extent, known.options.threads);
 }
 
 std::shared_ptr<const Renderer::Known> Renderer::known() const {
@@ -165,7 +165,7 @@ RenderedFrame Renderer::render(const Camera& camera) {
   my.sides->add(my.parts);
   laps.lap("views of visible sides");
   for (BandShader& one : my.shader) {
-    one.prepare(camera.position[2], my.parts.extent);
+    one.prepare(camera.position[2], my.parts.extent, options.threads);
     frame.promised.push_back(one.promised());
   }
   laps.lap("tables of the air");
