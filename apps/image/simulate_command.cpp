@@ -82,10 +82,22 @@ SimulateResult run_library(const SimulateCommandOptions& options, const Global& 
   return simulate(sensor, {.file = options.scene, .read = {options.channel, options.layer, options.part}}, run);
 }
 
+/// The light's way alone: components keep the path of [atmosphere] that they were read with.
+void leave_out_path(const SimulateCommandOptions& options, mtf::io::SensorConfig& sensor) {
+  if (!options.run.schedule.empty())
+    throw mtf::UsageError(
+        "--without-path: a schedule reads the sensor file anew for its frames; remove [path] or "
+        "[atmosphere] from " +
+        one_line(sensor.file) + " instead");
+  std::erase_if(sensor.tables,
+                [](const mtf::SettingsTable& table) { return table.name == "path" || table.name == "atmosphere"; });
+}
+
 }  // namespace
 
 int run_simulate(const SimulateCommandOptions& options, const Global& global) {
-  const mtf::io::SensorConfig sensor = read_sensor(options.sensor, global);
+  mtf::io::SensorConfig sensor = read_sensor(options.sensor, global);
+  if (options.without_path) leave_out_path(options, sensor);
   if (options.run.out.empty()) throw mtf::UsageError("-o, --out is missing: name the output image (.exr, .png, .tif)");
   if (options.wisdom == "-") throw mtf::UsageError("--wisdom: name a file; \"-\" is for --report only");
   if (options.run.memory && !options.wisdom.empty())

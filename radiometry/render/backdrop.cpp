@@ -39,20 +39,28 @@ Backdrop::Backdrop(const RenderScene& scene, const BandNodes& nodes, const Light
   for (std::size_t i = 0; i < kAngles; ++i) {
     const double elevation = elevation_of(i);
     above_.push_back(integral(nodes, sky_at(scene.sky, nodes, layered, kRight - elevation)));
-    double sum = 0.0;
+    double sum = 0.0, added = 0.0;
     if (view == nullptr || camera_above_m_ <= 0.0) {
       for (const double part : ground) sum += part;
     } else {
       const AirSamples path = view->to(std::min(camera_above_m_ / std::sin(elevation), kFarthest_m), ground_m);
-      for (std::size_t s = 0; s < ground.size(); ++s) sum += path.transmission[s] * ground[s] + path.source[s] * air[s];
+      for (std::size_t s = 0; s < ground.size(); ++s) {
+        sum += path.transmission[s] * ground[s];
+        added += path.source[s] * air[s];
+      }
     }
-    below_.push_back(sum);
+    below_.push_back(sum + added);
+    path_.push_back(added);
   }
 }
 
 double Backdrop::radiance(double sine_of_elevation) const {
   const double elevation = std::asin(std::clamp(sine_of_elevation, -1.0, 1.0));
   return elevation >= 0.0 ? interpolated(above_, elevation) : interpolated(below_, -elevation);
+}
+
+double Backdrop::path_radiance(double sine_of_elevation) const {
+  return interpolated(path_, std::asin(std::clamp(-sine_of_elevation, 0.0, 1.0)));
 }
 
 double Backdrop::range_m(double sine_of_elevation) const {

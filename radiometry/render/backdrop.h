@@ -18,10 +18,12 @@ class Backdrop {
   double radiance(double sine_of_elevation) const;
   /// To the plane; infinite above the horizon.
   double range_m(double sine_of_elevation) const;
+  /// What the air adds on the way to the plane; 0 without air.
+  double path_radiance(double sine_of_elevation) const;
 
  private:
   double camera_above_m_;
-  std::vector<double> above_, below_;  ///< equally spaced in the root of the elevation
+  std::vector<double> above_, below_, path_;  ///< equally spaced in the root of the elevation
 };
 
 }  // namespace radiometry::render

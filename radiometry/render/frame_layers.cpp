@@ -94,14 +94,15 @@ std::vector<NamedLayer> layers_of(const LayerInputs& in) {
     layers.push_back({"surface", made(in.camera, in.threads,
                                       [&](std::size_t ray, Index, Index) { return above(ray) ? 0.0F : before[ray]; })});
   if (in.choice.transmittance)
-    layers.push_back({"transmittance", made(in.camera, in.threads, [&](std::size_t ray, Index, Index) {
-                        if (above(ray)) return 0.0F;
-                        if (side(ray) == kNone) return kNan;  // of the ground beyond the facets it is not kept
-                        const double path = in.shader.path_radiance(static_cast<double>(in.hits.range_m[ray]),
-                                                                    static_cast<double>(in.hits.height_m[ray]));
-                        return static_cast<float>((static_cast<double>(in.radiance[ray]) - path) /
-                                                  static_cast<double>(before[ray]));
-                      })});
+    layers.push_back(
+        {"transmittance", made(in.camera, in.threads, [&](std::size_t ray, Index, Index) {
+           if (above(ray)) return 0.0F;
+           const auto height = static_cast<double>(in.hits.height_m[ray]);
+           const double path = side(ray) == kNone
+                                   ? in.shader.backdrop().path_radiance(height)
+                                   : in.shader.path_radiance(static_cast<double>(in.hits.range_m[ray]), height);
+           return static_cast<float>((static_cast<double>(in.radiance[ray]) - path) / static_cast<double>(before[ray]));
+         })});
   return layers;
 }
 

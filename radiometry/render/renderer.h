@@ -27,7 +27,7 @@ struct LayerChoice {
   bool finish = false;         ///< number; -1 where there is no facet
   bool normal = false;         ///< of the side that is seen: x, y, z; 0 where there is no facet
   bool surface = false;        ///< radiance before the air, of the first band; 0 for the sky
-  bool transmittance = false;  ///< of the air, for what comes from the surface, in the first band; 0 for the sky
+  bool transmittance = false;  ///< of the air, for the light of facet or ground, in the first band; 0 for the sky
 
   bool any() const {
     return temperature || emissivity || range || facet || finish || normal || surface || transmittance;

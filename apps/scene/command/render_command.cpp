@@ -83,6 +83,7 @@ nlohmann::json json_of(const PictureScene& scene, const render::Renderer& render
   json["divided_samples"] = frame.divided;
   json["visible_sides"] = frame.sides;
   json["promised_error"] = frame.promised.front();
+  json["timing_ms"] = nlohmann::json::object();
   for (const auto& times : {scene.timing_ms, renderer.timing_ms(), frame.timing_ms})
     for (const auto& [name, ms] : times) json["timing_ms"][name] = json["timing_ms"].value(name, 0.0) + ms;
   return json;
@@ -141,7 +142,8 @@ int run_render(const RenderCommandOptions& options, const Global& global) {
   for (const auto& [name, words] : scene.closures) table.add({name, words});
   using enum Align;
   print(table.aligned({left, left}) + "written to " + options.out + "\nnext: mtf simulate " +
-        shell_word(options.sensor) + " " + shell_word(options.out) + " -o image.exr\n");
+        shell_word(options.sensor) + " " + shell_word(options.out) + " -o image.exr" +
+        (scene.scene.air && sensor.has_path ? " --without-path" : "") + "\n");
   return 0;
 }
 

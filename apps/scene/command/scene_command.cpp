@@ -9,6 +9,7 @@
 #include "apps/options.h"
 #include "apps/scene/heat/heat_scene.h"
 #include "apps/scene/outputs/mesh_files.h"
+#include "apps/scene/render/picture_surroundings.h"
 #include "apps/scene/scene_file/demo_scene_text.h"
 #include "apps/scene/vehicle/vehicle.h"
 #include "apps/sweep/output_folder.h"
@@ -119,6 +120,14 @@ std::string weather_text(const HeatScene& scene) {
   return text;
 }
 
+/// What `mtf render` says of the same scene at its start.
+std::string pictures_text(const SceneFile& file) {
+  std::string text = "pictures at " + radiometry::heat::instant_text(file.time.start_s) + ":\n";
+  for (const auto& [name, words] : picture_surroundings(file, file.time.start_s, {}).closures)
+    text += "  " + name + ": " + words + "\n";
+  return text;
+}
+
 }  // namespace
 
 int run_scene(const SceneOptions& options, const Global& global) {
@@ -133,7 +142,8 @@ int run_scene(const SceneOptions& options, const Global& global) {
           plural(static_cast<std::int64_t>(file.regions.size()), "region") + "\n");
     return 0;
   }
-  print(meshes_text(scene) + "\n" + regions_text(scene) + "\n" + materials_text(scene) + "\n" + weather_text(scene));
+  print(meshes_text(scene) + "\n" + regions_text(scene) + "\n" + materials_text(scene) + "\n" + weather_text(scene) +
+        pictures_text(file));
   return 0;
 }
 

@@ -6,13 +6,9 @@
 //   temperatures  of the folder that `mtf heat` wrote (straight lines between its times), of a table of facets, or,
 //   where
 //                 neither is given, those that the regions of the file have
-//   sky           with layered air its clear sky, and clouds as black as the air is warm; else a blackbody of the long
-//                 wave that [sky] makes of the weather
+//   sky, sun, air picture_surroundings.h
 //   ground        [ground]: of given temperature, or solved as a level surface from the start of the run; without it
 //                 black and as warm as the air
-//   air           [atmosphere] of the scene file, its lowest 2 km as the weather has them; or that of the sensor file,
-//   as
-//                 it stands there
 
 #include <memory>
 #include <optional>
@@ -20,7 +16,7 @@
 #include <utility>
 #include <vector>
 
-#include "apps/scene/scene_file/scene_file.h"
+#include "apps/scene/render/picture_surroundings.h"
 #include "radiometry/render/render_scene.h"
 
 namespace apps::scene {

@@ -43,6 +43,7 @@ PictureSensor picture_sensor(const mtf::io::SensorConfig& config, PictureQuantit
                             "radiance");
     sensor.response = response_sha256(sensor.band.curves);
   }
+  sensor.has_path = settings.path || settings.atmosphere;
   if (settings.atmosphere) sensor.air = at_its_place(config, [&] { return read_air(*settings.atmosphere); });
   return sensor;
 }

@@ -23,6 +23,7 @@ struct PictureSensor {
   PictureQuantity quantity = PictureQuantity::weighted;
   std::string response{};                                    ///< hash; "" for plain radiance
   std::optional<radiometry::atmosphere::Air<double>> air{};  ///< [atmosphere]
+  bool has_path = false;                                     ///< [path] or [atmosphere]
 };
 
 /// Throws UsageError for a sensor without a band or format, and for weighted radiance without [detector].
