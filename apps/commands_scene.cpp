@@ -26,6 +26,9 @@ Command scene_verb(const char* name, SceneOptions::Action action, const char* do
   return verb;
 }
 
+constexpr std::array kRays{std::pair{std::string_view("1"), 1}, std::pair{std::string_view("4"), 4},
+                           std::pair{std::string_view("16"), 16}};
+
 }  // namespace
 
 Command scene_command() {
@@ -55,15 +58,25 @@ Command render_command() {
       "by\n"
       "the response of the sensor. The OpenEXR file says so, and mtf simulate takes it without options. The camera\n"
       "stands where [camera] of the scene file says; the air is that of [atmosphere] of either file. Bands from 3 to\n"
-      "14 um. Samples that differ from a neighbour take further rays; the attribute mtf:aperture says it.",
-      "  mtf render vehicle/scene.toml camera.toml --temperatures temperatures -o scene.exr\n"
-      "  mtf render scene.toml camera.toml --time 2026-06-21T11:40:00Z --layer Z --layer temperature -o scene.exr"};
+      "14 um. Samples that differ from a neighbour take further rays; the attribute mtf:aperture says it.\n"
+      "Several sensors of one field of view are rendered from one pass of rays, each to a file of its name.",
+      "  mtf render vehicle/scene.toml vehicle/mwir.toml --temperatures temperatures -o scene.exr\n"
+      "  mtf render vehicle/scene.toml vehicle/mwir.toml vehicle/lwir.toml --heat --time 2026-06-21T12:10:00Z "
+      "-o dawn --picture dawn.png"};
   add_file(app, "scene", "scene file (TOML)", options.scene);
-  add_file(app, "sensor", "sensor file (TOML)", options.sensor);
-  add_text(app, "-o,--out", "FILE", "OpenEXR file to write", options.out).required = true;
+  add_text(app, "sensor", "FILE", "sensor files (TOML): one, or several of one field of view",
+           [&](const std::string& text) { options.sensors.push_back(text); })
+      .required = true;
+  app.options.back().repeats = true;
+  add_text(app, "-o,--out", "PATH", "OpenEXR file to write; of several sensors a folder to create", options.out)
+      .required = true;
   add_text(app, "--temperatures", "PATH",
            "folder that mtf heat wrote, or a table of facets (.npy, .csv); default: those of the scene file's regions",
            options.temperatures);
+  add_flag(app, "--heat", "solve the temperatures first, as mtf heat does, until --time", options.heat);
+  add_text(app, "--picture", "FILE",
+           "draw radiance and the image that mtf simulate makes of it, side by side, with colour bars (.png)",
+           options.picture);
   add_text(app, "--time", "INSTANT",
            "UTC, as 2026-06-21T11:40:00Z; default: the last of the folder, or the scene's start", options.time);
   const auto point = [](const char* name, const std::string& text) {
@@ -80,8 +93,6 @@ Command render_command() {
     if (!(options.samples_per_pitch >= 0.5 && options.samples_per_pitch <= 64.0))
       throw mtf::UsageError("--samples-per-pitch: " + text + "; it is from 0.5 to 64");
   });
-  constexpr std::array kRays{std::pair{std::string_view("1"), 1}, std::pair{std::string_view("4"), 4},
-                             std::pair{std::string_view("16"), 16}};
   add_choice(app, "--rays", "N", "1, 4 (default) or 16, of a sample that differs from a neighbour", kRays,
              options.rays);
   add_word(app, "--contrast", "X", "by more than this part of the picture's standard deviation; default 0.02",
@@ -105,6 +116,7 @@ Command render_command() {
   layer.repeats = true;
   add_word(app, "--format", "FORMAT", "of standard output: table (default) or json",
            [&](const std::string& text) { options.json = choice("--format", text, kTableOrJson) == Format::json; });
+  add_force(app, options.force);
   app.run = [shared](const Global& global) { return run_render(*shared, global); };
   return app;
 }

@@ -7,6 +7,7 @@
 
 #include "apps/image/simulate_summary.h"
 #include "apps/measured_file.h"
+#include "apps/sensor/sensor_air.h"
 #include "apps/sensor/sensor_file.h"
 #include "apps/simulate/output_files.h"
 #include "apps/simulate/simulate.h"
@@ -82,22 +83,15 @@ SimulateResult run_library(const SimulateCommandOptions& options, const Global& 
   return simulate(sensor, {.file = options.scene, .read = {options.channel, options.layer, options.part}}, run);
 }
 
-/// The light's way alone: components keep the path of [atmosphere] that they were read with.
-void leave_out_path(const SimulateCommandOptions& options, mtf::io::SensorConfig& sensor) {
-  if (!options.run.schedule.empty())
-    throw mtf::UsageError(
-        "--without-path: a schedule reads the sensor file anew for its frames; remove [path] or "
-        "[atmosphere] from " +
-        one_line(sensor.file) + " instead");
-  std::erase_if(sensor.tables,
-                [](const mtf::SettingsTable& table) { return table.name == "path" || table.name == "atmosphere"; });
-}
-
 }  // namespace
 
 int run_simulate(const SimulateCommandOptions& options, const Global& global) {
   mtf::io::SensorConfig sensor = read_sensor(options.sensor, global);
-  if (options.without_path) leave_out_path(options, sensor);
+  if (options.without_path && !options.run.schedule.empty())
+    throw mtf::UsageError(
+        "--without-path: a schedule reads the sensor file anew for its frames; remove [path] or "
+        "[atmosphere] from it instead");
+  if (options.without_path) sensor = without_path(std::move(sensor));
   if (options.run.out.empty()) throw mtf::UsageError("-o, --out is missing: name the output image (.exr, .png, .tif)");
   if (options.wisdom == "-") throw mtf::UsageError("--wisdom: name a file; \"-\" is for --report only");
   if (options.run.memory && !options.wisdom.empty())

@@ -140,7 +140,7 @@ struct Renderer::Parts {
   Patches patches{};
   scene::Views patch_views{};
   std::vector<BandShader> shader{};
-  std::unique_ptr<BandShader> surface{};  ///< of the first band, without air
+  std::vector<BandShader> surface{};  ///< of each band without air, where layers need it; else none
   std::unique_ptr<VisibleSides> sides{};
   RayHits hits{};
   std::vector<std::vector<float>> radiance{};
@@ -166,7 +166,8 @@ void Renderer::Parts::make(std::vector<RenderBand> bands) {
   }
   laps.lap("views of patches");
   if (options.layers.surface || options.layers.transmittance)
-    surface = std::make_unique<BandShader>(bands.front(), scene, patches, patch_views, options.tolerance, false);
+    for (const RenderBand& band : bands)
+      surface.emplace_back(band, scene, patches, patch_views, options.tolerance, false);
   for (RenderBand& band : bands)
     shader.emplace_back(std::move(band), scene, patches, patch_views, options.tolerance, true);
   sides = std::make_unique<VisibleSides>(
@@ -247,7 +248,7 @@ void Renderer::Parts::divide(const Camera& camera, std::vector<std::uint32_t> sa
 Renderer::Renderer(const RenderScene& scene, std::vector<RenderBand> bands, RenderOptions options) {
   require_valid(scene);
   require_options(options, bands.size());
-  parts_ = std::make_unique<Parts>(Parts{.scene = scene, .options = options});
+  parts_.reset(new Parts{.scene = scene, .options = options});  // made in place
   parts_->make(std::move(bands));
 }
 Renderer::~Renderer() = default;
@@ -269,7 +270,7 @@ RenderedFrame Renderer::render(const Camera& camera) {
     one.prepare(camera.position[2], met.extent);
     frame.promised.push_back(one.promised());
   }
-  if (parts.surface) parts.surface->prepare(camera.position[2], met.extent);
+  for (BandShader& one : parts.surface) one.prepare(camera.position[2], met.extent);
   laps.lap("tables of the air");
   if (parts.shadows_matter()) {
     trace_shadows(*parts.scene.rays, camera, plan, 0, parts.scene.sun->to_sun, parts.hits, options.threads);
@@ -282,9 +283,17 @@ RenderedFrame Renderer::render(const Camera& camera) {
   }
   laps.lap("pixels");
   if (options.layers.any()) {
-    if (parts.surface) parts.surface->shade(*parts.sides, camera.position, options.threads);
-    frame.layers = layers_of({parts.scene, camera, parts.hits, *parts.sides, parts.shader.front(), parts.surface.get(),
-                              parts.radiance.front(), options.layers, options.threads});
+    for (BandShader& one : parts.surface) one.shade(*parts.sides, camera.position, options.threads);
+    const auto add = [&](std::size_t b, const LayerChoice& choice, std::optional<std::size_t> band) {
+      const BandShader* surface = choice.surface || choice.transmittance ? &parts.surface[b] : nullptr;
+      for (NamedLayer& layer : layers_of({parts.scene, camera, parts.hits, *parts.sides, parts.shader[b], surface,
+                                          parts.radiance[b], choice, options.threads})) {
+        layer.band = band;
+        frame.layers.push_back(std::move(layer));
+      }
+    };
+    add(0, options.layers.of_all(), std::nullopt);
+    for (std::size_t b = 0; b < parts.shader.size(); ++b) add(b, options.layers.of_band(), b);
     laps.lap("layers");
   }
   if (options.further > 1) parts.divide(camera, parts.differing(frame), frame, laps);

@@ -9,6 +9,7 @@
 // from a neighbour.
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -21,14 +22,25 @@ namespace radiometry::render {
 /// Planes beside the radiance, of the ray through the middle of each sample.
 struct LayerChoice {
   bool temperature = false;    ///< K; NaN where there is no facet
-  bool emissivity = false;     ///< mean over the first band
+  bool emissivity = false;     ///< mean over the band; of each band
   bool range = false;          ///< m along the ray; infinite where it meets nothing
   bool facet = false;          ///< number; -1 where there is none
   bool finish = false;         ///< number; -1 where there is no facet
   bool normal = false;         ///< of the side that is seen: x, y, z; 0 where there is no facet
-  bool surface = false;        ///< radiance before the air, of the first band; 0 for the sky
-  bool transmittance = false;  ///< of the air, for the light of facet or ground, in the first band; 0 for the sky
+  bool surface = false;        ///< radiance before the air, of each band; 0 for the sky
+  bool transmittance = false;  ///< of the air, for the light of facet or ground, of each band; 0 for the sky
 
+  /// Those that differ from band to band, and the others.
+  LayerChoice of_band() const {
+    LayerChoice choice;
+    choice.emissivity = emissivity, choice.surface = surface, choice.transmittance = transmittance;
+    return choice;
+  }
+  LayerChoice of_all() const {
+    LayerChoice choice = *this;
+    choice.emissivity = choice.surface = choice.transmittance = false;
+    return choice;
+  }
   bool any() const {
     return temperature || emissivity || range || facet || finish || normal || surface || transmittance;
   }
@@ -49,6 +61,7 @@ struct RenderOptions {
 struct NamedLayer {
   std::string name{};
   mtf::Image plane{};
+  std::optional<std::size_t> band{};  ///< nothing for those that are the same in all bands
 };
 
 struct RenderedFrame {

@@ -3,9 +3,12 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "command.h"
+#include "mtf/io/image_io.h"
 
 namespace {
 
@@ -48,7 +51,7 @@ const std::string kPlates =
 const std::string kSensor = R"(schema = 1
 name = "uncooled"
 [frame]
-focal_length = "50 mm"
+focal_length = "12.5 mm"
 pitch = "12 um"
 format = [64, 48]
 [scene]
@@ -128,6 +131,107 @@ TEST_F(RenderCommand, RefusesACameraBesideTheFacetsAndBelowThem) {
   const Result low = scratch_.run("mtf render scene.toml sensor.toml --position 3,-40,-4 -o scene.exr");
   EXPECT_EQ(low.status, 2);
   EXPECT_NE(low.err.find("below the ground"), std::string::npos) << low.err;
+}
+
+/// A cooled camera with the field of view of kSensor.
+const std::string kCooled = R"(schema = 1
+name = "cooled"
+[frame]
+focal_length = "25 mm"
+pitch = "24 um"
+format = [64, 48]
+integration_time = "8 ms"
+[optics]
+f_number = 4.0
+stop_temperature = "77 K"
+[band]
+wavelength = ["3.7 um", "4.8 um"]
+[[presample]]
+kind = "diffraction"
+[[presample]]
+kind = "footprint"
+fill_factor = 0.85
+[detector]
+quantum_efficiency = 0.8
+full_well = "7 Me-"
+[adc]
+bits = 14
+)";
+
+mtf::Image plane(const Scratch& scratch, const std::string& file, const std::string& name) {
+  return std::move(mtf::io::read_image((scratch / file).string(), {name, {}, {}}).planes.front());
+}
+double largest_difference(const mtf::Image& a, const mtf::Image& b) {
+  double most = 0.0;
+  for (std::int64_t i = 0; i < a.size(); ++i)
+    most = std::max(most, static_cast<double>(std::abs(a.data()[i] - b.data()[i])));
+  return most;
+}
+
+TEST_F(RenderCommand, SensorsOfOneViewShareTheRaysAndHaveThePicturesThatTheyHaveAlone) {
+  write_file(scratch_ / "cooled.toml", kCooled);
+  const Result made = scratch_.run(
+      "mtf render scene.toml sensor.toml cooled.toml --rays 1 --layer surface --layer Z -o both --picture "
+      "both/both.png");
+  ASSERT_EQ(made.status, 0) << made.err;
+  EXPECT_TRUE(std::filesystem::exists(scratch_ / "both/both.png"));
+  for (const std::string sensor : {"sensor", "cooled"}) {
+    ASSERT_EQ(
+        scratch_
+            .run("mtf render scene.toml " + sensor + ".toml --rays 1 --layer surface --layer Z -o " + sensor + ".exr")
+            .status,
+        0);
+    const std::string alone = sensor + ".exr", together = "both/" + alone;
+    for (const std::string name : {"Y", "surface", "Z"})
+      EXPECT_EQ(largest_difference(plane(scratch_, together, name), plane(scratch_, alone, name)), 0.0)
+          << sensor << " " << name;
+  }
+  std::string commands = made.out.substr(made.out.find("next: "));
+  for (std::size_t at; (at = commands.find("next: ")) != std::string::npos;) commands.erase(at, 6);
+  const Result then = scratch_.run("set -e\n" + commands);
+  EXPECT_EQ(then.status, 0) << then.err;
+  EXPECT_TRUE(std::filesystem::exists(scratch_ / "both/cooled_image.exr"));
+}
+
+TEST_F(RenderCommand, SensorsOfOnePictureHaveOneView) {
+  std::string wide = kCooled;
+  wide.replace(wide.find("25 mm"), 5, "26 mm");
+  write_file(scratch_ / "wide.toml", wide);
+  const Result made = scratch_.run("mtf render scene.toml sensor.toml wide.toml -o both");
+  EXPECT_EQ(made.status, 2);
+  EXPECT_NE(made.err.find("same field of view"), std::string::npos) << made.err;
+  EXPECT_FALSE(std::filesystem::exists(scratch_ / "both"));
+  const Result airy = scratch_.run("mtf render scene.toml sensor.toml airy.toml -o both");
+  EXPECT_NE(airy.err.find("see through one air"), std::string::npos) << airy.err;
+  const Result file = scratch_.run("mtf render scene.toml sensor.toml wide.toml -o both.exr");
+  EXPECT_NE(file.err.find("folder"), std::string::npos) << file.err;
+}
+
+TEST_F(RenderCommand, SolvesTheTemperaturesThatTheHeatBalanceHas) {
+  std::string text = kScene;
+  for (const std::string line : {"temperature = \"290 K\"\n", "temperature = \"310 K\"\n"})
+    text.replace(text.find(line), line.size(), "material = \"steel\"\n");
+  write_file(scratch_ / "scene.toml", text + R"([[material]]
+name = "steel"
+solar_absorptance = 0.7
+emissivity = 0.9
+convection = "mcadams"
+layers = [{ conductivity = "45 W/m/K", density = "7800 kg/m3", heat_capacity = "480 J/kg/K", thickness = "5 mm" }]
+)");
+  const std::string rest = " --time 2026-06-21T15:00:00Z --layer temperature -o ";
+  ASSERT_EQ(scratch_.run("mtf heat scene.toml -o heat").status, 0);
+  ASSERT_EQ(scratch_.run("mtf render scene.toml sensor.toml --temperatures heat" + rest + "a.exr").status, 0);
+  const Result solved = scratch_.run("mtf render scene.toml sensor.toml --heat" + rest + "b.exr");
+  ASSERT_EQ(solved.status, 0) << solved.err;
+  const mtf::Image a = plane(scratch_, "a.exr", "temperature"), b = plane(scratch_, "b.exr", "temperature");
+  for (const auto& [x, y] : {std::pair{64, 60}, {64, 45}}) {
+    const float k = a.at(x, y);
+    EXPECT_GT(k, 280.0F);
+    // The weather is constant but for the sun's height; runs of other lengths choose other steps within 1 K.
+    EXPECT_NEAR(b.at(x, y), k, 0.3F);
+  }
+  const Result late = scratch_.run("mtf render scene.toml sensor.toml --heat --time 2026-06-29T00:00:00Z -o c.exr");
+  EXPECT_NE(late.err.find("outside of the run"), std::string::npos) << late.err;
 }
 
 }  // namespace

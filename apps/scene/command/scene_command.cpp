@@ -27,18 +27,24 @@ using namespace scene;
 int write_demo(const SceneOptions& options) {
   const std::string folder = options.file + "/";
   check_folder(options.file, options.force);
-  const std::vector<std::string> paths{options.file,          folder + "scene.toml",  folder + "weather.csv",
-                                       folder + "engine.csv", folder + "vehicle.obj", folder + "terrain.obj"};
+  const std::vector<std::string> paths{options.file,           folder + "scene.toml", folder + "weather.csv",
+                                       folder + "engine.csv",  folder + "mwir.toml",  folder + "lwir.toml",
+                                       folder + "vehicle.obj", folder + "terrain.obj"};
   write_together(paths, [&] {
     prepare_folder(options.file, options.force);
     emit(paths[1], demo_scene_text());
     emit(paths[2], demo_weather_text());
     emit(paths[3], demo_engine_text());
-    write_obj(paths[4], make_vehicle());
-    write_obj(paths[5], make_terrain());
+    emit(paths[4], demo_mwir_text());
+    emit(paths[5], demo_lwir_text());
+    write_obj(paths[6], make_vehicle());
+    write_obj(paths[7], make_terrain());
   });
-  print("written to " + folder + ": scene.toml weather.csv engine.csv vehicle.obj terrain.obj\n" + "next: mtf heat " +
-        shell_word(folder + "scene.toml") + " -o temperatures\n");
+  const std::string file = shell_word(folder + "scene.toml");
+  print("written to " + folder + ": scene.toml weather.csv engine.csv mwir.toml lwir.toml vehicle.obj terrain.obj\n" +
+        "next: mtf heat " + file + " -o temperatures\nnext: mtf render " + file + " " +
+        shell_word(folder + "mwir.toml") + " " + shell_word(folder + "lwir.toml") +
+        " --heat --time 2026-06-21T12:10:00Z --position 54,-46,14 -o dawn --picture dawn.png\n");
   return 0;
 }
 

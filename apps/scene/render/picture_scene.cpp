@@ -69,7 +69,8 @@ PictureScene read_picture_scene(const SceneFile& file, const PictureOptions& opt
   out.warnings = surfaces.warnings;
   out.timing_ms.emplace_back("meshes", read.ms());
   const Stopwatch temperatures;
-  SideTemperatures sides = side_temperatures(file, surfaces, options.temperatures, options.utc_s);
+  SideTemperatures sides = options.solved ? side_temperatures(file, surfaces, *options.solved, "the heat balance")
+                                          : side_temperatures(file, surfaces, options.temperatures, options.utc_s);
   out.scene.temperature_k = std::move(sides.kelvin);
   out.utc_s = sides.utc_s;
   out.timing_ms.emplace_back("temperatures", temperatures.ms());

@@ -17,13 +17,15 @@
 #include <vector>
 
 #include "apps/scene/render/picture_surroundings.h"
+#include "apps/scene/render/side_temperatures.h"
 #include "radiometry/render/render_scene.h"
 
 namespace apps::scene {
 
 struct PictureOptions {
-  std::string temperatures{};     ///< folder of `mtf heat`, or a table of facets; "": of the file
-  std::optional<double> utc_s{};  ///< else the end of the table, or the start of the file
+  std::string temperatures{};                 ///< folder of `mtf heat`, or a table of facets; "": of the file
+  std::optional<double> utc_s{};              ///< else the end of the table, or the start of the file
+  std::optional<FacetTemperatures> solved{};  ///< in place of both
   /// [atmosphere] of the sensor file.
   std::optional<radiometry::atmosphere::Air<double>> sensor_air{};
   std::string sensor_file{};  ///< for messages

@@ -49,12 +49,6 @@ std::vector<float> row_at(const std::string& path, std::size_t facets, const Bet
   return values;
 }
 
-/// Fronts, and the backs of sheets where they are known.
-struct FacetTemperatures {
-  std::vector<float> front, back;
-  double utc_s = 0.0;
-};
-
 FacetTemperatures from_folder(const std::string& folder, std::size_t facets, std::optional<double> utc_s) {
   const std::string front = folder + "/temperatures.npy", back = folder + "/temperatures_back.npy";
   const std::vector<double> times = read_output_times(folder + "/times.csv", NpyRows(front).rows());
@@ -107,14 +101,49 @@ bool is_sheet(const SceneFile& file, const Surfaces& surfaces, std::uint32_t fac
   return surface.construction.is_sheet() && surface.pair_m == 0.0;
 }
 
+FacetTemperatures solved_temperatures(const SceneFile& file, double utc_s, const HeatOptions& options,
+                                      const HeatProgress& progress) {
+  if (!(utc_s >= file.time.start_s && utc_s <= file.time.end_s))
+    throw mtf::UsageError("--time: " + heat::instant_text(utc_s) + " is outside of the run of " + one_line(file.file) +
+                          ", which goes from " + heat::instant_text(file.time.start_s) + " to " +
+                          heat::instant_text(file.time.end_s));
+  SceneFile until = file;
+  const double steps = std::max(1.0, std::ceil((utc_s - file.time.start_s) / file.time.step_s - 1e-9));
+  until.time.end_s = file.time.start_s + steps * file.time.step_s;
+  const double at_s = utc_s - file.time.start_s;
+  // Straight lines between the two outputs beside the time.
+  const auto add = [](std::span<const double> kelvin, double weight, std::vector<float>& sum) {
+    sum.resize(kelvin.size(), 0.0F);
+    for (std::size_t f = 0; f < kelvin.size(); ++f) sum[f] += static_cast<float>(weight * kelvin[f]);
+  };
+  FacetTemperatures out{.front = {}, .back = {}, .utc_s = utc_s};
+  run_heat(
+      prepare_heat(until, options), options,
+      [&](const HeatOutput& output) {
+        const double weight = 1.0 - std::abs(output.time_s - at_s) / file.time.step_s;
+        if (!(weight > 1e-9)) return;
+        add(output.front_k, weight, out.front);
+        if (!output.back_k.empty()) add(output.back_k, weight, out.back);
+      },
+      progress);
+  return out;
+}
+
 SideTemperatures side_temperatures(const SceneFile& file, const Surfaces& surfaces, const std::string& source,
                                    std::optional<double> utc_s) {
-  const radiometry::scene::Facets& facets = surfaces.facets;
   std::error_code ignored;
+  const std::size_t facets = surfaces.facets.size();
   const double start_s = utc_s.value_or(file.time.start_s);
-  const FacetTemperatures of = source.empty()                      ? from_regions(file, surfaces, start_s)
-                               : fs::is_directory(source, ignored) ? from_folder(source, facets.size(), utc_s)
-                                                                   : from_table(source, facets.size(), start_s);
+  return side_temperatures(file, surfaces,
+                           source.empty()                      ? from_regions(file, surfaces, start_s)
+                           : fs::is_directory(source, ignored) ? from_folder(source, facets, utc_s)
+                                                               : from_table(source, facets, start_s),
+                           source);
+}
+
+SideTemperatures side_temperatures(const SceneFile& file, const Surfaces& surfaces, const FacetTemperatures& of,
+                                   const std::string& source) {
+  const radiometry::scene::Facets& facets = surfaces.facets;
   SideTemperatures out{.kelvin = {}, .utc_s = of.utc_s};
   std::vector<std::size_t> unknown(file.regions.size(), 0);
   for (std::uint32_t f = 0; f < facets.size(); ++f) {
