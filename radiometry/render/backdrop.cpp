@@ -9,25 +9,31 @@
 namespace radiometry::render {
 namespace {
 
-constexpr std::size_t kAngles = 33;
 constexpr double kRight = 0.5 * std::numbers::pi;
 constexpr double kLowest = 1e-4;       // rad: lines nearer to the horizon are taken to have this elevation
 constexpr double kFarthest_m = 300e3;  // of a ground that the air does not hide
 
-double elevation_of(std::size_t angle) {
-  const double root = static_cast<double>(angle) / (kAngles - 1);
-  return std::max(kRight * root * root, kLowest);
-}
-
 double interpolated(const std::vector<double>& values, double elevation) {
-  const double at = std::sqrt(std::clamp(elevation / kRight, 0.0, 1.0)) * (kAngles - 1);
-  const double below = std::clamp(std::floor(at), 1.0, static_cast<double>(kAngles - 3)), t = at - below;
-  const double* v = values.data() + static_cast<std::size_t>(below) - 1;
-  return -t * (t - 1.0) * (t - 2.0) / 6.0 * v[0] + (t + 1.0) * (t - 1.0) * (t - 2.0) / 2.0 * v[1] -
-         (t + 1.0) * t * (t - 2.0) / 2.0 * v[2] + (t + 1.0) * t * (t - 1.0) / 6.0 * v[3];
+  const ElevationPlace place = elevation_place(elevation);
+  double sum = 0.0;
+  for (std::size_t k = 0; k < 4; ++k) sum += place.weight[k] * values[place.first + k];
+  return sum;
 }
 
 }  // namespace
+
+double sky_elevation(std::size_t k) {
+  const double root = static_cast<double>(k) / (kSkyElevations - 1);
+  return std::max(kRight * root * root, kLowest);
+}
+
+ElevationPlace elevation_place(double elevation_rad) {
+  const double at = std::sqrt(std::clamp(elevation_rad / kRight, 0.0, 1.0)) * (kSkyElevations - 1);
+  const double below = std::clamp(std::floor(at), 1.0, static_cast<double>(kSkyElevations - 3)), t = at - below;
+  return {static_cast<std::size_t>(below) - 1,
+          {-t * (t - 1.0) * (t - 2.0) / 6.0, (t + 1.0) * (t - 1.0) * (t - 2.0) / 2.0, -(t + 1.0) * t * (t - 2.0) / 2.0,
+           (t + 1.0) * t * (t - 1.0) / 6.0}};
+}
 
 Backdrop::Backdrop(const RenderScene& scene, const BandNodes& nodes, const LightSources& sources, const AirView* view,
                    double camera_height_m, double ground_m)
@@ -36,8 +42,8 @@ Backdrop::Backdrop(const RenderScene& scene, const BandNodes& nodes, const Light
   const std::vector<double> ground = fold(nodes, sources.radiance[sources.ground()]);
   std::vector<double> air;
   if (view != nullptr) air = fold(nodes, blackbody_at(nodes, view->reference_k()));
-  for (std::size_t i = 0; i < kAngles; ++i) {
-    const double elevation = elevation_of(i);
+  for (std::size_t i = 0; i < kSkyElevations; ++i) {
+    const double elevation = sky_elevation(i);
     above_.push_back(integral(nodes, sky_at(scene.sky, nodes, layered, kRight - elevation)));
     double sum = 0.0, added = 0.0;
     if (view == nullptr || camera_above_m_ <= 0.0) {

@@ -9,6 +9,15 @@
 
 namespace radiometry::render {
 
+/// Elevations that the sky is known at, from the horizon to the zenith, and the weights of a cubic between them.
+inline constexpr std::size_t kSkyElevations = 33;
+double sky_elevation(std::size_t k);
+struct ElevationPlace {
+  std::size_t first = 0;
+  std::array<double, 4> weight{};
+};
+ElevationPlace elevation_place(double elevation_rad);
+
 class Backdrop {
  public:
   /// `view`: null without air. `ground_m`: the height of the plane.

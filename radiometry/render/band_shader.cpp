@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <numbers>
 
 #include "mtf/parallel.h"
 
@@ -35,16 +36,33 @@ PathExtent with_room(const PathExtent& extent) {
 
 BandShader::BandShader(RenderBand band, const RenderScene& scene, const Patches& patches, const scene::Views& views,
                        double tolerance, bool with_air)
-    : band_(std::move(band)), scene_(scene), tolerance_(tolerance), with_air_(with_air && scene.air.has_value()) {
+    : band_(std::move(band)),
+      scene_(scene),
+      tolerance_(tolerance),
+      with_air_(with_air && scene.air.has_value()),
+      patches_(&patches) {
   for (const Finish& finish : scene.finish) curves_.push_back(finish.emissivity);
   nodes_ = band_nodes(band_.curves, curves_);
   for (const Spectrum& curve : curves_) emissivity_.push_back(at_nodes(nodes_, curve));
-  folds_ = std::make_unique<EmissionFolds>(nodes_, emissivity_, ranges_of(scene));
+  const std::vector<std::vector<double>> all_sides = hemispherical_emissivity(scene, emissivity_);
+  angular_ = angular_finishes(scene, emissivity_, all_sides);
+  std::vector<std::vector<double>> emits = emissivity_;
+  std::vector<KelvinRange> ranges = ranges_of(scene);
+  for (std::size_t m = 0; m < angular_.made.size(); ++m) {
+    emits.push_back(angular_.made[m].emits);
+    ranges.push_back(angular_.like[m] == scene::kNone ? KelvinRange{300.0, 300.0} : ranges[angular_.like[m]]);
+  }
+  folds_ = std::make_unique<EmissionFolds>(nodes_, emits, ranges);
   std::optional<AirView> sky;
   if (scene.air && scene.air->profile.levels.size() > 1)
     sky.emplace(*scene.air, nodes_, scene.altitude_m, ground_height_m(scene.facets()));
-  sources_ = light_sources(scene, nodes_, emissivity_, patches, patch_temperatures_k(scene, patches), views,
-                           sky ? &*sky : nullptr);
+  patch_k_ = patch_temperatures_k(scene, patches);
+  sources_ = light_sources(scene, nodes_, all_sides, patches, patch_k_, views, sky ? &*sky : nullptr);
+  if (angular_.made.size() < 2) return;  // no mirrors
+  sources_.first_elevation = sources_.radiance.size();
+  for (std::size_t k = 0; k < kSkyElevations; ++k)
+    sources_.radiance.push_back(
+        sky_at(scene.sky, nodes_, sky ? &*sky : nullptr, 0.5 * std::numbers::pi - sky_elevation(k)));
 }
 
 bool BandShader::prepare(double camera_height_m, const PathExtent& extent) {
@@ -57,8 +75,8 @@ bool BandShader::prepare(double camera_height_m, const PathExtent& extent) {
   } else {
     grid_ = no_air(nodes_);
   }
-  tables_ =
-      std::make_unique<BandTables>(nodes_, *folds_, emissivity_, sources_, grid_, view_ ? view_->reference_k() : 300.0);
+  tables_ = std::make_unique<BandTables>(nodes_, *folds_, emissivity_, sources_, grid_,
+                                         view_ ? view_->reference_k() : 300.0, angular_.made);
   promised_ = promised_error(band_.curves, curves_, *folds_, *tables_, grid_, view_.get());
   backdrop_ = std::make_unique<Backdrop>(scene_, nodes_, sources_, view_.get(), camera_height_m,
                                          ground_height_m(scene_.facets()));

@@ -10,6 +10,8 @@
 #include <string>
 
 #include "mtf/image.h"
+#include "radiometry/render/angles/angular_finishes.h"
+#include "radiometry/render/angles/mirror_rays.h"
 #include "radiometry/render/backdrop.h"
 #include "radiometry/render/band_tables.h"
 #include "radiometry/render/visible_sides.h"
@@ -35,6 +37,11 @@ class BandShader {
   /// Radiance of each ray. Without shadow rays (RayHits::lit) sides are lit by the share of them that is in the sun.
   void radiance(const RayHits& hits, const VisibleSides& sides, std::vector<float>& out, int threads) const;
 
+  /// Puts right the rays that met surfaces whose radiance depends on the angle (angles/); all sides that they show are
+  /// among `sides`.
+  void add_angles(const MirrorRays& rays, const RayHits& hits, const VisibleSides& sides, std::vector<float>& out,
+                  int threads) const;
+
   const RenderBand& band() const { return band_; }
   const BandNodes& nodes() const { return nodes_; }
   const Backdrop& backdrop() const { return *backdrop_; }
@@ -54,6 +61,8 @@ class BandShader {
     std::uint32_t finish = scene::kNone;  ///< kNone: not yet shaded
   };
   Shaded shaded(const VisibleSides& sides, std::size_t number, PathGrid::Cell cell) const;
+  SixValues mirrored(std::size_t reflected, bool white, std::size_t finish, const RayHits& met,
+                     const VisibleSides& sides, std::size_t k, std::size_t node) const;
 
   RenderBand band_;
   const RenderScene& scene_;
@@ -62,6 +71,9 @@ class BandShader {
   double tolerance_;
   bool with_air_;
   BandNodes nodes_;
+  AngularFinishes angular_;
+  const Patches* patches_;
+  std::vector<double> patch_k_;
   std::unique_ptr<EmissionFolds> folds_;
   LightSources sources_;
   std::unique_ptr<AirView> view_;

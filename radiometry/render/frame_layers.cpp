@@ -60,7 +60,17 @@ std::vector<NamedLayer> layers_of(const LayerInputs& in) {
   if (in.choice.emissivity) {
     const std::vector<float> value = emissivities(in);
     add(
-        "emissivity", [&](std::size_t ray, Index, Index) { return value[in.sides.number(side(ray))]; }, kNan);
+        "emissivity",
+        [&](std::size_t ray, Index x, Index y) {
+          const float along_normal = value[in.sides.number(side(ray))];
+          const AngularEmissivity& curve = in.scene.finish[in.scene.finish_of[side(ray)]].by_angle;
+          if (curve.empty()) return along_normal;
+          const Vector d = in.camera.direction(static_cast<double>(x) + 0.5, static_cast<double>(y) + 0.5);
+          const double cosine =
+              std::abs(scene::dot(d, in.scene.facets().facet[side(ray) / 2].normal)) / scene::length(d);
+          return static_cast<float>(relative_emissivity(curve, cosine)) * along_normal;
+        },
+        kNan);
   }
   if (in.choice.range)
     layers.push_back(
@@ -89,6 +99,7 @@ std::vector<NamedLayer> layers_of(const LayerInputs& in) {
   if (in.surface == nullptr) return layers;
   std::vector<float> before;
   in.surface->radiance(in.hits, in.sides, before, in.threads);
+  in.surface->add_angles(in.mirrors, in.hits, in.sides, before, in.threads);
   const auto above = [&](std::size_t ray) { return side(ray) == kNone && in.hits.height_m[ray] >= 0.0F; };
   if (in.choice.surface)
     layers.push_back({"surface", made(in.camera, in.threads,

@@ -11,6 +11,7 @@ struct LayerInputs {
   const RenderScene& scene;
   const Camera& camera;
   const RayHits& hits;  ///< of RayPlan::tiles
+  const MirrorRays& mirrors;
   const VisibleSides& sides;
   const BandShader& shader;
   const BandShader* surface;           ///< the same band without air; null where neither layer asks for it

@@ -50,10 +50,10 @@ void require_options(const RenderOptions& options, std::size_t bands) {
 }
 
 bool reflects(const RenderScene& scene) {
-  return std::any_of(scene.finish.begin(), scene.finish.end(), [](const Finish& finish) {
-    return std::any_of(finish.emissivity.value.begin(), finish.emissivity.value.end(),
-                       [](double value) { return value < 1.0; });
-  });
+  return has_angles(scene) || std::any_of(scene.finish.begin(), scene.finish.end(), [](const Finish& finish) {
+           return std::any_of(finish.emissivity.value.begin(), finish.emissivity.value.end(),
+                              [](double value) { return value < 1.0; });
+         });
 }
 
 /// Ranges and heights of what the rays meet; facets alone.
@@ -143,6 +143,8 @@ struct Renderer::Parts {
   std::vector<BandShader> surface{};  ///< of each band without air, where layers need it; else none
   std::unique_ptr<VisibleSides> sides{};
   RayHits hits{};
+  bool angles = false;   ///< some finish depends on the angle, or is glossy
+  MirrorRays mirrors{};  ///< of those hits
   std::vector<std::vector<float>> radiance{};
 
   void make(std::vector<RenderBand> bands);
@@ -157,6 +159,7 @@ struct Renderer::Parts {
 void Renderer::Parts::make(std::vector<RenderBand> bands) {
   Laps laps(timing);
   const bool light = reflects(scene);
+  angles = has_angles(scene);
   patch_views.rings = options.rings;
   if (light) {
     patches = patches_by_temperature(scene);
@@ -186,6 +189,10 @@ void Renderer::Parts::trace(const Camera& camera, const RayPlan& plan, std::size
   turn_insides(scene, hits, options.threads);
   laps.lap("rays");
   sides->add(hits);
+  if (angles) {
+    mirrors = mirror_rays(scene, camera, plan, first, hits, options.threads);
+    sides->add(mirrors.met);
+  }
   laps.lap("views of visible sides");
 }
 
@@ -233,6 +240,7 @@ void Renderer::Parts::divide(const Camera& camera, std::vector<std::uint32_t> sa
     shade(camera, frame, laps);
     for (std::size_t b = 0; b < shader.size(); ++b) {
       shader[b].radiance(hits, *sides, radiance[b], options.threads);
+      if (angles) shader[b].add_angles(mirrors, hits, *sides, radiance[b], options.threads);
       for (std::size_t i = 0; i + each <= radiance[b].size(); i += each) {
         const std::size_t sample = (first * scene::kPencilRays + i) / each;
         if (sample >= samples.size()) break;
@@ -279,6 +287,8 @@ RenderedFrame Renderer::render(const Camera& camera) {
   parts.shade(camera, frame, laps);
   for (std::size_t b = 0; b < parts.shader.size(); ++b) {
     parts.shader[b].radiance(parts.hits, *parts.sides, parts.radiance[b], options.threads);
+    if (parts.angles)
+      parts.shader[b].add_angles(parts.mirrors, parts.hits, *parts.sides, parts.radiance[b], options.threads);
     frame.radiance.push_back(image_of(camera, parts.radiance[b], options.threads));
   }
   laps.lap("pixels");
@@ -286,8 +296,8 @@ RenderedFrame Renderer::render(const Camera& camera) {
     for (BandShader& one : parts.surface) one.shade(*parts.sides, camera.position, options.threads);
     const auto add = [&](std::size_t b, const LayerChoice& choice, std::optional<std::size_t> band) {
       const BandShader* surface = choice.surface || choice.transmittance ? &parts.surface[b] : nullptr;
-      for (NamedLayer& layer : layers_of({parts.scene, camera, parts.hits, *parts.sides, parts.shader[b], surface,
-                                          parts.radiance[b], choice, options.threads})) {
+      for (NamedLayer& layer : layers_of({parts.scene, camera, parts.hits, parts.mirrors, *parts.sides, parts.shader[b],
+                                          surface, parts.radiance[b], choice, options.threads})) {
         layer.band = band;
         frame.layers.push_back(std::move(layer));
       }

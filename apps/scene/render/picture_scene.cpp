@@ -18,23 +18,25 @@ namespace render = radiometry::render;
 
 radiometry::Spectrum spectrum_of(const Emissivity& emissivity, const std::string& name) {
   return emissivity.spectrum ? *emissivity.spectrum
-                             : radiometry::constant_spectrum(name + ": emissivity", emissivity.value, 1.0);
+                             : radiometry::constant_spectrum(name + ": emissivity", emissivity.along_normal, 1.0);
 }
 
 /// One finish for each material, one for the backs of each that is a sheet with another emissivity, and black.
 void set_finishes(const SceneFile& file, const Surfaces& surfaces, render::RenderScene& scene) {
   std::vector<std::uint32_t> back(file.materials.size());
   for (const MaterialSection& material : file.materials)
-    scene.finish.push_back({material.name, spectrum_of(material.emissivity, material.name)});
+    scene.finish.push_back(
+        {material.name, spectrum_of(material.emissivity, material.name), material.by_angle, material.gloss});
   for (std::size_t m = 0; m < back.size(); ++m) {
     back[m] = static_cast<std::uint32_t>(m);
     const auto& other = file.materials[m].inside.back_emissivity;
     if (!other) continue;
     back[m] = static_cast<std::uint32_t>(scene.finish.size());
-    scene.finish.push_back({file.materials[m].name + " (back)", spectrum_of(*other, file.materials[m].name)});
+    scene.finish.push_back({file.materials[m].name + " (back)", spectrum_of(*other, file.materials[m].name),
+                            file.materials[m].by_angle, file.materials[m].gloss});
   }
   const auto black = static_cast<std::uint32_t>(scene.finish.size());
-  scene.finish.push_back({"black", radiometry::constant_spectrum("black", 1.0, 1.0)});
+  scene.finish.push_back({"black", radiometry::constant_spectrum("black", 1.0, 1.0), {}, 0.0});
   for (std::uint32_t f = 0; f < surfaces.facets.size(); ++f) {
     const auto& material = file.regions[surfaces.region[f]].material;
     scene.finish_of.push_back(material ? static_cast<std::uint32_t>(*material) : black);
