@@ -71,7 +71,7 @@ struct LayerSection {
 struct Emissivity {
   double value = 0.9;                              ///< at 300 K, to all sides
   std::optional<radiometry::Spectrum> spectrum{};  ///< samples, straight lines between them, held beyond both ends
-  double along_normal = 0.9;                       ///< where there is no spectrum; differs where it depends on the angle
+  double along_normal = 0.9;  ///< where there is no spectrum; differs where it depends on the angle
 };
 /// Mean of the spectrum weighted by the blackbody of that temperature: integral of e B / integral of B.
 double planck_mean(const radiometry::Spectrum& emissivity, double temperature_k);
