@@ -75,6 +75,9 @@ Command simulate_command() {
       kOutputStages, options.run.stage);
   add_choice(app, "--nan", "POLICY", "NaN and infinite pixels: refuse (default), fill or propagate", kNan,
              options.run.nan);
+  add_flag(app, "--without-path",
+           "leave [path] and [atmosphere] of the sensor file out, for a picture that has its air in it",
+           options.without_path);
   add_flag(app, "--explain", "show what the plan left out, merged and chose", options.explain);
   add_choice(app, "--rigor", "RIGOR", "estimate (default, reproducible) or measure (times candidates first)", kRigor,
              options.run.measure);

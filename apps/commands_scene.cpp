@@ -27,6 +27,9 @@ Command scene_verb(const char* name, SceneOptions::Action action, const char* do
   return verb;
 }
 
+constexpr std::array kPoints{std::pair{std::string_view("1"), 1}, std::pair{std::string_view("4"), 4},
+                             std::pair{std::string_view("16"), 16}};
+
 }  // namespace
 
 Command scene_command() {
@@ -46,27 +49,34 @@ Command scene_command() {
   return app;
 }
 
-constexpr std::array kPoints{std::pair{std::string_view("1"), 1}, std::pair{std::string_view("4"), 4},
-                             std::pair{std::string_view("16"), 16}};
-
 Command render_command() {
   const auto shared = std::make_shared<RenderCommandOptions>();
   RenderCommandOptions& options = *shared;
   Command app{
       "render", "the picture of a scene that a sensor takes in, for mtf simulate",
       "Facets in the sensor's field of view: their temperature and emissivity, the light that they reflect of sky,\n"
-      "ground, other surfaces and the sun, and the air before them give one radiance, weighted by the response of the\n"
-      "sensor. The OpenEXR file says so, and mtf simulate takes it without options. The camera\n"
+      "ground, other surfaces and the sun, and the air before them give one radiance, weighted by\n"
+      "the response of the sensor. The OpenEXR file says so, and mtf simulate takes it without options. The camera\n"
       "stands where [camera] of the scene file says; the air is that of [atmosphere] of either file. Bands from 3 to\n"
-      "14 um. A sample is the mean of several points; the attribute mtf:aperture says it.",
-      "  mtf render vehicle/scene.toml camera.toml --temperatures temperatures -o scene.exr\n"
-      "  mtf render scene.toml camera.toml --time 2026-06-21T11:40:00Z --layer Z --layer temperature -o scene.exr"};
+      "14 um. A sample is the mean of several points; the attribute mtf:aperture says it.\n"
+      "Several sensors of one field of view are rendered at once, each to a file of its name.",
+      "  mtf render vehicle/scene.toml vehicle/mwir.toml --temperatures temperatures -o scene.exr\n"
+      "  mtf render vehicle/scene.toml vehicle/mwir.toml vehicle/lwir.toml --heat --time 2026-06-21T12:10:00Z "
+      "-o dawn --picture dawn.png"};
   add_file(app, "scene", "scene file (TOML)", options.scene);
-  add_file(app, "sensor", "sensor file (TOML)", options.sensor);
-  add_text(app, "-o,--out", "FILE", "OpenEXR file to write", options.out).required = true;
+  add_text(app, "sensor", "FILE", "sensor files (TOML): one, or several of one field of view",
+           [&](const std::string& text) { options.sensors.push_back(text); })
+      .required = true;
+  app.options.back().repeats = true;
+  add_text(app, "-o,--out", "PATH", "OpenEXR file to write; of several sensors a folder to create", options.out)
+      .required = true;
   add_text(app, "--temperatures", "PATH",
            "folder that mtf heat wrote, or a table of facets (.npy, .csv); default: those of the scene file's regions",
            options.temperatures);
+  add_flag(app, "--heat", "solve the temperatures first, as mtf heat does, until --time", options.heat);
+  add_text(app, "--picture", "FILE",
+           "draw radiance and the image that mtf simulate makes of it, side by side, with colour bars (.png)",
+           options.picture);
   add_text(app, "--time", "INSTANT",
            "UTC, as 2026-06-21T11:40:00Z; default: the last of the folder, or the scene's start", options.time);
   const auto point = [](const char* name, const std::string& text) {
@@ -103,6 +113,7 @@ Command render_command() {
   layer.repeats = true;
   add_word(app, "--format", "FORMAT", "of standard output: table (default) or json",
            [&](const std::string& text) { options.json = choice("--format", text, kTableOrJson) == Format::json; });
+  add_force(app, options.force);
   app.run = [shared](const Global& global) { return run_render(*shared, global); };
   return app;
 }

@@ -57,8 +57,9 @@ struct SimulateCommandOptions {
   std::optional<std::string> channel, layer;
   std::optional<int> part;
   bool explain = false;
-  std::string wisdom;   ///< file with what measuring learnt; read before, written after
-  SimulateOptions run;  ///< all that is for the library
+  std::string wisdom;         ///< file with what measuring learnt; read before, written after
+  bool without_path = false;  ///< [path] and [atmosphere] of the sensor are left out
+  SimulateOptions run;        ///< all that is for the library
 };
 
 struct BudgetOptions {

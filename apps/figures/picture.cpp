@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include "apps/text/words.h"
 #include "mtf/io/image_io.h"
@@ -29,7 +30,7 @@ std::string end_words(double value, const char* beyond, std::int64_t clipped, st
   std::string text = significant(value, 4);
   if (clipped > 0)
     text += std::string(" and ") + beyond + ": " +
-            significant(100.0 * static_cast<double>(clipped) / static_cast<double>(pixels), 2) + " % of the pixels";
+            significant(100.0 * static_cast<double>(clipped) / static_cast<double>(pixels), 2) + " %";
   return text;
 }
 
@@ -39,12 +40,13 @@ mtf::io::Stroke frame(std::int64_t x, std::int64_t y, std::int64_t width, std::i
   return {{{left, top}, {right, top}, {right, bottom}, {left, bottom}, {left, top}}, kFrame};
 }
 
-/// Draws a panel whose image has its upper left corner at (x, kHead), and its bar with the upper edge at `bar_y`.
-void place(const Panel& panel, std::int64_t x, std::int64_t bar_y, mtf::Image& page, mtf::io::Drawing& drawing) {
+/// Draws a panel whose image has its upper left corner at (x, y), and its bar with the upper edge at `bar_y`.
+void place(const Panel& panel, std::int64_t x, std::int64_t y, std::int64_t bar_y, mtf::Image& page,
+           mtf::io::Drawing& drawing) {
   const std::int64_t width = shown_width(panel);
   for (std::int64_t j = 0; j < shown_height(panel); ++j)
     for (std::int64_t i = 0; i < width; ++i)
-      page.at(x + i, kHead + j) = share(panel, panel.image.at(i / panel.zoom, j / panel.zoom));
+      page.at(x + i, y + j) = share(panel, panel.image.at(i / panel.zoom, j / panel.zoom));
   for (std::int64_t j = 0; j < kBar; ++j)
     for (std::int64_t i = 0; i < width; ++i)
       page.at(x + i, bar_y + j) = static_cast<float>(i) / static_cast<float>(std::max<std::int64_t>(1, width - 1));
@@ -53,10 +55,10 @@ void place(const Panel& panel, std::int64_t x, std::int64_t bar_y, mtf::Image& p
   const BarEnds ends = bar_ends(panel);
   const double left = static_cast<double>(x), right = static_cast<double>(x + width), middle = 0.5 * (left + right);
   const double text_y = static_cast<double>(bar_y + kBar) + 1.9 * kTextGap;
-  const auto add = [&](double at, double y, const std::string& text, double alignment) {
-    drawing.captions.push_back({at, y, text, kText, kTextSize, alignment});
+  const auto add = [&](double at, double base, const std::string& text, double alignment) {
+    drawing.captions.push_back({at, base, text, kText, kTextSize, alignment});
   };
-  add(left, static_cast<double>(kHead) - kTextGap, panel.caption, 0.0);
+  add(left, static_cast<double>(y) - kTextGap, panel.caption, 0.0);
   add(left, text_y, ends.low, 0.0);
   add(middle, text_y, panel.quantity, 0.5);
   add(right, text_y, ends.high, 1.0);
@@ -75,21 +77,30 @@ BarEnds bar_ends(const Panel& panel) {
   return {end_words(panel.low, "below", below, pixels), end_words(panel.high, "above", above, pixels)};
 }
 
-void write_picture(const std::string& path, std::span<const Panel> panels, bool false_colour) {
-  std::int64_t width = kMargin, tallest = 0;
-  for (const Panel& panel : panels) {
-    width += shown_width(panel) + kMargin;
-    tallest = std::max(tallest, shown_height(panel));
+void write_picture(const std::string& path, std::span<const Panel> panels, bool false_colour, std::size_t columns) {
+  if (columns == 0) columns = panels.size();
+  std::int64_t width = 0, height = 0;
+  std::vector<std::int64_t> bars;  // of each row
+  for (std::size_t first = 0; first < panels.size(); first += columns) {
+    std::int64_t across = kMargin, tallest = 0;
+    for (const Panel& panel : panels.subspan(first, std::min(columns, panels.size() - first))) {
+      across += shown_width(panel) + kMargin;
+      tallest = std::max(tallest, shown_height(panel));
+    }
+    width = std::max(width, across);
+    bars.push_back(height + kHead + tallest + kBarGap);
+    height = bars.back() + kBar + kFoot;
   }
-  const std::int64_t bar_y = kHead + tallest + kBarGap;
-  mtf::Image page(width, bar_y + kBar + kFoot);
+  mtf::Image page(width, height);
   std::fill_n(page.data(), page.size(), kGround);
   mtf::io::Drawing drawing;
   drawing.false_colour = false_colour;
-  std::int64_t x = kMargin;
-  for (const Panel& panel : panels) {
-    place(panel, x, bar_y, page, drawing);
-    x += shown_width(panel) + kMargin;
+  std::int64_t x = kMargin, y = kHead;
+  for (std::size_t p = 0; p < panels.size(); ++p) {
+    const std::size_t row = p / columns;
+    if (p > 0 && p % columns == 0) x = kMargin, y = bars[row - 1] + kBar + kFoot + kHead;
+    place(panels[p], x, y, bars[row], page, drawing);
+    x += shown_width(panels[p]) + kMargin;
   }
   mtf::io::write_annotated_png(path, page.view(), 0.0, 1.0, drawing);
 }

@@ -19,13 +19,15 @@ struct Panel {
   std::string quantity;      ///< of the bar, with unit: "radiance [W/m2]"; ASCII
 };
 
-/// Words at the two ends of a panel's bar, "2.5" or, where values are clipped, "2.5 and below: 0.3 % of the pixels".
+/// Words at the two ends of a panel's bar, "2.5" or, where values are clipped, "2.5 and below: 0.3 %" of the pixels.
 struct BarEnds {
   std::string low, high;
 };
 BarEnds bar_ends(const Panel& panel);
 
-/// Writes the panels as one PNG, whole or not at all; in false colours instead of grey where that is asked for.
-void write_picture(const std::string& path, std::span<const Panel> panels, bool false_colour = false);
+/// Writes the panels as one PNG, whole or not at all; in false colours instead of grey where that is asked for. Rows of
+/// `columns` panels; 0: all in one row.
+void write_picture(const std::string& path, std::span<const Panel> panels, bool false_colour = false,
+                   std::size_t columns = 0);
 
 }  // namespace apps

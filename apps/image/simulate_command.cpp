@@ -7,6 +7,7 @@
 
 #include "apps/image/simulate_summary.h"
 #include "apps/measured_file.h"
+#include "apps/sensor/sensor_air.h"
 #include "apps/sensor/sensor_file.h"
 #include "apps/simulate/output_files.h"
 #include "apps/simulate/simulate.h"
@@ -85,7 +86,12 @@ SimulateResult run_library(const SimulateCommandOptions& options, const Global& 
 }  // namespace
 
 int run_simulate(const SimulateCommandOptions& options, const Global& global) {
-  const mtf::io::SensorConfig sensor = read_sensor(options.sensor, global);
+  mtf::io::SensorConfig sensor = read_sensor(options.sensor, global);
+  if (options.without_path && !options.run.schedule.empty())
+    throw mtf::UsageError(
+        "--without-path: a schedule reads the sensor file anew for its frames; remove [path] or "
+        "[atmosphere] from it instead");
+  if (options.without_path) sensor = without_path(std::move(sensor));
   if (options.run.out.empty()) throw mtf::UsageError("-o, --out is missing: name the output image (.exr, .png, .tif)");
   if (options.wisdom == "-") throw mtf::UsageError("--wisdom: name a file; \"-\" is for --report only");
   if (options.run.memory && !options.wisdom.empty())

@@ -216,6 +216,12 @@ void read_atmosphere(const mtf::System<double>& system, const radiometry::Sensor
   loaded.paths = [tables](double nearest_m, double longest_m) { return tables->covering(nearest_m, longest_m); };
 }
 
+mtf::io::SensorConfig without_path(mtf::io::SensorConfig sensor) {
+  std::erase_if(sensor.tables,
+                [](const mtf::SettingsTable& table) { return table.name == "path" || table.name == "atmosphere"; });
+  return sensor;
+}
+
 std::vector<mtf::io::Diagnostic> atmosphere_warnings(const mtf::io::SensorConfig& config) {
   std::vector<mtf::io::Diagnostic> warnings;
   const mtf::SettingsTable* table = find_table(config.tables, "atmosphere");

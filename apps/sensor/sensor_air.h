@@ -43,6 +43,10 @@ radiometry::atmosphere::AerosolLoss loss_in(const mtf::System<double>& system);
 void read_atmosphere(const mtf::System<double>& system, const radiometry::SensorSettings& settings,
                      LoadedSensor& loaded);
 
+/// The sensor without [path] and [atmosphere], for pictures that have their air in them. Its components keep the path
+/// that they were read with.
+mtf::io::SensorConfig without_path(mtf::io::SensorConfig sensor);
+
 /// What the model is not good for in the band of this sensor (radiometry/atmosphere: limits_of).
 std::vector<mtf::io::Diagnostic> atmosphere_warnings(const mtf::io::SensorConfig& config);
 

@@ -31,7 +31,7 @@ void require_own_light(const mtf::io::SensorConfig& config, const LoadedSensor& 
   if (attribute(scene, "mtf:path") == "included" && (settings.path || settings.atmosphere))
     throw mtf::UsageError(file + ": the air is in it already, and would count twice with [" +
                           (settings.path ? "path" : "atmosphere") + "] of " + config.file +
-                          "; remove that table, or render without air");
+                          "; leave it out with --without-path, or render with --no-air");
   if (!is_weighted(scene)) return;
   const bool watts = scene.quantity == Quantity::radiance;
   const std::string quantity = attribute(scene, "mtf:quantity");

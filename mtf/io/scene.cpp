@@ -63,6 +63,11 @@ std::optional<Quantity> stated_quantity(const ImageFile& file, const std::string
       ", which is no scene: a scene is radiance, photon_radiance, spectral_radiance, temperature or counts");
 }
 
+bool is_weighted(const ImageFile& file) {
+  const auto found = file.info.attributes.find("mtf:quantity");
+  return found != file.info.attributes.end() && found->second.starts_with("weighted_");
+}
+
 /// Keys of [scene] that this file needs and the sensor file lacks, as one error.
 void require_keys(const SensorConfig& config, const std::string& path, const ImageFile& file, bool quantity_stated) {
   const SceneDefaults& defaults = config.scene;
@@ -147,7 +152,8 @@ Scene describe_scene(const SensorConfig& config, const std::string& path, const 
   scene.encoding = encoding_of(config, path, file, scene.warnings);
   if (!stated && !defaults.quantity)
     scene.warnings.push_back("quantity is not stated in " + path + " nor in [scene]; taken as radiance (W m-2 sr-1)");
-  if (stated && defaults.quantity && *stated != *defaults.quantity)
+  // Weighted radiance is a picture made for one sensor: nothing that [scene] says of other images belongs to it.
+  if (stated && defaults.quantity && *stated != *defaults.quantity && !is_weighted(file))
     scene.warnings.push_back(path + " says quantity " + std::string(quantity_name(*stated)) + ", [scene] says " +
                              std::string(quantity_name(*defaults.quantity)) + "; the file wins");
   scene.quantity = stated ? *stated : defaults.quantity.value_or(Quantity::radiance);

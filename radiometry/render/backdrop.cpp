@@ -9,68 +9,84 @@
 namespace radiometry::render {
 namespace {
 
-constexpr std::size_t kAngles = 33;
 constexpr double kRight = 0.5 * std::numbers::pi;
 constexpr double kLowest = 1e-4;       // rad: lines nearer to the horizon are taken to have this elevation
 constexpr double kFarthest_m = 300e3;  // of a ground that the air does not hide
 
-double elevation_of(std::size_t angle) {
-  const double root = static_cast<double>(angle) / (kAngles - 1);
-  return std::max(kRight * root * root, kLowest);
-}
-
 double interpolated(const std::vector<double>& values, double elevation) {
-  const double at = std::sqrt(std::clamp(elevation / kRight, 0.0, 1.0)) * (kAngles - 1);
-  const double below = std::clamp(std::floor(at), 1.0, static_cast<double>(kAngles - 3)), t = at - below;
-  const double* v = values.data() + static_cast<std::size_t>(below) - 1;
-  return -t * (t - 1.0) * (t - 2.0) / 6.0 * v[0] + (t + 1.0) * (t - 1.0) * (t - 2.0) / 2.0 * v[1] -
-         (t + 1.0) * t * (t - 2.0) / 2.0 * v[2] + (t + 1.0) * t * (t - 1.0) / 6.0 * v[3];
+  const ElevationPlace place = elevation_place(elevation);
+  double sum = 0.0;
+  for (std::size_t k = 0; k < 4; ++k) sum += place.weight[k] * values[place.first + k];
+  return sum;
 }
 
 }  // namespace
 
+double sky_elevation(std::size_t k) {
+  const double root = static_cast<double>(k) / (kSkyElevations - 1);
+  return std::max(kRight * root * root, kLowest);
+}
+
+ElevationPlace elevation_place(double elevation_rad) {
+  const double at = std::sqrt(std::clamp(elevation_rad / kRight, 0.0, 1.0)) * (kSkyElevations - 1);
+  const double below = std::clamp(std::floor(at), 1.0, static_cast<double>(kSkyElevations - 3)), t = at - below;
+  return {static_cast<std::size_t>(below) - 1,
+          {-t * (t - 1.0) * (t - 2.0) / 6.0, (t + 1.0) * (t - 1.0) * (t - 2.0) / 2.0, -(t + 1.0) * t * (t - 2.0) / 2.0,
+           (t + 1.0) * t * (t - 1.0) / 6.0}};
+}
+
 Backdrop::Backdrop(const RenderScene& scene, const BandNodes& nodes, const LightSources& sources, const AirView* view,
                    double camera_height_m, double ground_m)
     : camera_above_m_(camera_height_m - ground_m) {
-  below_.push_back({camera_above_m_, {}});
+  below_.push_back({camera_above_m_, {}, {}});
   const AirView* layered = view != nullptr && view->layered() ? view : nullptr;
   const std::vector<double> ground = fold(nodes, sources.radiance[sources.ground()]);
   std::vector<double> air;
   if (view != nullptr) air = fold(nodes, blackbody_at(nodes, view->reference_k()));
-  for (std::size_t i = 0; i < kAngles; ++i) {
-    const double elevation = elevation_of(i);
+  for (std::size_t i = 0; i < kSkyElevations; ++i) {
+    const double elevation = sky_elevation(i);
     above_.push_back(integral(nodes, sky_at(scene.sky, nodes, layered, kRight - elevation)));
-    double sum = 0.0;
+    double sum = 0.0, added = 0.0;
     if (view == nullptr || camera_above_m_ <= 0.0) {
       for (const double part : ground) sum += part;
     } else {
       const AirSamples path = view->to(std::min(camera_above_m_ / std::sin(elevation), kFarthest_m), ground_m);
-      for (std::size_t s = 0; s < ground.size(); ++s) sum += path.transmission[s] * ground[s] + path.source[s] * air[s];
+      for (std::size_t s = 0; s < ground.size(); ++s) {
+        sum += path.transmission[s] * ground[s];
+        added += path.source[s] * air[s];
+      }
     }
-    below_.back().radiance.push_back(sum);
+    below_.back().radiance.push_back(sum + added);
+    below_.back().path.push_back(added);
   }
 }
 
 Backdrop Backdrop::between(const Backdrop& low, const Backdrop& high, double share) {
   Backdrop out = low;
   out.camera_above_m_ = std::lerp(low.camera_above_m_, high.camera_above_m_, share);
-  for (std::size_t i = 0; i < kAngles; ++i) out.above_[i] = std::lerp(low.above_[i], high.above_[i], share);
+  for (std::size_t i = 0; i < kSkyElevations; ++i) out.above_[i] = std::lerp(low.above_[i], high.above_[i], share);
   out.below_.push_back(high.below_.front());
   out.share_ = share;
   return out;
 }
 
-double Backdrop::below(const Below& from, double range_m) const {
-  const double sine = from.camera_above_m > 0.0 ? std::min(from.camera_above_m / range_m, 1.0) : 1.0;
-  return interpolated(from.radiance, std::asin(sine));
+double Backdrop::below(std::vector<double> Below::*what, double sine_of_depression) const {
+  if (below_.size() == 1 || camera_above_m_ <= 0.0)
+    return interpolated(below_.front().*what, std::asin(std::min(sine_of_depression, 1.0)));
+  const auto from = [&](const Below& one) {  // at the same range
+    const double sine = one.camera_above_m > 0.0 ? one.camera_above_m / camera_above_m_ * sine_of_depression : 1.0;
+    return interpolated(one.*what, std::asin(std::min(sine, 1.0)));
+  };
+  return std::lerp(from(below_[0]), from(below_[1]), share_);
 }
 
 double Backdrop::radiance(double sine_of_elevation) const {
-  if (sine_of_elevation >= 0.0) return interpolated(above_, std::asin(std::min(sine_of_elevation, 1.0)));
-  if (below_.size() == 1 || camera_above_m_ <= 0.0)
-    return interpolated(below_.front().radiance, std::asin(std::min(-sine_of_elevation, 1.0)));
-  const double range_m = camera_above_m_ / -sine_of_elevation;
-  return std::lerp(below(below_[0], range_m), below(below_[1], range_m), share_);
+  if (sine_of_elevation < 0.0) return below(&Below::radiance, -sine_of_elevation);
+  return interpolated(above_, std::asin(std::min(sine_of_elevation, 1.0)));
+}
+
+double Backdrop::path_radiance(double sine_of_elevation) const {
+  return below(&Below::path, std::max(-sine_of_elevation, 0.0));
 }
 
 double Backdrop::range_m(double sine_of_elevation) const {

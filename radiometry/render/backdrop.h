@@ -9,6 +9,15 @@
 
 namespace radiometry::render {
 
+/// Elevations that the sky is known at, from the horizon to the zenith, and the weights of a cubic between them.
+inline constexpr std::size_t kSkyElevations = 33;
+double sky_elevation(std::size_t k);
+struct ElevationPlace {
+  std::size_t first = 0;
+  std::array<double, 4> weight{};
+};
+ElevationPlace elevation_place(double elevation_rad);
+
 class Backdrop {
  public:
   /// `view`: null without air. `ground_m`: the height of the plane.
@@ -22,17 +31,19 @@ class Backdrop {
   double radiance(double sine_of_elevation) const;
   /// To the plane; infinite above the horizon.
   double range_m(double sine_of_elevation) const;
+  /// What the air adds on the way to the plane; 0 without air.
+  double path_radiance(double sine_of_elevation) const;
 
  private:
   /// Of the ground, from one height.
   struct Below {
     double camera_above_m;
-    std::vector<double> radiance;  ///< equally spaced in the root of the elevation
+    std::vector<double> radiance, path;  ///< at the elevations of sky_elevation; `path`: what the air adds
   };
-  double below(const Below& from, double range_m) const;
+  double below(std::vector<double> Below::*what, double sine_of_depression) const;
 
   double camera_above_m_;
-  std::vector<double> above_;  ///< equally spaced in the root of the elevation
+  std::vector<double> above_;  ///< at the elevations of sky_elevation
   std::vector<Below> below_;   ///< one, or two that the camera is between
   double share_ = 0.0;         ///< of the second one
 };

@@ -35,17 +35,38 @@ PathExtent with_room(const PathExtent& extent) {
 
 BandShader::BandShader(RenderBand band, const RenderScene& scene, const Patches& patches, const scene::Views& views,
                        double tolerance, bool with_air)
-    : band_(std::move(band)), scene_(scene), tolerance_(tolerance), with_air_(with_air && scene.air.has_value()) {
+    : band_(std::move(band)),
+      scene_(scene),
+      tolerance_(tolerance),
+      with_air_(with_air && scene.air.has_value()),
+      patches_(&patches) {
   for (const Finish& finish : scene.finish) curves_.push_back(finish.emissivity);
   nodes_ = band_nodes(band_.curves, curves_);
   for (const Spectrum& curve : curves_) emissivity_.push_back(at_nodes(nodes_, curve));
+  const std::vector<std::vector<double>> all_sides = hemispherical_emissivity(scene, emissivity_);
+  angular_ = angular_finishes(scene, emissivity_, all_sides);
+  emits_ = emissivity_;
+  for (const MadeFinish& made : angular_.made) emits_.push_back(made.emits);
   range_ = ranges_of(scene);
-  folds_ = std::make_unique<EmissionFolds>(nodes_, emissivity_, range_);
+  make_folds();
   std::optional<AirView> sky;
   if (scene.air && scene.air->profile.levels.size() > 1)
     sky.emplace(*scene.air, nodes_, scene.altitude_m, ground_height_m(scene.facets()));
-  sources_ = light_sources(scene, nodes_, emissivity_, patches, patch_temperatures_k(scene, patches), views,
-                           sky ? &*sky : nullptr);
+  patch_k_ = patch_temperatures_k(scene, patches);
+  sources_ = light_sources(scene, nodes_, all_sides, patches, patch_k_, views, sky ? &*sky : nullptr);
+  if (angular_.made.size() < 2) return;  // no mirrors
+  sources_.first_elevation = sources_.radiance.size();
+  for (std::size_t k = 0; k < kSkyElevations; ++k)
+    sources_.radiance.push_back(
+        sky_at(scene.sky, nodes_, sky ? &*sky : nullptr, 0.5 * std::numbers::pi - sky_elevation(k)));
+}
+
+/// Finishes that were made for angles have the temperatures of those that they show.
+void BandShader::make_folds() {
+  std::vector<KelvinRange> ranges = range_;
+  for (const std::uint32_t like : angular_.like)
+    ranges.push_back(like == scene::kNone ? KelvinRange{300.0, 300.0} : range_[like]);
+  folds_ = std::make_unique<EmissionFolds>(nodes_, emits_, ranges);
 }
 
 void BandShader::temperatures_changed() {
@@ -57,7 +78,7 @@ void BandShader::temperatures_changed() {
   if (!covered) {
     for (std::size_t m = 0; m < now.size(); ++m)
       range_[m] = {std::min(range_[m].lo_k, now[m].lo_k - kRoom_k), std::max(range_[m].hi_k, now[m].hi_k + kRoom_k)};
-    folds_ = std::make_unique<EmissionFolds>(nodes_, emissivity_, range_);
+    make_folds();
     tables_.reset();
   }
   for (Shaded& one : shaded_) one.finish = scene::kNone;
@@ -65,7 +86,8 @@ void BandShader::temperatures_changed() {
 
 BandShader::FromHeight BandShader::from_height(double height_m, const AirView* view, const PathGrid& grid) const {
   return {height_m,
-          BandTables(nodes_, *folds_, emissivity_, sources_, grid, view != nullptr ? view->reference_k() : 300.0),
+          BandTables(nodes_, *folds_, emissivity_, sources_, grid, view != nullptr ? view->reference_k() : 300.0,
+                     angular_.made),
           Backdrop(scene_, nodes_, sources_, view, height_m, ground_height_m(scene_.facets()))};
 }
 
@@ -180,8 +202,8 @@ std::size_t BandShader::shade(const VisibleSides& sides, const Point& camera, in
   return count;
 }
 
-void BandShader::radiance(const VisibleParts& parts, const VisibleSides& sides, bool shadows, mtf::Image& out,
-                          int threads) const {
+void BandShader::radiance(const VisibleParts& parts, const VisibleSides& sides, const MirrorRays& mirrors, bool shadows,
+                          mtf::Image& out, int threads) const {
   // What the weights of each cell need, and the sun at its nodes.
   struct CellPlace {
     float root, per_root, height, per_height;
@@ -194,6 +216,9 @@ void BandShader::radiance(const VisibleParts& parts, const VisibleSides& sides, 
                         static_cast<float>(grid_.height_m[layer]),
                         static_cast<float>(1.0 / (grid_.height_m[layer + 1] - grid_.height_m[layer]))});
   const bool sunny = tables_->sunny();
+  std::vector<bool> by_angle(scene_.finish.size(), false);  // these come from `mirrors`
+  for (std::size_t m = 0; m < by_angle.size(); ++m) by_angle[m] = has_angles(scene_.finish[m]);
+  const bool angles = mirrors.size() > 0;
   const int points = parts.n * parts.n;
   std::vector<std::array<float, 6>> sun;
   for (std::size_t m = 0; sunny && m < scene_.finish.size(); ++m)
@@ -219,6 +244,7 @@ void BandShader::radiance(const VisibleParts& parts, const VisibleSides& sides, 
         const auto of_part = [&](const SamplePart& part) {
           if (part.side == scene::kNone)
             return static_cast<float>(backdrop_->radiance(static_cast<double>(part.height_m)));
+          if (angles && by_angle[scene_.finish_of[part.side]]) return 0.0F;
           const std::uint32_t number = sides.number(part.side);
           const Shaded* at = &shaded_[number];
           const float root = std::sqrt(part.range_m), height = part.height_m;
@@ -259,6 +285,7 @@ void BandShader::radiance(const VisibleParts& parts, const VisibleSides& sides, 
             pixel = part.shown == points ? value : (part.points & 1U) != 0U ? share * value : pixel + share * value;
           }
       });
+  if (angles) add_angles(mirrors, parts, sides, shadows, out, threads);
 }
 
 double BandShader::emissivity(std::size_t finish, double temperature_k) const {

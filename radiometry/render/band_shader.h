@@ -11,6 +11,8 @@
 #include <string>
 
 #include "mtf/image.h"
+#include "radiometry/render/angles/angular_finishes.h"
+#include "radiometry/render/angles/mirror_rays.h"
 #include "radiometry/render/backdrop.h"
 #include "radiometry/render/band_tables.h"
 #include "radiometry/render/visible_sides.h"
@@ -39,9 +41,11 @@ class BandShader {
   bool prepare(double camera_height_m, const PathExtent& extent, int threads = 0);
   /// The values of all visible sides, for this camera; only of those whose cell or tables changed. Returns how many.
   std::size_t shade(const VisibleSides& sides, const Point& camera, int threads);
-  /// The radiance of each sample. Unless shadows were found (SamplePart::lit) sides are lit by the share of them that
-  /// is in the sun.
-  void radiance(const VisibleParts& parts, const VisibleSides& sides, bool shadows, mtf::Image& out, int threads) const;
+  /// The radiance of each sample. Unless shadows were found (SamplePart::lit) sides are lit by the share of them that is
+  /// in the sun. `mirrors`: of the parts whose radiance depends on the angle (angles/), where there are any; all sides
+  /// that they show are among `sides`.
+  void radiance(const VisibleParts& parts, const VisibleSides& sides, const MirrorRays& mirrors, bool shadows,
+                mtf::Image& out, int threads) const;
 
   const RenderBand& band() const { return band_; }
   const BandNodes& nodes() const { return nodes_; }
@@ -62,6 +66,10 @@ class BandShader {
     std::uint32_t finish = scene::kNone;  ///< kNone: not yet shaded
   };
   Shaded shaded(const VisibleSides& sides, std::size_t number, PathGrid::Cell cell) const;
+  SixValues mirrored(std::size_t reflected, bool white, std::size_t finish, const MirrorRays& mirrors,
+                     const VisibleSides& sides, std::size_t k, std::size_t node) const;
+  void add_angles(const MirrorRays& mirrors, const VisibleParts& parts, const VisibleSides& sides, bool shadows,
+                  mtf::Image& out, int threads) const;
 
   RenderBand band_;
   const RenderScene& scene_;
@@ -70,7 +78,11 @@ class BandShader {
   double tolerance_;
   bool with_air_;
   BandNodes nodes_;
-  std::vector<KelvinRange> range_;  ///< of temperatures, by finish
+  AngularFinishes angular_;
+  const Patches* patches_;
+  std::vector<double> patch_k_;
+  std::vector<std::vector<double>> emits_;  ///< emissivity_, and that of what was made of it for angles
+  std::vector<KelvinRange> range_;          ///< of temperatures, by finish
   std::unique_ptr<EmissionFolds> folds_;
   LightSources sources_;
   /// What one height sees.
@@ -80,6 +92,7 @@ class BandShader {
     Backdrop backdrop;
   };
   FromHeight from_height(double height_m, const AirView* view, const PathGrid& grid) const;
+  void make_folds();
   bool take_between(double height_m);
   void make_ends(double height_m, const PathExtent& extent, int threads);
   void use(FromHeight from);

@@ -78,7 +78,7 @@ CubicPlace cubic_place(const EmissionFolds::Table& table, double temperature_k) 
 
 BandTables::BandTables(const BandNodes& nodes, const EmissionFolds& folds,
                        std::span<const std::vector<double>> emissivity, const LightSources& sources,
-                       const PathGrid& grid, double reference_k)
+                       const PathGrid& grid, double reference_k, std::span<const MadeFinish> made)
     : nodes_(grid.node.size()), roots_(grid.roots()) {
   for (std::size_t m = 0; m < folds.size(); ++m) {
     const EmissionFolds::Table& from = folds.of(m);
@@ -89,10 +89,12 @@ BandTables::BandTables(const BandNodes& nodes, const EmissionFolds& folds,
             dot_of(air.transmission, std::span(from.value).subspan(t * nodes.samples(), nodes.samples())));
     emitted_.push_back(std::move(emitted));
 
-    Values missing(nodes.size());
-    for (std::size_t k = 0; k < missing.size(); ++k) missing[k] = 1.0 - emissivity[m][k];
+    const bool is_made = m >= emissivity.size();
+    Values missing = is_made ? made[m - emissivity.size()].reflects : Values(nodes.size());
+    for (std::size_t k = 0; !is_made && k < missing.size(); ++k) missing[k] = 1.0 - emissivity[m][k];
     reflected_.emplace_back();
-    if (std::any_of(missing.begin(), missing.end(), [](double part) { return part > 0.0; }))
+    if ((!is_made || made[m - emissivity.size()].light) &&
+        std::any_of(missing.begin(), missing.end(), [](double part) { return part > 0.0; }))
       for (const Values& light : sources.radiance) {
         const Values seen = through(nodes, product(missing, light), grid);
         reflected_.back().insert(reflected_.back().end(), seen.begin(), seen.end());
@@ -163,7 +165,7 @@ double promised_error(const SpectralCamera& camera, std::span<const Spectrum> em
   const Values air_light = blackbody_at(fine, reference_k), air = fold(fine, air_light);
   const double air_black = integral(fine, air_light);
   double worst = 0.0;
-  for (std::size_t m = 0; m < folds.size(); ++m) {
+  for (std::size_t m = 0; m < emissivity.size(); ++m) {
     const EmissionFolds::Table& table = folds.of(m);
     const Values eps = at_nodes(fine, emissivity[m]);
     const std::size_t intervals = table.temperatures - 3, step = std::max<std::size_t>(1, intervals / kTemperatures);

@@ -56,11 +56,18 @@ struct CubicPlace {
 };
 CubicPlace cubic_place(const EmissionFolds::Table& table, double temperature_k);
 
+/// A surface that no side has by itself (angular_finishes.h), at the nodes.
+struct MadeFinish {
+  std::vector<double> emits{}, reflects{};
+  bool light = false;  ///< it reflects all sources, not the sun alone
+};
+
 class BandTables {
  public:
-  /// `sources`: nullptr where no finish reflects.
+  /// `made`: finishes that follow those of `emissivity`; `folds` has them too.
   BandTables(const BandNodes& nodes, const EmissionFolds& folds, std::span<const std::vector<double>> emissivity,
-             const LightSources& sources, const PathGrid& grid, double reference_k);
+             const LightSources& sources, const PathGrid& grid, double reference_k,
+             std::span<const MadeFinish> made = {});
 
   /// (1 - share) low + share high, of tables on one grid.
   static BandTables between(const BandTables& low, const BandTables& high, double share);
@@ -90,8 +97,8 @@ class BandTables {
   std::vector<double> path_;
 };
 
-/// The error that is promised for finishes in those ranges, relative: see the head of this file. `view`: null without
-/// air.
+/// The error that is promised for the finishes of `emissivity` in those ranges, relative: see the head of this file.
+/// `view`: null without air.
 double promised_error(const SpectralCamera& camera, std::span<const Spectrum> emissivity, const EmissionFolds& folds,
                       const BandTables& tables, const PathGrid& grid, const AirView* view);
 

@@ -58,7 +58,14 @@ std::vector<NamedLayer> layers_of(const LayerInputs& in) {
     add("temperature", kNan, [&](const Part& part) { return in.scene.temperature_k[part.side]; });
   if (in.choice.emissivity) {
     const std::vector<float> value = emissivities(in);
-    add("emissivity", kNan, [&](const Part& part) { return value[in.sides.number(part.side)]; });
+    add("emissivity", kNan, [&](const Part& part) {
+      const float along_normal = value[in.sides.number(part.side)];
+      const AngularEmissivity& curve = in.scene.finish[in.scene.finish_of[part.side]].by_angle;
+      if (curve.empty()) return along_normal;
+      const Vector d = in.camera.direction(part.column + 0.5, part.row + 0.5);
+      const double cosine = std::abs(scene::dot(d, in.scene.facets().facet[part.side / 2].normal)) / scene::length(d);
+      return static_cast<float>(relative_emissivity(curve, cosine)) * along_normal;
+    });
   }
   if (in.choice.range)
     layers.push_back({"Z", made(in, [&](const Part& part) {
@@ -76,7 +83,7 @@ std::vector<NamedLayer> layers_of(const LayerInputs& in) {
     });
   if (in.surface == nullptr) return layers;
   mtf::Image before(in.camera.width, in.camera.height);
-  in.surface->radiance(in.middles, in.sides, in.shadows, before, in.threads);
+  in.surface->radiance(in.middles, in.sides, in.mirrors, in.shadows, before, in.threads);
   const auto above = [&](const Part& part) { return part.side == kNone && part.height_m >= 0.0F; };
   if (in.choice.surface)
     layers.push_back(
@@ -84,9 +91,10 @@ std::vector<NamedLayer> layers_of(const LayerInputs& in) {
   if (in.choice.transmittance)
     layers.push_back({"transmittance", made(in, [&](const Part& part) {
                         if (above(part)) return 0.0F;
-                        if (part.side == kNone) return kNan;  // of the ground beyond the facets it is not kept
-                        const double path = in.shader.path_radiance(static_cast<double>(part.range_m),
-                                                                    static_cast<double>(part.height_m));
+                        const auto height = static_cast<double>(part.height_m);
+                        const double path = part.side == kNone
+                                                ? in.shader.backdrop().path_radiance(height)
+                                                : in.shader.path_radiance(static_cast<double>(part.range_m), height);
                         return static_cast<float>((static_cast<double>(in.radiance.at(part.column, part.row)) - path) /
                                                   static_cast<double>(before.at(part.column, part.row)));
                       })});

@@ -11,6 +11,7 @@ struct LayerInputs {
   const RenderScene& scene;
   const Camera& camera;
   const VisibleParts& middles;  ///< n = 1
+  const MirrorRays& mirrors;    ///< of them
   const VisibleSides& sides;
   const BandShader& shader;
   const BandShader* surface;   ///< the same band without air; null where neither layer asks for it

@@ -102,7 +102,7 @@ std::vector<double> sky_at(const Sky& sky, const BandNodes& nodes, const AirView
 LightSources light_sources(const RenderScene& scene, const BandNodes& nodes,
                            std::span<const std::vector<double>> emissivity, const Patches& patches,
                            std::span<const double> patch_k, const scene::Views& views, const AirView* sky) {
-  LightSources sources{.rings = views.rings, .radiance = {}, .sun_irradiance = {}};
+  LightSources sources{.rings = views.rings};
   const double width = 0.5 * std::numbers::pi / views.rings;
   Values whole(nodes.size(), 0.0);  // of the sky, as a level surface sees it
   for (int r = 0; r < views.rings; ++r) {

@@ -21,6 +21,7 @@ namespace radiometry::render {
 struct LightSources {
   int rings = 0;
   std::vector<std::vector<double>> radiance{};
+  std::size_t first_elevation = 0;       ///< of the sky by elevation, for mirrors; 0: not wanted
   std::vector<double> sun_irradiance{};  ///< at the nodes, on a plane that faces it; empty without a sun
   double change = 0.0;                   ///< of the last iteration, relative
 

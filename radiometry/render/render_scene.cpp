@@ -28,8 +28,15 @@ void require_valid(const RenderScene& scene) {
   if (scene.finish_of.size() != sides || scene.temperature_k.size() != sides)
     refuse("there are " + std::to_string(sides) + " sides, " + std::to_string(scene.finish_of.size()) +
            " finishes and " + std::to_string(scene.temperature_k.size()) + " temperatures of sides");
-  for (const Finish& finish : scene.finish)
+  for (const Finish& finish : scene.finish) {
     make_spectrum(finish.name + ": emissivity", finish.emissivity.wavelength_um, finish.emissivity.value, 1.0);
+    if (!(finish.gloss >= 0.0 && finish.gloss <= 1.0))
+      refuse(finish.name + ": a gloss of " + mtf::format_double(finish.gloss) + "; it is from 0 to 1");
+    const double most = *std::max_element(finish.emissivity.value.begin(), finish.emissivity.value.end());
+    if (largest(finish.by_angle) * most > 1.0 + 1e-6)
+      refuse(finish.name + ": its emissivity by angle reaches " + mtf::format_double(largest(finish.by_angle)) +
+             " times " + mtf::format_double(most) + ", which is above 1");
+  }
   for (std::size_t s = 0; s < sides; ++s) {
     const auto kelvin = static_cast<double>(scene.temperature_k[s]);
     if (scene.finish_of[s] >= scene.finish.size())

@@ -9,15 +9,19 @@
 #include <vector>
 
 #include "radiometry/atmosphere/haze.h"
+#include "radiometry/light/angular_emissivity.h"
 #include "radiometry/light/spectrum.h"
 #include "radiometry/scene/rays.h"
 
 namespace radiometry::render {
 
-/// An opaque surface that reflects diffusely what it does not emit.
+/// An opaque surface that reflects what it does not emit: diffusely, but for the share `gloss` of it, which is what a
+/// mirror in its place shows.
 struct Finish {
   std::string name{};
-  Spectrum emissivity{};  ///< held beyond its ends
+  Spectrum emissivity{};         ///< held beyond its ends; along the normal where it depends on the angle
+  AngularEmissivity by_angle{};  ///< relative to that
+  double gloss = 0.0;            ///< 0 ... 1
 };
 
 /// The sky. Where the scene has layered air it is the clear sky of that air, (1 - cloud_cover) of it, and clouds that

@@ -43,10 +43,10 @@ void require_options(const RenderOptions& options, std::size_t bands) {
 }
 
 bool reflects(const RenderScene& scene) {
-  return std::any_of(scene.finish.begin(), scene.finish.end(), [](const Finish& finish) {
-    return std::any_of(finish.emissivity.value.begin(), finish.emissivity.value.end(),
-                       [](double value) { return value < 1.0; });
-  });
+  return has_angles(scene) || std::any_of(scene.finish.begin(), scene.finish.end(), [](const Finish& finish) {
+           return std::any_of(finish.emissivity.value.begin(), finish.emissivity.value.end(),
+                              [](double value) { return value < 1.0; });
+         });
 }
 
 }  // namespace
@@ -58,13 +58,15 @@ struct Renderer::Parts {
   Patches patches{};
   scene::Views patch_views{};
   std::vector<BandShader> shader{};
-  std::unique_ptr<BandShader> surface{};  ///< of the first band, without air
+  std::vector<BandShader> surface{};  ///< of each band without air, where layers need it; else none
   std::unique_ptr<VisibleSides> sides{};
   VisibleParts parts{}, middles{};  ///< of the frame, and of its layers
   double camera_height_m = 0.0;     ///< of the last frame
+  bool angles = false;              ///< some finish depends on the angle, or is glossy
 
   void make(std::vector<RenderBand> bands, const Known* known);
   bool shadows_matter() const;
+  MirrorRays mirrors_of(const Camera& camera, const VisibleParts& of);
 };
 
 struct Renderer::Known {
@@ -80,6 +82,7 @@ struct Renderer::Known {
 void Renderer::Parts::make(std::vector<RenderBand> bands, const Known* known) {
   Laps laps(timing);
   const bool light = reflects(scene);
+  angles = has_angles(scene);
   patch_views.rings = options.rings;
   if (known != nullptr) {
     patches = known->patches;
@@ -92,7 +95,8 @@ void Renderer::Parts::make(std::vector<RenderBand> bands, const Known* known) {
   }
   laps.lap("views of patches");
   if (options.layers.surface || options.layers.transmittance)
-    surface = std::make_unique<BandShader>(bands.front(), scene, patches, patch_views, options.tolerance, false);
+    for (const RenderBand& band : bands)
+      surface.emplace_back(band, scene, patches, patch_views, options.tolerance, false);
   for (RenderBand& band : bands)
     shader.emplace_back(std::move(band), scene, patches, patch_views, options.tolerance, true);
   if (known != nullptr)
@@ -105,6 +109,14 @@ void Renderer::Parts::make(std::vector<RenderBand> bands, const Known* known) {
   laps.lap("light and emission");
 }
 
+/// The sides that mirrors show are among `sides` afterwards.
+MirrorRays Renderer::Parts::mirrors_of(const Camera& camera, const VisibleParts& of) {
+  if (!angles) return {};
+  MirrorRays mirrors = mirror_rays(scene, camera, of, options.threads);
+  sides->add(mirrors.side);
+  return mirrors;
+}
+
 /// Where the sun adds next to nothing, as in the long-wave window, the share of each side in the sun will do.
 bool Renderer::Parts::shadows_matter() const {
   constexpr double kSunlight = 1e-3;
@@ -114,14 +126,14 @@ bool Renderer::Parts::shadows_matter() const {
 Renderer::Renderer(const RenderScene& scene, std::vector<RenderBand> bands, RenderOptions options) {
   require_valid(scene);
   require_options(options, bands.size());
-  parts_ = std::make_unique<Parts>(Parts{.scene = scene, .options = options});
+  parts_.reset(new Parts{.scene = scene, .options = options});  // made in place
   parts_->make(std::move(bands), nullptr);
 }
 
 Renderer::Renderer(const RenderScene& scene, std::vector<RenderBand> bands, const Known& known) {
   require_valid(scene);
   require_options(known.options, bands.size());
-  parts_ = std::make_unique<Parts>(Parts{.scene = scene, .options = known.options});
+  parts_.reset(new Parts{.scene = scene, .options = known.options});
   const bool alike = known.patches.size() == 0 || still_alike(scene, known.patches);
   parts_->make(std::move(bands), alike ? &known : nullptr);
   if (known.extent.farthest_m > 0.0)
@@ -142,7 +154,7 @@ std::shared_ptr<const Renderer::Known> Renderer::known() const {
 
 void Renderer::temperatures_changed() {
   for (BandShader& one : parts_->shader) one.temperatures_changed();
-  if (parts_->surface) parts_->surface->temperatures_changed();
+  for (BandShader& one : parts_->surface) one.temperatures_changed();
 }
 
 Renderer::~Renderer() = default;
@@ -163,6 +175,7 @@ RenderedFrame Renderer::render(const Camera& camera) {
   frame.divided = my.parts.divided;
   laps.lap("what is seen");
   my.sides->add(my.parts);
+  const MirrorRays mirrors = my.mirrors_of(camera, my.parts);
   laps.lap("views of visible sides");
   for (BandShader& one : my.shader) {
     one.prepare(camera.position[2], my.parts.extent, options.threads);
@@ -178,7 +191,7 @@ RenderedFrame Renderer::render(const Camera& camera) {
   laps.lap("visible sides");
   for (const BandShader& one : my.shader) {
     frame.radiance.emplace_back(camera.width, camera.height);
-    one.radiance(my.parts, *my.sides, shadows, frame.radiance.back(), options.threads);
+    one.radiance(my.parts, *my.sides, mirrors, shadows, frame.radiance.back(), options.threads);
   }
   laps.lap("pixels");
   if (options.layers.any()) {
@@ -189,24 +202,35 @@ RenderedFrame Renderer::render(const Camera& camera) {
   return frame;
 }
 
-/// Layers are of middles of samples, which may show sides that no square does.
+/// Layers are of middles of samples, which may show sides that no other point does.
 void Renderer::add_layers(const Camera& camera, bool shadows, RenderedFrame& frame) {
   Parts& my = *parts_;
   const int threads = my.options.threads;
   find_parts(my.scene, camera, 1, my.middles, threads);
   my.sides->add(my.middles);
-  BandShader& shader = my.shader.front();
-  if (my.middles.on_facets > 0) shader.prepare(camera.position[2], my.middles.extent);
+  const MirrorRays mirrors = my.mirrors_of(camera, my.middles);
   if (shadows) find_shadows(my.scene, camera, my.middles, true, threads);
-  shader.shade(*my.sides, camera.position, threads);
-  mtf::Image radiance(camera.width, camera.height);
-  shader.radiance(my.middles, *my.sides, shadows, radiance, threads);
-  if (my.surface) {
-    my.surface->prepare(camera.position[2], my.parts.extent);
-    my.surface->shade(*my.sides, camera.position, threads);
-  }
-  frame.layers = layers_of({my.scene, camera, my.middles, *my.sides, shader, my.surface.get(), radiance,
-                            my.options.layers, shadows, threads});
+  const auto add = [&](std::size_t b, const LayerChoice& choice, std::optional<std::size_t> band) {
+    BandShader& shader = my.shader[b];
+    mtf::Image radiance;
+    BandShader* surface = nullptr;
+    if (choice.surface || choice.transmittance) {
+      if (my.middles.on_facets > 0) shader.prepare(camera.position[2], my.middles.extent, threads);
+      shader.shade(*my.sides, camera.position, threads);
+      radiance = mtf::Image(camera.width, camera.height);
+      shader.radiance(my.middles, *my.sides, mirrors, shadows, radiance, threads);
+      surface = &my.surface[b];
+      surface->prepare(camera.position[2], my.parts.extent, threads);
+      surface->shade(*my.sides, camera.position, threads);
+    }
+    for (NamedLayer& layer : layers_of(
+             {my.scene, camera, my.middles, mirrors, *my.sides, shader, surface, radiance, choice, shadows, threads})) {
+      layer.band = band;
+      frame.layers.push_back(std::move(layer));
+    }
+  };
+  add(0, my.options.layers.of_all(), std::nullopt);
+  for (std::size_t b = 0; b < my.shader.size(); ++b) add(b, my.options.layers.of_band(), b);
 }
 
 }  // namespace radiometry::render

@@ -8,6 +8,7 @@
 // it that is in the sun. A sample is the mean of n x n points (visibility/screen.h).
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -20,14 +21,25 @@ namespace radiometry::render {
 /// Planes beside the radiance, of the middle of each sample.
 struct LayerChoice {
   bool temperature = false;    ///< K; NaN where there is no facet
-  bool emissivity = false;     ///< mean over the first band
+  bool emissivity = false;     ///< mean over the band; of each band
   bool range = false;          ///< m along the line of sight; infinite where it meets nothing
   bool facet = false;          ///< number; -1 where there is none
   bool finish = false;         ///< number; -1 where there is no facet
   bool normal = false;         ///< of the side that is seen: x, y, z; 0 where there is no facet
-  bool surface = false;        ///< radiance before the air, of the first band; 0 for the sky
-  bool transmittance = false;  ///< of the air, for what comes from the surface, in the first band; 0 for the sky
+  bool surface = false;        ///< radiance before the air, of each band; 0 for the sky
+  bool transmittance = false;  ///< of the air, for the light of facet or ground, of each band; 0 for the sky
 
+  /// Those that differ from band to band, and the others.
+  LayerChoice of_band() const {
+    LayerChoice choice;
+    choice.emissivity = emissivity, choice.surface = surface, choice.transmittance = transmittance;
+    return choice;
+  }
+  LayerChoice of_all() const {
+    LayerChoice choice = *this;
+    choice.emissivity = choice.surface = choice.transmittance = false;
+    return choice;
+  }
   bool any() const {
     return temperature || emissivity || range || facet || finish || normal || surface || transmittance;
   }
@@ -48,6 +60,7 @@ struct RenderOptions {
 struct NamedLayer {
   std::string name{};
   mtf::Image plane{};
+  std::optional<std::size_t> band{};  ///< nothing for those that are the same in all bands
 };
 
 struct RenderedFrame {

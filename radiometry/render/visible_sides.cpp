@@ -46,13 +46,15 @@ std::vector<std::uint32_t> VisibleSides::unknown(const VisibleParts& parts) cons
                       const std::scoped_lock guard(lock);
                       fresh.insert(fresh.end(), here.begin(), here.end());
                     });
-  std::sort(fresh.begin(), fresh.end());
-  fresh.erase(std::unique(fresh.begin(), fresh.end()), fresh.end());
   return fresh;
 }
 
-std::size_t VisibleSides::add(const VisibleParts& parts) {
-  const std::vector<std::uint32_t> fresh = unknown(parts);
+std::size_t VisibleSides::add(const VisibleParts& parts) { return add(unknown(parts)); }
+
+std::size_t VisibleSides::add(std::vector<std::uint32_t> fresh) {
+  std::erase_if(fresh, [&](std::uint32_t side) { return side == scene::kNone || number_[side] != scene::kNone; });
+  std::sort(fresh.begin(), fresh.end());
+  fresh.erase(std::unique(fresh.begin(), fresh.end()), fresh.end());
   for (const std::uint32_t side : fresh) {
     number_[side] = static_cast<std::uint32_t>(side_.size());
     side_.push_back(side);

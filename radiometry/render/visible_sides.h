@@ -24,6 +24,8 @@ class VisibleSides {
 
   /// Numbers the sides of these parts that are new; returns how many.
   std::size_t add(const VisibleParts& parts);
+  /// The same of single sides (kNone: none).
+  std::size_t add(std::vector<std::uint32_t> sides);
 
   std::size_t size() const { return side_.size(); }
   /// Of a side that was added.

@@ -26,8 +26,8 @@ TEST(Picture, TheBarNamesItsRangeAndWhatIsClipped) {
   EXPECT_EQ(whole.low, "1");
   EXPECT_EQ(whole.high, "10");
   const apps::BarEnds clipped = apps::bar_ends({"", image.view(), 1, 3.0, 9.5, ""});
-  EXPECT_EQ(clipped.low, "3 and below: 20 % of the pixels");
-  EXPECT_EQ(clipped.high, "9.5 and above: 10 % of the pixels");
+  EXPECT_EQ(clipped.low, "3 and below: 20 %");
+  EXPECT_EQ(clipped.high, "9.5 and above: 10 %");
 }
 
 TEST(Picture, PixelsBecomeSquaresAndTheBarRunsFromBlackToWhite) {

@@ -1,19 +1,27 @@
 // SPDX-License-Identifier: Apache-2.0
 
-// `mtf render SCENE SENSOR -o OUT.exr`: the picture of a scene that a sensor takes in.
+// `mtf render SCENE SENSOR... -o OUT`: the picture of a scene that a sensor takes in, or those of several sensors from
+// one pass of rays.
 
 #include <algorithm>
 #include <array>
+#include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "apps/scene/command/render_figure.h"
 #include "apps/scene/command/render_options.h"
 #include "apps/scene/command/scene_instant.h"
 #include "apps/scene/heat/stopwatch.h"
 #include "apps/scene/render/sensor_picture.h"
+#include "apps/scene/render/solved_rows.h"
+#include "apps/sensor/sensor_air.h"
 #include "apps/sensor/sensor_file.h"
 #include "apps/simulate/output_files.h"
+#include "apps/sweep/output_folder.h"
 #include "apps/terminal/output.h"
+#include "apps/terminal/progress_line.h"
 #include "apps/terminal/text_table.h"
+#include "apps/terminal/write_together.h"
 #include "mtf/error.h"
 #include "mtf/survey/statistics.h"
 #include "radiometry/heat/weather/instant.h"
@@ -22,6 +30,7 @@ namespace apps {
 namespace {
 
 using namespace scene;
+namespace fs = std::filesystem;
 namespace render = radiometry::render;
 
 render::LayerChoice layers_of(const std::vector<std::string>& names) {
@@ -57,85 +66,173 @@ render::Pose pose_of(const RenderCommandOptions& options, const SceneFile& file)
   return pose;
 }
 
-std::vector<std::string> inputs_of(const RenderCommandOptions& options, const SceneFile& file,
-                                   const mtf::io::SensorConfig& config) {
-  std::vector<std::string> inputs = files_of(config);
-  inputs.push_back(options.scene);
+std::vector<std::string> inputs_of(const SceneFile& file, const std::vector<PictureSensor>& sensors) {
+  std::vector<std::string> inputs{file.file};
+  for (const PictureSensor& sensor : sensors)
+    for (const std::string& name : files_of(sensor.config)) inputs.push_back(name);
   if (!file.weather.file.empty()) inputs.push_back(file.weather.file);
   for (const MeshSection& mesh : file.meshes)
     if (!mesh.file.empty()) inputs.push_back(mesh.file);
   return inputs;
 }
 
+/// OpenEXR files, one a sensor: `out` itself, or of several sensors those of their names in that folder.
+std::vector<std::string> outputs_of(const RenderCommandOptions& options) {
+  const bool one = options.sensors.size() == 1;
+  if (one != options.out.ends_with(".exr"))
+    throw mtf::UsageError("-o: " + one_line(options.out) +
+                          (one ? ": pictures are OpenEXR files; give it the ending .exr"
+                               : ": of several sensors it is a folder, with a picture named after each sensor file"));
+  if (one) return {options.out};
+  std::vector<std::string> outputs;
+  for (const std::string& sensor : options.sensors) {
+    const std::string file = (fs::path(options.out) / fs::path(sensor).stem()).string() + ".exr";
+    if (std::find(outputs.begin(), outputs.end(), file) != outputs.end())
+      throw mtf::UsageError("two sensors would both be written to " + one_line(file) + "; rename a sensor file");
+    outputs.push_back(file);
+  }
+  return outputs;
+}
+
+std::vector<PictureSensor> sensors_of(const RenderCommandOptions& options, const SceneFile& file,
+                                      const Global& global) {
+  std::vector<PictureSensor> sensors;
+  for (const std::string& name : options.sensors) {
+    sensors.push_back(picture_sensor(read_sensor(name, global),
+                                     options.plain ? PictureQuantity::radiance : PictureQuantity::weighted));
+    if (sensors.back().air && options.sensors.size() > 1 && !options.no_air)
+      throw mtf::UsageError(one_line(name) + ": has [atmosphere]; several sensors see through one air, so move it to " +
+                            one_line(file.file) + ", or write --no-air");
+  }
+  return sensors;
+}
+
+/// With the temperatures of the heat balance, where they are asked for.
+PictureScene scene_of(const RenderCommandOptions& options, const SceneFile& file, const PictureSensor& sensor,
+                      const Global& global) {
+  PictureOptions how{.temperatures = options.temperatures,
+                     .utc_s = instant_of("--time", options.time),
+                     .sensor_air = sensor.air,
+                     .sensor_file = sensor.config.file,
+                     .air = !options.no_air};
+  if (!options.heat) return read_picture_scene(file, how);
+  if (!options.temperatures.empty()) throw mtf::UsageError("--heat: solves the temperatures; leave --temperatures out");
+  ProgressLine progress(global);
+  how.utc_s = how.utc_s.value_or(file.time.start_s);
+  HeatRows rows = solved_rows(file, *how.utc_s, *how.utc_s, {.threads = global.threads},
+                              [&](const std::string& step, double share) { progress.update(step, share); });
+  return PictureSource(file, how, std::move(rows)).at();
+}
+
 nlohmann::json json_of(const PictureScene& scene, const render::Renderer& renderer, const render::RenderedFrame& frame,
-                       const mtf::io::Metadata& metadata) {
+                       const std::vector<mtf::io::Metadata>& metadata, const std::vector<std::string>& outputs) {
   nlohmann::json json;
-  for (const auto& [name, text] : metadata.text) json["attributes"][name] = text;
+  for (const auto& [name, text] : metadata.front().text) json["attributes"][name] = text;
   for (const auto& [name, text] : scene.closures) json["closures"][name] = text;
   json["divided_samples"] = frame.divided;
   json["shadow_rays"] = frame.shadow_rays;
   json["visible_sides"] = frame.sides;
   json["promised_error"] = frame.promised.front();
+  for (std::size_t b = 0; b < outputs.size(); ++b)
+    json["pictures"].push_back({{"file", outputs[b]},
+                                {"sensor", metadata[b].text.at("mtf:sensor")},
+                                {"quantity", metadata[b].text.at("mtf:quantity")},
+                                {"promised_error", frame.promised[b]}});
+  json["timing_ms"] = nlohmann::json::object();
   for (const auto& times : {scene.timing_ms, renderer.timing_ms(), frame.timing_ms})
     for (const auto& [name, ms] : times) json["timing_ms"][name] = json["timing_ms"].value(name, 0.0) + ms;
   return json;
+}
+
+/// What was made, and the commands that come next.
+std::string summary_of(const RenderCommandOptions& options, const PictureScene& scene,
+                       const std::vector<PictureSensor>& sensors, const render::RenderedFrame& frame,
+                       const std::vector<mtf::io::Metadata>& metadata, const std::vector<std::string>& outputs) {
+  TextTable table({"what", "value"});
+  const mtf::Image& first = frame.radiance.front();
+  table.add({"samples", std::to_string(first.width()) + " x " + std::to_string(first.height())});
+  table.add({"time", radiometry::heat::instant_text(scene.utc_s)});
+  const bool one = sensors.size() == 1;
+  std::string written, next;
+  for (std::size_t b = 0; b < sensors.size(); ++b) {
+    const auto& text = metadata[b].text;
+    const mtf::Statistics s = mtf::statistics(frame.radiance[b].view());
+    const std::string of = one ? "" : one_line(fs::path(options.sensors[b]).stem().string()) + ": ";
+    table.add({of + text.at("mtf:quantity") + " [" + text.at("mtf:units") + "]",
+               significant(s.min, 4) + " to " + significant(s.max, 4) + ", mean " + significant(s.mean, 4)});
+    table.add({of + "error of tables", "at most " + significant(frame.promised[b], 2) + ", relative"});
+    written += (b == 0 ? "written to " : " ") + outputs[b];
+    const std::string image = one ? "image" : fs::path(outputs[b]).replace_extension().string() + "_image";
+    next += "next: mtf simulate " + shell_word(options.sensors[b]) + " " + shell_word(outputs[b]) + " -o " +
+            shell_word(image + ".exr") + (scene.scene.air && sensors[b].has_path ? " --without-path" : "") + "\n";
+  }
+  table.add({"visible sides",
+             std::to_string(frame.sides) + "; " + std::to_string(frame.divided) + " samples show more than one"});
+  if (frame.shadow_rays > 0) table.add({"shadow rays", std::to_string(frame.shadow_rays)});
+  for (const auto& [name, words] : scene.closures) table.add({name, words});
+  using enum Align;
+  return table.aligned({left, left}) + written + (options.picture.empty() ? "" : " " + options.picture) + "\n" + next;
 }
 
 }  // namespace
 
 int run_render(const RenderCommandOptions& options, const Global& global) {
   const Stopwatch all;
-  if (!options.out.ends_with(".exr"))
-    throw mtf::UsageError("-o: " + one_line(options.out) + ": pictures are OpenEXR files; give it the ending .exr");
+  const std::vector<std::string> outputs = outputs_of(options);
+  const bool folder = outputs.size() > 1;
   std::vector<mtf::io::Diagnostic> findings;
   const SceneFile file = load_scene(options.scene, &findings);
   for (const mtf::io::Diagnostic& finding : findings) note(global, mtf::io::format_diagnostic(finding, file.file));
-  const mtf::io::SensorConfig config = read_sensor(options.sensor, global);
-  require_writable({options.out}, inputs_of(options, file, config));
-  const PictureSensor sensor =
-      picture_sensor(config, options.plain ? PictureQuantity::radiance : PictureQuantity::weighted);
-  const render::Camera camera = picture_camera(sensor, pose_of(options, file), options.samples_per_pitch);
-  const PictureScene scene = read_picture_scene(file, {.temperatures = options.temperatures,
-                                                       .utc_s = instant_of("--time", options.time),
-                                                       .sensor_air = sensor.air,
-                                                       .sensor_file = config.file,
-                                                       .air = !options.no_air});
+  const std::vector<PictureSensor> sensors = sensors_of(options, file, global);
+  std::vector<std::string> paths = folder ? std::vector<std::string>() : outputs;
+  if (!options.picture.empty() && (!folder || fs::path(options.picture).parent_path() != fs::path(options.out)))
+    paths.push_back(options.picture);
+  require_writable(paths, inputs_of(file, sensors));
+  if (folder) check_folder(options.out, options.force);
+  std::vector<render::Camera> cameras;
+  std::vector<render::RenderBand> bands;
+  for (const PictureSensor& sensor : sensors) {
+    cameras.push_back(picture_camera(sensor, pose_of(options, file), options.samples_per_pitch));
+    bands.push_back(sensor.band);
+  }
+  require_same_view(sensors, cameras);
+  const PictureScene scene = scene_of(options, file, sensors.front(), global);
   for (const std::string& warning : scene.warnings) note(global, "warning: " + warning);
-  require_above_ground(scene, camera.position);
+  require_above_ground(scene, cameras.front().position);
   const render::RenderOptions how{.points = options.points == 1   ? 1
                                             : options.points == 4 ? 2
                                                                   : 4,
                                   .all_shadows = options.all_shadows,
                                   .layers = layers_of(options.layers),
                                   .threads = global.threads};
-  render::Renderer renderer(scene.scene, {sensor.band}, how);
-  const render::RenderedFrame frame = renderer.render(camera);
-  const mtf::io::Metadata metadata = picture_metadata(file, scene, sensor, camera, how, frame);
+  render::Renderer renderer(scene.scene, bands, how);
+  const render::RenderedFrame frame = renderer.render(cameras.front());
+  std::vector<mtf::io::Metadata> metadata;
+  for (std::size_t b = 0; b < sensors.size(); ++b)
+    metadata.push_back(picture_metadata(file, scene, sensors[b], cameras[b], how, frame, b));
   const Stopwatch writing;
-  mtf::io::write_exr(options.out, picture_planes(frame), metadata);
-  const double write_ms = writing.ms();
-  const mtf::Statistics s = mtf::statistics(frame.radiance.front().view());
-  const std::string unit = metadata.text.at("mtf:units");
-  if (options.json) {
-    nlohmann::json json = json_of(scene, renderer, frame, metadata);
-    json["timing_ms"]["write"] = write_ms;
-    json["timing_ms"]["all"] = all.ms();
-    print(json.dump(2) + "\n");
+  if (folder) paths.insert(paths.begin(), options.out), paths.insert(paths.end(), outputs.begin(), outputs.end());
+  write_together(paths, [&] {
+    if (folder) prepare_folder(options.out, options.force);
+    for (std::size_t b = 0; b < sensors.size(); ++b)
+      mtf::io::write_exr(outputs[b], picture_planes(frame, b), metadata[b]);
+    if (options.picture.empty()) return;
+    std::vector<mtf::io::SensorConfig> cameras_of;
+    for (const PictureSensor& sensor : sensors)
+      cameras_of.push_back(scene.scene.air ? without_path(sensor.config) : sensor.config);
+    std::vector<SensorPictureFile> pictures;
+    for (std::size_t b = 0; b < sensors.size(); ++b)
+      pictures.push_back({cameras_of[b], frame.radiance[b].view(), metadata[b].text.at("mtf:units"), outputs[b]});
+    draw_pictures(options.picture, pictures, global.threads);
+  });
+  if (!options.json) {
+    print(summary_of(options, scene, sensors, frame, metadata, outputs));
     return 0;
   }
-  TextTable table({"what", "value"});
-  table.add({"samples", std::to_string(camera.width) + " x " + std::to_string(camera.height)});
-  table.add({"time", radiometry::heat::instant_text(scene.utc_s)});
-  table.add({metadata.text.at("mtf:quantity") + " [" + unit + "]",
-             significant(s.min, 4) + " to " + significant(s.max, 4) + ", mean " + significant(s.mean, 4)});
-  table.add({"visible sides",
-             std::to_string(frame.sides) + "; " + std::to_string(frame.divided) + " samples show more than one"});
-  if (frame.shadow_rays > 0) table.add({"shadow rays", std::to_string(frame.shadow_rays)});
-  table.add({"error of tables", "at most " + significant(frame.promised.front(), 2) + ", relative"});
-  for (const auto& [name, words] : scene.closures) table.add({name, words});
-  using enum Align;
-  print(table.aligned({left, left}) + "written to " + options.out + "\nnext: mtf simulate " +
-        shell_word(options.sensor) + " " + shell_word(options.out) + " -o image.exr\n");
+  nlohmann::json json = json_of(scene, renderer, frame, metadata, outputs);
+  json["timing_ms"]["write"] = writing.ms();
+  json["timing_ms"]["all"] = all.ms();
+  print(json.dump(2) + "\n");
   return 0;
 }
 

@@ -13,8 +13,11 @@
 namespace apps {
 
 struct RenderCommandOptions {
-  std::string scene, sensor, out;
+  std::string scene, out;            ///< `out`: a file, or of several sensors a folder
+  std::vector<std::string> sensors;  ///< one or more, of one field of view
   std::string temperatures, time;
+  bool heat = false;                                       ///< temperatures are solved first
+  std::string picture;                                     ///< PNG to draw, "" = none
   std::optional<std::array<double, 3>> position, look_at;  ///< m; in place of those of [camera]
   double samples_per_pitch = 2.0;
   int points = 4;  ///< of a sample: 1, 4 or 16
@@ -22,6 +25,7 @@ struct RenderCommandOptions {
   bool plain = false;  ///< radiance in the band, without weights
   bool no_air = false;
   std::vector<std::string> layers;
+  bool force = false;
   bool json = false;
 };
 

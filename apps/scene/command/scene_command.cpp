@@ -9,6 +9,7 @@
 #include "apps/options.h"
 #include "apps/scene/heat/heat_scene.h"
 #include "apps/scene/outputs/mesh_files.h"
+#include "apps/scene/render/picture_surroundings.h"
 #include "apps/scene/scene_file/demo_scene_text.h"
 #include "apps/scene/vehicle/vehicle.h"
 #include "apps/sweep/output_folder.h"
@@ -26,18 +27,24 @@ using namespace scene;
 int write_demo(const SceneOptions& options) {
   const std::string folder = options.file + "/";
   check_folder(options.file, options.force);
-  const std::vector<std::string> paths{options.file,          folder + "scene.toml",  folder + "weather.csv",
-                                       folder + "engine.csv", folder + "vehicle.obj", folder + "terrain.obj"};
+  const std::vector<std::string> paths{options.file,           folder + "scene.toml", folder + "weather.csv",
+                                       folder + "engine.csv",  folder + "mwir.toml",  folder + "lwir.toml",
+                                       folder + "vehicle.obj", folder + "terrain.obj"};
   write_together(paths, [&] {
     prepare_folder(options.file, options.force);
     emit(paths[1], demo_scene_text());
     emit(paths[2], demo_weather_text());
     emit(paths[3], demo_engine_text());
-    write_obj(paths[4], make_vehicle());
-    write_obj(paths[5], make_terrain());
+    emit(paths[4], demo_mwir_text());
+    emit(paths[5], demo_lwir_text());
+    write_obj(paths[6], make_vehicle());
+    write_obj(paths[7], make_terrain());
   });
-  print("written to " + folder + ": scene.toml weather.csv engine.csv vehicle.obj terrain.obj\n" + "next: mtf heat " +
-        shell_word(folder + "scene.toml") + " -o temperatures\n");
+  const std::string file = shell_word(folder + "scene.toml");
+  print("written to " + folder + ": scene.toml weather.csv engine.csv mwir.toml lwir.toml vehicle.obj terrain.obj\n" +
+        "next: mtf heat " + file + " -o temperatures\nnext: mtf render " + file + " " +
+        shell_word(folder + "mwir.toml") + " " + shell_word(folder + "lwir.toml") +
+        " --heat --time 2026-06-21T12:10:00Z --position 54,-46,14 -o dawn --picture dawn.png\n");
   return 0;
 }
 
@@ -119,6 +126,14 @@ std::string weather_text(const HeatScene& scene) {
   return text;
 }
 
+/// What `mtf render` says of the same scene at its start.
+std::string pictures_text(const SceneFile& file) {
+  std::string text = "pictures at " + radiometry::heat::instant_text(file.time.start_s) + ":\n";
+  for (const auto& [name, words] : picture_surroundings(file, file.time.start_s, {}).closures)
+    text += "  " + name + ": " + words + "\n";
+  return text;
+}
+
 }  // namespace
 
 int run_scene(const SceneOptions& options, const Global& global) {
@@ -133,7 +148,8 @@ int run_scene(const SceneOptions& options, const Global& global) {
           plural(static_cast<std::int64_t>(file.regions.size()), "region") + "\n");
     return 0;
   }
-  print(meshes_text(scene) + "\n" + regions_text(scene) + "\n" + materials_text(scene) + "\n" + weather_text(scene));
+  print(meshes_text(scene) + "\n" + regions_text(scene) + "\n" + materials_text(scene) + "\n" + weather_text(scene) +
+        pictures_text(file));
   return 0;
 }
 

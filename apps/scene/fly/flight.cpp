@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "apps/scene/heat/stopwatch.h"
+#include "apps/sensor/sensor_air.h"
 #include "mtf/error.h"
 
 namespace apps::scene {
@@ -46,12 +47,8 @@ struct KnownSensor {
 
 KnownSensor known_sensor(const Flight::Sensor& sensor) {
   KnownSensor known{.sensor = sensor, .picture = picture_sensor(*sensor, PictureQuantity::weighted), .without_air = {}};
-  mtf::io::SensorConfig bare = *sensor;
-  if (const mtf::SettingsTable* air = mtf::find_table(bare.tables, "atmosphere")) {
-    known.air = *air;
-    std::erase_if(bare.tables, [](const mtf::SettingsTable& table) { return table.name == "atmosphere"; });
-  }
-  known.without_air = std::make_shared<const mtf::io::SensorConfig>(std::move(bare));
+  if (const mtf::SettingsTable* air = mtf::find_table(sensor->tables, "atmosphere")) known.air = *air;
+  known.without_air = std::make_shared<const mtf::io::SensorConfig>(without_path(*sensor));
   return known;
 }
 

@@ -3,47 +3,39 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 #include "apps/scene/heat/ground.h"
 #include "apps/scene/heat/stopwatch.h"
+#include "apps/scene/render/picture_surroundings.h"
 #include "apps/text/words.h"
 #include "mtf/error.h"
-#include "radiometry/atmosphere/sky_radiance.h"
-#include "radiometry/heat/weather/instant.h"
 
 namespace apps::scene {
 namespace {
 
-namespace heat = radiometry::heat;
 namespace render = radiometry::render;
-using heat::WeatherQuantity;
-
-std::string text_of(const char* format, double a, double b = 0.0) {
-  std::array<char, 160> text{};
-  std::snprintf(text.data(), text.size(), format, a, b);
-  return text.data();
-}
 
 radiometry::Spectrum spectrum_of(const Emissivity& emissivity, const std::string& name) {
   return emissivity.spectrum ? *emissivity.spectrum
-                             : radiometry::constant_spectrum(name + ": emissivity", emissivity.value, 1.0);
+                             : radiometry::constant_spectrum(name + ": emissivity", emissivity.along_normal, 1.0);
 }
 
 /// One finish for each material, one for the backs of each that is a sheet with another emissivity, and black.
 void set_finishes(const SceneFile& file, const Surfaces& surfaces, render::RenderScene& scene) {
   std::vector<std::uint32_t> back(file.materials.size());
   for (const MaterialSection& material : file.materials)
-    scene.finish.push_back({material.name, spectrum_of(material.emissivity, material.name)});
+    scene.finish.push_back(
+        {material.name, spectrum_of(material.emissivity, material.name), material.by_angle, material.gloss});
   for (std::size_t m = 0; m < back.size(); ++m) {
     back[m] = static_cast<std::uint32_t>(m);
     const auto& other = file.materials[m].inside.back_emissivity;
     if (!other) continue;
     back[m] = static_cast<std::uint32_t>(scene.finish.size());
-    scene.finish.push_back({file.materials[m].name + " (back)", spectrum_of(*other, file.materials[m].name)});
+    scene.finish.push_back({file.materials[m].name + " (back)", spectrum_of(*other, file.materials[m].name),
+                            file.materials[m].by_angle, file.materials[m].gloss});
   }
   const auto black = static_cast<std::uint32_t>(scene.finish.size());
-  scene.finish.push_back({"black", radiometry::constant_spectrum("black", 1.0, 1.0)});
+  scene.finish.push_back({"black", radiometry::constant_spectrum("black", 1.0, 1.0), {}, 0.0});
   for (std::uint32_t f = 0; f < surfaces.facets.size(); ++f) {
     const auto& material = file.regions[surfaces.region[f]].material;
     scene.finish_of.push_back(material ? static_cast<std::uint32_t>(*material) : black);
@@ -66,58 +58,6 @@ double ground_k(const SceneFile& file, const Surfaces& surfaces, double utc_s, d
   const auto above = std::upper_bound(s.time_s.begin() + 1, s.time_s.end() - 1, at);
   const auto k = static_cast<std::size_t>(above - s.time_s.begin());
   return std::lerp(level.kelvin[k - 1], level.kelvin[k], (at - s.time_s[k - 1]) / (s.time_s[k] - s.time_s[k - 1]));
-}
-
-constexpr int kSkyAngles = 4;  // Gauss's nodes of the flux: within 0.1 W/m2 of eight
-
-void set_weather(const SceneFile& file, const Surfaces& surfaces, const PictureOptions& options, PictureScene& out) {
-  const heat::WeatherSeries series = scene_weather(file);
-  require(series, {WeatherQuantity::air_temperature, WeatherQuantity::direct_normal}, out.utc_s, out.utc_s);
-  const heat::WeatherAt weather = weather_at(series, out.utc_s);
-  const double air_k = weather[WeatherQuantity::air_temperature];
-  std::optional<ClearSkyFlux> clear = clear_sky_of(file);
-  const SkyLongwave sky = sky_longwave(file.sky, weather, clear ? &*clear : nullptr);
-  out.scene.sky = {.longwave_w_m2 = sky.irradiance_w_m2, .cloud_cover = sky.cloud_cover, .cloud_k = air_k};
-
-  if (options.air && options.sensor_air && file.atmosphere)
-    throw mtf::UsageError(one_line(options.sensor_file) + " and " + one_line(file.file) +
-                          " both have [atmosphere]; the air belongs to one of them");
-  if (options.air && file.atmosphere) {
-    const double vapour = weather[WeatherQuantity::vapour_pressure];
-    const ClearSkyFlux model(*file.atmosphere, file.place.altitude_m);
-    out.scene.air = model.air_at(air_k, std::isnan(vapour) ? std::nullopt : std::optional(vapour));
-    out.closures.emplace_back("air",
-                              "[atmosphere] of " + one_line(file.file) + ", its lowest 2 km as the weather has them");
-  } else if (options.air && options.sensor_air) {
-    out.scene.air = options.sensor_air;
-    out.closures.emplace_back("air", "[atmosphere] of " + one_line(options.sensor_file));
-  } else {
-    out.closures.emplace_back("air", "none: the path is not in the picture");
-  }
-  const bool layered = out.scene.air && out.scene.air->profile.levels.size() > 1;
-  // Where nothing else says how much of the sky is clear, as much as gives the long wave that was measured.
-  if (layered && file.sky.longwave == LongwaveModel::measured && file.sky.cloud == CloudSource::none) {
-    const double from_m = std::max(file.place.altitude_m, out.scene.air->profile.levels.front().altitude_m);
-    const double clear_w_m2 = sky_flux(*out.scene.air, from_m, kSkyAngles).total_w_m2;
-    out.scene.sky.cloud_cover = radiometry::atmosphere::cloud_cover(sky.irradiance_w_m2, clear_w_m2, air_k);
-  }
-  const double cover = out.scene.sky.cloud_cover;
-  out.closures.emplace_back("sky", layered
-                                       ? text_of("clear sky of the air, %.0f %% of it", 100.0 * (1.0 - cover)) +
-                                             (cover > 0.0 ? text_of(", and clouds at %.1f K", air_k) : std::string())
-                                       : text_of("blackbody of %.1f K for %.1f W/m2 of long wave",
-                                                 heat::sky_temperature_k(sky.irradiance_w_m2), sky.irradiance_w_m2));
-  const heat::SunPosition sun = sun_position(out.utc_s, file.place);
-  const double direct = std::max(weather[WeatherQuantity::direct_normal], 0.0);
-  if (sun.direction[2] > 0.0 && direct > 0.0)
-    out.scene.sun = render::Sun{heat::in_scene_axes(sun.direction, file.north_rad), direct};
-  out.closures.emplace_back("sun", out.scene.sun ? text_of("Planck at 5772 K, scaled to %.0f W/m2", direct) +
-                                                       (layered ? ", through the air above" : "")
-                                                 : std::string("none"));
-  out.scene.ground.temperature_k = ground_k(file, surfaces, out.utc_s, air_k);
-  out.closures.emplace_back("ground", text_of("level, %.2f K", out.scene.ground.temperature_k) + ", " +
-                                          one_line(out.scene.finish[out.scene.ground.finish].name));
-  out.scene.altitude_m = file.place.altitude_m;
 }
 
 }  // namespace
@@ -152,7 +92,16 @@ PictureScene PictureSource::at(std::optional<double> utc_s, const PictureOptions
   temperatures(out.utc_s, out.scene.temperature_k);
   out.timing_ms[1].second += reading.ms();
   const Stopwatch weather;
-  set_weather(file_, surfaces_, air, out);
+  const PictureSurroundings around = picture_surroundings(
+      file_, out.utc_s, {.of_sensor = air.sensor_air, .sensor_file = air.sensor_file, .wanted = air.air});
+  out.scene.sky = around.sky;
+  out.scene.sun = around.sun;
+  out.scene.air = around.air;
+  out.closures = around.closures;
+  out.scene.ground.temperature_k = ground_k(file_, surfaces_, out.utc_s, around.air_k);
+  out.closures.emplace_back("ground", "level, " + fixed(out.scene.ground.temperature_k, 2) + " K, " +
+                                          one_line(out.scene.finish[out.scene.ground.finish].name));
+  out.scene.altitude_m = file_.place.altitude_m;
   out.timing_ms.emplace_back("weather", weather.ms());
   return out;
 }
@@ -168,6 +117,12 @@ PictureScene read_picture_scene(const SceneFile& file, const PictureOptions& opt
 
 void require_above_ground(const PictureScene& picture, const radiometry::scene::Point& camera) {
   const radiometry::scene::Facets& facets = picture.rays->facets();
+  const double ground_m = render::ground_height_m(facets);
+  if (camera[2] < ground_m)
+    throw mtf::UsageError("the camera is at a height of " + significant(camera[2], 3) +
+                          " m, and the ground beyond the " + "facets lies at " + significant(ground_m, 3) +
+                          " m, as low as the lowest of them: it stands " +
+                          "below the ground; move its position up, or give the scene a facet that is as low");
   const auto up = picture.rays->first_hit({camera, {0.0, 0.0, 1.0}});
   const auto down = picture.rays->first_hit({camera, {0.0, 0.0, -1.0}});
   if (!hits(up) || !up.back || hits(down) || facets.shells[facets.facet[up.facet].shell].closed) return;

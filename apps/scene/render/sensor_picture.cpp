@@ -43,6 +43,7 @@ PictureSensor picture_sensor(const mtf::io::SensorConfig& config, PictureQuantit
                             "radiance");
     sensor.response = response_sha256(sensor.band.curves);
   }
+  sensor.has_path = settings.path || settings.atmosphere;
   if (settings.atmosphere) sensor.air = at_its_place(config, [&] { return read_air(*settings.atmosphere); });
   return sensor;
 }
@@ -67,10 +68,29 @@ radiometry::render::Pose pose_of(const SceneFile& file) {
   return {.position = file.camera->position_m, .look_at = file.camera->look_at_m, .up = file.camera->up};
 }
 
+void require_same_view(std::span<const PictureSensor> sensors, std::span<const radiometry::render::Camera> cameras) {
+  constexpr double kSame = 1e-9;
+  const auto words = [&](std::size_t s) {
+    const radiometry::render::Camera& camera = cameras[s];
+    return one_line(sensors[s].config.file) + " sees " + std::to_string(camera.width) + " x " +
+           std::to_string(camera.height) + " samples of " + significant(1e6 * camera.step_x, 6) + " x " +
+           significant(1e6 * camera.step_y, 6) + " urad";
+  };
+  const auto same = [](double a, double b) { return std::abs(a - b) <= kSame * b; };
+  for (std::size_t s = 1; s < sensors.size(); ++s) {
+    const radiometry::render::Camera &a = cameras[s], &b = cameras[0];
+    if (a.width == b.width && a.height == b.height && same(a.step_x, b.step_x) && same(a.step_y, b.step_y) &&
+        same(a.axis_x, b.axis_x) && same(a.axis_y, b.axis_y))
+      continue;
+    throw mtf::UsageError("sensors of one picture need the same field of view and samples: " + words(0) + ", " +
+                          words(s) + "; change focal_length, pitch or format, or render them one by one");
+  }
+}
+
 mtf::io::Metadata picture_metadata(const SceneFile& file, const PictureScene& scene, const PictureSensor& sensor,
                                    const radiometry::render::Camera& camera,
                                    const radiometry::render::RenderOptions& options,
-                                   const radiometry::render::RenderedFrame& frame) {
+                                   const radiometry::render::RenderedFrame& frame, std::size_t band) {
   mtf::io::Metadata m;
   const Quantity quantity = quantity_of(sensor);
   m.text["mtf:quantity"] =
@@ -84,7 +104,7 @@ mtf::io::Metadata picture_metadata(const SceneFile& file, const PictureScene& sc
   m.text["mtf:sceneSha256"] = file.sha256;
   m.text["mtf:time"] = radiometry::heat::instant_text(scene.utc_s);
   m.text["mtf:version"] = std::string(mtf::version) + " " + mtf::git_commit;
-  m.text["mtf:promisedError"] = mtf::format_double(frame.promised.front());
+  m.text["mtf:promisedError"] = mtf::format_double(frame.promised[band]);
   for (const auto& [name, words] : scene.closures) m.text["mtf:" + name] = words;
   const mtf::Frame<double>& lens = sensor.config.system.frame;
   const double step_x = camera.step_x * lens.focal_length_mm * 1e-3,
@@ -108,9 +128,10 @@ mtf::io::Scene scene_of(radiometry::render::RenderedFrame frame, const PictureSe
   return scene;
 }
 
-std::vector<mtf::io::NamedPlane> picture_planes(const radiometry::render::RenderedFrame& frame) {
-  std::vector<mtf::io::NamedPlane> planes{{"Y", frame.radiance.front().view()}};
-  for (const radiometry::render::NamedLayer& layer : frame.layers) planes.push_back({layer.name, layer.plane.view()});
+std::vector<mtf::io::NamedPlane> picture_planes(const radiometry::render::RenderedFrame& frame, std::size_t band) {
+  std::vector<mtf::io::NamedPlane> planes{{"Y", frame.radiance[band].view()}};
+  for (const radiometry::render::NamedLayer& layer : frame.layers)
+    if (layer.band.value_or(band) == band) planes.push_back({layer.name, layer.plane.view()});
   return planes;
 }
 

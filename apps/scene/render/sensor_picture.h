@@ -4,6 +4,8 @@
 // The picture of a scene that a sensor takes in, with what a file of it says: the scene of `mtf simulate`, without
 // options. Field of view and samples follow from [frame] of the sensor file; the weights from its curves.
 
+#include <span>
+
 #include "apps/scene/render/picture_scene.h"
 #include "mtf/io/config/config.h"
 #include "mtf/io/image_io.h"
@@ -24,6 +26,7 @@ struct PictureSensor {
   PictureQuantity quantity = PictureQuantity::weighted;
   std::string response{};                                    ///< hash; "" for plain radiance
   std::optional<radiometry::atmosphere::Air<double>> air{};  ///< [atmosphere]
+  bool has_path = false;                                     ///< [path] or [atmosphere]
 };
 
 /// Throws UsageError for a sensor without a band or format, and for weighted radiance without [detector].
@@ -36,17 +39,20 @@ radiometry::render::Camera picture_camera(const PictureSensor& sensor, const rad
 /// The pose that [camera] of a scene file states. Throws UsageError where it has none.
 radiometry::render::Pose pose_of(const SceneFile& file);
 
-/// Attributes of the file of a frame.
+/// Throws UsageError where sensors of one picture differ in their fields of view or samples, with both in numbers.
+void require_same_view(std::span<const PictureSensor> sensors, std::span<const radiometry::render::Camera> cameras);
+
+/// Attributes of the file of one band of a frame.
 mtf::io::Metadata picture_metadata(const SceneFile& file, const PictureScene& scene, const PictureSensor& sensor,
                                    const radiometry::render::Camera& camera,
                                    const radiometry::render::RenderOptions& options,
-                                   const radiometry::render::RenderedFrame& frame);
+                                   const radiometry::render::RenderedFrame& frame, std::size_t band = 0);
 
 /// What mtf::io::load_scene makes of the file of a frame: its first band.
 mtf::io::Scene scene_of(radiometry::render::RenderedFrame frame, const PictureSensor& sensor,
                         const radiometry::render::Camera& camera, const mtf::io::Metadata& metadata);
 
-/// The planes of a frame under their names: Y, then the layers.
-std::vector<mtf::io::NamedPlane> picture_planes(const radiometry::render::RenderedFrame& frame);
+/// The planes of one band of a frame under their names: Y, then the layers.
+std::vector<mtf::io::NamedPlane> picture_planes(const radiometry::render::RenderedFrame& frame, std::size_t band = 0);
 
 }  // namespace apps::scene

@@ -140,6 +140,121 @@ look_at = ["0 m", "0 m", "1.2 m"]
 )";
 }
 
+std::string demo_mwir_text() {
+  return R"(# A cooled MWIR camera: InSb behind an F/4 cold stop. Typical numbers, not those of a product.
+schema = 1
+name = "MWIR cooled"
+
+[frame]
+focal_length = "120 mm"
+pitch = "24 um"
+format = [512, 320]
+integration_time = "6 ms"
+
+[optics]
+f_number = 4.0
+transmission = 0.85
+emissivity = 0.1
+temperature = "285 K"
+stop_temperature = "77 K"       # the cold shield: it gives next to nothing
+
+[band]
+wavelength = ["3.7 um", "4.8 um"]
+
+[[presample]]
+kind = "diffraction"
+
+[[presample]]
+kind = "rms_wavefront"
+rms = 0.07
+wavelength_reference = "4 um"
+
+[[presample]]
+kind = "footprint"
+fill_factor = 0.9
+
+[[presample]]
+kind = "jitter"
+rms = "40 urad"
+
+[detector]
+quantum_efficiency = 0.8
+full_well = "12 Me-"
+dark_current = "5 Me-/s"
+read_noise = "600 e-"
+
+[nonuniformity]
+prnu = 0.0005                   # what the two-point correction leaves
+dsnu = "500 e-"
+
+[noise]
+seed = 1
+
+[adc]
+bits = 14
+)";
+}
+
+std::string demo_lwir_text() {
+  return R"(# An uncooled LWIR camera of the same field of view: microbolometers behind an F/1.2 lens. Typical numbers.
+schema = 1
+name = "LWIR uncooled"
+
+[frame]
+focal_length = "85 mm"
+pitch = "17 um"
+format = [512, 320]
+
+[optics]
+f_number = 1.2
+transmission = 0.85
+emissivity = 0.1
+temperature = "285 K"
+stop_temperature = "285 K"      # no cold shield: the housing is seen around the lens
+
+[band]
+wavelength = ["8 um", "13 um"]
+
+[[presample]]
+kind = "diffraction"
+
+[[presample]]
+kind = "rms_wavefront"
+rms = 0.07
+wavelength_reference = "10 um"
+
+[[presample]]
+kind = "footprint"
+fill_factor = 0.85
+
+[[presample]]
+kind = "jitter"
+rms = "40 urad"
+
+[detector]
+kind = "thermal"
+absorptance = 0.8
+responsivity = 1e5              # V/W of incident power
+shutter_temperature = "285 K"   # offsets are taken from it
+netd = "40 mK"
+netd_f_number = 1.0
+netd_transmission = 1.0
+netd_temperature = "300 K"
+
+[nonuniformity]
+prnu = 1e-3
+dsnu = "100 nV"
+
+[noise]
+seed = 1
+
+[adc]
+bits = 14
+volts_per_count = "0.1 uV"
+offset = 4000
+)";
+}
+
 std::string demo_weather_text() {
   const double start = heat::instant_of(kFirstDay);
   heat::Weather weather = heat::demo_weather(kPlace, start, start + 3600.0 * kHours, 600.0);

@@ -92,7 +92,7 @@ std::optional<Emissivity> read_emissivity(const cfg::Section& section, std::stri
   if (node->kind != cfg::Node::Kind::string) {
     const mtf::FieldInfo field{.name = key, .lo = 0.0, .hi = 1.0, .example = "0.9"};
     const auto value = read_si(section, field);
-    return value ? std::optional(Emissivity{.value = *value, .spectrum = {}}) : std::nullopt;
+    return value ? std::optional(Emissivity{.value = *value, .spectrum = {}, .along_normal = *value}) : std::nullopt;
   }
   if (mtf::io::cell_number(node->text))
     return fail(cfg::shown(*node) + " is a string; write the number without quotes");
@@ -101,7 +101,7 @@ std::optional<Emissivity> read_emissivity(const cfg::Section& section, std::stri
   try {
     Spectrum spectrum = read_table(*path);
     const double mean = planck_mean(spectrum, kMeanTemperature_k);
-    return Emissivity{.value = std::min(mean, 1.0), .spectrum = std::move(spectrum)};
+    return Emissivity{.value = std::min(mean, 1.0), .spectrum = std::move(spectrum), .along_normal = mean};
   } catch (const mtf::Error& error) {
     return fail(error.what());
   }

@@ -22,6 +22,7 @@
 #include "radiometry/heat/weather/sun.h"
 #include "radiometry/heat/weather/weather.h"
 #include "radiometry/heat/weather/weather_series.h"
+#include "radiometry/light/angular_emissivity.h"
 #include "radiometry/light/spectrum.h"
 
 namespace apps::scene {
@@ -69,8 +70,9 @@ struct LayerSection {
 
 /// Emissivity of a surface: the number that the balance takes, and the spectrum that it is the Planck mean of.
 struct Emissivity {
-  double value = 0.9;                              ///< at 300 K
+  double value = 0.9;                              ///< at 300 K, to all sides
   std::optional<radiometry::Spectrum> spectrum{};  ///< samples, straight lines between them, held beyond both ends
+  double along_normal = 0.9;  ///< where there is no spectrum; differs where it depends on the angle
 };
 /// Mean of the spectrum weighted by the blackbody of that temperature: integral of e B / integral of B.
 double planck_mean(const radiometry::Spectrum& emissivity, double temperature_k);
@@ -113,6 +115,9 @@ struct MaterialSection {
   std::vector<LayerSection> layers;  ///< at least one
   Inside inside;
   double wet_fraction = 0.0;  ///< of the surface that evaporates, 0 to 1
+  /// Emissivity by angle, relative to that along the normal; empty: the same at all angles.
+  radiometry::AngularEmissivity by_angle{};
+  double gloss = 0.0;  ///< share of the reflected light that a mirror would show, in pictures
 };
 
 struct MeshSection {

@@ -5,7 +5,10 @@
 #include <algorithm>
 
 #include "apps/scene/scene_file/scene_reader.h"
+#include "mtf/error.h"
+#include "mtf/io/csv/csv_numbers.h"
 #include "mtf/io/file_checks.h"
+#include "mtf/units.h"
 
 namespace apps::scene {
 namespace {
@@ -62,6 +65,25 @@ constexpr FieldInfo kWetFraction{.name = "wet_fraction",
                                  .presence = Presence::optional,
                                  .example = "0.2",
                                  .doc = "of the surface that evaporates"};
+constexpr FieldInfo kGloss{.name = "gloss",
+                           .lo = 0.0,
+                           .hi = 1.0,
+                           .presence = Presence::optional,
+                           .example = "0.8",
+                           .doc = "share of the reflected light that a mirror would show"};
+constexpr FieldInfo kSchlick{.name = "schlick_exponent",
+                             .lo = 1.0,
+                             .hi = 100.0,
+                             .presence = Presence::optional,
+                             .example = "5",
+                             .doc = "emissivity by angle: 1 - (1 - cos)^exponent of that along the normal"};
+constexpr FieldInfo kIndex{.name = "refractive_index",
+                           .lo = 1.0,
+                           .hi = 10.0,
+                           .lo_open = true,
+                           .presence = Presence::optional,
+                           .example = "1.5",
+                           .doc = "emissivity by angle: Fresnel's law for a dielectric"};
 constexpr FieldInfo kFilm{.name = "h",
                           .unit = "W/m2/K",
                           .lo = 0.0,
@@ -193,6 +215,52 @@ void read_inside(SceneReader& s, const Section& material, Inside& inside) {
   }
 }
 
+/// The largest emissivity along the normal, at any wavelength.
+double largest_along_normal(const Emissivity& emissivity) {
+  return emissivity.spectrum ? *std::max_element(emissivity.spectrum->value.begin(), emissivity.spectrum->value.end())
+                             : emissivity.along_normal;
+}
+
+void read_angles(const Section& material, MaterialSection& out) {
+  out.gloss = read_si(material, kGloss).value_or(0.0);
+  const auto exponent = read_si(material, kSchlick), index = read_si(material, kIndex);
+  const bool table = material.find("emissivity_angles") != nullptr;
+  if ((exponent ? 1 : 0) + (index ? 1 : 0) + (table ? 1 : 0) > 1) {
+    material.error(table ? "emissivity_angles" : "refractive_index",
+                   "schlick_exponent, refractive_index and emissivity_angles exclude each other; keep one");
+    return;
+  }
+  try {
+    if (exponent) out.by_angle = radiometry::schlick(*exponent);
+    if (index) out.by_angle = radiometry::dielectric(*index);
+    if (table) {
+      const auto path = read_path(material, "emissivity_angles");
+      if (!path) return;
+      const std::string remedy = "write angle_deg,relative";
+      const auto columns = mtf::io::read_csv_numbers(
+          mtf::io::read_table_text(*path), *path, remedy, [&](const auto& cells, const std::string& where) {
+            if (cells.size() != 2 || cells[0] != "angle_deg" || cells[1] != "relative")
+              throw mtf::UsageError(where + "a table of emissivity by angle has other columns; " + remedy);
+            return std::vector<std::size_t>{0, 1};
+          });
+      out.by_angle = radiometry::angle_table(columns.column[0], columns.column[1]);
+    }
+  } catch (const mtf::Error& error) {
+    material.error(table      ? "emissivity_angles"
+                   : exponent ? "schlick_exponent"
+                              : "refractive_index",
+                   mtf::io::printable(error.what(), 600));
+    return;
+  }
+  const double most = largest(out.by_angle) * largest_along_normal(out.emissivity);
+  if (most > 1.0 + 1e-6)
+    material.error("emissivity_angles",
+                   "the emissivity reaches " + mtf::format_double(most) + " at some angle, which is above 1");
+  // The balance takes what the surface gives off to all sides.
+  out.emissivity.value *= hemispherical_mean(out.by_angle);
+  if (out.inside.back_emissivity) out.inside.back_emissivity->value *= hemispherical_mean(out.by_angle);
+}
+
 }  // namespace
 
 void read_materials(SceneReader& s) {
@@ -204,8 +272,9 @@ void read_materials(SceneReader& s) {
     const bool named = name != nullptr && name->kind == Node::Kind::string;
     const Section section{s.reader, node, "material[" + std::to_string(i) + "]",
                           "[[material]]" + (named ? " " + mtf::io::printable(name->text, 40) : "")};
-    cfg::check_keys(section, std::array<std::string_view, 7>{"name", "solar_absorptance", "emissivity", "convection",
-                                                             "layers", "inside", "wet_fraction"});
+    cfg::check_keys(section, std::array<std::string_view, 11>{
+                                 "name", "solar_absorptance", "emissivity", "convection", "layers", "inside",
+                                 "wet_fraction", "gloss", "schlick_exponent", "refractive_index", "emissivity_angles"});
     MaterialSection material;
     material.name = read_name(section, s.material_names, "armour");
     material.solar_absorptance = read_si(section, kSolarAbsorptance).value_or(0.0);
@@ -216,6 +285,7 @@ void read_materials(SceneReader& s) {
     read_convection(section, material.convection);
     read_layers(s, section, material.layers);
     read_inside(s, section, material.inside);
+    read_angles(section, material);
     s.scene.materials.push_back(std::move(material));
   }
 }

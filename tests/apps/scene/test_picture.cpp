@@ -301,6 +301,12 @@ TEST_F(Picture, RefusesACameraBelowTheGround) {
             }).find("below the ground"),
             std::string::npos);
   EXPECT_EQ(refusal([&] { require_above_ground(scene, {3.0, 1.0, 2.0}); }), "");
+  // Beside the facets too, where the ground is a plane as low as the lowest of them.
+  EXPECT_NE(refusal([&] {
+              require_above_ground(scene, {3.0, -90.0, -4.0});
+            }).find("below the ground"),
+            std::string::npos);
+  EXPECT_EQ(refusal([&] { require_above_ground(scene, {3.0, -90.0, 4.0}); }), "");
 }
 
 }  // namespace

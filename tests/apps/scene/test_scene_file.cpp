@@ -123,6 +123,33 @@ TEST(SceneFile, EveryKindOfInside) {
   EXPECT_FALSE(inside("{ kind = \"pair\" }").thickness_m);
 }
 
+/// `emissivity` is that along the normal; the balance has what goes to all sides.
+TEST(SceneFile, EmissivityByAngle) {
+  const SceneFolder folder;
+  folder.write("angles.csv", "angle_deg,relative\n0,1\n60,0.9\n90,0\n");
+  const auto soil_with = [&](const std::string& keys) {
+    std::string text = scene_text();
+    const std::string line = "emissivity = 0.95\n";
+    text.insert(text.find(line) + line.size(), keys);
+    return folder.parse(text);
+  };
+  const SceneResult schlick = soil_with("schlick_exponent = 5\ngloss = 0.3\n");
+  ASSERT_TRUE(schlick.ok()) << all_of(schlick);
+  const MaterialSection& soil = schlick.scene.materials[1];
+  EXPECT_EQ(soil.emissivity.along_normal, 0.95);
+  EXPECT_NEAR(soil.emissivity.value, 0.95 * (1.0 - 2.0 / 42.0), 1e-5);
+  EXPECT_EQ(soil.gloss, 0.3);
+  EXPECT_NEAR(relative_emissivity(soil.by_angle, 0.5), 1.0 - std::pow(0.5, 5), 1e-5);
+  const SceneResult table = soil_with("emissivity_angles = \"angles.csv\"\n");
+  ASSERT_TRUE(table.ok()) << all_of(table);
+  EXPECT_NEAR(relative_emissivity(table.scene.materials[1].by_angle, 0.5), 0.9, 1e-4);
+  EXPECT_NE(all_of(soil_with("schlick_exponent = 5\nrefractive_index = 1.5\n")).find("exclude each other"),
+            std::string::npos);
+  EXPECT_NE(all_of(soil_with("gloss = 1.5\n")).find("gloss"), std::string::npos);
+  folder.write("angles.csv", "angle_deg,relative\n0,1\n60,1.2\n");
+  EXPECT_NE(all_of(soil_with("emissivity_angles = \"angles.csv\"\n")).find("above 1"), std::string::npos);
+}
+
 TEST(SceneFile, TimesMayHaveZonesAndQuotes) {
   const SceneFolder folder;
   for (const char* start : {"2016-01-01T01:00:00+01:00", "2015-12-31 19:00:00-05:00", "\"2016-01-01T00:00Z\""}) {

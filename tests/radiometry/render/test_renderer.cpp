@@ -340,6 +340,36 @@ TEST(Renderer, LayersSayWhatIsSeen) {
   EXPECT_NEAR(surface, 0.8 * blackbody(lwir(), 320.0) + 0.2 * blackbody(lwir(), 260.0), 1e-5 * surface);
 }
 
+/// Of the ground beyond the facets against the air's transmission at the place that a ray meets, weighted with the
+/// light of the ground; of the sky it is 0.
+TEST(Renderer, TransmittanceOfTheGroundIsThatOfItsRange) {
+  scene::Mesh mesh = empty_mesh();
+  add_plate(mesh, {-40, -10, 0}, {20, 0, 0}, {0, 20, 0});
+  SmallScene made = small_scene(mesh, 300.0, grey(1.0), 285.0);
+  made.scene.air =
+      atmosphere::Air<double>{.profile = atmosphere::model_profile(atmosphere::ModelAtmosphere::mid_latitude_summer)};
+  const Camera from = camera({.position = {0, -200, 50}, .look_at = {0, 0, 20}}, 65, 65, 0.01);
+  Renderer renderer(made.scene, {lwir()}, {.points = 1, .layers = {.range = true, .transmittance = true}});
+  const RenderedFrame frame = renderer.render(from);
+  const mtf::Image &z = frame.layers[0].plane, &tau = frame.layers[1].plane;
+  EXPECT_EQ(tau.at(32, 0), 0.0F);
+  const std::vector<Spectrum> curves{grey(1.0)};
+  const BandNodes nodes = band_nodes(lwir().curves, curves);
+  const std::vector<double> ground = fold(nodes, blackbody_at(nodes, 285.0));
+  const AirView view(*made.scene.air, nodes, 0.0, 50.0, 300.0);
+  for (const std::int64_t y : {25, 40, 64}) {
+    const auto range_m = static_cast<double>(z.at(32, y));
+    const Vector d = from.direction(32.5, static_cast<double>(y) + 0.5);
+    EXPECT_NEAR(range_m, 50.0 * scene::length(d) / -d[2], 1e-5 * range_m);
+    const AirSamples air = view.to(range_m, 0.0);
+    double through = 0.0, all = 0.0;
+    for (std::size_t s = 0; s < ground.size(); ++s) through += air.transmission[s] * ground[s], all += ground[s];
+    // 1e-3: cubics of the elevation between 33 angles, near the horizon.
+    EXPECT_NEAR(static_cast<double>(tau.at(32, y)), through / all, 5e-5) << range_m;  // cubics between 33 elevations
+    EXPECT_LT(through / all, 0.99);
+  }
+}
+
 TEST(Renderer, RefusesCamerasThatSeeNothingOrStandInASolid) {
   scene::Mesh mesh = empty_mesh();
   add_box(mesh, {-1, -1, 0}, {2, 2, 2});

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "apps/scene/fly/solved_rows.h"
+#include "apps/scene/render/solved_rows.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,0 +1,237 @@
+// SPDX-License-Identifier: Apache-2.0
+// `mtf render` and the line that it prints for `mtf simulate`.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "command.h"
+#include "mtf/io/image_io.h"
+
+namespace {
+
+using apps_test::read_file, apps_test::Result, apps_test::Scratch, apps_test::write_file;
+
+const std::string kScene = R"(schema = 1
+[place]
+latitude = "40 deg"
+longitude = "0 deg"
+altitude = "0 m"
+[time]
+start = 2026-06-21T12:00:00Z
+end = 2026-06-22T12:00:00Z
+step = "2 h"
+[weather]
+air_temperature = "288 K"
+wind_speed = "2 m/s"
+direct_normal = "700 W/m2"
+diffuse_horizontal = "80 W/m2"
+longwave_down = "320 W/m2"
+vapour_pressure = "10 hPa"
+[[mesh]]
+name = "plates"
+file = "plates.obj"
+[[region]]
+mesh = "plates"
+group = "soil"
+temperature = "290 K"
+[[region]]
+mesh = "plates"
+group = "target"
+temperature = "310 K"
+[camera]
+position = ["3 m", "-40 m", "4 m"]
+look_at = ["0 m", "0 m", "0.6 m"]
+)";
+const std::string kPlates =
+    "v -4 -4 0\nv 4 -4 0\nv 4 4 0\nv -4 4 0\nv -0.5 0 0.2\nv 0.5 0 0.2\nv 0.5 0 1.2\nv -0.5 0 1.2\n"
+    "g soil\nf 1 2 3 4\ng target\nf 5 6 7 8\n";
+const std::string kSensor = R"(schema = 1
+name = "uncooled"
+[frame]
+focal_length = "12.5 mm"
+pitch = "12 um"
+format = [64, 48]
+[scene]
+quantity = "temperature"
+[optics]
+f_number = 1.2
+stop_temperature = "293 K"
+[band]
+wavelength = ["8 um", "13 um"]
+[[presample]]
+kind = "diffraction"
+[[presample]]
+kind = "footprint"
+fill_factor = 0.85
+[detector]
+kind = "thermal"
+absorptance = 0.8
+responsivity = 1e5
+shutter_temperature = "293 K"
+netd = "30 mK"
+netd_f_number = 1.0
+netd_transmission = 1.0
+netd_temperature = "300 K"
+[adc]
+bits = 14
+volts_per_count = "0.05 uV"
+offset = 4000
+)";
+const std::string kAir = R"([atmosphere]
+pressure = "1013 hPa"
+temperature = "288 K"
+relative_humidity = 0.5
+range = "1 km"
+)";
+
+class RenderCommand : public testing::Test {
+ protected:
+  RenderCommand() {
+    write_file(scratch_ / "scene.toml", kScene);
+    write_file(scratch_ / "plates.obj", kPlates);
+    write_file(scratch_ / "sensor.toml", kSensor);
+    write_file(scratch_ / "airy.toml", kSensor + kAir);
+  }
+  Scratch scratch_;
+};
+
+/// The command after "next: ".
+std::string next(const std::string& text) {
+  const auto from = text.find("next: ");
+  return from == std::string::npos ? "false" : text.substr(from + 6);
+}
+
+TEST_F(RenderCommand, SaysACommandThatWorks) {
+  for (const std::string sensor : {"sensor.toml", "airy.toml"}) {
+    const Result made = scratch_.run("mtf render scene.toml " + sensor + " -o scene.exr");
+    ASSERT_EQ(made.status, 0) << made.err;
+    const Result then = scratch_.run(next(made.out));
+    EXPECT_EQ(then.status, 0) << then.err;
+    EXPECT_EQ(then.err.find("says quantity"), std::string::npos) << then.err;
+  }
+  const Result twice = scratch_.run("mtf simulate airy.toml scene.exr -o image.exr");
+  EXPECT_EQ(twice.status, 2);
+  EXPECT_NE(twice.err.find("--without-path"), std::string::npos) << twice.err;
+}
+
+TEST_F(RenderCommand, TheSceneExplainsTheSkyThatPicturesHave) {
+  write_file(scratch_ / "scene.toml", kScene + "[atmosphere]\nmodel = \"mid_latitude_summer\"\n");
+  const Result made = scratch_.run("mtf render scene.toml sensor.toml -o scene.exr --format json");
+  ASSERT_EQ(made.status, 0) << made.err;
+  const std::string sky = nlohmann::json::parse(made.out).at("closures").at("sky");
+  EXPECT_NE(sky.find("clear sky of the air"), std::string::npos) << sky;
+  const Result explained = scratch_.run("mtf scene explain scene.toml");
+  EXPECT_NE(explained.out.find("sky: " + sky), std::string::npos) << explained.out;
+}
+
+TEST_F(RenderCommand, RefusesACameraBesideTheFacetsAndBelowThem) {
+  const Result low = scratch_.run("mtf render scene.toml sensor.toml --position 3,-40,-4 -o scene.exr");
+  EXPECT_EQ(low.status, 2);
+  EXPECT_NE(low.err.find("below the ground"), std::string::npos) << low.err;
+}
+
+/// A cooled camera with the field of view of kSensor.
+const std::string kCooled = R"(schema = 1
+name = "cooled"
+[frame]
+focal_length = "25 mm"
+pitch = "24 um"
+format = [64, 48]
+integration_time = "8 ms"
+[optics]
+f_number = 4.0
+stop_temperature = "77 K"
+[band]
+wavelength = ["3.7 um", "4.8 um"]
+[[presample]]
+kind = "diffraction"
+[[presample]]
+kind = "footprint"
+fill_factor = 0.85
+[detector]
+quantum_efficiency = 0.8
+full_well = "7 Me-"
+[adc]
+bits = 14
+)";
+
+mtf::Image plane(const Scratch& scratch, const std::string& file, const std::string& name) {
+  return std::move(mtf::io::read_image((scratch / file).string(), {name, {}, {}}).planes.front());
+}
+double largest_difference(const mtf::Image& a, const mtf::Image& b) {
+  double most = 0.0;
+  for (std::int64_t i = 0; i < a.size(); ++i)
+    most = std::max(most, static_cast<double>(std::abs(a.data()[i] - b.data()[i])));
+  return most;
+}
+
+TEST_F(RenderCommand, SensorsOfOneViewShareTheRaysAndHaveThePicturesThatTheyHaveAlone) {
+  write_file(scratch_ / "cooled.toml", kCooled);
+  const Result made = scratch_.run(
+      "mtf render scene.toml sensor.toml cooled.toml --points 1 --layer surface --layer Z -o both --picture "
+      "both/both.png");
+  ASSERT_EQ(made.status, 0) << made.err;
+  EXPECT_TRUE(std::filesystem::exists(scratch_ / "both/both.png"));
+  for (const std::string sensor : {"sensor", "cooled"}) {
+    ASSERT_EQ(
+        scratch_
+            .run("mtf render scene.toml " + sensor + ".toml --points 1 --layer surface --layer Z -o " + sensor + ".exr")
+            .status,
+        0);
+    const std::string alone = sensor + ".exr", together = "both/" + alone;
+    for (const std::string name : {"Y", "surface", "Z"})
+      EXPECT_EQ(largest_difference(plane(scratch_, together, name), plane(scratch_, alone, name)), 0.0)
+          << sensor << " " << name;
+  }
+  std::string commands = made.out.substr(made.out.find("next: "));
+  for (std::size_t at; (at = commands.find("next: ")) != std::string::npos;) commands.erase(at, 6);
+  const Result then = scratch_.run("set -e\n" + commands);
+  EXPECT_EQ(then.status, 0) << then.err;
+  EXPECT_TRUE(std::filesystem::exists(scratch_ / "both/cooled_image.exr"));
+}
+
+TEST_F(RenderCommand, SensorsOfOnePictureHaveOneView) {
+  std::string wide = kCooled;
+  wide.replace(wide.find("25 mm"), 5, "26 mm");
+  write_file(scratch_ / "wide.toml", wide);
+  const Result made = scratch_.run("mtf render scene.toml sensor.toml wide.toml -o both");
+  EXPECT_EQ(made.status, 2);
+  EXPECT_NE(made.err.find("same field of view"), std::string::npos) << made.err;
+  EXPECT_FALSE(std::filesystem::exists(scratch_ / "both"));
+  const Result airy = scratch_.run("mtf render scene.toml sensor.toml airy.toml -o both");
+  EXPECT_NE(airy.err.find("see through one air"), std::string::npos) << airy.err;
+  const Result file = scratch_.run("mtf render scene.toml sensor.toml wide.toml -o both.exr");
+  EXPECT_NE(file.err.find("folder"), std::string::npos) << file.err;
+}
+
+TEST_F(RenderCommand, SolvesTheTemperaturesThatTheHeatBalanceHas) {
+  std::string text = kScene;
+  for (const std::string line : {"temperature = \"290 K\"\n", "temperature = \"310 K\"\n"})
+    text.replace(text.find(line), line.size(), "material = \"steel\"\n");
+  write_file(scratch_ / "scene.toml", text + R"([[material]]
+name = "steel"
+solar_absorptance = 0.7
+emissivity = 0.9
+convection = "mcadams"
+layers = [{ conductivity = "45 W/m/K", density = "7800 kg/m3", heat_capacity = "480 J/kg/K", thickness = "5 mm" }]
+)");
+  const std::string rest = " --time 2026-06-21T15:00:00Z --layer temperature -o ";
+  ASSERT_EQ(scratch_.run("mtf heat scene.toml -o heat").status, 0);
+  ASSERT_EQ(scratch_.run("mtf render scene.toml sensor.toml --temperatures heat" + rest + "a.exr").status, 0);
+  const Result solved = scratch_.run("mtf render scene.toml sensor.toml --heat" + rest + "b.exr");
+  ASSERT_EQ(solved.status, 0) << solved.err;
+  const mtf::Image a = plane(scratch_, "a.exr", "temperature"), b = plane(scratch_, "b.exr", "temperature");
+  for (const auto& [x, y] : {std::pair{64, 60}, {64, 45}}) {
+    const float k = a.at(x, y);
+    EXPECT_GT(k, 280.0F);
+    // The weather is constant but for the sun's height; runs of other lengths choose other steps within 1 K.
+    EXPECT_NEAR(b.at(x, y), k, 0.3F);
+  }
+  const Result late = scratch_.run("mtf render scene.toml sensor.toml --heat --time 2026-06-29T00:00:00Z -o c.exr");
+  EXPECT_NE(late.err.find("outside of the run"), std::string::npos) << late.err;
+}
+
+}  // namespace
