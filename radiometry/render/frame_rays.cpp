@@ -12,6 +12,7 @@ namespace {
 using scene::kNone, scene::kPencilRays;
 using scene::operator+, scene::operator*;
 
+constexpr double kRangeError = 1e-6;  // of a range in single precision, with room: what starts there lies above it
 constexpr std::int64_t kTile = 4;
 constexpr std::int64_t kChunk = 256;  // packets
 static_assert(kTile * kTile == kPencilRays);
@@ -117,8 +118,9 @@ void trace_shadows(const scene::Rays& rays, const Camera& camera, const RayPlan&
             if (!(side * scene::dot(facet.normal, beam.direction()) > 0.0)) continue;
             const RayPlan::Place place = plan.place(first + p, lane);
             const Vector d = camera.direction(place.x, place.y);
-            from[count] = camera.position + (static_cast<double>(hits.range_m[i]) / scene::length(d)) * d +
-                          (side * beam.lift_m()) * facet.normal;
+            const auto range_m = static_cast<double>(hits.range_m[i]);
+            from[count] = camera.position + (range_m / scene::length(d)) * d +
+                          (side * (beam.lift_m() + kRangeError * range_m)) * facet.normal;
             of[count++] = i;
             if (count == kPencilRays) trace();
           }

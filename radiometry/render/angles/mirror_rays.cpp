@@ -13,6 +13,8 @@ namespace {
 using scene::kNone, scene::kPencilRays, scene::Ray, scene::Hit;
 using scene::operator+, scene::operator-, scene::operator*;
 
+constexpr double kRangeError = 1e-6;  // of a range in single precision, with room
+
 bool has_angles(const Finish& finish) { return !finish.by_angle.empty() || finish.gloss > 0.0; }
 
 }  // namespace
@@ -47,7 +49,8 @@ MirrorRays mirror_rays(const RenderScene& scene, const Camera& camera, const Ray
       out.relative[k] = static_cast<float>(relative_emissivity(scene.finish[scene.finish_of[side]].by_angle, cosine));
       const Vector mirrored = d + (2.0 * cosine) * normal;
       out.met.height_m[k] = static_cast<float>(mirrored[2]);
-      rays[k] = {camera.position + static_cast<double>(hits.range_m[i]) * d + up.lift_m() * normal, mirrored};
+      const auto range_m = static_cast<double>(hits.range_m[i]);
+      rays[k] = {camera.position + range_m * d + (up.lift_m() + kRangeError * range_m) * normal, mirrored};
     }
   });
   std::vector<Hit> met(out.size());
