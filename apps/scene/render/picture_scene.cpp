@@ -61,7 +61,34 @@ double ground_k(const SceneFile& file, const Surfaces& surfaces, double utc_s, d
   return std::lerp(level.kelvin[k - 1], level.kelvin[k], (at - s.time_s[k - 1]) / (s.time_s[k] - s.time_s[k - 1]));
 }
 
+/// At the time of `out`.
+void set_surroundings(const SceneFile& file, const Surfaces& surfaces, const PictureOptions& options,
+                      PictureScene& out) {
+  const Stopwatch weather;
+  set_finishes(file, surfaces, out.scene);
+  const PictureSurroundings around = picture_surroundings(
+      file, out.utc_s, {.of_sensor = options.sensor_air, .sensor_file = options.sensor_file, .wanted = options.air});
+  out.scene.sky = around.sky;
+  out.scene.sun = around.sun;
+  out.scene.air = around.air;
+  out.closures = around.closures;
+  out.scene.ground.temperature_k = ground_k(file, surfaces, out.utc_s, around.air_k);
+  out.closures.emplace_back("ground", "level, " + fixed(out.scene.ground.temperature_k, 2) + " K, " +
+                                          one_line(out.scene.finish[out.scene.ground.finish].name));
+  out.scene.altitude_m = file.place.altitude_m;
+  out.timing_ms.emplace_back("weather", weather.ms());
+}
+
 }  // namespace
+
+PictureScene read_layer_scene(const SceneFile& file, const PictureOptions& options) {
+  require_files(file);
+  PictureScene out;
+  out.utc_s = options.utc_s.value_or(file.time.start_s);
+  const Surfaces surfaces = read_surfaces(file);
+  set_surroundings(file, surfaces, options, out);
+  return out;
+}
 
 PictureScene read_picture_scene(const SceneFile& file, const PictureOptions& options) {
   require_files(file);
@@ -76,19 +103,7 @@ PictureScene read_picture_scene(const SceneFile& file, const PictureOptions& opt
   out.scene.temperature_k = std::move(sides.kelvin);
   out.utc_s = sides.utc_s;
   out.timing_ms.emplace_back("temperatures", temperatures.ms());
-  const Stopwatch weather;
-  set_finishes(file, surfaces, out.scene);
-  const PictureSurroundings around = picture_surroundings(
-      file, out.utc_s, {.of_sensor = options.sensor_air, .sensor_file = options.sensor_file, .wanted = options.air});
-  out.scene.sky = around.sky;
-  out.scene.sun = around.sun;
-  out.scene.air = around.air;
-  out.closures = around.closures;
-  out.scene.ground.temperature_k = ground_k(file, surfaces, out.utc_s, around.air_k);
-  out.closures.emplace_back("ground", "level, " + fixed(out.scene.ground.temperature_k, 2) + " K, " +
-                                          one_line(out.scene.finish[out.scene.ground.finish].name));
-  out.scene.altitude_m = file.place.altitude_m;
-  out.timing_ms.emplace_back("weather", weather.ms());
+  set_surroundings(file, surfaces, options, out);
   const Stopwatch tree;
   out.rays = std::make_unique<radiometry::scene::Rays>(std::move(surfaces.facets));
   out.scene.rays = out.rays.get();
