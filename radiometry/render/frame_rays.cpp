@@ -99,33 +99,33 @@ void trace_shadows(const scene::Rays& rays, const Camera& camera, const RayPlan&
   const scene::Beam beam(rays, to_sun);
   const scene::Facets& facets = rays.facets();
   hits.lit.assign(hits.side.size(), 0);
-  mtf::parallel_for(
-      static_cast<std::int64_t>(hits.packets()), kChunk, threads, [&](std::int64_t begin, std::int64_t end) {
-        std::array<Point, kPencilRays> from;
-        std::array<std::size_t, kPencilRays> of{};
-        std::size_t count = 0;
-        const auto trace = [&] {
-          const std::uint32_t blocked = beam.blocked(std::span<const Point>(from).first(count));
-          for (std::size_t k = 0; k < count; ++k) hits.lit[of[k]] = (blocked >> k & 1U) == 0U ? 1 : 0;
-          count = 0;
-        };
-        for (auto p = static_cast<std::size_t>(begin); p < static_cast<std::size_t>(end); ++p)
-          for (std::size_t lane = 0; lane < kPencilRays; ++lane) {
-            const std::size_t i = p * kPencilRays + lane;
-            if (hits.side[i] == kNone) continue;
-            const scene::Facet& facet = facets.facet[hits.side[i] / 2];
-            const double side = hits.side[i] % 2 == 1 ? -1.0 : 1.0;
-            if (!(side * scene::dot(facet.normal, beam.direction()) > 0.0)) continue;
-            const RayPlan::Place place = plan.place(first + p, lane);
-            const Vector d = camera.direction(place.x, place.y);
-            const auto range_m = static_cast<double>(hits.range_m[i]);
-            from[count] = camera.position + (range_m / scene::length(d)) * d +
-                          (side * (beam.lift_m() + kRangeError * range_m)) * facet.normal;
-            of[count++] = i;
-            if (count == kPencilRays) trace();
-          }
-        if (count > 0) trace();
-      });
+  mtf::parallel_for(static_cast<std::int64_t>(hits.packets()), kChunk, threads,
+                    [&](std::int64_t begin, std::int64_t end) {
+                      std::array<Point, kPencilRays> from;
+                      std::array<std::size_t, kPencilRays> of{};
+                      std::size_t count = 0;
+                      const auto trace = [&] {
+                        const std::uint32_t blocked = beam.blocked(std::span<const Point>(from).first(count));
+                        for (std::size_t k = 0; k < count; ++k) hits.lit[of[k]] = (blocked >> k & 1U) == 0U ? 1 : 0;
+                        count = 0;
+                      };
+                      for (auto p = static_cast<std::size_t>(begin); p < static_cast<std::size_t>(end); ++p)
+                        for (std::size_t lane = 0; lane < kPencilRays; ++lane) {
+                          const std::size_t i = p * kPencilRays + lane;
+                          if (hits.side[i] == kNone) continue;
+                          const scene::Facet& facet = facets.facet[hits.side[i] / 2];
+                          const double side = hits.side[i] % 2 == 1 ? -1.0 : 1.0;
+                          if (!(side * scene::dot(facet.normal, beam.direction()) > 0.0)) continue;
+                          const RayPlan::Place place = plan.place(first + p, lane);
+                          const Vector d = camera.direction(place.x, place.y);
+                          const auto range_m = static_cast<double>(hits.range_m[i]);
+                          from[count] = camera.position + (range_m / scene::length(d)) * d +
+                                        (side * (beam.lift_m() + kRangeError * range_m)) * facet.normal;
+                          of[count++] = i;
+                          if (count == kPencilRays) trace();
+                        }
+                      if (count > 0) trace();
+                    });
 }
 
 }  // namespace radiometry::render
