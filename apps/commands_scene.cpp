@@ -2,11 +2,14 @@
 
 // What the commands of 3-D scenes take.
 
+#include <algorithm>
+
 #include "apps/arguments.h"
 #include "apps/command_line.h"
 #include "apps/commands.h"
 #include "apps/scene/command/fly_options.h"
 #include "apps/scene/command/render_options.h"
+#include "apps/scene/render/layer_file.h"
 
 namespace apps {
 namespace {
@@ -104,6 +107,30 @@ Command render_command() {
                                         std::pair{std::string_view("radiance"), true}};
              options.plain = choice("--quantity", text, words);
            });
+  add_text(app, "--from", "FILE",
+           "layers of another renderer in place of the meshes: OpenEXR with depth, material and temperature",
+           options.from);
+  add_text(app, "--materials", "FILE",
+           "with --from: CSV of index,material[,temperature_K]; default: the materials of the scene file from 0 on",
+           options.materials);
+  add_word(app, "--depth", "WORD", "with --from: planar (default), along the optical axis, or range, along the ray",
+           [&](const std::string& text) {
+             constexpr std::array words{std::pair{std::string_view("planar"), false},
+                                        std::pair{std::string_view("range"), true}};
+             options.depth_is_range = choice("--depth", text, words);
+           });
+  OptionSpec& channel =
+      add_word(app, "--channel", "ROLE=NAME",
+               "with --from: a channel by name, of depth, material, temperature, normal.X, normal.Y, normal.Z, sunlit",
+               [&](const std::string& text) {
+                 const auto split = text.find('=');
+                 const std::string role = text.substr(0, split);
+                 if (split == std::string::npos || split + 1 == text.size() ||
+                     std::find(scene::kLayerRoles.begin(), scene::kLayerRoles.end(), role) == scene::kLayerRoles.end())
+                   throw mtf::UsageError("--channel: " + text + ": write for example depth=ViewLayer.Depth.Z");
+                 options.channels.emplace_back(role, text.substr(split + 1));
+               });
+  channel.repeats = true;
   add_flag(app, "--no-air", "surfaces alone, for sensors that bring a path of their own", options.no_air);
   OptionSpec& layer = add_word(
       app, "--layer", "NAME",

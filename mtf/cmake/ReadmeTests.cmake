@@ -23,13 +23,16 @@ foreach(line IN LISTS readmes)
   if(readme STREQUAL "radiometry/render/README.md" AND NOT TARGET mtfkit_render)
     continue()
   endif()
+  if(readme STREQUAL "apps/scene/fly/README.md" AND NOT TARGET mtfkit_scene_fly)
+    continue()
+  endif()
   set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS "${PROJECT_SOURCE_DIR}/${readme}" "${blocks_script}")
   foreach(snippet IN LISTS fields)
     add_executable(${snippet} "${snippets_dir}/${snippet}.cpp")
     set_target_properties(${snippet} PROPERTIES RUNTIME_OUTPUT_DIRECTORY "${snippets_dir}")
     target_link_libraries(${snippet} PRIVATE mtfkit::simulate $<TARGET_NAME_IF_EXISTS:mtfkit::calib>
       $<TARGET_NAME_IF_EXISTS:mtfkit::weather> $<TARGET_NAME_IF_EXISTS:mtfkit::heat> $<TARGET_NAME_IF_EXISTS:mtfkit::render>
-      mtfkit::atmosphere)
+      $<TARGET_NAME_IF_EXISTS:mtfkit::scene_fly>       mtfkit::atmosphere)
   endforeach()
 
   set(run "${blocks_script}" --run "${readme}" --mtf "$<TARGET_FILE:mtfkit_cli>" --snippets "${snippets_dir}")

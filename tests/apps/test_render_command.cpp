@@ -234,4 +234,61 @@ layers = [{ conductivity = "45 W/m/K", density = "7800 kg/m3", heat_capacity = "
   EXPECT_NE(late.err.find("outside of the run"), std::string::npos) << late.err;
 }
 
+/// Of our own layers, black surfaces have the radiance again that they were rendered with.
+TEST_F(RenderCommand, LayersOfItsOwnGiveTheSamePicture) {
+  std::string text = kScene;
+  for (const std::string name : {"soil", "target"}) {
+    const std::string line = "group = \"" + name + "\"\n";
+    text.insert(text.find(line) + line.size(), "material = \"" + name + "\"\n");
+    text += "[[material]]\nname = \"" + name + "\"\n" + R"(solar_absorptance = 1.0
+emissivity = 1.0
+layers = [{ conductivity = "45 W/m/K", density = "7800 kg/m3", heat_capacity = "480 J/kg/K", thickness = "5 mm" }]
+)";
+  }
+  write_file(scratch_ / "scene.toml", text + "[atmosphere]\nmodel = \"mid_latitude_summer\"\n");
+  ASSERT_EQ(
+      scratch_.run("mtf render scene.toml sensor.toml --rays 1 --layer Z --layer material --layer temperature -o a.exr")
+          .status,
+      0);
+  const Result again = scratch_.run("mtf render scene.toml sensor.toml --from a.exr --depth range -o b.exr");
+  ASSERT_EQ(again.status, 0) << again.err;
+  const mtf::Image a = plane(scratch_, "a.exr", "Y"), b = plane(scratch_, "b.exr", "Y");
+  for (std::int64_t i = 0; i < a.size(); ++i) ASSERT_NEAR(b.data()[i] / a.data()[i], 1.0F, 1e-5F) << i;
+  EXPECT_EQ(scratch_.run(next(again.out)).status, 0);
+  const Result other = scratch_.run("mtf render scene.toml sensor.toml --from a.exr --channel depth=Depth -o c.exr");
+  EXPECT_NE(other.err.find("no such channel"), std::string::npos) << other.err;
+}
+
+/// The layers of the script are those of a ball in closed form: its silhouette and its warm top.
+TEST_F(RenderCommand, TakesLayersOfOtherRenderers) {
+  ASSERT_EQ(
+      scratch_
+          .run(MTFKIT_PYTHON " '" MTFKIT_SOURCE_DIR
+                             "/notebooks-data/layers/make_layers.py' ball.exr --width 128 --height 96 --step 4.8e-4")
+          .status,
+      0);
+  write_file(scratch_ / "scene.toml", kScene + R"([[material]]
+name = "paint"
+solar_absorptance = 0.7
+emissivity = 0.9
+layers = [{ conductivity = "45 W/m/K", density = "7800 kg/m3", heat_capacity = "480 J/kg/K", thickness = "5 mm" }]
+)");
+  write_file(scratch_ / "materials.csv", "index,material,temperature_K\n1,paint,285\n2,paint,\n");
+  const std::string command =
+      "mtf render scene.toml sensor.toml --from ball.exr --materials materials.csv --position 0,-40,6 --look-at 0,0,1 "
+      "-o ";
+  const Result made = scratch_.run(command + "a.exr");
+  ASSERT_EQ(made.status, 0) << made.err;
+  const mtf::Image image = plane(scratch_, "a.exr", "Y");
+  std::int64_t warm = 0;
+  for (std::int64_t i = 0; i < image.size(); ++i) warm += image.data()[i] > image.at(64, 94) * 1.02F ? 1 : 0;
+  EXPECT_GT(warm, 3000);  // a ball of 1 m at 40.3 m: pi (1 / (40.3 x 4.8e-4))^2 = 8395 samples, most of them warmer
+  EXPECT_LT(warm, 8500);
+  EXPECT_EQ(scratch_.run(next(made.out)).status, 0);
+  write_file(scratch_ / "materials.csv", "index,material\n1,paint\n2,wood\n");
+  EXPECT_NE(scratch_.run(command + "b.exr").err.find("has no [[material]]"), std::string::npos);
+  write_file(scratch_ / "materials.csv", "index,material,temperature_K\n1,paint,285\n");
+  EXPECT_NE(scratch_.run(command + "b.exr").err.find("is not in materials.csv"), std::string::npos);
+}
+
 }  // namespace

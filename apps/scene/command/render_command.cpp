@@ -12,6 +12,7 @@
 #include "apps/scene/command/render_options.h"
 #include "apps/scene/command/scene_instant.h"
 #include "apps/scene/heat/stopwatch.h"
+#include "apps/scene/render/layer_file.h"
 #include "apps/scene/render/sensor_picture.h"
 #include "apps/scene/render/solved_rows.h"
 #include "apps/sensor/sensor_air.h"
@@ -66,8 +67,11 @@ render::Pose pose_of(const RenderCommandOptions& options, const SceneFile& file)
   return pose;
 }
 
-std::vector<std::string> inputs_of(const SceneFile& file, const std::vector<PictureSensor>& sensors) {
+std::vector<std::string> inputs_of(const RenderCommandOptions& options, const SceneFile& file,
+                                   const std::vector<PictureSensor>& sensors) {
   std::vector<std::string> inputs{file.file};
+  for (const std::string& input : {options.from, options.materials})
+    if (!input.empty()) inputs.push_back(input);
   for (const PictureSensor& sensor : sensors)
     for (const std::string& name : files_of(sensor.config)) inputs.push_back(name);
   if (!file.weather.file.empty()) inputs.push_back(file.weather.file);
@@ -124,7 +128,41 @@ PictureScene scene_of(const RenderCommandOptions& options, const SceneFile& file
   return PictureSource(file, how, std::move(rows)).at();
 }
 
-nlohmann::json json_of(const PictureScene& scene, const render::Renderer& renderer, const render::RenderedFrame& frame,
+/// Of layers: no facets, and no options that are about them.
+PictureScene layer_scene_of(const RenderCommandOptions& options, const SceneFile& file, const PictureSensor& sensor) {
+  if (options.heat || !options.temperatures.empty() || !options.layers.empty())
+    throw mtf::UsageError(
+        "--from: the layers of another renderer have the temperatures; leave --heat, --temperatures "
+        "and --layer out");
+  PictureScene scene = read_layer_scene(file, {.utc_s = instant_of("--time", options.time),
+                                               .sensor_air = sensor.air,
+                                               .sensor_file = sensor.config.file,
+                                               .air = !options.no_air});
+  scene.closures.emplace_back("layers", one_line(options.from) + ": unhidden view of sky and ground");
+  return scene;
+}
+
+render::RenderedFrame frame_of_layers(const RenderCommandOptions& options, const SceneFile& file,
+                                      const PictureScene& scene, const std::vector<render::RenderBand>& bands,
+                                      const render::Camera& camera, const Global& global) {
+  LayerFile from{.file = options.from, .materials = options.materials, .planar = !options.depth_is_range};
+  for (const auto& [role, name] : options.channels) from.channels[role] = name;
+  render::RenderedFrame frame;
+  const Stopwatch reading;
+  const render::SurfaceLayers layers = read_layers(from, file, camera);
+  frame.timing_ms.emplace_back("layers", reading.ms());
+  const Stopwatch rendering;
+  render::LayerFrame made = render_layers(scene.scene, bands, camera, layers, {.threads = global.threads});
+  frame.timing_ms.emplace_back("pixels", rendering.ms());
+  if (camera.position[2] < made.ground_m)
+    note(global, "warning: the camera is below the lowest surface of the layers, at " + significant(made.ground_m, 3) +
+                     " m, where the ground beyond them is taken to be");
+  frame.radiance = std::move(made.radiance);
+  frame.promised = std::move(made.promised);
+  return frame;
+}
+
+nlohmann::json json_of(const PictureScene& scene, const render::RenderedFrame& frame,
                        const std::vector<mtf::io::Metadata>& metadata, const std::vector<std::string>& outputs) {
   nlohmann::json json;
   for (const auto& [name, text] : metadata.front().text) json["attributes"][name] = text;
@@ -139,7 +177,7 @@ nlohmann::json json_of(const PictureScene& scene, const render::Renderer& render
                                 {"quantity", metadata[b].text.at("mtf:quantity")},
                                 {"promised_error", frame.promised[b]}});
   json["timing_ms"] = nlohmann::json::object();
-  for (const auto& times : {scene.timing_ms, renderer.timing_ms(), frame.timing_ms})
+  for (const auto& times : {scene.timing_ms, frame.timing_ms})
     for (const auto& [name, ms] : times) json["timing_ms"][name] = json["timing_ms"].value(name, 0.0) + ms;
   return json;
 }
@@ -166,8 +204,9 @@ std::string summary_of(const RenderCommandOptions& options, const PictureScene& 
     next += "next: mtf simulate " + shell_word(options.sensors[b]) + " " + shell_word(outputs[b]) + " -o " +
             shell_word(image + ".exr") + (scene.scene.air && sensors[b].has_path ? " --without-path" : "") + "\n";
   }
-  table.add({"visible sides",
-             std::to_string(frame.sides) + "; " + std::to_string(frame.divided) + " samples show more than one"});
+  if (frame.sides > 0)
+    table.add({"visible sides",
+               std::to_string(frame.sides) + "; " + std::to_string(frame.divided) + " samples show more than one"});
   if (frame.shadow_rays > 0) table.add({"shadow rays", std::to_string(frame.shadow_rays)});
   for (const auto& [name, words] : scene.closures) table.add({name, words});
   using enum Align;
@@ -187,7 +226,7 @@ int run_render(const RenderCommandOptions& options, const Global& global) {
   std::vector<std::string> paths = folder ? std::vector<std::string>() : outputs;
   if (!options.picture.empty() && (!folder || fs::path(options.picture).parent_path() != fs::path(options.out)))
     paths.push_back(options.picture);
-  require_writable(paths, inputs_of(file, sensors));
+  require_writable(paths, inputs_of(options, file, sensors));
   if (folder) check_folder(options.out, options.force);
   std::vector<render::Camera> cameras;
   std::vector<render::RenderBand> bands;
@@ -196,17 +235,26 @@ int run_render(const RenderCommandOptions& options, const Global& global) {
     bands.push_back(sensor.band);
   }
   require_same_view(sensors, cameras);
-  const PictureScene scene = scene_of(options, file, sensors.front(), global);
+  render::RenderOptions how{.points = options.points == 1   ? 1
+                                      : options.points == 4 ? 2
+                                                            : 4,
+                            .all_shadows = options.all_shadows,
+                            .layers = layers_of(options.layers),
+                            .threads = global.threads};
+  if (!options.from.empty()) how.points = 1;  // a value a sample
+  PictureScene scene;
+  render::RenderedFrame frame;
+  if (options.from.empty()) {
+    scene = scene_of(options, file, sensors.front(), global);
+    require_above_ground(scene, cameras.front().position);
+    render::Renderer renderer(scene.scene, bands, how);
+    frame = renderer.render(cameras.front());
+    frame.timing_ms.insert(frame.timing_ms.begin(), renderer.timing_ms().begin(), renderer.timing_ms().end());
+  } else {
+    scene = layer_scene_of(options, file, sensors.front());
+    frame = frame_of_layers(options, file, scene, bands, cameras.front(), global);
+  }
   for (const std::string& warning : scene.warnings) note(global, "warning: " + warning);
-  require_above_ground(scene, cameras.front().position);
-  const render::RenderOptions how{.points = options.points == 1   ? 1
-                                            : options.points == 4 ? 2
-                                                                  : 4,
-                                  .all_shadows = options.all_shadows,
-                                  .layers = layers_of(options.layers),
-                                  .threads = global.threads};
-  render::Renderer renderer(scene.scene, bands, how);
-  const render::RenderedFrame frame = renderer.render(cameras.front());
   std::vector<mtf::io::Metadata> metadata;
   for (std::size_t b = 0; b < sensors.size(); ++b)
     metadata.push_back(picture_metadata(file, scene, sensors[b], cameras[b], how, frame, b));
@@ -229,7 +277,7 @@ int run_render(const RenderCommandOptions& options, const Global& global) {
     print(summary_of(options, scene, sensors, frame, metadata, outputs));
     return 0;
   }
-  nlohmann::json json = json_of(scene, renderer, frame, metadata, outputs);
+  nlohmann::json json = json_of(scene, frame, metadata, outputs);
   json["timing_ms"]["write"] = writing.ms();
   json["timing_ms"]["all"] = all.ms();
   print(json.dump(2) + "\n");

@@ -6,6 +6,7 @@
 #include <array>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "apps/options.h"
@@ -25,6 +26,10 @@ struct RenderCommandOptions {
   bool plain = false;  ///< radiance in the band, without weights
   bool no_air = false;
   std::vector<std::string> layers;
+  std::string from;       ///< layers of another renderer, in place of the meshes; "" = none
+  std::string materials;  ///< table of their indices
+  bool depth_is_range = false;
+  std::vector<std::pair<std::string, std::string>> channels;  ///< of `from`: role, name
   bool force = false;
   bool json = false;
 };

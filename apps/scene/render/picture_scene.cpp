@@ -60,7 +60,32 @@ double ground_k(const SceneFile& file, const Surfaces& surfaces, double utc_s, d
   return std::lerp(level.kelvin[k - 1], level.kelvin[k], (at - s.time_s[k - 1]) / (s.time_s[k] - s.time_s[k - 1]));
 }
 
+/// At the time of `out`.
+void set_surroundings(const SceneFile& file, const Surfaces& surfaces, const PictureOptions& options,
+                      PictureScene& out) {
+  const PictureSurroundings around = picture_surroundings(
+      file, out.utc_s, {.of_sensor = options.sensor_air, .sensor_file = options.sensor_file, .wanted = options.air});
+  out.scene.sky = around.sky;
+  out.scene.sun = around.sun;
+  out.scene.air = around.air;
+  out.closures = around.closures;
+  out.scene.ground.temperature_k = ground_k(file, surfaces, out.utc_s, around.air_k);
+  out.closures.emplace_back("ground", "level, " + fixed(out.scene.ground.temperature_k, 2) + " K, " +
+                                          one_line(out.scene.finish[out.scene.ground.finish].name));
+  out.scene.altitude_m = file.place.altitude_m;
+}
+
 }  // namespace
+
+PictureScene read_layer_scene(const SceneFile& file, const PictureOptions& options) {
+  require_files(file);
+  PictureScene out;
+  out.utc_s = options.utc_s.value_or(file.time.start_s);
+  const Surfaces surfaces = read_surfaces(file);
+  set_finishes(file, surfaces, out.scene);
+  set_surroundings(file, surfaces, options, out);
+  return out;
+}
 
 PictureSource::PictureSource(const SceneFile& file, PictureOptions options, std::optional<HeatRows> rows)
     : file_(file), options_(std::move(options)) {
@@ -92,16 +117,7 @@ PictureScene PictureSource::at(std::optional<double> utc_s, const PictureOptions
   temperatures(out.utc_s, out.scene.temperature_k);
   out.timing_ms[1].second += reading.ms();
   const Stopwatch weather;
-  const PictureSurroundings around = picture_surroundings(
-      file_, out.utc_s, {.of_sensor = air.sensor_air, .sensor_file = air.sensor_file, .wanted = air.air});
-  out.scene.sky = around.sky;
-  out.scene.sun = around.sun;
-  out.scene.air = around.air;
-  out.closures = around.closures;
-  out.scene.ground.temperature_k = ground_k(file_, surfaces_, out.utc_s, around.air_k);
-  out.closures.emplace_back("ground", "level, " + fixed(out.scene.ground.temperature_k, 2) + " K, " +
-                                          one_line(out.scene.finish[out.scene.ground.finish].name));
-  out.scene.altitude_m = file_.place.altitude_m;
+  set_surroundings(file_, surfaces_, air, out);
   out.timing_ms.emplace_back("weather", weather.ms());
   return out;
 }

@@ -76,6 +76,10 @@ class PictureSource {
 /// One picture: PictureSource(file, options).at().
 PictureScene read_picture_scene(const SceneFile& file, const PictureOptions& options);
 
+/// The same without facets, for pictures from layers: finishes of the materials in their order, and what is around
+/// them. Temperatures are of no account.
+PictureScene read_layer_scene(const SceneFile& file, const PictureOptions& options);
+
 /// Throws UsageError where the camera is below the ground: it looks at the back of an open surface above it, and
 /// nothing is below.
 void require_above_ground(const PictureScene& picture, const radiometry::scene::Point& camera);

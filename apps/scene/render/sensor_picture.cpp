@@ -112,7 +112,9 @@ mtf::io::Metadata picture_metadata(const SceneFile& file, const PictureScene& sc
   m.pairs["mtf:pixelPitch"] = {step_x, step_y};
   m.lists["mtf:bandEdges"] = {static_cast<float>(sensor.band.curves.band.lo_um),
                               static_cast<float>(sensor.band.curves.band.hi_um)};
-  m.history.push_back("mtf render: " + std::to_string(options.points * options.points) + " points a sample");
+  m.history.push_back("mtf render: " + (frame.sides > 0
+                                            ? std::to_string(options.points * options.points) + " points a sample"
+                                            : "from layers"));
   return m;
 }
 

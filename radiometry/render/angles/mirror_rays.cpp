@@ -36,16 +36,13 @@ MirrorRays mirror_rays(const RenderScene& scene, const Camera& camera, const Vis
   mtf::parallel_for(static_cast<std::int64_t>(out.size()), 1 << 12, threads, [&](std::int64_t begin, std::int64_t end) {
     for (auto k = static_cast<std::size_t>(begin); k < static_cast<std::size_t>(end); ++k) {
       const SamplePart& part = parts.band[out.of[k].band][out.of[k].part];
-      const PlaceInImage place = place_of(part, parts.n);
-      Vector d = camera.direction(place.x, place.y);
-      d = (1.0 / scene::length(d)) * d;
-      const Vector normal = (part.side % 2 == 1 ? -1.0 : 1.0) * scene.facets().facet[part.side / 2].normal;
-      const double cosine = std::max(0.0, -scene::dot(d, normal));
+      const PlaceInScene place = place_of(scene, camera, part, parts.n);
+      const double cosine = std::max(0.0, -scene::dot(place.direction, place.normal));
       out.relative[k] =
           static_cast<float>(relative_emissivity(scene.finish[scene.finish_of[part.side]].by_angle, cosine));
-      const Vector mirrored = d + (2.0 * cosine) * normal;
+      const Vector mirrored = place.direction + (2.0 * cosine) * place.normal;
       out.rise[k] = static_cast<float>(mirrored[2]);
-      rays[k] = {camera.position + static_cast<double>(part.range_m) * d + up.lift_m() * normal, mirrored};
+      rays[k] = {place.point + up.lift_m() * place.normal, mirrored};
     }
   });
   std::vector<Hit> met(out.size());

@@ -20,14 +20,11 @@ template <class Take>
 class ShadowRays {
  public:
   ShadowRays(const RenderScene& scene, const Camera& camera, const scene::Beam& beam, int n, Take take)
-      : facets_(scene.facets()), camera_(camera), beam_(beam), n_(n), take_(take) {}
+      : scene_(scene), camera_(camera), beam_(beam), n_(n), take_(take) {}
 
   void add(const SamplePart& part, std::size_t of) {
-    const PlaceInImage place = place_of(part, n_);
-    const Vector d = camera_.direction(place.x, place.y);
-    const double side = part.side % 2 == 0 ? 1.0 : -1.0;
-    from_[count_] = camera_.position + (static_cast<double>(part.range_m) / scene::length(d)) * d +
-                    (side * beam_.lift_m()) * facets_.facet[part.side / 2].normal;
+    const PlaceInScene place = place_of(scene_, camera_, part, n_);
+    from_[count_] = place.point + beam_.lift_m() * place.normal;
     of_[count_++] = of;
     if (count_ == kPencilRays) trace();
   }
@@ -41,7 +38,7 @@ class ShadowRays {
   std::size_t rays() const { return rays_; }
 
  private:
-  const scene::Facets& facets_;
+  const RenderScene& scene_;
   const Camera& camera_;
   const scene::Beam& beam_;
   int n_;

@@ -172,4 +172,17 @@ PlaceInImage place_of(const SamplePart& part, int n) {
   return {static_cast<double>(part.column) + in.x, static_cast<double>(part.row) + in.y};
 }
 
+PlaceInScene place_of(const RenderScene& scene, const Camera& camera, const SamplePart& part, int n) {
+  using scene::operator+, scene::operator-, scene::operator*;
+  const PlaceInImage place = place_of(part, n);
+  const Vector d = camera.direction(place.x, place.y), unit = (1.0 / scene::length(d)) * d;
+  const scene::Facet& facet = scene.facets().facet[part.side / 2];
+  const double towards = scene::dot(facet.normal, unit);
+  const double exact = scene::dot(facet.normal, facet.centre - camera.position) / towards;
+  const auto range_m = static_cast<double>(part.range_m);
+  // Edge on, the range in single precision is the better one.
+  const bool close = std::abs(exact - range_m) <= 1e-4 * range_m;
+  return {camera.position + (close ? exact : range_m) * unit, (part.side % 2 == 1 ? -1.0 : 1.0) * facet.normal, unit};
+}
+
 }  // namespace radiometry::render

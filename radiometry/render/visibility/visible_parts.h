@@ -40,6 +40,12 @@ struct PlaceInImage {
   double x, y;
 };
 PlaceInImage place_of(const SamplePart& part, int n);
+/// What is seen there, on the plane of the facet in double precision, and the side's normal: where rays start.
+struct PlaceInScene {
+  Point point;
+  Vector normal, direction;  ///< of length 1: from the surface; from the camera
+};
+PlaceInScene place_of(const RenderScene& scene, const Camera& camera, const SamplePart& part, int n);
 
 /// Fills `lit` of the parts that face the sun, and returns the number of shadow rays. One ray goes from each square of
 /// 2 x 2 samples; where its answer is not that of the squares around it, all parts in it have rays of their own. With

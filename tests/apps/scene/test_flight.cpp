@@ -1,0 +1,213 @@
+// SPDX-License-Identifier: Apache-2.0
+// Frames of a flight against the picture and the image that `mtf render` and `mtf simulate` make at that time.
+
+#include "apps/scene/fly/flight.h"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+
+#include "apps/simulate/simulate.h"
+#include "mtf/error.h"
+#include "mtf/io/config/schedule.h"
+
+namespace apps::scene {
+namespace {
+
+namespace fs = std::filesystem;
+namespace render = radiometry::render;
+
+const std::string kScene = R"(schema = 1
+[place]
+latitude = "40 deg"
+longitude = "0 deg"
+altitude = "0 m"
+[time]
+start = 2026-06-21T12:00:00Z
+end = 2026-06-21T14:00:00Z
+step = "1 h"
+[weather]
+air_temperature = "288 K"
+wind_speed = "2 m/s"
+direct_normal = "700 W/m2"
+diffuse_horizontal = "80 W/m2"
+longwave_down = "320 W/m2"
+vapour_pressure = "10 hPa"
+[[material]]
+name = "paint"
+solar_absorptance = 0.7
+emissivity = 0.8
+layers = [{ conductivity = "45 W/m/K", density = "7800 kg/m3", heat_capacity = "480 J/kg/K", thickness = "2 mm" }]
+[[mesh]]
+name = "plates"
+file = "plates.obj"
+[[region]]
+mesh = "plates"
+group = "soil"
+temperature = "290 K"
+material = "paint"
+[[region]]
+mesh = "plates"
+group = "target"
+temperature = "warming.csv"
+material = "paint"
+[camera]
+position = ["0 m", "-300 m", "40 m"]
+look_at = ["0 m", "0 m", "1 m"]
+)";
+const std::string kAir = "[atmosphere]\nmodel = \"mid_latitude_summer\"\nhaze = \"rural\"\n";
+const std::string kPlates =
+    "v -20 -20 0\nv 20 -20 0\nv 20 20 0\nv -20 20 0\nv -2 0 0.2\nv 2 0 0.2\nv 2 0.5 3.2\nv -2 0.5 3.2\n"
+    "g soil\nf 1 2 3 4\ng target\nf 5 6 7 8\n";
+const std::string kSensor = R"(schema = 1
+name = "cooled"
+[frame]
+focal_length = "100 mm"
+pitch = "15 um"
+format = [80, 64]
+integration_time = "6 ms"
+[optics]
+f_number = 3.0
+transmission = 0.85
+[band]
+wavelength = ["3.7 um", "4.8 um"]
+[[presample]]
+kind = "diffraction"
+[[presample]]
+kind = "footprint"
+fill_factor = 0.9
+[[presample]]
+kind = "jitter"
+rms = "20 urad"
+[detector]
+quantum_efficiency = 0.7
+full_well = "7 Me-"
+read_noise = "400 e-"
+[adc]
+bits = 14
+[noise]
+seed = 3
+)";
+
+class Flights : public testing::Test {
+ protected:
+  Flights() : folder_(fs::temp_directory_path() / ("mtfkit_flight_" + std::to_string(::getpid()))) {
+    fs::create_directories(folder_);
+    write("scene.toml", kScene + kAir);
+    write("plates.obj", kPlates);
+    write("warming.csv", "time (s),temperature (K)\n0,300\n100,310\n");
+    write("sensor.toml", kSensor);
+  }
+  ~Flights() override { fs::remove_all(folder_); }
+
+  std::string path(const std::string& name) const { return (folder_ / name).string(); }
+  void write(const std::string& name, const std::string& text) const { std::ofstream(folder_ / name) << text; }
+  Flight::Sensor sensor(const std::string& text = kSensor) const {
+    write("sensor.toml", text);
+    return std::make_shared<const mtf::io::SensorConfig>(read_sensor_file(path("sensor.toml")));
+  }
+  /// What `mtf render` and `mtf simulate` make of it.
+  mtf::Image alone(const SceneFile& file, const Flight::Sensor& of, const CameraPlace& place, double utc_s,
+                   double light_utc_s, std::int64_t number) const {
+    const PictureSensor with = picture_sensor(*of, PictureQuantity::weighted);
+    PictureSource source(file, {});
+    PictureScene scene = source.at(light_utc_s);
+    const render::Camera camera = picture_camera(with, {.position = place.position_m, .look_at = place.look_at_m}, 2.0);
+    const render::RenderOptions options;
+    render::Renderer renderer(scene.scene, {with.band}, options);
+    source.temperatures(utc_s, scene.scene.temperature_k);
+    renderer.temperatures_changed();
+    const render::RenderedFrame frame = renderer.render(camera);
+    mtf::io::write_exr(path("one.exr"), picture_planes(frame),
+                       picture_metadata(file, scene, with, camera, options, frame));
+    SimulateResult result = simulate(*of, {.file = path("one.exr")}, {.frames = FrameRange{number, number, 1}});
+    return std::move(result.images.front().planes.front());
+  }
+
+ private:
+  fs::path folder_;
+};
+
+double largest_difference(const mtf::Image& a, const mtf::Image& b) {
+  double worst = 0.0;
+  for (std::int64_t i = 0; i < a.size(); ++i)
+    worst = std::max(worst, std::abs(static_cast<double>(a.data()[i]) - static_cast<double>(b.data()[i])));
+  return worst;
+}
+
+TEST_F(Flights, FramesAreThePicturesAndImagesOfTheirTime) {
+  const SceneFile file = load_scene(path("scene.toml"));
+  PictureSource source(file, {});
+  const double begin_s = file.time.start_s;
+  Flight flight(source, file, {}, {.begin_s = begin_s, .end_s = begin_s + 60.0});
+  const Flight::Sensor camera = sensor();
+  for (int i = 0; i < 4; ++i) {
+    const CameraPlace place{{10.0 * i, -300.0 + 20.0 * i, 40.0 - 3.0 * i}, {0.0, 0.0, 1.0}};
+    const double utc_s = begin_s + 15.0 * i;
+    const FlightFrame frame = flight.frame(camera, place, utc_s, i);
+    EXPECT_EQ(frame.new_light, i == 0);  // of 60 s
+    const mtf::Image other = alone(file, camera, place, utc_s, begin_s + 30.0, i);
+    // The same noise and the same scene within tables and filters: a count here and there.
+    EXPECT_LE(largest_difference(frame.image.planes.front(), other), 1.0) << i;
+  }
+}
+
+TEST_F(Flights, LightMadeBesideFramesIsThatMadeInThem) {
+  const SceneFile file = load_scene(path("scene.toml"));
+  const double begin_s = file.time.start_s;
+  const Flight::Sensor before = sensor();
+  std::string text = kSensor;
+  text.replace(text.find("4.8 um"), 6, "4.6 um");
+  const Flight::Sensor after = sensor(text);
+  const FlightOptions options{.light_every_s = 20.0, .begin_s = begin_s, .end_s = begin_s + 60.0};
+  const CameraPlace place{{0.0, -300.0, 40.0}, {0.0, 0.0, 1.0}};
+  PictureSource source(file, {});
+  Flight told(source, file, {}, options), untold(source, file, {}, options);
+  for (int i = 0; i < 6; ++i) {
+    const Flight::Sensor& now = i < 3 ? before : after;
+    const FlightFrame one = told.frame(now, place, begin_s + 10.0 * i, i);
+    told.prepare(i + 1 < 3 ? before : after, begin_s + 10.0 * (i + 1));
+    const FlightFrame other = untold.frame(now, place, begin_s + 10.0 * i, i);
+    EXPECT_EQ(one.new_light, other.new_light) << i;
+    EXPECT_EQ(other.new_light, i == 0 || i == 2 || i == 3 || i == 4) << i;
+    EXPECT_LE(largest_difference(one.image.planes.front(), other.image.planes.front()), 1.0) << i;
+  }
+}
+
+TEST_F(Flights, SensorsMayChangeInEveryFrame) {
+  const SceneFile file = load_scene(path("scene.toml"));
+  const double begin_s = file.time.start_s;
+  const Flight::Sensor first = sensor();
+  mtf::io::ScheduledSensor changing(
+      *first, mtf::io::parse_schedule("frame,parameter,value\n1,jitter.rms,60 urad\n2,frame.focal_length,140 mm\n"
+                                      "3,optics.f_number,4\n",
+                                      "schedule", *first));
+  const CameraPlace place{{0.0, -300.0, 40.0}, {0.0, 0.0, 1.0}};
+  PictureSource source(file, {});
+  Flight flight(source, file, {}, {.begin_s = begin_s, .end_s = begin_s});
+  Flight::Sensor now;
+  for (int i = 0; i < 4; ++i) {
+    if (changing.advance(i) || !now) now = std::make_shared<const mtf::io::SensorConfig>(changing.sensor());
+    const FlightFrame frame = flight.frame(now, place, begin_s, i);
+    EXPECT_EQ(frame.new_light, i == 0);
+    EXPECT_LE(largest_difference(frame.image.planes.front(), alone(file, now, place, begin_s, begin_s, i)), 1.0) << i;
+  }
+}
+
+TEST_F(Flights, RefuseWhatIsNoPicture) {
+  const SceneFile file = load_scene(path("scene.toml"));
+  const double begin_s = file.time.start_s;
+  PictureSource source(file, {});
+  EXPECT_THROW(Flight(source, file, {}, {.light_every_s = 0.0}), mtf::UsageError);
+  Flight flight(source, file, {}, {.begin_s = begin_s, .end_s = begin_s});
+  EXPECT_THROW(flight.closures(), mtf::UsageError);
+  EXPECT_THROW(flight.frame(sensor(), {{0, -300, -4}, {0, 0, 1}}, begin_s, 0), mtf::UsageError);
+  EXPECT_THROW(flight.frame(sensor(), {{0, -300, 40}, {0, -600, 40}}, begin_s, 0), mtf::UsageError);  // no facet
+  EXPECT_NO_THROW(flight.frame(sensor(), {{0, -300, 40}, {0, 0, 1}}, begin_s, 0));
+}
+
+}  // namespace
+}  // namespace apps::scene
