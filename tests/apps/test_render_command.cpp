@@ -247,7 +247,7 @@ layers = [{ conductivity = "45 W/m/K", density = "7800 kg/m3", heat_capacity = "
   }
   write_file(scratch_ / "scene.toml", text + "[atmosphere]\nmodel = \"mid_latitude_summer\"\n");
   ASSERT_EQ(
-      scratch_.run("mtf render scene.toml sensor.toml --rays 1 --layer Z --layer material --layer temperature -o a.exr")
+      scratch_.run("mtf render scene.toml sensor.toml --points 1 --layer Z --layer material --layer temperature -o a.exr")
           .status,
       0);
   const Result again = scratch_.run("mtf render scene.toml sensor.toml --from a.exr --depth range -o b.exr");

@@ -137,9 +137,14 @@ int run_fly(const FlyCommandOptions& options, const Global& global) {
   course.frames = frames_of(options, file);
   const std::int64_t first = course.frames.front(), last = course.frames.back();
   if (names) {
-    std::vector<std::string> outputs;
-    for (const std::int64_t frame : course.frames) outputs.push_back(names->name(frame));
-    require_writable(outputs, inputs_of(options, file, config));
+    const std::vector<std::string> inputs = inputs_of(options, file, config);
+    require_writable(
+        first == last ? std::vector{names->name(first)} : std::vector{names->name(first), names->name(last)}, inputs);
+    for (const std::string& input : inputs)
+      if (const auto frame = names->frame_of(input);
+          frame && std::binary_search(course.frames.begin(), course.frames.end(), *frame))
+        throw mtf::UsageError("-o: frame " + std::to_string(*frame) + " would replace " + one_line(input) +
+                              ", which this run reads; choose another name");
   }
   for (const std::int64_t frame : {first, last}) course.place_of(frame);  // the path has them
 

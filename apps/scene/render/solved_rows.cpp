@@ -16,8 +16,8 @@ HeatRows solved_rows(const SceneFile& file, double from_s, double to_s, const He
   SceneFile until = file;
   TimeSection& time = until.time;
   if (!(from_s >= time.start_s && to_s <= time.end_s))
-    throw mtf::UsageError("the flight from " + instant_text(from_s) + " to " + instant_text(to_s) +
-                          " is not within [time] of " + one_line(file.file) + ", which goes from " +
+    throw mtf::UsageError("--time: " + instant_text(from_s) + (to_s > from_s ? " to " + instant_text(to_s) : "") +
+                          " is outside of the run of " + one_line(file.file) + ", which goes from " +
                           instant_text(time.start_s) + " to " + instant_text(time.end_s));
   // Two outputs at least, between which temperatures are straight lines.
   const double steps = std::max(std::ceil((to_s - time.start_s) / time.step_s), 1.0);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// The heat balance of a scene for the time of a flight, in memory.
+// The heat balance of a scene until pictures of it are taken, in memory.
 
 #include "apps/scene/heat/run/heat_run.h"
 #include "apps/scene/render/side_temperatures.h"

@@ -1,0 +1,178 @@
+// SPDX-License-Identifier: Apache-2.0
+// `mtf fly`: frames, what it refuses, and what an interrupt leaves.
+
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "command.h"
+#include "mtf/io/exr/spectral_exr.h"
+#include "mtf/io/image_io.h"
+
+namespace {
+
+using apps_test::read_file, apps_test::Result, apps_test::Scratch, apps_test::write_file;
+
+const std::string kScene = R"(schema = 1
+[place]
+latitude = "40 deg"
+longitude = "0 deg"
+altitude = "0 m"
+[time]
+start = 2026-06-21T12:00:00Z
+end = 2026-06-21T14:00:00Z
+step = "10 min"
+[weather]
+air_temperature = "288 K"
+wind_speed = "2 m/s"
+direct_normal = "700 W/m2"
+diffuse_horizontal = "80 W/m2"
+longwave_down = "320 W/m2"
+vapour_pressure = "10 hPa"
+[[material]]
+name = "steel"
+solar_absorptance = 0.7
+emissivity = 0.9
+layers = [{ conductivity = "45 W/m/K", density = "7800 kg/m3", heat_capacity = "480 J/kg/K", thickness = "2 mm" }]
+[[mesh]]
+name = "plates"
+file = "plates.obj"
+[[region]]
+mesh = "plates"
+group = "soil"
+temperature = "290 K"
+[[region]]
+mesh = "plates"
+group = "target"
+material = "steel"
+[camera]
+path = "flight.csv"
+)";
+const std::string kPlates =
+    "v -4 -4 0\nv 4 -4 0\nv 4 4 0\nv -4 4 0\nv -0.5 0 0.2\nv 0.5 0 0.2\nv 0.5 0 1.2\nv -0.5 0 1.2\n"
+    "g soil\nf 1 2 3 4\ng target\nf 5 6 7 8\n";
+const std::string kFlight =
+    "time (s),x (m),y (m),z (m),look_x (m),look_y (m),look_z (m)\n0,3,-40,6,0,0,0.6\n0.4,-3,-30,4,0,0,0.6\n";
+const std::string kSensor = R"(schema = 1
+name = "uncooled"
+[frame]
+focal_length = "12.5 mm"
+pitch = "12 um"
+format = [64, 48]
+[optics]
+f_number = 1.2
+stop_temperature = "293 K"
+[band]
+wavelength = ["8 um", "13 um"]
+[[presample]]
+kind = "diffraction"
+[[presample]]
+kind = "footprint"
+fill_factor = 0.85
+[detector]
+kind = "thermal"
+absorptance = 0.8
+responsivity = 1e5
+shutter_temperature = "293 K"
+netd = "30 mK"
+netd_f_number = 1.0
+netd_transmission = 1.0
+netd_temperature = "300 K"
+[noise]
+seed = 1
+[adc]
+bits = 14
+volts_per_count = "0.05 uV"
+offset = 4000
+)";
+
+class FlyCommand : public testing::Test {
+ protected:
+  FlyCommand() {
+    write_file(scratch_ / "scene.toml", kScene);
+    write_file(scratch_ / "plates.obj", kPlates);
+    write_file(scratch_ / "flight.csv", kFlight);
+    write_file(scratch_ / "sensor.toml", kSensor);
+  }
+  void refused(const std::string& command, const std::string& words) const {
+    const Result result = scratch_.run("mtf fly " + command);
+    EXPECT_EQ(result.status, 2) << command << result.err;
+    EXPECT_NE(result.err.find(words), std::string::npos) << command << "\n" << result.err;
+  }
+  Scratch scratch_;
+};
+
+TEST_F(FlyCommand, WritesTheFramesOfThePath) {
+  const Result made = scratch_.run("mtf fly scene.toml sensor.toml -o frame.%02d.exr");
+  ASSERT_EQ(made.status, 0) << made.err;
+  EXPECT_NE(made.out.find("11 frames"), std::string::npos) << made.out;
+  EXPECT_NE(made.out.find("the heat balance took"), std::string::npos) << made.out;
+  EXPECT_NE(made.out.find("left out: "), std::string::npos) << made.out;
+  for (const std::string name : {"frame.00.exr", "frame.10.exr"})
+    EXPECT_EQ(mtf::io::read_info((scratch_ / name).string()).width, 64) << name;
+  // A frame does not depend on those before it.
+  ASSERT_EQ(scratch_.run("mtf fly scene.toml sensor.toml --frames 6:8:2 -o own.%02d.exr").status, 0);
+  const mtf::Image with = mtf::io::read_plane((scratch_ / "frame.08.exr").string(), {"Y"}),
+                   own = mtf::io::read_plane((scratch_ / "own.08.exr").string(), {"Y"});
+  for (std::int64_t i = 0; i < with.size(); ++i) ASSERT_NEAR(with.data()[i], own.data()[i], 1.0F);
+}
+
+TEST_F(FlyCommand, ReportsAsJson) {
+  const Result made = scratch_.run("mtf fly scene.toml sensor.toml --seconds 0.2 --format json");
+  ASSERT_EQ(made.status, 0) << made.err;
+  const nlohmann::json json = nlohmann::json::parse(made.out);
+  EXPECT_EQ(json.at("frames"), 6);
+  EXPECT_GT(json.at("frames_per_second").get<double>(), 0.0);
+  EXPECT_TRUE(json.at("timing_ms").contains("pixels"));
+}
+
+TEST_F(FlyCommand, FollowsAScheduleOfAirAndOptics) {
+  write_file(scratch_ / "airy.toml",
+             kSensor + "[atmosphere]\nmodel = \"mid_latitude_summer\"\nhaze = \"rural\"\nrange = \"1 km\"\n");
+  write_file(
+      scratch_ / "changes.csv",
+      "frame,parameter,value\n2,optics.f_number,1.6\n4,frame.focal_length,16 mm\n5,atmosphere.visibility,5 km\n");
+  const Result made =
+      scratch_.run("mtf fly scene.toml airy.toml --schedule changes.csv --frames 0:7 -o frame.%02d.exr");
+  ASSERT_EQ(made.status, 0) << made.err;
+  EXPECT_NE(made.out.find("light was made 2 times"), std::string::npos) << made.out;
+}
+
+TEST_F(FlyCommand, RefusesWhatCannotFly) {
+  refused("scene.toml sensor.toml -o frame.png", "write a number into the name");
+  refused("scene.toml sensor.toml --frames 0:99", "there is no place at");
+  refused("scene.toml sensor.toml --frames 0:1 --seconds 2", "both say how many frames");
+  refused("scene.toml sensor.toml --rate 0", "--rate");
+  refused("scene.toml sensor.toml --time 2027-01-01T00:00:00Z", "is outside of the run");
+  write_file(scratch_ / "flight.csv",
+             "time (s),x (m),y (m),z (m),look_x (m),look_y (m),look_z (m)\n0,3,-40,-9,0,0,1\n");
+  refused("scene.toml sensor.toml", "below");
+  std::string still = kScene;
+  still.replace(still.find("path = \"flight.csv\""), 19,
+                "position = [\"3 m\", \"-40 m\", \"4 m\"]\nlook_at = [\"0 m\", \"0 m\", \"1 m\"]");
+  write_file(scratch_ / "scene.toml", still);
+  refused("scene.toml sensor.toml", "stands still");
+  still.resize(still.find("[camera]"));
+  write_file(scratch_ / "scene.toml", still);
+  refused("scene.toml sensor.toml --frames 0:1", "[camera]: missing");
+}
+
+TEST_F(FlyCommand, AnInterruptLeavesWholeFrames) {
+  const Result made = scratch_.run(
+      "mtf fly scene.toml sensor.toml --rate 1e5 --frames 0:39999 -o frame.%05d.exr & pid=$!\n"
+      "while kill -0 $pid 2>/dev/null; do [ -e frame.00003.exr ] && kill -INT $pid && break; sleep 0.02; done\nwait "
+      "$pid");
+  EXPECT_EQ(made.status, 130) << made.err;
+  EXPECT_NE(made.err.find("frames are finished and whole"), std::string::npos) << made.err;
+  std::size_t frames = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(scratch_ / "")) {
+    const std::string name = entry.path().filename().string();
+    EXPECT_EQ(name.find(".tmp."), std::string::npos) << name;
+    if (!name.starts_with("frame.")) continue;
+    ++frames;
+    EXPECT_EQ(mtf::io::read_plane(entry.path().string(), {"Y"}).width(), 64) << name;
+  }
+  EXPECT_GE(frames, 4u);
+}
+
+}  // namespace
