@@ -291,4 +291,25 @@ layers = [{ conductivity = "45 W/m/K", density = "7800 kg/m3", heat_capacity = "
   EXPECT_NE(scratch_.run(command + "b.exr").err.find("is not in materials.csv"), std::string::npos);
 }
 
+/// More rays bring samples nearer to the mean over them, tables keep what they promise.
+TEST_F(RenderCommand, TheBenchSaysErrorAgainstTime) {
+  write_file(scratch_ / "scene.toml", kScene + "[atmosphere]\nmodel = \"mid_latitude_summer\"\n");
+  const Result made = scratch_.run("mtf bench scene.toml sensor.toml --rounds 1 -o bench --format json");
+  ASSERT_EQ(made.status, 0) << made.err;
+  const auto rows = nlohmann::json::parse(made.out).at("rows");
+  ASSERT_EQ(rows.size(), 9U);
+  double one = 0.0, four = 0.0, sixteen = 0.0;
+  for (const auto& row : rows) {
+    EXPECT_LE(row.at("tables_error"), row.at("promised"));
+    EXPECT_GT(row.at("promised"), 0.0);
+    EXPECT_GT(row.at("time_ms_min"), 0.0);
+    (row.at("rays_a_sample") == 1 ? one : row.at("rays_a_sample") == 4 ? four : sixteen) = row.at("sampling_rms");
+  }
+  EXPECT_LT(four, 0.8 * one);
+  EXPECT_LT(sixteen, 0.6 * four);
+  EXPECT_TRUE(
+      read_file(scratch_ / "bench/render_bench.csv").starts_with("rays_a_sample,everywhere,tolerance,promised"));
+  EXPECT_EQ(scratch_.run("mtf bench sensor.toml scene.exr --position 1,2,3 -o other").status, 2);
+}
+
 }  // namespace

@@ -159,7 +159,8 @@ render::RenderedFrame frame_of_layers(const RenderCommandOptions& options, const
   const render::SurfaceLayers layers = read_layers(from, file, camera);
   frame.timing_ms.emplace_back("layers", reading.ms());
   const Stopwatch rendering;
-  render::LayerFrame made = render_layers(scene.scene, bands, camera, layers, {.threads = global.threads});
+  render::LayerFrame made =
+      render_layers(scene.scene, bands, camera, layers, {.tolerance = options.tolerance, .threads = global.threads});
   frame.timing_ms.emplace_back("pixels", rendering.ms());
   if (camera.position[2] < made.ground_m)
     note(global, "warning: the camera is below the lowest surface of the layers, at " + significant(made.ground_m, 3) +
@@ -246,6 +247,7 @@ int run_render(const RenderCommandOptions& options, const Global& global) {
                                                            : 4,
                             .contrast = options.contrast,
                             .everywhere = options.everywhere,
+                            .tolerance = options.tolerance,
                             .layers = layers_of(options.layers),
                             .threads = global.threads};
   if (!options.from.empty()) how.further = 1;  // a value a sample

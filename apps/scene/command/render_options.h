@@ -21,8 +21,9 @@ struct RenderCommandOptions {
   std::string picture;                                     ///< PNG to draw, "" = none
   std::optional<std::array<double, 3>> position, look_at;  ///< m; in place of those of [camera]
   double samples_per_pitch = 2.0;
-  int rays = 4;            ///< of a sample that differs from its neighbours: 1, 4 or 16
-  double contrast = 0.02;  ///< by which part of the picture's standard deviation
+  int rays = 4;             ///< of a sample that differs from its neighbours: 1, 4 or 16
+  double tolerance = 5e-6;  ///< of the tables of the air
+  double contrast = 0.02;   ///< by which part of the picture's standard deviation
   bool everywhere = false;
   bool plain = false;  ///< radiance in the band, without weights
   bool no_air = false;
