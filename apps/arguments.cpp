@@ -162,6 +162,12 @@ std::vector<double> number_list(std::string_view option, std::string_view text) 
   return values;
 }
 
+std::array<double, 3> point(std::string_view option, std::string_view text) {
+  const std::vector<double> numbers = number_list(option, text);
+  if (numbers.size() != 3) throw mtf::UsageError(std::string(option) + ": write three numbers, X,Y,Z in m");
+  return {numbers[0], numbers[1], numbers[2]};
+}
+
 std::vector<double> frequency_list(std::string_view option, std::string_view text) {
   if (text.find(':') != std::string_view::npos) {
     const auto parts = split(text, ':');

@@ -53,6 +53,8 @@ std::vector<double> frequency_list(std::string_view option, std::string_view tex
 
 /// A comma list of finite numbers, 1 to 1000.
 std::vector<double> number_list(std::string_view option, std::string_view text);
+/// "X,Y,Z", in m.
+std::array<double, 3> point(std::string_view option, std::string_view text);
 
 /// The value that belongs to a word.
 template <class T, std::size_t N>

@@ -120,11 +120,16 @@ Command bench_command() {
       "bare FFTW. Writes bench.csv, bench.json, bench.svg and bench.png. Exit code 3 when an error is above its\n"
       "promise. A tolerance that cannot be kept has a row `refused` with the one that can.\n"
       "With a scene file alone: the tolerances of mtf heat in K, with the error that is promised, the realised one\n"
-      "(mtf heat --verify) and the time; heat_bench.csv, heat_bench.json and heat_bench.svg.",
+      "(mtf heat --verify) and the time; heat_bench.csv, heat_bench.json and heat_bench.svg.\n"
+      "With a scene file and a sensor file: rays a sample and tables of mtf render against 64 rays a sample and "
+      "direct\n"
+      "integration over wavelength, with times; render_bench.csv, render_bench.json and render_bench.svg.",
       "  mtf bench sensor.toml scene.exr -o bench --rounds 3 --seconds 5\n"
       "  mtf bench sensor.toml scene.exr -o bench-1 --threads 1 --rounds 3 --seconds 5 --format csv"};
   add_file(app, "sensor", "sensor file, or a scene file (TOML)", options.sensor);
-  add_file(app, "scene", "image of the scene; none with a scene file", options.scene).required = false;
+  add_file(app, "scene", "image of the scene; with a scene file none, or a sensor file (.toml) of pictures of it",
+           options.scene)
+      .required = false;
   add_text(app, "-o,--out", "FOLDER", "folder to create", options.out).required = true;
   add_channel_choice(app, options.channel, options.layer, options.part);
   add_word(app, "--rounds", "N", "runs of each method; default 15, fewer of slow ones; with a scene file 1",
@@ -140,9 +145,23 @@ Command bench_command() {
       app, "--tolerance", "X", "with a scene file: such as \"0.5 K\", may be given again; default: 1, 0.3 and 0.1 K",
       [&](const std::string& text) { options.tolerances_k.push_back(temperature_difference("--tolerance", text)); })
       .repeats = true;
+  add_text(app, "--temperatures", "PATH",
+           "of pictures of a scene file: folder that mtf heat wrote, or a table of facets", options.temperatures);
+  add_word(app, "--position", "X,Y,Z", "of the camera of such pictures, m; default: [camera] of the scene file",
+           [&](const std::string& text) { options.position = point("--position", text); });
+  add_word(app, "--look-at", "X,Y,Z", "what it looks at, m; default: [camera] of the scene file",
+           [&](const std::string& text) { options.look_at = point("--look-at", text); });
   add_format(app, "of standard output: table (default), csv or json", options.format);
   add_force(app, options.force);
   app.run = [shared](const Global& global) {
+    const bool pictures = shared->scene.ends_with(".toml");
+    if (!pictures && (!shared->temperatures.empty() || shared->position || shared->look_at))
+      throw mtf::UsageError("--temperatures, --position and --look-at belong to a scene file with a sensor file");
+#ifdef MTFKIT_HAVE_SCENE
+    if (pictures) return run_bench_render(*shared, global);
+#else
+    if (pictures) throw mtf::UsageError("pictures of scene files are not part of this build");
+#endif
     if (!shared->scene.empty()) {
       if (!shared->tolerances_k.empty()) throw mtf::UsageError("--tolerance belongs to a scene file without an image");
       return run_bench(*shared, global);

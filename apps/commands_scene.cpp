@@ -82,15 +82,10 @@ Command render_command() {
            options.picture);
   add_text(app, "--time", "INSTANT",
            "UTC, as 2026-06-21T11:40:00Z; default: the last of the folder, or the scene's start", options.time);
-  const auto point = [](const char* name, const std::string& text) {
-    const std::vector<double> numbers = number_list(name, text);
-    if (numbers.size() != 3) throw mtf::UsageError(std::string(name) + ": write three numbers, X,Y,Z in m");
-    return std::array{numbers[0], numbers[1], numbers[2]};
-  };
   add_word(app, "--position", "X,Y,Z", "of the camera, m; default: [camera] of the scene file",
-           [&, point](const std::string& text) { options.position = point("--position", text); });
+           [&](const std::string& text) { options.position = point("--position", text); });
   add_word(app, "--look-at", "X,Y,Z", "what it looks at, m; default: [camera] of the scene file",
-           [&, point](const std::string& text) { options.look_at = point("--look-at", text); });
+           [&](const std::string& text) { options.look_at = point("--look-at", text); });
   add_word(app, "--samples-per-pitch", "N", "along each axis; default 2", [&](const std::string& text) {
     options.samples_per_pitch = number("--samples-per-pitch", text);
     if (!(options.samples_per_pitch >= 0.5 && options.samples_per_pitch <= 64.0))
@@ -101,6 +96,11 @@ Command render_command() {
   add_flag(app, "--all-shadows",
            "a shadow ray for all that is seen; default: one a square of 2 x 2 samples, more at edges",
            options.all_shadows);
+  add_word(app, "--tolerance", "X", "of the tables of the air, relative; default 5e-6", [&](const std::string& text) {
+    options.tolerance = number("--tolerance", text);
+    if (!(options.tolerance > 0.0 && options.tolerance < 1.0))
+      throw mtf::UsageError("--tolerance: " + text + " is outside (0, 1)");
+  });
   add_word(app, "--quantity", "WORD", "weighted (default), by the sensor's response, or radiance in W m-2 sr-1",
            [&](const std::string& text) {
              constexpr std::array words{std::pair{std::string_view("weighted"), false},

@@ -77,14 +77,16 @@ struct DemoOptions {
 };
 
 struct BenchOptions {
-  std::string sensor;  ///< or, without an image, a scene file
-  std::string scene;   ///< image; "" = `sensor` is a scene file
+  std::string sensor;  ///< or, without an image or with a sensor file, a scene file
+  std::string scene;   ///< image; "" = `sensor` is a scene file; a sensor file (.toml) of pictures of it
   std::string out;
   std::optional<std::string> channel, layer;
   std::optional<int> part;
-  std::optional<int> rounds;         ///< else 15; of a scene file 1
-  double seconds = 60.0;             ///< for everything, about
-  std::vector<double> tolerances_k;  ///< of a scene file; empty: 1, 0.3 and 0.1
+  std::optional<int> rounds;                               ///< else 15; of a scene file 1
+  double seconds = 60.0;                                   ///< for everything, about
+  std::vector<double> tolerances_k;                        ///< of a scene file; empty: 1, 0.3 and 0.1
+  std::string temperatures;                                ///< of pictures: a folder of `mtf heat` or a table of facets
+  std::optional<std::array<double, 3>> position, look_at;  ///< of pictures, m
   Format format = Format::table;
   bool measure = false;  ///< --rigor measure
   bool force = false;
@@ -224,6 +226,7 @@ int run_config(const ConfigOptions& options, const Global& global);
 int run_simulate(const SimulateCommandOptions& options, const Global& global);
 int run_bench(const BenchOptions& options, const Global& global);
 int run_bench_heat(const BenchOptions& options, const Global& global);
+int run_bench_render(const BenchOptions& options, const Global& global);
 int run_demo(const DemoOptions& options, const Global& global);
 int run_budget(const BudgetOptions& options, const Global& global);
 int run_measure(const MeasureOptions& options, const Global& global);

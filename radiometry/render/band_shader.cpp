@@ -295,6 +295,17 @@ double BandShader::emissivity(std::size_t finish, double temperature_k) const {
   return sum / integral(nodes_, black);
 }
 
+double BandShader::own_radiance(std::size_t finish, double temperature_k, double range_m, double height_m) const {
+  const double root = std::sqrt(range_m);
+  const PathGrid::Cell cell = grid_.cell_at(root, height_m);
+  const auto weights = grid_.weights(cell, root, height_m);
+  const SixValues own = tables_->emitted(finish, temperature_k, grid_.index(cell)),
+                  path = tables_->path(grid_.index(cell));
+  double sum = 0.0;
+  for (std::size_t k = 0; k < 6; ++k) sum += static_cast<double>(weights[k]) * (own[k] + path[k]);
+  return sum;
+}
+
 double BandShader::path_radiance(double range_m, double height_m) const {
   const double root = std::sqrt(range_m);
   const PathGrid::Cell cell = grid_.cell_at(root, height_m);

@@ -247,7 +247,8 @@ layers = [{ conductivity = "45 W/m/K", density = "7800 kg/m3", heat_capacity = "
   }
   write_file(scratch_ / "scene.toml", text + "[atmosphere]\nmodel = \"mid_latitude_summer\"\n");
   ASSERT_EQ(
-      scratch_.run("mtf render scene.toml sensor.toml --points 1 --layer Z --layer material --layer temperature -o a.exr")
+      scratch_
+          .run("mtf render scene.toml sensor.toml --points 1 --layer Z --layer material --layer temperature -o a.exr")
           .status,
       0);
   const Result again = scratch_.run("mtf render scene.toml sensor.toml --from a.exr --depth range -o b.exr");
@@ -289,6 +290,27 @@ layers = [{ conductivity = "45 W/m/K", density = "7800 kg/m3", heat_capacity = "
   EXPECT_NE(scratch_.run(command + "b.exr").err.find("has no [[material]]"), std::string::npos);
   write_file(scratch_ / "materials.csv", "index,material,temperature_K\n1,paint,285\n");
   EXPECT_NE(scratch_.run(command + "b.exr").err.find("is not in materials.csv"), std::string::npos);
+}
+
+/// More points bring samples nearer to the mean over them, tables keep what they promise.
+TEST_F(RenderCommand, TheBenchSaysErrorAgainstTime) {
+  write_file(scratch_ / "scene.toml", kScene + "[atmosphere]\nmodel = \"mid_latitude_summer\"\n");
+  const Result made = scratch_.run("mtf bench scene.toml sensor.toml --rounds 1 -o bench --format json");
+  ASSERT_EQ(made.status, 0) << made.err;
+  const auto rows = nlohmann::json::parse(made.out).at("rows");
+  ASSERT_EQ(rows.size(), 9U);
+  double one = 0.0, four = 0.0, sixteen = 0.0;
+  for (const auto& row : rows) {
+    EXPECT_LE(row.at("tables_error"), row.at("promised"));
+    EXPECT_GT(row.at("promised"), 0.0);
+    EXPECT_GT(row.at("time_ms_min"), 0.0);
+    (row.at("points_a_sample") == 1 ? one : row.at("points_a_sample") == 4 ? four : sixteen) = row.at("sampling_rms");
+  }
+  EXPECT_LT(four, 0.8 * one);
+  EXPECT_LT(sixteen, 0.6 * four);
+  EXPECT_TRUE(
+      read_file(scratch_ / "bench/render_bench.csv").starts_with("points_a_sample,all_shadows,tolerance,promised"));
+  EXPECT_EQ(scratch_.run("mtf bench sensor.toml scene.exr --position 1,2,3 -o other").status, 2);
 }
 
 }  // namespace

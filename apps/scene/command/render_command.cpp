@@ -152,7 +152,8 @@ render::RenderedFrame frame_of_layers(const RenderCommandOptions& options, const
   const render::SurfaceLayers layers = read_layers(from, file, camera);
   frame.timing_ms.emplace_back("layers", reading.ms());
   const Stopwatch rendering;
-  render::LayerFrame made = render_layers(scene.scene, bands, camera, layers, {.threads = global.threads});
+  render::LayerFrame made =
+      render_layers(scene.scene, bands, camera, layers, {.tolerance = options.tolerance, .threads = global.threads});
   frame.timing_ms.emplace_back("pixels", rendering.ms());
   if (camera.position[2] < made.ground_m)
     note(global, "warning: the camera is below the lowest surface of the layers, at " + significant(made.ground_m, 3) +
@@ -239,6 +240,7 @@ int run_render(const RenderCommandOptions& options, const Global& global) {
                                       : options.points == 4 ? 2
                                                             : 4,
                             .all_shadows = options.all_shadows,
+                            .tolerance = options.tolerance,
                             .layers = layers_of(options.layers),
                             .threads = global.threads};
   if (!options.from.empty()) how.points = 1;  // a value a sample

@@ -23,7 +23,8 @@ struct RenderCommandOptions {
   double samples_per_pitch = 2.0;
   int points = 4;  ///< of a sample: 1, 4 or 16
   bool all_shadows = false;
-  bool plain = false;  ///< radiance in the band, without weights
+  double tolerance = 5e-6;  ///< of the tables of the air
+  bool plain = false;       ///< radiance in the band, without weights
   bool no_air = false;
   std::vector<std::string> layers;
   std::string from;       ///< layers of another renderer, in place of the meshes; "" = none

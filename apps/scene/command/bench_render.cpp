@@ -1,0 +1,324 @@
+// SPDX-License-Identifier: Apache-2.0
+
+// `mtf bench scene.toml camera.toml -o DIR`: what points and tables of a picture cost, and how far it is from the
+// truth.
+//   sampling  each sample against the mean of 64 points over its square (256 a pixel at two samples a pitch), rms and
+//             largest, of the picture's standard deviation
+//   tables    emitted and path radiance of 1000 of its samples against direct integration over wavelength through the
+//             air of that very range and height (radiometry/light/scene_radiance.h), which shares no quadrature with
+//             the tables; beside it what the tables promise
+//   time      of the first picture from a scene that is read, and of those that follow with another look at the same
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "apps/bench/machine.h"
+#include "apps/figures/plot.h"
+#include "apps/options.h"
+#include "apps/scene/command/render_options.h"
+#include "apps/scene/heat/stopwatch.h"
+#include "apps/scene/render/sensor_picture.h"
+#include "apps/sensor/sensor_file.h"
+#include "apps/sweep/output_folder.h"
+#include "apps/terminal/output.h"
+#include "apps/terminal/progress_line.h"
+#include "apps/terminal/text_table.h"
+#include "apps/terminal/write_together.h"
+#include "mtf/error.h"
+#include "mtf/io/atomic_file.h"
+#include "mtf/survey/statistics.h"
+#include "mtf/version.h"
+#include "radiometry/light/scene_radiance.h"
+
+namespace apps {
+namespace {
+
+namespace fs = std::filesystem;
+namespace render = radiometry::render;
+using namespace scene;
+using Json = nlohmann::ordered_json;
+
+struct PictureRung {
+  int points = 1;  ///< of a sample
+  bool all_shadows = false;
+  double tolerance = 0.0;
+  double promised = 0.0, tables = 0.0;            ///< relative
+  double sampling_rms = 0.0, sampling_max = 0.0;  ///< of the standard deviation
+  std::size_t shadow_rays = 0, divided = 0;
+  double first_ms = 0.0;
+  std::vector<double> ms{};  ///< of the pictures that follow
+  double least_ms() const { return *std::min_element(ms.begin(), ms.end()); }
+  double median_ms() const {
+    std::vector<double> sorted = ms;
+    std::sort(sorted.begin(), sorted.end());
+    return sorted[sorted.size() / 2];
+  }
+};
+
+struct Subject {
+  const PictureScene& scene;
+  const render::RenderBand& band;
+  const render::Camera& camera;
+  int threads;
+};
+
+render::RenderOptions how(const Subject& subject, int points, bool all_shadows, double tolerance) {
+  return {.points = points == 1   ? 1
+                    : points == 4 ? 2
+                                  : 4,
+          .all_shadows = all_shadows,
+          .tolerance = tolerance,
+          .threads = subject.threads};
+}
+
+/// The mean of 64 points over each sample: 16 for each of four parts of it.
+mtf::Image reference_of(const Subject& subject) {
+  render::Camera fine = subject.camera;
+  fine.width *= 2, fine.height *= 2;
+  fine.step_x *= 0.5, fine.step_y *= 0.5;
+  fine.axis_x *= 2.0, fine.axis_y *= 2.0;
+  render::Renderer renderer(subject.scene.scene, {subject.band}, how(subject, 16, true, 1e-6));
+  const render::RenderedFrame frame = renderer.render(fine);
+  const mtf::Image& from = frame.radiance.front();
+  mtf::Image mean(subject.camera.width, subject.camera.height);
+  for (std::int64_t y = 0; y < mean.height(); ++y)
+    for (std::int64_t x = 0; x < mean.width(); ++x) {
+      double sum = 0.0;
+      for (const auto& [i, j] : {std::pair{0, 0}, {1, 0}, {0, 1}, {1, 1}})
+        sum += static_cast<double>(from.at(2 * x + i, 2 * y + j));
+      mean.at(x, y) = static_cast<float>(0.25 * sum);
+    }
+  return mean;
+}
+
+/// A thousand facets that the picture shows, evenly over it.
+struct Seen {
+  std::size_t finish;
+  double kelvin, range_m, height_m;
+};
+
+std::vector<Seen> seen_of(const Subject& subject) {
+  constexpr std::size_t kPlaces = 1000;
+  render::RenderOptions options = how(subject, 1, false, 1e-3);
+  options.layers = {.temperature = true, .range = true, .finish = true};
+  render::Renderer renderer(subject.scene.scene, {subject.band}, options);
+  const render::RenderedFrame frame = renderer.render(subject.camera);
+  const auto layer = [&](std::string_view name) -> const mtf::Image& {
+    return std::find_if(frame.layers.begin(), frame.layers.end(), [&](const auto& one) { return one.name == name; })
+        ->plane;
+  };
+  const mtf::Image &kelvin = layer("temperature"), &range = layer("Z"), &finish = layer("material");
+  std::vector<Seen> seen;
+  const auto hits = static_cast<std::size_t>(
+      std::count_if(finish.data(), finish.data() + finish.size(), [](float m) { return m >= 0.0F; }));
+  const std::size_t step = std::max<std::size_t>(1, hits / kPlaces);
+  std::size_t hit = 0;
+  for (std::int64_t y = 0; y < finish.height(); ++y)
+    for (std::int64_t x = 0; x < finish.width(); ++x) {
+      if (finish.at(x, y) < 0.0F || hit++ % step != 0) continue;
+      const render::Vector d = subject.camera.direction(static_cast<double>(x) + 0.5, static_cast<double>(y) + 0.5);
+      const auto range_m = static_cast<double>(range.at(x, y));
+      seen.push_back({static_cast<std::size_t>(finish.at(x, y)), static_cast<double>(kelvin.at(x, y)), range_m,
+                      subject.camera.position[2] + range_m * d[2] / radiometry::scene::length(d)});
+    }
+  return seen;
+}
+
+/// The largest error of tables of that tolerance, and what they promise.
+void measure_tables(const Subject& subject, const std::vector<Seen>& seen, PictureRung& rung) {
+  const render::Patches none{};
+  const radiometry::scene::Views unseen{.rings = 9, .sky = {}, .ground = {}, .surfaces = {}, .rays = {}, .patches = {}};
+  render::BandShader shader(subject.band, subject.scene.scene, none, unseen, rung.tolerance, true);
+  render::PathExtent extent{seen.front().range_m, seen.front().range_m, seen.front().height_m, seen.front().height_m};
+  for (const Seen& one : seen)
+    extent = {std::min(extent.nearest_m, one.range_m), std::max(extent.farthest_m, one.range_m),
+              std::min(extent.lowest_m, one.height_m), std::max(extent.highest_m, one.height_m)};
+  shader.prepare(subject.camera.position[2], extent);
+  rung.promised = shader.promised();
+  const render::AirView* view = shader.air_view();
+  const radiometry::SpectralCamera& curves = subject.band.curves;
+  const double reference_k = view != nullptr ? view->reference_k() : 300.0;
+  const double black = view != nullptr ? scene_radiance(curves, {.temperature_k = reference_k}, {}) : 0.0;
+  for (const Seen& one : seen) {
+    radiometry::Path path;
+    if (view != nullptr) {
+      const render::AirSamples air = view->to(one.range_m, one.height_m);
+      path.transmission = {"transmission", shader.nodes().sample_um, air.transmission};
+      path.emissivity = {"emissivity", shader.nodes().sample_um, air.source};
+      path.air_temperature_k = reference_k;
+    }
+    const radiometry::Spectrum& emissivity = subject.scene.scene.finish[one.finish].emissivity;
+    const double direct = scene_radiance(curves, {.temperature_k = one.kelvin, .emissivity = emissivity}, path) +
+                          (view != nullptr ? weighted_path_radiance(curves, path) : 0.0);
+    const double tables = shader.own_radiance(one.finish, one.kelvin, one.range_m, one.height_m);
+    rung.tables = std::max(rung.tables, std::abs(tables - direct) / std::max(direct, black));
+  }
+}
+
+void measure_picture(const Subject& subject, const mtf::Image& reference, int rounds, PictureRung& rung) {
+  const Stopwatch first;
+  render::Renderer renderer(subject.scene.scene, {subject.band},
+                            how(subject, rung.points, rung.all_shadows, rung.tolerance));
+  render::RenderedFrame frame = renderer.render(subject.camera);
+  rung.first_ms = first.ms();
+  for (int round = 0; round < rounds; ++round) {
+    const Stopwatch watch;
+    frame = renderer.render(subject.camera);
+    rung.ms.push_back(watch.ms());
+  }
+  rung.shadow_rays = frame.shadow_rays;
+  rung.divided = frame.divided;
+  const double std = mtf::statistics(reference.view()).std;
+  double square = 0.0;
+  for (std::int64_t i = 0; i < reference.size(); ++i) {
+    const double error =
+        std::abs(static_cast<double>(frame.radiance.front().data()[i]) - static_cast<double>(reference.data()[i]));
+    square += error * error;
+    rung.sampling_max = std::max(rung.sampling_max, error / std);
+  }
+  rung.sampling_rms = std::sqrt(square / static_cast<double>(reference.size())) / std;
+}
+
+constexpr const char* kColumns[] = {"points_a_sample", "all_shadows",  "tolerance",    "promised",
+                                    "tables_error",    "sampling_rms", "sampling_max", "shadow_rays",
+                                    "divided",         "first_ms",     "time_ms_min",  "time_ms_median"};
+
+std::vector<double> numbers_of(const PictureRung& rung) {
+  return {static_cast<double>(rung.points),
+          rung.all_shadows ? 1.0 : 0.0,
+          rung.tolerance,
+          rung.promised,
+          rung.tables,
+          rung.sampling_rms,
+          rung.sampling_max,
+          static_cast<double>(rung.shadow_rays),
+          static_cast<double>(rung.divided),
+          rung.first_ms,
+          rung.least_ms(),
+          rung.median_ms()};
+}
+
+std::string csv_of(const std::vector<PictureRung>& ladder) {
+  TextTable table(std::vector<std::string>(std::begin(kColumns), std::end(kColumns)));
+  for (const PictureRung& rung : ladder) {
+    std::vector<std::string> row;
+    for (const double number : numbers_of(rung)) row.push_back(csv_number(number));
+    table.add(std::move(row));
+  }
+  return table.csv();
+}
+
+std::string json_of(const BenchOptions& options, const Subject& subject, const std::vector<PictureRung>& ladder) {
+  const Machine machine = this_machine();
+  Json rows = Json::array();
+  for (const PictureRung& rung : ladder) {
+    Json row = Json::object();
+    const std::vector<double> numbers = numbers_of(rung);
+    for (std::size_t i = 0; i < numbers.size(); ++i) row[kColumns[i]] = numbers[i];
+    rows.push_back(row);
+  }
+  const Json json = {
+      {"version", mtf::version},
+      {"git_commit", mtf::git_commit},
+      {"machine", {{"cpu", machine.cpu}, {"cores", machine.cores}, {"memory_bytes", machine.memory_bytes}}},
+      {"scene", options.sensor},
+      {"sensor", options.scene},
+      {"samples", {subject.camera.width, subject.camera.height}},
+      {"facets", subject.scene.rays->facets().size()},
+      {"threads", subject.threads > 0 ? subject.threads : machine.cores},
+      {"rounds", ladder.front().ms.size()},
+      {"rows", rows}};
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+std::string table_of(const std::vector<PictureRung>& ladder) {
+  TextTable table({"points a sample", "tolerance", "tables promise", "tables err", "sampling rms", "largest",
+                   "shadow rays", "first ms", "ms min", "median"});
+  for (const PictureRung& rung : ladder)
+    table.add({std::to_string(rung.points) + (rung.all_shadows ? ", all shadows" : ""), significant(rung.tolerance, 2),
+               significant(rung.promised, 2), significant(rung.tables, 2), significant(rung.sampling_rms, 2),
+               significant(rung.sampling_max, 2), std::to_string(rung.shadow_rays), fixed(rung.first_ms, 0),
+               fixed(rung.least_ms(), 1), fixed(rung.median_ms(), 1)});
+  using enum Align;
+  return table.aligned({left, right, right, right, right, right, right, right, right, right}) +
+         "sampling: against the mean of 64 points over each sample, of the picture's standard deviation\n"
+         "tables: largest of 1000 samples against direct integration over wavelength, relative\n";
+}
+
+Figure figure_of(const std::vector<PictureRung>& ladder) {
+  Figure figure;
+  figure.title = "error against run time of a picture";
+  figure.x_label = "time of a picture [ms], minimum of the rounds";
+  figure.y_label = "rms error / standard deviation, or relative";
+  figure.log_x = figure.log_y = true;
+  Series sampling{.name = "sampling, rms", .x = {}, .y = {}, .mark = Mark::large_points};
+  Series tables{.name = "tables, largest", .x = {}, .y = {}, .mark = Mark::points};
+  for (const PictureRung& rung : ladder) {
+    for (Series* series : {&sampling, &tables}) series->x.push_back(rung.least_ms());
+    sampling.y.push_back(rung.sampling_rms);
+    tables.y.push_back(rung.tables);
+  }
+  figure.series = {sampling, tables};
+  return figure;
+}
+
+}  // namespace
+
+int run_bench_render(const BenchOptions& options, const Global& global) {
+  if (options.out.empty()) throw mtf::UsageError("-o, --out is missing: name the folder for the results");
+  const fs::path folder = options.out;
+  check_folder(folder, options.force);
+  const SceneFile file = load_scene(options.sensor);
+  const PictureSensor sensor = picture_sensor(read_sensor(options.scene, global), PictureQuantity::weighted);
+  const PictureScene scene = read_picture_scene(
+      file, {.temperatures = options.temperatures, .sensor_air = sensor.air, .sensor_file = options.scene});
+  render::Pose pose = options.position && options.look_at ? render::Pose{} : pose_of(file);
+  if (options.position) pose.position = *options.position;
+  if (options.look_at) pose.look_at = *options.look_at;
+  const render::Camera camera = picture_camera(sensor, pose, 2.0);
+  require_above_ground(scene, camera.position);
+  const Subject subject{scene, sensor.band, camera, global.threads};
+
+  constexpr double kUsual = 5e-6;
+  std::vector<PictureRung> ladder;
+  for (const double tolerance : {1e-2, 1e-3, 1e-4, 1e-5}) ladder.push_back({1, false, tolerance});
+  ladder.push_back({1, false, kUsual});
+  for (const bool all_shadows : {false, true})
+    for (const int points : {4, 16}) ladder.push_back({points, all_shadows, kUsual});
+  {
+    ProgressLine progress(global);
+    progress.update("reference of 64 points a sample", 0.0);
+    const mtf::Image reference = reference_of(subject);
+    const std::vector<Seen> seen = seen_of(subject);
+    for (std::size_t r = 0; r < ladder.size(); ++r) {
+      progress.update("pictures", static_cast<double>(r) / static_cast<double>(ladder.size()));
+      measure_tables(subject, seen, ladder[r]);
+      measure_picture(subject, reference, options.rounds.value_or(5), ladder[r]);
+    }
+  }
+  std::vector<std::string> outputs{folder.string()};
+  for (const char* name : {"render_bench.csv", "render_bench.json", "render_bench.svg"})
+    outputs.push_back((folder / name).string());
+  write_together(outputs, [&] {
+    prepare_folder(folder, options.force);
+    mtf::io::write_text_file(outputs[1], csv_of(ladder));
+    mtf::io::write_text_file(outputs[2], json_of(options, subject, ladder));
+    if (!draw_figure(outputs[3], figure_of(ladder)))
+      note(global, "note: gnuplot is not installed; render_bench.csv has the numbers, render_bench.svg is left out");
+  });
+  print(options.format == Format::json  ? json_of(options, subject, ladder)
+        : options.format == Format::csv ? csv_of(ladder)
+                                        : table_of(ladder) + "written to " + one_line(folder.string()) + "/\n");
+  bool kept = true;
+  for (const PictureRung& rung : ladder)
+    if (rung.tables > rung.promised) {
+      kept = false;
+      complain("mtf: PROMISE BROKEN: tables of tolerance " + significant(rung.tolerance, 2) + ": promised " +
+               significant(rung.promised, 3) + ", realised " + significant(rung.tables, 3));
+    }
+  return kept ? 0 : 3;
+}
+
+}  // namespace apps
