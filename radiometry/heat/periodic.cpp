@@ -106,8 +106,7 @@ double inside_flow(const Plan& plan, const Grid& grid, double inside, double t) 
   return std::holds_alternative<InnerFlux>(plan.batch.construction.inside) ? inside : grid.inner_w_m2_k * (inside - t);
 }
 
-Linearised mean_state(const Plan& plan, const FacetSamples& facet) {
-  const Grid& grid = plan.fine;
+Linearised mean_state(const Plan& plan, const Grid& grid, const FacetSamples& facet) {
   const bool sheet = plan.batch.construction.is_sheet();
   const Elimination<double> steady = eliminate(grid, sheet, 1.0, 0.0);
   const double inside = mean_of(facet.inside);
@@ -171,9 +170,8 @@ Harmonics harmonics_of(const Grid& grid, bool sheet, double period_s) {
 }
 
 /// Temperatures of all nodes at the start of the period, of the linearised balance.
-std::vector<double> linear_state(const Plan& plan, const Harmonics& harmonics, const FacetSamples& facet,
-                                 const Linearised& linear) {
-  const Grid& grid = plan.fine;
+std::vector<double> linear_state(const Plan& plan, const Grid& grid, const Harmonics& harmonics,
+                                 const FacetSamples& facet, const Linearised& linear) {
   const bool sheet = plan.batch.construction.is_sheet();
   std::vector<double> t = linear.mean_k;
   const auto net = [](const SideSamples& side, double mean_k) {
@@ -244,19 +242,23 @@ PeriodicStart periodic_start(const Plan& plan, const GroupForcing& forcing, cons
   PeriodicStart result;
   result.state = uniform_state(plan, period.start_s, 0.0, runs_carried);
   std::vector<Linearised> linear(facets);
-  const Harmonics harmonics = harmonics_of(plan.fine, sheet, period_s);
-  const std::size_t stride = plan.fine.nodes() > 1 ? 2 : 1;  // from node to node of the coarse grid
+  // The second run starts as the first one does, on the same grid.
+  std::vector<GridOfRun> starts{runs.front()};
+  if (three) starts.push_back(runs.back());
+  std::vector<Harmonics> harmonics;
+  for (const GridOfRun& start : starts) harmonics.push_back(harmonics_of(*start.grid, sheet, period_s));
   const auto linear_states = [&](std::int64_t begin, std::int64_t end) {
     const auto first = static_cast<std::size_t>(begin), count = static_cast<std::size_t>(end - begin);
     const std::vector<FacetSamples> samples = sample(plan, forcing, period, first, count);
-    for (std::size_t i = 0; i < count; ++i) {
-      const std::size_t facet = first + i;
-      linear[facet] = mean_state(plan, samples[i]);
-      const std::vector<double> t = linear_state(plan, harmonics, samples[i], linear[facet]);
-      for (std::size_t node = 0; node < t.size(); ++node) result.state.fine[node * facets + facet] = t[node];
-      for (std::size_t node = 0; three && node < plan.coarse.nodes(); ++node)
-        result.state.coarse[node * facets + facet] = t[stride * node];
-    }
+    for (std::size_t i = 0; i < count; ++i)
+      for (std::size_t g = 0; g < starts.size(); ++g) {
+        const std::size_t facet = first + i;
+        const Linearised mean = mean_state(plan, *starts[g].grid, samples[i]);
+        const std::vector<double> t = linear_state(plan, *starts[g].grid, harmonics[g], samples[i], mean);
+        for (std::size_t node = 0; node < t.size(); ++node)
+          (result.state.*starts[g].t)[node * facets + facet] = t[node];
+        if (g == 0) linear[facet] = mean;
+      }
   };
   mtf::parallel_for(static_cast<std::int64_t>(facets), kFacetsAtOnce, threads, linear_states);
   if (three) result.state.doubled = result.state.fine;
