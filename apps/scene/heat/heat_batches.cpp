@@ -102,6 +102,17 @@ HeatBatches::HeatBatches(const HeatScene& scene, const Units& units, const Groun
     solved_receivers_.push_back(static_cast<std::uint32_t>(r));
     if (unit.paired) solved_receivers_.push_back(static_cast<std::uint32_t>(unit.back_receiver));
   });
+  std::vector<std::vector<std::uint32_t>> of_patch(units.exchange.patches());
+  for (std::uint32_t r = 0; r < emission_.size(); ++r)
+    if (emission_[r] > 0.0) of_patch[units.exchange.patch_of[r]].push_back(r);
+  for (const std::vector<std::uint32_t>& receivers : of_patch) {
+    emitting_.first.push_back(static_cast<std::uint32_t>(emitting_.receiver.size()));
+    for (const std::uint32_t r : receivers) {
+      emitting_.receiver.push_back(r);
+      emitting_.emission.push_back(emission_[r]);
+    }
+  }
+  emitting_.first.push_back(static_cast<std::uint32_t>(emitting_.receiver.size()));
   std::ranges::sort(solved_receivers_);
   const auto repeated = std::ranges::unique(solved_receivers_);
   solved_receivers_.erase(repeated.begin(), repeated.end());
