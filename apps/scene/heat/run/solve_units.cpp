@@ -47,6 +47,30 @@ Loss loss_of(const HeatScene& scene, const Surface& material, bool back, double 
           forced_coefficient(material.construction.convection, *std::min_element(wind.begin(), wind.end()))};
 }
 
+constexpr std::uint32_t kNone = radiometry::scene::kNone;
+
+/// Where the temperature of each facet comes from.
+struct FacetSources {
+  std::vector<std::uint32_t> front, back;  ///< receivers; kNone where there is none or it is not asked for
+  std::vector<std::uint32_t> given;        ///< facets whose temperature is given
+};
+
+FacetSources sources_of(const HeatScene& scene, const Units& units) {
+  FacetSources sources;
+  sources.front.assign(scene.region.size(), kNone);
+  sources.back = sources.front;
+  for (std::uint32_t f = 0; f < scene.region.size(); ++f) {
+    const Unit& unit = units.unit[units.unit_of[f]];
+    if (!scene.is_seen(f)) continue;
+    if (unit.given)
+      sources.given.push_back(f);
+    else
+      sources.front[f] = static_cast<std::uint32_t>(unit.receiver);
+    if (unit.has_own_back()) sources.back[f] = static_cast<std::uint32_t>(unit.back_receiver);
+  }
+  return sources;
+}
+
 /// No scene is so cold or so hot: a flux or a film of the wrong size makes such numbers.
 void require_plausible(const HeatScene& scene, std::size_t facet, double kelvin, double time_s) {
   constexpr double kHottest_k = 3000.0;
@@ -140,19 +164,18 @@ UnitsRun solve_units(const HeatScene& scene, const Units& units, const HeatOptio
   constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
   std::vector<double> front(scene.region.size(), kUnknown),
       back(units.has_sheets() ? scene.region.size() : 0, kUnknown);
+  const FacetSources sources = sources_of(scene, units);
   const auto emit = [&](std::size_t node) {
     constexpr std::int64_t kFacetsAtOnce = 16384;
     mtf::parallel_for(static_cast<std::int64_t>(front.size()), kFacetsAtOnce, options.threads,
                       [&](std::int64_t begin, std::int64_t end) {
                         for (auto f = static_cast<std::size_t>(begin); f < static_cast<std::size_t>(end); ++f) {
-                          const Unit& unit = units.unit[units.unit_of[f]];
-                          if (!scene.is_seen(static_cast<std::uint32_t>(f))) continue;
-                          front[f] = unit.given ? scene.given_k(static_cast<std::uint32_t>(f), s.time_s[node])
-                                                : batches.receiver_k(node, unit.receiver);
-                          if (!back.empty() && unit.has_own_back())
-                            back[f] = batches.receiver_k(node, unit.back_receiver);
+                          if (sources.front[f] != kNone) front[f] = batches.receiver_k(node, sources.front[f]);
+                          if (!back.empty() && sources.back[f] != kNone)
+                            back[f] = batches.receiver_k(node, sources.back[f]);
                         }
                       });
+    for (const std::uint32_t f : sources.given) front[f] = scene.given_k(f, s.time_s[node]);
     for (std::uint32_t f = 0; f < front.size(); ++f) {
       if (!scene.is_seen(f)) continue;
       require_plausible(scene, f, front[f], s.time_s[node]);
