@@ -10,7 +10,7 @@
 
 #include "mtf/error.h"
 #include "mtf/parallel.h"
-#include "radiometry/heat/elimination.h"
+#include "radiometry/heat/depth/elimination.h"
 #include "radiometry/heat/surface_loss.h"
 
 namespace radiometry::heat {

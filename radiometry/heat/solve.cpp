@@ -9,8 +9,8 @@
 
 #include "mtf/error.h"
 #include "mtf/units.h"
+#include "radiometry/heat/depth/short_chain.h"
 #include "radiometry/heat/lanes.h"
-#include "radiometry/heat/short_chain.h"
 #include "radiometry/heat/survey.h"
 
 namespace radiometry::heat {

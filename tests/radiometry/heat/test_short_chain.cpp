@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "radiometry/heat/short_chain.h"
+#include "radiometry/heat/depth/short_chain.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <cmath>
 #include <numeric>
 
-#include "radiometry/heat/elimination.h"
+#include "radiometry/heat/depth/elimination.h"
 #include "radiometry/heat/solver.h"
 
 namespace radiometry::heat::test {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "radiometry/heat/short_chain.h"
+#include "radiometry/heat/depth/short_chain.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@
 #include <numbers>
 #include <optional>
 
-#include "radiometry/heat/elimination.h"
+#include "radiometry/heat/depth/elimination.h"
 
 namespace radiometry::heat {
 namespace {
