@@ -16,7 +16,7 @@ namespace apps::scene {
 namespace {
 
 namespace heat = radiometry::heat;
-constexpr double kPlanShare = 0.5;    // of the tolerance: plans are made by trial, other units and days may need more
+constexpr double kPlanShare = 0.7;    // of the tolerance: plans are made by trial, other units and days may need more
 constexpr double kStepsFactor = 2.0;  // see the header
 constexpr double kCoarseStop_s = 1200.0;  // steps of a coarse plan end there, unless their error has them end before
 constexpr double kCoarseStepShare = 2.0, kCoarseStep_k = 0.15;  // of the tolerance, and at most

@@ -53,6 +53,7 @@ constexpr std::uint32_t kNone = radiometry::scene::kNone;
 struct FacetSources {
   std::vector<std::uint32_t> front, back;  ///< receivers; kNone where there is none or it is not asked for
   std::vector<std::uint32_t> given;        ///< facets whose temperature is given
+  std::size_t asked_for = 0;               ///< facets
 };
 
 FacetSources sources_of(const HeatScene& scene, const Units& units) {
@@ -62,6 +63,7 @@ FacetSources sources_of(const HeatScene& scene, const Units& units) {
   for (std::uint32_t f = 0; f < scene.region.size(); ++f) {
     const Unit& unit = units.unit[units.unit_of[f]];
     if (!scene.is_seen(f)) continue;
+    ++sources.asked_for;
     if (unit.given)
       sources.given.push_back(f);
     else
@@ -72,12 +74,16 @@ FacetSources sources_of(const HeatScene& scene, const Units& units) {
 }
 
 /// No scene is so cold or so hot: a flux or a film of the wrong size makes such numbers.
-void require_plausible(const HeatScene& scene, std::size_t facet, double kelvin, double time_s) {
+bool is_plausible(double kelvin) {
   constexpr double kHottest_k = 3000.0;
-  if (kelvin > 0.0 && kelvin <= kHottest_k) return;
-  throw mtf::RuntimeError(one_line(scene.file.file) + ": region '" +
-                          one_line(scene.region_of(static_cast<std::uint32_t>(facet)).name) + "' comes to " +
-                          significant(kelvin, 4) + " K after " + significant(time_s / 3600.0, 3) +
+  return kelvin > 0.0 && kelvin <= kHottest_k;
+}
+
+[[noreturn]] void refuse_temperature(const HeatScene& scene, const std::vector<double>& front, double time_s) {
+  std::uint32_t facet = 0;
+  while (!scene.is_seen(facet) || is_plausible(front[facet])) ++facet;
+  throw mtf::RuntimeError(one_line(scene.file.file) + ": region '" + one_line(scene.region_of(facet).name) +
+                          "' comes to " + significant(front[facet], 4) + " K after " + significant(time_s / 3600.0, 3) +
                           " h, which no surface does; look at its flux, its film, its emissivity and its convection");
 }
 
@@ -176,11 +182,12 @@ UnitsRun solve_units(const HeatScene& scene, const Units& units, const HeatOptio
                         }
                       });
     for (const std::uint32_t f : sources.given) front[f] = scene.given_k(f, s.time_s[node]);
-    for (std::uint32_t f = 0; f < front.size(); ++f) {
-      if (!scene.is_seen(f)) continue;
-      require_plausible(scene, f, front[f], s.time_s[node]);
-      warmest = std::max(warmest, front[f]);
+    std::size_t plausible = 0;
+    for (const double kelvin : front) {
+      plausible += is_plausible(kelvin) ? 1 : 0;
+      warmest = kelvin > warmest ? kelvin : warmest;
     }
+    if (plausible != sources.asked_for) refuse_temperature(scene, front, s.time_s[node]);
     output({s.time_s[node], front, back});
     ++solved.outputs;
   };
