@@ -169,6 +169,7 @@ Relaxed HeatBatches::solve(const Window& window, bool first, double tolerance_k,
   set_window(window, first);
   const PatchScene patch = patch_scene();
   fill_longwave(patch, emitted_, light_);
+  make_plans();
   const Exchange exchange{tolerance_k, loss_w_m2_k, ratio_bound};
   guess_exchange(first, exchange);
   relax_sample(first, exchange, Pace::fine);

@@ -234,6 +234,13 @@ heat::Plan HeatBatches::make_plan_of(const Batch& batch) {
                    timeline(0, last, Pace::fine), heat::RepeatingStart{heat::kDay_s}, batch.wanted_k);
 }
 
+void HeatBatches::make_plans() {
+  mtf::parallel_for(static_cast<std::int64_t>(batches_.size()), 1, threads_, [&](std::int64_t begin, std::int64_t end) {
+    for (auto b = static_cast<std::size_t>(begin); b < static_cast<std::size_t>(end); ++b)
+      if (!batches_[b].sample.plan) batches_[b].sample.plan = make_plan_of(batches_[b]);
+  });
+}
+
 heat::Run HeatBatches::run(Batch& batch, Group& group, int days, heat::Runs runs, Pace pace,
                            const heat::OutputSink& sink) {
   if (!group.plan) {

@@ -110,6 +110,8 @@ class HeatBatches {
   /// The plan and the promise of the window, from the sample.
   void promise(Batch& batch, bool first);
   radiometry::heat::Plan make_plan_of(const Batch& batch);
+  /// Of the batches that have none: each is tried on few units, so that batches share the threads.
+  void make_plans();
   /// One group over the window: from its begin, or one that repeats (`days` at most).
   radiometry::heat::Run run(Batch& batch, Group& group, int days, radiometry::heat::Runs runs, Pace pace,
                             const radiometry::heat::OutputSink& sink = {});

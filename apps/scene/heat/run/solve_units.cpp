@@ -137,7 +137,7 @@ double warmest_air_k(const HeatScene& scene) {
 }
 
 /// Shares of what is left of the tolerance when exchange passes errors on.
-constexpr double kSolverShare = 0.4, kUnitsShare = 0.15, kGroundShare = 0.03, kExchangeShare = 0.25;
+constexpr double kSolverShare = 0.35, kUnitsShare = 0.15, kGroundShare = 0.03, kExchangeShare = 0.25;
 
 }  // namespace
 
