@@ -34,6 +34,9 @@ struct HeatOptions {
   std::size_t measured(std::size_t all) const { return verify ? all : 2000; }
   /// Asked after each day; false ends the run with the outputs that are finished.
   std::function<bool()> go_on{};
+  /// Gets what a run that is killed can go on from, after a day where `keep_every_s` have passed since the last time.
+  std::function<void(const Checkpoint&)> keep{};
+  double keep_every_s = 10.0;
   /// Where an earlier run of the same inputs and options was ended (checkpoint.h); it is continued from there.
   const Checkpoint* from = nullptr;
 };

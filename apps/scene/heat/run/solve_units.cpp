@@ -202,13 +202,20 @@ UnitsRun solve_units(const HeatScene& scene, const Units& units, const HeatOptio
     solved.view_spread = from->view_spread;
     warmest = from->warmest_k;
   }
+  const auto checkpoint = [&](std::size_t w) {
+    return Checkpoint{w,       solved.outputs,    solved.promised.exchange_k, solved.left_out.value_or(LeftOut{}),
+                      warmest, solved.iterations, solved.view_spread,         batches.save()};
+  };
+  Stopwatch kept;
   auto next = s.outputs.begin() + static_cast<std::ptrdiff_t>(solved.outputs);
   for (std::size_t w = first; w < windows.size() && next != s.outputs.end(); ++w) {
     if (w > first && options.go_on && !options.go_on()) {
-      solved.checkpoint =
-          Checkpoint{w,       solved.outputs,    solved.promised.exchange_k, solved.left_out.value_or(LeftOut{}),
-                     warmest, solved.iterations, solved.view_spread,         batches.save()};
+      solved.checkpoint = checkpoint(w);
       break;
+    }
+    if (w > first && options.keep && kept.ms() >= 1e3 * options.keep_every_s) {
+      options.keep(checkpoint(w));
+      kept = Stopwatch();
     }
     progress("heat", static_cast<double>(w) / static_cast<double>(windows.size()));
     const Relaxed relaxed = batches.solve(windows[w], w == 0, kExchangeShare * room_k, loss, ratio);
