@@ -127,7 +127,7 @@ Command heat_command() {
       "  mtf heat scene.toml -o temperatures --tolerance \"0.5 K\" --rays 256"};
   add_file(app, "scene", "scene file (TOML)", options.scene);
   add_text(app, "-o,--out", "PATH", "folder to create; with --fit the fitted scene file", options.out).required = true;
-  add_word(app, "--tolerance", "X", "with its unit; default \"1 K\", with --fit \"0.05 K\"",
+  add_word(app, "--tolerance", "X", "with its unit; default \"0.1 K\", with --fit \"0.05 K\"",
            [&](const std::string& text) {
              options.tolerance_k = temperature_difference("--tolerance", text);
              options.has_tolerance = true;

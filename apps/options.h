@@ -199,7 +199,7 @@ struct SceneOptions {
 /// `mtf heat`.
 struct HeatCommandOptions {
   std::string scene, out;
-  double tolerance_k = 1.0;
+  double tolerance_k = 0.1;
   int rays = 128;            ///< of the view of each side of a facet
   int directions = 36;       ///< of the table of shadows, a day
   int sun_points = 4;        ///< of each facet

@@ -19,7 +19,7 @@ namespace apps::scene {
 struct Checkpoint;
 
 struct HeatOptions {
-  double tolerance_k = 1.0;  ///< of the worst facet at any output, with the tables of shadows, views and exchange given
+  double tolerance_k = 0.1;  ///< of the worst facet at any output, with the tables of shadows, views and exchange given
   int directions = 36;       ///< of the table of shadows, a day
   int rays = 128;            ///< of each side of a facet
   int sun_points = 4;        ///< of each facet
