@@ -321,8 +321,12 @@ void HeatBatches::run_again(const std::vector<std::vector<std::uint32_t>>& place
       some.heat.up.push_back(batch.all.heat.up[place]);
     }
     set_forcing(some, batch);
-    some.begin = picked(first ? batch.all.end : batch.all.begin, places[b]);  // the first day repeats itself
-    some.begin.time_s = scene_.surroundings.time_s[window_.first];
+    some.plan = batch.all.plan;
+    some.plan->batch = some.heat;
+    some.begin = picked(batch.all.begin, places[b]);
+    if (first)  // this day repeats itself
+      some.begin = corrected_start(*some.plan, some.forcing, timeline(window_.first, window_.last, Pace::fine),
+                                   some.begin, picked(batch.all.end, places[b]), threads_);
     run(batch, some, 0, heat::Runs::one, Pace::fine, keeper_of(some.unit));
     put_back(some.begin, places[b], batch.all.begin);
     put_back(some.end, places[b], batch.all.end);
