@@ -185,7 +185,7 @@ Command fly_command() {
   add_text(app, "--temperatures", "PATH", "folder that mtf heat wrote, or a table of facets (.npy, .csv)",
            options.temperatures);
   add_word(
-      app, "--heat-tolerance", "X", "of the heat balance, with its unit; default \"1 K\"",
+      app, "--heat-tolerance", "X", "of the heat balance, with its unit; default \"0.1 K\"",
       [&](const std::string& text) { options.heat_tolerance_k = temperature_difference("--heat-tolerance", text); });
   add_text(app, "--schedule", "FILE", "CSV frame,parameter,value: parameters of the sensor that change over frames",
            options.schedule);
@@ -227,14 +227,15 @@ Command heat_command() {
       "sampling errors of shadows and views are measured and stated beside it. Conduction along surfaces is\n"
       "left out, and formulas of convection and sky are good to 1 to 3 K: they are named in heat.json. Exit code 3\n"
       "where the promised error is above the tolerance, or, with --verify, below the realised one.\n"
-      "After Ctrl-C the folder holds the days that are finished, and the same command goes on from there.\n"
+      "After Ctrl-C the folder holds the days that are finished; the same command goes on from there, and so it does\n"
+      "after a run that was killed.\n"
       "--fit writes a scene file instead: numbers { value, fit = true, min, max } of the ground's material fitted to\n"
       "its measured temperature, with their standard errors.",
       "  mtf heat vehicle/scene.toml -o temperatures\n"
       "  mtf heat scene.toml -o temperatures --tolerance \"0.5 K\" --rays 256"};
   add_file(app, "scene", "scene file (TOML)", options.scene);
   add_text(app, "-o,--out", "PATH", "folder to create; with --fit the fitted scene file", options.out).required = true;
-  add_word(app, "--tolerance", "X", "with its unit; default \"1 K\", with --fit \"0.05 K\"",
+  add_word(app, "--tolerance", "X", "with its unit; default \"0.1 K\", with --fit \"0.05 K\"",
            [&](const std::string& text) {
              options.tolerance_k = temperature_difference("--tolerance", text);
              options.has_tolerance = true;
@@ -259,6 +260,9 @@ Command heat_command() {
   add_flag(app, "--ply", "write the mesh with the last temperatures too, for ParaView, MeshLab or Blender",
            options.ply);
   add_flag(app, "--vtk", "the same as VTK, which ParaView reads with values of facets", options.vtk);
+  add_word(app, "--save-every", "S",
+           "seconds after which a day that is finished is saved, to go on from when the run is killed; default 10",
+           [&](const std::string& text) { options.save_every_s = whole_number("--save-every", text, 0, 86400); });
   add_flag(app, "--anew", "begin again where the folder holds an interrupted run, which is continued otherwise",
            options.anew);
   add_flag(app, "--sensitivity",

@@ -202,7 +202,7 @@ struct SceneOptions {
 /// `mtf heat`.
 struct HeatCommandOptions {
   std::string scene, out;
-  double tolerance_k = 1.0;
+  double tolerance_k = 0.1;
   int rays = 128;            ///< of the view of each side of a facet
   int directions = 36;       ///< of the table of shadows, a day
   int sun_points = 4;        ///< of each facet
@@ -210,8 +210,9 @@ struct HeatCommandOptions {
   bool seen = false;         ///< only facets that the camera of the scene sees
   bool verify = false;       ///< the realised error too
   bool ply = false, vtk = false;
-  bool anew = false;         ///< an interrupted run in the folder is not continued
-  bool sensitivity = false;  ///< six more runs, with one thing changed each
+  double save_every_s = 10.0;  ///< what a run that is killed goes on from is written so often, after a day
+  bool anew = false;           ///< an interrupted run in the folder is not continued
+  bool sensitivity = false;    ///< six more runs, with one thing changed each
   bool force = false;
   bool fit = false;  ///< numbers of the ground to what was measured; `out` is the fitted scene file then
   std::string fit_report, fit_plot;  ///< of a fit: JSON and figure

@@ -128,6 +128,14 @@ int write_all(int descriptor, const char* data, std::size_t size) {
   return 0;
 }
 
+/// The names in a folder are written to the disk; a file system that cannot sync folders has done what it can.
+void sync_folder(const std::string& name) {
+  const int folder = ::open(name.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (folder < 0) return;
+  static_cast<void>(::fsync(folder));
+  ::close(folder);
+}
+
 std::string resolved(const std::string& path) {
   const std::unique_ptr<char, decltype(&std::free)> real(::realpath(path.c_str(), nullptr), &std::free);
   return real ? std::string(real.get()) : path;
@@ -213,6 +221,26 @@ void AtomicFile::seek(std::uint64_t position) {
   position_ = position;
 }
 
+bool AtomicFile::keep_as(const std::string& path) {
+  flush();
+  if (::fsync(descriptor_) != 0) check(errno);
+  struct stat own {
+  }, other{};
+  if (::fstat(descriptor_, &own) != 0) check(errno);
+  // A rename of one name of a file to another name of it would do nothing and leave both.
+  if (::stat(path.c_str(), &other) == 0 && own.st_dev == other.st_dev && own.st_ino == other.st_ino) return true;
+  const std::string second = temporary_stem(target_) + std::to_string(::getpid()) + ".0";
+  ::unlink(second.c_str());
+  if (::link(temporary_.c_str(), second.c_str()) != 0) return false;
+  if (::rename(second.c_str(), path.c_str()) != 0) {
+    const int error_number = errno;
+    ::unlink(second.c_str());
+    fail(path, error_number);
+  }
+  sync_folder(folder_of(target_));
+  return true;
+}
+
 void AtomicFile::commit() {
   flush();
   if (::fsync(descriptor_) != 0) check(errno);
@@ -220,12 +248,7 @@ void AtomicFile::commit() {
   unregister_temporary(slot_);
   ::close(descriptor_);
   descriptor_ = -1;
-  // The rename itself has to be written to the disk; a file system that cannot sync folders has done what it can.
-  const int folder = ::open(folder_of(target_).c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  if (folder >= 0) {
-    static_cast<void>(::fsync(folder));
-    ::close(folder);
-  }
+  sync_folder(folder_of(target_));
 }
 
 void write_text_file(const std::string& path, std::string_view text) {

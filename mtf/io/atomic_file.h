@@ -34,6 +34,11 @@ class AtomicFile {
   /// Reports an error number of such code, 0 for none: throws as `write` does.
   void check(int error_number);
 
+  /// Gives what has been written so far a second name, `path` in the same folder, which stays when the process is
+  /// killed; what stood there is replaced. The bytes are on the disk when this returns. Later ones are written to the
+  /// same file. False where the file system gives no second names.
+  bool keep_as(const std::string& path);
+
   /// Flush, fsync, rename, fsync of the folder. Throws RuntimeError and removes the temporary when any of it fails.
   void commit();
 

@@ -10,7 +10,7 @@
 
 #include "mtf/error.h"
 #include "mtf/parallel.h"
-#include "radiometry/heat/elimination.h"
+#include "radiometry/heat/depth/elimination.h"
 #include "radiometry/heat/surface_loss.h"
 
 namespace radiometry::heat {
@@ -106,8 +106,7 @@ double inside_flow(const Plan& plan, const Grid& grid, double inside, double t) 
   return std::holds_alternative<InnerFlux>(plan.batch.construction.inside) ? inside : grid.inner_w_m2_k * (inside - t);
 }
 
-Linearised mean_state(const Plan& plan, const FacetSamples& facet) {
-  const Grid& grid = plan.fine;
+Linearised mean_state(const Plan& plan, const Grid& grid, const FacetSamples& facet) {
   const bool sheet = plan.batch.construction.is_sheet();
   const Elimination<double> steady = eliminate(grid, sheet, 1.0, 0.0);
   const double inside = mean_of(facet.inside);
@@ -171,9 +170,8 @@ Harmonics harmonics_of(const Grid& grid, bool sheet, double period_s) {
 }
 
 /// Temperatures of all nodes at the start of the period, of the linearised balance.
-std::vector<double> linear_state(const Plan& plan, const Harmonics& harmonics, const FacetSamples& facet,
-                                 const Linearised& linear) {
-  const Grid& grid = plan.fine;
+std::vector<double> linear_state(const Plan& plan, const Grid& grid, const Harmonics& harmonics,
+                                 const FacetSamples& facet, const Linearised& linear) {
   const bool sheet = plan.batch.construction.is_sheet();
   std::vector<double> t = linear.mean_k;
   const auto net = [](const SideSamples& side, double mean_k) {
@@ -218,11 +216,40 @@ void correct(const Plan& plan, const Grid& grid, double period_s, const Linearis
   for (std::size_t i = 0; i < z.size(); ++i) r[i] += 2.0 * z[i];
 }
 
-/// The three runs of a state, on their grids.
+/// The runs of a state, on their grids.
 struct GridOfRun {
   const Grid* grid;
   std::vector<double> State::*t;
 };
+
+std::vector<GridOfRun> runs_of(const Plan& plan, Runs carried) {
+  std::vector<GridOfRun> runs{{&plan.fine, &State::fine}};
+  if (carried == Runs::three) runs.insert(runs.end(), {{&plan.fine, &State::doubled}, {&plan.coarse, &State::coarse}});
+  return runs;
+}
+
+/// Corrects the begin of a period by its end. `linear_of(first, count)`: facets linearised.
+template <class LinearOf>
+void correct_all(const Plan& plan, double period_s, const State& end, const LinearOf& linear_of, State& begin,
+                 int threads) {
+  const std::size_t facets = plan.batch.facets;
+  begin.step_s = end.step_s;
+  mtf::parallel_for(static_cast<std::int64_t>(facets), kFacetsAtOnce, threads,
+                    [&](std::int64_t first, std::int64_t last) {
+                      const std::vector<Linearised> linear =
+                          linear_of(static_cast<std::size_t>(first), static_cast<std::size_t>(last - first));
+                      for (const GridOfRun& run : runs_of(plan, begin.runs())) {
+                        std::vector<double>& t = begin.*run.t;
+                        const std::vector<double>& later = end.*run.t;
+                        std::vector<double> r(run.grid->nodes());
+                        for (auto f = static_cast<std::size_t>(first); f < static_cast<std::size_t>(last); ++f) {
+                          for (std::size_t i = 0; i < r.size(); ++i) r[i] = later[i * facets + f] - t[i * facets + f];
+                          correct(plan, *run.grid, period_s, linear[f - static_cast<std::size_t>(first)], r);
+                          for (std::size_t i = 0; i < r.size(); ++i) t[i * facets + f] += r[i];
+                        }
+                      }
+                    });
+}
 
 }  // namespace
 
@@ -238,25 +265,28 @@ PeriodicStart periodic_start(const Plan& plan, const GroupForcing& forcing, cons
   const std::size_t facets = plan.batch.facets;
   const bool sheet = plan.batch.construction.is_sheet();
   const bool three = runs_carried == Runs::three;
-  std::vector<GridOfRun> runs{{&plan.fine, &State::fine}};
-  if (three) runs.insert(runs.end(), {{&plan.fine, &State::doubled}, {&plan.coarse, &State::coarse}});
+  const std::vector<GridOfRun> runs = runs_of(plan, runs_carried);
 
   PeriodicStart result;
   result.state = uniform_state(plan, period.start_s, 0.0, runs_carried);
   std::vector<Linearised> linear(facets);
-  const Harmonics harmonics = harmonics_of(plan.fine, sheet, period_s);
-  const std::size_t stride = plan.fine.nodes() > 1 ? 2 : 1;  // from node to node of the coarse grid
+  // The second run starts as the first one does, on the same grid.
+  std::vector<GridOfRun> starts{runs.front()};
+  if (three) starts.push_back(runs.back());
+  std::vector<Harmonics> harmonics;
+  for (const GridOfRun& start : starts) harmonics.push_back(harmonics_of(*start.grid, sheet, period_s));
   const auto linear_states = [&](std::int64_t begin, std::int64_t end) {
     const auto first = static_cast<std::size_t>(begin), count = static_cast<std::size_t>(end - begin);
     const std::vector<FacetSamples> samples = sample(plan, forcing, period, first, count);
-    for (std::size_t i = 0; i < count; ++i) {
-      const std::size_t facet = first + i;
-      linear[facet] = mean_state(plan, samples[i]);
-      const std::vector<double> t = linear_state(plan, harmonics, samples[i], linear[facet]);
-      for (std::size_t node = 0; node < t.size(); ++node) result.state.fine[node * facets + facet] = t[node];
-      for (std::size_t node = 0; three && node < plan.coarse.nodes(); ++node)
-        result.state.coarse[node * facets + facet] = t[stride * node];
-    }
+    for (std::size_t i = 0; i < count; ++i)
+      for (std::size_t g = 0; g < starts.size(); ++g) {
+        const std::size_t facet = first + i;
+        const Linearised mean = mean_state(plan, *starts[g].grid, samples[i]);
+        const std::vector<double> t = linear_state(plan, *starts[g].grid, harmonics[g], samples[i], mean);
+        for (std::size_t node = 0; node < t.size(); ++node)
+          (result.state.*starts[g].t)[node * facets + facet] = t[node];
+        if (g == 0) linear[facet] = mean;
+      }
   };
   mtf::parallel_for(static_cast<std::int64_t>(facets), kFacetsAtOnce, threads, linear_states);
   if (three) result.state.doubled = result.state.fine;
@@ -269,23 +299,27 @@ PeriodicStart periodic_start(const Plan& plan, const GroupForcing& forcing, cons
     for (const GridOfRun& run : runs)
       for (std::size_t i = 0; i < (result.state.*run.t).size(); ++i)
         result.residual_k = std::max(result.residual_k, std::abs((day.end.*run.t)[i] - (result.state.*run.t)[i]));
-    result.state.step_s = day.end.step_s;
-    for (const GridOfRun& run : runs) {
-      const std::size_t n = run.grid->nodes();
-      const auto correct_facets = [&](std::int64_t begin, std::int64_t end) {
-        std::vector<double> r(n);
-        for (auto facet = static_cast<std::size_t>(begin); facet < static_cast<std::size_t>(end); ++facet) {
-          for (std::size_t i = 0; i < n; ++i)
-            r[i] = (day.end.*run.t)[i * facets + facet] - (result.state.*run.t)[i * facets + facet];
-          correct(plan, *run.grid, period_s, linear[facet], r);
-          for (std::size_t i = 0; i < n; ++i) (result.state.*run.t)[i * facets + facet] += r[i];
-        }
-      };
-      mtf::parallel_for(static_cast<std::int64_t>(facets), kFacetsAtOnce, threads, correct_facets);
-    }
+    const auto known = [&](std::size_t first, std::size_t count) {
+      const auto from = linear.begin() + static_cast<std::ptrdiff_t>(first);
+      return std::vector<Linearised>(from, from + static_cast<std::ptrdiff_t>(count));
+    };
+    correct_all(plan, period_s, day.end, known, result.state, threads);
     if (result.residual_k <= residual_k) break;
   }
   return result;
+}
+
+State corrected_start(const Plan& plan, const GroupForcing& forcing, const Timeline& period, const State& begin,
+                      const State& end, int threads) {
+  State start = begin;
+  const auto linear = [&](std::size_t first, std::size_t count) {
+    std::vector<Linearised> of_facets;
+    for (const FacetSamples& facet : sample(plan, forcing, period, first, count))
+      of_facets.push_back(mean_state(plan, plan.fine, facet));
+    return of_facets;
+  };
+  correct_all(plan, period.end_s - period.start_s, end, linear, start, threads);
+  return start;
 }
 
 }  // namespace radiometry::heat

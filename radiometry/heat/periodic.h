@@ -33,4 +33,9 @@ PeriodicStart periodic_start(const Plan& plan, const GroupForcing& forcing, cons
                              int most_periods = 8, int threads = 1, Runs runs = Runs::three,
                              const OutputSink& sink = {});
 
+/// Step 3 alone: the start to try after a period has brought `begin` to `end`. The forcing is that of the period, which
+/// the timeline is.
+State corrected_start(const Plan& plan, const GroupForcing& forcing, const Timeline& period, const State& begin,
+                      const State& end, int threads = 1);
+
 }  // namespace radiometry::heat

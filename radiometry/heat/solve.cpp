@@ -9,13 +9,14 @@
 
 #include "mtf/error.h"
 #include "mtf/units.h"
+#include "radiometry/heat/depth/short_chain.h"
 #include "radiometry/heat/lanes.h"
 #include "radiometry/heat/survey.h"
 
 namespace radiometry::heat {
 namespace {
 
-constexpr double kStepsShare = 0.5, kGridShare = 0.4, kDepthShare = 0.1;
+constexpr double kStepsShare = 0.5, kGridShare = 0.4, kDepthShare = 0.08, kChainShare = 0.02;
 constexpr double kAim = 0.7;  ///< of a share: what the next guess aims at
 constexpr int kMostTrials = 12, kMostEconomies = 3;
 constexpr double kFirstStepShare = 0.5;  ///< of the tolerance: the first guess of that of a step
@@ -34,7 +35,8 @@ struct Layers {
   Construction construction;
   bool one_node = false;
   double error_k = 0.0;
-  double short_time_s = 0.0;  ///< of the grid
+  double short_time_s = 0.0;                                      ///< of the grid
+  double flux_w_m2 = 0.0, duration_s = 0.0, chain_error_k = 0.0;  ///< see short_chain.h
 };
 
 /// The shortest time at which the surface has to be right: the shortest lag from a break to an output, but not less
@@ -51,16 +53,26 @@ Layers layers_of(const Batch& batch, const Survey& survey, const Timeline& timel
   const double allowed_k = kDepthShare * tolerance_k;
   const double short_s = short_time(batch.construction.layers.front(), survey, timeline, tolerance_k);
   const double one = one_node_error(batch.construction, survey.flux_w_m2);
+  const double duration_s = timeline.end_s - timeline.start_s;
   if (one <= allowed_k) return {batch.construction, true, one, short_s};
-  Cut cut =
-      cut_depth(batch.construction, survey.hottest_k - survey.coldest_k, timeline.end_s - timeline.start_s, allowed_k);
-  return {std::move(cut.construction), false, cut.error_k, short_s};
+  Cut cut = cut_depth(batch.construction, survey.hottest_k - survey.coldest_k, duration_s, allowed_k);
+  return {std::move(cut.construction), false, cut.error_k, short_s, survey.flux_w_m2, duration_s,
+          kChainShare * tolerance_k};
 }
 
 Plan plan_of(const Batch& batch, const Layers& layers, const Guess& guess) {
   const GridRequest request{.short_time_s = layers.short_time_s, .density = guess.density};
+  Plan plan{batch, {}, {}, request, guess.step_tolerance_k, layers.error_k};
   Grids grids = layers.one_node ? make_one_node(layers.construction) : make_grids(layers.construction, request);
-  return {batch, std::move(grids.fine), std::move(grids.coarse), request, guess.step_tolerance_k, layers.error_k};
+  if (std::holds_alternative<Adiabatic>(batch.construction.inside) && !batch.construction.generates) {
+    ShortChain fine = shortened(grids.fine, layers.flux_w_m2, layers.duration_s, layers.chain_error_k);
+    grids.fine = std::move(fine.grid);
+    grids.coarse = shortened(grids.coarse, layers.flux_w_m2, layers.duration_s, layers.chain_error_k).grid;
+    plan.depth_k += fine.error_k;
+  }
+  plan.fine = std::move(grids.fine);
+  plan.coarse = std::move(grids.coarse);
+  return plan;
 }
 
 /// Neighbouring facets of a batch as a batch of their own.

@@ -17,8 +17,8 @@
 #include <span>
 #include <vector>
 
+#include "radiometry/heat/depth/grid.h"
 #include "radiometry/heat/forcing.h"
-#include "radiometry/heat/grid.h"
 
 namespace radiometry::heat {
 

@@ -196,12 +196,12 @@ class LeaderGrid {
 
 using Finish = std::tuple<std::uint32_t, double, double>;
 
-/// Sides of the same finish in the same cube are together.
+/// Sides of the same finish in the same cube are together. Ends where there are more than `most`.
 Classes cubes_as_classes(std::span<const SideFinish> finish, std::span<const std::array<double, 3>> summaries,
-                         double width) {
+                         double width, std::size_t most) {
   std::map<std::pair<Finish, Cube>, std::uint32_t> known;
   Classes classes{.class_of = {}, .leader = {}, .bound_w_m2 = width};
-  for (std::uint32_t i = 0; i < finish.size(); ++i) {
+  for (std::uint32_t i = 0; i < finish.size() && classes.size() <= most; ++i) {
     const Finish of_side{finish[i].key, finish[i].solar_absorptance, finish[i].emissivity};
     const auto [at, fresh] =
         known.try_emplace({of_side, cube_of(summaries[i], width)}, static_cast<std::uint32_t>(classes.leader.size()));
@@ -270,14 +270,14 @@ Classes patches_of(const Facets& facets, std::span<const Side> sides, std::span<
   for (std::size_t i = 0; i < sides.size(); ++i) summaries.push_back(terms.summary(i));
 
   constexpr double kNarrow_w_m2 = 1e-3, kWide_w_m2 = 100.0 * kLargestFlux_w_m2;  // all in one cube
-  Classes patches = cubes_as_classes(finish, summaries, kWide_w_m2);
+  Classes patches = cubes_as_classes(finish, summaries, kWide_w_m2, most);
   if (patches.size() > most)
     throw mtf::UsageError("patches_of: the sides have more than " + std::to_string(most) +
                           " different finishes: allow more patches.");
   double narrow = kNarrow_w_m2, wide = kWide_w_m2;  // bisected to 2 %, in the logarithm
   while (wide > 1.02 * narrow) {
     const double width = std::sqrt(narrow * wide);
-    Classes trial = cubes_as_classes(finish, summaries, width);
+    Classes trial = cubes_as_classes(finish, summaries, width, most);
     if (trial.size() > most) {
       narrow = width;
     } else {

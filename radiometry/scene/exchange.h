@@ -58,10 +58,14 @@ struct Radiosity {
   int iterations = 0;
 };
 
-/// Of patches. Reflectances are in [0, 1). Throws mtf::UsageError for others, and mtf::RuntimeError when the relative
-/// residual does not fall to `tolerance`.
+/// Of patches; of several moments at once, `columns` of them, where fluxes are [patch * columns + column], in and out.
+/// Reflectances are in [0, 1). Throws mtf::UsageError for others, and mtf::RuntimeError when the relative residual of a
+/// column does not fall to `tolerance`.
 Radiosity radiosity(const Exchange& exchange, std::span<const double> emitted_w_m2, std::span<const double> reflectance,
-                    std::span<const double> from_outside_w_m2, double tolerance = 1e-14);
+                    std::span<const double> from_outside_w_m2, double tolerance = 1e-14, std::size_t columns = 1);
+
+/// The product of rows with columns that stand side by side, [row * columns + column].
+void times(const SparseRows& rows, std::size_t columns, std::span<const double> x, std::span<double> y);
 
 /// Fluxes of receivers, W m^-2; an entry for each.
 struct ReceiverFluxes {

@@ -2,9 +2,11 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <tuple>
+#include <utility>
 
+#include "mtf/engines/simd.h"
 #include "mtf/error.h"
-#include "radiometry/scene/conjugate_gradients.h"
 #include "radiometry/scene/exchange.h"
 
 namespace radiometry::scene {
@@ -26,46 +28,140 @@ void check_reflectance(std::span<const double> reflectance, const std::string& w
                             std::to_string(reflectance[i]) + ", it must be at least 0 and below 1.");
 }
 
-/// Of row i.
-double times(const SparseRows& rows, std::size_t i, std::span<const double> x) {
-  double sum = 0.0;
-  for (std::uint64_t e = rows.first[i]; e < rows.first[i + 1]; ++e) sum += rows.value[e] * x[rows.column[e]];
-  return sum;
-}
+/// One row of a product, for all columns of `x`, which stand side by side.
+struct MultiplyRow {
+  template <int Bytes>
+  static MTFKIT_INLINE void run(std::size_t entries, const std::uint32_t* row, const double* value, std::size_t columns,
+                                const double* x, double* __restrict y) {
+    constexpr std::size_t kBlock = 16;
+    std::size_t c = 0;
+    for (; c + kBlock <= columns; c += kBlock) {
+      double sum[kBlock] = {};
+      for (std::size_t e = 0; e < entries; ++e) {
+        const double* from = x + row[e] * columns + c;
+        for (std::size_t l = 0; l < kBlock; ++l) sum[l] += value[e] * from[l];
+      }
+      for (std::size_t l = 0; l < kBlock; ++l) y[c + l] = sum[l];
+    }
+    for (; c < columns; ++c) {
+      double sum = 0.0;
+      for (std::size_t e = 0; e < entries; ++e) sum += value[e] * x[row[e] * columns + c];
+      y[c] = sum;
+    }
+  }
+};
+
+/// Conjugate gradients for all columns side by side, each with its own steps: as conjugate_gradients.h, with A x =
+/// x - right F (left x).
+class Columns {
+ public:
+  Columns(const Exchange& exchange, std::span<const double> reflectance, std::size_t columns)
+      : exchange_(exchange), columns_(columns), n_(exchange.patches()), scratch_(n_ * columns), image_(n_ * columns) {
+    for (std::size_t i = 0; i < n_; ++i) {
+      left_.push_back(std::sqrt(reflectance[i] / exchange.area_m2[i]));
+      right_.push_back(std::sqrt(reflectance[i] * exchange.area_m2[i]));
+    }
+  }
+
+  const std::vector<double>& to_flux() const { return left_; }
+  const std::vector<double>& from_flux() const { return right_; }
+
+  /// Right-hand sides in, the solution out; the most iterations of any column, and its relative residual.
+  std::pair<int, double> solve(std::vector<double>& b, double tolerance) {
+    std::vector<double> residual = b, direction = std::move(b);
+    b.assign(residual.size(), 0.0);
+    const std::vector<double> start = products(residual, residual);
+    std::vector<double> squares = start, step(columns_), ratio(columns_);
+    const auto open = [&](std::size_t c) { return squares[c] > tolerance * tolerance * start[c]; };
+    int iterations = 0;
+    for (; iterations < kMostIterations; ++iterations) {
+      bool any = false;
+      for (std::size_t c = 0; c < columns_; ++c) any = any || open(c);
+      if (!any) break;
+      multiply(direction);
+      const std::vector<double> curvature = products(direction, image_);
+      for (std::size_t c = 0; c < columns_; ++c)
+        step[c] = open(c) && curvature[c] > 0.0 ? squares[c] / curvature[c] : 0.0;
+      for (std::size_t i = 0; i < n_; ++i)
+        for (std::size_t c = 0; c < columns_; ++c) {
+          const std::size_t at = i * columns_ + c;
+          b[at] += step[c] * direction[at];
+          residual[at] -= step[c] * image_[at];
+        }
+      const std::vector<double> next = products(residual, residual);
+      for (std::size_t c = 0; c < columns_; ++c) {
+        ratio[c] = squares[c] > 0.0 ? next[c] / squares[c] : 0.0;
+        squares[c] = next[c];
+      }
+      for (std::size_t i = 0; i < n_; ++i)
+        for (std::size_t c = 0; c < columns_; ++c)
+          direction[i * columns_ + c] = residual[i * columns_ + c] + ratio[c] * direction[i * columns_ + c];
+    }
+    double worst = 0.0;
+    for (std::size_t c = 0; c < columns_; ++c)
+      if (start[c] > 0.0) worst = std::max(worst, std::sqrt(squares[c] / start[c]));
+    return {iterations, worst};
+  }
+
+ private:
+  std::vector<double> products(const std::vector<double>& p, const std::vector<double>& q) const {
+    std::vector<double> sums(columns_, 0.0);
+    for (std::size_t i = 0; i < n_; ++i)
+      for (std::size_t c = 0; c < columns_; ++c) sums[c] += p[i * columns_ + c] * q[i * columns_ + c];
+    return sums;
+  }
+  void multiply(const std::vector<double>& x) {
+    for (std::size_t i = 0; i < n_; ++i)
+      for (std::size_t c = 0; c < columns_; ++c) scratch_[i * columns_ + c] = left_[i] * x[i * columns_ + c];
+    times(exchange_.factors, columns_, scratch_, image_);
+    for (std::size_t i = 0; i < n_; ++i)
+      for (std::size_t c = 0; c < columns_; ++c) {
+        double& image = image_[i * columns_ + c];
+        image = x[i * columns_ + c] - right_[i] * image;
+      }
+  }
+
+  const Exchange& exchange_;
+  std::size_t columns_, n_;
+  std::vector<double> left_, right_, scratch_, image_;
+};
 
 }  // namespace
 
+void times(const SparseRows& rows, std::size_t columns, std::span<const double> x, std::span<double> y) {
+  for (std::size_t i = 0; i + 1 < rows.first.size(); ++i) {
+    const std::uint64_t first = rows.first[i];
+    mtf::simd::run<MultiplyRow>(static_cast<std::size_t>(rows.first[i + 1] - first), rows.column.data() + first,
+                                rows.value.data() + first, columns, x.data(), y.data() + i * columns);
+  }
+}
+
 Radiosity radiosity(const Exchange& exchange, std::span<const double> emitted, std::span<const double> reflectance,
-                    std::span<const double> from_outside, double tolerance) {
+                    std::span<const double> from_outside, double tolerance, std::size_t columns) {
   const std::size_t n = exchange.patches();
-  check_sizes(n, {emitted.size(), reflectance.size(), from_outside.size()}, "patches");
+  check_sizes(n, {reflectance.size()}, "patches");
+  check_sizes(n * columns, {emitted.size(), from_outside.size()}, "patches");
   check_reflectance(reflectance, "patch");
 
-  std::vector<double> to_flux(n), z(n), right(n);  // rho H = to_flux z
-  for (std::size_t i = 0; i < n; ++i) to_flux[i] = std::sqrt(reflectance[i] / exchange.area_m2[i]);
-  const auto from_flux = [&](std::size_t i, double flux) {
-    return std::sqrt(reflectance[i] * exchange.area_m2[i]) * flux;
-  };
-  for (std::size_t i = 0; i < n; ++i) right[i] = from_flux(i, from_outside[i] + times(exchange.factors, i, emitted));
-  std::vector<double> given_off(n);
-  const auto multiply = [&](const std::vector<double>& x) {
-    for (std::size_t i = 0; i < n; ++i) given_off[i] = to_flux[i] * x[i];
-    std::vector<double> image(n);
-    for (std::size_t i = 0; i < n; ++i) image[i] = x[i] - from_flux(i, times(exchange.factors, i, given_off));
-    return image;
-  };
-  const LinearSolution solved = conjugate_gradients(multiply, std::move(right), tolerance, kMostIterations);
-  if (!(solved.residual <= tolerance))
-    throw mtf::RuntimeError("radiosity: the relative residual is " + std::to_string(solved.residual) + " after " +
-                            std::to_string(solved.iterations) +
-                            " iterations: lower the reflectance of surfaces that are almost mirrors, or the demand.");
-
-  Radiosity result{.irradiance_w_m2 = std::vector<double>(n),
-                   .radiosity_w_m2 = std::vector<double>(n),
-                   .iterations = solved.iterations};
-  for (std::size_t i = 0; i < n; ++i) result.radiosity_w_m2[i] = emitted[i] + to_flux[i] * solved.x[i];
+  Radiosity result{.irradiance_w_m2 = std::vector<double>(n * columns), .radiosity_w_m2 = {}, .iterations = 0};
+  Columns system(exchange, reflectance, columns);
+  std::vector<double> z(n * columns);  // rho H = to_flux z
+  times(exchange.factors, columns, emitted, z);
   for (std::size_t i = 0; i < n; ++i)
-    result.irradiance_w_m2[i] = from_outside[i] + times(exchange.factors, i, result.radiosity_w_m2);
+    for (std::size_t c = 0; c < columns; ++c)
+      z[i * columns + c] = system.from_flux()[i] * (from_outside[i * columns + c] + z[i * columns + c]);
+  double residual = 0.0;
+  std::tie(result.iterations, residual) = system.solve(z, tolerance);
+  if (!(residual <= tolerance))
+    throw mtf::RuntimeError("radiosity: the relative residual is " + std::to_string(residual) + " after " +
+                            std::to_string(result.iterations) +
+                            " iterations: lower the reflectance of surfaces that are almost mirrors, or the demand.");
+  for (std::size_t i = 0; i < n; ++i)
+    for (std::size_t c = 0; c < columns; ++c)
+      z[i * columns + c] = emitted[i * columns + c] + system.to_flux()[i] * z[i * columns + c];
+  times(exchange.factors, columns, z, result.irradiance_w_m2);
+  for (std::size_t e = 0; e < n * columns; ++e) result.irradiance_w_m2[e] += from_outside[e];
+  result.radiosity_w_m2 = std::move(z);
   return result;
 }
 
@@ -89,8 +185,8 @@ std::vector<double> irradiance_w_m2(const Exchange& exchange, const ReceiverFlux
                 patch_means([&](std::size_t i) { return fluxes.reflectance[i]; }), outside, tolerance);
 
   std::vector<double> irradiance(receivers);
-  for (std::size_t i = 0; i < receivers; ++i)
-    irradiance[i] = fluxes.environment[i] + fluxes.direct[i] + times(exchange.rows, i, patch.radiosity_w_m2);
+  times(exchange.rows, 1, patch.radiosity_w_m2, irradiance);
+  for (std::size_t i = 0; i < receivers; ++i) irradiance[i] += fluxes.environment[i] + fluxes.direct[i];
   std::vector<double> shift = patch_means([&](std::size_t i) { return irradiance[i]; });
   for (std::size_t p = 0; p < patches; ++p) shift[p] = patch.irradiance_w_m2[p] - shift[p];
   for (std::size_t i = 0; i < receivers; ++i) irradiance[i] += shift[exchange.patch_of[i]];

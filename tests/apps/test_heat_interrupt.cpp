@@ -121,6 +121,54 @@ TEST_F(HeatCommand, AKilledRunLeavesNothingHalfWritten) {
   for (const std::string& name : names_in(scratch_ / "fresh")) EXPECT_EQ(name.find(".tmp."), std::string::npos) << name;
 }
 
+/// `mtf heat scene.toml -o FOLDER --save-every 0`, killed as soon as it has saved a day, another one than in the file
+/// `unlike`.
+std::string killed(const std::string& folder, const std::string& unlike = "/dev/null") {
+  return "mtf heat scene.toml -o " + folder +
+         " --save-every 0 & pid=$!\n"
+         "while kill -0 $pid 2>/dev/null; do\n"
+         "  [ -s " +
+         folder + "/unfinished.bin ] && ! cmp -s " + folder + "/unfinished.bin " + unlike +
+         " && kill -KILL $pid && break\n  sleep 0.01\ndone\nwait $pid";
+}
+
+// Killed in a day, twice, and once after files were written: nothing of what was saved is solved again.
+TEST_F(HeatCommand, GoesOnAfterItWasKilled) {
+  write_many_days(scratch_, "2026-07-11");
+  const Result whole = scratch_.run("mtf heat scene.toml -o whole");
+  ASSERT_EQ(whole.status, 0) << whole.err;
+  ASSERT_EQ(scratch_.run(killed("days")).status, 137);
+  EXPECT_FALSE(std::filesystem::exists(scratch_ / "days/temperatures.npy"));
+  EXPECT_TRUE(std::filesystem::exists(scratch_ / "days/unfinished.npy"));
+
+  // A scene that changed is refused, and nothing is lost.
+  const std::string scene = read_file(scratch_ / "scene.toml"), state = read_file(scratch_ / "days/unfinished.bin");
+  write_file(scratch_ / "scene.toml", scene + "# another\n");
+  const Result changed = scratch_.run("mtf heat scene.toml -o days");
+  EXPECT_EQ(changed.status, 2);
+  EXPECT_NE(changed.err.find("the scene file is not what it was"), std::string::npos) << changed.err;
+  write_file(scratch_ / "scene.toml", scene);
+  EXPECT_TRUE(read_file(scratch_ / "days/unfinished.bin") == state);
+
+  write_file(scratch_ / "first.bin", state);
+  ASSERT_EQ(scratch_.run(killed("days", "first.bin")).status, 137);
+  EXPECT_FALSE(read_file(scratch_ / "days/unfinished.bin") == state);
+  // (What a killed process left is no sign that the next one has begun.)
+  ASSERT_EQ(scratch_.run("rm -f days/*.tmp.*; " + interrupted("days")).status, 130);
+  const Result last = scratch_.run("mtf heat scene.toml -o days");
+  ASSERT_EQ(last.status, 0) << last.err;
+  EXPECT_NE(last.err.find("going on after "), std::string::npos) << last.err;
+  for (const char* name : {"temperatures.npy", "regions.csv", "times.csv", "facets.csv"})
+    EXPECT_TRUE(read_file(scratch_ / "days" / name) == read_file(scratch_ / "whole" / name)) << name;
+  for (const std::string& name : names_in(scratch_ / "days")) {
+    EXPECT_EQ(name.find(".tmp."), std::string::npos) << name;
+    EXPECT_EQ(name.find("unfinished"), std::string::npos) << name;
+  }
+  const auto one = nlohmann::json::parse(read_file(scratch_ / "whole/heat.json"));
+  const auto two = nlohmann::json::parse(read_file(scratch_ / "days/heat.json"));
+  for (const char* key : {"promised_K", "steps", "residual_K", "materials"}) EXPECT_EQ(one.at(key), two.at(key)) << key;
+}
+
 // A limit on the size of files stands for a disk that is full.
 TEST_F(HeatCommand, ADiskWithoutRoomIsNamed) {
   write_many_days(scratch_, "2026-06-25");

@@ -19,7 +19,7 @@ struct FlyCommandOptions {
   double rate_hz = 25.0;
   double speed = 1.0;  ///< of the scene's clock
   double light_every_s = 60.0;
-  double heat_tolerance_k = 1.0;
+  double heat_tolerance_k = 0.1;
   double samples_per_pitch = 2.0;
   int points = 4;
   bool all_shadows = false, no_air = false;

@@ -148,7 +148,7 @@ std::vector<std::string> outputs_of(const std::string& folder) {
   std::vector<std::string> paths;
   for (const char* name :
        {"temperatures.npy", "temperatures_back.npy", "facets.csv", "times.csv", "regions.csv", "heat.json",
-        "regions.svg", "regions.svg.csv", "scene.png", "facets.ply", "facets.vtk", "sensitivity.csv", "unfinished.bin"})
+        "regions.svg", "regions.svg.csv", "scene.png", "facets.ply", "facets.vtk", "sensitivity.csv"})
     paths.push_back(folder + "/" + name);
   return paths;
 }
@@ -163,15 +163,18 @@ void require_no_input_in(const std::string& folder, const SceneFile& file) {
       inputs.push_back(region.temperature->table);
       inputs.push_back((fs::path(region.temperature->table).parent_path() / "times.csv").string());
     }
-  for (const std::string& output : outputs_of(folder))
+  std::vector<std::string> written = outputs_of(folder);
+  for (const char* name : {"unfinished.bin", "unfinished.npy", "unfinished_back.npy"})
+    written.push_back(folder + "/" + name);
+  for (const std::string& output : written)
     for (const std::string& input : inputs)
       if (!input.empty() && is_same_file(input, output))
         throw mtf::UsageError("-o: " + one_line(folder) + " holds " + one_line(input) +
                               ", which this run reads and would replace; choose another folder");
 }
 
-/// An interrupted run is continued, or replaced, without --force.
-bool is_unfinished(const std::string& folder) {
+/// The results so far of a run that was interrupted.
+bool holds_part(const std::string& folder) {
   std::ifstream file(folder + "/heat.json");
   const nlohmann::json json = file ? nlohmann::json::parse(file, nullptr, false) : nlohmann::json();
   return json.is_object() && json.contains("closures") && json.value("finished", true) == false;
@@ -180,7 +183,10 @@ bool is_unfinished(const std::string& folder) {
 }  // namespace
 
 int run_heat(const HeatCommandOptions& options, const Global& global) {
-  const bool unfinished = is_unfinished(options.out), force = options.force || unfinished;
+  // An interrupted run is continued, or replaced, without --force.
+  const bool part = holds_part(options.out),
+             resumable = is_unfinished(options.out) || (part && fs::exists(unfinished_path(options.out))),
+             unfinished = resumable || part, force = options.force || unfinished;
   if (options.anew && !unfinished && !options.force)
     throw mtf::UsageError("--anew: " + one_line(options.out) + " holds no interrupted run");
   check_folder(options.out, force);
@@ -201,12 +207,13 @@ int run_heat(const HeatCommandOptions& options, const Global& global) {
                            .seen = options.seen,
                            .verify = options.verify,
                            .threads = global.threads,
-                           .go_on = [&] { return !interrupt.asked(); }};
+                           .go_on = [&] { return !interrupt.asked(); },
+                           .keep_every_s = options.save_every_s};
   ProgressLine progress(global);
   HeatScene scene = prepare_heat(file, heat_options);
   for (const std::string& warning : scene.warnings) note(global, "warning: " + warning);
   std::optional<UnfinishedRun> earlier;
-  if (unfinished && !options.anew && fs::exists(unfinished_path(options.out))) {
+  if (resumable && !options.anew) {
     if (options.verify || options.sensitivity)
       throw mtf::UsageError(
           one_line(options.out) +
@@ -238,6 +245,13 @@ int run_heat(const HeatCommandOptions& options, const Global& global) {
     prepare_folder(options.out, force);
     HeatFiles files(options.out, scene);
     if (earlier) files.take_over(earlier->outputs);
+    auto write_state = [&, fingerprints = Fingerprints()](const Checkpoint& state) mutable {
+      if (fingerprints.empty()) fingerprints = fingerprints_of(scene, heat_options);
+      write_unfinished(options.out, {fingerprints, {files.times_s(), files.regions()}, state});
+    };
+    heat_options.keep = [&](const Checkpoint& state) {
+      if (files.keep()) write_state(state);
+    };
     std::vector<double> last;
     const HeatReport report = run_heat(
         scene, heat_options,
@@ -255,11 +269,12 @@ int run_heat(const HeatCommandOptions& options, const Global& global) {
     // is lost at no time.
     for (const std::string& path : outputs)
       if (!earlier) fs::remove(path);
-    if (report.checkpoint)
-      write_unfinished(options.out,
-                       {fingerprints_of(scene, heat_options), {files.times_s(), files.regions()}, *report.checkpoint});
+    if (report.checkpoint) {
+      files.keep();
+      write_state(*report.checkpoint);
+    }
     files.commit(report, heat_options);
-    if (!report.checkpoint) fs::remove(unfinished_path(options.out));
+    if (!report.checkpoint) remove_unfinished(options.out);
     write_figure(options.out + "/regions.svg", region_figure(file, files));
     if (!seen.empty())
       write_scene_picture(options.out + "/scene.png", seen, last,
@@ -272,6 +287,7 @@ int run_heat(const HeatCommandOptions& options, const Global& global) {
         means.emplace_back();
         for (const RegionTemperature& region : regions) means.back().push_back(region.mean_k);
       }
+      heat_options.keep = {};
       const std::vector<Sensitivity> all =
           sensitivities(scene, heat_options, means,
                         [&](const std::string& step, double share) { progress.update("sensitivity: " + step, share); });

@@ -22,8 +22,12 @@ HeatFiles::HeatFiles(std::string folder, const HeatScene& scene)
 
 void HeatFiles::take_over(const EarlierOutputs& earlier) {
   const std::size_t outputs = earlier.times_s.size();
-  copy_rows(at("temperatures.npy"), outputs, *front_);
-  if (back_) copy_rows(at("temperatures_back.npy"), outputs, *back_);
+  // Without second names of files only Ctrl-C leaves an unfinished run, with all that is finished in place.
+  const auto table = [&](const std::string& kept, const std::string& own) {
+    return std::filesystem::exists(at(kept)) ? at(kept) : at(own);
+  };
+  copy_rows(table("unfinished.npy", "temperatures.npy"), outputs, *front_);
+  if (back_) copy_rows(table("unfinished_back.npy", "temperatures_back.npy"), outputs, *back_);
   times_s_ = earlier.times_s;
   regions_ = earlier.regions;
 }
@@ -52,6 +56,10 @@ void HeatFiles::append(const HeatOutput& output) {
   }
   regions_.push_back(std::move(regions));
   times_s_.push_back(output.time_s);
+}
+
+bool HeatFiles::keep() {
+  return front_->keep_as(at("unfinished.npy")) && (!back_ || back_->keep_as(at("unfinished_back.npy")));
 }
 
 std::vector<std::pair<std::string, std::size_t>> covered_by_region(const HeatScene& scene, const HeatReport& report) {

@@ -9,7 +9,8 @@
 //   temperatures.npy      float32, output times x facets, K; the front of sheets; NaN where it is not asked for
 //   temperatures_back.npy where there are sheets: their back, NaN for other facets
 //   heat.json             closures, classes, steps, promise, residuals, times
-// and, where it was interrupted, unfinished.bin (unfinished_run.h).
+// and, while it is not finished, unfinished.bin, unfinished.npy and, with sheets, unfinished_back.npy
+// (unfinished_run.h).
 // Every file appears whole or not at all.
 
 #include <memory>
@@ -27,7 +28,7 @@ struct RegionTemperature {
   double least_k = 0.0, mean_k = 0.0, most_k = 0.0;
 };
 
-/// Of the outputs that a run had when it was interrupted.
+/// Of the outputs that a run had when it was interrupted, or kept before it was killed.
 struct EarlierOutputs {
   std::vector<double> times_s;
   std::vector<std::vector<RegionTemperature>> regions;  ///< [output][region]
@@ -42,6 +43,9 @@ class HeatFiles {
   void take_over(const EarlierOutputs& earlier);
 
   void append(const HeatOutput& output);
+  /// The outputs so far stand in unfinished*.npy, on the disk, and stay there when the process is killed. False where
+  /// the file system does not allow that.
+  bool keep();
   /// All files appear.
   void commit(const HeatReport& report, const HeatOptions& options);
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/scene/command/unfinished_run.h"
 
+#include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <limits>
@@ -29,6 +30,19 @@ double kelvin_of(const Json& number) {
 }  // namespace
 
 std::string unfinished_path(const std::string& folder) { return folder + "/unfinished.bin"; }
+
+bool is_unfinished(const std::string& folder) {
+  std::ifstream file(unfinished_path(folder), std::ios::binary);
+  std::string start(kMagic.size(), '\0');
+  file.read(start.data(), static_cast<std::streamsize>(start.size()));
+  return file && start == kMagic;
+}
+
+void remove_unfinished(const std::string& folder) {
+  // The state first: without it the tables are no run.
+  for (const char* name : {"/unfinished.bin", "/unfinished.npy", "/unfinished_back.npy"})
+    std::filesystem::remove(folder + name);
+}
 
 // A line that says what it is, a line of JSON, the checkpoint.
 void write_unfinished(const std::string& folder, const UnfinishedRun& run) {

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// An interrupted `mtf heat` leaves the file unfinished.bin in its folder. The same command reads it and continues with
-// the first day that is not finished. Only the program that wrote the file can read it. The file holds the hashes of
-// all inputs, by which a changed input is recognised and refused.
+// A `mtf heat` that is interrupted leaves the file unfinished.bin in its folder, and one that runs for long writes it
+// every few seconds, so that one that is killed leaves it too. The outputs so far are in unfinished.npy and
+// unfinished_back.npy, which hold at least those that unfinished.bin counts. The same command reads them and continues
+// with the first day that is not finished. Only the program that wrote the files can read them. unfinished.bin holds
+// the hashes of all inputs, by which a changed input is recognised and refused.
 
 #include <string>
 
@@ -18,6 +20,12 @@ struct UnfinishedRun {
 };
 
 std::string unfinished_path(const std::string& folder);
+
+/// Whether there is one. Anything may stand in the folder, which may not exist.
+bool is_unfinished(const std::string& folder);
+
+/// When a run is finished. What it leaves then is still none or all of it.
+void remove_unfinished(const std::string& folder);
 
 /// The file appears whole or not at all.
 void write_unfinished(const std::string& folder, const UnfinishedRun& run);

@@ -19,6 +19,8 @@ constexpr int kMostRounds = 20;        // solutions of units
 constexpr double kAgainShare = 0.6;    // of what is allowed: with more a unit is solved again, once another has to be
 constexpr double kSampleShare = 0.25;  // of what is allowed: where the iteration of the sample ends
 
+constexpr double kGuessShare = 0.02;  // of what its first iteration changed: where it ends with coarse plans
+
 namespace heat = radiometry::heat;
 
 }  // namespace
@@ -59,11 +61,17 @@ std::vector<double> HeatBatches::emitted_by_all() const {
   std::vector<double> emitted(light_.moments() * patches, 0.0);
   mtf::parallel_for(static_cast<std::int64_t>(light_.moments()), 8, threads_,
                     [&](std::int64_t begin, std::int64_t end) {
-                      for (auto m = static_cast<std::size_t>(begin); m < static_cast<std::size_t>(end); ++m)
-                        for (std::size_t r = 0; r < exchange.receivers(); ++r) {
-                          const double kelvin = receiver_k_[m * exchange.receivers() + r], square = kelvin * kelvin;
-                          emitted[m * patches + exchange.patch_of[r]] += emission_[r] * square * square;
+                      for (auto m = static_cast<std::size_t>(begin); m < static_cast<std::size_t>(end); ++m) {
+                        const double* kelvin = receiver_k_.data() + m * exchange.receivers();
+                        for (std::size_t p = 0; p < patches; ++p) {
+                          double sum = 0.0;
+                          for (std::uint32_t i = emitting_.first[p]; i < emitting_.first[p + 1]; ++i) {
+                            const double square = kelvin[emitting_.receiver[i]] * kelvin[emitting_.receiver[i]];
+                            sum += emitting_.emission[i] * square * square;
+                          }
+                          emitted[m * patches + p] = sum;
                         }
+                      }
                     });
   return emitted;
 }
@@ -88,7 +96,7 @@ double HeatBatches::residual_k(const Batch& batch, std::uint32_t place) const {
 
 void HeatBatches::relax_sample(bool first, const Exchange& exchange, Pace pace) {
   const PatchScene patch = patch_scene();
-  double last = 0.0;
+  double last = 0.0, enough_k = kSampleShare * exchange.tolerance_k;
   for (int iteration = 1;; ++iteration) {
     const std::vector<double> emitted = run_sample(first && samples_ < kStarts ? kStarts : 0, pace);
     ++samples_;
@@ -96,11 +104,12 @@ void HeatBatches::relax_sample(bool first, const Exchange& exchange, Pace pace) 
     const PatchTable before = light_.longwave;
     fill_longwave(patch, emitted_, light_);
     const double most = largest_change(patch, before, light_.longwave, sampled_receivers_) / exchange.loss_w_m2_k;
+    if (iteration == 1 && pace == Pace::coarse) enough_k = std::max(enough_k, kGuessShare * most);
     // A change becomes smaller by the ratio at least with every iteration; it may do so faster than the bound says.
     const double ratio =
         iteration > 2 && last > 0.0 ? std::min(exchange.ratio_bound, most / last) : exchange.ratio_bound;
     const double error = most / (1.0 - std::clamp(ratio, 0.0, 0.99));
-    if (error <= kSampleShare * exchange.tolerance_k && (!first || samples_ > kStarts)) return;
+    if (error <= enough_k && (!first || samples_ > kStarts)) return;
     if (iteration == kMostIterations)
       throw mtf::RuntimeError("the exchange of radiation between surfaces has an error of " + significant(error, 2) +
                               " K after " + plural(kMostIterations, "iteration") + "; ask for a larger tolerance");
@@ -134,23 +143,43 @@ void HeatBatches::guess_exchange(bool first, const Exchange& exchange) {
   }
 }
 
+std::vector<double> HeatBatches::changes_of_units(const std::vector<PatchTable>& of_round,
+                                                  const std::vector<std::uint8_t>& round_of) const {
+  std::vector<double> of_unit(units_.unit.size(), 0.0);
+  for (std::size_t round = 0; round < of_round.size(); ++round) {
+    std::vector<std::uint32_t> units, receivers;
+    for (const Batch& batch : batches_)
+      for (const std::uint32_t u : batch.all.unit) {
+        if (round_of[u] != round) continue;
+        units.push_back(u);
+        receivers.push_back(static_cast<std::uint32_t>(units_.unit[u].receiver));
+        if (units_.unit[u].back) receivers.push_back(static_cast<std::uint32_t>(units_.unit[u].back_receiver));
+      }
+    const std::vector<double> change = changes(patch_scene(), of_round[round], light_.longwave, receivers);
+    for (const std::uint32_t u : units) {
+      const Unit& unit = units_.unit[u];
+      of_unit[u] = std::max(change[unit.receiver], unit.back ? change[unit.back_receiver] : 0.0);
+    }
+  }
+  return of_unit;
+}
+
 Relaxed HeatBatches::solve(const Window& window, bool first, double tolerance_k, double loss_w_m2_k,
                            double ratio_bound) {
   set_window(window, first);
   const PatchScene patch = patch_scene();
   fill_longwave(patch, emitted_, light_);
+  make_plans();
   const Exchange exchange{tolerance_k, loss_w_m2_k, ratio_bound};
   guess_exchange(first, exchange);
-  samples_ = 0;
   relax_sample(first, exchange, Pace::fine);
   for (Batch& batch : batches_) promise(batch, first);
 
   // All units; then those again that saw another light than this one comes to, or whose day does not repeat.
   run_all(0, Pace::fine);
   Relaxed relaxed{.iterations = 1, .error_k = 0.0};
-  const PatchTable of_all = light_.longwave;  // with which units were solved, and those that were solved again
-  PatchTable of_again = of_all;
-  std::vector<bool> again(units_.unit.size(), false);
+  std::vector<PatchTable> of_round{light_.longwave};          // with which units were solved
+  std::vector<std::uint8_t> round_of(units_.unit.size(), 0);  // the last one in which each of them was
   for (;; ++relaxed.iterations) {
     const std::vector<double> all = emitted_by_all();
     for (std::size_t e = 0; e < all.size(); ++e) {
@@ -158,8 +187,7 @@ Relaxed HeatBatches::solve(const Window& window, bool first, double tolerance_k,
       emitted_[e] = all[e];
     }
     fill_longwave(patch, emitted_, light_);
-    const std::vector<double> change = changes(patch, of_all, light_.longwave, solved_receivers_),
-                              change_again = changes(patch, of_again, light_.longwave, solved_receivers_);
+    const std::vector<double> change = changes_of_units(of_round, round_of);
     relaxed.error_k = 0.0;
     std::vector<std::vector<std::uint32_t>> places(batches_.size());
     bool enough = true;
@@ -168,17 +196,15 @@ Relaxed HeatBatches::solve(const Window& window, bool first, double tolerance_k,
       batch.run.start_residual_k = 0.0;
       for (std::uint32_t place = 0; place < batch.all.unit.size(); ++place) {
         const std::uint32_t u = batch.all.unit[place];
-        const Unit& unit = units_.unit[u];
-        const std::vector<double>& of = again[u] ? change_again : change;
-        const double error_k = std::max(of[unit.receiver], unit.back ? of[unit.back_receiver] : 0.0) / loss_w_m2_k /
-                               (1.0 - std::clamp(ratio_bound, 0.0, 0.99));
+        const double error_k = change[u] / loss_w_m2_k / (1.0 - std::clamp(ratio_bound, 0.0, 0.99));
         const double residual = first ? residual_k(batch, place) : 0.0;
         relaxed.error_k = std::max(relaxed.error_k, error_k);
         batch.run.start_residual_k = std::max(batch.run.start_residual_k, residual);
         const double part = std::max(error_k / tolerance_k, residual / (kStartShare * tolerance_k_));
         enough = enough && part <= 1.0;
-        again[u] = again[u] || part > kAgainShare;
-        if (again[u]) places[b].push_back(place);
+        if (part <= kAgainShare) continue;
+        places[b].push_back(place);
+        round_of[u] = static_cast<std::uint8_t>(of_round.size());
       }
     }
     if (enough) break;
@@ -188,7 +214,7 @@ Relaxed HeatBatches::solve(const Window& window, bool first, double tolerance_k,
                               "; ask for a larger tolerance");
     relax_sample(first, exchange, Pace::fine);
     run_again(places, first);
-    of_again = light_.longwave;
+    of_round.push_back(light_.longwave);
   }
   relaxed.error_k += (parabola_error(patch, light_.longwave, solved_receivers_) +
                       parabola_error(patch, light_.solar, solved_receivers_)) /

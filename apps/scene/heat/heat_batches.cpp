@@ -16,7 +16,7 @@ namespace apps::scene {
 namespace {
 
 namespace heat = radiometry::heat;
-constexpr double kPlanShare = 0.5;    // of the tolerance: plans are made by trial, other units and days may need more
+constexpr double kPlanShare = 0.7;    // of the tolerance: plans are made by trial, other units and days may need more
 constexpr double kStepsFactor = 2.0;  // see the header
 constexpr double kCoarseStop_s = 1200.0;  // steps of a coarse plan end there, unless their error has them end before
 constexpr double kCoarseStepShare = 2.0, kCoarseStep_k = 0.15;  // of the tolerance, and at most
@@ -102,6 +102,17 @@ HeatBatches::HeatBatches(const HeatScene& scene, const Units& units, const Groun
     solved_receivers_.push_back(static_cast<std::uint32_t>(r));
     if (unit.paired) solved_receivers_.push_back(static_cast<std::uint32_t>(unit.back_receiver));
   });
+  std::vector<std::vector<std::uint32_t>> of_patch(units.exchange.patches());
+  for (std::uint32_t r = 0; r < emission_.size(); ++r)
+    if (emission_[r] > 0.0) of_patch[units.exchange.patch_of[r]].push_back(r);
+  for (const std::vector<std::uint32_t>& receivers : of_patch) {
+    emitting_.first.push_back(static_cast<std::uint32_t>(emitting_.receiver.size()));
+    for (const std::uint32_t r : receivers) {
+      emitting_.receiver.push_back(r);
+      emitting_.emission.push_back(emission_[r]);
+    }
+  }
+  emitting_.first.push_back(static_cast<std::uint32_t>(emitting_.receiver.size()));
   std::ranges::sort(solved_receivers_);
   const auto repeated = std::ranges::unique(solved_receivers_);
   solved_receivers_.erase(repeated.begin(), repeated.end());
@@ -223,6 +234,13 @@ heat::Plan HeatBatches::make_plan_of(const Batch& batch) {
                    timeline(0, last, Pace::fine), heat::RepeatingStart{heat::kDay_s}, batch.wanted_k);
 }
 
+void HeatBatches::make_plans() {
+  mtf::parallel_for(static_cast<std::int64_t>(batches_.size()), 1, threads_, [&](std::int64_t begin, std::int64_t end) {
+    for (auto b = static_cast<std::size_t>(begin); b < static_cast<std::size_t>(end); ++b)
+      if (!batches_[b].sample.plan) batches_[b].sample.plan = make_plan_of(batches_[b]);
+  });
+}
+
 heat::Run HeatBatches::run(Batch& batch, Group& group, int days, heat::Runs runs, Pace pace,
                            const heat::OutputSink& sink) {
   if (!group.plan) {
@@ -303,8 +321,12 @@ void HeatBatches::run_again(const std::vector<std::vector<std::uint32_t>>& place
       some.heat.up.push_back(batch.all.heat.up[place]);
     }
     set_forcing(some, batch);
-    some.begin = picked(first ? batch.all.end : batch.all.begin, places[b]);  // the first day repeats itself
-    some.begin.time_s = scene_.surroundings.time_s[window_.first];
+    some.plan = batch.all.plan;
+    some.plan->batch = some.heat;
+    some.begin = picked(batch.all.begin, places[b]);
+    if (first)  // this day repeats itself
+      some.begin = corrected_start(*some.plan, some.forcing, timeline(window_.first, window_.last, Pace::fine),
+                                   some.begin, picked(batch.all.end, places[b]), threads_);
     run(batch, some, 0, heat::Runs::one, Pace::fine, keeper_of(some.unit));
     put_back(some.begin, places[b], batch.all.begin);
     put_back(some.end, places[b], batch.all.end);

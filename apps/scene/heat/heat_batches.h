@@ -110,6 +110,8 @@ class HeatBatches {
   /// The plan and the promise of the window, from the sample.
   void promise(Batch& batch, bool first);
   radiometry::heat::Plan make_plan_of(const Batch& batch);
+  /// Of the batches that have none: each is tried on few units, so that batches share the threads.
+  void make_plans();
   /// One group over the window: from its begin, or one that repeats (`days` at most).
   radiometry::heat::Run run(Batch& batch, Group& group, int days, radiometry::heat::Runs runs, Pace pace,
                             const radiometry::heat::OutputSink& sink = {});
@@ -118,8 +120,12 @@ class HeatBatches {
   /// What patches emit by a run of the sample, and by the temperatures of all units; [moment * patches + patch].
   std::vector<double> run_sample(int days, Pace pace);
   std::vector<double> emitted_by_all() const;
-  /// Iterates the sample until the long-wave light changes by less than `enough_k`.
+  /// Iterates the sample until the long-wave light hardly changes: by a share of the tolerance, or with coarse plans by
+  /// one of what the first iteration changed.
   void relax_sample(bool first, const Exchange& exchange, Pace pace);
+  /// What the light of each unit has changed by, W/m2, since the round in which it was solved last.
+  std::vector<double> changes_of_units(const std::vector<PatchTable>& of_round,
+                                       const std::vector<std::uint8_t>& round_of) const;
   void run_all(int days, Pace pace);
   /// All units with the coarse plans, again and again, until the next time would change less than the tolerance, or
   /// nothing comes nearer.
@@ -147,6 +153,12 @@ class HeatBatches {
   /// Of each receiver: epsilon sigma, times its area over that of its patch, or of what is solved of the patch; 0 for
   /// what is not solved.
   std::vector<double> emission_;
+  /// The same without what is not solved, patch after patch.
+  struct Emitting {
+    std::vector<std::uint32_t> first, receiver;
+    std::vector<double> emission;
+  };
+  Emitting emitting_;
   std::vector<std::uint32_t> sampled_receivers_;
   std::vector<std::uint32_t> solved_receivers_;  ///< also those that are the other end of a wall
   std::vector<double> sampled_share_;  ///< of each patch: the part of its area that the units of the sample have

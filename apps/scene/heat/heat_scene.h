@@ -19,7 +19,7 @@ namespace apps::scene {
 struct Checkpoint;
 
 struct HeatOptions {
-  double tolerance_k = 1.0;  ///< of the worst facet at any output, with the tables of shadows, views and exchange given
+  double tolerance_k = 0.1;  ///< of the worst facet at any output, with the tables of shadows, views and exchange given
   int directions = 36;       ///< of the table of shadows, a day
   int rays = 128;            ///< of each side of a facet
   int sun_points = 4;        ///< of each facet
@@ -34,6 +34,9 @@ struct HeatOptions {
   std::size_t measured(std::size_t all) const { return verify ? all : 2000; }
   /// Asked after each day; false ends the run with the outputs that are finished.
   std::function<bool()> go_on{};
+  /// Gets what a run that is killed can go on from, after a day where `keep_every_s` have passed since the last time.
+  std::function<void(const Checkpoint&)> keep{};
+  double keep_every_s = 10.0;
   /// Where an earlier run of the same inputs and options was ended (checkpoint.h); it is continued from there.
   const Checkpoint* from = nullptr;
 };

@@ -30,33 +30,63 @@ double at_moment(const std::vector<double>& values, std::size_t first, std::size
   return moment % 2 == 0 ? values[node] : 0.5 * (values[node] + values[node + 1]);
 }
 
-/// Outside: what each patch gets from sky and ground, and from the sun.
-struct Outside {
-  double sky_w_m2 = 0.0, ground_w_m2 = 0.0;
-  std::span<const double> direct;
+constexpr std::size_t kMomentsAtOnce = 16;  // a row of the exchange is read once for them
+
+/// What patches emit and get from outside at some moments: [patch * moments + place].
+struct Moments {
+  std::vector<std::size_t> moment;
+  std::vector<double> emitted, from_sky_and_ground, direct;
 };
 
-void solve_moment(const PatchScene& scene, const Outside& from, std::span<const double> emitted,
-                  std::span<const double> reflectance, std::size_t moment, bool referred, PatchTable& table) {
-  const geometry::Exchange& exchange = scene.units->exchange;
+/// `sky`, `ground`: at a moment, W/m2.
+template <class Sky, class Ground>
+Moments moments_of(const PatchScene& scene, std::vector<std::size_t> moment, const Sky& sky, const Ground& ground) {
   const PatchMeans& means = *scene.means;
-  const std::size_t patches = exchange.patches();
-  std::vector<double> outside(patches);
+  const std::size_t patches = scene.units->exchange.patches();
+  Moments some{std::move(moment), {}, {}, {}};
+  some.emitted.assign(patches * some.moment.size(), 0.0);
+  some.direct = some.emitted;
   for (std::size_t p = 0; p < patches; ++p)
-    outside[p] = exchange.leaving_scale[p] * (means.sky[p] * from.sky_w_m2 + means.ground[p] * from.ground_w_m2) +
-                 from.direct[p];
-  const geometry::Radiosity solved = radiosity(exchange, emitted, reflectance, outside, kTolerance);
+    for (const std::size_t m : some.moment)
+      some.from_sky_and_ground.push_back(means.sky[p] * sky(m) + means.ground[p] * ground(m));
+  return some;
+}
+
+void solve_moments(const PatchScene& scene, const Moments& some, std::span<const double> reflectance, bool referred,
+                   PatchTable& table) {
+  const geometry::Exchange& exchange = scene.units->exchange;
+  const std::size_t patches = exchange.patches(), columns = some.moment.size();
+  std::vector<double> outside(patches * columns), got(patches * columns);
+  for (std::size_t p = 0; p < patches; ++p)
+    for (std::size_t c = 0; c < columns; ++c) {
+      const std::size_t at = p * columns + c;
+      outside[at] = exchange.leaving_scale[p] * some.from_sky_and_ground[at] + some.direct[at];
+    }
+  const geometry::Radiosity solved = radiosity(exchange, some.emitted, reflectance, outside, kTolerance, columns);
   const std::vector<double>& j = solved.radiosity_w_m2;
-  double reference = 0.0;
-  if (referred) reference = std::accumulate(j.begin(), j.end(), 0.0) / static_cast<double>(patches);
-  table.reference_w_m2[moment] = reference;
-  for (std::size_t p = 0; p < patches; ++p) {
-    double got = means.sky[p] * from.sky_w_m2 + means.ground[p] * from.ground_w_m2 + from.direct[p];
-    for (std::uint64_t e = means.seen.first[p]; e < means.seen.first[p + 1]; ++e)
-      got += means.seen.value[e] * j[means.seen.column[e]];
-    table.shift[p * table.moments + moment] = static_cast<float>(solved.irradiance_w_m2[p] - got);
-    table.radiosity[p * table.moments + moment] = static_cast<float>(j[p] - reference);
+  geometry::times(scene.means->seen, columns, j, got);
+  for (std::size_t c = 0; c < columns; ++c) {
+    const std::size_t moment = some.moment[c];
+    double reference = 0.0;
+    for (std::size_t p = 0; p < patches && referred; ++p)
+      reference += j[p * columns + c] / static_cast<double>(patches);
+    table.reference_w_m2[moment] = reference;
+    for (std::size_t p = 0; p < patches; ++p) {
+      const std::size_t at = p * columns + c;
+      const double all = got[at] + some.from_sky_and_ground[at] + some.direct[at];
+      table.shift[p * table.moments + moment] = static_cast<float>(solved.irradiance_w_m2[at] - all);
+      table.radiosity[p * table.moments + moment] = static_cast<float>(j[at] - reference);
+    }
   }
+}
+
+/// Calls `solve(moments)` for some of these at a time.
+template <class Solve>
+void for_moments(const std::vector<std::size_t>& moments, int threads, const Solve& solve) {
+  mtf::parallel_for(static_cast<std::int64_t>(moments.size()), kMomentsAtOnce, threads,
+                    [&](std::int64_t begin, std::int64_t end) {
+                      solve(std::vector<std::size_t>(moments.begin() + begin, moments.begin() + end));
+                    });
 }
 
 /// `value(i, scratch)` of `count` things.
@@ -189,7 +219,7 @@ std::vector<double> direct_of_patches(const PatchScene& scene, const std::vector
 
 void fill_solar(const PatchScene& scene, PatchLight& light) {
   const Surroundings& s = *scene.surroundings;
-  const std::size_t patches = scene.units->exchange.patches(), moments = light.moments();
+  const std::size_t moments = light.moments();
   std::vector<Beam> beams(moments);
   for (std::size_t m = 0; m < moments; ++m) {
     if (at_moment(s.global_w_m2, light.first, m) <= 0.0) continue;
@@ -199,31 +229,32 @@ void fill_solar(const PatchScene& scene, PatchLight& light) {
     beams[m] = from_before ? beam_at(s, node - 1, 1.0) : beam_at(s, node, m % 2 == 0 ? 0.0 : 0.5);
   }
   const std::vector<double> direct = direct_of_patches(scene, beams);
-  mtf::parallel_for(static_cast<std::int64_t>(moments), 1, scene.threads, [&](std::int64_t begin, std::int64_t end) {
-    const std::vector<double> none(patches, 0.0);
-    std::vector<double> here(patches);
-    for (auto m = static_cast<std::size_t>(begin); m < static_cast<std::size_t>(end); ++m) {
-      if (at_moment(s.global_w_m2, light.first, m) <= 0.0) continue;
-      for (std::size_t p = 0; p < patches; ++p) here[p] = direct[p * moments + m];
-      solve_moment(
-          scene, {at_moment(s.diffuse_w_m2, light.first, m), at_moment(scene.ground->solar_w_m2, light.first, m), here},
-          none, scene.means->solar_reflectance, m, false, light.solar);
-    }
+  std::vector<std::size_t> lit;
+  for (std::size_t m = 0; m < moments; ++m)
+    if (at_moment(s.global_w_m2, light.first, m) > 0.0) lit.push_back(m);
+  for_moments(lit, scene.threads, [&](std::vector<std::size_t> moment) {
+    Moments some = moments_of(
+        scene, std::move(moment), [&](std::size_t m) { return at_moment(s.diffuse_w_m2, light.first, m); },
+        [&](std::size_t m) { return at_moment(scene.ground->solar_w_m2, light.first, m); });
+    for (std::size_t e = 0; e < some.direct.size(); ++e)
+      some.direct[e] = direct[e / some.moment.size() * moments + some.moment[e % some.moment.size()]];
+    solve_moments(scene, some, scene.means->solar_reflectance, false, light.solar);
   });
 }
 
 void fill_longwave(const PatchScene& scene, std::span<const double> emitted, PatchLight& light) {
   const Surroundings& s = *scene.surroundings;
   const std::size_t patches = scene.units->exchange.patches();
-  mtf::parallel_for(
-      static_cast<std::int64_t>(light.moments()), 4, scene.threads, [&](std::int64_t begin, std::int64_t end) {
-        const std::vector<double> none(patches, 0.0);
-        for (auto m = static_cast<std::size_t>(begin); m < static_cast<std::size_t>(end); ++m)
-          solve_moment(scene,
-                       {at_moment(s.sky_longwave_w_m2, light.first, m),
-                        at_moment(scene.ground->longwave_w_m2, light.first, m), none},
-                       emitted.subspan(m * patches, patches), scene.means->long_reflectance, m, true, light.longwave);
-      });
+  std::vector<std::size_t> all(light.moments());
+  std::iota(all.begin(), all.end(), std::size_t{0});
+  for_moments(all, scene.threads, [&](std::vector<std::size_t> moment) {
+    Moments some = moments_of(
+        scene, std::move(moment), [&](std::size_t m) { return at_moment(s.sky_longwave_w_m2, light.first, m); },
+        [&](std::size_t m) { return at_moment(scene.ground->longwave_w_m2, light.first, m); });
+    for (std::size_t e = 0; e < some.emitted.size(); ++e)
+      some.emitted[e] = emitted[some.moment[e % some.moment.size()] * patches + e / some.moment.size()];
+    solve_moments(scene, some, scene.means->long_reflectance, true, light.longwave);
+  });
 }
 
 std::vector<double> changes(const PatchScene& scene, const PatchTable& before, const PatchTable& after,

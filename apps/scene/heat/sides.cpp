@@ -27,7 +27,7 @@ Sides sides_of(const HeatScene& scene) {
 }
 
 std::vector<int> rays_of(const HeatScene& scene, const Sides& all, int rays) {
-  constexpr int kFewer = 8, kLeast = 16;
+  constexpr int kFewer = 16, kLeast = 8;
   std::vector<int> of_side;
   if (!scene.seen.empty())
     for (const Side side : all.sides)

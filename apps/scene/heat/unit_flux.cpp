@@ -67,6 +67,12 @@ struct AddBeam {
   }
 };
 
+/// What all units get at the moments of a batch, W/m2: from the sky, from the ground, and of the reference of patches.
+struct Moments {
+  std::vector<std::size_t> in_light;  ///< the place in the tables of patches
+  std::vector<double> sky_solar, sky_longwave, ground_solar, ground_longwave, reference;
+};
+
 /// What all groups of a batch share.
 struct Context {
   ForcedUnits batch;
@@ -76,7 +82,27 @@ struct Context {
   const PatchLight* light;
   const Surface* surface;  ///< for what is inside and in its layers
   double start_s;
+
+  std::size_t moments() const { return 2 * (batch.last - batch.first) + 1; }
 };
+
+Moments moments_of(const Context& context) {
+  const Surroundings& s = *context.surroundings;
+  Moments at;
+  for (std::size_t m = 0; m < context.moments(); ++m) {
+    const std::size_t node = context.batch.first + m / 2;
+    const auto here = [&](const std::vector<double>& values) {
+      return m % 2 == 0 ? values[node] : 0.5 * (values[node] + values[node + 1]);
+    };
+    at.in_light.push_back(context.light->moment_of(2 * context.batch.first + m));
+    at.sky_solar.push_back(here(s.diffuse_w_m2));
+    at.sky_longwave.push_back(here(s.sky_longwave_w_m2));
+    at.ground_solar.push_back(here(context.ground->solar_w_m2));
+    at.ground_longwave.push_back(here(context.ground->longwave_w_m2));
+    at.reference.push_back(context.light->longwave.reference_w_m2[at.in_light.back()]);
+  }
+  return at;
+}
 
 /// The first and the last entry of the table of shadows within the nodes of the batch; none: {0, -1}.
 std::pair<std::size_t, std::size_t> entries_of(const Context& context) {
@@ -95,19 +121,17 @@ struct GroupLanes {
   std::size_t first_entry = 0;
 };
 
-SideLanes lanes_of(const Context& context, const std::vector<const UnitSide*>& sides,
+SideLanes lanes_of(const Context& context, const Moments& at, const std::vector<const UnitSide*>& sides,
                    const std::vector<std::size_t>& receivers, std::pair<std::size_t, std::size_t> entries) {
-  const Surroundings& s = *context.surroundings;
-  const GroundLight& ground = *context.ground;
   const PatchLight& light = *context.light;
   const geometry::SunVisibility& sun = context.units->sun;
   SideLanes lanes;
-  const std::size_t n = lanes.units = sides.size();
-  const std::size_t moments = 2 * (context.batch.last - context.batch.first) + 1;
+  const std::size_t n = lanes.units = sides.size(), moments = context.moments();
   lanes.rest.resize(moments * n);
   lanes.lit.resize((entries.second - entries.first) * n);
   lanes.base.assign(n, 0.0);
-  std::vector<float> solar, longwave, row(moments);
+  std::vector<float> solar, longwave;
+  std::vector<double> all(moments);
   for (std::size_t i = 0; i < n; ++i) {
     const UnitSide& side = *sides[i];
     for (std::size_t axis = 0; axis < 3; ++axis) lanes.normal[axis].push_back(side.normal[axis]);
@@ -116,25 +140,21 @@ SideLanes lanes_of(const Context& context, const std::vector<const UnitSide*>& s
       lanes.lit[(e - entries.first) * n + i] = static_cast<float>(scale * sun.lit[side.sun_row * sun.directions + e]);
     light.solar.irradiance(*context.units, receivers[i], solar);
     light.longwave.irradiance(*context.units, receivers[i], longwave);
-    double share_of_reference = light.longwave.share(*context.units, receivers[i]);
+    const double sky_solar = side.absorptance * side.sky, ground_solar = side.absorptance * side.ground;
+    const double sky_longwave = side.emissivity * side.sky, ground_longwave = side.emissivity * side.ground;
+    const double reference = side.emissivity * light.longwave.share(*context.units, receivers[i]);
     double sum = 0.0;
-    std::vector<double> exact(moments);
+    for (std::size_t m = 0; m < moments; ++m)
+      all[m] = side.source_w_m2 + sky_solar * at.sky_solar[m] + ground_solar * at.ground_solar[m] +
+               sky_longwave * at.sky_longwave[m] + ground_longwave * at.ground_longwave[m] +
+               reference * at.reference[m];
     for (std::size_t m = 0; m < moments; ++m) {
-      const std::size_t node = context.batch.first + m / 2;
-      const auto here = [&](const std::vector<double>& values) {
-        return m % 2 == 0 ? values[node] : 0.5 * (values[node] + values[node + 1]);
-      };
-      const std::size_t in_light = light.moment_of(2 * context.batch.first + m);
-      exact[m] = side.source_w_m2 +
-                 side.absorptance * (side.sky * here(s.diffuse_w_m2) + side.ground * here(ground.solar_w_m2) +
-                                     static_cast<double>(solar[in_light])) +
-                 side.emissivity * (side.sky * here(s.sky_longwave_w_m2) + side.ground * here(ground.longwave_w_m2) +
-                                    share_of_reference * light.longwave.reference_w_m2[in_light] +
-                                    static_cast<double>(longwave[in_light]));
-      sum += exact[m];
+      all[m] += side.absorptance * static_cast<double>(solar[at.in_light[m]]) +
+                side.emissivity * static_cast<double>(longwave[at.in_light[m]]);
+      sum += all[m];
     }
     lanes.base[i] = sum / static_cast<double>(moments);
-    for (std::size_t m = 0; m < moments; ++m) lanes.rest[m * n + i] = static_cast<float>(exact[m] - lanes.base[i]);
+    for (std::size_t m = 0; m < moments; ++m) lanes.rest[m * n + i] = static_cast<float>(all[m] - lanes.base[i]);
   }
   return lanes;
 }
@@ -185,6 +205,7 @@ heat::GroupForcing forcing_of(ForcedUnits batch, const Units& units, const Surro
       std::make_shared<const Context>(Context{std::move(batch), &units, &s, &ground, &light, &surface, start_s});
   return [context](std::size_t first, std::size_t count) -> heat::Forcing {
     const auto entries = entries_of(*context);
+    const Moments moments = moments_of(*context);
     std::vector<const UnitSide*> front, back;
     std::vector<std::size_t> receivers, back_receivers;
     for (std::size_t i = 0; i < count; ++i) {
@@ -195,9 +216,9 @@ heat::GroupForcing forcing_of(ForcedUnits batch, const Units& units, const Surro
       back.push_back(&*unit.back);
       back_receivers.push_back(unit.back_receiver);
     }
-    const auto lanes = std::make_shared<const GroupLanes>(GroupLanes{lanes_of(*context, front, receivers, entries),
-                                                                     lanes_of(*context, back, back_receivers, entries),
-                                                                     entries.first});
+    const auto lanes = std::make_shared<const GroupLanes>(
+        GroupLanes{lanes_of(*context, moments, front, receivers, entries),
+                   lanes_of(*context, moments, back, back_receivers, entries), entries.first});
     return [context, lanes](heat::Instant at, std::size_t, heat::ForcingValues& values) {
       const Surroundings& around = *context->surroundings;
       Between place = place_of(around.time_s, at);

@@ -11,6 +11,7 @@
 #include "apps/scene/heat/stopwatch.h"
 #include "apps/text/words.h"
 #include "mtf/error.h"
+#include "mtf/parallel.h"
 #include "radiometry/heat/weather/sky.h"
 
 namespace apps::scene {
@@ -156,20 +157,24 @@ void add_seen_kinds(const HeatScene& scene, const std::vector<Side>& sides, cons
   const geometry::Classes kinds = patches_of(scene, sides, finish, seen, sun, amplitudes, kKinds, options.threads);
   const double resolved = 0.25 / std::sqrt(static_cast<double>(options.rays));
   const double step = std::max(tolerance_w_m2 / std::max(amplitudes.surfaces_longwave, 1.0), resolved);
+  std::vector<std::vector<std::uint32_t>> key(finish.size());
+  mtf::parallel_for(static_cast<std::int64_t>(finish.size()), 4096, options.threads,
+                    [&](std::int64_t begin, std::int64_t end) {
+                      std::vector<double> share(kinds.size());
+                      for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
+                        std::fill(share.begin(), share.end(), 0.0);
+                        for (std::uint64_t e = seen.patches.first[i]; e < seen.patches.first[i + 1]; ++e)
+                          share[kinds.class_of[seen.patches.column[e]]] += seen.patches.value[e];
+                        key[i] = {finish[i].key};
+                        for (std::uint32_t kind = 0; kind < share.size(); ++kind) {
+                          const auto steps = static_cast<std::uint32_t>(std::lround(share[kind] / step));
+                          if (steps > 0) key[i].insert(key[i].end(), {kind, steps});
+                        }
+                      }
+                    });
   std::map<std::vector<std::uint32_t>, std::uint32_t> known;
-  std::vector<std::uint32_t> key;
-  std::vector<double> share(kinds.size());
-  for (std::size_t i = 0; i < finish.size(); ++i) {
-    std::fill(share.begin(), share.end(), 0.0);
-    for (std::uint64_t e = seen.patches.first[i]; e < seen.patches.first[i + 1]; ++e)
-      share[kinds.class_of[seen.patches.column[e]]] += seen.patches.value[e];
-    key = {finish[i].key};
-    for (std::uint32_t kind = 0; kind < share.size(); ++kind) {
-      const auto steps = static_cast<std::uint32_t>(std::lround(share[kind] / step));
-      if (steps > 0) key.insert(key.end(), {kind, steps});
-    }
-    finish[i].key = known.try_emplace(key, static_cast<std::uint32_t>(known.size())).first->second;
-  }
+  for (std::size_t i = 0; i < finish.size(); ++i)
+    finish[i].key = known.try_emplace(std::move(key[i]), static_cast<std::uint32_t>(known.size())).first->second;
 }
 
 /// Covered sides of one finish are one class, whatever else is merged.

@@ -2,6 +2,7 @@
 #include "apps/scene/outputs/npy_file.h"
 
 #include <bit>
+#include <cstdlib>
 #include <fstream>
 #include <string>
 #include <vector>
@@ -39,11 +40,22 @@ void NpyFile::append(std::span<const float> row) {
   ++rows_;
 }
 
-void NpyFile::commit() {
+void NpyFile::write_header() {
   const std::string text = header(rows_, columns_);
   file_.seek(0);
   file_.write(text.data(), text.size());
+}
+
+void NpyFile::commit() {
+  write_header();
   file_.commit();
+}
+
+bool NpyFile::keep_as(const std::filesystem::path& file) {
+  const std::uint64_t end = file_.position();
+  write_header();
+  file_.seek(end);
+  return file_.keep_as(file.string());
 }
 
 void copy_rows(const std::filesystem::path& from, std::uint64_t rows, NpyFile& to) {
@@ -53,7 +65,9 @@ void copy_rows(const std::filesystem::path& from, std::uint64_t rows, NpyFile& t
   std::string head(kHeaderSize, '\0');
   file.read(head.data(), kHeaderSize);
   const std::uint64_t held = error || size < kHeaderSize ? 0 : (size - kHeaderSize) / row_bytes;
-  if (!file || held < rows || head != header(held, to.columns()))
+  const std::size_t number = header(0, 0).find('(') + 1;
+  const std::uint64_t named = file ? std::strtoull(head.c_str() + number, nullptr, 10) : 0;
+  if (!file || named < rows || held < named || head != header(named, to.columns()))
     throw mtf::RuntimeError(from.string() + " is not the table of " + std::to_string(rows) + " outputs and " +
                             std::to_string(to.columns()) + " facets that an interrupted run left");
   std::vector<float> row(to.columns());

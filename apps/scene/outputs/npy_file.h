@@ -20,9 +20,13 @@ class NpyFile {
   /// Throws UsageError for a row of another length, RuntimeError when it cannot be written.
   void append(std::span<const float> row);
   void commit();
+  /// The rows so far stand under another name too, as AtomicFile::keep_as has it; it may be followed by others there.
+  bool keep_as(const std::filesystem::path& file);
   std::uint64_t columns() const { return columns_; }
 
  private:
+  void write_header();
+
   mtf::io::AtomicFile file_;
   std::uint64_t columns_, rows_ = 0;
 };

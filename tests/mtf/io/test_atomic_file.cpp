@@ -49,6 +49,40 @@ TEST(AtomicFile, WithoutCommitNothingChanges) {
   EXPECT_EQ(folder.entries(), 1U);
 }
 
+// The child ends as a killed process does: no destructor runs.
+TEST(AtomicFile, WhatIsKeptOutlivesTheProcess) {
+  const TempFolder folder;
+  const std::string path = folder / "out.bin", kept = folder / "kept.bin";
+  io_test::write_bytes(path, "old");
+  const pid_t child = ::fork();
+  if (child == 0) {
+    AtomicFile file(path);
+    file.write("abc", 3);
+    if (!file.keep_as(kept)) ::_exit(1);
+    file.write("def", 3);
+    if (!file.keep_as(kept)) ::_exit(1);
+    file.write("lost", 4);
+    ::_exit(0);
+  }
+  int status = 0;
+  ::waitpid(child, &status, 0);
+  ASSERT_EQ(status, 0);
+  EXPECT_EQ(read_bytes(path), "old");
+  EXPECT_EQ(read_bytes(kept), "abcdef");
+  {
+    AtomicFile file(path);  // removes the temporary that the child left
+    EXPECT_EQ(folder.entries(), 3U);
+    file.write("xyz", 3);
+    ASSERT_TRUE(file.keep_as(kept));
+    EXPECT_EQ(read_bytes(kept), "xyz");
+  }
+  EXPECT_EQ(folder.entries(), 2U);
+  EXPECT_EQ(read_bytes(path), "old");
+  EXPECT_EQ(read_bytes(kept), "xyz");
+  AtomicFile file(path);
+  EXPECT_THROW(static_cast<void>(file.keep_as(folder / "no/kept.bin")), RuntimeError);
+}
+
 TEST(AtomicFile, LargeWritesKeepTheirOrder) {
   const TempFolder folder;
   const std::string path = folder / "out.bin";

@@ -82,6 +82,26 @@ Ends ends(const System& system, double time_s, const double* t) {
   return result;
 }
 
+/// What layers generate in node i, by the depths that half cells reach to, not by the shares that the grid itself has.
+double source_flow(const System& system, const std::vector<double>& source_w_m3, std::size_t i) {
+  const Grid& grid = *system.grid;
+  const std::vector<double>& depth = grid.depth_m;
+  double whole = 0.0;
+  for (const Layer& layer : system.batch->construction.layers) whole += layer.thickness_m;
+  const bool fixed = std::holds_alternative<FixedTemperature>(system.batch->construction.inside);
+  const double above = i > 0 ? 0.5 * (depth[i - 1] + depth[i]) : 0.0;
+  const double below = i + 1 < grid.nodes()               ? 0.5 * (depth[i] + depth[i + 1])
+                       : grid.inner_w_m2_k > 0.0 && fixed ? whole - 0.5 * (whole - depth[i])
+                                                          : whole;
+  double begin = 0.0, flow = 0.0;
+  for (std::size_t k = 0; k < source_w_m3.size(); ++k) {
+    const double end = begin + system.batch->construction.layers[k].thickness_m;
+    flow += source_w_m3[k] * std::max(0.0, std::min(end, below) - std::max(begin, above));
+    begin = end;
+  }
+  return flow;
+}
+
 int right_side(double time_s, N_Vector y, N_Vector ydot, void* user) {
   const System& system = *static_cast<const System*>(user);
   const Grid& grid = *system.grid;
@@ -89,25 +109,11 @@ int right_side(double time_s, N_Vector y, N_Vector ydot, void* user) {
   double* rate = N_VGetArrayPointer(ydot);
   const std::size_t n = grid.nodes();
   const Ends at = ends(system, time_s, t);
-  double whole = 0.0;
-  for (const Layer& layer : system.batch->construction.layers) whole += layer.thickness_m;
-  const bool fixed = std::holds_alternative<FixedTemperature>(system.batch->construction.inside);
   for (std::size_t i = 0; i < n; ++i) {
     double flow = 0.0;
     if (i > 0) flow += grid.conductance[i - 1] * (t[i - 1] - t[i]);
     if (i + 1 < n) flow += grid.conductance[i] * (t[i + 1] - t[i]);
-    // By the depths that half cells reach to, not by the shares that the grid itself has.
-    const std::vector<double>& depth = grid.depth_m;
-    const double above = i > 0 ? 0.5 * (depth[i - 1] + depth[i]) : 0.0;
-    const double below = i + 1 < n                          ? 0.5 * (depth[i] + depth[i + 1])
-                         : grid.inner_w_m2_k > 0.0 && fixed ? whole - 0.5 * (whole - depth[i])
-                                                            : whole;
-    double begin = 0.0;
-    for (std::size_t k = 0; k < at.source_w_m3.size(); ++k) {
-      const double end = begin + system.batch->construction.layers[k].thickness_m;
-      flow += at.source_w_m3[k] * std::max(0.0, std::min(end, below) - std::max(begin, above));
-      begin = end;
-    }
+    if (!at.source_w_m3.empty()) flow += source_flow(system, at.source_w_m3, i);
     if (i == 0) flow += at.front.flow;
     if (i + 1 == n) flow += at.back.flow;
     rate[i] = flow / grid.capacity[i];

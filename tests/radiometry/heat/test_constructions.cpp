@@ -5,7 +5,7 @@
 #include <limits>
 #include <numeric>
 
-#include "radiometry/heat/grid.h"
+#include "radiometry/heat/depth/grid.h"
 #include "radiometry/heat/solve.h"
 #include "tests/radiometry/expect_refused.h"
 #include "tests/radiometry/heat/exact_cases.h"

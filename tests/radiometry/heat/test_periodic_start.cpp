@@ -115,6 +115,31 @@ TEST(PeriodicStart, TakesFewDaysForThickRock) {
   EXPECT_GT(std::abs(uniform.end.fine.front() - next.end.fine.front()), 1.0);
 }
 
+/// A state that is 2 K too warm, as after another light: days alone take weeks, a correction takes one day.
+TEST(PeriodicStart, IsCorrectedByWhatADayChanges) {
+  const Batch batch{{{{2.5, 2600.0, 800.0, 1.0}}, 0.95, McAdams{}, Adiabatic{}}, 1, {}};
+  const Timeline day = real_day();
+  const Plan plan = make_plan(batch, kRealDay, day, UniformStart{285.0}, 0.1);
+  State warm = periodic_start(plan, kRealDay, day, 0.001).state;
+  for (double& t : warm.fine) t += 2.0;
+  warm.doubled = {};
+  warm.coarse = {};
+  const auto residual = [&](const State& begin, State& end) {
+    end = advance(plan, begin, for_all_groups(kRealDay), day).end;
+    double most = 0.0;
+    for (std::size_t i = 0; i < begin.fine.size(); ++i) most = std::max(most, std::abs(end.fine[i] - begin.fine[i]));
+    return most;
+  };
+  State end, later;
+  const double before = residual(warm, end);
+  State next = end;
+  next.time_s = 0.0;
+  const double plain = residual(next, later);
+  EXPECT_GT(plain, 0.2 * before);
+  const double corrected = residual(corrected_start(plan, for_all_groups(kRealDay), day, warm, end), later);
+  EXPECT_LT(corrected, 0.09 * before);  // what the approximation of the correction leaves, at most
+}
+
 TEST(PeriodicStart, RefusesABodyWhoseMeanIsNotDetermined) {
   const Batch batch{{{{2.5, 2600.0, 800.0, 0.5}}, 0.0, NoConvection{}, Adiabatic{}}, 1, {}};
   EXPECT_THROW(solve(batch, SteadyForcing{}, real_day(), RepeatingStart{}, 0.1), mtf::UsageError);

@@ -184,6 +184,34 @@ TEST(Radiosity, IsThatOfADenseSolve) {
   }
 }
 
+/// Also where one moment is dark, and moments need different numbers of iterations.
+TEST(Radiosity, OfManyMomentsIsThatOfEach) {
+  const Sampled made = sampled(room(5), 256);
+  const std::size_t n = made.exchange.patches(), columns = 19;
+  test::Uniform random(9);
+  std::vector<double> reflectance(n), emitted(n * columns), outside(n * columns);
+  for (double& value : reflectance) value = 0.9 * random();
+  for (std::size_t e = 0; e < n * columns; ++e) {
+    if (e % columns == 4) continue;
+    emitted[e] = e % columns == 7 ? 0.0 : 500 * random();
+    outside[e] = e / columns == 2 ? 1000 * random() : 0.0;
+  }
+  const Radiosity all = radiosity(made.exchange, emitted, reflectance, outside, 1e-14, columns);
+  for (std::size_t c = 0; c < columns; ++c) {
+    std::vector<double> own_emitted(n), own_outside(n);
+    for (std::size_t p = 0; p < n; ++p) {
+      own_emitted[p] = emitted[p * columns + c];
+      own_outside[p] = outside[p * columns + c];
+    }
+    const Radiosity one = radiosity(made.exchange, own_emitted, reflectance, own_outside);
+    for (std::size_t p = 0; p < n; ++p) {
+      EXPECT_NEAR(all.radiosity_w_m2[p * columns + c], one.radiosity_w_m2[p], 1e-12 * one.radiosity_w_m2[p]);
+      EXPECT_NEAR(all.irradiance_w_m2[p * columns + c], one.irradiance_w_m2[p], 1e-12 * one.irradiance_w_m2[p]);
+    }
+    EXPECT_EQ(one.irradiance_w_m2[0] > 0.0, c != 4);
+  }
+}
+
 TEST(Radiosity, OfTwoInfinitePlates) {
   Views seen{.rings = 1,
              .sky = {0, 0},

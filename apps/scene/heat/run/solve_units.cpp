@@ -47,13 +47,43 @@ Loss loss_of(const HeatScene& scene, const Surface& material, bool back, double 
           forced_coefficient(material.construction.convection, *std::min_element(wind.begin(), wind.end()))};
 }
 
+constexpr std::uint32_t kNone = radiometry::scene::kNone;
+
+/// Where the temperature of each facet comes from.
+struct FacetSources {
+  std::vector<std::uint32_t> front, back;  ///< receivers; kNone where there is none or it is not asked for
+  std::vector<std::uint32_t> given;        ///< facets whose temperature is given
+  std::size_t asked_for = 0;               ///< facets
+};
+
+FacetSources sources_of(const HeatScene& scene, const Units& units) {
+  FacetSources sources;
+  sources.front.assign(scene.region.size(), kNone);
+  sources.back = sources.front;
+  for (std::uint32_t f = 0; f < scene.region.size(); ++f) {
+    const Unit& unit = units.unit[units.unit_of[f]];
+    if (!scene.is_seen(f)) continue;
+    ++sources.asked_for;
+    if (unit.given)
+      sources.given.push_back(f);
+    else
+      sources.front[f] = static_cast<std::uint32_t>(unit.receiver);
+    if (unit.has_own_back()) sources.back[f] = static_cast<std::uint32_t>(unit.back_receiver);
+  }
+  return sources;
+}
+
 /// No scene is so cold or so hot: a flux or a film of the wrong size makes such numbers.
-void require_plausible(const HeatScene& scene, std::size_t facet, double kelvin, double time_s) {
+bool is_plausible(double kelvin) {
   constexpr double kHottest_k = 3000.0;
-  if (kelvin > 0.0 && kelvin <= kHottest_k) return;
-  throw mtf::RuntimeError(one_line(scene.file.file) + ": region '" +
-                          one_line(scene.region_of(static_cast<std::uint32_t>(facet)).name) + "' comes to " +
-                          significant(kelvin, 4) + " K after " + significant(time_s / 3600.0, 3) +
+  return kelvin > 0.0 && kelvin <= kHottest_k;
+}
+
+[[noreturn]] void refuse_temperature(const HeatScene& scene, const std::vector<double>& front, double time_s) {
+  std::uint32_t facet = 0;
+  while (!scene.is_seen(facet) || is_plausible(front[facet])) ++facet;
+  throw mtf::RuntimeError(one_line(scene.file.file) + ": region '" + one_line(scene.region_of(facet).name) +
+                          "' comes to " + significant(front[facet], 4) + " K after " + significant(time_s / 3600.0, 3) +
                           " h, which no surface does; look at its flux, its film, its emissivity and its convection");
 }
 
@@ -107,7 +137,7 @@ double warmest_air_k(const HeatScene& scene) {
 }
 
 /// Shares of what is left of the tolerance when exchange passes errors on.
-constexpr double kSolverShare = 0.4, kUnitsShare = 0.15, kGroundShare = 0.03, kExchangeShare = 0.25;
+constexpr double kSolverShare = 0.35, kUnitsShare = 0.15, kGroundShare = 0.03, kExchangeShare = 0.25;
 
 }  // namespace
 
@@ -140,24 +170,24 @@ UnitsRun solve_units(const HeatScene& scene, const Units& units, const HeatOptio
   constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
   std::vector<double> front(scene.region.size(), kUnknown),
       back(units.has_sheets() ? scene.region.size() : 0, kUnknown);
+  const FacetSources sources = sources_of(scene, units);
   const auto emit = [&](std::size_t node) {
     constexpr std::int64_t kFacetsAtOnce = 16384;
     mtf::parallel_for(static_cast<std::int64_t>(front.size()), kFacetsAtOnce, options.threads,
                       [&](std::int64_t begin, std::int64_t end) {
                         for (auto f = static_cast<std::size_t>(begin); f < static_cast<std::size_t>(end); ++f) {
-                          const Unit& unit = units.unit[units.unit_of[f]];
-                          if (!scene.is_seen(static_cast<std::uint32_t>(f))) continue;
-                          front[f] = unit.given ? scene.given_k(static_cast<std::uint32_t>(f), s.time_s[node])
-                                                : batches.receiver_k(node, unit.receiver);
-                          if (!back.empty() && unit.has_own_back())
-                            back[f] = batches.receiver_k(node, unit.back_receiver);
+                          if (sources.front[f] != kNone) front[f] = batches.receiver_k(node, sources.front[f]);
+                          if (!back.empty() && sources.back[f] != kNone)
+                            back[f] = batches.receiver_k(node, sources.back[f]);
                         }
                       });
-    for (std::uint32_t f = 0; f < front.size(); ++f) {
-      if (!scene.is_seen(f)) continue;
-      require_plausible(scene, f, front[f], s.time_s[node]);
-      warmest = std::max(warmest, front[f]);
+    for (const std::uint32_t f : sources.given) front[f] = scene.given_k(f, s.time_s[node]);
+    std::size_t plausible = 0;
+    for (const double kelvin : front) {
+      plausible += is_plausible(kelvin) ? 1 : 0;
+      warmest = kelvin > warmest ? kelvin : warmest;
     }
+    if (plausible != sources.asked_for) refuse_temperature(scene, front, s.time_s[node]);
     output({s.time_s[node], front, back});
     ++solved.outputs;
   };
@@ -172,13 +202,20 @@ UnitsRun solve_units(const HeatScene& scene, const Units& units, const HeatOptio
     solved.view_spread = from->view_spread;
     warmest = from->warmest_k;
   }
+  const auto checkpoint = [&](std::size_t w) {
+    return Checkpoint{w,       solved.outputs,    solved.promised.exchange_k, solved.left_out.value_or(LeftOut{}),
+                      warmest, solved.iterations, solved.view_spread,         batches.save()};
+  };
+  Stopwatch kept;
   auto next = s.outputs.begin() + static_cast<std::ptrdiff_t>(solved.outputs);
   for (std::size_t w = first; w < windows.size() && next != s.outputs.end(); ++w) {
     if (w > first && options.go_on && !options.go_on()) {
-      solved.checkpoint =
-          Checkpoint{w,       solved.outputs,    solved.promised.exchange_k, solved.left_out.value_or(LeftOut{}),
-                     warmest, solved.iterations, solved.view_spread,         batches.save()};
+      solved.checkpoint = checkpoint(w);
       break;
+    }
+    if (w > first && options.keep && kept.ms() >= 1e3 * options.keep_every_s) {
+      options.keep(checkpoint(w));
+      kept = Stopwatch();
     }
     progress("heat", static_cast<double>(w) / static_cast<double>(windows.size()));
     const Relaxed relaxed = batches.solve(windows[w], w == 0, kExchangeShare * room_k, loss, ratio);

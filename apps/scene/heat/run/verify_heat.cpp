@@ -85,6 +85,7 @@ std::optional<Verification> verify_heat(const HeatScene& scene, const Units& uni
   const Stopwatch watch;
   HeatOptions finer = options;
   finer.tolerance_k *= kFiner;
+  finer.keep = {};
   finer.seen = false;                                      // what is left out of the run is solved here
   const HeatScene fine = prepare_heat(scene.file, finer);  // the same facets, more nodes
   Verification verification;

@@ -16,7 +16,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "radiometry/heat/grid.h"
+#include "radiometry/heat/depth/grid.h"
 
 namespace radiometry::heat {
 
