@@ -150,7 +150,7 @@ PictureScene layer_scene_of(const RenderCommandOptions& options, const SceneFile
 render::RenderedFrame frame_of_layers(const RenderCommandOptions& options, const SceneFile& file,
                                       const PictureScene& scene, const std::vector<render::RenderBand>& bands,
                                       const render::Camera& camera, const Global& global) {
-  LayerFile from{.file = options.from, .materials = options.materials, .planar = !options.depth_is_range};
+  LayerFile from{.file = options.from, .materials = options.materials, .planar = options.planar_depth};
   for (const auto& [role, name] : options.channels) from.channels[role] = name;
   render::RenderedFrame frame;
   const Stopwatch reading;
