@@ -113,12 +113,14 @@ Command render_command() {
   add_text(app, "--materials", "FILE",
            "with --from: CSV of index,material[,temperature_K]; default: the materials of the scene file from 0 on",
            options.materials);
-  add_word(app, "--depth", "WORD", "with --from: planar (default), along the optical axis, or range, along the ray",
-           [&](const std::string& text) {
-             constexpr std::array words{std::pair{std::string_view("planar"), false},
-                                        std::pair{std::string_view("range"), true}};
-             options.depth_is_range = choice("--depth", text, words);
-           });
+  add_word(
+      app, "--depth", "WORD",
+      "with --from: planar, along the optical axis (default), or range, along the ray (default of files of mtf render)",
+      [&](const std::string& text) {
+        constexpr std::array words{std::pair{std::string_view("planar"), true},
+                                   std::pair{std::string_view("range"), false}};
+        options.planar_depth = choice("--depth", text, words);
+      });
   OptionSpec& channel =
       add_word(app, "--channel", "ROLE=NAME",
                "with --from: a channel by name, of depth, material, temperature, normal.X, normal.Y, normal.Z, sunlit",

@@ -121,7 +121,8 @@ int run(int argc, char** argv) {
   for (const Command& command : {measure_command(), fit_command()}) add_command(root, command, chosen);
 #endif
 #ifdef MTFKIT_HAVE_SCENE
-  for (const Command& command : {scene_command(), heat_command(), render_command(), fly_command()}) add_command(root, command, chosen);
+  for (const Command& command : {scene_command(), heat_command(), render_command(), fly_command()})
+    add_command(root, command, chosen);
 #endif
 #ifdef MTFKIT_HAVE_STUDY
   for (const Command& command : {sweep_command(), optimize_command()}) add_command(root, command, chosen);

@@ -6,10 +6,10 @@
 #include <algorithm>
 #include <array>
 #include <filesystem>
-#include <nlohmann/json.hpp>
 
 #include "apps/scene/command/render_figure.h"
 #include "apps/scene/command/render_options.h"
+#include "apps/scene/command/render_report.h"
 #include "apps/scene/command/scene_instant.h"
 #include "apps/scene/heat/stopwatch.h"
 #include "apps/scene/render/layer_file.h"
@@ -21,10 +21,8 @@
 #include "apps/sweep/output_folder.h"
 #include "apps/terminal/output.h"
 #include "apps/terminal/progress_line.h"
-#include "apps/terminal/text_table.h"
 #include "apps/terminal/write_together.h"
 #include "mtf/error.h"
-#include "mtf/survey/statistics.h"
 #include "radiometry/heat/weather/instant.h"
 
 namespace apps {
@@ -145,7 +143,7 @@ PictureScene layer_scene_of(const RenderCommandOptions& options, const SceneFile
 render::RenderedFrame frame_of_layers(const RenderCommandOptions& options, const SceneFile& file,
                                       const PictureScene& scene, const std::vector<render::RenderBand>& bands,
                                       const render::Camera& camera, const Global& global) {
-  LayerFile from{.file = options.from, .materials = options.materials, .planar = !options.depth_is_range};
+  LayerFile from{.file = options.from, .materials = options.materials, .planar = options.planar_depth};
   for (const auto& [role, name] : options.channels) from.channels[role] = name;
   render::RenderedFrame frame;
   const Stopwatch reading;
@@ -163,63 +161,14 @@ render::RenderedFrame frame_of_layers(const RenderCommandOptions& options, const
   return frame;
 }
 
-nlohmann::json json_of(const PictureScene& scene, const render::RenderedFrame& frame,
-                       const std::vector<mtf::io::Metadata>& metadata, const std::vector<std::string>& outputs) {
-  nlohmann::json json;
-  for (const auto& [name, text] : metadata.front().text) json["attributes"][name] = text;
-  for (const auto& [name, text] : scene.closures) json["closures"][name] = text;
-  json["divided_samples"] = frame.divided;
-  json["shadow_rays"] = frame.shadow_rays;
-  json["visible_sides"] = frame.sides;
-  json["promised_error"] = frame.promised.front();
-  for (std::size_t b = 0; b < outputs.size(); ++b)
-    json["pictures"].push_back({{"file", outputs[b]},
-                                {"sensor", metadata[b].text.at("mtf:sensor")},
-                                {"quantity", metadata[b].text.at("mtf:quantity")},
-                                {"promised_error", frame.promised[b]}});
-  json["timing_ms"] = nlohmann::json::object();
-  for (const auto& times : {scene.timing_ms, frame.timing_ms})
-    for (const auto& [name, ms] : times) json["timing_ms"][name] = json["timing_ms"].value(name, 0.0) + ms;
-  return json;
-}
-
-/// What was made, and the commands that come next.
-std::string summary_of(const RenderCommandOptions& options, const PictureScene& scene,
-                       const std::vector<PictureSensor>& sensors, const render::RenderedFrame& frame,
-                       const std::vector<mtf::io::Metadata>& metadata, const std::vector<std::string>& outputs) {
-  TextTable table({"what", "value"});
-  const mtf::Image& first = frame.radiance.front();
-  table.add({"samples", std::to_string(first.width()) + " x " + std::to_string(first.height())});
-  table.add({"time", radiometry::heat::instant_text(scene.utc_s)});
-  const bool one = sensors.size() == 1;
-  std::string written, next;
-  for (std::size_t b = 0; b < sensors.size(); ++b) {
-    const auto& text = metadata[b].text;
-    const mtf::Statistics s = mtf::statistics(frame.radiance[b].view());
-    const std::string of = one ? "" : one_line(fs::path(options.sensors[b]).stem().string()) + ": ";
-    table.add({of + text.at("mtf:quantity") + " [" + text.at("mtf:units") + "]",
-               significant(s.min, 4) + " to " + significant(s.max, 4) + ", mean " + significant(s.mean, 4)});
-    table.add({of + "error of tables", "at most " + significant(frame.promised[b], 2) + ", relative"});
-    written += (b == 0 ? "written to " : " ") + outputs[b];
-    const std::string image = one ? "image" : fs::path(outputs[b]).replace_extension().string() + "_image";
-    next += "next: mtf simulate " + shell_word(options.sensors[b]) + " " + shell_word(outputs[b]) + " -o " +
-            shell_word(image + ".exr") + (scene.scene.air && sensors[b].has_path ? " --without-path" : "") + "\n";
-  }
-  if (frame.sides > 0)
-    table.add({"visible sides",
-               std::to_string(frame.sides) + "; " + std::to_string(frame.divided) + " samples show more than one"});
-  if (frame.shadow_rays > 0) table.add({"shadow rays", std::to_string(frame.shadow_rays)});
-  for (const auto& [name, words] : scene.closures) table.add({name, words});
-  using enum Align;
-  return table.aligned({left, left}) + written + (options.picture.empty() ? "" : " " + options.picture) + "\n" + next;
-}
-
 }  // namespace
 
 int run_render(const RenderCommandOptions& options, const Global& global) {
   const Stopwatch all;
   const std::vector<std::string> outputs = outputs_of(options);
   const bool folder = outputs.size() > 1;
+  if (!options.picture.empty() && !options.picture.ends_with(".png"))
+    throw mtf::UsageError("--picture: " + one_line(options.picture) + ": is a PNG; give it the ending .png");
   std::vector<mtf::io::Diagnostic> findings;
   const SceneFile file = load_scene(options.scene, &findings);
   for (const mtf::io::Diagnostic& finding : findings) note(global, mtf::io::format_diagnostic(finding, file.file));
@@ -276,10 +225,10 @@ int run_render(const RenderCommandOptions& options, const Global& global) {
     draw_pictures(options.picture, pictures, global.threads);
   });
   if (!options.json) {
-    print(summary_of(options, scene, sensors, frame, metadata, outputs));
+    print(render_summary(options, {scene, sensors, frame, metadata}, outputs));
     return 0;
   }
-  nlohmann::json json = json_of(scene, frame, metadata, outputs);
+  nlohmann::json json = render_json({scene, sensors, frame, metadata}, outputs);
   json["timing_ms"]["write"] = writing.ms();
   json["timing_ms"]["all"] = all.ms();
   print(json.dump(2) + "\n");

@@ -27,9 +27,9 @@ struct RenderCommandOptions {
   bool plain = false;       ///< radiance in the band, without weights
   bool no_air = false;
   std::vector<std::string> layers;
-  std::string from;       ///< layers of another renderer, in place of the meshes; "" = none
-  std::string materials;  ///< table of their indices
-  bool depth_is_range = false;
+  std::string from;                  ///< layers of another renderer, in place of the meshes; "" = none
+  std::string materials;             ///< table of their indices
+  std::optional<bool> planar_depth;  ///< of `from`; else as the file is
   std::vector<std::pair<std::string, std::string>> channels;  ///< of `from`: role, name
   bool force = false;
   bool json = false;

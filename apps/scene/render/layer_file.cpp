@@ -131,7 +131,8 @@ radiometry::render::SurfaceLayers read_layers(const LayerFile& from, const Scene
         if (of_table && !std::isnan(found->second.kelvin) && layers.temperature_k.at(x, y) == 0.0F)
           layers.temperature_k.at(x, y) = found->second.kelvin;
       }
-  if (from.planar && layers.range_m.width() == camera.width && layers.range_m.height() == camera.height)
+  const bool planar = from.planar.value_or(!info.attributes.contains("mtf:sceneSha256"));
+  if (planar && layers.range_m.width() == camera.width && layers.range_m.height() == camera.height)
     ranges_of_depths(camera, layers.range_m);
   return layers;
 }

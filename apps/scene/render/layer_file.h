@@ -11,6 +11,7 @@
 //   sunlit       share that the sun reaches; optional
 
 #include <map>
+#include <optional>
 #include <string>
 
 #include "apps/scene/scene_file/scene_file.h"
@@ -22,7 +23,8 @@ struct LayerFile {
   std::string file;
   std::map<std::string, std::string> channels{};  ///< of roles whose name is not the usual one
   std::string materials{};                        ///< path of the table; "" = none
-  bool planar = true;                             ///< depths, not ranges
+  std::optional<bool> planar{};                   ///< depths, or ranges; as the file is, where nobody says it: ranges
+                                                  ///< in pictures of `mtf render`, depths in others
 };
 
 /// Words of LayerFile::channels.

@@ -136,6 +136,42 @@ TEST(Angles, AMirrorShowsTheWarmPlateWhereGeometrySays) {
   EXPECT_EQ(wrong, 0);
 }
 
+/// A level mirror under layered air shows the sky of the elevation that it is seen at, through the air before it.
+TEST(Angles, AMirrorShowsTheSkyOfItsElevation) {
+  constexpr double kMirror = 285.0;
+  scene::Mesh mesh = empty_mesh();
+  add_plate(mesh, {-300, -10, 0}, {600, 0, 0}, {0, 400, 0});
+  SmallScene made = small_scene(mesh, kMirror, coloured(), 280.0);
+  made.scene.finish[0].gloss = 1.0;
+  made.scene.sky.cloud_cover = 0.2, made.scene.sky.cloud_k = 275.0;
+  made.scene.air = air::Air<double>{.profile = air::model_profile(air::ModelAtmosphere::mid_latitude_summer)};
+  const Camera from = camera({.position = {0, -20, 8}, .look_at = {0, 8, 0}}, 9, 61, 0.008);
+  Renderer renderer(made.scene, {lwir()}, {.further = 1, .layers = {.range = true, .facet = true}});
+  const RenderedFrame frame = renderer.render(from);
+  const std::vector<Spectrum> curves{coloured()};
+  const BandNodes nodes = band_nodes(lwir().curves, curves);
+  const std::vector<double> eps = at_nodes(nodes, coloured()), own = blackbody_at(nodes, kMirror);
+  const AirView ground(*made.scene.air, nodes, 0.0, 0.0), before(*made.scene.air, nodes, 0.0, 8.0, 300.0);
+  const std::vector<double> of_air = fold(nodes, blackbody_at(nodes, before.reference_k()));
+  int seen = 0;
+  for (std::int64_t y = 0; y < from.height; y += 5) {
+    if (frame.layers[1].plane.at(4, y) != 0.0F) continue;
+    const Vector d = from.direction(4.5, static_cast<double>(y) + 0.5);
+    const std::vector<double> sky = sky_at(made.scene.sky, nodes, &ground, std::acos(-d[2] / scene::length(d)));
+    std::vector<double> light(nodes.size());
+    for (std::size_t k = 0; k < light.size(); ++k) light[k] = eps[k] * own[k] + (1.0 - eps[k]) * sky[k];
+    const std::vector<double> folded = fold(nodes, light);
+    const AirSamples air = before.to(static_cast<double>(frame.layers[0].plane.at(4, y)), 0.0);
+    double wanted = 0.0;
+    for (std::size_t s = 0; s < folded.size(); ++s)
+      wanted += air.transmission[s] * folded[s] + air.source[s] * of_air[s];
+    // Cubics between 33 elevations: worst near the horizon.
+    EXPECT_NEAR(static_cast<double>(frame.radiance[0].at(4, y)) / wanted, 1.0, 1e-4) << y;
+    ++seen;
+  }
+  EXPECT_GT(seen, 6);
+}
+
 /// A finish that says nothing new makes the same picture.
 TEST(Angles, WithoutEffectChangeNothing) {
   scene::Mesh mesh = empty_mesh();
