@@ -146,7 +146,7 @@ TEST(Angles, AMirrorShowsTheSkyOfItsElevation) {
   made.scene.sky.cloud_cover = 0.2, made.scene.sky.cloud_k = 275.0;
   made.scene.air = air::Air<double>{.profile = air::model_profile(air::ModelAtmosphere::mid_latitude_summer)};
   const Camera from = camera({.position = {0, -20, 8}, .look_at = {0, 8, 0}}, 9, 61, 0.008);
-  Renderer renderer(made.scene, {lwir()}, {.further = 1, .layers = {.range = true, .facet = true}});
+  Renderer renderer(made.scene, {lwir()}, {.points = 1, .layers = {.range = true, .facet = true}});
   const RenderedFrame frame = renderer.render(from);
   const std::vector<Spectrum> curves{coloured()};
   const BandNodes nodes = band_nodes(lwir().curves, curves);
