@@ -189,6 +189,8 @@ Command fly_command() {
   add_word(
       app, "--heat-tolerance", "X", "of the heat balance, with its unit; default \"0.1 K\"",
       [&](const std::string& text) { options.heat_tolerance_k = temperature_difference("--heat-tolerance", text); });
+  add_text(app, "--report", "FILE", "write frames, rates, times of stages and what was left out as JSON",
+           options.report);
   add_text(app, "--schedule", "FILE", "CSV frame,parameter,value: parameters of the sensor that change over frames",
            options.schedule);
   add_word(app, "--light-every", "S",

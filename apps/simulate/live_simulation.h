@@ -22,7 +22,7 @@ class LiveSimulation {
   /// `scene`: one image, which is read with the first image. Of the options those of one whole image count: tolerance,
   /// nan, measure, stage, threads.
   explicit LiveSimulation(SceneSource scene, const SimulateOptions& options = {});
-  /// Of scenes that come with each image.
+  /// Of scenes that come with each image: image(sensor) has none.
   explicit LiveSimulation(const SimulateOptions& options) : LiveSimulation(SceneSource{}, options) {}
   ~LiveSimulation();
   LiveSimulation(LiveSimulation&&) noexcept;
@@ -34,8 +34,8 @@ class LiveSimulation {
   /// simulate(); the image after a failed one is what it would be without that call.
   SimulatedImage image(const mtf::io::SensorConfig& sensor, std::int64_t frame = 0);
 
-  /// The image of `scene`, which takes the place of the one that the simulation began with, of values in memory. A
-  /// sensor that is the same object as that of the image before is taken to be unchanged.
+  /// The image of another scene, of values in memory; that which the simulation began with stays. A sensor that is the
+  /// same object as that of the image before is taken to be unchanged.
   SimulatedImage image(mtf::io::Scene scene, const std::shared_ptr<const mtf::io::SensorConfig>& sensor,
                        std::int64_t frame);
 

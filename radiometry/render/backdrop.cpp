@@ -14,7 +14,7 @@ constexpr double kLowest = 1e-4;       // rad: lines nearer to the horizon are t
 constexpr double kFarthest_m = 300e3;  // of a ground that the air does not hide
 
 double interpolated(const std::vector<double>& values, double elevation) {
-  const ElevationPlace place = elevation_place(elevation);
+  const ElevationPlace place = elevation_place(elevation, values.size());
   double sum = 0.0;
   for (std::size_t k = 0; k < 4; ++k) sum += place.weight[k] * values[place.first + k];
   return sum;
@@ -22,23 +22,23 @@ double interpolated(const std::vector<double>& values, double elevation) {
 
 }  // namespace
 
-double sky_elevation(std::size_t k) {
-  const double root = static_cast<double>(k) / (kSkyElevations - 1);
+double sky_elevation(std::size_t k, std::size_t of) {
+  const double root = static_cast<double>(k) / static_cast<double>(of - 1);
   return std::max(kRight * root * root, kLowest);
 }
 
-ElevationPlace elevation_place(double elevation_rad) {
-  const double at = std::sqrt(std::clamp(elevation_rad / kRight, 0.0, 1.0)) * (kSkyElevations - 1);
-  const double below = std::clamp(std::floor(at), 1.0, static_cast<double>(kSkyElevations - 3)), t = at - below;
+ElevationPlace elevation_place(double elevation_rad, std::size_t of) {
+  const double at = std::sqrt(std::clamp(elevation_rad / kRight, 0.0, 1.0)) * static_cast<double>(of - 1);
+  const double below = std::clamp(std::floor(at), 1.0, static_cast<double>(of - 3)), t = at - below;
   return {static_cast<std::size_t>(below) - 1,
           {-t * (t - 1.0) * (t - 2.0) / 6.0, (t + 1.0) * (t - 1.0) * (t - 2.0) / 2.0, -(t + 1.0) * t * (t - 2.0) / 2.0,
            (t + 1.0) * t * (t - 1.0) / 6.0}};
 }
 
 Backdrop::Backdrop(const RenderScene& scene, const BandNodes& nodes, const LightSources& sources, const AirView* view,
-                   double camera_height_m, double ground_m)
-    : camera_above_m_(camera_height_m - ground_m) {
-  below_.push_back({camera_above_m_, {}, {}});
+                   double camera_height_m, double ground_m, std::optional<double> nearest_m)
+    : camera_above_m_(camera_height_m - ground_m), nearest_m_(nearest_m.value_or(camera_above_m_)) {
+  below_.emplace_back();
   const AirView* layered = view != nullptr && view->layered() ? view : nullptr;
   const std::vector<double> ground = fold(nodes, sources.radiance[sources.ground()]);
   std::vector<double> air;
@@ -46,11 +46,14 @@ Backdrop::Backdrop(const RenderScene& scene, const BandNodes& nodes, const Light
   for (std::size_t i = 0; i < kSkyElevations; ++i) {
     const double elevation = sky_elevation(i);
     above_.push_back(integral(nodes, sky_at(scene.sky, nodes, layered, kRight - elevation)));
+  }
+  for (std::size_t i = 0; i < kGroundElevations; ++i) {
+    const double elevation = sky_elevation(i, kGroundElevations);
     double sum = 0.0, added = 0.0;
     if (view == nullptr || camera_above_m_ <= 0.0) {
       for (const double part : ground) sum += part;
     } else {
-      const AirSamples path = view->to(std::min(camera_above_m_ / std::sin(elevation), kFarthest_m), ground_m);
+      const AirSamples path = view->to(std::min(nearest_m_ / std::sin(elevation), kFarthest_m), ground_m);
       for (std::size_t s = 0; s < ground.size(); ++s) {
         sum += path.transmission[s] * ground[s];
         added += path.source[s] * air[s];
@@ -71,13 +74,9 @@ Backdrop Backdrop::between(const Backdrop& low, const Backdrop& high, double sha
 }
 
 double Backdrop::below(std::vector<double> Below::*what, double sine_of_depression) const {
-  if (below_.size() == 1 || camera_above_m_ <= 0.0)
-    return interpolated(below_.front().*what, std::asin(std::min(sine_of_depression, 1.0)));
-  const auto from = [&](const Below& one) {  // at the same range
-    const double sine = one.camera_above_m > 0.0 ? one.camera_above_m / camera_above_m_ * sine_of_depression : 1.0;
-    return interpolated(one.*what, std::asin(std::min(sine, 1.0)));
-  };
-  return std::lerp(from(below_[0]), from(below_[1]), share_);
+  const double sine = camera_above_m_ > 0.0 ? nearest_m_ / camera_above_m_ * sine_of_depression : sine_of_depression;
+  const double elevation = std::asin(std::min(sine, 1.0)), low = interpolated(below_.front().*what, elevation);
+  return below_.size() == 1 ? low : std::lerp(low, interpolated(below_.back().*what, elevation), share_);
 }
 
 double Backdrop::radiance(double sine_of_elevation) const {

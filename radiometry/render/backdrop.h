@@ -5,27 +5,31 @@
 // a level plane that goes on as far as the horizon, through the air between. Radiance in the band by the sine of the
 // elevation: cubics of the zenith angle, whose steps are the smaller the nearer they are to the horizon.
 
+#include <optional>
+
 #include "radiometry/render/light_sources.h"
 
 namespace radiometry::render {
 
-/// Elevations that the sky is known at, from the horizon to the zenith, and the weights of a cubic between them.
-inline constexpr std::size_t kSkyElevations = 33;
-double sky_elevation(std::size_t k);
+/// Elevations that the sky is known at, from the horizon to the zenith, and the weights of a cubic between them. The
+/// ground, whose range goes to the horizon within a degree, has twice as many.
+inline constexpr std::size_t kSkyElevations = 33, kGroundElevations = 65;
+double sky_elevation(std::size_t k, std::size_t of = kSkyElevations);
 struct ElevationPlace {
   std::size_t first = 0;
   std::array<double, 4> weight{};
 };
-ElevationPlace elevation_place(double elevation_rad);
+ElevationPlace elevation_place(double elevation_rad, std::size_t of = kSkyElevations);
 
 class Backdrop {
  public:
-  /// `view`: null without air. `ground_m`: the height of the plane.
+  /// `view`: null without air. `ground_m`: the height of the plane. `nearest_m`: the range that the table of the ground
+  /// begins at, else the height of the camera above it.
   Backdrop(const RenderScene& scene, const BandNodes& nodes, const LightSources& sources, const AirView* view,
-           double camera_height_m, double ground_m);
+           double camera_height_m, double ground_m, std::optional<double> nearest_m = std::nullopt);
 
-  /// What a camera between those of two backdrops sees, over the same ground: means of the sky in the same direction
-  /// and of the ground at the same range.
+  /// What a camera between those of two backdrops sees, over the same ground and from one nearest range: means of the
+  /// sky in the same direction and of the ground at the same range.
   static Backdrop between(const Backdrop& low, const Backdrop& high, double share);
 
   double radiance(double sine_of_elevation) const;
@@ -35,14 +39,13 @@ class Backdrop {
   double path_radiance(double sine_of_elevation) const;
 
  private:
-  /// Of the ground, from one height.
+  /// Of the ground, from one height, at ranges of nearest_m_ over the sines of kGroundElevations.
   struct Below {
-    double camera_above_m;
-    std::vector<double> radiance, path;  ///< at the elevations of sky_elevation; `path`: what the air adds
+    std::vector<double> radiance, path;  ///< `path`: what the air adds
   };
   double below(std::vector<double> Below::*what, double sine_of_depression) const;
 
-  double camera_above_m_;
+  double camera_above_m_, nearest_m_;
   std::vector<double> above_;  ///< at the elevations of sky_elevation
   std::vector<Below> below_;   ///< one, or two that the camera is between
   double share_ = 0.0;         ///< of the second one

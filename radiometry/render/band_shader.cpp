@@ -24,6 +24,8 @@ std::vector<KelvinRange> ranges_of(const RenderScene& scene) {
   return range;
 }
 
+constexpr double kRoom_k = 2.0;  // so that temperatures to come are in the tables too
+
 /// Wider than it has to be, so that a camera that moves a little keeps it.
 PathExtent with_room(const PathExtent& extent) {
   constexpr double kFarther = 1.25, kNearer = 0.8, kHigher = 0.1;
@@ -47,7 +49,7 @@ BandShader::BandShader(RenderBand band, const RenderScene& scene, const Patches&
   angular_ = angular_finishes(scene, emissivity_, all_sides);
   emits_ = emissivity_;
   for (const MadeFinish& made : angular_.made) emits_.push_back(made.emits);
-  range_ = ranges_of(scene);
+  for (const KelvinRange& range : ranges_of(scene)) range_.push_back({range.lo_k - kRoom_k, range.hi_k + kRoom_k});
   make_folds();
   std::optional<AirView> sky;
   if (scene.air && scene.air->profile.levels.size() > 1)
@@ -70,7 +72,6 @@ void BandShader::make_folds() {
 }
 
 void BandShader::temperatures_changed() {
-  constexpr double kRoom_k = 2.0;  // so that those to come are covered too
   const std::vector<KelvinRange> now = ranges_of(scene_);
   bool covered = true;
   for (std::size_t m = 0; m < now.size(); ++m)
@@ -84,11 +85,12 @@ void BandShader::temperatures_changed() {
   for (Shaded& one : shaded_) one.finish = scene::kNone;
 }
 
-BandShader::FromHeight BandShader::from_height(double height_m, const AirView* view, const PathGrid& grid) const {
+BandShader::FromHeight BandShader::from_height(double height_m, const AirView* view, const PathGrid& grid,
+                                               std::optional<double> nearest_m) const {
   return {height_m,
           BandTables(nodes_, *folds_, emissivity_, sources_, grid, view != nullptr ? view->reference_k() : 300.0,
                      angular_.made),
-          Backdrop(scene_, nodes_, sources_, view, height_m, ground_height_m(scene_.facets()))};
+          Backdrop(scene_, nodes_, sources_, view, height_m, ground_height_m(scene_.facets()), nearest_m)};
 }
 
 void BandShader::use(FromHeight from) {
@@ -110,31 +112,37 @@ bool BandShader::take_between(double height_m) {
   return true;
 }
 
-/// The promise is that of the middle between both heights, where straight lines err most, and of the ends.
+/// The promise is that of the middle between both heights, where straight lines err most, and of the ends. The lower
+/// end is at least half as far above the ground as the camera is, so that the ground has one table of ranges for both.
 void BandShader::make_ends(double height_m, const PathExtent& extent, int threads) {
   constexpr double kAhead = 0.9;  // of the way between the ends lies before a camera that goes on
-  const double ground_m = ground_height_m(scene_.facets());
+  const double ground_m = ground_height_m(scene_.facets()), above_m = height_m - ground_m;
   const bool rises = height_m > camera_height_m_;
-  for (const double apart : {48.0, 12.0}) {
-    double low_m = height_m - (rises ? 1.0 - kAhead : kAhead) * apart;
-    if (height_m > ground_m) low_m = std::max(low_m, ground_m);
-    const double high_m = low_m + apart, middle_m = 0.5 * (low_m + high_m);
-    const auto view_from = [&](double from_m) {
-      return AirView(*scene_.air, nodes_, scene_.altitude_m, from_m, extent.farthest_m);
-    };
-    view_ = std::make_unique<AirView>(view_from(middle_m));
-    grid_ = path_grid(*view_, nodes_, extent, tolerance_);
-    promised_ = 0.0;
-    for (const double end_m : {low_m, high_m}) {
+  const auto view_from = [&](double from_m) {
+    return AirView(*scene_.air, nodes_, scene_.altitude_m, from_m, extent.farthest_m);
+  };
+  for (const double most_m : {48.0, 12.0}) {
+    const double apart_m = std::min(most_m, 2.0 * above_m);
+    const double low_m = std::max(height_m - (rises ? 1.0 - kAhead : kAhead) * apart_m, ground_m + 0.5 * above_m);
+    auto middle = std::make_unique<AirView>(view_from(low_m + 0.5 * apart_m));
+    PathGrid grid = path_grid(*middle, nodes_, extent, tolerance_);
+    double promised = 0.0;
+    const auto end_at = [&](double end_m) {
       const AirView view = view_from(end_m);
-      const PathGrid grid = seen_from(view, grid_, threads);
-      FromHeight end = from_height(end_m, &view, grid);
-      promised_ = std::max(promised_, promised_error(band_.curves, curves_, *folds_, end.tables, grid, &view));
-      (end_m == low_m ? low_ : high_) = std::move(end);
-    }
-    const BandTables middle = BandTables::between(low_->tables, high_->tables, 0.5);
-    promised_ = std::max(promised_, promised_error(band_.curves, curves_, *folds_, middle, grid_, view_.get()));
-    if (promised_ <= kBetweenHeights) break;
+      const PathGrid seen = seen_from(view, grid, threads);
+      FromHeight end = from_height(end_m, &view, seen, low_m - ground_m);
+      promised = std::max(promised, promised_error(band_.curves, curves_, *folds_, end.tables, seen, &view));
+      return end;
+    };
+    FromHeight low = end_at(low_m), high = end_at(low_m + apart_m);
+    const BandTables between = BandTables::between(low.tables, high.tables, 0.5);
+    promised = std::max(promised, promised_error(band_.curves, curves_, *folds_, between, grid, middle.get()));
+    if (promised > std::max(tolerance_, kBetweenHeights) && most_m > 12.0) continue;
+    view_ = std::move(middle);
+    grid_ = std::move(grid);
+    low_ = std::move(low), high_ = std::move(high);
+    promised_ = promised;
+    return;
   }
 }
 
@@ -149,22 +157,24 @@ bool BandShader::prepare(double camera_height_m, const PathExtent& extent, int t
                                            ground_height_m(scene_.facets()));
     return true;
   }
-  const bool moves = tables_ && camera_height_m != camera_height_m_;
-  low_.reset(), high_.reset();
+  constexpr double kLeastAbove_m = 0.1;  // of a camera that has the ground below it
+  const bool moves = tables_ && camera_height_m != camera_height_m_ &&
+                     camera_height_m - ground_height_m(scene_.facets()) > kLeastAbove_m;
   if (layered && moves) {
     make_ends(camera_height_m, with_room(extent), threads);
     take_between(camera_height_m);
     return true;
   }
-  if (with_air_) {
-    view_ = std::make_unique<AirView>(*scene_.air, nodes_, scene_.altitude_m, camera_height_m,
-                                      with_room(extent).farthest_m);
-    grid_ = path_grid(*view_, nodes_, with_room(extent), tolerance_);
-  } else {
-    grid_ = no_air(nodes_);
-  }
-  FromHeight own = from_height(camera_height_m, view_.get(), grid_);
-  promised_ = promised_error(band_.curves, curves_, *folds_, own.tables, grid_, view_.get());
+  std::unique_ptr<AirView> view;
+  if (with_air_)
+    view = std::make_unique<AirView>(*scene_.air, nodes_, scene_.altitude_m, camera_height_m,
+                                     with_room(extent).farthest_m);
+  PathGrid grid = view ? path_grid(*view, nodes_, with_room(extent), tolerance_) : no_air(nodes_);
+  FromHeight own = from_height(camera_height_m, view.get(), grid, std::nullopt);
+  promised_ = promised_error(band_.curves, curves_, *folds_, own.tables, grid, view.get());
+  low_.reset(), high_.reset();
+  view_ = std::move(view);
+  grid_ = std::move(grid);
   use(std::move(own));
   return true;
 }

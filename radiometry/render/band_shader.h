@@ -96,7 +96,8 @@ class BandShader {
     BandTables tables;
     Backdrop backdrop;
   };
-  FromHeight from_height(double height_m, const AirView* view, const PathGrid& grid) const;
+  FromHeight from_height(double height_m, const AirView* view, const PathGrid& grid,
+                         std::optional<double> nearest_m) const;
   void make_folds();
   bool take_between(double height_m);
   void make_ends(double height_m, const PathExtent& extent, int threads);

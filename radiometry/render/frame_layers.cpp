@@ -29,9 +29,7 @@ mtf::Image made(const LayerInputs& in, const Value& value) {
 /// Along the ray through the middle of a sample to the plane of the facet that it shows.
 double range_of(const LayerInputs& in, const SamplePart& part) {
   using scene::operator-;
-  const scene::Facet& facet = in.scene.facets().facet[part.side / 2];
-  const Vector d = in.camera.direction(static_cast<double>(part.column) + 0.5, static_cast<double>(part.row) + 0.5);
-  return scene::length(d) * scene::dot(facet.normal, facet.centre - in.camera.position) / scene::dot(facet.normal, d);
+  return scene::length(place_of(in.scene, in.camera, part, 1).point - in.camera.position);
 }
 
 /// The emissivity of each visible side, where it was asked for.

@@ -60,9 +60,9 @@ struct Renderer::Parts {
   std::vector<BandShader> shader{};
   std::vector<BandShader> surface{};  ///< of each band without air, where layers need it; else none
   std::unique_ptr<VisibleSides> sides{};
-  VisibleParts parts{}, middles{};  ///< of the frame, and of its layers
-  double camera_height_m = 0.0;     ///< of the last frame
-  bool angles = false;              ///< some finish depends on the angle, or is glossy
+  VisibleParts parts{}, middles{};                      ///< of the frame, and of its layers
+  double camera_height_m = 0.0, height_before_m = 0.0;  ///< of the last two frames
+  bool angles = false;                                  ///< some finish depends on the angle, or is glossy
 
   void make(std::vector<RenderBand> bands, const Known* known);
   bool shadows_matter() const;
@@ -73,9 +73,9 @@ struct Renderer::Known {
   RenderOptions options;
   Patches patches;
   scene::Views patch_views;
-  PathExtent extent;  ///< of the last frame
-  double camera_height_m;
-  RenderScene scene;  ///< of `sides`, with its sun alone
+  PathExtent extent;                        ///< of the last frame
+  double camera_height_m, height_before_m;  ///< of the last two
+  RenderScene scene;                        ///< of `sides`, with its sun alone
   std::optional<VisibleSides> sides{};
 };
 
@@ -133,11 +133,15 @@ Renderer::Renderer(const RenderScene& scene, std::vector<RenderBand> bands, Rend
 Renderer::Renderer(const RenderScene& scene, std::vector<RenderBand> bands, const Known& known) {
   require_valid(scene);
   require_options(known.options, bands.size());
+  if (known.scene.rays != scene.rays)
+    throw mtf::UsageError("render: what is known of views is of other facets than those of the scene");
   parts_.reset(new Parts{.scene = scene, .options = known.options});
   const bool alike = known.patches.size() == 0 || still_alike(scene, known.patches);
   parts_->make(std::move(bands), alike ? &known : nullptr);
-  if (known.extent.farthest_m > 0.0)
-    for (BandShader& one : parts_->shader) one.prepare(known.camera_height_m, known.extent, known.options.threads);
+  if (known.extent.farthest_m <= 0.0) return;
+  for (BandShader& one : parts_->shader)
+    for (const double height_m : {known.height_before_m, known.camera_height_m})
+      one.prepare(height_m, known.extent, known.options.threads);
 }
 
 std::shared_ptr<const Renderer::Known> Renderer::known() const {
@@ -147,6 +151,7 @@ std::shared_ptr<const Renderer::Known> Renderer::known() const {
                                                   .patch_views = my.patch_views,
                                                   .extent = my.parts.extent,
                                                   .camera_height_m = my.camera_height_m,
+                                                  .height_before_m = my.height_before_m,
                                                   .scene = {.rays = my.scene.rays, .sun = my.scene.sun}});
   copy->sides.emplace(copy->scene, copy->patches, *my.sides);
   return copy;
@@ -167,6 +172,7 @@ RenderedFrame Renderer::render(const Camera& camera) {
   const RenderOptions& options = my.options;
   RenderedFrame frame;
   Laps laps(frame.timing_ms);
+  my.height_before_m = my.parts.on_facets > 0 ? my.camera_height_m : camera.position[2];
   my.camera_height_m = camera.position[2];
   require_outside(my.scene, camera.position);
   find_parts(my.scene, camera, options.points, my.parts, options.threads);

@@ -49,7 +49,7 @@ struct RenderOptions {
   int points = 2;  ///< n x n of a sample: 1, 2 or 4
   bool all_shadows =
       false;  ///< a shadow ray for everything seen; else for squares of 2 x 2 samples, more where they differ
-  double tolerance = 5e-6;  ///< of the tables of the air, relative
+  double tolerance = 5e-6;  ///< of the tables of the air, relative; kBetweenHeights once the camera changes its height
   int view_rays = 64;       ///< of each visible side that reflects
   int patch_rays = 256;     ///< of each patch
   int rings = 9;            ///< of the sky
@@ -86,7 +86,8 @@ class Renderer {
   struct Known;
   std::shared_ptr<const Known> known() const;
   /// With tables ready for the camera that `known` saw last. Where temperatures have become others than those that
-  /// surfaces were put together by, only facets are taken over. May run beside render() of another renderer.
+  /// surfaces were put together by, only facets are taken over. May run beside render() of another renderer. Throws
+  /// mtf::UsageError as above, and for other facets.
   Renderer(const RenderScene& scene, std::vector<RenderBand> bands, const Known& known);
 
   /// To be called when `temperature_k` of the scene has changed. What surfaces reflect stays that of the temperatures

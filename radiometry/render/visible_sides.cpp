@@ -26,7 +26,7 @@ VisibleSides::VisibleSides(const RenderScene& scene, const Patches& patches, con
       share_(known.share_) {
   const std::optional<Sun>& sun = known.scene_.sun;
   const bool same = scene.sun ? sun && sun->to_sun == scene.sun->to_sun : !sun;
-  if (!same) light(0);
+  if (!same) set_sun(0);
 }
 
 /// In the order of sides, so that what lies together in space lies together here.
@@ -61,7 +61,7 @@ std::size_t VisibleSides::add(std::vector<std::uint32_t> fresh) {
   }
   std::vector<scene::Side> sides;
   for (const std::uint32_t side : fresh) sides.push_back({side / 2, side % 2 == 1});
-  light(side_.size() - fresh.size());
+  set_sun(side_.size() - fresh.size());
   if (options_.views)
     add_views(sides);
   else
@@ -69,7 +69,7 @@ std::size_t VisibleSides::add(std::vector<std::uint32_t> fresh) {
   return fresh.size();
 }
 
-void VisibleSides::light(std::size_t first) {
+void VisibleSides::set_sun(std::size_t first) {
   constexpr int kPoints = 16;
   sun_cosine_.resize(side_.size());
   sun_share_.resize(side_.size());

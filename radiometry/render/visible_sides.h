@@ -49,7 +49,7 @@ class VisibleSides {
  private:
   std::vector<std::uint32_t> unknown(const VisibleParts& parts) const;
   /// The sun on the sides from number `first` on.
-  void light(std::size_t first);
+  void set_sun(std::size_t first);
   void add_views(std::span<const scene::Side> fresh);
 
   const RenderScene& scene_;

@@ -118,12 +118,14 @@ TEST_F(FlyCommand, WritesTheFramesOfThePath) {
 }
 
 TEST_F(FlyCommand, ReportsAsJson) {
-  const Result made = scratch_.run("mtf fly scene.toml sensor.toml --seconds 0.2 --format json");
+  const Result made = scratch_.run("mtf fly scene.toml sensor.toml --seconds 0.2 --format json --report fly.json");
   ASSERT_EQ(made.status, 0) << made.err;
   const nlohmann::json json = nlohmann::json::parse(made.out);
   EXPECT_EQ(json.at("frames"), 6);
-  EXPECT_GT(json.at("frames_per_second").get<double>(), 0.0);
-  EXPECT_TRUE(json.at("timing_ms").contains("pixels"));
+  EXPECT_GE(json.at("fps").at("median").get<double>(), json.at("fps").at("least").get<double>());
+  EXPECT_GT(json.at("stage_ms").at("pixels").at("min").get<double>(), 0.0);
+  EXPECT_EQ(json.at("left_out").size(), 3u);
+  EXPECT_EQ(nlohmann::json::parse(read_file(scratch_ / "fly.json")), json);
 }
 
 TEST_F(FlyCommand, FollowsAScheduleOfAirAndOptics) {

@@ -103,17 +103,31 @@ std::vector<std::string> inputs_of(const FlyCommandOptions& options, const Scene
   return inputs;
 }
 
-nlohmann::json json_of(const StageTimes& times, std::size_t frames, double fps, double first_ms, const Flight& flight,
-                       const FlightFrame& last) {
+/// What the flight did not do, in words.
+std::vector<std::string> left_out(const PictureSource& source, const Flight& flight, const FlightFrame& last,
+                                  std::size_t lights, std::size_t late) {
+  const std::size_t sides = 2 * source.rays().facets().size();
+  return {
+      std::to_string(sides - last.sides) + " of " + std::to_string(sides) + " sides, which no frame shows",
+      "light was made " + std::to_string(lights) + " times, " + std::to_string(late) + " of them while a frame waited",
+      "filters were planned " + std::to_string(flight.plans_compiled()) + " times and changed " +
+          std::to_string(flight.plans_updated()) + " times"};
+}
+
+nlohmann::json json_of(const StageTimes& times, std::size_t frames, double first_ms, const Flight& flight,
+                       const FlightFrame& last, const std::vector<std::string>& left) {
   nlohmann::json json;
   json["frames"] = frames;
-  json["frames_per_second"] = fps;
   json["first_frame_ms"] = first_ms;
-  for (const StageTimes::Row& row : times.rows(frames - 1))
-    json["timing_ms"][row.name] = {{"least", row.least}, {"median", row.median}, {"most", row.most}};
+  json["fps"] = nlohmann::json::object();
+  json["stage_ms"] = nlohmann::json::object();
+  for (const StageTimes::Row& row : times.rows(frames - 1)) {
+    json["stage_ms"][row.name] = {{"min", row.least}, {"median", row.median}, {"most", row.most}};
+    if (row.name == "frame") json["fps"] = {{"median", 1e3 / row.median}, {"least", 1e3 / row.most}};
+  }
   for (const auto& [name, words] : flight.closures()) json["closures"][name] = words;
   json["promised_error"] = last.promised;
-  json["visible_sides"] = last.sides;
+  json["left_out"] = left;
   return json;
 }
 
@@ -207,7 +221,7 @@ int run_fly(const FlyCommandOptions& options, const Global& global) {
     if (names)
       writing = std::async(
           std::launch::async,
-          [&flight, &options, file_name = names->name(number), outputs = flight.names(), range = flight.integer_range(),
+          [&options, file_name = names->name(number), outputs = flight.names(), range = flight.integer_range(),
            image = std::move(frame.image)]() mutable { deliver(options.image, file_name, outputs, image, range); });
     ++done;
     lights += frame.new_light ? 1 : 0;
@@ -226,22 +240,21 @@ int run_fly(const FlyCommandOptions& options, const Global& global) {
   }
   if (writing.valid()) writing.get();
   const double fps = done > 1 ? 1e3 * static_cast<double>(done - 1) / running.ms() : 0.0;
+  const std::vector<std::string> left = left_out(source, flight, frame, lights, late);
+  const nlohmann::json json = json_of(times, done, first_ms, flight, frame, left);
+  if (!options.report.empty()) emit(options.report, json.dump(2) + "\n");
   if (options.json) {
-    print(json_of(times, done, fps, first_ms, flight, frame).dump(2) + "\n");
+    print(json.dump(2) + "\n");
   } else {
     TextTable table({"ms a frame", "least", "median", "most"});
     for (const StageTimes::Row& row : times.rows(done - 1))
       table.add({row.name, significant(row.least, 3), significant(row.median, 3), significant(row.most, 3)});
-    using enum Align;
-    std::string text = done > 1 ? table.aligned({left, right, right, right}) : std::string();
+    std::string text =
+        done > 1 ? table.aligned({Align::left, Align::right, Align::right, Align::right}) : std::string();
     text += std::to_string(done) + " frames" + (done > 1 ? ", " + significant(fps, 3) + " a second" : "") +
             "; the first one after " + significant(first_ms * 1e-3, 3) + " s" +
             (heat_ms > 0.0 ? ", of which the heat balance took " + significant(heat_ms * 1e-3, 3) + " s" : "") + "\n";
-    text += "left out: " + std::to_string(2 * source.rays().facets().size() - frame.sides) + " of " +
-            std::to_string(2 * source.rays().facets().size()) + " sides, which no frame shows; light was made " +
-            std::to_string(lights) + " times, " + std::to_string(late) +
-            " of them while a frame waited; filters were planned " + std::to_string(flight.plans_compiled()) +
-            " times and changed " + std::to_string(flight.plans_updated()) + " times\n";
+    text += "left out: " + left[0] + "; " + left[1] + "; " + left[2] + "\n";
     text += "error of the radiance: tables within " + significant(frame.promised, 2) + ", relative\n";
     if (names) text += "written to " + names->name(first) + " to " + names->name(course.frames[done - 1]) + "\n";
     print(text);

@@ -14,6 +14,7 @@ namespace apps {
 struct FlyCommandOptions {
   std::string scene, sensor, out;
   std::string temperatures, time, schedule;
+  std::string report;  ///< JSON file to write, "" = none
   std::optional<FrameRange> frames;
   std::optional<double> seconds;
   double rate_hz = 25.0;

@@ -10,6 +10,7 @@
 #include "apps/scene/heat/stopwatch.h"
 #include "apps/sensor/sensor_air.h"
 #include "mtf/error.h"
+#include "radiometry/heat/weather/instant.h"
 
 namespace apps::scene {
 namespace {
@@ -69,6 +70,7 @@ struct Flight::State {
   LightKey key_of(const KnownSensor& sensor, double utc_s) const;
   std::unique_ptr<Light> made(const LightKey& key, const PictureSensor& sensor,
                               const std::shared_ptr<const render::Renderer::Known>& views);
+  void require_time(double utc_s) const;
   void set_light(const KnownSensor& sensor, double utc_s, FlightFrame& frame);
 };
 
@@ -98,6 +100,15 @@ std::unique_ptr<Light> Flight::State::made(const LightKey& key, const PictureSen
   return out;
 }
 
+void Flight::State::require_time(double utc_s) const {
+  constexpr double kSlack_s = 1e-3;
+  if (utc_s >= options.begin_s - kSlack_s && utc_s <= options.end_s + kSlack_s) return;
+  using radiometry::heat::instant_text;
+  throw mtf::UsageError("a frame at " + instant_text(utc_s) + " is outside of its flight, which goes from " +
+                        instant_text(options.begin_s) + " to " + instant_text(options.end_s) +
+                        "; state begin_s and end_s");
+}
+
 void Flight::State::set_light(const KnownSensor& sensor, double utc_s, FlightFrame& frame) {
   const LightKey key = key_of(sensor, utc_s);
   if (light && light->key == key) return;
@@ -124,6 +135,7 @@ Flight::~Flight() = default;
 
 void Flight::prepare(const Sensor& sensor, double utc_s) {
   State& state = *state_;
+  state.require_time(utc_s);
   if (!state.light) return;
   const KnownSensor& known = state.known(sensor);
   const LightKey key = state.key_of(known, utc_s);
@@ -139,6 +151,7 @@ void Flight::prepare(const Sensor& sensor, double utc_s) {
 
 FlightFrame Flight::frame(const Sensor& sensor, const CameraPlace& place, double utc_s, std::int64_t number) {
   State& state = *state_;
+  state.require_time(utc_s);
   FlightFrame out;
   const Stopwatch preparing;
   if (!state.last_sensor || state.last_sensor->sensor != sensor) state.last_sensor = KnownSensor(state.known(sensor));
@@ -174,6 +187,7 @@ FlightFrame Flight::frame(const Sensor& sensor, const CameraPlace& place, double
   out.image = state.simulation.image(scene_of(std::move(frame), known.picture, camera, metadata),
                                      has_air ? known.without_air : known.sensor, number);
   out.warnings = state.simulation.warnings();
+  if (out.new_light) out.warnings.insert(out.warnings.end(), light.scene.warnings.begin(), light.scene.warnings.end());
   out.timing_ms.emplace_back("sensor", imaging.ms());
   return out;
 }

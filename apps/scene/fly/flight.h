@@ -4,12 +4,11 @@
 // Image after image of a 3-D scene while everything may change: temperatures, sun and sky with the time, the place of
 // the camera, and any parameter of the sensor.
 //   scene, temperatures --PictureSource--> surfaces, sky, sun, air --Renderer--> radiance --LiveSimulation--> image
-// Only what has changed is done again:
-//   light         sky, sun, ground and what surfaces give each other are worked out once for `light_every_s` of the
-//                 scene's clock, for the middle of that time, and anew for another band or another air
-//   temperatures  of surfaces, which are seen at once, are taken anew once the clock has moved by
-//   `temperatures_every_s` sensor        its plan and chain, where a parameter is another one (LiveSimulation) views of
-//   sides that were never seen before
+// Only what has changed is done again. The light of sky, sun, ground and of what surfaces give each other is worked out
+// once for `light_every_s` of the scene's clock, for the middle of that time, and anew for another band or another air.
+// Temperatures of surfaces, which are seen at once, are taken anew once the clock has moved by `temperatures_every_s`.
+// Of the sensor, plan and chain are made anew where a parameter is another one (LiveSimulation). Sides that were never
+// seen before get their views.
 // New light is made beside frames where prepare() says in time that it will be wanted; without it frames are the same
 // within the promise of their tables.
 
@@ -28,7 +27,7 @@ struct FlightOptions {
   radiometry::render::RenderOptions render{};  ///< without layers
   SimulateOptions image{};                     ///< those of LiveSimulation
   double light_every_s = 60.0, temperatures_every_s = 1.0;
-  double begin_s = 0.0, end_s = 0.0;  ///< UTC, of the first and the last frame
+  double begin_s = 0.0, end_s = 0.0;  ///< UTC, of the first and the last frame; others are refused
 };
 
 struct FlightFrame {

@@ -47,29 +47,34 @@ void set_finishes(const SceneFile& file, const Surfaces& surfaces, render::Rende
       file.ground && file.ground->material ? static_cast<std::uint32_t>(*file.ground->material) : black;
 }
 
-double ground_k(const SceneFile& file, const Surfaces& surfaces, double utc_s, double air_k) {
+double ground_k(const SceneFile& file, const Surfaces& surfaces, double utc_s, double air_k,
+                std::optional<SolvedGround>& solved) {
   constexpr double kTolerance_k = 0.1;
   constexpr int kDirections = 36;
   if (!file.ground) return air_k;
   if (file.ground->temperature) return value_at(file.ground->temperature->schedule, utc_s);
-  const Surroundings s = surroundings_of(file, kDirections, kTolerance_k);
-  const LevelRun level = level_run(s, file.time.start_s, surfaces.material[*file.ground->material], kTolerance_k);
-  const double at = std::clamp(utc_s - file.time.start_s, s.time_s.front(), s.time_s.back());
-  const auto above = std::upper_bound(s.time_s.begin() + 1, s.time_s.end() - 1, at);
-  const auto k = static_cast<std::size_t>(above - s.time_s.begin());
-  return std::lerp(level.kelvin[k - 1], level.kelvin[k], (at - s.time_s[k - 1]) / (s.time_s[k] - s.time_s[k - 1]));
+  if (!solved) {
+    const Surroundings s = surroundings_of(file, kDirections, kTolerance_k);
+    solved = {s.time_s,
+              level_run(s, file.time.start_s, surfaces.material[*file.ground->material], kTolerance_k).kelvin};
+  }
+  const auto& [time_s, kelvin] = *solved;
+  const double at = std::clamp(utc_s - file.time.start_s, time_s.front(), time_s.back());
+  const auto above = std::upper_bound(time_s.begin() + 1, time_s.end() - 1, at);
+  const auto k = static_cast<std::size_t>(above - time_s.begin());
+  return std::lerp(kelvin[k - 1], kelvin[k], (at - time_s[k - 1]) / (time_s[k] - time_s[k - 1]));
 }
 
 /// At the time of `out`.
 void set_surroundings(const SceneFile& file, const Surfaces& surfaces, const PictureOptions& options,
-                      PictureScene& out) {
+                      std::optional<SolvedGround>& ground, PictureScene& out) {
   const PictureSurroundings around = picture_surroundings(
       file, out.utc_s, {.of_sensor = options.sensor_air, .sensor_file = options.sensor_file, .wanted = options.air});
   out.scene.sky = around.sky;
   out.scene.sun = around.sun;
   out.scene.air = around.air;
   out.closures = around.closures;
-  out.scene.ground.temperature_k = ground_k(file, surfaces, out.utc_s, around.air_k);
+  out.scene.ground.temperature_k = ground_k(file, surfaces, out.utc_s, around.air_k, ground);
   out.closures.emplace_back("ground", "level, " + fixed(out.scene.ground.temperature_k, 2) + " K, " +
                                           one_line(out.scene.finish[out.scene.ground.finish].name));
   out.scene.altitude_m = file.place.altitude_m;
@@ -83,7 +88,8 @@ PictureScene read_layer_scene(const SceneFile& file, const PictureOptions& optio
   out.utc_s = options.utc_s.value_or(file.time.start_s);
   const Surfaces surfaces = read_surfaces(file);
   set_finishes(file, surfaces, out.scene);
-  set_surroundings(file, surfaces, options, out);
+  std::optional<SolvedGround> ground;
+  set_surroundings(file, surfaces, options, ground, out);
   return out;
 }
 
@@ -117,7 +123,10 @@ PictureScene PictureSource::at(std::optional<double> utc_s, const PictureOptions
   temperatures(out.utc_s, out.scene.temperature_k);
   out.timing_ms[1].second += reading.ms();
   const Stopwatch weather;
-  set_surroundings(file_, surfaces_, air, out);
+  {
+    const std::scoped_lock guard(reading_);
+    set_surroundings(file_, surfaces_, air, ground_, out);
+  }
   out.timing_ms.emplace_back("weather", weather.ms());
   return out;
 }

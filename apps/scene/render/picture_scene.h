@@ -2,17 +2,10 @@
 #pragma once
 
 // From a scene file and temperatures to what radiometry/render makes pictures of: facets, finishes and temperatures of
-// all sides, sky, ground and sun of the weather at that time, and the air.
-//   temperatures  of the folder that `mtf heat` wrote (straight lines between its times), of a table of facets, or,
-//   where
-//                 neither is given, those that the regions of the file have
-//   sky           with layered air its clear sky, and clouds as black as the air is warm; else a blackbody of the long
-//                 wave that [sky] makes of the weather
-//   ground        [ground]: of given temperature, or solved as a level surface from the start of the run; without it
-//                 black and as warm as the air
-//   air           [atmosphere] of the scene file, its lowest 2 km as the weather has them; or that of the sensor file,
-//   as
-//                 it stands there
+// all sides, sky, ground and sun of the weather at that time, and the air (picture_surroundings.h).
+// Temperatures are those of the folder that `mtf heat` wrote, with straight lines between its times, or of a table of
+// facets; where neither is given, those that the regions of the file have. The ground is that of [ground], of given
+// temperature or solved as a level surface from the start of the run; without it black and as warm as the air.
 
 #include <memory>
 #include <mutex>
@@ -45,6 +38,11 @@ struct PictureScene {
   std::vector<std::pair<std::string, double>> timing_ms;
 };
 
+/// Temperatures of the ground as a level surface over the run.
+struct SolvedGround {
+  std::vector<double> time_s{}, kelvin{};  ///< from the start of the run
+};
+
 /// The pictures' scene at one time or another: meshes are read once.
 class PictureSource {
  public:
@@ -71,6 +69,7 @@ class PictureSource {
   std::mutex reading_;                        ///< of temperatures
   radiometry::render::RenderScene finishes_;  ///< and their sides
   std::vector<std::pair<std::string, double>> timing_ms_;
+  std::optional<SolvedGround> ground_;  ///< once it is asked for
 };
 
 /// One picture: PictureSource(file, options).at().

@@ -40,6 +40,8 @@ struct ScreenTriangle {
       if (edge[k].a > 0.0) left = std::max(left, crossed - 2.0);
       if (edge[k].a < 0.0) right = std::min(right, crossed + 2.0);
     }
+    // A nearly level edge crosses its row far outside.
+    left = std::min(left, static_cast<double>(x1)), right = std::max(right, static_cast<double>(x0));
     return {static_cast<std::int32_t>(left), static_cast<std::int32_t>(right)};
   }
 };

@@ -66,6 +66,8 @@ std::vector<std::uint8_t> facing(const scene::Facets& facets, const Vector& to_s
 struct LightMap {
   std::int64_t width = 0, height = 0;
   std::vector<Light> light{};
+  std::vector<std::uint32_t> shell{};  ///< that was asked; kSeveral where parts of several face the sun
+  static constexpr std::uint32_t kSeveral = scene::kNone - 1;
 
   std::size_t of(const SamplePart& part) const {
     return static_cast<std::size_t>(part.row / 2 * width + part.column / 2);
@@ -98,14 +100,21 @@ std::size_t find_shadows(const RenderScene& scene, const Camera& camera, Visible
   const std::int64_t rows_a_band = Screen::kRows / parts.n / 2;
   if (!all) {
     map.light.assign(static_cast<std::size_t>(map.width * map.height), unknown);
+    map.shell.assign(map.light.size(), scene::kNone);
     mtf::parallel_for(bands, 1, threads, [&](std::int64_t begin, std::int64_t end) {
       ShadowRays shadow(scene, camera, beam, parts.n,
                         [&](std::size_t square, bool lit) { map.light[square] = lit ? bright : dark; });
       for (std::int64_t b = begin; b < end; ++b)
         for (const SamplePart& part : parts.band[static_cast<std::size_t>(b)]) {
           const std::size_t square = map.of(part);
-          if (map.light[square] != unknown || dim(part)) continue;
+          if (dim(part)) continue;
+          const std::uint32_t shell = scene.facets().facet[part.side / 2].shell;
+          if (map.light[square] != unknown) {
+            if (map.shell[square] != shell) map.shell[square] = LightMap::kSeveral;
+            continue;
+          }
           map.light[square] = mixed;  // until the answer comes
+          map.shell[square] = shell;
           shadow.add(part, square);
         }
       shadow.trace();
@@ -122,7 +131,8 @@ std::size_t find_shadows(const RenderScene& scene, const Camera& camera, Visible
       ShadowRays shadow(scene, camera, beam, parts.n, [&](std::size_t part, bool lit) { band[part].lit = lit; });
       for (std::size_t i = 0; i < band.size(); ++i) {
         if (dim(band[i])) continue;
-        const Light light = all ? mixed : agreed[map.of(band[i]) - first];
+        const std::size_t square = map.of(band[i]);
+        const Light light = all || map.shell[square] == LightMap::kSeveral ? mixed : agreed[square - first];
         if (light == mixed)
           shadow.add(band[i], i);
         else

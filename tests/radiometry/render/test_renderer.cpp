@@ -275,6 +275,39 @@ TEST(Renderer, ACameraThatRisesSeesWhatOneThereSees) {
   }
 }
 
+// The ground beyond the facets, warm under clear air, for a camera that sinks to it.
+TEST(Renderer, ACameraThatSinksSeesTheGroundThroughItsAir) {
+  SmallScene made = distant();
+  made.scene.air->haze = {};
+  made.scene.ground.temperature_k = 310.0;
+  Renderer flying(made.scene, {lwir()}, {.points = 1});
+  for (const double height : {12.0, 11.0, 7.0, 3.0, 1.0, 0.4, 2.0}) {
+    const RenderedFrame seen = flying.render(over(height)),
+                        there = Renderer(made.scene, {lwir()}, {.points = 1}).render(over(height));
+    EXPECT_LT(largest_difference(seen.radiance[0], there.radiance[0]), 1e-3) << height;
+  }
+}
+
+// A pole of one sample before a wall in the shade has its own light.
+TEST(Renderer, ThinThingsHaveTheirOwnShadows) {
+  scene::Mesh mesh = empty_mesh();
+  add_plate(mesh, {-20, 10, -20}, {40, 0, 0}, {0, 0, 40});  // the wall
+  add_plate(mesh, {-20, 4, 8}, {40, 0, 0}, {0, 6.5, 0});    // the roof that shades it
+  add_plate(mesh, {0.0, 0, -4}, {0.011, 0, 0}, {0, 0, 8});  // the pole, in the sun
+  SmallScene made = small_scene(mesh, 300.0, grey(0.5), 300.0);
+  made.scene.sun = Sun{.to_sun = {0.0, -0.3, 1.0}, .direct_w_m2 = 900.0};
+  const Camera eye = camera({.position = {0.0055, -10, 0}, .look_at = {0.0055, 0, 0}}, 101, 40, 0.001);
+  const RenderedFrame frame = Renderer(made.scene, {mwir()}, {.points = 1, .layers = {.facet = true}}).render(eye);
+  const RenderedFrame all = Renderer(made.scene, {mwir()}, {.points = 1, .all_shadows = true}).render(eye);
+  std::size_t pole = 0;
+  for (std::int64_t i = 0; i < frame.radiance[0].size(); ++i) {
+    if (frame.layers[0].plane.data()[i] != 2.0F) continue;
+    ++pole;
+    ASSERT_NEAR(frame.radiance[0].data()[i] / all.radiance[0].data()[i], 1.0F, 1e-6F);
+  }
+  EXPECT_GE(pole, 40u);
+}
+
 // What one renderer knows of views serves another light: the picture is that of one that began there.
 TEST(Renderer, TakesOverViewsForAnotherTimeBandAndAir) {
   const SmallScene before = distant();

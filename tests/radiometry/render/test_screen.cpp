@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include <limits>
+#include <numbers>
 
 #include "render_cases.h"
 
@@ -126,6 +127,26 @@ TEST(Screen, ShowsWhatASearchInDoublePrecisionFinds) {
   }
   EXPECT_GT(compared, 100000u);
   EXPECT_LT(at_edges, 400u);
+}
+
+// Edges that are level in the image to rounding, which lines of sight at right angles to them make.
+TEST(Screen, WallsSeenSquarelyAreWalls) {
+  for (int azimuth = 0; azimuth < 720; ++azimuth) {
+    const double turn = azimuth * std::numbers::pi / 360.0, x = std::sin(turn), y = std::cos(turn);
+    scene::Mesh mesh = empty_mesh();
+    add_plate(mesh, {-y, x, 0.7}, {2.0 * y, -2.0 * x, 0.0}, {0.0, 0.0, 0.5});
+    const SmallScene made = small_scene(mesh, 300.0, grey(1.0), 300.0);
+    const Camera eye = camera({.position = {-50.0 * x, -50.0 * y, azimuth % 2 == 0 ? 12.0 : 1.0}, .look_at = {0, 0, 1}},
+                              80, 60, 0.0005);
+    for (const int n : {1, 2, 4}) {
+      std::size_t seen = 0, all = 0;
+      each_point(made.scene, eye, n, [&](double, double, std::uint32_t side, double) {
+        ++all;
+        seen += side != scene::kNone ? 1 : 0;
+      });
+      ASSERT_NEAR(static_cast<double>(seen) / static_cast<double>(all), 80.0 * 20.0 / 4800.0, 0.04) << azimuth;
+    }
+  }
 }
 
 TEST(Screen, PointsOfASampleBlurAsItsSquareDoes) {
