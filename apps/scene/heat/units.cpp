@@ -280,7 +280,7 @@ Units units_of(const HeatScene& scene, const HeatOptions& options, double tolera
   merge_covered(plain, covered, classes);
   units.bound_w_m2 = classes.bound_w_m2;
   for (std::uint32_t f = 0; f < facets.size(); ++f)
-    if (covered[f]) units.covered.push_back(f);
+    if (covered[f] && scene.is_seen(f)) units.covered.push_back(f);  // the few rays of others tell less
   Grouping grouping = group(all, classes, facets.size());
   sort_units(grouping, scene, units.sun);
   units.unit_of = grouping.unit_of;
