@@ -219,6 +219,18 @@ geometry::SunVisibility rows_of(const geometry::SunVisibility& sun, const std::v
   return some;
 }
 
+/// The patches that sides have in other units, numbered anew: where more facets are one unit, as covered ones that are
+/// seen with others, a patch may have none that leads.
+std::vector<std::uint32_t> patches_like(const Units& like, const std::vector<Side>& leaders) {
+  std::map<std::uint32_t, std::uint32_t> known;
+  std::vector<std::uint32_t> patch_of;
+  for (const Side side : leaders)
+    patch_of.push_back(
+        known.try_emplace(like.patch_of_side[geometry::index(side)], static_cast<std::uint32_t>(known.size()))
+            .first->second);
+  return patch_of;
+}
+
 UnitSide side_of(const HeatScene& scene, const Unit& unit, std::uint32_t facet, bool back, std::size_t sun_row) {
   UnitSide side;
   side.normal = scene.facets().facet[facet].normal;
@@ -268,7 +280,7 @@ Units units_of(const HeatScene& scene, const HeatOptions& options, double tolera
   merge_covered(plain, covered, classes);
   units.bound_w_m2 = classes.bound_w_m2;
   for (std::uint32_t f = 0; f < facets.size(); ++f)
-    if (covered[f]) units.covered.push_back(f);
+    if (covered[f] && scene.is_seen(f)) units.covered.push_back(f);  // the few rays of others tell less
   Grouping grouping = group(all, classes, facets.size());
   sort_units(grouping, scene, units.sun);
   units.unit_of = grouping.unit_of;
@@ -313,7 +325,7 @@ Units units_of(const HeatScene& scene, const HeatOptions& options, double tolera
                           amplitudes, options.patches, options.threads)
                    .class_of;
   else
-    for (const Side side : leaders) patch_of.push_back(like->patch_of_side[geometry::index(side)]);
+    patch_of = patches_like(*like, leaders);
   const std::size_t patches = 1 + *std::max_element(patch_of.begin(), patch_of.end());
   units.patch_of_side = patches_of_sides(facets, receivers, patch_of);
   std::vector<std::uint32_t> patch_of_row;

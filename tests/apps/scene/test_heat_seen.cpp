@@ -144,6 +144,34 @@ TEST_F(HeatSeen, VerificationFindsWhatIsLeftOut) {
   EXPECT_LT(single.rms_k, 0.05);
 }
 
+/// Squares of 0.5 m, and a block that stands in them: it covers 64, of which the outer ones share corners with squares
+/// that are seen.
+std::string block_on_squares() {
+  constexpr int n = 20;
+  std::ostringstream obj;
+  for (int j = 0; j <= n; ++j)
+    for (int i = 0; i <= n; ++i) obj << "v " << 0.5 * i << " " << 0.5 * j << " 0\n";
+  for (int j = 0; j < n; ++j)
+    for (int i = 0; i < n; ++i) {
+      const int a = j * (n + 1) + i + 1, c = a + n + 1;
+      obj << "f " << a << " " << a + 1 << " " << c + 1 << " " << c << "\n";
+    }
+  for (const double z : {-0.5, 1.5})
+    obj << "v 3 3 " << z << "\nv 7 3 " << z << "\nv 7 7 " << z << "\nv 3 7 " << z << "\n";
+  obj << "f -8 -5 -6 -7\nf -4 -3 -2 -1\nf -8 -7 -3 -4\nf -7 -6 -2 -3\nf -6 -5 -1 -2\nf -5 -8 -4 -1\n";
+  return obj.str();
+}
+
+// Covered facets that are seen have a patch of their own; solved with all others they are one unit with those that are
+// not.
+TEST_F(HeatSeen, VerificationOfCoveredFacetsThatAreSeenByACorner) {
+  const Outcome some = run(kSunny + camera("\"5 m\", \"-8 m\", \"4 m\""), block_on_squares(),
+                           {.tolerance_k = 0.3, .patches = 30, .seen = true, .verify = true});
+  EXPECT_EQ(some.report.covered.size(), 28U);  // the outer ones, which are asked for
+  ASSERT_TRUE(some.report.verified && some.report.verified->as_units);
+  EXPECT_LT(some.report.verified->by_itself.rms_k, 0.1);
+}
+
 TEST_F(HeatSeen, TheSameForEveryNumberOfThreads) {
   const std::string text = kSunny + camera("\"5 m\", \"-8 m\", \"1.5 m\"");
   const Outcome one = run(text, trench(12), {.seen = true, .threads = 1});
