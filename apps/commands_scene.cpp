@@ -164,18 +164,20 @@ Command fly_command() {
   add_text(app, "-o,--out", "FILE", "files to write, as frame.%04d.png; .exr to measure them", options.out);
   add_word(app, "--frames", "RANGE", "START:STOP[:STEP], both ends; default: those of the camera's path",
            [&](const std::string& text) { options.frames = frame_range("--frames", text); });
-  const auto positive = [](const char* name, double& to, double most) {
-    return [name, &to, most](const std::string& text) {
+  const auto within = [](const char* name, double& to, double least, double most) {
+    return [name, &to, least, most](const std::string& text) {
       to = number(name, text);
-      if (!(to > 0.0 && to <= most))
-        throw mtf::UsageError(std::string(name) + ": " + text + " is outside (0, " + mtf::format_double(most) + "]");
+      if (!(to >= least && to <= most))
+        throw mtf::UsageError(std::string(name) + ": " + text + " is outside [" + mtf::format_double(least) + ", " +
+                              mtf::format_double(most) + "]");
     };
   };
   add_word(app, "--seconds", "N", "how long the flight takes, in place of --frames", [&](const std::string& text) {
     options.seconds = number("--seconds", text);
     if (!(*options.seconds >= 0.0)) throw mtf::UsageError("--seconds: " + text + " is below 0");
   });
-  add_word(app, "--rate", "HZ", "frames a second of the flight; default 25", positive("--rate", options.rate_hz, 1e6));
+  add_word(app, "--rate", "HZ", "frames a second of the flight; default 25",
+           within("--rate", options.rate_hz, 1e-6, 1e6));
   add_word(app, "--speed", "X", "of the scene's clock against the flight's; 600: ten minutes a second; default 1",
            [&](const std::string& text) {
              options.speed = number("--speed", text);
@@ -186,16 +188,19 @@ Command fly_command() {
            options.time);
   add_text(app, "--temperatures", "PATH", "folder that mtf heat wrote, or a table of facets (.npy, .csv)",
            options.temperatures);
-  add_word(
-      app, "--heat-tolerance", "X", "of the heat balance, with its unit; default \"0.1 K\"",
-      [&](const std::string& text) { options.heat_tolerance_k = temperature_difference("--heat-tolerance", text); });
+  add_word(app, "--heat-tolerance", "X", "of the heat balance, with its unit; default \"0.1 K\"",
+           [&](const std::string& text) {
+             options.heat_tolerance_k = temperature_difference("--heat-tolerance", text);
+             if (options.heat_tolerance_k < 1e-4)
+               throw mtf::UsageError("--heat-tolerance: " + text + " is below 0.0001 K, which rounding does not allow");
+           });
   add_text(app, "--report", "FILE", "write frames, rates, times of stages and what was left out as JSON",
            options.report);
   add_text(app, "--schedule", "FILE", "CSV frame,parameter,value: parameters of the sensor that change over frames",
            options.schedule);
   add_word(app, "--light-every", "S",
            "of the scene's clock, for which the light of sky, sun and surfaces is kept; default 60",
-           positive("--light-every", options.light_every_s, 1e9));
+           within("--light-every", options.light_every_s, 1e-3, 1e9));
   add_word(app, "--samples-per-pitch", "N", "along each axis; default 2", [&](const std::string& text) {
     options.samples_per_pitch = number("--samples-per-pitch", text);
     if (!(options.samples_per_pitch >= 0.5 && options.samples_per_pitch <= 64.0))

@@ -90,6 +90,9 @@ std::optional<mtf::SceneSummary> summarise_all(const mtf::io::Scene& scene, cons
   std::optional<mtf::SceneSummary> worst;
   for (const mtf::Image& plane : scene.planes)
     worst = harder_of(worst, mtf::summarise(plane.view(), defaults.border, defaults.border_value));
+  // Less contrast than the rounding of float32 is none: such a scene has no std that a tolerance could be a share of.
+  constexpr double kRounding = 0x1p-23;
+  if (worst && worst->std <= kRounding * worst->largest) return std::nullopt;
   if (worst) worst->error = error;
   return worst;
 }

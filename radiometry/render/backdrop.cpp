@@ -10,11 +10,21 @@ namespace radiometry::render {
 namespace {
 
 constexpr double kRight = 0.5 * std::numbers::pi;
-constexpr double kLowest = 1e-4;       // rad: lines nearer to the horizon are taken to have this elevation
+constexpr double kLowest = 1e-4;     // rad: lines nearer to the horizon are taken to have this elevation
+constexpr std::size_t kRanges = 97;  // a seventh farther each, from 1 m
+constexpr double kNearest_m = 0.01;
 constexpr double kFarthest_m = 300e3;  // of a ground that the air does not hide
 
-double interpolated(const std::vector<double>& values, double elevation) {
-  const ElevationPlace place = elevation_place(elevation, values.size());
+/// At a share of the way through `of` values.
+ElevationPlace cubic_between(double share, std::size_t of) {
+  const double at = std::clamp(share, 0.0, 1.0) * static_cast<double>(of - 1);
+  const double below = std::clamp(std::floor(at), 1.0, static_cast<double>(of - 3)), t = at - below;
+  return {static_cast<std::size_t>(below) - 1,
+          {-t * (t - 1.0) * (t - 2.0) / 6.0, (t + 1.0) * (t - 1.0) * (t - 2.0) / 2.0, -(t + 1.0) * t * (t - 2.0) / 2.0,
+           (t + 1.0) * t * (t - 1.0) / 6.0}};
+}
+
+double interpolated(const std::vector<double>& values, const ElevationPlace& place) {
   double sum = 0.0;
   for (std::size_t k = 0; k < 4; ++k) sum += place.weight[k] * values[place.first + k];
   return sum;
@@ -22,22 +32,19 @@ double interpolated(const std::vector<double>& values, double elevation) {
 
 }  // namespace
 
-double sky_elevation(std::size_t k, std::size_t of) {
-  const double root = static_cast<double>(k) / static_cast<double>(of - 1);
+double sky_elevation(std::size_t k) {
+  const double root = static_cast<double>(k) / (kSkyElevations - 1);
   return std::max(kRight * root * root, kLowest);
 }
 
-ElevationPlace elevation_place(double elevation_rad, std::size_t of) {
-  const double at = std::sqrt(std::clamp(elevation_rad / kRight, 0.0, 1.0)) * static_cast<double>(of - 1);
-  const double below = std::clamp(std::floor(at), 1.0, static_cast<double>(of - 3)), t = at - below;
-  return {static_cast<std::size_t>(below) - 1,
-          {-t * (t - 1.0) * (t - 2.0) / 6.0, (t + 1.0) * (t - 1.0) * (t - 2.0) / 2.0, -(t + 1.0) * t * (t - 2.0) / 2.0,
-           (t + 1.0) * t * (t - 1.0) / 6.0}};
+ElevationPlace elevation_place(double elevation_rad) {
+  return cubic_between(std::sqrt(std::clamp(elevation_rad / kRight, 0.0, 1.0)), kSkyElevations);
 }
 
 Backdrop::Backdrop(const RenderScene& scene, const BandNodes& nodes, const LightSources& sources, const AirView* view,
                    double camera_height_m, double ground_m, std::optional<double> nearest_m)
-    : camera_above_m_(camera_height_m - ground_m), nearest_m_(nearest_m.value_or(camera_above_m_)) {
+    : camera_above_m_(camera_height_m - ground_m),
+      nearest_m_(std::max(nearest_m.value_or(camera_above_m_), kNearest_m)) {
   below_.emplace_back();
   const AirView* layered = view != nullptr && view->layered() ? view : nullptr;
   const std::vector<double> ground = fold(nodes, sources.radiance[sources.ground()]);
@@ -47,13 +54,13 @@ Backdrop::Backdrop(const RenderScene& scene, const BandNodes& nodes, const Light
     const double elevation = sky_elevation(i);
     above_.push_back(integral(nodes, sky_at(scene.sky, nodes, layered, kRight - elevation)));
   }
-  for (std::size_t i = 0; i < kGroundElevations; ++i) {
-    const double elevation = sky_elevation(i, kGroundElevations);
+  for (std::size_t i = 0; i < kRanges; ++i) {
+    const double share = static_cast<double>(i) / (kRanges - 1);
     double sum = 0.0, added = 0.0;
     if (view == nullptr || camera_above_m_ <= 0.0) {
       for (const double part : ground) sum += part;
     } else {
-      const AirSamples path = view->to(std::min(nearest_m_ / std::sin(elevation), kFarthest_m), ground_m);
+      const AirSamples path = view->to(nearest_m_ * std::pow(kFarthest_m / nearest_m_, share), ground_m);
       for (std::size_t s = 0; s < ground.size(); ++s) {
         sum += path.transmission[s] * ground[s];
         added += path.source[s] * air[s];
@@ -74,14 +81,17 @@ Backdrop Backdrop::between(const Backdrop& low, const Backdrop& high, double sha
 }
 
 double Backdrop::below(std::vector<double> Below::*what, double sine_of_depression) const {
-  const double sine = camera_above_m_ > 0.0 ? nearest_m_ / camera_above_m_ * sine_of_depression : sine_of_depression;
-  const double elevation = std::asin(std::min(sine, 1.0)), low = interpolated(below_.front().*what, elevation);
-  return below_.size() == 1 ? low : std::lerp(low, interpolated(below_.back().*what, elevation), share_);
+  if (camera_above_m_ <= 0.0) return (below_.front().*what).front();
+  const double range_m = camera_above_m_ / sine_of_depression;
+  const ElevationPlace place =
+      cubic_between(std::log(range_m / nearest_m_) / std::log(kFarthest_m / nearest_m_), kRanges);
+  const double low = interpolated(below_.front().*what, place);
+  return below_.size() == 1 ? low : std::lerp(low, interpolated(below_.back().*what, place), share_);
 }
 
 double Backdrop::radiance(double sine_of_elevation) const {
   if (sine_of_elevation < 0.0) return below(&Below::radiance, -sine_of_elevation);
-  return interpolated(above_, std::asin(std::min(sine_of_elevation, 1.0)));
+  return interpolated(above_, elevation_place(std::asin(std::min(sine_of_elevation, 1.0))));
 }
 
 double Backdrop::path_radiance(double sine_of_elevation) const {

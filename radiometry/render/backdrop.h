@@ -11,15 +11,14 @@
 
 namespace radiometry::render {
 
-/// Elevations that the sky is known at, from the horizon to the zenith, and the weights of a cubic between them. The
-/// ground, whose range goes to the horizon within a degree, has twice as many.
-inline constexpr std::size_t kSkyElevations = 33, kGroundElevations = 65;
-double sky_elevation(std::size_t k, std::size_t of = kSkyElevations);
+/// Elevations that the sky is known at, from the horizon to the zenith, and the weights of a cubic between them.
+inline constexpr std::size_t kSkyElevations = 33;
+double sky_elevation(std::size_t k);
 struct ElevationPlace {
   std::size_t first = 0;
   std::array<double, 4> weight{};
 };
-ElevationPlace elevation_place(double elevation_rad, std::size_t of = kSkyElevations);
+ElevationPlace elevation_place(double elevation_rad);
 
 class Backdrop {
  public:
@@ -39,7 +38,7 @@ class Backdrop {
   double path_radiance(double sine_of_elevation) const;
 
  private:
-  /// Of the ground, from one height, at ranges of nearest_m_ over the sines of kGroundElevations.
+  /// Of the ground, from one height: cubics of the logarithm of the range, from nearest_m_ to 300 km.
   struct Below {
     std::vector<double> radiance, path;  ///< `path`: what the air adds
   };

@@ -172,12 +172,15 @@ RenderedFrame Renderer::render(const Camera& camera) {
   const RenderOptions& options = my.options;
   RenderedFrame frame;
   Laps laps(frame.timing_ms);
-  my.height_before_m = my.parts.on_facets > 0 ? my.camera_height_m : camera.position[2];
+  my.height_before_m = my.parts.extent.farthest_m > 0.0 ? my.camera_height_m : camera.position[2];
   my.camera_height_m = camera.position[2];
   require_outside(my.scene, camera.position);
   find_parts(my.scene, camera, options.points, my.parts, options.threads);
-  if (my.parts.on_facets == 0)
-    throw mtf::UsageError("the camera sees no facet of the scene: turn it, or move it nearer");
+  if (my.parts.on_facets == 0) {
+    if (!options.empty_views)
+      throw mtf::UsageError("the camera sees no facet of the scene: turn it, or move it nearer");
+    my.parts.extent = {1.0, 2.0, 0.0, 1.0};  // of no account
+  }
   frame.divided = my.parts.divided;
   laps.lap("what is seen");
   my.sides->add(my.parts);

@@ -49,10 +49,11 @@ struct RenderOptions {
   int points = 2;  ///< n x n of a sample: 1, 2 or 4
   bool all_shadows =
       false;  ///< a shadow ray for everything seen; else for squares of 2 x 2 samples, more where they differ
-  double tolerance = 5e-6;  ///< of the tables of the air, relative; kBetweenHeights once the camera changes its height
-  int view_rays = 64;       ///< of each visible side that reflects
-  int patch_rays = 256;     ///< of each patch
-  int rings = 9;            ///< of the sky
+  double tolerance = 5e-6;   ///< of the tables of the air, relative; kBetweenHeights once the camera changes its height
+  int view_rays = 64;        ///< of each visible side that reflects
+  int patch_rays = 256;      ///< of each patch
+  int rings = 9;             ///< of the sky
+  bool empty_views = false;  ///< pictures of sky and ground alone are made; else refused
   LayerChoice layers{};
   int threads = 0;  ///< 0: all cores; pictures do not depend on it
 };

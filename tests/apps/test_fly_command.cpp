@@ -140,7 +140,35 @@ TEST_F(FlyCommand, FollowsAScheduleOfAirAndOptics) {
   EXPECT_NE(made.out.find("light was made 2 times"), std::string::npos) << made.out;
 }
 
+// A camera that turns from the scene into the sky and comes so near to a wall that it sees nothing else.
+TEST_F(FlyCommand, DrawsViewsWithoutContrastAndWithoutFacets) {
+  write_file(scratch_ / "flight.csv",
+             "time (s),x (m),y (m),z (m),look_x (m),look_y (m),look_z (m)\n0,0,-40,4,0,0,0.6\n0.1,0,-40,4,0,-35,9\n"
+             "0.2,0,-3,0.7,0,0,0.7\n0.3,0,-0.2,0.7,0,0,0.7\n");
+  const Result made = scratch_.run("mtf fly scene.toml sensor.toml -o frame.%02d.exr");
+  EXPECT_EQ(made.status, 0) << made.err;
+  EXPECT_NE(made.out.find("8 frames"), std::string::npos) << made.out;
+}
+
+// Air, a camera that sinks, and the ground beyond: a frame alone is that of the flight.
+TEST_F(FlyCommand, AFrameOfADescentIsThatFrameAlone) {
+  write_file(scratch_ / "airy.toml",
+             kSensor + "[atmosphere]\nmodel = \"mid_latitude_summer\"\nhaze = \"rural\"\nrange = \"1 km\"\n");
+  write_file(scratch_ / "flight.csv",
+             "time (s),x (m),y (m),z (m),look_x (m),look_y (m),look_z (m)\n0,0,-40,12,0,0,3\n0.4,0,-20,1,0,0,1\n");
+  ASSERT_EQ(scratch_.run("mtf fly scene.toml airy.toml -o frame.%02d.exr").status, 0);
+  ASSERT_EQ(scratch_.run("mtf fly scene.toml airy.toml --frames 9:9 -o own.%02d.exr").status, 0);
+  const mtf::Image with = mtf::io::read_plane((scratch_ / "frame.09.exr").string(), {"Y"}),
+                   own = mtf::io::read_plane((scratch_ / "own.09.exr").string(), {"Y"});
+  for (std::int64_t i = 0; i < with.size(); ++i) ASSERT_NEAR(with.data()[i], own.data()[i], 2.0F) << i;
+}
+
 TEST_F(FlyCommand, RefusesWhatCannotFly) {
+  std::filesystem::create_symlink(scratch_ / "sensor.toml", scratch_ / "link.03.exr");
+  refused("scene.toml sensor.toml -o link.%02d.exr", "is a link");
+  refused("scene.toml sensor.toml -o frame.%02d.txt", "frames are .exr, .png or .tif files");
+  refused("scene.toml sensor.toml --light-every 1e-300", "--light-every");
+  refused("scene.toml sensor.toml --heat-tolerance '1e-12 K'", "--heat-tolerance");
   refused("scene.toml sensor.toml -o frame.png", "write a number into the name");
   refused("scene.toml sensor.toml --frames 0:99", "there is no place at");
   refused("scene.toml sensor.toml --frames 0:1 --seconds 2", "both say how many frames");

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <future>
 #include <nlohmann/json.hpp>
 #include <set>
@@ -29,6 +30,7 @@ namespace apps {
 namespace {
 
 using namespace scene;
+namespace fs = std::filesystem;
 
 constexpr std::int64_t kAhead = 15;  // frames: light is asked for so long before it is wanted
 
@@ -76,6 +78,26 @@ struct Course {
     return camera.path ? camera.path->at(seconds_of(frame)) : CameraPlace{camera.position_m, camera.look_at_m};
   }
 };
+
+void require_image_name(const std::string& name) {
+  for (const char* ending : {".exr", ".png", ".tif", ".tiff"})
+    if (name.ends_with(ending)) return;
+  throw mtf::UsageError("-o: " + one_line(name) + ": frames are .exr, .png or .tif files");
+}
+
+/// The error that is being handled, with the number and time of its frame, and what is finished.
+[[noreturn]] void rethrow(const Course& course, std::int64_t frame, std::size_t done) {
+  const std::string where = "frame " + std::to_string(frame) + " (" + significant(course.seconds_of(frame), 6) +
+                            " s of the flight, " + radiometry::heat::instant_text(course.utc_of(frame)) + "): ";
+  const std::string left = done > 0 ? "; the " + std::to_string(done) + " frames before it are finished" : "";
+  try {
+    throw;
+  } catch (const mtf::UsageError& error) {
+    throw mtf::UsageError(where + error.what() + left);
+  } catch (const mtf::RuntimeError& error) {
+    throw mtf::RuntimeError(where + error.what() + left);
+  }
+}
 
 std::vector<std::int64_t> frames_of(const FlyCommandOptions& options, const SceneFile& file) {
   if (options.frames && options.seconds)
@@ -147,6 +169,7 @@ int run_fly(const FlyCommandOptions& options, const Global& global) {
     throw mtf::UsageError("-o: " + one_line(options.out) +
                           ": each frame is a file; write a number into the name, as "
                           "frame.%04d.png");
+  if (names) require_image_name(options.out);
   Course course{options, file, instant_of("--time", options.time).value_or(file.time.start_s)};
   course.frames = frames_of(options, file);
   const std::int64_t first = course.frames.front(), last = course.frames.back();
@@ -160,8 +183,13 @@ int run_fly(const FlyCommandOptions& options, const Global& global) {
         throw mtf::UsageError("-o: frame " + std::to_string(*frame) + " would replace " + one_line(input) +
                               ", which this run reads; choose another name");
   }
+  for (const std::int64_t frame : course.frames)
+    if (std::error_code error; names && fs::is_symlink(fs::symlink_status(names->name(frame), error)))
+      throw mtf::UsageError("-o: " + one_line(names->name(frame)) + " is a link; remove it, or choose another name");
   for (const std::int64_t frame : {first, last}) course.place_of(frame);  // the path has them
 
+  const mtf::io::Schedule schedule =
+      options.schedule.empty() ? mtf::io::Schedule{} : mtf::io::read_schedule(options.schedule, config);
   StopInGoodOrder interrupt(
       "mtf: interrupted: the frame that is being made is written first; once more to stop at once\n", "");
   ProgressLine progress(global);
@@ -181,6 +209,7 @@ int run_fly(const FlyCommandOptions& options, const Global& global) {
                                          : options.points == 4 ? 2
                                                                : 4,
                                .all_shadows = options.all_shadows,
+                               .empty_views = true,
                                .threads = global.threads},
                     .image = options.image,
                     .light_every_s = options.light_every_s,
@@ -189,8 +218,6 @@ int run_fly(const FlyCommandOptions& options, const Global& global) {
   how.image.threads = global.threads;
   Flight flight(source, file, air, how);
 
-  const mtf::io::Schedule schedule =
-      options.schedule.empty() ? mtf::io::Schedule{} : mtf::io::read_schedule(options.schedule, config);
   mtf::io::ScheduledSensor now(config, schedule), ahead(config, schedule);
   Flight::Sensor sensor, coming;
   const auto advance = [](mtf::io::ScheduledSensor& scheduled, std::int64_t frame, Flight::Sensor& to) {
@@ -213,7 +240,12 @@ int run_fly(const FlyCommandOptions& options, const Global& global) {
       advance(ahead, later, coming);
       flight.prepare(ahead.in_force() == now.in_force() ? sensor : coming, course.utc_of(later));
     }
-    frame = flight.frame(sensor, course.place_of(number), course.utc_of(number), number);
+    try {
+      frame = flight.frame(sensor, course.place_of(number), course.utc_of(number), number);
+    } catch (const mtf::Error&) {
+      if (writing.valid()) writing.get();
+      rethrow(course, number, done);
+    }
     for (const std::string& warning : frame.warnings)
       if (said.insert(warning).second) note(global, "warning: frame " + std::to_string(number) + ": " + warning);
     const Stopwatch waiting;

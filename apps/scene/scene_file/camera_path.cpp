@@ -13,7 +13,7 @@ namespace apps::scene {
 namespace {
 
 constexpr std::array<std::string_view, 6> kColumns{"x", "y", "z", "look_x", "look_y", "look_z"};
-constexpr double kFastest_m_s = 3000.0;
+constexpr double kFastest_m_s = 3000.0, kFarthest_m = 1e6;
 constexpr double kFirstInstant_s = 1e8;  // seconds of a flight are fewer; instants are since 1970
 
 double distance(const std::array<double, 3>& a, const std::array<double, 3>& b) {
@@ -38,11 +38,13 @@ const TimedColumn& column_of(const TimedTable& table, std::string_view name, con
 
 }  // namespace
 
-CameraPlace CameraPath::at(double time) const {
-  if (!(time >= time_s.front() && time <= time_s.back()))
+CameraPlace CameraPath::at(double asked_s) const {
+  constexpr double kSlack_s = 1e-6;  // for the rounding of frame numbers times a rate
+  const double time = std::clamp(asked_s, time_s.front(), time_s.back());
+  if (!(std::abs(time - asked_s) <= kSlack_s))
     throw mtf::UsageError(one_line(source) + ": the camera's path goes from " + significant(time_s.front(), 6) +
                           " s to " + significant(time_s.back(), 6) + " s; there is no place at " +
-                          significant(time, 6) + " s");
+                          significant(asked_s, 6) + " s");
   const auto above = std::upper_bound(time_s.begin(), time_s.end(), time);
   if (above == time_s.end()) return place.back();
   const auto k = static_cast<std::size_t>(above - time_s.begin());
@@ -67,6 +69,9 @@ CameraPath parse_camera_path(std::string_view text, const std::string& source) {
     for (std::size_t c = 0; c < v.size(); ++c) {
       v[c] = columns[c]->value[i];
       if (!std::isfinite(v[c])) throw mtf::UsageError(here + std::string(kColumns[c]) + " is missing");
+      if (std::abs(v[c]) > kFarthest_m)
+        throw mtf::UsageError(here + std::string(kColumns[c]) + " is " + significant(v[c], 3) +
+                              " m; a place is within 1000 km of the origin");
     }
     const CameraPlace place{{v[0], v[1], v[2]}, {v[3], v[4], v[5]}};
     if (std::abs(path.time_s[i]) > kFirstInstant_s)
