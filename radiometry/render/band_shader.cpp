@@ -53,7 +53,7 @@ BandShader::BandShader(RenderBand band, const RenderScene& scene, const Patches&
   make_folds();
   std::optional<AirView> sky;
   if (scene.air && scene.air->profile.levels.size() > 1)
-    sky.emplace(*scene.air, nodes_, scene.altitude_m, ground_height_m(scene.facets()));
+    sky.emplace(*scene.air, nodes_, scene.altitude_m, scene.facets().lowest_m);
   patch_k_ = patch_temperatures_k(scene, patches);
   sources_ = light_sources(scene, nodes_, all_sides, patches, patch_k_, views, sky ? &*sky : nullptr);
   if (angular_.made.size() < 2) return;  // no mirrors
@@ -90,7 +90,7 @@ BandShader::FromHeight BandShader::from_height(double height_m, const AirView* v
   return {height_m,
           BandTables(nodes_, *folds_, emissivity_, sources_, grid, view != nullptr ? view->reference_k() : 300.0,
                      angular_.made),
-          Backdrop(scene_, nodes_, sources_, view, height_m, ground_height_m(scene_.facets()), nearest_m)};
+          Backdrop(scene_, nodes_, sources_, view, height_m, scene_.facets().lowest_m, nearest_m)};
 }
 
 void BandShader::use(FromHeight from) {
@@ -116,7 +116,7 @@ bool BandShader::take_between(double height_m) {
 /// end is at least half as far above the ground as the camera is, so that the ground has one table of ranges for both.
 void BandShader::make_ends(double height_m, const PathExtent& extent, int threads) {
   constexpr double kAhead = 0.9;  // of the way between the ends lies before a camera that goes on
-  const double ground_m = ground_height_m(scene_.facets()), above_m = height_m - ground_m;
+  const double ground_m = scene_.facets().lowest_m, above_m = height_m - ground_m;
   const bool rises = height_m > camera_height_m_;
   const auto view_from = [&](double from_m) {
     return AirView(*scene_.air, nodes_, scene_.altitude_m, from_m, extent.farthest_m);
@@ -154,12 +154,12 @@ bool BandShader::prepare(double camera_height_m, const PathExtent& extent, int t
   if (covered && !layered) {
     camera_height_m_ = camera_height_m;
     backdrop_ = std::make_unique<Backdrop>(scene_, nodes_, sources_, view_.get(), camera_height_m,
-                                           ground_height_m(scene_.facets()));
+                                           scene_.facets().lowest_m);
     return true;
   }
   constexpr double kLeastAbove_m = 0.1;  // of a camera that has the ground below it
   const bool moves = tables_ && camera_height_m != camera_height_m_ &&
-                     camera_height_m - ground_height_m(scene_.facets()) > kLeastAbove_m;
+                     camera_height_m - scene_.facets().lowest_m > kLeastAbove_m;
   if (layered && moves) {
     make_ends(camera_height_m, with_room(extent), threads);
     take_between(camera_height_m);

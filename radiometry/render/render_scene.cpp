@@ -77,10 +77,4 @@ void require_outside(const RenderScene& scene, const scene::Point& camera) {
       }
 }
 
-double ground_height_m(const scene::Facets& facets) {
-  double lowest = facets.middle[2] + facets.half_extent_m;
-  for (const scene::Point& vertex : facets.vertices) lowest = std::min(lowest, vertex[2]);
-  return lowest;
-}
-
 }  // namespace radiometry::render

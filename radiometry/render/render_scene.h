@@ -31,7 +31,7 @@ struct Sky {
   double cloud_cover = 0.0, cloud_k = 0.0;
 };
 
-/// What is seen below the horizon, beyond the facets: level, and as low as the lowest of them.
+/// What is seen below the horizon, beyond the facets: level, and as low as the lowest of them (Facets::lowest_m).
 struct GroundSurface {
   std::uint32_t finish = 0;
   double temperature_k = 300.0;
@@ -63,8 +63,5 @@ void require_valid(const RenderScene& scene);
 
 /// Throws mtf::UsageError for a camera in a solid, whose inside has no temperature: with the mesh and the facet.
 void require_outside(const RenderScene& scene, const scene::Point& camera);
-
-/// The height of what lies beyond the facets: that of the lowest of them.
-double ground_height_m(const scene::Facets& facets);
 
 }  // namespace radiometry::render

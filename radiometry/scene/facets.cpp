@@ -143,6 +143,7 @@ void measure_box(Facets& facets) {
   const Vector extent = high - low;
   facets.half_extent_m = 0.5 * *std::max_element(extent.begin(), extent.end());
   facets.middle = low + 0.5 * extent;
+  facets.lowest_m = low[2];
   if (!(facets.half_extent_m <= kLargestExtent_m))
     throw mtf::UsageError("the meshes of the scene are more than 1e9 m apart: place them closer to each other.");
 }

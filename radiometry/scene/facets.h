@@ -94,6 +94,7 @@ struct Facets {
   std::vector<Shell> shells;
   Point middle{};                     ///< of the box around everything
   double half_extent_m = 0.0;         ///< largest distance from `middle` along an axis
+  double lowest_m = 0.0;              ///< height of the lowest vertex
   std::vector<MeshReport> report;     ///< one for each mesh
   std::vector<std::string> warnings;  ///< whole sentences with the name of the mesh
 

@@ -142,7 +142,7 @@ PictureScene read_picture_scene(const SceneFile& file, const PictureOptions& opt
 
 void require_above_ground(const PictureScene& picture, const radiometry::scene::Point& camera) {
   const radiometry::scene::Facets& facets = picture.rays->facets();
-  const double ground_m = render::ground_height_m(facets);
+  const double ground_m = facets.lowest_m;
   if (camera[2] < ground_m)
     throw mtf::UsageError("the camera is at a height of " + significant(camera[2], 3) +
                           " m, and the ground beyond the " + "facets lies at " + significant(ground_m, 3) +
