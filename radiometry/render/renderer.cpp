@@ -6,6 +6,7 @@
 
 #include "mtf/error.h"
 #include "radiometry/render/frame_layers.h"
+#include "radiometry/render/visibility/shadows.h"
 
 namespace radiometry::render {
 namespace {
@@ -193,7 +194,7 @@ RenderedFrame Renderer::render(const Camera& camera) {
   laps.lap("tables of the air");
   const bool shadows = my.shadows_matter();
   if (shadows) {
-    frame.shadow_rays = find_shadows(my.scene, camera, my.parts, options.all_shadows, options.threads);
+    frame.shadow_rays = find_shadows(my.scene, camera, *my.sides, my.parts, options.all_shadows, options.threads);
     laps.lap("shadows");
   }
   for (BandShader& one : my.shader) frame.shaded += one.shade(*my.sides, camera.position, options.threads);
@@ -218,7 +219,7 @@ void Renderer::add_layers(const Camera& camera, bool shadows, RenderedFrame& fra
   find_parts(my.scene, camera, 1, my.middles, threads);
   my.sides->add(my.middles);
   const MirrorRays mirrors = my.mirrors_of(camera, my.middles);
-  if (shadows) find_shadows(my.scene, camera, my.middles, true, threads);
+  if (shadows) find_shadows(my.scene, camera, *my.sides, my.middles, true, threads);
   const auto add = [&](std::size_t b, const LayerChoice& choice, std::optional<std::size_t> band) {
     BandShader& shader = my.shader[b];
     mtf::Image radiance;

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "radiometry/render/visibility/shadows.h"
+
 #include <algorithm>
 #include <array>
 #include <atomic>
 
 #include "mtf/parallel.h"
-#include "radiometry/render/visibility/visible_parts.h"
 #include "radiometry/scene/pencil.h"
 
 namespace radiometry::render {
@@ -48,20 +49,6 @@ class ShadowRays {
   std::size_t count_ = 0, rays_ = 0;
 };
 
-/// Whether each side faces the sun.
-std::vector<std::uint8_t> facing(const scene::Facets& facets, const Vector& to_sun, int threads) {
-  std::vector<std::uint8_t> faces(2 * facets.size());
-  mtf::parallel_for(static_cast<std::int64_t>(facets.size()), 1 << 14, threads,
-                    [&](std::int64_t begin, std::int64_t end) {
-                      for (auto f = static_cast<std::size_t>(begin); f < static_cast<std::size_t>(end); ++f) {
-                        const double cosine = scene::dot(facets.facet[f].normal, to_sun);
-                        faces[2 * f] = cosine > 0.0;
-                        faces[2 * f + 1] = cosine < 0.0;
-                      }
-                    });
-  return faces;
-}
-
 /// The light on squares of 2 x 2 samples.
 struct LightMap {
   std::int64_t width = 0, height = 0;
@@ -90,10 +77,12 @@ static_assert((dark | bright) == mixed);
 
 }  // namespace
 
-std::size_t find_shadows(const RenderScene& scene, const Camera& camera, VisibleParts& parts, bool all, int threads) {
+std::size_t find_shadows(const RenderScene& scene, const Camera& camera, const VisibleSides& sides, VisibleParts& parts,
+                         bool all, int threads) {
   const scene::Beam beam(*scene.rays, scene.sun->to_sun);
-  const std::vector<std::uint8_t> faces = facing(scene.facets(), beam.direction(), threads);
-  const auto dim = [&](const SamplePart& part) { return part.side == scene::kNone || faces[part.side] == 0; };
+  const auto dim = [&](const SamplePart& part) {
+    return part.side == scene::kNone || !(sides.sun_cosine(sides.number(part.side)) > 0.0F);
+  };
   const auto bands = static_cast<std::int64_t>(parts.band.size());
   std::atomic<std::size_t> rays = 0;
   LightMap map{(camera.width + 1) / 2, (camera.height + 1) / 2, {}};

@@ -47,10 +47,4 @@ struct PlaceInScene {
 };
 PlaceInScene place_of(const RenderScene& scene, const Camera& camera, const SamplePart& part, int n);
 
-/// Fills `lit` of the parts that face the sun, and returns the number of shadow rays. One ray goes from each square of
-/// 2 x 2 samples; where its answer is not that of the squares around it, or bodies that do not touch show in it, all
-/// parts in it have rays of their own. With
-/// `all` every part has. A shadow that is smaller than 2 x 2 samples shows where a ray meets it.
-std::size_t find_shadows(const RenderScene& scene, const Camera& camera, VisibleParts& parts, bool all, int threads);
-
 }  // namespace radiometry::render
