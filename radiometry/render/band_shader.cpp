@@ -12,16 +12,12 @@ namespace {
 
 /// Of each finish, over all sides and the ground.
 std::vector<KelvinRange> ranges_of(const RenderScene& scene) {
-  std::vector<KelvinRange> range(scene.finish.size(), {1e9, 0.0});
-  const auto take = [&](std::uint32_t finish, double kelvin) {
-    range[finish] = {std::min(range[finish].lo_k, kelvin), std::max(range[finish].hi_k, kelvin)};
-  };
+  KelvinRanges ranges(scene.finish.size());
   for (std::size_t s = 0; s < scene.finish_of.size(); ++s)
-    if (!std::isnan(scene.temperature_k[s])) take(scene.finish_of[s], static_cast<double>(scene.temperature_k[s]));
-  take(scene.ground.finish, scene.ground.temperature_k);
-  for (KelvinRange& one : range)
-    if (one.lo_k > one.hi_k) one = {300.0, 300.0};
-  return range;
+    if (!std::isnan(scene.temperature_k[s]))
+      ranges.take(scene.finish_of[s], static_cast<double>(scene.temperature_k[s]));
+  ranges.take(scene.ground.finish, scene.ground.temperature_k);
+  return ranges.all();
 }
 
 constexpr double kRoom_k = 2.0;  // so that temperatures to come are in the tables too
@@ -153,13 +149,13 @@ bool BandShader::prepare(double camera_height_m, const PathExtent& extent, int t
   const bool layered = with_air_ && scene_.air->profile.levels.size() > 1;
   if (covered && !layered) {
     camera_height_m_ = camera_height_m;
-    backdrop_ = std::make_unique<Backdrop>(scene_, nodes_, sources_, view_.get(), camera_height_m,
-                                           scene_.facets().lowest_m);
+    backdrop_ =
+        std::make_unique<Backdrop>(scene_, nodes_, sources_, view_.get(), camera_height_m, scene_.facets().lowest_m);
     return true;
   }
   constexpr double kLeastAbove_m = 0.1;  // of a camera that has the ground below it
-  const bool moves = tables_ && camera_height_m != camera_height_m_ &&
-                     camera_height_m - scene_.facets().lowest_m > kLeastAbove_m;
+  const bool moves =
+      tables_ && camera_height_m != camera_height_m_ && camera_height_m - scene_.facets().lowest_m > kLeastAbove_m;
   if (layered && moves) {
     make_ends(camera_height_m, with_room(extent), threads);
     take_between(camera_height_m);
@@ -188,9 +184,9 @@ BandShader::Shaded BandShader::shaded(const VisibleSides& sides, std::size_t num
     for (std::size_t i = 0; i < source.size(); ++i)
       tables_->add_reflected(finish, source[i], static_cast<double>(share[i]), node, sum);
   }
-  const SixValues path = tables_->path(node);
+  sum = sum_of(sum, tables_->path(node));
   Shaded out{.value = {}, .cell = cell, .finish = finish};
-  for (std::size_t k = 0; k < sum.size(); ++k) out.value[k] = static_cast<float>(sum[k] + path[k]);
+  for (std::size_t k = 0; k < sum.size(); ++k) out.value[k] = static_cast<float>(sum[k]);
   return out;
 }
 
@@ -308,22 +304,15 @@ double BandShader::emissivity(std::size_t finish, double temperature_k) const {
 double BandShader::own_radiance(std::size_t finish, double temperature_k, double range_m, double height_m) const {
   const double root = std::sqrt(range_m);
   const PathGrid::Cell cell = grid_.cell_at(root, height_m);
-  const auto weights = grid_.weights(cell, root, height_m);
-  const SixValues own = tables_->emitted(finish, temperature_k, grid_.index(cell)),
-                  path = tables_->path(grid_.index(cell));
-  double sum = 0.0;
-  for (std::size_t k = 0; k < 6; ++k) sum += static_cast<double>(weights[k]) * (own[k] + path[k]);
-  return sum;
+  const std::size_t node = grid_.index(cell);
+  return grid_.between(cell, root, height_m,
+                       sum_of(tables_->emitted(finish, temperature_k, node), tables_->path(node)));
 }
 
 double BandShader::path_radiance(double range_m, double height_m) const {
   const double root = std::sqrt(range_m);
   const PathGrid::Cell cell = grid_.cell_at(root, height_m);
-  const auto weights = grid_.weights(cell, root, height_m);
-  const SixValues path = tables_->path(grid_.index(cell));
-  double sum = 0.0;
-  for (std::size_t k = 0; k < 6; ++k) sum += static_cast<double>(weights[k]) * path[k];
-  return sum;
+  return grid_.between(cell, root, height_m, tables_->path(grid_.index(cell)));
 }
 
 }  // namespace radiometry::render

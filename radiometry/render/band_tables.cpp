@@ -175,10 +175,8 @@ double promised_error(const SpectralCamera& camera, std::span<const Spectrum> em
       for (const Place& place : places) {
         const double direct = dot_of(place.air.transmission, folded) + dot_of(place.air.source, air);
         const std::size_t node = grid.index(place.cell);
-        const auto weights = grid.weights(place.cell, place.root, place.height);
-        const SixValues emitted = tables.emitted(m, kelvin, node), path = tables.path(node);
-        double seen = 0.0;
-        for (std::size_t k = 0; k < 6; ++k) seen += static_cast<double>(weights[k]) * (emitted[k] + path[k]);
+        const double seen = grid.between(place.cell, place.root, place.height,
+                                         sum_of(tables.emitted(m, kelvin, node), tables.path(node)));
         worst = std::max(worst, std::abs(seen - direct) / std::max(direct, air_black));
       }
     }

@@ -16,6 +16,8 @@
 // or to that of a blackbody at the temperature of the air where this is more: the air adds as much to a surface that is
 // far colder.
 
+#include <algorithm>
+
 #include "radiometry/render/light_sources.h"
 #include "radiometry/render/path_grid.h"
 
@@ -28,8 +30,32 @@ struct KelvinRange {
   double lo_k = 0.0, hi_k = 0.0;
 };
 
+/// Those of all finishes, as they come; a finish that none has come for has 300 K.
+class KelvinRanges {
+ public:
+  explicit KelvinRanges(std::size_t finishes) : range_(finishes, {kNone_k, 0.0}) {}
+  void take(std::size_t finish, double kelvin) {
+    KelvinRange& range = range_[finish];
+    range = {std::min(range.lo_k, kelvin), std::max(range.hi_k, kelvin)};
+  }
+  std::vector<KelvinRange> all() const {
+    std::vector<KelvinRange> out = range_;
+    for (KelvinRange& one : out)
+      if (one.lo_k > one.hi_k) one = {300.0, 300.0};
+    return out;
+  }
+
+ private:
+  static constexpr double kNone_k = 1e9;
+  std::vector<KelvinRange> range_;
+};
+
 /// Of a cell's six nodes.
 using SixValues = std::array<double, 6>;
+inline SixValues sum_of(SixValues a, const SixValues& b) {
+  for (std::size_t k = 0; k < a.size(); ++k) a[k] += b[k];
+  return a;
+}
 
 /// What depends on temperatures and finishes alone, before the air.
 class EmissionFolds {

@@ -152,6 +152,13 @@ std::array<float, 6> PathGrid::weights(Cell cell, double root_m, double height) 
           static_cast<float>(a * u),         static_cast<float>(b * u),         static_cast<float>(c * u)};
 }
 
+double PathGrid::between(Cell cell, double root_m, double height, const std::array<double, 6>& of_nodes) const {
+  const std::array<float, 6> weight = weights(cell, root_m, height);
+  double sum = 0.0;
+  for (std::size_t k = 0; k < weight.size(); ++k) sum += static_cast<double>(weight[k]) * of_nodes[k];
+  return sum;
+}
+
 PathGrid no_air(const BandNodes& nodes) {
   constexpr double kAnywhere_m = 1e12;
   PathGrid grid{.extent = {0.0, kAnywhere_m, -kAnywhere_m, kAnywhere_m},

@@ -93,6 +93,8 @@ struct PathGrid {
   Cell cell_at(double root_m, double height) const;
   /// Of its six nodes; a place outside of the cell takes its nearest point.
   std::array<float, 6> weights(Cell cell, double root_m, double height) const;
+  /// The value there of what its six nodes have.
+  double between(Cell cell, double root_m, double height, const std::array<double, 6>& of_nodes) const;
 };
 
 /// Without air: one cell that takes and adds nothing, whatever the range.

@@ -93,10 +93,7 @@ void BandShader::add_angles(const MirrorRays& mirrors, const VisibleParts& parts
               add(g * gloss, mirrored(finish, false, finish, mirrors, sides, k, node), sum);
             if (g != 1.0) add((1.0 - g) * gloss, mirrored(white, true, finish, mirrors, sides, k, node), sum);
           }
-          const std::array<float, 6> weights = grid_.weights(cell, root, height);
-          double value = 0.0;
-          for (std::size_t n = 0; n < 6; ++n) value += static_cast<double>(weights[n]) * sum[n];
-          values[k] = static_cast<float>(value);
+          values[k] = static_cast<float>(grid_.between(cell, root, height, sum));
         }
       });
   const auto points = static_cast<float>(parts.n * parts.n);

@@ -53,11 +53,8 @@ void require_sizes(const Camera& camera, const SurfaceLayers& layers) {
 
 Survey survey_of(const RenderScene& scene, const Camera& camera, const SurfaceLayers& layers) {
   Survey out;
-  out.range.assign(scene.finish.size(), {1e9, 0.0});
-  const auto take = [&](std::size_t finish, double kelvin) {
-    out.range[finish] = {std::min(out.range[finish].lo_k, kelvin), std::max(out.range[finish].hi_k, kelvin)};
-  };
-  take(scene.ground.finish, scene.ground.temperature_k);
+  KelvinRanges ranges(scene.finish.size());
+  ranges.take(scene.ground.finish, scene.ground.temperature_k);
   for (std::int64_t y = 0; y < camera.height; ++y)
     for (std::int64_t x = 0; x < camera.width; ++x) {
       if (!has_surface(layers, x, y)) continue;
@@ -79,12 +76,11 @@ Survey survey_of(const RenderScene& scene, const Camera& camera, const SurfaceLa
       const double height = camera.position[2] + range_m * unit_direction(camera, x, y)[2];
       out.extent = {std::min(out.extent.nearest_m, range_m), std::max(out.extent.farthest_m, range_m),
                     std::min(out.extent.lowest_m, height), std::max(out.extent.highest_m, height)};
-      take(static_cast<std::size_t>(finish), kelvin);
+      ranges.take(static_cast<std::size_t>(finish), kelvin);
       ++out.surfaces;
     }
   if (out.surfaces == 0) throw mtf::UsageError("layers: no pixel shows a surface: all materials are below 0");
-  for (KelvinRange& one : out.range)
-    if (one.lo_k > one.hi_k) one = {300.0, 300.0};
+  out.range = ranges.all();
   return out;
 }
 
@@ -148,11 +144,7 @@ class LayerShader {
         for (std::size_t k = 0; k < 6; ++k) sum[k] += lit * std::max(facing, 0.0) * sun[k];
       }
     }
-    const SixValues path = tables_->path(node);
-    const auto weights = grid_.weights(cell, root, height);
-    double value = 0.0;
-    for (std::size_t k = 0; k < 6; ++k) value += static_cast<double>(weights[k]) * (sum[k] + path[k]);
-    return static_cast<float>(value);
+    return static_cast<float>(grid_.between(cell, root, height, sum_of(sum, tables_->path(node))));
   }
 
  private:
