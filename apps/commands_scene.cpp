@@ -30,8 +30,19 @@ Command scene_verb(const char* name, SceneOptions::Action action, const char* do
   return verb;
 }
 
-constexpr std::array kPoints{std::pair{std::string_view("1"), 1}, std::pair{std::string_view("4"), 4},
-                             std::pair{std::string_view("16"), 16}};
+void add_sampling(Command& app, SamplingOptions& to) {
+  // Words are kept by reference.
+  static constexpr std::array kPoints{std::pair{std::string_view("1"), 1}, std::pair{std::string_view("4"), 2},
+                                      std::pair{std::string_view("16"), 4}};
+  add_word(app, "--samples-per-pitch", "N", "along each axis; default 2", [&to](const std::string& text) {
+    to.samples_per_pitch = number("--samples-per-pitch", text);
+    if (!(to.samples_per_pitch >= 0.5 && to.samples_per_pitch <= 64.0))
+      throw mtf::UsageError("--samples-per-pitch: " + text + "; it is from 0.5 to 64");
+  });
+  add_choice(app, "--points", "N", "1, 4 (default) or 16, of each sample, which is their mean", kPoints, to.points);
+  add_flag(app, "--all-shadows",
+           "a shadow ray for all that is seen; default: one a square of 2 x 2 samples, more at edges", to.all_shadows);
+}
 
 }  // namespace
 
@@ -86,16 +97,7 @@ Command render_command() {
            [&](const std::string& text) { options.position = point("--position", text); });
   add_word(app, "--look-at", "X,Y,Z", "what it looks at, m; default: [camera] of the scene file",
            [&](const std::string& text) { options.look_at = point("--look-at", text); });
-  add_word(app, "--samples-per-pitch", "N", "along each axis; default 2", [&](const std::string& text) {
-    options.samples_per_pitch = number("--samples-per-pitch", text);
-    if (!(options.samples_per_pitch >= 0.5 && options.samples_per_pitch <= 64.0))
-      throw mtf::UsageError("--samples-per-pitch: " + text + "; it is from 0.5 to 64");
-  });
-  add_choice(app, "--points", "N", "1, 4 (default) or 16, of each sample, which is their mean", kPoints,
-             options.points);
-  add_flag(app, "--all-shadows",
-           "a shadow ray for all that is seen; default: one a square of 2 x 2 samples, more at edges",
-           options.all_shadows);
+  add_sampling(app, options.sampling);
   add_word(app, "--tolerance", "X", "of the tables of the air, relative; default 5e-6", [&](const std::string& text) {
     options.tolerance = number("--tolerance", text);
     if (!(options.tolerance > 0.0 && options.tolerance < 1.0))
@@ -201,16 +203,7 @@ Command fly_command() {
   add_word(app, "--light-every", "S",
            "of the scene's clock, for which the light of sky, sun and surfaces is kept; default 60",
            within("--light-every", options.light_every_s, 1e-3, 1e9));
-  add_word(app, "--samples-per-pitch", "N", "along each axis; default 2", [&](const std::string& text) {
-    options.samples_per_pitch = number("--samples-per-pitch", text);
-    if (!(options.samples_per_pitch >= 0.5 && options.samples_per_pitch <= 64.0))
-      throw mtf::UsageError("--samples-per-pitch: " + text + "; it is from 0.5 to 64");
-  });
-  add_choice(app, "--points", "N", "1, 4 (default) or 16, of each sample, which is their mean", kPoints,
-             options.points);
-  add_flag(app, "--all-shadows",
-           "a shadow ray for all that is seen; default: one a square of 2 x 2 samples, more at edges",
-           options.all_shadows);
+  add_sampling(app, options.sampling);
   add_flag(app, "--no-air", "surfaces alone, for sensors that bring a path of their own", options.no_air);
   add_word(app, "--tolerance", "X", "rms error of the sensor's filters, as for mtf simulate",
            [&](const std::string& text) {

@@ -204,11 +204,9 @@ int run_fly(const FlyCommandOptions& options, const Global& global) {
     heat_ms = heat.ms();
   }
   PictureSource source(file, air, std::move(rows));
-  FlightOptions how{.samples_per_pitch = options.samples_per_pitch,
-                    .render = {.points = options.points == 1   ? 1
-                                         : options.points == 4 ? 2
-                                                               : 4,
-                               .all_shadows = options.all_shadows,
+  FlightOptions how{.samples_per_pitch = options.sampling.samples_per_pitch,
+                    .render = {.points = options.sampling.points,
+                               .all_shadows = options.sampling.all_shadows,
                                .empty_views = true,
                                .threads = global.threads},
                     .image = options.image,

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "apps/options.h"
+#include "apps/scene/command/render_options.h"
 #include "apps/simulate/simulate_options.h"
 
 namespace apps {
@@ -21,9 +22,8 @@ struct FlyCommandOptions {
   double speed = 1.0;  ///< of the scene's clock
   double light_every_s = 60.0;
   double heat_tolerance_k = 0.1;
-  double samples_per_pitch = 2.0;
-  int points = 4;
-  bool all_shadows = false, no_air = false;
+  SamplingOptions sampling;
+  bool no_air = false;
   SimulateOptions image;  ///< tolerance, range, nan
   bool json = false;
 };

@@ -181,14 +181,12 @@ int run_render(const RenderCommandOptions& options, const Global& global) {
   std::vector<render::Camera> cameras;
   std::vector<render::RenderBand> bands;
   for (const PictureSensor& sensor : sensors) {
-    cameras.push_back(picture_camera(sensor, pose_of(options, file), options.samples_per_pitch));
+    cameras.push_back(picture_camera(sensor, pose_of(options, file), options.sampling.samples_per_pitch));
     bands.push_back(sensor.band);
   }
   require_same_view(sensors, cameras);
-  render::RenderOptions how{.points = options.points == 1   ? 1
-                                      : options.points == 4 ? 2
-                                                            : 4,
-                            .all_shadows = options.all_shadows,
+  render::RenderOptions how{.points = options.sampling.points,
+                            .all_shadows = options.sampling.all_shadows,
                             .tolerance = options.tolerance,
                             .layers = layers_of(options.layers),
                             .threads = global.threads};

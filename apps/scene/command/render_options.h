@@ -13,6 +13,13 @@
 
 namespace apps {
 
+/// How the samples of a picture are taken.
+struct SamplingOptions {
+  double samples_per_pitch = 2.0;  ///< along each axis
+  int points = 2;                  ///< n x n of each sample
+  bool all_shadows = false;
+};
+
 struct RenderCommandOptions {
   std::string scene, out;            ///< `out`: a file, or of several sensors a folder
   std::vector<std::string> sensors;  ///< one or more, of one field of view
@@ -20,9 +27,7 @@ struct RenderCommandOptions {
   bool heat = false;                                       ///< temperatures are solved first
   std::string picture;                                     ///< PNG to draw, "" = none
   std::optional<std::array<double, 3>> position, look_at;  ///< m; in place of those of [camera]
-  double samples_per_pitch = 2.0;
-  int points = 4;  ///< of a sample: 1, 4 or 16
-  bool all_shadows = false;
+  SamplingOptions sampling;
   double tolerance = 5e-6;  ///< of the tables of the air
   bool plain = false;       ///< radiance in the band, without weights
   bool no_air = false;
