@@ -6,7 +6,6 @@
 
 #include "mtf/error.h"
 #include "mtf/parallel.h"
-#include "radiometry/scene/pencil.h"
 #include "radiometry/scene/tracing/embree_scene.h"
 
 namespace radiometry::scene {
@@ -25,6 +24,18 @@ void check(const Ray& ray, const Point& middle, std::size_t number) {
 }
 
 Vector unit(const Vector& v) { return (1.0 / length(v)) * v; }
+
+/// The distance to the plane of a triangle along a direction of any length, in that length.
+double distance_to(const Facets& facets, std::uint32_t triangle, const Point& origin, const Vector& direction) {
+  const auto& [a, b, c] = facets.triangles[triangle];
+  const Point& corner = facets.vertices[a];
+  const Vector normal = cross(facets.vertices[b] - corner, facets.vertices[c] - corner);
+  const double towards = dot(normal, direction);
+  // A ray in the plane of the triangle, to rounding, has no better distance than that of the corner.
+  const double distance = towards != 0.0 ? dot(normal, corner - origin) / towards
+                                         : dot(corner - origin, direction) / dot(direction, direction);
+  return std::max(0.0, distance);
+}
 
 /// The hit of a triangle, with the distance to its plane in double precision.
 Hit hit_of(const Facets& facets, std::uint32_t triangle, const Point& origin, const Vector& direction) {

@@ -16,8 +16,8 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
-#include <map>
 
+#include "apps/scene/fly/stage_times.h"
 #include "apps/scene/heat/surfaces.h"
 #include "apps/scene/outputs/mesh_files.h"
 #include "apps/scene/outputs/npy_file.h"
@@ -28,7 +28,7 @@
 #include "mtf/io/scene.h"
 #include "mtf/parallel.h"
 #include "mtf/version.h"
-#include "radiometry/scene/pencil.h"
+#include "radiometry/scene/tracing/embree_scene.h"
 
 namespace {
 
@@ -78,43 +78,28 @@ render::Camera camera_at(const PictureSensor& sensor, int frame) {
 /// The rays of a frame and nothing else.
 double bare_rays_ms(const radiometry::scene::Rays& rays, const render::Camera& camera, int threads) {
   const double begin = now_ms();
-  const radiometry::scene::Pencil pencil(rays, camera.position);
+  const radiometry::scene::EmbreeScene& embree = rays.embree();
   const std::int64_t across = camera.width / 4;
   mtf::parallel_for(across * (camera.height / 4), 256, threads, [&](std::int64_t first, std::int64_t last) {
-    radiometry::scene::PencilDirections directions;
-    radiometry::scene::PencilHits hits;
-    directions.count = radiometry::scene::kPencilRays;
+    std::array<radiometry::scene::SingleRay, radiometry::scene::kPacket> packet;
+    std::array<std::uint32_t, radiometry::scene::kPacket> met{};
     for (std::int64_t tile = first; tile < last; ++tile) {
-      for (std::size_t lane = 0; lane < directions.count; ++lane) {
+      for (std::size_t lane = 0; lane < packet.size(); ++lane) {
         const auto d =
             camera.direction(static_cast<double>(tile % across * 4 + static_cast<std::int64_t>(lane % 4)) + 0.5,
                              static_cast<double>(tile / across * 4 + static_cast<std::int64_t>(lane / 4)) + 0.5);
-        directions.x[lane] = static_cast<float>(d[0]);
-        directions.y[lane] = static_cast<float>(d[1]);
-        directions.z[lane] = static_cast<float>(d[2]);
+        packet[lane] = embree.single(camera.position, d);
       }
-      pencil.trace(directions, hits);
+      embree.first_triangles(packet, met);
     }
   });
   return now_ms() - begin;
 }
 
-struct Series {
-  std::vector<std::string> order;
-  std::map<std::string, std::vector<double>> of;
-  void add(const std::string& name, double ms) {
-    if (!of.contains(name)) order.push_back(name);
-    of[name].push_back(ms);
-  }
-  void print(int frames) const {
-    for (const std::string& name : order) {
-      std::vector<double> sorted = of.at(name);
-      sorted.resize(static_cast<std::size_t>(frames), 0.0);  // stages that ran in some frames only
-      std::sort(sorted.begin(), sorted.end());
-      std::printf("  %-34s %8.2f %8.2f\n", name.c_str(), sorted.front(), sorted[sorted.size() / 2]);
-    }
-  }
-};
+void print(const StageTimes& times, std::size_t frames) {
+  for (const StageTimes::Row& row : times.rows(frames))
+    std::printf("  %-34s %8.2f %8.2f\n", row.name.c_str(), row.least, row.median);
+}
 
 void run(const SceneFile& file, const std::string& temperatures, const std::string& sensor_file, int threads) {
   const double begin = now_ms();
@@ -142,7 +127,7 @@ void run(const SceneFile& file, const std::string& temperatures, const std::stri
   const radiometry::Chain chain(plan, radiometric->system, radiometric->loaded.sensor, {}, threads);
   chain.prepare(radiometric->stage, threads);
 
-  Series series;
+  StageTimes series;
   for (int i = 0; i <= kFrames; ++i) {
     const render::Camera here = camera_at(sensor, i);
     const double bare = bare_rays_ms(*scene.rays, here, threads);
@@ -161,7 +146,7 @@ void run(const SceneFile& file, const std::string& temperatures, const std::stri
   }
   std::printf("%zu samples of more than one side, %zu shadow rays in the last frame; %zu sides seen\n  %-34s %8s %8s\n",
               frame.divided, frame.shadow_rays, frame.sides, "ms a frame", "least", "median");
-  series.print(kFrames);
+  print(series, kFrames);
 }
 
 }  // namespace

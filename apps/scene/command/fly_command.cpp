@@ -10,8 +10,9 @@
 #include <set>
 
 #include "apps/scene/command/fly_options.h"
-#include "apps/scene/command/scene_instant.h"
+#include "apps/scene/command/scene_input.h"
 #include "apps/scene/fly/flight.h"
+#include "apps/scene/fly/stage_times.h"
 #include "apps/scene/heat/stopwatch.h"
 #include "apps/scene/render/solved_rows.h"
 #include "apps/sensor/sensor_file.h"
@@ -33,36 +34,6 @@ using namespace scene;
 namespace fs = std::filesystem;
 
 constexpr std::int64_t kAhead = 15;  // frames: light is asked for so long before it is wanted
-
-/// Times of a stage over the frames.
-class StageTimes {
- public:
-  void add(const std::string& name, double ms) {
-    const auto found = std::find_if(stages_.begin(), stages_.end(), [&](const auto& one) { return one.first == name; });
-    if (found == stages_.end())
-      stages_.push_back({name, {ms}});
-    else
-      found->second.push_back(ms);
-  }
-  struct Row {
-    std::string name;
-    double least, median, most;
-  };
-  /// A stage that not all of `frames` had took no time in the others.
-  std::vector<Row> rows(std::size_t frames) const {
-    std::vector<Row> out;
-    for (const auto& [name, ms] : stages_) {
-      std::vector<double> sorted = ms;
-      sorted.resize(std::max(frames, ms.size()), 0.0);
-      std::sort(sorted.begin(), sorted.end());
-      out.push_back({name, sorted.front(), sorted[sorted.size() / 2], sorted.back()});
-    }
-    return out;
-  }
-
- private:
-  std::vector<std::pair<std::string, std::vector<double>>> stages_;
-};
 
 /// Where and when frames are.
 struct Course {
@@ -157,9 +128,7 @@ nlohmann::json json_of(const StageTimes& times, std::size_t frames, double first
 
 int run_fly(const FlyCommandOptions& options, const Global& global) {
   const Stopwatch all;
-  std::vector<mtf::io::Diagnostic> findings;
-  const SceneFile file = load_scene(options.scene, &findings);
-  for (const mtf::io::Diagnostic& finding : findings) note(global, mtf::io::format_diagnostic(finding, file.file));
+  const SceneFile file = read_scene(options.scene, global);
   if (!file.camera)
     throw mtf::UsageError(one_line(file.file) +
                           ": [camera]: missing; write position and look_at, or path = \"flight.csv\"");

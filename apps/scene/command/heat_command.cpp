@@ -164,8 +164,7 @@ void require_no_input_in(const std::string& folder, const SceneFile& file) {
       inputs.push_back((fs::path(region.temperature->table).parent_path() / "times.csv").string());
     }
   std::vector<std::string> written = outputs_of(folder);
-  for (const char* name : {"unfinished.bin", "unfinished.npy", "unfinished_back.npy"})
-    written.push_back(folder + "/" + name);
+  for (std::string& name : unfinished_files(folder)) written.push_back(std::move(name));
   for (const std::string& output : written)
     for (const std::string& input : inputs)
       if (!input.empty() && is_same_file(input, output))

@@ -10,7 +10,7 @@
 #include "apps/scene/command/render_figure.h"
 #include "apps/scene/command/render_options.h"
 #include "apps/scene/command/render_report.h"
-#include "apps/scene/command/scene_instant.h"
+#include "apps/scene/command/scene_input.h"
 #include "apps/scene/heat/stopwatch.h"
 #include "apps/scene/render/layer_file.h"
 #include "apps/scene/render/sensor_picture.h"
@@ -169,9 +169,7 @@ int run_render(const RenderCommandOptions& options, const Global& global) {
   const bool folder = outputs.size() > 1;
   if (!options.picture.empty() && !options.picture.ends_with(".png"))
     throw mtf::UsageError("--picture: " + one_line(options.picture) + ": is a PNG; give it the ending .png");
-  std::vector<mtf::io::Diagnostic> findings;
-  const SceneFile file = load_scene(options.scene, &findings);
-  for (const mtf::io::Diagnostic& finding : findings) note(global, mtf::io::format_diagnostic(finding, file.file));
+  const SceneFile file = read_scene(options.scene, global);
   const std::vector<PictureSensor> sensors = sensors_of(options, file, global);
   std::vector<std::string> paths = folder ? std::vector<std::string>() : outputs;
   if (!options.picture.empty() && (!folder || fs::path(options.picture).parent_path() != fs::path(options.out)))

@@ -38,10 +38,12 @@ bool is_unfinished(const std::string& folder) {
   return file && start == kMagic;
 }
 
+std::vector<std::string> unfinished_files(const std::string& folder) {
+  return {unfinished_path(folder), folder + "/unfinished.npy", folder + "/unfinished_back.npy"};
+}
+
 void remove_unfinished(const std::string& folder) {
-  // The state first: without it the tables are no run.
-  for (const char* name : {"/unfinished.bin", "/unfinished.npy", "/unfinished_back.npy"})
-    std::filesystem::remove(folder + name);
+  for (const std::string& file : unfinished_files(folder)) std::filesystem::remove(file);
 }
 
 // A line that says what it is, a line of JSON, the checkpoint.

@@ -8,6 +8,7 @@
 // the hashes of all inputs, by which a changed input is recognised and refused.
 
 #include <string>
+#include <vector>
 
 #include "apps/scene/command/heat_files.h"
 
@@ -20,6 +21,8 @@ struct UnfinishedRun {
 };
 
 std::string unfinished_path(const std::string& folder);
+/// All files of it: the state first, as without it the tables are no run.
+std::vector<std::string> unfinished_files(const std::string& folder);
 
 /// Whether there is one. Anything may stand in the folder, which may not exist.
 bool is_unfinished(const std::string& folder);

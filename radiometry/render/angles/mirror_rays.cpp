@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "mtf/parallel.h"
-#include "radiometry/scene/pencil.h"
+#include "radiometry/scene/beam.h"
 
 namespace radiometry::render {
 

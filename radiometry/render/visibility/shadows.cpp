@@ -6,12 +6,12 @@
 #include <atomic>
 
 #include "mtf/parallel.h"
-#include "radiometry/scene/pencil.h"
+#include "radiometry/scene/beam.h"
 
 namespace radiometry::render {
 namespace {
 
-using scene::kPencilRays;
+using scene::kBeamRays;
 using scene::operator+, scene::operator*;
 
 enum Light : std::uint8_t { unknown, dark, bright, mixed };
@@ -27,7 +27,7 @@ class ShadowRays {
     const PlaceInScene place = place_of(scene_, camera_, part, n_);
     from_[count_] = place.point + beam_.lift_m() * place.normal;
     of_[count_++] = of;
-    if (count_ == kPencilRays) trace();
+    if (count_ == kBeamRays) trace();
   }
   void trace() {
     if (count_ == 0) return;
@@ -44,8 +44,8 @@ class ShadowRays {
   const scene::Beam& beam_;
   int n_;
   Take take_;
-  std::array<Point, kPencilRays> from_;
-  std::array<std::size_t, kPencilRays> of_{};
+  std::array<Point, kBeamRays> from_;
+  std::array<std::size_t, kBeamRays> of_{};
   std::size_t count_ = 0, rays_ = 0;
 };
 

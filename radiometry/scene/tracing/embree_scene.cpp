@@ -110,37 +110,6 @@ void EmbreeScene::first_triangles(std::span<const SingleRay> rays, std::span<std
     triangles[lane] = packet.hit.geomID[lane] == RTC_INVALID_GEOMETRY_ID ? kNone : packet.hit.primID[lane];
 }
 
-void EmbreeScene::first_triangles(const std::array<float, 3>& origin, const PencilDirections& directions,
-                                  PencilHits& hits) const {
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
-  context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
-  RTCRayHit16 packet;
-  alignas(64) int valid[kPacket];
-  for (std::size_t lane = 0; lane < kPacket; ++lane) {
-    // Lanes without a ray of their own carry the first one: Embree's assertions look at masked lanes too.
-    const std::size_t of = lane < directions.count ? lane : 0;
-    packet.ray.org_x[lane] = origin[0], packet.ray.org_y[lane] = origin[1], packet.ray.org_z[lane] = origin[2];
-    packet.ray.dir_x[lane] = directions.x[of], packet.ray.dir_y[lane] = directions.y[of];
-    packet.ray.dir_z[lane] = directions.z[of];
-    packet.ray.tnear[lane] = 0.0F, packet.ray.time[lane] = 0.0F, packet.ray.tfar[lane] = kInfinity;
-    packet.ray.mask[lane] = ~0U, packet.ray.id[lane] = 0U, packet.ray.flags[lane] = 0U;
-    packet.hit.geomID[lane] = RTC_INVALID_GEOMETRY_ID;
-    valid[lane] = lane < directions.count ? -1 : 0;
-  }
-  rtcIntersect16(valid, scene_.get(), &context, &packet);
-  hits.back = 0;
-  for (std::size_t lane = 0; lane < kPacket; ++lane) {
-    const bool hit = lane < directions.count && packet.hit.geomID[lane] != RTC_INVALID_GEOMETRY_ID;
-    hits.triangle[lane] = hit ? packet.hit.primID[lane] : kNone;
-    hits.length[lane] = hit ? packet.ray.tfar[lane] : 0.0F;
-    const float towards = packet.hit.Ng_x[lane] * packet.ray.dir_x[lane] +
-                          packet.hit.Ng_y[lane] * packet.ray.dir_y[lane] +
-                          packet.hit.Ng_z[lane] * packet.ray.dir_z[lane];
-    if (hit && towards > 0.0F) hits.back |= 1U << lane;
-  }
-}
-
 std::uint32_t EmbreeScene::blocked(std::span<const SingleRay> rays) const {
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);

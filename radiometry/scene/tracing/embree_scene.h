@@ -11,7 +11,7 @@
 #include <memory>
 #include <span>
 
-#include "radiometry/scene/pencil.h"
+#include "radiometry/scene/facets.h"
 
 namespace radiometry::scene {
 
@@ -41,8 +41,6 @@ class EmbreeScene {
   bool blocked(const SingleRay& ray) const;
   /// Up to kPacket rays together.
   void first_triangles(std::span<const SingleRay> rays, std::span<std::uint32_t> triangles) const;
-  /// The same for rays from one point (as SingleRay::origin).
-  void first_triangles(const std::array<float, 3>& origin, const PencilDirections& directions, PencilHits& hits) const;
   /// Bit i of the result: ray i, of up to kPacket, is blocked.
   std::uint32_t blocked(std::span<const SingleRay> rays) const;
 
