@@ -11,28 +11,15 @@
 
 #include "command.h"
 #include "mtf/io/image_io.h"
+#include "plates_case.h"
 
 namespace {
 
-using apps_test::read_file, apps_test::Result, apps_test::Scratch, apps_test::write_file;
+using apps_test::kGroundAndTarget, apps_test::read_file, apps_test::Result, apps_test::Scratch, apps_test::write_file;
 
-const std::string kScene = R"(schema = 1
-[place]
-latitude = "40 deg"
-longitude = "0 deg"
-altitude = "0 m"
-[time]
-start = 2026-06-21T12:00:00Z
-end = 2026-06-22T12:00:00Z
-step = "2 h"
-[weather]
-air_temperature = "288 K"
-wind_speed = "2 m/s"
-direct_normal = "700 W/m2"
-diffuse_horizontal = "80 W/m2"
-longwave_down = "320 W/m2"
-vapour_pressure = "10 hPa"
-[[mesh]]
+const std::string kScene =
+    apps_test::place_and_weather("start = 2026-06-21T12:00:00Z\nend = 2026-06-22T12:00:00Z\nstep = \"2 h\"\n") +
+    R"([[mesh]]
 name = "plates"
 file = "plates.obj"
 [[region]]
@@ -47,41 +34,7 @@ temperature = "310 K"
 position = ["3 m", "-40 m", "4 m"]
 look_at = ["0 m", "0 m", "0.6 m"]
 )";
-const std::string kPlates =
-    "v -4 -4 0\nv 4 -4 0\nv 4 4 0\nv -4 4 0\nv -0.5 0 0.2\nv 0.5 0 0.2\nv 0.5 0 1.2\nv -0.5 0 1.2\n"
-    "g soil\nf 1 2 3 4\ng target\nf 5 6 7 8\n";
-const std::string kSensor = R"(schema = 1
-name = "uncooled"
-[frame]
-focal_length = "12.5 mm"
-pitch = "12 um"
-format = [64, 48]
-[scene]
-quantity = "temperature"
-[optics]
-f_number = 1.2
-stop_temperature = "293 K"
-[band]
-wavelength = ["8 um", "13 um"]
-[[presample]]
-kind = "diffraction"
-[[presample]]
-kind = "footprint"
-fill_factor = 0.85
-[detector]
-kind = "thermal"
-absorptance = 0.8
-responsivity = 1e5
-shutter_temperature = "293 K"
-netd = "30 mK"
-netd_f_number = 1.0
-netd_transmission = 1.0
-netd_temperature = "300 K"
-[adc]
-bits = 14
-volts_per_count = "0.05 uV"
-offset = 4000
-)";
+const std::string kSensor = apps_test::uncooled("[scene]\nquantity = \"temperature\"\n");
 const std::string kAir = R"([atmosphere]
 pressure = "1013 hPa"
 temperature = "288 K"
@@ -93,7 +46,7 @@ class RenderCommand : public testing::Test {
  protected:
   RenderCommand() {
     write_file(scratch_ / "scene.toml", kScene);
-    write_file(scratch_ / "plates.obj", kPlates);
+    write_file(scratch_ / "plates.obj", kGroundAndTarget);
     write_file(scratch_ / "sensor.toml", kSensor);
     write_file(scratch_ / "airy.toml", kSensor + kAir);
   }

@@ -79,6 +79,7 @@ render::Camera camera_at(const PictureSensor& sensor, int frame) {
 double bare_rays_ms(const radiometry::scene::Rays& rays, const render::Camera& camera, int threads) {
   const double begin = now_ms();
   const radiometry::scene::EmbreeScene& embree = rays.embree();
+  const std::array<float, 3> origin = embree.single(camera.position, {0.0, 0.0, 1.0}).origin;
   const std::int64_t across = camera.width / 4;
   mtf::parallel_for(across * (camera.height / 4), 256, threads, [&](std::int64_t first, std::int64_t last) {
     std::array<radiometry::scene::SingleRay, radiometry::scene::kPacket> packet;
@@ -88,7 +89,7 @@ double bare_rays_ms(const radiometry::scene::Rays& rays, const render::Camera& c
         const auto d =
             camera.direction(static_cast<double>(tile % across * 4 + static_cast<std::int64_t>(lane % 4)) + 0.5,
                              static_cast<double>(tile / across * 4 + static_cast<std::int64_t>(lane / 4)) + 0.5);
-        packet[lane] = embree.single(camera.position, d);
+        packet[lane] = {origin, {static_cast<float>(d[0]), static_cast<float>(d[1]), static_cast<float>(d[2])}};
       }
       embree.first_triangles(packet, met);
     }

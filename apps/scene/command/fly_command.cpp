@@ -10,7 +10,7 @@
 #include <set>
 
 #include "apps/scene/command/fly_options.h"
-#include "apps/scene/command/scene_input.h"
+#include "apps/scene/command/read_scene.h"
 #include "apps/scene/fly/flight.h"
 #include "apps/scene/fly/stage_times.h"
 #include "apps/scene/heat/stopwatch.h"

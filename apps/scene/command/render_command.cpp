@@ -7,10 +7,10 @@
 #include <array>
 #include <filesystem>
 
+#include "apps/scene/command/read_scene.h"
 #include "apps/scene/command/render_figure.h"
 #include "apps/scene/command/render_options.h"
 #include "apps/scene/command/render_report.h"
-#include "apps/scene/command/scene_input.h"
 #include "apps/scene/heat/stopwatch.h"
 #include "apps/scene/render/layer_file.h"
 #include "apps/scene/render/sensor_picture.h"
