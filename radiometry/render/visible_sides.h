@@ -30,6 +30,8 @@ class VisibleSides {
   std::size_t size() const { return side_.size(); }
   /// Of a side that was added.
   std::uint32_t number(std::uint32_t side) const { return number_[side]; }
+  /// Of each side of the scene; kNone of those that were not added.
+  std::span<const std::uint32_t> numbers() const { return number_; }
   std::uint32_t side(std::size_t number) const { return side_[number]; }
   const scene::Facet& facet(std::size_t number) const { return scene_.facets().facet[side_[number] / 2]; }
   float sun_cosine(std::size_t number) const { return sun_cosine_[number]; }

@@ -99,9 +99,11 @@ struct Draw {
             float* const nearness = rows->nearness.data() + row + x + k;
             std::uint32_t* const shown = rows->side.data() + row + x + k;
             const Floats before = simd::load<Floats>(nearness);
-            const Ints drawn = ~(outside >> 31) & (near > before);  // no sign bit is set inside
+            const Ints other = simd::load<Ints>(shown);
+            const Ints drawn = ~(outside >> 31) &  // no sign bit is set inside
+                               ((near > before) | ((near == before) & (side < other)));
             simd::store(drawn ? near : before, nearness);
-            simd::store(drawn ? side : simd::load<Ints>(shown), shown);
+            simd::store(drawn ? side : other, shown);
           }
         }
       }
@@ -111,31 +113,53 @@ struct Draw {
 
 }  // namespace
 
-Screen::Screen(const RenderScene& scene, const Camera& camera, int n, int threads)
-    : scene_(scene), n_(n), width_(camera.width * n), height_(camera.height * n) {
+Screen::Screen(const RenderScene& scene, const Camera& camera, int n, std::span<const std::uint32_t> likely,
+               int threads)
+    : scene_(scene), likely_(likely), n_(n), width_(camera.width * n), height_(camera.height * n) {
   place_corners(camera, threads);
   constexpr std::int64_t kChunk = 1 << 14;
   const auto triangles = static_cast<std::int64_t>(scene.facets().triangles.size());
-  std::vector<std::vector<Seen>> seen(static_cast<std::size_t>((triangles + kChunk - 1) / kChunk));
-  mtf::parallel_for(triangles, kChunk, threads, [&](std::int64_t begin, std::int64_t end) {
-    for (std::int64_t from = begin; from < end; from += kChunk)
-      seen[static_cast<std::size_t>(from / kChunk)] =
-          seen_among(static_cast<std::uint32_t>(from), static_cast<std::uint32_t>(std::min(from + kChunk, end)));
-  });
-  for (const std::vector<Seen>& some : seen) seen_.insert(seen_.end(), some.begin(), some.end());
-
-  const auto bands = static_cast<std::size_t>((height_ + kRows - 1) / kRows);
-  first_.assign(bands + 1, 0);
-  const auto each_band = [&](const auto& work) {
-    for (std::uint32_t i = 0; i < seen_.size(); ++i)
-      for (std::int64_t band = seen_[i].y0 / kRows; band <= (seen_[i].y1 - 1) / kRows; ++band)
-        work(static_cast<std::size_t>(band), i);
+  const auto chunks = static_cast<std::size_t>((triangles + kChunk - 1) / kChunk),
+             bands = static_cast<std::size_t>((height_ + kRows - 1) / kRows);
+  const auto each_band = [&](const Seen& seen, const auto& work) {
+    for (std::int64_t band = seen.y0 / kRows; band <= (seen.y1 - 1) / kRows; ++band)
+      work(static_cast<std::size_t>(band));
   };
-  each_band([&](std::size_t band, std::uint32_t) { ++first_[band + 1]; });
-  for (std::size_t band = 0; band < bands; ++band) first_[band + 1] += first_[band];
-  of_band_.resize(first_.back());
-  std::vector<std::size_t> next(first_.begin(), first_.end() - 1);
-  each_band([&](std::size_t band, std::uint32_t i) { of_band_[next[band]++] = i; });
+  const auto each_chunk = [&](const auto& work) {
+    mtf::parallel_for(triangles, kChunk, threads, [&](std::int64_t begin, std::int64_t end) {
+      for (std::int64_t from = begin; from < end; from += kChunk)
+        work(static_cast<std::size_t>(from / kChunk), from, std::min(from + kChunk, end));
+    });
+  };
+  std::vector<std::vector<Seen>> seen(chunks);
+  std::vector<std::size_t> of_chunk(chunks * bands,
+                                    0);  // how many of a chunk are in a band; then where the next one is
+  each_chunk([&](std::size_t chunk, std::int64_t from, std::int64_t to) {
+    seen[chunk] = seen_among(static_cast<std::uint32_t>(from), static_cast<std::uint32_t>(to));
+    for (const Seen& one : seen[chunk]) each_band(one, [&](std::size_t band) { ++of_chunk[chunk * bands + band]; });
+  });
+  std::size_t total = 0;
+  for (std::size_t band = 0; band < bands; ++band) {
+    first_.push_back(total);
+    for (std::size_t chunk = 0; chunk < chunks; ++chunk) {
+      std::size_t& next = of_chunk[chunk * bands + band];
+      total += std::exchange(next, total);
+    }
+  }
+  first_.push_back(total);
+  of_band_.resize(total);
+  std::vector<std::size_t> start{0};
+  for (const std::vector<Seen>& some : seen) start.push_back(start.back() + some.size());
+  seen_.resize(start.back());
+  each_chunk([&](std::size_t chunk, std::int64_t, std::int64_t) {
+    for (std::size_t i = 0; i < seen[chunk].size(); ++i) {
+      const std::size_t number = start[chunk] + i;
+      seen_[number] = seen[chunk][i];
+      each_band(seen_[number], [&](std::size_t band) {
+        of_band_[of_chunk[chunk * bands + band]++] = static_cast<std::uint32_t>(number);
+      });
+    }
+  });
 }
 
 void Screen::place_corners(const Camera& camera, int threads) {
@@ -164,8 +188,14 @@ std::vector<Screen::Seen> Screen::seen_among(std::uint32_t begin, std::uint32_t 
                                   corner_[facets.triangles[t][2]]};
     const double deepest = std::max({c[0].w, c[1].w, c[2].w});
     if (!(deepest > 0.0)) continue;
+    const double volume = c[0].x * (c[1].y * c[2].w - c[1].w * c[2].y) + c[0].y * (c[1].w * c[2].x - c[1].x * c[2].w) +
+                          c[0].w * (c[1].x * c[2].y - c[1].y * c[2].x);
+    // Rows run downwards: the front is seen where corners run clockwise.
+    const std::uint32_t side = 2 * facets.facet_of[t] + (volume > 0.0 ? 1U : 0U);
+    if (volume == 0.0 || std::isnan(scene_.temperature_k[side])) continue;
     const double least = kNear * deepest;
     double left = std::numeric_limits<double>::infinity(), top = left, right = -left, bottom = -left;
+    const double nearest = std::min({c[0].w, c[1].w, c[2].w});
     const auto take = [&](double x, double y, double w) {
       const double depth = 1.0 / w;
       left = std::min(left, x * depth), right = std::max(right, x * depth);
@@ -184,20 +214,37 @@ std::vector<Screen::Seen> Screen::seen_among(std::uint32_t begin, std::uint32_t 
     const auto last = [&](double to, std::int64_t most) {
       return static_cast<std::int32_t>(std::clamp(std::floor(n_ * to + 0.5 + kSlack), 0.0, static_cast<double>(most)));
     };
-    Seen one{.triangle = t,
-             .side = 2 * facets.facet_of[t],
-             .x0 = first(left, width_),
-             .x1 = last(right, width_),
-             .y0 = first(top, height_),
-             .y1 = last(bottom, height_)};
+    const Seen one{.triangle = t,
+                   .side = side,
+                   .most = nearest > 0.0 ? static_cast<float>(1.0 / nearest) : std::numeric_limits<float>::infinity(),
+                   .x0 = first(left, width_),
+                   .x1 = last(right, width_),
+                   .y0 = first(top, height_),
+                   .y1 = last(bottom, height_)};
     if (one.x0 >= one.x1 || one.y0 >= one.y1) continue;
-    const double volume = c[0].x * (c[1].y * c[2].w - c[1].w * c[2].y) + c[0].y * (c[1].w * c[2].x - c[1].x * c[2].w) +
-                          c[0].w * (c[1].x * c[2].y - c[1].y * c[2].x);
-    if (volume > 0.0) one.side += 1;  // rows run downwards: the front is seen where corners run clockwise
-    if (volume == 0.0 || std::isnan(scene_.temperature_k[one.side])) continue;
     seen.push_back(one);
   }
   return seen;
+}
+
+/// Whether everything in its part of a band is nearer than the triangle anywhere.
+bool Screen::hidden(const Seen& seen, const std::vector<float>& least) const {
+  for (std::int32_t tile = seen.x0 / kTile; tile <= (seen.x1 - 1) / kTile; ++tile)
+    if (!(least[static_cast<std::size_t>(tile)] > seen.most)) return false;
+  return true;
+}
+
+/// The least nearness in each tile of a band.
+void Screen::find_least(const ScreenRows& rows, std::int64_t count, std::vector<float>& least) const {
+  least.assign(static_cast<std::size_t>((width_ + kTile - 1) / kTile), std::numeric_limits<float>::infinity());
+  for (std::int64_t row = 0; row < count; ++row) {
+    const float* const nearness = rows.nearness.data() + row * rows.stride;
+    for (std::int64_t x = 0; x < width_; x += kTile) {
+      float& so_far = least[static_cast<std::size_t>(x / kTile)];
+      for (std::int64_t k = x; k < std::min<std::int64_t>(x + kTile, width_); ++k)
+        so_far = std::min(so_far, nearness[k]);
+    }
+  }
 }
 
 void Screen::draw(std::int64_t band, ScreenRows& out) const {
@@ -214,9 +261,7 @@ void Screen::draw(std::int64_t band, ScreenRows& out) const {
                     static_cast<const ScreenTriangle*>(some.data() + count), band * kRows, &places, &out);
     count = 0;
   };
-  const auto b = static_cast<std::size_t>(band);
-  for (std::size_t i = first_[b]; i < first_[b + 1]; ++i) {
-    const Seen& seen = seen_[of_band_[i]];
+  const auto add = [&](const Seen& seen) {
     const std::array<std::uint32_t, 3>& number = facets.triangles[seen.triangle];
     ScreenTriangle t{.x0 = seen.x0,
                      .x1 = seen.x1,
@@ -233,7 +278,7 @@ void Screen::draw(std::int64_t band, ScreenRows& out) const {
     }
     const Corner& c = corner_[number[0]];
     const double volume = t.edge[0].a * c.x + t.edge[0].b * c.y + t.edge[0].c * c.w;
-    if (!(volume > 0.0)) continue;  // edge on, to rounding
+    if (!(volume > 0.0)) return;  // edge on, to rounding
     const double scale = 1.0 / volume;
     for (std::size_t k = 0; k < 3; ++k) {
       const Plane& edge = t.edge[k];
@@ -241,12 +286,21 @@ void Screen::draw(std::int64_t band, ScreenRows& out) const {
       t.crossing[k] = -n_ / edge.a;
     }
     const std::array<double, 3> depth{corner_[number[0]].w, corner_[number[1]].w, corner_[number[2]].w};
-    const auto [nearest, deepest] = std::minmax_element(depth.begin(), depth.end());
-    t.least = static_cast<float>(1.0 / *deepest);
-    t.most = *nearest > 0.0 ? static_cast<float>(1.0 / *nearest) : std::numeric_limits<float>::infinity();
+    t.least = static_cast<float>(1.0 / *std::max_element(depth.begin(), depth.end()));
+    t.most = seen.most;
     some[count++] = t;
     if (count == some.size()) draw_some();
-  }
+  };
+  const auto b = static_cast<std::size_t>(band);
+  const std::span<const std::uint32_t> here = std::span(of_band_).subspan(first_[b], first_[b + 1] - first_[b]);
+  const auto first = [&](const Seen& seen) { return !likely_.empty() && likely_[seen.side] != scene::kNone; };
+  for (const std::uint32_t i : here)
+    if (first(seen_[i])) add(seen_[i]);
+  draw_some();
+  std::vector<float> least;
+  find_least(out, std::min(kRows, height_ - band * kRows), least);
+  for (const std::uint32_t i : here)
+    if (!first(seen_[i]) && !hidden(seen_[i], least)) add(seen_[i]);
   draw_some();
 }
 

@@ -22,6 +22,7 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "radiometry/render/camera.h"
@@ -49,8 +50,10 @@ class Screen {
  public:
   static constexpr std::int64_t kRows = 16;  ///< of points, in a band
 
-  /// The sides without a temperature, which are the insides of solids, are not drawn. `scene` outlives it.
-  Screen(const RenderScene& scene, const Camera& camera, int n, int threads);
+  /// The sides without a temperature, which are the insides of solids, are not drawn.
+  /// `likely`: of each side, kNone where it is not likely to be seen (empty: none is). What is seen does not depend on
+  /// it; the likely ones are drawn first, and what they hide costs next to nothing. Both outlive the screen.
+  Screen(const RenderScene& scene, const Camera& camera, int n, std::span<const std::uint32_t> likely, int threads);
 
   std::int64_t bands() const { return static_cast<std::int64_t>(first_.size()) - 1; }
   /// Fills rows [kRows * band, kRows * (band + 1)), the last ones of which may lie beyond the image. From any number of
@@ -64,12 +67,18 @@ class Screen {
   /// The columns and rows of points that a triangle may cover.
   struct Seen {
     std::uint32_t triangle, side;
+    float most;  ///< nearness of its nearest corner
     std::int32_t x0, x1, y0, y1;
   };
   void place_corners(const Camera& camera, int threads);
   std::vector<Seen> seen_among(std::uint32_t begin, std::uint32_t end) const;
 
+  static constexpr std::int32_t kTile = 16;  ///< columns
+  bool hidden(const Seen& seen, const std::vector<float>& least) const;
+  void find_least(const ScreenRows& rows, std::int64_t count, std::vector<float>& least) const;
+
   const RenderScene& scene_;
+  std::span<const std::uint32_t> likely_;
   int n_;
   std::int64_t width_, height_;  ///< in points
   std::vector<Corner> corner_;   ///< of each vertex

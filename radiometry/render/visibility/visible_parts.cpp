@@ -159,8 +159,9 @@ void parts_of(const Screen& screen, const Camera& camera, VisibleParts& parts, i
 
 }  // namespace
 
-void find_parts(const RenderScene& scene, const Camera& camera, int n, VisibleParts& parts, int threads) {
-  const Screen screen(scene, camera, n, threads);
+void find_parts(const RenderScene& scene, const Camera& camera, int n, std::span<const std::uint32_t> likely,
+                VisibleParts& parts, int threads) {
+  const Screen screen(scene, camera, n, likely, threads);
   parts.n = n;
   if (n == 1) parts_of<1>(screen, camera, parts, threads);
   if (n == 2) parts_of<2>(screen, camera, parts, threads);

@@ -32,8 +32,10 @@ struct VisibleParts {
   std::size_t divided = 0;    ///< samples of more than one part
 };
 
-/// Fills `parts`, whose memory is used again. `n` is 1, 2 or 4. The result does not depend on `threads`.
-void find_parts(const RenderScene& scene, const Camera& camera, int n, VisibleParts& parts, int threads);
+/// Fills `parts`, whose memory is used again. `n` is 1, 2 or 4; `likely` as in screen.h. The result does not depend on
+/// `likely` or `threads`.
+void find_parts(const RenderScene& scene, const Camera& camera, int n, std::span<const std::uint32_t> likely,
+                VisibleParts& parts, int threads);
 
 /// Where a part is, in samples from the outer corner of the image.
 struct PlaceInImage {

@@ -74,10 +74,14 @@ Nearest nearest_triangle(const scene::Facets& facets, const Point& origin, const
   return nearest;
 }
 
-/// The points of the image that a camera sees: where they are, in samples, and what is there.
+/// The points of the image that a camera sees: where they are, in samples, and what is there. Of every five sides two
+/// are called likely, seen or not.
 template <class Look>
 void each_point(const RenderScene& scene, const Camera& eye, int n, const Look& look) {
-  const Screen screen(scene, eye, n, 1);
+  std::vector<std::uint32_t> likely(scene.temperature_k.size(), scene::kNone);
+  for (std::size_t side = 0; side < likely.size(); ++side)
+    if (side % 5 < 2) likely[side] = 0;
+  const Screen screen(scene, eye, n, likely, 1);
   ScreenRows rows;
   for (std::int64_t band = 0; band < screen.bands(); ++band) {
     screen.draw(band, rows);
@@ -147,6 +151,32 @@ TEST(Screen, WallsSeenSquarelyAreWalls) {
       ASSERT_NEAR(static_cast<double>(seen) / static_cast<double>(all), 80.0 * 20.0 / 4800.0, 0.04) << azimuth;
     }
   }
+}
+
+// Two plates in one place are equally near everywhere; a sphere hides part of them.
+TEST(Screen, WhatIsLikelyToBeSeenChangesNoPoint) {
+  scene::Mesh mesh = scene::test::sphere({0.0, 0.0, 0.4}, 0.5, 12);
+  add_plate(mesh, {-2, -2, 0}, {4, 0, 0}, {0, 4, 0}, 9, 7);
+  add_plate(mesh, {-2, -2, 0}, {4, 0, 0}, {0, 4, 0}, 6, 8);
+  const SmallScene made = small_scene(mesh, 300.0, grey(1.0), 300.0);
+  const Camera eye = camera({.position = {3, 1, 2}, .look_at = {0, 0, 0.2}}, 90, 70, 0.015);
+  scene::test::Uniform uniform(11);
+  const auto drawn = [&](double share) {
+    std::vector<std::uint32_t> likely(share > 0.0 ? made.scene.temperature_k.size() : 0, scene::kNone);
+    for (std::uint32_t& one : likely)
+      if (uniform() < share) one = 0;
+    const Screen screen(made.scene, eye, 2, likely, 1);
+    ScreenRows rows;
+    std::pair<std::vector<float>, std::vector<std::uint32_t>> all;
+    for (std::int64_t band = 0; band < screen.bands(); ++band) {
+      screen.draw(band, rows);
+      all.first.insert(all.first.end(), rows.nearness.begin(), rows.nearness.end());
+      all.second.insert(all.second.end(), rows.side.begin(), rows.side.end());
+    }
+    return all;
+  };
+  const auto none = drawn(0.0);
+  for (const double share : {0.1, 0.5, 0.9, 1.0}) EXPECT_EQ(drawn(share), none) << share;
 }
 
 TEST(Screen, PointsOfASampleBlurAsItsSquareDoes) {
