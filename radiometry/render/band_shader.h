@@ -71,6 +71,7 @@ class BandShader {
     std::uint32_t finish = scene::kNone;  ///< kNone: not yet shaded
   };
   Shaded shaded(const VisibleSides& sides, std::size_t number, PathGrid::Cell cell) const;
+  class Pixels;
   SixValues mirrored(std::size_t reflected, bool white, std::size_t finish, const MirrorRays& mirrors,
                      const VisibleSides& sides, std::size_t k, std::size_t node) const;
   void add_angles(const MirrorRays& mirrors, const VisibleParts& parts, const VisibleSides& sides, bool shadows,

@@ -176,7 +176,10 @@ RenderedFrame Renderer::render(const Camera& camera) {
   my.height_before_m = my.parts.extent.farthest_m > 0.0 ? my.camera_height_m : camera.position[2];
   my.camera_height_m = camera.position[2];
   require_outside(my.scene, camera.position);
-  find_parts(my.scene, camera, options.points, my.sides->numbers(), my.parts, options.threads);
+  find_parts(
+      my.scene, camera,
+      {.n = options.points, .runs = !options.all_shadows, .likely = my.sides->numbers(), .threads = options.threads},
+      my.parts);
   if (my.parts.on_facets == 0) {
     if (!options.empty_views)
       throw mtf::UsageError("the camera sees no facet of the scene: turn it, or move it nearer");
@@ -216,7 +219,7 @@ RenderedFrame Renderer::render(const Camera& camera) {
 void Renderer::add_layers(const Camera& camera, bool shadows, RenderedFrame& frame) {
   Parts& my = *parts_;
   const int threads = my.options.threads;
-  find_parts(my.scene, camera, 1, my.sides->numbers(), my.middles, threads);
+  find_parts(my.scene, camera, {.n = 1, .runs = false, .likely = my.sides->numbers(), .threads = threads}, my.middles);
   my.sides->add(my.middles);
   const MirrorRays mirrors = my.mirrors_of(camera, my.middles);
   if (shadows) find_shadows(my.scene, camera, *my.sides, my.middles, true, threads);

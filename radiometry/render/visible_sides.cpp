@@ -36,10 +36,13 @@ std::vector<std::uint32_t> VisibleSides::unknown(const VisibleParts& parts) cons
   mtf::parallel_for(static_cast<std::int64_t>(parts.band.size()), 1, options_.threads,
                     [&](std::int64_t begin, std::int64_t end) {
                       std::vector<std::uint32_t> here;
-                      for (std::int64_t band = begin; band < end; ++band)
-                        for (const SamplePart& part : parts.band[static_cast<std::size_t>(band)])
+                      for (auto band = static_cast<std::size_t>(begin); band < static_cast<std::size_t>(end); ++band) {
+                        for (const SamplePart& part : parts.band[band])
                           if (part.side != scene::kNone && number_[part.side] == scene::kNone)
                             here.push_back(part.side);
+                        for (const SampleRun& run : parts.runs[band])
+                          if (number_[run.side] == scene::kNone) here.push_back(run.side);
+                      }
                       if (here.empty()) return;
                       std::sort(here.begin(), here.end());
                       here.erase(std::unique(here.begin(), here.end()), here.end());

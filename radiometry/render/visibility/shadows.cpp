@@ -84,6 +84,12 @@ std::size_t find_shadows(const RenderScene& scene, const Camera& camera, const V
     return part.side == scene::kNone || !(sides.sun_cosine(sides.number(part.side)) > 0.0F);
   };
   const auto bands = static_cast<std::int64_t>(parts.band.size());
+  for (std::size_t b = 0; b < parts.band.size(); ++b) {
+    for (const SampleRun& run : parts.runs[b])
+      if (sides.sun_cosine(sides.number(run.side)) > 0.0F)
+        for (std::uint32_t k = 0; k < run.samples; ++k) parts.band[b].push_back(sample_of(run, k, camera, parts.n));
+    std::erase_if(parts.runs[b], [&](const SampleRun& run) { return sides.sun_cosine(sides.number(run.side)) > 0.0F; });
+  }
   std::atomic<std::size_t> rays = 0;
   LightMap map{(camera.width + 1) / 2, (camera.height + 1) / 2, {}};
   const std::int64_t rows_a_band = Screen::kRows / parts.n / 2;

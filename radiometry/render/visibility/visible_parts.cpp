@@ -9,6 +9,7 @@
 #include <mutex>
 
 #include "mtf/parallel.h"
+#include "radiometry/render/angles/mirror_rays.h"
 
 namespace radiometry::render {
 namespace {
@@ -27,6 +28,19 @@ PlaceInImage middle_of(std::uint16_t points, int n) {
   return {x * scale, y * scale};
 }
 
+/// Over the depth: the range, and how much higher the end is than the camera.
+struct LineOfSight {
+  float length, rise;
+};
+/// Tangents of angles from the axis, of the middles of samples.
+double tangent_x(const Camera& camera, std::uint32_t column) { return (column + 0.5 - camera.axis_x) * camera.step_x; }
+double tangent_y(const Camera& camera, std::uint32_t row) { return (row + 0.5 - camera.axis_y) * camera.step_y; }
+LineOfSight line_of_sight(const Camera& camera, float x, float y) {
+  return {std::sqrt(1.0F + x * x + y * y), static_cast<float>(camera.ahead[2]) +
+                                               x * static_cast<float>(camera.right[2]) +
+                                               y * static_cast<float>(camera.down[2])};
+}
+
 /// What parts on facets add up to.
 struct Sum {
   float near = std::numeric_limits<float>::infinity(), far = 0.0F, low = near, high = -near;
@@ -35,7 +49,6 @@ struct Sum {
   void add(float range, float height) {
     near = std::min(near, range), far = std::max(far, range);
     low = std::min(low, height), high = std::max(high, height);
-    ++on_facets;
   }
   void add(const Sum& other) {
     near = std::min(near, other.near), far = std::max(far, other.far);
@@ -45,48 +58,39 @@ struct Sum {
   }
 };
 
-/// Turns the points of rows of samples into parts.
+/// Turns the points of rows of samples into runs and parts.
 template <int N>
 class RowOfSamples {
  public:
-  explicit RowOfSamples(const Camera& camera) : camera_(camera), whole_(static_cast<std::size_t>(camera.width)) {
+  /// `may_run`: of each finish; empty: there are no runs.
+  RowOfSamples(const RenderScene& scene, const Camera& camera, const std::vector<bool>& may_run)
+      : scene_(scene), camera_(camera), may_run_(may_run) {
+    for (std::uint32_t column = 0; column < camera.width; ++column)
+      tangent_x_.push_back(static_cast<float>(tangent_x(camera, column)));
     for (std::uint32_t points = 1; points < kPlaces; ++points)
       place_[points] = middle_of(static_cast<std::uint16_t>(points), N);
   }
 
-  void add(std::int64_t row, const ScreenRows& rows, std::int64_t first_point, std::vector<SamplePart>& parts) {
+  void add(std::int64_t row, const ScreenRows& rows, std::int64_t first_point, std::vector<SamplePart>& parts,
+           std::vector<SampleRun>& runs) {
+    rows_ = &rows;
+    first_point_ = static_cast<std::size_t>(first_point);
     const auto y = static_cast<std::uint32_t>(row);
-    for (std::size_t column = 0; column < whole_.size(); ++column)
-      whole_[column] = line_of_sight(static_cast<double>(column) + 0.5, static_cast<double>(row) + 0.5);
-    for (std::uint32_t column = 0; column < whole_.size(); ++column) {
-      std::array<std::uint32_t, N * N> side;
-      std::array<float, N * N> near;
-      bool one = true;
-      for (std::size_t k = 0; k < N * N; ++k) {
-        const std::size_t at =
-            static_cast<std::size_t>(first_point) + k / N * static_cast<std::size_t>(rows.stride) + column * N + k % N;
-        side[k] = rows.side[at];
-        near[k] = rows.nearness[at];
-        one = one && side[k] == side[0];
-      }
-      if (one) {
-        float sum = 0.0F;
-        for (const float each : near) sum += each;
-        fill(parts.emplace_back(), column, y, side[0], kAll, N * N, sum, whole_[column]);
+    tangent_y_ = static_cast<float>(tangent_y(camera_, y));
+    const auto width = static_cast<std::uint32_t>(tangent_x_.size());
+    for (std::uint32_t column = 0; column < width;) {
+      const std::uint32_t side = rows.side[at(column, 0)];
+      if (!shows_only(side, column)) {
+        divide(column++, y, parts);
         continue;
       }
-      ++sum_.divided;
-      for (std::uint32_t left = kAll; left != 0;) {
-        const std::uint32_t first = side[static_cast<std::size_t>(std::countr_zero(left))];
-        std::uint32_t points = 0;
-        int shown = 0;
-        float sum = 0.0F;
-        for (std::uint32_t k = 0; k < N * N; ++k)
-          if (side[k] == first) points |= 1U << k, ++shown, sum += near[k];
-        left &= ~points;
-        const PlaceInImage in = N <= 2 ? place_[points % kPlaces] : middle_of(static_cast<std::uint16_t>(points), N);
-        fill(parts.emplace_back(), column, y, first, points, shown, sum, line_of_sight(column + in.x, y + in.y));
-      }
+      const std::uint32_t first = column++;
+      while (column < width && shows_only(side, column)) ++column;
+      if (column - first >= kLeast && side != kNone && !may_run_.empty() && may_run_[scene_.finish_of[side]])
+        run(first, column - 1, y, side, runs);
+      else
+        for (std::uint32_t i = first; i < column; ++i)
+          fill(parts.emplace_back(), i, y, side, kAll, N * N, nearness_sum(i), middle(i));
     }
   }
 
@@ -95,17 +99,69 @@ class RowOfSamples {
  private:
   static constexpr std::uint32_t kAll = (1U << (N * N)) - 1U;
   static constexpr std::uint32_t kPlaces = N <= 2 ? kAll + 1 : 1;  // of n = 4 they are worked out as they come
+  static constexpr std::uint32_t kLeast = 4;                       // shorter runs do not pay
 
-  /// Over the depth: the range, and how much higher the end is than the camera.
-  struct LineOfSight {
-    float length, rise;
-  };
-  LineOfSight line_of_sight(double x, double y) const {
-    const auto u = static_cast<float>((x - camera_.axis_x) * camera_.step_x),
-               v = static_cast<float>((y - camera_.axis_y) * camera_.step_y);
-    return {std::sqrt(1.0F + u * u + v * v), static_cast<float>(camera_.ahead[2]) +
-                                                 u * static_cast<float>(camera_.right[2]) +
-                                                 v * static_cast<float>(camera_.down[2])};
+  /// Of the first point of a row of points of a sample.
+  std::size_t at(std::uint32_t column, std::size_t row_of_points) const {
+    return first_point_ + row_of_points * static_cast<std::size_t>(rows_->stride) + std::size_t{column} * N;
+  }
+  bool shows_only(std::uint32_t side, std::uint32_t column) const {
+    std::uint32_t other = 0;
+    for (std::size_t j = 0; j < N; ++j)
+      for (std::size_t i = 0; i < N; ++i) other |= rows_->side[at(column, j) + i] ^ side;
+    return other == 0;
+  }
+  LineOfSight middle(std::uint32_t column) const { return line_of_sight(camera_, tangent_x_[column], tangent_y_); }
+  float nearness_sum(std::uint32_t column) const {
+    float sum = 0.0F;
+    for (std::size_t j = 0; j < N; ++j)
+      for (std::size_t i = 0; i < N; ++i) sum += rows_->nearness[at(column, j) + i];
+    return sum;
+  }
+
+  void divide(std::uint32_t column, std::uint32_t row, std::vector<SamplePart>& parts) {
+    std::array<std::uint32_t, N * N> side;
+    std::array<float, N * N> near;
+    for (std::size_t k = 0; k < N * N; ++k) {
+      side[k] = rows_->side[at(column, k / N) + k % N];
+      near[k] = rows_->nearness[at(column, k / N) + k % N];
+    }
+    ++sum_.divided;
+    for (std::uint32_t left = kAll; left != 0;) {
+      const std::uint32_t first = side[static_cast<std::size_t>(std::countr_zero(left))];
+      std::uint32_t points = 0;
+      int shown = 0;
+      float sum = 0.0F;
+      for (std::uint32_t k = 0; k < N * N; ++k)
+        if (side[k] == first) points |= 1U << k, ++shown, sum += near[k];
+      left &= ~points;
+      const PlaceInImage in = N <= 2 ? place_[points % kPlaces] : middle_of(static_cast<std::uint16_t>(points), N);
+      fill(parts.emplace_back(), column, row, first, points, shown, sum,
+           line_of_sight(camera_, tangent_x_[column] + static_cast<float>((in.x - 0.5) * camera_.step_x),
+                         tangent_y_ + static_cast<float>((in.y - 0.5) * camera_.step_y)));
+    }
+  }
+
+  void run(std::uint32_t first, std::uint32_t last, std::uint32_t row, std::uint32_t side,
+           std::vector<SampleRun>& runs) {
+    constexpr float kPerPoint = 1.0F / (N * N);
+    const float begin = kPerPoint * nearness_sum(first), end = kPerPoint * nearness_sum(last);
+    runs.push_back({.column = first,
+                    .row = row,
+                    .samples = last - first + 1,
+                    .side = side,
+                    .nearness = begin,
+                    .step = (end - begin) / static_cast<float>(last - first)});
+    const float depth = 1.0F / begin, last_depth = 1.0F / end;
+    const auto above = static_cast<float>(camera_.position[2]);
+    const LineOfSight from = middle(first), to = middle(last);
+    sum_.add(depth * from.length, above + depth * from.rise);
+    sum_.add(last_depth * to.length, above + last_depth * to.rise);
+    // Heights and depths are the least and the most at the ends, but ranges may be less between them.
+    const auto axis =
+        static_cast<std::uint32_t>(std::clamp(camera_.axis_x, static_cast<double>(first), static_cast<double>(last)));
+    sum_.near = std::min(sum_.near, std::min(depth, last_depth) * middle(axis).length);
+    sum_.on_facets += last - first + 1;
   }
 
   void fill(SamplePart& out, std::uint32_t column, std::uint32_t row, std::uint32_t side, std::uint32_t points,
@@ -122,32 +178,44 @@ class RowOfSamples {
       out.range_m = depth * line.length;
       out.height_m = static_cast<float>(camera_.position[2]) + depth * line.rise;
       sum_.add(out.range_m, out.height_m);
+      ++sum_.on_facets;
     }
   }
 
+  const RenderScene& scene_;
   const Camera& camera_;
-  std::vector<LineOfSight> whole_;  ///< of the middles of the samples of a row
+  const std::vector<bool>& may_run_;
+  std::vector<float> tangent_x_;  ///< of each column
+  float tangent_y_ = 0.0F;        ///< of the row
   std::array<PlaceInImage, kPlaces> place_{};
+  const ScreenRows* rows_ = nullptr;
+  std::size_t first_point_ = 0;
   Sum sum_{};
 };
 
 template <int N>
-void parts_of(const Screen& screen, const Camera& camera, VisibleParts& parts, int threads) {
+void parts_of(const RenderScene& scene, const Screen& screen, const Camera& camera, const PartsOptions& options,
+              VisibleParts& parts) {
   constexpr std::int64_t kSampleRows = Screen::kRows / N;
+  std::vector<bool> may_run;
+  for (std::size_t finish = 0; options.runs && finish < scene.finish.size(); ++finish)
+    may_run.push_back(!has_angles(scene.finish[finish]));
   Sum all;
   std::mutex lock;
   parts.band.resize(static_cast<std::size_t>(screen.bands()));
-  const std::int64_t together = std::max<std::int64_t>(screen.bands() / (16 * mtf::threads_of(threads)), 1);
-  mtf::parallel_for(screen.bands(), together, threads, [&](std::int64_t begin, std::int64_t end) {
+  parts.runs.resize(parts.band.size());
+  const std::int64_t together = std::max<std::int64_t>(screen.bands() / (16 * mtf::threads_of(options.threads)), 1);
+  mtf::parallel_for(screen.bands(), together, options.threads, [&](std::int64_t begin, std::int64_t end) {
     ScreenRows rows;
-    RowOfSamples<N> samples(camera);
+    RowOfSamples<N> samples(scene, camera, may_run);
     for (std::int64_t b = begin; b < end; ++b) {
       screen.draw(b, rows);
       std::vector<SamplePart>& band = parts.band[static_cast<std::size_t>(b)];
+      std::vector<SampleRun>& runs = parts.runs[static_cast<std::size_t>(b)];
       band.clear();
-      for (std::int64_t row = b * kSampleRows; row < std::min((b + 1) * kSampleRows, camera.height); ++row) {
-        samples.add(row, rows, (row - b * kSampleRows) * N * rows.stride, band);
-      }
+      runs.clear();
+      for (std::int64_t row = b * kSampleRows; row < std::min((b + 1) * kSampleRows, camera.height); ++row)
+        samples.add(row, rows, (row - b * kSampleRows) * N * rows.stride, band, runs);
     }
     const std::scoped_lock guard(lock);
     all.add(samples.sum());
@@ -159,13 +227,28 @@ void parts_of(const Screen& screen, const Camera& camera, VisibleParts& parts, i
 
 }  // namespace
 
-void find_parts(const RenderScene& scene, const Camera& camera, int n, std::span<const std::uint32_t> likely,
-                VisibleParts& parts, int threads) {
-  const Screen screen(scene, camera, n, likely, threads);
-  parts.n = n;
-  if (n == 1) parts_of<1>(screen, camera, parts, threads);
-  if (n == 2) parts_of<2>(screen, camera, parts, threads);
-  if (n == 4) parts_of<4>(screen, camera, parts, threads);
+SamplePart sample_of(const SampleRun& run, std::uint32_t number, const Camera& camera, int n) {
+  const std::uint32_t column = run.column + number;
+  const LineOfSight line = line_of_sight(camera, static_cast<float>(tangent_x(camera, column)),
+                                         static_cast<float>(tangent_y(camera, run.row)));
+  const float depth = 1.0F / (run.nearness + static_cast<float>(number) * run.step);
+  return {.column = column,
+          .row = run.row,
+          .side = run.side,
+          .range_m = depth * line.length,
+          .height_m = static_cast<float>(camera.position[2]) + depth * line.rise,
+          .points = static_cast<std::uint16_t>((1U << (n * n)) - 1U),
+          .shown = static_cast<std::uint8_t>(n * n),
+          .lit = run.lit};
+}
+
+void find_parts(const RenderScene& scene, const Camera& camera, const PartsOptions& options, VisibleParts& parts) {
+  const Screen screen(scene, camera, options.n, options.likely, options.threads);
+  parts.camera = camera;
+  parts.n = options.n;
+  if (options.n == 1) parts_of<1>(scene, screen, camera, options, parts);
+  if (options.n == 2) parts_of<2>(scene, screen, camera, options, parts);
+  if (options.n == 4) parts_of<4>(scene, screen, camera, options, parts);
 }
 
 PlaceInImage place_of(const SamplePart& part, int n) {

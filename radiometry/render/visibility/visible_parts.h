@@ -4,6 +4,9 @@
 // What the samples of a frame show. A sample has n x n points (screen.h); those of them that show the same side are one
 // part of it, and so are those that show none. The place of a part is the mean of its points: on the plane of the facet
 // one over the depth is linear in the image, so that its mean over the points is that at this place.
+//
+// Whole samples of one side next to each other are a run, of which one value in the first and its slope say where all
+// of them are: a picture is mostly runs, and loops over them have no branches.
 
 #include <cstdint>
 #include <vector>
@@ -23,19 +26,36 @@ struct SamplePart {
   bool lit = false;          ///< the sun reaches it, where that was asked
 };
 
-/// Bands of whole rows of samples, with their parts in the order of samples.
+/// Samples of a row that show the same side in all of their points.
+struct SampleRun {
+  std::uint32_t column = 0, row = 0;  ///< of the first
+  std::uint32_t samples = 0;
+  std::uint32_t side = 0;              ///< scene::index(side)
+  float nearness = 0.0F, step = 0.0F;  ///< one over the depth of the first, and how much it grows from one to the next
+  bool lit = false;                    ///< the sun reaches all of them, where that was asked
+};
+/// One of them, as a part.
+SamplePart sample_of(const SampleRun& run, std::uint32_t number, const Camera& camera, int n);
+
+/// Bands of whole rows of samples. Parts of one sample come one after the other.
 struct VisibleParts {
+  Camera camera{};
   int n = 1;
   std::vector<std::vector<SamplePart>> band{};
-  PathExtent extent{};        ///< of what is seen of facets
-  std::size_t on_facets = 0;  ///< parts
-  std::size_t divided = 0;    ///< samples of more than one part
+  std::vector<std::vector<SampleRun>> runs{};  ///< of each band
+  PathExtent extent{};                         ///< of what is seen of facets
+  std::size_t on_facets = 0;                   ///< parts, and samples of runs
+  std::size_t divided = 0;                     ///< samples of more than one part
 };
 
-/// Fills `parts`, whose memory is used again. `n` is 1, 2 or 4; `likely` as in screen.h. The result does not depend on
-/// `likely` or `threads`.
-void find_parts(const RenderScene& scene, const Camera& camera, int n, std::span<const std::uint32_t> likely,
-                VisibleParts& parts, int threads);
+struct PartsOptions {
+  int n = 2;         ///< points along a sample: 1, 2 or 4
+  bool runs = true;  ///< false: every sample has parts. Sides whose radiance depends on the angle always have.
+  std::span<const std::uint32_t> likely{};  ///< as in screen.h
+  int threads = 0;
+};
+/// Fills `parts`, whose memory is used again. What is seen does not depend on `runs`, `likely` and `threads`.
+void find_parts(const RenderScene& scene, const Camera& camera, const PartsOptions& options, VisibleParts& parts);
 
 /// Where a part is, in samples from the outer corner of the image.
 struct PlaceInImage {
