@@ -7,6 +7,7 @@
 #include "mtf/error.h"
 #include "radiometry/render/frame_layers.h"
 #include "radiometry/render/visibility/shadows.h"
+#include "radiometry/scene/beam.h"
 
 namespace radiometry::render {
 namespace {
@@ -61,12 +62,14 @@ struct Renderer::Parts {
   std::vector<BandShader> shader{};
   std::vector<BandShader> surface{};  ///< of each band without air, where layers need it; else none
   std::unique_ptr<VisibleSides> sides{};
+  std::optional<SidesInSun> in_sun{};                   ///< where shadows matter
   VisibleParts parts{}, middles{};                      ///< of the frame, and of its layers
   double camera_height_m = 0.0, height_before_m = 0.0;  ///< of the last two frames
   bool angles = false;                                  ///< some finish depends on the angle, or is glossy
 
   void make(std::vector<RenderBand> bands, const Known* known);
   bool shadows_matter() const;
+  void find_sides_in_sun();
   MirrorRays mirrors_of(const Camera& camera, const VisibleParts& of);
 };
 
@@ -118,6 +121,11 @@ MirrorRays Renderer::Parts::mirrors_of(const Camera& camera, const VisibleParts&
   return mirrors;
 }
 
+void Renderer::Parts::find_sides_in_sun() {
+  if (!in_sun) in_sun.emplace(scene.facets(), scene.sun->to_sun, scene::Beam(*scene.rays, scene.sun->to_sun).lift_m());
+  in_sun->add(*sides, options.threads);
+}
+
 /// Where the sun adds next to nothing, as in the long-wave window, the share of each side in the sun will do.
 bool Renderer::Parts::shadows_matter() const {
   constexpr double kSunlight = 1e-3;
@@ -143,6 +151,7 @@ Renderer::Renderer(const RenderScene& scene, std::vector<RenderBand> bands, cons
   for (BandShader& one : parts_->shader)
     for (const double height_m : {known.height_before_m, known.camera_height_m})
       one.prepare(height_m, known.extent, known.options.threads);
+  if (parts_->shadows_matter()) parts_->find_sides_in_sun();
 }
 
 std::shared_ptr<const Renderer::Known> Renderer::known() const {
@@ -197,7 +206,9 @@ RenderedFrame Renderer::render(const Camera& camera) {
   laps.lap("tables of the air");
   const bool shadows = my.shadows_matter();
   if (shadows) {
-    frame.shadow_rays = find_shadows(my.scene, camera, *my.sides, my.parts, options.all_shadows, options.threads);
+    my.find_sides_in_sun();
+    frame.shadow_rays = find_shadows(my.scene, camera, *my.sides, options.all_shadows ? nullptr : &*my.in_sun, my.parts,
+                                     options.threads);
     laps.lap("shadows");
   }
   for (BandShader& one : my.shader) frame.shaded += one.shade(*my.sides, camera.position, options.threads);
@@ -222,7 +233,7 @@ void Renderer::add_layers(const Camera& camera, bool shadows, RenderedFrame& fra
   find_parts(my.scene, camera, {.n = 1, .runs = false, .likely = my.sides->numbers(), .threads = threads}, my.middles);
   my.sides->add(my.middles);
   const MirrorRays mirrors = my.mirrors_of(camera, my.middles);
-  if (shadows) find_shadows(my.scene, camera, *my.sides, my.middles, true, threads);
+  if (shadows) find_shadows(my.scene, camera, *my.sides, nullptr, my.middles, threads);
   const auto add = [&](std::size_t b, const LayerChoice& choice, std::optional<std::size_t> band) {
     BandShader& shader = my.shader[b];
     mtf::Image radiance;

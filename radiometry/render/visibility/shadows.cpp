@@ -77,65 +77,78 @@ static_assert((dark | bright) == mixed);
 
 }  // namespace
 
-std::size_t find_shadows(const RenderScene& scene, const Camera& camera, const VisibleSides& sides, VisibleParts& parts,
-                         bool all, int threads) {
+std::size_t find_shadows(const RenderScene& scene, const Camera& camera, const VisibleSides& sides,
+                         const SidesInSun* in_sun, VisibleParts& parts, int threads) {
   const scene::Beam beam(*scene.rays, scene.sun->to_sun);
-  const auto dim = [&](const SamplePart& part) {
-    return part.side == scene::kNone || !(sides.sun_cosine(sides.number(part.side)) > 0.0F);
+  const auto known = [&](std::uint32_t side) {
+    if (side == scene::kNone) return InSun::nowhere;
+    const std::uint32_t number = sides.number(side);
+    if (in_sun != nullptr) return in_sun->of(number);
+    return sides.sun_cosine(number) > 0.0F ? InSun::partly : InSun::nowhere;
   };
   const auto bands = static_cast<std::int64_t>(parts.band.size());
-  for (std::size_t b = 0; b < parts.band.size(); ++b) {
-    for (const SampleRun& run : parts.runs[b])
-      if (sides.sun_cosine(sides.number(run.side)) > 0.0F)
-        for (std::uint32_t k = 0; k < run.samples; ++k) parts.band[b].push_back(sample_of(run, k, camera, parts.n));
-    std::erase_if(parts.runs[b], [&](const SampleRun& run) { return sides.sun_cosine(sides.number(run.side)) > 0.0F; });
-  }
+  const auto each_band = [&](const auto& work) {
+    mtf::parallel_for(bands, 1, threads, [&](std::int64_t begin, std::int64_t end) {
+      for (auto b = static_cast<std::size_t>(begin); b < static_cast<std::size_t>(end); ++b) work(b);
+    });
+  };
   std::atomic<std::size_t> rays = 0;
   LightMap map{(camera.width + 1) / 2, (camera.height + 1) / 2, {}};
-  const std::int64_t rows_a_band = Screen::kRows / parts.n / 2;
-  if (!all) {
+  if (in_sun != nullptr) {
     map.light.assign(static_cast<std::size_t>(map.width * map.height), unknown);
     map.shell.assign(map.light.size(), scene::kNone);
-    mtf::parallel_for(bands, 1, threads, [&](std::int64_t begin, std::int64_t end) {
-      ShadowRays shadow(scene, camera, beam, parts.n,
-                        [&](std::size_t square, bool lit) { map.light[square] = lit ? bright : dark; });
-      for (std::int64_t b = begin; b < end; ++b)
-        for (const SamplePart& part : parts.band[static_cast<std::size_t>(b)]) {
-          const std::size_t square = map.of(part);
-          if (dim(part)) continue;
-          const std::uint32_t shell = scene.facets().facet[part.side / 2].shell;
-          if (map.light[square] != unknown) {
-            if (map.shell[square] != shell) map.shell[square] = LightMap::kSeveral;
-            continue;
-          }
-          map.light[square] = mixed;  // until the answer comes
-          map.shell[square] = shell;
-          shadow.add(part, square);
-        }
-      shadow.trace();
-      rays += shadow.rays();
-    });
   }
-  mtf::parallel_for(bands, 1, threads, [&](std::int64_t begin, std::int64_t end) {
-    for (std::int64_t b = begin; b < end; ++b) {
-      std::vector<SamplePart>& band = parts.band[static_cast<std::size_t>(b)];
-      const std::int64_t first_row = b * rows_a_band;
-      const std::vector<Light> agreed =
-          all ? std::vector<Light>() : map.agreed(first_row, std::min(first_row + rows_a_band, map.height));
-      const std::size_t first = static_cast<std::size_t>(first_row * map.width);
-      ShadowRays shadow(scene, camera, beam, parts.n, [&](std::size_t part, bool lit) { band[part].lit = lit; });
-      for (std::size_t i = 0; i < band.size(); ++i) {
-        if (dim(band[i])) continue;
-        const std::size_t square = map.of(band[i]);
-        const Light light = all || map.shell[square] == LightMap::kSeveral ? mixed : agreed[square - first];
-        if (light == mixed)
-          shadow.add(band[i], i);
-        else
-          band[i].lit = light == bright;
-      }
-      shadow.trace();
-      rays += shadow.rays();
+  std::vector<std::vector<std::uint32_t>> asking(parts.band.size());  // parts that rays are for
+  each_band([&](std::size_t b) {
+    std::vector<SamplePart>& band = parts.band[b];
+    std::erase_if(parts.runs[b], [&](SampleRun& run) {
+      const InSun how = known(run.side);
+      run.lit = how == InSun::wholly;
+      if (how != InSun::partly) return false;
+      for (std::uint32_t k = 0; k < run.samples; ++k) band.push_back(sample_of(run, k, camera, parts.n));
+      return true;
+    });
+    for (std::uint32_t i = 0; i < band.size(); ++i) {
+      const InSun how = known(band[i].side);
+      band[i].lit = how == InSun::wholly;
+      if (how == InSun::partly) asking[b].push_back(i);
     }
+    if (in_sun == nullptr) return;
+    ShadowRays shadow(scene, camera, beam, parts.n,
+                      [&](std::size_t square, bool lit) { map.light[square] = lit ? bright : dark; });
+    for (const std::uint32_t i : asking[b]) {
+      const SamplePart& part = band[i];
+      const std::size_t square = map.of(part);
+      const std::uint32_t shell = scene.facets().facet[part.side / 2].shell;
+      if (map.light[square] != unknown) {
+        if (map.shell[square] != shell) map.shell[square] = LightMap::kSeveral;
+        continue;
+      }
+      map.light[square] = mixed;  // until the answer comes
+      map.shell[square] = shell;
+      shadow.add(part, square);
+    }
+    shadow.trace();
+    rays += shadow.rays();
+  });
+  each_band([&](std::size_t b) {
+    if (asking[b].empty()) return;
+    std::vector<SamplePart>& band = parts.band[b];
+    const std::int64_t rows = Screen::kRows / parts.n / 2, first_row = static_cast<std::int64_t>(b) * rows;
+    const std::vector<Light> agreed =
+        in_sun == nullptr ? std::vector<Light>() : map.agreed(first_row, std::min(first_row + rows, map.height));
+    const std::size_t first = static_cast<std::size_t>(first_row * map.width);
+    ShadowRays shadow(scene, camera, beam, parts.n, [&](std::size_t part, bool lit) { band[part].lit = lit; });
+    for (const std::uint32_t i : asking[b]) {
+      const std::size_t square = map.of(band[i]);
+      const Light light = in_sun == nullptr || map.shell[square] == LightMap::kSeveral ? mixed : agreed[square - first];
+      if (light == mixed)
+        shadow.add(band[i], i);
+      else
+        band[i].lit = light == bright;
+    }
+    shadow.trace();
+    rays += shadow.rays();
   });
   return rays;
 }

@@ -1,0 +1,226 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "radiometry/render/visibility/sides_in_sun.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+#include "mtf/parallel.h"
+
+namespace radiometry::render {
+namespace {
+
+using scene::operator-, scene::operator*;
+
+constexpr std::size_t kLeaf = 8;  // triangles
+
+Vector unit(const Vector& v) { return (1.0 / scene::length(v)) * v; }
+
+}  // namespace
+
+void SidesInSun::Box::take(const Corner& p) {
+  left = std::min(left, p.x), right = std::max(right, p.x);
+  low = std::min(low, p.y), high = std::max(high, p.y);
+}
+
+SidesInSun::SidesInSun(const scene::Facets& facets, const Vector& to_sun, double lift_m)
+    : facets_(facets), lift_m_(lift_m), place_(facets.vertices.size()), order_(facets.triangles.size()) {
+  // Any two axes that make a right-handed frame with the direction to the sun: what faces it runs counter-clockwise.
+  const auto steep = [](double a, double b) { return std::abs(a) < std::abs(b); };
+  Vector axis{};
+  axis[static_cast<std::size_t>(std::min_element(to_sun.begin(), to_sun.end(), steep) - to_sun.begin())] = 1.0;
+  const Vector x = unit(scene::cross(axis, to_sun)), y = unit(scene::cross(to_sun, x));
+  for (std::size_t i = 0; i < place_.size(); ++i) {
+    const Vector from_middle = facets.vertices[i] - facets.middle;
+    place_[i] = {scene::dot(x, from_middle), scene::dot(y, from_middle)};
+  }
+  find_outlines();
+  std::iota(order_.begin(), order_.end(), 0U);
+  build(0, 0, order_.size());
+}
+
+/// Edges are gathered by their lower vertex, where few come together.
+void SidesInSun::find_outlines() {
+  struct Use {
+    std::uint32_t other, triangle;  ///< the higher vertex
+    std::uint8_t edge;
+    bool left;  ///< of the edge from its lower vertex to the higher one
+  };
+  const auto ends = [&](std::size_t t, std::size_t k) {
+    return std::minmax(facets_.triangles[t][k], facets_.triangles[t][(k + 1) % 3]);
+  };
+  const std::size_t triangles = facets_.triangles.size();
+  std::vector<std::size_t> first(facets_.vertices.size() + 1, 0);
+  for (std::size_t t = 0; t < triangles; ++t)
+    for (std::size_t k = 0; k < 3; ++k) ++first[ends(t, k).first + 1];
+  std::partial_sum(first.begin(), first.end(), first.begin());
+  std::vector<Use> use(3 * triangles);
+  std::vector<std::size_t> next(first.begin(), first.end() - 1);
+  for (std::uint32_t t = 0; t < triangles; ++t) {
+    const std::array<std::uint32_t, 3>& number = facets_.triangles[t];
+    const auto &a = place_[number[0]], &b = place_[number[1]], &c = place_[number[2]];
+    const bool faces = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]) > 0.0;
+    for (std::uint8_t k = 0; k < 3; ++k) {
+      const auto [low, high] = ends(t, k);
+      use[next[low]++] = {high, t, k, faces == (number[k] == low)};
+    }
+  }
+  outline_.assign(triangles, 0);
+  for (std::size_t v = 0; v + 1 < first.size(); ++v) {
+    const std::span<Use> here = std::span(use).subspan(first[v], first[v + 1] - first[v]);
+    for (const Use& one : here) {
+      std::size_t all = 0, beyond = 0;
+      for (const Use& two : here)
+        if (two.other == one.other) ++all, beyond += two.left != one.left ? 1 : 0;
+      if (all != 2 || beyond != 1) outline_[one.triangle] |= static_cast<std::uint8_t>(1U << one.edge);
+    }
+  }
+}
+
+SidesInSun::Box SidesInSun::box_of(std::size_t first, std::size_t last) const {
+  constexpr double kFar = std::numeric_limits<double>::infinity();
+  Box box{kFar, -kFar, kFar, -kFar};
+  for (std::size_t i = first; i < last; ++i)
+    for (const std::uint32_t vertex : facets_.triangles[order_[i]]) box.take(corner(vertex));
+  return box;
+}
+
+void SidesInSun::build(std::size_t node, std::size_t first, std::size_t last) {
+  if (box_.size() <= node) box_.resize(node + 1);
+  const Box box = box_[node] = box_of(first, last);
+  if (last - first <= kLeaf) return;
+  const std::size_t middle = std::midpoint(first, last), axis = box.right - box.left > box.high - box.low ? 0 : 1;
+  const auto at = [&](std::uint32_t triangle) {
+    const std::array<std::uint32_t, 3>& number = facets_.triangles[triangle];
+    return place_[number[0]][axis] + place_[number[1]][axis] + place_[number[2]][axis];
+  };
+  const auto place = [&](std::size_t i) { return order_.begin() + static_cast<std::ptrdiff_t>(i); };
+  std::nth_element(place(first), place(middle), place(last),
+                   [&](std::uint32_t a, std::uint32_t b) { return at(a) < at(b); });
+  build(2 * node + 1, first, middle);
+  build(2 * node + 2, middle, last);
+}
+
+struct SidesInSun::Target {
+  std::uint32_t facet;
+  Vector up;                    ///< the normal of the side
+  Point on;                     ///< in its plane
+  std::array<Corner, 3> own{};  ///< counter-clockwise
+  Box box{};
+
+  /// How far a place is inside of edge k, m.
+  double inside(std::size_t k, const Corner& p) const {
+    const Corner &a = own[k], &b = own[(k + 1) % 3];
+    const double dx = b.x - a.x, dy = b.y - a.y;
+    return (dx * (p.y - a.y) - dy * (p.x - a.x)) / std::hypot(dx, dy);
+  }
+};
+
+namespace {
+
+/// A polygon of few corners.
+template <class Corner>
+struct Few {
+  std::array<Corner, 8> corner;
+  std::size_t count = 0;
+  void add(const Corner& p) { corner[count++] = p; }
+};
+
+/// What of a polygon, or of a line as one of two corners, is within the target by more than `slack`.
+template <class Target, class Corner>
+void clip(const Target& target, double slack, Few<Corner>& shape) {
+  for (std::size_t k = 0; k < 3 && shape.count > 0; ++k) {
+    const Few<Corner> before = shape;
+    shape.count = 0;
+    const std::size_t lines = before.count == 2 ? 1 : before.count;
+    for (std::size_t i = 0; i < before.count; ++i) {
+      const Corner &p = before.corner[i], &q = before.corner[(i + 1) % before.count];
+      const double in_p = target.inside(k, p) - slack, in_q = target.inside(k, q) - slack;
+      if (in_p > 0.0) shape.add(p);
+      if (i >= lines || (in_p > 0.0) == (in_q > 0.0)) continue;
+      const double at = in_p / (in_p - in_q);
+      shape.add({std::lerp(p.x, q.x, at), std::lerp(p.y, q.y, at), std::lerp(p.height_m, q.height_m, at)});
+    }
+  }
+}
+
+}  // namespace
+
+/// `wholly`: the triangle takes no light; `nowhere`: it covers some of the target, and no outline of it falls there.
+InSun SidesInSun::under(const Target& target, std::uint32_t triangle) const {
+  if (facets_.facet_of[triangle] == target.facet) return InSun::wholly;
+  const double slack = 0x1p-10 * lift_m_;  // edges that are shared are worked out alike but for rounding
+  Few<Corner> shape;
+  bool below = true;
+  for (const std::uint32_t vertex : facets_.triangles[triangle]) {
+    Corner p = corner(vertex);
+    p.height_m = scene::dot(target.up, facets_.vertices[vertex] - target.on);
+    below = below && p.height_m <= lift_m_;
+    shape.add(p);
+  }
+  if (below) return InSun::wholly;
+  const Few<Corner> whole = shape;
+  clip(target, slack, shape);
+  if (shape.count == 0) return InSun::wholly;
+  const auto height = [](const Corner& a, const Corner& b) { return a.height_m < b.height_m; };
+  const auto [lowest, highest] = std::minmax_element(
+      shape.corner.begin(), shape.corner.begin() + static_cast<std::ptrdiff_t>(shape.count), height);
+  if (highest->height_m <= 0.0) return InSun::wholly;
+  if (lowest->height_m <= lift_m_) return InSun::partly;
+  for (std::size_t k = 0; k < 3; ++k) {
+    if ((outline_[triangle] >> k & 1U) == 0U) continue;
+    Few<Corner> line;
+    line.add(whole.corner[k]);
+    line.add(whole.corner[(k + 1) % 3]);
+    clip(target, slack, line);
+    if (line.count > 0) return InSun::partly;
+  }
+  return InSun::nowhere;
+}
+
+InSun SidesInSun::find(const Target& target, std::size_t node, std::size_t first, std::size_t last) const {
+  if (!box_[node].meets(target.box)) return InSun::wholly;
+  InSun all = InSun::wholly;
+  const auto take = [&](InSun one) {
+    if (one != InSun::wholly) all = one;
+    return one != InSun::partly;
+  };
+  if (last - first > kLeaf) {
+    const std::size_t middle = std::midpoint(first, last);
+    if (take(find(target, 2 * node + 1, first, middle))) take(find(target, 2 * node + 2, middle, last));
+    return all;
+  }
+  for (std::size_t i = first; i < last; ++i)
+    if (!take(under(target, order_[i]))) break;
+  return all;
+}
+
+InSun SidesInSun::find(scene::Side side) const {
+  const scene::Facet& facet = facets_.facet[side.facet];
+  std::optional<InSun> all;
+  for (std::uint64_t t = facets_.first[side.facet]; t < facets_.first[side.facet + 1]; ++t) {
+    const std::array<std::uint32_t, 3>& number = facets_.triangles[t];
+    Target target{.facet = side.facet, .up = (side.back ? -1.0 : 1.0) * facet.normal, .on = facet.centre};
+    for (std::size_t k = 0; k < 3; ++k) target.own[side.back ? 2 - k : k] = corner(number[k]);
+    target.box = {target.own[0].x, target.own[0].x, target.own[0].y, target.own[0].y};
+    for (const Corner& p : target.own) target.box.take(p);
+    const InSun one = find(target, 0, 0, order_.size());
+    if (one == InSun::partly || (all && *all != one)) return InSun::partly;
+    all = one;
+  }
+  return all.value_or(InSun::partly);
+}
+
+void SidesInSun::add(const VisibleSides& sides, int threads) {
+  const std::size_t begin_at = known_.size();
+  known_.resize(sides.size(), InSun::nowhere);
+  mtf::parallel_for(static_cast<std::int64_t>(sides.size() - begin_at), 64, threads,
+                    [&](std::int64_t begin, std::int64_t end) {
+                      for (std::size_t n = begin_at + static_cast<std::size_t>(begin);
+                           n < begin_at + static_cast<std::size_t>(end); ++n)
+                        if (sides.sun_cosine(n) > 0.0F) known_[n] = find({sides.side(n) / 2, sides.side(n) % 2 == 1});
+                    });
+}
+
+}  // namespace radiometry::render
