@@ -86,11 +86,15 @@ TEST(Poisson, exact_numbers_fulfil_the_definition) {
 TEST(Poisson, lanes_give_the_exact_numbers) {
   std::vector<float> mean(kNoiseLanes), count(kNoiseLanes);
   const RandomRow row{{3, 1}, Stream::shot, 5};
-  for (std::uint32_t block = 0; block < 3000; ++block) {
-    for (std::size_t i = 0; i < mean.size(); ++i)
-      mean[i] = static_cast<float>(block % 3 == 0   ? kMeans[block / 3 % kMeans.size()]
-                                   : block % 3 == 1 ? std::pow(10.0, -3.0 + 11.0 * uniform_at(row, i + 99 * block).u)
-                                                    : 60.0 * uniform_at(row, i + 99 * block).u);
+  for (std::uint32_t block = 0; block < 4000; ++block) {
+    for (std::size_t i = 0; i < mean.size(); ++i) {
+      const double u = uniform_at(row, i + 99 * block).u;
+      mean[i] = static_cast<float>(block % 4 == 0   ? kMeans[block / 4 % kMeans.size()]
+                                   : block % 4 == 1 ? std::pow(10.0, -3.0 + 11.0 * u)
+                                   : block % 4 == 2 ? 60.0 * u
+                                                    : 32.0 * std::pow(131000.0, u));  // what single precision is for
+      if (block % 8 == 7 && i % 40 == 3) mean[i] = i % 80 == 3 ? 0.0F : 5e6F;  // dark and bright pixels among them
+    }
     poisson_lanes(row, block * kNoiseLanes / 2, mean.data(), count.data());
     for (std::size_t i = 0; i < mean.size(); ++i) {
       const Uniform u = uniform_at(row, block * kNoiseLanes + i);

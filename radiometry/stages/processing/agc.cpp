@@ -6,6 +6,7 @@
 #include <limits>
 #include <mutex>
 
+#include "mtf/engines/clones.h"
 #include "mtf/parallel.h"
 
 namespace radiometry {
@@ -13,6 +14,7 @@ namespace {
 
 constexpr std::int64_t kRowsAtOnce = 16;
 constexpr std::int64_t kRankBins = 1 << 14;
+constexpr std::int64_t kPiece = 128;  // pixels of a loop without branches
 
 using Counts = std::vector<std::int64_t>;
 
@@ -37,18 +39,32 @@ Result over_rows(std::int64_t height, int threads, Result result, const Part& pa
   return result;
 }
 
+/// Lanes of their own, as the compiler does not reorder comparisons.
+MTFKIT_CLONES void take(const float* value, std::int64_t count, Extent& extent) {
+  constexpr std::int64_t kLanes = 16;
+  alignas(64) float low[kLanes], high[kLanes];
+  alignas(64) std::int32_t finite[kLanes];
+  std::fill(low, low + kLanes, extent.low);
+  std::fill(high, high + kLanes, extent.high);
+  std::fill(finite, finite + kLanes, 0);
+  const auto add = [&](float v, std::int64_t lane) {
+    const bool good = std::abs(v) <= std::numeric_limits<float>::max();
+    finite[lane] += good ? 1 : 0;
+    low[lane] = good && v < low[lane] ? v : low[lane];
+    high[lane] = good && v > high[lane] ? v : high[lane];
+  };
+  const std::int64_t whole = count / kLanes * kLanes;
+  for (std::int64_t x = 0; x < whole; x += kLanes)
+    for (std::int64_t lane = 0; lane < kLanes; ++lane) add(value[x + lane], lane);
+  for (std::int64_t x = whole; x < count; ++x) add(value[x], 0);
+  extent.low = *std::min_element(low, low + kLanes), extent.high = *std::max_element(high, high + kLanes);
+  for (const std::int32_t one : finite) extent.count += one;
+}
+
 Extent extent_of(mtf::ImageView<const float> frame, int threads) {
   const auto part = [&](std::int64_t begin, std::int64_t end) {
     Extent e;
-    for (std::int64_t y = begin; y < end; ++y) {
-      const float* row = frame.row(y);
-      for (std::int64_t x = 0; x < frame.width; ++x) {
-        const bool finite = std::abs(row[x]) <= std::numeric_limits<float>::max();
-        e.count += finite ? 1 : 0;
-        e.low = finite && row[x] < e.low ? row[x] : e.low;
-        e.high = finite && row[x] > e.high ? row[x] : e.high;
-      }
-    }
+    for (std::int64_t y = begin; y < end; ++y) take(frame.row(y), frame.width, e);
     return e;
   };
   return over_rows(frame.height, threads, Extent{}, part, [](Extent& all, const Extent& one) {
@@ -72,18 +88,49 @@ struct Bins {
   }
 };
 
+/// The bin of each of `count` values; bin.bins where they have none.
+MTFKIT_CLONES void bins_of(const Bins& bin, const float* value, std::int64_t count, std::int32_t* out) {
+  const double low = bin.low, scale = bin.scale, most = static_cast<double>(bin.bins);
+  const auto last = static_cast<std::int32_t>(bin.bins - 1);
+  for (std::int64_t i = 0; i < count; ++i) {
+    const double place = (static_cast<double>(value[i]) - low) * scale;
+    const bool inside = place >= 0.0 && place <= most;
+    const auto number = static_cast<std::int32_t>(inside ? place : 0.0);
+    out[i] = !inside ? last + 1 : number < last ? number : last;
+  }
+}
+
+/// Whether some of `count` values lie from `from` to `to`.
+MTFKIT_CLONES bool any_between(const float* value, std::int64_t count, float from, float to) {
+  int any = 0;
+  for (std::int64_t i = 0; i < count; ++i) any |= static_cast<int>(value[i] >= from) & static_cast<int>(value[i] <= to);
+  return any != 0;
+}
+
+/// Calls work(values, count) with pieces of a row.
+template <class Value, class Work>
+void each_piece(Value* row, std::int64_t width, const Work& work) {
+  for (std::int64_t x = 0; x < width; x += kPiece) work(row + x, std::min(kPiece, width - x));
+}
+
 Counts histogram(mtf::ImageView<const float> frame, const Bins& bin, int threads) {
-  const Counts none(static_cast<std::size_t>(bin.bins), 0);
+  const Counts none(static_cast<std::size_t>(bin.bins) + 1, 0);
   const auto part = [&](std::int64_t begin, std::int64_t end) {
     Counts counts = none;
+    std::array<std::int32_t, kPiece> number;
     for (std::int64_t y = begin; y < end; ++y)
-      for (std::int64_t x = 0; x < frame.width; ++x)
-        if (const std::int64_t i = bin(frame.at(x, y)); i >= 0) ++counts[static_cast<std::size_t>(i)];
+      each_piece(frame.row(y), frame.width, [&](const float* value, std::int64_t count) {
+        bins_of(bin, value, count, number.data());
+        for (std::int64_t i = 0; i < count; ++i)
+          ++counts[static_cast<std::size_t>(number[static_cast<std::size_t>(i)])];
+      });
     return counts;
   };
-  return over_rows(frame.height, threads, none, part, [](Counts& all, const Counts& one) {
-    for (std::size_t i = 0; i < all.size(); ++i) all[i] += one[i];
+  Counts all = over_rows(frame.height, threads, none, part, [](Counts& sum, const Counts& one) {
+    for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += one[i];
   });
+  all.pop_back();  // values without a bin
+  return all;
 }
 
 /// The values at two ranks of the sorted pixels: a histogram says in which bins they are, and only those are sorted.
@@ -105,12 +152,14 @@ std::array<double, 2> values_at(mtf::ImageView<const float> frame, const Extent&
   using Values = std::array<std::vector<float>, 2>;
   const auto part = [&](std::int64_t begin, std::int64_t end) {
     Values values;
-    for (std::int64_t y = begin; y < end; ++y) {
-      const float* row = frame.row(y);
-      for (std::int64_t x = 0; x < frame.width; ++x)
-        for (std::size_t k = 0; k < 2; ++k)
-          if (row[x] >= from[k] && row[x] <= to[k] && bin(row[x]) == wanted[k]) values[k].push_back(row[x]);
-    }
+    for (std::int64_t y = begin; y < end; ++y)
+      each_piece(frame.row(y), frame.width, [&](const float* value, std::int64_t count) {
+        for (std::size_t k = 0; k < 2; ++k) {
+          if (!any_between(value, count, from[k], to[k])) continue;
+          for (std::int64_t i = 0; i < count; ++i)
+            if (value[i] >= from[k] && value[i] <= to[k] && bin(value[i]) == wanted[k]) values[k].push_back(value[i]);
+        }
+      });
     return values;
   };
   Values values = over_rows(frame.height, threads, Values{}, part, [](Values& all, const Values& one) {
@@ -125,22 +174,40 @@ std::array<double, 2> values_at(mtf::ImageView<const float> frame, const Extent&
   return found;
 }
 
-/// The display level of a value that is not NaN; `scale`: intervals of the curve for one unit of value.
-float on_curve(float value, double low, double scale, const std::vector<float>& level) {
-  const auto intervals = static_cast<double>(level.size() - 1);
-  const double place = (static_cast<double>(value) - low) * scale;
-  if (!(place > 0.0)) return level.front();
-  if (place >= intervals) return level.back();
-  const auto i = static_cast<std::size_t>(place);
-  const auto t = static_cast<float>(place - static_cast<double>(i));
-  return level[i] * (1.0F - t) + level[i + 1] * t;
+/// Where values are on a curve: the interval, and the share of it that is below them. `scale`: intervals of the curve
+/// for one unit of value.
+MTFKIT_CLONES void places_on(const float* value, std::int64_t count, double low, double scale, std::int32_t intervals,
+                             std::int32_t* interval, float* share) {
+  const auto most = static_cast<double>(intervals);
+  for (std::int64_t i = 0; i < count; ++i) {
+    const double place = (static_cast<double>(value[i]) - low) * scale;
+    const double inside = !(place > 0.0) ? 0.0 : place < most ? place : most;
+    const auto number = static_cast<std::int32_t>(inside);
+    interval[i] = number < intervals ? number : intervals - 1;
+    share[i] = static_cast<float>(inside - static_cast<double>(interval[i]));
+  }
+}
+
+/// The display levels of values; NaN for NaN.
+void on_curve(float* value, std::int64_t count, const ToneCurve& curve) {
+  const std::size_t intervals = curve.level.size() - 1;
+  const double scale = static_cast<double>(intervals) / (curve.high - curve.low);
+  std::array<std::int32_t, kPiece> interval;
+  std::array<float, kPiece> share;
+  each_piece(value, count, [&](float* piece, std::int64_t here) {
+    places_on(piece, here, curve.low, scale, static_cast<std::int32_t>(intervals), interval.data(), share.data());
+    for (std::size_t i = 0; i < static_cast<std::size_t>(here); ++i) {
+      const float* const level = curve.level.data() + interval[i];
+      if (!std::isnan(piece[i])) piece[i] = level[0] * (1.0F - share[i]) + level[1] * share[i];
+    }
+  });
 }
 
 }  // namespace
 
 float ToneCurve::at(float value) const {
-  if (std::isnan(value)) return value;
-  return on_curve(value, low, static_cast<double>(level.size() - 1) / (high - low), level);
+  on_curve(&value, 1, *this);
+  return value;
 }
 
 ToneCurve tone_curve(mtf::ImageView<const float> frame, const AutomaticGain& gain, int threads) {
@@ -181,13 +248,8 @@ void apply(mtf::ImageView<float> image, const ToneCurve& curve, int threads) {
     throw mtf::UsageError("agc: a curve of " + std::to_string(curve.level.size()) + " levels from " +
                           mtf::format_double(curve.low) + " to " + mtf::format_double(curve.high) +
                           "; make it with tone_curve");
-  const double scale = static_cast<double>(curve.level.size() - 1) / (curve.high - curve.low);
   mtf::parallel_for(image.height, kRowsAtOnce, threads, [&](std::int64_t begin, std::int64_t end) {
-    for (std::int64_t y = begin; y < end; ++y) {
-      float* row = image.row(y);
-      for (std::int64_t x = 0; x < image.width; ++x)
-        if (!std::isnan(row[x])) row[x] = on_curve(row[x], curve.low, scale, curve.level);
-    }
+    for (std::int64_t y = begin; y < end; ++y) on_curve(image.row(y), image.width, curve);
   });
 }
 

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// What the loops over lanes of noise_lanes.h share: random words, numbers between 0 and 1, the logarithm.
+
+#include <bit>
+
+#include "radiometry/stages/noise/noise_lanes.h"
+
+#define LANES_INLINE inline __attribute__((always_inline))
+
+namespace radiometry {
+
+constexpr int kPairs = kNoiseLanes / 2;
+
+/// 128 bits of each pair, word by word.
+struct Words {
+  alignas(64) std::uint32_t w[4][kPairs];
+};
+
+LANES_INLINE void philox_lanes(const RandomRow& row, std::uint32_t half_column, Words& out) {
+  const auto k0 = static_cast<std::uint32_t>(row.key.seed), k1 = static_cast<std::uint32_t>(row.key.seed >> 32);
+  const auto stream = static_cast<std::uint32_t>(row.stream);
+  for (int i = 0; i < kPairs; ++i) {
+    std::uint32_t c0 = half_column + static_cast<std::uint32_t>(i), c1 = row.y, c2 = row.key.frame, c3 = stream;
+#pragma GCC unroll 10
+    for (std::uint32_t round = 0; round < 10; ++round) {
+      const std::uint64_t p0 = std::uint64_t{0xD2511F53} * c0, p1 = std::uint64_t{0xCD9E8D57} * c2;
+      c0 = static_cast<std::uint32_t>(p1 >> 32) ^ c1 ^ (k0 + round * 0x9E3779B9);
+      c2 = static_cast<std::uint32_t>(p0 >> 32) ^ c3 ^ (k1 + round * 0xBB67AE85);
+      c1 = static_cast<std::uint32_t>(p1);
+      c3 = static_cast<std::uint32_t>(p0);
+    }
+    out.w[0][i] = c0;
+    out.w[1][i] = c1;
+    out.w[2][i] = c2;
+    out.w[3][i] = c3;
+  }
+}
+
+/// (a + (b + 1/2) 2^-31) 2^-31 in the precision of T.
+template <class T>
+LANES_INLINE T unit_interval(std::int32_t a, std::int32_t b) {
+  return (static_cast<T>(a) + (static_cast<T>(b) + T(0.5)) * T(0x1p-31)) * T(0x1p-31);
+}
+LANES_INLINE std::int32_t upper31(std::uint32_t word) { return static_cast<std::int32_t>(word >> 1); }
+LANES_INLINE std::int32_t mirrored(std::int32_t a) { return 0x7fffffff - a; }
+
+/// -log(u), relative error 2e-7 also next to u = 1, where `rest` = 1 - u is used.
+LANES_INLINE float minus_log(float u, float rest) {
+  const std::int32_t bits = std::bit_cast<std::int32_t>(u);
+  const std::int32_t exponent = (bits - 0x3f3504f3) >> 23;  // of a mantissa in [sqrt(1/2), sqrt(2))
+  const float mantissa = std::bit_cast<float>(bits - exponent * (1 << 23));
+  const float f = exponent == 0 ? -rest : mantissa - 1.0F;
+  // log(1 + f) / f by a polynomial of least deviation, 5e-9.
+  float p = -0.07451196828F;
+  p = p * f + 0.1280662843F;
+  p = p * f - 0.1326603638F;
+  p = p * f + 0.1419964791F;
+  p = p * f - 0.1660836859F;
+  p = p * f + 0.2000093951F;
+  p = p * f - 0.2500157913F;
+  p = p * f + 0.3333334535F;
+  p = p * f - 0.499999885F;
+  p = p * f + 1.0F;
+  return -(static_cast<float>(exponent) * 0.69314718056F + f * p);
+}
+
+}  // namespace radiometry
