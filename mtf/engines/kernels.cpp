@@ -133,19 +133,21 @@ MTFKIT_CLONES void restore_columns(const double* in, std::span<const std::int32_
 
 MTFKIT_CLONES RowSummary summarise_row(const float* in, std::int64_t n) {
   constexpr int kStep = 16;
-  using Loose = float __attribute__((vector_size(64), aligned(4), may_alias));
-  using Sums = double __attribute__((vector_size(128)));
   RowSummary result{0.0, in[0], in[0]};
   std::int64_t i = 0;
   if (n >= kStep) {
-    Loose low = *reinterpret_cast<const Loose*>(in), high = low;
-    Sums sums{};
-    for (; i + kStep <= n; i += kStep) {
-      const Loose v = *reinterpret_cast<const Loose*>(in + i);
-      low = v < low ? v : low;
-      high = v > high ? v : high;
-      sums += __builtin_convertvector(v, Sums);
-    }
+    // Arrays of lanes: vectors wider than the machine's would stay in memory.
+    std::array<float, kStep> low, high;
+    std::array<double, kStep> sums{};
+    std::copy_n(in, kStep, low.begin());
+    std::copy_n(in, kStep, high.begin());
+    for (; i + kStep <= n; i += kStep)
+      for (int j = 0; j < kStep; ++j) {
+        const float v = in[i + j];
+        low[j] = v < low[j] ? v : low[j];
+        high[j] = v > high[j] ? v : high[j];
+        sums[j] += static_cast<double>(v);
+      }
     for (int j = 0; j < kStep; ++j) {
       result.sum += sums[j];
       result.min = std::min(result.min, low[j]);
