@@ -81,6 +81,7 @@ struct Renderer::Known {
   double camera_height_m, height_before_m;  ///< of the last two
   RenderScene scene;                        ///< of `sides`, with its sun alone
   std::optional<VisibleSides> sides{};
+  std::optional<SidesInSun> in_sun{};
 };
 
 void Renderer::Parts::make(std::vector<RenderBand> bands, const Known* known) {
@@ -122,7 +123,9 @@ MirrorRays Renderer::Parts::mirrors_of(const Camera& camera, const VisibleParts&
 }
 
 void Renderer::Parts::find_sides_in_sun() {
-  if (!in_sun) in_sun.emplace(scene.facets(), scene.sun->to_sun, scene::Beam(*scene.rays, scene.sun->to_sun).lift_m());
+  if (!in_sun)
+    in_sun.emplace(scene.facets(), scene.sun->to_sun, scene::Beam(*scene.rays, scene.sun->to_sun).lift_m(),
+                   options.threads);
   in_sun->add(*sides, options.threads);
 }
 
@@ -151,7 +154,10 @@ Renderer::Renderer(const RenderScene& scene, std::vector<RenderBand> bands, cons
   for (BandShader& one : parts_->shader)
     for (const double height_m : {known.height_before_m, known.camera_height_m})
       one.prepare(height_m, known.extent, known.options.threads);
-  if (parts_->shadows_matter()) parts_->find_sides_in_sun();
+  if (!parts_->shadows_matter()) return;
+  // The same sides, as they are kept where patches are.
+  if (alike && known.in_sun && known.in_sun->to_sun() == scene.sun->to_sun) parts_->in_sun = known.in_sun;
+  parts_->find_sides_in_sun();
 }
 
 std::shared_ptr<const Renderer::Known> Renderer::known() const {
@@ -164,6 +170,7 @@ std::shared_ptr<const Renderer::Known> Renderer::known() const {
                                                   .height_before_m = my.height_before_m,
                                                   .scene = {.rays = my.scene.rays, .sun = my.scene.sun}});
   copy->sides.emplace(copy->scene, copy->patches, *my.sides);
+  copy->in_sun = my.in_sun;
   return copy;
 }
 

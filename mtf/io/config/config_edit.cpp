@@ -19,6 +19,7 @@ Targets targets_of(const SensorConfig& sensor) {
   for (const std::string_view key : kFrameKeys)
     if (key != "format") add("frame", frame, key);
   for (const std::string_view key : kOpticsKeys) add("optics", optics, key);
+  if (system.band) add("band", {.table = "band", .key = {}, .element = {}}, "wavelength");
   for (const TableInfo& info : sensor.schema)
     if (const std::string name(info.name); find_table(sensor.tables, name) != nullptr)
       for (const SettingInfo& row : info.settings) add(name, {.table = name, .key = {}, .element = {}}, row.info.name);

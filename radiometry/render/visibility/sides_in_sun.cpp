@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <numeric>
 
@@ -24,8 +25,13 @@ void SidesInSun::Box::take(const Corner& p) {
   low = std::min(low, p.y), high = std::max(high, p.y);
 }
 
-SidesInSun::SidesInSun(const scene::Facets& facets, const Vector& to_sun, double lift_m)
-    : facets_(facets), lift_m_(lift_m), place_(facets.vertices.size()), order_(facets.triangles.size()) {
+void SidesInSun::Box::take(const Box& other) {
+  left = std::min(left, other.left), right = std::max(right, other.right);
+  low = std::min(low, other.low), high = std::max(high, other.high);
+}
+
+SidesInSun::SidesInSun(const scene::Facets& facets, const Vector& to_sun, double lift_m, int threads)
+    : facets_(&facets), to_sun_(to_sun), lift_m_(lift_m), place_(facets.vertices.size()) {
   // Any two axes that make a right-handed frame with the direction to the sun: what faces it runs counter-clockwise.
   const auto steep = [](double a, double b) { return std::abs(a) < std::abs(b); };
   Vector axis{};
@@ -36,8 +42,7 @@ SidesInSun::SidesInSun(const scene::Facets& facets, const Vector& to_sun, double
     place_[i] = {scene::dot(x, from_middle), scene::dot(y, from_middle)};
   }
   find_outlines();
-  std::iota(order_.begin(), order_.end(), 0U);
-  build(0, 0, order_.size());
+  build_tree(threads);
 }
 
 /// Edges are gathered by their lower vertex, where few come together.
@@ -48,17 +53,17 @@ void SidesInSun::find_outlines() {
     bool left;  ///< of the edge from its lower vertex to the higher one
   };
   const auto ends = [&](std::size_t t, std::size_t k) {
-    return std::minmax(facets_.triangles[t][k], facets_.triangles[t][(k + 1) % 3]);
+    return std::minmax(facets_->triangles[t][k], facets_->triangles[t][(k + 1) % 3]);
   };
-  const std::size_t triangles = facets_.triangles.size();
-  std::vector<std::size_t> first(facets_.vertices.size() + 1, 0);
+  const std::size_t triangles = facets_->triangles.size();
+  std::vector<std::size_t> first(facets_->vertices.size() + 1, 0);
   for (std::size_t t = 0; t < triangles; ++t)
     for (std::size_t k = 0; k < 3; ++k) ++first[ends(t, k).first + 1];
   std::partial_sum(first.begin(), first.end(), first.begin());
   std::vector<Use> use(3 * triangles);
   std::vector<std::size_t> next(first.begin(), first.end() - 1);
   for (std::uint32_t t = 0; t < triangles; ++t) {
-    const std::array<std::uint32_t, 3>& number = facets_.triangles[t];
+    const std::array<std::uint32_t, 3>& number = facets_->triangles[t];
     const auto &a = place_[number[0]], &b = place_[number[1]], &c = place_[number[2]];
     const bool faces = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]) > 0.0;
     for (std::uint8_t k = 0; k < 3; ++k) {
@@ -78,42 +83,75 @@ void SidesInSun::find_outlines() {
   }
 }
 
-SidesInSun::Box SidesInSun::box_of(std::size_t first, std::size_t last) const {
+/// Each node halves its triangles by their middles, along x and y in turn.
+void SidesInSun::build_tree(int threads) {
+  const std::size_t triangles = facets_->triangles.size();
+  std::vector<std::array<double, 2>> middle(triangles);
+  for (std::size_t t = 0; t < triangles; ++t)
+    for (const std::uint32_t vertex : facets_->triangles[t])
+      for (std::size_t axis = 0; axis < 2; ++axis) middle[t][axis] += place_[vertex][axis];
+  std::size_t leaves = 1;
+  while (triangles > leaves * kLeaf) leaves *= 2;  // as halving goes on while a node has more than kLeaf
   constexpr double kFar = std::numeric_limits<double>::infinity();
-  Box box{kFar, -kFar, kFar, -kFar};
-  for (std::size_t i = first; i < last; ++i)
-    for (const std::uint32_t vertex : facets_.triangles[order_[i]]) box.take(corner(vertex));
-  return box;
-}
-
-void SidesInSun::build(std::size_t node, std::size_t first, std::size_t last) {
-  if (box_.size() <= node) box_.resize(node + 1);
-  const Box box = box_[node] = box_of(first, last);
-  if (last - first <= kLeaf) return;
-  const std::size_t middle = std::midpoint(first, last), axis = box.right - box.left > box.high - box.low ? 0 : 1;
-  const auto at = [&](std::uint32_t triangle) {
-    const std::array<std::uint32_t, 3>& number = facets_.triangles[triangle];
-    return place_[number[0]][axis] + place_[number[1]][axis] + place_[number[2]][axis];
-  };
+  box_.assign(2 * leaves - 1, {kFar, -kFar, kFar, -kFar});
+  order_.resize(triangles);
+  std::iota(order_.begin(), order_.end(), 0U);
   const auto place = [&](std::size_t i) { return order_.begin() + static_cast<std::ptrdiff_t>(i); };
-  std::nth_element(place(first), place(middle), place(last),
-                   [&](std::uint32_t a, std::uint32_t b) { return at(a) < at(b); });
-  build(2 * node + 1, first, middle);
-  build(2 * node + 2, middle, last);
+  const auto halve = [&](std::size_t first, std::size_t last, std::size_t axis) {
+    const std::size_t half = std::midpoint(first, last);
+    std::nth_element(place(first), place(half), place(last),
+                     [&](std::uint32_t a, std::uint32_t b) { return middle[a][axis] < middle[b][axis]; });
+    return half;
+  };
+  const std::function<void(std::size_t, std::size_t, std::size_t, std::size_t)> build = [&](std::size_t node,
+                                                                                            std::size_t first,
+                                                                                            std::size_t last,
+                                                                                            std::size_t axis) {
+    if (last - first <= kLeaf) {
+      for (std::size_t i = first; i < last; ++i)
+        for (const std::uint32_t vertex : facets_->triangles[order_[i]]) box_[node].take(corner(vertex));
+      return;
+    }
+    const std::size_t half = halve(first, last, axis);
+    const std::array<std::array<std::size_t, 3>, 2> parts{{{2 * node + 1, first, half}, {2 * node + 2, half, last}}};
+    constexpr std::size_t kAlone = 1 << 14;  // triangles
+    mtf::parallel_for(2, 1, last - first > kAlone ? threads : 1, [&](std::int64_t from, std::int64_t to) {
+      for (auto k = static_cast<std::size_t>(from); k < static_cast<std::size_t>(to); ++k)
+        build(parts[k][0], parts[k][1], parts[k][2], 1 - axis);
+    });
+    box_[node].take(box_[2 * node + 1]);
+    box_[node].take(box_[2 * node + 2]);
+  };
+  build(0, 0, triangles, 0);
 }
 
 struct SidesInSun::Target {
   std::uint32_t facet;
-  Vector up;                    ///< the normal of the side
-  Point on;                     ///< in its plane
-  std::array<Corner, 3> own{};  ///< counter-clockwise
+  Vector up;  ///< the normal of the side
+  Point on;   ///< in its plane
+  /// An edge in the picture: how far a place is inside of it, m, is ahead * x + aside * y + rest.
+  struct Edge {
+    double ahead, aside, rest;
+  };
+  std::array<Edge, 3> edge{};
   Box box{};
 
-  /// How far a place is inside of edge k, m.
+  /// Corners counter-clockwise.
+  Target(std::uint32_t of, const Vector& normal, const Point& in_plane, const std::array<Corner, 3>& own)
+      : facet(of), up(normal), on(in_plane), box{own[0].x, own[0].x, own[0].y, own[0].y} {
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Corner &a = own[k], &b = own[(k + 1) % 3];
+      const double dx = b.x - a.x, dy = b.y - a.y, per_length = 1.0 / std::hypot(dx, dy);
+      edge[k] = {-dy * per_length, dx * per_length, (dy * a.x - dx * a.y) * per_length};
+      box.take(a);
+    }
+  }
+  /// False where the sun sees it edge on, to rounding.
+  bool has_area() const {
+    return std::all_of(edge.begin(), edge.end(), [](const Edge& one) { return std::isfinite(one.rest); });
+  }
   double inside(std::size_t k, const Corner& p) const {
-    const Corner &a = own[k], &b = own[(k + 1) % 3];
-    const double dx = b.x - a.x, dy = b.y - a.y;
-    return (dx * (p.y - a.y) - dy * (p.x - a.x)) / std::hypot(dx, dy);
+    return edge[k].ahead * p.x + edge[k].aside * p.y + edge[k].rest;
   }
 };
 
@@ -149,13 +187,13 @@ void clip(const Target& target, double slack, Few<Corner>& shape) {
 
 /// `wholly`: the triangle takes no light; `nowhere`: it covers some of the target, and no outline of it falls there.
 InSun SidesInSun::under(const Target& target, std::uint32_t triangle) const {
-  if (facets_.facet_of[triangle] == target.facet) return InSun::wholly;
+  if (facets_->facet_of[triangle] == target.facet) return InSun::wholly;
   const double slack = 0x1p-10 * lift_m_;  // edges that are shared are worked out alike but for rounding
   Few<Corner> shape;
   bool below = true;
-  for (const std::uint32_t vertex : facets_.triangles[triangle]) {
+  for (const std::uint32_t vertex : facets_->triangles[triangle]) {
     Corner p = corner(vertex);
-    p.height_m = scene::dot(target.up, facets_.vertices[vertex] - target.on);
+    p.height_m = scene::dot(target.up, facets_->vertices[vertex] - target.on);
     below = below && p.height_m <= lift_m_;
     shape.add(p);
   }
@@ -197,14 +235,15 @@ InSun SidesInSun::find(const Target& target, std::size_t node, std::size_t first
 }
 
 InSun SidesInSun::find(scene::Side side) const {
-  const scene::Facet& facet = facets_.facet[side.facet];
+  const scene::Facet& facet = facets_->facet[side.facet];
   std::optional<InSun> all;
-  for (std::uint64_t t = facets_.first[side.facet]; t < facets_.first[side.facet + 1]; ++t) {
-    const std::array<std::uint32_t, 3>& number = facets_.triangles[t];
-    Target target{.facet = side.facet, .up = (side.back ? -1.0 : 1.0) * facet.normal, .on = facet.centre};
-    for (std::size_t k = 0; k < 3; ++k) target.own[side.back ? 2 - k : k] = corner(number[k]);
-    target.box = {target.own[0].x, target.own[0].x, target.own[0].y, target.own[0].y};
-    for (const Corner& p : target.own) target.box.take(p);
+  for (std::uint64_t t = facets_->first[side.facet]; t < facets_->first[side.facet + 1]; ++t) {
+    const std::array<std::uint32_t, 3>& number = facets_->triangles[t];
+    std::array<Corner, 3> own;
+    for (std::size_t k = 0; k < 3; ++k) own[side.back ? 2 - k : k] = corner(number[k]);
+    const Vector up = (side.back ? -1.0 : 1.0) * facet.normal;
+    const Target target(side.facet, up, facet.centre, own);
+    if (!target.has_area()) return InSun::partly;
     const InSun one = find(target, 0, 0, order_.size());
     if (one == InSun::partly || (all && *all != one)) return InSun::partly;
     all = one;

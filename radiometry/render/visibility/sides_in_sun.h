@@ -22,11 +22,12 @@ enum class InSun : std::uint8_t { partly, wholly, nowhere };  ///< partly: or it
 class SidesInSun {
  public:
   /// `lift_m`: as scene::Beam has it. `facets` outlives it.
-  SidesInSun(const scene::Facets& facets, const Vector& to_sun, double lift_m);
+  SidesInSun(const scene::Facets& facets, const Vector& to_sun, double lift_m, int threads);
   /// Works out the sides that were added to `sides` since it was last called.
   void add(const VisibleSides& sides, int threads);
   /// Of a side by its number in VisibleSides. Sides that face away are nowhere in the sun.
   InSun of(std::size_t number) const { return known_[number]; }
+  const Vector& to_sun() const { return to_sun_; }
   /// Of a side that faces the sun.
   InSun find(scene::Side side) const;
 
@@ -38,6 +39,7 @@ class SidesInSun {
   struct Box {
     double left, right, low, high;
     void take(const Corner& p);
+    void take(const Box& other);
     bool meets(const Box& other) const {
       return left <= other.right && other.left <= right && low <= other.high && other.low <= high;
     }
@@ -46,12 +48,12 @@ class SidesInSun {
   struct Target;
   Corner corner(std::uint32_t vertex) const { return {place_[vertex][0], place_[vertex][1], 0.0}; }
   void find_outlines();
-  Box box_of(std::size_t first, std::size_t last) const;
-  void build(std::size_t node, std::size_t first, std::size_t last);
+  void build_tree(int threads);
   InSun find(const Target& target, std::size_t node, std::size_t first, std::size_t last) const;
   InSun under(const Target& target, std::uint32_t triangle) const;
 
-  const scene::Facets& facets_;
+  const scene::Facets* facets_;
+  Vector to_sun_;
   double lift_m_;
   std::vector<std::array<double, 2>> place_;  ///< of each vertex, in the picture
   std::vector<std::uint8_t> outline_;         ///< of each triangle: bit k, the edge from corner k to the next is one

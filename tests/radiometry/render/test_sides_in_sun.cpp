@@ -21,7 +21,7 @@ Counts compared_with_rays(const scene::Mesh& mesh, const Vector& to_sun, int ray
   const SmallScene made = small_scene(mesh, 300.0, grey(0.5), 300.0);
   const scene::Facets& facets = made.scene.facets();
   const scene::Beam beam(*made.scene.rays, to_sun);
-  const SidesInSun sides(facets, to_sun, beam.lift_m());
+  const SidesInSun sides(facets, to_sun, beam.lift_m(), 2);
   scene::test::Uniform uniform(seed);
   Counts counts;
   for (std::uint32_t facet = 0; facet < facets.size(); ++facet)
@@ -95,7 +95,7 @@ TEST(SidesInSun, EdgesInsideASheetAreNoOutlines) {
     const SmallScene made = small_scene(mesh, 300.0, grey(0.5), 300.0);
     const scene::Facets& facets = made.scene.facets();
     const bool up = facets.facet[0].normal[2] > 0.0;
-    return SidesInSun(facets, {0, 0, 1}, 1e-7).find({0, !up});
+    return SidesInSun(facets, {0, 0, 1}, 1e-7, 1).find({0, !up});
   };
   EXPECT_EQ(lit_below({-1, 0, 0}), InSun::nowhere);
   EXPECT_EQ(lit_below({1, 0, 0.1}), InSun::partly);
