@@ -213,6 +213,9 @@ layers = [{ conductivity = "45 W/m/K", density = "7800 kg/m3", heat_capacity = "
   EXPECT_EQ(scratch_.run(next(again.out)).status, 0);
   const Result other = scratch_.run("mtf render scene.toml sensor.toml --from a.exr --channel depth=Depth -o c.exr");
   EXPECT_NE(other.err.find("no such channel"), std::string::npos) << other.err;
+  const Result alone = scratch_.run("mtf render scene.toml sensor.toml --depth planar -o c.exr");
+  EXPECT_EQ(alone.status, 2);
+  EXPECT_NE(alone.err.find("--depth is of the layers of another renderer"), std::string::npos) << alone.err;
 }
 
 /// The layers of the script are those of a ball in closed form: its silhouette and its warm top.

@@ -165,6 +165,12 @@ render::RenderedFrame frame_of_layers(const RenderCommandOptions& options, const
 
 int run_render(const RenderCommandOptions& options, const Global& global) {
   const Stopwatch all;
+  if (options.from.empty())
+    for (const auto& [name, given] : {std::pair{"--materials", !options.materials.empty()},
+                                      {"--depth", options.planar_depth.has_value()},
+                                      {"--channel", !options.channels.empty()}})
+      if (given)
+        throw mtf::UsageError(std::string(name) + " is of the layers of another renderer: name them with --from");
   const std::vector<std::string> outputs = outputs_of(options);
   const bool folder = outputs.size() > 1;
   if (!options.picture.empty() && !options.picture.ends_with(".png"))

@@ -117,6 +117,24 @@ TEST(Schedule, AValueForBothAxesTakesThePlaceOfTwo) {
   EXPECT_EQ(s.sensor().system.frame.pitch_y_um, 30.0);
 }
 
+TEST(Schedule, ChangesTheBand) {
+  std::string text = kSensor;
+  const std::string one = "wavelength = \"4 um\"\n";
+  text.replace(text.find(one), one.size(), "[band]\nwavelength = [\"3.7 um\", \"4.8 um\"]\n");
+  const SensorConfig config = parse_config(text, "sensor.toml").config;
+  ScheduledSensor changing(
+      config, parse_schedule("frame,parameter,value\n2,band.wavelength,\"[\"\"3.4 um\"\", \"\"5 um\"\"]\"\n"
+                             "4,band.wavelength[1],4.5 um\n",
+                             "s.csv", config));
+  const auto ends = [&](std::int64_t frame) {
+    changing.advance(frame);
+    return std::pair{changing.sensor().system.band->lo_um, changing.sensor().system.band->hi_um};
+  };
+  EXPECT_EQ(ends(1), std::pair(3.7, 4.8));
+  EXPECT_EQ(ends(2), std::pair(3.4, 5.0));
+  EXPECT_EQ(ends(4), std::pair(3.4, 4.5));
+}
+
 TEST(Schedule, ReadsWhatSpreadsheetsWrite) {
   const SensorConfig config = sensor();
   for (const char* text :

@@ -98,6 +98,11 @@ TEST(Layers, RefuseWhatIsNoSurface) {
   refused([](Made& made) { made.layers.temperature_k.at(48, 36) = NAN; });
   refused([](Made& made) { made.layers.range_m.at(48, 36) = INFINITY; });
   refused([](Made& made) { made.layers.range_m = mtf::Image(3, 3); });
+  for (const float share : {-0.01F, 1.01F, NAN})
+    refused([share](Made& made) {
+      made.layers.sunlit = mtf::Image(made.camera.width, made.camera.height);
+      made.layers.sunlit->at(48, 36) = share;
+    });
   refused([](Made& made) {
     for (std::int64_t i = 0; i < made.layers.finish.size(); ++i) made.layers.finish.data()[i] = -1.0F;
   });
