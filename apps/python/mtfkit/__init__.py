@@ -8,7 +8,7 @@ The guide is apps/python/README.md; `help(mtfkit.Sensor)` and `mtfkit.kinds()` s
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from mtfkit import components, noise, targets
 from mtfkit._core import __version__
@@ -22,6 +22,8 @@ from mtfkit.images import Image, read, write
 from mtfkit.sensors import Finding, Findings, Sensor
 from mtfkit.simulation import Plan, Run
 from mtfkit.studies import Gradient, Optimum, Study, StudyColumn
+if TYPE_CHECKING:  # a class for each kind of component, made when one is asked for
+    from mtfkit.components import *
 
 __all__ = ["Budget", "Column", "Component", "CurveData", "Curves", "DataError", "Edge", "Edges", "Error", "Estimate",
            "Figure", "Finding", "Findings", "Fit", "Gradient", "Image", "Optimum", "Parameter", "Plan", "Run", "Sensor",

@@ -60,7 +60,9 @@ class Component:
         raise AttributeError("a component never changes; make another one")
 
     def __eq__(self, other: object) -> bool:
-        return self.fields() == other.fields() if isinstance(other, Component) else NotImplemented
+        if not isinstance(other, Component):
+            return NotImplemented
+        return bool(self.fields() == other.fields())
 
     def __hash__(self) -> int:
         return hash((self.kind, repr(sorted(self._values.items()))))

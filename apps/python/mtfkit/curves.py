@@ -5,15 +5,17 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import numpy.typing as npt
 
 from mtfkit import results
 
-Complexes = npt.NDArray[np.complex128]
-Floats = npt.NDArray[np.float64]
+if TYPE_CHECKING:
+    import numpy.typing as npt
+
+    Complexes = npt.NDArray[np.complex128]
+    Floats = npt.NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

@@ -6,19 +6,21 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Sequence
-from typing import Any, Union
+from typing import TYPE_CHECKING, Any, Union
 
 import numpy as np
-import numpy.typing as npt
 
 from mtfkit import _core, quantities, results
 from mtfkit.errors import UsageError
 from mtfkit.images import Image
 from mtfkit.simulation import Run
 
-Floats = npt.NDArray[np.float64]
-#: A file, an Image, a 2-D array proportional to light, or a Run whose image is meant.
-ImageLike = Union[str, "os.PathLike[str]", Image, Run, npt.ArrayLike]
+if TYPE_CHECKING:
+    import numpy.typing as npt
+
+    Floats = npt.NDArray[np.float64]
+    #: A file, an Image, a 2-D array proportional to light, or a Run whose image is meant.
+    ImageLike = Union[str, "os.PathLike[str]", Image, Run, npt.ArrayLike]
 
 
 class Estimate:
@@ -34,7 +36,9 @@ class Estimate:
         return self.value
 
     def __eq__(self, other: object) -> bool:
-        return (self.value, self.sd) == (other.value, other.sd) if isinstance(other, Estimate) else NotImplemented
+        if not isinstance(other, Estimate):
+            return NotImplemented
+        return (self.value, self.sd) == (other.value, other.sd)
 
     def __hash__(self) -> int:
         return hash((self.value, self.sd))
@@ -87,7 +91,8 @@ class Edge:
     @property
     def angle_deg(self) -> float | None:
         """The angle of the edge's normal, in degrees from +x to +y."""
-        return self._entry["angle_deg"]
+        angle: float | None = self._entry["angle_deg"]
+        return angle
 
     def _estimate(self, name: str) -> Estimate | None:
         found = self._entry.get(name)
@@ -193,7 +198,7 @@ class Edges(tuple[Edge, ...]):
     notes: list[str]  #: what was done to the values, and which edges are left out
 
     def __new__(cls, edges: Sequence[Edge], table: str, notes: list[str]) -> Edges:
-        made = super().__new__(cls, edges)
+        made = super().__new__(cls, edges)  # type: ignore[arg-type]
         made.table = table
         made.notes = notes
         return made

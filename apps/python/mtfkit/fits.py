@@ -9,17 +9,19 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import numpy.typing as npt
 
 from mtfkit import _core, quantities, results
-from mtfkit.edges import Estimate, ImageLike, image_argument
+from mtfkit.edges import Estimate, image_argument
 from mtfkit.errors import UsageError
 from mtfkit.progress import Progress, function_of
 
 if TYPE_CHECKING:
+    import numpy.typing as npt
+
+    from mtfkit.edges import ImageLike
     from mtfkit.sensors import Sensor
 
-Floats = npt.NDArray[np.float64]
+    Floats = npt.NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -233,6 +235,7 @@ def fit(sensor: Sensor, *, edges: Sequence[ImageLike | tuple[ImageLike, Sensor]]
     A fit that does not end well is a result with its `status` and `reason`. Raises UsageError for parameters that do not
     exist, DataError for files that cannot be read.
     """
+    from mtfkit.edges import ImageLike
     from mtfkit.sensors import Sensor
 
     def pairs(images: Sequence[Any], what: str) -> list[tuple[Any, Any]]:

@@ -3,10 +3,14 @@
 
 from __future__ import annotations
 
-import numpy.typing as npt
+from typing import TYPE_CHECKING
 
 from mtfkit import _core
-from mtfkit.images import Plane
+
+if TYPE_CHECKING:
+    import numpy.typing as npt
+
+    from mtfkit.images import Plane
 
 __all__ = ["gaussian", "shot"]
 

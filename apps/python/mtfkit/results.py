@@ -3,12 +3,15 @@
 
 from __future__ import annotations
 
-import html
 import importlib
 from collections.abc import Iterable, Sequence
 from typing import Any
 
 from mtfkit.errors import Error
+
+
+def _escaped(text: str) -> str:
+    return text.replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;")
 
 
 class Text(str):
@@ -17,7 +20,7 @@ class Text(str):
     __slots__ = ()
 
     def _repr_html_(self) -> str:
-        return f"<pre>{html.escape(self)}</pre>"
+        return f"<pre>{_escaped(self)}</pre>"
 
 
 class MissingLibrary(Error, ImportError):
@@ -45,6 +48,6 @@ def xarray(what: str) -> Any:
 def html_table(header: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
     """A table for notebooks."""
     def cells(tag: str, row: Sequence[object]) -> str:
-        return "".join(f"<{tag}>{html.escape(f'{c:.6g}' if isinstance(c, float) else str(c))}</{tag}>" for c in row)
+        return "".join(f"<{tag}>{_escaped(f'{c:.6g}' if isinstance(c, float) else str(c))}</{tag}>" for c in row)
     body = "".join(f"<tr>{cells('td', row)}</tr>" for row in rows)
     return f"<table><thead><tr>{cells('th', header)}</tr></thead><tbody>{body}</tbody></table>"

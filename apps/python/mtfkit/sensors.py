@@ -9,18 +9,20 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Union
 
 import numpy as np
-import numpy.typing as npt
 
 from mtfkit import _core, quantities, results
 from mtfkit.budgets import Budget
 from mtfkit.components import Component
 from mtfkit.curves import Curves, curves_of
 from mtfkit.errors import UsageError
-from mtfkit.simulation import Plan, Run, SceneLike, compile_plan, run_simulation
+from mtfkit.simulation import Plan, Run, compile_plan, run_simulation
 
 if TYPE_CHECKING:
+    import numpy.typing as npt
+
     from mtfkit.edges import ImageLike
     from mtfkit.fits import CurveData, Fit
+    from mtfkit.simulation import SceneLike
 
 #: A component: its kind alone, a dictionary with `kind`, or an object such as mtfkit.Jitter(rms="20 urad").
 ComponentLike = Union[str, Mapping[str, Any], Component]
@@ -281,7 +283,9 @@ class Sensor:
 
     def __eq__(self, other: object) -> bool:
         """The same values, whatever the comments, the order and the units of the texts."""
-        return self._key() == other._key() if isinstance(other, Sensor) else NotImplemented
+        if not isinstance(other, Sensor):
+            return NotImplemented
+        return self._key() == other._key()
 
     def __hash__(self) -> int:
         return hash(self._key())

@@ -3,27 +3,27 @@
 
 from __future__ import annotations
 
-import csv
 import json
 import os
-import tempfile
 import time
 from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, Union
 
 import numpy as np
-import numpy.typing as npt
 
 from mtfkit import _core, quantities, results
 from mtfkit.errors import UsageError
-from mtfkit.images import Image, Plane
+from mtfkit.images import Image
 from mtfkit.targets import Target
 
 if TYPE_CHECKING:
+    import numpy.typing as npt
+
+    from mtfkit.images import Plane
     from mtfkit.sensors import Sensor
 
-#: A file, an Image, a target, a 2-D array of physical values, or planes by name.
-SceneLike = Union[str, "os.PathLike[str]", Image, Target, npt.ArrayLike, Mapping[str, npt.ArrayLike]]
+    #: A file, an Image, a target, a 2-D array of physical values, or planes by name.
+    SceneLike = Union[str, "os.PathLike[str]", Image, Target, npt.ArrayLike, Mapping[str, npt.ArrayLike]]
 
 
 class Run:
@@ -221,10 +221,10 @@ def compile_plan(sensor: Sensor, scene: npt.ArrayLike | tuple[int, int], *, samp
     if stage is not None:
         raise UsageError("stage: belongs to the chain of a sensor with [detector], which this one does not have")
     if _is_shape(scene):
-        rows, columns = (int(n) for n in scene)  # type: ignore[union-attr]
         plane = None
+        rows, columns = (int(n) for n in scene)  # type: ignore[union-attr,arg-type]
         if rows < 1 or columns < 1:
-            raise UsageError(f"scene: the shape {scene} has no samples")
+            raise UsageError(f"scene: the shape ({rows}, {columns}) has no samples")
     else:
         plane = np.asanyarray(scene)
         if plane.ndim != 2:
@@ -285,7 +285,7 @@ def run_simulation(sensor: Sensor, scene: SceneLike, *, sample: quantities.Value
         raise UsageError("frame and frames exclude each other; give one")
     span = _frame_range(frames) if frames is not None else (int(frame), int(frame), 1) if frame != 0 else None
     start = time.perf_counter()
-    with tempfile.TemporaryDirectory(prefix="mtfkit-") if _is_lines(schedule) else _NoFolder() as folder:
+    with _folder_for(schedule) as folder:
         file = _schedule_file(schedule, folder)
         run = _core.simulate(sensor._file, words, tolerance, nan, _measure(rigor), stage, roi, memory, span, file,
                              os.fspath(out) if out is not None else "", range, threads, progress)
@@ -300,8 +300,13 @@ class _NoFolder:
         pass
 
 
-def _is_lines(schedule: object) -> bool:
-    return schedule is not None and not isinstance(schedule, (str, os.PathLike))
+def _folder_for(schedule: object) -> Any:
+    """Where lines that are no file yet are written."""
+    if schedule is None or isinstance(schedule, (str, os.PathLike)):
+        return _NoFolder()
+    import tempfile
+
+    return tempfile.TemporaryDirectory(prefix="mtfkit-")
 
 
 def _schedule_file(schedule: str | os.PathLike[str] | Sequence[tuple[int, str, quantities.Value]] | None,
@@ -310,6 +315,8 @@ def _schedule_file(schedule: str | os.PathLike[str] | Sequence[tuple[int, str, q
         return ""
     if isinstance(schedule, (str, os.PathLike)):
         return os.fspath(schedule)
+    import csv
+
     path = os.path.join(folder, "schedule.csv")
     with open(path, "w", encoding="utf-8", newline="") as file:
         writer = csv.writer(file, lineterminator="\n")

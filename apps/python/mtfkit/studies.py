@@ -5,20 +5,21 @@ from __future__ import annotations
 
 import json
 import os
-import tempfile
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import numpy.typing as npt
 
 from mtfkit import _core, results
 from mtfkit.errors import UsageError
 from mtfkit.progress import Progress, function_of
 from mtfkit.sensors import Sensor
 
-Floats = npt.NDArray[np.float64]
+if TYPE_CHECKING:
+    import numpy.typing as npt
+
+    Floats = npt.NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -100,7 +101,7 @@ class Study:
     def __init__(self, file: str | os.PathLike[str], *, tolerance: float | None = None) -> None:
         self._tolerance = tolerance
         self._study = _core.StudyFile(os.fspath(file), tolerance)
-        self._folder: tempfile.TemporaryDirectory[str] | None = None  # of copies, where the files came by pickle
+        self._folder: Any = None  # of copies, where the files came by pickle
 
     @classmethod
     def load(cls, file: str | os.PathLike[str], *, tolerance: float | None = None) -> Study:
@@ -146,7 +147,9 @@ class Study:
     @property
     def columns(self) -> tuple[StudyColumn, ...]:
         """The columns of `rows`, in their order."""
-        return tuple(StudyColumn(**{**column, "levels": tuple(column["levels"])}) for column in self._study.columns)
+        return tuple(StudyColumn(name=column["name"], unit=column["unit"], definition=column["definition"],
+                                 source=column["source"], role=column["role"], levels=tuple(column["levels"]))
+                     for column in self._study.columns)
 
     def rows(self, first: int | tuple[int, int] = 0, last: int | None = None, *, threads: int = 1,
              progress: Progress = None) -> Floats:
@@ -302,6 +305,8 @@ def _unpickled(file: str, sha256: str, files: list[tuple[str, bytes]], tolerance
                 return study
         except ValueError:
             pass  # another file now lies there
+    import tempfile
+
     folder = tempfile.TemporaryDirectory(prefix="mtfkit-study-")
     for name, content in files:
         path = os.path.join(folder.name, name)

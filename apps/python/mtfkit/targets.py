@@ -5,12 +5,17 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from mtfkit import quantities
 from mtfkit.errors import UsageError
-from mtfkit.images import Plane
+
+if TYPE_CHECKING:
+    import numpy.typing as npt
+
+    from mtfkit.images import Plane
 
 __all__ = ["Target", "edge", "points", "sine"]
 
@@ -27,7 +32,7 @@ class Target:
     blur_samples: float = 0.0
 
 
-def _grid(size: tuple[int, int]) -> tuple[np.ndarray, np.ndarray]:
+def _grid(size: tuple[int, int]) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
     rows, columns = size
     if rows < 1 or columns < 1:
         raise UsageError(f"size: {size} has no samples")
