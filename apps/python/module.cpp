@@ -20,4 +20,6 @@ PYBIND11_MODULE(_core, module) {
   add_fit(module);
   add_study(module);
   add_noise(module);
+  add_light(module);
+  add_scenes(module);
 }

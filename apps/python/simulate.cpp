@@ -216,6 +216,11 @@ void add_simulate(py::module_& module) {
                                const mtf::SampleGrid& grid = r.result.report.whole_image();
                                return py::make_tuple(grid.step_x_um, grid.step_y_um);
                              })
+      .def_property_readonly("scene_um",
+                             [](const RunHandle& r) {
+                               const mtf::SampleGrid& grid = r.result.report.scene.grid;
+                               return py::make_tuple(grid.step_x_um, grid.step_y_um);
+                             })
       .def("explain", [](const RunHandle& r) { return explain_text(r.result.report); })
       .def("map_points", &map_points, py::arg("points"))
       .def("save", &save, py::arg("image"), py::arg("path"), py::arg("range"));

@@ -287,6 +287,13 @@ void add_study(py::module_& module) {
       .def("evaluate_at", &evaluate_at, py::arg("values"))
       .def("sensor_at", &sensor_at, py::arg("values"), py::arg("file"))
       .def("gradient_at", &gradient_at, py::arg("values"))
+      .def("gaps",
+           [](const StudyHandle& s) {
+             study::Evaluator evaluator(s.sweep.study);
+             std::vector<double> row(s.sweep.columns.size());
+             evaluator.evaluate(0, row);
+             return std::make_pair(evaluator.gaps(), evaluator.last_refusal() + evaluator.last_problem());
+           })
       .def("optimum", &optimum, py::arg("goals"), py::arg("search"), py::arg("starts"), py::arg("threads"),
            py::arg("progress"))
       .def("files", &files);

@@ -19,5 +19,7 @@ void add_edges(pybind11::module_& module);
 void add_fit(pybind11::module_& module);
 void add_study(pybind11::module_& module);
 void add_noise(pybind11::module_& module);
+void add_light(pybind11::module_& module);
+void add_scenes(pybind11::module_& module);
 
 }  // namespace apps::python

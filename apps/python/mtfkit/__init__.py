@@ -10,25 +10,28 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from mtfkit import components, noise, targets
+from mtfkit import air, components, light, noise, targets
 from mtfkit._core import __version__
 from mtfkit.budgets import Budget, Figure
-from mtfkit.components import Component
+from mtfkit.components import Component, kinds
 from mtfkit.curves import Column, Curves
+from mtfkit.custom import Custom, custom
 from mtfkit.edges import Edge, Edges, Estimate, measure
 from mtfkit.errors import DataError, Error, ToleranceError, UsageError
+from mtfkit.figures_of_merit import metrics
 from mtfkit.fits import CurveData, Fit, Parameter, fit
 from mtfkit.images import Image, read, write
+from mtfkit.scenes import Heat, heat, render
 from mtfkit.sensors import Finding, Findings, Sensor
 from mtfkit.simulation import Plan, Run
 from mtfkit.studies import Gradient, Optimum, Study, StudyColumn
 if TYPE_CHECKING:  # a class for each kind of component, made when one is asked for
     from mtfkit.components import *
 
-__all__ = ["Budget", "Column", "Component", "CurveData", "Curves", "DataError", "Edge", "Edges", "Error", "Estimate",
-           "Figure", "Finding", "Findings", "Fit", "Gradient", "Image", "Optimum", "Parameter", "Plan", "Run", "Sensor",
-           "Study", "StudyColumn", "ToleranceError", "UsageError", "__version__", "components", "fit", "measure", "noise",
-           "read", "targets", "write"]
+__all__ = ["Budget", "Column", "Component", "CurveData", "Curves", "Custom", "DataError", "Edge", "Edges", "Error", "Estimate",
+           "Figure", "Finding", "Findings", "Fit", "Gradient", "Heat", "Image", "Optimum", "Parameter", "Plan", "Run",
+           "Sensor", "Study", "StudyColumn", "ToleranceError", "UsageError", "__version__", "air", "components",
+           "fit", "heat", "kinds", "light", "measure", "metrics", "noise", "read", "render", "targets", "write"]
 
 
 def __getattr__(name: str) -> Any:

@@ -116,6 +116,12 @@ def classes() -> dict[str, type[Component]]:
     return _classes
 
 
+def kinds() -> dict[str, Any]:
+    """All that a sensor file may hold, as data: "components" and "tables", each with its parameters, units, ranges and
+    docs, as `mtf config kinds` prints them."""
+    return _core.kinds()
+
+
 def component(kind: str, values: Mapping[str, Any] | None = None) -> Component:
     """The component of that kind with these values. Raises UsageError for an unknown kind."""
     try:

@@ -149,7 +149,7 @@ class Fit:
     @property
     def sensor(self) -> Sensor:
         """The sensor with the fitted values and their standard errors in its file, comments kept."""
-        return type(self._sensor)._of(self._run.sensor)
+        return type(self._sensor)._of(self._run.sensor, self._sensor._tables)
 
     @property
     def residuals(self) -> list[tuple[str, npt.NDArray[np.float32]]]:
@@ -235,7 +235,6 @@ def fit(sensor: Sensor, *, edges: Sequence[ImageLike | tuple[ImageLike, Sensor]]
     A fit that does not end well is a result with its `status` and `reason`. Raises UsageError for parameters that do not
     exist, DataError for files that cannot be read.
     """
-    from mtfkit.edges import ImageLike
     from mtfkit.sensors import Sensor
 
     def pairs(images: Sequence[Any], what: str) -> list[tuple[Any, Any]]:

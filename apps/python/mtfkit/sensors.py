@@ -13,6 +13,7 @@ import numpy as np
 from mtfkit import _core, quantities, results
 from mtfkit.budgets import Budget
 from mtfkit.components import Component
+from mtfkit.custom import Custom
 from mtfkit.curves import Curves, curves_of
 from mtfkit.errors import UsageError
 from mtfkit.simulation import Plan, Run, compile_plan, run_simulation
@@ -25,7 +26,7 @@ if TYPE_CHECKING:
     from mtfkit.simulation import SceneLike
 
 #: A component: its kind alone, a dictionary with `kind`, or an object such as mtfkit.Jitter(rms="20 urad").
-ComponentLike = Union[str, Mapping[str, Any], Component]
+ComponentLike = Union[str, Mapping[str, Any], Component, Custom]
 Table = Mapping[str, Any]
 
 
@@ -89,9 +90,10 @@ class Sensor:
     0.3875
     """
 
-    __slots__ = ("_canonical", "_file")
+    __slots__ = ("_canonical", "_file", "_tables")
     _file: _core.SensorFile
     _canonical: str | None
+    _tables: _Tables | None  # of components made of functions
 
     def __init__(self, *, name: str = "", frame: Table, scene: Table | None = None, optics: Table | None = None,
                  band: Table | None = None, presample: Sequence[ComponentLike] = (),
@@ -106,21 +108,27 @@ class Sensor:
             if not isinstance(table, Mapping):
                 raise UsageError(f"{key}: {table!r} is no table; give a dictionary of its keys")
             lines += _table_lines(key, table)
+        own: _Tables | None = None
         for stage, components in {"presample": presample, "readout": readout, "postsample": postsample}.items():
-            if isinstance(components, (str, Mapping, Component)):
+            if isinstance(components, (str, Mapping, Component, Custom)):
                 raise UsageError(f"{stage}: is a list of components; write [{components!r}]")
             for index, component in enumerate(components):
-                lines += _component_lines(stage, index, component)
-        self._set(_core.SensorFile("\n".join(lines), "sensor"))
+                if isinstance(component, Custom):
+                    own = own or _Tables()
+                    lines += own.add(stage, component)
+                else:
+                    lines += _component_lines(stage, index, component)
+        self._set(_core.SensorFile("\n".join(lines), "sensor" if own is None else own.file), own)
 
-    def _set(self, file: _core.SensorFile) -> None:
+    def _set(self, file: _core.SensorFile, tables: _Tables | None) -> None:
         object.__setattr__(self, "_file", file)
         object.__setattr__(self, "_canonical", None)
+        object.__setattr__(self, "_tables", tables)
 
     @classmethod
-    def _of(cls, file: _core.SensorFile) -> Sensor:
+    def _of(cls, file: _core.SensorFile, tables: _Tables | None = None) -> Sensor:
         sensor = object.__new__(cls)
-        sensor._set(file)
+        sensor._set(file, tables)
         return sensor
 
     def __setattr__(self, name: str, value: object) -> None:
@@ -151,7 +159,9 @@ class Sensor:
         """
         path = os.fspath(path)
         text = self.text
-        if len(self._file.files) > 1 and os.path.dirname(os.path.abspath(path)) != os.path.dirname(
+        if self._tables is not None:
+            text = self._tables.write_beside(path, text)
+        elif len(self._file.files) > 1 and os.path.dirname(os.path.abspath(path)) != os.path.dirname(
                 os.path.abspath(self.file)):
             text = self._file.canonical(os.path.abspath(path))
         _core.write_text(path, text)
@@ -185,7 +195,8 @@ class Sensor:
         """
         if not isinstance(values, Mapping):
             raise UsageError("replace: give a dictionary, such as {\"jitter.rms\": \"60 urad\"}")
-        return Sensor._of(self._file.replaced([(name, quantities.words(value, name)) for name, value in values.items()]))
+        return Sensor._of(self._file.replaced([(name, quantities.words(value, name)) for name, value in values.items()]),
+                          self._tables)
 
     def otf(self, fx: npt.ArrayLike, fy: npt.ArrayLike = 0.0, *, unit: str = "cy/mm") -> Any:
         """The OTF at the frequencies (fx, fy): complex128 of their common shape, a complex number for plain numbers.
@@ -275,6 +286,16 @@ class Sensor:
 
         return fit(self, edges=edges, free=free, curves=curves, spots=spots, **options)
 
+    def _table_error(self, samples_per_pixel: float) -> float:
+        """What tables in place of functions cost an image, as a share of the scene's standard deviation: an error D of the
+        OTF at each frequency costs at most D x the square root of how many alias onto one x 2, the square root of the area
+        of the mirrored canvas, x the largest gain of what follows."""
+        if self._tables is None:
+            return 0.0
+        gain = max([1.0, *(float(np.max(column.mtf)) for angle in ("0 deg", "45 deg", "90 deg")
+                           for column in self.curves(angle=angle) if column.label in ("readout", "postsample"))])
+        return float(2.0 * gain * self._tables.error * np.sqrt(samples_per_pixel))
+
     def _key(self) -> str:
         if self._canonical is None:
             object.__setattr__(self, "_canonical", self._file.canonical("/mtfkit/sensor.toml"))
@@ -290,7 +311,9 @@ class Sensor:
     def __hash__(self) -> int:
         return hash(self._key())
 
-    def __reduce__(self) -> tuple[Any, tuple[str, str]]:
+    def __reduce__(self) -> tuple[Any, ...]:
+        if self._tables is not None:
+            return _with_tables, (self.text, self._tables.csv, self._tables.error)
         return _unpickled, (self.text, os.path.abspath(self.file) if os.path.exists(self.file) else self.file)
 
     def __repr__(self) -> str:
@@ -302,6 +325,51 @@ class Sensor:
 
 def _unpickled(text: str, file: str) -> Sensor:
     return Sensor.parse(text, file=file)
+
+
+class _Tables:
+    """Tables of components made of functions: their files, where the toolkit reads them, and what they err by."""
+
+    def __init__(self, csv: Mapping[str, str] | None = None, error: float = 0.0) -> None:
+        import tempfile
+
+        self.csv: dict[str, str] = {}
+        self.error = error
+        self._folder = tempfile.TemporaryDirectory(prefix="mtfkit-sensor-")
+        self.file = os.path.join(self._folder.name, "sensor.toml")
+        for name, text in (csv or {}).items():
+            self._write(name, text)
+
+    def _write(self, name: str, text: str) -> None:
+        self.csv[name] = text
+        with open(os.path.join(self._folder.name, name), "w", encoding="utf-8") as file:
+            file.write(text)
+
+    def add(self, stage: str, component: Custom) -> list[str]:
+        """Keeps the tables of a component; the lines of the sensor file that stand for it."""
+        lines = []
+        for label, axis, text in component.tables():
+            name = f"{label}.csv"
+            if name in self.csv and self.csv[name] != text:
+                raise UsageError(f"{stage}: two components made of functions are called {component.label!r}; give one "
+                                 "another label")
+            self._write(name, text)
+            lines += [f"[[{stage}]]", 'kind = "curve"', f'label = "{label}"', f'file = "{name}"', f'axis = "{axis}"', ""]
+        self.error += component.error
+        return lines
+
+    def write_beside(self, path: str, text: str) -> str:
+        """Writes the tables beside a sensor file; the text of that file."""
+        stem, folder = os.path.splitext(os.path.basename(path))[0], os.path.dirname(path)
+        for name, table in self.csv.items():
+            text = text.replace(f'file = "{name}"', f'file = "{stem}_{name}"')
+            _core.write_text(os.path.join(folder, f"{stem}_{name}"), table)
+        return text
+
+
+def _with_tables(text: str, csv: Mapping[str, str], error: float) -> Sensor:
+    tables = _Tables(csv, error)
+    return Sensor._of(_core.SensorFile(text, tables.file), tables)
 
 
 def _frequencies(values: npt.ArrayLike, what: str) -> npt.NDArray[np.float64]:

@@ -33,8 +33,11 @@ class Run:
     of the images of a sequence, `images` their first planes.
     """
 
-    def __init__(self, run: _core.SimulateRun, seconds: float) -> None:
+    def __init__(self, run: _core.SimulateRun, seconds: float, sensor: Sensor) -> None:
         self._run = run
+        scene, out = run.scene_um, run.pitch_um
+        per_pixel = (out[0] / scene[0] + 1.0) * (out[1] / scene[1] + 1.0)
+        self._table_error = sensor._table_error(per_pixel)
         self.seconds = seconds  #: wall time of the whole call
 
     @property
@@ -67,7 +70,7 @@ class Run:
     @property
     def promised(self) -> float:
         """The rms error predicted before anything ran, as a share of the scene's standard deviation; it is kept."""
-        return self._run.promised
+        return self._run.promised + self._table_error
 
     @property
     def tolerance(self) -> float:
@@ -187,7 +190,10 @@ class Plan:
     @property
     def promised(self) -> float:
         """The predicted rms error as a share of the scene's standard deviation."""
-        return self._plan.promised
+        if not isinstance(self._plan, _core.LinearPlan):
+            return self._plan.promised
+        (_, _, x, y), (_, _, out_x, out_y) = self._plan.scene_grid, self._plan.grid
+        return self._plan.promised + self._sensor._table_error((out_x / x + 1.0) * (out_y / y + 1.0))
 
     @property
     def warnings(self) -> list[str]:
@@ -289,7 +295,7 @@ def run_simulation(sensor: Sensor, scene: SceneLike, *, sample: quantities.Value
         file = _schedule_file(schedule, folder)
         run = _core.simulate(sensor._file, words, tolerance, nan, _measure(rigor), stage, roi, memory, span, file,
                              os.fspath(out) if out is not None else "", range, threads, progress)
-    return Run(run, time.perf_counter() - start)
+    return Run(run, time.perf_counter() - start, sensor)
 
 
 class _NoFolder:
