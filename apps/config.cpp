@@ -23,14 +23,6 @@
 namespace apps {
 namespace {
 
-/// The stages of the chain in their order, and those that are off with the table that would switch them on.
-std::string explain_chain(const mtf::io::SensorConfig& config) {
-  TextTable on({"stage", "what it does"}), off({"left out", "why"});
-  for (const radiometry::ChainStage& stage : chain_stages(config.system, load_chain(config).sensor))
-    (stage.on ? on : off).add({stage.name, one_line(stage.what)});
-  return "\nchain, in this order\n" + on.aligned() + "\n" + off.aligned();
-}
-
 using Json = nlohmann::ordered_json;
 
 int init(const ConfigOptions& options, const Global& global) {
@@ -71,7 +63,7 @@ int explain(const ConfigOptions& options, const Global& global) {
   mtf::io::SensorConfig config = read_sensor(options.file, global);
   config.file = one_line(config.file);
   print(mtf::io::explain_config(config));
-  if (has_chain(config)) print(explain_chain(config));
+  print(explain_chain(config));
   return 0;
 }
 
@@ -91,6 +83,14 @@ mtf::io::SensorConfig load_sensor(const std::string& file, const Global& global)
   return config;
 }
 
+std::string explain_chain(const mtf::io::SensorConfig& config) {
+  if (!has_chain(config)) return {};
+  TextTable on({"stage", "what it does"}), off({"left out", "why"});
+  for (const radiometry::ChainStage& stage : chain_stages(config.system, load_chain(config).sensor))
+    (stage.on ? on : off).add({stage.name, one_line(stage.what)});
+  return "\nchain, in this order\n" + on.aligned() + "\n" + off.aligned();
+}
+
 int report_verdict(const Verdict& verdict, Format format) {
   const bool json = format == Format::json;
   if (json) print(as_json(verdict));
@@ -105,20 +105,22 @@ int report_verdict(const Verdict& verdict, Format format) {
   return verdict.ok ? 0 : 2;
 }
 
-int check_sensor(const std::string& file, Format format) {
-  mtf::io::ConfigResult result =
-      mtf::io::parse_config(mtf::io::read_text_file(file, mtf::io::cfg::kMaxBytes), file, sensor_schema());
+Verdict sensor_verdict(const std::string& text, const std::string& file) {
+  mtf::io::ConfigResult result = mtf::io::parse_config(text, file, sensor_schema());
   if (result.ok()) {
     for (mtf::io::Diagnostic& warning : chain_warnings(result.config)) result.diagnostics.push_back(std::move(warning));
     if (auto problem = chain_problem(result.config)) result.diagnostics.push_back(std::move(*problem));
   }
-  return report_verdict({.file = file,
-                         .ok = result.ok(),
-                         .name = result.config.system.name,
-                         .sha256 = result.config.sha256,
-                         .summary = summary(result.config.system),
-                         .diagnostics = result.diagnostics},
-                        format);
+  return {.file = file,
+          .ok = result.ok(),
+          .name = result.config.system.name,
+          .sha256 = result.config.sha256,
+          .summary = summary(result.config.system),
+          .diagnostics = result.diagnostics};
+}
+
+int check_sensor(const std::string& file, Format format) {
+  return report_verdict(sensor_verdict(mtf::io::read_text_file(file, mtf::io::cfg::kMaxBytes), file), format);
 }
 
 int check_config(const std::string& file, Format format) {

@@ -7,8 +7,8 @@
   --setup [--done COMMAND]        run the `sh setup` blocks from the root of the checkout, but for lines done already
 
 Blocks: `sh` runs under `set -eu` with `mtf` on PATH and notebooks-data beside it; `sh setup` only in --setup; `sh long`
-only with --long; `text output` and `toml output` have to be what the `sh` block before them printed, a line `...` standing
-for lines left out; `cpp` is compiled by CMake and run; `toml` that starts with `schema =` goes through
+only with --long; `text output` and `toml output` have to be what the `sh` or `python` block before them printed, a line `...` standing
+for lines left out; `cpp` is compiled by CMake and run; `python` is a program of its own, with mtfkit of the build tree; `toml` that starts with `schema =` goes through
 `mtf config check`, unless it is a scene file ([place]), which names meshes and weather that are not there; text, json,
 csv, toml fragments, cmake and mermaid are shown, not run. Anything else fails.
 """
@@ -26,9 +26,9 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parent.parent
 FOLDERS = ("mtf", "radiometry", "calib", "apps", "tests", "notebooks-data")
 OUTPUT = {"text output", "toml output"}
-KINDS = {"sh", "sh setup", "sh long", "cpp", "toml", "text", "json", "csv", "cmake", "mermaid"} | OUTPUT
+KINDS = {"sh", "sh setup", "sh long", "cpp", "python", "toml", "text", "json", "csv", "cmake", "mermaid"} | OUTPUT
 FENCE = re.compile(r"^(\s*)(`{3,}|~{3,})\s*(.*?)\s*$")
-BLOCK_TIMEOUT_S = {"sh": 250, "sh long": 2800, "cpp": 60, "toml": 30}
+BLOCK_TIMEOUT_S = {"sh": 250, "sh long": 2800, "cpp": 60, "python": 120, "toml": 30}
 
 
 class BadBlock(Exception):
@@ -104,6 +104,8 @@ def command_for(block, scratch, mtf, snippet):
         return ["bash", "-c", "set -eu\n" + block.text]
     if block.kind == "cpp":
         return [snippet]
+    if block.kind == "python":
+        return [sys.executable, "-B", "-c", block.text]
     code = [line for line in block.text.splitlines() if line.strip() and not line.lstrip().startswith("#")]
     if block.kind == "toml" and code and re.match(r"schema\s*=", code[0]) and "[place]" not in code:
         config = scratch / f"readme_line_{block.line}.toml"
@@ -132,7 +134,8 @@ def missing_line(shown, printed):
 
 def run_blocks(blocks, readme, scratch, mtf, snippets, with_long):
     """Runs the blocks in `scratch`; returns 0, or 1 at the first that fails."""
-    env = dict(os.environ, PATH=f"{Path(mtf).parent}{os.pathsep}{os.environ['PATH']}")
+    env = dict(os.environ, PATH=f"{Path(mtf).parent}{os.pathsep}{os.environ['PATH']}",
+               PYTHONPATH=str(Path(mtf).parent.parent / "python"))
     cpp_count = 0
     printed = ""
     for block in blocks:
@@ -162,7 +165,7 @@ def run_blocks(blocks, readme, scratch, mtf, snippets, with_long):
             log.seek(0)
             output = log.read().decode("utf-8", "replace")
         print(output, end="", flush=True)
-        if block.kind in ("sh", "sh long"):
+        if block.kind in ("sh", "sh long", "python"):
             printed = output
         if code != 0:
             print(f"{readme}:{block.line}: the block failed, exit code {code}")

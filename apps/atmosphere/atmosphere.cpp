@@ -180,8 +180,8 @@ air::Clouds clouds_of(const AtmosphereOptions& options, double clear_w_m2) {
   return {cover, *options.cloud_k};
 }
 
-int run_sky(const AtmosphereOptions& options, const Given& given, const std::vector<Interval>& bands,
-            const Global& global) {
+SkyReport sky_report(const AtmosphereOptions& options, const Given& given, const std::vector<Interval>& bands,
+                     const Global& global) {
   const air::Air<double> through = air_in(given);
   SkyReport report;
   report.air = air_words(given.settings, through);
@@ -214,26 +214,18 @@ int run_sky(const AtmosphereOptions& options, const Given& given, const std::vec
   if (report.altitude_m > kDryAltitude_m)
     note(global,
          "warning: above 5 km too little vapour is left to make the sky black below 650 cm^-1, as the flux takes it");
-  emit(options.out, options.format == Format::csv    ? as_csv(report)
-                    : options.format == Format::json ? as_json(report)
-                                                     : as_table(report));
-  return 0;
+  return report;
 }
 
-}  // namespace
-
-int run_atmosphere(const AtmosphereOptions& options, const Global& global) {
-  const Given given = given_by(options, global);
-  require_outputs(options, given);
-  const std::vector<Interval> bands = bands_of(options, given);
-  if (options.sky) return run_sky(options, given, bands, global);
-
+/// The air that the line of sight goes through, haze as the sensor counts it.
+air::Air<double> air_along(const Given& given) {
   air::Air<double> through = air_in(given);
   through.haze.loss = given.loss;
-  if (given.loss == air::AerosolLoss::absorption && through.haze.kind != air::HazeKind::none)
-    note(
-        global,
-        "note: what haze scatters is in the aerosol component of the sensor; transmissions here hold what is absorbed");
+  return through;
+}
+
+AtmosphereReport line_report(const AtmosphereOptions& options, const Given& given, const std::vector<Interval>& bands) {
+  const air::Air<double> through = air_along(given);
   const air::Sight<double> sight = read_sight(given.settings);
   AtmosphereReport report;
   report.air = air_words(given.settings, through);
@@ -246,6 +238,36 @@ int run_atmosphere(const AtmosphereOptions& options, const Global& global) {
   report.limits = limits_of(through, hull(bands));
   for (const Interval& band : bands)
     report.bands.push_back(band_average(report.path, camera_in(given, band), options.source_k));
+  return report;
+}
+
+}  // namespace
+
+std::string atmosphere_json(const AtmosphereOptions& options, const Global& global) {
+  const Given given = given_by(options, global);
+  const std::vector<Interval> bands = bands_of(options, given);
+  return options.sky ? as_json(sky_report(options, given, bands, global)) : as_json(line_report(options, given, bands));
+}
+
+int run_atmosphere(const AtmosphereOptions& options, const Global& global) {
+  const Given given = given_by(options, global);
+  require_outputs(options, given);
+  const std::vector<Interval> bands = bands_of(options, given);
+  if (options.sky) {
+    const SkyReport sky = sky_report(options, given, bands, global);
+    emit(options.out, options.format == Format::csv    ? as_csv(sky)
+                      : options.format == Format::json ? as_json(sky)
+                                                       : as_table(sky));
+    return 0;
+  }
+
+  const air::Air<double> through = air_along(given);
+  if (given.loss == air::AerosolLoss::absorption && through.haze.kind != air::HazeKind::none)
+    note(
+        global,
+        "note: what haze scatters is in the aerosol component of the sensor; transmissions here hold what is absorbed");
+  const air::Sight<double> sight = read_sight(given.settings);
+  const AtmosphereReport report = line_report(options, given, bands);
   // A sensor file has said them already, of its own band.
   if (options.file.empty() || !options.bands.empty())
     for (const std::string& limit : report.limits) note(global, "warning: " + limit);

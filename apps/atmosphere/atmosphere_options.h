@@ -34,6 +34,9 @@ struct AtmosphereOptions {
 void set_key(radiometry::AtmosphereSettings& settings, std::string_view key, std::string_view option,
              const std::string& text);
 
+/// What it prints with --format json. Writes no files. Throws UsageError and RuntimeError as the command.
+std::string atmosphere_json(const AtmosphereOptions& options, const Global& global);
+
 int run_atmosphere(const AtmosphereOptions& options, const Global& global);
 
 }  // namespace apps

@@ -205,7 +205,11 @@ std::vector<EdgeRegion> given_regions(const EdgeInput& input) {
 std::vector<EdgePlane> load_edge_planes(const std::string& image, const EdgeInput& input, Regions regions) {
   mtf::io::ReadOptions read{.channel = input.channel, .layer = input.layer, .part = input.part};
   if (input.channel == "all" || input.channel == "luminance") read.channel.reset();
-  mtf::io::ImageFile file = mtf::io::read_image(image, read);
+  return edge_planes_of(mtf::io::read_image(image, read), image, input, regions);
+}
+
+std::vector<EdgePlane> edge_planes_of(mtf::io::ImageFile file, const std::string& image, const EdgeInput& input,
+                                      Regions regions) {
   const mtf::io::ChosenEncoding chosen = encoding_of(file.info, input);
   const mtf::io::Encoding& encoding = chosen.encoding;
   std::int64_t outside = 0;

@@ -11,6 +11,7 @@
 #include "apps/options.h"
 #include "calib/measure/measure.h"
 #include "mtf/io/codecs/stated_encoding.h"
+#include "mtf/io/image_io.h"
 
 namespace apps {
 
@@ -54,6 +55,10 @@ enum class Regions { wanted, none };
 /// RuntimeError for files that cannot be read. Given regions may leave the image.
 std::vector<EdgePlane> load_edge_planes(const std::string& image, const EdgeInput& input,
                                         Regions regions = Regions::wanted);
+
+/// The same of an image that has been read; `image` is what messages call it.
+std::vector<EdgePlane> edge_planes_of(mtf::io::ImageFile file, const std::string& image, const EdgeInput& input,
+                                      Regions regions = Regions::wanted);
 
 /// Every file that the input names, for outputs not to replace.
 std::vector<std::string> files_of(const EdgeInput& input);

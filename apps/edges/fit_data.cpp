@@ -75,7 +75,22 @@ void add_remarks(LoadedData& loaded, const EdgePlane& plane) {
   loaded.warnings.insert(loaded.warnings.end(), plane.notes.begin(), plane.notes.end());
 }
 
-void add_edges(LoadedData& loaded, const EdgePlane& plane, std::size_t condition, int threads) {
+/// A single set of data that cannot be read is an error; of several it is left out with a warning.
+template <class Load>
+void load_or_leave_out(LoadedData& loaded, std::size_t sets, const Load& load) {
+  try {
+    load();
+  } catch (const mtf::Error& error) {
+    if (sets == 1) throw;
+    loaded.warnings.push_back(std::string(error.what()) + " (left out)");
+    ++loaded.left_out;
+  }
+}
+
+}  // namespace
+
+void add_edges(LoadedData& loaded, EdgePlane made, std::size_t condition, int threads) {
+  const EdgePlane& plane = loaded.planes.emplace_back(std::move(made));
   add_remarks(loaded, plane);
   std::vector<MeasuredEdge> measured = measure_plane(plane, {}, threads);
   for (MeasuredEdge& edge : measured) {
@@ -94,19 +109,14 @@ void add_edges(LoadedData& loaded, const EdgePlane& plane, std::size_t condition
   }
 }
 
-/// A single set of data that cannot be read is an error; of several it is left out with a warning.
-template <class Load>
-void load_or_leave_out(LoadedData& loaded, std::size_t sets, const Load& load) {
-  try {
-    load();
-  } catch (const mtf::Error& error) {
-    if (sets == 1) throw;
-    loaded.warnings.push_back(std::string(error.what()) + " (left out)");
-    ++loaded.left_out;
-  }
+void add_spot(LoadedData& loaded, EdgePlane made, std::size_t condition) {
+  const EdgePlane& plane = loaded.planes.emplace_back(std::move(made));
+  add_remarks(loaded, plane);
+  loaded.data.spots.push_back({.name = one_line(plane.image),
+                               .image = plane.plane.view(),
+                               .roi = {0, 0, plane.plane.width(), plane.plane.height()},
+                               .condition = condition});
 }
-
-}  // namespace
 
 CurveWord curve_word(const std::string& word) {
   const std::size_t at = word.rfind('@');
@@ -143,21 +153,15 @@ LoadedData load_fit_data(const FitOptions& options, const SensorConfig& sensor, 
       loaded.warnings.push_back(one_line(image) + " is given twice: its noise counts as independent");
     load_or_leave_out(loaded, sets, [&] {
       for (EdgePlane& plane : load_edge_planes(image, options.input))
-        add_edges(loaded, loaded.planes.emplace_back(std::move(plane)), condition, threads);
+        add_edges(loaded, std::move(plane), condition, threads);
       loaded.files.push_back(image);
     });
   }
   for (const std::string& image : options.spots) {
     const std::size_t condition = conditions.next();
     load_or_leave_out(loaded, sets, [&] {
-      for (EdgePlane& made : load_edge_planes(image, options.input, Regions::none)) {
-        const EdgePlane& plane = loaded.planes.emplace_back(std::move(made));
-        add_remarks(loaded, plane);
-        loaded.data.spots.push_back({.name = one_line(image),
-                                     .image = plane.plane.view(),
-                                     .roi = {0, 0, plane.plane.width(), plane.plane.height()},
-                                     .condition = condition});
-      }
+      for (EdgePlane& plane : load_edge_planes(image, options.input, Regions::none))
+        add_spot(loaded, std::move(plane), condition);
       loaded.files.push_back(image);
     });
   }

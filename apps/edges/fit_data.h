@@ -33,6 +33,12 @@ CurveWord curve_word(const std::string& word);
 /// Numbers that the sensor file marks fit = true. Throws UsageError when there is none.
 std::vector<calib::FitParameter> fit_parameters(const mtf::io::SensorConfig& sensor);
 
+/// Measures the edges of a plane and adds them. `condition`: index of the sensor it was taken with, of
+/// FitData::conditions.
+void add_edges(LoadedData& loaded, EdgePlane plane, std::size_t condition, int threads);
+/// Adds a plane as the image of a point source.
+void add_spot(LoadedData& loaded, EdgePlane plane, std::size_t condition);
+
 /// Loads and measures. One of several that cannot be read is left out with a warning. Throws as load_edge_planes.
 LoadedData load_fit_data(const FitOptions& options, const mtf::io::SensorConfig& sensor, int threads);
 

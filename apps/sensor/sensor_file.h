@@ -25,6 +25,13 @@ struct Verdict {
   std::vector<mtf::io::Diagnostic> diagnostics;
 };
 
+/// Of the text of a sensor file, without reading `file`.
+Verdict sensor_verdict(const std::string& text, const std::string& file);
+
+/// The stages of the chain in their order, and those that are off with the table that would switch them on; "" without
+/// [detector]. Throws as load_chain.
+std::string explain_chain(const mtf::io::SensorConfig& config);
+
 /// The verdict and notes on standard output, errors as file:line:col lines on standard error; JSON has both. Returns
 /// the exit code, 0 or 2.
 int report_verdict(const Verdict& verdict, Format format);

@@ -181,7 +181,10 @@ Scene describe_scene(const SensorConfig& config, const std::string& path, const 
 }
 
 Scene load_scene(const SensorConfig& config, const std::string& path, const ReadOptions& options) {
-  ImageFile file = read_image(path, options);
+  return physical_scene(config, path, read_image(path, options));
+}
+
+Scene physical_scene(const SensorConfig& config, const std::string& path, ImageFile file) {
   Scene scene = describe_scene(config, path, file);
   scene.planes = std::move(file.planes);
   std::int64_t outside = 0;

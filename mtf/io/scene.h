@@ -37,6 +37,9 @@ std::optional<std::array<double, 2>> stated_pitch_um(const FileInfo& info);
 /// spectral_radiance, in W m-2 sr-1 um-1. Throws UsageError naming the key to add, RuntimeError for unreadable files.
 Scene load_scene(const SensorConfig& config, const std::string& path, const ReadOptions& options);
 
+/// The same of a file that has been read; `path` is what messages call it.
+Scene physical_scene(const SensorConfig& config, const std::string& path, ImageFile file);
+
 /// The same of a file whose pixels are read in windows: all but the planes, which are still to be made physical.
 Scene describe_scene(const SensorConfig& config, const std::string& path, const ImageFile& file);
 /// Stored values of the scene's file to its quantity. Returns how many have no value in the table of the encoding: NaN.

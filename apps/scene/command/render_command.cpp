@@ -163,7 +163,7 @@ render::RenderedFrame frame_of_layers(const RenderCommandOptions& options, const
 
 }  // namespace
 
-int run_render(const RenderCommandOptions& options, const Global& global) {
+std::string render_pictures(const RenderCommandOptions& options, const Global& global) {
   const Stopwatch all;
   if (options.from.empty())
     for (const auto& [name, given] : {std::pair{"--materials", !options.materials.empty()},
@@ -226,14 +226,15 @@ int run_render(const RenderCommandOptions& options, const Global& global) {
       pictures.push_back({cameras_of[b], frame.radiance[b].view(), metadata[b].text.at("mtf:units"), outputs[b]});
     draw_pictures(options.picture, pictures, global.threads);
   });
-  if (!options.json) {
-    print(render_summary(options, {scene, sensors, frame, metadata}, outputs));
-    return 0;
-  }
+  if (!options.json) return render_summary(options, {scene, sensors, frame, metadata}, outputs);
   nlohmann::json json = render_json({scene, sensors, frame, metadata}, outputs);
   json["timing_ms"]["write"] = writing.ms();
   json["timing_ms"]["all"] = all.ms();
-  print(json.dump(2) + "\n");
+  return json.dump(2) + "\n";
+}
+
+int run_render(const RenderCommandOptions& options, const Global& global) {
+  print(render_pictures(options, global));
   return 0;
 }
 

@@ -40,6 +40,9 @@ struct RenderCommandOptions {
   bool json = false;
 };
 
+/// Writes the files; what the command prints then. Throws as the command.
+std::string render_pictures(const RenderCommandOptions& options, const Global& global);
+
 int run_render(const RenderCommandOptions& options, const Global& global);
 
 }  // namespace apps

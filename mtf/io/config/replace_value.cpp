@@ -142,6 +142,21 @@ class TableText {
   std::vector<Edit> edits_{};
 };
 
+/// A table { value = ..., fit = ... } takes the place of the whole; a number that of the number in such a table.
+const Node& replaced_node(const Node& old, std::string_view value) {
+  return value.starts_with('{') ? old : *number_of(&old);
+}
+
+/// The value that a text stands for, a table among them. A table that cannot be read is the text itself, which no key
+/// takes.
+Node wanted_node(std::string_view value) {
+  if (value.starts_with('{')) {
+    const cfg::Tree tree = cfg::read_tree("value = " + std::string(value));
+    if (const Node* table = tree.root.find("value"); !tree.error && table != nullptr) return *table;
+  }
+  return cfg::node_of(std::string(value), 0);
+}
+
 std::string new_text(std::string_view text, const Node& root, const Target& target, const std::string& value) {
   const std::string line = target.key + " = " + value;
   const Node* table = table_of(root, target);
@@ -150,13 +165,13 @@ std::string new_text(std::string_view text, const Node& root, const Target& targ
   TableText out(text, *table);
   const Node* old = table->find(target.key);
   if (target.element && old != nullptr) {
-    out.replace(*number_of(&old->items.at(*target.element)), value);
+    out.replace(replaced_node(old->items.at(*target.element), value), value);
     return out.text();
   }
   const auto pair = cfg::pair_of_axis(target.key);
   const std::string stem = pair.value_or(target.key), x = stem + "_x", y = stem + "_y";
   if (old != nullptr) {
-    out.replace(*number_of(old), value);
+    out.replace(replaced_node(*old, value), value);
   } else if (const Node* both = pair ? table->find(stem) : nullptr; both != nullptr) {
     const std::size_t begin = offset_of(text, both->position);
     const std::string kept(text.substr(begin, end_of_value(text, begin) - begin));
@@ -177,7 +192,7 @@ std::string put_value(Node& root, const Target& target, const Node& value) {
   const Node* old = table != nullptr ? table->find(target.key) : nullptr;
   if (old != nullptr && target.element && *target.element < old->items.size()) old = &old->items[*target.element];
   Node wanted = value;
-  if (const Node* number = number_of(old); number != old) {
+  if (const Node* number = number_of(old); number != old && value.kind != Node::Kind::table) {
     wanted = *old;
     for (Member& member : wanted.members)
       if (member.key == "value") member.value = value;
@@ -195,7 +210,7 @@ std::string replace_value(const SensorConfig& config, std::string_view parameter
   const auto target = cfg::find_target(targets, parameter);
   if (!target) throw UsageError(where + cfg::unknown_parameter(targets, name));
 
-  const Node wanted = cfg::node_of(std::string(value), 0);
+  const Node wanted = wanted_node(value);
   Node expected = tree.root;
   if (const std::string problem = put_value(expected, *target, wanted); !problem.empty())
     throw UsageError(where + printable(name, 80) + ": " + problem);
@@ -206,6 +221,23 @@ std::string replace_value(const SensorConfig& config, std::string_view parameter
     throw UsageError(where + printable(name, 80) + ": cannot be set to " + printable(value, 80) + " in place; write [" +
                      target->table + "] with one `key = value` a line");
   return text;
+}
+
+std::string stated_value(const SensorConfig& config, std::string_view parameter) {
+  const cfg::Tree tree = cfg::read_tree(config.text);
+  if (tree.error) throw UsageError(format_diagnostic(*tree.error, config.file));
+  const cfg::Targets targets = cfg::targets_of(config);
+  const auto target = cfg::find_target(targets, parameter);
+  if (!target) throw UsageError(config.file + ": " + cfg::unknown_parameter(targets, std::string(parameter)));
+  const Node* table = table_of(tree.root, *target);
+  const Node* value = table != nullptr ? table->find(target->key) : nullptr;
+  if (value == nullptr && table != nullptr)  // of both axes
+    if (const auto pair = cfg::pair_of_axis(target->key)) value = table->find(*pair);
+  if (value != nullptr && target->element)
+    value = *target->element < value->items.size() ? &value->items[*target->element] : nullptr;
+  if (value == nullptr) return {};
+  const std::size_t begin = offset_of(config.text, number_of(value)->position);
+  return config.text.substr(begin, end_of_value(config.text, begin) - begin);
 }
 
 SensorConfig replaced(const SensorConfig& config, std::string_view parameter, std::string_view value) {

@@ -129,3 +129,31 @@ TEST(ReplaceValue, EveryValueOfTheStarterFileCanBeSetToItself) {
   }
   EXPECT_GE(values, 5);
 }
+
+TEST(ReplaceValue, ATableWithAFitTakesThePlaceOfANumber) {
+  const std::string marked = "{ value = \"20 urad\", fit = true, max = \"50 urad\" }";
+  EXPECT_EQ(after(kJitter, "jitter.rms", marked),
+            "[[presample]]\n  kind = \"jitter\"\n  rms = " + marked + "  # mount\n");
+  const SensorConfig fitted = replaced(read(kJitter), "jitter.rms", marked);
+  ASSERT_EQ(fitted.fits.size(), 1U);
+  EXPECT_TRUE(fitted.fits.front().fit);
+  EXPECT_EQ(fitted.fits.front().max, 50.0);
+  // A number changes the value in it, another table all of it.
+  EXPECT_NE(replaced(fitted, "jitter.rms", "30 urad").text.find("{ value = \"30 urad\", fit = true"),
+            std::string::npos);
+  EXPECT_NE(
+      replaced(fitted, "jitter.rms", "{ value = \"30 urad\" }").text.find("rms = { value = \"30 urad\" }  # mount"),
+      std::string::npos);
+  EXPECT_NE(refusal(kJitter, "jitter.rms", "{ value = "), "");
+  EXPECT_NE(refusal(kJitter, "jitter.rms", "{ value = \"20 urad\", most = 3 }"), "");
+}
+
+TEST(ReplaceValue, TheValueThatAFileStates) {
+  EXPECT_EQ(mtf::io::stated_value(read(kJitter), "jitter.rms"), "\"20 urad\"");
+  EXPECT_EQ(mtf::io::stated_value(read(kJitter), "jitter.rms_y"), "\"20 urad\"");
+  EXPECT_EQ(mtf::io::stated_value(read(kJitter), "optics.f_number"), "2.0");
+  EXPECT_EQ(mtf::io::stated_value(read(kJitter), "optics.obscuration"), "");
+  const SensorConfig fitted = replaced(read(kJitter), "jitter.rms", "{ value = \"1 px\", fit = true }");
+  EXPECT_EQ(mtf::io::stated_value(fitted, "jitter.rms"), "\"1 px\"");
+  EXPECT_THROW(mtf::io::stated_value(fitted, "jitter.rmz"), mtf::UsageError);
+}

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// The rows of `mtf budget`.
+
+#include <string>
+#include <vector>
+
+#include "mtf/io/config/config.h"
+#include "radiometry/chain.h"
+
+namespace apps {
+
+struct BudgetTable {
+  std::vector<radiometry::BudgetRow> rows;
+  radiometry::Saturation saturation;
+  std::vector<std::string> notes;  ///< about the numbers
+  std::string spatial_gap;         ///< why spatial noise has no number; "" where it has
+  bool without_path = false;       ///< the scene gives the range of each pixel
+};
+
+/// For a surface of that temperature. Throws UsageError as load_chain, with the place in the sensor file.
+BudgetTable budget_table(const mtf::io::SensorConfig& config, double temperature_k);
+
+}  // namespace apps

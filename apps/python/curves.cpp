@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: Apache-2.0
+
+// The OTF of a sensor: at any frequencies, and along a direction as `mtf curve` has it.
+
+#include "apps/sensor/otf_curves.h"
+
+#include <pybind11/numpy.h>
+#include <pybind11/stl.h>
+
+#include "apps/python/arrays.h"
+#include "apps/python/job.h"
+#include "apps/python/sensor.h"
+#include "apps/python/topics.h"
+#include "apps/sensor/sensor_chain.h"
+#include "apps/sensor/sensor_place.h"
+
+namespace apps::python {
+namespace {
+
+namespace py = pybind11;
+using Doubles = py::array_t<double, py::array::c_style | py::array::forcecast>;
+
+/// fx and fy of one length, in the unit. The values may be infinite or NaN: those of their OTF are NaN then.
+py::array_t<std::complex<double>> otf(SensorHandle& sensor, const Doubles& fx, const Doubles& fy,
+                                      const std::string& unit) {
+  if (fx.size() != fy.size()) throw mtf::UsageError("otf: fx and fy have different numbers of values");
+  const std::shared_ptr<const mtf::io::SensorConfig> config = weighted(sensor);
+  const mtf::System<double>& system = config->system;
+  const auto along_x = make_direction(system.frame, unit, 0.0).step.x;
+  const auto along_y = make_direction(system.frame, unit, 90.0).step.y;
+  py::array_t<std::complex<double>> result(fx.size());
+  const double *x = fx.data(), *y = fy.data();
+  std::complex<double>* to = result.mutable_data();
+  const py::ssize_t count = fx.size();
+  run_job([&](JobControl& control) {
+    // Pieces, so that slow pupils can be interrupted.
+    constexpr py::ssize_t kPiece = 4096;
+    std::vector<mtf::Freq<double>> f;
+    for (py::ssize_t begin = 0; begin < count; begin += kPiece) {
+      control.check();
+      const py::ssize_t end = std::min(count, begin + kPiece);
+      f.clear();
+      for (py::ssize_t i = begin; i < end; ++i) f.push_back({x[i] * along_x, y[i] * along_y});
+      std::vector<mtf::Complex<double>> product(f.size(), {1.0, 0.0});
+      for (const mtf::Stage stage : mtf::kStages) {
+        const auto values = system.otf(system.list(stage), f);
+        for (std::size_t i = 0; i < f.size(); ++i) product[i] = product[i] * values[i];
+      }
+      for (std::size_t i = 0; i < f.size(); ++i)
+        to[begin + static_cast<py::ssize_t>(i)] = {product[i].re, product[i].im};
+    }
+  });
+  return result;
+}
+
+py::dict column_of(const OtfColumn& column) {
+  py::array_t<std::complex<double>> values(static_cast<py::ssize_t>(column.otf.size()));
+  for (std::size_t i = 0; i < column.otf.size(); ++i)
+    values.mutable_data()[i] = {column.otf[i].re + 0.0, column.otf[i].im + 0.0};
+  py::dict result;
+  result["label"] = column.label;
+  result["kind"] = column.kind;
+  result["stage"] = column.stage;
+  result["doc"] = column.doc;
+  result["real"] = column.real;
+  result["otf"] = values;
+  result["error"] = to_numpy(column.error);
+  return result;
+}
+
+py::dict curves(SensorHandle& sensor, std::vector<double> frequency, double angle_deg, const std::string& unit) {
+  const std::shared_ptr<const mtf::io::SensorConfig> config = weighted(sensor);
+  OtfCurves made;
+  run_job([&](JobControl&) {
+    made = otf_curves(config->system, std::move(frequency), make_direction(config->system.frame, unit, angle_deg));
+  });
+  py::list columns;
+  for (const OtfColumn* column : made.columns()) columns.append(column_of(*column));
+  py::dict result;
+  result["name"] = made.name;
+  result["unit"] = made.direction.unit;
+  result["angle_deg"] = made.direction.angle_deg;
+  result["nyquist"] = made.figures.nyquist;
+  result["cutoff"] = made.figures.cutoff;
+  result["q"] = made.figures.q;
+  result["frequency"] = to_numpy(made.frequency);
+  result["columns"] = columns;
+  return result;
+}
+
+}  // namespace
+
+std::shared_ptr<const mtf::io::SensorConfig> weighted(SensorHandle& sensor) {
+  if (sensor.weighted) return sensor.weighted;
+  if (!has_chain(*sensor.config) || !sensor.config->system.band) return sensor.weighted = sensor.config;
+  mtf::io::SensorConfig config = *sensor.config;
+  {
+    const py::gil_scoped_release free;
+    config.system = at_its_place(config, [&] { return with_electron_rate(config.system, load_chain(config)); });
+  }
+  return sensor.weighted = std::make_shared<const mtf::io::SensorConfig>(std::move(config));
+}
+
+void add_curves(py::module_& module) {
+  module.def("otf", &otf, py::arg("sensor"), py::arg("fx"), py::arg("fy"), py::arg("unit"));
+  module.def("curves", &curves, py::arg("sensor"), py::arg("frequency"), py::arg("angle_deg"), py::arg("unit"));
+}
+
+}  // namespace apps::python

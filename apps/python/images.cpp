@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: Apache-2.0
+
+// Image files in and out.
+
+#include "apps/python/images.h"
+
+#include <pybind11/stl.h>
+
+#include "apps/python/arrays.h"
+#include "apps/python/topics.h"
+#include "apps/simulate/sensor_image.h"
+#include "mtf/error.h"
+#include "mtf/io/file_checks.h"
+
+namespace apps::python {
+namespace {
+
+namespace py = pybind11;
+
+ImageHandle read(const std::string& path, const std::optional<std::string>& channel,
+                 const std::optional<std::string>& layer, std::optional<int> part) {
+  const py::gil_scoped_release free;
+  return {path, std::make_shared<const mtf::io::ImageFile>(
+                    mtf::io::read_image(path, {.channel = channel, .layer = layer, .part = part}))};
+}
+
+/// The values as an array that cannot be written and that keeps the file in memory.
+py::array plane(const ImageHandle& image, const std::string& name) {
+  const mtf::io::ImageFile& file = *image.file;
+  for (std::size_t i = 0; i < file.names.size(); ++i) {
+    if (file.names[i] != name) continue;
+    auto* owner = new std::shared_ptr<const mtf::io::ImageFile>(image.file);
+    const py::capsule free(owner, [](void* p) { delete static_cast<std::shared_ptr<const mtf::io::ImageFile>*>(p); });
+    const mtf::Image& values = file.planes[i];
+    constexpr auto kSize = static_cast<std::int64_t>(sizeof(float));
+    py::array array =
+        py::array_t<float>({values.height(), values.width()}, {values.width() * kSize, kSize}, values.data(), free);
+    array.attr("setflags")(py::arg("write") = false);
+    return array;
+  }
+  std::string names;
+  for (const std::string& other : file.names) names += (names.empty() ? "" : ", ") + other;
+  throw mtf::UsageError(image.path + ": has no plane '" + mtf::io::printable(name, 60) + "'; it has " + names);
+}
+
+mtf::io::Metadata metadata_of(const std::map<std::string, std::string>& text,
+                              const std::map<std::string, std::array<double, 2>>& pairs,
+                              const std::map<std::string, std::vector<float>>& lists,
+                              const std::vector<std::string>& history) {
+  return {.text = text, .pairs = pairs, .lists = lists, .history = history};
+}
+
+void write(const std::string& path, const std::vector<std::pair<std::string, py::object>>& planes,
+           const std::map<std::string, std::string>& text, const std::map<std::string, std::array<double, 2>>& pairs,
+           const std::map<std::string, std::vector<float>>& lists, const std::vector<std::string>& history,
+           const std::optional<std::array<double, 2>>& range, int bits) {
+  std::vector<PlaneView> views;
+  std::vector<mtf::Image> images;
+  std::vector<std::string> names;
+  for (const auto& [name, array] : planes) {
+    views.push_back(plane_of(array, "write: plane '" + name + "'"));
+    names.push_back(name);
+  }
+  const py::gil_scoped_release free;
+  for (const PlaneView& view : views) images.push_back(image_of(view.view));
+  write_sensor_image(path, names, images, metadata_of(text, pairs, lists, history), {.ends = range, .bits = bits});
+}
+
+}  // namespace
+
+mtf::io::ImageFile copy_of(const mtf::io::ImageFile& file) {
+  mtf::io::ImageFile copy;
+  copy.names = file.names;
+  copy.integer = file.integer;
+  copy.missing_pixels = file.missing_pixels;
+  copy.info = file.info;
+  for (const mtf::Image& values : file.planes) copy.planes.push_back(values.clone());
+  return copy;
+}
+
+mtf::io::Scene scene_of(const mtf::io::SensorConfig& sensor, const ImageHandle& image) {
+  return mtf::io::physical_scene(sensor, image.path, copy_of(*image.file));
+}
+
+void add_images(py::module_& module) {
+  py::class_<ImageHandle>(module, "ImageFile", "An image file in memory.")
+      .def_property_readonly("path", [](const ImageHandle& i) { return i.path; })
+      .def_property_readonly("names", [](const ImageHandle& i) { return i.file->names; })
+      .def_property_readonly("integer", [](const ImageHandle& i) { return i.file->integer; })
+      .def_property_readonly("storage", [](const ImageHandle& i) { return i.file->info.storage; })
+      .def_property_readonly("attributes", [](const ImageHandle& i) { return i.file->info.attributes; })
+      .def_property_readonly("encoding", [](const ImageHandle& i) { return i.file->info.encoding.word; })
+      .def_property_readonly("pitch_um", [](const ImageHandle& i) { return mtf::io::stated_pitch_um(i.file->info); })
+      .def_property_readonly("missing_pixels", [](const ImageHandle& i) { return i.file->missing_pixels; })
+      .def("plane", &plane, py::arg("name"));
+  module.def("read", &read, py::arg("path"), py::arg("channel"), py::arg("layer"), py::arg("part"));
+  module.def("write", &write, py::arg("path"), py::arg("planes"), py::arg("text"), py::arg("pairs"), py::arg("lists"),
+             py::arg("history"), py::arg("range"), py::arg("bits"));
+}
+
+}  // namespace apps::python

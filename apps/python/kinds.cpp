@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: Apache-2.0
+
+// What a sensor file may hold, for the classes that the package makes of it.
+
+#include <pybind11/stl.h>
+
+#include "apps/kinds.h"
+#include "apps/python/topics.h"
+#include "apps/sensor/sensor_kinds.h"
+
+namespace apps::python {
+namespace {
+
+namespace py = pybind11;
+
+const char* type_word(Parameter::Type type) {
+  switch (type) {
+    case Parameter::Type::number:
+      return "number";
+    case Parameter::Type::size:
+      return "size";
+    case Parameter::Type::frequency:
+      return "frequency";
+    case Parameter::Type::whole:
+      return "whole";
+    case Parameter::Type::flag:
+      return "flag";
+    case Parameter::Type::word:
+      return "word";
+    case Parameter::Type::numbers:
+      return "numbers";
+    case Parameter::Type::rows:
+      return "rows";
+    case Parameter::Type::text:
+      return "text";
+    case Parameter::Type::file:
+      return "file";
+    case Parameter::Type::number_or_file:
+      return "number_or_file";
+  }
+  return "number";
+}
+
+py::dict as_dict(const Parameter& parameter) {
+  py::dict entry;
+  entry["name"] = parameter.name;
+  entry["type"] = type_word(parameter.type);
+  entry["unit"] = parameter.unit;
+  entry["range"] = range_of(parameter);
+  entry["words"] = parameter.words;
+  entry["presence"] = presence_of(parameter);
+  entry["default"] = parameter.default_value;
+  entry["example"] = parameter.example;
+  entry["doc"] = parameter.doc;
+  return entry;
+}
+
+py::list parameters_of(const std::vector<Parameter>& parameters) {
+  py::list entries;
+  for (const Parameter& parameter : parameters) entries.append(as_dict(parameter));
+  return entries;
+}
+
+py::list stages_of(const mtf::Stages& stages) {
+  py::list names;
+  for (const mtf::Stage stage : mtf::kStages)
+    if (stages.allows(stage)) names.append(std::string(mtf::stage_name(stage)));
+  return names;
+}
+
+py::dict kinds() {
+  const SensorKinds all = sensor_kinds();
+  py::list components, tables;
+  for (const ComponentKind& kind : all.components) {
+    py::dict entry;
+    entry["kind"] = kind.kind;
+    entry["doc"] = kind.doc;
+    entry["notes"] = kind.notes;
+    entry["stages"] = stages_of(kind.stages);
+    entry["parameters"] = parameters_of(kind.parameters);
+    entry["example"] = kind.example;
+    components.append(entry);
+  }
+  for (const TableKind& kind : all.tables) {
+    py::dict entry;
+    entry["name"] = kind.name;
+    entry["doc"] = kind.doc;
+    entry["condition"] = kind.condition;
+    entry["parameters"] = parameters_of(kind.parameters);
+    tables.append(entry);
+  }
+  py::dict result;
+  result["components"] = components;
+  result["tables"] = tables;
+  return result;
+}
+
+}  // namespace
+
+void add_kinds(py::module_& module) { module.def("kinds", &kinds); }
+
+}  // namespace apps::python

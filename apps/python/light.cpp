@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: Apache-2.0
+
+// Blackbodies, at a wavelength, in a band, and through curves.
+
+#include <pybind11/numpy.h>
+#include <pybind11/stl.h>
+
+#include "apps/python/topics.h"
+#include "mtf/error.h"
+#include "radiometry/light/band_response.h"
+#include "radiometry/light/blackbody.h"
+
+namespace apps::python {
+namespace {
+
+namespace py = pybind11;
+using Doubles = py::array_t<double, py::array::c_style | py::array::forcecast>;
+using radiometry::BandResponse;
+using radiometry::Flux;
+
+Flux flux_of(const std::string& name) {
+  if (name == "watts") return Flux::watts;
+  if (name == "photons") return Flux::photons;
+  throw mtf::UsageError("flux: '" + name + "' is not known (one of watts, photons)");
+}
+
+/// The function at each pair of values; all arrays have one length.
+template <class F>
+Doubles at_each(const Doubles& a, const Doubles& b, const F& function) {
+  if (a.size() != b.size()) throw mtf::UsageError("arrays of different lengths");
+  Doubles result(a.size());
+  const double *x = a.data(), *y = b.data();
+  double* to = result.mutable_data();
+  const py::ssize_t count = a.size();
+  const py::gil_scoped_release free;
+  for (py::ssize_t i = 0; i < count; ++i) to[i] = function(x[i], y[i]);
+  return result;
+}
+
+/// At wavelengths in um and temperatures in K, or radiances.
+Doubles at_wavelength(const std::string& what, const std::string& flux_name, const Doubles& wavelength_um,
+                      const Doubles& other) {
+  const Flux flux = flux_of(flux_name);
+  if (what == "planck")
+    return at_each(wavelength_um, other, [&](double l, double t) { return radiometry::planck(flux, l, t); });
+  if (what == "log_planck")
+    return at_each(wavelength_um, other, [&](double l, double t) { return radiometry::log_planck(flux, l, t); });
+  if (what == "planck_derivative")
+    return at_each(wavelength_um, other, [&](double l, double t) { return radiometry::planck_derivative(flux, l, t); });
+  return at_each(wavelength_um, other,
+                 [&](double l, double r) { return radiometry::brightness_temperature(flux, l, r); });
+}
+
+Doubles in_band(const std::string& what, const std::string& flux_name, double lo_um, double hi_um,
+                const Doubles& other) {
+  const Flux flux = flux_of(flux_name);
+  const auto at = [&](const auto& function) {
+    return at_each(other, other, [&](double value, double) { return function(value); });
+  };
+  if (what == "radiance") return at([&](double t) { return radiometry::band_radiance(flux, lo_um, hi_um, t); });
+  if (what == "derivative") return at([&](double t) { return radiometry::band_derivative(flux, lo_um, hi_um, t); });
+  return at([&](double r) { return radiometry::band_temperature(flux, lo_um, hi_um, r); });
+}
+
+BandResponse response(double lo_um, double hi_um,
+                      const std::vector<std::pair<std::vector<double>, std::vector<double>>>& curves) {
+  std::vector<radiometry::Spectrum> factors;
+  for (const auto& [wavelength_um, value] : curves)
+    factors.push_back(radiometry::make_spectrum("curve " + std::to_string(factors.size() + 1), wavelength_um, value));
+  return {{lo_um, hi_um}, factors};
+}
+
+Doubles response_radiance(const BandResponse& band, const std::string& flux_name, const Doubles& temperature_k,
+                          bool derivative) {
+  const Flux flux = flux_of(flux_name);
+  return at_each(temperature_k, temperature_k,
+                 [&](double t, double) { return derivative ? band.derivative(flux, t) : band.radiance(flux, t); });
+}
+
+}  // namespace
+
+void add_light(py::module_& module) {
+  module.def("blackbody", &at_wavelength, py::arg("what"), py::arg("flux"), py::arg("wavelength_um"), py::arg("other"));
+  module.def("blackbody_band", &in_band, py::arg("what"), py::arg("flux"), py::arg("lo_um"), py::arg("hi_um"),
+             py::arg("other"));
+  py::class_<BandResponse>(module, "BandResponse", "A product of curves over a band.")
+      .def(py::init(&response), py::arg("lo_um"), py::arg("hi_um"), py::arg("curves"))
+      .def_property_readonly("range_um",
+                             [](const BandResponse& b) { return py::make_tuple(b.range().lo_um, b.range().hi_um); })
+      .def_property_readonly("integral_um", &BandResponse::integral)
+      .def("radiance", &response_radiance, py::arg("flux"), py::arg("temperature_k"), py::arg("derivative"));
+}
+
+}  // namespace apps::python

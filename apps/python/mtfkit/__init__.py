@@ -1,0 +1,45 @@
+# SPDX-License-Identifier: Apache-2.0
+"""OTF models of electro-optical and infrared sensors: simulate, measure, fit, trade studies.
+
+A Sensor is a value: load it, or build it of keywords. Results are numbers with their units and, where a method is
+approximate, the error that it promises. Lengths, angles and times are texts with a unit, "15 um", or (15, "um").
+The guide is apps/python/README.md; `help(mtfkit.Sensor)` and `mtfkit.kinds()` say what there is.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from mtfkit import air, components, light, noise, targets
+from mtfkit._core import __version__
+from mtfkit.budgets import Budget, Figure
+from mtfkit.components import Component, kinds
+from mtfkit.curves import Column, Curves
+from mtfkit.custom import Custom, custom
+from mtfkit.edges import Edge, Edges, Estimate, measure
+from mtfkit.errors import DataError, Error, ToleranceError, UsageError
+from mtfkit.figures_of_merit import metrics
+from mtfkit.fits import CurveData, Fit, Parameter, fit
+from mtfkit.images import Image, read, write
+from mtfkit.scenes import Heat, heat, render
+from mtfkit.sensors import Finding, Findings, Sensor
+from mtfkit.simulation import Plan, Run
+from mtfkit.studies import Gradient, Optimum, Study, StudyColumn
+if TYPE_CHECKING:  # a class for each kind of component, made when one is asked for
+    from mtfkit.components import *
+
+__all__ = ["Budget", "Column", "Component", "CurveData", "Curves", "Custom", "DataError", "Edge", "Edges", "Error", "Estimate",
+           "Figure", "Finding", "Findings", "Fit", "Gradient", "Heat", "Image", "Optimum", "Parameter", "Plan", "Run",
+           "Sensor", "Study", "StudyColumn", "ToleranceError", "UsageError", "__version__", "air", "components",
+           "fit", "heat", "kinds", "light", "measure", "metrics", "noise", "read", "render", "targets", "write"]
+
+
+def __getattr__(name: str) -> Any:
+    # A class for each kind of component, made when the first one is asked for: Jitter, Diffraction, ...
+    if name.startswith("_"):
+        raise AttributeError(name)
+    return getattr(components, name)
+
+
+def __dir__() -> list[str]:
+    return [*globals(), *components.classes()]

@@ -1,0 +1,171 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Components of your own: a function of (fx, fy) becomes one, held to what every component is held to."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from mtfkit import quantities
+from mtfkit.errors import UsageError
+
+if TYPE_CHECKING:
+    import numpy.typing as npt
+
+    Floats = npt.NDArray[np.float64]
+
+__all__ = ["Custom", "custom"]
+
+_MOST_SAMPLES = 16385
+_UNITS = ("cy/mm", "cy/mrad", "cy/px")
+
+
+@dataclass(frozen=True, eq=False)
+class Custom:
+    """A component made of a function: tables that stand for it within `error`, absolute, at every frequency.
+
+    `axis` is "radial" (one table against |f|) or "separable" (one along x, one along y). Stands in the list of a Sensor as
+    any component; the sensor carries the tables, saves and pickles with them.
+    """
+
+    label: str
+    unit: str
+    axis: str
+    frequency: Floats
+    values: tuple[Floats, ...]
+    error: float
+
+    def tables(self) -> list[tuple[str, str, str]]:
+        """(label, axis, CSV) of each table."""
+        header = f"frequency_{self.unit.replace('/', '_')},mtf\n"
+        names = ["radial"] if self.axis == "radial" else ["x", "y"]
+        return [(self.label if len(names) == 1 else f"{self.label}_{name}", name,
+                 header + "".join(f"{f!r},{v!r}\n" for f, v in zip(self.frequency.tolist(), values.tolist())))
+                for name, values in zip(names, self.values)]
+
+
+def _evaluated(otf: Callable[[Any, Any], Any], fx: Floats, fy: Floats) -> Floats:
+    """The function there, held to what an OTF of a table can be."""
+    values = np.asarray(otf(fx, fy))
+    if values.shape != fx.shape:
+        raise UsageError(f"custom: the function gives an array of the shape {values.shape} for frequencies of the shape "
+                         f"{fx.shape}; give a value for each")
+    if values.dtype.kind not in "biufc":
+        raise UsageError(f"custom: the function gives values of type {values.dtype}")
+    if not np.isfinite(values).all():
+        bad = int(np.flatnonzero(~np.isfinite(values))[0])
+        raise UsageError(f"custom: the function is not finite at ({fx[bad]:.6g}, {fy[bad]:.6g})")
+    if np.iscomplexobj(values):
+        if np.abs(values.imag).max() > 1e-12:
+            bad = int(np.argmax(np.abs(values.imag)))
+            raise UsageError(f"custom: the OTF is not real at ({fx[bad]:.6g}, {fy[bad]:.6g}): phase is not carried; "
+                             "wavefront has aberrations with phase")
+        values = values.real
+    return np.asarray(values, dtype=np.float64)
+
+
+def _require(holds: npt.NDArray[np.bool_], fx: Floats, fy: Floats, what: str) -> None:
+    if not holds.all():
+        bad = int(np.flatnonzero(~holds)[0])
+        raise UsageError(f"custom: {what}, which fails at ({fx[bad]:.6g}, {fy[bad]:.6g})")
+
+
+def _conforms(otf: Callable[[Any, Any], Any], cutoff: float, gain: bool) -> tuple[Floats, Floats, Floats]:
+    """Points over the plane and the values there, after the checks that every component passes."""
+    zero = np.zeros(1)
+    at_zero = float(_evaluated(otf, zero, zero)[0])
+    if abs(at_zero - 1.0) > 4 * np.finfo(float).eps:
+        raise UsageError(f"custom: otf(0, 0) = {at_zero!r}; an OTF is 1 there, and what it takes from all frequencies is a "
+                         "transmission")
+    numbers = np.random.default_rng(0)
+    radius, angle = cutoff * np.sqrt(numbers.random(2000)), 2 * np.pi * numbers.random(2000)
+    fx, fy = radius * np.cos(angle), radius * np.sin(angle)
+    values = _evaluated(otf, fx, fy)
+    if not gain:
+        _require(np.abs(values) <= 1 + 1e-12, fx, fy, "|otf| is at most 1 without gain=True")
+    for x, y, name in ((-fx, fy, "x"), (fx, -fy, "y")):
+        _require(np.abs(_evaluated(otf, x, y) - values) <= 1e-12, fx, fy, f"the OTF is the same at -f{name}")
+    return fx, fy, values
+
+
+def _table(profile: Callable[[Floats], Floats], cutoff: float, tolerance: float) -> tuple[Floats, Floats, float]:
+    """Samples whose monotone cubic is the profile within the tolerance, and what it errs by between them."""
+    count = 65
+    while True:
+        f = np.linspace(0.0, cutoff, count)
+        values = profile(f)
+        middle = np.concatenate([0.5 * (f[:-1] + f[1:]), 0.75 * f[:-1] + 0.25 * f[1:], 0.25 * f[:-1] + 0.75 * f[1:]])
+        error = float(np.abs(monotone_cubic(f, values, middle) - profile(middle)).max())
+        if 2.0 * error <= tolerance:
+            return f, values, 2.0 * error
+        if count >= _MOST_SAMPLES:
+            raise UsageError(f"custom: a table of {count} samples is off by {error:.2g}, more than half of the tolerance "
+                             f"{tolerance:g}: the function is too steep somewhere; give a larger tolerance")
+        count = 2 * count - 1
+
+
+def monotone_cubic(f: Floats, values: Floats, at: Floats) -> Floats:
+    """The curve of a table as the component `curve` has it: Fritsch and Carlson, SIAM J. Numer. Anal. 17, 238 (1980)."""
+    step, slope = np.diff(f), np.diff(values) / np.diff(f)
+    tangent = np.empty_like(values)
+    left, right = slope[:-1], slope[1:]
+    a, b = 2 * step[1:] + step[:-1], step[1:] + 2 * step[:-1]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        inner = (a + b) / (a / left + b / right)
+    tangent[1:-1] = np.where(left * right > 0, inner, 0.0)
+    tangent[0], tangent[-1] = slope[0], slope[-1]
+    k = np.clip(np.searchsorted(f, at, side="right") - 1, 0, len(f) - 2)
+    t = (at - f[k]) / step[k]
+    return np.asarray(values[k] * (1 + 2 * t) * (1 - t) ** 2 + values[k + 1] * t * t * (3 - 2 * t)
+                      + step[k] * t * (1 - t) * (tangent[k] * (1 - t) - tangent[k + 1] * t), dtype=np.float64)
+
+
+def custom(otf: Callable[[Any, Any], Any], *, cutoff: quantities.Value, label: str = "custom", gain: bool = False,
+           tolerance: float = 1e-6) -> Custom:
+    """A component of your own, for exploration: `otf(fx, fy)` takes arrays of frequencies and gives the OTF there.
+
+    `cutoff` is where it ends, in the unit that the function takes: "60 cy/mm", (2, "cy/px"), "5 cy/mrad"; beyond it the OTF
+    falls to 0. The function is held to what every component is held to (1 at zero, at most 1 without `gain`, finite), and
+    has to be real, even along both axes, and radial or a product of x and y. It is replaced by tables that differ from it
+    by less than `tolerance` at every frequency, which promises of the sensor count. Raises UsageError that says which
+    property fails, and where.
+
+    >>> import numpy as np, mtfkit as mk
+    >>> blur = mk.custom(lambda fx, fy: np.exp(-((fx ** 2 + fy ** 2) / 40 ** 2)), cutoff="200 cy/mm", label="coating")
+    >>> blur.axis, blur.error < 1e-6
+    ('radial', True)
+    """
+    words = quantities.words(cutoff, "cutoff") if isinstance(cutoff, str) or quantities.is_quantity(cutoff) else ""
+    unit = next((u for u in _UNITS if words.endswith(u)), "")
+    try:
+        end = float(words[:len(words) - len(unit)]) if unit else 0.0
+    except ValueError:
+        end = 0.0
+    if not end > 0.0 or not np.isfinite(end):
+        raise UsageError(f"cutoff: {cutoff!r} is no frequency above 0 with its unit, such as \"60 cy/mm\"")
+    if not label.replace("_", "a").isalnum():
+        raise UsageError(f"label: {label!r} has other characters than letters, digits and _")
+    fx, fy, values = _conforms(otf, end, gain)
+
+    def along_x(f: Floats) -> Floats:
+        return _evaluated(otf, f, np.zeros_like(f))
+
+    def along_y(f: Floats) -> Floats:
+        return _evaluated(otf, np.zeros_like(f), f)
+
+    if np.abs(along_x(np.hypot(fx, fy)) - values).max() <= 1e-12:
+        f, table, error = _table(along_x, end, tolerance)
+        return Custom(label, unit, "radial", f, (table,), error)
+    if np.abs(along_x(fx) * along_y(fy) - values).max() <= 1e-12:
+        f, x_table, x_error = _table(along_x, end, 0.5 * tolerance)
+        g, y_table, y_error = _table(along_y, end, 0.5 * tolerance)
+        if len(f) != len(g):  # one grid for both
+            f = f if len(f) > len(g) else g
+            x_table, y_table = along_x(f), along_y(f)  # a finer table errs by less
+        return Custom(label, unit, "separable", f, (x_table, y_table), x_error + y_error)
+    bad = int(np.argmax(np.abs(along_x(np.hypot(fx, fy)) - values)))
+    raise UsageError(f"custom: the OTF is neither radial nor a product of x and y, as at ({fx[bad]:.6g}, {fy[bad]:.6g}); "
+                     "describe it as a product of such components")

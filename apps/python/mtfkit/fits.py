@@ -1,0 +1,256 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A sensor's parameters from what it measured, and what the data cannot tell."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from mtfkit import _core, quantities, results
+from mtfkit.edges import Estimate, image_argument
+from mtfkit.errors import UsageError
+from mtfkit.progress import Progress, function_of
+
+if TYPE_CHECKING:
+    import numpy.typing as npt
+
+    from mtfkit.edges import ImageLike
+    from mtfkit.sensors import Sensor
+
+    Floats = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class CurveData:
+    """An MTF that another instrument measured: values `mtf` at `frequency` [`unit`] along `angle`.
+
+    `sd` is one standard deviation for all, or one for each.
+    """
+
+    frequency: npt.ArrayLike
+    mtf: npt.ArrayLike
+    sd: npt.ArrayLike = 0.01
+    unit: str = "cy/mm"
+    angle: quantities.Value = 0
+    name: str = "curve"
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """A fitted number of the sensor.
+
+    `value` is NaN where the data do not determine it, `sd` where there is no standard deviation. `verdict` says how well
+    it is known: "determined", "at bound", "prior only", "not determined", "interval", with what it cannot be told from.
+    `low` and `high` are the ends of a 95 % interval where one was made.
+    """
+
+    name: str
+    value: float
+    sd: float
+    unit: str
+    start: float
+    low: float
+    high: float
+    verdict: str
+
+
+class Fit:
+    """What `mtf fit` gives, bit for bit."""
+
+    def __init__(self, sensor: Sensor, run: _core.FitRun) -> None:
+        self._sensor = sensor
+        self._run = run
+        self.report: dict[str, Any] = json.loads(run.report)  #: the JSON of `mtf fit`
+
+    @property
+    def status(self) -> str:
+        """"converged", "converged_model_wrong", "not_converged", "no_data"."""
+        return str(self.report["status"])
+
+    @property
+    def reason(self) -> str:
+        """Why it did not end well; "" when it did."""
+        return self.report["reason"] or ""
+
+    @property
+    def adequate(self) -> bool:
+        """True when the fit converged and the sensor describes the data: the residuals have no structure beyond noise."""
+        return self.status == "converged"
+
+    @property
+    def chi2_per_dof(self) -> float:
+        """Chi-square per degree of freedom, 1 for a sensor that describes the data."""
+        return float(self.report["chi2_per_dof"])
+
+    @property
+    def warnings(self) -> list[str]:
+        """What to be careful with."""
+        return list(self.report["warnings"])
+
+    @property
+    def parameters(self) -> tuple[Parameter, ...]:
+        """The fitted numbers."""
+        words = {name: direction["text"] for direction in self.report["not_separable"]
+                 for name in direction["parameters"]}
+        return tuple(_parameter(entry, words.get(entry["name"], "")) for entry in self.report["parameters"])
+
+    def __getitem__(self, name: str) -> Parameter:
+        for parameter in self.parameters:
+            if parameter.name == name:
+                return parameter
+        raise KeyError(name)
+
+    @property
+    def table(self) -> Any:
+        """A DataFrame: index parameter; columns value, sd, unit, start, low, high, verdict."""
+        pandas = results.pandas("Fit.table")
+        rows = [(p.value, p.sd, p.unit, p.start, p.low, p.high, p.verdict) for p in self.parameters]
+        return pandas.DataFrame(rows, columns=["value", "sd", "unit", "start", "low", "high", "verdict"],
+                                index=pandas.Index([p.name for p in self.parameters], name="parameter"))
+
+    @property
+    def correlation(self) -> Floats:
+        """The correlation of the parameters in their order; NaN where the data do not tell."""
+        count = len(self.report["parameters"])
+        rows = [[np.nan if v is None else v for v in row] for row in self.report["correlation"]]
+        return np.array(rows, dtype=np.float64).reshape(len(rows), count if rows else 0)
+
+    @property
+    def covariance(self) -> Floats:
+        """The covariance of the parameters in their units; NaN where there is no standard deviation."""
+        sd = np.array([p.sd for p in self.parameters])
+        return self.correlation * np.outer(sd, sd)
+
+    @property
+    def frequency(self) -> Floats:
+        """Frequencies of `mtf` in cycles/pixel along the first edge's normal."""
+        return np.array(self.report["mtf"]["frequency"], dtype=np.float64)
+
+    @property
+    def mtf(self) -> Floats:
+        """The MTF of the fitted sensor."""
+        return np.array(self.report["mtf"]["value"], dtype=np.float64)
+
+    @property
+    def mtf_sd(self) -> Floats:
+        """Its standard deviation, from the covariance."""
+        return np.array([np.nan if v is None else v for v in self.report["mtf"]["sd"]], dtype=np.float64)
+
+    @property
+    def mtf50(self) -> Estimate | None:
+        """The frequency of half contrast in cycles/pixel."""
+        found = self.report["mtf50"]
+        return Estimate(found["value"], found["sd"]) if found else None
+
+    @property
+    def sensor(self) -> Sensor:
+        """The sensor with the fitted values and their standard errors in its file, comments kept."""
+        return type(self._sensor)._of(self._run.sensor, self._sensor._tables)
+
+    @property
+    def residuals(self) -> list[tuple[str, npt.NDArray[np.float32]]]:
+        """Of every edge and point source its name and (pixel - model) / sd, NaN where a pixel does not count."""
+        return self._run.residuals
+
+    def explain(self) -> results.Text:
+        """What `mtf fit` prints."""
+        return results.Text(self._run.table)
+
+    def __repr__(self) -> str:
+        values = ", ".join(f"{p.name} = {p.value:.6g} +- {p.sd:.2g} {p.unit}".rstrip() for p in self.parameters)
+        return f"<Fit {self.status}: {values}>"
+
+    def _repr_html_(self) -> str:
+        return self.explain()._repr_html_()
+
+
+def _parameter(entry: Mapping[str, Any], word: str) -> Parameter:
+    def number(value: float | None) -> float:
+        return float("nan") if value is None else float(value)
+
+    interval = entry["interval"] or {}
+    ends = entry["interval95"] or [interval.get("low"), interval.get("high")]
+    low, high = (number(end) for end in ends)
+    verdict = entry["knowledge"] + (f": {word}" if word else "")
+    if entry["limit95"] is not None:
+        verdict += f"; 95 %: {'at most' if entry['limit_is'] == 'upper' else 'at least'} {entry['limit95']:.4g}"
+    return Parameter(entry["name"], number(entry["value"]), number(entry["stderr"]), entry["unit"], entry["start"], low,
+                     high, verdict)
+
+
+def _bounds(name: str, given: Any) -> dict[str, Any]:
+    if given is None:
+        return {}
+    if isinstance(given, Mapping):
+        unknown = set(given) - {"min", "max", "prior", "value"}
+        if unknown:
+            raise UsageError(f"free: {name}: {', '.join(sorted(unknown))} is not known (min, max, prior, value)")
+        fields = dict(given)
+        if isinstance(fields.get("prior"), (tuple, list)):
+            fields["prior"] = dict(zip(("mean", "sd"), fields["prior"]))
+        return fields
+    if isinstance(given, (tuple, list)) and len(given) == 2 and not quantities.is_quantity(given):
+        return {key: bound for key, bound in zip(("min", "max"), given) if bound is not None}
+    raise UsageError(f"free: {name}: {given!r} is no pair of bounds; give (least, largest), {{\"min\": ..., \"max\": ..., "
+                     "\"prior\": (mean, sd)}, or None for the bounds of the sensor file")
+
+
+def marked(sensor: Sensor, free: Mapping[str, Any] | Iterable[str] | None) -> Sensor:
+    """The sensor with { value, fit = true, min, max } for what is free; without `free` it stays as it is."""
+    if free is None:
+        return sensor
+    named = dict(free) if isinstance(free, Mapping) else {name: None for name in free}
+    marks = {}
+    for name, given in named.items():
+        fields = _bounds(name, given)
+        stated = sensor._file.stated(name)
+        if "value" not in fields and not stated:
+            raise UsageError(f"free: {name}: the sensor file does not state it; give it a value to start from, as "
+                             f"{{\"value\": ...}} or with sensor.replace")
+        if "value" not in fields:
+            fields = {"value": json.loads(stated) if stated.startswith('"') else float(stated), **fields}
+        marks[name] = {"value": fields.pop("value"), "fit": True, **fields}
+    return sensor.replace(marks)
+
+
+def fit(sensor: Sensor, *, edges: Sequence[ImageLike | tuple[ImageLike, Sensor]] = (),
+        free: Mapping[str, Any] | Iterable[str] | None = None, curves: Sequence[CurveData] = (),
+        spots: Sequence[ImageLike | tuple[ImageLike, Sensor]] = (), robust: bool = True, starts: int = 1,
+        profile: bool = False, residual_otf: bool = False, channel: str | None = None, encoding: str = "",
+        roi: Sequence[Sequence[int]] | None = None, noise_sd: float | None = None, saturation: float | None = None,
+        most: int = 64, threads: int = 0, progress: Progress = None) -> Fit:
+    """Fits numbers of a sensor to what it measured, as `mtf fit`, bit for bit.
+
+    `edges` are images of edges, `spots` images of point sources, `curves` MTFs of other instruments. An image that was
+    taken with another setting (focus, exposure, band) is a pair (image, sensor of that setting); the fitted numbers are
+    shared by all. `free` names what is fitted: {"jitter.rms": ("0 urad", "80 urad"), "defocus.distance": None}, a pair of
+    bounds, a dictionary of min, max, prior and value, or None; without `free` it is what the sensor file marks
+    { value = ..., fit = true }. `robust` lets outliers count less, `starts` runs from several values, `profile` makes
+    intervals by profile likelihood. Ctrl-C ends the fit.
+
+    A fit that does not end well is a result with its `status` and `reason`. Raises UsageError for parameters that do not
+    exist, DataError for files that cannot be read.
+    """
+    from mtfkit.sensors import Sensor
+
+    def pairs(images: Sequence[Any], what: str) -> list[tuple[Any, Any]]:
+        if isinstance(images, (str, np.ndarray)):
+            raise UsageError(f"{what}: is a list of images; write [image]")
+        made = []
+        for image in images:
+            taken = image if isinstance(image, tuple) and len(image) == 2 and isinstance(image[1], Sensor) else (image, None)
+            made.append((image_argument(taken[0]), taken[1]._file if taken[1] is not None else None))
+        return made
+
+    given = [(c.name, np.asarray(c.frequency, float).ravel().tolist(), np.asarray(c.mtf, float).ravel().tolist(),
+              np.atleast_1d(np.asarray(c.sd, float)).ravel().tolist(), c.unit, quantities.angle_deg(c.angle)) for c in curves]
+    words = {"channel": channel, "encoding": encoding, "regions": [list(r) for r in roi] if roi is not None else [],
+             "noise_sd": noise_sd, "saturation": saturation, "most": most}
+    asked = marked(sensor, free)
+    run = _core.fit(asked._file, pairs(edges, "edges"), pairs(spots, "spots"), given, words, robust, starts, profile,
+                    residual_otf, threads, function_of(progress, "fitting"))
+    return Fit(asked, run)

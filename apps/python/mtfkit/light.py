@@ -1,0 +1,112 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Blackbodies: at a wavelength, in a band, through curves. Relative errors stay below 2e-15 from 1 K to 1e9 K.
+
+Arguments are arrays of plain numbers in the unit that their names say, and broadcast. `flux` is "watts" (W) or "photons"
+(photons per second); at 0 K every radiance is 0, a negative temperature or wavelength gives NaN.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from mtfkit import _core, quantities
+
+if TYPE_CHECKING:
+    import numpy.typing as npt
+
+__all__ = ["BandResponse", "band_derivative", "band_radiance", "band_temperature", "brightness_temperature", "log_planck",
+           "planck", "planck_derivative"]
+
+
+def _at_wavelength(what: str, wavelength_um: npt.ArrayLike, other: npt.ArrayLike, flux: str) -> Any:
+    a, b = np.broadcast_arrays(np.asarray(wavelength_um, dtype=np.float64), np.asarray(other, dtype=np.float64))
+    return _core.blackbody(what, flux, a.ravel(), b.ravel()).reshape(a.shape)[()]
+
+
+def planck(wavelength_um: npt.ArrayLike, temperature_k: npt.ArrayLike, *, flux: str = "watts") -> Any:
+    """Spectral radiance of a blackbody: W (or photons s-1) m-2 sr-1 um-1. Raises UsageError for another flux.
+
+    >>> import mtfkit as mk
+    >>> round(float(mk.light.planck(10.0, 300.0)), 3)
+    9.924
+    """
+    return _at_wavelength("planck", wavelength_um, temperature_k, flux)
+
+
+def log_planck(wavelength_um: npt.ArrayLike, temperature_k: npt.ArrayLike, *, flux: str = "watts") -> Any:
+    """The natural logarithm of `planck`, also where that is too small for a double."""
+    return _at_wavelength("log_planck", wavelength_um, temperature_k, flux)
+
+
+def planck_derivative(wavelength_um: npt.ArrayLike, temperature_k: npt.ArrayLike, *, flux: str = "watts") -> Any:
+    """The derivative of `planck` by the temperature, per K."""
+    return _at_wavelength("planck_derivative", wavelength_um, temperature_k, flux)
+
+
+def brightness_temperature(wavelength_um: npt.ArrayLike, radiance: npt.ArrayLike, *, flux: str = "watts") -> Any:
+    """The temperature in K of the blackbody of that spectral radiance: the inverse of `planck`."""
+    return _at_wavelength("brightness_temperature", wavelength_um, radiance, flux)
+
+
+def _in_band(what: str, band: tuple[quantities.Value, quantities.Value], other: npt.ArrayLike, flux: str) -> Any:
+    values = np.asarray(other, dtype=np.float64)
+    lo, hi = (quantities.micrometres(end, "band") for end in band)
+    return _core.blackbody_band(what, flux, lo, hi, values.ravel()).reshape(values.shape)[()]
+
+
+def band_radiance(band: tuple[quantities.Value, quantities.Value], temperature_k: npt.ArrayLike, *,
+                  flux: str = "watts") -> Any:
+    """Radiance of a blackbody in a band, ("3.4 um", "4.8 um"): W (or photons s-1) m-2 sr-1."""
+    return _in_band("radiance", band, temperature_k, flux)
+
+
+def band_derivative(band: tuple[quantities.Value, quantities.Value], temperature_k: npt.ArrayLike, *,
+                    flux: str = "watts") -> Any:
+    """The derivative of `band_radiance` by the temperature, per K."""
+    return _in_band("derivative", band, temperature_k, flux)
+
+
+def band_temperature(band: tuple[quantities.Value, quantities.Value], radiance: npt.ArrayLike, *,
+                     flux: str = "watts") -> Any:
+    """The temperature in K of the blackbody of that radiance in the band: the inverse of `band_radiance`."""
+    return _in_band("temperature", band, radiance, flux)
+
+
+class BandResponse:
+    """A product of curves over a band: filter x optics x quantum efficiency, each (wavelength_um, value).
+
+    Between samples a curve is a straight line, and outside its range it is 0. Raises UsageError for curves that do not
+    rise or have nothing in common with the band.
+    """
+
+    def __init__(self, band: tuple[quantities.Value, quantities.Value],
+                 curves: Sequence[tuple[npt.ArrayLike, npt.ArrayLike]] = ()) -> None:
+        lo, hi = (quantities.micrometres(end, "band") for end in band)
+        given = [(np.asarray(w, dtype=np.float64).ravel().tolist(), np.asarray(v, dtype=np.float64).ravel().tolist())
+                 for w, v in curves]
+        self._response = _core.BandResponse(lo, hi, given)
+
+    @property
+    def range_um(self) -> tuple[float, float]:
+        """The wavelengths that band and curves have in common."""
+        return self._response.range_um
+
+    @property
+    def integral_um(self) -> float:
+        """The integral of the product, in um."""
+        return self._response.integral_um
+
+    def radiance(self, temperature_k: npt.ArrayLike, *, flux: str = "watts") -> Any:
+        """The weighted radiance of a blackbody: W (or photons s-1) m-2 sr-1."""
+        return self._of(temperature_k, flux, False)
+
+    def derivative(self, temperature_k: npt.ArrayLike, *, flux: str = "watts") -> Any:
+        """Its derivative by the temperature, per K."""
+        return self._of(temperature_k, flux, True)
+
+    def _of(self, temperature_k: npt.ArrayLike, flux: str, derivative: bool) -> Any:
+        values = np.asarray(temperature_k, dtype=np.float64)
+        return self._response.radiance(flux, values.ravel(), derivative).reshape(values.shape)[()]

@@ -1,0 +1,105 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Values of sensor files as Python writes them: texts with a unit, or (number, unit)."""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from mtfkit.errors import UsageError
+
+#: "15 um", (15, "um"), a plain number, a list, True or False.
+Value = Any
+
+
+def _number(value: float, what: str) -> str:
+    if isinstance(value, (int, np.integer)):
+        return str(int(value))
+    if not math.isfinite(value):
+        raise UsageError(f"{what}: {value} is not a finite number")
+    return repr(float(value))
+
+
+def is_quantity(value: Value) -> bool:
+    """True for (number, unit)."""
+    return (isinstance(value, tuple) and len(value) == 2 and isinstance(value[1], str)
+            and isinstance(value[0], (int, float, np.integer, np.floating)) and not isinstance(value[0], bool))
+
+
+def toml(value: Value, what: str) -> str:
+    """The value as a TOML file has it. `what` is what messages call it."""
+    if isinstance(value, np.generic):
+        value = value.item()
+    if isinstance(value, (bool, np.bool_)):
+        return "true" if value else "false"
+    if isinstance(value, str):
+        return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
+    if isinstance(value, os.PathLike):
+        return toml(os.fspath(value), what)
+    if is_quantity(value):
+        return toml(f"{_number(value[0], what)} {value[1]}", what)
+    if isinstance(value, (int, float)):
+        return _number(value, what)
+    if isinstance(value, Mapping):
+        return "{ " + ", ".join(f"{key} = {toml(item, f'{what}.{key}')}" for key, item in value.items()) + " }"
+    if isinstance(value, np.ndarray):
+        value = value.tolist()
+    if isinstance(value, Sequence):
+        return "[" + ", ".join(toml(item, f"{what}[{i}]") for i, item in enumerate(value)) + "]"
+    raise UsageError(f"{what}: {value!r} is no value of a sensor file; give a number, a text such as \"15 um\", "
+                     "(15, \"um\"), a list, or True or False")
+
+
+def words(value: Value, what: str) -> str:
+    """The value as `replace` and schedules have it: texts without their quotes."""
+    if isinstance(value, (str, os.PathLike)):
+        return os.fspath(value)
+    if is_quantity(value):
+        return f"{_number(value[0], what)} {value[1]}"
+    return toml(value, what)  # of a dictionary the inline table, { value = ..., fit = true }
+
+
+def sample_words(sample: Value) -> tuple[str, str] | None:
+    """The spacing of scene samples along x and y: one value for both, or a pair of them."""
+    if sample is None:
+        return None
+    if isinstance(sample, str) or is_quantity(sample):
+        return words(sample, "sample"), words(sample, "sample")
+    if isinstance(sample, (tuple, list)) and len(sample) == 2 and all(
+            isinstance(one, str) or is_quantity(one) for one in sample):
+        return words(sample[0], "sample"), words(sample[1], "sample")
+    raise UsageError(f"sample: {sample!r} has no unit; write \"3.75 um\", (3.75, \"um\"), or a pair of them for x and y")
+
+
+def angle_deg(angle: Value, what: str = "angle") -> float:
+    """An angle in degrees: "45 deg", (45, "deg"), "0.1 rad"; a plain 0 is 0 in any unit."""
+    from mtfkit import _core
+
+    if isinstance(angle, (int, float)) and not isinstance(angle, bool) and angle == 0:
+        return 0.0
+    if isinstance(angle, str) or is_quantity(angle):
+        return _core.angle_deg(words(angle, what))
+    raise UsageError(f"{what}: {angle!r} has no unit; write \"{angle} deg\" or ({angle}, \"deg\")")
+
+
+def kelvin(temperature: Value, what: str = "temperature") -> float:
+    """A temperature in K: "288 K", "15 degC", (288, "K")."""
+    from mtfkit import _core
+
+    if isinstance(temperature, str) or is_quantity(temperature):
+        return _core.to_kelvin(words(temperature, what))
+    raise UsageError(f"{what}: {temperature!r} has no unit; write \"{temperature} K\" or ({temperature}, \"K\")")
+
+
+def micrometres(length: Value, what: str) -> float:
+    """A length in um: "4 um", (4000, "nm")."""
+    from mtfkit import _core
+
+    if isinstance(length, str) or is_quantity(length):
+        return _core.length_um(words(length, what))
+    raise UsageError(f"{what}: {length!r} has no unit; write \"{length} um\" or ({length}, \"um\")")

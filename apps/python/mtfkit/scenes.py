@@ -1,0 +1,127 @@
+# SPDX-License-Identifier: Apache-2.0
+"""3-D scenes: surface temperatures over time, and the pictures of them that sensors take in."""
+
+from __future__ import annotations
+
+import json
+import os
+import time
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from mtfkit import _core, quantities, results
+from mtfkit.errors import UsageError
+from mtfkit.images import Image, read
+from mtfkit.progress import Progress, function_of
+
+if TYPE_CHECKING:
+    import numpy.typing as npt
+
+    from mtfkit.sensors import Sensor
+
+__all__ = ["Heat", "heat", "render"]
+
+
+class Heat:
+    """Temperatures of all surfaces of a scene over a run, as `mtf heat` writes them.
+
+    `folder` holds its files; it goes away with this object unless it was named.
+    """
+
+    def __init__(self, folder: str, report: dict[str, Any], warnings: list[str], seconds: float, keep: Any) -> None:
+        self.folder = folder  #: temperatures.npy, regions.csv, facets.csv, times.csv, heat.json
+        self.report = report  #: heat.json
+        self.warnings = warnings  #: reasons to doubt the result
+        self.seconds = seconds  #: wall time
+        self._keep = keep
+
+    @property
+    def promised(self) -> float:
+        """The error of the worst facet at any output, in K, given the tables of views and shadows; closures apart."""
+        return float(self.report["promised_K"])
+
+    @property
+    def temperatures(self) -> npt.NDArray[np.float32]:
+        """Temperatures in K: float32 (outputs, facets), mapped from the file; the front of sheets."""
+        temperatures: npt.NDArray[np.float32] = np.load(os.path.join(self.folder, "temperatures.npy"), mmap_mode="r")
+        return temperatures
+
+    @property
+    def times(self) -> list[str]:
+        """The output times, UTC."""
+        import csv
+
+        with open(os.path.join(self.folder, "times.csv"), encoding="utf-8") as file:
+            return [row["time"] for row in csv.DictReader(file)]
+
+    def regions(self) -> Any:
+        """A DataFrame of min_K, mean_K and max_K by (time, region)."""
+        pandas = results.pandas("Heat.regions")
+        frame = pandas.read_csv(os.path.join(self.folder, "regions.csv"))
+        frame["time"] = pandas.to_datetime(frame["time"])
+        return frame.set_index(["time", "region"])
+
+    def facets(self) -> Any:
+        """A DataFrame of the facets: mesh, region, material, area, centre and normal."""
+        return results.pandas("Heat.facets").read_csv(os.path.join(self.folder, "facets.csv"), index_col="facet")
+
+    def __repr__(self) -> str:
+        outputs, facets = self.temperatures.shape
+        return f"<Heat: {outputs} outputs of {facets} facets, promised {self.promised:.2g} K, {self.seconds:.3g} s>"
+
+
+def heat(scene: str | os.PathLike[str], *, tolerance: quantities.Value = "0.1 K", rays: int = 128,
+         every_facet: bool = False, out: str | os.PathLike[str] | None = None, threads: int = 0,
+         progress: Progress = None) -> Heat:
+    """Surface temperatures of a scene file, as `mtf heat`.
+
+    `tolerance` is in K, for the worst facet at any output; `rays` those of the view of each side of a facet;
+    `every_facet` solves each by itself. `out` is a folder for the files, which is created and has to be empty. Ctrl-C
+    ends the run. Raises UsageError for a scene file with mistakes, each with its place.
+    """
+    if not isinstance(tolerance, str) and not quantities.is_quantity(tolerance):
+        raise UsageError(f"tolerance: {tolerance!r} has no unit; write \"{tolerance} K\"")
+    kelvin = quantities.kelvin(tolerance, "tolerance")
+    start, keep = time.perf_counter(), None
+    if out is None:
+        import tempfile
+
+        keep = tempfile.TemporaryDirectory(prefix="mtfkit-heat-")
+        folder = keep.name
+    else:
+        folder = os.fspath(out)
+        os.makedirs(folder, exist_ok=True)
+        if os.listdir(folder):
+            raise UsageError(f"out: {folder} is not empty; name another folder")
+    report, warnings = _core.heat(os.fspath(scene), folder, kelvin, rays, every_facet, threads,
+                                  function_of(progress, "heat"))
+    return Heat(folder, json.loads(report), warnings, time.perf_counter() - start, keep)
+
+
+def render(scene: str | os.PathLike[str], sensor: Sensor, *, temperatures: Heat | str | os.PathLike[str] | None = None,
+           at: str | None = None, solve: bool = False, position: Sequence[float] | None = None,
+           look_at: Sequence[float] | None = None, samples_per_pitch: float = 2.0, points: int = 2, plain: bool = False,
+           air: bool = True, layers: Sequence[str] = (), out: str | os.PathLike[str] | None = None,
+           threads: int = 0) -> Image:
+    """The picture of a scene file at the aperture of a sensor, as `mtf render`: an Image for `sensor.simulate(image)`.
+
+    `temperatures` is a Heat, its folder or a table of facets; with `solve` they are solved first, without either they are
+    those of the scene file. `at` is a time, UTC. `position` and `look_at` are x (east), y (north), z (up) in m, by
+    default those of [camera]. `plain` gives radiance in the band, else it is weighted by the sensor's response.
+    `layers`: temperature, emissivity, Z, facet, material, normal, surface, transmittance. `out` keeps the file.
+    Raises UsageError for what does not fit, each with its place.
+    """
+    import tempfile
+
+    source = temperatures.folder if isinstance(temperatures, Heat) else os.fspath(temperatures or "")
+    with tempfile.TemporaryDirectory(prefix="mtfkit-render-") as folder:
+        file = os.path.join(folder, "sensor.toml")
+        sensor.save(file)
+        picture = os.fspath(out) if out is not None else os.path.join(folder, "picture.exr")
+        _core.render(os.fspath(scene), [file], picture, source, at or "", solve,
+                     None if position is None else [float(v) for v in position],
+                     None if look_at is None else [float(v) for v in look_at], samples_per_pitch, points, plain, not air,
+                     list(layers), threads)
+        return read(picture, channel=None if not layers else "Y")

@@ -1,0 +1,379 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A sensor: a value that never changes, made of a sensor file or of keywords."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Union
+
+import numpy as np
+
+from mtfkit import _core, quantities, results
+from mtfkit.budgets import Budget
+from mtfkit.components import Component
+from mtfkit.custom import Custom
+from mtfkit.curves import Curves, curves_of
+from mtfkit.errors import UsageError
+from mtfkit.simulation import Plan, Run, compile_plan, run_simulation
+
+if TYPE_CHECKING:
+    import numpy.typing as npt
+
+    from mtfkit.edges import ImageLike
+    from mtfkit.fits import CurveData, Fit
+    from mtfkit.simulation import SceneLike
+
+#: A component: its kind alone, a dictionary with `kind`, or an object such as mtfkit.Jitter(rms="20 urad").
+ComponentLike = Union[str, Mapping[str, Any], Component, Custom]
+Table = Mapping[str, Any]
+
+
+@dataclass(frozen=True)
+class Finding:
+    """What `mtf config check` says: severity "error", "warning" or "note", where, and about what."""
+
+    severity: str
+    line: int
+    column: int
+    path: str
+    text: str
+
+    def __str__(self) -> str:
+        return f"{self.line}:{self.column}: {self.severity}: {self.path}: {self.text}"
+
+
+class Findings(tuple[Finding, ...]):
+    """All findings; true when none of them is an error, so that `assert sensor.check()` reads well."""
+
+    __slots__ = ()
+
+    def __bool__(self) -> bool:
+        return not any(finding.severity == "error" for finding in self)
+
+    def __str__(self) -> str:
+        return "\n".join(str(finding) for finding in self) or "nothing to remark"
+
+
+def _table_lines(name: str, table: Table) -> list[str]:
+    return [f"[{name}]", *(f"{key} = {quantities.toml(value, f'{name}.{key}')}" for key, value in table.items()), ""]
+
+
+def _component_lines(stage: str, index: int, given: ComponentLike) -> list[str]:
+    what = f"{stage}[{index}]"
+    if isinstance(given, str):
+        fields: Mapping[str, Any] = {"kind": given}
+    elif isinstance(given, Component):
+        fields = given.fields()
+    elif isinstance(given, Mapping):
+        fields = given
+    else:
+        raise UsageError(f"{what}: {given!r} is no component; give its kind, a dictionary with kind, or an object such "
+                         "as mtfkit.Jitter(rms=\"20 urad\")")
+    if "kind" not in fields:
+        raise UsageError(f"{what}: the dictionary has no kind")
+    return [f"[[{stage}]]", *(f"{key} = {quantities.toml(value, f'{what}.{key}')}" for key, value in fields.items()), ""]
+
+
+class Sensor:
+    """A sensor, as a sensor file describes it. It never changes; `replace` gives another one.
+
+    Every keyword is a table of the sensor file with the keys of `mtf config kinds` (frame, scene, optics, band, detector,
+    adc, noise, ...); presample, readout and postsample are lists of components. Lengths, angles, times and all else that
+    has a unit are texts ("15 um") or pairs (15, "um"). Raises UsageError with every mistake.
+
+    >>> import mtfkit as mk
+    >>> sensor = mk.Sensor(frame=dict(focal_length="100 mm", pitch="15 um"), optics=dict(f_number=2.0, wavelength="4 um"),
+    ...                    presample=["diffraction", mk.Footprint(width="15 um"), mk.Jitter(rms="20 urad")])
+    >>> round(float(sensor.mtf(1e3 / 30)), 4)
+    0.3875
+    """
+
+    __slots__ = ("_canonical", "_file", "_tables")
+    _file: _core.SensorFile
+    _canonical: str | None
+    _tables: _Tables | None  # of components made of functions
+
+    def __init__(self, *, name: str = "", frame: Table, scene: Table | None = None, optics: Table | None = None,
+                 band: Table | None = None, presample: Sequence[ComponentLike] = (),
+                 readout: Sequence[ComponentLike] = (), postsample: Sequence[ComponentLike] = (), **tables: Table) -> None:
+        lines = ["schema = 1"]
+        if name:
+            lines += [f"name = {quantities.toml(name, 'name')}"]
+        lines += [""]
+        for key, table in {"frame": frame, "scene": scene, "optics": optics, "band": band, **tables}.items():
+            if table is None:
+                continue
+            if not isinstance(table, Mapping):
+                raise UsageError(f"{key}: {table!r} is no table; give a dictionary of its keys")
+            lines += _table_lines(key, table)
+        own: _Tables | None = None
+        for stage, components in {"presample": presample, "readout": readout, "postsample": postsample}.items():
+            if isinstance(components, (str, Mapping, Component, Custom)):
+                raise UsageError(f"{stage}: is a list of components; write [{components!r}]")
+            for index, component in enumerate(components):
+                if isinstance(component, Custom):
+                    own = own or _Tables()
+                    lines += own.add(stage, component)
+                else:
+                    lines += _component_lines(stage, index, component)
+        self._set(_core.SensorFile("\n".join(lines), "sensor" if own is None else own.file), own)
+
+    def _set(self, file: _core.SensorFile, tables: _Tables | None) -> None:
+        object.__setattr__(self, "_file", file)
+        object.__setattr__(self, "_canonical", None)
+        object.__setattr__(self, "_tables", tables)
+
+    @classmethod
+    def _of(cls, file: _core.SensorFile, tables: _Tables | None = None) -> Sensor:
+        sensor = object.__new__(cls)
+        sensor._set(file, tables)
+        return sensor
+
+    def __setattr__(self, name: str, value: object) -> None:
+        raise AttributeError(f"a Sensor never changes; sensor.replace({{\"{name}\": ...}}) gives another one")
+
+    def __delattr__(self, name: str) -> None:
+        raise AttributeError("a Sensor never changes")
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> Sensor:
+        """The sensor of a file. Raises UsageError with every error as a "file:line:column" line, DataError when the file
+        cannot be read."""
+        return cls.parse(_core.read_text(os.fspath(path)), file=os.fspath(path))
+
+    @classmethod
+    def parse(cls, text: str, *, file: str = "sensor") -> Sensor:
+        """The sensor of a text. `file` is what messages call it, and files that it names are relative to its folder."""
+        return cls._of(_core.SensorFile(text, file))
+
+    @classmethod
+    def starter(cls) -> Sensor:
+        """The commented sensor that `mtf config init` writes."""
+        return cls.parse(_core.starter_config(), file="starter")
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Writes the sensor file, with the comments that it has. Where files that it names would not be found from the
+        new place, it is written anew with their right names and without comments. The file appears whole or not at all.
+        """
+        path = os.fspath(path)
+        text = self.text
+        if self._tables is not None:
+            text = self._tables.write_beside(path, text)
+        elif len(self._file.files) > 1 and os.path.dirname(os.path.abspath(path)) != os.path.dirname(
+                os.path.abspath(self.file)):
+            text = self._file.canonical(os.path.abspath(path))
+        _core.write_text(path, text)
+
+    @property
+    def text(self) -> str:
+        """The sensor file, with its comments."""
+        return self._file.text
+
+    @property
+    def file(self) -> str:
+        """The file it was read from, or what messages call it."""
+        return self._file.file
+
+    @property
+    def name(self) -> str:
+        """`name` of the sensor file."""
+        return self._file.name
+
+    @property
+    def sha256(self) -> str:
+        """Of the text, 64 hex digits; reports of simulations state it."""
+        return self._file.sha256
+
+    def replace(self, values: Mapping[str, quantities.Value]) -> Sensor:
+        """Another sensor with these values, by the names that studies, schedules and `explain` use.
+
+        `sensor.replace({"jitter.rms": "60 urad", "optics.f_number": 4})`; `presample[1].rms` and `wavefront.zernike[3]`
+        are names too. Comments, order and units of all else stay; the values are set one after the other. Raises
+        UsageError for a name that the sensor does not have (with the nearest one) and for values that cannot be.
+        """
+        if not isinstance(values, Mapping):
+            raise UsageError("replace: give a dictionary, such as {\"jitter.rms\": \"60 urad\"}")
+        return Sensor._of(self._file.replaced([(name, quantities.words(value, name)) for name, value in values.items()]),
+                          self._tables)
+
+    def otf(self, fx: npt.ArrayLike, fy: npt.ArrayLike = 0.0, *, unit: str = "cy/mm") -> Any:
+        """The OTF at the frequencies (fx, fy): complex128 of their common shape, a complex number for plain numbers.
+
+        `unit` is cy/mm at the focal plane, cy/mrad or cy/px; +x is along columns, +y along rows.
+        """
+        x, y = np.broadcast_arrays(_frequencies(fx, "fx"), _frequencies(fy, "fy"))
+        values = _core.otf(self._file, x.ravel(), y.ravel(), unit).reshape(x.shape)
+        return values[()]
+
+    def mtf(self, fx: npt.ArrayLike, fy: npt.ArrayLike = 0.0, *, unit: str = "cy/mm") -> Any:
+        """The modulus of `otf`: float64 of the same shape."""
+        return np.abs(self.otf(fx, fy, unit=unit))
+
+    def curves(self, frequency: npt.ArrayLike | None = None, *, angle: quantities.Value = 0,
+               unit: str = "cy/mm") -> Curves:
+        """The OTF of every component, of each list and of the whole along one direction, as `mtf curve`, bit for bit.
+
+        `frequency` is in `unit`, by default 61 values to the smaller of cutoff and twice Nyquist; `angle` is from +x to
+        +y, "45 deg".
+        """
+        values = [] if frequency is None else np.atleast_1d(_frequencies(frequency, "frequency")).ravel().tolist()
+        return curves_of(_core.curves(self._file, values, quantities.angle_deg(angle), unit))
+
+    def explain(self) -> results.Text:
+        """What every number becomes after units and defaults, and the stages of the chain, as `mtf config explain`."""
+        return results.Text(self._file.explain())
+
+    def check(self) -> Findings:
+        """Warnings and notes about this sensor, as `mtf config check`; true when nothing is wrong."""
+        return Findings(Finding(**finding) for finding in self._file.check())
+
+    def budget(self, *, temperature: quantities.Value = "300 K") -> Budget:
+        """Electrons, noise terms and sensitivity for a surface of that temperature, as `mtf budget`, bit for bit.
+
+        Raises UsageError for a sensor without [detector].
+        """
+        kelvin = quantities.kelvin(temperature)
+        return Budget(kelvin, self._file.budget(kelvin))
+
+    def simulate(self, scene: SceneLike, *, sample: quantities.Value = None, quantity: str | None = None,
+                 beside: Mapping[str, npt.ArrayLike] | None = None, tolerance: float | None = None,
+                 nan: str = "refuse", stage: str | None = None, seed: int | None = None, frame: int = 0,
+                 frames: Iterable[int] | None = None,
+                 schedule: str | os.PathLike[str] | Sequence[tuple[int, str, quantities.Value]] | None = None,
+                 roi: tuple[int, int, int, int] | None = None, memory: int | None = None,
+                 rigor: str = "estimate", out: str | os.PathLike[str] | None = None,
+                 range: tuple[float, float] | None = None, threads: int = 0, progress: Any = None) -> Run:
+        """The image that the sensor makes of a scene, as `mtf simulate`, bit for bit.
+
+        `scene`: the name of a file ("frame.%04d.exr" for a sequence), an Image, a 2-D array of physical values, or a
+        dictionary of planes of one size. An array has `quantity` "radiance" (W m-2 sr-1), "photon_radiance",
+        "temperature" (K) or "counts", by default that of [scene], else radiance; its samples are `sample` apart, by
+        default as [scene] says. `beside` are planes that [scene] names, of emissivity or range.
+
+        `tolerance` is the rms error allowed, as a share of the scene's standard deviation. `nan` is "refuse", "fill" or
+        "propagate". `stage` is the place in the chain of a sensor with [detector]: "radiance", "irradiance", "watts",
+        "electrons", "volts", "dn", "display". `seed` and `frame` choose the noise; `frames` (a range or numbers with
+        one step) makes a sequence, with a `schedule` of (frame, parameter, value) or its CSV file. `roi` is x, y, width,
+        height in pixels; `memory` in bytes makes tiles of a file. `out` writes a file in place of images in memory, PNG
+        and TIFF with `range`. `threads` 0 = all cores, the result is the same for any; `progress` is called with the
+        share done. Ctrl-C ends the run.
+
+        Raises UsageError for a request that cannot be met (ToleranceError, with what can be kept), DataError for NaN
+        pixels and files.
+        """
+        sensor = self if seed is None else self.replace({"noise.seed": seed})
+        return run_simulation(sensor, scene, sample=sample, quantity=quantity, beside=beside, tolerance=tolerance, nan=nan,
+                              stage=stage, frame=frame, frames=frames, schedule=schedule, roi=roi, memory=memory,
+                              rigor=rigor, out=out, range=range, threads=threads, progress=progress)
+
+    def compile(self, scene: npt.ArrayLike | tuple[int, int], *, sample: quantities.Value = None,
+                quantity: str | None = None, tolerance: float | None = None, stage: str | None = None,
+                rigor: str = "estimate", threads: int = 0) -> Plan:
+        """A plan that filters many scenes of one size: `plan(scene, out=image)`.
+
+        `scene` is a shape (rows, columns), or a typical scene: then the promise counts its contrast and its rounding to
+        float32. All else as `simulate`. Of a sensor with [detector] the plan is its whole chain.
+        """
+        return compile_plan(self, scene, sample=sample, quantity=quantity, tolerance=tolerance, stage=stage, rigor=rigor,
+                            threads=threads)
+
+    def fit(self, *, edges: Sequence[ImageLike] = (), free: Mapping[str, Any] | Iterable[str] | None = None,
+            curves: Sequence[CurveData] = (), spots: Sequence[ImageLike] = (), **options: Any) -> Fit:
+        """This sensor's parameters from images of edges, curves and images of point sources: see `mtfkit.fit`."""
+        from mtfkit.fits import fit
+
+        return fit(self, edges=edges, free=free, curves=curves, spots=spots, **options)
+
+    def _table_error(self, samples_per_pixel: float) -> float:
+        """What tables in place of functions cost an image, as a share of the scene's standard deviation: an error D of the
+        OTF at each frequency costs at most D x the square root of how many alias onto one x 2, the square root of the area
+        of the mirrored canvas, x the largest gain of what follows."""
+        if self._tables is None:
+            return 0.0
+        gain = max([1.0, *(float(np.max(column.mtf)) for angle in ("0 deg", "45 deg", "90 deg")
+                           for column in self.curves(angle=angle) if column.label in ("readout", "postsample"))])
+        return float(2.0 * gain * self._tables.error * np.sqrt(samples_per_pixel))
+
+    def _key(self) -> str:
+        if self._canonical is None:
+            object.__setattr__(self, "_canonical", self._file.canonical("/mtfkit/sensor.toml"))
+        assert self._canonical is not None
+        return self._canonical
+
+    def __eq__(self, other: object) -> bool:
+        """The same values, whatever the comments, the order and the units of the texts."""
+        if not isinstance(other, Sensor):
+            return NotImplemented
+        return self._key() == other._key()
+
+    def __hash__(self) -> int:
+        return hash(self._key())
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        if self._tables is not None:
+            return _with_tables, (self.text, self._tables.csv, self._tables.error)
+        return _unpickled, (self.text, os.path.abspath(self.file) if os.path.exists(self.file) else self.file)
+
+    def __repr__(self) -> str:
+        return f"<Sensor {self.name or self.file!r}>"
+
+    def _repr_html_(self) -> str:
+        return self.explain()._repr_html_()
+
+
+def _unpickled(text: str, file: str) -> Sensor:
+    return Sensor.parse(text, file=file)
+
+
+class _Tables:
+    """Tables of components made of functions: their files, where the toolkit reads them, and what they err by."""
+
+    def __init__(self, csv: Mapping[str, str] | None = None, error: float = 0.0) -> None:
+        import tempfile
+
+        self.csv: dict[str, str] = {}
+        self.error = error
+        self._folder = tempfile.TemporaryDirectory(prefix="mtfkit-sensor-")
+        self.file = os.path.join(self._folder.name, "sensor.toml")
+        for name, text in (csv or {}).items():
+            self._write(name, text)
+
+    def _write(self, name: str, text: str) -> None:
+        self.csv[name] = text
+        with open(os.path.join(self._folder.name, name), "w", encoding="utf-8") as file:
+            file.write(text)
+
+    def add(self, stage: str, component: Custom) -> list[str]:
+        """Keeps the tables of a component; the lines of the sensor file that stand for it."""
+        lines = []
+        for label, axis, text in component.tables():
+            name = f"{label}.csv"
+            if name in self.csv and self.csv[name] != text:
+                raise UsageError(f"{stage}: two components made of functions are called {component.label!r}; give one "
+                                 "another label")
+            self._write(name, text)
+            lines += [f"[[{stage}]]", 'kind = "curve"', f'label = "{label}"', f'file = "{name}"', f'axis = "{axis}"', ""]
+        self.error += component.error
+        return lines
+
+    def write_beside(self, path: str, text: str) -> str:
+        """Writes the tables beside a sensor file; the text of that file."""
+        stem, folder = os.path.splitext(os.path.basename(path))[0], os.path.dirname(path)
+        for name, table in self.csv.items():
+            text = text.replace(f'file = "{name}"', f'file = "{stem}_{name}"')
+            _core.write_text(os.path.join(folder, f"{stem}_{name}"), table)
+        return text
+
+
+def _with_tables(text: str, csv: Mapping[str, str], error: float) -> Sensor:
+    tables = _Tables(csv, error)
+    return Sensor._of(_core.SensorFile(text, tables.file), tables)
+
+
+def _frequencies(values: npt.ArrayLike, what: str) -> npt.NDArray[np.float64]:
+    array = np.asarray(values)
+    if array.dtype.kind not in "biuf":
+        raise UsageError(f"{what}: holds values of type {array.dtype}; frequencies are numbers in `unit`")
+    return array.astype(np.float64)

@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: Apache-2.0
+
+// 3-D scenes and the air: surface temperatures, pictures, transmission.
+
+#include <pybind11/stl.h>
+
+#include "apps/atmosphere/atmosphere_options.h"
+#include "apps/python/job.h"
+#include "apps/python/topics.h"
+#include "apps/scene/command/heat_files.h"
+#include "apps/scene/command/render_options.h"
+#include "apps/sweep/output_folder.h"
+#include "mtf/error.h"
+
+namespace apps::python {
+namespace {
+
+namespace py = pybind11;
+using Point = std::array<double, 3>;
+
+Global silent(int threads) { return {.threads = threads, .quiet = true, .progress = Progress::none}; }
+
+std::string atmosphere(const std::string& file, const std::vector<std::pair<std::string, std::string>>& settings,
+                       const std::string& bands, double source_k, double tolerance, bool sky,
+                       std::optional<double> cloud_cover, std::optional<double> cloud_k) {
+  AtmosphereOptions options;
+  options.file = file;
+  options.given = settings;
+  options.bands = bands;
+  options.source_k = source_k;
+  options.tolerance = tolerance;
+  options.sky = sky;
+  options.cloud_cover = cloud_cover;
+  options.cloud_k = cloud_k;
+  std::string json;
+  run_job([&](JobControl&) { json = atmosphere_json(options, silent(0)); });
+  return json;
+}
+
+/// Solves a scene into a folder that is there and empty, with the files of `mtf heat`. Returns heat.json and warnings.
+py::tuple heat(const std::string& file, const std::string& folder, double tolerance_k, int rays, bool every_facet,
+               int threads, const py::object& progress) {
+  std::vector<std::string> warnings;
+  std::string json;
+  const void* function = progress.is_none() ? nullptr : progress.ptr();
+  run_job([&](JobControl& control) {
+    const ProgressCall report(function, control);
+    std::vector<mtf::io::Diagnostic> findings;
+    const scene::SceneFile read = scene::load_scene(file, &findings);
+    for (const mtf::io::Diagnostic& finding : findings) warnings.push_back(mtf::io::format_diagnostic(finding, file));
+    const scene::HeatOptions options{
+        .tolerance_k = tolerance_k, .rays = rays, .every_facet = every_facet, .threads = threads, .go_on = [&] {
+          return !control.stopped();
+        }};
+    const scene::HeatScene prepared = scene::prepare_heat(read, options);
+    warnings.insert(warnings.end(), prepared.warnings.begin(), prepared.warnings.end());
+    scene::HeatFiles files(folder, prepared);
+    const scene::HeatReport made = scene::run_heat(
+        prepared, options, [&](const scene::HeatOutput& output) { files.append(output); },
+        [&](const std::string&, double share) { report(share); });
+    control.check();
+    files.commit(made, options);
+    json = scene::heat_json(prepared, made, options);
+  });
+  return py::make_tuple(json, warnings);
+}
+
+std::string render(const std::string& scene_file, const std::vector<std::string>& sensors, const std::string& out,
+                   const std::string& temperatures, const std::string& time, bool solve,
+                   const std::optional<Point>& position, const std::optional<Point>& look_at, double samples_per_pitch,
+                   int points, bool plain, bool no_air, const std::vector<std::string>& layers, int threads) {
+  const RenderCommandOptions options{.scene = scene_file,
+                                     .out = out,
+                                     .sensors = sensors,
+                                     .temperatures = temperatures,
+                                     .time = time,
+                                     .heat = solve,
+                                     .picture = "",
+                                     .position = position,
+                                     .look_at = look_at,
+                                     .sampling = {.samples_per_pitch = samples_per_pitch, .points = points},
+                                     .plain = plain,
+                                     .no_air = no_air,
+                                     .layers = layers,
+                                     .from = "",
+                                     .materials = "",
+                                     .planar_depth = std::nullopt,
+                                     .channels = {},
+                                     .force = true,
+                                     .json = true};
+  std::string json;
+  run_job([&](JobControl&) { json = render_pictures(options, silent(threads)); });
+  return json;
+}
+
+}  // namespace
+
+void add_scenes(py::module_& module) {
+  module.def("atmosphere", &atmosphere, py::arg("file"), py::arg("settings"), py::arg("bands"), py::arg("source_k"),
+             py::arg("tolerance"), py::arg("sky"), py::arg("cloud_cover"), py::arg("cloud_k"));
+  module.def("heat", &heat, py::arg("file"), py::arg("folder"), py::arg("tolerance_k"), py::arg("rays"),
+             py::arg("every_facet"), py::arg("threads"), py::arg("progress"));
+  module.def("render", &render, py::arg("scene"), py::arg("sensors"), py::arg("out"), py::arg("temperatures"),
+             py::arg("time"), py::arg("solve"), py::arg("position"), py::arg("look_at"), py::arg("samples_per_pitch"),
+             py::arg("points"), py::arg("plain"), py::arg("no_air"), py::arg("layers"), py::arg("threads"));
+}
+
+}  // namespace apps::python

@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: Apache-2.0
+
+// Sensor files: read, changed, written, explained, checked.
+
+#include "apps/python/sensor.h"
+
+#include <pybind11/stl.h>
+
+#include "apps/budget_table.h"
+#include "apps/python/topics.h"
+#include "apps/sensor/sensor_air.h"
+#include "apps/sensor/sensor_chain.h"
+#include "apps/sensor/sensor_file.h"
+#include "apps/sensor/sensor_place.h"
+#include "apps/text/words.h"
+#include "mtf/error.h"
+#include "mtf/io/atomic_file.h"
+#include "mtf/io/config/replace_value.h"
+#include "mtf/io/csv/curve_csv.h"
+
+namespace apps::python {
+namespace {
+
+namespace py = pybind11;
+using mtf::io::SensorConfig;
+
+py::dict as_dict(const mtf::io::Diagnostic& diagnostic) {
+  py::dict entry;
+  entry["severity"] = diagnostic.error ? "error" : diagnostic.remark ? "note" : "warning";
+  entry["line"] = diagnostic.position.line;
+  entry["column"] = diagnostic.position.column;
+  entry["path"] = diagnostic.path;
+  entry["text"] = diagnostic.text;
+  return entry;
+}
+
+bool temperature(const mtf::Unit& unit) {
+  return unit.dimension == mtf::Dimension::temperature || unit.dimension == mtf::Dimension::temperature_difference;
+}
+
+SensorHandle handle_of(SensorConfig config) {
+  return {std::make_shared<const SensorConfig>(std::move(config)), nullptr};
+}
+
+SensorHandle replaced(const SensorHandle& sensor, const std::vector<std::pair<std::string, std::string>>& values) {
+  SensorConfig config = *sensor.config;
+  for (const auto& [parameter, value] : values) config = mtf::io::replaced(config, parameter, value);
+  return handle_of(std::move(config));
+}
+
+py::list check(const SensorHandle& sensor) {
+  const Verdict verdict = sensor_verdict(sensor.config->text, sensor.config->file);
+  py::list found;
+  for (const mtf::io::Diagnostic& diagnostic : verdict.diagnostics) found.append(as_dict(diagnostic));
+  return found;
+}
+
+py::dict budget(const SensorHandle& sensor, double temperature_k) {
+  BudgetTable table;
+  {
+    const py::gil_scoped_release free;
+    table = budget_table(*sensor.config, temperature_k);
+  }
+  py::list rows;
+  for (const radiometry::BudgetRow& row : table.rows)
+    rows.append(py::make_tuple(row.name, row.value, row.unit, row.doc, row.refused));
+  py::dict result;
+  result["rows"] = rows;
+  result["notes"] = table.notes;
+  result["saturated"] = table.saturation.saturated();
+  result["saturation"] = words(table.saturation);
+  return result;
+}
+
+std::string explain(const SensorHandle& sensor) {
+  const py::gil_scoped_release free;
+  return mtf::io::explain_config(*sensor.config) + explain_chain(*sensor.config);
+}
+
+double converted(double value, const std::string& unit, const std::string& to) {
+  if (unit == to) return value;
+  const mtf::Unit *from = mtf::find_unit(unit), *target = mtf::find_unit(to);
+  for (const auto& [found, name] : {std::pair(from, &unit), std::pair(target, &to)})
+    if (found == nullptr) throw mtf::UsageError("unit: '" + *name + "' is not known");
+  if (from->dimension != target->dimension && !(temperature(*from) && temperature(*target)))
+    throw mtf::UsageError("unit: " + unit + " and " + to + " are units of different things");
+  return value * from->factor / target->factor;
+}
+
+}  // namespace
+
+SensorHandle read_sensor_text(const std::string& text, const std::string& file) {
+  mtf::io::ConfigResult result = mtf::io::parse_config(text, file, sensor_schema());
+  if (result.ok()) return handle_of(std::move(result.config));
+  std::string errors;
+  for (const mtf::io::Diagnostic& diagnostic : result.diagnostics)
+    if (diagnostic.error) errors += (errors.empty() ? "" : "\n") + mtf::io::format_diagnostic(diagnostic, file);
+  throw mtf::UsageError(errors);
+}
+
+void add_sensor(py::module_& module) {
+  py::class_<SensorHandle>(module, "SensorFile", "A sensor file in memory.")
+      .def(py::init(&read_sensor_text), py::arg("text"), py::arg("file"))
+      .def_property_readonly("text", [](const SensorHandle& s) { return s.config->text; })
+      .def_property_readonly("file", [](const SensorHandle& s) { return s.config->file; })
+      .def_property_readonly("name", [](const SensorHandle& s) { return s.config->system.name; })
+      .def_property_readonly("sha256", [](const SensorHandle& s) { return s.config->sha256; })
+      .def_property_readonly("has_chain", [](const SensorHandle& s) { return has_chain(*s.config); })
+      .def_property_readonly("quantity",
+                             [](const SensorHandle& s) {
+                               const auto& quantity = s.config->scene.quantity;
+                               return quantity ? std::string(mtf::io::quantity_name(*quantity)) : std::string();
+                             })
+      .def_property_readonly("files", [](const SensorHandle& s) { return files_of(*s.config); })
+      .def("replaced", &replaced, py::arg("values"))
+      .def(
+          "canonical",
+          [](const SensorHandle& s, const std::string& destination) {
+            return mtf::io::write_config(*s.config, destination);
+          },
+          py::arg("destination"))
+      .def(
+          "stated",
+          [](const SensorHandle& s, const std::string& parameter) {
+            return mtf::io::stated_value(*s.config, parameter);
+          },
+          py::arg("parameter"))
+      .def("explain", &explain)
+      .def("check", &check)
+      .def("budget", &budget, py::arg("temperature_k"));
+  module.def("starter_config", &mtf::io::starter_config);
+  module.def(
+      "read_text", [](const std::string& file) { return mtf::io::read_text_file(file, std::size_t{1} << 20); },
+      py::arg("file"));
+  module.def(
+      "write_text", [](const std::string& file, const std::string& text) { mtf::io::write_text_file(file, text); },
+      py::arg("file"), py::arg("text"));
+  const auto reads = [](mtf::Dimension dimension, const char* unit) {
+    return
+        [dimension, unit](const std::string& text) { return mtf::convert(mtf::parse_quantity(text, dimension), unit); };
+  };
+  module.def("to_kelvin", reads(mtf::Dimension::temperature, "K"), py::arg("text"));
+  module.def("angle_deg", reads(mtf::Dimension::angle, "deg"), py::arg("text"));
+  module.def("length_um", reads(mtf::Dimension::length, "um"), py::arg("text"));
+  module.def("convert", &converted, py::arg("value"), py::arg("unit"), py::arg("to"));
+}
+
+}  // namespace apps::python

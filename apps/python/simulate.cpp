@@ -1,0 +1,232 @@
+// SPDX-License-Identifier: Apache-2.0
+
+// A scene through a sensor: the call of `mtf simulate`.
+
+#include "apps/simulate/simulate.h"
+
+#include <pybind11/stl.h>
+
+#include <array>
+
+#include "apps/image/simulate_summary.h"
+#include "apps/python/arrays.h"
+#include "apps/python/images.h"
+#include "apps/python/job.h"
+#include "apps/python/sensor.h"
+#include "apps/python/steps.h"
+#include "apps/python/topics.h"
+#include "apps/simulate/radiometric_chain.h"
+#include "mtf/error.h"
+#include "radiometry/stages/optics/distortion.h"
+
+namespace apps::python {
+namespace {
+
+namespace py = pybind11;
+using Region = std::array<std::int64_t, 4>;
+
+/// Where the scene comes from: one of a file, an image that was read, and arrays.
+struct SceneWords {
+  std::string path;
+  std::optional<ImageHandle> image;
+  std::vector<std::pair<std::string, py::object>> planes;
+  std::vector<std::pair<std::string, py::object>> beside;
+  SampleWords sample;
+  std::string quantity;
+  double blur_samples = 0.0;  ///< sigma of a Gaussian that is in the samples of arrays and is divided out
+};
+
+struct RunHandle {
+  std::shared_ptr<const mtf::io::SensorConfig> sensor;
+  SimulateOptions options;
+  SimulateResult result;  ///< its images without their planes, which Python has
+  py::list images;        ///< of each frame a dictionary of planes by name
+};
+
+NanPolicy nan_policy(const std::string& word) {
+  if (word == "refuse") return NanPolicy::refuse;
+  if (word == "fill") return NanPolicy::fill;
+  if (word == "propagate") return NanPolicy::propagate;
+  throw mtf::UsageError("nan: '" + word + "' is not known (one of refuse, fill, propagate)");
+}
+
+SceneSource source_of(const mtf::io::SensorConfig& sensor, const SceneWords& words) {
+  SceneSource source;
+  for (const auto& [name, array] : words.beside)
+    source.beside.emplace(name, image_of(plane_of(array, "plane '" + name + "'").view));
+  if (words.image) {
+    source.file = words.image->path;
+    const py::gil_scoped_release free;
+    source.image = scene_of(sensor, *words.image);
+    return source;
+  }
+  if (words.planes.empty()) {
+    source.file = words.path;
+    return source;
+  }
+  mtf::io::Scene& scene = source.image.emplace();
+  scene.quantity = quantity_of(words.quantity);
+  for (const auto& [name, array] : words.planes) {
+    const PlaneView plane = plane_of(array, words.planes.size() == 1 ? "scene" : "scene: plane '" + name + "'");
+    scene.planes.push_back(image_of(plane.view));
+    scene.names.push_back(name);
+  }
+  scene.grid = grid_of(sensor, scene.planes.front().width(), scene.planes.front().height(), words.sample);
+  return source;
+}
+
+/// The sensor that knows of the blur in the samples.
+std::shared_ptr<const mtf::io::SensorConfig> without_blur(mtf::io::SensorConfig sensor, const mtf::SampleGrid& grid,
+                                                          double samples) {
+  sensor.scene.aperture = mtf::io::Aperture::gaussian;
+  const mtf::Unit* um = mtf::find_unit("um");
+  sensor.scene.aperture_size = {{samples * grid.step_x_um, um}, {samples * grid.step_y_um, um}};
+  return std::make_shared<const mtf::io::SensorConfig>(std::move(sensor));
+}
+
+py::list take_images(SimulateResult& result) {
+  py::list images;
+  for (SimulatedImage& image : result.images) {
+    py::dict planes;
+    for (std::size_t c = 0; c < image.planes.size(); ++c)
+      planes[py::str(result.names[c])] = to_numpy(std::move(image.planes[c]));
+    image.planes.clear();
+    images.append(py::make_tuple(image.frame, planes));
+  }
+  return images;
+}
+
+std::unique_ptr<RunHandle> simulate_scene(const SensorHandle& sensor, const SceneWords& scene,
+                                          std::optional<double> tolerance, const std::string& nan, bool measure,
+                                          const std::optional<std::string>& stage, const std::optional<Region>& region,
+                                          std::optional<std::int64_t> memory,
+                                          const std::optional<std::array<std::int64_t, 3>>& frames,
+                                          const std::string& schedule, const std::string& out,
+                                          const std::optional<std::array<double, 2>>& range, int threads,
+                                          const py::object& progress) {
+  auto run = std::make_unique<RunHandle>();
+  run->sensor = sensor.config;
+  SimulateOptions& options = run->options;
+  options.tolerance = tolerance;
+  options.nan = nan_policy(nan);
+  options.measure = measure;
+  if (stage) options.stage = output_stage(*stage);
+  options.region = region;
+  options.memory = memory;
+  if (frames) options.frames = FrameRange{(*frames)[0], (*frames)[1], (*frames)[2]};
+  options.schedule = schedule;
+  options.out = out;
+  options.range = range;
+  options.threads = threads;
+  SceneSource source = source_of(*sensor.config, scene);
+  if (scene.blur_samples > 0.0 && source.image)
+    run->sensor = without_blur(*sensor.config, source.image->grid, scene.blur_samples);
+  const void* function = progress.is_none() ? nullptr : progress.ptr();
+  run_job([&](JobControl& control) {
+    const ProgressCall report(function, control);
+    options.watch = [&](const SimulateEvent& event) {
+      if (event.kind == SimulateEvent::Kind::share) report(event.value);
+      return !control.stopped();
+    };
+    run->result = simulate(*run->sensor, std::move(source), options);
+    options.watch = {};
+  });
+  run->images = take_images(run->result);
+  return run;
+}
+
+/// Scene samples to pixels: x is the column, y the row, the centre of the first sample and pixel is at 0.
+py::array_t<double> map_points(const RunHandle& run,
+                               const py::array_t<double, py::array::c_style | py::array::forcecast>& points) {
+  if (points.ndim() != 2 || points.shape(1) != 2)
+    throw mtf::UsageError("points: give an array of the shape (count, 2), a column and a row each");
+  const RunReport& report = run.result.report;
+  const mtf::SampleGrid &in = report.scene.grid, &out = report.whole_image();
+  const radiometry::SensorSettings settings =
+      has_chain(*run.sensor) ? load_chain(*run.sensor).sensor.settings : radiometry::SensorSettings{};
+  const double width_um = static_cast<double>(out.width) * out.step_x_um,
+               height_um = static_cast<double>(out.height) * out.step_y_um;
+  const double axis_x_um =
+      0.5 * width_um + (settings.axis ? settings.axis->x_px * run.sensor->system.frame.pitch_x_um : 0.0);
+  const double axis_y_um =
+      0.5 * height_um + (settings.axis ? settings.axis->y_px * run.sensor->system.frame.pitch_y_um : 0.0);
+  const double half_um = 0.5 * std::hypot(width_um, height_um);
+  py::array_t<double> result({points.shape(0), py::ssize_t{2}});
+  for (py::ssize_t i = 0; i < points.shape(0); ++i) {
+    double x_um = (points.at(i, 0) + 0.5) * in.step_x_um, y_um = (points.at(i, 1) + 0.5) * in.step_y_um;
+    if (settings.distortion) {
+      const double dx = x_um - axis_x_um, dy = y_um - axis_y_um;
+      const double part = radiometry::distorted_part(*settings.distortion, std::hypot(dx, dy) / half_um);
+      x_um = axis_x_um + part * dx;
+      y_um = axis_y_um + part * dy;
+    }
+    result.mutable_at(i, 0) =
+        x_um / out.step_x_um - 0.5 - (report.region ? static_cast<double>((*report.region)[0]) : 0.0);
+    result.mutable_at(i, 1) =
+        y_um / out.step_y_um - 0.5 - (report.region ? static_cast<double>((*report.region)[1]) : 0.0);
+  }
+  return result;
+}
+
+/// Writes an image as `mtf simulate -o` does.
+void save(const RunHandle& run, std::size_t image, const std::string& path,
+          const std::optional<std::array<double, 2>>& range) {
+  if (image >= run.result.images.size()) throw mtf::UsageError("save: the run has no images in memory");
+  const auto planes = run.images[image].cast<py::tuple>()[1].cast<py::dict>();
+  std::vector<mtf::Image> images;
+  for (const std::string& name : run.result.names)
+    images.push_back(image_of(plane_of(planes[py::str(name)], "plane '" + name + "'").view));
+  SimulateOptions options = run.options;
+  options.range = range;
+  const py::gil_scoped_release free;
+  const auto chain = radiometric_chain_of(*run.sensor, options.stage);
+  write_sensor_image(path, run.result.names, images, run.result.images[image].metadata,
+                     integer_range(chain.get(), options));
+}
+
+}  // namespace
+
+void add_simulate(py::module_& module) {
+  py::class_<SceneWords>(module, "SceneWords", "Where a scene comes from.")
+      .def(py::init([](const std::string& path, const std::optional<ImageHandle>& image,
+                       const std::vector<std::pair<std::string, py::object>>& planes,
+                       const std::vector<std::pair<std::string, py::object>>& beside, const SampleWords& sample,
+                       const std::string& quantity, double blur_samples) {
+             return SceneWords{path, image, planes, beside, sample, quantity, blur_samples};
+           }),
+           py::arg("path"), py::arg("image"), py::arg("planes"), py::arg("beside"), py::arg("sample"),
+           py::arg("quantity"), py::arg("blur_samples"));
+  py::class_<RunHandle>(module, "SimulateRun", "A finished simulation.")
+      .def_readonly("images", &RunHandle::images)
+      .def_property_readonly("names", [](const RunHandle& r) { return r.result.names; })
+      .def_property_readonly("report", [](const RunHandle& r) { return to_json(r.result.report); })
+      .def_property_readonly("promised",
+                             [](const RunHandle& r) {
+                               const RunReport& report = r.result.report;
+                               return report.sequence ? report.sequence->predicted_error : report.plan->predicted_error;
+                             })
+      .def_property_readonly("tolerance", [](const RunHandle& r) { return r.result.report.tolerance; })
+      .def_property_readonly("quantity", [](const RunHandle& r) { return r.result.report.quantity(); })
+      .def_property_readonly("unit", [](const RunHandle& r) { return r.result.report.unit(); })
+      .def_property_readonly("warnings", [](const RunHandle& r) { return r.result.report.warnings; })
+      .def_property_readonly("notes", [](const RunHandle& r) { return r.result.report.notes; })
+      .def_property_readonly("timing_ms", [](const RunHandle& r) { return r.result.report.timing_ms; })
+      .def_property_readonly("pitch_um",
+                             [](const RunHandle& r) {
+                               const mtf::SampleGrid& grid = r.result.report.whole_image();
+                               return py::make_tuple(grid.step_x_um, grid.step_y_um);
+                             })
+      .def_property_readonly("scene_um",
+                             [](const RunHandle& r) {
+                               const mtf::SampleGrid& grid = r.result.report.scene.grid;
+                               return py::make_tuple(grid.step_x_um, grid.step_y_um);
+                             })
+      .def("explain", [](const RunHandle& r) { return explain_text(r.result.report); })
+      .def("map_points", &map_points, py::arg("points"))
+      .def("save", &save, py::arg("image"), py::arg("path"), py::arg("range"));
+  module.def("simulate", &simulate_scene, py::arg("sensor"), py::arg("scene"), py::arg("tolerance"), py::arg("nan"),
+             py::arg("measure"), py::arg("stage"), py::arg("region"), py::arg("memory"), py::arg("frames"),
+             py::arg("schedule"), py::arg("out"), py::arg("range"), py::arg("threads"), py::arg("progress"));
+}
+
+}  // namespace apps::python

@@ -1,0 +1,174 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What the package is to its process: interrupts, the interpreter lock, memory, threads, import."""
+
+import os
+import resource
+import signal
+import subprocess
+import sys
+import textwrap
+import threading
+import time
+
+import numpy as np
+import pytest
+
+import mtfkit as mk
+
+#: What an interrupt may take. The work looks every design or part of a fit; a loaded machine gets ten times as much.
+LIMIT_S = 0.2 * (1 if os.getloadavg()[0] < os.cpu_count() else 10)
+
+
+def interrupted_after(program, studies):
+    """Runs a program that prints `go` before its long work; the seconds from SIGINT to KeyboardInterrupt."""
+    text = textwrap.dedent(program) + textwrap.dedent("""
+        import time
+        print("go", flush=True)
+        try:
+            work()
+        except KeyboardInterrupt:
+            print(time.time(), flush=True)
+        """)
+    process = subprocess.Popen([sys.executable, "-B", "-c", text, str(studies)], stdout=subprocess.PIPE, text=True)
+    assert process.stdout.readline() == "go\n"
+    time.sleep(0.5)
+    sent = time.time()
+    process.send_signal(signal.SIGINT)
+    caught = process.stdout.readline()
+    assert process.wait() == 0 and caught
+    return float(caught) - sent
+
+
+def test_ctrl_c_ends_a_sweep(studies, tmp_path):
+    (tmp_path / "satellite.toml").write_text((studies / "satellite.toml").read_text())
+    text = (studies / "aperture_against_pitch.toml").read_text().replace("count = 37", "count = 3700").replace(
+        "count = 33", "count = 3300")
+    (tmp_path / "large.toml").write_text(text)
+    for threads in (1, 2):
+        seconds = interrupted_after(f"""
+            import sys, mtfkit as mk
+            study = mk.Study.load(sys.argv[1] + "/large.toml")
+            work = lambda: study.rows(threads={threads})
+            """, tmp_path)
+        assert seconds < LIMIT_S
+
+
+def test_ctrl_c_ends_a_fit(studies):
+    seconds = interrupted_after("""
+        import numpy as np, mtfkit as mk
+        truth = mk.Sensor(frame=dict(focal_length="100 mm", pitch="15 um"), optics=dict(f_number=2.0),
+                          presample=[mk.Defocus(wavelength="4 um", distance="20 um"), mk.Jitter(rms="30 urad")])
+        edge = truth.simulate(mk.targets.edge(size=(4096, 4096))).image[16:-16, 16:-16]
+        edge = edge + mk.noise.gaussian(edge.shape, sd=0.03)
+        def work():
+            while True:
+                truth.fit(edges=[edge], free=["jitter.rms", "defocus.distance"], profile=True, starts=20, threads=1)
+        """, studies)
+    assert seconds < LIMIT_S
+
+
+def test_other_threads_run_meanwhile(sensor):
+    scene = np.random.default_rng(0).random((2048, 2048), "f4")
+    plan = sensor.compile(scene, sample="3.75 um", tolerance=1e-4)
+    count, stop = [0], threading.Event()
+
+    def tick():
+        while not stop.is_set():
+            count[0] += 1
+            time.sleep(0)
+
+    ticking = threading.Thread(target=tick)
+    ticking.start()
+    longest, last = 0, count[0]
+    for _ in range(5):
+        plan(scene, threads=1)
+        longest, last = max(longest, count[0] - last), count[0]
+    stop.set()
+    ticking.join()
+    assert longest > 20
+
+
+def test_a_plan_is_called_from_threads_at_once(sensor, scene):
+    plan = sensor.compile(scene, sample="3.75 um", tolerance=1e-4)
+    right = plan(scene)
+    wrong = []
+
+    def work():
+        for _ in range(50):
+            if not np.array_equal(plan(scene, threads=1), right):
+                wrong.append(1)
+
+    workers = [threading.Thread(target=work) for _ in range(4)]
+    for worker in workers:
+        worker.start()
+    for worker in workers:
+        worker.join()
+    assert not wrong
+
+
+def resident_kib():
+    with open("/proc/self/statm", encoding="ascii") as file:
+        return int(file.read().split()[1]) * resource.getpagesize() // 1024
+
+
+def test_a_thousand_runs_leave_nothing(sensor, scene, demo, studies):
+    plan = sensor.compile(scene, sample="3.75 um", tolerance=1e-4)
+    study = mk.Study.load(studies / "aperture_against_pitch.toml")
+    f = np.linspace(0, 60, 301)
+    double = scene.astype("f8")
+
+    def once():
+        plan(scene, threads=1)
+        plan(double, threads=1)
+        sensor.otf(f)
+        sensor.replace({"jitter.rms": "30 urad"})
+        study.rows(0, 4)
+        mk.noise.gaussian((192, 256), sd=1.0)
+
+    for _ in range(100):
+        once()
+    before = resident_kib()
+    for _ in range(1000):
+        once()
+    assert resident_kib() - before < 2048  # one result is 12 KiB, an input converted 192
+
+
+def test_runs_and_files_leave_nothing(sensor, scene, demo):
+    def once():
+        sensor.simulate(scene, sample="3.75 um", threads=1)
+        mk.read(demo / "edge.exr")
+        with pytest.raises(mk.UsageError):
+            sensor.simulate(scene[0], sample="3.75 um")
+
+    for _ in range(20):
+        once()
+    before = resident_kib()
+    for _ in range(200):
+        once()
+    assert resident_kib() - before < 4096
+
+
+def test_one_thread_is_one_thread(studies):
+    study = mk.Study.load(studies / "aperture_against_pitch.toml")
+    wall, cpu = time.perf_counter(), time.process_time()
+    study.rows(0, 1221, threads=1)
+    wall, cpu = time.perf_counter() - wall, time.process_time() - cpu
+    assert cpu < 1.2 * wall
+
+
+def test_import_is_quick_and_needs_numpy_alone(tmp_path):
+    program = """
+        import sys, time, numpy
+        start = time.process_time()
+        import mtfkit
+        print(time.process_time() - start)
+        print(sorted(m for m in ("pandas", "xarray", "matplotlib", "scipy", "cv2") if m in sys.modules))
+        """
+    # As a user runs it: compiled files are kept, here beside those of the build.
+    environment = {**os.environ, "PYTHONPYCACHEPREFIX": str(tmp_path)}
+    environment.pop("PYTHONDONTWRITEBYTECODE", None)
+    runs = [subprocess.run([sys.executable, "-c", textwrap.dedent(program)], check=True, capture_output=True, text=True,
+                           env=environment).stdout.split("\n") for _ in range(4)]
+    print("import", [run[0] for run in runs])
+    assert min(float(run[0]) for run in runs) < 0.05 * (1 if LIMIT_S == 0.2 else 2)
+    assert runs[0][1] == "[]"

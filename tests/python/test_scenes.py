@@ -1,0 +1,122 @@
+# SPDX-License-Identifier: Apache-2.0
+"""3-D scenes: temperatures and pictures are those of the command."""
+
+import numpy as np
+import pytest
+from conftest import run_command
+
+import mtfkit as mk
+
+SCENE = """schema = 1
+[place]
+latitude = "40 deg"
+longitude = "0 deg"
+altitude = "0 m"
+[time]
+start = 2026-06-21T06:00:00Z
+end = 2026-06-21T12:00:00Z
+step = "1 h"
+[weather]
+air_temperature = "288 K"
+wind_speed = "2 m/s"
+direct_normal = "700 W/m2"
+diffuse_horizontal = "80 W/m2"
+longwave_down = "320 W/m2"
+vapour_pressure = "10 hPa"
+[[material]]
+name = "plate"
+solar_absorptance = 0.7
+emissivity = 0.9
+convection = "mcadams"
+layers = [{ conductivity = "45 W/m/K", density = "7800 kg/m3", heat_capacity = "480 J/kg/K", thickness = "10 mm" }]
+inside = { kind = "adiabatic" }
+[[mesh]]
+name = "plates"
+file = "plates.obj"
+unit = "1 m"
+[[region]]
+name = "soil"
+mesh = "plates"
+group = "soil"
+material = "plate"
+[[region]]
+name = "target"
+mesh = "plates"
+group = "target"
+material = "plate"
+[camera]
+position = ["0 m", "-12 m", "3 m"]
+look_at = ["0 m", "0 m", "0.7 m"]
+"""
+
+PLATES = ("v -4 -4 0\nv 4 -4 0\nv 4 4 0\nv -4 4 0\nv -0.5 0 0.2\nv 0.5 0 0.2\nv 0.5 0 1.2\nv -0.5 0 1.2\n"
+          "g soil\nf 1 2 3 4\ng target\nf 5 6 7 8\n")
+
+CAMERA = """schema = 1
+name = "uncooled"
+[frame]
+focal_length = "12.5 mm"
+pitch = "12 um"
+format = [64, 48]
+[optics]
+f_number = 1.2
+[band]
+wavelength = ["8 um", "13 um"]
+[[presample]]
+kind = "diffraction"
+[[presample]]
+kind = "footprint"
+fill_factor = 0.85
+"""
+
+
+@pytest.fixture(scope="module")
+def scene(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("plates")
+    (folder / "plates.obj").write_text(PLATES)
+    (folder / "scene.toml").write_text(SCENE)
+    (folder / "camera.toml").write_text(CAMERA)
+    return folder / "scene.toml"
+
+
+def test_temperatures_are_those_of_the_command(scene, tmp_path):
+    run_command("heat", scene, "-o", tmp_path / "heat")
+    shares = []
+    heat = mk.heat(scene, progress=shares.append)
+    assert np.array_equal(heat.temperatures, np.load(tmp_path / "heat" / "temperatures.npy"), equal_nan=True)
+    assert heat.temperatures.shape == (7, 2) and len(heat.times) == 7
+    assert heat.regions().loc[(slice(None), "target"), "mean_K"].shape == (7,)
+    assert list(heat.facets().region) == ["soil", "target"]
+    assert 0 < heat.promised <= 0.1 and shares and heat.report["finished"]
+    kept = mk.heat(scene, tolerance=(0.5, "K"), out=tmp_path / "kept")
+    assert (tmp_path / "kept" / "heat.json").exists() and kept.promised <= 0.5
+
+
+def test_pictures_are_those_of_the_command(scene, tmp_path):
+    heat = mk.heat(scene)
+    camera = mk.Sensor.load(scene.parent / "camera.toml")
+    said = tmp_path / "said.exr"
+    run_command("render", scene, scene.parent / "camera.toml", "--temperatures", heat.folder, "-o", said, "--quantity", "radiance",
+                "--layer", "temperature")
+    picture = mk.render(scene, camera, temperatures=heat, plain=True, layers=["temperature"])
+    assert np.array_equal(picture.plane("Y"), mk.read(said, channel="Y").plane("Y"))
+    assert picture.attributes["mtf:quantity"] == "radiance"
+    image = camera.simulate(picture).image
+    assert image.shape == (48, 64)
+    aside = mk.render(scene, camera, temperatures=heat, plain=True, position=[5, -12, 3], look_at=[0, 0, 0.7])
+    assert not np.array_equal(aside.plane("Y"), picture.plane("Y"))
+
+
+def test_mistakes_say_where(scene, tmp_path):
+    with pytest.raises(mk.UsageError, match="unit"):
+        mk.heat(scene, tolerance=0.1)
+    (tmp_path / "file").write_text("x")
+    with pytest.raises(mk.UsageError, match="not empty"):
+        mk.heat(scene, out=tmp_path)
+    with pytest.raises(mk.DataError, match="nowhere"):
+        mk.heat("nowhere.toml")
+    camera = mk.Sensor.load(scene.parent / "camera.toml")
+    with pytest.raises(mk.UsageError, match="no layer"):
+        mk.render(scene, camera, solve=True, plain=True, layers=["sound"])
+    with pytest.raises(mk.UsageError):
+        mk.render(scene, camera, solve=True)  # weighted radiance needs [detector]
