@@ -40,12 +40,17 @@ Camera camera_of(const Lens& lens, const Pose& pose) {
   if (!(wanted <= static_cast<double>(kMostSamples)))
     throw mtf::UsageError("camera: " + mtf::format_double(wanted) + " samples are more than " +
                           std::to_string(kMostSamples) + "; take fewer samples a pitch or a smaller format");
-  const Vector forward = pose.look_at - pose.position, across = scene::cross(forward, pose.up);
+  const Vector forward = pose.look_at - pose.position;
+  const auto parallel = [&](const Vector& up) {
+    return !(scene::length(scene::cross(forward, up)) > 1e-9 * scene::length(forward) * scene::length(up));
+  };
+  const bool vertical = pose.up[0] == 0.0 && pose.up[1] == 0.0;
+  const Vector up = vertical && parallel(pose.up) ? Vector{0.0, 1.0, 0.0} : pose.up, across = scene::cross(forward, up);
   if (!scene::finite(pose.position) || !scene::finite(forward) || !scene::finite(pose.up))
     throw mtf::UsageError("camera: a coordinate of position, look_at or up is not finite");
   const double far = scene::length(forward), aside = scene::length(across);
-  if (!(far > 0.0) || !(aside > 1e-9 * far * scene::length(pose.up)))
-    throw mtf::UsageError("camera: it looks at its own position, or along `up`; move look_at or choose another up");
+  if (!(far > 0.0)) throw mtf::UsageError("camera: it looks at its own position; move look_at");
+  if (parallel(up)) throw mtf::UsageError("camera: it looks along `up`; choose another up");
   Camera camera{.position = pose.position, .ahead = (1.0 / far) * forward, .right = (1.0 / aside) * across};
   camera.down = scene::cross(camera.ahead, camera.right);
   camera.width = samples_of(lens.columns, lens.samples_per_pitch);

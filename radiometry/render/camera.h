@@ -27,7 +27,9 @@ struct Lens {
 struct Pose {
   Point position{};
   Point look_at{};
-  Vector up{0.0, 0.0, 1.0};  ///< what is up in the image, as far as it is not along the line of sight
+  /// What is up in the image, as far as it is not along the line of sight. The vertical along a vertical line of sight
+  /// stands for north, +y.
+  Vector up{0.0, 0.0, 1.0};
 };
 
 struct Camera {

@@ -220,11 +220,12 @@ TEST_F(AtmosphereCommand, an_aerosol_component_takes_what_haze_scatters) {
 TEST_F(AtmosphereCommand, the_air_of_a_scene_begins_at_its_place) {
   ASSERT_EQ(scratch.run("mtf scene demo -o demo").status, 0);
   const std::string text = read_file(scratch / "demo/scene.toml");
-  write_file(scratch / "demo/air.toml", text + "\n[atmosphere]\nmodel = \"mid_latitude_winter\"\n");
-  expect_refused("mtf atmosphere demo/scene.toml --sky", {"has no [atmosphere]"});
-  const Json sky = Json::parse(scratch.run("mtf atmosphere demo/air.toml --sky --format json --quiet").out);
+  const auto from = text.find("[atmosphere]"), to = text.find("# Rolled armour");
+  write_file(scratch / "demo/none.toml", text.substr(0, from) + text.substr(to));
+  expect_refused("mtf atmosphere demo/none.toml --sky", {"has no [atmosphere]"});
+  const Json sky = Json::parse(scratch.run("mtf atmosphere demo/scene.toml --sky --format json --quiet").out);
   EXPECT_GT(sky["altitude_m"].get<double>(), 0.0);
-  const Json line = Json::parse(scratch.run("mtf atmosphere demo/air.toml --range '1 km' --format json --quiet").out);
+  const Json line = Json::parse(scratch.run("mtf atmosphere demo/scene.toml --range '1 km' --format json --quiet").out);
   EXPECT_EQ(line["line"]["target_altitude_m"], sky["altitude_m"]);
 }
 

@@ -45,9 +45,7 @@ double now_ms() {
 fs::path demo_scene() {
   const fs::path folder = fs::temp_directory_path() / ("mtfkit_bench_render_" + std::to_string(::getpid()));
   fs::create_directories(folder);
-  std::string text = demo_scene_text();
-  text += "\n[atmosphere]\nmodel = \"mid_latitude_summer\"\nhaze = \"rural\"\n";
-  std::ofstream(folder / "scene.toml") << text;
+  std::ofstream(folder / "scene.toml") << demo_scene_text();
   std::ofstream(folder / "weather.csv") << demo_weather_text();
   std::ofstream(folder / "engine.csv") << demo_engine_text();
   write_obj((folder / "vehicle.obj").string(), make_vehicle());

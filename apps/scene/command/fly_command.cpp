@@ -6,6 +6,7 @@
 #include <cmath>
 #include <filesystem>
 #include <future>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <set>
 
@@ -25,6 +26,7 @@
 #include "apps/terminal/text_table.h"
 #include "mtf/error.h"
 #include "mtf/io/config/schedule.h"
+#include "mtf/survey/statistics.h"
 #include "radiometry/heat/weather/instant.h"
 
 namespace apps {
@@ -107,6 +109,49 @@ std::vector<std::string> left_out(const PictureSource& source, const Flight& fli
           std::to_string(flight.plans_updated()) + " times"};
 }
 
+/// Of the frames that were written.
+struct WrittenValues {
+  double least = std::numeric_limits<double>::infinity(), most = -least;
+  std::int64_t samples = 0, clamped = 0;
+  std::string unit{};
+
+  void take(const WrittenValues& frame) {
+    least = std::min(least, frame.least), most = std::max(most, frame.most);
+    samples += frame.samples, clamped += frame.clamped;
+    if (!frame.unit.empty()) unit = frame.unit;
+  }
+};
+
+WrittenValues write_frame(const SimulateOptions& options, const std::string& file,
+                          const std::vector<std::string>& names, SimulatedImage& image, const IntegerRange& range) {
+  WrittenValues values;
+  for (const mtf::Image& plane : image.planes) {
+    const mtf::Statistics s = mtf::statistics(plane.view());
+    values.least = std::min(values.least, s.min), values.most = std::max(values.most, s.max);
+    values.samples += plane.size();
+  }
+  if (const auto unit = image.metadata.text.find("mtf:units"); unit != image.metadata.text.end())
+    values.unit = unit->second;
+  values.clamped = deliver(options, file, names, image, range).clamped;
+  return values;
+}
+
+/// The values, and what a viewer that shows whole numbers from 0 on makes of them.
+std::string words(const WrittenValues& values, const FlyCommandOptions& options, const IntegerRange& range) {
+  std::string text = "values " + significant(values.least, 5) + " to " + significant(values.most, 5) +
+                     (values.unit.empty() ? "" : " " + values.unit);
+  if (values.clamped > 0)
+    text += "; " + significant(100.0 * static_cast<double>(values.clamped) / static_cast<double>(values.samples), 2) +
+            " % of the samples are clamped";
+  constexpr double kVisible = 0.1;  // of the scale
+  if (range.ends && !options.out.ends_with(".exr") && values.most > values.least &&
+      values.most - values.least < kVisible * ((*range.ends)[1] - (*range.ends)[0]))
+    text += "; on a scale from " + significant((*range.ends)[0], 5) + " to " + significant((*range.ends)[1], 5) +
+            " they hardly show: --range " + significant(values.least, 5) + ":" + significant(values.most, 5) +
+            ", or [agc] in the sensor file";
+  return text + "\n";
+}
+
 nlohmann::json json_of(const StageTimes& times, std::size_t frames, double first_ms, const Flight& flight,
                        const FlightFrame& last, const std::vector<std::string>& left) {
   nlohmann::json json;
@@ -157,6 +202,10 @@ int run_fly(const FlyCommandOptions& options, const Global& global) {
       throw mtf::UsageError("-o: " + one_line(names->name(frame)) + " is a link; remove it, or choose another name");
   for (const std::int64_t frame : {first, last}) course.place_of(frame);  // the path has them
 
+  if (const std::string text =
+          sampling_warning(picture_sensor(config, PictureQuantity::weighted), options.sampling.samples_per_pitch);
+      !text.empty())
+    note(global, "warning: " + text);
   const mtf::io::Schedule schedule =
       options.schedule.empty() ? mtf::io::Schedule{} : mtf::io::read_schedule(options.schedule, config);
   StopInGoodOrder interrupt(
@@ -192,7 +241,9 @@ int run_fly(const FlyCommandOptions& options, const Global& global) {
   };
   std::set<std::string> said;
   StageTimes times;
-  std::future<void> writing;
+  std::future<WrittenValues> writing;
+  WrittenValues values;
+  IntegerRange scale;
   FlightFrame frame;
   double first_ms = 0.0;
   Stopwatch running;
@@ -210,23 +261,24 @@ int run_fly(const FlyCommandOptions& options, const Global& global) {
     try {
       frame = flight.frame(sensor, course.place_of(number), course.utc_of(number), number);
     } catch (const mtf::Error&) {
-      if (writing.valid()) writing.get();
+      if (writing.valid()) values.take(writing.get());
       rethrow(course, number, done);
     }
     for (const std::string& warning : frame.warnings)
       if (said.insert(warning).second) note(global, "warning: frame " + std::to_string(number) + ": " + warning);
     const Stopwatch waiting;
-    if (writing.valid()) writing.get();
+    if (writing.valid()) values.take(writing.get());
+    scale = flight.integer_range();
     if (names)
-      writing = std::async(
-          std::launch::async,
-          [&options, file_name = names->name(number), outputs = flight.names(), range = flight.integer_range(),
-           image = std::move(frame.image)]() mutable { deliver(options.image, file_name, outputs, image, range); });
+      writing = std::async(std::launch::async, [&options, file_name = names->name(number), outputs = flight.names(),
+                                                range = scale, image = std::move(frame.image)]() mutable {
+        return write_frame(options.image, file_name, outputs, image, range);
+      });
     ++done;
     lights += frame.new_light ? 1 : 0;
     if (i == 0) {
       first_ms = all.ms();
-      if (writing.valid()) writing.get();
+      if (writing.valid()) values.take(writing.get());
       interrupt.keep();
       running = Stopwatch();
       continue;
@@ -237,7 +289,7 @@ int run_fly(const FlyCommandOptions& options, const Global& global) {
     times.add("frame", whole.ms());
     progress.update("frames", static_cast<double>(done) / static_cast<double>(course.frames.size()));
   }
-  if (writing.valid()) writing.get();
+  if (writing.valid()) values.take(writing.get());
   const double fps = done > 1 ? 1e3 * static_cast<double>(done - 1) / running.ms() : 0.0;
   const std::vector<std::string> left = left_out(source, flight, frame, lights, late);
   const nlohmann::json json = json_of(times, done, first_ms, flight, frame, left);
@@ -250,11 +302,13 @@ int run_fly(const FlyCommandOptions& options, const Global& global) {
       table.add({row.name, significant(row.least, 3), significant(row.median, 3), significant(row.most, 3)});
     std::string text =
         done > 1 ? table.aligned({Align::left, Align::right, Align::right, Align::right}) : std::string();
-    text += std::to_string(done) + " frames" + (done > 1 ? ", " + significant(fps, 3) + " a second" : "") +
-            "; the first one after " + significant(first_ms * 1e-3, 3) + " s" +
+    text += std::to_string(done) + (done == 1 ? " frame" : " frames") +
+            (done > 1 ? ", " + significant(fps, 3) + " a second" : "") + "; the first one after " +
+            significant(first_ms * 1e-3, 3) + " s" +
             (heat_ms > 0.0 ? ", of which the heat balance took " + significant(heat_ms * 1e-3, 3) + " s" : "") + "\n";
     text += "left out: " + left[0] + "; " + left[1] + "; " + left[2] + "\n";
     text += "error of the radiance: tables within " + significant(frame.promised, 2) + ", relative\n";
+    if (values.samples > 0) text += words(values, options, scale);
     if (names) text += "written to " + names->name(first) + " to " + names->name(course.frames[done - 1]) + "\n";
     print(text);
   }

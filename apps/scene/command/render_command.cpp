@@ -207,6 +207,9 @@ std::string render_pictures(const RenderCommandOptions& options, const Global& g
     scene = layer_scene_of(options, file, sensors.front());
     frame = frame_of_layers(options, file, scene, bands, cameras.front(), global);
   }
+  for (const PictureSensor& sensor : sensors)
+    if (std::string text = sampling_warning(sensor, options.sampling.samples_per_pitch); !text.empty())
+      scene.warnings.push_back(std::move(text));
   for (const std::string& warning : scene.warnings) note(global, "warning: " + warning);
   std::vector<mtf::io::Metadata> metadata;
   for (std::size_t b = 0; b < sensors.size(); ++b)

@@ -48,6 +48,9 @@ std::string render_summary(const RenderCommandOptions& options, const RenderOutp
     table.add({of + text.at("mtf:quantity") + " [" + text.at("mtf:units") + "]",
                significant(s.min, 4) + " to " + significant(s.max, 4) + ", mean " + significant(s.mean, 4)});
     table.add({of + "error of tables", "at most " + significant(frame.promised[b], 2) + ", relative"});
+    const scene::FinestDetail finest = scene::finest_detail(sensors[b], options.sampling.samples_per_pitch);
+    table.add({of + "finest detail of samples", significant(finest.frequency_cy_mm, 3) +
+                                                    " cy/mm, where the sensor's MTF is " + significant(finest.mtf, 2)});
     written += (b == 0 ? "written to " : " ") + outputs[b];
     const std::string image = one ? "image" : fs::path(outputs[b]).replace_extension().string() + "_image";
     next += "next: mtf simulate " + shell_word(options.sensors[b]) + " " + shell_word(outputs[b]) + " -o " +

@@ -92,7 +92,8 @@ std::unique_ptr<Light> Flight::State::made(const LightKey& key, const PictureSen
   with.sensor_air = sensor.air;
   with.sensor_file = sensor.config.file;
   const double middle = options.begin_s + (static_cast<double>(key.interval) + 0.5) * options.light_every_s;
-  const double utc_s = std::clamp(middle, options.begin_s, std::max(options.begin_s, options.end_s));
+  double utc_s = std::clamp(middle, options.begin_s, std::max(options.begin_s, options.end_s));
+  if (const auto span = source.temperatures_span_utc_s()) utc_s = std::clamp(utc_s, (*span)[0], (*span)[1]);
   auto out = std::make_unique<Light>(Light{key, source.at(utc_s, with), utc_s});
   const render::RenderScene& scene = out->scene.scene;
   out->renderer = views ? std::make_unique<render::Renderer>(scene, std::vector{sensor.band}, *views)

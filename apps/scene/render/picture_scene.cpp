@@ -121,6 +121,17 @@ PictureScene PictureSource::at(std::optional<double> utc_s, const PictureOptions
   out.utc_s = utc_s ? *utc_s : options_.utc_s ? *options_.utc_s : temperatures_->default_utc_s();
   const Stopwatch reading;
   temperatures(out.utc_s, out.scene.temperature_k);
+  constexpr float kCold_k = 150.0F;
+  if (const auto cold = std::count_if(out.scene.temperature_k.begin(), out.scene.temperature_k.end(),
+                                      [](float kelvin) { return kelvin < kCold_k; });
+      cold > 0)
+    out.warnings.push_back(
+        std::to_string(cold) + " sides are colder than 150 K, the coldest at " +
+        significant(static_cast<double>(
+                        *std::min_element(out.scene.temperature_k.begin(), out.scene.temperature_k.end(),
+                                          [](float a, float b) { return a < b || (std::isnan(b) && !std::isnan(a)); })),
+                    3) +
+        " K: are the temperatures in degrees Celsius? Tables are in kelvin");
   out.timing_ms[1].second += reading.ms();
   const Stopwatch weather;
   {

@@ -58,6 +58,7 @@ class PictureSource {
   /// The temperatures alone.
   void temperatures(double utc_s, std::vector<float>& kelvin);
   bool temperatures_change() const { return temperatures_->change(); }
+  std::optional<std::array<double, 2>> temperatures_span_utc_s() const { return temperatures_->span_utc_s(); }
   const radiometry::scene::Rays& rays() const { return *rays_; }
 
  private:

@@ -60,6 +60,32 @@ radiometry::render::Camera picture_camera(const PictureSensor& sensor, const rad
                    pose);
 }
 
+FinestDetail finest_detail(const PictureSensor& sensor, double samples_per_pitch) {
+  const mtf::System<double>& system = sensor.config.system;
+  FinestDetail finest;
+  for (const mtf::Axis axis : {mtf::Axis::x, mtf::Axis::y}) {
+    const double frequency = 500.0 * samples_per_pitch / system.frame.pitch_um(axis);
+    const mtf::Complex<double> h =
+        system.otf(mtf::Stage::presample,
+                   axis == mtf::Axis::x ? mtf::Freq<double>{frequency, 0.0} : mtf::Freq<double>{0.0, frequency});
+    if (const double passed = std::hypot(h.re, h.im); passed >= finest.mtf) finest = {frequency, passed};
+  }
+  return finest;
+}
+
+std::string sampling_warning(const PictureSensor& sensor, double samples_per_pitch) {
+  constexpr double kMost = 0.1;
+  const FinestDetail finest = finest_detail(sensor, samples_per_pitch);
+  if (finest.mtf <= kMost) return "";
+  const std::string name = sensor.config.system.name.empty() ? sensor.config.file : sensor.config.system.name;
+  return one_line(name) + ": its MTF is " + significant(finest.mtf, 2) + " at " +
+         significant(finest.frequency_cy_mm, 3) + " cy/mm, the finest detail that " +
+         significant(samples_per_pitch, 3) +
+         " samples a pitch hold; finer detail of the scene shows as false detail, which no error that is stated "
+         "includes: take --samples-per-pitch " +
+         significant(2.0 * samples_per_pitch, 3);
+}
+
 radiometry::render::Pose pose_of(const SceneFile& file) {
   if (!file.camera)
     throw mtf::UsageError(one_line(file.file) +

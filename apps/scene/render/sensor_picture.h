@@ -36,6 +36,16 @@ PictureSensor picture_sensor(const mtf::io::SensorConfig& config, PictureQuantit
 radiometry::render::Camera picture_camera(const PictureSensor& sensor, const radiometry::render::Pose& pose,
                                           double samples_per_pitch);
 
+/// The finest detail that the samples of a picture hold, and the largest MTF of the sensor before its sampling there,
+/// along x and y. What is finer shows as false detail, weaker by the MTF at the frequency that it takes.
+struct FinestDetail {
+  double frequency_cy_mm = 0.0;
+  double mtf = 0.0;
+};
+FinestDetail finest_detail(const PictureSensor& sensor, double samples_per_pitch);
+/// Empty, or what to do where the sensor sees more of it than it should.
+std::string sampling_warning(const PictureSensor& sensor, double samples_per_pitch);
+
 /// The pose that [camera] of a scene file states. Throws UsageError where it has none.
 radiometry::render::Pose pose_of(const SceneFile& file);
 

@@ -163,6 +163,11 @@ double SideTemperatures::default_utc_s() const {
   return state_->times().empty() ? state_->file.time.start_s : state_->times().back();
 }
 
+std::optional<std::array<double, 2>> SideTemperatures::span_utc_s() const {
+  if (state_->times().empty()) return std::nullopt;
+  return std::array{state_->times().front(), state_->times().back()};
+}
+
 bool SideTemperatures::change() const {
   const State& state = *state_;
   if (!state.times().empty()) return state.times().size() > 1;

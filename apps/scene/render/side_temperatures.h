@@ -4,6 +4,7 @@
 // Temperatures of both sides of all facets over time: what `mtf heat` wrote or worked out, a table from elsewhere, or
 // what the regions of the scene file have. Straight lines between the times that are known.
 
+#include <array>
 #include <memory>
 #include <optional>
 #include <string>
@@ -30,6 +31,8 @@ class SideTemperatures {
 
   /// Of the last row; of the start of the run where there are no rows.
   double default_utc_s() const;
+  /// The first and the last time that is known; nothing where they hold at all times.
+  std::optional<std::array<double, 2>> span_utc_s() const;
   /// Whether they change with time.
   bool change() const;
   /// Fills `kelvin` of radiometry::scene::index(side); NaN for the inside of solids. Throws UsageError for a time that

@@ -49,6 +49,10 @@ stamp = "instant"
 longwave = "measured"
 cloud = "from_longwave"
 
+[atmosphere]                        # the air of pictures; the weather says how warm and moist it is near the ground
+model = "mid_latitude_summer"
+haze = "rural"
+
 # Rolled armour with paint; behind it the fighting compartment, whose air does not move heat away.
 [[material]]
 name = "armour"

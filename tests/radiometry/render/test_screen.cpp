@@ -29,10 +29,17 @@ TEST(Camera, SeesAlongItsAxisAndToTheSides) {
   EXPECT_NEAR(scene::length(down - Vector{0, 1, -1e-4}), 0.0, 1e-15);
 }
 
+TEST(Camera, LooksStraightDownWithNorthUp) {
+  const Lens lens{.focal_length_mm = 50.0, .pitch_x_um = 20.0, .pitch_y_um = 20.0, .columns = 64, .rows = 32};
+  const Camera eye = camera_of(lens, {.position = {1, 1, 100}, .look_at = {1, 1, 0}});
+  EXPECT_EQ(eye.right, (Vector{1, 0, 0}));
+  EXPECT_EQ(eye.down, (Vector{0, -1, 0}));
+}
+
 TEST(Camera, RefusesViewsThatAreNone) {
   const Lens lens{.focal_length_mm = 50.0, .pitch_x_um = 20.0, .pitch_y_um = 20.0, .columns = 64, .rows = 32};
   EXPECT_THROW(camera_of(lens, {.position = {1, 1, 1}, .look_at = {1, 1, 1}}), mtf::UsageError);
-  EXPECT_THROW(camera_of(lens, {.position = {1, 1, 1}, .look_at = {1, 1, 0}}), mtf::UsageError);  // along `up`
+  EXPECT_THROW(camera_of(lens, {.position = {1, 1, 1}, .look_at = {1, 2, 1}, .up = {0, 1, 0}}), mtf::UsageError);
   EXPECT_THROW(camera_of(lens, {.position = {NAN, 1, 1}, .look_at = {1, 1, 0}}), mtf::UsageError);
   Lens none = lens;
   none.columns = 0;
