@@ -41,9 +41,9 @@ class BandShader {
   bool prepare(double camera_height_m, const PathExtent& extent, int threads = 0);
   /// The values of all visible sides, for this camera; only of those whose cell or tables changed. Returns how many.
   std::size_t shade(const VisibleSides& sides, const Point& camera, int threads);
-  /// The radiance of each sample. Unless shadows were found (SamplePart::lit) sides are lit by the share of them that
-  /// is in the sun. `mirrors`: of the parts whose radiance depends on the angle (angles/), where there are any; all
-  /// sides that they show are among `sides`.
+  /// The radiance of each sample. Unless shadows were found (`lit` of parts and runs) sides are lit by the share of
+  /// them that is in the sun. `mirrors`: of the parts whose radiance depends on the angle (angles/), where there are
+  /// any; all sides that they show are among `sides`.
   void radiance(const VisibleParts& parts, const VisibleSides& sides, const MirrorRays& mirrors, bool shadows,
                 mtf::Image& out, int threads) const;
 

@@ -154,7 +154,7 @@ Renderer::Renderer(const RenderScene& scene, std::vector<RenderBand> bands, cons
   for (BandShader& one : parts_->shader)
     for (const double height_m : {known.height_before_m, known.camera_height_m})
       one.prepare(height_m, known.extent, known.options.threads);
-  if (!parts_->shadows_matter()) return;
+  if (!parts_->shadows_matter() || known.options.all_shadows) return;
   // The same sides, as they are kept where patches are.
   if (alike && known.in_sun && known.in_sun->to_sun() == scene.sun->to_sun) parts_->in_sun = known.in_sun;
   parts_->find_sides_in_sun();
@@ -213,9 +213,9 @@ RenderedFrame Renderer::render(const Camera& camera) {
   laps.lap("tables of the air");
   const bool shadows = my.shadows_matter();
   if (shadows) {
-    my.find_sides_in_sun();
-    frame.shadow_rays = find_shadows(my.scene, camera, *my.sides, options.all_shadows ? nullptr : &*my.in_sun, my.parts,
-                                     options.threads);
+    if (!options.all_shadows) my.find_sides_in_sun();
+    frame.shadow_rays =
+        find_shadows(my.scene, *my.sides, options.all_shadows ? nullptr : &*my.in_sun, my.parts, options.threads);
     laps.lap("shadows");
   }
   for (BandShader& one : my.shader) frame.shaded += one.shade(*my.sides, camera.position, options.threads);
@@ -240,7 +240,7 @@ void Renderer::add_layers(const Camera& camera, bool shadows, RenderedFrame& fra
   find_parts(my.scene, camera, {.n = 1, .runs = false, .likely = my.sides->numbers(), .threads = threads}, my.middles);
   my.sides->add(my.middles);
   const MirrorRays mirrors = my.mirrors_of(camera, my.middles);
-  if (shadows) find_shadows(my.scene, camera, *my.sides, nullptr, my.middles, threads);
+  if (shadows) find_shadows(my.scene, *my.sides, nullptr, my.middles, threads);
   const auto add = [&](std::size_t b, const LayerChoice& choice, std::optional<std::size_t> band) {
     BandShader& shader = my.shader[b];
     mtf::Image radiance;

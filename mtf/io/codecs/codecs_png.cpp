@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <csetjmp>
+#include <cstdlib>
 
 #include "mtf/io/codecs/codecs_parts.h"
 
@@ -42,13 +43,29 @@ std::vector<png_text> text_chunks(const RasterData& data, std::vector<std::strin
   return chunks;
 }
 
+/// Whether a 16-bit image has noise, by three of its rows: values that lie off the line of their neighbours and differ
+/// from those above. There a search for repetitions takes twice the time for 3 % of the size; elsewhere it may save
+/// most.
+bool is_noisy(const RasterData& data) {
+  if (data.bits != 16 || data.height < 4) return false;
+  const std::int64_t step = data.colours, samples = data.width * step;
+  std::int64_t uneven = 0;
+  for (const std::int64_t y : {data.height / 4, data.height / 2, 3 * data.height / 4}) {
+    const std::uint16_t *const row = data.samples.data() + y * samples, *const above = row - samples;
+    for (std::int64_t x = step; x + step < samples; ++x) {
+      const int bend = int{row[x - step]} - 2 * int{row[x]} + int{row[x + step]};
+      uneven += std::abs(bend) > 2 && row[x] != above[x] ? 1 : 0;
+    }
+  }
+  return uneven > samples;  // a third of them
+}
+
 // No object with a destructor lives in here: libpng leaves by longjmp.
 bool encode(png_structp png, png_infop info, const RasterData& data, png_text* chunks, int chunk_count,
             unsigned char* row_bytes) {
   if (setjmp(png_jmpbuf(png)) != 0) return false;
   png_set_compression_level(png, 4);
-  // Counts have noise: a search for repetitions takes twice the time for 3 % of the size.
-  if (data.bits == 16) png_set_compression_strategy(png, Z_RLE);
+  if (is_noisy(data)) png_set_compression_strategy(png, Z_RLE);
   png_set_IHDR(png, info, static_cast<png_uint_32>(data.width), static_cast<png_uint_32>(data.height), data.bits,
                data.colours == 3 ? PNG_COLOR_TYPE_RGB : PNG_COLOR_TYPE_GRAY, PNG_INTERLACE_NONE,
                PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);

@@ -73,7 +73,9 @@ Survey survey_of(const RenderScene& scene, const Camera& camera, const SurfaceLa
         refuse(x, y,
                "a surface at a range of " + mtf::format_double(range_m) + " m; it is above 0 and at most " +
                    mtf::format_double(kFarthest_m) + " m");
-      if (const float lit = layers.sunlit ? layers.sunlit->at(x, y) : 0.0F; !(lit >= 0.0F && lit <= 1.0F))
+      constexpr float kRounding = 1e-3F;  // of means over samples
+      if (const float lit = layers.sunlit ? layers.sunlit->at(x, y) : 0.0F;
+          !(lit >= -kRounding && lit <= 1.0F + kRounding))
         refuse(x, y, mtf::format_double(static_cast<double>(lit)) + " of a surface sunlit; it is a share from 0 to 1");
       const double height = camera.position[2] + range_m * unit_direction(camera, x, y)[2];
       out.extent = {std::min(out.extent.nearest_m, range_m), std::max(out.extent.farthest_m, range_m),
@@ -141,7 +143,7 @@ class LayerShader {
         if (zones[zone] != 0.0) tables_->add_reflected(finish, zone, zones[zone], node, sum);
       if (tables_->sunny() && !layers.normal.empty()) {
         const double facing = scene::dot(normal, scene_.sun->to_sun) / (size * scene::length(scene_.sun->to_sun));
-        const double lit = layers.sunlit ? static_cast<double>(layers.sunlit->at(x, y)) : 1.0;
+        const double lit = layers.sunlit ? std::clamp(static_cast<double>(layers.sunlit->at(x, y)), 0.0, 1.0) : 1.0;
         const SixValues sun = tables_->sunlit(finish, node);
         for (std::size_t k = 0; k < 6; ++k) sum[k] += lit * std::max(facing, 0.0) * sun[k];
       }

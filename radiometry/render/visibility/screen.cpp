@@ -132,8 +132,8 @@ Screen::Screen(const RenderScene& scene, const Camera& camera, int n, std::span<
     });
   };
   std::vector<std::vector<Seen>> seen(chunks);
-  std::vector<std::size_t> of_chunk(chunks * bands,
-                                    0);  // how many of a chunk are in a band; then where the next one is
+  // How many of a chunk are in a band; then where its next one goes.
+  std::vector<std::size_t> of_chunk(chunks * bands, 0);
   each_chunk([&](std::size_t chunk, std::int64_t from, std::int64_t to) {
     seen[chunk] = seen_among(static_cast<std::uint32_t>(from), static_cast<std::uint32_t>(to));
     for (const Seen& one : seen[chunk]) each_band(one, [&](std::size_t band) { ++of_chunk[chunk * bands + band]; });

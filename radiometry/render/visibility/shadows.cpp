@@ -14,7 +14,7 @@ namespace {
 using scene::kBeamRays;
 using scene::operator+, scene::operator*;
 
-enum Light : std::uint8_t { unknown, dark, bright, mixed };
+enum Light : std::uint8_t { dark = 1, bright = 2, mixed = 3 };
 
 /// Gathers shadow rays into packets; `take(of, lit)` is told the answers.
 template <class Take>
@@ -49,7 +49,7 @@ class ShadowRays {
   std::size_t count_ = 0, rays_ = 0;
 };
 
-/// The light on squares of 2 x 2 samples.
+/// The light on squares of 2 x 2 samples; `mixed` where none was asked, as an outline may end there.
 struct LightMap {
   std::int64_t width = 0, height = 0;
   std::vector<Light> light{};
@@ -77,8 +77,9 @@ static_assert((dark | bright) == mixed);
 
 }  // namespace
 
-std::size_t find_shadows(const RenderScene& scene, const Camera& camera, const VisibleSides& sides,
-                         const SidesInSun* in_sun, VisibleParts& parts, int threads) {
+std::size_t find_shadows(const RenderScene& scene, const VisibleSides& sides, const SidesInSun* in_sun,
+                         VisibleParts& parts, int threads) {
+  const Camera& camera = parts.camera;
   const scene::Beam beam(*scene.rays, scene.sun->to_sun);
   const auto known = [&](std::uint32_t side) {
     if (side == scene::kNone) return InSun::nowhere;
@@ -95,19 +96,19 @@ std::size_t find_shadows(const RenderScene& scene, const Camera& camera, const V
   std::atomic<std::size_t> rays = 0;
   LightMap map{(camera.width + 1) / 2, (camera.height + 1) / 2, {}};
   if (in_sun != nullptr) {
-    map.light.assign(static_cast<std::size_t>(map.width * map.height), unknown);
+    map.light.assign(static_cast<std::size_t>(map.width * map.height), mixed);
     map.shell.assign(map.light.size(), scene::kNone);
   }
   std::vector<std::vector<std::uint32_t>> asking(parts.band.size());  // parts that rays are for
   each_band([&](std::size_t b) {
     std::vector<SamplePart>& band = parts.band[b];
-    std::erase_if(parts.runs[b], [&](SampleRun& run) {
+    for (SampleRun& run : parts.runs[b]) {
       const InSun how = known(run.side);
       run.lit = how == InSun::wholly;
-      if (how != InSun::partly) return false;
-      for (std::uint32_t k = 0; k < run.samples; ++k) band.push_back(sample_of(run, k, camera, parts.n));
-      return true;
-    });
+      for (std::uint32_t k = 0; how == InSun::partly && k < run.samples; ++k)
+        band.push_back(sample_of(run, k, parts.camera, parts.n));
+    }
+    std::erase_if(parts.runs[b], [&](const SampleRun& run) { return known(run.side) == InSun::partly; });
     for (std::uint32_t i = 0; i < band.size(); ++i) {
       const InSun how = known(band[i].side);
       band[i].lit = how == InSun::wholly;
@@ -120,11 +121,10 @@ std::size_t find_shadows(const RenderScene& scene, const Camera& camera, const V
       const SamplePart& part = band[i];
       const std::size_t square = map.of(part);
       const std::uint32_t shell = scene.facets().facet[part.side / 2].shell;
-      if (map.light[square] != unknown) {
+      if (map.shell[square] != scene::kNone) {
         if (map.shell[square] != shell) map.shell[square] = LightMap::kSeveral;
         continue;
       }
-      map.light[square] = mixed;  // until the answer comes
       map.shell[square] = shell;
       shadow.add(part, square);
     }

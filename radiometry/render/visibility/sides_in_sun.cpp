@@ -6,6 +6,7 @@
 #include <functional>
 #include <limits>
 #include <numeric>
+#include <optional>
 
 #include "mtf/parallel.h"
 
@@ -45,7 +46,7 @@ SidesInSun::SidesInSun(const scene::Facets& facets, const Vector& to_sun, double
   build_tree(threads);
 }
 
-/// Edges are gathered by their lower vertex, where few come together.
+/// Edges are gathered by their lower vertex.
 void SidesInSun::find_outlines() {
   struct Use {
     std::uint32_t other, triangle;  ///< the higher vertex
@@ -72,13 +73,14 @@ void SidesInSun::find_outlines() {
     }
   }
   outline_.assign(triangles, 0);
+  const auto by_other = [](const Use& a, const Use& b) { return a.other < b.other; };
   for (std::size_t v = 0; v + 1 < first.size(); ++v) {
     const std::span<Use> here = std::span(use).subspan(first[v], first[v + 1] - first[v]);
-    for (const Use& one : here) {
-      std::size_t all = 0, beyond = 0;
-      for (const Use& two : here)
-        if (two.other == one.other) ++all, beyond += two.left != one.left ? 1 : 0;
-      if (all != 2 || beyond != 1) outline_[one.triangle] |= static_cast<std::uint8_t>(1U << one.edge);
+    std::sort(here.begin(), here.end(), by_other);
+    for (auto from = here.begin(), to = from; from != here.end(); from = to) {
+      to = std::upper_bound(from, here.end(), *from, by_other);
+      if (to - from == 2 && from[0].left != from[1].left) continue;
+      for (auto one = from; one != to; ++one) outline_[one->triangle] |= static_cast<std::uint8_t>(1U << one->edge);
     }
   }
 }
@@ -135,6 +137,7 @@ struct SidesInSun::Target {
   };
   std::array<Edge, 3> edge{};
   Box box{};
+  double height_m = 0.0;  ///< least; NaN where the sun sees it edge on, negative where it is turned over
 
   /// Corners counter-clockwise.
   Target(std::uint32_t of, const Vector& normal, const Point& in_plane, const std::array<Corner, 3>& own)
@@ -145,10 +148,9 @@ struct SidesInSun::Target {
       edge[k] = {-dy * per_length, dx * per_length, (dy * a.x - dx * a.y) * per_length};
       box.take(a);
     }
-  }
-  /// False where the sun sees it edge on, to rounding.
-  bool has_area() const {
-    return std::all_of(edge.begin(), edge.end(), [](const Edge& one) { return std::isfinite(one.rest); });
+    const std::array<double, 3> heights{inside(0, own[2]), inside(1, own[0]), inside(2, own[1])};
+    height_m = std::isnan(heights[0] + heights[1] + heights[2]) ? heights[0] + heights[1] + heights[2]
+                                                                : *std::min_element(heights.begin(), heights.end());
   }
   double inside(std::size_t k, const Corner& p) const {
     return edge[k].ahead * p.x + edge[k].aside * p.y + edge[k].rest;
@@ -243,7 +245,9 @@ InSun SidesInSun::find(scene::Side side) const {
     for (std::size_t k = 0; k < 3; ++k) own[side.back ? 2 - k : k] = corner(number[k]);
     const Vector up = (side.back ? -1.0 : 1.0) * facet.normal;
     const Target target(side.facet, up, facet.centre, own);
-    if (!target.has_area()) return InSun::partly;
+    // Thinner than what rays can tell, it says nothing; a face that crosses itself has triangles that are turned over.
+    if (std::abs(target.height_m) <= 0x1p-8 * lift_m_) continue;
+    if (!(target.height_m > 0.0)) return InSun::partly;
     const InSun one = find(target, 0, 0, order_.size());
     if (one == InSun::partly || (all && *all != one)) return InSun::partly;
     all = one;

@@ -85,7 +85,8 @@ class RowOfSamples {
         continue;
       }
       const std::uint32_t first = column++;
-      while (column < width && shows_only(side, column)) ++column;
+      const float begin = rows.nearness[at(first, 0)];
+      while (column < width && shows_only(side, column) && alike(begin, rows.nearness[at(column, 0)])) ++column;
       if (column - first >= kLeast && side != kNone && !may_run_.empty() && may_run_[scene_.finish_of[side]])
         run(first, column - 1, y, side, runs);
       else
@@ -110,6 +111,11 @@ class RowOfSamples {
     for (std::size_t j = 0; j < N; ++j)
       for (std::size_t i = 0; i < N; ++i) other |= rows_->side[at(column, j) + i] ^ side;
     return other == 0;
+  }
+  /// Over a longer way a line in single precision would lose what is far.
+  static bool alike(float a, float b) {
+    constexpr float kMost = 4.0F;
+    return b <= kMost * a && a <= kMost * b;
   }
   LineOfSight middle(std::uint32_t column) const { return line_of_sight(camera_, tangent_x_[column], tangent_y_); }
   float nearness_sum(std::uint32_t column) const {

@@ -54,7 +54,8 @@ struct PartsOptions {
   std::span<const std::uint32_t> likely{};  ///< as in screen.h
   int threads = 0;
 };
-/// Fills `parts`, whose memory is used again. What is seen does not depend on `runs`, `likely` and `threads`.
+/// Fills `parts`, whose memory is used again. What is seen does not depend on `runs`, `likely` and `threads`; the
+/// nearest range of `extent` is a lower bound where there are runs.
 void find_parts(const RenderScene& scene, const Camera& camera, const PartsOptions& options, VisibleParts& parts);
 
 /// Where a part is, in samples from the outer corner of the image.

@@ -74,7 +74,7 @@ Extent extent_of(mtf::ImageView<const float> frame, int threads) {
   });
 }
 
-/// Bin of a value among `bins` between low and high, both included; values outside and NaN have none, -1.
+/// Bin of a value among `bins` between low and high, both included; values outside and NaN have none: `bins`.
 struct Bins {
   double low, scale;
   std::int64_t bins;
@@ -83,12 +83,12 @@ struct Bins {
       : low(from), scale(static_cast<double>(count) / (to - from)), bins(count) {}
   std::int64_t operator()(float value) const {
     const double place = (static_cast<double>(value) - low) * scale;
-    if (!(place >= 0.0 && place <= static_cast<double>(bins))) return -1;
+    if (!(place >= 0.0 && place <= static_cast<double>(bins))) return bins;
     return std::min(static_cast<std::int64_t>(place), bins - 1);
   }
 };
 
-/// The bin of each of `count` values; bin.bins where they have none.
+/// The bins of `count` values.
 MTFKIT_CLONES void bins_of(const Bins& bin, const float* value, std::int64_t count, std::int32_t* out) {
   const double low = bin.low, scale = bin.scale, most = static_cast<double>(bin.bins);
   const auto last = static_cast<std::int32_t>(bin.bins - 1);
@@ -188,6 +188,13 @@ MTFKIT_CLONES void places_on(const float* value, std::int64_t count, double low,
   }
 }
 
+void require_curve(const ToneCurve& curve) {
+  if (curve.level.size() < 2 || !(curve.high > curve.low))
+    throw mtf::UsageError("agc: a curve of " + std::to_string(curve.level.size()) + " levels from " +
+                          mtf::format_double(curve.low) + " to " + mtf::format_double(curve.high) +
+                          "; make it with tone_curve");
+}
+
 /// The display levels of values; NaN for NaN.
 void on_curve(float* value, std::int64_t count, const ToneCurve& curve) {
   const std::size_t intervals = curve.level.size() - 1;
@@ -206,6 +213,7 @@ void on_curve(float* value, std::int64_t count, const ToneCurve& curve) {
 }  // namespace
 
 float ToneCurve::at(float value) const {
+  require_curve(*this);
   on_curve(&value, 1, *this);
   return value;
 }
@@ -244,10 +252,7 @@ ToneCurve tone_curve(mtf::ImageView<const float> frame, const AutomaticGain& gai
 }
 
 void apply(mtf::ImageView<float> image, const ToneCurve& curve, int threads) {
-  if (curve.level.size() < 2 || !(curve.high > curve.low))
-    throw mtf::UsageError("agc: a curve of " + std::to_string(curve.level.size()) + " levels from " +
-                          mtf::format_double(curve.low) + " to " + mtf::format_double(curve.high) +
-                          "; make it with tone_curve");
+  require_curve(curve);
   mtf::parallel_for(image.height, kRowsAtOnce, threads, [&](std::int64_t begin, std::int64_t end) {
     for (std::int64_t y = begin; y < end; ++y) on_curve(image.row(y), image.width, curve);
   });

@@ -63,7 +63,7 @@ struct ToneCurve {
   double low = 0.0, high = 1.0;
   std::vector<float> level;
 
-  /// NaN for NaN.
+  /// NaN for NaN. Throws mtf::UsageError for a curve without an interval.
   float at(float value) const;
 };
 

@@ -5,6 +5,9 @@
 
 #include <gtest/gtest.h>
 
+#include <numbers>
+
+#include "radiometry/render/renderer.h"
 #include "radiometry/scene/beam.h"
 #include "render_cases.h"
 
@@ -82,6 +85,42 @@ TEST(SidesInSun, NothingIsWrongAmongTrianglesThatCross) {
   EXPECT_EQ(sum.wrong, 0u);
   EXPECT_GT(sum.wholly, 50u);
   EXPECT_GT(sum.nowhere, 20u);
+}
+
+// Facets smaller than the squares that rays are for: nothing but rays of their own tells where the outline is.
+TEST(SidesInSun, OutlinesOnSmallFacetsAreThoseOfARayForEverything) {
+  for (const int grid : {10, 160}) {
+    scene::Mesh mesh = scene::test::sphere({-2.0, 1.0, 1.5}, 0.8, 24);
+    add_plate(mesh, {-6, -6, 0}, {12, 0, 0}, {0, 12, 0}, grid, grid);
+    add_box(mesh, {-1, -1, 0.5}, {2, 2, 1}, 3);
+    SmallScene made = small_scene(mesh, 300.0, grey(0.5), 300.0);
+    made.scene.sun = Sun{.to_sun = {0.5, 0.25, 0.6}, .direct_w_m2 = 900.0};
+    const Camera eye = camera({.position = {0.1, -9, 12}, .look_at = {-0.8, -0.4, 0}}, 240, 180, 0.003);
+    for (const int n : {1, 2}) {
+      const RenderedFrame some = Renderer(made.scene, {mwir()}, {.points = n, .view_rays = 4}).render(eye);
+      const RenderedFrame all =
+          Renderer(made.scene, {mwir()}, {.points = n, .all_shadows = true, .view_rays = 4}).render(eye);
+      std::size_t differ = 0;
+      for (std::int64_t i = 0; i < eye.width * eye.height; ++i)
+        differ += std::abs(some.radiance[0].data()[i] / all.radiance[0].data()[i] - 1.0F) > 1e-5F ? 1 : 0;
+      EXPECT_LT(differ, grid == 10 ? 10u : 1u) << grid << " " << n;  // slivers at corners of the box's shadow
+      EXPECT_LT(some.shadow_rays, all.shadow_rays / 2) << grid << " " << n;
+    }
+  }
+}
+
+// A cone whose apex all triangles share.
+TEST(SidesInSun, ManyTrianglesAtOneVertexTakeNoLonger) {
+  constexpr int kTriangles = 60000;
+  scene::Mesh mesh = empty_mesh();
+  const auto rim = [](int k) {
+    const double turn = 2.0 * std::numbers::pi * (k % kTriangles) / kTriangles;
+    return Point{std::cos(turn), std::sin(turn), 0.0};
+  };
+  for (int k = 0; k < kTriangles; ++k) add_face(mesh, {{0, 0, 1}, rim(k), rim(k + 1)});
+  const SmallScene made = small_scene(mesh, 300.0, grey(0.5), 300.0);
+  const SidesInSun sides(made.scene.facets(), {0, 0, 1}, 1e-7, 1);
+  EXPECT_EQ(sides.find({0, false}), InSun::wholly);
 }
 
 // A plate in two halves, one of them wound the other way, over a floor: their common edge is no outline. A sheet that
