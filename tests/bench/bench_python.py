@@ -3,7 +3,7 @@
 """What Python costs: a frame beside its twin in C++, views of arrays, two Python threads, rows of a large study.
 
 Usage: bench_python.py BUILD [SIDE]     SIDE squared designs, default 1000; with BUILD/python on PYTHONPATH; BUILD/tests/bench/bench_frame and BUILD/apps/mtf are run
-Columns are minimum and median of five alternating rounds.
+Columns are minimum and median of rounds in turn: ten of frames, five of the others.
 """
 
 import resource
@@ -19,7 +19,7 @@ import numpy as np
 
 import mtfkit as mk
 
-FRAMES, ROUNDS = 60, 5
+FRAMES, ROUNDS = 30, 5
 SENSOR = mk.Sensor(frame=dict(focal_length="100 mm", pitch="15 um"), optics=dict(f_number=2.0, wavelength="4 um"),
                    presample=["diffraction", mk.Footprint(width="15 um"), mk.Jitter(rms="20 urad")])
 
@@ -43,11 +43,17 @@ def frames(build):
                                 stdout=subprocess.PIPE, text=True)
         out = None if fresh else plan(scene)
         python, cpp = [], []
-        for _ in range(ROUNDS):
-            python.append(frame_of_python(plan, scene, out))
+        def ask():
             twin.stdin.write(f"{FRAMES} 1\n")
             twin.stdin.flush()
-            cpp.append(float(twin.stdout.readline().split()[0]))
+            return float(twin.stdout.readline().split()[0])
+        ask()
+        for turn in range(2 * ROUNDS):  # either one goes first as often as the other
+            if turn % 2:
+                cpp.append(ask())
+            python.append(frame_of_python(plan, scene, out))
+            if turn % 2 == 0:
+                cpp.append(ask())
         twin.stdin.close()
         twin.wait()
         what = "result of its own" if fresh else "out="
