@@ -23,7 +23,7 @@ sensor = mk.Sensor(frame=dict(focal_length="100 mm", pitch="15 um"),
                               mk.Jitter(rms="20 urad")],
                    postsample=[mk.Fir(taps=[[0, -0.25, 0], [-0.25, 2.0, -0.25], [0, -0.25, 0]])])
 numbers = np.random.default_rng(1)
-scene = numbers.standard_normal((1024, 1280)).astype("float32")  # detail at all frequencies, no mean
+scene = numbers.standard_normal((512, 640)).astype("float32")  # detail at all frequencies, no mean
 
 # %%
 reachable = None

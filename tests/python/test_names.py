@@ -1,13 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Public names: each has a docstring, its types are right, the stubs describe what is there, examples run."""
+"""Public names: each has a docstring, the stub of components is that of the field tables, examples run."""
 
 import doctest
 import importlib
 import inspect
-import os
 import pkgutil
-import subprocess
-import sys
 from pathlib import Path
 
 import component_stub
@@ -19,12 +16,6 @@ import mtfkit as mk
 PACKAGE = Path(mk.__file__).parent
 MODULES = [importlib.import_module(f"mtfkit.{info.name}") for info in pkgutil.iter_modules([str(PACKAGE)])
            if info.name != "_core"]
-
-
-def run_tool(tmp_path, *words):
-    result = subprocess.run([sys.executable, "-m", *words], capture_output=True, text=True, cwd=PACKAGE.parent, check=False,
-                            env={**os.environ, "MYPY_CACHE_DIR": str(tmp_path)})
-    assert result.returncode == 0, result.stdout + result.stderr
 
 
 def documented(owner, name, value):
@@ -59,15 +50,6 @@ def test_all_names_are_there():
 def test_doctests(module, monkeypatch):
     monkeypatch.chdir(ROOT)
     assert doctest.testmod(module).failed == 0
-
-
-def test_types_hold(tmp_path):
-    run_tool(tmp_path, "mypy", "--strict", "-p", "mtfkit")
-
-
-def test_stubs_describe_what_is_there(tmp_path):
-    run_tool(tmp_path, "mypy.stubtest", "mtfkit", "--allowlist", str(Path(__file__).with_name("stubtest_allowlist.txt")),
-             "--ignore-unused-allowlist")
 
 
 def test_the_stub_of_components_is_that_of_the_field_tables():

@@ -100,6 +100,7 @@ def test_pictures_are_those_of_the_command(scene, tmp_path):
                 "--layer", "temperature")
     picture = mk.render(scene, camera, temperatures=heat, plain=True, layers=["temperature"])
     assert np.array_equal(picture.plane("Y"), mk.read(said, channel="Y").plane("Y"))
+    assert np.array_equal(picture.layers["temperature"], mk.read(said, channel="temperature").plane(), equal_nan=True)
     assert picture.attributes["mtf:quantity"] == "radiance"
     image = camera.simulate(picture).image
     assert image.shape == (48, 64)

@@ -2,6 +2,7 @@
 """Images: no copies, the pixels of the command, sequences, stages, noise, labels."""
 
 import pickle
+import tracemalloc
 
 import numpy as np
 import pytest
@@ -89,6 +90,45 @@ def test_views_are_where_the_array_is(scene):
     fixed = scene.copy()
     fixed.setflags(write=False)
     assert np.array_equal(identity(fixed), scene)
+
+
+def allocated(work):
+    """The most bytes that numpy held at a time for this work."""
+    tracemalloc.start()
+    work()
+    _, peak = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    return peak
+
+
+def test_nothing_is_copied_of_an_array_in_order(sensor, scene, tmp_path):
+    large = np.tile(scene, (4, 4))
+    plan = sensor.compile(large.shape, sample="3.75 um")
+    out = plan(large)
+    large.tofile(tmp_path / "raw")
+    mapped = np.memmap(tmp_path / "raw", "float32", "r", shape=large.shape)
+    fixed = large.view()
+    fixed.setflags(write=False)
+    wide = np.empty((large.shape[0] + 3, large.shape[1] + 5), "float32")
+    wide[2:-1, 3:-2] = large
+    for view in (large, mapped, fixed, wide[2:-1, 3:-2]):
+        assert allocated(lambda view=view: plan(view, out=out)) < 4096
+        assert np.array_equal(plan(view), out)
+    for other in (large.astype("f8"), large.astype(">f4"), np.asfortranarray(large), wide[::-1][1:-2, 3:-2]):
+        assert large.nbytes <= allocated(lambda other=other: plan(other, out=out)) < large.nbytes + 4096
+
+
+def test_what_is_closed_or_no_file_has_words(sensor, tmp_path, demo):
+    with open(demo / "scene.exr", "rb") as file:
+        pass
+    with pytest.raises(TypeError, match="str, bytes or os.PathLike"):
+        mk.read(file)
+    with pytest.raises(mk.UsageError, match="no array|dtype|type|dimensions"):
+        sensor.simulate(file, sample="3.75 um")
+    with pytest.raises(mk.DataError, match="is a directory|directory|not"):
+        mk.read(tmp_path)
+    with pytest.raises((mk.DataError, ValueError)):
+        mk.read("a\0b.exr")
 
 
 def test_the_file_s_plane_is_a_view(demo):

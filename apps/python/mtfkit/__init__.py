@@ -21,7 +21,7 @@ from mtfkit.errors import DataError, Error, ToleranceError, UsageError
 from mtfkit.figures_of_merit import metrics
 from mtfkit.fits import CurveData, Fit, Parameter, fit
 from mtfkit.images import Image, read, write
-from mtfkit.scenes import Heat, heat, render
+from mtfkit.scenes import Heat, Picture, heat, render
 from mtfkit.sensors import Finding, Findings, Sensor
 from mtfkit.simulation import Plan, Run
 from mtfkit.studies import Gradient, Optimum, Study, StudyColumn
@@ -29,7 +29,7 @@ if TYPE_CHECKING:  # a class for each kind of component, made when one is asked 
     from mtfkit.components import *
 
 __all__ = ["Budget", "Column", "Component", "CurveData", "Curves", "Custom", "DataError", "Edge", "Edges", "Error", "Estimate",
-           "Figure", "Finding", "Findings", "Fit", "Gradient", "Heat", "Image", "Optimum", "Parameter", "Plan", "Run",
+           "Figure", "Finding", "Findings", "Fit", "Gradient", "Heat", "Image", "Optimum", "Parameter", "Picture", "Plan", "Run",
            "Sensor", "Study", "StudyColumn", "ToleranceError", "UsageError", "__version__", "air", "components",
            "fit", "heat", "kinds", "light", "measure", "metrics", "noise", "read", "render", "targets", "write"]
 

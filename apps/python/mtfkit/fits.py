@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import json
+import time
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -61,7 +62,8 @@ class Parameter:
 class Fit:
     """What `mtf fit` gives, bit for bit."""
 
-    def __init__(self, sensor: Sensor, run: _core.FitRun) -> None:
+    def __init__(self, sensor: Sensor, run: _core.FitRun, seconds: float) -> None:
+        self.seconds = seconds  #: wall time
         self._sensor = sensor
         self._run = run
         self.report: dict[str, Any] = json.loads(run.report)  #: the JSON of `mtf fit`
@@ -251,6 +253,7 @@ def fit(sensor: Sensor, *, edges: Sequence[ImageLike | tuple[ImageLike, Sensor]]
     words = {"channel": channel, "encoding": encoding, "regions": [list(r) for r in roi] if roi is not None else [],
              "noise_sd": noise_sd, "saturation": saturation, "most": most}
     asked = marked(sensor, free)
+    start = time.perf_counter()
     run = _core.fit(asked._file, pairs(edges, "edges"), pairs(spots, "spots"), given, words, robust, starts, profile,
                     residual_otf, threads, function_of(progress, "fitting"))
-    return Fit(asked, run)
+    return Fit(asked, run, time.perf_counter() - start)

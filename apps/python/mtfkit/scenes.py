@@ -19,9 +19,10 @@ from mtfkit.progress import Progress, function_of
 if TYPE_CHECKING:
     import numpy.typing as npt
 
+    from mtfkit.images import Plane
     from mtfkit.sensors import Sensor
 
-__all__ = ["Heat", "heat", "render"]
+__all__ = ["Heat", "Picture", "heat", "render"]
 
 
 class Heat:
@@ -72,6 +73,17 @@ class Heat:
         return f"<Heat: {outputs} outputs of {facets} facets, promised {self.promised:.2g} K, {self.seconds:.3g} s>"
 
 
+class Picture(Image):
+    """A picture that `render` made: an Image of its radiance, and `layers`, the other planes by name, float32."""
+
+    __slots__ = ("layers",)
+    layers: dict[str, Plane]
+
+    def __init__(self, file: _core.ImageFile, layers: dict[str, Plane]) -> None:
+        super().__init__(file)
+        self.layers = layers
+
+
 def heat(scene: str | os.PathLike[str], *, tolerance: quantities.Value = "0.1 K", rays: int = 128,
          every_facet: bool = False, out: str | os.PathLike[str] | None = None, threads: int = 0,
          progress: Progress = None) -> Heat:
@@ -104,13 +116,13 @@ def render(scene: str | os.PathLike[str], sensor: Sensor, *, temperatures: Heat 
            at: str | None = None, solve: bool = False, position: Sequence[float] | None = None,
            look_at: Sequence[float] | None = None, samples_per_pitch: float = 2.0, points: int = 2, plain: bool = False,
            air: bool = True, layers: Sequence[str] = (), out: str | os.PathLike[str] | None = None,
-           threads: int = 0) -> Image:
-    """The picture of a scene file at the aperture of a sensor, as `mtf render`: an Image for `sensor.simulate(image)`.
+           threads: int = 0) -> Picture:
+    """The picture of a scene file at the aperture of a sensor, as `mtf render`: for `sensor.simulate(picture)`.
 
     `temperatures` is a Heat, its folder or a table of facets; with `solve` they are solved first, without either they are
     those of the scene file. `at` is a time, UTC. `position` and `look_at` are x (east), y (north), z (up) in m, by
     default those of [camera]. `plain` gives radiance in the band, else it is weighted by the sensor's response.
-    `layers`: temperature, emissivity, Z, facet, material, normal, surface, transmittance. `out` keeps the file.
+    `layers` of the picture: temperature, emissivity, Z, facet, material, normal, surface, transmittance. `out` keeps the file.
     Raises UsageError for what does not fit, each with its place.
     """
     import tempfile
@@ -124,4 +136,6 @@ def render(scene: str | os.PathLike[str], sensor: Sensor, *, temperatures: Heat 
                      None if position is None else [float(v) for v in position],
                      None if look_at is None else [float(v) for v in look_at], samples_per_pitch, points, plain, not air,
                      list(layers), threads)
-        return read(picture, channel=None if not layers else "Y")
+        channels = [name for layer in layers
+                    for name in ([f"normal.{axis}" for axis in "XYZ"] if layer == "normal" else [layer])]
+        return Picture(read(picture, channel="Y")._file, {name: read(picture, channel=name).plane() for name in channels})

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import json
 import os
+import time
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -167,8 +168,12 @@ class Study:
 
     def run(self, *, threads: int = 0, progress: Progress = None) -> Any:
         """All designs as a DataFrame: see `frame`. `threads` 0 = all cores; `progress` True for a line on standard error,
-        or a function of the share done. Ctrl-C ends it."""
-        return self.frame(self.rows(0, self.designs, threads=threads, progress=progress))
+        or a function of the share done. Ctrl-C ends it. `attrs["seconds"]` is the wall time, the column `error` the
+        error that each design promises."""
+        start = time.perf_counter()
+        frame = self.frame(self.rows(0, self.designs, threads=threads, progress=progress))
+        frame.attrs["seconds"] = time.perf_counter() - start
+        return frame
 
     def frame(self, rows: npt.ArrayLike | Sequence[npt.ArrayLike], *, first: int = 0) -> Any:
         """Rows (or a list of pieces that follow one another) as a DataFrame.
