@@ -44,11 +44,13 @@ struct InfoOptions {
 };
 
 struct ConfigOptions {
-  enum class Action { init, check, explain, kinds } action = Action::check;
-  std::string file;  ///< init: where to write, "" = stdout; kinds: the one to show, "" = all
+  enum class Action { init, check, explain, kinds, schema } action = Action::check;
+  enum class Layout { table, markdown, json };
+  std::string file;  ///< init, schema: where to write, "" = stdout; kinds: the one to show, "" = all
   bool force = false;
   Format format = Format::table;
-  bool markdown = false;  ///< kinds: as mtf/components/README.md
+  Layout layout = Layout::table;  ///< kinds; markdown is mtf/components/README.md
+  bool of_study = false;          ///< schema: of study files instead of sensor files
 };
 
 /// `mtf simulate`.
