@@ -6,11 +6,10 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "apps/budget_rows.h"
 #include "apps/options.h"
-#include "apps/sensor/observer_rows.h"
 #include "apps/sensor/sensor_chain.h"
 #include "apps/sensor/sensor_file.h"
-#include "apps/sensor/sensor_place.h"
 #include "apps/simulate/output_files.h"
 #include "apps/terminal/output.h"
 #include "apps/terminal/text_table.h"
@@ -36,22 +35,6 @@ std::string reasons(const Rows& rows) {
   std::string text;
   for (const auto& [reason, names] : found) text += "no " + names + ": " + reason + "\n";
   return text;
-}
-
-/// What the path lets through of the light of the surface, and of that of a small difference of its temperature. A
-/// band average of the transmission alone would be another number.
-void add_path_rows(const radiometry::Sensor& sensor, double temperature_k, Rows& rows) {
-  if (!sensor.settings.path && !sensor.settings.atmosphere) return;
-  const double reflected_k = sensor.settings.scene ? sensor.settings.scene->surroundings_k.value_or(0.0) : 0.0;
-  const radiometry::Surface surface{temperature_k, sensor.emissivity, reflected_k};
-  const auto add = [&](const char* name, const char* doc, const auto& light) {
-    const double clear = light(sensor.curves, surface, radiometry::Path{});
-    radiometry::BudgetRow row{name, "", light(sensor.curves, surface, sensor.path) / clear, doc};
-    if (!(clear > 0.0)) row.refused = "no light of the scene makes electrons";
-    rows.push_back(std::move(row));
-  };
-  add("path_share", "share of the scene's light that the path lets through", radiometry::scene_radiance);
-  add("contrast_share", "the same of a small temperature difference", radiometry::scene_derivative);
 }
 
 std::string as_table(const Rows& rows, const radiometry::Saturation& saturation) {
@@ -110,17 +93,13 @@ int run_budget(const BudgetOptions& options, const Global& global) {
   }
   const LoadedSensor loaded = load_chain(config);
   if (loaded.paths) note(global, "note: the scene gives the range of each pixel; this budget is without a path");
-  const radiometry::Budget<double> budget =
-      at_its_place(config, [&] { return budget_of(config.system, loaded.sensor, options.temperature_k); });
-  if (const std::string gap = spatial_gap(loaded.sensor.settings, budget); !gap.empty())
+  const BudgetTable table = budget_table(config, loaded, options.temperature_k);
+  const Rows& rows = table.rows;
+  if (const std::string gap = spatial_gap(loaded.sensor.settings, table.budget); !gap.empty())
     note(global, "note: spatial noise has no number: " + gap);
   const std::vector<std::string> notes = budget_notes(loaded.sensor);
   for (const std::string& text : notes) note(global, "note: " + text);
-  Rows rows = budget_rows(config.system, loaded.sensor, budget);
-  for (radiometry::BudgetRow& row : observer_rows(with_electron_rate(config.system, loaded), loaded.sensor, budget))
-    rows.push_back(std::move(row));
-  if (!loaded.paths) add_path_rows(loaded.sensor, options.temperature_k, rows);
-  const radiometry::Saturation& saturation = budget.saturation;
+  const radiometry::Saturation& saturation = table.budget.saturation;
   if (const std::string said = words(saturation); !said.empty() && options.format != Format::table)
     note(global, (saturation.saturated() ? "warning: " : "note: ") + said);
   switch (options.format) {

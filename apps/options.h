@@ -64,6 +64,18 @@ struct SimulateCommandOptions {
   SimulateOptions run;        ///< all that is for the library
 };
 
+/// `mtf live`.
+struct LiveOptions {
+  std::string sensor, scene;  ///< both "": the demo
+  std::optional<std::string> channel, layer;
+  std::optional<int> part;
+  std::optional<double> tolerance;
+  int port = 0;            ///< 0 = any free one
+  bool browser = true;     ///< opened where there is a desktop
+  bool stay = false;       ///< without a page too
+  double linger_s = 60.0;  ///< without a page, until it ends
+};
+
 struct BudgetOptions {
   std::string sensor;
   double temperature_k = 300.0;  ///< of the surface that the pixel images
@@ -231,6 +243,7 @@ int run_bench(const BenchOptions& options, const Global& global);
 int run_bench_heat(const BenchOptions& options, const Global& global);
 int run_bench_render(const BenchOptions& options, const Global& global);
 int run_demo(const DemoOptions& options, const Global& global);
+int run_live(const LiveOptions& options, const Global& global);
 int run_budget(const BudgetOptions& options, const Global& global);
 int run_measure(const MeasureOptions& options, const Global& global);
 int run_fit(const FitOptions& options, const Global& global);

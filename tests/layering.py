@@ -33,6 +33,7 @@ RULES = [
     (r"toml\+\+|toml\.hpp$", r"mtf/io/", "toml++ is private to mtf/io"),
     (r"ceres/", r"calib/|tests/|apps/study/", "Ceres is private to calib and apps/study"),
     (r"CLI/", r"apps/main\.cpp$", "CLI11 is private to apps/main.cpp"),
+    (r"httplib\.h$", r"apps/live/server\.cpp$", "cpp-httplib is private to apps/live/server.cpp"),
     (r"embree3/", r"radiometry/scene/|tests/radiometry/scene/", "Embree is private to radiometry/scene"),
     (r"erfa\.h$", r"radiometry/heat/weather/", "ERFA is private to radiometry/heat/weather"),
     (r"assimp/", r"apps/scene/import/", "Assimp is private to the import process of apps/scene"),
