@@ -17,6 +17,8 @@ Command demo_command();
 Command simulate_command();
 Command bench_command();
 Command report_command();
+// Where cpp-httplib is there.
+Command live_command();
 // Where calib is built.
 Command measure_command();
 Command fit_command();

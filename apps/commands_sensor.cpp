@@ -10,8 +10,10 @@
 namespace apps {
 namespace {
 
-constexpr std::array kTableOrMarkdown{std::pair{std::string_view("table"), false},
-                                      std::pair{std::string_view("markdown"), true}};
+constexpr std::array kLayouts{std::pair{std::string_view("table"), ConfigOptions::Layout::table},
+                              std::pair{std::string_view("markdown"), ConfigOptions::Layout::markdown},
+                              std::pair{std::string_view("json"), ConfigOptions::Layout::json}};
+constexpr std::array kFiles{std::pair{std::string_view("sensor"), false}, std::pair{std::string_view("study"), true}};
 constexpr std::array kUnits{std::pair{std::string_view("cy/mm"), 0}, std::pair{std::string_view("cy/mrad"), 1},
                             std::pair{std::string_view("cy/px"), 2}};
 
@@ -121,14 +123,27 @@ Command config_command() {
   Command kinds{
       "kinds", "every component: formula, validity, source, and each parameter",
       "Describes the tables of the chain to electrons and counts too, by name: optics, detector, noise, adc, ...\n"
-      "mtf/components/README.md is the output of --format markdown.",
+      "mtf/components/README.md is the output of --format markdown. JSON has every table, with units, ranges, scale\n"
+      "and defaults: for forms, sliders and checks of other programs.",
       "  mtf config kinds jitter\n"
       "  mtf config kinds detector"};
   add_text(kinds, "kind", "KIND", "one component, or one table of the sensor file; default: all components",
            options.file);
-  add_choice(kinds, "--format", "FORMAT", "table (default) or markdown", kTableOrMarkdown, options.markdown);
+  add_choice(kinds, "--format", "FORMAT", "table (default), markdown or json", kLayouts, options.layout);
   kinds.run = action(ConfigOptions::Action::kinds);
-  app.commands = {init, check, explain, kinds};
+
+  Command schema{
+      "schema", "JSON Schema of sensor or study files, with which editors complete and check TOML",
+      "Draft-07, as taplo and the editors that use it read it. Ranges of values with units and what several\n"
+      "values decide together are left to mtf config check.",
+      "  mtf config schema sensor -o sensor.schema.json\n"
+      "  mtf config schema study -o study.schema.json"};
+  add_word(schema, "file", "FILE", "sensor or study", [&](const std::string& text) {
+    options.of_study = choice("file", text, kFiles);
+  }).required = true;
+  add_text(schema, "-o,--out", "FILE", "file to write; default: standard output", options.file);
+  schema.run = action(ConfigOptions::Action::schema);
+  app.commands = {init, check, explain, kinds, schema};
   return app;
 }
 

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/kinds.h"
+#include "apps/schema/schemas.h"
 #include "apps/sensor/sensor_air.h"
 #include "apps/sensor/sensor_chain.h"
 #include "apps/sensor/sensor_file.h"
@@ -65,6 +66,15 @@ int explain(const ConfigOptions& options, const Global& global) {
   print(mtf::io::explain_config(config));
   print(explain_chain(config));
   return 0;
+}
+
+std::string schema_text(bool of_study) {
+  if (!of_study) return sensor_file_schema();
+#ifdef MTFKIT_HAVE_STUDY
+  return study_file_schema();
+#else
+  throw mtf::UsageError("studies are not part of this build");
+#endif
 }
 
 }  // namespace
@@ -136,7 +146,12 @@ int run_config(const ConfigOptions& options, const Global& global) {
     case ConfigOptions::Action::explain:
       return explain(options, global);
     case ConfigOptions::Action::kinds:
-      print(options.markdown ? kinds_markdown(options.file) : describe_kinds(options.file));
+      print(options.layout == ConfigOptions::Layout::markdown ? kinds_markdown(options.file)
+            : options.layout == ConfigOptions::Layout::json   ? kinds_json(options.file)
+                                                              : describe_kinds(options.file));
+      return 0;
+    case ConfigOptions::Action::schema:
+      emit(options.file, schema_text(options.of_study));
       return 0;
   }
   return 0;

@@ -117,6 +117,9 @@ int run(int argc, char** argv) {
        {demo_command(), info_command(), config_command(), curve_command(), budget_command(), atmosphere_command(),
         simulate_command(), bench_command(), check_command(), report_command()})
     add_command(root, command, chosen);
+#ifdef MTFKIT_HAVE_LIVE
+  add_command(root, live_command(), chosen);
+#endif
 #ifdef MTFKIT_HAVE_CALIB
   for (const Command& command : {measure_command(), fit_command()}) add_command(root, command, chosen);
 #endif

@@ -44,11 +44,13 @@ struct InfoOptions {
 };
 
 struct ConfigOptions {
-  enum class Action { init, check, explain, kinds } action = Action::check;
-  std::string file;  ///< init: where to write, "" = stdout; kinds: the one to show, "" = all
+  enum class Action { init, check, explain, kinds, schema } action = Action::check;
+  enum class Layout { table, markdown, json };
+  std::string file;  ///< init, schema: where to write, "" = stdout; kinds: the one to show, "" = all
   bool force = false;
   Format format = Format::table;
-  bool markdown = false;  ///< kinds: as mtf/components/README.md
+  Layout layout = Layout::table;  ///< kinds; markdown is mtf/components/README.md
+  bool of_study = false;          ///< schema: of study files instead of sensor files
 };
 
 /// `mtf simulate`.
@@ -60,6 +62,18 @@ struct SimulateCommandOptions {
   std::string wisdom;         ///< file with what measuring learnt; read before, written after
   bool without_path = false;  ///< [path] and [atmosphere] of the sensor are left out
   SimulateOptions run;        ///< all that is for the library
+};
+
+/// `mtf live`.
+struct LiveOptions {
+  std::string sensor, scene;  ///< both "": the demo
+  std::optional<std::string> channel, layer;
+  std::optional<int> part;
+  std::optional<double> tolerance;
+  int port = 0;            ///< 0 = any free one
+  bool browser = true;     ///< opened where there is a desktop
+  bool stay = false;       ///< without a page too
+  double linger_s = 60.0;  ///< without a page, until it ends
 };
 
 struct BudgetOptions {
@@ -229,6 +243,7 @@ int run_bench(const BenchOptions& options, const Global& global);
 int run_bench_heat(const BenchOptions& options, const Global& global);
 int run_bench_render(const BenchOptions& options, const Global& global);
 int run_demo(const DemoOptions& options, const Global& global);
+int run_live(const LiveOptions& options, const Global& global);
 int run_budget(const BudgetOptions& options, const Global& global);
 int run_measure(const MeasureOptions& options, const Global& global);
 int run_fit(const FitOptions& options, const Global& global);

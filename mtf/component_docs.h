@@ -8,6 +8,9 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
+
+#include "mtf/units.h"
 
 namespace mtf {
 
@@ -26,5 +29,9 @@ std::string component_formula(std::string_view kind);
 
 /// Its source, without the parentheses, on one line; empty when there is none.
 std::string component_source(std::string_view kind);
+
+/// Every unit that parse_quantity() reads where that dimension is expected, "degC" among those of an absolute
+/// temperature; none for plain numbers. In units.cpp.
+std::vector<std::string_view> units_of(Dimension expected);
 
 }  // namespace mtf

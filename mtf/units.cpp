@@ -9,6 +9,7 @@
 #include <numbers>
 #include <vector>
 
+#include "mtf/component_docs.h"
 #include "mtf/error.h"
 #include "mtf/quantity.h"
 
@@ -115,6 +116,14 @@ const Unit* find_unit(std::string_view name) {
   return found == kUnits.end() ? nullptr : &*found;
 }
 
+std::vector<std::string_view> units_of(Dimension expected) {
+  std::vector<std::string_view> names;
+  for (const Unit& unit : kUnits)
+    if (accepts(expected, unit.dimension)) names.push_back(unit.name);
+  if (expected == Dimension::temperature) names.push_back("degC");
+  return names;
+}
+
 Quantity parse_quantity(std::string_view text, Dimension expected) {
   const std::string_view whole = text;
   const auto fail = [&](const std::string& why) -> UsageError {
@@ -144,11 +153,7 @@ Quantity parse_quantity(std::string_view text, Dimension expected) {
   }
   result.unit = find_unit(text);
   if (result.unit == nullptr) {
-    std::vector<std::string_view> names;
-    for (const Unit& unit : kUnits)
-      if (accepts(expected, unit.dimension)) names.push_back(unit.name);
-    if (expected == Dimension::temperature) names.push_back("degC");
-    const auto guess = nearest(text, names);
+    const auto guess = nearest(text, units_of(expected));
     throw fail("unknown unit " + quoted(text) + (guess ? ", did you mean " + quoted(*guess) + "?" : ""));
   }
   if (!accepts(expected, result.unit->dimension)) throw fail("unit " + quoted(text) + " does not fit");

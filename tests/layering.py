@@ -34,6 +34,7 @@ RULES = [
     (r"ceres/", r"calib/|tests/|apps/study/", "Ceres is private to calib and apps/study"),
     (r"CLI/", r"apps/main\.cpp$", "CLI11 is private to apps/main.cpp"),
     (r"pybind11/", r"apps/python/", "pybind11 is private to apps/python"),
+    (r"httplib\.h$", r"apps/live/server\.cpp$", "cpp-httplib is private to apps/live/server.cpp"),
     (r"embree3/", r"radiometry/scene/|tests/radiometry/scene/", "Embree is private to radiometry/scene"),
     (r"erfa\.h$", r"radiometry/heat/weather/", "ERFA is private to radiometry/heat/weather"),
     (r"assimp/", r"apps/scene/import/", "Assimp is private to the import process of apps/scene"),

@@ -164,14 +164,21 @@ std::pair<std::string, mtf::Image> through(const Camera& camera, const std::file
 
 }  // namespace
 
-std::string demo_thermal(const std::filesystem::path& folder, const mtf::Image& landscape, double step_um, int threads,
-                         mtf::Image& scene, mtf::Image& image) {
+std::string_view demo_camera() { return kCamera; }
+
+mtf::Image demo_temperatures(const mtf::Image& landscape) {
   // So little contrast, as before sunrise, that the camera's noise is seen and nothing fills the wells.
   constexpr double kMean_k = 288.0, kContrast_k = 0.5;
   const mtf::Statistics s = mtf::statistics(landscape.view());
-  scene = landscape.clone();
+  mtf::Image scene = landscape.clone();
   for (float& v : std::span(scene.data(), static_cast<std::size_t>(scene.size())))
     v = static_cast<float>(kMean_k + kContrast_k * (static_cast<double>(v) - s.mean) / s.std);
+  return scene;
+}
+
+std::string demo_thermal(const std::filesystem::path& folder, const mtf::Image& landscape, double step_um, int threads,
+                         mtf::Image& scene, mtf::Image& image) {
+  scene = demo_temperatures(landscape);
   mtf::io::Metadata metadata;
   metadata.text["mtf:quantity"] = "temperature";
   metadata.text["mtf:units"] = "K";

@@ -6,10 +6,16 @@
 
 #include <filesystem>
 #include <string>
+#include <string_view>
 
 #include "mtf/image.h"
 
 namespace apps {
+
+/// The sensor file of the cooled camera, camera.toml.
+std::string_view demo_camera();
+/// Its scene, thermal.exr: temperatures in K of a landscape.
+mtf::Image demo_temperatures(const mtf::Image& landscape);
 
 /// Writes thermal.exr (temperatures in K of the given landscape), camera.toml, uncooled.toml and the images of these
 /// cameras, camera.exr and uncooled.exr (counts), into the folder; returns the lines of the summary. `scene` and

@@ -12,6 +12,7 @@
 
 #include "apps/arguments.h"
 #include "apps/figures/curve_figure.h"
+#include "apps/figures/curve_json.h"
 #include "apps/figures/plot.h"
 #include "apps/sensor/otf_curves.h"
 #include "apps/sensor/sensor_file.h"
@@ -59,36 +60,6 @@ std::string as_csv(const OtfCurves& curves) {
   return text;
 }
 
-void add_parts(Json& json, const OtfColumn& column) {
-  // + 0.0 makes 0 of the negative zero, which would be printed as -0.
-  Json& re = json["re"] = Json::array();
-  for (const auto& h : column.otf) re.push_back(h.re + 0.0);
-  Json& im = json["im"] = Json::array();
-  for (const auto& h : column.otf) im.push_back(h.im + 0.0);
-  if (column.has_coarse_average()) json["error"] = column.error;
-}
-
-std::string as_json(const OtfCurves& curves) {
-  const KeyFigures& figures = curves.figures;
-  Json json;
-  json["name"] = curves.name;
-  json["unit"] = curves.direction.unit;
-  json["angle_deg"] = curves.direction.angle_deg;
-  json["nyquist"] = figures.nyquist;
-  json["cutoff"] = figures.cutoff ? Json(*figures.cutoff) : Json();
-  json["q"] = figures.q ? Json(*figures.q) : Json();
-  json["frequency"] = curves.frequency;
-  json["components"] = Json::array();
-  for (const OtfColumn& column : curves.components) {
-    Json component{{"label", column.label}, {"kind", column.kind}, {"stage", column.stage}, {"doc", column.doc}};
-    add_parts(component, column);
-    json["components"].push_back(std::move(component));
-  }
-  for (const OtfColumn& column : curves.stages) add_parts(json[column.label] = Json::object(), column);
-  add_parts(json["system"] = Json::object(), curves.system);
-  return json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
-}
-
 int terminal_columns() {
   winsize size{};
   int columns = 79;
@@ -99,7 +70,7 @@ int terminal_columns() {
 
 std::string formatted(const OtfCurves& curves, const mtf::System<double>& system, Format format) {
   if (format == Format::csv) return as_csv(curves);
-  if (format == Format::json) return as_json(curves);
+  if (format == Format::json) return curves_json(curves).dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
   return as_table(curves) + "\n" + curve_footer(system, curves);
 }
 

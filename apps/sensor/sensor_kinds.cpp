@@ -6,6 +6,7 @@
 
 #include "mtf/component_docs.h"
 #include "mtf/io/config/config_reader.h"
+#include "mtf/plan/border.h"
 #include "radiometry/sensor_settings.h"
 
 namespace apps {
@@ -21,6 +22,7 @@ Parameter row_of(const FieldInfo& info, Type type) {
   return {.name = info.name,
           .type = type,
           .unit = info.unit,
+          .dimension = info.dimension,
           .lo = info.lo,
           .hi = info.hi,
           .lo_open = info.lo_open,
@@ -91,6 +93,61 @@ Parameter parameter_of(const mtf::SettingInfo& row) {
   return parameter;
 }
 
+// Tables of the core: their rows are those that config_sections.cpp reads them by, but for what is no number.
+
+Parameter own_row(const FieldInfo& info, Type type = Type::number) { return row_of(info, type); }
+
+Parameter own_word(std::string_view name, std::span<const std::string_view> words, std::string_view example,
+                   std::string_view doc) {
+  Parameter parameter{.name = name, .type = Type::word, .presence = Presence::optional, .example = example, .doc = doc};
+  parameter.words.assign(words.begin(), words.end());
+  return parameter;
+}
+
+Parameter own_text(std::string_view name, Type type, std::string_view example, std::string_view doc) {
+  return {.name = name, .type = type, .presence = Presence::optional, .example = example, .doc = doc};
+}
+
+std::vector<TableKind> own_tables() {
+  namespace cfg = mtf::io::cfg;
+  Parameter wavelength = own_row(cfg::kWavelength, Type::pair);
+  wavelength.presence = Presence::required;
+  wavelength.example = "[\"3.4 um\", \"4.8 um\"]";
+  wavelength.doc = "shortest and longest";
+  return {
+      {.name = "frame",
+       .doc = "the focal plane",
+       .parameters = {own_row(cfg::kFocalLength),
+                      own_row(cfg::kPitch, Type::size),
+                      {.name = "format",
+                       .type = Type::pair,
+                       .lo = 1,
+                       .hi = 1e6,
+                       .presence = Presence::optional,
+                       .example = "[640, 512]",
+                       .doc = "columns and rows, the largest size of an image"},
+                      own_row(cfg::kIntegrationTime)}},
+      {.name = "scene",
+       .doc = "what a scene file does not say itself",
+       .parameters = {own_row(cfg::kSample, Type::size), own_row(cfg::kIfov), own_row(cfg::kGsd), own_row(cfg::kRange),
+                      own_word("quantity", cfg::kQuantityNames, "\"radiance\"", "what the values are"),
+                      own_row(cfg::kGain), own_row(cfg::kOffset),
+                      own_text("encoding", Type::text, "\"linear\"",
+                               "of PNG and TIFF: linear, srgb, gamma, gamma:1.8 or the file of a table"),
+                      own_word("border", mtf::kBorderNames, "\"reflect\"", "how the scene goes on beyond its edge"),
+                      own_row(cfg::kBorderValue),
+                      own_word("aperture", cfg::kApertureNames, "\"box\"",
+                               "blur already in the samples, which is divided out"),
+                      own_row(cfg::kApertureSize, Type::size),
+                      own_text("aperture_file", Type::file, "\"scene.csv\"", "CSV file of that blur's curve"),
+                      own_row(cfg::kApertureGainLimit)}},
+      {.name = "optics",
+       .doc = "shared by every component that has the key and does not give it",
+       .parameters = {own_row(cfg::kFNumber), own_row(cfg::kApertureDiameter), own_row(cfg::kObscuration),
+                      own_row(cfg::kWavelength)}},
+      {.name = "band", .doc = "the spectral band", .parameters = {wavelength}}};
+}
+
 /// The required fields; without any, or when they do not do, the first of the others that will, or the first two
 /// neighbours among them.
 void add_example(const Component<double>& blank, ComponentKind& kind) {
@@ -139,6 +196,14 @@ void add_example(const Component<double>& blank, ComponentKind& kind) {
 
 }  // namespace
 
+bool has_range(const Parameter& parameter) { return parameter.lo != parameter.hi; }
+
+bool wants_log_scale(const Parameter& parameter) {
+  constexpr double kSpan = 50.0;
+  return has_range(parameter) && parameter.lo >= 0.0 && parameter.hi > kSpan * parameter.lo &&
+         (parameter.lo > 0.0 || parameter.hi > kSpan);
+}
+
 ComponentKind component_kind(std::string_view kind) {
   const Component<double> blank = Component<double>::make(kind);
   ComponentKind result{.kind = blank.kind(),
@@ -165,6 +230,7 @@ SensorKinds sensor_kinds() {
                         std::string(table.where->word) + "\"";
     for (const mtf::SettingInfo& row : table.settings) added.parameters.push_back(parameter_of(row));
   }
+  kinds.own_tables = own_tables();
   return kinds;
 }
 

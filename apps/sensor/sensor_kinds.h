@@ -19,22 +19,24 @@ namespace apps {
 /// One parameter of a component, or one key of a table.
 struct Parameter {
   enum class Type {
-    number,         ///< in `unit`
-    size,           ///< in the image: a length, an angle or pixels, for both axes or as NAME_x and NAME_y
-    frequency,      ///< cycles/mm, cycles/mrad, cycles/pixel; where `unit` names Hz, also in time
-    whole,          ///< a whole number
-    flag,           ///< true or false
-    word,           ///< one of `words`
-    numbers,        ///< a list of numbers
-    rows,           ///< a list of lists of numbers, as of filter taps
-    text,           ///< a name
-    file,           ///< the name of a file
-    number_or_file  ///< a number in `unit`, or the file of a curve
+    number,          ///< in `unit`
+    size,            ///< in the image: a length, an angle or pixels, for both axes or as NAME_x and NAME_y
+    frequency,       ///< cycles/mm, cycles/mrad, cycles/pixel; where `unit` names Hz, also in time
+    whole,           ///< a whole number
+    flag,            ///< true or false
+    word,            ///< one of `words`
+    numbers,         ///< a list of numbers
+    rows,            ///< a list of lists of numbers, as of filter taps
+    text,            ///< a name
+    file,            ///< the name of a file
+    number_or_file,  ///< a number in `unit`, or the file of a curve
+    pair             ///< a list of two numbers, whole ones without `unit`
   };
   std::string_view name;
   Type type = Type::number;
-  std::string_view unit{};    ///< that range and numbers are in, "" for plain ones; "um, urad or px" where any will do
-  double lo = 0.0, hi = 0.0;  ///< the range of numbers
+  std::string_view unit{};     ///< that range and numbers are in, "" for plain ones; "um, urad or px" where any will do
+  mtf::Dimension dimension{};  ///< of numbers: the units that they may be written in (mtf/component_docs.h)
+  double lo = 0.0, hi = 0.0;   ///< the range of numbers; both 0 where other values decide it
   bool lo_open = false, hi_open = false;  ///< lo or hi itself is not allowed
   std::vector<std::string_view> words{};
   mtf::Presence presence = mtf::Presence::required;
@@ -66,9 +68,15 @@ struct TableKind {
   std::string condition{};  ///< what the file has to say for these keys to hold: "[detector] kind = \"thermal\""
 };
 
+/// True for a number whose range is known.
+bool has_range(const Parameter& parameter);
+/// True where a control should move on a logarithmic scale: the range spans more than a factor of 50.
+bool wants_log_scale(const Parameter& parameter);
+
 struct SensorKinds {
   std::vector<ComponentKind> components;  ///< in the order of mtf::component_kinds()
   std::vector<TableKind> tables;          ///< in the order of radiometry::sensor_tables()
+  std::vector<TableKind> own_tables;      ///< [frame], [scene], [optics], [band]: keys that need no chain
 };
 
 SensorKinds sensor_kinds();

@@ -99,6 +99,12 @@ SimulatedImage LiveSimulation::State::run(Frame& frame) {
   return std::move(frame.image);
 }
 
+void LiveSimulation::begin_anew() {
+  state_->planner.forget_correction();
+  state_->chain_state = {};
+  state_->chain_grid = {};
+}
+
 IntegerRange LiveSimulation::integer_range() const {
   return apps::integer_range(state_->radiometric.get(), state_->options);
 }

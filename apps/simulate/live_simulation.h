@@ -39,6 +39,11 @@ class LiveSimulation {
   SimulatedImage image(mtf::io::Scene scene, const std::shared_ptr<const mtf::io::SensorConfig>& sensor,
                        std::int64_t frame);
 
+  /// The next image stands for itself, as that of simulate() does: a sensor with [correction] measures it anew, by its
+  /// present parameters, and pixels remember nothing. Without this call the images are a sequence: the correction is
+  /// that of its first one.
+  void begin_anew();
+
   /// Of the last image: how it becomes whole numbers in a file.
   IntegerRange integer_range() const;
   /// Of the last image: names of its planes; reasons to doubt it; its plan, with the promise that it keeps.

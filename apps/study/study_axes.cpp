@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "apps/study/study_reader.h"
+#include "apps/study/study_shape.h"
 #include "mtf/error.h"
 #include "mtf/io/file_checks.h"
 
@@ -18,7 +19,6 @@ namespace cfg = mtf::io::cfg;
 using cfg::Node;
 using cfg::Section;
 
-constexpr std::array<std::string_view, 7> kAxisKeys{"parameter", "name", "values", "from", "to", "count", "scale"};
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 bool is_identifier(const std::string& name) {
@@ -191,8 +191,7 @@ struct AxisReader {
     if (!good) return;
     const auto lo = read_held(s, *from, info, section.at("from"), given()),
                hi = read_held(s, *to, info, section.at("to"), given());
-    constexpr std::array<std::string_view, 2> scales{"linear", "log"};
-    if (const auto scale = cfg::read_word(section, "scale", scales)) axis.scale = static_cast<Scale>(*scale);
+    if (const auto scale = cfg::read_word(section, "scale", kScales)) axis.scale = static_cast<Scale>(*scale);
     good = good && lo && hi && !s.reader.has_failed(section.at("scale"));
     if (!good) return;
     axis.from = *lo;
@@ -285,15 +284,14 @@ void read_axes(StudyReader& s) {
 }
 
 void read_sampling(StudyReader& s) {
-  constexpr std::array<std::string_view, 3> methods{"grid", "latin_hypercube", "sobol"};
   const Section root = s.root();
   const Node* table = cfg::find_table(root, "sampling");
   const Node* points = nullptr;
   mtf::io::Position position = s.reader.positions["axis"];
   if (table != nullptr) {
     const Section section{s.reader, *table, "sampling", "[sampling]"};
-    check_study_keys(section, std::array<std::string_view, 2>{"method", "points"});
-    if (const auto word = cfg::read_word(section, "method", methods))
+    check_study_keys(section, kSamplingKeys);
+    if (const auto word = cfg::read_word(section, "method", kMethods))
       s.study.method = static_cast<Method>(*word);
     else if (section.find("method") != nullptr)
       return;

@@ -9,6 +9,7 @@
 #include "apps/study/design/metric_gap.h"
 #include "apps/study/result_columns.h"
 #include "apps/study/study_reader.h"
+#include "apps/study/study_shape.h"
 #include "mtf/error.h"
 #include "mtf/io/file_checks.h"
 
@@ -167,7 +168,7 @@ void read_metrics(StudyReader& s) {
   const Node* table = cfg::find_table(root, "metrics");
   if (table != nullptr) {
     const Section section{s.reader, *table, "metrics", "[metrics]"};
-    check_study_keys(section, std::array<std::string_view, 1>{"list"});
+    check_study_keys(section, kMetricsKeys);
     const Node* list = section.find("list");
     if (list != nullptr && list->items.size() > kMostExpressions) {
       section.error("list", "more than " + std::to_string(kMostExpressions));

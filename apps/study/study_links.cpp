@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "apps/study/study_reader.h"
+#include "apps/study/study_shape.h"
 #include "mtf/error.h"
 #include "mtf/io/file_checks.h"
 
@@ -151,7 +152,7 @@ std::optional<double> percent(const Node& node) {
 void read_variation(StudyReader& s, const Node& table, std::size_t index) {
   const std::string path = "as_built[" + std::to_string(index) + "]";
   const Section section{s.reader, table, path, "[[as_built]]"};
-  check_study_keys(section, std::array<std::string_view, 3>{"parameter", "sd", "plus_minus"});
+  check_study_keys(section, kAsBuiltKeys);
   const auto name = cfg::read_string(section, "parameter");
   if (!name) {
     if (!s.reader.has_failed(section.at("parameter")))

@@ -6,6 +6,7 @@
 #include <array>
 
 #include "apps/study/study_reader.h"
+#include "apps/study/study_shape.h"
 
 namespace study {
 namespace {
@@ -16,9 +17,6 @@ using cfg::Section;
 using mtf::Dimension;
 using mtf::FieldInfo;
 
-constexpr std::array<std::string_view, 13> kTopKeys{"schema",      "name",       "sensor", "tolerance", "seed",
-                                                    "constraints", "objectives", "axis",   "sampling",  "links",
-                                                    "as_built",    "yield",      "metrics"};
 constexpr std::size_t kMaxName = 200;
 
 struct Row {
@@ -68,12 +66,6 @@ std::vector<Row> condition_rows() {
   };
 }
 
-std::vector<std::string_view> top_keys() {
-  std::vector<std::string_view> keys(kTopKeys.begin(), kTopKeys.end());
-  keys.push_back("conditions");
-  return keys;
-}
-
 void read_conditions(StudyReader& s) {
   const Section root = s.root();
   const Node* table = cfg::find_table(root, "conditions");
@@ -88,13 +80,12 @@ void read_conditions(StudyReader& s) {
 }
 
 void read_yield(StudyReader& s) {
-  constexpr FieldInfo draws{.name = "draws", .lo = 1.0, .hi = 1e6, .example = "200"};
   const Section root = s.root();
   const Node* table = cfg::find_table(root, "yield");
   if (table == nullptr) return;
   const Section section{s.reader, *table, "yield", "[yield]"};
-  check_study_keys(section, std::array<std::string_view, 1>{"draws"});
-  if (const auto count = cfg::read_whole(section, draws)) s.study.draws = *count;
+  check_study_keys(section, kYieldKeys);
+  if (const auto count = cfg::read_whole(section, kDraws)) s.study.draws = *count;
   if (s.tree.find("as_built") == nullptr)
     s.warn(table->position, "yield", "nothing varies as built, so there is no yield; add [[as_built]] or remove it");
 }
@@ -110,8 +101,7 @@ void read_head(StudyReader& s) {
     if (name->size() > kMaxName) root.error("name", "longer than " + std::to_string(kMaxName) + " characters");
     s.study.name = *name;
   }
-  constexpr FieldInfo tolerance{.name = "tolerance", .lo = 1e-12, .hi = 0.1, .example = "1e-4"};
-  s.study.tolerance = cfg::read_number(root, tolerance, "tolerance").value_or(s.study.tolerance);
+  s.study.tolerance = cfg::read_number(root, kTolerance, "tolerance").value_or(s.study.tolerance);
   if (const Node* seed = root.find("seed")) {
     if (seed->kind == Node::Kind::integer && seed->integer >= 0)
       s.study.seed = static_cast<std::uint64_t>(seed->integer);
@@ -122,13 +112,18 @@ void read_head(StudyReader& s) {
 
 }  // namespace
 
+std::vector<FieldInfo> condition_fields() {
+  std::vector<FieldInfo> fields;
+  for (const Row& row : condition_rows()) fields.push_back(row.info);
+  return fields;
+}
+
 void check_study_keys(const Section& section, std::span<const std::string_view> known) {
   // What follows a table belongs to it: TOML cannot return to the top level.
   Node rest = section.table;
-  const auto tops = top_keys();
   std::erase_if(rest.members, [&](const cfg::Member& member) {
     const auto is = [&](std::string_view key) { return key == member.key; };
-    if (std::any_of(known.begin(), known.end(), is) || std::none_of(tops.begin(), tops.end(), is)) return false;
+    if (std::any_of(known.begin(), known.end(), is) || std::none_of(kTopKeys.begin(), kTopKeys.end(), is)) return false;
     section.reader.error(
         member.position, section.at(member.key),
         "belongs at the top of the file, above the first line with brackets; here it is a part of " + section.title);
@@ -148,7 +143,7 @@ const Node* find_tables(StudyReader& s, const std::string& key) {
 }
 
 void read_settings(StudyReader& s) {
-  cfg::check_keys(s.root(), top_keys());
+  cfg::check_keys(s.root(), kTopKeys);
   read_head(s);
   read_yield(s);
   read_conditions(s);

@@ -116,7 +116,7 @@ TEST(Config, KindsTellsThePhysicsOfAComponent) {
   const Result section = scratch.run("mtf config kinds footprint --format markdown");
   EXPECT_TRUE(section.out.starts_with("## footprint\n")) << section.out;
   EXPECT_NE(section.out.find("\n\n    otf = sinc(wx fx) sinc(wy fy)"), std::string::npos) << section.out;
-  EXPECT_EQ(scratch.run("mtf config kinds --format json").status, 2);
+  EXPECT_EQ(scratch.run("mtf config kinds --format csv").status, 2);
 }
 
 TEST(Config, ComponentReadmeIsWhatKindsPrints) {

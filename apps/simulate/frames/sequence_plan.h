@@ -44,6 +44,9 @@ class SequencePlanner {
                                                      const std::shared_ptr<const RadiometricChain>& radiometric,
                                                      const std::shared_ptr<const mtf::SensorPlan>& plan);
 
+  /// The next chain measures its correction itself, instead of taking that of the first one.
+  void forget_correction() { chain_.reset(), chain_plan_.reset(); }
+
   int compiled() const { return compiled_; }
   int updated() const { return updated_; }
 

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+
+// What `mtf live` takes.
+
+#include "apps/command_line.h"
+#include "apps/commands.h"
+#include "mtf/error.h"
+
+namespace apps {
+
+Command live_command() {
+  const auto shared = std::make_shared<LiveOptions>();
+  LiveOptions& options = *shared;
+  Command app{
+      "live", "the live view: a scene through a sensor in the browser, with a slider for every parameter",
+      "Prints the address of a page and opens it. Without files: the camera and scene of mtf demo. The page\n"
+      "answers to this machine alone; from another one use a tunnel: ssh -L 8080:127.0.0.1:8080 host, there\n"
+      "mtf live --port 8080 --no-browser, and the printed address here. It changes no file: the page hands the\n"
+      "changed sensor file, the picture and the command line to the browser's downloads and clipboard.",
+      "  mtf live\n"
+      "  mtf live sensor.toml scene.exr --tolerance 1e-3"};
+  add_file(app, "sensor", "sensor file (TOML)", options.sensor);
+  app.options.back().required = false;
+  add_file(app, "scene", "image of the scene, or frame.%04d.exr for a sequence", options.scene);
+  app.options.back().required = false;
+  add_channel_choice(app, options.channel, options.layer, options.part);
+  add_word(app, "--tolerance", "X", "rms error allowed, at the start; default: that of mtf simulate",
+           [&](const std::string& text) {
+             options.tolerance = number("--tolerance", text);
+             if (!(*options.tolerance > 0.0 && *options.tolerance < 1.0))
+               throw mtf::UsageError("--tolerance: " + text + " is outside (0, 1)");
+           });
+  add_word(app, "--port", "N", "port on 127.0.0.1; default: one that is free",
+           [&](const std::string& text) { options.port = whole_number("--port", text, 1, 65535); });
+  add_word(app, "--no-browser", "", "print the address only", [&](const std::string&) {
+    options.browser = false;
+  }).flag = true;
+  add_flag(app, "--stay", "go on when no page is open; else it ends a minute after the last one", options.stay);
+  add_word(app, "--linger", "S", "seconds without a page until it ends; default 60", [&](const std::string& text) {
+    options.linger_s = number("--linger", text);
+    if (!(options.linger_s >= 1.0 && options.linger_s <= 1e6))
+      throw mtf::UsageError("--linger: " + text + " is outside 1 to 1e6");
+  });
+  app.run = [shared](const Global& global) { return run_live(*shared, global); };
+  return app;
+}
+
+}  // namespace apps

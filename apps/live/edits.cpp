@@ -1,0 +1,272 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/live/edits.h"
+
+#include <algorithm>
+#include <array>
+#include <nlohmann/json.hpp>
+
+#include "apps/live/toml_blocks.h"
+#include "apps/sensor/sensor_chain.h"
+#include "apps/text/words.h"
+#include "mtf/error.h"
+#include "mtf/io/config/config_edit.h"
+#include "mtf/io/config/config_reader.h"
+#include "mtf/io/config/config_text.h"
+#include "mtf/io/config/replace_value.h"
+#include "mtf/units.h"
+
+namespace apps::live {
+namespace {
+
+namespace cfg = mtf::io::cfg;
+using mtf::UsageError;
+using mtf::io::SensorConfig;
+
+constexpr std::size_t kMostEdits = 1000, kLongestName = 200, kLongestValue = 2000;
+constexpr std::array<std::string_view, 5> kKindNames{"set", "remove", "off", "on", "add"};
+
+const Parameter* find_parameter(const std::vector<Parameter>& parameters, std::string_view key) {
+  const auto stem = cfg::pair_of_axis(key);
+  for (const Parameter& parameter : parameters)
+    if (parameter.name == key || (stem && parameter.type == Parameter::Type::size && parameter.name == *stem))
+      return &parameter;
+  return nullptr;
+}
+
+/// The row of the field table that a parameter of the sensor has; null where it has none.
+const Parameter* row_of(const SensorConfig& sensor, const cfg::Target& target, const SensorKinds& kinds) {
+  if (target.component) {
+    for (const mtf::Stage stage : mtf::kStages) {
+      if (stage_name(stage) != target.table || target.index >= sensor.system.list(stage).size()) continue;
+      const std::string_view kind = sensor.system.list(stage)[target.index].component.kind();
+      for (const ComponentKind& each : kinds.components)
+        if (each.kind == kind) return find_parameter(each.parameters, target.key);
+    }
+    return nullptr;
+  }
+  // Of tables with several sets of rows the last one that has the key: they differ in units, not in what is a file.
+  for (const auto* tables : {&kinds.tables, &kinds.own_tables})
+    for (const TableKind& table : *tables)
+      if (table.name == target.table)
+        if (const Parameter* found = find_parameter(table.parameters, target.key)) return found;
+  return nullptr;
+}
+
+bool is_number(const Parameter& parameter, const std::string& value) {
+  const cfg::Node node = cfg::node_of(value, 0);
+  if (parameter.dimension == mtf::Dimension::none) return node.is_number();
+  try {
+    static_cast<void>(mtf::parse_quantity(value, parameter.dimension));
+    return true;
+  } catch (const UsageError&) {
+    return false;
+  }
+}
+
+/// A text in such a place would be opened as a file.
+void require_no_file(const Parameter& parameter, const Edit& edit) {
+  const bool encoding = parameter.name == "encoding" && edit.name.starts_with("scene.");
+  if (parameter.type == Parameter::Type::file)
+    throw UsageError(edit.name + ": names a file, which the live view does not change; edit the sensor file");
+  if (parameter.type == Parameter::Type::number_or_file && !is_number(parameter, edit.value))
+    throw UsageError(edit.name + ": \"" + edit.value +
+                     "\" is no number here; files are named in the sensor file alone");
+  if (encoding && edit.value != "linear" && edit.value != "srgb" && !edit.value.starts_with("gamma"))
+    throw UsageError(edit.name + ": linear, srgb or gamma; files are named in the sensor file alone");
+}
+
+SensorConfig parsed(const SensorConfig& before, const std::string& text) {
+  mtf::io::ConfigResult result = mtf::io::parse_config(text, before.file, before.schema);
+  cfg::require_no_errors(result.diagnostics, before.file);
+  return std::move(result.config);
+}
+
+/// A key of a table that schedules do not reach, such as one of [scene] or a first key of the chain in [optics].
+struct TableKey {
+  std::string table, key;
+  const Parameter* row = nullptr;
+};
+
+std::optional<TableKey> table_key(const std::string& name, const SensorKinds& kinds) {
+  const std::size_t dot = name.find('.');
+  if (dot == std::string::npos) return std::nullopt;
+  TableKey found{name.substr(0, dot), name.substr(dot + 1)};
+  for (const auto* tables : {&kinds.tables, &kinds.own_tables})
+    for (const TableKind& table : *tables)
+      if (table.name == found.table && found.row == nullptr) found.row = find_parameter(table.parameters, found.key);
+  return found.row != nullptr && found.row->type != Parameter::Type::pair ? std::optional(found) : std::nullopt;
+}
+
+std::string toml_of(const std::string& value) {
+  const cfg::Node node = cfg::node_of(value, 0);
+  return node.kind == cfg::Node::Kind::string ? cfg::toml_string(node.text) : value;
+}
+
+SensorConfig set_in_table(const SensorConfig& sensor, const TableKey& at, const std::string& value) {
+  const cfg::Tree tree = cfg::read_tree(sensor.text);
+  const cfg::Node* table = tree.root.find(at.table);
+  const cfg::Node* old = table != nullptr ? table->find(at.key) : nullptr;
+  if (old != nullptr) {
+    const std::size_t begin = cfg::offset_of(sensor.text, old->position);
+    return parsed(sensor, cfg::edited(sensor.text, {{begin, cfg::end_of_value(sensor.text, begin), toml_of(value)}}));
+  }
+  const std::string line = at.key + " = " + toml_of(value) + "\n";
+  for (const TomlBlock& block : toml_blocks(sensor.text))
+    if (!block.off && !block.list && block.header == at.table)
+      return parsed(sensor, sensor.text.substr(0, block.end) + (sensor.text[block.end - 1] == '\n' ? "" : "\n") + line +
+                                sensor.text.substr(block.end));
+  return parsed(sensor, with_block(sensor.text, "[" + at.table + "]\n" + line));
+}
+
+SensorConfig set(const SensorConfig& sensor, const Edit& edit, const SensorKinds& kinds) {
+  const cfg::Targets targets = cfg::targets_of(sensor);
+  if (const auto target = cfg::find_target(targets, edit.name)) {
+    const Parameter* row = row_of(sensor, *target, kinds);
+    if (row == nullptr) throw UsageError(edit.name + ": is not changed by the live view");
+    require_no_file(*row, edit);
+    return mtf::io::replaced(sensor, edit.name, edit.value);
+  }
+  const auto at = table_key(edit.name, kinds);
+  if (!at) throw UsageError(cfg::unknown_parameter(targets, edit.name));
+  require_no_file(*at->row, edit);
+  return set_in_table(sensor, *at, edit.value);
+}
+
+/// The piece of text that a name stands for: "[noise]", or the label of a component.
+TomlBlock block_of(const SensorConfig& sensor, const std::string& name) {
+  std::string header = name;
+  std::size_t index = 0;
+  bool list = false;
+  if (name.starts_with('[') && name.ends_with(']')) {
+    header = name.substr(1, name.size() - 2);
+  } else {
+    for (const mtf::Stage stage : mtf::kStages)
+      for (std::size_t i = 0; i < sensor.system.list(stage).size(); ++i)
+        if (sensor.system.list(stage)[i].label == name) {
+          header = stage_name(stage);
+          index = i;
+          list = true;
+        }
+    if (!list) throw UsageError("the sensor has no component " + one_line(name));
+  }
+  for (const TomlBlock& block : toml_blocks(sensor.text))
+    if (!block.off && block.header == header && block.list == list && block.index == index) return block;
+  throw UsageError(one_line(name) + ": does not stand in the file as a table with a header of its own");
+}
+
+TomlBlock off_block(const SensorConfig& sensor, const std::string& number) {
+  std::size_t at = 0;
+  for (const TomlBlock& block : toml_blocks(sensor.text))
+    if (block.off && std::to_string(at++) == number) return block;
+  throw UsageError("no table is switched off under number " + one_line(number));
+}
+
+SensorConfig add_component(const SensorConfig& sensor, const Edit& edit, const SensorKinds& kinds) {
+  for (const ComponentKind& kind : kinds.components) {
+    if (kind.kind != edit.value) continue;
+    for (const Parameter& parameter : kind.parameters)
+      if (parameter.type == Parameter::Type::file && parameter.presence == mtf::Presence::required)
+        throw UsageError(edit.value +
+                         " needs a file, which the live view does not name; write it into the sensor file");
+    for (const mtf::Stage stage : mtf::kStages)
+      if (stage_name(stage) == edit.name && kind.stages.allows(stage))
+        return parsed(sensor,
+                      with_block(sensor.text, "[[" + edit.name + "]]" + kind.example.substr(kind.example.find('\n'))));
+    throw UsageError(edit.value + " does not stand in [[" + one_line(edit.name) + "]]");
+  }
+  throw UsageError("there is no kind " + one_line(edit.value));
+}
+
+/// The table with the keys it needs and the examples of all others that go together, file names left out.
+SensorConfig add_table(const SensorConfig& sensor, const std::string& name, const SensorKinds& kinds) {
+  if (mtf::find_table(sensor.tables, name) != nullptr) throw UsageError("[" + one_line(name) + "] is there already");
+  std::string problem = "there is no table [" + one_line(name) + "]";
+  const bool thermal = cfg::read_tree(sensor.text).root.find("detector") != nullptr &&
+                       sensor.text.find("\"thermal\"") != std::string::npos;
+  for (const TableKind& table : kinds.tables) {
+    if (table.name != name || (!table.condition.empty() && !thermal)) continue;
+    std::string block = "[" + name + "]\n";
+    for (const Parameter& parameter : table.parameters)
+      if (parameter.presence == mtf::Presence::required)
+        block += std::string(parameter.name) + " = " + std::string(parameter.example) + "\n";
+    const auto attempt = [&](const std::string& lines) -> std::optional<SensorConfig> {
+      try {
+        SensorConfig made = parsed(sensor, with_block(sensor.text, lines));
+        if (const auto refused = chain_problem(made)) throw UsageError(refused->text);
+        return made;
+      } catch (const mtf::Error& error) {
+        problem = error.what();
+        return std::nullopt;
+      }
+    };
+    std::optional<SensorConfig> best = attempt(block);
+    for (const Parameter& parameter : table.parameters) {
+      if (parameter.presence == mtf::Presence::required || parameter.example.empty()) continue;
+      if (parameter.type == Parameter::Type::file || parameter.type == Parameter::Type::text) continue;
+      const std::string longer = block + std::string(parameter.name) + " = " + std::string(parameter.example) + "\n";
+      if (auto made = attempt(longer)) {
+        best = std::move(made);
+        block = longer;
+      }
+    }
+    if (best) return std::move(*best);
+  }
+  throw UsageError(problem);
+}
+
+}  // namespace
+
+std::vector<Edit> read_edits(const std::string& json) {
+  const auto fail = [](const char* what) { return UsageError(std::string("edits: ") + what); };
+  const nlohmann::json list = nlohmann::json::parse(json, nullptr, false);
+  if (!list.is_array()) throw fail("a list belongs here");
+  if (list.size() > kMostEdits) throw fail("more than 1000; save the sensor file and start from it");
+  std::vector<Edit> edits;
+  for (const auto& item : list) {
+    const bool words = item.is_array() && item.size() >= 2 && item.size() <= 3 &&
+                       std::all_of(item.begin(), item.end(), [](const auto& word) { return word.is_string(); });
+    if (!words) throw fail("each is a list of two or three texts");
+    const auto kind = std::find(kKindNames.begin(), kKindNames.end(), item[0].template get<std::string>());
+    if (kind == kKindNames.end()) throw fail("set, remove, off, on or add");
+    Edit edit{.kind = static_cast<Edit::Kind>(kind - kKindNames.begin()), .name = item[1].template get<std::string>()};
+    if (item.size() == 3) edit.value = item[2].template get<std::string>();
+    if (edit.name.size() > kLongestName || edit.value.size() > kLongestValue) throw fail("a name or value is too long");
+    const auto control = [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; };
+    if (std::any_of(edit.name.begin(), edit.name.end(), control) ||
+        std::any_of(edit.value.begin(), edit.value.end(), control))
+      throw fail("control characters");
+    edits.push_back(std::move(edit));
+  }
+  return edits;
+}
+
+SensorConfig with_edit(const SensorConfig& sensor, const Edit& edit, const SensorKinds& kinds) {
+  switch (edit.kind) {
+    case Edit::Kind::set:
+      return set(sensor, edit, kinds);
+    case Edit::Kind::remove:
+      return parsed(sensor, without_block(sensor.text, block_of(sensor, edit.name)));
+    case Edit::Kind::off:
+      return parsed(sensor, switched_off(sensor.text, block_of(sensor, edit.name)));
+    case Edit::Kind::on:
+      return parsed(sensor, switched_on(sensor.text, off_block(sensor, edit.name)));
+    case Edit::Kind::add:
+      return edit.name == "table" ? add_table(sensor, edit.value, kinds) : add_component(sensor, edit, kinds);
+  }
+  return sensor;
+}
+
+EditedSensor::Sensor EditedSensor::with(std::span<const Edit> edits) {
+  std::size_t same = 0;
+  while (same < edits.size() && same < edits_.size() && edits[same] == edits_[same]) ++same;
+  edits_.resize(same);
+  after_.resize(same);
+  for (; same < edits.size(); ++same) {
+    const Sensor& before = same == 0 ? start_ : after_.back();
+    after_.push_back(std::make_shared<const SensorConfig>(with_edit(*before, edits[same], kinds_)));
+    edits_.push_back(edits[same]);
+  }
+  return after_.empty() ? start_ : after_.back();
+}
+
+}  // namespace apps::live

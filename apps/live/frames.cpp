@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/live/frames.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include "apps/simulate/frames/scene_input.h"
+#include "mtf/error.h"
+#include "mtf/survey/statistics.h"
+
+namespace apps::live {
+namespace {
+
+constexpr std::size_t kKept = 4;  // frames: two pages, each with the one it shows and the one it asks for
+
+/// Least and largest of the finite values; 0 and 0 where there is none.
+std::pair<double, double> ends_of(mtf::ImageView<const float> image) {
+  const mtf::Statistics s = mtf::statistics(image);
+  return std::isfinite(s.min) && std::isfinite(s.max) ? std::pair{s.min, s.max} : std::pair{0.0, 0.0};
+}
+
+/// The values between which all but a share of both ends lie, of some thousand pixels.
+std::pair<double, double> usual_range(mtf::ImageView<const float> image) {
+  constexpr std::int64_t kSamples = 4096;
+  constexpr double kShare = 0.005;
+  std::vector<float> values;
+  const std::int64_t count = image.width * image.height;
+  const std::int64_t step = std::max<std::int64_t>(1, count / kSamples) | 1;  // odd: no column is met again and again
+  for (std::int64_t i = 0; i < count; i += step) {
+    const float value = image.at(i % image.width, i / image.width);
+    if (std::isfinite(value)) values.push_back(value);
+  }
+  if (values.empty()) return {0.0, 0.0};
+  std::sort(values.begin(), values.end());
+  const auto at = [&](double share) {
+    return static_cast<double>(values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1))]);
+  };
+  return {at(kShare), at(1.0 - kShare)};
+}
+
+/// True when the correction that one measures is that of the other: they differ in the OTF at most.
+bool corrects_alike(const mtf::io::SensorConfig& a, const mtf::io::SensorConfig& b) {
+  const auto light = [](const mtf::System<double>& system) {
+    const auto& [frame, optics, band] = std::tie(system.frame, system.optics, system.band);
+    return std::tuple(frame.focal_length_mm, frame.pitch_x_um, frame.pitch_y_um, frame.integration_time_s,
+                      optics.f_number, optics.aperture_mm, optics.obscuration, optics.wavelength_um,
+                      band ? band->lo_um : 0.0, band ? band->hi_um : 0.0);
+  };
+  return a.tables == b.tables && light(a.system) == light(b.system);
+}
+
+}  // namespace
+
+PixelBytes pixel_bytes(mtf::ImageView<const float> image, int every) {
+  PixelBytes pixels;
+  const std::int64_t step = std::max(1, every);
+  pixels.width = (image.width + step - 1) / step;
+  pixels.height = (image.height + step - 1) / step;
+  std::tie(pixels.low, pixels.high) = ends_of(image);
+  std::tie(pixels.dark, pixels.bright) = usual_range(image);
+  const auto low = static_cast<float>(pixels.low);
+  const float scale = pixels.high > pixels.low ? static_cast<float>(65535.0 / (pixels.high - pixels.low)) : 0.0F;
+  pixels.bytes.resize(static_cast<std::size_t>(2 * pixels.width * pixels.height));
+  std::size_t at = 0;
+  for (std::int64_t y = 0; y < image.height; y += step) {
+    const float* row = image.row(y);
+    for (std::int64_t x = 0; x < image.width; x += step, at += 2) {
+      // Not-a-number fails both comparisons and becomes the least value.
+      const float n = (row[x] - low) * scale + 0.5F;
+      const auto whole = static_cast<std::uint16_t>(n >= 65535.0F ? 65535.0F : n > 0.0F ? n : 0.0F);
+      pixels.bytes[at] = static_cast<char>(whole & 0xff);
+      pixels.bytes[at + 1] = static_cast<char>(whole >> 8);
+    }
+  }
+  return pixels;
+}
+
+FrameMaker::FrameMaker(SceneSource scene, int threads) : source_(std::move(scene)), threads_(threads) {
+  if (!source_.image) files_ = FrameNames::parse(source_.file);
+  if (files_) numbers_ = files_->find(std::nullopt);
+}
+
+SceneSource FrameMaker::source_of(std::int64_t number) const {
+  SceneSource source = clone(source_);
+  if (files_) source.file = files_->name(number);
+  return source;
+}
+
+std::shared_ptr<const KeptFrame> FrameMaker::frame(const Sensor& sensor, const FrameRequest& request) {
+  const auto begin = std::chrono::steady_clock::now();
+  const std::int64_t file = files_ ? request.number : 0;
+  if (!live_ || file != file_number_ || request.tolerance != made_for_.tolerance || request.stage != made_for_.stage) {
+    // The present one stays until another one is there.
+    live_.emplace(source_of(file),
+                  SimulateOptions{.tolerance = request.tolerance, .stage = request.stage, .threads = threads_});
+    made_for_ = request;
+    file_number_ = file;
+  }
+  // A camera with other parameters is another camera, whose correction is its own: what one command would show.
+  if (last_ && !corrects_alike(*last_, *sensor)) live_->begin_anew();
+  last_ = sensor;
+  auto frame = std::make_shared<KeptFrame>();
+  frame->image = live_->image(*sensor, request.number);
+  frame->names = live_->names();
+  frame->warnings = live_->warnings();
+  frame->plan = std::make_shared<const mtf::SensorPlan>(live_->plan());
+  frame->range = live_->integer_range();
+  frame->ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
+  frame->id = ++count_;
+  kept_.push_back(frame);
+  if (kept_.size() > kKept) kept_.pop_front();
+  return frame;
+}
+
+std::shared_ptr<const KeptFrame> FrameMaker::kept(std::uint64_t id) const {
+  for (const auto& frame : kept_)
+    if (frame->id == id) return frame;
+  return nullptr;
+}
+
+std::shared_ptr<const mtf::io::Scene> FrameMaker::scene(const Sensor& sensor, std::int64_t number) {
+  const std::int64_t file = files_ ? number : 0;
+  const bool same = scene_ && file == scene_number_ && same_values(scene_sensor_->scene, sensor->scene);
+  if (!same) {
+    SceneSource source = source_of(file);
+    complete_name(source);
+    scene_ = std::make_shared<const mtf::io::Scene>(take_scene(*sensor, source));
+    scene_number_ = file;
+  }
+  scene_sensor_ = sensor;
+  return scene_;
+}
+
+}  // namespace apps::live

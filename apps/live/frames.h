@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// Frames for the page: the image of the scene by a sensor, by the same LiveSimulation that other programs call, and
+// that image as whole numbers of 16 bits. The values themselves are kept for the last few frames, for the cursor and
+// for files.
+
+#include <cstdint>
+#include <deque>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "apps/simulate/frames/frame_names.h"
+#include "apps/simulate/live_simulation.h"
+
+namespace apps::live {
+
+using Sensor = std::shared_ptr<const mtf::io::SensorConfig>;
+
+/// What is asked of a frame beside the sensor.
+struct FrameRequest {
+  std::int64_t number = 0;  ///< of the noise, and of a sequence's files
+  int every = 1;            ///< pixels of the answer: all, or every second one
+  std::optional<double> tolerance{};
+  std::optional<radiometry::OutputStage> stage{};
+
+  bool operator==(const FrameRequest&) const = default;
+};
+
+/// Pixels as 16-bit numbers: value = low + n (high - low) / 65535.
+struct PixelBytes {
+  std::int64_t width = 0, height = 0;
+  double low = 0.0, high = 0.0;
+  double dark = 0.0, bright = 0.0;  ///< between which all but the darkest and the brightest half per cent lie
+  std::string bytes;                ///< rows from the top, little-endian
+};
+PixelBytes pixel_bytes(mtf::ImageView<const float> image, int every);
+
+/// A finished frame.
+struct KeptFrame {
+  std::uint64_t id = 0;
+  std::vector<std::string> names{};
+  SimulatedImage image{};
+  IntegerRange range{};
+  std::vector<std::string> warnings{};
+  std::shared_ptr<const mtf::SensorPlan> plan{};
+  double ms = 0.0;
+};
+
+class FrameMaker {
+ public:
+  /// `scene`: one image, or numbered files.
+  FrameMaker(SceneSource scene, int threads);
+
+  /// Throws as LiveSimulation::image. Not to be called from two threads at once.
+  std::shared_ptr<const KeptFrame> frame(const Sensor& sensor, const FrameRequest& request);
+  /// One of the last frames, null for one that is no longer kept.
+  std::shared_ptr<const KeptFrame> kept(std::uint64_t id) const;
+  /// The scene of a frame, its planes in the unit of its quantity.
+  std::shared_ptr<const mtf::io::Scene> scene(const Sensor& sensor, std::int64_t number);
+  /// Numbers of a sequence; empty for one image.
+  const std::vector<std::int64_t>& numbers() const { return numbers_; }
+  int plans_compiled() const { return live_ ? live_->plans_compiled() : 0; }
+
+ private:
+  SceneSource source_of(std::int64_t number) const;
+
+  SceneSource source_;
+  std::optional<FrameNames> files_;
+  std::vector<std::int64_t> numbers_;
+  int threads_;
+  std::optional<LiveSimulation> live_;
+  FrameRequest made_for_;
+  Sensor last_;  ///< of the last image
+  std::int64_t file_number_ = -1;
+  std::deque<std::shared_ptr<const KeptFrame>> kept_;
+  std::uint64_t count_ = 0;
+  std::shared_ptr<const mtf::io::Scene> scene_;
+  Sensor scene_sensor_;
+  std::int64_t scene_number_ = -1;
+};
+
+}  // namespace apps::live

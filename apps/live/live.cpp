@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: Apache-2.0
+
+// `mtf live [SENSOR SCENE]`: the live view in the browser.
+
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <csignal>
+#include <cstdlib>
+#include <memory>
+#include <thread>
+
+#include "apps/demo/demo_scene.h"
+#include "apps/demo/demo_thermal.h"
+#include "apps/live/access.h"
+#include "apps/live/page_files.h"
+#include "apps/live/server.h"
+#include "apps/live/session.h"
+#include "apps/options.h"
+#include "apps/sensor/sensor_air.h"
+#include "apps/sensor/sensor_file.h"
+#include "apps/terminal/interrupt.h"
+#include "apps/terminal/output.h"
+#include "mtf/error.h"
+#include "mtf/io/config/config_reader.h"
+
+namespace apps {
+namespace {
+
+using namespace live;
+
+/// The cooled camera of `mtf demo` and its scene, made in memory.
+std::pair<Sensor, SceneSource> demo() {
+  constexpr std::int64_t kSize = 1024;
+  mtf::io::ConfigResult parsed = mtf::io::parse_config(std::string(demo_camera()), "camera.toml", sensor_schema());
+  mtf::io::cfg::require_no_errors(parsed.diagnostics, "camera.toml");
+  mtf::io::Scene scene;
+  scene.names = {"Y"};
+  scene.grid = {kSize, kSize, 3.75, 3.75};
+  scene.quantity = mtf::io::Quantity::temperature;
+  scene.planes.push_back(demo_temperatures(demo_landscape(kSize)));
+  return {std::make_shared<const mtf::io::SensorConfig>(std::move(parsed.config)),
+          SceneSource{.file = "thermal.exr", .image = std::move(scene)}};
+}
+
+/// Hands the address to the desktop's opener; nothing happens where there is none. The opener is no child of this
+/// process, so nobody has to wait for it.
+void open_browser(const std::string& address) {
+  if (std::getenv("DISPLAY") == nullptr && std::getenv("WAYLAND_DISPLAY") == nullptr) return;
+  const pid_t child = ::fork();
+  if (child == 0) {
+    if (::fork() == 0) ::execlp("xdg-open", "xdg-open", address.c_str(), static_cast<char*>(nullptr));
+    ::_exit(0);
+  }
+  if (child > 0) ::waitpid(child, nullptr, 0);
+}
+
+}  // namespace
+
+int run_live(const LiveOptions& options, const Global& global) {
+  if (options.sensor.empty() != options.scene.empty())
+    throw mtf::UsageError("name a sensor file and a scene, or neither for the demo");
+  SessionOptions session{.sensor_name = options.sensor,
+                         .scene_name = options.scene,
+                         .command_before = {},
+                         .tolerance = options.tolerance,
+                         .threads = global.threads};
+  Sensor sensor;
+  SceneSource scene;
+  if (options.sensor.empty()) {
+    std::tie(sensor, scene) = demo();
+    session.sensor_name = "mtf-demo/camera.toml";
+    session.scene_name = "mtf-demo/thermal.exr";
+    session.command_before = "mtf demo && ";
+  } else {
+    sensor = std::make_shared<const mtf::io::SensorConfig>(read_sensor(options.sensor, global));
+    scene.file = options.scene;
+    scene.read = {.channel = options.channel, .layer = options.layer, .part = options.part};
+  }
+  // What is wrong with the files is said here, not in a browser.
+  Session answers(sensor, std::move(scene), session);
+  const Answer first = answers.answer("frame", "{\"number\":" + std::to_string(answers.first_number()) + "}");
+  if (const std::string problem = error_of(first); !problem.empty()) throw mtf::UsageError(problem);
+
+  StopInGoodOrder interrupt("mtf: the live view ends\n", "");
+  interrupt.keep();
+  const std::string token = new_token();
+  Server server({.port = options.port, .token = token}, find_page_file,
+                [&](const std::string& place, const std::string& body) { return answers.answer(place, body); });
+  const std::string address = "http://127.0.0.1:" + std::to_string(server.port()) + "/#" + token;
+  print(address + "\n");
+  note(global, "the live view is open to this machine alone; Ctrl-C ends it" +
+                   std::string(options.stay ? "" : ", as does a minute without a page"));
+  if (options.browser) open_browser(address);
+  while (!interrupt.asked() && (options.stay || server.seconds_alone() < options.linger_s))
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  server.stop();
+  return 0;
+}
+
+}  // namespace apps

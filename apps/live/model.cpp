@@ -1,0 +1,265 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/live/model.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "apps/live/toml_blocks.h"
+#include "mtf/component_docs.h"
+#include "mtf/error.h"
+#include "mtf/io/config/config_tree.h"
+#include "mtf/units.h"
+
+namespace apps::live {
+namespace {
+
+namespace cfg = mtf::io::cfg;
+using Type = Parameter::Type;
+
+constexpr double kAround = 30.0;  ///< a logarithmic slider reaches so far to both sides of its value
+
+bool is_numeric(Type type) {
+  return type == Type::number || type == Type::size || type == Type::frequency || type == Type::whole ||
+         type == Type::number_or_file;
+}
+
+/// The value of a fit table, else the node itself.
+const cfg::Node* value_node(const cfg::Node* table, std::string_view key) {
+  const cfg::Node* node = table != nullptr ? table->find(key) : nullptr;
+  const cfg::Node* inner = node != nullptr && node->kind == cfg::Node::Kind::table ? node->find("value") : nullptr;
+  return inner != nullptr ? inner : node;
+}
+
+std::string written(const cfg::Node& node) {
+  return node.kind == cfg::Node::Kind::string ? node.text : cfg::shown(node);
+}
+
+struct Number {
+  double value = 0.0;
+  std::string unit;
+};
+
+std::optional<Number> number_in(const std::string& text, mtf::Dimension dimension) {
+  try {
+    if (dimension != mtf::Dimension::none) {
+      const mtf::Quantity quantity = mtf::parse_quantity(text, dimension);
+      return Number{quantity.value, std::string(quantity.unit->name)};
+    }
+    std::size_t used = 0;
+    const double value = std::stod(text, &used);
+    return used == text.size() && std::isfinite(value) ? std::optional(Number{value, ""}) : std::nullopt;
+  } catch (const std::exception&) {
+    return std::nullopt;
+  }
+}
+
+std::string unquoted(std::string_view example) {
+  return std::string(example.starts_with('"') && example.size() > 1 ? example.substr(1, example.size() - 2) : example);
+}
+
+/// A bound of the row in the unit that the value is written in.
+double bound_in(double bound, const Parameter& parameter, const std::string& unit) {
+  const mtf::Unit* held = mtf::find_unit(parameter.unit);
+  const mtf::Unit* wanted = mtf::find_unit(unit);
+  if (held == nullptr || wanted == nullptr || held->dimension != wanted->dimension || !std::isfinite(bound))
+    return bound;
+  return mtf::convert({bound, held}, wanted->name);
+}
+
+Json finite(double value) { return std::isfinite(value) ? Json(value) : Json(); }
+
+Json row_json(const Parameter& parameter, const std::string& owner, const std::string& key, const cfg::Node* table) {
+  const cfg::Node* node = value_node(table, key);
+  Json row{{"name", owner + "." + key}, {"key", key}, {"given", node != nullptr}, {"doc", parameter.doc}};
+  const std::string example = unquoted(parameter.example);
+  const std::string text = node != nullptr ? written(*node) : unquoted(parameter.default_value);
+  row["text"] = text;
+  row["example"] = example;
+  row["presence"] = parameter.presence == mtf::Presence::shared     ? "shared"
+                    : parameter.presence == mtf::Presence::required ? "required"
+                                                                    : "optional";
+  row["control"] = "text";
+  if (parameter.type == Type::flag) row["control"] = "flag";
+  if (parameter.type == Type::file ||
+      (parameter.type == Type::number_or_file && node != nullptr && !number_in(text, parameter.dimension)))
+    row["control"] = "file";
+  if (parameter.type == Type::word) {
+    row["control"] = "word";
+    row["words"] = Json::array();
+    for (const std::string_view word : parameter.words) row["words"].push_back(std::string(word));
+  }
+  if (!is_numeric(parameter.type) || row["control"] == "file") return row;
+  // Without a value the slider begins at the example, which shows what is usual.
+  const auto number = number_in(text.empty() ? example : text, parameter.dimension);
+  if (!number) return row;
+  const double lo = has_range(parameter) ? bound_in(parameter.lo, parameter, number->unit) : -HUGE_VAL;
+  const double hi = has_range(parameter) ? bound_in(parameter.hi, parameter, number->unit) : HUGE_VAL;
+  const SliderRange range = slider_range(parameter, number->value, lo, hi);
+  row["control"] = "number";
+  row["number"] = number->value;
+  row["unit"] = number->unit;
+  row["units"] = Json::array();
+  for (const std::string_view unit : mtf::units_of(parameter.dimension)) row["units"].push_back(std::string(unit));
+  row["min"] = finite(lo);
+  row["max"] = finite(hi);
+  row["low"] = range.low;
+  row["high"] = range.high;
+  row["log"] = range.log;
+  row["whole"] = parameter.type == Type::whole;
+  return row;
+}
+
+Json rows_json(const std::vector<Parameter>& parameters, const std::string& owner, const cfg::Node* table) {
+  Json rows = Json::array();
+  for (const Parameter& parameter : parameters) {
+    const std::string name(parameter.name);
+    const bool split = parameter.type == Type::size && table != nullptr && table->find(name + "_x") != nullptr;
+    if (split)
+      for (const char* axis : {"_x", "_y"}) rows.push_back(row_json(parameter, owner, name + axis, table));
+    else
+      rows.push_back(row_json(parameter, owner, name, table));
+  }
+  return rows;
+}
+
+const cfg::Node* component_node(const cfg::Node& root, mtf::Stage stage, std::size_t index) {
+  const cfg::Node* list = root.find(stage_name(stage));
+  return list != nullptr && index < list->items.size() ? &list->items[index] : nullptr;
+}
+
+Json components_json(const mtf::io::SensorConfig& sensor, const cfg::Node& root, const SensorKinds& kinds) {
+  Json components = Json::array();
+  for (const mtf::Stage stage : mtf::kStages)
+    for (std::size_t i = 0; i < sensor.system.list(stage).size(); ++i) {
+      const auto& entry = sensor.system.list(stage)[i];
+      const auto kind = std::find_if(kinds.components.begin(), kinds.components.end(),
+                                     [&](const ComponentKind& k) { return k.kind == entry.component.kind(); });
+      components.push_back({{"label", entry.label},
+                            {"kind", entry.component.kind()},
+                            {"list", std::string(stage_name(stage))},
+                            {"doc", entry.component.doc()},
+                            {"rows", rows_json(kind->parameters, entry.label, component_node(root, stage, i))}});
+    }
+  return components;
+}
+
+/// The rows of the tables that are in the file. A table that several sets of rows describe has those of which the
+/// reader took its values.
+Json tables_json(const cfg::Node& root, const SensorKinds& kinds) {
+  Json tables = Json::array();
+  const cfg::Node* detector = root.find("detector");
+  const cfg::Node* word = detector != nullptr ? detector->find("kind") : nullptr;
+  const bool thermal = word != nullptr && word->text == "thermal";
+  std::vector<std::string_view> names;
+  for (const auto* list : {&kinds.own_tables, &kinds.tables})
+    for (const TableKind& table : *list)
+      if (std::find(names.begin(), names.end(), table.name) == names.end()) names.push_back(table.name);
+  for (const std::string_view name : names) {
+    const cfg::Node* node = root.find(name);
+    if (node == nullptr || name == "band") continue;
+    const TableKind* chain = nullptr;
+    std::string_view doc;
+    std::vector<Parameter> rows;
+    for (const TableKind& own : kinds.own_tables)
+      if (own.name == name) {
+        for (const Parameter& parameter : own.parameters)
+          if (parameter.type != Type::pair) rows.push_back(parameter);
+        doc = own.doc;
+      }
+    const bool fixed = !doc.empty();
+    for (const TableKind& table : kinds.tables)
+      if (table.name == name && (table.condition.empty() ? chain == nullptr : thermal)) chain = &table;
+    if (chain != nullptr) {
+      rows.insert(rows.end(), chain->parameters.begin(), chain->parameters.end());
+      if (doc.empty()) doc = chain->doc;
+    }
+    // Samples, quantity and border are those of the scene that is shown.
+    if (name == "scene") std::erase_if(rows, [](const Parameter& p) { return p.type == Type::file; });
+    tables.push_back({{"name", std::string(name)},
+                      {"doc", doc},
+                      {"fixed", fixed || name == "detector"},
+                      {"rows", rows_json(rows, std::string(name), node)}});
+  }
+  return tables;
+}
+
+Json off_json(std::string_view text) {
+  Json off = Json::array();
+  for (const TomlBlock& block : toml_blocks(text)) {
+    if (!block.off) continue;
+    const cfg::Tree tree = cfg::read_tree(text_of_off(text, block));
+    const cfg::Node* list = tree.error ? nullptr : tree.root.find(block.header);
+    std::string title = "[" + block.header + "]";
+    if (list != nullptr && block.list && !list->items.empty()) {
+      const cfg::Node* label = list->items.front().find("label");
+      const cfg::Node* kind = list->items.front().find("kind");
+      if (label != nullptr || kind != nullptr) title = (label != nullptr ? label : kind)->text;
+    }
+    off.push_back({{"number", std::to_string(off.size())}, {"title", title}, {"table", block.header}});
+  }
+  return off;
+}
+
+Json addable_json(const cfg::Node& root, const SensorKinds& kinds) {
+  Json lists = Json::object();
+  for (const mtf::Stage stage : mtf::kStages) {
+    Json names = Json::array();
+    for (const ComponentKind& kind : kinds.components) {
+      const bool file = std::any_of(kind.parameters.begin(), kind.parameters.end(), [](const Parameter& p) {
+        return p.type == Type::file && p.presence == mtf::Presence::required;
+      });
+      if (kind.stages.allows(stage) && !file) names.push_back({kind.kind, kind.doc});
+    }
+    lists[std::string(stage_name(stage))] = std::move(names);
+  }
+  Json tables = Json::array();
+  std::vector<std::string_view> seen;
+  for (const TableKind& table : kinds.tables) {
+    if (root.find(table.name) != nullptr || std::find(seen.begin(), seen.end(), table.name) != seen.end()) continue;
+    seen.push_back(table.name);
+    tables.push_back({table.name, table.doc});
+  }
+  lists["table"] = std::move(tables);
+  return lists;
+}
+
+}  // namespace
+
+SliderRange slider_range(const Parameter& parameter, double value, double lo, double hi) {
+  constexpr double kShort = 50.0;  // a range that one linear slider resolves
+  SliderRange range;
+  const bool bounded = std::isfinite(lo) && std::isfinite(hi);
+  if (bounded && hi - lo <= kShort && !(lo > 0.0 && hi > kShort * lo)) {
+    range = {lo, hi, false};
+  } else if (parameter.dimension == mtf::Dimension::temperature) {
+    // Of optics, stops and scenes: by tens of kelvin, about what it is.
+    constexpr double kReach_k = 60.0;
+    range = {std::max(lo, value - kReach_k), std::min(hi, value + kReach_k), false};
+  } else if (value > 0.0 && (wants_log_scale(parameter) || !has_range(parameter))) {
+    range = {std::max(lo, value / kAround), std::min(hi, value * kAround), true};
+  } else {
+    const double reach = value != 0.0 ? 4.0 * std::abs(value) : 10.0;
+    range = {std::max(lo, value - reach), std::min(hi, value + reach), false};
+  }
+  if (parameter.type == Parameter::Type::whole) {
+    range.low = std::max(lo, std::floor(std::min(range.low, value)));
+    range.high = std::min(hi, std::ceil(std::max(range.high, value + 8.0)));
+    range.log = false;
+  }
+  // An end that is not allowed itself is approached to a thousandth of the way.
+  const double step = 1e-3 * (range.high - range.low);
+  if (parameter.lo_open && range.low <= lo) range.low = range.log ? range.low * 1.001 : range.low + step;
+  if (parameter.hi_open && range.high >= hi) range.high -= step;
+  return range;
+}
+
+Json model_json(const mtf::io::SensorConfig& sensor, const SensorKinds& kinds) {
+  const cfg::Tree tree = cfg::read_tree(sensor.text);
+  return {{"name", sensor.system.name},
+          {"components", components_json(sensor, tree.root, kinds)},
+          {"tables", tables_json(tree.root, kinds)},
+          {"off", off_json(sensor.text)},
+          {"addable", addable_json(tree.root, kinds)}};
+}
+
+}  // namespace apps::live

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// The sensor as the page shows it: every component and table with its rows, the values as written, and for each number
+// the ends of a slider. Rows come from the field tables (apps/sensor/sensor_kinds.h), values from the text of the file.
+
+#include <nlohmann/json.hpp>
+
+#include "apps/sensor/sensor_kinds.h"
+#include "mtf/io/config/config.h"
+
+namespace apps::live {
+
+using Json = nlohmann::ordered_json;
+
+/// {"name", "components": [{"label", "kind", "list", "doc", "rows": [...]}], "tables": [{"name", ...}],
+/// "off": [{"number", "title"}], "kinds": what may be added}.
+Json model_json(const mtf::io::SensorConfig& sensor, const SensorKinds& kinds);
+
+/// The ends of a slider for a number: the range of its row where that is short, else about the value; on a logarithmic
+/// scale where the row wants one and the value is above zero. In the unit of `value`.
+struct SliderRange {
+  double low = 0.0, high = 1.0;
+  bool log = false;
+};
+SliderRange slider_range(const Parameter& parameter, double value, double lo, double hi);
+
+}  // namespace apps::live

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+// Requests to the server that sent this page. The token stands in the fragment of the address, which no request carries.
+
+export const token = location.hash.slice(1).split("/")[0];
+
+/** A refusal of the server: its own words. */
+export class Refused extends Error {
+  constructor(text, status) {
+    super(text);
+    this.status = status;
+  }
+}
+
+async function send(place, body) {
+  const answer = await fetch("/" + place, {
+    method: "POST",
+    headers: { "X-Mtf-Token": token, "Content-Type": "application/json" },
+    body: JSON.stringify(body),
+  });
+  if (!answer.ok) throw new Refused((await answer.text()).trim(), answer.status);
+  return answer;
+}
+
+const isJson = (answer) => answer.headers.get("Content-Type") === "application/json";
+
+export async function ask(place, body) {
+  const json = await (await send(place, body)).json();
+  if (json.error !== undefined) throw new Refused(json.error, json.status);
+  return json;
+}
+
+export async function bytes(place, body) {
+  const answer = await send(place, body);
+  if (!isJson(answer)) return answer.arrayBuffer();
+  const { error, status } = await answer.json();
+  throw new Refused(error, status);
+}
+
+/** Facts and 16-bit pixels of one body: four bytes with the length of the JSON, the JSON, the numbers. */
+export async function picture(place, body) {
+  const buffer = await bytes(place, body);
+  const length = new DataView(buffer).getUint32(0, true);
+  const facts = JSON.parse(new TextDecoder().decode(new Uint8Array(buffer, 4, length)));
+  return { ...facts, pixels: new Uint16Array(buffer, 4 + length, facts.width * facts.height) };
+}
+
+/** Tells the server, for as long as the page is open, that it is; `lost` and `back` hear of a server that has ended. */
+export async function stay(lost, back) {
+  for (let gone = false;;) {
+    try {
+      await ask("here", {});
+      if (gone) back();
+      gone = false;
+    } catch (error) {
+      gone = true;
+      lost(error);
+      await new Promise((resolve) => setTimeout(resolve, 2000));
+    }
+  }
+}

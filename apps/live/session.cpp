@@ -1,0 +1,339 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/live/session.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "apps/budget_table.h"
+#include "apps/figures/curve_json.h"
+#include "apps/live/model.h"
+#include "apps/sensor/otf_curves.h"
+#include "apps/sensor/sensor_chain.h"
+#include "apps/sensor/sensor_place.h"
+#include "apps/simulate/radiometric_chain.h"
+#include "apps/simulate/sensor_image.h"
+#include "mtf/error.h"
+#include "mtf/io/csv/curve_csv.h"
+
+namespace apps::live {
+namespace {
+
+using mtf::UsageError;
+
+constexpr std::int64_t kWidest = 2048;  ///< pixels of the scene a side that a page is sent; more are left out evenly
+constexpr std::size_t kMostTabs = 64;
+
+Answer json_answer(const Json& json, int status = 200) {
+  return {.status = status,
+          .body = std::make_shared<const std::string>(json.dump(-1, ' ', false, Json::error_handler_t::replace))};
+}
+
+/// What cannot be done with a request that is allowed: an ordinary answer, as browsers put others on their console.
+Answer refusal(const std::string& text, int status = 422) {
+  const bool of_form = status == 400 || status == 404;
+  return json_answer({{"error", text}, {"status", status}}, of_form ? status : 200);
+}
+
+/// Facts and pixels in one body.
+Answer pixels_answer(Json facts, const PixelBytes& pixels) {
+  facts["width"] = pixels.width;
+  facts["height"] = pixels.height;
+  facts["low"] = pixels.low;
+  facts["high"] = pixels.high;
+  facts["dark"] = pixels.dark;
+  facts["bright"] = pixels.bright;
+  std::string json = facts.dump(-1, ' ', false, Json::error_handler_t::replace);
+  json.resize((json.size() + 3) / 4 * 4, ' ');  // the numbers begin at a multiple of their size
+  const auto length = static_cast<std::uint32_t>(json.size());
+  std::string body;
+  body.reserve(4 + json.size() + pixels.bytes.size());
+  for (int byte = 0; byte < 4; ++byte) body += static_cast<char>((length >> (8 * byte)) & 0xffU);
+  body += json;
+  body += pixels.bytes;
+  return {.type = "application/octet-stream", .body = std::make_shared<const std::string>(std::move(body))};
+}
+
+Json left_out_json(const mtf::SensorPlan& plan) {
+  Json left = Json::array();
+  const auto add = [&](const mtf::PlanReport& report) {
+    for (const mtf::Dropped& d : report.dropped) left.push_back({{"what", d.label}, {"bound", d.bound}});
+    for (const mtf::Omission& o : report.omitted)
+      left.push_back({{"what", o.what}, {"bound", o.bound}, {"saved_ms", o.saved_ms}});
+  };
+  add(plan.presample.report());
+  if (plan.readout) add(plan.readout->report());
+  if (plan.post) add(plan.post->report());
+  return left;
+}
+
+constexpr std::array kStages{radiometry::OutputStage::radiance, radiometry::OutputStage::irradiance,
+                             radiometry::OutputStage::watts,    radiometry::OutputStage::electrons,
+                             radiometry::OutputStage::volts,    radiometry::OutputStage::dn,
+                             radiometry::OutputStage::display};
+
+std::optional<radiometry::OutputStage> stage_named(const std::string& name) {
+  if (name.empty()) return std::nullopt;
+  for (const radiometry::OutputStage stage : kStages)
+    if (radiometry::output_stage_name(stage) == name) return stage;
+  throw UsageError("stage: there is no output of that name");
+}
+
+/// A file in a folder of its own that goes away.
+class ScratchFile {
+ public:
+  explicit ScratchFile(const std::string& name) {
+    std::string folder = (std::filesystem::temp_directory_path() / "mtf_live_XXXXXX").string();
+    if (::mkdtemp(folder.data()) == nullptr) throw mtf::RuntimeError("there is no room for temporary files");
+    folder_ = folder;
+    path_ = (folder_ / name).string();
+  }
+  ~ScratchFile() {
+    std::error_code ignored;
+    std::filesystem::remove_all(folder_, ignored);
+  }
+  ScratchFile(const ScratchFile&) = delete;
+  ScratchFile& operator=(const ScratchFile&) = delete;
+  const std::string& path() const { return path_; }
+
+ private:
+  std::filesystem::path folder_;
+  std::string path_;
+};
+
+}  // namespace
+
+std::string error_of(const Answer& answer) {
+  const nlohmann::json json = nlohmann::json::parse(*answer.body, nullptr, false);
+  return json.is_object() && json.contains("error") ? json["error"].get<std::string>() : "";
+}
+
+/// A body, its values checked as they are asked for.
+struct Session::Parts {
+  nlohmann::json json;
+
+  std::int64_t whole(const char* key, std::int64_t least, std::int64_t most, std::int64_t otherwise) const {
+    const auto found = json.find(key);
+    if (found == json.end() || found->is_null()) return otherwise;
+    if (!found->is_number_integer() || *found < least || *found > most)
+      throw UsageError(std::string(key) + ": a whole number from " + std::to_string(least) + " to " +
+                       std::to_string(most) + " belongs here");
+    return found->get<std::int64_t>();
+  }
+  std::optional<double> number(const char* key) const {
+    const auto found = json.find(key);
+    if (found == json.end() || found->is_null()) return std::nullopt;
+    if (!found->is_number()) throw UsageError(std::string(key) + ": a number belongs here");
+    return found->get<double>();
+  }
+  std::string text(const char* key, const std::string& otherwise = "") const {
+    const auto found = json.find(key);
+    if (found == json.end() || found->is_null()) return otherwise;
+    if (!found->is_string() || found->get_ref<const std::string&>().size() > 100)
+      throw UsageError(std::string(key) + ": a short text belongs here");
+    return found->get<std::string>();
+  }
+  std::optional<double> tolerance() const {
+    const auto asked = number("tolerance");
+    if (asked && !(*asked > 0.0 && *asked < 1.0)) throw UsageError("--tolerance: is outside (0, 1)");
+    return asked;
+  }
+};
+
+Session::Session(Sensor start, SceneSource scene, SessionOptions options)
+    : options_(std::move(options)), edited_(std::move(start)), frames_(std::move(scene), options_.threads) {}
+
+Answer Session::answer(const std::string& place, const std::string& body) {
+  try {
+    Parts request{nlohmann::json::parse(body, nullptr, false)};
+    if (!request.json.is_object()) return refusal("the body of a request is a JSON object", 400);
+    if (place == "start") return start();
+    if (place == "model") return model(request);
+    if (place == "frame") return frame(request);
+    if (place == "scene") return scene(request);
+    if (place == "figures") return figures(request);
+    if (place == "value") return value(request);
+    if (place == "file") return file(request);
+    return refusal("there is no such place", 404);
+  } catch (const mtf::Error& error) {
+    return refusal(error.what());
+  } catch (const std::bad_alloc&) {
+    return refusal("out of memory");
+  }
+}
+
+Sensor Session::sensor_of(const Parts& request) {
+  const auto found = request.json.find("edits");
+  const std::vector<Edit> edits = read_edits(found == request.json.end() ? "[]" : found->dump());
+  const std::scoped_lock lock(edits_mutex_);
+  return edited_.with(edits);
+}
+
+bool Session::is_latest(const Parts& request) {
+  const std::string tab = request.text("tab");
+  const std::int64_t generation = request.whole("generation", 0, std::int64_t{1} << 53, 0);
+  const std::scoped_lock lock(generation_mutex_);
+  if (generations_.size() >= kMostTabs && !generations_.contains(tab)) generations_.clear();
+  std::int64_t& latest = generations_[tab];
+  if (generation < latest) return false;
+  latest = generation;
+  return true;
+}
+
+Answer Session::start() {
+  Json json{{"sensor", options_.sensor_name},
+            {"scene", options_.scene_name},
+            {"text", edited_.start()->text},
+            {"before", options_.command_before},
+            {"tolerance", options_.tolerance ? Json(*options_.tolerance) : Json()},
+            {"numbers", frames_.numbers()}};
+  return json_answer(json);
+}
+
+Answer Session::model(const Parts& request) {
+  const Sensor sensor = sensor_of(request);
+  Json json = model_json(*sensor, edited_.kinds());
+  json["text"] = sensor->text;
+  json["chain"] = has_chain(*sensor);
+  json["stages"] = Json::array();
+  if (has_chain(*sensor)) {
+    const auto chain = radiometric_chain_of(*sensor, std::nullopt);
+    for (const radiometry::OutputStage stage : kStages) {
+      const bool thermal = chain->loaded.sensor.settings.thermal.has_value();
+      const bool photon_only = stage == radiometry::OutputStage::electrons;
+      const bool thermal_only = stage == radiometry::OutputStage::watts || stage == radiometry::OutputStage::volts;
+      const bool no_adc = stage == radiometry::OutputStage::dn && !chain->loaded.sensor.settings.adc;
+      if (stage <= chain->stage && !(thermal ? photon_only : thermal_only) && !no_adc)
+        json["stages"].push_back(std::string(radiometry::output_stage_name(stage)));
+    }
+  }
+  return json_answer(json);
+}
+
+Answer Session::frame(const Parts& request) {
+  const FrameRequest asked{.number = request.whole("number", 0, kLastNoiseFrame, 0),
+                           .every = static_cast<int>(request.whole("every", 1, 4, 1)),
+                           .tolerance = request.tolerance(),
+                           .stage = stage_named(request.text("stage"))};
+  if (!is_latest(request)) return refusal("a later request has overtaken this one", 409);
+  const Sensor sensor = sensor_of(request);
+  const std::scoped_lock lock(frame_mutex_);
+  // While this request waited for its turn a later one may have come.
+  if (!is_latest(request)) return refusal("a later request has overtaken this one", 409);
+  const auto made = frames_.frame(sensor, asked);
+  const mtf::Image& plane = made->image.planes.front();
+  const auto text_of = [&](const char* key) {
+    const auto found = made->image.metadata.text.find(key);
+    return found == made->image.metadata.text.end() ? std::string() : found->second;
+  };
+  Json facts{{"id", made->id},
+             {"generation", request.whole("generation", 0, std::int64_t{1} << 53, 0)},
+             {"full_width", plane.width()},
+             {"full_height", plane.height()},
+             {"every", asked.every},
+             {"step_x_um", made->plan->out().step_x_um},
+             {"step_y_um", made->plan->out().step_y_um},
+             {"number", asked.number},
+             {"quantity", text_of("mtf:quantity")},
+             {"unit", text_of("mtf:units")},
+             {"ms", made->ms},
+             {"promised", made->plan->predicted_error},
+             {"tolerance", made->plan->options.tolerance},
+             {"method", made->plan->presample.report().method},
+             {"merged", made->plan->presample.report().merged},
+             {"left_out", left_out_json(*made->plan)},
+             {"warnings", made->warnings}};
+  return pixels_answer(std::move(facts), pixel_bytes(plane.view(), asked.every));
+}
+
+Answer Session::scene(const Parts& request) {
+  const Sensor sensor = sensor_of(request);
+  const std::scoped_lock lock(frame_mutex_);
+  const auto scene = frames_.scene(sensor, request.whole("number", 0, kLastNoiseFrame, 0));
+  const mtf::Image& plane = scene->planes.front();
+  const auto every = static_cast<int>((std::max(plane.width(), plane.height()) + kWidest - 1) / kWidest);
+  Json facts{{"full_width", plane.width()},
+             {"full_height", plane.height()},
+             {"every", every},
+             {"step_x_um", scene->grid.step_x_um},
+             {"step_y_um", scene->grid.step_y_um},
+             {"pitch_x_um", sensor->system.frame.pitch_x_um},
+             {"pitch_y_um", sensor->system.frame.pitch_y_um},
+             {"quantity", std::string(mtf::io::quantity_name(scene->quantity))},
+             {"unit", std::string(mtf::io::quantity_unit(scene->quantity))}};
+  return pixels_answer(std::move(facts), pixel_bytes(plane.view(), every));
+}
+
+Answer Session::figures(const Parts& request) {
+  const Sensor edited = sensor_of(request);
+  const double angle = request.number("angle").value_or(0.0);
+  const double temperature = request.number("temperature").value_or(300.0);
+  if (!(temperature >= 0.0 && temperature <= radiometry::kMostTemperature_k))
+    throw UsageError("temperature: from 0 to 1e9 K");
+  mtf::io::SensorConfig config = *edited;
+  Json json;
+  if (has_chain(config) && config.system.band) {
+    const LoadedSensor loaded = load_chain(config);
+    const BudgetTable budget = budget_table(config, temperature);
+    config.system = at_its_place(config, [&] { return with_electron_rate(config.system, loaded); });
+    json["budget"] = Json::array();
+    for (const radiometry::BudgetRow& row : budget.rows)
+      json["budget"].push_back({{"name", row.name},
+                                {"value", std::isfinite(row.value) ? Json(row.value) : Json()},
+                                {"unit", row.unit},
+                                {"doc", row.doc},
+                                {"reason", row.refused},
+                                {"saturated", row.saturated}});
+    json["saturation"] = words(budget.saturation);
+    json["temperature"] = temperature;
+  }
+  const OtfCurves curves =
+      otf_curves(config.system, {}, make_direction(config.system.frame, request.text("unit", "cy/mm"), angle));
+  json["curves"] = curves_json(curves);
+  return json_answer(json);
+}
+
+Answer Session::value(const Parts& request) {
+  const Sensor sensor = sensor_of(request);
+  const std::scoped_lock lock(frame_mutex_);
+  const auto made = frames_.kept(static_cast<std::uint64_t>(request.whole("id", 0, std::int64_t{1} << 53, 0)));
+  if (!made) return refusal("that frame is no longer kept", 410);
+  const auto scene = frames_.scene(sensor, request.whole("number", 0, kLastNoiseFrame, 0));
+  const mtf::Image& after = made->image.planes.front();
+  const mtf::Image& before = scene->planes.front();
+  const double x_um = request.number("x_um").value_or(0.0), y_um = request.number("y_um").value_or(0.0);
+  const auto at = [&](const mtf::Image& image, double step_x, double step_y) {
+    const double x = std::floor(x_um / step_x), y = std::floor(y_um / step_y);
+    const bool inside =
+        x >= 0 && y >= 0 && x < static_cast<double>(image.width()) && y < static_cast<double>(image.height());
+    if (!inside) return Json();
+    const auto column = static_cast<std::int64_t>(x), row = static_cast<std::int64_t>(y);
+    const double number = static_cast<double>(image.at(column, row));
+    return Json{{"x", column}, {"y", row}, {"value", std::isfinite(number) ? Json(number) : Json()}};
+  };
+  const mtf::SampleGrid& out = made->plan->out();
+  return json_answer({{"before", at(before, scene->grid.step_x_um, scene->grid.step_y_um)},
+                      {"after", at(after, out.step_x_um, out.step_y_um)}});
+}
+
+Answer Session::file(const Parts& request) {
+  const std::string format = request.text("format");
+  if (format != "exr" && format != "png") return refusal("format: exr or png", 400);
+  std::shared_ptr<const KeptFrame> made;
+  {
+    const std::scoped_lock lock(frame_mutex_);
+    made = frames_.kept(static_cast<std::uint64_t>(request.whole("id", 0, std::int64_t{1} << 53, 0)));
+  }
+  if (!made) return refusal("that frame is no longer kept", 410);
+  const ScratchFile scratch("frame." + format);
+  write_sensor_image(scratch.path(), made->names, made->image.planes, made->image.metadata, made->range);
+  constexpr std::size_t kMost = std::size_t{1} << 31;
+  return {.type = format == "png" ? "image/png" : "image/x-exr",
+          .body = std::make_shared<const std::string>(mtf::io::read_text_file(scratch.path(), kMost))};
+}
+
+}  // namespace apps::live

@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: Apache-2.0
+
+// `mtf config kinds --format json`.
+
+#include <cmath>
+
+#include "apps/schema/schema_values.h"
+#include "apps/schema/schemas.h"
+#include "mtf/component_docs.h"
+
+namespace apps {
+namespace {
+
+std::string_view type_name(Parameter::Type type) {
+  using enum Parameter::Type;
+  switch (type) {
+    case number:
+      return "number";
+    case size:
+      return "size";
+    case frequency:
+      return "frequency";
+    case whole:
+      return "whole";
+    case flag:
+      return "flag";
+    case word:
+      return "word";
+    case numbers:
+      return "numbers";
+    case rows:
+      return "rows";
+    case text:
+      return "text";
+    case file:
+      return "file";
+    case number_or_file:
+      return "number_or_file";
+    case pair:
+      return "pair";
+  }
+  return "";
+}
+
+std::string_view presence_name(mtf::Presence presence) {
+  return presence == mtf::Presence::required ? "required" : presence == mtf::Presence::optional ? "optional" : "shared";
+}
+
+/// A bound; null where there is none.
+Json bound(double value) { return std::isfinite(value) ? Json(value) : Json(); }
+
+Json parameter_json(const Parameter& parameter) {
+  Json json{{"name", parameter.name}, {"type", type_name(parameter.type)}, {"unit", parameter.unit}};
+  json["units"] = Json::array();
+  for (const std::string_view unit : mtf::units_of(parameter.dimension)) json["units"].push_back(std::string(unit));
+  if (has_range(parameter)) {
+    json["min"] = bound(parameter.lo);
+    json["max"] = bound(parameter.hi);
+    json["min_open"] = parameter.lo_open;
+    json["max_open"] = parameter.hi_open;
+    json["scale"] = wants_log_scale(parameter) ? "log" : "linear";
+  }
+  if (!parameter.words.empty()) {
+    json["words"] = Json::array();
+    for (const std::string_view word : parameter.words) json["words"].push_back(std::string(word));
+  }
+  json["presence"] = presence_name(parameter.presence);
+  if (!parameter.default_value.empty()) json["default"] = parameter.default_value;
+  json["example"] = parameter.example;
+  json["doc"] = parameter.doc;
+  return json;
+}
+
+Json parameters_json(const std::vector<Parameter>& parameters) {
+  Json list = Json::array();
+  for (const Parameter& parameter : parameters) list.push_back(parameter_json(parameter));
+  return list;
+}
+
+Json component_json(const ComponentKind& kind) {
+  Json json{{"kind", kind.kind}, {"doc", kind.doc}, {"notes", kind.notes}, {"source", kind.source}};
+  json["lists"] = Json::array();
+  for (const mtf::Stage stage : mtf::kStages)
+    if (kind.stages.allows(stage)) json["lists"].push_back(std::string(stage_name(stage)));
+  json["parameters"] = parameters_json(kind.parameters);
+  json["example"] = kind.example;
+  return json;
+}
+
+Json table_json(const TableKind& kind) {
+  return {{"name", kind.name},
+          {"doc", kind.doc},
+          {"condition", kind.condition},
+          {"parameters", parameters_json(kind.parameters)}};
+}
+
+}  // namespace
+
+std::string kinds_json(const std::string& kind) {
+  const SensorKinds kinds = sensor_kinds();
+  Json json{{"components", Json::array()}, {"tables", Json::array()}};
+  for (const auto* tables : {&kinds.own_tables, &kinds.tables})
+    for (const TableKind& table : *tables)
+      if (kind.empty() || table.name == kind) json["tables"].push_back(table_json(table));
+  if (kind.empty())
+    for (const ComponentKind& component : kinds.components) json["components"].push_back(component_json(component));
+  else if (json["tables"].empty())
+    json["components"].push_back(component_json(component_kind(kind)));
+  return json.dump(1) + "\n";
+}
+
+}  // namespace apps

@@ -1,0 +1,204 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/schema/schema_values.h"
+
+#include <cctype>
+#include <cmath>
+
+#include "mtf/component_docs.h"
+
+namespace apps {
+namespace {
+
+/// A regular expression for one of the units; "um" is read with the micro sign as well.
+std::string unit_pattern(mtf::Dimension dimension) {
+  std::string pattern;
+  for (const std::string_view unit : mtf::units_of(dimension)) {
+    pattern += pattern.empty() ? "" : "|";
+    for (std::size_t i = 0; i < unit.size(); ++i) {
+      if (i == 0 && unit.size() > 1 && unit[0] == 'u') {
+        pattern += "[u\u00b5\u03bc]";
+        continue;
+      }
+      if (unit[i] == '^' || unit[i] == '.') pattern += '\\';
+      pattern += unit[i];
+    }
+  }
+  return pattern;
+}
+
+void add_range(const Parameter& parameter, Json& schema) {
+  if (!has_range(parameter)) return;
+  if (std::isfinite(parameter.lo)) schema[parameter.lo_open ? "exclusiveMinimum" : "minimum"] = parameter.lo;
+  if (std::isfinite(parameter.hi)) schema[parameter.hi_open ? "exclusiveMaximum" : "maximum"] = parameter.hi;
+}
+
+/// { value = ..., fit = true, min = ..., max = ..., prior = { mean, sd }, stderr = ... }
+Json fit_table(const Json& number) {
+  Json table = closed_table("a number that mtf fit may change");
+  for (const char* key : {"value", "min", "max", "stderr"}) table["properties"][key] = number;
+  table["properties"]["fit"] = {{"type", "boolean"}};
+  Json prior = closed_table("what is known beforehand");
+  prior["properties"] = {{"mean", number}, {"sd", number}};
+  prior["required"] = {"mean", "sd"};
+  table["properties"]["prior"] = std::move(prior);
+  table["required"] = {"value"};
+  return table;
+}
+
+/// Of the definition of numbers of that dimension.
+std::string dimension_name(mtf::Dimension dimension) {
+  if (dimension == mtf::Dimension::none) return "number";
+  const auto units = mtf::units_of(dimension);
+  std::string name = "in_" + std::string(units.front()) + "_to_" + std::string(units.back());
+  for (char& letter : name)  // a pointer into a schema has no room for others
+    if (std::isalnum(static_cast<unsigned char>(letter)) == 0) letter = '_';
+  return name;
+}
+
+Json reference(const std::string& name) { return {{"$ref", "#/definitions/" + name}}; }
+
+/// A number, or a table that lets it be fitted, which has no range of its own.
+Json fittable(const Parameter& parameter) {
+  const std::string name = dimension_name(parameter.dimension);
+  const Json number = parameter.dimension == mtf::Dimension::none ? number_schema(parameter) : reference(name);
+  return {{"anyOf", {number, reference("fit_" + name)}}};
+}
+
+Json list_of(Json items) { return {{"type", "array"}, {"items", std::move(items)}}; }
+
+Json words_schema(const Parameter& parameter) {
+  Json words = Json::array();
+  for (const std::string_view word : parameter.words) words.push_back(std::string(word));
+  return {{"enum", std::move(words)}};
+}
+
+Json bare_value(const Parameter& parameter) {
+  using Type = Parameter::Type;
+  switch (parameter.type) {
+    case Type::number:
+    case Type::size:
+    case Type::frequency:
+      return fittable(parameter);
+    case Type::whole: {
+      Json whole{{"type", "integer"}};
+      add_range(parameter, whole);
+      return whole;
+    }
+    case Type::flag:
+      return {{"type", "boolean"}};
+    case Type::word:
+      return words_schema(parameter);
+    case Type::numbers:
+      return list_of(fittable(parameter));
+    case Type::rows:
+      return list_of(list_of({{"type", "number"}}));
+    case Type::text:
+    case Type::file:
+      return {{"type", "string"}, {"minLength", 1}};
+    case Type::number_or_file: {
+      Json either = fittable(parameter);
+      either["anyOf"].push_back({{"type", "string"}, {"minLength", 1}});
+      return either;
+    }
+    case Type::pair: {
+      Json pair = list_of(number_schema(parameter));
+      if (parameter.dimension == mtf::Dimension::none) pair["items"]["type"] = "integer";
+      pair["minItems"] = pair["maxItems"] = 2;
+      return pair;
+    }
+  }
+  return Json::object();
+}
+
+}  // namespace
+
+Json number_schema(const Parameter& parameter) {
+  if (parameter.dimension == mtf::Dimension::none) {
+    Json number{{"type", "number"}};
+    add_range(parameter, number);
+    return number;
+  }
+  return {{"type", "string"},
+          {"pattern", "^[ \\t]*\\+?-?([0-9]+\\.?[0-9]*|\\.[0-9]+)([eE][+-]?[0-9]+)?[ \\t]*(" +
+                          unit_pattern(parameter.dimension) + ")[ \\t]*$"}};
+}
+
+Json number_schema(const mtf::FieldInfo& info) {
+  return number_schema(Parameter{.name = info.name,
+                                 .dimension = info.dimension,
+                                 .lo = info.lo,
+                                 .hi = info.hi,
+                                 .lo_open = info.lo_open,
+                                 .hi_open = info.hi_open});
+}
+
+Json value_schema(const Parameter& parameter) {
+  Json schema = bare_value(parameter);
+  std::string doc(parameter.doc);
+  if (parameter.dimension != mtf::Dimension::none && has_range(parameter)) {
+    doc += std::string(doc.empty() ? "" : "; ") + (parameter.lo_open ? "above " : "from ") +
+           mtf::format_double(parameter.lo);
+    if (std::isfinite(parameter.hi))
+      doc += (parameter.hi_open ? " to below " : " to ") + mtf::format_double(parameter.hi);
+    if (!parameter.unit.empty()) doc += " " + std::string(parameter.unit);
+  }
+  if (!parameter.example.empty()) doc += (doc.empty() ? "such as " : ", such as ") + std::string(parameter.example);
+  if (!doc.empty()) schema["description"] = doc;
+  return schema;
+}
+
+void add_parameters(const std::vector<Parameter>& parameters, Json& table) {
+  Json& properties = table["properties"];
+  Json either = Json::array();
+  for (const Parameter& parameter : parameters) {
+    const std::string name(parameter.name);
+    properties[name] = value_schema(parameter);
+    const bool needed = parameter.presence == mtf::Presence::required;
+    if (parameter.type == Parameter::Type::size) {
+      for (const char* axis : {"_x", "_y"}) properties[name + axis] = value_schema(parameter);
+      if (needed) either.push_back({{"oneOf", {{{"required", {name}}}, {{"required", {name + "_x", name + "_y"}}}}}});
+    } else if (needed) {
+      table["required"].push_back(name);
+    }
+  }
+  if (!either.empty()) table["allOf"] = std::move(either);
+}
+
+void add_number_definitions(Json& definitions) {
+  using enum mtf::Dimension;
+  for (const mtf::Dimension dimension : {none,         length,
+                                         angle,        extent,
+                                         frequency,    temporal,
+                                         cutoff,       time,
+                                         velocity,     rate,
+                                         pixel,        luminance,
+                                         acceleration, angular_acceleration,
+                                         temperature,  temperature_difference,
+                                         electrons,    current,
+                                         capacitance,  voltage,
+                                         power,        pressure,
+                                         rain_rate}) {
+    const Json number = number_schema(Parameter{.name = {}, .dimension = dimension});
+    definitions[dimension_name(dimension)] = number;
+    definitions["fit_" + dimension_name(dimension)] = fit_table(number);
+  }
+}
+
+Json closed_table(std::string_view doc) {
+  Json table{{"type", "object"}};
+  if (!doc.empty()) table["description"] = std::string(doc);
+  table["additionalProperties"] = false;
+  table["properties"] = Json::object();
+  table["required"] = Json::array();
+  return table;
+}
+
+Json schema_head(std::string_view title, std::string_view doc) {
+  Json head{{"$schema", "http://json-schema.org/draft-07/schema#"}, {"title", std::string(title)}};
+  head.update(closed_table(doc));
+  head["properties"]["schema"] = {{"const", 1}, {"description", "version of the file"}};
+  head["required"] = {"schema"};
+  return head;
+}
+
+}  // namespace apps

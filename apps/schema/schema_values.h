@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// Values of TOML files as JSON Schema (draft-07): a number with its unit is a string of a pattern, a plain number has
+// its range. A schema cannot compare "15 um" with a range in mm: that is left to `mtf config check`.
+
+#include <nlohmann/json.hpp>
+
+#include "apps/sensor/sensor_kinds.h"
+
+namespace apps {
+
+using Json = nlohmann::ordered_json;
+
+/// One number, in a unit of its dimension. `lo`, `hi`: of plain ones.
+Json number_schema(const Parameter& parameter);
+/// The same for a row of a field table.
+Json number_schema(const mtf::FieldInfo& info);
+
+/// What value_schema() refers to: numbers of each dimension, and such numbers as tables of a fit.
+void add_number_definitions(Json& definitions);
+
+/// What stands after `name =`, with its documentation.
+Json value_schema(const Parameter& parameter);
+
+/// The parameters into `properties` of a table, and what of them is required: a size also as NAME_x and NAME_y.
+void add_parameters(const std::vector<Parameter>& parameters, Json& table);
+
+/// A table without other keys than those that are added.
+Json closed_table(std::string_view doc);
+
+/// The head that names the dialect and the kind of file.
+Json schema_head(std::string_view title, std::string_view doc);
+
+}  // namespace apps

@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: Apache-2.0
+
+// `mtf config schema study`: keys from apps/study/study_shape.h.
+
+#include <functional>
+#include <span>
+
+#include "apps/schema/schema_values.h"
+#include "apps/schema/schemas.h"
+#include "apps/study/study_shape.h"
+
+namespace apps {
+namespace {
+
+Json text() { return {{"type", "string"}, {"minLength", 1}}; }
+Json texts() { return {{"type", "array"}, {"items", text()}}; }
+/// A number, or a string that has a number with its unit.
+Json number_or_text() { return {{"type", {"number", "string"}}}; }
+
+template <std::size_t N>
+Json words(const std::array<std::string_view, N>& names) {
+  Json list = Json::array();
+  for (const std::string_view name : names) list.push_back(std::string(name));
+  return {{"enum", std::move(list)}};
+}
+
+Json whole(double least, double most) { return {{"type", "integer"}, {"minimum", least}, {"maximum", most}}; }
+
+/// A table of exactly these keys.
+Json table_of(std::string_view doc, std::span<const std::string_view> keys,
+              const std::function<Json(std::string_view)>& value) {
+  Json table = closed_table(doc);
+  for (const std::string_view key : keys) table["properties"][std::string(key)] = value(key);
+  return table;
+}
+
+Json list_of(Json table) { return {{"type", "array"}, {"items", std::move(table)}}; }
+
+Json axis() {
+  Json table = table_of("what varies, over which values", study::kAxisKeys, [](std::string_view key) -> Json {
+    if (key == "values") return {{"type", "array"}, {"minItems", 1}};
+    if (key == "count") return whole(1, 1e9);
+    if (key == "scale") return words(study::kScales);
+    return key == "from" || key == "to" ? number_or_text() : text();
+  });
+  const Json named{{"oneOf", {{{"required", {"parameter"}}}, {{"required", {"name"}}}}}};
+  const Json ranged{{"oneOf", {{{"required", {"values"}}}, {{"required", {"from", "to"}}}}}};
+  table["allOf"] = {named, ranged};
+  return list_of(std::move(table));
+}
+
+Json as_built() {
+  Json table = table_of("a parameter that differs from copy to copy", study::kAsBuiltKeys,
+                        [](std::string_view key) { return key == "parameter" ? text() : number_or_text(); });
+  table["required"] = {"parameter"};
+  table["oneOf"] = {{{"required", {"sd"}}}, {{"required", {"plus_minus"}}}};
+  return list_of(std::move(table));
+}
+
+Json conditions() {
+  Json table = closed_table("where and when the sensor is used");
+  for (const mtf::FieldInfo& field : study::condition_fields()) {
+    Json value = number_schema(field);
+    value["description"] = "such as " + std::string(field.example);
+    table["properties"][std::string(field.name)] = std::move(value);
+  }
+  return table;
+}
+
+Json value_of(std::string_view key) {
+  if (key == "tolerance") return number_schema(study::kTolerance);
+  if (key == "seed") return {{"type", "integer"}, {"minimum", 0}};
+  if (key == "constraints" || key == "objectives") return texts();
+  if (key == "axis") return axis();
+  if (key == "as_built") return as_built();
+  if (key == "conditions") return conditions();
+  if (key == "links") return {{"type", "object"}, {"additionalProperties", text()}};
+  if (key == "sampling")
+    return table_of("which designs", study::kSamplingKeys,
+                    [](std::string_view k) { return k == "method" ? words(study::kMethods) : whole(1, 1e9); });
+  if (key == "yield")
+    return table_of("how many copies of a design", study::kYieldKeys,
+                    [](std::string_view) { return whole(study::kDraws.lo, study::kDraws.hi); });
+  if (key == "metrics")
+    return table_of("what is computed", study::kMetricsKeys, [](std::string_view) { return texts(); });
+  return text();  // name, sensor
+}
+
+}  // namespace
+
+std::string study_file_schema() {
+  Json schema = schema_head("mtf study file", "a trade study: what varies, what follows, what is wanted");
+  for (const std::string_view key : study::kTopKeys)
+    if (key != "schema") schema["properties"][std::string(key)] = value_of(key);
+  return schema.dump(1) + "\n";
+}
+
+}  // namespace apps

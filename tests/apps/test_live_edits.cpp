@@ -1,0 +1,184 @@
+// SPDX-License-Identifier: Apache-2.0
+
+// Edits of the live view: text stays what it was but for what is asked, and no edit names a file.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "apps/live/access.h"
+#include "apps/live/edits.h"
+#include "apps/live/model.h"
+#include "apps/live/toml_blocks.h"
+#include "apps/sensor/sensor_air.h"
+#include "mtf/error.h"
+
+namespace apps::live {
+namespace {
+
+const std::string kText = R"(schema = 1
+name = "camera"
+[frame]
+focal_length = "100 mm"
+pitch = "15 um"          # of the data sheet
+integration_time = "10 ms"
+[optics]
+f_number = 2.0
+[band]
+wavelength = ["3.4 um", "4.8 um"]
+
+# the lens
+[[presample]]
+kind = "diffraction"
+
+# the mount
+[[presample]]
+kind = "jitter"          # measured in May
+rms = "20 urad"
+[detector]
+quantum_efficiency = 0.7
+full_well = "1 Me-"
+[noise]
+seed = 1
+)";
+
+std::shared_ptr<const mtf::io::SensorConfig> camera() {
+  auto result = mtf::io::parse_config(kText, "camera.toml", sensor_schema());
+  EXPECT_TRUE(result.ok());
+  return std::make_shared<const mtf::io::SensorConfig>(std::move(result.config));
+}
+
+std::string text_after(const std::vector<Edit>& edits) { return EditedSensor(camera()).with(edits)->text; }
+
+std::string refusal_of(const Edit& edit) {
+  try {
+    EditedSensor(camera()).with(std::vector{edit});
+  } catch (const mtf::UsageError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(LiveEdits, AValueChangesItsPlaceAndNothingElse) {
+  std::string wanted = kText;
+  wanted.replace(wanted.find("20 urad"), 7, "35 urad");
+  EXPECT_EQ(text_after({{Edit::Kind::set, "jitter.rms", "35 urad"}}), wanted);
+}
+
+TEST(LiveEdits, KeysThatNoScheduleReachesAreSetInTheirTable) {
+  std::string wanted = kText;
+  wanted.insert(wanted.find("[band]"), "transmission = 0.5\n");
+  EXPECT_EQ(text_after({{Edit::Kind::set, "optics.transmission", "0.5"}}), wanted);
+  const std::string text =
+      text_after({{Edit::Kind::set, "scene.border", "periodic"}, {Edit::Kind::set, "scene.border", "replicate"}});
+  EXPECT_EQ(text, kText + "\n[scene]\nborder = \"replicate\"\n");
+}
+
+TEST(LiveEdits, OffIsACommentAndOnBringsItBack) {
+  const std::string off = text_after({{Edit::Kind::off, "jitter"}});
+  EXPECT_NE(off.find("# the mount\n#- [[presample]]\n#- kind = \"jitter\"          # measured in May\n#- rms"),
+            std::string::npos)
+      << off;
+  EXPECT_EQ(text_after({{Edit::Kind::off, "jitter"}, {Edit::Kind::on, "0"}}), kText);
+  EXPECT_EQ(
+      text_after(
+          {{Edit::Kind::off, "[noise]"}, {Edit::Kind::off, "jitter"}, {Edit::Kind::on, "1"}, {Edit::Kind::on, "0"}}),
+      kText);
+  const auto sensor = EditedSensor(camera()).with(std::vector<Edit>{{Edit::Kind::off, "jitter"}});
+  EXPECT_EQ(sensor->system.list(mtf::Stage::presample).size(), 1u);
+}
+
+TEST(LiveEdits, RemovedTablesTakeTheirLinesAlong) {
+  const std::string text = text_after({{Edit::Kind::remove, "diffraction"}});
+  EXPECT_EQ(text.find("diffraction"), std::string::npos);
+  EXPECT_NE(text.find("# the mount\n[[presample]]\nkind = \"jitter\""), std::string::npos) << text;
+  EXPECT_EQ(text_after({{Edit::Kind::remove, "[noise]"}}).find("seed"), std::string::npos);
+}
+
+TEST(LiveEdits, EveryKindAndTableWithoutAFileCanBeAdded) {
+  const SensorKinds kinds = sensor_kinds();
+  const Json model = model_json(*camera(), kinds);
+  int added = 0;
+  for (const char* list : {"presample", "readout", "postsample", "table"})
+    for (const auto& entry : model["addable"][list]) {
+      const std::string name = entry[0];
+      try {
+        const auto sensor = EditedSensor(camera()).with(std::vector<Edit>{{Edit::Kind::add, list, name}});
+        EXPECT_TRUE(sensor->text.starts_with(kText)) << name;
+        ++added;
+      } catch (const mtf::UsageError& error) {
+        // A second pupil, or what does not go with a photon detector: the reader's own words.
+        EXPECT_FALSE(std::string(error.what()).empty());
+      }
+    }
+  EXPECT_GT(added, 40);
+}
+
+TEST(LiveEdits, ASecondPupilIsRefusedInTheReadersWords) {
+  const std::string words = refusal_of({Edit::Kind::add, "presample", "defocus"});
+  EXPECT_NE(words.find("pupil"), std::string::npos) << words;
+  EXPECT_NE(refusal_of({Edit::Kind::set, "optics.f_number", "0.001"}).find("outside [0.1"), std::string::npos);
+}
+
+TEST(LiveEdits, NoEditNamesAFile) {
+  for (const char* name : {"detector.quantum_efficiency", "optics.transmission", "scene.emissivity"})
+    EXPECT_NE(refusal_of({Edit::Kind::set, name, "/etc/passwd"}).find("files are named in the sensor file"),
+              std::string::npos)
+        << name << refusal_of({Edit::Kind::set, name, "/etc/passwd"});
+  EXPECT_FALSE(refusal_of({Edit::Kind::add, "presample", "curve"}).empty());
+}
+
+TEST(LiveEdits, ListsAreReadStrictly) {
+  EXPECT_EQ(read_edits(R"([["set", "jitter.rms", "2 um"], ["off", "jitter"]])").size(), 2u);
+  for (const char* wrong : {"{}", "[[]]", "[[\"set\"]]", "[[\"set\", 1, 2]]", "[[\"what\", \"a\", \"b\"]]",
+                            "[[\"set\", \"a\", \"b\\n\"]]", "[", "[[\"set\",\"a\",\"b\",\"c\"]]"})
+    EXPECT_THROW(read_edits(wrong), mtf::UsageError) << wrong;
+}
+
+TEST(LiveBlocks, HeadersInStringsAreNone) {
+  const auto blocks = toml_blocks("a = \"\"\"\n[no]\n\"\"\"\n[yes]\nb = 1\n# end\n\n# of the next\n[[list]]\n");
+  ASSERT_EQ(blocks.size(), 2u);
+  EXPECT_EQ(blocks[0].header, "yes");
+  EXPECT_TRUE(blocks[1].list);
+}
+
+TEST(LiveModel, SlidersHoldTheirValueAndKeepToTheRange) {
+  const SensorKinds kinds = sensor_kinds();
+  const auto check = [](const Json& row) {
+    if (row["control"] != "number") return;
+    const double low = row["low"], high = row["high"], value = row["number"];
+    EXPECT_LT(low, high) << row;
+    EXPECT_TRUE(low <= value && value <= high) << row;
+    if (!row["min"].is_null()) {
+      EXPECT_GE(low, row["min"].get<double>()) << row;
+    }
+    if (!row["max"].is_null()) {
+      EXPECT_LE(high, row["max"].get<double>()) << row;
+    }
+    if (row["log"]) {
+      EXPECT_GT(low, 0.0) << row;
+    }
+  };
+  const Json model = model_json(*camera(), kinds);
+  for (const char* owners : {"components", "tables"})
+    for (const auto& owner : model[owners])
+      for (const auto& row : owner["rows"]) check(row);
+}
+
+TEST(LiveAccess, NamesOfThisMachine) {
+  for (const char* good : {"127.0.0.1", "127.0.0.1:80", "localhost:8080", "[::1]:9", "localhost"})
+    EXPECT_TRUE(is_this_machine(good)) << good;
+  for (const char* bad : {"", "127.0.0.1.evil.test", "localhost.evil.test", "127.0.0.1:", "127.0.0.1:x", "evil.test",
+                          "127.0.0.1:123456", "127.0.0.11"})
+    EXPECT_FALSE(is_this_machine(bad)) << bad;
+}
+
+TEST(LiveAccess, TokensAre128BitsAndNeverTheSame) {
+  const std::string a = new_token(), b = new_token();
+  EXPECT_EQ(a.size(), 32u);
+  EXPECT_EQ(a.find_first_not_of("0123456789abcdef"), std::string::npos);
+  EXPECT_NE(a, b);
+}
+
+}  // namespace
+}  // namespace apps::live
