@@ -28,10 +28,11 @@ from mtfkit.studies import Gradient, Optimum, Study, StudyColumn
 if TYPE_CHECKING:  # a class for each kind of component, made when one is asked for
     from mtfkit.components import *
 
-__all__ = ["Budget", "Column", "Component", "CurveData", "Curves", "Custom", "DataError", "Edge", "Edges", "Error", "Estimate",
-           "Figure", "Finding", "Findings", "Fit", "General", "Gradient", "Heat", "Image", "Optimum", "Parameter", "Picture", "Plan", "Run",
-           "Sensor", "Study", "StudyColumn", "ToleranceError", "UsageError", "__version__", "air", "components",
-           "fit", "heat", "kinds", "light", "measure", "metrics", "noise", "read", "render", "targets", "write"]
+__all__ = ["Budget", "Column", "Component", "CurveData", "Curves", "Custom", "DataError", "Edge", "Edges", "Error",
+           "Estimate", "Figure", "Finding", "Findings", "Fit", "General", "Gradient", "Heat", "Image", "Optimum",
+           "Parameter", "Picture", "Plan", "Run", "Sensor", "Study", "StudyColumn", "ToleranceError", "UsageError",
+           "__version__", "air", "components", "fit", "heat", "kinds", "light", "measure", "metrics", "noise", "read",
+           "render", "targets", "write"]
 
 
 def __getattr__(name: str) -> Any:

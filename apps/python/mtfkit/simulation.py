@@ -36,7 +36,8 @@ class Run:
 
     def __init__(self, run: _core.SimulateRun, seconds: float, sensor: Sensor, canvas: Canvas | None = None) -> None:
         self._run = run
-        self._made: list[tuple[int, dict[str, Plane]]] = run.images if canvas is None else canvas.cropped(run.images, run.pitch_um)
+        self._made: list[tuple[int, dict[str, Plane]]] = (
+            run.images if canvas is None else canvas.cropped(run.images, run.pitch_um))
         self._canvas = canvas
         scene, out = run.scene_um, run.pitch_um
         per_pixel = (out[0] / scene[0] + 1.0) * (out[1] / scene[1] + 1.0)
