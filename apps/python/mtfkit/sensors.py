@@ -6,7 +6,7 @@ from __future__ import annotations
 import os
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Union
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -17,6 +17,7 @@ from mtfkit.custom import Canvas, Custom, General
 from mtfkit.curves import Curves, curves_of
 from mtfkit.errors import DataError, UsageError
 from mtfkit.images import Image
+from mtfkit.sensor_parts import ComponentLike, Tables, component_lines, table_lines
 from mtfkit.simulation import Plan, Run, compile_plan, run_simulation
 from mtfkit.targets import Target
 
@@ -27,8 +28,6 @@ if TYPE_CHECKING:
     from mtfkit.fits import CurveData, Fit
     from mtfkit.simulation import SceneLike
 
-#: A component: its kind alone, a dictionary with `kind`, or an object such as mtfkit.Jitter(rms="20 urad").
-ComponentLike = Union[str, Mapping[str, Any], Component, Custom, General]
 Table = Mapping[str, Any]
 
 
@@ -58,26 +57,6 @@ class Findings(tuple[Finding, ...]):
         return "\n".join(str(finding) for finding in self) or "nothing to remark"
 
 
-def _table_lines(name: str, table: Table) -> list[str]:
-    return [f"[{name}]", *(f"{key} = {quantities.toml(value, f'{name}.{key}')}" for key, value in table.items()), ""]
-
-
-def _component_lines(stage: str, index: int, given: ComponentLike) -> list[str]:
-    what = f"{stage}[{index}]"
-    if isinstance(given, str):
-        fields: Mapping[str, Any] = {"kind": given}
-    elif isinstance(given, Component):
-        fields = given.fields()
-    elif isinstance(given, Mapping):
-        fields = given
-    else:
-        raise UsageError(f"{what}: {given!r} is no component; give its kind, a dictionary with kind, or an object such "
-                         "as mtfkit.Jitter(rms=\"20 urad\")")
-    if "kind" not in fields:
-        raise UsageError(f"{what}: the dictionary has no kind")
-    return [f"[[{stage}]]", *(f"{key} = {quantities.toml(value, f'{what}.{key}')}" for key, value in fields.items()), ""]
-
-
 class Sensor:
     """A sensor, as a sensor file describes it. It never changes; `replace` gives another one.
 
@@ -95,7 +74,7 @@ class Sensor:
     __slots__ = ("_canonical", "_file", "_tables")
     _file: _core.SensorFile
     _canonical: str | None
-    _tables: _Tables | None  # of components made of functions
+    _tables: Tables | None  # of components made of functions
 
     def __init__(self, *, name: str = "", frame: Table, scene: Table | None = None, optics: Table | None = None,
                  band: Table | None = None, presample: Sequence[ComponentLike] = (),
@@ -109,8 +88,8 @@ class Sensor:
                 continue
             if not isinstance(table, Mapping):
                 raise UsageError(f"{key}: {table!r} is no table; give a dictionary of its keys")
-            lines += _table_lines(key, table)
-        own: _Tables | None = None
+            lines += table_lines(key, table)
+        own: Tables | None = None
         for stage, components in {"presample": presample, "readout": readout, "postsample": postsample}.items():
             if isinstance(components, (str, Mapping, Component, Custom, General)):
                 raise UsageError(f"{stage}: is a list of components; write [{components!r}]")
@@ -118,22 +97,22 @@ class Sensor:
                 if isinstance(component, General):
                     if stage != "presample":
                         raise UsageError(f"{stage}: a component made of a general function stands in presample")
-                    own = own or _Tables()
+                    own = own or Tables()
                     own.functions += (component,)
                 elif isinstance(component, Custom):
-                    own = own or _Tables()
+                    own = own or Tables()
                     lines += own.add(stage, component)
                 else:
-                    lines += _component_lines(stage, index, component)
+                    lines += component_lines(stage, index, component)
         self._set(_core.SensorFile("\n".join(lines), "sensor" if own is None else own.file), own)
 
-    def _set(self, file: _core.SensorFile, tables: _Tables | None) -> None:
+    def _set(self, file: _core.SensorFile, tables: Tables | None) -> None:
         object.__setattr__(self, "_file", file)
         object.__setattr__(self, "_canonical", None)
         object.__setattr__(self, "_tables", tables)
 
     @classmethod
-    def _of(cls, file: _core.SensorFile, tables: _Tables | None = None) -> Sensor:
+    def _of(cls, file: _core.SensorFile, tables: Tables | None = None) -> Sensor:
         sensor = object.__new__(cls)
         sensor._set(file, tables)
         return sensor
@@ -382,51 +361,8 @@ def _unpickled(text: str, file: str) -> Sensor:
     return Sensor.parse(text, file=file)
 
 
-class _Tables:
-    """Tables of components made of functions: their files, where the toolkit reads them, and what they err by."""
-
-    def __init__(self, csv: Mapping[str, str] | None = None, error: float = 0.0) -> None:
-        import tempfile
-
-        self.csv: dict[str, str] = {}
-        self.error = error
-        self.functions: tuple[General, ...] = ()
-        self._folder = tempfile.TemporaryDirectory(prefix="mtfkit-sensor-")
-        self.file = os.path.join(self._folder.name, "sensor.toml")
-        for name, text in (csv or {}).items():
-            self._write(name, text)
-
-    def _write(self, name: str, text: str) -> None:
-        self.csv[name] = text
-        with open(os.path.join(self._folder.name, name), "w", encoding="utf-8") as file:
-            file.write(text)
-
-    def add(self, stage: str, component: Custom) -> list[str]:
-        """Keeps the tables of a component; the lines of the sensor file that stand for it."""
-        lines = []
-        for label, axis, text in component.tables():
-            name = f"{label}.csv"
-            if name in self.csv and self.csv[name] != text:
-                raise UsageError(f"{stage}: two components made of functions are called {component.label!r}; give one "
-                                 "another label")
-            self._write(name, text)
-            lines += [f"[[{stage}]]", 'kind = "curve"', f'label = "{label}"', f'file = "{name}"', f'axis = "{axis}"', ""]
-        self.error += component.error
-        return lines
-
-    def write_beside(self, path: str, text: str) -> str:
-        """Writes the tables beside a sensor file; the text of that file."""
-        if self.functions:
-            raise UsageError(f"save: {self.functions[0].label} is a general function, which no file can state")
-        stem, folder = os.path.splitext(os.path.basename(path))[0], os.path.dirname(path)
-        for name, table in self.csv.items():
-            text = text.replace(f'file = "{name}"', f'file = "{stem}_{name}"')
-            _core.write_text(os.path.join(folder, f"{stem}_{name}"), table)
-        return text
-
-
 def _with_tables(text: str, csv: Mapping[str, str], error: float, functions: tuple[General, ...]) -> Sensor:
-    tables = _Tables(csv, error)
+    tables = Tables(csv, error)
     tables.functions = functions
     return Sensor._of(_core.SensorFile(text, tables.file), tables)
 
