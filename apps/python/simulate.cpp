@@ -34,6 +34,7 @@ struct SceneWords {
   SampleWords sample;
   std::string quantity;
   double blur_samples = 0.0;  ///< sigma of a Gaussian that is in the samples of arrays and is divided out
+  bool periodic = false;      ///< arrays are a canvas that repeats, whatever [scene] says
 };
 
 struct RunHandle {
@@ -84,6 +85,12 @@ std::shared_ptr<const mtf::io::SensorConfig> without_blur(mtf::io::SensorConfig 
   return std::make_shared<const mtf::io::SensorConfig>(std::move(sensor));
 }
 
+/// The sensor for which a scene repeats.
+std::shared_ptr<const mtf::io::SensorConfig> repeating(mtf::io::SensorConfig sensor) {
+  sensor.scene.border = mtf::Border::periodic;
+  return std::make_shared<const mtf::io::SensorConfig>(std::move(sensor));
+}
+
 py::list take_images(SimulateResult& result) {
   py::list images;
   for (SimulatedImage& image : result.images) {
@@ -121,6 +128,7 @@ std::unique_ptr<RunHandle> simulate_scene(const SensorHandle& sensor, const Scen
   SceneSource source = source_of(*sensor.config, scene);
   if (scene.blur_samples > 0.0 && source.image)
     run->sensor = without_blur(*sensor.config, source.image->grid, scene.blur_samples);
+  if (scene.periodic) run->sensor = repeating(*run->sensor);
   const void* function = progress.is_none() ? nullptr : progress.ptr();
   run_job([&](JobControl& control) {
     const ProgressCall report(function, control);
@@ -191,11 +199,11 @@ void add_simulate(py::module_& module) {
       .def(py::init([](const std::string& path, const std::optional<ImageHandle>& image,
                        const std::vector<std::pair<std::string, py::object>>& planes,
                        const std::vector<std::pair<std::string, py::object>>& beside, const SampleWords& sample,
-                       const std::string& quantity, double blur_samples) {
-             return SceneWords{path, image, planes, beside, sample, quantity, blur_samples};
+                       const std::string& quantity, double blur_samples, bool periodic) {
+             return SceneWords{path, image, planes, beside, sample, quantity, blur_samples, periodic};
            }),
            py::arg("path"), py::arg("image"), py::arg("planes"), py::arg("beside"), py::arg("sample"),
-           py::arg("quantity"), py::arg("blur_samples"));
+           py::arg("quantity"), py::arg("blur_samples"), py::arg("periodic"));
   py::class_<RunHandle>(module, "SimulateRun", "A finished simulation.")
       .def_readonly("images", &RunHandle::images)
       .def_property_readonly("names", [](const RunHandle& r) { return r.result.names; })
@@ -224,6 +232,13 @@ void add_simulate(py::module_& module) {
       .def("explain", [](const RunHandle& r) { return explain_text(r.result.report); })
       .def("map_points", &map_points, py::arg("points"))
       .def("save", &save, py::arg("image"), py::arg("path"), py::arg("range"));
+  module.def(
+      "sample_um",
+      [](const SensorHandle& sensor, const SampleWords& sample) {
+        const mtf::SampleGrid grid = grid_of(*sensor.config, 1, 1, sample);
+        return py::make_tuple(grid.step_x_um, grid.step_y_um);
+      },
+      py::arg("sensor"), py::arg("sample"));
   module.def("simulate", &simulate_scene, py::arg("sensor"), py::arg("scene"), py::arg("tolerance"), py::arg("nan"),
              py::arg("measure"), py::arg("stage"), py::arg("region"), py::arg("memory"), py::arg("frames"),
              py::arg("schedule"), py::arg("out"), py::arg("range"), py::arg("threads"), py::arg("progress"));

@@ -39,7 +39,7 @@ table.plot(ylim=(0, 1), ylabel="MTF", xlabel="cycles/mm")
 
 # %%
 for wrong in (lambda fx, fy: 0.95 * np.exp(-fx ** 2 - fy ** 2), lambda fx, fy: 1 + 0.1 * np.sin(np.hypot(fx, fy)),
-              lambda fx, fy: np.exp(-np.abs(fx * fy) - fx ** 2)):
+              lambda fx, fy: np.exp(2j * np.pi * np.abs(fx) * 0.01)):
     try:
         mk.custom(wrong, cutoff="60 cy/mm")
     except mk.UsageError as refused:

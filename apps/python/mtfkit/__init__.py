@@ -15,7 +15,7 @@ from mtfkit._core import __version__
 from mtfkit.budgets import Budget, Figure
 from mtfkit.components import Component, kinds
 from mtfkit.curves import Column, Curves
-from mtfkit.custom import Custom, custom
+from mtfkit.custom import Custom, General, custom
 from mtfkit.edges import Edge, Edges, Estimate, measure
 from mtfkit.errors import DataError, Error, ToleranceError, UsageError
 from mtfkit.figures_of_merit import metrics
@@ -28,10 +28,11 @@ from mtfkit.studies import Gradient, Optimum, Study, StudyColumn
 if TYPE_CHECKING:  # a class for each kind of component, made when one is asked for
     from mtfkit.components import *
 
-__all__ = ["Budget", "Column", "Component", "CurveData", "Curves", "Custom", "DataError", "Edge", "Edges", "Error", "Estimate",
-           "Figure", "Finding", "Findings", "Fit", "Gradient", "Heat", "Image", "Optimum", "Parameter", "Picture", "Plan", "Run",
-           "Sensor", "Study", "StudyColumn", "ToleranceError", "UsageError", "__version__", "air", "components",
-           "fit", "heat", "kinds", "light", "measure", "metrics", "noise", "read", "render", "targets", "write"]
+__all__ = ["Budget", "Column", "Component", "CurveData", "Curves", "Custom", "DataError", "Edge", "Edges", "Error",
+           "Estimate", "Figure", "Finding", "Findings", "Fit", "General", "Gradient", "Heat", "Image", "Optimum",
+           "Parameter", "Picture", "Plan", "Run", "Sensor", "Study", "StudyColumn", "ToleranceError", "UsageError",
+           "__version__", "air", "components", "fit", "heat", "kinds", "light", "measure", "metrics", "noise", "read",
+           "render", "targets", "write"]
 
 
 def __getattr__(name: str) -> Any:

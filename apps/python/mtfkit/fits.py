@@ -239,6 +239,9 @@ def fit(sensor: Sensor, *, edges: Sequence[ImageLike | tuple[ImageLike, Sensor]]
     """
     from mtfkit.sensors import Sensor
 
+    if sensor._functions:
+        raise UsageError("fit: a component made of a general function has no place in a fit")
+
     def pairs(images: Sequence[Any], what: str) -> list[tuple[Any, Any]]:
         if isinstance(images, (str, np.ndarray)):
             raise UsageError(f"{what}: is a list of images; write [image]")

@@ -6,17 +6,20 @@ from __future__ import annotations
 import os
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Union
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from mtfkit import _core, quantities, results
 from mtfkit.budgets import Budget
 from mtfkit.components import Component
-from mtfkit.custom import Custom
+from mtfkit.custom import Canvas, Custom, General
 from mtfkit.curves import Curves, curves_of
-from mtfkit.errors import UsageError
+from mtfkit.errors import DataError, UsageError
+from mtfkit.images import Image
+from mtfkit.sensor_parts import ComponentLike, Tables, component_lines, table_lines
 from mtfkit.simulation import Plan, Run, compile_plan, run_simulation
+from mtfkit.targets import Target
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -25,8 +28,6 @@ if TYPE_CHECKING:
     from mtfkit.fits import CurveData, Fit
     from mtfkit.simulation import SceneLike
 
-#: A component: its kind alone, a dictionary with `kind`, or an object such as mtfkit.Jitter(rms="20 urad").
-ComponentLike = Union[str, Mapping[str, Any], Component, Custom]
 Table = Mapping[str, Any]
 
 
@@ -56,26 +57,6 @@ class Findings(tuple[Finding, ...]):
         return "\n".join(str(finding) for finding in self) or "nothing to remark"
 
 
-def _table_lines(name: str, table: Table) -> list[str]:
-    return [f"[{name}]", *(f"{key} = {quantities.toml(value, f'{name}.{key}')}" for key, value in table.items()), ""]
-
-
-def _component_lines(stage: str, index: int, given: ComponentLike) -> list[str]:
-    what = f"{stage}[{index}]"
-    if isinstance(given, str):
-        fields: Mapping[str, Any] = {"kind": given}
-    elif isinstance(given, Component):
-        fields = given.fields()
-    elif isinstance(given, Mapping):
-        fields = given
-    else:
-        raise UsageError(f"{what}: {given!r} is no component; give its kind, a dictionary with kind, or an object such "
-                         "as mtfkit.Jitter(rms=\"20 urad\")")
-    if "kind" not in fields:
-        raise UsageError(f"{what}: the dictionary has no kind")
-    return [f"[[{stage}]]", *(f"{key} = {quantities.toml(value, f'{what}.{key}')}" for key, value in fields.items()), ""]
-
-
 class Sensor:
     """A sensor, as a sensor file describes it. It never changes; `replace` gives another one.
 
@@ -93,7 +74,7 @@ class Sensor:
     __slots__ = ("_canonical", "_file", "_tables")
     _file: _core.SensorFile
     _canonical: str | None
-    _tables: _Tables | None  # of components made of functions
+    _tables: Tables | None  # of components made of functions
 
     def __init__(self, *, name: str = "", frame: Table, scene: Table | None = None, optics: Table | None = None,
                  band: Table | None = None, presample: Sequence[ComponentLike] = (),
@@ -107,26 +88,31 @@ class Sensor:
                 continue
             if not isinstance(table, Mapping):
                 raise UsageError(f"{key}: {table!r} is no table; give a dictionary of its keys")
-            lines += _table_lines(key, table)
-        own: _Tables | None = None
+            lines += table_lines(key, table)
+        own: Tables | None = None
         for stage, components in {"presample": presample, "readout": readout, "postsample": postsample}.items():
-            if isinstance(components, (str, Mapping, Component, Custom)):
+            if isinstance(components, (str, Mapping, Component, Custom, General)):
                 raise UsageError(f"{stage}: is a list of components; write [{components!r}]")
             for index, component in enumerate(components):
-                if isinstance(component, Custom):
-                    own = own or _Tables()
+                if isinstance(component, General):
+                    if stage != "presample":
+                        raise UsageError(f"{stage}: a component made of a general function stands in presample")
+                    own = own or Tables()
+                    own.functions += (component,)
+                elif isinstance(component, Custom):
+                    own = own or Tables()
                     lines += own.add(stage, component)
                 else:
-                    lines += _component_lines(stage, index, component)
+                    lines += component_lines(stage, index, component)
         self._set(_core.SensorFile("\n".join(lines), "sensor" if own is None else own.file), own)
 
-    def _set(self, file: _core.SensorFile, tables: _Tables | None) -> None:
+    def _set(self, file: _core.SensorFile, tables: Tables | None) -> None:
         object.__setattr__(self, "_file", file)
         object.__setattr__(self, "_canonical", None)
         object.__setattr__(self, "_tables", tables)
 
     @classmethod
-    def _of(cls, file: _core.SensorFile, tables: _Tables | None = None) -> Sensor:
+    def _of(cls, file: _core.SensorFile, tables: Tables | None = None) -> Sensor:
         sensor = object.__new__(cls)
         sensor._set(file, tables)
         return sensor
@@ -205,6 +191,8 @@ class Sensor:
         """
         x, y = np.broadcast_arrays(_frequencies(fx, "fx"), _frequencies(fy, "fy"))
         values = _core.otf(self._file, x.ravel(), y.ravel(), unit).reshape(x.shape)
+        for function in self._functions:
+            values = values * self._of_function(function, x, y, unit)
         return values[()]
 
     def mtf(self, fx: npt.ArrayLike, fy: npt.ArrayLike = 0.0, *, unit: str = "cy/mm") -> Any:
@@ -218,6 +206,9 @@ class Sensor:
         `frequency` is in `unit`, by default 61 values to the smaller of cutoff and twice Nyquist; `angle` is from +x to
         +y, "45 deg".
         """
+        if self._functions:
+            raise UsageError(f"curves: {self._functions[0].label} is a general function, which has no column; otf and mtf "
+                             "count it")
         values = [] if frequency is None else np.atleast_1d(_frequencies(frequency, "frequency")).ravel().tolist()
         return curves_of(_core.curves(self._file, values, quantities.angle_deg(angle), unit))
 
@@ -290,11 +281,54 @@ class Sensor:
         """What tables in place of functions cost an image, as a share of the scene's standard deviation: an error D of the
         OTF at each frequency costs at most D x the square root of how many alias onto one x 2, the square root of the area
         of the mirrored canvas, x the largest gain of what follows."""
-        if self._tables is None:
+        if self._tables is None or self._tables.error == 0.0:
             return 0.0
-        gain = max([1.0, *(float(np.max(column.mtf)) for angle in ("0 deg", "45 deg", "90 deg")
-                           for column in self.curves(angle=angle) if column.label in ("readout", "postsample"))])
+        gain = max([1.0, *(float(np.max(column.mtf)) for angle in (0.0, 45.0, 90.0)
+                           for column in curves_of(_core.curves(self._file, [], angle, "cy/mm"))
+                           if column.label in ("readout", "postsample"))])
         return float(2.0 * gain * self._tables.error * np.sqrt(samples_per_pixel))
+
+    @property
+    def _functions(self) -> tuple[General, ...]:
+        return () if self._tables is None else self._tables.functions
+
+    def _of_function(self, function: General, x: npt.NDArray[np.float64], y: npt.NDArray[np.float64],
+                     unit: str) -> npt.NDArray[np.complex128]:
+        """The OTF of a general function at frequencies of that unit: units are to one another as their Nyquist frequencies."""
+        def nyquist(angle_deg: float, of: str) -> float:
+            return float(_core.curves(self._file, [0.0], angle_deg, of)["nyquist"])
+        scale = [nyquist(angle, function.unit) / nyquist(angle, unit) for angle in (0.0, 90.0)]
+        return function.otf(x * scale[0], y * scale[1])
+
+    def _canvas(self, scene: Any, sample: quantities.Value) -> Canvas:
+        """A scene behind the general functions of the sensor."""
+        import tomllib
+
+        if isinstance(scene, Target):
+            if scene.blur_samples:
+                raise UsageError("scene: the blur of this target is divided out of its image, which does not go with a component "
+                                 "made of a general function; give an array")
+            sample, scene = "0.125 px" if sample is None else sample, scene.values
+        plane = np.asanyarray(scene) if not isinstance(scene, (str, os.PathLike, Image, Mapping)) else None
+        if plane is None or self._file.has_chain:
+            raise UsageError("a component made of a general function acts on 2-D arrays, for sensors without [detector]")
+        border = tomllib.loads(self.text).get("scene", {}).get("border", "reflect")
+        if border not in ("reflect", "periodic"):
+            raise UsageError(f"scene.border: \"{border}\" does not go with a component made of a general function; take reflect "
+                             "or periodic")
+        if isinstance(plane, np.ma.MaskedArray) or plane.ndim != 2 or plane.size == 0 or plane.dtype.kind not in "biuf":
+            raise UsageError(f"scene: has the shape {plane.shape} and type {plane.dtype}; give a 2-D array of numbers")
+        if not np.isfinite(plane).all():
+            raise DataError("scene: holds NaN or infinite values, which do not go with a component made of a general function")
+        step = _core.sample_um(self._file, quantities.sample_words(sample))
+
+        def product(fx: npt.NDArray[np.float64], fy: npt.NDArray[np.float64]) -> npt.NDArray[np.complex128]:
+            values = np.ones(fx.shape, dtype=np.complex128)
+            for function in self._functions:
+                values *= self._of_function(function, fx, fy, "cy/mm")
+            return values
+
+        return Canvas(plane.astype(np.float64), border, step, product)
 
     def _key(self) -> str:
         if self._canonical is None:
@@ -306,14 +340,14 @@ class Sensor:
         """The same values, whatever the comments, the order and the units of the texts."""
         if not isinstance(other, Sensor):
             return NotImplemented
-        return self._key() == other._key()
+        return self._key() == other._key() and self._functions == other._functions
 
     def __hash__(self) -> int:
         return hash(self._key())
 
     def __reduce__(self) -> tuple[Any, ...]:
         if self._tables is not None:
-            return _with_tables, (self.text, self._tables.csv, self._tables.error)
+            return _with_tables, (self.text, self._tables.csv, self._tables.error, self._tables.functions)
         return _unpickled, (self.text, os.path.abspath(self.file) if os.path.exists(self.file) else self.file)
 
     def __repr__(self) -> str:
@@ -327,48 +361,9 @@ def _unpickled(text: str, file: str) -> Sensor:
     return Sensor.parse(text, file=file)
 
 
-class _Tables:
-    """Tables of components made of functions: their files, where the toolkit reads them, and what they err by."""
-
-    def __init__(self, csv: Mapping[str, str] | None = None, error: float = 0.0) -> None:
-        import tempfile
-
-        self.csv: dict[str, str] = {}
-        self.error = error
-        self._folder = tempfile.TemporaryDirectory(prefix="mtfkit-sensor-")
-        self.file = os.path.join(self._folder.name, "sensor.toml")
-        for name, text in (csv or {}).items():
-            self._write(name, text)
-
-    def _write(self, name: str, text: str) -> None:
-        self.csv[name] = text
-        with open(os.path.join(self._folder.name, name), "w", encoding="utf-8") as file:
-            file.write(text)
-
-    def add(self, stage: str, component: Custom) -> list[str]:
-        """Keeps the tables of a component; the lines of the sensor file that stand for it."""
-        lines = []
-        for label, axis, text in component.tables():
-            name = f"{label}.csv"
-            if name in self.csv and self.csv[name] != text:
-                raise UsageError(f"{stage}: two components made of functions are called {component.label!r}; give one "
-                                 "another label")
-            self._write(name, text)
-            lines += [f"[[{stage}]]", 'kind = "curve"', f'label = "{label}"', f'file = "{name}"', f'axis = "{axis}"', ""]
-        self.error += component.error
-        return lines
-
-    def write_beside(self, path: str, text: str) -> str:
-        """Writes the tables beside a sensor file; the text of that file."""
-        stem, folder = os.path.splitext(os.path.basename(path))[0], os.path.dirname(path)
-        for name, table in self.csv.items():
-            text = text.replace(f'file = "{name}"', f'file = "{stem}_{name}"')
-            _core.write_text(os.path.join(folder, f"{stem}_{name}"), table)
-        return text
-
-
-def _with_tables(text: str, csv: Mapping[str, str], error: float) -> Sensor:
-    tables = _Tables(csv, error)
+def _with_tables(text: str, csv: Mapping[str, str], error: float, functions: tuple[General, ...]) -> Sensor:
+    tables = Tables(csv, error)
+    tables.functions = functions
     return Sensor._of(_core.SensorFile(text, tables.file), tables)
 
 

@@ -19,6 +19,7 @@ from mtfkit.targets import Target
 if TYPE_CHECKING:
     import numpy.typing as npt
 
+    from mtfkit.custom import Canvas
     from mtfkit.images import Plane
     from mtfkit.sensors import Sensor
 
@@ -33,8 +34,11 @@ class Run:
     of the images of a sequence, `images` their first planes.
     """
 
-    def __init__(self, run: _core.SimulateRun, seconds: float, sensor: Sensor) -> None:
+    def __init__(self, run: _core.SimulateRun, seconds: float, sensor: Sensor, canvas: Canvas | None = None) -> None:
         self._run = run
+        self._made: list[tuple[int, dict[str, Plane]]] = (
+            run.images if canvas is None else canvas.cropped(run.images, run.pitch_um))
+        self._canvas = canvas
         scene, out = run.scene_um, run.pitch_um
         per_pixel = (out[0] / scene[0] + 1.0) * (out[1] / scene[1] + 1.0)
         self._table_error = sensor._table_error(per_pixel)
@@ -48,9 +52,9 @@ class Run:
     @property
     def planes(self) -> dict[str, Plane]:
         """The planes of the first image, by name. Raises UsageError where a file has taken them."""
-        if not self._run.images:
+        if not self._made:
             raise UsageError("the image was written to a file; read that")
-        return self._run.images[0][1]
+        return self._made[0][1]
 
     @property
     def names(self) -> list[str]:
@@ -60,17 +64,18 @@ class Run:
     @property
     def frames(self) -> list[int]:
         """Numbers of the frames, in the order of `images`."""
-        return [frame for frame, _ in self._run.images]
+        return [frame for frame, _ in self._made]
 
     @property
     def images(self) -> list[Plane]:
         """The first plane of every image of a sequence."""
-        return [planes[self.names[0]] for _, planes in self._run.images]
+        return [planes[self.names[0]] for _, planes in self._made]
 
     @property
     def promised(self) -> float:
         """The rms error predicted before anything ran, as a share of the scene's standard deviation; it is kept."""
-        return self._run.promised + self._table_error
+        promised = self._run.promised + self._table_error
+        return promised if self._canvas is None else self._canvas.promise(promised)
 
     @property
     def tolerance(self) -> float:
@@ -118,6 +123,9 @@ class Run:
 
     def save(self, path: str | os.PathLike[str], *, image: int = 0, range: tuple[float, float] | None = None) -> None:
         """Writes an image with its provenance, as `mtf simulate -o`: OpenEXR, or PNG and TIFF with `range`."""
+        if self._canvas is not None:
+            raise UsageError("save: the sensor has a component made of a general function, which no file can state; "
+                             "mtfkit.write writes the pixels")
         self._run.save(image, os.fspath(path), range)
 
     def to_xarray(self) -> Any:
@@ -137,7 +145,7 @@ class Run:
         return np.asarray(self.image, dtype=dtype)
 
     def __repr__(self) -> str:
-        what = f"{len(self.frames)} images" if self._run.images else "written"
+        what = f"{len(self.frames)} images" if self._made else "written"
         return (f"<Run: {what}, {self.quantity} [{self.unit}], promised error {self.promised:.2g}, "
                 f"{self.seconds:.3g} s>")
 
@@ -220,6 +228,9 @@ def _is_shape(scene: object) -> bool:
 def compile_plan(sensor: Sensor, scene: npt.ArrayLike | tuple[int, int], *, sample: quantities.Value,
                  quantity: str | None, tolerance: float | None, stage: str | None, rigor: str, threads: int) -> Plan:
     """`Sensor.compile`."""
+    if sensor._functions:
+        raise UsageError("compile: a component made of a general function runs in simulate; radial functions and products of "
+                         "x and y compile")
     words = quantities.sample_words(sample)
     if sensor._file.has_chain:
         return Plan(sensor, _core.ChainPlan(sensor._file, words, quantity or sensor._file.quantity or "radiance", tolerance,
@@ -256,7 +267,7 @@ def _frame_range(frames: Iterable[int]) -> tuple[int, int, int]:
 
 
 def _scene_words(sensor: Sensor, scene: SceneLike, sample: quantities.Value, quantity: str | None,
-                 beside: Mapping[str, npt.ArrayLike] | None) -> _core.SceneWords:
+                 beside: Mapping[str, npt.ArrayLike] | None, periodic: bool) -> _core.SceneWords:
     planes: list[tuple[str, Any]] = []
     path, image, blur = "", None, 0.0
     if isinstance(scene, (str, os.PathLike)):
@@ -275,7 +286,7 @@ def _scene_words(sensor: Sensor, scene: SceneLike, sample: quantities.Value, qua
     if not planes and (sample is not None or quantity is not None):
         raise UsageError("sample and quantity are for arrays; a file says its own, or [scene] of the sensor does")
     return _core.SceneWords(path, image, planes, list((beside or {}).items()), quantities.sample_words(sample),
-                            quantity or sensor._file.quantity or "radiance", blur)
+                            quantity or sensor._file.quantity or "radiance", blur, periodic)
 
 
 def run_simulation(sensor: Sensor, scene: SceneLike, *, sample: quantities.Value, quantity: str | None,
@@ -286,7 +297,14 @@ def run_simulation(sensor: Sensor, scene: SceneLike, *, sample: quantities.Value
                    out: str | os.PathLike[str] | None, range: tuple[float, float] | None, threads: int,
                    progress: Any) -> Run:
     """`Sensor.simulate`."""
-    words = _scene_words(sensor, scene, sample, quantity, beside)
+    canvas = sensor._canvas(scene, sample) if sensor._functions else None
+    if canvas is not None:
+        sample = "0.125 px" if sample is None and isinstance(scene, Target) else sample
+        if roi is not None or memory is not None or out is not None:
+            raise UsageError("roi, memory and out: do not go with a component made of a general function; take the part of "
+                             "the image, or save the run")
+        scene = canvas.scene
+    words = _scene_words(sensor, scene, sample, quantity, beside, canvas is not None)
     if frame != 0 and frames is not None:
         raise UsageError("frame and frames exclude each other; give one")
     span = _frame_range(frames) if frames is not None else (int(frame), int(frame), 1) if frame != 0 else None
@@ -295,7 +313,7 @@ def run_simulation(sensor: Sensor, scene: SceneLike, *, sample: quantities.Value
         file = _schedule_file(schedule, folder)
         run = _core.simulate(sensor._file, words, tolerance, nan, _measure(rigor), stage, roi, memory, span, file,
                              os.fspath(out) if out is not None else "", range, threads, progress)
-    return Run(run, time.perf_counter() - start, sensor)
+    return Run(run, time.perf_counter() - start, sensor, canvas)
 
 
 class _NoFolder:
