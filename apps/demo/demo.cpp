@@ -186,6 +186,10 @@ DemoResult make_demo(const DemoOptions& options, const Global& global) {
   for (std::size_t i = 0; i < kFiles.size() - (drawn ? 0 : kFigures); ++i) text += std::string(" ") + kFiles[i];
   text += "\nnext: edit " + one_line(path("sensor.toml")) + ", then  mtf simulate " + shell_word(path("sensor.toml")) +
           " " + shell_word(path("scene.exr")) + " -o out.exr\n";
+#ifdef MTFKIT_HAVE_LIVE
+  text += "      or  mtf live " + shell_word(path("camera.toml")) + " " + shell_word(path("thermal.exr")) +
+          "  to turn every parameter in the browser\n";
+#endif
 #ifdef MTFKIT_HAVE_CALIB
   text += "      or  mtf measure " + shell_word(path("edge.exr")) + "  and  mtf fit " + shell_word(path("fit.toml")) +
           " " + shell_word(path("edge.exr")) + " -o fitted.toml\n";

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "mtf/parallel.h"
+
 namespace apps {
 namespace {
 
@@ -102,16 +104,18 @@ mtf::Image demo_landscape(std::int64_t size) {
   constexpr int kFine = 4;
   mtf::Image image(size, size);
   const double step = 1.0 / static_cast<double>(size);
-  for (std::int64_t y = 0; y < size; ++y)
-    for (std::int64_t x = 0; x < size; ++x) {
-      const Point corner{static_cast<double>(x) * step, static_cast<double>(y) * step};
-      const double around = background({corner.x + 0.5 * step, corner.y + 0.5 * step}, step);
-      double sum = 0.0;
-      for (int j = 0; j < kFine; ++j)
-        for (int i = 0; i < kFine; ++i)
-          sum += objects({corner.x + (i + 0.5) / kFine * step, corner.y + (j + 0.5) / kFine * step}, around);
-      image.at(x, y) = static_cast<float>(sum / (kFine * kFine));
-    }
+  mtf::parallel_for(size, 16, 0, [&](std::int64_t begin, std::int64_t end) {
+    for (std::int64_t y = begin; y < end; ++y)
+      for (std::int64_t x = 0; x < size; ++x) {
+        const Point corner{static_cast<double>(x) * step, static_cast<double>(y) * step};
+        const double around = background({corner.x + 0.5 * step, corner.y + 0.5 * step}, step);
+        double sum = 0.0;
+        for (int j = 0; j < kFine; ++j)
+          for (int i = 0; i < kFine; ++i)
+            sum += objects({corner.x + (i + 0.5) / kFine * step, corner.y + (j + 0.5) / kFine * step}, around);
+        image.at(x, y) = static_cast<float>(sum / (kFine * kFine));
+      }
+  });
   return image;
 }
 

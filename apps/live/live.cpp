@@ -78,9 +78,11 @@ int run_live(const LiveOptions& options, const Global& global) {
     scene.file = options.scene;
     scene.read = {.channel = options.channel, .layer = options.layer, .part = options.part};
   }
-  // What is wrong with the files is said here, not in a browser.
   Session answers(sensor, std::move(scene), session);
-  const Answer first = answers.answer("frame", "{\"number\":" + std::to_string(answers.first_number()) + "}");
+  // What is wrong with files of the user is said here, not in a browser; the demo's picture is made while that starts.
+  const Answer first = options.sensor.empty()
+                           ? Answer{}
+                           : answers.answer("frame", "{\"number\":" + std::to_string(answers.first_number()) + "}");
   if (const std::string problem = error_of(first); !problem.empty()) throw mtf::UsageError(problem);
 
   StopInGoodOrder interrupt("mtf: the live view ends\n", "");

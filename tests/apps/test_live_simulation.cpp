@@ -249,6 +249,20 @@ TEST_F(LiveSimulation, AContrastThatRisesSlowlyTakesFewPlans) {
   EXPECT_EQ(live.plans_compiled(), before + 1);  // beyond the room
 }
 
+TEST_F(LiveSimulation, ACameraThatBeginsAnewMeasuresItsOwnCorrection) {
+  const auto with_dsnu = [&](const char* dsnu) {
+    return camera("[nonuniformity]\nprnu = 0.02\ndsnu = \"" + std::string(dsnu) +
+                  "\"\n[adc]\nbits = 14\n[correction]\nlow = 0.2\nhigh = 0.8\n");
+  };
+  const SensorConfig first = with_dsnu("10 e-"), second = with_dsnu("100 ke-");
+  apps::LiveSimulation live(temperatures());
+  image(live, first);
+  // As the next frame of a sequence it keeps the correction of the first, which leaves the new offsets in the image.
+  EXPECT_GT(difference(image(live, second), alone(temperatures(), second)), 0.1);
+  live.begin_anew();
+  EXPECT_LT(difference(image(live, second), alone(temperatures(), second)), 1e-2);
+}
+
 TEST_F(LiveSimulation, ACorrectionIsMeasuredOfThePixelsThatItCorrects) {
   const std::string adc = "[nonuniformity]\nprnu = 0.02\n[adc]\nbits = 14\n";
   const SensorConfig raw = camera(adc), corrected = camera(adc + "[correction]\nlow = 0.2\nhigh = 0.8\n");

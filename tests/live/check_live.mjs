@@ -43,9 +43,9 @@ async function open(context, address) {
 }
 const rest = (page) => page.waitForFunction(() => window.mtfLive?.frame && window.mtfLive.figures && !window.mtfLive.busy, null, { timeout: 20000 });
 const settle = async (page) => {
-  await page.waitForTimeout(30);
+  await page.waitForTimeout(20);
   await rest(page);
-  await page.waitForTimeout(60);
+  await page.waitForTimeout(20);
   await rest(page);
 };
 const slider = (page, name) => page.locator(`[data-name="${name}"] input[type=range]`);
@@ -72,7 +72,6 @@ async function compare(page, what, counts = 0) {
   const seen = await page.evaluate(() => ({ curves: window.mtfLive.curves, text: window.mtfLive.text, command: document.getElementById("command").textContent,
     tolerance: window.mtfLive.state.tolerance, budget: window.mtfLive.figures.budget }));
   writeFileSync(join(work, "seen.toml"), seen.text);
-  mtf("config", "check", "seen.toml");
   const frequency = seen.curves.frequency;
   const json = JSON.parse(mtf("curve", "seen.toml", "--format", "json", "--unit", seen.curves.unit, "--freq", `0:${frequency.at(-1)}:${frequency.length}`, "--quiet"));
   const modulus = (c) => c.re.map((re, i) => Math.hypot(re, c.im[i]));
@@ -142,10 +141,9 @@ async function checkPage(browser) {
   const { page, said, asked } = await open(context, server.address);
   console.log(`first picture ${Date.now() - begin} ms after the command, ${await page.evaluate(() => window.mtfLive.view.kind)}`);
   await unfold(page);
-  await compare(page, "at the start");
 
   // Each kind of slider: a length, an angle, a plain number, a focal length; a word; a typed value in another unit.
-  for (const [name, share] of [["jitter.rms", 0.8], ["footprint.width", 0.4], ["optics.f_number", 0.7], ["frame.focal_length", 0.3], ["frame.pitch", 0.55]]) {
+  for (const [name, share] of [["jitter.rms", 0.8], ["optics.f_number", 0.7], ["frame.focal_length", 0.3], ["frame.pitch", 0.55]]) {
     await slide(page, name, share);
     const { worst } = await compare(page, name);
     console.log(`${name}: curves within ${worst.toExponential(1)}`);

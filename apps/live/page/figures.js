@@ -33,7 +33,7 @@ export class Curves {
   make(lines, baseName, unit, key, data) {
     const style = getComputedStyle(document.documentElement), ink = style.getPropertyValue("--ink"), grid = style.getPropertyValue("--grid");
     const number = (_, value) => (value === null ? "" : value.toFixed(3));
-    const series = [{ label: unit, value: (_, f) => (f === null ? "" : shown(f, 4)) },
+    const series = [{ label: `f [${unit}]`, value: (_, f) => (f === null ? "" : shown(f, 4)) },
       ...lines.map((line, i) => ({ label: line.label, stroke: i === 0 ? ink : COLOURS[(i - 1) % COLOURS.length], width: line.width, value: number, pxAlign: 0, points: { show: false } }))];
     if (baseName) series.push({ label: baseName, stroke: ink, width: 1.2, dash: [5, 4], pxAlign: 0, value: number, points: { show: false } });
     const axis = { stroke: style.getPropertyValue("--soft"), grid: { stroke: grid, width: 1 }, ticks: { stroke: grid, width: 1 }, font: "11px system-ui, sans-serif" };
@@ -50,6 +50,7 @@ export class Curves {
       ctx.lineTo(x, u.bbox.top + u.bbox.height);
       ctx.stroke();
       ctx.font = `${11 * devicePixelRatio}px system-ui, sans-serif`;
+      ctx.textAlign = "left";
       ctx.fillText("Nyquist", x + 4 * devicePixelRatio, u.bbox.top + 12 * devicePixelRatio);
       ctx.restore();
     };
@@ -82,9 +83,12 @@ function at(base, f) {
 }
 export const baseOf = (curves) => ({ frequency: curves.frequency, values: modulus(curves.system) });
 
-const FIRST = ["netd", "snr", "spatial_netd", "total", "temporal", "well_fill", "nep", "dstar", "mrtd", "mdtd"];
+const FIRST = ["netd", "spatial_netd", "snr", "total", "well_fill", "mrtd", "nep", "dstar"];
 
-export function showBudget(table, rows) {
+/** What is asked for most stands first, the rest in the order of the program. */
+export function showBudget(table, all) {
+  const rank = (row) => (FIRST.includes(row.name) ? FIRST.indexOf(row.name) : FIRST.length);
+  const rows = all.toSorted((a, b) => rank(a) - rank(b));
   const body = table.tBodies[0];
   if (body.rows.length !== rows.length) body.replaceChildren(...rows.map(() => {
     const line = document.createElement("tr");

@@ -11,11 +11,13 @@ import { View } from "./view.js";
 
 const $ = (id) => document.getElementById(id);
 const tab = Array.from(crypto.getRandomValues(new Uint32Array(2)), (n) => n.toString(36)).join("");
+const CALM_MS = 150; // texts and curves follow a moving slider no more often: pictures come first
 const SLOW_MS = 40; // a frame that takes longer is asked for at half size while a slider moves
 
 const state = { tolerance: null, stage: "", number: 0, running: false, left: "scene", kept: null, palette: "white hot", theme: null };
 let start = null, model = null, frame = null, generation = 0, dragging = false, lastName = null, lastMs = 0;
 let asking = false, wanted = false, asking2 = false, wanted2 = false, leftKey = "", baseline = null, baseName = "start";
+let told = 0; // when the texts below the picture were written
 const rates = [];
 
 const view = new View($("view"), () => {});
@@ -62,7 +64,7 @@ async function pump() {
       rates.push(performance.now());
       if (rates.length > 30) rates.shift();
       clear();
-      facts();
+      if (!(dragging || state.running) || performance.now() - told > CALM_MS) facts();
       if (half && !dragging) wanted = true; // the whole of it at rest
       if (state.running) step1();
     } catch (error) {
@@ -106,6 +108,7 @@ async function figures() {
     } catch (error) {
       if (!(error instanceof Refused)) break;
     }
+    if (dragging) await new Promise((resolve) => setTimeout(resolve, CALM_MS));
   }
   asking2 = false;
 }
@@ -167,6 +170,7 @@ function texts() {
 }
 
 function facts() {
+  told = performance.now();
   const rate = rates.length > 2 ? (1000 * (rates.length - 1)) / (rates.at(-1) - rates[0]) : 0;
   const parts = [`${frame.full_width} × ${frame.full_height}`, `${shown(frame.ms, 3)} ms`, `promised ${shown(frame.promised, 2)}`, frame.method];
   if (frame.every > 1) parts.push("half size while moving");

@@ -219,13 +219,15 @@ export class View {
   draw() {
     if (this.waiting) return;
     this.waiting = true;
+    const theme = document.documentElement.dataset.theme + matchMedia("(prefers-color-scheme: dark)").matches;
+    if (theme !== this.theme) Object.assign(this, { theme, outside: css("--well"), line: css("--line") });
     requestAnimationFrame(() => {
       this.waiting = false;
       const ratio = Math.min(devicePixelRatio, 2), box = this.canvas.getBoundingClientRect();
       const width = Math.max(1, Math.round(box.width * ratio)), height = Math.max(1, Math.round(box.height * ratio));
       if (this.canvas.width !== width || this.canvas.height !== height) Object.assign(this.canvas, { width, height });
       this.engine.draw({
-        width, height, corner: this.corner(), scale: this.scale(), divider: this.divider * width, outside: css("--well"), line: css("--line"),
+        width, height, corner: this.corner(), scale: this.scale(), divider: this.divider * width, outside: this.outside, line: this.line,
         sides: [0, 1].map((i) => ({ step: this.sides[i]?.step ?? [1, 1], map: this.map(i) })),
       });
       this.drawn += 1;

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+// Frame rates of `mtf live` in headless Chromium with software GL, 1280 x 1024: a slider moved to a new value whenever
+// the last picture is drawn. Prints rounds of 3 s; nothing is judged. Run by hand on a quiet machine.
+// Usage: node rates.mjs --modules DIR --chromium FILE --mtf FILE --slider NAME [--sensor FILE --scene FILE] [--rounds N]
+
+import { spawn } from "node:child_process";
+import { createRequire } from "node:module";
+import { loadavg } from "node:os";
+import { join } from "node:path";
+import { createInterface } from "node:readline";
+
+const options = { slider: "jitter.rms", rounds: "8" };
+for (let i = 2; i + 1 < process.argv.length; i += 2) options[process.argv[i].slice(2)] = process.argv[i + 1];
+const { chromium } = createRequire(join(options.modules, "x.js"))("playwright-core");
+const flags = ["--no-sandbox", "--disable-quic", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist"];
+
+const browser = await chromium.launch({ executablePath: options.chromium, args: flags });
+const begin = Date.now();
+const child = spawn(options.mtf, ["live", "--no-browser", ...(options.sensor ? [options.sensor, options.scene] : [])], { stdio: ["ignore", "pipe", "inherit"] });
+const address = await new Promise((resolve) => createInterface({ input: child.stdout }).once("line", resolve));
+const ready = Date.now() - begin;
+const page = await (await browser.newContext({ viewport: { width: 1280, height: 1024 } })).newPage();
+await page.goto(address);
+await page.waitForFunction(() => window.mtfLive?.view.drawn > 0 && window.mtfLive.frame, null, { polling: 10 });
+console.log(`address after ${ready} ms, first picture after ${Date.now() - begin} ms; load ${loadavg()[0].toFixed(1)}`);
+await page.waitForTimeout(1500);
+const rounds = await page.evaluate(async ({ name, count }) => {
+  for (const details of document.querySelectorAll("#forms details")) details.open = true;
+  const slider = document.querySelector(`[data-name="${name}"] input[type=range]`), out = [];
+  let place = 0, last = window.mtfLive.frame.id;
+  for (let round = 0; round < count; round += 1) {
+    const delays = [], server = [], start = performance.now();
+    while (performance.now() - start < 3000) {
+      place = (place + 37) % 600;
+      slider.value = 200 + place;
+      const moved = performance.now();
+      slider.dispatchEvent(new Event("input", { bubbles: true }));
+      while (window.mtfLive.frame.id === last) await new Promise((resolve) => setTimeout(resolve, 1));
+      last = window.mtfLive.frame.id;
+      await new Promise(requestAnimationFrame);
+      delays.push(performance.now() - moved);
+      server.push(window.mtfLive.frame.ms);
+    }
+    for (const list of [delays, server]) list.sort((a, b) => a - b);
+    const middle = (list) => list[Math.floor(list.length / 2)];
+    out.push({ fps: delays.length / 3, median: middle(delays), worst: delays.at(-1), server: middle(server), every: window.mtfLive.frame.every });
+  }
+  slider.dispatchEvent(new Event("change", { bubbles: true }));
+  return out;
+}, { name: options.slider, count: Number(options.rounds) });
+for (const { fps, median, worst, server, every } of rounds)
+  console.log(`${fps.toFixed(1)} frames/s, value to picture ${median.toFixed(0)} ms median, ${worst.toFixed(0)} ms worst; server ${server.toFixed(1)} ms; every ${every}. pixel; load ${loadavg()[0].toFixed(1)}`);
+await browser.close();
+child.kill("SIGINT");
