@@ -35,6 +35,8 @@ const char* type_word(Parameter::Type type) {
       return "text";
     case Parameter::Type::file:
       return "file";
+    case Parameter::Type::pair:
+      return "pair";
     case Parameter::Type::number_or_file:
       return "number_or_file";
   }
