@@ -55,12 +55,21 @@ class FlyCommand : public testing::Test {
   Scratch scratch_;
 };
 
+TEST_F(FlyCommand, SaysWhenWholeNumbersHardlyShowOrAreClamped) {
+  const Result dark = scratch_.run("mtf fly scene.toml sensor.toml --frames 0:1 -o frame.%02d.png");
+  EXPECT_NE(dark.out.find("they hardly show: --range "), std::string::npos) << dark.out << dark.err;
+  const Result clamped = scratch_.run("mtf fly scene.toml sensor.toml --frames 0:1 --range 0:1 -o frame.%02d.png");
+  EXPECT_NE(clamped.out.find("100 % of the samples are clamped"), std::string::npos) << clamped.out << clamped.err;
+}
+
 TEST_F(FlyCommand, WritesTheFramesOfThePath) {
   const Result made = scratch_.run("mtf fly scene.toml sensor.toml -o frame.%02d.exr");
   ASSERT_EQ(made.status, 0) << made.err;
   EXPECT_NE(made.out.find("11 frames"), std::string::npos) << made.out;
   EXPECT_NE(made.out.find("the heat balance took"), std::string::npos) << made.out;
   EXPECT_NE(made.out.find("left out: "), std::string::npos) << made.out;
+  EXPECT_NE(made.out.find("\nvalues "), std::string::npos) << made.out;
+  EXPECT_EQ(made.out.find("hardly show"), std::string::npos) << made.out;
   for (const std::string name : {"frame.00.exr", "frame.10.exr"})
     EXPECT_EQ(mtf::io::read_info((scratch_ / name).string()).width, 64) << name;
   // A frame does not depend on those before it.

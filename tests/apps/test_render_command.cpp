@@ -72,6 +72,22 @@ TEST_F(RenderCommand, SaysACommandThatWorks) {
   EXPECT_NE(twice.err.find("--without-path"), std::string::npos) << twice.err;
 }
 
+TEST_F(RenderCommand, SaysWhatItsSamplesLose) {
+  const Result fine = scratch_.run("mtf render scene.toml sensor.toml --samples-per-pitch 4 -o scene.exr");
+  EXPECT_NE(fine.out.find("where the sensor's MTF is "), std::string::npos) << fine.out;
+  EXPECT_EQ(fine.err.find("false detail"), std::string::npos) << fine.err;
+  const Result coarse = scratch_.run("mtf render scene.toml sensor.toml --samples-per-pitch 1 -o scene.exr");
+  EXPECT_NE(coarse.err.find("shows as false detail"), std::string::npos) << coarse.err;
+}
+
+TEST_F(RenderCommand, ColdSidesAreWarnedOf) {
+  std::string text = kScene;
+  text.replace(text.find("310 K"), 5, "37 K");
+  write_file(scratch_ / "scene.toml", text);
+  const Result made = scratch_.run("mtf render scene.toml sensor.toml -o scene.exr");
+  EXPECT_NE(made.err.find("at 37 K: are the temperatures in degrees Celsius?"), std::string::npos) << made.err;
+}
+
 TEST_F(RenderCommand, TheSceneExplainsTheSkyThatPicturesHave) {
   write_file(scratch_ / "scene.toml", kScene + "[atmosphere]\nmodel = \"mid_latitude_summer\"\n");
   const Result made = scratch_.run("mtf render scene.toml sensor.toml -o scene.exr --format json");

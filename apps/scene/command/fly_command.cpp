@@ -141,7 +141,9 @@ std::string words(const WrittenValues& values, const FlyCommandOptions& options,
   std::string text = "values " + significant(values.least, 5) + " to " + significant(values.most, 5) +
                      (values.unit.empty() ? "" : " " + values.unit);
   if (values.clamped > 0)
-    text += "; " + significant(100.0 * static_cast<double>(values.clamped) / static_cast<double>(values.samples), 2) +
+    text += "; " +
+            mtf::format_double(
+                std::round(1e4 * static_cast<double>(values.clamped) / static_cast<double>(values.samples)) / 100.0) +
             " % of the samples are clamped";
   constexpr double kVisible = 0.1;  // of the scale
   if (range.ends && !options.out.ends_with(".exr") && values.most > values.least &&
