@@ -153,7 +153,8 @@ air::Sight<double> read_sight(const AtmosphereSettings& settings) {
   if (const auto sight = sight_of(settings)) return *sight;
   throw mtf::UsageError(
       "[atmosphere]: gives no line of sight; write range = \"2 km\" for a horizontal one, target_altitude or "
-      "zenith_angle for others");
+      "zenith_angle for others; mtf render and mtf fly take it from the scene, and mtf simulate --without-path needs "
+      "none");
 }
 
 air::Air<double> read_air(const AtmosphereSettings& settings) { return air_of(settings, read_profile(settings)); }

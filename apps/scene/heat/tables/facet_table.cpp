@@ -43,13 +43,13 @@ FacetTable read_npy(const std::string& path, std::size_t facets) {
 }
 
 FacetTable read_csv(const std::string& path, std::size_t facets) {
-  const std::string remedy = "; the columns are facet,temperature_K";
+  const std::string remedy = "the columns are facet,temperature_K";
   const mtf::io::CsvNumbers numbers = mtf::io::read_csv_numbers(
       mtf::io::read_table_text(path), path, remedy, [&](const auto& cells, const std::string& where) {
         std::vector<std::size_t> columns;
         for (const std::string_view name : {"facet", "temperature_K"}) {
           const auto found = std::find(cells.begin(), cells.end(), name);
-          if (found == cells.end()) throw mtf::UsageError(where + "no column '" + std::string(name) + "'" + remedy);
+          if (found == cells.end()) throw mtf::UsageError(where + "no column '" + std::string(name) + "'; " + remedy);
           columns.push_back(static_cast<std::size_t>(found - cells.begin()));
         }
         return columns;
