@@ -90,7 +90,7 @@ int run_budget(const BudgetOptions& options, const Global& global) {
     note(global, "warning: --temperature " + given + " was taken for " + given + " K; for degrees Celsius write \"" +
                      given + " degC\", or \"" + given + " K\" where kelvin is meant");
   }
-  const BudgetTable budget = budget_table(config, options.temperature_k);
+  const BudgetTable budget = budget_table(config, load_chain(config), options.temperature_k);
   if (budget.without_path) note(global, "note: the scene gives the range of each pixel; this budget is without a path");
   if (!budget.spatial_gap.empty()) note(global, "note: spatial noise has no number: " + budget.spatial_gap);
   for (const std::string& text : budget.notes) note(global, "note: " + text);

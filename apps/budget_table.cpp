@@ -2,7 +2,6 @@
 #include "apps/budget_table.h"
 
 #include "apps/sensor/observer_rows.h"
-#include "apps/sensor/sensor_chain.h"
 #include "apps/sensor/sensor_place.h"
 #include "radiometry/performance/sensor_budget.h"
 
@@ -29,8 +28,7 @@ void add_path_rows(const radiometry::Sensor& sensor, double temperature_k, Rows&
 
 }  // namespace
 
-BudgetTable budget_table(const mtf::io::SensorConfig& config, double temperature_k) {
-  const LoadedSensor loaded = load_chain(config);
+BudgetTable budget_table(const mtf::io::SensorConfig& config, const LoadedSensor& loaded, double temperature_k) {
   const radiometry::Budget<double> budget =
       at_its_place(config, [&] { return budget_of(config.system, loaded.sensor, temperature_k); });
   BudgetTable table{.rows = budget_rows(config.system, loaded.sensor, budget),

@@ -6,8 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "mtf/io/config/config.h"
-#include "radiometry/chain.h"
+#include "apps/sensor/sensor_chain.h"
 
 namespace apps {
 
@@ -19,7 +18,8 @@ struct BudgetTable {
   bool without_path = false;       ///< the scene gives the range of each pixel
 };
 
-/// For a surface of that temperature. Throws UsageError as load_chain, with the place in the sensor file.
-BudgetTable budget_table(const mtf::io::SensorConfig& config, double temperature_k);
+/// For a surface of that temperature. `loaded`: the chain of `config`. Throws UsageError with the place in the sensor
+/// file.
+BudgetTable budget_table(const mtf::io::SensorConfig& config, const LoadedSensor& loaded, double temperature_k);
 
 }  // namespace apps

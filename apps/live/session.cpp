@@ -278,7 +278,7 @@ Answer Session::figures(const Parts& request) {
   Json json;
   if (has_chain(config) && config.system.band) {
     const LoadedSensor loaded = load_chain(config);
-    const BudgetTable budget = budget_table(config, temperature);
+    const BudgetTable budget = budget_table(config, loaded, temperature);
     config.system = at_its_place(config, [&] { return with_electron_rate(config.system, loaded); });
     json["budget"] = Json::array();
     for (const radiometry::BudgetRow& row : budget.rows)

@@ -59,7 +59,7 @@ py::dict budget(const SensorHandle& sensor, double temperature_k) {
   BudgetTable table;
   {
     const py::gil_scoped_release free;
-    table = budget_table(*sensor.config, temperature_k);
+    table = budget_table(*sensor.config, load_chain(*sensor.config), temperature_k);
   }
   py::list rows;
   for (const radiometry::BudgetRow& row : table.rows)
