@@ -13,40 +13,10 @@ namespace {
 
 namespace py = pybind11;
 
-const char* type_word(Parameter::Type type) {
-  switch (type) {
-    case Parameter::Type::number:
-      return "number";
-    case Parameter::Type::size:
-      return "size";
-    case Parameter::Type::frequency:
-      return "frequency";
-    case Parameter::Type::whole:
-      return "whole";
-    case Parameter::Type::flag:
-      return "flag";
-    case Parameter::Type::word:
-      return "word";
-    case Parameter::Type::numbers:
-      return "numbers";
-    case Parameter::Type::rows:
-      return "rows";
-    case Parameter::Type::text:
-      return "text";
-    case Parameter::Type::file:
-      return "file";
-    case Parameter::Type::pair:
-      return "pair";
-    case Parameter::Type::number_or_file:
-      return "number_or_file";
-  }
-  return "number";
-}
-
 py::dict as_dict(const Parameter& parameter) {
   py::dict entry;
   entry["name"] = parameter.name;
-  entry["type"] = type_word(parameter.type);
+  entry["type"] = type_name(parameter.type);
   entry["unit"] = parameter.unit;
   entry["range"] = range_of(parameter);
   entry["words"] = parameter.words;

@@ -11,37 +11,6 @@
 namespace apps {
 namespace {
 
-std::string_view type_name(Parameter::Type type) {
-  using enum Parameter::Type;
-  switch (type) {
-    case number:
-      return "number";
-    case size:
-      return "size";
-    case frequency:
-      return "frequency";
-    case whole:
-      return "whole";
-    case flag:
-      return "flag";
-    case word:
-      return "word";
-    case numbers:
-      return "numbers";
-    case rows:
-      return "rows";
-    case text:
-      return "text";
-    case file:
-      return "file";
-    case number_or_file:
-      return "number_or_file";
-    case pair:
-      return "pair";
-  }
-  return "";
-}
-
 std::string_view presence_name(mtf::Presence presence) {
   return presence == mtf::Presence::required ? "required" : presence == mtf::Presence::optional ? "optional" : "shared";
 }

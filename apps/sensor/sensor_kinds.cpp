@@ -196,6 +196,37 @@ void add_example(const Component<double>& blank, ComponentKind& kind) {
 
 }  // namespace
 
+std::string_view type_name(Parameter::Type type) {
+  using enum Parameter::Type;
+  switch (type) {
+    case number:
+      return "number";
+    case size:
+      return "size";
+    case frequency:
+      return "frequency";
+    case whole:
+      return "whole";
+    case flag:
+      return "flag";
+    case word:
+      return "word";
+    case numbers:
+      return "numbers";
+    case rows:
+      return "rows";
+    case text:
+      return "text";
+    case file:
+      return "file";
+    case number_or_file:
+      return "number_or_file";
+    case pair:
+      return "pair";
+  }
+  return "";
+}
+
 bool has_range(const Parameter& parameter) { return parameter.lo != parameter.hi; }
 
 bool wants_log_scale(const Parameter& parameter) {

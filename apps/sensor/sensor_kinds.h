@@ -68,6 +68,8 @@ struct TableKind {
   std::string condition{};  ///< what the file has to say for these keys to hold: "[detector] kind = \"thermal\""
 };
 
+/// "number", "size", ...: the name of the enumerator.
+std::string_view type_name(Parameter::Type type);
 /// True for a number whose range is known.
 bool has_range(const Parameter& parameter);
 /// True where a control should move on a logarithmic scale: the range spans more than a factor of 50.
