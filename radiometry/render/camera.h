@@ -39,10 +39,12 @@ struct Camera {
   double step_x = 0.0, step_y = 0.0;   ///< of the tangent of the angle, between samples
   double axis_x = 0.0, axis_y = 0.0;   ///< where the optical axis is, in samples from the outer corner
 
-  /// `x` and `y` in samples from the outer corner; centres are at halves.
+  /// Tangents of the angles from the axis; `x` and `y` in samples from the outer corner, centres are at halves.
+  double tangent_x(double x) const { return (x - axis_x) * step_x; }
+  double tangent_y(double y) const { return (y - axis_y) * step_y; }
   Vector direction(double x, double y) const {
     using scene::operator+, scene::operator*;
-    return ahead + ((x - axis_x) * step_x) * right + ((y - axis_y) * step_y) * down;
+    return ahead + tangent_x(x) * right + tangent_y(y) * down;
   }
 };
 

@@ -69,7 +69,7 @@ MTFKIT_CLONES bool shade_run(const RowOfSight& sight, float nearness, float step
     const float depth = 1.0F / (nearness + number * step);
     const float root = std::sqrt(depth * std::sqrt(sight.one_and_y2 + x * x));
     const float height = sight.above + depth * (sight.rise + x * sight.rise_x);
-    const float t = (root - place.root) * place.per_root, u = (height - place.height) * place.per_height;
+    const float t = place.t(root), u = place.u(height);
     outside |= static_cast<int>(t < place.least_t) | static_cast<int>(t > place.most_t) |
                static_cast<int>(u < place.least_u) | static_cast<int>(u > place.most_u);
     out[k] = between(values, t, u);
@@ -123,8 +123,8 @@ class BandShader::Pixels {
     if (const float sun = sun_on(number, run.lit); sun > 0.0F)
       for (std::size_t k = 0; k < 6; ++k) values[k] += sun * sunlit(at)[k];
     const Camera& camera = parts_.camera;
-    const double y = (run.row + 0.5 - camera.axis_y) * camera.step_y;
-    const RowOfSight sight{.x = static_cast<float>((run.column + 0.5 - camera.axis_x) * camera.step_x),
+    const double y = camera.tangent_y(run.row + 0.5);
+    const RowOfSight sight{.x = static_cast<float>(camera.tangent_x(run.column + 0.5)),
                            .step_x = static_cast<float>(camera.step_x),
                            .one_and_y2 = static_cast<float>(1.0 + y * y),
                            .above = static_cast<float>(camera.position[2]),

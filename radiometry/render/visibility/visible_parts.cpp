@@ -32,9 +32,7 @@ PlaceInImage middle_of(std::uint16_t points, int n) {
 struct LineOfSight {
   float length, rise;
 };
-/// Tangents of angles from the axis, of the middles of samples.
-double tangent_x(const Camera& camera, std::uint32_t column) { return (column + 0.5 - camera.axis_x) * camera.step_x; }
-double tangent_y(const Camera& camera, std::uint32_t row) { return (row + 0.5 - camera.axis_y) * camera.step_y; }
+/// Of tangents of angles from the axis.
 LineOfSight line_of_sight(const Camera& camera, float x, float y) {
   return {std::sqrt(1.0F + x * x + y * y), static_cast<float>(camera.ahead[2]) +
                                                x * static_cast<float>(camera.right[2]) +
@@ -66,7 +64,7 @@ class RowOfSamples {
   RowOfSamples(const RenderScene& scene, const Camera& camera, const std::vector<bool>& may_run)
       : scene_(scene), camera_(camera), may_run_(may_run) {
     for (std::uint32_t column = 0; column < camera.width; ++column)
-      tangent_x_.push_back(static_cast<float>(tangent_x(camera, column)));
+      tangent_x_.push_back(static_cast<float>(camera.tangent_x(column + 0.5)));
     for (std::uint32_t points = 1; points < kPlaces; ++points)
       place_[points] = middle_of(static_cast<std::uint16_t>(points), N);
   }
@@ -76,7 +74,7 @@ class RowOfSamples {
     rows_ = &rows;
     first_point_ = static_cast<std::size_t>(first_point);
     const auto y = static_cast<std::uint32_t>(row);
-    tangent_y_ = static_cast<float>(tangent_y(camera_, y));
+    tangent_y_ = static_cast<float>(camera_.tangent_y(y + 0.5));
     const auto width = static_cast<std::uint32_t>(tangent_x_.size());
     for (std::uint32_t column = 0; column < width;) {
       const std::uint32_t side = rows.side[at(column, 0)];
@@ -235,8 +233,8 @@ void parts_of(const RenderScene& scene, const Screen& screen, const Camera& came
 
 SamplePart sample_of(const SampleRun& run, std::uint32_t number, const Camera& camera, int n) {
   const std::uint32_t column = run.column + number;
-  const LineOfSight line = line_of_sight(camera, static_cast<float>(tangent_x(camera, column)),
-                                         static_cast<float>(tangent_y(camera, run.row)));
+  const LineOfSight line = line_of_sight(camera, static_cast<float>(camera.tangent_x(column + 0.5)),
+                                         static_cast<float>(camera.tangent_y(run.row + 0.5)));
   const float depth = 1.0F / (run.nearness + static_cast<float>(number) * run.step);
   return {.column = column,
           .row = run.row,
