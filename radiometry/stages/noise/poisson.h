@@ -20,16 +20,19 @@ inline constexpr double kSmallMean = 32.0;
 /// From this mean on a float holds only every eighth number: guesses are taken as they are.
 inline constexpr double kLargeMean = 1e8;
 
-/// The expansion: its floor is the number, unless it lies next to an integer.
-inline double poisson_guess(double mean, double root, double w) {
-  const double r = 1.0 / root, w2 = w * w;
-  const double c2 = 1.0 / 3.0 + w2 * (1.0 / 6.0);
-  const double c3 = -w * (1.0 / 36.0 + w2 * (1.0 / 72.0));
-  const double c4 = -8.0 / 405.0 + w2 * (7.0 / 810.0 + w2 * (1.0 / 270.0));
-  const double c5 = w * (671.0 / 38880.0 + w2 * (-137.0 / 38880.0 - w2 * (23.0 / 17280.0)));
-  const double c6 = -16.0 / 25515.0 + w2 * (-5189.0 / 408240.0 + w2 * (5.0 / 3024.0 + w2 * (19.0 / 34020.0)));
-  return mean + (root * w + (c2 + r * (c3 + r * (c4 + r * (c5 + r * c6)))));
+/// The expansion, as far as it is from the mean.
+template <class T>
+T poisson_shift(T root, T w) {
+  const T r = T(1) / root, w2 = w * w;
+  const T c2 = T(1.0 / 3.0) + w2 * T(1.0 / 6.0);
+  const T c3 = -w * (T(1.0 / 36.0) + w2 * T(1.0 / 72.0));
+  const T c4 = T(-8.0 / 405.0) + w2 * (T(7.0 / 810.0) + w2 * T(1.0 / 270.0));
+  const T c5 = w * (T(671.0 / 38880.0) + w2 * (T(-137.0 / 38880.0) - w2 * T(23.0 / 17280.0)));
+  const T c6 = T(-16.0 / 25515.0) + w2 * (T(-5189.0 / 408240.0) + w2 * (T(5.0 / 3024.0) + w2 * T(19.0 / 34020.0)));
+  return root * w + (c2 + r * (c3 + r * (c4 + r * (c5 + r * c6))));
 }
+/// Its floor is the number, unless it lies next to an integer.
+inline double poisson_guess(double mean, double root, double w) { return mean + poisson_shift(root, w); }
 
 /// How far the expansion may be from the truth for |w| <= 4, mean >= kSmallMean: the next terms, the quantile's own
 /// error, rounding.

@@ -196,16 +196,10 @@ MTFKIT_CLONES int single_block(const Words& words, const float* means, float* co
                 rest = unit_interval<float>(mirrored(upper[i]), mirrored(lower[i]));
     const float x = (static_cast<float>(upper[i] - 0x40000000) + 0.5F) * 0x1p-30F;  // u - rest
     const float t = minus_log(4.0F * (u * rest), x * x);
-    const float w = x * single_quantile_over_x(t), w2 = w * w;
-    // The expansion of poisson_guess.
-    const float c2 = 0.333333333F + w2 * 0.166666667F;
-    const float c3 = -w * (0.0277777778F + w2 * 0.0138888889F);
-    const float c4 = -0.0197530864F + w2 * (0.00864197531F + w2 * 0.0037037037F);
-    const float c5 = w * (0.0172582305F + w2 * (-0.00352366255F - w2 * 0.00133101852F));
-    const float c6 = -6.27082e-4F + w2 * (-0.0127106604F + w2 * (0.00165343915F + w2 * 5.58495e-4F));
-    const float moved = root * w, away = moved + (c2 + r * (c3 + r * (c4 + r * (c5 + r * c6))));
-    const float whole = std::floor(mean), guess = (mean - whole) + away, n = std::floor(guess), part = guess - n;
-    const float error = 1.5e-6F * std::abs(moved) + 4e-6F + 12.0F * (r * r) * (r * r) * r;
+    const float w = x * single_quantile_over_x(t);
+    const float whole = std::floor(mean), guess = (mean - whole) + poisson_shift(root, w), n = std::floor(guess),
+                part = guess - n;
+    const float error = 1.5e-6F * std::abs(root * w) + 4e-6F + 12.0F * (r * r) * (r * r) * r;
     const bool sure = mine && part > error && part < 1.0F - error && t < 0.99F * static_cast<float>(kMostT);
     count[i] = whole + n;
     open[i] = sure ? 0 : 1;
