@@ -74,21 +74,16 @@ Extent extent_of(mtf::ImageView<const float> frame, int threads) {
   });
 }
 
-/// Bin of a value among `bins` between low and high, both included; values outside and NaN have none: `bins`.
+/// Bin of a value among `bins` between low and high, both included; values outside and NaN have none.
 struct Bins {
   double low, scale;
   std::int64_t bins;
 
   Bins(double from, double to, std::int64_t count)
       : low(from), scale(static_cast<double>(count) / (to - from)), bins(count) {}
-  std::int64_t operator()(float value) const {
-    const double place = (static_cast<double>(value) - low) * scale;
-    if (!(place >= 0.0 && place <= static_cast<double>(bins))) return bins;
-    return std::min(static_cast<std::int64_t>(place), bins - 1);
-  }
 };
 
-/// The bins of `count` values.
+/// The bins of `count` values; `bin.bins` where they have none.
 MTFKIT_CLONES void bins_of(const Bins& bin, const float* value, std::int64_t count, std::int32_t* out) {
   const double low = bin.low, scale = bin.scale, most = static_cast<double>(bin.bins);
   const auto last = static_cast<std::int32_t>(bin.bins - 1);
@@ -144,7 +139,7 @@ std::array<double, 2> values_at(mtf::ImageView<const float> frame, const Extent&
   for (std::size_t k = 0; k < 2; ++k) {
     while (rank[k] >= counts[static_cast<std::size_t>(wanted[k])])
       rank[k] -= counts[static_cast<std::size_t>(wanted[k]++)];
-    // A comparison rejects nearly all pixels; `bin` decides those at the rounded edges.
+    // A comparison rejects nearly all pieces; bins_of decides the others.
     const auto edge = [&](double at) { return static_cast<float>(bin.low + at / bin.scale); };
     from[k] = edge(static_cast<double>(wanted[k]) - 0.01);
     to[k] = edge(static_cast<double>(wanted[k]) + 1.01);
@@ -152,12 +147,14 @@ std::array<double, 2> values_at(mtf::ImageView<const float> frame, const Extent&
   using Values = std::array<std::vector<float>, 2>;
   const auto part = [&](std::int64_t begin, std::int64_t end) {
     Values values;
+    std::array<std::int32_t, kPiece> number;
     for (std::int64_t y = begin; y < end; ++y)
       each_piece(frame.row(y), frame.width, [&](const float* value, std::int64_t count) {
         for (std::size_t k = 0; k < 2; ++k) {
           if (!any_between(value, count, from[k], to[k])) continue;
+          bins_of(bin, value, count, number.data());
           for (std::int64_t i = 0; i < count; ++i)
-            if (value[i] >= from[k] && value[i] <= to[k] && bin(value[i]) == wanted[k]) values[k].push_back(value[i]);
+            if (number[static_cast<std::size_t>(i)] == wanted[k]) values[k].push_back(value[i]);
         }
       });
     return values;
@@ -195,7 +192,7 @@ void require_curve(const ToneCurve& curve) {
                           "; make it with tone_curve");
 }
 
-/// The display levels of values; NaN for NaN.
+/// Puts display levels in the place of values; a NaN stays one.
 void on_curve(float* value, std::int64_t count, const ToneCurve& curve) {
   const std::size_t intervals = curve.level.size() - 1;
   const double scale = static_cast<double>(intervals) / (curve.high - curve.low);
