@@ -70,7 +70,7 @@ PlaneView plane_of(const py::object& object, const std::string& name) {
   require_plane(array, name);
   if (!is_float32(array) || !has_rows(array)) {
     const py::module_ numpy = py::module_::import("numpy");
-    // Numbers beyond float32 become infinite, which is refused by its place when the values are looked at.
+    // A number beyond float32 becomes infinite. Whoever takes the values refuses infinite ones and names the place.
     const py::object quiet = numpy.attr("errstate")(py::arg("over") = "ignore");
     quiet.attr("__enter__")();
     array = numpy.attr("array")(array, py::arg("dtype") = "float32", py::arg("order") = "C", py::arg("copy") = true);

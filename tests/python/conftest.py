@@ -14,6 +14,32 @@ import mtfkit as mk
 ROOT = Path(__file__).resolve().parents[2]
 COMMAND = os.environ.get("MTFKIT_COMMAND", "mtf")
 
+# A scene file up to its meshes: place, weather, and the material `plate`.
+PLATE_MATERIAL = """schema = 1
+[place]
+latitude = "40 deg"
+longitude = "0 deg"
+altitude = "0 m"
+[time]
+start = 2026-06-21T06:00:00Z
+end = 2026-06-21T12:00:00Z
+step = "1 h"
+[weather]
+air_temperature = "288 K"
+wind_speed = "2 m/s"
+direct_normal = "700 W/m2"
+diffuse_horizontal = "80 W/m2"
+longwave_down = "320 W/m2"
+vapour_pressure = "10 hPa"
+[[material]]
+name = "plate"
+solar_absorptance = 0.7
+emissivity = 0.9
+convection = "mcadams"
+layers = [{ conductivity = "45 W/m/K", density = "7800 kg/m3", heat_capacity = "480 J/kg/K", thickness = "10 mm" }]
+inside = { kind = "adiabatic" }
+"""
+
 
 def run_command(*words):
     """Standard output of `mtf`, which has to end well."""

@@ -7,6 +7,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from conftest import PLATE_MATERIAL
 
 import mtfkit as mk
 
@@ -22,31 +23,7 @@ except mk.Error as error:
     print(error)
 """
 
-SCENE = """schema = 1
-[place]
-latitude = "40 deg"
-longitude = "0 deg"
-altitude = "0 m"
-[time]
-start = 2026-06-21T06:00:00Z
-end = 2026-06-21T12:00:00Z
-step = "1 h"
-[weather]
-air_temperature = "288 K"
-wind_speed = "2 m/s"
-longwave_down = "320 W/m2"
-direct_normal = "700 W/m2"
-diffuse_horizontal = "80 W/m2"
-vapour_pressure = "10 hPa"
-repeat = "day"
-[[material]]
-name = "plate"
-solar_absorptance = 0.7
-emissivity = 0.9
-convection = "mcadams"
-layers = [{ conductivity = "45 W/m/K", density = "7800 kg/m3", heat_capacity = "480 J/kg/K", thickness = "10 mm" }]
-inside = { kind = "adiabatic" }
-[[mesh]]
+SCENE = PLATE_MATERIAL + """[[mesh]]
 name = "plate"
 file = "plate.obj"
 [[region]]
