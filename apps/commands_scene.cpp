@@ -40,8 +40,6 @@ void add_sampling(Command& app, SamplingOptions& to) {
       throw mtf::UsageError("--samples-per-pitch: " + text + "; it is from 0.5 to 64");
   });
   add_choice(app, "--points", "N", "1, 4 (default) or 16, of each sample, which is their mean", kPoints, to.points);
-  add_flag(app, "--all-shadows",
-           "a shadow ray for all that is seen; default: one a square of 2 x 2 samples, more at edges", to.all_shadows);
 }
 
 }  // namespace

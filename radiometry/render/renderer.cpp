@@ -70,6 +70,7 @@ struct Renderer::Parts {
   void make(std::vector<RenderBand> bands, const Known* known);
   bool shadows_matter() const;
   void find_sides_in_sun();
+  std::size_t shadows_on(VisibleParts& of);
   MirrorRays mirrors_of(const Camera& camera, const VisibleParts& of);
 };
 
@@ -129,6 +130,12 @@ void Renderer::Parts::find_sides_in_sun() {
   in_sun->add(*sides, options.threads);
 }
 
+/// Returns the number of rays.
+std::size_t Renderer::Parts::shadows_on(VisibleParts& of) {
+  if (!options.ray_shadows) find_sides_in_sun();
+  return find_shadows(scene, *sides, options.ray_shadows ? nullptr : &*in_sun, of, options.threads);
+}
+
 /// Where the sun adds next to nothing, as in the long-wave window, the share of each side in the sun will do.
 bool Renderer::Parts::shadows_matter() const {
   constexpr double kSunlight = 1e-3;
@@ -154,9 +161,9 @@ Renderer::Renderer(const RenderScene& scene, std::vector<RenderBand> bands, cons
   for (BandShader& one : parts_->shader)
     for (const double height_m : {known.height_before_m, known.camera_height_m})
       one.prepare(height_m, known.extent, known.options.threads);
-  if (!parts_->shadows_matter() || known.options.all_shadows) return;
+  if (!parts_->shadows_matter() || known.options.ray_shadows) return;
   // The same sides, as they are kept where patches are.
-  if (alike && known.in_sun && known.in_sun->to_sun() == scene.sun->to_sun) parts_->in_sun = known.in_sun;
+  if (alike && known.in_sun && known.in_sun->picture().to_sun() == scene.sun->to_sun) parts_->in_sun = known.in_sun;
   parts_->find_sides_in_sun();
 }
 
@@ -194,7 +201,7 @@ RenderedFrame Renderer::render(const Camera& camera) {
   require_outside(my.scene, camera.position);
   find_parts(
       my.scene, camera,
-      {.n = options.points, .runs = !options.all_shadows, .likely = my.sides->numbers(), .threads = options.threads},
+      {.n = options.points, .runs = !options.ray_shadows, .likely = my.sides->numbers(), .threads = options.threads},
       my.parts);
   if (my.parts.on_facets == 0) {
     if (!options.empty_views)
@@ -213,9 +220,7 @@ RenderedFrame Renderer::render(const Camera& camera) {
   laps.lap("tables of the air");
   const bool shadows = my.shadows_matter();
   if (shadows) {
-    if (!options.all_shadows) my.find_sides_in_sun();
-    frame.shadow_rays =
-        find_shadows(my.scene, *my.sides, options.all_shadows ? nullptr : &*my.in_sun, my.parts, options.threads);
+    frame.shadow_rays = my.shadows_on(my.parts);
     laps.lap("shadows");
   }
   for (BandShader& one : my.shader) frame.shaded += one.shade(*my.sides, camera.position, options.threads);
@@ -240,7 +245,7 @@ void Renderer::add_layers(const Camera& camera, bool shadows, RenderedFrame& fra
   find_parts(my.scene, camera, {.n = 1, .runs = false, .likely = my.sides->numbers(), .threads = threads}, my.middles);
   my.sides->add(my.middles);
   const MirrorRays mirrors = my.mirrors_of(camera, my.middles);
-  if (shadows) find_shadows(my.scene, *my.sides, nullptr, my.middles, threads);
+  if (shadows) my.shadows_on(my.middles);
   const auto add = [&](std::size_t b, const LayerChoice& choice, std::optional<std::size_t> band) {
     BandShader& shader = my.shader[b];
     mtf::Image radiance;

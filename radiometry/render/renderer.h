@@ -46,10 +46,8 @@ struct LayerChoice {
 };
 
 struct RenderOptions {
-  int points = 2;  ///< n x n of a sample: 1, 2 or 4
-  /// A shadow ray for everything seen; else on sides that an outline crosses alone, for squares of 2 x 2 samples, more
-  /// where they differ.
-  bool all_shadows = false;
+  int points = 2;            ///< n x n of a sample: 1, 2 or 4
+  bool ray_shadows = false;  ///< by a ray for everything that faces the sun: slower, to check SidesInSun by
   double tolerance = 5e-6;   ///< of the tables of the air, relative; kBetweenHeights once the camera changes its height
   int view_rays = 64;        ///< of each visible side that reflects
   int patch_rays = 256;      ///< of each patch

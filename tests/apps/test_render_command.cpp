@@ -282,8 +282,7 @@ TEST_F(RenderCommand, TheBenchSaysErrorAgainstTime) {
   }
   EXPECT_LT(four, 0.8 * one);
   EXPECT_LT(sixteen, 0.75 * four);
-  EXPECT_TRUE(
-      read_file(scratch_ / "bench/render_bench.csv").starts_with("points_a_sample,all_shadows,tolerance,promised"));
+  EXPECT_TRUE(read_file(scratch_ / "bench/render_bench.csv").starts_with("points_a_sample,tolerance,promised"));
   EXPECT_EQ(scratch_.run("mtf bench sensor.toml scene.exr --position 1,2,3 -o other").status, 2);
 }
 

@@ -42,11 +42,10 @@ using Json = nlohmann::ordered_json;
 
 struct PictureRung {
   int points = 1;  ///< n x n of a sample
-  bool all_shadows = false;
   double tolerance = 0.0;
   double promised = 0.0, tables = 0.0;            ///< relative
   double sampling_rms = 0.0, sampling_max = 0.0;  ///< of the standard deviation
-  std::size_t shadow_rays = 0, divided = 0;
+  std::size_t divided = 0;
   double first_ms = 0.0;
   std::vector<double> ms{};  ///< of the pictures that follow
   double least_ms() const { return *std::min_element(ms.begin(), ms.end()); }
@@ -64,8 +63,8 @@ struct Subject {
   int threads;
 };
 
-render::RenderOptions how(const Subject& subject, int points, bool all_shadows, double tolerance) {
-  return {.points = points, .all_shadows = all_shadows, .tolerance = tolerance, .threads = subject.threads};
+render::RenderOptions how(const Subject& subject, int points, double tolerance) {
+  return {.points = points, .tolerance = tolerance, .threads = subject.threads};
 }
 
 /// The mean of 64 points over each sample: 16 for each of four parts of it.
@@ -74,7 +73,9 @@ mtf::Image reference_of(const Subject& subject) {
   fine.width *= 2, fine.height *= 2;
   fine.step_x *= 0.5, fine.step_y *= 0.5;
   fine.axis_x *= 2.0, fine.axis_y *= 2.0;
-  render::Renderer renderer(subject.scene.scene, {subject.band}, how(subject, 4, true, 1e-6));
+  render::RenderOptions options = how(subject, 4, 1e-6);
+  options.ray_shadows = true;
+  render::Renderer renderer(subject.scene.scene, {subject.band}, options);
   const render::RenderedFrame frame = renderer.render(fine);
   const mtf::Image& from = frame.radiance.front();
   mtf::Image mean(subject.camera.width, subject.camera.height);
@@ -96,7 +97,7 @@ struct Seen {
 
 std::vector<Seen> seen_of(const Subject& subject) {
   constexpr std::size_t kPlaces = 1000;
-  render::RenderOptions options = how(subject, 1, false, 1e-3);
+  render::RenderOptions options = how(subject, 1, 1e-3);
   options.layers = {.temperature = true, .range = true, .finish = true};
   render::Renderer renderer(subject.scene.scene, {subject.band}, options);
   const render::RenderedFrame frame = renderer.render(subject.camera);
@@ -154,8 +155,7 @@ void measure_tables(const Subject& subject, const std::vector<Seen>& seen, Pictu
 
 void measure_picture(const Subject& subject, const mtf::Image& reference, int rounds, PictureRung& rung) {
   const Stopwatch first;
-  render::Renderer renderer(subject.scene.scene, {subject.band},
-                            how(subject, rung.points, rung.all_shadows, rung.tolerance));
+  render::Renderer renderer(subject.scene.scene, {subject.band}, how(subject, rung.points, rung.tolerance));
   render::RenderedFrame frame = renderer.render(subject.camera);
   rung.first_ms = first.ms();
   for (int round = 0; round < rounds; ++round) {
@@ -163,7 +163,6 @@ void measure_picture(const Subject& subject, const mtf::Image& reference, int ro
     frame = renderer.render(subject.camera);
     rung.ms.push_back(watch.ms());
   }
-  rung.shadow_rays = frame.shadow_rays;
   rung.divided = frame.divided;
   const double std = mtf::statistics(reference.view()).std;
   double square = 0.0;
@@ -176,19 +175,16 @@ void measure_picture(const Subject& subject, const mtf::Image& reference, int ro
   rung.sampling_rms = std::sqrt(square / static_cast<double>(reference.size())) / std;
 }
 
-constexpr const char* kColumns[] = {"points_a_sample", "all_shadows",  "tolerance",    "promised",
-                                    "tables_error",    "sampling_rms", "sampling_max", "shadow_rays",
-                                    "divided",         "first_ms",     "time_ms_min",  "time_ms_median"};
+constexpr const char* kColumns[] = {"points_a_sample", "tolerance", "promised", "tables_error", "sampling_rms",
+                                    "sampling_max",    "divided",   "first_ms", "time_ms_min",  "time_ms_median"};
 
 std::vector<double> numbers_of(const PictureRung& rung) {
   return {static_cast<double>(rung.points * rung.points),
-          rung.all_shadows ? 1.0 : 0.0,
           rung.tolerance,
           rung.promised,
           rung.tables,
           rung.sampling_rms,
           rung.sampling_max,
-          static_cast<double>(rung.shadow_rays),
           static_cast<double>(rung.divided),
           rung.first_ms,
           rung.least_ms(),
@@ -230,14 +226,13 @@ std::string json_of(const BenchOptions& options, const Subject& subject, const s
 
 std::string table_of(const std::vector<PictureRung>& ladder) {
   TextTable table({"points a sample", "tolerance", "tables promise", "tables err", "sampling rms", "largest",
-                   "shadow rays", "first ms", "ms min", "median"});
+                   "first ms", "ms min", "median"});
   for (const PictureRung& rung : ladder)
-    table.add({std::to_string(rung.points * rung.points) + (rung.all_shadows ? ", all shadows" : ""),
-               significant(rung.tolerance, 2), significant(rung.promised, 2), significant(rung.tables, 2),
-               significant(rung.sampling_rms, 2), significant(rung.sampling_max, 2), std::to_string(rung.shadow_rays),
+    table.add({std::to_string(rung.points * rung.points), significant(rung.tolerance, 2), significant(rung.promised, 2),
+               significant(rung.tables, 2), significant(rung.sampling_rms, 2), significant(rung.sampling_max, 2),
                fixed(rung.first_ms, 0), fixed(rung.least_ms(), 1), fixed(rung.median_ms(), 1)});
   using enum Align;
-  return table.aligned({left, right, right, right, right, right, right, right, right, right}) +
+  return table.aligned({left, right, right, right, right, right, right, right, right}) +
          "sampling: against the mean of 64 points over each sample, of the picture's standard deviation\n"
          "tables: largest of 1000 samples against direct integration over wavelength, relative\n";
 }
@@ -278,10 +273,9 @@ int run_bench_render(const BenchOptions& options, const Global& global) {
 
   constexpr double kUsual = 5e-6;
   std::vector<PictureRung> ladder;
-  for (const double tolerance : {1e-2, 1e-3, 1e-4, 1e-5}) ladder.push_back({1, false, tolerance});
-  ladder.push_back({1, false, kUsual});
-  for (const bool all_shadows : {false, true})
-    for (const int points : {2, 4}) ladder.push_back({points, all_shadows, kUsual});
+  for (const double tolerance : {1e-2, 1e-3, 1e-4, 1e-5}) ladder.push_back({1, tolerance});
+  ladder.push_back({1, kUsual});
+  for (const int points : {2, 4}) ladder.push_back({points, kUsual});
   {
     ProgressLine progress(global);
     progress.update("reference of 64 points a sample", 0.0);

@@ -225,10 +225,7 @@ int run_fly(const FlyCommandOptions& options, const Global& global) {
   }
   PictureSource source(file, air, std::move(rows));
   FlightOptions how{.samples_per_pitch = options.sampling.samples_per_pitch,
-                    .render = {.points = options.sampling.points,
-                               .all_shadows = options.sampling.all_shadows,
-                               .empty_views = true,
-                               .threads = global.threads},
+                    .render = {.points = options.sampling.points, .empty_views = true, .threads = global.threads},
                     .image = options.image,
                     .light_every_s = options.light_every_s,
                     .begin_s = course.utc_of(first),

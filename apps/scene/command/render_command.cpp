@@ -190,7 +190,6 @@ std::string render_pictures(const RenderCommandOptions& options, const Global& g
   }
   require_same_view(sensors, cameras);
   render::RenderOptions how{.points = options.sampling.points,
-                            .all_shadows = options.sampling.all_shadows,
                             .tolerance = options.tolerance,
                             .layers = layers_of(options.layers),
                             .threads = global.threads};

@@ -17,7 +17,6 @@ namespace apps {
 struct SamplingOptions {
   double samples_per_pitch = 2.0;  ///< along each axis
   int points = 2;                  ///< n x n of each sample
-  bool all_shadows = false;
 };
 
 struct RenderCommandOptions {

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "radiometry/render/visibility/shadows.h"
 
-#include <algorithm>
 #include <array>
 #include <atomic>
+#include <cmath>
+#include <optional>
 
 #include "mtf/parallel.h"
 #include "radiometry/scene/beam.h"
@@ -13,8 +14,6 @@ namespace {
 
 using scene::kBeamRays;
 using scene::operator+, scene::operator*;
-
-enum Light : std::uint8_t { dark = 1, bright = 2, mixed = 3 };
 
 /// Gathers shadow rays into packets; `take(of, lit)` is told the answers.
 template <class Take>
@@ -49,31 +48,47 @@ class ShadowRays {
   std::size_t count_ = 0, rays_ = 0;
 };
 
-/// The light on squares of 2 x 2 samples; `mixed` where none was asked, as an outline may end there.
-struct LightMap {
-  std::int64_t width = 0, height = 0;
-  std::vector<Light> light{};
-  std::vector<std::uint32_t> shell{};  ///< that was asked; kSeveral where parts of several face the sun
-  static constexpr std::uint32_t kSeveral = scene::kNone - 1;
-
-  std::size_t of(const SamplePart& part) const {
-    return static_cast<std::size_t>(part.row / 2 * width + part.column / 2);
-  }
-  /// What each square of rows [from, to) and its neighbours agree on; `mixed` where they do not.
-  std::vector<Light> agreed(std::int64_t from, std::int64_t to) const {
-    std::vector<Light> down(static_cast<std::size_t>(width)), out;
-    const auto both = [](Light a, Light b) { return static_cast<Light>(a | b); };
-    for (std::int64_t y = from; y < to; ++y) {
-      const Light* const row = light.data() + y * width;
-      const Light *const above = y > 0 ? row - width : row, *const below = y + 1 < height ? row + width : row;
-      for (std::size_t x = 0; x < down.size(); ++x) down[x] = both(row[x], both(above[x], below[x]));
-      for (std::size_t x = 0; x < down.size(); ++x)
-        out.push_back(both(down[x], both(down[x > 0 ? x - 1 : x], down[x + 1 < down.size() ? x + 1 : x])));
+/// Where what a camera sees is in the picture of the sun.
+class SightInPicture {
+ public:
+  SightInPicture(const scene::Facets& facets, const SunPicture& picture, const Camera& camera, int n)
+      : camera_(camera), n_(n) {
+    using scene::operator-;
+    for (std::size_t axis = 0; axis < 2; ++axis) {
+      const Vector& along = picture.axes()[axis];
+      eye_[axis] = scene::dot(along, camera.position - facets.middle);
+      ahead_[axis] = scene::dot(along, camera.ahead);
+      right_[axis] = scene::dot(along, camera.right);
+      down_[axis] = scene::dot(along, camera.down);
     }
-    return out;
   }
+  SunPicture::Place of(const SamplePart& part) const {
+    const PlaceInImage at = place_of(part, n_);
+    const double x = camera_.tangent_x(at.x), y = camera_.tangent_y(at.y);
+    const double depth = static_cast<double>(part.range_m) / std::sqrt(1.0 + x * x + y * y);
+    SunPicture::Place place;
+    for (std::size_t axis = 0; axis < 2; ++axis)
+      place[axis] = eye_[axis] + depth * (ahead_[axis] + x * right_[axis] + y * down_[axis]);
+    return place;
+  }
+
+ private:
+  const Camera& camera_;
+  int n_;
+  SunPicture::Place eye_{}, ahead_{}, right_{}, down_{};
 };
-static_assert((dark | bright) == mixed);
+
+/// Adds the pieces of a run that are in the sun, and those that are not.
+void split(const SampleRun& run, const std::uint8_t* lit, std::vector<SampleRun>& out) {
+  for (std::uint32_t begin = 0, end = 0; begin < run.samples; begin = end) {
+    while (end < run.samples && lit[end] == lit[begin]) ++end;
+    SampleRun& piece = out.emplace_back(run);
+    piece.column += begin;
+    piece.nearness += static_cast<float>(begin) * run.step;
+    piece.samples = end - begin;
+    piece.lit = lit[begin] != 0;
+  }
+}
 
 }  // namespace
 
@@ -81,75 +96,52 @@ std::size_t find_shadows(const RenderScene& scene, const VisibleSides& sides, co
                          VisibleParts& parts, int threads) {
   const Camera& camera = parts.camera;
   const scene::Beam beam(*scene.rays, scene.sun->to_sun);
+  std::optional<SightInPicture> sight;
+  if (in_sun != nullptr) sight.emplace(scene.facets(), in_sun->picture(), camera, parts.n);
   const auto known = [&](std::uint32_t side) {
     if (side == scene::kNone) return InSun::nowhere;
     const std::uint32_t number = sides.number(side);
     if (in_sun != nullptr) return in_sun->of(number);
-    return sides.sun_cosine(number) > 0.0F ? InSun::partly : InSun::nowhere;
-  };
-  const auto bands = static_cast<std::int64_t>(parts.band.size());
-  const auto each_band = [&](const auto& work) {
-    mtf::parallel_for(bands, 1, threads, [&](std::int64_t begin, std::int64_t end) {
-      for (auto b = static_cast<std::size_t>(begin); b < static_cast<std::size_t>(end); ++b) work(b);
-    });
+    return sides.sun_cosine(number) > 0.0F ? InSun::unknown : InSun::nowhere;
   };
   std::atomic<std::size_t> rays = 0;
-  LightMap map{(camera.width + 1) / 2, (camera.height + 1) / 2, {}};
-  if (in_sun != nullptr) {
-    map.light.assign(static_cast<std::size_t>(map.width * map.height), mixed);
-    map.shell.assign(map.light.size(), scene::kNone);
-  }
-  std::vector<std::vector<std::uint32_t>> asking(parts.band.size());  // parts that rays are for
-  each_band([&](std::size_t b) {
-    std::vector<SamplePart>& band = parts.band[b];
-    for (SampleRun& run : parts.runs[b]) {
+  const auto work = [&](std::vector<SamplePart>& band, std::vector<SampleRun>& runs) {
+    std::vector<SunQuestion> question;
+    const auto ask = [&](const SamplePart& part) { question.push_back({sides.number(part.side), sight->of(part)}); };
+    std::vector<SampleRun> whole, asked;
+    for (SampleRun& run : runs) {
       const InSun how = known(run.side);
       run.lit = how == InSun::wholly;
-      for (std::uint32_t k = 0; how == InSun::partly && k < run.samples; ++k)
-        band.push_back(sample_of(run, k, parts.camera, parts.n));
+      for (std::uint32_t k = 0; how == InSun::partly && k < run.samples; ++k) ask(sample_of(run, k, camera, parts.n));
+      for (std::uint32_t k = 0; how == InSun::unknown && k < run.samples; ++k)
+        band.push_back(sample_of(run, k, camera, parts.n));
+      if (how != InSun::unknown) (how == InSun::partly ? asked : whole).push_back(run);
     }
-    std::erase_if(parts.runs[b], [&](const SampleRun& run) { return known(run.side) == InSun::partly; });
-    for (std::uint32_t i = 0; i < band.size(); ++i) {
+    const std::size_t of_runs = question.size();
+    ShadowRays shadow(scene, camera, beam, parts.n, [&](std::size_t part, bool lit) { band[part].lit = lit; });
+    for (std::size_t i = 0; i < band.size(); ++i) {
       const InSun how = known(band[i].side);
       band[i].lit = how == InSun::wholly;
-      if (how == InSun::partly) asking[b].push_back(i);
+      if (how == InSun::unknown) shadow.add(band[i], i);
+      if (how == InSun::partly) ask(band[i]);
     }
+    shadow.trace();
+    rays += shadow.rays();
     if (in_sun == nullptr) return;
-    ShadowRays shadow(scene, camera, beam, parts.n,
-                      [&](std::size_t square, bool lit) { map.light[square] = lit ? bright : dark; });
-    for (const std::uint32_t i : asking[b]) {
-      const SamplePart& part = band[i];
-      const std::size_t square = map.of(part);
-      const std::uint32_t shell = scene.facets().facet[part.side / 2].shell;
-      if (map.shell[square] != scene::kNone) {
-        if (map.shell[square] != shell) map.shell[square] = LightMap::kSeveral;
-        continue;
-      }
-      map.shell[square] = shell;
-      shadow.add(part, square);
-    }
-    shadow.trace();
-    rays += shadow.rays();
-  });
-  each_band([&](std::size_t b) {
-    if (asking[b].empty()) return;
-    std::vector<SamplePart>& band = parts.band[b];
-    const std::int64_t rows = Screen::kRows / parts.n / 2, first_row = static_cast<std::int64_t>(b) * rows;
-    const std::vector<Light> agreed =
-        in_sun == nullptr ? std::vector<Light>() : map.agreed(first_row, std::min(first_row + rows, map.height));
-    const std::size_t first = static_cast<std::size_t>(first_row * map.width);
-    ShadowRays shadow(scene, camera, beam, parts.n, [&](std::size_t part, bool lit) { band[part].lit = lit; });
-    for (const std::uint32_t i : asking[b]) {
-      const std::size_t square = map.of(band[i]);
-      const Light light = in_sun == nullptr || map.shell[square] == LightMap::kSeveral ? mixed : agreed[square - first];
-      if (light == mixed)
-        shadow.add(band[i], i);
-      else
-        band[i].lit = light == bright;
-    }
-    shadow.trace();
-    rays += shadow.rays();
-  });
+    std::vector<std::uint8_t> lit(question.size());
+    in_sun->reaches(question, lit);
+    auto answer = lit.begin() + static_cast<std::ptrdiff_t>(of_runs);
+    for (SamplePart& part : band)
+      if (known(part.side) == InSun::partly) part.lit = *answer++ != 0;
+    runs = std::move(whole);
+    answer = lit.begin();
+    for (const SampleRun& run : asked) split(run, &*answer, runs), answer += run.samples;
+  };
+  mtf::parallel_for(static_cast<std::int64_t>(parts.band.size()), 1, threads,
+                    [&](std::int64_t begin, std::int64_t end) {
+                      for (auto b = static_cast<std::size_t>(begin); b < static_cast<std::size_t>(end); ++b)
+                        work(parts.band[b], parts.runs[b]);
+                    });
   return rays;
 }
 

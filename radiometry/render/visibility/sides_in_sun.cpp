@@ -1,269 +1,280 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "radiometry/render/visibility/sides_in_sun.h"
 
-#include <algorithm>
 #include <cmath>
-#include <functional>
 #include <limits>
-#include <numeric>
 #include <optional>
 
+#include "mtf/engines/simd.h"
 #include "mtf/parallel.h"
 
 namespace radiometry::render {
 namespace {
 
 using scene::operator-, scene::operator*;
+namespace simd = mtf::simd;
+using Place = SunPicture::Place;
+using Lines = SidesInSun::Lines;
 
-constexpr std::size_t kLeaf = 8;  // triangles
+constexpr std::size_t kMostLines = 512;  // with more of them a ray takes less time
 
-Vector unit(const Vector& v) { return (1.0 / scene::length(v)) * v; }
+double cross(const Place& a, const Place& b) { return a[0] * b[1] - a[1] * b[0]; }
+Place operator-(const Place& a, const Place& b) { return {a[0] - b[0], a[1] - b[1]}; }
+
+/// The part of the picture that a side takes up, or somewhat more: a box, cut along the edges of the side that have all
+/// of it on one side.
+class Target {
+ public:
+  Target(const scene::Facets& facets, const SunPicture& picture, std::uint32_t facet, double slack) : slack_(slack) {
+    const std::uint64_t first = facets.first[facet], last = facets.first[facet + 1];
+    for (std::uint64_t t = first; t < last; ++t)
+      for (const std::uint32_t vertex : facets.triangles[t]) box_.take(picture.place(vertex));
+    for (std::size_t axis = 0; axis < 2; ++axis) {
+      HalfPlane at_least{}, at_most{};
+      at_least.normal[axis] = 1.0, at_least.rest = -box_.low[axis];
+      at_most.normal[axis] = -1.0, at_most.rest = box_.high[axis];
+      bound_.push_back(at_least);
+      bound_.push_back(at_most);
+    }
+    constexpr std::uint64_t kFew = 4;
+    for (std::uint64_t t = first; t < last && last - first <= kFew; ++t)
+      for (std::size_t k = 0; k < 3; ++k) {
+        const auto& number = facets.triangles[t];
+        const Place &p = picture.place(number[k]), &q = picture.place(number[(k + 1) % 3]);
+        const Place along = q - p;
+        const double length = std::hypot(along[0], along[1]);
+        for (const double sign : {1.0, -1.0}) {
+          HalfPlane inside{{-sign * along[1] / length, sign * along[0] / length}, 0.0};
+          inside.rest = -(inside.normal[0] * p[0] + inside.normal[1] * p[1]);
+          bool all = true;
+          for (std::uint64_t other = first; other < last; ++other)
+            for (const std::uint32_t vertex : facets.triangles[other])
+              all = all && inside.depth(picture.place(vertex)) >= -slack;
+          if (all) bound_.push_back(inside);
+        }
+      }
+  }
+  const SunPicture::Box& box() const { return box_; }
+  double width() const { return std::min(box_.high[0] - box_.low[0], box_.high[1] - box_.low[1]); }
+  /// Whether a line comes further into it than the slack.
+  bool meets(const Place& a, const Place& b) const {
+    double from = 0.0, to = 1.0;
+    for (const HalfPlane& bound : bound_) {
+      const double at_a = bound.depth(a) - slack_, at_b = bound.depth(b) - slack_;
+      if (at_a <= 0.0 && at_b <= 0.0) return false;
+      if (at_a <= 0.0) from = std::max(from, at_a / (at_a - at_b));
+      if (at_b <= 0.0) to = std::min(to, at_a / (at_a - at_b));
+    }
+    return from < to;
+  }
+
+ private:
+  struct HalfPlane {
+    Place normal{};  ///< into it
+    double rest = 0.0;
+    double depth(const Place& p) const { return normal[0] * p[0] + normal[1] * p[1] + rest; }
+  };
+  double slack_;
+  SunPicture::Box box_ = SunPicture::Box::none();
+  std::vector<HalfPlane> bound_;
+};
+
+struct Line {
+  Place from, to;
+};
+
+/// What a triangle is to a side: how high its corners are above the plane, and its lines.
+class Above {
+ public:
+  Above(const scene::Facets& facets, const SunPicture& picture, std::uint32_t triangle, double lift_m)
+      : number_(facets.triangles[triangle]), picture_(picture), triangle_(triangle), lift_m_(lift_m) {}
+
+  /// False where all of it is below.
+  bool rises(const scene::Facets& facets, const Vector& up, const Point& on) {
+    bool any = false;
+    for (std::size_t k = 0; k < 3; ++k) {
+      height_[k] = scene::dot(up, facets.vertices[number_[k]] - on);
+      any = any || above(k);
+    }
+    if (!any) return false;
+    const Place &a = place(0), &b = place(1), &c = place(2);
+    faces_ = cross(b - a, c - a) > 0.0;
+    return true;
+  }
+
+  bool covers(const Place& p) const {
+    std::array<double, 3> weight{};  // of the corner across from each edge
+    for (std::size_t k = 0; k < 3; ++k) {
+      // From the lower number to the higher, so that of two triangles at an edge exactly one has the place.
+      const std::uint32_t a = number_[k], b = number_[(k + 1) % 3];
+      const Place &from = picture_.place(std::min(a, b)), &to = picture_.place(std::max(a, b));
+      const double left = cross(to - from, p - from);
+      if ((left >= 0.0) != ((a < b) == faces_)) return false;
+      weight[(k + 2) % 3] = std::abs(left);
+    }
+    if (above(0) && above(1) && above(2)) return true;
+    const double sum = weight[0] + weight[1] + weight[2];
+    return weight[0] * height_[0] + weight[1] * height_[1] + weight[2] * height_[2] > sum * lift_m_;
+  }
+
+  /// Gives `take` the outlines above the plane, and the line along which the triangle goes through it.
+  template <class Take>
+  void lines(const Take& take) const {
+    const auto give = [&](const Place& from, const Place& to) {
+      if (faces_)
+        take(Line{from, to});
+      else
+        take(Line{to, from});
+    };
+    Place leaves{}, enters{};
+    bool through = false;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::size_t next = (k + 1) % 3;
+      const bool begins = above(k), ends = above(next), outline = picture_.outline(triangle_, k);
+      if (begins != ends) {
+        through = true;
+        const Place cut = crossing(k, next);
+        (begins ? leaves : enters) = cut;
+        if (outline) give(begins ? place(k) : cut, ends ? place(next) : cut);
+      } else if (begins && outline) {
+        give(place(k), place(next));
+      }
+    }
+    if (through) give(leaves, enters);
+  }
+
+ private:
+  bool above(std::size_t k) const { return height_[k] > lift_m_; }
+  const Place& place(std::size_t k) const { return picture_.place(number_[k]); }
+  /// The same for both triangles at an edge.
+  Place crossing(std::size_t a, std::size_t b) const {
+    if (number_[a] > number_[b]) std::swap(a, b);
+    const double at = (lift_m_ - height_[a]) / (height_[b] - height_[a]);
+    return {std::lerp(place(a)[0], place(b)[0], at), std::lerp(place(a)[1], place(b)[1], at)};
+  }
+
+  const std::array<std::uint32_t, 3>& number_;
+  const SunPicture& picture_;
+  std::uint32_t triangle_;
+  double lift_m_;
+  std::array<double, 3> height_{};
+  bool faces_ = false;
+};
+
+/// A place inside a triangle, of no symmetry, so that lines of a scene do not pass through it.
+Place inside(const scene::Facets& facets, const SunPicture& picture, std::uint64_t triangle, int which) {
+  constexpr std::array<std::array<double, 3>, 3> kWeights{
+      {{0.3119, 0.3594, 0.3287}, {0.5213, 0.2471, 0.2316}, {0.1938, 0.2874, 0.5188}}};
+  Place p{};
+  for (std::size_t k = 0; k < 3; ++k)
+    for (std::size_t axis = 0; axis < 2; ++axis)
+      p[axis] += kWeights[static_cast<std::size_t>(which)][k] * picture.place(facets.triangles[triangle][k])[axis];
+  return p;
+}
+
+double area(const scene::Facets& facets, const SunPicture& picture, std::uint64_t triangle) {
+  const auto& [a, b, c] = facets.triangles[triangle];
+  return std::abs(cross(picture.place(b) - picture.place(a), picture.place(c) - picture.place(a)));
+}
+
+/// The signs of three cross products tell whether the way from c to the place crosses a line, and in which direction.
+struct CountCovers {
+  template <int Bytes>
+  static MTFKIT_INLINE void run(const float* ends, std::size_t blocks, float x, float y, std::int32_t* covers) {
+    using Floats = simd::Vector<float, Bytes>;
+    using Ints = simd::Vector<std::int32_t, Bytes>;
+    constexpr std::size_t kLanes = Bytes / sizeof(float);
+    Ints sum{};
+    for (std::size_t block = 0; block < blocks; ++block, ends += 4 * Lines::kBlock)
+      for (std::size_t k = 0; k < Lines::kBlock; k += kLanes) {
+        const Floats ax = simd::load<Floats>(ends + k), ay = simd::load<Floats>(ends + Lines::kBlock + k),
+                     bx = simd::load<Floats>(ends + 2 * Lines::kBlock + k),
+                     by = simd::load<Floats>(ends + 3 * Lines::kBlock + k);
+        const Floats a = x * ay - y * ax, b = x * by - y * bx;  // on which side of the way the ends are
+        const Floats at_c = ax * by - ay * bx, at_p = at_c + a - b;
+        const Ints across = (a < 0.0F) ^ (b < 0.0F);
+        sum += across & ((at_p < 0.0F) - (at_c < 0.0F));  // true is -1
+      }
+    for (std::size_t k = 0; k < kLanes; ++k) *covers += sum[k];
+  }
+};
 
 }  // namespace
-
-void SidesInSun::Box::take(const Corner& p) {
-  left = std::min(left, p.x), right = std::max(right, p.x);
-  low = std::min(low, p.y), high = std::max(high, p.y);
-}
-
-void SidesInSun::Box::take(const Box& other) {
-  left = std::min(left, other.left), right = std::max(right, other.right);
-  low = std::min(low, other.low), high = std::max(high, other.high);
-}
 
 SidesInSun::SidesInSun(const scene::Facets& facets, const Vector& to_sun, double lift_m, int threads)
-    : facets_(&facets), to_sun_(to_sun), lift_m_(lift_m), place_(facets.vertices.size()) {
-  // Any two axes that make a right-handed frame with the direction to the sun: what faces it runs counter-clockwise.
-  const auto steep = [](double a, double b) { return std::abs(a) < std::abs(b); };
-  Vector axis{};
-  axis[static_cast<std::size_t>(std::min_element(to_sun.begin(), to_sun.end(), steep) - to_sun.begin())] = 1.0;
-  const Vector x = unit(scene::cross(axis, to_sun)), y = unit(scene::cross(to_sun, x));
-  for (std::size_t i = 0; i < place_.size(); ++i) {
-    const Vector from_middle = facets.vertices[i] - facets.middle;
-    place_[i] = {scene::dot(x, from_middle), scene::dot(y, from_middle)};
-  }
-  find_outlines();
-  build_tree(threads);
-}
+    : facets_(&facets), lift_m_(lift_m), picture_(facets, to_sun, threads) {}
 
-/// Edges are gathered by their lower vertex.
-void SidesInSun::find_outlines() {
-  struct Use {
-    std::uint32_t other, triangle;  ///< the higher vertex
-    std::uint8_t edge;
-    bool left;  ///< of the edge from its lower vertex to the higher one
-  };
-  const auto ends = [&](std::size_t t, std::size_t k) {
-    return std::minmax(facets_->triangles[t][k], facets_->triangles[t][(k + 1) % 3]);
-  };
-  const std::size_t triangles = facets_->triangles.size();
-  std::vector<std::size_t> first(facets_->vertices.size() + 1, 0);
-  for (std::size_t t = 0; t < triangles; ++t)
-    for (std::size_t k = 0; k < 3; ++k) ++first[ends(t, k).first + 1];
-  std::partial_sum(first.begin(), first.end(), first.begin());
-  std::vector<Use> use(3 * triangles);
-  std::vector<std::size_t> next(first.begin(), first.end() - 1);
-  for (std::uint32_t t = 0; t < triangles; ++t) {
-    const std::array<std::uint32_t, 3>& number = facets_->triangles[t];
-    const auto &a = place_[number[0]], &b = place_[number[1]], &c = place_[number[2]];
-    const bool faces = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]) > 0.0;
-    for (std::uint8_t k = 0; k < 3; ++k) {
-      const auto [low, high] = ends(t, k);
-      use[next[low]++] = {high, t, k, faces == (number[k] == low)};
-    }
-  }
-  outline_.assign(triangles, 0);
-  const auto by_other = [](const Use& a, const Use& b) { return a.other < b.other; };
-  for (std::size_t v = 0; v + 1 < first.size(); ++v) {
-    const std::span<Use> here = std::span(use).subspan(first[v], first[v + 1] - first[v]);
-    std::sort(here.begin(), here.end(), by_other);
-    for (auto from = here.begin(), to = from; from != here.end(); from = to) {
-      to = std::upper_bound(from, here.end(), *from, by_other);
-      if (to - from == 2 && from[0].left != from[1].left) continue;
-      for (auto one = from; one != to; ++one) outline_[one->triangle] |= static_cast<std::uint8_t>(1U << one->edge);
-    }
-  }
-}
-
-/// Each node halves its triangles by their middles, along x and y in turn.
-void SidesInSun::build_tree(int threads) {
-  const std::size_t triangles = facets_->triangles.size();
-  std::vector<std::array<double, 2>> middle(triangles);
-  for (std::size_t t = 0; t < triangles; ++t)
-    for (const std::uint32_t vertex : facets_->triangles[t])
-      for (std::size_t axis = 0; axis < 2; ++axis) middle[t][axis] += place_[vertex][axis];
-  std::size_t leaves = 1;
-  while (triangles > leaves * kLeaf) leaves *= 2;  // as halving goes on while a node has more than kLeaf
-  constexpr double kFar = std::numeric_limits<double>::infinity();
-  box_.assign(2 * leaves - 1, {kFar, -kFar, kFar, -kFar});
-  order_.resize(triangles);
-  std::iota(order_.begin(), order_.end(), 0U);
-  const auto place = [&](std::size_t i) { return order_.begin() + static_cast<std::ptrdiff_t>(i); };
-  const auto halve = [&](std::size_t first, std::size_t last, std::size_t axis) {
-    const std::size_t half = std::midpoint(first, last);
-    std::nth_element(place(first), place(half), place(last),
-                     [&](std::uint32_t a, std::uint32_t b) { return middle[a][axis] < middle[b][axis]; });
-    return half;
-  };
-  const std::function<void(std::size_t, std::size_t, std::size_t, std::size_t)> build = [&](std::size_t node,
-                                                                                            std::size_t first,
-                                                                                            std::size_t last,
-                                                                                            std::size_t axis) {
-    if (last - first <= kLeaf) {
-      for (std::size_t i = first; i < last; ++i)
-        for (const std::uint32_t vertex : facets_->triangles[order_[i]]) box_[node].take(corner(vertex));
-      return;
-    }
-    const std::size_t half = halve(first, last, axis);
-    const std::array<std::array<std::size_t, 3>, 2> parts{{{2 * node + 1, first, half}, {2 * node + 2, half, last}}};
-    constexpr std::size_t kAlone = 1 << 14;  // triangles
-    mtf::parallel_for(2, 1, last - first > kAlone ? threads : 1, [&](std::int64_t from, std::int64_t to) {
-      for (auto k = static_cast<std::size_t>(from); k < static_cast<std::size_t>(to); ++k)
-        build(parts[k][0], parts[k][1], parts[k][2], 1 - axis);
-    });
-    box_[node].take(box_[2 * node + 1]);
-    box_[node].take(box_[2 * node + 2]);
-  };
-  build(0, 0, triangles, 0);
-}
-
-struct SidesInSun::Target {
-  std::uint32_t facet;
-  Vector up;  ///< the normal of the side
-  Point on;   ///< in its plane
-  /// An edge in the picture: how far a place is inside of it, m, is ahead * x + aside * y + rest.
-  struct Edge {
-    double ahead, aside, rest;
-  };
-  std::array<Edge, 3> edge{};
-  Box box{};
-  double height_m = 0.0;  ///< least; NaN where the sun sees it edge on, negative where it is turned over
-
-  /// Corners counter-clockwise.
-  Target(std::uint32_t of, const Vector& normal, const Point& in_plane, const std::array<Corner, 3>& own)
-      : facet(of), up(normal), on(in_plane), box{own[0].x, own[0].x, own[0].y, own[0].y} {
-    for (std::size_t k = 0; k < 3; ++k) {
-      const Corner &a = own[k], &b = own[(k + 1) % 3];
-      const double dx = b.x - a.x, dy = b.y - a.y, per_length = 1.0 / std::hypot(dx, dy);
-      edge[k] = {-dy * per_length, dx * per_length, (dy * a.x - dx * a.y) * per_length};
-      box.take(a);
-    }
-    const std::array<double, 3> heights{inside(0, own[2]), inside(1, own[0]), inside(2, own[1])};
-    height_m = std::isnan(heights[0] + heights[1] + heights[2]) ? heights[0] + heights[1] + heights[2]
-                                                                : *std::min_element(heights.begin(), heights.end());
-  }
-  double inside(std::size_t k, const Corner& p) const {
-    return edge[k].ahead * p.x + edge[k].aside * p.y + edge[k].rest;
-  }
-};
-
-namespace {
-
-/// A polygon of few corners.
-template <class Corner>
-struct Few {
-  std::array<Corner, 8> corner;
-  std::size_t count = 0;
-  void add(const Corner& p) { corner[count++] = p; }
-};
-
-/// What of a polygon, or of a line as one of two corners, is within the target by more than `slack`.
-template <class Target, class Corner>
-void clip(const Target& target, double slack, Few<Corner>& shape) {
-  for (std::size_t k = 0; k < 3 && shape.count > 0; ++k) {
-    const Few<Corner> before = shape;
-    shape.count = 0;
-    const std::size_t lines = before.count == 2 ? 1 : before.count;
-    for (std::size_t i = 0; i < before.count; ++i) {
-      const Corner &p = before.corner[i], &q = before.corner[(i + 1) % before.count];
-      const double in_p = target.inside(k, p) - slack, in_q = target.inside(k, q) - slack;
-      if (in_p > 0.0) shape.add(p);
-      if (i >= lines || (in_p > 0.0) == (in_q > 0.0)) continue;
-      const double at = in_p / (in_p - in_q);
-      shape.add({std::lerp(p.x, q.x, at), std::lerp(p.y, q.y, at), std::lerp(p.height_m, q.height_m, at)});
-    }
-  }
-}
-
-}  // namespace
-
-/// `wholly`: the triangle takes no light; `nowhere`: it covers some of the target, and no outline of it falls there.
-InSun SidesInSun::under(const Target& target, std::uint32_t triangle) const {
-  if (facets_->facet_of[triangle] == target.facet) return InSun::wholly;
-  const double slack = 0x1p-10 * lift_m_;  // edges that are shared are worked out alike but for rounding
-  Few<Corner> shape;
-  bool below = true;
-  for (const std::uint32_t vertex : facets_->triangles[triangle]) {
-    Corner p = corner(vertex);
-    p.height_m = scene::dot(target.up, facets_->vertices[vertex] - target.on);
-    below = below && p.height_m <= lift_m_;
-    shape.add(p);
-  }
-  if (below) return InSun::wholly;
-  const Few<Corner> whole = shape;
-  clip(target, slack, shape);
-  if (shape.count == 0) return InSun::wholly;
-  const auto height = [](const Corner& a, const Corner& b) { return a.height_m < b.height_m; };
-  const auto [lowest, highest] = std::minmax_element(
-      shape.corner.begin(), shape.corner.begin() + static_cast<std::ptrdiff_t>(shape.count), height);
-  if (highest->height_m <= 0.0) return InSun::wholly;
-  if (lowest->height_m <= lift_m_) return InSun::partly;
-  for (std::size_t k = 0; k < 3; ++k) {
-    if ((outline_[triangle] >> k & 1U) == 0U) continue;
-    Few<Corner> line;
-    line.add(whole.corner[k]);
-    line.add(whole.corner[(k + 1) % 3]);
-    clip(target, slack, line);
-    if (line.count > 0) return InSun::partly;
-  }
-  return InSun::nowhere;
-}
-
-InSun SidesInSun::find(const Target& target, std::size_t node, std::size_t first, std::size_t last) const {
-  if (!box_[node].meets(target.box)) return InSun::wholly;
-  InSun all = InSun::wholly;
-  const auto take = [&](InSun one) {
-    if (one != InSun::wholly) all = one;
-    return one != InSun::partly;
-  };
-  if (last - first > kLeaf) {
-    const std::size_t middle = std::midpoint(first, last);
-    if (take(find(target, 2 * node + 1, first, middle))) take(find(target, 2 * node + 2, middle, last));
-    return all;
-  }
-  for (std::size_t i = first; i < last; ++i)
-    if (!take(under(target, order_[i]))) break;
-  return all;
-}
-
-InSun SidesInSun::find(scene::Side side) const {
+SidesInSun::Lines SidesInSun::find(scene::Side side) const {
   const scene::Facet& facet = facets_->facet[side.facet];
-  std::optional<InSun> all;
-  for (std::uint64_t t = facets_->first[side.facet]; t < facets_->first[side.facet + 1]; ++t) {
-    const std::array<std::uint32_t, 3>& number = facets_->triangles[t];
-    std::array<Corner, 3> own;
-    for (std::size_t k = 0; k < 3; ++k) own[side.back ? 2 - k : k] = corner(number[k]);
-    const Vector up = (side.back ? -1.0 : 1.0) * facet.normal;
-    const Target target(side.facet, up, facet.centre, own);
-    // Thinner than what rays can tell, it says nothing; a face that crosses itself has triangles that are turned over.
-    if (std::abs(target.height_m) <= 0x1p-8 * lift_m_) continue;
-    if (!(target.height_m > 0.0)) return InSun::partly;
-    const InSun one = find(target, 0, 0, order_.size());
-    if (one == InSun::partly || (all && *all != one)) return InSun::partly;
-    all = one;
+  const Vector up = (side.back ? -1.0 : 1.0) * facet.normal;
+  const double slack = 0x1p-10 * lift_m_;  // edges that are shared are worked out alike but for rounding
+  const Target target(*facets_, picture_, side.facet, slack);
+  Lines found;
+  if (!(target.width() > 4.0 * lift_m_)) return found;
+  std::uint64_t largest = facets_->first[side.facet];
+  for (std::uint64_t t = largest; t < facets_->first[side.facet + 1]; ++t)
+    if (area(*facets_, picture_, t) > area(*facets_, picture_, largest)) largest = t;
+  for (int which = 0; which < 3; ++which) {
+    found.c = inside(*facets_, picture_, largest, which);
+    found.covers = 0;
+    std::vector<Line> lines;
+    double margin = std::numeric_limits<double>::infinity();  // from c to the lines
+    picture_.visit(target.box(), [&](std::uint32_t triangle) {
+      if (facets_->facet_of[triangle] == side.facet) return true;
+      Above above(*facets_, picture_, triangle, lift_m_);
+      if (!above.rises(*facets_, up, facet.centre)) return true;
+      found.covers += above.covers(found.c) ? 1 : 0;
+      above.lines([&](const Line& line) {
+        if (!target.meets(line.from, line.to)) return;
+        const Line from_c{line.from - found.c, line.to - found.c};
+        const Place along = line.to - line.from;
+        margin = std::min(margin, std::abs(cross(from_c.from, from_c.to)) / std::hypot(along[0], along[1]));
+        lines.push_back(from_c);
+      });
+      return lines.size() <= kMostLines;
+    });
+    if (lines.size() > kMostLines) return found;
+    if (lines.empty()) {
+      found.in_sun = found.covers > 0 ? InSun::nowhere : InSun::wholly;
+      return found;
+    }
+    if (!(margin > 1e-5 * target.width())) continue;
+    found.in_sun = InSun::partly;
+    found.ends.assign((lines.size() + Lines::kBlock - 1) / Lines::kBlock * 4 * Lines::kBlock, 0.0F);
+    for (std::size_t i = 0; i < lines.size(); ++i) {
+      float* const of = found.ends.data() + i / Lines::kBlock * 4 * Lines::kBlock + i % Lines::kBlock;
+      of[0] = static_cast<float>(lines[i].from[0]), of[Lines::kBlock] = static_cast<float>(lines[i].from[1]);
+      of[2 * Lines::kBlock] = static_cast<float>(lines[i].to[0]);
+      of[3 * Lines::kBlock] = static_cast<float>(lines[i].to[1]);
+    }
+    return found;
   }
-  return all.value_or(InSun::partly);
+  return found;
 }
 
 void SidesInSun::add(const VisibleSides& sides, int threads) {
   const std::size_t begin_at = known_.size();
-  known_.resize(sides.size(), InSun::nowhere);
-  mtf::parallel_for(static_cast<std::int64_t>(sides.size() - begin_at), 64, threads,
-                    [&](std::int64_t begin, std::int64_t end) {
-                      for (std::size_t n = begin_at + static_cast<std::size_t>(begin);
-                           n < begin_at + static_cast<std::size_t>(end); ++n)
-                        if (sides.sun_cosine(n) > 0.0F) known_[n] = find({sides.side(n) / 2, sides.side(n) % 2 == 1});
-                    });
+  std::vector<Lines> fresh(sides.size() - begin_at, Lines{.in_sun = InSun::nowhere});
+  mtf::parallel_for(static_cast<std::int64_t>(fresh.size()), 64, threads, [&](std::int64_t begin, std::int64_t end) {
+    for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i)
+      if (const std::uint32_t side = sides.side(begin_at + i); sides.sun_cosine(begin_at + i) > 0.0F)
+        fresh[i] = find({side / 2, side % 2 == 1});
+  });
+  for (const Lines& one : fresh) {
+    known_.push_back({one.in_sun, one.covers, one.c, ends_.size(), one.ends.size() / (4 * Lines::kBlock)});
+    ends_.insert(ends_.end(), one.ends.begin(), one.ends.end());
+  }
+}
+
+void SidesInSun::reaches(std::span<const SunQuestion> places, std::span<std::uint8_t> lit) const {
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    const Known& known = known_[places[i].number];
+    std::int32_t covers = known.covers;
+    simd::run<CountCovers>(static_cast<const float*>(ends_.data() + known.first), known.blocks,
+                           static_cast<float>(places[i].place[0] - known.c[0]),
+                           static_cast<float>(places[i].place[1] - known.c[1]), &covers);
+    lit[i] = covers <= 0 ? 1 : 0;
+  }
 }
 
 }  // namespace radiometry::render

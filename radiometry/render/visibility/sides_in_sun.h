@@ -1,23 +1,34 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// The visible sides that are in the sun as a whole, or in the shadow as a whole, so that no shadow ray need ask.
+// Where the sun reaches the visible sides, in place of shadow rays.
 //
-// Seen along the direction of the sun the scene is a plane picture. Over the part of a side that a triangle covers
-// there, the triangle is below the plane of the side and takes no light, or above it, or it crosses the plane. A shadow
-// has its outlines where surfaces end as the sun sees them: at edges that one triangle has, or that two have which lie
-// on the same side of it in the picture, as one of them faces the sun and the other does not. So a side on which no
-// triangle crosses the plane and no outline above it falls is in the sun as a whole where nothing is above it, and in
-// the shadow as a whole where something is.
+// In the picture that the sun sees (sun_picture.h) a place on a side is in the shadow if triangles cover it that are
+// above the plane of the side there. How many do is a winding number (Edelsbrunner, "Geometry and Topology for Mesh
+// Generation", 2001, section 1.1): once it is known at one place c of the side, it is known at every other place p from
+// the lines that the way from c to p crosses. These lines are the outlines of what is above the plane, and where
+// triangles go through the plane. All of it is found in double precision from the triangles whose boxes meet that of
+// the side, when the side is first seen.
 //
-// All of this is asked in double precision of the triangles whose boxes in the picture meet that of the side, which a
-// tree finds. What lies within the lift of shadow rays above the plane is taken to cross it.
+// Most sides have no such line: they are in the sun, or in the shadow, as a whole. The others keep theirs, a few dozen
+// as a rule; a place then takes some ten nanoseconds, where a ray takes some hundred. What lies within the lift of
+// shadow rays above the plane throws no shadow on it.
 
+#include <span>
+
+#include "radiometry/render/visibility/sun_picture.h"
 #include "radiometry/render/visible_sides.h"
 
 namespace radiometry::render {
 
-enum class InSun : std::uint8_t { partly, wholly, nowhere };  ///< partly: or it is not known
+/// `unknown`: too many lines, or too thin for them; rays tell.
+enum class InSun : std::uint8_t { partly, wholly, nowhere, unknown };
+
+/// A place on a side that is partly in the sun.
+struct SunQuestion {
+  std::uint32_t number = 0;  ///< of the side, in VisibleSides
+  SunPicture::Place place{};
+};
 
 class SidesInSun {
  public:
@@ -26,40 +37,37 @@ class SidesInSun {
   /// Works out the sides that were added to `sides` since it was last called.
   void add(const VisibleSides& sides, int threads);
   /// Of a side by its number in VisibleSides. Sides that face away are nowhere in the sun.
-  InSun of(std::size_t number) const { return known_[number]; }
-  const Vector& to_sun() const { return to_sun_; }
+  InSun of(std::size_t number) const { return known_[number].in_sun; }
+  /// Whether the sun reaches these places, which are on sides that it partly reaches.
+  void reaches(std::span<const SunQuestion> places, std::span<std::uint8_t> lit) const;
+  const SunPicture& picture() const { return picture_; }
+
+  /// Lines in single precision from a place c of a side; what they enclose is on their left.
+  struct Lines {
+    InSun in_sun = InSun::unknown;
+    SunPicture::Place c{};
+    int covers = 0;  ///< triangles that are over c
+    /// Blocks of kBlock lines: x of their beginnings, y of them, x and y of their ends. Lines of no length fill the
+    /// last.
+    std::vector<float> ends{};
+    static constexpr std::size_t kBlock = 16;
+  };
   /// Of a side that faces the sun.
-  InSun find(scene::Side side) const;
+  Lines find(scene::Side side) const;
 
  private:
-  /// In the picture, and above the plane of the side in question.
-  struct Corner {
-    double x, y, height_m;
+  struct Known {
+    InSun in_sun = InSun::nowhere;
+    std::int32_t covers = 0;
+    SunPicture::Place c{};
+    std::size_t first = 0, blocks = 0;  ///< in ends_
   };
-  struct Box {
-    double left, right, low, high;
-    void take(const Corner& p);
-    void take(const Box& other);
-    bool meets(const Box& other) const {
-      return left <= other.right && other.left <= right && low <= other.high && other.low <= high;
-    }
-  };
-  /// A triangle of a side: its edges as they bound it in the picture.
-  struct Target;
-  Corner corner(std::uint32_t vertex) const { return {place_[vertex][0], place_[vertex][1], 0.0}; }
-  void find_outlines();
-  void build_tree(int threads);
-  InSun find(const Target& target, std::size_t node, std::size_t first, std::size_t last) const;
-  InSun under(const Target& target, std::uint32_t triangle) const;
 
   const scene::Facets* facets_;
-  Vector to_sun_;
   double lift_m_;
-  std::vector<std::array<double, 2>> place_;  ///< of each vertex, in the picture
-  std::vector<std::uint8_t> outline_;         ///< of each triangle: bit k, the edge from corner k to the next is one
-  std::vector<std::uint32_t> order_;          ///< of triangles, as the leaves of the tree have them
-  std::vector<Box> box_;                      ///< of nodes: the halves of node k are 2 k + 1 and 2 k + 2
-  std::vector<InSun> known_{};                ///< by number
+  SunPicture picture_;
+  std::vector<Known> known_{};  ///< by number
+  std::vector<float> ends_{};
 };
 
 }  // namespace radiometry::render

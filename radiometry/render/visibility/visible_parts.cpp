@@ -17,7 +17,7 @@ namespace {
 using scene::kNone;
 
 /// The mean place of some of the n x n points of a sample, from its corner, in samples.
-PlaceInImage middle_of(std::uint16_t points, int n) {
+constexpr PlaceInImage mean_place(std::uint32_t points, int n) {
   double x = 0.0, y = 0.0;
   for (std::uint32_t left = points; left != 0; left &= left - 1) {
     const int point = std::countr_zero(left);
@@ -26,6 +26,16 @@ PlaceInImage middle_of(std::uint16_t points, int n) {
   }
   const double scale = 1.0 / std::popcount(points);
   return {x * scale, y * scale};
+}
+
+/// The same; of few points it is known.
+PlaceInImage middle_of(std::uint32_t points, int n) {
+  static constexpr std::array<PlaceInImage, 16> kFour = [] {
+    std::array<PlaceInImage, 16> all{};
+    for (std::uint32_t k = 1; k < all.size(); ++k) all[k] = mean_place(k, 2);
+    return all;
+  }();
+  return n == 1 ? PlaceInImage{0.5, 0.5} : n == 2 ? kFour[points] : mean_place(points, n);
 }
 
 /// Over the depth: the range, and how much higher the end is than the camera.
@@ -65,8 +75,6 @@ class RowOfSamples {
       : scene_(scene), camera_(camera), may_run_(may_run) {
     for (std::uint32_t column = 0; column < camera.width; ++column)
       tangent_x_.push_back(static_cast<float>(camera.tangent_x(column + 0.5)));
-    for (std::uint32_t points = 1; points < kPlaces; ++points)
-      place_[points] = middle_of(static_cast<std::uint16_t>(points), N);
   }
 
   void add(std::int64_t row, const ScreenRows& rows, std::int64_t first_point, std::vector<SamplePart>& parts,
@@ -97,8 +105,7 @@ class RowOfSamples {
 
  private:
   static constexpr std::uint32_t kAll = (1U << (N * N)) - 1U;
-  static constexpr std::uint32_t kPlaces = N <= 2 ? kAll + 1 : 1;  // of n = 4 they are worked out as they come
-  static constexpr std::uint32_t kLeast = 4;                       // shorter runs do not pay
+  static constexpr std::uint32_t kLeast = 4;  // shorter runs do not pay
 
   /// Of the first point of a row of points of a sample.
   std::size_t at(std::uint32_t column, std::size_t row_of_points) const {
@@ -139,7 +146,7 @@ class RowOfSamples {
       for (std::uint32_t k = 0; k < N * N; ++k)
         if (side[k] == first) points |= 1U << k, ++shown, sum += near[k];
       left &= ~points;
-      const PlaceInImage in = N <= 2 ? place_[points % kPlaces] : middle_of(static_cast<std::uint16_t>(points), N);
+      const PlaceInImage in = middle_of(points, N);
       fill(parts.emplace_back(), column, row, first, points, shown, sum,
            line_of_sight(camera_, tangent_x_[column] + static_cast<float>((in.x - 0.5) * camera_.step_x),
                          tangent_y_ + static_cast<float>((in.y - 0.5) * camera_.step_y)));
@@ -191,7 +198,6 @@ class RowOfSamples {
   const std::vector<bool>& may_run_;
   std::vector<float> tangent_x_;  ///< of each column
   float tangent_y_ = 0.0F;        ///< of the row
-  std::array<PlaceInImage, kPlaces> place_{};
   const ScreenRows* rows_ = nullptr;
   std::size_t first_point_ = 0;
   Sum sum_{};

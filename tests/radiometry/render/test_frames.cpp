@@ -81,7 +81,7 @@ TEST(Renderer, ThinThingsHaveTheirOwnShadows) {
   made.scene.sun = Sun{.to_sun = {0.0, -0.3, 1.0}, .direct_w_m2 = 900.0};
   const Camera eye = camera({.position = {0.0055, -10, 0}, .look_at = {0.0055, 0, 0}}, 101, 40, 0.001);
   const RenderedFrame frame = Renderer(made.scene, {mwir()}, {.points = 1, .layers = {.facet = true}}).render(eye);
-  const RenderedFrame all = Renderer(made.scene, {mwir()}, {.points = 1, .all_shadows = true}).render(eye);
+  const RenderedFrame all = Renderer(made.scene, {mwir()}, {.points = 1, .ray_shadows = true}).render(eye);
   std::size_t pole = 0;
   for (std::int64_t i = 0; i < frame.radiance[0].size(); ++i) {
     if (frame.layers[0].plane.data()[i] != 2.0F) continue;

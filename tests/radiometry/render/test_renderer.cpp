@@ -169,25 +169,6 @@ TEST(Renderer, ShadowsEndWhereTheyShould) {
   EXPECT_NEAR((lit_sum / static_cast<double>(lit) - dark_sum / static_cast<double>(dark)) / sun, 1.0, 1e-4);
 }
 
-// Shadows wider than two samples are those of a ray for everything, in pictures of points and of means.
-TEST(Renderer, OneShadowRayForFourSamplesFindsAllButSmallShadows) {
-  scene::Mesh mesh = empty_mesh();
-  add_plate(mesh, {-10, -10, 0}, {20, 0, 0}, {0, 20, 0}, 40, 40);
-  add_box(mesh, {-1, -1, 0.5}, {2, 2, 1}, 3);
-  SmallScene made = small_scene(mesh, 300.0, grey(0.5), 300.0);
-  made.scene.sun = Sun{.to_sun = {0.5, 0.25, 0.6}, .direct_w_m2 = 900.0};
-  const Camera eye = camera({.position = {0.1, -9, 12}, .look_at = {-0.8, -0.4, 0}}, 201, 199, 0.002);
-  for (const int n : {1, 2, 4}) {
-    const RenderedFrame some = Renderer(made.scene, {mwir()}, {.points = n}).render(eye);
-    const RenderedFrame all = Renderer(made.scene, {mwir()}, {.points = n, .all_shadows = true}).render(eye);
-    EXPECT_LT(some.shadow_rays, all.shadow_rays / 2);
-    std::size_t differ = 0;
-    for (std::int64_t i = 0; i < eye.width * eye.height; ++i)
-      differ += std::abs(some.radiance[0].data()[i] / all.radiance[0].data()[i] - 1.0F) > 1e-6F ? 1 : 0;
-    EXPECT_LT(differ, 40u) << n;  // slivers at corners, of some 3000 samples at the shadow's edge
-  }
-}
-
 TEST(Renderer, ReflectsWhatASideSees) {
   // A level plate under a sky of 250 K sees it alone: L = eps B(T) + (1 - eps) B(sky).
   scene::Mesh mesh = empty_mesh();
