@@ -208,11 +208,14 @@ std::vector<Screen::Seen> Screen::seen_among(std::uint32_t begin, std::uint32_t 
       const double cut = (least - p.w) / (q.w - p.w);
       take(std::lerp(p.x, q.x, cut), std::lerp(p.y, q.y, cut), least);
     }
-    const auto first = [&](double from, std::int64_t most) {
-      return static_cast<std::int32_t>(std::clamp(std::ceil(n_ * from - 0.5 - kSlack), 0.0, static_cast<double>(most)));
-    };
+    // Between 0 and the last one, where conversion is std::floor.
     const auto last = [&](double to, std::int64_t most) {
-      return static_cast<std::int32_t>(std::clamp(std::floor(n_ * to + 0.5 + kSlack), 0.0, static_cast<double>(most)));
+      return static_cast<std::int32_t>(std::clamp(n_ * to + 0.5 + kSlack, 0.0, static_cast<double>(most)));
+    };
+    const auto first = [&](double from, std::int64_t most) {
+      const double at = std::clamp(n_ * from - 0.5 - kSlack, 0.0, static_cast<double>(most));
+      const auto below = static_cast<std::int32_t>(at);
+      return static_cast<double>(below) < at ? below + 1 : below;
     };
     const Seen one{.triangle = t,
                    .side = side,
