@@ -18,8 +18,9 @@ Metadata provenance(const SensorConfig& config, const Scene& scene, const mtf::S
   Metadata m;
   m.text["mtf:quantity"] = quantity_name(scene.quantity);
   m.text["mtf:units"] = quantity_unit(scene.quantity);
-  // Filtered light is still weighted by what it was weighted by, and has its air.
-  for (const char* name : {"mtf:quantity", "mtf:response", "mtf:path"})
+  // Filtered light is still weighted by what it was weighted by, has its air, and was seen there and then.
+  for (const char* name :
+       {"mtf:quantity", "mtf:response", "mtf:path", "mtf:time", "mtf:cameraPosition", "mtf:cameraAhead"})
     if (const auto found = scene.info.attributes.find(name);
         found != scene.info.attributes.end() &&
         (name != std::string_view("mtf:quantity") || found->second.starts_with("weighted_")))

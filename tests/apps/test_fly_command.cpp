@@ -110,6 +110,26 @@ TEST_F(FlyCommand, DrawsViewsWithoutContrastAndWithoutFacets) {
   const Result made = scratch_.run("mtf fly scene.toml sensor.toml -o frame.%02d.exr");
   EXPECT_EQ(made.status, 0) << made.err;
   EXPECT_NE(made.out.find("8 frames"), std::string::npos) << made.out;
+  const Result asked = scratch_.run("mtf fly scene.toml sensor.toml --tolerance 1e-4");
+  EXPECT_EQ(asked.status, 0) << asked.err;
+  EXPECT_NE(asked.out.find("8 frames"), std::string::npos) << asked.out;
+}
+
+TEST_F(FlyCommand, FramesSayWhenAndWhereFrom) {
+  ASSERT_EQ(scratch_.run("mtf fly scene.toml sensor.toml --frames 5:5 -o frame.%02d.exr").status, 0);
+  auto says = mtf::io::read_info((scratch_ / "frame.05.exr").string()).attributes;
+  EXPECT_EQ(says["mtf:cameraPosition"], "0 -35 5");
+  EXPECT_TRUE(says["mtf:cameraAhead"].starts_with("0 0.9")) << says["mtf:cameraAhead"];
+  EXPECT_TRUE(says["mtf:time"].starts_with("20")) << says["mtf:time"];
+}
+
+// A path that ends below the ground is refused with its first frame.
+TEST_F(FlyCommand, LooksAtTheWholePathFirst) {
+  write_file(scratch_ / "flight.csv",
+             "time (s),x (m),y (m),z (m),look_x (m),look_y (m),look_z (m)\n0,3,-40,6,0,0,0.6\n0.4,3,-30,-6,0,0,1\n");
+  refused("scene.toml sensor.toml -o frame.%02d.exr", "frame 6 (");
+  EXPECT_TRUE(std::filesystem::exists(scratch_ / "frame.00.exr"));
+  EXPECT_FALSE(std::filesystem::exists(scratch_ / "frame.01.exr"));
 }
 
 // Air, a camera that sinks, and the ground beyond: a frame alone is that of the flight.

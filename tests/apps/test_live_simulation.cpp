@@ -185,6 +185,35 @@ TEST_F(LiveSimulation, AToleranceThatWasLoosenedIsTriedAnewForAnotherSensor) {
   EXPECT_EQ(live.plan().options.tolerance, 1e-4);
 }
 
+// A frame of little contrast among others: its own promise gives way, and that of the others is kept again.
+TEST_F(LiveSimulation, AFrameWithoutContrastLeavesTheToleranceToTheNext) {
+  const auto shown = std::make_shared<const SensorConfig>(camera());
+  const auto of_contrast = [](double amplitude) {
+    mtf::io::Scene scene;
+    scene.quantity = mtf::io::Quantity::temperature;
+    scene.planes.push_back(ramp(300.0, amplitude));
+    return scene;
+  };
+  for (const bool loosen : {true, false}) {
+    apps::LiveSimulation live({.tolerance = 1e-3, .loosen = loosen});
+    live.image(of_contrast(5.0), shown, 0);
+    EXPECT_EQ(live.plan().options.tolerance, 1e-3);
+    if (!loosen) {
+      EXPECT_THROW(live.image(of_contrast(2e-3), shown, 1), mtf::UnreachableTolerance);
+      continue;
+    }
+    for (int frame = 1; frame < 4; ++frame) {
+      live.image(of_contrast(2e-3), shown, frame);
+      EXPECT_GT(live.plan().options.tolerance, 1e-3);
+    }
+    EXPECT_EQ(live.plans_compiled(), 2);
+    live.image(of_contrast(5.0), shown, 4);
+    EXPECT_EQ(live.plan().options.tolerance, 1e-3);
+    EXPECT_TRUE(live.warnings().empty());
+    EXPECT_EQ(live.plans_compiled(), 3);
+  }
+}
+
 TEST_F(LiveSimulation, AFailedImageLeavesNothingToTheNext) {
   const std::string lag = "[lag]\ntime_constant = \"20 ms\"\n";
   const SensorConfig good = camera(lag + "[adc]\nbits = 14\n");

@@ -58,7 +58,7 @@ void require_image_name(const std::string& name) {
   throw mtf::UsageError("-o: " + one_line(name) + ": frames are .exr, .png or .tif files");
 }
 
-/// The error that is being handled, with the number and time of its frame, and what is finished.
+/// The error that is being handled, of a frame, with the number and time of its frame, and what is finished.
 [[noreturn]] void rethrow(const Course& course, std::int64_t frame, std::size_t done) {
   const std::string where = "frame " + std::to_string(frame) + " (" + significant(course.seconds_of(frame), 6) +
                             " s of the flight, " + radiometry::heat::instant_text(course.utc_of(frame)) + "): ";
@@ -70,6 +70,16 @@ void require_image_name(const std::string& name) {
   } catch (const mtf::RuntimeError& error) {
     throw mtf::RuntimeError(where + error.what() + left);
   }
+}
+
+/// All places of the path, so that a flight does not end in the middle.
+void require_places(const Course& course, const Flight& flight) {
+  if (!course.file.camera->path) return;
+  for (const std::int64_t frame : course.frames) try {
+      flight.require_place(course.place_of(frame));
+    } catch (const mtf::Error&) {
+      rethrow(course, frame, 1);
+    }
 }
 
 std::vector<std::int64_t> frames_of(const FlyCommandOptions& options, const SceneFile& file) {
@@ -231,6 +241,7 @@ int run_fly(const FlyCommandOptions& options, const Global& global) {
                     .begin_s = course.utc_of(first),
                     .end_s = course.utc_of(last)};
   how.image.threads = global.threads;
+  how.image.loosen = true;  // a frame without contrast does not end the flight
   Flight flight(source, file, air, how);
 
   mtf::io::ScheduledSensor now(config, schedule), ahead(config, schedule);
@@ -279,6 +290,7 @@ int run_fly(const FlyCommandOptions& options, const Global& global) {
       first_ms = all.ms();
       if (writing.valid()) values.take(writing.get());
       interrupt.keep();
+      require_places(course, flight);
       running = Stopwatch();
       continue;
     }

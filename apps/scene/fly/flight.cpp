@@ -193,6 +193,12 @@ FlightFrame Flight::frame(const Sensor& sensor, const CameraPlace& place, double
   return out;
 }
 
+void Flight::require_place(const CameraPlace& place) const {
+  if (!state_->light) throw mtf::UsageError("a flight knows no places before its first frame");
+  require_above_ground(state_->light->scene, place.position_m);
+  render::require_outside(state_->light->scene.scene, place.position_m);
+}
+
 const std::vector<std::pair<std::string, std::string>>& Flight::closures() const {
   if (!state_->light) throw mtf::UsageError("a flight has no closures before its first frame");
   return state_->light->scene.closures;

@@ -54,6 +54,9 @@ class Flight {
   /// Throws mtf::UsageError as picture_sensor, PictureSource::at, Renderer::render and LiveSimulation::image.
   FlightFrame frame(const Sensor& sensor, const CameraPlace& place, double utc_s, std::int64_t number);
 
+  /// Throws as frame() would for a camera below the ground or inside a solid. Once there was a frame.
+  void require_place(const CameraPlace& place) const;
+
   const std::vector<std::pair<std::string, std::string>>& closures() const;  ///< of the last frame
   IntegerRange integer_range() const;
   const std::vector<std::string>& names() const;

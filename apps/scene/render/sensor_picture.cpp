@@ -113,6 +113,15 @@ void require_same_view(std::span<const PictureSensor> sensors, std::span<const r
   }
 }
 
+namespace {
+
+/// Three numbers in the scene's frame, m for places.
+std::string words_of(const std::array<double, 3>& v) {
+  return mtf::format_double(v[0]) + " " + mtf::format_double(v[1]) + " " + mtf::format_double(v[2]);
+}
+
+}  // namespace
+
 mtf::io::Metadata picture_metadata(const SceneFile& file, const PictureScene& scene, const PictureSensor& sensor,
                                    const radiometry::render::Camera& camera,
                                    const radiometry::render::RenderOptions& options,
@@ -129,6 +138,8 @@ mtf::io::Metadata picture_metadata(const SceneFile& file, const PictureScene& sc
   m.text["mtf:configSha256"] = sensor.config.sha256;
   m.text["mtf:sceneSha256"] = file.sha256;
   m.text["mtf:time"] = radiometry::heat::instant_text(scene.utc_s);
+  m.text["mtf:cameraPosition"] = words_of(camera.position);
+  m.text["mtf:cameraAhead"] = words_of(camera.ahead);
   m.text["mtf:version"] = std::string(mtf::version) + " " + mtf::git_commit;
   m.text["mtf:promisedError"] = mtf::format_double(frame.promised[band]);
   for (const auto& [name, words] : scene.closures) m.text["mtf:" + name] = words;

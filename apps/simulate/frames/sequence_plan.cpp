@@ -26,6 +26,12 @@ SceneDifficulty harder(const SceneDifficulty& a, const SceneDifficulty& b) {
   return {std::max(a.storage, b.storage), std::max(a.canvas, b.canvas)};
 }
 
+/// By a factor of 2 in one, and about as hard in the other at most.
+bool easier_by_half(const SceneDifficulty& a, const SceneDifficulty& b) {
+  const double storage = a.storage / b.storage, canvas = a.canvas / b.canvas;
+  return std::min(storage, canvas) < 0.5 && std::max(storage, canvas) < kRoomCanvas;
+}
+
 /// The summary, on the scale of a scene, of one that is as hard.
 mtf::SceneSummary summary_of(const SceneDifficulty& d, double std) {
   return {std, d.storage * std / kFloatUnit, d.canvas * std};
@@ -81,7 +87,8 @@ int steps_of(const RadiometricChain* radiometric) {
 
 }  // namespace
 
-SequencePlanner::SequencePlanner(const SimulateOptions& options, int threads) : asked_(options.tolerance.has_value()) {
+SequencePlanner::SequencePlanner(const SimulateOptions& options, int threads)
+    : asked_(options.tolerance.has_value()), may_loosen_(!asked_ || options.loosen) {
   base_.tolerance = options.tolerance.value_or(base_.tolerance);
   base_.rigor = options.measure ? mtf::Rigor::measure : mtf::Rigor::estimate;
   base_.threads = threads;
@@ -112,18 +119,20 @@ std::shared_ptr<const mtf::SensorPlan> SequencePlanner::compile(const mtf::Syste
                                                                 const RadiometricChain* radiometric,
                                                                 const SceneInput& input, mtf::PlanOptions options,
                                                                 std::vector<std::string>& warnings) {
-  if (input.summary) met_ = harder(met_, difficulty(*input.summary));
   ++compiled_;
+  const SceneDifficulty met = input.summary ? harder(met_, difficulty(*input.summary)) : met_;
   const double own = options.tolerance;
   const double roomy = roomy_tolerance(radiometric, input, own);
   const auto attempt = [&](const std::optional<mtf::SceneSummary>& summary, double tolerance) {
     options.scene = summary;
     options.tolerance = tolerance;
-    return std::make_shared<const mtf::SensorPlan>(
+    const auto plan = std::make_shared<const mtf::SensorPlan>(
         mtf::compile_sensor(system, input.scene.grid, options, steps_of(radiometric)));
+    if (tolerance != loosened_) met_ = met;
+    return plan;
   };
   const double canvas = options.border == mtf::Border::reflect ? kRounding : kRoomCanvas;
-  const SceneDifficulty room{met_.storage * kRoomStorage, met_.canvas * canvas};
+  const SceneDifficulty room{met.storage * kRoomStorage, met.canvas * canvas};
   std::vector<double> with_room;  // tolerances, the one for more contrast first
   if (input.summary && roomy != own) with_room.push_back(roomy);
   if (input.summary) with_room.push_back(own);
@@ -134,11 +143,13 @@ std::shared_ptr<const mtf::SensorPlan> SequencePlanner::compile(const mtf::Syste
   try {
     return attempt(input.summary, own);
   } catch (const mtf::UnreachableTolerance& e) {
-    if (asked_ || !(e.reachable() < 1.0)) throw;
-    if (radiometric == nullptr || e.reachable() > radiometric->unseen_tolerance(own))
-      warnings.push_back("the default tolerance " + mtf::format_double(own) + " cannot be kept for this scene; " +
-                         significant(e.reachable(), 2) + " is used from here on");
+    if (!may_loosen_ || !(e.reachable() < 1.0)) throw;
+    if (asked_ || radiometric == nullptr || e.reachable() > radiometric->unseen_tolerance(own))
+      warnings.push_back("the " + std::string(asked_ ? "" : "default ") + "tolerance " + mtf::format_double(own) +
+                         " cannot be kept for this scene; " + significant(e.reachable(), 2) +
+                         " is used until one has twice the contrast");
     loosened_ = e.reachable();
+    loosened_for_ = difficulty(*input.summary);
   }
   return attempt(input.summary, loosened_);
 }
@@ -155,6 +166,7 @@ std::shared_ptr<const mtf::SensorPlan> SequencePlanner::plan_for(const mtf::io::
   const bool unchanged = filters_alike && same_system(plan_->system, system);
   const bool same_sensor = filters_alike && same_but_for_rate(plan_->system, system);
   if (!same_sensor || !same_values(scene_, sensor.scene)) loosened_ = 0.0;  // another sensor may keep its default
+  if (loosened_ > 0.0 && input.summary && easier_by_half(difficulty(*input.summary), loosened_for_)) loosened_ = 0.0;
   scene_ = sensor.scene;
   options.tolerance = std::max(options.tolerance, loosened_);
   // A uniform frame asks for no tolerance; equal ones may differ by rounding.

@@ -28,8 +28,8 @@ struct SceneDifficulty {
 
 class SequencePlanner {
  public:
-  /// Without a tolerance asked for, the default is loosened where a frame cannot keep it, with a warning, until the
-  /// sensor changes.
+  /// Without a tolerance asked for, or with one that may give way, it is loosened where a frame cannot keep it, with a
+  /// warning, until the sensor changes or a frame is easier by a factor of 2.
   SequencePlanner(const SimulateOptions& options, int threads);
 
   /// The plan of a frame; frames come in order. `radiometric`: of a sensor with a chain, else null. `warnings` gets
@@ -62,10 +62,11 @@ class SequencePlanner {
                                const SceneInput& input) const;
 
   mtf::PlanOptions base_;  ///< the same for all frames; its tolerance is the one asked for, or the default
-  bool asked_ = false;
+  bool asked_ = false, may_loosen_ = true;
   double loosened_ = 0.0;  ///< least tolerance that the sensor of plan_ keeps, where that is not its default; else 0
   mtf::io::SceneDefaults scene_;  ///< [scene] of that sensor
-  SceneDifficulty met_;           ///< the hardest of all frames so far
+  SceneDifficulty loosened_for_;  ///< the frame that needed it
+  SceneDifficulty met_;           ///< the hardest of all frames so far that kept their tolerance
   std::shared_ptr<const mtf::SensorPlan> plan_;
   std::shared_ptr<const radiometry::Chain> chain_;
   std::shared_ptr<const RadiometricChain> chain_radiometric_;  ///< that chain_ was made of,
