@@ -5,7 +5,7 @@
   make_layers.py OUT.exr [--width 640] [--height 512] [--step 1.6e-4] [--position 0,-40,6] [--look-at 0,0,1]
 
 Channels of the view layer `ViewLayer`: Depth.Z (distance along the optical axis, m), IndexMA.X (material index: 1 plane, 2 ball,
-0 nothing), Normal.X|Y|Z (axes of the scene), and temperature (K; 0 where only the material says it: the plane). The ball has a
+0 nothing), Normal.X|Y|Z (axes of the scene), and temperature.X (K; 0 where only the material says it: the plane). The ball has a
 radius of 1 m, stands at the origin, and is warm above and cold below. Needs nothing beside Python.
 """
 
@@ -48,7 +48,7 @@ def layers(width, height, step, position, look_at):
     ahead = unit([a - b for a, b in zip(look_at, position)])
     right = unit(cross(ahead, [0.0, 0.0, 1.0]))
     down = cross(ahead, right)
-    names = ["Depth.Z", "IndexMA.X", "Normal.X", "Normal.Y", "Normal.Z", "temperature"]
+    names = ["Depth.Z", "IndexMA.X", "Normal.X", "Normal.Y", "Normal.Z", "temperature.X"]
     rows = []
     for y in range(height):
         v = (y + 0.5 - 0.5 * height) * step

@@ -21,7 +21,7 @@ std::vector<std::string> usual_names(std::string_view role) {
   if (role == "material") return {"material", "IndexMA.X", "Material Index.X", "Material Index.V"};
   if (role == "normal.X" || role == "normal.Y" || role == "normal.Z")
     return {std::string(role), "N" + std::string(role.substr(1)), "Normal" + std::string(role.substr(6))};
-  return {std::string(role)};
+  return {std::string(role), std::string(role) + ".X", std::string(role) + ".V"};  // passes of one's own (AOV)
 }
 
 std::optional<std::string> channel_of(const LayerFile& from, const mtf::io::FileInfo& info, std::string_view role) {
