@@ -272,7 +272,7 @@ TEST_F(RenderCommand, TheBenchSaysErrorAgainstTime) {
   const Result made = scratch_.run("mtf bench scene.toml sensor.toml --rounds 1 -o bench --format json");
   ASSERT_EQ(made.status, 0) << made.err;
   const auto rows = nlohmann::json::parse(made.out).at("rows");
-  ASSERT_EQ(rows.size(), 9U);
+  ASSERT_EQ(rows.size(), 7U);
   double one = 0.0, four = 0.0, sixteen = 0.0;
   for (const auto& row : rows) {
     EXPECT_LE(row.at("tables_error"), row.at("promised"));
