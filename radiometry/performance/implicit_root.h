@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <type_traits>
 
 #include "mtf/math/special.h"
 
@@ -54,6 +55,16 @@ template <class G>
 double slope_at(const G& g, double x, double h) {
   const auto at = [&](double z) { return mtf::value_of(g(z)); };
   return (8.0 * (at(x + h) - at(x - h)) - (at(x + 2.0 * h) - at(x - 2.0 * h))) / (12.0 * h);
+}
+
+/// g at `moved`, whose value is x, with the derivatives that it has there: dg/dx comes from differences of h. Of plain
+/// numbers nothing but g(x) is worked out.
+template <class S, class G>
+S continued(const G& g, double x, const S& moved, double h) {
+  if constexpr (std::is_floating_point_v<S>)
+    return S(g(x));
+  else
+    return g(x) + S(slope_at(g, x, h)) * (moved - S(x));
 }
 
 /// The root x of g with its derivatives: `g_at_root` is g(x) with those by the parameters, `slope` dg/dx. Where the

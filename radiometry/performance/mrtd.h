@@ -64,7 +64,10 @@ template <class S, class Spectrum>
 S averaged_over(double w_mrad, const S& band_cy_mrad, const Spectrum& spectrum) {
   const double band = mtf::value_of(band_cy_mrad), end = w_mrad * band;  // in lobes
   const auto power = [&](double lobes) { return S(spectrum(lobes / w_mrad)); };
-  const auto window = [](double x) { return mtf::sinc(x).value * mtf::sinc(x).value; };
+  const auto window = [](double x) {
+    const double sinc = mtf::sinc(x).value;
+    return sinc * sinc;
+  };
   const double direct = end > 64.0 ? 32.0 : end;
   const auto windowed = [&](double x) { return S(S(window(x)) * power(x)); };
   S sum = integrate<S>(windowed, 0.0, direct, std::max(1, static_cast<int>(std::ceil(direct)))).value;

@@ -84,7 +84,7 @@ RangeFigures<S> range_figures(const Design<S>& design) {
   const auto both = [&](double f) { return radiometry::mrtd_2d_k<S>(f, mrtd(Axis::x), mrtd(Axis::y)); };
   // At half of Nyquist, which moves with pitch and focal length.
   const double middle = 0.5 * mtf::value_of(nyquist);
-  figures.mrtd_k = both(middle) + S(radiometry::slope_at(both, middle, 1e-3 * middle)) * (S(0.5) * nyquist - S(middle));
+  figures.mrtd_k = radiometry::continued(both, middle, S(S(0.5) * nyquist), 1e-3 * middle);
   const double cutoff = design.resolution.cutoff_cy_mm < mtf::kInfinity
                             ? mtf::value_of(system.frame.cy_per_mrad(S(design.resolution.cutoff_cy_mm)))
                             : 4.0 * mtf::value_of(nyquist);
@@ -94,7 +94,7 @@ RangeFigures<S> range_figures(const Design<S>& design) {
   const auto detected = [&](double w) {
     return radiometry::mdtd_k(in, w, S(cutoff), whole(Axis::x), whole(Axis::y), after(Axis::x), after(Axis::y));
   };
-  figures.mdtd_k = detected(square) + S(radiometry::slope_at(detected, square, 1e-3 * square)) * (width - S(square));
+  figures.mdtd_k = radiometry::continued(detected, square, width, 1e-3 * square);
   if (!c.contrast_k) return figures;
 
   constexpr std::array<double, 3> kN50{0.75, 3.0, 6.0};
