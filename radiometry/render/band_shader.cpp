@@ -197,6 +197,7 @@ std::size_t BandShader::shade(const VisibleSides& sides, const Point& camera, in
   mtf::parallel_for(static_cast<std::int64_t>(sides.size()), 1024, threads, [&](std::int64_t begin, std::int64_t end) {
     std::size_t here = 0;
     for (auto n = static_cast<std::size_t>(begin); n < static_cast<std::size_t>(end); ++n) {
+      if (!sides.shown(n)) continue;
       const scene::Point& centre = sides.facet(n).centre;
       const PathGrid::Cell cell = grid_.cell_at(std::sqrt(scene::length(centre - camera)), centre[2]);
       if (shaded_[n].finish != scene::kNone && shaded_[n].cell == cell) continue;

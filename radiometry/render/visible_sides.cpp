@@ -2,6 +2,7 @@
 #include "radiometry/render/visible_sides.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <mutex>
 
@@ -19,6 +20,7 @@ VisibleSides::VisibleSides(const RenderScene& scene, const Patches& patches, con
       options_(known.options_),
       number_(known.number_),
       side_(known.side_),
+      shown_(known.shown_),
       sun_cosine_(known.sun_cosine_),
       sun_share_(known.sun_share_),
       first_(known.first_),
@@ -29,19 +31,25 @@ VisibleSides::VisibleSides(const RenderScene& scene, const Patches& patches, con
   if (!same) set_sun(0);
 }
 
-/// In the order of sides, so that what lies together in space lies together here.
-std::vector<std::uint32_t> VisibleSides::unknown(const VisibleParts& parts) const {
+/// Those that have no number yet; the others are shown.
+std::vector<std::uint32_t> VisibleSides::unknown(const VisibleParts& parts) {
   std::vector<std::uint32_t> fresh;
+  std::fill(shown_.begin(), shown_.end(), std::uint8_t{0});
   std::mutex lock;
   mtf::parallel_for(static_cast<std::int64_t>(parts.band.size()), 1, options_.threads,
                     [&](std::int64_t begin, std::int64_t end) {
                       std::vector<std::uint32_t> here;
+                      const auto take = [&](std::uint32_t side) {
+                        const std::uint32_t number = number_[side];
+                        if (number == scene::kNone)
+                          here.push_back(side);
+                        else
+                          std::atomic_ref(shown_[number]).store(1, std::memory_order_relaxed);
+                      };
                       for (auto band = static_cast<std::size_t>(begin); band < static_cast<std::size_t>(end); ++band) {
                         for (const SamplePart& part : parts.band[band])
-                          if (part.side != scene::kNone && number_[part.side] == scene::kNone)
-                            here.push_back(part.side);
-                        for (const SampleRun& run : parts.runs[band])
-                          if (number_[run.side] == scene::kNone) here.push_back(run.side);
+                          if (part.side != scene::kNone) take(part.side);
+                        for (const SampleRun& run : parts.runs[band]) take(run.side);
                       }
                       if (here.empty()) return;
                       std::sort(here.begin(), here.end());
@@ -55,13 +63,19 @@ std::vector<std::uint32_t> VisibleSides::unknown(const VisibleParts& parts) cons
 std::size_t VisibleSides::add(const VisibleParts& parts) { return add(unknown(parts)); }
 
 std::size_t VisibleSides::add(std::vector<std::uint32_t> fresh) {
-  std::erase_if(fresh, [&](std::uint32_t side) { return side == scene::kNone || number_[side] != scene::kNone; });
+  std::erase_if(fresh, [&](std::uint32_t side) {
+    if (side != scene::kNone && number_[side] == scene::kNone) return false;
+    if (side != scene::kNone) shown_[number_[side]] = 1;
+    return true;
+  });
+  // In the order of sides, so that what lies together in space lies together here.
   std::sort(fresh.begin(), fresh.end());
   fresh.erase(std::unique(fresh.begin(), fresh.end()), fresh.end());
   for (const std::uint32_t side : fresh) {
     number_[side] = static_cast<std::uint32_t>(side_.size());
     side_.push_back(side);
   }
+  shown_.resize(side_.size(), 1);
   std::vector<scene::Side> sides;
   for (const std::uint32_t side : fresh) sides.push_back({side / 2, side % 2 == 1});
   set_sun(side_.size() - fresh.size());

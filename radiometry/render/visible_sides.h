@@ -22,9 +22,9 @@ class VisibleSides {
   /// Those that `known` has, of the same facets and patches, in the sun of `scene`.
   VisibleSides(const RenderScene& scene, const Patches& patches, const VisibleSides& known);
 
-  /// Numbers the sides of these parts that are new; returns how many.
+  /// Numbers the sides of these parts that are new; returns how many. They are those that are shown now.
   std::size_t add(const VisibleParts& parts);
-  /// The same of single sides (kNone: none).
+  /// The same of single sides (kNone: none), which are shown beside them.
   std::size_t add(std::vector<std::uint32_t> sides);
 
   std::size_t size() const { return side_.size(); }
@@ -32,6 +32,8 @@ class VisibleSides {
   std::uint32_t number(std::uint32_t side) const { return number_[side]; }
   /// Of each side of the scene; kNone of those that were not added.
   std::span<const std::uint32_t> numbers() const { return number_; }
+  /// False for sides that earlier frames alone showed.
+  bool shown(std::size_t number) const { return shown_[number] != 0; }
   std::uint32_t side(std::size_t number) const { return side_[number]; }
   const scene::Facet& facet(std::size_t number) const { return scene_.facets().facet[side_[number] / 2]; }
   float sun_cosine(std::size_t number) const { return sun_cosine_[number]; }
@@ -49,7 +51,7 @@ class VisibleSides {
   }
 
  private:
-  std::vector<std::uint32_t> unknown(const VisibleParts& parts) const;
+  std::vector<std::uint32_t> unknown(const VisibleParts& parts);
   /// The sun on the sides from number `first` on.
   void set_sun(std::size_t first);
   void add_views(std::span<const scene::Side> fresh);
@@ -58,6 +60,7 @@ class VisibleSides {
   const Patches& patches_;
   Options options_;
   std::vector<std::uint32_t> number_, side_;
+  std::vector<std::uint8_t> shown_;  ///< by number
   std::vector<float> sun_cosine_, sun_share_;
   std::vector<std::size_t> first_{0};
   std::vector<std::uint32_t> source_;

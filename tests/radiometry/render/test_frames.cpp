@@ -58,6 +58,24 @@ TEST(Renderer, ACameraThatRisesSeesWhatOneThereSees) {
   }
 }
 
+// A camera that rises and turns away from half of the wall: only the other half is worked out for the new height.
+TEST(Renderer, WhatIsNoLongerShownIsNotShaded) {
+  const SmallScene made = distant();
+  const auto towards = [](double y, double height_m) {
+    return camera({.position = {600, 0, height_m}, .look_at = {800, y, 25}}, 64, 48, 0.003);
+  };
+  Renderer flying(made.scene, {lwir()}, {.points = 1});
+  flying.render(towards(-30.0, 30.0));
+  flying.render(towards(30.0, 31.0));
+  const RenderedFrame both = flying.render(camera({.position = {500, 0, 32}, .look_at = {800, 0, 25}}, 128, 48, 0.004)),
+                      half = flying.render(towards(30.0, 33.0));
+  EXPECT_EQ(both.shaded, both.sides);
+  EXPECT_LT(half.shaded, both.shaded);
+  EXPECT_GT(half.shaded, 4u);
+  const RenderedFrame there = Renderer(made.scene, {lwir()}, {.points = 1}).render(towards(30.0, 33.0));
+  EXPECT_LT(largest_difference(half.radiance[0], there.radiance[0]), 1e-3);
+}
+
 // The ground beyond the facets, warm under clear air, for a camera that sinks to it.
 TEST(Renderer, ACameraThatSinksSeesTheGroundThroughItsAir) {
   SmallScene made = distant();
