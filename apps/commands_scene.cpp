@@ -203,7 +203,9 @@ Command fly_command() {
            within("--light-every", options.light_every_s, 1e-3, 1e9));
   add_sampling(app, options.sampling);
   add_flag(app, "--no-air", "surfaces alone, for sensors that bring a path of their own", options.no_air);
-  add_word(app, "--tolerance", "X", "rms error of the sensor's filters, as for mtf simulate",
+  add_word(app, "--tolerance", "X",
+           "rms error of the filters, as for mtf simulate; frames of less contrast than the first may miss it, with a "
+           "warning",
            [&](const std::string& text) {
              options.image.tolerance = number("--tolerance", text);
              if (!(*options.image.tolerance > 0.0 && *options.image.tolerance < 1.0))

@@ -43,7 +43,9 @@ struct SimulateOptions {
   /// --tolerance: rms error of the mean image that is allowed, as a share of the standard deviation of the scene; in
   /// (0, 1). Without one 1e-4 (of a converter a tenth of a count), or with a warning the least that can be kept.
   std::optional<double> tolerance{};
-  bool loosen = false;  ///< a tolerance that was asked for gives way with a warning too, as the default does
+  /// Of images that follow one another: the tolerance that was asked for gives way, with a warning, where the first
+  /// image kept it and a later one cannot.
+  bool loosen = false;
   NanPolicy nan = NanPolicy::refuse;  ///< --nan: pixels of the scene that are NaN or infinite
   bool measure = false;               ///< --rigor measure: the plan is chosen by timing, not by a model of cost
   /// --stage: place in the chain of a sensor with [detector] whose image is wanted; default: its end.

@@ -43,6 +43,8 @@ def main():
     scene.cycles.samples, scene.cycles.use_denoising = 1, False
     scene.cycles.pixel_filter_type, scene.cycles.filter_width = "BLACKMAN_HARRIS", 0.01
 
+    render.use_motion_blur = render.use_border = render.use_sequencer = False
+
     layer = bpy.context.view_layer
     layer.use_pass_z = layer.use_pass_material_index = layer.use_pass_normal = True
     if any(has_temperature(m) for m in bpy.data.materials) and "temperature" not in layer.aovs:
@@ -53,8 +55,11 @@ def main():
     render.filepath = a.out
     bpy.ops.render.render(write_still=True)
 
+    turn = scene.camera.matrix_world.to_3x3()
+    if abs((turn @ Vector((1.0, 0.0, 0.0))).z) > 1e-6:
+        print("The camera is rolled: write up = [%.9g, %.9g, %.9g] into [camera]" % tuple(turn @ Vector((0.0, 1.0, 0.0))))
     place = scene.camera.matrix_world.translation
-    ahead = place + 100.0 * (scene.camera.matrix_world.to_3x3() @ Vector((0.0, 0.0, -1.0)))
+    ahead = place + 100.0 * (turn @ Vector((0.0, 0.0, -1.0)))
     words = [",".join(f"{x:.9g}" for x in v) for v in (place, ahead)]
     print(f"mtf render scene.toml sensor.toml --from {a.out} --materials materials.csv"
           f" --position={words[0]} --look-at={words[1]} -o picture.exr")
@@ -62,7 +67,8 @@ def main():
 
 def has_temperature(material):
     nodes = material.node_tree.nodes if material.use_nodes else []
-    return any(node.type == "OUTPUT_AOV" and node.name == "temperature" for node in nodes)
+    # Blender 4.2 and later keep the name of the pass apart from that of the node.
+    return any(node.type == "OUTPUT_AOV" and getattr(node, "aov_name", node.name) == "temperature" for node in nodes)
 
 
 main()

@@ -39,7 +39,8 @@ class BandShader {
   /// before. The tables of the first height are its own. A camera that leaves it gets those of two heights about it, as
   /// far apart as keeps the promise below kBetweenHeights, at least 12 m, and straight lines between them.
   bool prepare(double camera_height_m, const PathExtent& extent, int threads = 0);
-  /// The values of the sides that are shown, for this camera; only of those whose cell or tables changed. Returns how many.
+  /// The values of the sides that are shown, for this camera; only of those whose cell or tables changed. Returns how
+  /// many.
   std::size_t shade(const VisibleSides& sides, const Point& camera, int threads);
   /// The radiance of each sample. Unless shadows were found (`lit` of parts and runs) sides are lit by the share of
   /// them that is in the sun. `mirrors`: of the parts whose radiance depends on the angle (angles/), where there are

@@ -3,7 +3,7 @@
 
 // Rays in one direction, as shadow rays to the sun are, in packets of 16 that Embree takes as they are: in single
 // precision about the middle of the scene, without the checks and the distances in double precision of rays.h, for
-// frames of a million rays. The same triangles are met as there.
+// many rays at a time. The same triangles are met as there.
 
 #include <cstdint>
 #include <span>

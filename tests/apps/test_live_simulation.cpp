@@ -211,7 +211,18 @@ TEST_F(LiveSimulation, AFrameWithoutContrastLeavesTheToleranceToTheNext) {
     EXPECT_EQ(live.plan().options.tolerance, 1e-3);
     EXPECT_TRUE(live.warnings().empty());
     EXPECT_EQ(live.plans_compiled(), 3);
+    // Contrast that fades to 3e-4 in 50 frames takes a plan for each factor of 2 or somewhat less.
+    std::size_t warned = 0;
+    double amplitude = 5.0;
+    for (int frame = 5; frame < 55; ++frame, amplitude *= 0.85) {
+      live.image(of_contrast(amplitude), shown, frame);
+      warned += live.warnings().size();
+    }
+    EXPECT_LE(live.plans_compiled(), 20);
+    EXPECT_LE(warned, 6u);
   }
+  apps::LiveSimulation never({.tolerance = 1e-12, .loosen = true});
+  EXPECT_THROW(never.image(of_contrast(5.0), shown, 0), mtf::UnreachableTolerance);
 }
 
 TEST_F(LiveSimulation, AFailedImageLeavesNothingToTheNext) {

@@ -58,11 +58,13 @@ void require_image_name(const std::string& name) {
   throw mtf::UsageError("-o: " + one_line(name) + ": frames are .exr, .png or .tif files");
 }
 
-/// The error that is being handled, of a frame, with the number and time of its frame, and what is finished.
+/// The error that is being handled, with the number and time of its frame, and what is finished.
 [[noreturn]] void rethrow(const Course& course, std::int64_t frame, std::size_t done) {
   const std::string where = "frame " + std::to_string(frame) + " (" + significant(course.seconds_of(frame), 6) +
                             " s of the flight, " + radiometry::heat::instant_text(course.utc_of(frame)) + "): ";
-  const std::string left = done > 0 ? "; the " + std::to_string(done) + " frames before it are finished" : "";
+  const std::string left = done == 0   ? ""
+                           : done == 1 ? "; the first frame is finished"
+                                       : "; the first " + std::to_string(done) + " frames are finished";
   try {
     throw;
   } catch (const mtf::UsageError& error) {
@@ -72,10 +74,11 @@ void require_image_name(const std::string& name) {
   }
 }
 
-/// All places of the path, so that a flight does not end in the middle.
-void require_places(const Course& course, const Flight& flight) {
+/// All places of the path, so that no flight ends in the middle for one of them.
+void require_places(const Course& course, const Flight& flight, const StopInGoodOrder& interrupt) {
   if (!course.file.camera->path) return;
   for (const std::int64_t frame : course.frames) try {
+      if (interrupt.asked()) return;
       flight.require_place(course.place_of(frame));
     } catch (const mtf::Error&) {
       rethrow(course, frame, 1);
@@ -241,7 +244,7 @@ int run_fly(const FlyCommandOptions& options, const Global& global) {
                     .begin_s = course.utc_of(first),
                     .end_s = course.utc_of(last)};
   how.image.threads = global.threads;
-  how.image.loosen = true;  // a frame without contrast does not end the flight
+  how.image.loosen = true;  // a frame of little contrast does not end the flight
   Flight flight(source, file, air, how);
 
   mtf::io::ScheduledSensor now(config, schedule), ahead(config, schedule);
@@ -255,7 +258,7 @@ int run_fly(const FlyCommandOptions& options, const Global& global) {
   WrittenValues values;
   IntegerRange scale;
   FlightFrame frame;
-  double first_ms = 0.0;
+  double first_ms = 0.0, loosest = 0.0;
   Stopwatch running;
   std::size_t done = 0, lights = 0, late = 0;
   for (std::size_t i = 0; i < course.frames.size() && !interrupt.asked(); ++i) {
@@ -285,12 +288,13 @@ int run_fly(const FlyCommandOptions& options, const Global& global) {
         return write_frame(options.image, file_name, outputs, image, range);
       });
     ++done;
+    loosest = std::max(loosest, frame.tolerance);
     lights += frame.new_light ? 1 : 0;
     if (i == 0) {
       first_ms = all.ms();
       if (writing.valid()) values.take(writing.get());
       interrupt.keep();
-      require_places(course, flight);
+      require_places(course, flight, interrupt);
       running = Stopwatch();
       continue;
     }
@@ -303,7 +307,9 @@ int run_fly(const FlyCommandOptions& options, const Global& global) {
   if (writing.valid()) values.take(writing.get());
   const double fps = done > 1 ? 1e3 * static_cast<double>(done - 1) / running.ms() : 0.0;
   const std::vector<std::string> left = left_out(source, flight, frame, lights, late);
-  const nlohmann::json json = json_of(times, done, first_ms, flight, frame, left);
+  nlohmann::json json = json_of(times, done, first_ms, flight, frame, left);
+  json["tolerance"] = {{"asked", options.image.tolerance ? nlohmann::json(*options.image.tolerance) : nullptr},
+                       {"largest", loosest}};
   if (!options.report.empty()) emit(options.report, json.dump(2) + "\n");
   if (options.json) {
     print(json.dump(2) + "\n");

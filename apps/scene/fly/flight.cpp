@@ -71,6 +71,7 @@ struct Flight::State {
   std::unique_ptr<Light> made(const LightKey& key, const PictureSensor& sensor,
                               const std::shared_ptr<const render::Renderer::Known>& views);
   void require_time(double utc_s) const;
+  render::Camera camera(const PictureSensor& sensor, const CameraPlace& place) const;
   void set_light(const KnownSensor& sensor, double utc_s, FlightFrame& frame);
 };
 
@@ -108,6 +109,14 @@ void Flight::State::require_time(double utc_s) const {
   throw mtf::UsageError("a frame at " + instant_text(utc_s) + " is outside of its flight, which goes from " +
                         instant_text(options.begin_s) + " to " + instant_text(options.end_s) +
                         "; state begin_s and end_s");
+}
+
+render::Camera Flight::State::camera(const PictureSensor& sensor, const CameraPlace& place) const {
+  return picture_camera(sensor,
+                        {.position = place.position_m,
+                         .look_at = place.look_at_m,
+                         .up = file.camera ? file.camera->up : radiometry::scene::Vector{0.0, 0.0, 1.0}},
+                        options.samples_per_pitch);
 }
 
 void Flight::State::set_light(const KnownSensor& sensor, double utc_s, FlightFrame& frame) {
@@ -169,12 +178,7 @@ FlightFrame Flight::frame(const Sensor& sensor, const CameraPlace& place, double
   }
   out.timing_ms.emplace_back("temperatures", temperatures.ms());
   require_above_ground(light.scene, place.position_m);
-  const render::Camera camera =
-      picture_camera(known.picture,
-                     {.position = place.position_m,
-                      .look_at = place.look_at_m,
-                      .up = state.file.camera ? state.file.camera->up : radiometry::scene::Vector{0.0, 0.0, 1.0}},
-                     state.options.samples_per_pitch);
+  const render::Camera camera = state.camera(known.picture, place);
   render::RenderedFrame frame = light.renderer->render(camera);
   out.timing_ms.insert(out.timing_ms.end(), frame.timing_ms.begin(), frame.timing_ms.end());
   out.promised = frame.promised.front();
@@ -187,6 +191,7 @@ FlightFrame Flight::frame(const Sensor& sensor, const CameraPlace& place, double
   const bool has_air = light.scene.scene.air.has_value();
   out.image = state.simulation.image(scene_of(std::move(frame), known.picture, camera, metadata),
                                      has_air ? known.without_air : known.sensor, number);
+  out.tolerance = state.simulation.plan().options.tolerance;
   out.warnings = state.simulation.warnings();
   if (out.new_light) out.warnings.insert(out.warnings.end(), light.scene.warnings.begin(), light.scene.warnings.end());
   out.timing_ms.emplace_back("sensor", imaging.ms());
@@ -195,6 +200,7 @@ FlightFrame Flight::frame(const Sensor& sensor, const CameraPlace& place, double
 
 void Flight::require_place(const CameraPlace& place) const {
   if (!state_->light) throw mtf::UsageError("a flight knows no places before its first frame");
+  state_->camera(state_->last_sensor->picture, place);
   require_above_ground(state_->light->scene, place.position_m);
   render::require_outside(state_->light->scene.scene, place.position_m);
 }

@@ -35,6 +35,7 @@ struct FlightFrame {
   std::vector<std::string> warnings{};
   std::vector<std::pair<std::string, double>> timing_ms{};
   double promised = 0.0;                 ///< relative error of the radiance (RenderedFrame)
+  double tolerance = 0.0;                ///< of the filters, which the image keeps
   std::size_t sides = 0, shaded = 0;     ///< seen so far; worked out for this frame
   bool new_light = false, late = false;  ///< light was made anew; and not ready before the frame
 };
@@ -54,7 +55,8 @@ class Flight {
   /// Throws mtf::UsageError as picture_sensor, PictureSource::at, Renderer::render and LiveSimulation::image.
   FlightFrame frame(const Sensor& sensor, const CameraPlace& place, double utc_s, std::int64_t number);
 
-  /// Throws as frame() would for a camera below the ground or inside a solid. Once there was a frame.
+  /// Throws as frame() would, with the sensor of the last frame, for a camera that stands below the ground or inside a
+  /// solid, or has no line of sight. Once there was a frame.
   void require_place(const CameraPlace& place) const;
 
   const std::vector<std::pair<std::string, std::string>>& closures() const;  ///< of the last frame

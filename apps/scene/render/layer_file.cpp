@@ -15,9 +15,10 @@
 namespace apps::scene {
 namespace {
 
-/// Names that renderers give: the whole name, or its end after a layer ("ViewLayer.Depth.Z").
+/// Names that renderers give: the whole name, or its end after a layer ("ViewLayer.Depth.Z"). Z alone is no end, as
+/// that of a normal.
 std::vector<std::string> usual_names(std::string_view role) {
-  if (role == "depth") return {"Z", "Depth.Z", "Depth.V"};
+  if (role == "depth") return {"Depth.Z", "Depth.V", "Z"};
   if (role == "material") return {"material", "IndexMA.X", "Material Index.X", "Material Index.V"};
   if (role == "normal.X" || role == "normal.Y" || role == "normal.Z")
     return {std::string(role), "N" + std::string(role.substr(1)), "Normal" + std::string(role.substr(6))};
@@ -29,7 +30,7 @@ std::optional<std::string> channel_of(const LayerFile& from, const mtf::io::File
   const std::vector<std::string> names = given != from.channels.end() ? std::vector{given->second} : usual_names(role);
   for (const std::string& name : names)
     for (const mtf::io::ChannelInfo& channel : info.channels)
-      if (channel.name == name || channel.name.ends_with("." + name)) return channel.name;
+      if (channel.name == name || (name != "Z" && channel.name.ends_with("." + name))) return channel.name;
   if (given == from.channels.end()) return std::nullopt;
   throw mtf::UsageError("--channel " + std::string(role) + "=" + one_line(given->second) + ": " + one_line(from.file) +
                         " has no such channel");

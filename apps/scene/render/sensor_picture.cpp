@@ -22,6 +22,11 @@ Quantity quantity_of(const PictureSensor& sensor) {
   return sensor.band.curves.flux == radiometry::Flux::watts ? Quantity::radiance : Quantity::photon_radiance;
 }
 
+/// Three numbers in the scene's frame, m for places.
+std::string words_of(const std::array<double, 3>& v) {
+  return mtf::format_double(v[0]) + " " + mtf::format_double(v[1]) + " " + mtf::format_double(v[2]);
+}
+
 }  // namespace
 
 PictureSensor picture_sensor(const mtf::io::SensorConfig& config, PictureQuantity quantity) {
@@ -112,15 +117,6 @@ void require_same_view(std::span<const PictureSensor> sensors, std::span<const r
                           words(s) + "; change focal_length, pitch or format, or render them one by one");
   }
 }
-
-namespace {
-
-/// Three numbers in the scene's frame, m for places.
-std::string words_of(const std::array<double, 3>& v) {
-  return mtf::format_double(v[0]) + " " + mtf::format_double(v[1]) + " " + mtf::format_double(v[2]);
-}
-
-}  // namespace
 
 mtf::io::Metadata picture_metadata(const SceneFile& file, const PictureScene& scene, const PictureSensor& sensor,
                                    const radiometry::render::Camera& camera,

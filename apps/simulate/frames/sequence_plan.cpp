@@ -2,6 +2,7 @@
 #include "apps/simulate/frames/sequence_plan.h"
 
 #include <algorithm>
+#include <numeric>
 
 #include "apps/sensor/sensor_place.h"
 #include "apps/simulate/simulate_parts.h"
@@ -126,9 +127,11 @@ std::shared_ptr<const mtf::SensorPlan> SequencePlanner::compile(const mtf::Syste
   const auto attempt = [&](const std::optional<mtf::SceneSummary>& summary, double tolerance) {
     options.scene = summary;
     options.tolerance = tolerance;
-    const auto plan = std::make_shared<const mtf::SensorPlan>(
+    return std::make_shared<const mtf::SensorPlan>(
         mtf::compile_sensor(system, input.scene.grid, options, steps_of(radiometric)));
-    if (tolerance != loosened_) met_ = met;
+  };
+  const auto kept = [&](std::shared_ptr<const mtf::SensorPlan> plan) {
+    met_ = met;
     return plan;
   };
   const double canvas = options.border == mtf::Border::reflect ? kRounding : kRoomCanvas;
@@ -137,21 +140,31 @@ std::shared_ptr<const mtf::SensorPlan> SequencePlanner::compile(const mtf::Syste
   if (input.summary && roomy != own) with_room.push_back(roomy);
   if (input.summary) with_room.push_back(own);
   for (const double tolerance : with_room) try {
-      return attempt(summary_of(room, input.summary->std), tolerance);
+      return kept(attempt(summary_of(room, input.summary->std), tolerance));
     } catch (const mtf::UnreachableTolerance&) {  // there is less room
     }
   try {
-    return attempt(input.summary, own);
+    return kept(attempt(input.summary, own));
   } catch (const mtf::UnreachableTolerance& e) {
-    if (!may_loosen_ || !(e.reachable() < 1.0)) throw;
-    if (asked_ || radiometric == nullptr || e.reachable() > radiometric->unseen_tolerance(own))
-      warnings.push_back("the " + std::string(asked_ ? "" : "default ") + "tolerance " + mtf::format_double(own) +
-                         " cannot be kept for this scene; " + significant(e.reachable(), 2) +
-                         " is used until one has twice the contrast");
-    loosened_ = e.reachable();
+    // What was asked for gives way to single frames, not to all of them.
+    if (!may_loosen_ || (asked_ && plan_ == nullptr) || !(e.reachable() < 1.0)) throw;
     loosened_for_ = difficulty(*input.summary);
+    // Room for contrast that fades on.
+    loosened_ = std::min(kRoomStorage * e.reachable(), std::midpoint(e.reachable(), 1.0));
+    const SceneDifficulty fading{loosened_for_.storage * kRoomStorage, loosened_for_.canvas};
+    std::shared_ptr<const mtf::SensorPlan> plan;
+    try {
+      plan = attempt(summary_of(fading, input.summary->std), loosened_);
+    } catch (const mtf::UnreachableTolerance&) {
+      loosened_ = e.reachable();
+      plan = attempt(input.summary, loosened_);
+    }
+    if (asked_ || radiometric == nullptr || loosened_ > radiometric->unseen_tolerance(own))
+      warnings.push_back("the " + std::string(asked_ ? "" : "default ") + "tolerance " + mtf::format_double(own) +
+                         " cannot be kept for this scene; " + significant(loosened_, 2) +
+                         " is used until one has twice the contrast");
+    return plan;
   }
-  return attempt(input.summary, loosened_);
 }
 
 std::shared_ptr<const mtf::SensorPlan> SequencePlanner::plan_for(const mtf::io::SensorConfig& sensor,

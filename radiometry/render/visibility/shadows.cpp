@@ -135,7 +135,10 @@ std::size_t find_shadows(const RenderScene& scene, const VisibleSides& sides, co
       if (known(part.side) == InSun::partly) part.lit = *answer++ != 0;
     runs = std::move(whole);
     answer = lit.begin();
-    for (const SampleRun& run : asked) split(run, &*answer, runs), answer += run.samples;
+    for (const SampleRun& run : asked) {
+      split(run, &*answer, runs);
+      answer += run.samples;
+    }
   };
   mtf::parallel_for(static_cast<std::int64_t>(parts.band.size()), 1, threads,
                     [&](std::int64_t begin, std::int64_t end) {

@@ -3,7 +3,6 @@
 
 #include <cmath>
 #include <limits>
-#include <optional>
 
 #include "mtf/engines/simd.h"
 #include "mtf/parallel.h"
@@ -16,7 +15,8 @@ namespace simd = mtf::simd;
 using Place = SunPicture::Place;
 using Lines = SidesInSun::Lines;
 
-constexpr std::size_t kMostLines = 512;  // with more of them a ray takes less time
+constexpr std::size_t kMostLines = 512;     // with more of them a ray takes less time
+constexpr std::size_t kMostEnds = 1 << 27;  // 512 MiB; sides that come after them are left to rays
 
 double cross(const Place& a, const Place& b) { return a[0] * b[1] - a[1] * b[0]; }
 Place operator-(const Place& a, const Place& b) { return {a[0] - b[0], a[1] - b[1]}; }
@@ -28,7 +28,8 @@ class Target {
   Target(const scene::Facets& facets, const SunPicture& picture, std::uint32_t facet, double slack) : slack_(slack) {
     const std::uint64_t first = facets.first[facet], last = facets.first[facet + 1];
     for (std::uint64_t t = first; t < last; ++t)
-      for (const std::uint32_t vertex : facets.triangles[t]) box_.take(picture.place(vertex));
+      for (const std::uint32_t vertex : facets.triangles[t]) box_.take(picture.place(vertex)), own_.push_back(vertex);
+    std::sort(own_.begin(), own_.end());
     for (std::size_t axis = 0; axis < 2; ++axis) {
       HalfPlane at_least{}, at_most{};
       at_least.normal[axis] = 1.0, at_least.rest = -box_.low[axis];
@@ -55,7 +56,7 @@ class Target {
       }
   }
   const SunPicture::Box& box() const { return box_; }
-  double width() const { return std::min(box_.high[0] - box_.low[0], box_.high[1] - box_.low[1]); }
+  bool has_corner(std::uint32_t vertex) const { return std::binary_search(own_.begin(), own_.end(), vertex); }
   /// Whether a line comes further into it than the slack.
   bool meets(const Place& a, const Place& b) const {
     double from = 0.0, to = 1.0;
@@ -77,6 +78,7 @@ class Target {
   double slack_;
   SunPicture::Box box_ = SunPicture::Box::none();
   std::vector<HalfPlane> bound_;
+  std::vector<std::uint32_t> own_{};  ///< vertices, sorted
 };
 
 struct Line {
@@ -89,16 +91,16 @@ class Above {
   Above(const scene::Facets& facets, const SunPicture& picture, std::uint32_t triangle, double lift_m)
       : number_(facets.triangles[triangle]), picture_(picture), triangle_(triangle), lift_m_(lift_m) {}
 
-  /// False where all of it is below.
-  bool rises(const scene::Facets& facets, const Vector& up, const Point& on) {
+  /// False where all of it is below. Corners of the side itself are on its plane, though the facet is flat to rounding
+  /// of its coordinates only: no line stands for the edges that triangles share with it.
+  bool rises(const scene::Facets& facets, const Vector& up, const Point& on, const Target& side) {
     bool any = false;
     for (std::size_t k = 0; k < 3; ++k) {
-      height_[k] = scene::dot(up, facets.vertices[number_[k]] - on);
+      height_[k] = side.has_corner(number_[k]) ? 0.0 : scene::dot(up, facets.vertices[number_[k]] - on);
       any = any || above(k);
     }
     if (!any) return false;
-    const Place &a = place(0), &b = place(1), &c = place(2);
-    faces_ = cross(b - a, c - a) > 0.0;
+    faces_ = picture_.faces(triangle_);
     return true;
   }
 
@@ -177,6 +179,17 @@ double area(const scene::Facets& facets, const SunPicture& picture, std::uint64_
   return std::abs(cross(picture.place(b) - picture.place(a), picture.place(c) - picture.place(a)));
 }
 
+/// Across the longest edge.
+double width_of(const scene::Facets& facets, const SunPicture& picture, std::uint64_t triangle) {
+  double longest = 0.0;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const auto& number = facets.triangles[triangle];
+    const Place edge = picture.place(number[(k + 1) % 3]) - picture.place(number[k]);
+    longest = std::max(longest, std::hypot(edge[0], edge[1]));
+  }
+  return area(facets, picture, triangle) / longest;
+}
+
 /// The signs of three cross products tell whether the way from c to the place crosses a line, and in which direction.
 struct CountCovers {
   template <int Bytes>
@@ -191,7 +204,9 @@ struct CountCovers {
                      bx = simd::load<Floats>(ends + 2 * Lines::kBlock + k),
                      by = simd::load<Floats>(ends + 3 * Lines::kBlock + k);
         const Floats a = x * ay - y * ax, b = x * by - y * bx;  // on which side of the way the ends are
-        const Floats at_c = ax * by - ay * bx, at_p = at_c + a - b;
+        const Floats along_x = bx - ax, along_y = by - ay;
+        // Not ax by - ay bx: far from c that would cancel.
+        const Floats at_c = ax * along_y - ay * along_x, at_p = at_c + y * along_x - x * along_y;
         const Ints across = (a < 0.0F) ^ (b < 0.0F);
         sum += across & ((at_p < 0.0F) - (at_c < 0.0F));  // true is -1
       }
@@ -202,27 +217,29 @@ struct CountCovers {
 }  // namespace
 
 SidesInSun::SidesInSun(const scene::Facets& facets, const Vector& to_sun, double lift_m, int threads)
-    : facets_(&facets), lift_m_(lift_m), picture_(facets, to_sun, threads) {}
+    : facets_(&facets), lift_m_(lift_m), picture_(std::make_shared<const SunPicture>(facets, to_sun, threads)) {}
 
 SidesInSun::Lines SidesInSun::find(scene::Side side) const {
   const scene::Facet& facet = facets_->facet[side.facet];
+  const SunPicture& picture = *picture_;
   const Vector up = (side.back ? -1.0 : 1.0) * facet.normal;
   const double slack = 0x1p-10 * lift_m_;  // edges that are shared are worked out alike but for rounding
-  const Target target(*facets_, picture_, side.facet, slack);
+  const Target target(*facets_, picture, side.facet, slack);
   Lines found;
-  if (!(target.width() > 4.0 * lift_m_)) return found;
   std::uint64_t largest = facets_->first[side.facet];
   for (std::uint64_t t = largest; t < facets_->first[side.facet + 1]; ++t)
-    if (area(*facets_, picture_, t) > area(*facets_, picture_, largest)) largest = t;
+    if (area(*facets_, picture, t) > area(*facets_, picture, largest)) largest = t;
+  const double width = width_of(*facets_, picture, largest);
+  if (!(width > 4.0 * lift_m_)) return found;
   for (int which = 0; which < 3; ++which) {
-    found.c = inside(*facets_, picture_, largest, which);
+    found.c = inside(*facets_, picture, largest, which);
     found.covers = 0;
     std::vector<Line> lines;
     double margin = std::numeric_limits<double>::infinity();  // from c to the lines
-    picture_.visit(target.box(), [&](std::uint32_t triangle) {
+    picture.visit(target.box(), [&](std::uint32_t triangle) {
       if (facets_->facet_of[triangle] == side.facet) return true;
-      Above above(*facets_, picture_, triangle, lift_m_);
-      if (!above.rises(*facets_, up, facet.centre)) return true;
+      Above above(*facets_, picture, triangle, lift_m_);
+      if (!above.rises(*facets_, up, facet.centre, target)) return true;
       found.covers += above.covers(found.c) ? 1 : 0;
       above.lines([&](const Line& line) {
         if (!target.meets(line.from, line.to)) return;
@@ -238,7 +255,7 @@ SidesInSun::Lines SidesInSun::find(scene::Side side) const {
       found.in_sun = found.covers > 0 ? InSun::nowhere : InSun::wholly;
       return found;
     }
-    if (!(margin > 1e-5 * target.width())) continue;
+    if (!(margin > 1e-5 * width)) continue;
     found.in_sun = InSun::partly;
     found.ends.assign((lines.size() + Lines::kBlock - 1) / Lines::kBlock * 4 * Lines::kBlock, 0.0F);
     for (std::size_t i = 0; i < lines.size(); ++i) {
@@ -260,9 +277,12 @@ void SidesInSun::add(const VisibleSides& sides, int threads) {
       if (const std::uint32_t side = sides.side(begin_at + i); sides.sun_cosine(begin_at + i) > 0.0F)
         fresh[i] = find({side / 2, side % 2 == 1});
   });
+  known_.reserve(sides.size());
   for (const Lines& one : fresh) {
-    known_.push_back({one.in_sun, one.covers, one.c, ends_.size(), one.ends.size() / (4 * Lines::kBlock)});
-    ends_.insert(ends_.end(), one.ends.begin(), one.ends.end());
+    const bool room = ends_.size() + one.ends.size() <= kMostEnds;
+    known_.push_back({room || one.ends.empty() ? one.in_sun : InSun::unknown, one.covers, one.c, ends_.size(),
+                      one.ends.size() / (4 * Lines::kBlock)});
+    if (room) ends_.insert(ends_.end(), one.ends.begin(), one.ends.end());
   }
 }
 

@@ -7,13 +7,14 @@
 // above the plane of the side there. How many do is a winding number (Edelsbrunner, "Geometry and Topology for Mesh
 // Generation", 2001, section 1.1): once it is known at one place c of the side, it is known at every other place p from
 // the lines that the way from c to p crosses. These lines are the outlines of what is above the plane, and where
-// triangles go through the plane. All of it is found in double precision from the triangles whose boxes meet that of
-// the side, when the side is first seen.
+// triangles go through the plane. They are found in double precision from the triangles whose boxes meet that of the
+// side, when the side is first seen, and kept in single precision from c: they are off by some 1e-7 of the distance.
 //
 // Most sides have no such line: they are in the sun, or in the shadow, as a whole. The others keep theirs, a few dozen
-// as a rule; a place then takes some ten nanoseconds, where a ray takes some hundred. What lies within the lift of
+// as a rule; a place then takes some tens of nanoseconds, where a ray takes some hundreds. What lies within the lift of
 // shadow rays above the plane throws no shadow on it.
 
+#include <memory>
 #include <span>
 
 #include "radiometry/render/visibility/sun_picture.h"
@@ -21,7 +22,7 @@
 
 namespace radiometry::render {
 
-/// `unknown`: too many lines, or too thin for them; rays tell.
+/// `unknown`: too many lines, too thin for them, or no place c that is clear of them; rays tell.
 enum class InSun : std::uint8_t { partly, wholly, nowhere, unknown };
 
 /// A place on a side that is partly in the sun.
@@ -40,7 +41,7 @@ class SidesInSun {
   InSun of(std::size_t number) const { return known_[number].in_sun; }
   /// Whether the sun reaches these places, which are on sides that it partly reaches.
   void reaches(std::span<const SunQuestion> places, std::span<std::uint8_t> lit) const;
-  const SunPicture& picture() const { return picture_; }
+  const SunPicture& picture() const { return *picture_; }
 
   /// Lines in single precision from a place c of a side; what they enclose is on their left.
   struct Lines {
@@ -65,8 +66,8 @@ class SidesInSun {
 
   const scene::Facets* facets_;
   double lift_m_;
-  SunPicture picture_;
-  std::vector<Known> known_{};  ///< by number
+  std::shared_ptr<const SunPicture> picture_;  ///< copies share it
+  std::vector<Known> known_{};                 ///< by number
   std::vector<float> ends_{};
 };
 

@@ -65,16 +65,17 @@ void SunPicture::find_outlines() {
   std::partial_sum(first.begin(), first.end(), first.begin());
   std::vector<Use> use(3 * triangles);
   std::vector<std::size_t> next(first.begin(), first.end() - 1);
+  outline_.assign(triangles, 0);
   for (std::uint32_t t = 0; t < triangles; ++t) {
     const std::array<std::uint32_t, 3>& number = facets_->triangles[t];
     const auto &a = place_[number[0]], &b = place_[number[1]], &c = place_[number[2]];
     const bool faces = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]) > 0.0;
+    if (faces) outline_[t] = kFaces;
     for (std::uint8_t k = 0; k < 3; ++k) {
       const auto [low, high] = ends(t, k);
       use[next[low]++] = {high, t, k, faces == (number[k] == low)};
     }
   }
-  outline_.assign(triangles, 0);
   const auto by_other = [](const Use& a, const Use& b) { return a.other < b.other; };
   for (std::size_t v = 0; v + 1 < first.size(); ++v) {
     const std::span<Use> here = std::span(use).subspan(first[v], first[v + 1] - first[v]);

@@ -39,6 +39,8 @@ class SunPicture {
   const Place& place(std::uint32_t vertex) const { return place_[vertex]; }
   /// Whether the edge from corner `k` of a triangle to the next is an outline.
   bool outline(std::uint32_t triangle, std::size_t k) const { return (outline_[triangle] >> k & 1U) != 0U; }
+  /// Whether a triangle runs counter-clockwise, as its front faces the sun.
+  bool faces(std::uint32_t triangle) const { return (outline_[triangle] & kFaces) != 0U; }
   /// Gives `take` each triangle whose box meets `box`, and stops where it returns false.
   template <class Take>
   void visit(const Box& box, const Take& take) const {
@@ -47,6 +49,7 @@ class SunPicture {
 
  private:
   static constexpr std::size_t kLeaf = 8;  // triangles
+  static constexpr std::uint8_t kFaces = 8U;
 
   void find_outlines();
   void build_tree(int threads);
@@ -65,7 +68,7 @@ class SunPicture {
   Vector to_sun_;
   std::array<Vector, 2> axes_{};
   std::vector<Place> place_;           ///< of each vertex
-  std::vector<std::uint8_t> outline_;  ///< of each triangle: bit k
+  std::vector<std::uint8_t> outline_;  ///< of each triangle: bit k, and kFaces
   std::vector<std::uint32_t> order_;   ///< of triangles, as the leaves of the tree have them
   std::vector<Box> box_;               ///< of nodes: the halves of node k are 2 k + 1 and 2 k + 2
 };

@@ -7,6 +7,7 @@
 
 #include <numbers>
 #include <numeric>
+#include <optional>
 
 #include "radiometry/render/renderer.h"
 #include "radiometry/scene/beam.h"
@@ -125,6 +126,85 @@ TEST(SidesInSun, PicturesAreThoseOfARayForEverything) {
         differ += std::abs(some.radiance[0].data()[i] / all.radiance[0].data()[i] - 1.0F) > 1e-5F ? 1 : 0;
       EXPECT_LT(differ, 1u) << grid << " " << n;
       EXPECT_EQ(some.shadow_rays, 0u) << grid << " " << n;
+    }
+  }
+}
+
+/// One side of a scene in the sun, and whether the sun reaches places of it.
+struct OneSide {
+  OneSide(const scene::Mesh& mesh, std::uint32_t side, const Vector& to_sun)
+      : made(small_scene(mesh, 300.0, grey(0.5), 300.0)) {
+    made.scene.sun = Sun{.to_sun = (1.0 / scene::length(to_sun)) * to_sun, .direct_w_m2 = 900.0};
+    const scene::Beam beam(*made.scene.rays, to_sun);
+    VisibleSides sides(made.scene, patches, {.views = false});
+    sides.add(std::vector{side});
+    in_sun.emplace(made.scene.facets(), made.scene.sun->to_sun, beam.lift_m(), 1);
+    in_sun->add(sides, 1);
+  }
+  SunPicture::Place place(const Point& p) const {
+    const Vector from_middle = p - made.scene.facets().middle;
+    return {scene::dot(in_sun->picture().axes()[0], from_middle), scene::dot(in_sun->picture().axes()[1], from_middle)};
+  }
+  bool lit(const SunPicture::Place& p) const {
+    if (in_sun->of(0) != InSun::partly) return in_sun->of(0) == InSun::wholly;
+    const SunQuestion question{0, p};
+    std::uint8_t answer = 0;
+    in_sun->reaches(std::span(&question, 1), std::span(&answer, 1));
+    return answer != 0;
+  }
+  SmallScene made;
+  Patches patches;
+  std::optional<SidesInSun> in_sun;
+};
+
+// A sphere of 2 m and edges of 8 cm over a plain of one square facet: its shadow is a disc in the picture of the sun.
+TEST(SidesInSun, ALargeFacetHasTheOutlinesOfSmallOnes) {
+  scene::test::Uniform uniform(5);
+  for (const double plain_m : {100.0, 2000.0}) {
+    const Point centre{0.3 * plain_m, -0.2 * plain_m, 5.0};
+    scene::Mesh mesh = scene::test::sphere(centre, 1.0, 40);
+    const auto ground = static_cast<std::uint32_t>(mesh.first.size() - 1);
+    add_plate(mesh, {-plain_m / 2, -plain_m / 2, 0}, {plain_m, 0, 0}, {0, plain_m, 0});
+    const OneSide side(mesh, 2 * ground, {0.5, 0.25, 0.6});
+    ASSERT_EQ(side.in_sun->of(0), InSun::partly);
+    const SunPicture::Place middle = side.place(centre);
+    for (int k = 0; k < 20000; ++k) {
+      const double x = 3.0 * uniform() - 1.5, y = 3.0 * uniform() - 1.5, from = std::hypot(x, y);
+      if (from > 0.99 && from < 1.001) continue;  // the sphere has edges
+      ASSERT_EQ(side.lit({middle[0] + x, middle[1] + y}), from > 1.0) << plain_m << " " << x << " " << y;
+    }
+  }
+}
+
+// The L-shaped roof of a house in coordinates of a map, written in millimetres, with its walls and nothing above it: it
+// is flat only to the rounding of those coordinates, and a wall comes above its mean plane by that.
+TEST(SidesInSun, ARoofFarFromTheOriginIsInTheSun) {
+  scene::test::Uniform uniform(4);
+  constexpr std::array<std::array<double, 2>, 6> kPlan{{{0, 0}, {20, 0}, {20, 8}, {9, 8}, {9, 17}, {0, 17}}};
+  const auto written = [](double m) { return std::round(1e3 * m) / 1e3; };
+  for (int house = 0; house < 60; ++house) {
+    const Point at{std::floor(3e5 + 4e5 * uniform()), std::floor(5.2e6 + 5e5 * uniform()), 100.0};
+    const double turn = 2.0 * std::numbers::pi * uniform(), pitch = 0.3 * uniform();
+    std::vector<Point> roof;
+    for (const auto& [x, y] : kPlan)
+      roof.push_back({written(at[0] + std::cos(turn) * x - std::sin(turn) * y),
+                      written(at[1] + std::sin(turn) * x + std::cos(turn) * y),
+                      written(at[2] + 6.0 + pitch * (0.6 * x + 0.8 * y))});
+    scene::Mesh mesh = empty_mesh();
+    add_face(mesh, roof);
+    for (std::size_t i = 0; i < roof.size(); ++i) {
+      const Point &p = roof[i], &q = roof[(i + 1) % roof.size()];
+      add_face(mesh, {{p[0], p[1], at[2]}, {q[0], q[1], at[2]}, q, p});
+    }
+    add_plate(mesh, at + Vector{-50, -50, 0}, {100, 0, 0}, {0, 100, 0});
+    const OneSide side(mesh, 0, {0.3 * uniform(), 0.3 * uniform(), 1.0});
+    const scene::Facets& facets = side.made.scene.facets();
+    for (int k = 0; k < 1000; ++k) {
+      const auto& [a, b, c] = facets.triangles[static_cast<std::size_t>(k) % (facets.first[1] - facets.first[0])];
+      const double u = uniform(), v = (1.0 - u) * uniform();
+      ASSERT_TRUE(side.lit(side.place(facets.vertices[a] + u * (facets.vertices[b] - facets.vertices[a]) +
+                                      v * (facets.vertices[c] - facets.vertices[a]))))
+          << house;
     }
   }
 }
