@@ -66,13 +66,13 @@ struct Psf {
     for (std::size_t k = 0; k < table.columns; ++k)
       for (std::size_t i = 0; i < fx.size(); ++i)
         if (table.holds({fx[i], S(0)})) x[k * fx.size() + i] = table.phase_x(T(fx[i]), k);
-    return [table = std::move(table), x = std::move(x)](const S& fy, std::span<Complex<S>> h) {
+    return [table = std::move(table), x = std::move(x), n = fx.size()](const S& fy, std::span<Complex<S>> h) {
       std::vector<Complex<T>> sum(h.size());
       if (table.holds({S(0), fy})) {
         const std::vector<Complex<T>> y = table.phases_y(T(fy));
         for (std::size_t k = 0; k < table.columns; ++k) {
           const Complex<T> weight = table.column(k, y);
-          for (std::size_t i = 0; i < h.size(); ++i) sum[i] = sum[i] + weight * x[k * h.size() + i];
+          for (std::size_t i = 0; i < h.size(); ++i) sum[i] = sum[i] + weight * x[k * n + i];
         }
       }
       for (std::size_t i = 0; i < h.size(); ++i) h[i] = h[i] * table.normalised(sum[i]);

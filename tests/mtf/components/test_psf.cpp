@@ -35,7 +35,7 @@ TEST(Psf, samples_of_a_gaussian_have_its_otf_and_its_shift) {
   const double step_mm = 0.5e-3, sx = 2.4e-3 / 2.0, sy = 2.0e-3 / 2.0, x0 = 0.65e-3, y0 = -1.1e-3;
   const auto c = psf(gaussian_spot(24, sx / step_mm, sy / step_mm, x0 / step_mm, y0 / step_mm), 0.5);
   for (const auto& [fx, fy] : {std::pair{30.0, 0.0}, {0.0, 90.0}, {120.0, -75.0}, {-200.0, 310.0}, {600.0, 500.0}}) {
-    const double modulus = gaussian(sx * fx).value * gaussian(sy * fy).value;
+    const double modulus = mtf::gaussian(sx * fx).value * mtf::gaussian(sy * fy).value;
     const double phase = -2.0 * kPi * (x0 * fx + y0 * fy);
     const Complex<double> h = otf_at(c, fx, fy);
     EXPECT_NEAR(h.re, modulus * std::cos(phase), 3e-7) << fx << ' ' << fy;
@@ -72,7 +72,8 @@ TEST(Psf, a_point_becomes_its_samples_in_an_image) {
   options.border = Border::periodic;
   options.tolerance = 1e-4;
   options.scene = summarise(in.view(), options.border, 0.0);
-  compile(s, {40, 32, 10.0, 10.0}, options).run(in.view(), out.view(), 0.0, 1);
+  const SampleGrid grid{40, 32, 10.0, 10.0};
+  compile(s, grid, grid, options).run(in.view(), out.view(), 0.0, 1);
   // The highest frequency of the grid is left out: at most 2 x 100 exp(-2 pi^2 (1.1/2)^2) / 32 = 0.016.
   for (int j = -6; j <= 6; ++j)
     for (int k = -6; k <= 6; ++k)
