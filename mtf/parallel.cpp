@@ -13,7 +13,9 @@
 namespace mtf {
 
 int threads_of(int asked) {
-  return asked > 0 ? asked : static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
+  // An arena reserves memory for each of its threads before it runs any.
+  constexpr int kMost = 4096;
+  return asked > 0 ? std::min(asked, kMost) : static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
 }
 
 void parallel_for(std::int64_t count, std::int64_t chunk, int threads,
@@ -28,7 +30,7 @@ void parallel_for(std::int64_t count, std::int64_t chunk, int threads,
     return;
   }
   const std::atomic<bool>* const stop = stop_flag();
-  tbb::task_arena arena(threads > 0 ? threads : tbb::task_arena::automatic);
+  tbb::task_arena arena(threads > 0 ? threads_of(threads) : tbb::task_arena::automatic);
   arena.execute([&] {
     tbb::parallel_for(std::int64_t{0}, pieces, [&](std::int64_t i) {
       const StopScope scope(stop);  // a thread of the arena has none

@@ -43,6 +43,8 @@ class AtomicStream : public Imf::OStream {
 void check_attribute_name(const std::string& path, const Imf::Header& header, const std::string& name) {
   if (name.empty() || name.size() > 255)
     throw UsageError(path + ": attribute name '" + printable(name, 40) + "' must have 1 to 255 characters");
+  if (name.find('\0') != std::string::npos)
+    throw UsageError(path + ": attribute name '" + printable(name, 40) + "' has a zero byte in it");
   if (header.find(name) != header.end())
     throw UsageError(path + ": attribute '" + printable(name, 40) +
                      "' is given twice or reserved by OpenEXR; rename it");
@@ -64,6 +66,8 @@ void check_names(const std::string& path, const std::vector<std::string>& names)
   for (const std::string& name : names) {
     if (name.empty() || name.size() > 255)
       throw UsageError(path + ": channel name '" + printable(name, 40) + "' must have 1 to 255 characters");
+    if (name.find('\0') != std::string::npos)
+      throw UsageError(path + ": channel name '" + printable(name, 40) + "' has a zero byte in it");
     if (!seen.insert(name).second)
       throw UsageError(path + ": two channels are called '" + printable(name, 40) + "'; rename one");
   }
