@@ -98,6 +98,9 @@ void add_images(py::module_& module) {
       .def_property_readonly("pitch_um", [](const ImageHandle& i) { return mtf::io::stated_pitch_um(i.file->info); })
       .def_property_readonly("missing_pixels", [](const ImageHandle& i) { return i.file->missing_pixels; })
       .def("plane", &plane, py::arg("name"));
+  module.def(
+      "plane", [](const py::object& array, const std::string& name) { return plane_of(array, name).array; },
+      py::arg("array"), py::arg("name"));
   module.def("read", &read, py::arg("path"), py::arg("channel"), py::arg("layer"), py::arg("part"));
   module.def("write", &write, py::arg("path"), py::arg("planes"), py::arg("text"), py::arg("pairs"), py::arg("lists"),
              py::arg("history"), py::arg("range"), py::arg("bits"));
