@@ -59,7 +59,7 @@ def test_ctrl_c_ends_a_fit(studies):
         import numpy as np, mtfkit as mk
         truth = mk.Sensor(frame=dict(focal_length="100 mm", pitch="15 um"), optics=dict(f_number=2.0),
                           presample=[mk.Defocus(wavelength="4 um", distance="20 um"), mk.Jitter(rms="30 urad")])
-        edge = truth.simulate(mk.targets.edge(size=(4096, 4096))).image[16:-16, 16:-16]
+        edge = truth.simulate(mk.targets.edge(size=(2560, 2560))).image[16:-16, 16:-16]
         edge = edge + mk.noise.gaussian(edge.shape, sd=0.03)
         def work():
             while True:
@@ -95,7 +95,7 @@ def terrain(tmp_path_factory):
     return folder
 
 
-@pytest.mark.parametrize("threads,delay_s", [(1, 0.2), (1, 2.5), (2, 1.0), (2, 4.0)])
+@pytest.mark.parametrize("threads,delay_s", [(1, 0.2), (2, 2.0)])
 def test_ctrl_c_ends_a_heat_run(terrain, tmp_path, threads, delay_s):
     # Within its rays, its exchange or its days, as it comes; nothing half done is left.
     seconds = interrupted_after(f"""
@@ -173,19 +173,20 @@ def test_a_thousand_runs_leave_nothing(sensor, scene, demo, studies):
     f = np.linspace(0, 60, 301)
     double = scene.astype("f8")
 
-    def once():
+    def once(turn):
+        if turn % 5 == 0:  # a millisecond by itself
+            study.rows(0, 1)
         plan(scene, threads=1)
         plan(double, threads=1)
         sensor.otf(f)
         sensor.replace({"jitter.rms": "30 urad"})
-        study.rows(0, 4)
         mk.noise.gaussian((192, 256), sd=1.0)
 
-    for _ in range(100):
-        once()
+    for turn in range(100):
+        once(turn)
     before = resident_kib()
-    for _ in range(1000):
-        once()
+    for turn in range(1000):
+        once(turn)
     assert resident_kib() - before < 2048  # one result is 12 KiB, an input converted 192
 
 
@@ -199,9 +200,9 @@ def test_runs_and_files_leave_nothing(sensor, scene, demo):
     for _ in range(20):
         once()
     before = resident_kib()
-    for _ in range(200):
+    for _ in range(100):
         once()
-    assert resident_kib() - before < 4096
+    assert resident_kib() - before < 2048
 
 
 def test_one_thread_is_one_thread(studies):
