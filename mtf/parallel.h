@@ -6,7 +6,7 @@
 
 namespace mtf {
 
-/// The number of threads that is meant: `asked`, or all cores where that is 0.
+/// The number of threads that is meant: `asked`, at most 4096, or all cores where that is 0 or less.
 int threads_of(int asked);
 
 /// Calls `work(begin, end)` over pieces of [0, count) of at most `chunk` on up to `threads` threads (0 = all cores).

@@ -49,6 +49,14 @@ bool is_masked(const py::object& array) {
   return py::hasattr(array, "mask") && py::hasattr(array, "filled") && py::hasattr(array, "fill_value");
 }
 
+/// An array whose memory was mapped from a file that was closed: its addresses are no longer there.
+void require_open(const py::array& array, const std::string& name) {
+  py::object owner = array;
+  while (owner && py::isinstance<py::array>(owner)) owner = py::reinterpret_borrow<py::array>(owner).base();
+  if (!owner || owner.is_none() || std::string(Py_TYPE(owner.ptr())->tp_name) != "mmap.mmap") return;
+  if (owner.attr("closed").cast<bool>()) throw mtf::UsageError(name + ": is mapped from a file that was closed");
+}
+
 }  // namespace
 
 PlaneView plane_of(const py::object& object, const std::string& name) {
@@ -62,6 +70,7 @@ PlaneView plane_of(const py::object& object, const std::string& name) {
     PyErr_Clear();
     throw mtf::UsageError(name + ": is no array of numbers; give a 2-D numpy array");
   }
+  require_open(array, name);
   const char kind = array.dtype().kind();
   if (std::string("biuf").find(kind) == std::string::npos)
     throw mtf::UsageError(
@@ -86,6 +95,7 @@ mtf::ImageView<float> target_of(const py::object& object, std::int64_t width, st
     throw mtf::UsageError(name + ": is no numpy array to write into; give numpy.empty((" + std::to_string(height) +
                           ", " + std::to_string(width) + "), \"float32\")");
   auto array = py::reinterpret_borrow<py::array>(object);
+  require_open(array, name);
   if (!is_float32(array))
     throw mtf::UsageError(name + ": holds " + dtype_text(array) + "; the result is written as float32");
   require_plane(array, name);

@@ -7,6 +7,9 @@
 #include <pybind11/numpy.h>
 #include <pybind11/stl.h>
 
+#include <cmath>
+#include <limits>
+
 #include "apps/python/arrays.h"
 #include "apps/python/job.h"
 #include "apps/python/sensor.h"
@@ -20,7 +23,7 @@ namespace {
 namespace py = pybind11;
 using Doubles = py::array_t<double, py::array::c_style | py::array::forcecast>;
 
-/// fx and fy of one length, in the unit. The values may be infinite or NaN: those of their OTF are NaN then.
+/// fx and fy of one length, in the unit. They may be infinite; the OTF at a NaN is NaN.
 py::array_t<std::complex<double>> otf(SensorHandle& sensor, const Doubles& fx, const Doubles& fy,
                                       const std::string& unit) {
   if (fx.size() != fy.size()) throw mtf::UsageError("otf: fx and fy have different numbers of values");
@@ -46,8 +49,11 @@ py::array_t<std::complex<double>> otf(SensorHandle& sensor, const Doubles& fx, c
         const auto values = system.otf(system.list(stage), f);
         for (std::size_t i = 0; i < f.size(); ++i) product[i] = product[i] * values[i];
       }
+      constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
       for (std::size_t i = 0; i < f.size(); ++i)
-        to[begin + static_cast<py::ssize_t>(i)] = {product[i].re, product[i].im};
+        to[begin + static_cast<py::ssize_t>(i)] = std::isnan(f[i].x) || std::isnan(f[i].y)
+                                                      ? std::complex<double>(kUnknown, kUnknown)
+                                                      : std::complex<double>(product[i].re, product[i].im);
     }
   });
   return result;

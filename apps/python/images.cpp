@@ -7,6 +7,7 @@
 #include <pybind11/stl.h>
 
 #include "apps/python/arrays.h"
+#include "apps/python/job.h"
 #include "apps/python/topics.h"
 #include "apps/simulate/sensor_image.h"
 #include "mtf/error.h"
@@ -19,9 +20,12 @@ namespace py = pybind11;
 
 ImageHandle read(const std::string& path, const std::optional<std::string>& channel,
                  const std::optional<std::string>& layer, std::optional<int> part) {
-  const py::gil_scoped_release free;
-  return {path, std::make_shared<const mtf::io::ImageFile>(
-                    mtf::io::read_image(path, {.channel = channel, .layer = layer, .part = part}))};
+  std::shared_ptr<const mtf::io::ImageFile> file;
+  run_job([&](JobControl&) {
+    file = std::make_shared<const mtf::io::ImageFile>(
+        mtf::io::read_image(path, {.channel = channel, .layer = layer, .part = part}));
+  });
+  return {path, file};
 }
 
 /// The values as an array that cannot be written and that keeps the file in memory.
@@ -61,9 +65,10 @@ void write(const std::string& path, const std::vector<std::pair<std::string, py:
     views.push_back(plane_of(array, "write: plane '" + name + "'"));
     names.push_back(name);
   }
-  const py::gil_scoped_release free;
-  for (const PlaneView& view : views) images.push_back(image_of(view.view));
-  write_sensor_image(path, names, images, metadata_of(text, pairs, lists, history), {.ends = range, .bits = bits});
+  run_job([&](JobControl&) {
+    for (const PlaneView& view : views) images.push_back(image_of(view.view));
+    write_sensor_image(path, names, images, metadata_of(text, pairs, lists, history), {.ends = range, .bits = bits});
+  });
 }
 
 }  // namespace
@@ -93,6 +98,9 @@ void add_images(py::module_& module) {
       .def_property_readonly("pitch_um", [](const ImageHandle& i) { return mtf::io::stated_pitch_um(i.file->info); })
       .def_property_readonly("missing_pixels", [](const ImageHandle& i) { return i.file->missing_pixels; })
       .def("plane", &plane, py::arg("name"));
+  module.def(
+      "plane", [](const py::object& array, const std::string& name) { return plane_of(array, name).array; },
+      py::arg("array"), py::arg("name"));
   module.def("read", &read, py::arg("path"), py::arg("channel"), py::arg("layer"), py::arg("part"));
   module.def("write", &write, py::arg("path"), py::arg("planes"), py::arg("text"), py::arg("pairs"), py::arg("lists"),
              py::arg("history"), py::arg("range"), py::arg("bits"));

@@ -24,6 +24,7 @@ void run_job(const std::function<void(JobControl&)>& work) {
     const py::gil_scoped_release free;
     worker = std::thread([&] {
       try {
+        const mtf::StopScope scope(control.flag());
         work(control);
       } catch (...) {
         failure = std::current_exception();

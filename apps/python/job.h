@@ -2,29 +2,25 @@
 #pragma once
 
 // Work that takes long, so that Ctrl-C ends it. It runs in a thread of its own while the one that called it, without
-// the interpreter lock, looks for signals twenty times a second; the work asks `stopped()` where it can end.
+// the interpreter lock, looks for signals twenty times a second. The parallel loops of the libraries end by themselves
+// then (mtf/work/stop.h); work between them asks `stopped()` where it can end.
 
 #include <atomic>
 #include <functional>
 
-#include "mtf/error.h"
+#include "mtf/work/stop.h"
 
 namespace apps::python {
-
-/// The work was interrupted: never seen by users, who get KeyboardInterrupt.
-class Interrupted : public mtf::RuntimeError {
- public:
-  Interrupted() : RuntimeError("interrupted") {}
-};
 
 class JobControl {
  public:
   bool stopped() const { return stop_.load(std::memory_order_relaxed); }
-  /// Throws Interrupted.
+  /// Throws mtf::Stopped, which users never see: they get KeyboardInterrupt.
   void check() const {
-    if (stopped()) throw Interrupted();
+    if (stopped()) throw mtf::Stopped();
   }
   void stop() { stop_.store(true, std::memory_order_relaxed); }
+  const std::atomic<bool>* flag() const { return &stop_; }
 
  private:
   std::atomic<bool> stop_{false};

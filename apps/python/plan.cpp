@@ -9,6 +9,7 @@
 
 #include "apps/python/arrays.h"
 #include "apps/python/job.h"
+#include "apps/python/light_filter.h"
 #include "apps/python/sensor.h"
 #include "apps/python/steps.h"
 #include "apps/python/topics.h"
@@ -104,23 +105,26 @@ class LinearPlan {
 /// A sensor with [detector]: image after image through its whole chain. One image is made at a time.
 class ChainPlan {
  public:
-  ChainPlan(const SensorHandle& sensor, SimulateOptions options, const SampleWords& sample, mtf::io::Quantity quantity)
-      : sensor_(sensor.config), sample_(sample), quantity_(quantity), live_(std::move(options)) {}
+  /// `filter`: of light, before everything of the sensor; a function, or None.
+  ChainPlan(const SimulateOptions& options, const SampleWords& sample, mtf::io::Quantity quantity,
+            const py::object& filter)
+      : sample_(sample),
+        quantity_(quantity),
+        filter_(filter),
+        live_({.filter = light_filter(filter.is_none() ? nullptr : filter.ptr())}, options) {}
 
-  void set_sensor(const SensorHandle& other) { sensor_ = other.config; }
-
-  py::object run(const py::object& scene, const py::object& out, std::int64_t frame) {
+  py::object run(const SensorHandle& sensor, const py::object& scene, const py::object& out, std::int64_t frame) {
     const PlaneView in = plane_of(scene, "scene");
     mtf::io::Scene made;
     made.quantity = quantity_;
-    made.grid = grid_of(*sensor_, in.view.width, in.view.height, sample_);
+    made.grid = grid_of(*sensor.config, in.view.width, in.view.height, sample_);
     made.names = {"Y"};
     mtf::Image image;
     {
       const py::gil_scoped_release free;
       const std::lock_guard lock(*mutex_);
       made.planes.push_back(image_of(in.view));
-      SimulatedImage frame_made = live_.image(std::move(made), sensor_, frame);
+      SimulatedImage frame_made = live_.image(std::move(made), sensor.config, frame);
       image = std::move(frame_made.planes.front());
       promised_ = live_.plan().predicted_error;
     }
@@ -137,20 +141,20 @@ class ChainPlan {
   int updated() const { return live_.plans_updated(); }
 
  private:
-  std::shared_ptr<const mtf::io::SensorConfig> sensor_;
   SampleWords sample_;
   mtf::io::Quantity quantity_;
+  py::object filter_;  // which live_ calls
   LiveSimulation live_;
   double promised_ = 0.0;
   std::unique_ptr<std::mutex> mutex_ = std::make_unique<std::mutex>();
 };
 
-std::unique_ptr<ChainPlan> chain_plan(const SensorHandle& sensor, const SampleWords& sample,
-                                      const std::string& quantity, std::optional<double> tolerance,
-                                      const std::optional<std::string>& stage, int threads) {
+std::unique_ptr<ChainPlan> chain_plan(const SampleWords& sample, const std::string& quantity,
+                                      std::optional<double> tolerance, const std::optional<std::string>& stage,
+                                      const py::object& filter, int threads) {
   SimulateOptions options{.tolerance = tolerance, .threads = threads};
   if (stage) options.stage = output_stage(*stage);
-  return std::make_unique<ChainPlan>(sensor, std::move(options), sample, quantity_of(quantity));
+  return std::make_unique<ChainPlan>(options, sample, quantity_of(quantity), filter);
 }
 
 /// Width, height and steps in um.
@@ -177,10 +181,9 @@ void add_plan(py::module_& module) {
       .def_property_readonly("scene_grid", [](const LinearPlan& p) { return as_tuple(p.plan().in()); })
       .def_property_readonly("grid", [](const LinearPlan& p) { return as_tuple(p.plan().out()); });
   py::class_<ChainPlan>(module, "ChainPlan", "A sensor's chain, image after image.")
-      .def(py::init(&chain_plan), py::arg("sensor"), py::arg("sample"), py::arg("quantity"), py::arg("tolerance"),
-           py::arg("stage"), py::arg("threads"))
-      .def("set_sensor", &ChainPlan::set_sensor, py::arg("sensor"))
-      .def("run", &ChainPlan::run, py::arg("scene"), py::arg("out"), py::arg("frame"))
+      .def(py::init(&chain_plan), py::arg("sample"), py::arg("quantity"), py::arg("tolerance"), py::arg("stage"),
+           py::arg("filter"), py::arg("threads"))
+      .def("run", &ChainPlan::run, py::arg("sensor"), py::arg("scene"), py::arg("out"), py::arg("frame"))
       .def_property_readonly("promised", [](const ChainPlan& p) { return p.plan().predicted_error; })
       .def_property_readonly("compiled", &ChainPlan::compiled)
       .def_property_readonly("updated", &ChainPlan::updated)

@@ -12,6 +12,7 @@
 #include "apps/python/arrays.h"
 #include "apps/python/images.h"
 #include "apps/python/job.h"
+#include "apps/python/light_filter.h"
 #include "apps/python/sensor.h"
 #include "apps/python/steps.h"
 #include "apps/python/topics.h"
@@ -34,7 +35,6 @@ struct SceneWords {
   SampleWords sample;
   std::string quantity;
   double blur_samples = 0.0;  ///< sigma of a Gaussian that is in the samples of arrays and is divided out
-  bool periodic = false;      ///< arrays are a canvas that repeats, whatever [scene] says
 };
 
 struct RunHandle {
@@ -85,12 +85,6 @@ std::shared_ptr<const mtf::io::SensorConfig> without_blur(mtf::io::SensorConfig 
   return std::make_shared<const mtf::io::SensorConfig>(std::move(sensor));
 }
 
-/// The sensor for which a scene repeats.
-std::shared_ptr<const mtf::io::SensorConfig> repeating(mtf::io::SensorConfig sensor) {
-  sensor.scene.border = mtf::Border::periodic;
-  return std::make_shared<const mtf::io::SensorConfig>(std::move(sensor));
-}
-
 py::list take_images(SimulateResult& result) {
   py::list images;
   for (SimulatedImage& image : result.images) {
@@ -109,8 +103,8 @@ std::unique_ptr<RunHandle> simulate_scene(const SensorHandle& sensor, const Scen
                                           std::optional<std::int64_t> memory,
                                           const std::optional<std::array<std::int64_t, 3>>& frames,
                                           const std::string& schedule, const std::string& out,
-                                          const std::optional<std::array<double, 2>>& range, int threads,
-                                          const py::object& progress) {
+                                          const std::optional<std::array<double, 2>>& range, const py::object& filter,
+                                          int threads, const py::object& progress) {
   auto run = std::make_unique<RunHandle>();
   run->sensor = sensor.config;
   SimulateOptions& options = run->options;
@@ -128,7 +122,7 @@ std::unique_ptr<RunHandle> simulate_scene(const SensorHandle& sensor, const Scen
   SceneSource source = source_of(*sensor.config, scene);
   if (scene.blur_samples > 0.0 && source.image)
     run->sensor = without_blur(*sensor.config, source.image->grid, scene.blur_samples);
-  if (scene.periodic) run->sensor = repeating(*run->sensor);
+  source.filter = light_filter(filter.is_none() ? nullptr : filter.ptr());
   const void* function = progress.is_none() ? nullptr : progress.ptr();
   run_job([&](JobControl& control) {
     const ProgressCall report(function, control);
@@ -199,11 +193,11 @@ void add_simulate(py::module_& module) {
       .def(py::init([](const std::string& path, const std::optional<ImageHandle>& image,
                        const std::vector<std::pair<std::string, py::object>>& planes,
                        const std::vector<std::pair<std::string, py::object>>& beside, const SampleWords& sample,
-                       const std::string& quantity, double blur_samples, bool periodic) {
-             return SceneWords{path, image, planes, beside, sample, quantity, blur_samples, periodic};
+                       const std::string& quantity, double blur_samples) {
+             return SceneWords{path, image, planes, beside, sample, quantity, blur_samples};
            }),
            py::arg("path"), py::arg("image"), py::arg("planes"), py::arg("beside"), py::arg("sample"),
-           py::arg("quantity"), py::arg("blur_samples"), py::arg("periodic"));
+           py::arg("quantity"), py::arg("blur_samples"));
   py::class_<RunHandle>(module, "SimulateRun", "A finished simulation.")
       .def_readonly("images", &RunHandle::images)
       .def_property_readonly("names", [](const RunHandle& r) { return r.result.names; })
@@ -239,9 +233,16 @@ void add_simulate(py::module_& module) {
         return py::make_tuple(grid.step_x_um, grid.step_y_um);
       },
       py::arg("sensor"), py::arg("sample"));
+  module.def(
+      "canvas_sensor",
+      [](const SensorHandle& sensor, std::int64_t width, std::int64_t height, const SampleWords& sample) {
+        return canvas_sensor(sensor, grid_of(*sensor.config, width, height, sample));
+      },
+      py::arg("sensor"), py::arg("width"), py::arg("height"), py::arg("sample"));
   module.def("simulate", &simulate_scene, py::arg("sensor"), py::arg("scene"), py::arg("tolerance"), py::arg("nan"),
              py::arg("measure"), py::arg("stage"), py::arg("region"), py::arg("memory"), py::arg("frames"),
-             py::arg("schedule"), py::arg("out"), py::arg("range"), py::arg("threads"), py::arg("progress"));
+             py::arg("schedule"), py::arg("out"), py::arg("range"), py::arg("filter"), py::arg("threads"),
+             py::arg("progress"));
 }
 
 }  // namespace apps::python

@@ -65,8 +65,9 @@ SimulatedImage LiveSimulation::image(mtf::io::Scene scene, const std::shared_ptr
   frame.number = number;
   frame.sensor = sensor;
   frame.radiometric = sensor == state.sensor ? state.radiometric : radiometric_chain_of(*sensor, state.options.stage);
-  frame.input = std::make_shared<const SceneInput>(load_input(
-      {.image = std::move(scene)}, *sensor, frame.radiometric.get(), state.options.nan, state.options.threads));
+  frame.input = std::make_shared<const SceneInput>(
+      load_input({.image = std::move(scene), .filter = state.still.source().filter}, *sensor, frame.radiometric.get(),
+                 state.options.nan, state.options.threads));
   return state.run(frame);
 }
 

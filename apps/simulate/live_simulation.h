@@ -22,7 +22,7 @@ class LiveSimulation {
   /// `scene`: one image, which is read with the first image. Of the options those of one whole image count: tolerance,
   /// nan, measure, stage, threads.
   explicit LiveSimulation(SceneSource scene, const SimulateOptions& options = {});
-  /// Of scenes that come with each image: image(sensor) has none.
+  /// Of scenes that come with each image: image(sensor) has none. `scene` above may be without one too, for its filter.
   explicit LiveSimulation(const SimulateOptions& options) : LiveSimulation(SceneSource{}, options) {}
   ~LiveSimulation();
   LiveSimulation(LiveSimulation&&) noexcept;

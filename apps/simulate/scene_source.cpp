@@ -48,7 +48,8 @@ void complete(const mtf::io::SensorConfig& sensor, mtf::io::Scene& scene, const 
 }  // namespace
 
 SceneSource clone(const SceneSource& source) {
-  SceneSource copy{.file = source.file, .read = source.read, .image = std::nullopt, .beside = {}};
+  SceneSource copy{
+      .file = source.file, .read = source.read, .image = std::nullopt, .beside = {}, .filter = source.filter};
   for (const auto& [name, plane] : source.beside) copy.beside.emplace(name, plane.clone());
   if (!source.image) return copy;
   copy.image = facts_of(*source.image);

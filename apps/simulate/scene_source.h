@@ -4,6 +4,7 @@
 // Where a scene comes from: a file, or planes in memory. Either becomes a mtf::io::Scene: planes of physical values on
 // a sample grid that is given at the focal plane.
 
+#include <functional>
 #include <map>
 #include <optional>
 #include <string>
@@ -21,6 +22,9 @@ struct SceneSource {
   std::optional<mtf::io::Scene> image{};
   /// Planes beside `image`, by the names that [scene] emissivity_channel (0 to 1) and depth_channel (m) give.
   std::map<std::string, mtf::Image> beside{};
+  /// Acts on the scene, in the quantity that the sensor filters, before everything of the sensor; it may change the
+  /// planes and with them the size of the grid. For whole images of sensors without [distortion].
+  std::function<void(mtf::io::Scene&)> filter{};
 };
 
 /// What is known of a scene, without its planes.

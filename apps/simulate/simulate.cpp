@@ -64,6 +64,7 @@ SimulateResult simulate_whole(const mtf::io::SensorConfig& config, SceneSource& 
     defaults.border_value = light.border_value;
     watch.tell_stage("light");
   }
+  if (source.filter) source.filter(scene);
   mtf::System<double> system = radiometric != nullptr ? radiometric->system : config.system;
   if (light.rate) system.band->rate = light.rate;
   for (std::string& warning : light.warnings) report.warnings.push_back(std::move(warning));

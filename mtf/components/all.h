@@ -29,6 +29,7 @@
 #include "mtf/components/linear_motion.h"
 #include "mtf/components/lowpass.h"
 #include "mtf/components/polygon_footprint.h"
+#include "mtf/components/psf.h"
 #include "mtf/components/random_wavefront.h"
 #include "mtf/components/rc_highpass.h"
 #include "mtf/components/rms_wavefront.h"
@@ -48,7 +49,7 @@ struct ComponentVariant {
                Diffusion<S>, Crosstalk<S>, Tdi<S>, Bolometer<S>, Jitter<S>, LinearMotion<S>, AcceleratedMotion<S>,
                Vibration<S>, RcLowpass<S>, RcHighpass<S>, Butterworth<S>, CurveOtf<S>, ChargeTransfer<S>, Fir<S>,
                Boost<S>, SampleAndHold<S>, Unsharp<S>, Interpolation<S>, DisplayCrt<S>, DisplayFlatPanel<S>, Eye<S>,
-               BirefringentFilter<S>, Halo<S>, ImageIntensifier<S>>
+               BirefringentFilter<S>, Halo<S>, ImageIntensifier<S>, Psf<S>>
       value;
 };
 

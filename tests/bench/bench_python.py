@@ -2,11 +2,16 @@
 # SPDX-License-Identifier: Apache-2.0
 """What Python costs: a frame beside its twin in C++, views of arrays, two Python threads, rows of a large study.
 
-Usage: bench_python.py BUILD [SIDE]     SIDE squared designs, default 1000; with BUILD/python on PYTHONPATH; BUILD/tests/bench/bench_frame and BUILD/apps/mtf are run
-Columns are minimum and median of rounds in turn: ten of frames, five of the others.
+Usage: bench_python.py BUILD          frames and views; BUILD/tests/bench/bench_frame is run
+       bench_python.py BUILD SIDE     a study of SIDE x SIDE designs (1000: a million), beside BUILD/apps/mtf sweep
+With BUILD/python on PYTHONPATH. Columns are minimum and median of rounds in turn: ten of frames, five of the others, two of
+studies.
 """
 
+import os
+import re
 import resource
+import shutil
 import statistics
 import subprocess
 import sys
@@ -19,7 +24,8 @@ import numpy as np
 
 import mtfkit as mk
 
-FRAMES, ROUNDS = 30, 5
+FRAMES, ROUNDS, STUDY_ROUNDS = 30, 5, 2
+METRICS = '["snr", "target_snr", "q", "mtf_nyquist", "well_fill"]'
 SENSOR = mk.Sensor(frame=dict(focal_length="100 mm", pitch="15 um"), optics=dict(f_number=2.0, wavelength="4 um"),
                    presample=["diffraction", mk.Footprint(width="15 um"), mk.Jitter(rms="20 urad")])
 
@@ -90,30 +96,70 @@ def views():
     show("call with a view of 1 x 1 in and out", calls, "us")
 
 
+#: Loads the study, makes the DataFrame, and holds it to the table of the command where that is there.
+TO_DATAFRAME = """
+import sys, time
+start = time.perf_counter()
+import numpy as np, pandas
+import mtfkit as mk
+imported, cpu = time.perf_counter(), time.process_time()
+study = mk.Study.load(sys.argv[1])
+table = study.run()
+print(time.perf_counter() - imported, time.process_time() - cpu, imported - start)
+said = np.load(sys.argv[2], mmap_mode="r")
+print(all(np.array_equal(said[:, i], table.iloc[:, i].to_numpy(dtype="f8"), equal_nan=True) for i in range(table.shape[1])))
+"""
+
+
+def measured(*words):
+    """Seconds of a process, of its cpu time, its most memory in MiB, and its output."""
+    start = time.perf_counter()
+    process = subprocess.Popen([str(word) for word in words], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
+    output = process.stdout.read()
+    _, status, usage = os.wait4(process.pid, 0)
+    process.returncode = os.waitstatus_to_exitcode(status)
+    assert process.returncode == 0, words
+    return time.perf_counter() - start, usage.ru_utime + usage.ru_stime, usage.ru_maxrss / 1024, output
+
+
 def large_study(build, side):
+    """side x side designs with metrics of some microseconds each, as a table of the command and as a DataFrame, in turn."""
     studies = Path(__file__).resolve().parents[2] / "notebooks-data" / "studies"
     with tempfile.TemporaryDirectory() as folder:
         (Path(folder) / "satellite.toml").write_text((studies / "satellite.toml").read_text())
         text = (studies / "aperture_against_pitch.toml").read_text()
         text = text.replace("count = 37", f"count = {side}").replace("count = 33", f"count = {side}")
+        text = re.sub(r"(?m)^list = .*", f"list = {METRICS}", text).replace("niirs_giqe5", "snr")
+        text = text.replace("snr > 5", "snr > 50")
         (Path(folder) / "large.toml").write_text(text)
-        start = time.perf_counter()
-        subprocess.run([build / "apps/mtf", "sweep", f"{folder}/large.toml", "-o", f"{folder}/out"], check=True,
-                       capture_output=True)
-        command = time.perf_counter() - start
-        start = time.perf_counter()
-        table = mk.Study.load(f"{folder}/large.toml").run()
-        python = time.perf_counter() - start
-        said = np.load(f"{folder}/out/designs.npy", mmap_mode="r")
-        same = np.array_equal(said[:, :3], table.iloc[:, :3].to_numpy(), equal_nan=True)
-        print(f"{len(table)} designs to a DataFrame: Python {python:.1f} s, mtf sweep {command:.1f} s, ratio "
-              f"{python / command:.3f}, the same numbers {same}")
+        command, python, command_cpu, python_cpu = [], [], [], []
+        for turn in range(STUDY_ROUNDS):
+            out = Path(folder) / f"out{turn}"
+            seconds, cpu, memory, _ = measured(build / "apps/mtf", "sweep", f"{folder}/large.toml", "-o", out)
+            command.append(seconds)
+            command_cpu.append(cpu)
+            _, _, memory_of_python, said = measured(sys.executable, "-c", TO_DATAFRAME, f"{folder}/large.toml", out / "designs.npy")
+            (made, made_cpu, imported), same = (float(v) for v in said.split()[:3]), said.split()[3]
+            python.append(made)
+            python_cpu.append(made_cpu)
+            print(f"{side * side} designs: mtf sweep {seconds:.1f} s, cpu {cpu:.1f} s, {memory:.0f} MiB; DataFrame {made:.1f} s, "
+                  f"cpu {made_cpu:.1f} s, after {imported:.2f} s of imports, {memory_of_python:.0f} MiB; the same numbers {same}",
+                  flush=True)
+            shutil.rmtree(out)
+        show(f"{side * side} designs, mtf sweep", command, "s")
+        show(f"{side * side} designs to a DataFrame", python, "s")
+        show(f"{side * side} designs, mtf sweep", command_cpu, "s cpu")
+        show(f"{side * side} designs to a DataFrame", python_cpu, "s cpu")
+        for what, ours, theirs in (("wall", python, command), ("cpu", python_cpu, command_cpu)):
+            print(f"{f'ratio of medians, {what}':52} {statistics.median(ours) / statistics.median(theirs):9.3f}")
 
 
 if __name__ == "__main__":
     folder = Path(sys.argv[1]).resolve()
     print(f"{'':52} {'min':>9} {'median':>9}")
-    views()
-    frames(folder)
-    large_study(folder, int(sys.argv[2]) if len(sys.argv) > 2 else 1000)
-    print(f"peak memory {resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024:.0f} MiB")
+    if len(sys.argv) > 2:
+        large_study(folder, int(sys.argv[2]))
+    else:
+        views()
+        frames(folder)
+        print(f"peak memory {resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024:.0f} MiB")

@@ -53,7 +53,9 @@ def run_json(*words):
 
 @pytest.fixture(scope="session")
 def demo(tmp_path_factory):
-    """The folder of `mtf demo`."""
+    """The folder of `mtf demo`: that of the suite, or one of this run."""
+    if "MTFKIT_DEMO" in os.environ:
+        return Path(os.environ["MTFKIT_DEMO"])
     folder = tmp_path_factory.mktemp("demo") / "files"
     run_command("demo", "-o", folder)
     return folder

@@ -79,6 +79,7 @@ def test_pictures_are_those_of_the_command(scene, tmp_path):
     assert np.array_equal(picture.plane("Y"), mk.read(said, channel="Y").plane("Y"))
     assert np.array_equal(picture.layers["temperature"], mk.read(said, channel="temperature").plane(), equal_nan=True)
     assert picture.attributes["mtf:quantity"] == "radiance"
+    assert 0 < picture.promised < 1e-4 and picture.seconds > 0 and picture.report["promised_error"] == picture.promised
     image = camera.simulate(picture).image
     assert image.shape == (48, 64)
     aside = mk.render(scene, camera, temperatures=heat, plain=True, position=[5, -12, 3], look_at=[0, 0, 0.7])

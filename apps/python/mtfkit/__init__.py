@@ -15,22 +15,25 @@ from mtfkit._core import __version__
 from mtfkit.budgets import Budget, Figure
 from mtfkit.components import Component, kinds
 from mtfkit.curves import Column, Curves
-from mtfkit.custom import Custom, General, custom
+from mtfkit.custom import Custom, General, Sampled, custom
 from mtfkit.edges import Edge, Edges, Estimate, measure
 from mtfkit.errors import DataError, Error, ToleranceError, UsageError
 from mtfkit.figures_of_merit import metrics
 from mtfkit.fits import CurveData, Fit, Parameter, fit
 from mtfkit.images import Image, read, write
+from mtfkit.findings import Finding, Findings
 from mtfkit.scenes import Heat, Picture, heat, render
-from mtfkit.sensors import Finding, Findings, Sensor
-from mtfkit.simulation import Plan, Run
-from mtfkit.studies import Gradient, Optimum, Study, StudyColumn
+from mtfkit.sensors import Sensor
+from mtfkit.plans import Plan
+from mtfkit.runs import Run
+from mtfkit.studies import Study
+from mtfkit.study_results import Gradient, Optimum, StudyColumn
 if TYPE_CHECKING:  # a class for each kind of component, made when one is asked for
     from mtfkit.components import *
 
 __all__ = ["Budget", "Column", "Component", "CurveData", "Curves", "Custom", "DataError", "Edge", "Edges", "Error",
            "Estimate", "Figure", "Finding", "Findings", "Fit", "General", "Gradient", "Heat", "Image", "Optimum",
-           "Parameter", "Picture", "Plan", "Run", "Sensor", "Study", "StudyColumn", "ToleranceError", "UsageError",
+           "Parameter", "Picture", "Plan", "Run", "Sampled", "Sensor", "Study", "StudyColumn", "ToleranceError", "UsageError",
            "__version__", "air", "components", "fit", "heat", "kinds", "light", "measure", "metrics", "noise", "read",
            "render", "targets", "write"]
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import json
 import os
+import time
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -44,8 +45,9 @@ def _numbers(values: Sequence[float | None]) -> Floats:
 class Line:
     """The spectrum of a line of sight, rising in wavenumber, and its averages in bands."""
 
-    def __init__(self, report: dict[str, Any]) -> None:
+    def __init__(self, report: dict[str, Any], seconds: float) -> None:
         self.report = report  #: the JSON of `mtf atmosphere`
+        self.seconds = seconds  #: wall time
         self.air = str(report["air"])  #: in words
         self.bands = tuple(BandAverage(
             wavelength_um=(band["wavelength_um"][0], band["wavelength_um"][1]), transmission=band["transmission"],
@@ -98,8 +100,9 @@ class Line:
 class Sky:
     """The radiance of the sky over the zenith angle, and the flux that a horizontal plane gets."""
 
-    def __init__(self, report: dict[str, Any]) -> None:
+    def __init__(self, report: dict[str, Any], seconds: float) -> None:
         self.report = report  #: the JSON of `mtf atmosphere --sky`
+        self.seconds = seconds  #: wall time
         self.longwave_w_m2 = float(report["longwave_w_m2"])  #: long-wave flux on a horizontal plane
 
     @property
@@ -138,9 +141,10 @@ def line(file: str | os.PathLike[str] = "", *, bands: Sequence[tuple[quantities.
     >>> 0.5 < line.bands[0].transmission < 0.8
     True
     """
+    start = time.perf_counter()
     made = _core.atmosphere(os.fspath(file), _settings(settings), _bands(bands),
                             quantities.kelvin(source_temperature, "source_temperature"), tolerance, False, None, None)
-    return Line(json.loads(made))
+    return Line(json.loads(made), time.perf_counter() - start)
 
 
 def sky(file: str | os.PathLike[str] = "", *, bands: Sequence[tuple[quantities.Value, quantities.Value]] = (),
@@ -152,5 +156,6 @@ def sky(file: str | os.PathLike[str] = "", *, bands: Sequence[tuple[quantities.V
         from mtfkit.errors import UsageError
 
         raise UsageError("clouds: give cloud_cover and cloud_temperature, or neither")
+    start = time.perf_counter()
     made = _core.atmosphere(os.fspath(file), _settings(settings), _bands(bands), 300.0, tolerance, True, cloud_cover, kelvin)
-    return Sky(json.loads(made))
+    return Sky(json.loads(made), time.perf_counter() - start)

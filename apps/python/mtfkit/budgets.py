@@ -39,8 +39,9 @@ class Budget(Mapping[str, Figure]):
     `notes` says what the numbers rest on; `saturated` is True where full well or converter is at its end.
     """
 
-    def __init__(self, temperature_k: float, made: dict[str, Any]) -> None:
+    def __init__(self, temperature_k: float, made: dict[str, Any], seconds: float) -> None:
         self.temperature_k = temperature_k
+        self.seconds = seconds  #: wall time
         self.notes: tuple[str, ...] = tuple(made["notes"])
         self.saturated: bool = made["saturated"]
         self.saturation: str = made["saturation"]

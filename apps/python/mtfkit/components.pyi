@@ -117,6 +117,10 @@ class PolygonFootprint(Component):
     def __init__(self, *, vertices: Value = ..., unit_length: Value = ..., unit_length_x: Value = ...,
                  unit_length_y: Value = ..., label: Value = ...) -> None: ...
 
+class Psf(Component):
+    def __init__(self, *, samples: Value = ..., step: Value = ..., step_x: Value = ..., step_y: Value = ...,
+                 part: Value = ..., label: Value = ...) -> None: ...
+
 class RandomWavefront(Component):
     def __init__(self, *, rms: Value = ..., wavelength_reference: Value = ..., correlation: Value = ...,
                  correlation_length: Value = ..., aperture: Value = ..., wavelength: Value = ..., label: Value = ...) -> None: ...

@@ -55,6 +55,14 @@ class Curves:
     q: float | None
     frequency: Floats
     columns: tuple[Column, ...]
+    seconds: float = 0.0  #: wall time
+    table_error: float = 0.0  #: of components made of functions: what tables in their place err by, absolute
+
+    @property
+    def promised(self) -> float:
+        """The error of the whole sensor's OTF at any of the frequencies, absolute: of its average over the band, and of
+        tables in place of functions. Rounding apart."""
+        return float(self.system.error.max(initial=0.0)) + self.table_error
 
     def __getitem__(self, label: str) -> Column:
         for column in self.columns:
@@ -101,7 +109,7 @@ class Curves:
         return results.html_table([self.unit, *(column.label for column in self.columns)], rows)
 
 
-def curves_of(made: dict[str, Any]) -> Curves:
+def curves_of(made: dict[str, Any], seconds: float = 0.0, table_error: float = 0.0) -> Curves:
     """From what the compiled part returns."""
     columns = tuple(Column(**column) for column in made.pop("columns"))
-    return Curves(columns=columns, **made)
+    return Curves(columns=columns, seconds=seconds, table_error=table_error, **made)

@@ -11,13 +11,14 @@ import numpy as np
 
 from mtfkit import quantities
 from mtfkit.errors import UsageError
+from mtfkit.sampled import Sampled, sampled
 
 if TYPE_CHECKING:
     import numpy.typing as npt
 
     Floats = npt.NDArray[np.float64]
 
-__all__ = ["Custom", "General", "custom"]
+__all__ = ["Custom", "General", "Sampled", "custom"]
 
 _MOST_SAMPLES = 16385
 _UNITS = ("cy/mm", "cy/mrad", "cy/px")
@@ -49,16 +50,25 @@ class Custom:
 
 @dataclass(frozen=True, eq=False)
 class General:
-    """A component made of a function that no tables stand for: with phase, or neither radial nor a product of x and y.
+    """A component made of a function that neither tables nor samples stand for: with edges or kinks in two dimensions.
 
     It acts on the scene by a transform in double precision, before all else of the sensor; for presample lists and scenes
-    in memory. `otf` gives 0 beyond the cutoff, which is in `unit`.
+    in memory. `otf` gives 0 beyond the cutoff, which is in `unit`. `within` is how well samples of the point spread function
+    would stand for it, None where they are out of reach.
     """
 
     label: str
     unit: str
     cutoff: float
     function: Callable[[Any, Any], Any]
+    within: float | None = None
+
+    def refusal(self, what: str) -> UsageError:
+        """Why a part of the toolkit that needs the component as data cannot have it, and what to do."""
+        way = (f"mtfkit.custom(..., tolerance={float(f'{1.1 * self.within:.1g}'):g}) makes samples of it that can, and the "
+               "promise counts their error" if self.within is not None and self.within < 0.03 else
+               "it has to be written as a kind of component")
+        return UsageError(f"{what}: \"{self.label}\" is a general function, code of Python that no data stand for; {way}")
 
     def otf(self, fx: Floats, fy: Floats) -> npt.NDArray[np.complex128]:
         """The function at frequencies in its own unit, 0 beyond the cutoff."""
@@ -68,49 +78,9 @@ class General:
         return values
 
 
-class Canvas:
-    """A scene with its border, which repeats, behind components made of general functions.
-
-    The mirrored scene is filtered as a whole, so that OTFs with phase keep their exact meaning; the rest of the sensor
-    takes it as a scene that repeats, and what belongs to the scene is cut out of the image.
-    """
-
-    def __init__(self, scene: Floats, border: str, step_um: tuple[float, float],
-                 otf: Callable[[Floats, Floats], npt.NDArray[np.complex128]]) -> None:
-        self._size, self._step_um = scene.shape, step_um
-        canvas = scene if border == "periodic" else np.block([[scene, scene[:, ::-1]], [scene[::-1], scene[::-1, ::-1]]])
-        fy = np.fft.fftfreq(canvas.shape[0], step_um[1] * 1e-3)
-        fx = np.fft.rfftfreq(canvas.shape[1], step_um[0] * 1e-3)
-        mean = float(canvas.mean())
-        x, y = np.broadcast_arrays(fx[None, :], fy[:, None])
-        values = otf(x.ravel(), y.ravel()).reshape(x.shape)
-        if canvas.shape[1] % 2 == 0:  # the highest frequency stands for both of its signs: the mean of both
-            values[:, -1] = 0.5 * (values[:, -1] + otf(-x[:, -1], y[:, -1]))
-        if canvas.shape[0] % 2 == 0:
-            row = canvas.shape[0] // 2
-            values[row] = 0.5 * (values[row] + otf(x[row], -y[row]))
-        filtered = mean + np.fft.irfft2(np.fft.rfft2(canvas - mean) * values, canvas.shape)
-        self.scene = filtered.astype(np.float32)
-        spread = float(scene.std())
-        self._ratio = float(self.scene.std()) / spread if spread > 0 else 1.0
-        self._rounding = 2.0 ** -24 * float(np.abs(filtered).max()) / spread if spread > 0 else 0.0
-
-    def cropped(self, images: list[Any], pitch_um: tuple[float, float]) -> list[Any]:
-        """The pixels of the scene itself."""
-        rows, columns = (int(np.floor(n * step / pitch + 1e-9))
-                         for n, step, pitch in zip(self._size, self._step_um[::-1], pitch_um[::-1]))
-        return [(frame, {name: np.ascontiguousarray(plane[:rows, :columns]) for name, plane in planes.items()})
-                for frame, planes in images]
-
-    def promise(self, promised: float) -> float:
-        """A promise about the filtered canvas, as one about the scene: an image of it is a part of the canvas, of at least
-        a quarter of its pixels, hence the 2; and the rounding of the filtered scene to float32."""
-        return 2.0 * promised * self._ratio + 2.0 * self._rounding
-
-
 def _evaluated(otf: Callable[[Any, Any], Any], fx: Floats, fy: Floats) -> npt.NDArray[np.complex128]:
     """The function there: finite numbers, one for each frequency."""
-    values = np.asarray(otf(fx, fy))
+    values = np.asarray(otf(fx.copy(), fy.copy()))  # which it may write into
     if values.shape != fx.shape:
         raise UsageError(f"custom: the function gives an array of the shape {values.shape} for frequencies of the shape "
                          f"{fx.shape}; give a value for each")
@@ -184,20 +154,25 @@ def monotone_cubic(f: Floats, values: Floats, at: Floats) -> Floats:
 
 
 def custom(otf: Callable[[Any, Any], Any], *, cutoff: quantities.Value, label: str = "custom", gain: bool = False,
-           tolerance: float = 1e-6) -> Custom | General:
+           tolerance: float = 1e-6) -> Custom | Sampled | General:
     """A component of your own, for exploration: `otf(fx, fy)` takes arrays of frequencies and gives the OTF there.
 
     `cutoff` is where it ends, in the unit that the function takes: "60 cy/mm", (2, "cy/px"), "5 cy/mrad"; beyond it the OTF
     falls to 0. The function is held to what every component is held to: 1 at zero, at most 1 without `gain`, finite, the
-    complex conjugate at -f. One that is radial, or a product of x and y, real and even, is replaced by tables that differ
-    from it by less than `tolerance` at every frequency: such a component compiles, saves, pickles and is fitted beside as
-    any other. All others, with phase or of no such form, are General: they act on scenes in memory, by a transform in
-    double precision. Promises of the sensor count both. Raises UsageError that says which property fails, and where.
+    complex conjugate at -f. It becomes data that differ from it by less than `tolerance` at every frequency: tables where it
+    is radial, or a product of x and y, real and even (Custom), else samples of its point spread function (Sampled). Such a
+    component compiles, saves, pickles and is fitted beside as any other, and the promises of the sensor count its error.
+    What no data stand for within the tolerance, as functions with edges and kinks in two dimensions, is General: it acts on
+    arrays, exactly, by a transform in double precision, in `simulate` and `compile`. Raises UsageError that says which
+    property fails, and where.
 
     >>> import numpy as np, mtfkit as mk
     >>> blur = mk.custom(lambda fx, fy: np.exp(-((fx ** 2 + fy ** 2) / 40 ** 2)), cutoff="200 cy/mm", label="coating")
     >>> blur.axis, blur.error < 1e-6
     ('radial', True)
+    >>> shift = mk.custom(lambda fx, fy: np.exp(-(fx / 40) ** 2 - (fy / 60) ** 2 - 2j * np.pi * 0.004 * fx), cutoff="300 cy/mm")
+    >>> shift.samples.shape, shift.error < 1e-6
+    ((21, 23), True)
     """
     words = quantities.words(cutoff, "cutoff") if isinstance(cutoff, str) or quantities.is_quantity(cutoff) else ""
     unit = next((u for u in _UNITS if words.endswith(u)), "")
@@ -207,8 +182,10 @@ def custom(otf: Callable[[Any, Any], Any], *, cutoff: quantities.Value, label: s
         end = 0.0
     if not end > 0.0 or not np.isfinite(end):
         raise UsageError(f"cutoff: {cutoff!r} is no frequency above 0 with its unit, such as \"60 cy/mm\"")
-    if not label.replace("_", "a").isalnum():
+    if not isinstance(label, str) or not label.replace("_", "a").isalnum():
         raise UsageError(f"label: {label!r} has other characters than letters, digits and _")
+    if not 1e-12 <= tolerance <= 0.1:
+        raise UsageError(f"tolerance: {tolerance!r} is outside 1e-12 to 0.1")
     fx, fy, values = _conforms(otf, end, gain)
 
     def along_x(f: Floats) -> Floats:
@@ -228,4 +205,8 @@ def custom(otf: Callable[[Any, Any], Any], *, cutoff: quantities.Value, label: s
             f = f if len(f) > len(g) else g
             x_table, y_table = along_x(f), along_y(f)  # a finer table errs by less
         return Custom(label, unit, "separable", f, (x_table, y_table), x_error + y_error)
-    return General(label, unit, end, otf)
+    whole = General(label, unit, end, otf)
+    made = sampled(whole.otf, label=label, unit=unit, cutoff=end, tolerance=tolerance)
+    if made is not None and made.error <= tolerance:
+        return made
+    return General(label, unit, end, otf, made.error if made is not None else None)

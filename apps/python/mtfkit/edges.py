@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import json
 import os
+import time
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, Union
 
@@ -13,7 +14,7 @@ import numpy as np
 from mtfkit import _core, quantities, results
 from mtfkit.errors import UsageError
 from mtfkit.images import Image
-from mtfkit.simulation import Run
+from mtfkit.runs import Run
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -196,11 +197,13 @@ class Edges(tuple[Edge, ...]):
 
     table: str  #: what `mtf measure` prints
     notes: list[str]  #: what was done to the values, and which edges are left out
+    seconds: float  #: wall time
 
-    def __new__(cls, edges: Sequence[Edge], table: str, notes: list[str]) -> Edges:
+    def __new__(cls, edges: Sequence[Edge], table: str, notes: list[str], seconds: float) -> Edges:
         made = super().__new__(cls, edges)  # type: ignore[arg-type]
         made.table = table
         made.notes = notes
+        made.seconds = seconds
         return made
 
     def to_pandas(self) -> Any:
@@ -215,7 +218,7 @@ class Edges(tuple[Edge, ...]):
         return results.pandas("Edges.to_pandas").DataFrame(lines)
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return Edges, (tuple(self), self.table, self.notes)
+        return Edges, (tuple(self), self.table, self.notes, self.seconds)
 
     def _repr_html_(self) -> str:
         return results.Text(self.table)._repr_html_()
@@ -258,11 +261,13 @@ def measure(image: ImageLike, *, roi: Sequence[int] | Sequence[Sequence[int]] | 
             raise UsageError(f"roi: {roi!r} is not (x, y, width, height), or a list of them")
         regions = rows.tolist()
     words = {"channel": channel, "encoding": encoding, "bayer": bayer, "pattern": pattern, "mask": os.fspath(mask),
-             "regions": regions, "most": most, "min_length_px": min_length, "min_cnr": min_cnr, "noise_sd": noise_sd,
+             "regions": regions, "most": quantities.count(most, "most"), "min_length_px": min_length, "min_cnr": min_cnr, "noise_sd": noise_sd,
              "saturation": saturation}
     pitch_um = None if pitch is None else quantities.micrometres(pitch, "pitch")
     focal_mm = None if focal_length is None else quantities.micrometres(focal_length, "focal_length") * 1e-3
+    start = time.perf_counter()
     made, table, notes = _core.measure(image_argument(image), words, method, order, circle, unit, pitch_um, focal_mm,
-                                       list(contrasts), threads)
+                                       list(contrasts), quantities.thread_count(threads))
     report = json.loads(made)
-    return Edges([Edge(entry, report["unit"]) for entry in report["edges"]], table, notes)
+    return Edges([Edge(entry, report["unit"]) for entry in report["edges"]], table, notes,
+                 time.perf_counter() - start)

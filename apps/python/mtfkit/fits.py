@@ -239,8 +239,11 @@ def fit(sensor: Sensor, *, edges: Sequence[ImageLike | tuple[ImageLike, Sensor]]
     """
     from mtfkit.sensors import Sensor
 
-    if sensor._functions:
-        raise UsageError("fit: a component made of a general function has no place in a fit")
+    def require_data(of: Sensor | None) -> None:
+        if of is not None and of._functions:
+            raise of._functions[0].refusal("fit")
+
+    require_data(sensor)
 
     def pairs(images: Sequence[Any], what: str) -> list[tuple[Any, Any]]:
         if isinstance(images, (str, np.ndarray)):
@@ -248,15 +251,16 @@ def fit(sensor: Sensor, *, edges: Sequence[ImageLike | tuple[ImageLike, Sensor]]
         made = []
         for image in images:
             taken = image if isinstance(image, tuple) and len(image) == 2 and isinstance(image[1], Sensor) else (image, None)
+            require_data(taken[1])
             made.append((image_argument(taken[0]), taken[1]._file if taken[1] is not None else None))
         return made
 
     given = [(c.name, np.asarray(c.frequency, float).ravel().tolist(), np.asarray(c.mtf, float).ravel().tolist(),
               np.atleast_1d(np.asarray(c.sd, float)).ravel().tolist(), c.unit, quantities.angle_deg(c.angle)) for c in curves]
     words = {"channel": channel, "encoding": encoding, "regions": [list(r) for r in roi] if roi is not None else [],
-             "noise_sd": noise_sd, "saturation": saturation, "most": most}
+             "noise_sd": noise_sd, "saturation": saturation, "most": quantities.count(most, "most")}
     asked = marked(sensor, free)
     start = time.perf_counter()
-    run = _core.fit(asked._file, pairs(edges, "edges"), pairs(spots, "spots"), given, words, robust, starts, profile,
-                    residual_otf, threads, function_of(progress, "fitting"))
+    run = _core.fit(asked._file, pairs(edges, "edges"), pairs(spots, "spots"), given, words, robust, quantities.count(starts, "starts"), profile,
+                    residual_otf, quantities.thread_count(threads), function_of(progress, "fitting"))
     return Fit(asked, run, time.perf_counter() - start)

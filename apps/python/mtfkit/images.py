@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from mtfkit import _core
-from mtfkit.errors import UsageError
+from mtfkit.errors import DataError, UsageError
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -106,6 +106,9 @@ def write(path: str | os.PathLike[str], planes: npt.ArrayLike | Mapping[str, npt
     `bits` is 8 or 16. The file appears whole or not at all. Raises UsageError for what is no 2-D array of numbers, and
     DataError where the file cannot be written.
     """
+    integers = not os.fspath(path).lower().endswith(".exr")
+    if range is not None and not integers:
+        raise UsageError("range: is for PNG and TIFF; OpenEXR has the values themselves")
     named = planes if isinstance(planes, Mapping) else {"Y": planes}
     text: dict[str, str] = {}
     pairs: dict[str, tuple[float, float]] = {}
@@ -121,4 +124,7 @@ def write(path: str | os.PathLike[str], planes: npt.ArrayLike | Mapping[str, npt
             text[name] = str(value)
     if bits not in (8, 16):
         raise UsageError(f"bits: {bits} is not 8 or 16")
+    for name, plane in named.items() if integers else ():
+        if not np.isfinite(_core.plane(plane, f"write: plane '{name}'")).all():
+            raise DataError(f"{os.fspath(path)}: plane '{name}' has NaN or infinite values, for which there are no whole numbers")
     _core.write(os.fspath(path), list(named.items()), text, pairs, lists, [], range, bits)

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from mtfkit import _core
+from mtfkit import _core, quantities
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -27,8 +27,8 @@ def gaussian(shape: tuple[int, int], *, sd: float, seed: int = 0, frame: int = 0
     >>> (mk.noise.gaussian((2, 3), sd=1.0, seed=3, origin=(1, 2)) == whole[2:, 1:4]).all()
     True
     """
-    rows, columns = shape
-    return _core.gaussian_noise(rows, columns, sd, seed, frame, origin[0], origin[1], threads)
+    rows, columns = quantities.plane_shape(shape, "shape")
+    return _core.gaussian_noise(rows, columns, sd, seed, frame, origin[0], origin[1], quantities.thread_count(threads))
 
 
 def shot(mean: npt.ArrayLike, *, seed: int = 0, frame: int = 0, origin: tuple[int, int] = (0, 0), threads: int = 1) -> Plane:
@@ -36,4 +36,4 @@ def shot(mean: npt.ArrayLike, *, seed: int = 0, frame: int = 0, origin: tuple[in
 
     A mean below 0 counts as 0, NaN stays NaN. They are those of the shot noise of a sensor with that seed.
     """
-    return _core.shot_noise(mean, seed, frame, origin[0], origin[1], threads)
+    return _core.shot_noise(mean, seed, frame, origin[0], origin[1], quantities.thread_count(threads))

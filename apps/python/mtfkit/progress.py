@@ -7,6 +7,8 @@ import sys
 from collections.abc import Callable
 from typing import Union
 
+from mtfkit.errors import UsageError
+
 #: True for a line on standard error, a function of the share done (0 to 1), or nothing.
 Progress = Union[bool, Callable[[float], None], None]
 
@@ -16,6 +18,8 @@ def function_of(progress: Progress, what: str) -> Callable[[float], None] | None
     if progress is None or progress is False:
         return None
     if progress is not True:
+        if not callable(progress):
+            raise UsageError(f"progress: {progress!r} is neither True nor a function of the share done")
         return progress
 
     def line(share: float) -> None:

@@ -7,11 +7,14 @@ import json
 import math
 import os
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from mtfkit.errors import UsageError
+
+if TYPE_CHECKING:
+    import numpy.typing as npt
 
 #: "15 um", (15, "um"), a plain number, a list, True or False.
 Value = Any
@@ -103,3 +106,46 @@ def micrometres(length: Value, what: str) -> float:
     if isinstance(length, str) or is_quantity(length):
         return _core.length_um(words(length, what))
     raise UsageError(f"{what}: {length!r} has no unit; write \"{length} um\" or ({length}, \"um\")")
+
+
+def count(number: int, what: str, least: int = 1) -> int:
+    """A whole number of things. Raises UsageError."""
+    if isinstance(number, bool) or not isinstance(number, (int, np.integer)) or not least <= number < 1 << 31:
+        raise UsageError(f"{what}: {number!r} is not a whole number from {least} on")
+    return int(number)
+
+
+def plane_shape(size: tuple[int, int], what: str) -> tuple[int, int]:
+    """(rows, columns) of a plane. Raises UsageError."""
+    if not isinstance(size, (tuple, list)) or len(size) != 2:
+        raise UsageError(f"{what}: {size!r} is not (rows, columns)")
+    return count(size[0], what), count(size[1], what)
+
+
+def thread_count(threads: int) -> int:
+    """A number of threads, 0 for all cores. Raises UsageError."""
+    if isinstance(threads, bool) or not isinstance(threads, (int, np.integer)) or not 0 <= threads <= 4096:
+        raise UsageError(f"threads: {threads!r} is not a whole number from 0 (all cores) to 4096")
+    return int(threads)
+
+
+def frequencies(values: npt.ArrayLike, what: str) -> npt.NDArray[np.float64]:
+    """An array of frequencies. Raises UsageError for what is no number."""
+    try:
+        array = np.asanyarray(values)
+    except ValueError as ragged:
+        raise UsageError(f"{what}: {ragged}") from None
+    if array.dtype.kind not in "biuf" or isinstance(array, np.ma.MaskedArray):
+        kind = "a masked array" if isinstance(array, np.ma.MaskedArray) else f"values of type {array.dtype}"
+        raise UsageError(f"{what}: holds {kind}; frequencies are numbers in `unit`")
+    return np.asarray(array, dtype=np.float64)
+
+
+def frequency_pair(fx: npt.ArrayLike, fy: npt.ArrayLike) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
+    """Frequencies along x and y, of their common shape."""
+    x, y = frequencies(fx, "fx"), frequencies(fy, "fy")
+    try:
+        along_x, along_y = np.broadcast_arrays(x, y)
+    except ValueError:
+        raise UsageError(f"otf: fx has the shape {x.shape} and fy {y.shape}, which have no common one") from None
+    return along_x, along_y

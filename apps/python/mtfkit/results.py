@@ -4,10 +4,13 @@
 from __future__ import annotations
 
 import importlib
-from collections.abc import Iterable, Sequence
-from typing import Any
+import time
+from collections.abc import Callable, Iterable, Sequence
+from typing import Any, TypeVar
 
 from mtfkit.errors import Error
+
+Made = TypeVar("Made")
 
 
 def _escaped(text: str) -> str:
@@ -21,6 +24,13 @@ class Text(str):
 
     def _repr_html_(self) -> str:
         return f"<pre>{_escaped(self)}</pre>"
+
+
+def timed(call: Callable[..., Made], *arguments: Any) -> tuple[Made, float]:
+    """What the call gives, and its wall time in seconds."""
+    start = time.perf_counter()
+    made = call(*arguments)
+    return made, time.perf_counter() - start
 
 
 class MissingLibrary(Error, ImportError):

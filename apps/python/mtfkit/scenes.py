@@ -76,12 +76,21 @@ class Heat:
 class Picture(Image):
     """A picture that `render` made: an Image of its radiance, and `layers`, the other planes by name, float32."""
 
-    __slots__ = ("layers",)
+    __slots__ = ("layers", "report", "seconds")
     layers: dict[str, Plane]
+    report: dict[str, Any]  #: the JSON of `mtf render`
+    seconds: float  #: wall time
 
-    def __init__(self, file: _core.ImageFile, layers: dict[str, Plane]) -> None:
+    def __init__(self, file: _core.ImageFile, layers: dict[str, Plane], report: dict[str, Any], seconds: float) -> None:
         super().__init__(file)
         self.layers = layers
+        self.report = report
+        self.seconds = seconds
+
+    @property
+    def promised(self) -> float:
+        """The error of the tables that radiance is made of, relative to it, at most."""
+        return float(self.report["promised_error"])
 
 
 def heat(scene: str | os.PathLike[str], *, tolerance: quantities.Value = "0.1 K", rays: int = 128,
@@ -107,7 +116,7 @@ def heat(scene: str | os.PathLike[str], *, tolerance: quantities.Value = "0.1 K"
         os.makedirs(folder, exist_ok=True)
         if os.listdir(folder):
             raise UsageError(f"out: {folder} is not empty; name another folder")
-    report, warnings = _core.heat(os.fspath(scene), folder, kelvin, rays, every_facet, threads,
+    report, warnings = _core.heat(os.fspath(scene), folder, kelvin, rays, every_facet, quantities.thread_count(threads),
                                   function_of(progress, "heat"))
     return Heat(folder, json.loads(report), warnings, time.perf_counter() - start, keep)
 
@@ -127,15 +136,17 @@ def render(scene: str | os.PathLike[str], sensor: Sensor, *, temperatures: Heat 
     """
     import tempfile
 
+    start = time.perf_counter()
     source = temperatures.folder if isinstance(temperatures, Heat) else os.fspath(temperatures or "")
     with tempfile.TemporaryDirectory(prefix="mtfkit-render-") as folder:
         file = os.path.join(folder, "sensor.toml")
         sensor.save(file)
         picture = os.fspath(out) if out is not None else os.path.join(folder, "picture.exr")
-        _core.render(os.fspath(scene), [file], picture, source, at or "", solve,
-                     None if position is None else [float(v) for v in position],
-                     None if look_at is None else [float(v) for v in look_at], samples_per_pitch, points, plain, not air,
-                     list(layers), threads)
+        report = _core.render(os.fspath(scene), [file], picture, source, at or "", solve,
+                              None if position is None else [float(v) for v in position],
+                              None if look_at is None else [float(v) for v in look_at], samples_per_pitch, points, plain,
+                              not air, list(layers), quantities.thread_count(threads))
         channels = [name for layer in layers
                     for name in ([f"normal.{axis}" for axis in "XYZ"] if layer == "normal" else [layer])]
-        return Picture(read(picture, channel="Y")._file, {name: read(picture, channel=name).plane() for name in channels})
+        planes = {name: read(picture, channel=name).plane() for name in channels}
+        return Picture(read(picture, channel="Y")._file, planes, json.loads(report), time.perf_counter() - start)

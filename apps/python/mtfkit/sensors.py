@@ -5,56 +5,31 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from mtfkit import _core, quantities, results
+from mtfkit import _core, functions, quantities, results
 from mtfkit.budgets import Budget
 from mtfkit.components import Component
-from mtfkit.custom import Canvas, Custom, General
 from mtfkit.curves import Curves, curves_of
-from mtfkit.errors import DataError, UsageError
-from mtfkit.images import Image
-from mtfkit.sensor_parts import ComponentLike, Tables, component_lines, table_lines
-from mtfkit.simulation import Plan, Run, compile_plan, run_simulation
-from mtfkit.targets import Target
+from mtfkit.custom import Custom, General, Sampled
+from mtfkit.errors import UsageError
+from mtfkit.findings import Finding, Findings
+from mtfkit.sensor_parts import ComponentLike, Tables, component_lines, table_lines, write_sensor
+from mtfkit.plans import compile_plan
+from mtfkit.simulation import run_simulation
 
 if TYPE_CHECKING:
     import numpy.typing as npt
 
     from mtfkit.edges import ImageLike
     from mtfkit.fits import CurveData, Fit
+    from mtfkit.plans import Plan
+    from mtfkit.runs import Run
     from mtfkit.simulation import SceneLike
 
 Table = Mapping[str, Any]
-
-
-@dataclass(frozen=True)
-class Finding:
-    """What `mtf config check` says: severity "error", "warning" or "note", where, and about what."""
-
-    severity: str
-    line: int
-    column: int
-    path: str
-    text: str
-
-    def __str__(self) -> str:
-        return f"{self.line}:{self.column}: {self.severity}: {self.path}: {self.text}"
-
-
-class Findings(tuple[Finding, ...]):
-    """All findings; true when none of them is an error, so that `assert sensor.check()` reads well."""
-
-    __slots__ = ()
-
-    def __bool__(self) -> bool:
-        return not any(finding.severity == "error" for finding in self)
-
-    def __str__(self) -> str:
-        return "\n".join(str(finding) for finding in self) or "nothing to remark"
 
 
 class Sensor:
@@ -89,22 +64,20 @@ class Sensor:
             if not isinstance(table, Mapping):
                 raise UsageError(f"{key}: {table!r} is no table; give a dictionary of its keys")
             lines += table_lines(key, table)
-        own: Tables | None = None
-        for stage, components in {"presample": presample, "readout": readout, "postsample": postsample}.items():
-            if isinstance(components, (str, Mapping, Component, Custom, General)):
+        self._take(lines, "sensor", Tables(), {"presample": presample, "readout": readout, "postsample": postsample})
+
+    def _take(self, lines: list[str], file: str, own: Tables, lists: Mapping[str, Sequence[ComponentLike]]) -> None:
+        """The sensor of these lines and further components."""
+        for stage, components in lists.items():
+            if isinstance(components, (str, Mapping, Component, Custom, Sampled, General)):
                 raise UsageError(f"{stage}: is a list of components; write [{components!r}]")
             for index, component in enumerate(components):
-                if isinstance(component, General):
-                    if stage != "presample":
-                        raise UsageError(f"{stage}: a component made of a general function stands in presample")
-                    own = own or Tables()
-                    own.functions += (component,)
-                elif isinstance(component, Custom):
-                    own = own or Tables()
+                if isinstance(component, (Custom, Sampled, General)):
                     lines += own.add(stage, component)
                 else:
                     lines += component_lines(stage, index, component)
-        self._set(_core.SensorFile("\n".join(lines), "sensor" if own is None else own.file), own)
+        used = own.csv or own.error or own.functions
+        self._set(_core.SensorFile("\n".join(lines), file), own if used else None)
 
     def _set(self, file: _core.SensorFile, tables: Tables | None) -> None:
         object.__setattr__(self, "_file", file)
@@ -143,14 +116,7 @@ class Sensor:
         """Writes the sensor file, with the comments that it has. Where files that it names would not be found from the
         new place, it is written anew with their right names and without comments. The file appears whole or not at all.
         """
-        path = os.fspath(path)
-        text = self.text
-        if self._tables is not None:
-            text = self._tables.write_beside(path, text)
-        elif len(self._file.files) > 1 and os.path.dirname(os.path.abspath(path)) != os.path.dirname(
-                os.path.abspath(self.file)):
-            text = self._file.canonical(os.path.abspath(path))
-        _core.write_text(path, text)
+        write_sensor(self._file, self._tables, os.fspath(path))
 
     @property
     def text(self) -> str:
@@ -184,15 +150,27 @@ class Sensor:
         return Sensor._of(self._file.replaced([(name, quantities.words(value, name)) for name, value in values.items()]),
                           self._tables)
 
+    def append(self, *, presample: Sequence[ComponentLike] = (), readout: Sequence[ComponentLike] = (),
+               postsample: Sequence[ComponentLike] = ()) -> Sensor:
+        """Another sensor with further components at the ends of its lists.
+
+        `sensor.append(presample=[mk.Jitter(rms="20 urad"), mk.custom(otf, cutoff="60 cy/mm")])`. Raises UsageError for
+        what is no component.
+        """
+        sensor, own = object.__new__(Sensor), Tables() if self._tables is None else self._tables.copy()
+        text = self.text if self._tables is None else own.moved(self.text, self._tables.place)
+        sensor._take([text], self.file, own, {"presample": presample, "readout": readout, "postsample": postsample})
+        return sensor
+
     def otf(self, fx: npt.ArrayLike, fy: npt.ArrayLike = 0.0, *, unit: str = "cy/mm") -> Any:
         """The OTF at the frequencies (fx, fy): complex128 of their common shape, a complex number for plain numbers.
 
         `unit` is cy/mm at the focal plane, cy/mrad or cy/px; +x is along columns, +y along rows.
         """
-        x, y = np.broadcast_arrays(_frequencies(fx, "fx"), _frequencies(fy, "fy"))
+        x, y = quantities.frequency_pair(fx, fy)
         values = _core.otf(self._file, x.ravel(), y.ravel(), unit).reshape(x.shape)
-        for function in self._functions:
-            values = values * self._of_function(function, x, y, unit)
+        if self._functions:
+            values = values * functions.product(self._file, self._functions, x, y, unit)
         return values[()]
 
     def mtf(self, fx: npt.ArrayLike, fy: npt.ArrayLike = 0.0, *, unit: str = "cy/mm") -> Any:
@@ -206,11 +184,10 @@ class Sensor:
         `frequency` is in `unit`, by default 61 values to the smaller of cutoff and twice Nyquist; `angle` is from +x to
         +y, "45 deg".
         """
-        if self._functions:
-            raise UsageError(f"curves: {self._functions[0].label} is a general function, which has no column; otf and mtf "
-                             "count it")
-        values = [] if frequency is None else np.atleast_1d(_frequencies(frequency, "frequency")).ravel().tolist()
-        return curves_of(_core.curves(self._file, values, quantities.angle_deg(angle), unit))
+        values = [] if frequency is None else np.atleast_1d(quantities.frequencies(frequency, "frequency")).ravel().tolist()
+        error = 0.0 if self._tables is None else self._tables.error
+        curves = curves_of(*results.timed(_core.curves, self._file, values, quantities.angle_deg(angle), unit), error)
+        return functions.with_functions(curves, self._file, self._functions) if self._functions else curves
 
     def explain(self) -> results.Text:
         """What every number becomes after units and defaults, and the stages of the chain, as `mtf config explain`."""
@@ -226,7 +203,7 @@ class Sensor:
         Raises UsageError for a sensor without [detector].
         """
         kelvin = quantities.kelvin(temperature)
-        return Budget(kelvin, self._file.budget(kelvin))
+        return Budget(kelvin, *results.timed(self._file.budget, kelvin))
 
     def simulate(self, scene: SceneLike, *, sample: quantities.Value = None, quantity: str | None = None,
                  beside: Mapping[str, npt.ArrayLike] | None = None, tolerance: float | None = None,
@@ -278,61 +255,17 @@ class Sensor:
         return fit(self, edges=edges, free=free, curves=curves, spots=spots, **options)
 
     def _table_error(self, samples_per_pixel: float) -> float:
-        """What tables in place of functions cost an image, as a share of the scene's standard deviation: an error D of the
-        OTF at each frequency costs at most D x the square root of how many alias onto one x 2, the square root of the area
-        of the mirrored canvas, x the largest gain of what follows."""
-        if self._tables is None or self._tables.error == 0.0:
-            return 0.0
-        gain = max([1.0, *(float(np.max(column.mtf)) for angle in (0.0, 45.0, 90.0)
-                           for column in curves_of(_core.curves(self._file, [], angle, "cy/mm"))
-                           if column.label in ("readout", "postsample"))])
-        return float(2.0 * gain * self._tables.error * np.sqrt(samples_per_pixel))
+        """What tables in place of functions cost an image, as a share of the scene's standard deviation."""
+        return 0.0 if self._tables is None else functions.table_error(self._file, self._tables.error, samples_per_pixel)
 
     @property
     def _functions(self) -> tuple[General, ...]:
         return () if self._tables is None else self._tables.functions
 
-    def _of_function(self, function: General, x: npt.NDArray[np.float64], y: npt.NDArray[np.float64],
-                     unit: str) -> npt.NDArray[np.complex128]:
-        """The OTF of a general function at frequencies of that unit: units are to one another as their Nyquist frequencies."""
-        def nyquist(angle_deg: float, of: str) -> float:
-            return float(_core.curves(self._file, [0.0], angle_deg, of)["nyquist"])
-        scale = [nyquist(angle, function.unit) / nyquist(angle, unit) for angle in (0.0, 90.0)]
-        return function.otf(x * scale[0], y * scale[1])
-
-    def _canvas(self, scene: Any, sample: quantities.Value) -> Canvas:
-        """A scene behind the general functions of the sensor."""
-        import tomllib
-
-        if isinstance(scene, Target):
-            if scene.blur_samples:
-                raise UsageError("scene: the blur of this target is divided out of its image, which does not go with a component "
-                                 "made of a general function; give an array")
-            sample, scene = "0.125 px" if sample is None else sample, scene.values
-        plane = np.asanyarray(scene) if not isinstance(scene, (str, os.PathLike, Image, Mapping)) else None
-        if plane is None or self._file.has_chain:
-            raise UsageError("a component made of a general function acts on 2-D arrays, for sensors without [detector]")
-        border = tomllib.loads(self.text).get("scene", {}).get("border", "reflect")
-        if border not in ("reflect", "periodic"):
-            raise UsageError(f"scene.border: \"{border}\" does not go with a component made of a general function; take reflect "
-                             "or periodic")
-        if isinstance(plane, np.ma.MaskedArray) or plane.ndim != 2 or plane.size == 0 or plane.dtype.kind not in "biuf":
-            raise UsageError(f"scene: has the shape {plane.shape} and type {plane.dtype}; give a 2-D array of numbers")
-        if not np.isfinite(plane).all():
-            raise DataError("scene: holds NaN or infinite values, which do not go with a component made of a general function")
-        step = _core.sample_um(self._file, quantities.sample_words(sample))
-
-        def product(fx: npt.NDArray[np.float64], fy: npt.NDArray[np.float64]) -> npt.NDArray[np.complex128]:
-            values = np.ones(fx.shape, dtype=np.complex128)
-            for function in self._functions:
-                values *= self._of_function(function, fx, fy, "cy/mm")
-            return values
-
-        return Canvas(plane.astype(np.float64), border, step, product)
-
     def _key(self) -> str:
         if self._canonical is None:
-            object.__setattr__(self, "_canonical", self._file.canonical("/mtfkit/sensor.toml"))
+            place = "" if self._tables is None else self._tables.place
+            object.__setattr__(self, "_canonical", self._file.canonical(os.path.join(place or "/mtfkit", "sensor.toml")))
         assert self._canonical is not None
         return self._canonical
 
@@ -340,15 +273,15 @@ class Sensor:
         """The same values, whatever the comments, the order and the units of the texts."""
         if not isinstance(other, Sensor):
             return NotImplemented
-        return self._key() == other._key() and self._functions == other._functions
+        tables = [{} if one._tables is None else one._tables.csv for one in (self, other)]
+        return self._key() == other._key() and tables[0] == tables[1] and self._functions == other._functions
 
     def __hash__(self) -> int:
         return hash(self._key())
 
     def __reduce__(self) -> tuple[Any, ...]:
-        if self._tables is not None:
-            return _with_tables, (self.text, self._tables.csv, self._tables.error, self._tables.functions)
-        return _unpickled, (self.text, os.path.abspath(self.file) if os.path.exists(self.file) else self.file)
+        file = os.path.abspath(self.file) if os.path.exists(self.file) else self.file
+        return _unpickled, (self.text, file, self._tables, "" if self._tables is None else self._tables.place)
 
     def __repr__(self) -> str:
         return f"<Sensor {self.name or self.file!r}>"
@@ -357,18 +290,5 @@ class Sensor:
         return self.explain()._repr_html_()
 
 
-def _unpickled(text: str, file: str) -> Sensor:
-    return Sensor.parse(text, file=file)
-
-
-def _with_tables(text: str, csv: Mapping[str, str], error: float, functions: tuple[General, ...]) -> Sensor:
-    tables = Tables(csv, error)
-    tables.functions = functions
-    return Sensor._of(_core.SensorFile(text, tables.file), tables)
-
-
-def _frequencies(values: npt.ArrayLike, what: str) -> npt.NDArray[np.float64]:
-    array = np.asarray(values)
-    if array.dtype.kind not in "biuf":
-        raise UsageError(f"{what}: holds values of type {array.dtype}; frequencies are numbers in `unit`")
-    return array.astype(np.float64)
+def _unpickled(text: str, file: str, tables: Tables | None, place: str) -> Sensor:
+    return Sensor._of(_core.SensorFile(text if tables is None else tables.moved(text, place), file), tables)

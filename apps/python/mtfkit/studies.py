@@ -4,87 +4,24 @@
 from __future__ import annotations
 
 import json
+import operator
 import os
 import time
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from mtfkit import _core, results
+from mtfkit import _core, quantities, results
 from mtfkit.errors import UsageError
 from mtfkit.progress import Progress, function_of
 from mtfkit.sensors import Sensor
+from mtfkit.study_results import Gradient, Optimum, StudyColumn
 
 if TYPE_CHECKING:
     import numpy.typing as npt
 
     Floats = npt.NDArray[np.float64]
-
-
-@dataclass(frozen=True)
-class StudyColumn:
-    """A column of the rows: its unit ("" for plain numbers), what it is, and the words of its values where they are no
-    numbers. `role` is axis, link, metric, objective, feasible, yield or error."""
-
-    name: str
-    unit: str
-    definition: str
-    source: str
-    role: str
-    levels: tuple[str, ...]
-
-
-@dataclass(frozen=True, eq=False)
-class Gradient:
-    """Exact derivatives of a design by the numeric axes, by automatic differentiation; NaN where there is none.
-
-    `value` has a row for each of `columns` and a column for each of `parameters`, in unit of the one per unit of the
-    other; `objective` and `margin` (of the constraints, in SI units) likewise.
-    """
-
-    columns: list[str]
-    parameters: list[str]
-    value: Floats
-    objective: Floats
-    margin: Floats
-
-    def to_pandas(self) -> Any:
-        """A DataFrame of `value`: index is the metric, a column for each parameter."""
-        return results.pandas("Gradient.to_pandas").DataFrame(self.value, index=self.columns, columns=self.parameters)
-
-    def _repr_html_(self) -> str:
-        rows = [[name, *(float(v) for v in row)] for name, row in zip(self.columns, self.value)]
-        return results.html_table(["d / d", *self.parameters], rows)
-
-
-class Optimum:
-    """The best design for one goal, as `mtf optimize`.
-
-    `status` is "optimal", "stopped", "infeasible" or "impossible"; `sensor` is None where no design is feasible.
-    """
-
-    def __init__(self, report: dict[str, Any], table: str, sensor: Sensor | None, axes: dict[str, float]) -> None:
-        self.report = report  #: the JSON of this goal
-        self.sensor = sensor  #: the best design as a sensor
-        self.axes = axes  #: values of the axes, in their units
-        self._table = table
-
-    @property
-    def status(self) -> str:
-        """How it ended."""
-        return str(self.report["status"])
-
-    def explain(self) -> results.Text:
-        """What limits the design, and what relaxing each limit would gain."""
-        return results.Text(self._table)
-
-    def __repr__(self) -> str:
-        return f"<Optimum {self.status}: {', '.join(f'{k} = {v:.6g}' for k, v in self.axes.items())}>"
-
-    def _repr_html_(self) -> str:
-        return self.explain()._repr_html_()
 
 
 class Study:
@@ -100,6 +37,8 @@ class Study:
     """
 
     def __init__(self, file: str | os.PathLike[str], *, tolerance: float | None = None) -> None:
+        if tolerance is not None and not 1e-12 <= tolerance <= 0.1:
+            raise UsageError(f"tolerance: {tolerance!r} is outside 1e-12 to 0.1")
         self._tolerance = tolerance
         self._study = _core.StudyFile(os.fspath(file), tolerance)
         self._folder: Any = None  # of copies, where the files came by pickle
@@ -163,7 +102,7 @@ class Study:
         """
         if isinstance(first, tuple):
             first, last = first
-        return self._study.rows(first, self.designs if last is None else last, threads,
+        return self._study.rows(first, self.designs if last is None else last, quantities.thread_count(threads),
                                 function_of(progress, self.name or "designs"))
 
     def run(self, *, threads: int = 0, progress: Progress = None) -> Any:
@@ -221,6 +160,10 @@ class Study:
             raise UsageError("to_xarray: the designs of this study are samples, not a grid")
         if len(frame) != self.designs:
             raise UsageError(f"to_xarray: the table has {len(frame)} of {self.designs} designs")
+        frame = frame.sort_index()
+        if frame.index[0] != 0 or frame.index[-1] != self.designs - 1 or not frame.index.is_unique:
+            raise UsageError("to_xarray: the index of the table is not that of the designs, 0 to "
+                             f"{self.designs - 1}")
         axes = self._study.axes
         names, shape = [axis["name"] for axis in axes], tuple(axis["points"] for axis in axes)
         coords, variables = {}, {}
@@ -235,7 +178,7 @@ class Study:
         return xarray.Dataset(variables, coords=coords, attrs={"study": self.name})
 
     def _values(self, design: int) -> list[float]:
-        return self._study.axis_values(int(design))
+        return self._study.axis_values(operator.index(design))
 
     def axes(self, design: int) -> dict[str, float | str]:
         """The values of the axes of a design, in the units of the columns; words where they are no numbers."""
@@ -251,7 +194,9 @@ class Study:
 
     def gradient(self, design: int) -> Gradient:
         """Exact derivatives of the metrics, objectives and constraints of a design by the numeric axes."""
-        return Gradient(**self._study.gradient_at(self._values(design)))
+        start = time.perf_counter()
+        made = self._study.gradient_at(self._values(design))
+        return Gradient(**made, seconds=time.perf_counter() - start)
 
     def optimum(self, *, objective: int | None = None, weights: Sequence[float] | None = None, search: bool = False,
                 starts: int = 8, threads: int = 0, progress: Progress = None) -> Optimum:
@@ -260,7 +205,7 @@ class Study:
         `objective` is the number of one, from 0; `weights` weighs all of them. A study with one objective needs neither.
         `search` takes the method without slopes. Ctrl-C ends it. Raises UsageError for a study without objectives.
         """
-        count = len(self.objectives)
+        count, starts = len(self.objectives), quantities.count(starts, "starts")
         if objective is not None and weights is not None:
             raise UsageError("optimum: objective and weights exclude each other; give one")
         if weights is None:
@@ -274,7 +219,8 @@ class Study:
         else:
             numbers = [float(weight) for weight in weights]
             name = " + ".join(f"{weight:g} x {text}" for weight, text in zip(numbers, self.objectives))
-        report, table, best = self._study.optimum([(name, numbers)], search, starts, threads,
+        start = time.perf_counter()
+        report, table, best = self._study.optimum([(name, numbers)], search, starts, quantities.thread_count(threads),
                                                   function_of(progress, "optimising"))
         goals = json.loads(report)
         entry = goals["goals"][0] if "goals" in goals else goals
@@ -283,7 +229,7 @@ class Study:
             file = os.path.join(os.path.dirname(self.file), "best.toml")
             sensor = Sensor._of(self._study.sensor_at(best[0], file))
             axes = {axis["name"]: value for axis, value in zip(self._study.axes, best[0])}
-        return Optimum(entry, table, sensor, axes)
+        return Optimum(entry, table, sensor, axes, time.perf_counter() - start)
 
     def __reduce__(self) -> tuple[Any, tuple[Any, ...]]:
         return _unpickled, (os.path.abspath(self.file), self._study.sha256, self._study.files(), self._tolerance)

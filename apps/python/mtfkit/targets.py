@@ -33,9 +33,7 @@ class Target:
 
 
 def _grid(size: tuple[int, int]) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
-    rows, columns = size
-    if rows < 1 or columns < 1:
-        raise UsageError(f"size: {size} has no samples")
+    rows, columns = quantities.plane_shape(size, "size")
     return (np.arange(rows)[:, None] + 0.5 - 0.5 * rows), (np.arange(columns)[None, :] + 0.5 - 0.5 * columns)
 
 
@@ -63,6 +61,8 @@ def sine(*, cycles: float, size: tuple[int, int] = (512, 512), mean: float = 5.0
          angle: quantities.Value = 0) -> Target:
     """A sine of that many cycles over the width, along `angle` from +x to +y. `size` is (rows, columns) in samples."""
     y, x = _grid(size)
+    if not math.isfinite(cycles):
+        raise UsageError(f"cycles: {cycles} is not finite")
     direction = math.radians(quantities.angle_deg(angle))
     phase = 2.0 * np.pi * cycles / size[1] * (math.cos(direction) * x + math.sin(direction) * y)
     return Target((mean + amplitude * np.cos(phase)).astype(np.float32))
@@ -71,7 +71,9 @@ def sine(*, cycles: float, size: tuple[int, int] = (512, 512), mean: float = 5.0
 def points(places: list[tuple[int, int]], *, size: tuple[int, int] = (512, 512), background: float = 0.0,
            peak: float = 1.0) -> Target:
     """Single samples of `peak` at these places (column, row) on a background."""
-    values = np.full(size, background, dtype=np.float32)
-    for column, row in places:
-        values[row, column] = peak
+    values = np.full(quantities.plane_shape(size, "size"), background, dtype=np.float32)
+    for place in places:
+        if np.shape(place) != (2,) or not (0 <= place[0] < size[1] and 0 <= place[1] < size[0]):
+            raise UsageError(f"places: {place!r} is no (column, row) of a scene of the size {size}")
+        values[place[1], place[0]] = peak
     return Target(values)

@@ -29,6 +29,7 @@ SceneInput load_input(SceneSource source, const mtf::io::SensorConfig& sensor, c
     light = to_light(sensor, *radiometric, input.scene, input.masks, source, threads);
     defaults.border_value = input.border_value = light.border_value;
   }
+  if (source.filter) source.filter(input.scene);
   input.rate = light.rate;
   for (std::string& warning : light.warnings) input.scene.warnings.push_back(std::move(warning));
   input.summary = summarise_all(input.scene, defaults, light.error);

@@ -49,6 +49,7 @@ class StillScene {
   /// Errors as load_input.
   std::shared_ptr<const SceneInput> of(const std::shared_ptr<const mtf::io::SensorConfig>& sensor,
                                        const RadiometricChain* radiometric);
+  const SceneSource& source() const { return source_; }
 
  private:
   SceneSource source_;

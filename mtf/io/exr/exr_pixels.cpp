@@ -10,6 +10,7 @@
 #include "mtf/io/channel_choice.h"
 #include "mtf/io/exr/exr_info.h"
 #include "mtf/io/exr/exr_scan.h"
+#include "mtf/work/stop.h"
 
 namespace mtf::io {
 namespace {
@@ -72,6 +73,7 @@ PixelSource::PixelSource(Imf::MultiPartInputFile& file, int part) {
 }
 
 void PixelSource::read(const Imf::FrameBuffer& buffer, std::int64_t first, std::int64_t last) {
+  require_going_on();
   if (lines_) {
     lines_->setFrameBuffer(buffer);
     lines_->readPixels(static_cast<int>(first), static_cast<int>(last));

@@ -22,6 +22,7 @@
 #include "mtf/io/file_checks.h"
 #include "mtf/io/image_io.h"
 #include "mtf/io/plane_checks.h"
+#include "mtf/work/stop.h"
 
 namespace mtf::io {
 namespace {
@@ -42,6 +43,8 @@ class AtomicStream : public Imf::OStream {
 void check_attribute_name(const std::string& path, const Imf::Header& header, const std::string& name) {
   if (name.empty() || name.size() > 255)
     throw UsageError(path + ": attribute name '" + printable(name, 40) + "' must have 1 to 255 characters");
+  if (name.find('\0') != std::string::npos)
+    throw UsageError(path + ": attribute name '" + printable(name, 40) + "' has a zero byte in it");
   if (header.find(name) != header.end())
     throw UsageError(path + ": attribute '" + printable(name, 40) +
                      "' is given twice or reserved by OpenEXR; rename it");
@@ -63,6 +66,8 @@ void check_names(const std::string& path, const std::vector<std::string>& names)
   for (const std::string& name : names) {
     if (name.empty() || name.size() > 255)
       throw UsageError(path + ": channel name '" + printable(name, 40) + "' must have 1 to 255 characters");
+    if (name.find('\0') != std::string::npos)
+      throw UsageError(path + ": channel name '" + printable(name, 40) + "' has a zero byte in it");
     if (!seen.insert(name).second)
       throw UsageError(path + ": two channels are called '" + printable(name, 40) + "'; rename one");
   }
@@ -110,7 +115,11 @@ void write_exr(const std::string& path, const std::vector<NamedPlane>& planes, c
     AtomicStream stream(file, path);
     Imf::OutputFile output(stream, header);
     output.setFrameBuffer(buffer);
-    output.writePixels(static_cast<int>(first.height));
+    constexpr std::int64_t kLines = 256;  // whole chunks of the compression: the bytes are those of one call
+    for (std::int64_t y = 0; y < first.height; y += kLines) {
+      require_going_on();
+      output.writePixels(static_cast<int>(std::min(kLines, first.height - y)));
+    }
   });
 }
 
@@ -132,6 +141,7 @@ void write_tiled_exr(const std::string& path, const std::vector<std::string>& na
     for (std::size_t c = 0; c < names.size(); ++c)
       planes.emplace_back(width, std::min<std::int64_t>(kTileSide, height));
     for (std::int64_t first = 0; first < height; first += kTileSide) {
+      require_going_on();
       std::vector<ImageView<float>> views;
       Imf::FrameBuffer buffer;
       for (std::size_t c = 0; c < names.size(); ++c) {

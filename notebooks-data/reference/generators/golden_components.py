@@ -90,6 +90,7 @@ BY_DEFINITION = [
     ("halo", "fraction = 0.05; width = 30 um"),
     ("halo", "fraction = 0.05; width = 30 um; profile = exponential"),
     ("halo", "fraction = 0.05; width = 30 um; profile = lorentz"),
+    ("psf", "samples = 0.02|0.1|0.03/0.1|0.5|0.12/0.01|0.1|0.02; step = 2 um"),
     ("circular_footprint", "diameter = 15 um"),
     ("polygon_footprint",
      "vertices = -0.5|-0.5/0.5|-0.5/0.5|0.1/0.1|0.1/0.1|0.5/-0.5|0.5; unit_length = 15 um"),

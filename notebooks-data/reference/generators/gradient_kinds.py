@@ -460,6 +460,25 @@ def fir(p):
                for j in range(rows) for k in range(columns))
 
 
+PSF = [[0.02, 0.1, 0.03], [0.1, 0.5, 0.12], [0.01, 0.1, 0.02]]
+
+
+# Within half a cycle per sample; 0 beyond, with a step that is no slope.
+@kind("psf",
+      Case({"samples": PSF, "step": (2.0, "um")}, TYPICAL + [(240.0, 10.0), (-3.0, -240.0), (260.0, 1.0), (1.0, -251.0)]),
+      Case({"samples": [[1.0, 4.0, 1.0]], "step_x": (0.2, "px"), "step_y": (30.0, "urad"), **OBLONG, **FOCAL}, TYPICAL),
+      Case({"samples": [[-10.0, 5.0, 3.0], [40.0, 500.0, -20.0], [5.0, -7.0, 9.0], [1.0, 2.0, 3.0], [0.0, 0.0, 1.0]],
+            "step": (1.0, "um")}, TYPICAL))
+def psf(p):
+    rows, columns = p.words["samples"]
+    x, y = (p.frequency(a) * p.length_mm("step", a) for a in "xy")
+    if max(abs(x), abs(y)) >= mpf(1) / 2:
+        return mpf(0)
+    sample = [p[f"samples[{i}]"] for i in range(rows * columns)]
+    return sum(sample[j * columns + k] * mp.expj(-2 * mp.pi * (x * (k - (columns - 1) // 2) + y * (j - (rows - 1) // 2)))
+               for j in range(rows) for k in range(columns)) / sum(sample)
+
+
 CURVE = "10:0.9|20:0.7|40:0.25|60:0.1"
 IN_PIXELS = "0:1|0.1875:0.75|0.5:0.75|1:-0.125"
 

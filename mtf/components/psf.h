@@ -1,0 +1,200 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// A point spread function by its samples, as measured from a point source or computed by another program.
+//   otf = sum_jk s[j][k] exp(-2 pi i (fx dx (k - kc) + fy dy (j - jc))) / sum_jk s[j][k]
+//   otf = 0 for |fx| >= 1/(2 dx) or |fy| >= 1/(2 dy)
+// s = samples[row][column] in any unit, dx, dy = step; rows run along +y, columns along +x, the origin is the middle
+// sample (jc, kc). Complex unless the samples are symmetric about it; a shift is kept in the phase. From half a cycle
+// per sample on samples say nothing. As valid as they are dense, and as they reach out to where the PSF has ended.
+// (Papoulis, Systems and Transforms with Applications in Optics, ch. 5: sampling of band-limited functions.)
+
+#include <algorithm>
+
+#include "mtf/components/field.h"
+
+namespace mtf {
+
+template <class S>
+struct Psf {
+  static constexpr std::string_view kind = "psf";
+  static constexpr std::string_view doc = "point spread function by its samples";
+  static constexpr Stages stages{.presample = true};
+  static constexpr std::size_t kMostSamples = 1025;  ///< along an axis
+
+  Taps<S> samples{};
+  AxisPair<S> step{};
+  Choice part{0, kSensorPartNames};
+
+  static constexpr auto fields() {
+    return std::tuple{Field{FieldInfo{.name = "samples",
+                                      .lo = -1e12,
+                                      .hi = 1e12,
+                                      .example = "[[0.02, 0.1, 0.03], [0.1, 0.5, 0.12], [0.01, 0.1, 0.02]]",
+                                      .doc = "rows of the PSF, odd by odd, in any unit; the middle one is its origin"},
+                            &Psf::samples},
+                      Field{FieldInfo{.name = "step",
+                                      .dimension = Dimension::extent,
+                                      .lo = 1e-6,
+                                      .hi = 1e9,
+                                      .example = "\"2 um\"",
+                                      .doc = "spacing of the samples, per axis"},
+                            &Psf::step},
+                      Field{kPartInfo, &Psf::part}};
+  }
+  Traits traits(const Context<S>&) const {
+    const auto [sum, absolute] = sums();
+    return {.even_x = mirrored(true, false),
+            .even_y = mirrored(false, true),
+            .real = mirrored(true, true),
+            .gain = absolute > sum};
+  }
+  /// What does not depend on the frequency is done once: for many frequencies at one context.
+  auto evaluator(const Context<S>& ctx) const {
+    return [table = table(ctx)](const Freq<S>& f) {
+      if (!table.holds(f)) return Complex<S>{};
+      const std::vector<Complex<T>> y = table.phases_y(T(f.y));
+      Complex<T> sum{};
+      for (std::size_t k = 0; k < table.columns; ++k) sum = sum + table.column(k, y) * table.phase_x(T(f.x), k);
+      return table.normalised(sum);
+    };
+  }
+  Complex<S> otf(const Freq<S>& f, const Context<S>& ctx) const { return evaluator(ctx)(f); }
+  auto rows(std::span<const S> fx, const Context<S>& ctx) const {
+    Table table = this->table(ctx);
+    std::vector<Complex<T>> x(fx.size() * table.columns);
+    for (std::size_t k = 0; k < table.columns; ++k)
+      for (std::size_t i = 0; i < fx.size(); ++i)
+        if (table.holds({fx[i], S(0)})) x[k * fx.size() + i] = table.phase_x(T(fx[i]), k);
+    return [table = std::move(table), x = std::move(x), n = fx.size()](const S& fy, std::span<Complex<S>> h) {
+      std::vector<Complex<T>> sum(h.size());
+      if (table.holds({S(0), fy})) {
+        const std::vector<Complex<T>> y = table.phases_y(T(fy));
+        for (std::size_t k = 0; k < table.columns; ++k) {
+          const Complex<T> weight = table.column(k, y);
+          for (std::size_t i = 0; i < h.size(); ++i) sum[i] = sum[i] + weight * x[k * n + i];
+        }
+      }
+      for (std::size_t i = 0; i < h.size(); ++i) h[i] = h[i] * table.normalised(sum[i]);
+    };
+  }
+  double cutoff_cy_mm(const Context<S>&) const { return kInfinity; }
+  /// |1 - exp(-2 pi i a)| = 2 sin(pi |a|) for each sample.
+  double deviation(double fx, double fy, const Context<S>& ctx) const {
+    const double x = fx * value_of(step.x_um(ctx.frame)) * 1e-3, y = fy * value_of(step.y_um(ctx.frame)) * 1e-3;
+    double bound = x < 0.5 && y < 0.5 ? 0.0 : 1.0, sum = 0.0;
+    const double middle_j = 0.5 * (static_cast<double>(samples.size()) - 1.0),
+                 middle_k = 0.5 * (static_cast<double>(samples.front().size()) - 1.0);
+    for (std::size_t j = 0; j < samples.size(); ++j)
+      for (std::size_t k = 0; k < samples[j].size(); ++k) {
+        const double turns =
+            std::abs(static_cast<double>(k) - middle_k) * x + std::abs(static_cast<double>(j) - middle_j) * y;
+        sum += std::abs(value_of(samples[j][k])) * 2.0 * sin_pi(std::min(0.5, turns));
+      }
+    return std::max(bound, sum / sums().plain);
+  }
+  std::vector<Problem> check(const Context<S>& ctx) const {
+    const auto fault = [](std::string text) {
+      return std::vector<Problem>{{.field = "samples", .text = std::move(text)}};
+    };
+    if (samples.empty() || samples.front().empty()) return fault("empty");
+    for (const auto& row : samples)
+      if (row.size() != samples.front().size()) return fault("rows of different length");
+    if (samples.size() % 2 == 0 || samples.front().size() % 2 == 0)
+      return fault("rows and columns have to be odd in number, so that the PSF has an origin, the middle sample");
+    if (std::max(samples.size(), samples.front().size()) > kMostSamples)
+      return fault("more than " + std::to_string(kMostSamples) + " samples along an axis");
+    const auto [sum, absolute] = sums();
+    if (!(sum > 1e-6 * absolute)) return fault("their sum, by which they are divided, is " + format_double(sum));
+    // What is left at the highest frequency that they hold would be folded by the sampling.
+    const double x = 499.0 / value_of(step.x_um(ctx.frame)), y = 499.0 / value_of(step.y_um(ctx.frame));
+    double left = 0.0;
+    for (const Freq<S>& f : {Freq<S>{S(x), S(0)}, Freq<S>{S(0), S(y)}}) {
+      const Complex<S> h = otf(f, ctx);
+      left = std::max(left, std::hypot(value_of(h.re), value_of(h.im)));
+    }
+    if (left <= 0.05) return {};
+    return {{.error = false,
+             .field = "step",
+             .text = "the MTF of the samples is still " + format_double(left) +
+                     " at half a cycle per sample, beyond which it is taken to be 0; sample the PSF more finely"}};
+  }
+
+ private:
+  using T = std::conditional_t<std::is_same_v<S, float>, double, S>;
+
+  struct Sums {
+    double plain = 0.0, absolute = 0.0;
+  };
+  Sums sums() const {
+    Sums s;
+    for (const auto& row : samples)
+      for (const S& sample : row) {
+        s.plain += value_of(sample);
+        s.absolute += std::abs(value_of(sample));
+      }
+    return s;
+  }
+  bool mirrored(bool in_x, bool in_y) const {
+    const std::size_t rows = samples.size(), columns = samples.front().size();
+    for (std::size_t j = 0; j < rows; ++j)
+      for (std::size_t k = 0; k < columns; ++k)
+        if (value_of(samples[j][k]) != value_of(samples[in_y ? rows - 1 - j : j][in_x ? columns - 1 - k : k]))
+          return false;
+    return true;
+  }
+
+  /// Samples by columns, with their steps in mm.
+  struct Table {
+    std::size_t rows = 0, columns = 0;
+    std::vector<T> sample;  ///< [column * rows + row]
+    T step_x_mm{}, step_y_mm{}, sum{};
+    bool real = false;
+
+    bool holds(const Freq<S>& f) const {
+      return std::abs(value_of(f.x)) * value_of(step_x_mm) < 0.5 && std::abs(value_of(f.y)) * value_of(step_y_mm) < 0.5;
+    }
+    static Complex<T> phase(const T& cycles, std::size_t i, std::size_t n) {
+      return phase_of(T(cycles * T(2.0 * static_cast<double>(i) - static_cast<double>(n - 1))));
+    }
+    Complex<T> phase_x(const T& fx, std::size_t k) const { return phase(fx * step_x_mm, k, columns); }
+    std::vector<Complex<T>> phases_y(const T& fy) const {
+      std::vector<Complex<T>> phases;
+      for (std::size_t j = 0; j < rows; ++j) phases.push_back(phase(fy * step_y_mm, j, rows));
+      return phases;
+    }
+    /// Sum of column k over the rows, with their phases.
+    Complex<T> column(std::size_t k, const std::vector<Complex<T>>& y) const {
+      Complex<T> sum_of_rows{};
+      for (std::size_t j = 0; j < rows; ++j)
+        sum_of_rows = sum_of_rows + Complex<T>{sample[k * rows + j] * y[j].re, sample[k * rows + j] * y[j].im};
+      return sum_of_rows;
+    }
+    /// Symmetric samples: the imaginary part is rounding only, and declared zero. Its derivatives are not: a sample may
+    /// leave the symmetry.
+    Complex<S> normalised(const Complex<T>& h) const {
+      const T re = h.re / sum, im = h.im / sum;
+      return {S(re), real ? S(lift({0.0, 1.0}, im)) : S(im)};
+    }
+  };
+  Table table(const Context<S>& ctx) const {
+    Table t{.rows = samples.size(),
+            .columns = samples.front().size(),
+            .sample = {},
+            .step_x_mm = T(step.x_um(ctx.frame)) * T(1e-3),
+            .step_y_mm = T(step.y_um(ctx.frame)) * T(1e-3),
+            .sum = T(0),
+            .real = mirrored(true, true)};
+    for (std::size_t k = 0; k < t.columns; ++k) {
+      T column(0);  // in the order of the OTF, so that this is 1 at zero to the last digit
+      for (std::size_t j = 0; j < t.rows; ++j) {
+        t.sample.push_back(T(samples[j][k]));
+        column = column + t.sample.back();
+      }
+      t.sum = t.sum + column;
+    }
+    return t;
+  }
+};
+
+}  // namespace mtf

@@ -1,0 +1,47 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Results say how long they took, and what they promise where there is a promise."""
+
+import numpy as np
+import pytest
+
+import mtfkit as mk
+
+
+def test_every_result_says_its_seconds(sensor, scene, demo, studies):
+    study = mk.Study.load(studies / "stabilisation.toml")
+    camera = mk.Sensor.load(demo / "camera.toml")
+    edge = demo / "edge.exr"
+    results = [sensor.simulate(scene, sample="3.75 um"), sensor.compile(scene, sample="3.75 um"), sensor.curves(),
+               camera.budget(), mk.measure(edge), study.gradient(0), study.optimum(objective=0),
+               mk.air.line(model="mid_latitude_summer", range="2 km"), mk.air.sky(model="mid_latitude_summer")]
+    for result in results:
+        assert 0 < result.seconds < 100, result
+    assert 0 < study.run().attrs["seconds"] < 100
+
+
+def test_curves_promise_their_error(sensor):
+    # The band average against one of 4 times as many wavelengths by hand, and a table against its function.
+    assert sensor.curves().promised == 0.0  # one wavelength, no table
+    how = dict(frame=dict(focal_length="100 mm", pitch="15 um"), optics=dict(f_number=2.0))
+    broad = mk.Sensor(band=dict(wavelength=["3.4 um", "4.8 um"]), presample=["diffraction"], **how).curves()
+    nodes, weights = np.polynomial.legendre.leggauss(64)
+    exact = 0.0
+    for node, weight in zip(nodes, weights):
+        one = mk.Sensor(presample=[mk.Diffraction(wavelength=(4.1 + 0.7 * node, "um"))], **how)
+        exact = exact + 0.5 * weight * one.otf(broad.frequency, unit=broad.unit)
+    assert 0 < broad.promised < 1e-5
+    # 64 nodes see the kink of the cutoff, which moves with the wavelength, to 1e-6.
+    assert np.abs(broad.system.otf - exact).max() <= broad.promised + 1e-6
+    blur = mk.custom(lambda fx, fy: np.exp(-(fx ** 2 + fy ** 2) / 900), cutoff="200 cy/mm", tolerance=1e-4)
+    table = mk.Sensor(presample=[blur], **how).curves()
+    assert table.promised == blur.error
+    assert np.abs(table.system.otf - np.exp(-table.frequency ** 2 / 900)).max() <= table.promised
+
+
+def test_runs_promise_what_their_plan_does(sensor, scene):
+    run = sensor.simulate(scene, sample="3.75 um", tolerance=1e-4)
+    assert run.promised == run.report["plan"]["predicted_error"] <= run.tolerance == 1e-4
+    with pytest.raises(mk.ToleranceError) as refused:
+        sensor.compile(scene, sample="3.75 um", tolerance=1e-9)
+    plan = sensor.compile(scene, sample="3.75 um", tolerance=refused.value.reachable)
+    assert plan.promised <= refused.value.reachable
