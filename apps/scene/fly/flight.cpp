@@ -24,9 +24,10 @@ struct LightKey {
   radiometry::Interval band{};
   std::optional<mtf::SettingsTable> air{};  ///< [atmosphere] of the sensor file
 
-  bool operator==(const LightKey& other) const {
-    return interval == other.interval && response == other.response && band.lo_um == other.band.lo_um &&
-           band.hi_um == other.band.hi_um && air == other.air;
+  bool operator==(const LightKey& other) const { return interval == other.interval && same_but_for_time(other); }
+  bool same_but_for_time(const LightKey& other) const {
+    return response == other.response && band.lo_um == other.band.lo_um && band.hi_um == other.band.hi_um &&
+           air == other.air;
   }
 };
 
@@ -55,12 +56,18 @@ KnownSensor known_sensor(const Flight::Sensor& sensor) {
 
 }  // namespace
 
+/// The simulation of images that have as many samples a pitch: their plans are of another grid.
+struct SampledSimulation {
+  double samples_per_pitch = 0.0;
+  LiveSimulation simulation;
+};
+
 struct Flight::State {
   PictureSource& source;
   SceneFile file;
   PictureOptions air;
   FlightOptions options;
-  LiveSimulation simulation;
+  std::vector<SampledSimulation> simulations{};             ///< the one of the last frame first
   std::optional<KnownSensor> last_sensor{}, next_sensor{};  ///< of the last frame, and of prepare()
   std::unique_ptr<Light> light{};
   std::optional<LightKey> coming_key{};
@@ -71,7 +78,11 @@ struct Flight::State {
   std::unique_ptr<Light> made(const LightKey& key, const PictureSensor& sensor,
                               const std::shared_ptr<const render::Renderer::Known>& views);
   void require_time(double utc_s) const;
-  void set_light(const KnownSensor& sensor, double utc_s, FlightFrame& frame);
+  void set_light(const KnownSensor& sensor, double utc_s, bool may_lag, FlightFrame& frame);
+  /// Begins to make that light beside frames, unless another one is being made.
+  void begin_light(const LightKey& key, const KnownSensor& sensor);
+  LiveSimulation& simulation_of(double samples_per_pitch);
+  const LiveSimulation& last_simulation() const;
 };
 
 const KnownSensor& Flight::State::known(const Sensor& sensor) {
@@ -110,9 +121,31 @@ void Flight::State::require_time(double utc_s) const {
                         "; state begin_s and end_s");
 }
 
-void Flight::State::set_light(const KnownSensor& sensor, double utc_s, FlightFrame& frame) {
+void Flight::State::begin_light(const LightKey& key, const KnownSensor& sensor) {
+  const bool busy = coming.valid() && coming.wait_for(std::chrono::seconds(0)) != std::future_status::ready;
+  if (busy) return;
+  coming_key = key;
+  coming = std::async(std::launch::async, [this, key, picture = sensor.picture, views = light->renderer->known()] {
+    return made(key, picture, views);
+  });
+}
+
+void Flight::State::set_light(const KnownSensor& sensor, double utc_s, bool may_lag, FlightFrame& frame) {
   const LightKey key = key_of(sensor, utc_s);
   if (light && light->key == key) return;
+  if (may_lag && light && light->key.same_but_for_time(key)) {
+    // What has been made by now is nearer to what is wanted than the present one.
+    const bool ready = coming_key && coming_key->same_but_for_time(key) &&
+                       coming.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
+    if (ready) {
+      coming_key.reset();
+      light = coming.get();
+      frame.new_light = true;
+    }
+    frame.light_lags = !(light->key == key);
+    if (frame.light_lags && coming_key != key) begin_light(key, sensor);
+    return;
+  }
   frame.new_light = true;
   if (coming_key == key) {
     frame.late = coming.wait_for(std::chrono::seconds(0)) != std::future_status::ready;
@@ -125,11 +158,7 @@ void Flight::State::set_light(const KnownSensor& sensor, double utc_s, FlightFra
 }
 
 Flight::Flight(PictureSource& source, const SceneFile& file, const PictureOptions& air, const FlightOptions& options)
-    : state_(std::make_unique<State>(State{.source = source,
-                                           .file = file,
-                                           .air = air,
-                                           .options = options,
-                                           .simulation = LiveSimulation(options.image)})) {
+    : state_(std::make_unique<State>(State{.source = source, .file = file, .air = air, .options = options})) {
   if (!(options.light_every_s > 0.0)) throw mtf::UsageError("a flight's light is kept for more than 0 s");
 }
 Flight::~Flight() = default;
@@ -141,23 +170,46 @@ void Flight::prepare(const Sensor& sensor, double utc_s) {
   const KnownSensor& known = state.known(sensor);
   const LightKey key = state.key_of(known, utc_s);
   if (state.light->key == key || state.coming_key == key) return;
-  const bool busy = state.coming.valid() && state.coming.wait_for(std::chrono::seconds(0)) != std::future_status::ready;
-  if (busy) return;
-  state.coming_key = key;
-  state.coming =
-      std::async(std::launch::async, [&state, key, picture = known.picture, views = state.light->renderer->known()] {
-        return state.made(key, picture, views);
-      });
+  state.begin_light(key, known);
 }
 
-FlightFrame Flight::frame(const Sensor& sensor, const CameraPlace& place, double utc_s, std::int64_t number) {
+LiveSimulation& Flight::State::simulation_of(double samples_per_pitch) {
+  constexpr std::size_t kKept = 2;  // while a camera moves, and at rest
+  const auto found = std::find_if(simulations.begin(), simulations.end(), [&](const SampledSimulation& one) {
+    return one.samples_per_pitch == samples_per_pitch;
+  });
+  if (found == simulations.end()) {
+    simulations.insert(simulations.begin(), {samples_per_pitch, LiveSimulation(options.image)});
+    if (simulations.size() > kKept) simulations.pop_back();
+  } else {
+    std::rotate(simulations.begin(), found, found + 1);
+  }
+  return simulations.front().simulation;
+}
+
+const LiveSimulation& Flight::State::last_simulation() const {
+  if (simulations.empty()) throw mtf::UsageError("a flight has no images before its first frame");
+  return simulations.front().simulation;
+}
+
+void Flight::begin_anew() {
+  for (SampledSimulation& one : state_->simulations) one.simulation.begin_anew();
+}
+
+void Flight::set_image(const SimulateOptions& options) {
+  state_->options.image = options;
+  state_->simulations.clear();
+}
+
+FlightFrame Flight::frame(const Sensor& sensor, const CameraPlace& place, double utc_s, std::int64_t number,
+                          const FrameChoice& choice) {
   State& state = *state_;
   state.require_time(utc_s);
   FlightFrame out;
   const Stopwatch preparing;
   if (!state.last_sensor || state.last_sensor->sensor != sensor) state.last_sensor = KnownSensor(state.known(sensor));
   const KnownSensor& known = *state.last_sensor;
-  state.set_light(known, utc_s, out);
+  state.set_light(known, utc_s, choice.light_may_lag, out);
   out.timing_ms.emplace_back("light", preparing.ms());
   Light& light = *state.light;
   const Stopwatch temperatures;
@@ -169,12 +221,13 @@ FlightFrame Flight::frame(const Sensor& sensor, const CameraPlace& place, double
   }
   out.timing_ms.emplace_back("temperatures", temperatures.ms());
   require_above_ground(light.scene, place.position_m);
+  const double samples_per_pitch = choice.samples_per_pitch.value_or(state.options.samples_per_pitch);
   const render::Camera camera =
       picture_camera(known.picture,
                      {.position = place.position_m,
                       .look_at = place.look_at_m,
                       .up = state.file.camera ? state.file.camera->up : radiometry::scene::Vector{0.0, 0.0, 1.0}},
-                     state.options.samples_per_pitch);
+                     samples_per_pitch);
   render::RenderedFrame frame = light.renderer->render(camera);
   out.timing_ms.insert(out.timing_ms.end(), frame.timing_ms.begin(), frame.timing_ms.end());
   out.promised = frame.promised.front();
@@ -185,9 +238,14 @@ FlightFrame Flight::frame(const Sensor& sensor, const CameraPlace& place, double
   const mtf::io::Metadata metadata =
       picture_metadata(state.file, light.scene, known.picture, camera, state.options.render, frame);
   const bool has_air = light.scene.scene.air.has_value();
-  out.image = state.simulation.image(scene_of(std::move(frame), known.picture, camera, metadata),
-                                     has_air ? known.without_air : known.sensor, number);
-  out.warnings = state.simulation.warnings();
+  LiveSimulation& simulation = state.simulation_of(samples_per_pitch);
+  mtf::io::Scene radiance = scene_of(std::move(frame), known.picture, camera, metadata);
+  if (state.options.keep_radiance) {
+    out.radiance = facts_of(radiance);
+    out.radiance->planes.push_back(radiance.planes.front().clone());
+  }
+  out.image = simulation.image(std::move(radiance), has_air ? known.without_air : known.sensor, number);
+  out.warnings = simulation.warnings();
   if (out.new_light) out.warnings.insert(out.warnings.end(), light.scene.warnings.begin(), light.scene.warnings.end());
   out.timing_ms.emplace_back("sensor", imaging.ms());
   return out;
@@ -197,9 +255,18 @@ const std::vector<std::pair<std::string, std::string>>& Flight::closures() const
   if (!state_->light) throw mtf::UsageError("a flight has no closures before its first frame");
   return state_->light->scene.closures;
 }
-IntegerRange Flight::integer_range() const { return state_->simulation.integer_range(); }
-const std::vector<std::string>& Flight::names() const { return state_->simulation.names(); }
-int Flight::plans_compiled() const { return state_->simulation.plans_compiled(); }
-int Flight::plans_updated() const { return state_->simulation.plans_updated(); }
+IntegerRange Flight::integer_range() const { return state_->last_simulation().integer_range(); }
+const std::vector<std::string>& Flight::names() const { return state_->last_simulation().names(); }
+const mtf::SensorPlan& Flight::plan() const { return state_->last_simulation().plan(); }
+int Flight::plans_compiled() const {
+  int count = 0;
+  for (const SampledSimulation& one : state_->simulations) count += one.simulation.plans_compiled();
+  return count;
+}
+int Flight::plans_updated() const {
+  int count = 0;
+  for (const SampledSimulation& one : state_->simulations) count += one.simulation.plans_updated();
+  return count;
+}
 
 }  // namespace apps::scene
