@@ -17,6 +17,9 @@
 #include "apps/live/page_files.h"
 #include "apps/live/server.h"
 #include "apps/live/session.h"
+#ifdef MTFKIT_HAVE_SCENE
+#include "apps/live/scene_view.h"
+#endif
 #include "apps/options.h"
 #include "apps/sensor/sensor_air.h"
 #include "apps/sensor/sensor_file.h"
@@ -56,31 +59,61 @@ void open_browser(const std::string& address) {
   if (child > 0) ::waitpid(child, nullptr, 0);
 }
 
-}  // namespace
+/// The session of a 3-D scene.
+std::unique_ptr<Session> space_session(const LiveOptions& options, const Global& global, SessionOptions session) {
+#ifdef MTFKIT_HAVE_SCENE
+  session.scene_name = options.first;
+  session.sensor_name = options.second;
+  const auto sensor = std::make_shared<const mtf::io::SensorConfig>(read_sensor(options.second, global));
+  return std::make_unique<Session>(sensor,
+                                   open_space({.scene = options.first,
+                                               .temperatures = options.temperatures,
+                                               .time = options.time,
+                                               .no_air = options.no_air},
+                                              global),
+                                   std::move(session));
+#else
+  static_cast<void>(global), static_cast<void>(session);
+  throw mtf::UsageError(options.second + ": this build has no 3-D scenes; name a sensor file and an image");
+#endif
+}
 
-int run_live(const LiveOptions& options, const Global& global) {
-  if (options.sensor.empty() != options.scene.empty())
-    throw mtf::UsageError("name a sensor file and a scene, or neither for the demo");
-  SessionOptions session{.sensor_name = options.sensor,
-                         .scene_name = options.scene,
-                         .command_before = {},
-                         .tolerance = options.tolerance,
-                         .threads = global.threads};
+std::unique_ptr<Session> image_session(const LiveOptions& options, const Global& global, SessionOptions session) {
   Sensor sensor;
   SceneSource scene;
-  if (options.sensor.empty()) {
+  if (options.first.empty()) {
     std::tie(sensor, scene) = demo();
     session.sensor_name = "mtf-demo/camera.toml";
     session.scene_name = "mtf-demo/thermal.exr";
     session.command_before = "mtf demo && ";
   } else {
-    sensor = std::make_shared<const mtf::io::SensorConfig>(read_sensor(options.sensor, global));
-    scene.file = options.scene;
+    session.sensor_name = options.first;
+    session.scene_name = options.second;
+    sensor = std::make_shared<const mtf::io::SensorConfig>(read_sensor(options.first, global));
+    scene.file = options.second;
     scene.read = {.channel = options.channel, .layer = options.layer, .part = options.part};
   }
-  Session answers(sensor, std::move(scene), session);
+  return std::make_unique<Session>(std::move(sensor), std::move(scene), std::move(session));
+}
+
+}  // namespace
+
+int run_live(const LiveOptions& options, const Global& global) {
+  if (options.first.empty() != options.second.empty())
+    throw mtf::UsageError("name a sensor file and a scene, or neither for the demo");
+  const bool space = options.second.ends_with(".toml");
+  if (!space && (!options.temperatures.empty() || !options.time.empty() || options.no_air))
+    throw mtf::UsageError("--temperatures, --time and --no-air are of a 3-D scene: mtf live scene.toml sensor.toml");
+  SessionOptions session{.sensor_name = {},
+                         .scene_name = {},
+                         .command_before = {},
+                         .tolerance = options.tolerance,
+                         .threads = global.threads};
+  const std::unique_ptr<Session> held =
+      space ? space_session(options, global, std::move(session)) : image_session(options, global, std::move(session));
+  Session& answers = *held;
   // What is wrong with files of the user is said here, not in a browser; the demo's picture is made while that starts.
-  const Answer first = options.sensor.empty()
+  const Answer first = options.first.empty()
                            ? Answer{}
                            : answers.answer("frame", "{\"number\":" + std::to_string(answers.first_number()) + "}");
   if (const std::string problem = error_of(first); !problem.empty()) throw mtf::UsageError(problem);

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <future>
 #include <optional>
+#include <tuple>
 
 #include "apps/scene/heat/stopwatch.h"
 #include "apps/sensor/sensor_air.h"
@@ -39,6 +40,23 @@ struct Light {
   std::unique_ptr<render::Renderer> renderer{};
 };
 
+/// A picture that was made, kept for sensors that change while it does not.
+struct SeenPicture {
+  render::Camera camera{};
+  std::size_t light = 0;  ///< number of the light
+  double temperatures_utc_s = 0.0;
+  mtf::Image radiance{};
+  std::vector<double> promised{};
+  std::size_t sides = 0;
+};
+
+bool same_view(const render::Camera& a, const render::Camera& b) {
+  const auto values = [](const render::Camera& c) {
+    return std::tie(c.position, c.ahead, c.right, c.down, c.width, c.height, c.step_x, c.step_y, c.axis_x, c.axis_y);
+  };
+  return values(a) == values(b);
+}
+
 /// What a sensor file says, worked out once.
 struct KnownSensor {
   Flight::Sensor sensor;
@@ -70,6 +88,9 @@ struct Flight::State {
   std::vector<SampledSimulation> simulations{};             ///< the one of the last frame first
   std::optional<KnownSensor> last_sensor{}, next_sensor{};  ///< of the last frame, and of prepare()
   std::unique_ptr<Light> light{};
+  std::size_t lights = 0;  ///< so far
+  std::optional<SeenPicture> seen{};
+  std::optional<render::Camera> last_camera{};  ///< that saw something
   std::optional<LightKey> coming_key{};
   std::future<std::unique_ptr<Light>> coming{};
 
@@ -79,8 +100,10 @@ struct Flight::State {
                               const std::shared_ptr<const render::Renderer::Known>& views);
   void require_time(double utc_s) const;
   void set_light(const KnownSensor& sensor, double utc_s, bool may_lag, FlightFrame& frame);
-  /// Begins to make that light beside frames, unless another one is being made.
-  void begin_light(const LightKey& key, const KnownSensor& sensor);
+  /// Begins to make that light beside frames, unless another one is being made; with what the camera of the last
+  /// picture sees in it, where `looked_at`: temperatures of another hour are other patches, which every side sees anew.
+  void begin_light(const LightKey& key, const KnownSensor& sensor, bool looked_at);
+  render::RenderedFrame rendered(const render::Camera& camera);
   LiveSimulation& simulation_of(double samples_per_pitch);
   const LiveSimulation& last_simulation() const;
 };
@@ -121,12 +144,15 @@ void Flight::State::require_time(double utc_s) const {
                         "; state begin_s and end_s");
 }
 
-void Flight::State::begin_light(const LightKey& key, const KnownSensor& sensor) {
+void Flight::State::begin_light(const LightKey& key, const KnownSensor& sensor, bool looked_at) {
   const bool busy = coming.valid() && coming.wait_for(std::chrono::seconds(0)) != std::future_status::ready;
   if (busy) return;
   coming_key = key;
-  coming = std::async(std::launch::async, [this, key, picture = sensor.picture, views = light->renderer->known()] {
-    return made(key, picture, views);
+  coming = std::async(std::launch::async, [this, key, picture = sensor.picture, views = light->renderer->known(),
+                                           camera = looked_at ? last_camera : std::nullopt] {
+    auto made_light = made(key, picture, views);
+    if (camera) made_light->renderer->render(*camera);
+    return made_light;
   });
 }
 
@@ -140,13 +166,15 @@ void Flight::State::set_light(const KnownSensor& sensor, double utc_s, bool may_
     if (ready) {
       coming_key.reset();
       light = coming.get();
+      ++lights;
       frame.new_light = true;
     }
     frame.light_lags = !(light->key == key);
-    if (frame.light_lags && coming_key != key) begin_light(key, sensor);
+    if (frame.light_lags && coming_key != key) begin_light(key, sensor, true);
     return;
   }
   frame.new_light = true;
+  ++lights;
   if (coming_key == key) {
     frame.late = coming.wait_for(std::chrono::seconds(0)) != std::future_status::ready;
     coming_key.reset();
@@ -170,7 +198,33 @@ void Flight::prepare(const Sensor& sensor, double utc_s) {
   const KnownSensor& known = state.known(sensor);
   const LightKey key = state.key_of(known, utc_s);
   if (state.light->key == key || state.coming_key == key) return;
-  state.begin_light(key, known);
+  state.begin_light(key, known, false);
+}
+
+render::RenderedFrame Flight::State::rendered(const render::Camera& camera) {
+  if (!options.keep_radiance) {
+    render::RenderedFrame frame = light->renderer->render(camera);
+    last_camera = camera;
+    return frame;
+  }
+  if (seen && seen->light == lights && seen->temperatures_utc_s == light->temperatures_utc_s &&
+      same_view(seen->camera, camera)) {
+    render::RenderedFrame frame;
+    frame.radiance.push_back(seen->radiance.clone());
+    frame.promised = seen->promised;
+    frame.sides = seen->sides;
+    return frame;
+  }
+  seen.reset();
+  render::RenderedFrame frame = light->renderer->render(camera);
+  last_camera = camera;
+  seen = SeenPicture{.camera = camera,
+                     .light = lights,
+                     .temperatures_utc_s = light->temperatures_utc_s,
+                     .radiance = frame.radiance.front().clone(),
+                     .promised = frame.promised,
+                     .sides = frame.sides};
+  return frame;
 }
 
 LiveSimulation& Flight::State::simulation_of(double samples_per_pitch) {
@@ -228,7 +282,7 @@ FlightFrame Flight::frame(const Sensor& sensor, const CameraPlace& place, double
                       .look_at = place.look_at_m,
                       .up = state.file.camera ? state.file.camera->up : radiometry::scene::Vector{0.0, 0.0, 1.0}},
                      samples_per_pitch);
-  render::RenderedFrame frame = light.renderer->render(camera);
+  render::RenderedFrame frame = state.rendered(camera);
   out.timing_ms.insert(out.timing_ms.end(), frame.timing_ms.begin(), frame.timing_ms.end());
   out.promised = frame.promised.front();
   out.sides = frame.sides;

@@ -30,7 +30,8 @@ struct FlightOptions {
   SimulateOptions image{};                     ///< those of LiveSimulation
   double light_every_s = 60.0, temperatures_every_s = 1.0;
   double begin_s = 0.0, end_s = 0.0;  ///< UTC, of the first and the last frame; others are refused
-  bool keep_radiance = false;         ///< FlightFrame::radiance is wanted
+  /// FlightFrame::radiance is wanted; and frames that see the same as the one before take its radiance.
+  bool keep_radiance = false;
 };
 
 /// Of one frame.
