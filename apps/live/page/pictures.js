@@ -75,6 +75,7 @@ const rate = () => (rates.length > 2 ? (1000 * (rates.length - 1)) / (rates.at(-
 async function ask(side, { from, body, key }) {
   if (inSpace() && timed !== app.lastName) [timed, fullMs] = [app.lastName, 0]; // most sensor sliders leave the view as it is
   const begin = performance.now(), preview = moving() && (fullMs > SLOW_MS || Boolean(app.place?.moving));
+  app.view.moving = moving() || state.running;
   const request = from === "scene" ? body : { ...body, tab: `${app.tab}-${side}`, side: side === 0 ? "left" : "right", generation: (generation += 1), preview };
   try {
     const made = await picture(from, request);
@@ -99,15 +100,18 @@ async function ask(side, { from, body, key }) {
   return undefined;
 }
 
-/** Asks for pictures for as long as something has changed. */
+/** Asks for pictures for as long as something has changed; the next one is made while the last one is drawn. */
 export async function pump() {
   if (asking) return;
   asking = true;
+  let drawn = null;
   for (let now = next(); now; now = next()) {
     await ask(...now);
-    await new Promise((resolve) => requestAnimationFrame(resolve));
+    await drawn;
+    drawn = new Promise((resolve) => requestAnimationFrame(resolve));
   }
   asking = false;
+  if (!moving()) app.view.rest();
   settleProblem();
 }
 
