@@ -32,7 +32,6 @@ struct Viewpoint {
 /// What is asked of a frame beside the sensor.
 struct FrameRequest {
   std::int64_t number = 0;          ///< of the noise, and of a sequence's files
-  int every = 1;                    ///< pixels of the answer: all, or every second one
   bool preview = false;             ///< for the moment: quicker, and less exact (README.md)
   std::optional<Viewpoint> from{};  ///< of a 3-D scene
   bool may_lag = false;             ///< the light of another time will do for the moment

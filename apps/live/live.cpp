@@ -8,6 +8,7 @@
 #include <chrono>
 #include <csignal>
 #include <cstdlib>
+#include <future>
 #include <memory>
 #include <thread>
 
@@ -60,12 +61,12 @@ void open_browser(const std::string& address) {
 }
 
 /// The session of a 3-D scene.
-std::unique_ptr<Session> space_session(const LiveOptions& options, const Global& global, SessionOptions session) {
+std::shared_ptr<Session> space_session(const LiveOptions& options, const Global& global, SessionOptions session,
+                                       const Sensor& sensor) {
 #ifdef MTFKIT_HAVE_SCENE
   session.scene_name = options.first;
   session.sensor_name = options.second;
-  const auto sensor = std::make_shared<const mtf::io::SensorConfig>(read_sensor(options.second, global));
-  return std::make_unique<Session>(sensor,
+  return std::make_shared<Session>(sensor,
                                    open_space({.scene = options.first,
                                                .temperatures = options.temperatures,
                                                .time = options.time,
@@ -73,13 +74,13 @@ std::unique_ptr<Session> space_session(const LiveOptions& options, const Global&
                                               global),
                                    std::move(session));
 #else
-  static_cast<void>(global), static_cast<void>(session);
+  static_cast<void>(global), static_cast<void>(session), static_cast<void>(sensor);
   throw mtf::UsageError(options.second + ": this build has no 3-D scenes; name a sensor file and an image");
 #endif
 }
 
-std::unique_ptr<Session> image_session(const LiveOptions& options, const Global& global, SessionOptions session) {
-  Sensor sensor;
+/// The session of an image; of the demo's without a sensor.
+std::shared_ptr<Session> image_session(const LiveOptions& options, SessionOptions session, Sensor sensor) {
   SceneSource scene;
   if (options.first.empty()) {
     std::tie(sensor, scene) = demo();
@@ -89,11 +90,10 @@ std::unique_ptr<Session> image_session(const LiveOptions& options, const Global&
   } else {
     session.sensor_name = options.first;
     session.scene_name = options.second;
-    sensor = std::make_shared<const mtf::io::SensorConfig>(read_sensor(options.first, global));
     scene.file = options.second;
     scene.read = {.channel = options.channel, .layer = options.layer, .part = options.part};
   }
-  return std::make_unique<Session>(std::move(sensor), std::move(scene), std::move(session));
+  return std::make_shared<Session>(std::move(sensor), std::move(scene), std::move(session));
 }
 
 }  // namespace
@@ -109,27 +109,42 @@ int run_live(const LiveOptions& options, const Global& global) {
                          .command_before = {},
                          .tolerance = options.tolerance,
                          .threads = global.threads};
-  const std::unique_ptr<Session> held =
-      space ? space_session(options, global, std::move(session)) : image_session(options, global, std::move(session));
-  Session& answers = *held;
-  // What is wrong with files of the user is said here, not in a browser; the demo's picture is made while that starts.
-  const Answer first = options.first.empty()
-                           ? Answer{}
-                           : answers.answer("frame", "{\"number\":" + std::to_string(answers.first_number()) + "}");
-  if (const std::string problem = error_of(first); !problem.empty()) throw mtf::UsageError(problem);
+  // A sensor file that is wrong is said before there is a page. Scene and first picture are made while that is loaded;
+  // what is wrong with them ends the command, and is said here, not in a browser.
+  Sensor sensor;
+  if (const std::string& file = space ? options.second : options.first; !file.empty())
+    sensor = std::make_shared<const mtf::io::SensorConfig>(read_sensor(file, global));
+  const std::shared_future<std::shared_ptr<Session>> coming =
+      std::async(std::launch::async, [&]() -> std::shared_ptr<Session> {
+        return space ? space_session(options, global, std::move(session), sensor)
+                     : image_session(options, std::move(session), sensor);
+      }).share();
+  std::future<void> first = std::async(std::launch::async, [coming] {
+    Session& answers = *coming.get();
+    const Answer made = answers.answer("frame", "{\"number\":" + std::to_string(answers.first_number()) + "}");
+    if (const std::string problem = error_of(made); !problem.empty()) throw mtf::UsageError(problem);
+  });
 
   StopInGoodOrder interrupt("mtf: the live view ends\n", "");
   interrupt.keep();
   const std::string token = new_token();
-  Server server({.port = options.port, .token = token}, find_page_file,
-                [&](const std::string& place, const std::string& body) { return answers.answer(place, body); });
+  Server server(
+      {.port = options.port, .token = token}, find_page_file,
+      [coming](const std::string& place, const std::string& body) { return coming.get()->answer(place, body); });
   const std::string address = "http://127.0.0.1:" + std::to_string(server.port()) + "/#" + token;
   print(address + "\n");
   note(global, "the live view is open to this machine alone; Ctrl-C ends it" +
                    std::string(options.stay ? "" : ", as does a minute without a page"));
   if (options.browser) open_browser(address);
-  while (!interrupt.asked() && (options.stay || server.seconds_alone() < options.linger_s))
-    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  bool ready = false;
+  while (!interrupt.asked() && (options.stay || !ready || server.seconds_alone() < options.linger_s)) {
+    if (ready) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    } else if (first.wait_for(std::chrono::milliseconds(50)) == std::future_status::ready) {
+      ready = true;
+      first.get();
+    }
+  }
   server.stop();
   return 0;
 }

@@ -204,7 +204,6 @@ Answer Session::model(const Parts& request) {
 Answer Session::frame(const Parts& request) {
   const bool left = request.text("side") == "left", before = request.flag("before");
   const FrameRequest asked{.number = request.whole("number", 0, kLastNoiseFrame, 0),
-                           .every = static_cast<int>(request.whole("every", 1, 4, 1)),
                            .preview = request.flag("preview"),
                            .from = space_ ? std::optional(viewpoint_of(request.json, *space_)) : std::nullopt,
                            .may_lag = request.flag("may_lag"),
@@ -217,6 +216,7 @@ Answer Session::frame(const Parts& request) {
   if (!is_latest(request)) return refusal("a later request has overtaken this one", 409);
   const auto made = maker(left).frame(sensor, asked);
   const mtf::Image& plane = made->image.planes.front();
+  const int every = asked.preview && !space_ ? 2 : 1;  // pixels of an image that moves on
   const auto text_of = [&](const char* key) {
     const auto found = made->image.metadata.text.find(key);
     return found == made->image.metadata.text.end() ? std::string() : found->second;
@@ -225,7 +225,7 @@ Answer Session::frame(const Parts& request) {
              {"generation", request.whole("generation", 0, std::int64_t{1} << 53, 0)},
              {"full_width", plane.width()},
              {"full_height", plane.height()},
-             {"every", asked.every},
+             {"every", every},
              {"step_x_um", made->plan->out().step_x_um},
              {"step_y_um", made->plan->out().step_y_um},
              {"number", asked.number},
@@ -254,7 +254,7 @@ Answer Session::frame(const Parts& request) {
       radiance = std::move(pixels.bytes);
     }
   }
-  return pixels_answer(std::move(facts), pixel_bytes(plane.view(), asked.every), radiance);
+  return pixels_answer(std::move(facts), pixel_bytes(plane.view(), every), radiance);
 }
 
 Answer Session::scene(const Parts& request) {
