@@ -5,85 +5,83 @@
 // Usage: node check_live.mjs --modules DIR --chromium FILE --mtf FILE --work DIR [--minutes N]
 
 import assert from "node:assert/strict";
-import { execFileSync } from "node:child_process";
 import { readFileSync, writeFileSync } from "node:fs";
-import { dirname, join } from "node:path";
+import { join } from "node:path";
 import { checkSpace } from "./check_space.mjs";
 import { endure } from "./endurance.mjs";
-import { field, launch, mtf, open, options, pixelsOf, pixelsOnPage, places, serve, settle, slide, slider, unfold, work } from "./helpers.mjs";
+import { context, field, job, launch, open, options, pixelsOnPage, places, settle, slide, slider, unfold } from "./helpers.mjs";
 
 /** The page's curves, pixels and file against those of the other commands. */
-async function compare(page, what, counts = 0) {
+async function compare(run, page, what, counts = 0) {
   const seen = await page.evaluate(() => ({ curves: window.mtfLive.curves, text: window.mtfLive.text, command: document.getElementById("command").textContent,
     tolerance: window.mtfLive.state.tolerance, budget: window.mtfLive.figures.budget }));
-  writeFileSync(join(work, "seen.toml"), seen.text);
+  writeFileSync(join(run.folder, "seen.toml"), seen.text);
   const frequency = seen.curves.frequency;
-  const json = JSON.parse(mtf("curve", "seen.toml", "--format", "json", "--unit", seen.curves.unit, "--freq", `0:${frequency.at(-1)}:${frequency.length}`, "--quiet"));
+  // The command that the page shows, with the names that its files have here.
+  const line = seen.command.replace(/^mtf demo && /, "").replace(/simulate \S+/, "simulate seen.toml").replace("out.", "again.");
+  const [text] = await Promise.all([run.mtf("curve", "seen.toml", "--format", "json", "--unit", seen.curves.unit, "--freq", `0:${frequency.at(-1)}:${frequency.length}`, "--quiet"), run.shell(`${line} --quiet`)]);
+  const json = JSON.parse(text);
   const modulus = (c) => c.re.map((re, i) => Math.hypot(re, c.im[i]));
   let worst = 0;
   for (const { label, values } of [{ label: "system", values: modulus(json.system) }, ...json.components.map((c) => ({ label: c.label, values: modulus(c) }))])
     values.forEach((value, i) => { worst = Math.max(worst, Math.abs(value - seen.curves.columns[label][i])); });
   assert.ok(worst <= 1e-6, `${what}: curves differ by ${worst}`);
-  // The command that the page shows, with the names that its files have here.
-  const line = seen.command.replace(/^mtf demo && /, "").replace(/simulate \S+/, "simulate seen.toml").replace("out.", "again.");
-  execFileSync("sh", ["-c", `${line} --quiet`], { cwd: work, env: { ...process.env, PATH: `${dirname(options.mtf)}:${process.env.PATH}` }, stdio: ["ignore", "pipe", "inherit"] });
   // Five pixels as the page asks for them, and as `mtf info` and the saved frame have them.
   const frame = await page.evaluate(() => {
     const { id, full_width, full_height, step_x_um, step_y_um, unit, tolerance, low, high } = window.mtfLive.frame;
     return { id, full_width, full_height, step_x_um, step_y_um, unit, tolerance, low, high };
   });
-  const pixels = await pixelsOnPage(page, frame);
   const number = /--frames (\d+)/.exec(line);
   const name = number ? `again.${number[1].padStart(4, "0")}.exr` : "again.exr";
-  const reference = pixelsOf(name, places(frame));
+  const [pixels, reference] = await Promise.all([pixelsOnPage(page, frame), run.pixelsOf(name, places(frame))]);
   // Another plan: errors within the tolerance, which take a count over a step of the converter now and then.
   const allowed = counts + 2 * frame.tolerance * (frame.high - frame.low);
   pixels.forEach((value, i) => assert.ok(Math.abs(value - reference[i]) <= allowed + 1e-12, `${what}: pixel ${places(frame)[i]} is ${value}, not ${reference[i]}`));
   return { worst, budget: seen.budget };
 }
-async function checkPage(browser) {
-  mtf("demo", "-o", "mtf-demo");
+async function checkPage(run, browser) {
+  await run.mtf("demo", "-o", "mtf-demo");
   const begin = Date.now();
-  const server = await serve("mtf-demo/sensor.toml", "mtf-demo/scene.exr", "--tolerance", "1e-4");
-  const context = await browser.newContext({ viewport: { width: 1280, height: 800 }, acceptDownloads: true, permissions: ["clipboard-read", "clipboard-write"] });
-  const { page, said, asked } = await open(context, server.address);
+  const server = await run.serve("mtf-demo/sensor.toml", "mtf-demo/scene.exr", "--tolerance", "1e-4");
+  const own = await context(browser);
+  const { page, said, asked } = await open(own, server.address);
   console.log(`first picture ${Date.now() - begin} ms after the command, ${await page.evaluate(() => window.mtfLive.view.kind)}`);
   await unfold(page);
 
   // Each kind of slider: a length, an angle, a plain number, a focal length; a word; a typed value in another unit.
   for (const [name, share] of [["jitter.rms", 0.8], ["optics.f_number", 0.7], ["frame.focal_length", 0.3], ["frame.pitch", 0.55]]) {
     await slide(page, name, share);
-    const { worst } = await compare(page, name);
+    const { worst } = await compare(run, page, name);
     console.log(`${name}: curves within ${worst.toExponential(1)}`);
   }
   await field(page, "jitter.rms").fill("0.012 mrad");
   await field(page, "jitter.rms").press("Enter");
   await settle(page);
-  await compare(page, "a typed value");
+  await compare(run, page, "a typed value");
   await field(page, "scene.border").selectOption("periodic");
   await settle(page);
-  await compare(page, "a word");
+  await compare(run, page, "a word");
 
   // Components come, go, and are switched off and on; undo takes all of it back.
   await page.locator("select[aria-label='Add to After sampling']").selectOption("unsharp");
   await settle(page);
   await unfold(page);
   assert.ok(await page.evaluate(() => window.mtfLive.text.includes('kind = "unsharp"')));
-  await compare(page, "added");
+  await compare(run, page, "added");
   await page.getByRole("checkbox", { name: "jitter on" }).uncheck();
   await settle(page);
   assert.ok(await page.evaluate(() => window.mtfLive.text.includes("#- kind = \"jitter\"")));
-  await compare(page, "switched off");
+  await compare(run, page, "switched off");
   await page.getByRole("checkbox", { name: "jitter on" }).check();
   await settle(page);
   await page.getByRole("button", { name: "Remove footprint" }).click();
   await settle(page);
-  await compare(page, "removed");
+  await compare(run, page, "removed");
   for (let i = 0; i < 20 && !(await page.locator("#undo").isDisabled()); i += 1) {
     await page.keyboard.press("Control+z");
     await settle(page);
   }
-  assert.equal(await page.evaluate(() => window.mtfLive.text), readFileSync(join(work, "mtf-demo/sensor.toml"), "utf8"));
+  assert.equal(await page.evaluate(() => window.mtfLive.text), readFileSync(join(run.folder, "mtf-demo/sensor.toml"), "utf8"));
   await page.locator("#redo").click();
   await settle(page);
   assert.notEqual(await page.locator("#difference").textContent(), "no change\n");
@@ -107,7 +105,7 @@ async function checkPage(browser) {
 
   // A link restores the state; files are what the page says.
   const link = page.url();
-  const other = await open(context, link);
+  const other = await open(own, link);
   assert.deepEqual(await other.page.evaluate(() => window.mtfLive.edits), await page.evaluate(() => window.mtfLive.edits));
   assert.equal(await other.page.evaluate(() => window.mtfLive.text), await page.evaluate(() => window.mtfLive.text));
   assert.deepEqual(other.said, []);
@@ -134,57 +132,52 @@ async function checkPage(browser) {
   for (const url of asked) assert.ok(url.startsWith(server.address.split("#")[0]), url);
   await page.close();
   assert.equal(await server.end(), 0);
-  return context;
 }
 
 // The whole chain: noise of the same plan, seed and frame is the same; a drag at half size ends with the full frame.
-async function checkChain(context) {
-  const server = await serve();
-  const { page, said } = await open(context, server.address);
+async function checkChain(run, browser) {
+  const [server] = await Promise.all([run.serve(), run.mtf("demo", "-o", "mtf-demo")]);
+  const own = await context(browser);
+  const { page, said } = await open(own, server.address);
   await unfold(page);
-  const { budget } = await compare(page, "demo", 1.05);
-  const terms = JSON.parse(mtf("budget", "seen.toml", "--format", "json", "--quiet")).terms;
+  const { budget } = await compare(run, page, "demo", 1.05);
+  const { terms } = JSON.parse(await run.mtf("budget", "seen.toml", "--format", "json", "--quiet"));
   for (const row of budget) if (row.value !== null) assert.equal(row.value, terms[row.name].value, row.name);
-  for (const [name, share] of [["detector.read_noise", 0.7], ["noise.seed", 0.3], ["adc.bits", 0.4], ["optics.temperature", 0.6]]) {
-    await slide(page, name, share);
-    await compare(page, name, 1.05);
+  for (const pair of [[["detector.read_noise", 0.7], ["noise.seed", 0.3]], [["adc.bits", 0.4], ["optics.temperature", 0.6]]]) {
+    for (const [name, share] of pair) await slide(page, name, share);
+    await compare(run, page, pair.map(([name]) => name).join(" and "), 1.05);
   }
   await page.getByRole("checkbox", { name: "[vignetting] on" }).uncheck();
   await settle(page);
-  await compare(page, "without vignetting", 1.05);
   await page.locator("#run").click();
   await page.waitForFunction(() => window.mtfLive.state.number > 5);
   await page.locator("#run").click();
   await settle(page);
-  await compare(page, "a later frame of the noise", 1.05);
+  await compare(run, page, "a later frame of the noise", 1.05);
   assert.deepEqual(said, []);
   await page.close();
   assert.equal(await server.end(), 0);
 
   // The saved file by the same plan: the same noise, digit for digit, as the command's frame of that number.
-  const again = await serve("seen.toml", "mtf-demo/thermal.exr");
-  const fresh = await open(context, again.address);
+  const again = await run.serve("seen.toml", "mtf-demo/thermal.exr");
+  const fresh = await open(own, again.address);
   const frame = await fresh.page.evaluate(() => ({ ...window.mtfLive.frame, pixels: null, id: window.mtfLive.frame.id }));
-  writeFileSync(join(work, "frames.csv"), "frame,parameter,value\n0,noise.shot,true\n");
-  mtf("simulate", "seen.toml", "mtf-demo/thermal.exr", "-o", "same.%04d.exr", "--schedule", "frames.csv", "--frames", "0:0", "--quiet");
-  assert.deepEqual(await pixelsOnPage(fresh.page, frame), pixelsOf("same.0000.exr", places(frame)));
+  writeFileSync(join(run.folder, "frames.csv"), "frame,parameter,value\n0,noise.shot,true\n");
+  await run.mtf("simulate", "seen.toml", "mtf-demo/thermal.exr", "-o", "same.%04d.exr", "--schedule", "frames.csv", "--frames", "0:0", "--quiet");
+  assert.deepEqual(await pixelsOnPage(fresh.page, frame), await run.pixelsOf("same.0000.exr", places(frame)));
   await fresh.page.close();
   assert.equal(await again.end(), 0);
 }
 
 const browser = await launch();
 try {
-  if (options.minutes) {
-    await endure(browser, Number(options.minutes));
-  } else {
-    const began = Date.now(), took = (what) => console.log(`${what}: ${((Date.now() - began) / 1000).toFixed(1)} s`);
-    const context = await checkPage(browser);
-    took("page");
-    await checkChain(context);
-    took("chain");
-    await checkSpace(context);
-    took("3-D");
-  }
+  const began = Date.now();
+  const timed = async (name, check) => {
+    await check(job(name), browser);
+    console.log(`${name}: ${((Date.now() - began) / 1000).toFixed(1)} s`);
+  };
+  if (options.minutes) await endure(job("endurance"), browser, Number(options.minutes));
+  else await Promise.all([timed("page", checkPage), timed("chain", checkChain), timed("3-D", checkSpace)]);
   console.log("live: ok");
 } finally {
   await browser.close();

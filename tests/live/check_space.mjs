@@ -3,10 +3,9 @@
 // page, `mtf render` and `mtf simulate`; saved files give the same frame; what cannot be is said at its control.
 
 import assert from "node:assert/strict";
-import { execFileSync } from "node:child_process";
 import { readFileSync, writeFileSync } from "node:fs";
-import { dirname, join } from "node:path";
-import { field, open, options, pixelsOf, pixelsOnPage, places, serve, settle, slide, slider, unfold, work } from "./helpers.mjs";
+import { join } from "node:path";
+import { context, field, open, pixelsOnPage, places, settle, slide, slider, unfold } from "./helpers.mjs";
 
 // A box and a warm plate on soil, in changing temperatures, through air.
 const SCENE = `schema = 1
@@ -56,35 +55,35 @@ const FILES = {
 };
 
 /** The five pixels against those of the command on the page, with the names that saved files have. */
-async function compare(page, what, saved = {}) {
+async function compare(run, page, what, saved = {}) {
   await settle(page);
   const { command, frame } = await page.evaluate(() => {
     const { id, full_width, full_height, step_x_um, step_y_um, tolerance, radiance_promised, low, high, preview, light_lags } = window.mtfLive.frame;
     return { command: document.getElementById("command").textContent, frame: { id, full_width, full_height, step_x_um, step_y_um, tolerance, radiance_promised, low, high, preview, light_lags } };
   });
   assert.ok(!frame.preview && !frame.light_lags, `${what}: a picture at rest is whole`);
-  writeFileSync(join(work, "space-live.toml"), await page.evaluate(() => window.mtfLive.text));
+  writeFileSync(join(run.folder, "space-live.toml"), await page.evaluate(() => window.mtfLive.text));
   let line = command.replaceAll("space.toml", "space-live.toml");
   for (const [name, other] of Object.entries(saved)) line = line.replaceAll(name, other);
   const quiet = line.split(" && ").map((one) => `${one} --quiet`).join(" && ");
-  execFileSync("sh", ["-c", quiet], { cwd: work, env: { ...process.env, PATH: `${dirname(options.mtf)}:${process.env.PATH}` }, stdio: ["ignore", "pipe", "inherit"] });
-  const pixels = await pixelsOnPage(page, frame), reference = pixelsOf("out.exr", places(frame));
+  await run.shell(quiet);
+  const [pixels, reference] = await Promise.all([pixelsOnPage(page, frame), run.pixelsOf("out.exr", places(frame))]);
   // A count of rounding, the plan's tolerance, and tables of the air, which a moved camera has by two heights (1e-4).
   const allowed = 1.05 + 2 * frame.tolerance * (frame.high - frame.low) + 1e-4 * frame.high;
   pixels.forEach((value, i) => assert.ok(Math.abs(value - reference[i]) <= allowed, `${what}: pixel ${places(frame)[i]} is ${value}, not ${reference[i]}; allowed ${allowed}`));
   return { command, pixels, ends: [frame.low, frame.high, ...pixels] };
 }
 
-export async function checkSpace(context) {
-  for (const [name, text] of Object.entries(FILES)) writeFileSync(join(work, name), text);
-  execFileSync(options.mtf, ["scene", "demo", "-o", "vehicle", "--quiet"], { cwd: work, stdio: "ignore" });
+export async function checkSpace(run, browser) {
+  for (const [name, text] of Object.entries(FILES)) writeFileSync(join(run.folder, name), text);
+  await run.mtf("scene", "demo", "-o", "vehicle", "--quiet");
   // Small, so that the test is short; without noise, so that pixels can be compared.
-  const camera = readFileSync(join(work, "vehicle/lwir.toml"), "utf8").replace("[512, 320]", "[96, 80]").replace('"85 mm"', '"10 mm"').replace('netd = "40 mK"', 'netd = "1 mK"');
-  writeFileSync(join(work, "space.toml"), camera);
-  const server = await serve("plates.toml", "space.toml", "--time", "2026-06-21T12:30:00Z");
-  const { page, said, asked } = await open(context, server.address);
+  const camera = readFileSync(join(run.folder, "vehicle/lwir.toml"), "utf8").replace("[512, 320]", "[96, 80]").replace('"85 mm"', '"10 mm"').replace('netd = "40 mK"', 'netd = "1 mK"');
+  writeFileSync(join(run.folder, "space.toml"), camera);
+  const own = await context(browser), server = await run.serve("plates.toml", "space.toml", "--time", "2026-06-21T12:30:00Z");
+  const { page, said, asked } = await open(own, server.address);
   await unfold(page);
-  const first = await compare(page, "3-D, at the start");
+  const first = await compare(run, page, "3-D, at the start");
   assert.match(first.command, /^mtf render plates\.toml .*--time 2026-06-21T12:30:00Z --position 10,-60,15 --look-at 0,0,1/);
 
   // Around by the mouse: pictures while it moves, another one at rest.
@@ -97,12 +96,12 @@ export async function checkSpace(context) {
   await page.waitForFunction((id) => window.mtfLive.frame.id > id + 1 && window.mtfLive.frame.preview, before);
   assert.ok(await page.locator("#preview-tag").isVisible());
   await page.mouse.up();
-  const around = await compare(page, "after dragging");
+  const around = await compare(run, page, "after dragging");
   assert.notDeepEqual(around.ends, first.ends);
   assert.ok(await page.locator("#preview-tag").isHidden());
   await page.mouse.wheel(0, -300);
   await page.waitForFunction(() => window.mtfLive.place.range < 55);
-  const nearer = await compare(page, "after the wheel");
+  const nearer = await compare(run, page, "after the wheel");
   assert.notDeepEqual(nearer.ends, around.ends);
 
   // Keys, sliders, typed values; time and sensor with them.
@@ -110,7 +109,7 @@ export async function checkSpace(context) {
   for (const key of ["ArrowUp", "Shift+ArrowLeft", "PageUp", "-"]) await page.keyboard.press(key);
   await slide(page, "camera.time", 0.75);
   await slide(page, "jitter.rms", 0.7);
-  const later = await compare(page, "keys, time and a sensor's number");
+  const later = await compare(run, page, "keys, time and a sensor's number");
   assert.match(later.command, /--time 2026-06-21T13:30:00Z/);
   await field(page, "camera.range").fill("0.08 km");
   await field(page, "camera.range").press("Enter");
@@ -132,16 +131,16 @@ export async function checkSpace(context) {
 
   // A link restores the camera; the saved files reproduce the frame.
   await slide(page, "camera.azimuth", 0.6);
-  const there = await compare(page, "before saving");
-  const other = await open(context, page.url());
+  const there = await compare(run, page, "before saving");
+  const other = await open(own, page.url());
   assert.deepEqual(await other.page.evaluate(() => window.mtfLive.place.request()), await page.evaluate(() => window.mtfLive.place.request()));
   assert.deepEqual(other.said, []);
   await other.page.close();
   const [file] = await Promise.all([page.waitForEvent("download"), page.locator("#save-scene").click()]);
   const saved = readFileSync(await file.path(), "utf8");
   assert.ok(saved.includes("[camera]\nposition = [") && !saved.includes("path =") && saved.includes("[atmosphere]"), saved);
-  writeFileSync(join(work, "plates-live.toml"), saved);
-  const again = await compare(page, "the saved scene", { "plates.toml": "plates-live.toml", [/--position \S+ --look-at \S+/.exec(there.command)[0]]: "" });
+  writeFileSync(join(run.folder, "plates-live.toml"), saved);
+  const again = await compare(run, page, "the saved scene", { "plates.toml": "plates-live.toml", [/--position \S+ --look-at \S+/.exec(there.command)[0]]: "" });
   assert.deepEqual(again.pixels, there.pixels);
 
   // Two sensors, one camera.

@@ -3,13 +3,11 @@
 
 import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
-import { mtf, open, serve, settle, unfold } from "./helpers.mjs";
+import { context, open, settle, unfold } from "./helpers.mjs";
 
-export async function endure(browser, minutes) {
-  mtf("demo", "-o", "mtf-demo");
-  const server = await serve();
-  const context = await browser.newContext({ viewport: { width: 1280, height: 800 } });
-  const pages = [await open(context, server.address), await open(context, server.address)];
+export async function endure(run, browser, minutes) {
+  const server = await run.serve(), own = await context(browser);
+  const pages = [await open(own, server.address), await open(own, server.address)];
   const memory = () => Number(/VmRSS:\s+(\d+)/.exec(readFileSync(`/proc/${server.child.pid}/status`, "utf8"))[1]) / 1024;
   let seed = 1, moves = 0, first = 0, frames = 0;
   const random = () => ((seed = (seed * 48271) % 2147483647) / 2147483647);

@@ -2,25 +2,41 @@
 // What tests of the live view's page share: the server, a page at rest, its controls, pixels of the page and of files.
 // Options: --modules DIR --chromium FILE --mtf FILE --work DIR [--minutes N]
 
-import { execFileSync, spawn } from "node:child_process";
+import { execFile, spawn } from "node:child_process";
 import { mkdirSync, rmSync } from "node:fs";
 import { createRequire } from "node:module";
-import { join } from "node:path";
+import { dirname, join } from "node:path";
 import { createInterface } from "node:readline";
+import { promisify } from "node:util";
 
 export const options = {};
 for (let i = 2; i + 1 < process.argv.length; i += 2) options[process.argv[i].slice(2)] = process.argv[i + 1];
 const { chromium } = createRequire(join(options.modules, "x.js"))("playwright-core");
 const flags = ["--no-sandbox", "--disable-quic", "--no-first-run", "--disable-background-networking", "--disable-component-update",
   "--disable-sync", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist"];
-export const work = join(options.work, options.minutes ? "endurance" : "page");
-rmSync(work, { recursive: true, force: true });
-mkdirSync(work, { recursive: true });
-export const mtf = (...words) => execFileSync(options.mtf, words, { cwd: work, encoding: "utf8", maxBuffer: 1 << 26, stdio: ["ignore", "pipe", "pipe"] });
+const run = promisify(execFile);
+export const context = (browser) => browser.newContext({ viewport: { width: 1280, height: 800 }, acceptDownloads: true, permissions: ["clipboard-read", "clipboard-write"] });
+
+/** A check with a folder of its own, so that several run beside each other: programs there, and values of their files. */
+export function job(name) {
+  const folder = join(options.work, name);
+  rmSync(folder, { recursive: true, force: true });
+  mkdirSync(folder, { recursive: true });
+  const env = { ...process.env, PATH: `${dirname(options.mtf)}:${process.env.PATH}` };
+  const output = async (program, words) => (await run(program, words, { cwd: folder, env, encoding: "utf8", maxBuffer: 1 << 26 })).stdout;
+  return {
+    folder,
+    mtf: (...words) => output(options.mtf, words),
+    shell: (line) => output("sh", ["-c", line]),
+    serve: (...words) => serve(folder, words),
+    pixelsOf: async (file, wanted) => (await output("/usr/bin/python3", ["-c", READ, join(folder, file), ...wanted.flat()])).trim().split("\n").map(Number),
+  };
+}
+
 export const launch = () => chromium.launch({ executablePath: options.chromium, args: flags });
 
-export async function serve(...words) {
-  const child = spawn(options.mtf, ["live", "--no-browser", ...words], { cwd: work, stdio: ["ignore", "pipe", "inherit"] });
+async function serve(folder, words) {
+  const child = spawn(options.mtf, ["live", "--no-browser", ...words], { cwd: folder, stdio: ["ignore", "pipe", "ignore"] });
   const address = await new Promise((resolve, reject) => {
     createInterface({ input: child.stdout }).once("line", resolve);
     child.once("exit", (code) => reject(new Error(`mtf live ended with ${code}`)));
@@ -40,10 +56,11 @@ export async function open(context, address) {
   return { page, said, asked };
 }
 export const rest = (page) => page.waitForFunction(() => window.mtfLive?.frame && window.mtfLive.figures && !window.mtfLive.busy, null, { timeout: 20000 });
+/** At rest, and still at rest when what that has begun is over. */
 export const settle = async (page) => {
-  await page.waitForTimeout(20);
+  await page.waitForTimeout(10);
   await rest(page);
-  await page.waitForTimeout(20);
+  await page.waitForTimeout(10);
   await rest(page);
 };
 export const slider = (page, name) => page.locator(`[data-name="${name}"] input[type=range]`);
@@ -73,9 +90,6 @@ export const pixelsOnPage = (page, frame) => page.evaluate(async ({ frame: { id,
 export const places = ({ full_width: w, full_height: h }) => [[0, 0], [w - 1, h - 1], [Math.floor(w / 2), Math.floor(h / 2)], [Math.floor(w / 3), Math.floor(h / 5)], [Math.floor(w / 4), h - 2]];
 
 /** Values of an uncompressed or ZIP-compressed scanline OpenEXR of one float channel; the other formats are not ours. */
-export function pixelsOf(name, wanted) {
-  return execFileSync("/usr/bin/python3", ["-c", READ, join(work, name), ...wanted.flat()], { encoding: "utf8" }).trim().split("\n").map(Number);
-}
 const READ = `
 import sys, struct, zlib
 data = open(sys.argv[1], 'rb').read(); at = 8; a = {}
