@@ -126,8 +126,7 @@ Json rows_json(const std::vector<Parameter>& parameters, const std::string& owne
         rows.push_back(row_json(parameter, owner, name + axis, value_node(table, name + axis)));
     else if (parameter.type == Type::pair && node != nullptr && node->items.size() == 2)
       for (const std::size_t i : {0U, 1U})
-        rows.push_back(
-            row_json(element_of(parameter), owner, name + "[" + std::to_string(i) + "]", &node->items[i]));
+        rows.push_back(row_json(element_of(parameter), owner, name + "[" + std::to_string(i) + "]", &node->items[i]));
     else
       rows.push_back(row_json(parameter, owner, name, node));
   }
@@ -176,8 +175,7 @@ Json tables_json(const cfg::Node& root, const SensorKinds& kinds) {
       }
     const bool fixed = !doc.empty();
     for (const TableKind& table : kinds.tables)
-      if (table.name == name && (table.condition.empty() ? chain == nullptr : holds(table, root)))
-        chain = &table;
+      if (table.name == name && (table.condition.empty() ? chain == nullptr : holds(table, root))) chain = &table;
     if (chain != nullptr) {
       rows.insert(rows.end(), chain->parameters.begin(), chain->parameters.end());
       if (doc.empty()) doc = chain->doc;

@@ -39,6 +39,20 @@ async function compare(run, page, what, counts = 0) {
   pixels.forEach((value, i) => assert.ok(Math.abs(value - reference[i]) <= allowed + 1e-12, `${what}: pixel ${places(frame)[i]} is ${value}, not ${reference[i]}`));
   return { worst, budget: seen.budget };
 }
+/** Colours of the canvas at 64 places, right after it was drawn. */
+const coloursOf = (page) => page.evaluate(() => new Promise((resolve) => {
+  const { view } = window.mtfLive, { canvas } = view, gl = view.kind === "webgl2" ? canvas.getContext("webgl2") : null;
+  view.draw();
+  requestAnimationFrame(() => {
+    const { width, height } = canvas, all = gl ? new Uint8Array(4 * width * height) : canvas.getContext("2d").getImageData(0, 0, width, height).data;
+    gl?.readPixels(0, 0, width, height, gl.RGBA, gl.UNSIGNED_BYTE, all);
+    resolve(Array.from({ length: 64 }, (_, i) => {
+      const x = Math.floor(((i % 8) + 0.37) / 8 * width), y = Math.floor((Math.floor(i / 8) + 0.61) / 8 * height), at = 4 * ((gl ? height - 1 - y : y) * width + x);
+      return [...all.slice(at, at + 3)];
+    }));
+  });
+}));
+
 async function checkPage(run, browser) {
   await run.mtf("demo", "-o", "mtf-demo");
   const begin = Date.now();
@@ -110,6 +124,14 @@ async function checkPage(run, browser) {
   assert.equal(await other.page.evaluate(() => window.mtfLive.text), await page.evaluate(() => window.mtfLive.text));
   assert.deepEqual(other.said, []);
   await other.page.close();
+  // Without WebGL the canvas has the same colours.
+  const plain = await open(own, link.replace("/#", "/?plain#"));
+  assert.equal(await plain.page.evaluate(() => window.mtfLive.view.kind), "canvas");
+  const [drawn, wanted] = [await coloursOf(plain.page), await coloursOf(page)];
+  drawn.forEach((colour, i) => assert.ok(colour.every((part, c) => Math.abs(part - wanted[i][c]) <= 1), `place ${i}: ${colour} instead of ${wanted[i]}`));
+  assert.ok(new Set(drawn.map(String)).size > 5);
+  assert.deepEqual(plain.said, []);
+  await plain.page.close();
   const [file] = await Promise.all([page.waitForEvent("download"), page.locator("#save").click()]);
   assert.equal(readFileSync(await file.path(), "utf8"), await page.evaluate(() => window.mtfLive.text));
   const [picture] = await Promise.all([page.waitForEvent("download"), page.locator("#exr").click()]);

@@ -74,12 +74,16 @@ async function compare(run, page, what, saved = {}) {
   return { command, pixels, ends: [frame.low, frame.high, ...pixels] };
 }
 
-export async function checkSpace(run, browser) {
+/** A small scene and camera in the folder of a check, without much noise, so that pixels can be compared. */
+export async function writeScene(run) {
   for (const [name, text] of Object.entries(FILES)) writeFileSync(join(run.folder, name), text);
   await run.mtf("scene", "demo", "-o", "vehicle", "--quiet");
-  // Small, so that the test is short; without noise, so that pixels can be compared.
   const camera = readFileSync(join(run.folder, "vehicle/lwir.toml"), "utf8").replace("[512, 320]", "[96, 80]").replace('"85 mm"', '"10 mm"').replace('netd = "40 mK"', 'netd = "1 mK"');
   writeFileSync(join(run.folder, "space.toml"), camera);
+}
+
+export async function checkSpace(run, browser) {
+  await writeScene(run);
   const own = await context(browser), server = await run.serve("plates.toml", "space.toml", "--time", "2026-06-21T12:30:00Z");
   const { page, said, asked } = await open(own, server.address);
   await unfold(page);

@@ -120,7 +120,7 @@ export class Controls {
     const id = `p-${row.name}`, message = element("p", { className: "message", id: `${id}-message`, hidden: true });
     const line = element("div", { className: "row" });
     line.dataset.name = row.name;
-    const label = element("label", { htmlFor: id, title: `${row.doc}${row.example ? `, such as ${row.example}` : ""}` }, row.key);
+    const label = element("label", { htmlFor: id, title: `${row.doc}${row.example ? `, such as ${row.example}` : ""}` }, row.key.replace(/^(.*)\[(\d)\]$/, (_, name, i) => `${i === "0" ? "1st" : "2nd"} ${name}`));
     const back = element("button", { type: "button", className: "small quiet back", title: "As at the start", hidden: true }, "↺");
     back.setAttribute("aria-label", `${row.key} as at the start`);
     back.onclick = () => this.act.reset(row.name, this.begin.get(row.name) ?? row.example);
