@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Frame rates of `mtf live` in headless Chromium with software GL, 1280 x 1024: a slider moved to a new value whenever
-// the last picture is drawn. Prints rounds of 3 s; nothing is judged. Run by hand on a quiet machine.
+// Frame rates of `mtf live` in headless Chromium with software GL, 1280 x 1024: a slider that moves every 8 ms, as a
+// mouse does. Prints rounds of 3 s; nothing is judged. Run by hand on a quiet machine.
 // Usage: node rates.mjs --modules DIR --chromium FILE --mtf FILE --slider NAME [--sensor FILE --scene FILE] [--rounds N]
 //        of a 3-D scene: --scene scene.toml --sensor camera.toml --temperatures DIR, and sliders as camera.azimuth too
 
@@ -30,25 +30,32 @@ console.log(`address after ${ready} ms, first picture after ${Date.now() - begin
 await page.waitForTimeout(1500);
 const rounds = await page.evaluate(async ({ name, count }) => {
   for (const details of document.querySelectorAll("#forms details")) details.open = true;
-  const slider = document.querySelector(`[data-name="${name}"] input[type=range]`), out = [];
-  let place = 0, last = window.mtfLive.frame.id;
+  const slider = document.querySelector(`[data-name="${name}"] input[type=range]`), out = [], asked = new Map(), fetching = window.fetch;
+  // A value is as old as the request that took it along.
+  window.fetch = (place, options) => {
+    if (place === "/frame") asked.set(JSON.parse(options.body).generation, performance.now());
+    return fetching(place, options);
+  };
+  let at = 0, last = window.mtfLive.frame.id;
+  const moving = setInterval(() => {
+    at = (at + 37) % 600;
+    slider.value = 200 + at;
+    slider.dispatchEvent(new Event("input", { bubbles: true }));
+  }, 8);
   for (let round = 0; round < count; round += 1) {
     const delays = [], server = [], start = performance.now();
     while (performance.now() - start < 3000) {
-      place = (place + 37) % 600;
-      slider.value = 200 + place;
-      const moved = performance.now();
-      slider.dispatchEvent(new Event("input", { bubbles: true }));
       while (window.mtfLive.frame.id === last) await new Promise((resolve) => setTimeout(resolve, 1));
-      last = window.mtfLive.frame.id;
-      await new Promise(requestAnimationFrame);
-      delays.push(performance.now() - moved);
-      server.push(window.mtfLive.frame.ms);
+      const { id, generation, ms } = window.mtfLive.frame;
+      last = id;
+      server.push(ms);
+      requestAnimationFrame(() => delays.push(performance.now() - asked.get(generation)));
     }
     for (const list of [delays, server]) list.sort((a, b) => a - b);
     const middle = (list) => list[Math.floor(list.length / 2)];
-    out.push({ fps: delays.length / 3, median: middle(delays), worst: delays.at(-1), server: middle(server), preview: window.mtfLive.frame.preview });
+    out.push({ fps: server.length / 3, median: middle(delays), worst: delays.at(-1), server: middle(server), preview: window.mtfLive.frame.preview });
   }
+  clearInterval(moving);
   slider.dispatchEvent(new Event("change", { bubbles: true }));
   return out;
 }, { name: options.slider, count: Number(options.rounds) });
