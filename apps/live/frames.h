@@ -59,6 +59,7 @@ struct KeptFrame {
   std::vector<std::string> warnings{};
   std::shared_ptr<const mtf::SensorPlan> plan{};
   double ms = 0.0;
+  bool passing = false;  ///< a preview, or in the light of another time: no file is made of it
   /// Of a 3-D scene: what the sensor took in, its relative error, whether its light is of another time, and what stands
   /// for sky, sun and air.
   std::shared_ptr<const mtf::io::Scene> scene{};

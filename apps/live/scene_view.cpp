@@ -73,6 +73,7 @@ KeptFrame Drawing::frame(const Sensor& sensor, const FrameRequest& request) {
   kept.plan = std::make_shared<const mtf::SensorPlan>(flight->plan());
   kept.scene = std::make_shared<const mtf::io::Scene>(std::move(*made.radiance));
   kept.light_lags = made.light_lags;
+  kept.passing = request.preview || made.light_lags;
   kept.radiance_promised = made.promised;
   kept.stages_ms = std::move(made.timing_ms);
   for (const auto& [name, words] : flight->closures()) kept.closures.emplace_back(name, words);

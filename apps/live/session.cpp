@@ -330,6 +330,7 @@ Answer Session::file(const Parts& request) {
     made = kept(request);
   }
   if (!made) return refusal("that frame is no longer kept", 410);
+  if (made->passing) return refusal("that picture is a preview; files are made of pictures at rest");
   const ScratchFile scratch("frame." + format);
   write_sensor_image(scratch.path(), made->names, made->image.planes, made->image.metadata, made->range);
   constexpr std::size_t kMost = std::size_t{1} << 31;

@@ -217,6 +217,9 @@ def places(folder):
                 expect(f"{key} {point[:20]} is named", status == 400 or key.encode() in data, True)
         for time_s in ("NaN", "1e308", "-1e308", '"2026-06-21"', "[]", "true", str(begin - 10), str(begin + 8000)):
             expect(f"utc_s {time_s}", server.ask("POST", "/frame", '{"utc_s": %s}' % time_s)[0], (400, 422))
+        shown = server.ask("POST", "/frame", good)[1]
+        preview = json.loads(shown[4:4 + int.from_bytes(shown[:4], "little")])
+        expect("a file of a preview", server.ask("POST", "/file", json.dumps({"id": preview["id"], "format": "exr"}))[0], 422)
         for key in ("preview", "may_lag", "before"):
             expect(f"{key} as a number", server.ask("POST", "/frame", '{"%s": 1}' % key)[0], 422)
         expect("a side that is none", server.ask("POST", "/frame", '{"side": 3}')[0], 422)

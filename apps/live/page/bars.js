@@ -99,7 +99,11 @@ export function bars() {
   $("find").oninput = () => controls.filter($("find").value);
   $("save").onclick = () => download(savedName(app.start.sensor, "sensor.toml"), [app.model.text], "application/toml");
   $("save-scene").onclick = async () => download(savedName(app.start.scene, "scene.toml"), [await sceneFile()], "application/toml");
-  for (const format of ["png", "exr"]) $(format).onclick = async () => download(`frame.${format}`, [await bytes("file", { id: app.frames[edits.side()].id, format })], format === "png" ? "image/png" : "image/x-exr");
+  for (const format of ["png", "exr"]) $(format).onclick = async () => {
+    const frame = () => app.frames[edits.side()];
+    while (frame().light_lags || (frame().preview && inSpace())) await new Promise((resolve) => setTimeout(resolve, 50)); // a preview is never saved
+    download(`frame.${format}`, [await bytes("file", { id: frame().id, format })], format === "png" ? "image/png" : "image/x-exr");
+  };
   const copy = async (text, button) => {
     await navigator.clipboard.writeText(text);
     const words = button.textContent;
