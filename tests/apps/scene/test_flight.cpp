@@ -218,6 +218,19 @@ TEST_F(Flights, LightMayLagUntilItIsThere) {
             80);
   EXPECT_EQ(flight.plans_compiled(), compiled);
   EXPECT_LE(largest_difference(again.image.planes.front(), alone_then), 1.0);
+  // A sensor that changes while the view does not takes the radiance again; the image is its own.
+  flight.frame(other_band, place, begin_s + 80.5, 1);
+  std::string shaking_text = kSensor;
+  shaking_text.replace(shaking_text.find("20 urad"), 7, "90 urad");
+  const Flight::Sensor shaking = sensor(shaking_text);
+  flight.frame(camera, place, begin_s + 80.5, 1);
+  const FlightFrame shaken = flight.frame(shaking, place, begin_s + 80.5, 1);
+  EXPECT_LE(largest_difference(shaken.radiance->planes.front(), again.radiance->planes.front()),
+            1e-4 * static_cast<double>(again.radiance->planes.front().at(80, 64)));
+  EXPECT_LE(
+      largest_difference(shaken.image.planes.front(), alone(file, shaking, place, begin_s + 80.5, begin_s + 80.5, 1)),
+      1.0);
+  EXPECT_GT(largest_difference(shaken.image.planes.front(), again.image.planes.front()), 10.0);
 }
 
 TEST_F(Flights, SensorsMayChangeInEveryFrame) {
