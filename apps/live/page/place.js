@@ -6,6 +6,7 @@ import { $, app } from "./app.js";
 import { shortNumber } from "./controls.js";
 
 const REST_MS = 250; // after the last turn of a wheel or press of a key the camera is at rest
+const CALM_MS = 150;
 const STEEPEST = 89; // deg
 const rad = Math.PI / 180;
 const isoOf = (s) => new Date(s * 1000).toISOString().replace("T", " ").replace(/(:00)?\.\d+Z$/, "Z");
@@ -23,7 +24,7 @@ const number = (text) => (/^\s*[-+.\deE]+\s*(deg|°)?\s*$/.test(text) ? parseFlo
 export class Place {
   /** `space`: of the answer of `start`; `changed`, `settled`: called while it moves, and at rest. */
   constructor(box, space, changed, settled) {
-    Object.assign(this, { box, space, changed, settled, held: false, timer: null, rows: new Map() });
+    Object.assign(this, { box, space, changed, settled, held: false, timer: null, told: 0, rows: new Map() });
     this.home();
     this.build();
   }
@@ -70,6 +71,8 @@ export class Place {
   rest() {
     clearTimeout(this.timer);
     this.timer = null;
+    this.told = 0;
+    this.update();
     if (!this.held) this.settled();
   }
   hold(held) {
@@ -190,7 +193,13 @@ export class Place {
     this.rows.set(name, { line, message, field, update });
     return line;
   }
-  update() { for (const { update } of this.rows.values()) update(); }
+  /** Fields follow a moving camera no more often than can be read: a page that is painted costs pictures. */
+  update() {
+    const now = performance.now();
+    if (this.moving && now - this.told < CALM_MS) return;
+    this.told = now;
+    for (const { update } of this.rows.values()) update();
+  }
 
   problem(name, text) {
     const row = this.rows.get(name);
