@@ -4,6 +4,8 @@
 
 #include "apps/command_line.h"
 #include "apps/commands.h"
+#include "apps/schema/schemas.h"
+#include "apps/terminal/output.h"
 #include "mtf/error.h"
 #include "radiometry/sensor_settings.h"
 
@@ -13,7 +15,10 @@ namespace {
 constexpr std::array kLayouts{std::pair{std::string_view("table"), ConfigOptions::Layout::table},
                               std::pair{std::string_view("markdown"), ConfigOptions::Layout::markdown},
                               std::pair{std::string_view("json"), ConfigOptions::Layout::json}};
-constexpr std::array kFiles{std::pair{std::string_view("sensor"), false}, std::pair{std::string_view("study"), true}};
+enum class FileKind { sensor, study, scene };
+constexpr std::array kFiles{std::pair{std::string_view("sensor"), FileKind::sensor},
+                            std::pair{std::string_view("study"), FileKind::study},
+                            std::pair{std::string_view("scene"), FileKind::scene}};
 constexpr std::array kUnits{std::pair{std::string_view("cy/mm"), 0}, std::pair{std::string_view("cy/mrad"), 1},
                             std::pair{std::string_view("cy/px"), 2}};
 
@@ -133,16 +138,26 @@ Command config_command() {
   kinds.run = action(ConfigOptions::Action::kinds);
 
   Command schema{
-      "schema", "JSON Schema of sensor or study files, with which editors complete and check TOML",
+      "schema", "JSON Schema of sensor, study or scene files, with which editors complete and check TOML",
       "Draft-07, as taplo and the editors that use it read it. Ranges of values with units and what several\n"
       "values decide together are left to mtf config check.",
       "  mtf config schema sensor -o sensor.schema.json\n"
       "  mtf config schema study -o study.schema.json"};
-  add_word(schema, "file", "FILE", "sensor or study", [&](const std::string& text) {
-    options.of_study = choice("file", text, kFiles);
+  const auto of_file = std::make_shared<FileKind>();
+  add_word(schema, "file", "FILE", "sensor, study or scene", [&options, of_file](const std::string& text) {
+    *of_file = choice("file", text, kFiles);
+    options.of_study = *of_file == FileKind::study;
   }).required = true;
   add_text(schema, "-o,--out", "FILE", "file to write; default: standard output", options.file);
-  schema.run = action(ConfigOptions::Action::schema);
+  schema.run = [shared, of_file, other = action(ConfigOptions::Action::schema)](const Global& global) {
+    if (*of_file != FileKind::scene) return other(global);
+#ifdef MTFKIT_HAVE_SCENE
+    emit(shared->file, scene_file_schema());
+    return 0;
+#else
+    throw mtf::UsageError("scenes are not part of this build");
+#endif
+  };
   app.commands = {init, check, explain, kinds, schema};
   return app;
 }

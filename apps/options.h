@@ -66,7 +66,9 @@ struct SimulateCommandOptions {
 
 /// `mtf live`.
 struct LiveOptions {
-  std::string sensor, scene;  ///< both "": the demo
+  std::string first, second;       ///< sensor file and image, or scene file and sensor file; both "": the demo
+  std::string temperatures, time;  ///< of a 3-D scene, as for `mtf fly`
+  bool no_air = false;
   std::optional<std::string> channel, layer;
   std::optional<int> part;
   std::optional<double> tolerance;

@@ -13,15 +13,18 @@ Command live_command() {
   LiveOptions& options = *shared;
   Command app{
       "live", "the live view: a scene through a sensor in the browser, with a slider for every parameter",
-      "Prints the address of a page and opens it. Without files: the camera and scene of mtf demo. The page\n"
+      "Prints the address of a page and opens it. Of a sensor file and an image, as mtf simulate; of a scene file\n"
+      "and a sensor file, as mtf fly: the camera goes where the mouse takes it. Without files: the camera and scene\n"
+      "of mtf demo; a 3-D scene is made by mtf scene demo. The page\n"
       "answers to this machine alone; from another one use a tunnel: ssh -L 8080:127.0.0.1:8080 host, there\n"
       "mtf live --port 8080 --no-browser, and the printed address here. It changes no file: the page hands the\n"
       "changed sensor file, the picture and the command line to the browser's downloads and clipboard.",
       "  mtf live\n"
       "  mtf live sensor.toml scene.exr --tolerance 1e-3"};
-  add_file(app, "sensor", "sensor file (TOML)", options.sensor);
+  add_file(app, "first", "sensor file; of a 3-D scene its scene file (TOML)", options.first);
   app.options.back().required = false;
-  add_file(app, "scene", "image of the scene, or frame.%04d.exr for a sequence", options.scene);
+  add_file(app, "second", "image of the scene, or frame.%04d.exr for a sequence; of a 3-D scene the sensor file",
+           options.second);
   app.options.back().required = false;
   add_channel_choice(app, options.channel, options.layer, options.part);
   add_word(app, "--tolerance", "X", "rms error allowed, at the start; default: that of mtf simulate",
@@ -30,6 +33,13 @@ Command live_command() {
              if (!(*options.tolerance > 0.0 && *options.tolerance < 1.0))
                throw mtf::UsageError("--tolerance: " + text + " is outside (0, 1)");
            });
+  add_text(app, "--temperatures", "PATH",
+           "of a 3-D scene: folder that mtf heat wrote, or a table of facets; else the heat balance is worked out",
+           options.temperatures);
+  add_text(app, "--time", "INSTANT", "of the first picture of a 3-D scene, UTC; default: where temperatures begin",
+           options.time);
+  add_flag(app, "--no-air", "of a 3-D scene surfaces alone, for sensors that bring a path of their own",
+           options.no_air);
   add_word(app, "--port", "N", "port on 127.0.0.1; default: one that is free",
            [&](const std::string& text) { options.port = whole_number("--port", text, 1, 65535); });
   add_word(app, "--no-browser", "", "print the address only", [&](const std::string&) {

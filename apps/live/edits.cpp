@@ -5,6 +5,7 @@
 #include <array>
 #include <nlohmann/json.hpp>
 
+#include "apps/live/model.h"
 #include "apps/live/toml_blocks.h"
 #include "apps/sensor/sensor_chain.h"
 #include "apps/text/words.h"
@@ -81,20 +82,27 @@ SensorConfig parsed(const SensorConfig& before, const std::string& text) {
   return std::move(result.config);
 }
 
-/// A key of a table that schedules do not reach, such as one of [scene] or a first key of the chain in [optics].
+/// A key of a table that schedules do not reach, such as one of [scene] or a first key of the chain in [optics];
+/// "frame.format[0]" is one of the two numbers of a pair.
 struct TableKey {
   std::string table, key;
+  std::optional<std::size_t> element{};
   const Parameter* row = nullptr;
 };
 
 std::optional<TableKey> table_key(const std::string& name, const SensorKinds& kinds) {
   const std::size_t dot = name.find('.');
   if (dot == std::string::npos) return std::nullopt;
-  TableKey found{name.substr(0, dot), name.substr(dot + 1)};
+  TableKey found{.table = name.substr(0, dot), .key = name.substr(dot + 1)};
+  if (found.key.ends_with("[0]") || found.key.ends_with("[1]")) {
+    found.element = found.key[found.key.size() - 2] == '1' ? 1 : 0;
+    found.key.resize(found.key.size() - 3);
+  }
   for (const auto* tables : {&kinds.tables, &kinds.own_tables})
     for (const TableKind& table : *tables)
       if (table.name == found.table && found.row == nullptr) found.row = find_parameter(table.parameters, found.key);
-  return found.row != nullptr && found.row->type != Parameter::Type::pair ? std::optional(found) : std::nullopt;
+  const bool whole = !found.element || (found.row != nullptr && found.row->type == Parameter::Type::pair);
+  return found.row != nullptr && whole ? std::optional(found) : std::nullopt;
 }
 
 std::string toml_of(const std::string& value) {
@@ -106,6 +114,11 @@ SensorConfig set_in_table(const SensorConfig& sensor, const TableKey& at, const 
   const cfg::Tree tree = cfg::read_tree(sensor.text);
   const cfg::Node* table = tree.root.find(at.table);
   const cfg::Node* old = table != nullptr ? table->find(at.key) : nullptr;
+  if (at.element) {
+    if (old == nullptr || old->items.size() != 2)
+      throw UsageError(at.table + "." + at.key + ": is no list of two numbers in the file");
+    old = &old->items[*at.element];
+  }
   if (old != nullptr) {
     const std::size_t begin = cfg::offset_of(sensor.text, old->position);
     return parsed(sensor, cfg::edited(sensor.text, {{begin, cfg::end_of_value(sensor.text, begin), toml_of(value)}}));
@@ -181,10 +194,9 @@ SensorConfig add_component(const SensorConfig& sensor, const Edit& edit, const S
 SensorConfig add_table(const SensorConfig& sensor, const std::string& name, const SensorKinds& kinds) {
   if (mtf::find_table(sensor.tables, name) != nullptr) throw UsageError("[" + one_line(name) + "] is there already");
   std::string problem = "there is no table [" + one_line(name) + "]";
-  const bool thermal = cfg::read_tree(sensor.text).root.find("detector") != nullptr &&
-                       sensor.text.find("\"thermal\"") != std::string::npos;
+  const cfg::Tree tree = cfg::read_tree(sensor.text);
   for (const TableKind& table : kinds.tables) {
-    if (table.name != name || (!table.condition.empty() && !thermal)) continue;
+    if (table.name != name || !holds(table, tree.root)) continue;
     std::string block = "[" + name + "]\n";
     for (const Parameter& parameter : table.parameters)
       if (parameter.presence == mtf::Presence::required)

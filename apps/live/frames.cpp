@@ -6,13 +6,14 @@
 #include <cmath>
 
 #include "apps/simulate/frames/scene_input.h"
+#include "apps/simulate/radiometric_chain.h"
 #include "mtf/error.h"
 #include "mtf/survey/statistics.h"
 
 namespace apps::live {
 namespace {
 
-constexpr std::size_t kKept = 4;  // frames: two pages, each with the one it shows and the one it asks for
+constexpr std::size_t kKept = 6;  // frames: two pages with the ones they show and the one they ask for
 
 /// Least and largest of the finite values; 0 and 0 where there is none.
 std::pair<double, double> ends_of(mtf::ImageView<const float> image) {
@@ -37,17 +38,6 @@ std::pair<double, double> usual_range(mtf::ImageView<const float> image) {
     return static_cast<double>(values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1))]);
   };
   return {at(kShare), at(1.0 - kShare)};
-}
-
-/// True when the correction that one measures is that of the other: they differ in the OTF at most.
-bool corrects_alike(const mtf::io::SensorConfig& a, const mtf::io::SensorConfig& b) {
-  const auto light = [](const mtf::System<double>& system) {
-    const auto& [frame, optics, band] = std::tie(system.frame, system.optics, system.band);
-    return std::tuple(frame.focal_length_mm, frame.pitch_x_um, frame.pitch_y_um, frame.integration_time_s,
-                      optics.f_number, optics.aperture_mm, optics.obscuration, optics.wavelength_um,
-                      band ? band->lo_um : 0.0, band ? band->hi_um : 0.0);
-  };
-  return a.tables == b.tables && light(a.system) == light(b.system);
 }
 
 }  // namespace
@@ -76,10 +66,12 @@ PixelBytes pixel_bytes(mtf::ImageView<const float> image, int every) {
   return pixels;
 }
 
-FrameMaker::FrameMaker(SceneSource scene, int threads) : source_(std::move(scene)), threads_(threads) {
+FrameMaker::FrameMaker(SceneSource scene, int threads, std::uint64_t first_id)
+    : source_(std::move(scene)), threads_(threads), count_(first_id) {
   if (!source_.image) files_ = FrameNames::parse(source_.file);
   if (files_) numbers_ = files_->find(std::nullopt);
 }
+FrameMaker::FrameMaker(DrawScene draw, std::uint64_t first_id) : draw_(std::move(draw)), count_(first_id) {}
 
 SceneSource FrameMaker::source_of(std::int64_t number) const {
   SceneSource source = clone(source_);
@@ -87,8 +79,7 @@ SceneSource FrameMaker::source_of(std::int64_t number) const {
   return source;
 }
 
-std::shared_ptr<const KeptFrame> FrameMaker::frame(const Sensor& sensor, const FrameRequest& request) {
-  const auto begin = std::chrono::steady_clock::now();
+KeptFrame FrameMaker::of_image(const Sensor& sensor, const FrameRequest& request) {
   const std::int64_t file = files_ ? request.number : 0;
   if (!live_ || file != file_number_ || request.tolerance != made_for_.tolerance || request.stage != made_for_.stage) {
     // The present one stays until another one is there.
@@ -98,14 +89,20 @@ std::shared_ptr<const KeptFrame> FrameMaker::frame(const Sensor& sensor, const F
     file_number_ = file;
   }
   // A camera with other parameters is another camera, whose correction is its own: what one command would show.
-  if (last_ && !corrects_alike(*last_, *sensor)) live_->begin_anew();
+  if (last_ && !same_correction(*last_, *sensor)) live_->begin_anew();
   last_ = sensor;
-  auto frame = std::make_shared<KeptFrame>();
-  frame->image = live_->image(*sensor, request.number);
-  frame->names = live_->names();
-  frame->warnings = live_->warnings();
-  frame->plan = std::make_shared<const mtf::SensorPlan>(live_->plan());
-  frame->range = live_->integer_range();
+  KeptFrame frame;
+  frame.image = live_->image(*sensor, request.number);
+  frame.names = live_->names();
+  frame.warnings = live_->warnings();
+  frame.plan = std::make_shared<const mtf::SensorPlan>(live_->plan());
+  frame.range = live_->integer_range();
+  return frame;
+}
+
+std::shared_ptr<const KeptFrame> FrameMaker::frame(const Sensor& sensor, const FrameRequest& request) {
+  const auto begin = std::chrono::steady_clock::now();
+  const auto frame = std::make_shared<KeptFrame>(draw_ ? draw_(sensor, request) : of_image(sensor, request));
   frame->ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
   frame->id = ++count_;
   kept_.push_back(frame);
@@ -120,6 +117,7 @@ std::shared_ptr<const KeptFrame> FrameMaker::kept(std::uint64_t id) const {
 }
 
 std::shared_ptr<const mtf::io::Scene> FrameMaker::scene(const Sensor& sensor, std::int64_t number) {
+  if (draw_) throw mtf::UsageError("a 3-D scene comes with its frames");
   const std::int64_t file = files_ ? number : 0;
   const bool same = scene_ && file == scene_number_ && same_values(scene_sensor_->scene, sensor->scene);
   if (!same) {

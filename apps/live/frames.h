@@ -5,8 +5,10 @@
 // that image as whole numbers of 16 bits. The values themselves are kept for the last few frames, for the cursor and
 // for files.
 
+#include <array>
 #include <cstdint>
 #include <deque>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -19,10 +21,20 @@ namespace apps::live {
 
 using Sensor = std::shared_ptr<const mtf::io::SensorConfig>;
 
+/// Where the camera of a 3-D scene is, and when: m in axes of the scene, UTC.
+struct Viewpoint {
+  std::array<double, 3> position_m{}, look_at_m{};
+  double utc_s = 0.0;
+
+  bool operator==(const Viewpoint&) const = default;
+};
+
 /// What is asked of a frame beside the sensor.
 struct FrameRequest {
-  std::int64_t number = 0;  ///< of the noise, and of a sequence's files
-  int every = 1;            ///< pixels of the answer: all, or every second one
+  std::int64_t number = 0;          ///< of the noise, and of a sequence's files
+  bool preview = false;             ///< for the moment: quicker, and less exact (README.md)
+  std::optional<Viewpoint> from{};  ///< of a 3-D scene
+  bool may_lag = false;             ///< the light of another time will do for the moment
   std::optional<double> tolerance{};
   std::optional<radiometry::OutputStage> stage{};
 
@@ -47,14 +59,26 @@ struct KeptFrame {
   std::vector<std::string> warnings{};
   std::shared_ptr<const mtf::SensorPlan> plan{};
   double ms = 0.0;
+  bool passing = false;  ///< a preview, or in the light of another time: no file is made of it
+  /// Of a 3-D scene: what the sensor took in, its relative error, whether its light is of another time, and what stands
+  /// for sky, sun and air.
+  std::shared_ptr<const mtf::io::Scene> scene{};
+  double radiance_promised = 0.0;
+  bool light_lags = false;
+  std::vector<std::pair<std::string, std::string>> closures{};
+  std::vector<std::pair<std::string, double>> stages_ms{};
 };
+
+/// A frame of a 3-D scene, but for `id` and `ms`.
+using DrawScene = std::function<KeptFrame(const Sensor& sensor, const FrameRequest& request)>;
 
 class FrameMaker {
  public:
-  /// `scene`: one image, or numbered files.
-  FrameMaker(SceneSource scene, int threads);
+  /// `scene`: one image, or numbered files. Numbers of frames follow `first_id`.
+  FrameMaker(SceneSource scene, int threads, std::uint64_t first_id = 0);
+  explicit FrameMaker(DrawScene draw, std::uint64_t first_id = 0);
 
-  /// Throws as LiveSimulation::image. Not to be called from two threads at once.
+  /// Throws as LiveSimulation::image, or what draws. Not to be called from two threads at once.
   std::shared_ptr<const KeptFrame> frame(const Sensor& sensor, const FrameRequest& request);
   /// One of the last frames, null for one that is no longer kept.
   std::shared_ptr<const KeptFrame> kept(std::uint64_t id) const;
@@ -66,11 +90,13 @@ class FrameMaker {
 
  private:
   SceneSource source_of(std::int64_t number) const;
+  KeptFrame of_image(const Sensor& sensor, const FrameRequest& request);
 
+  DrawScene draw_;
   SceneSource source_;
   std::optional<FrameNames> files_;
   std::vector<std::int64_t> numbers_;
-  int threads_;
+  int threads_ = 0;
   std::optional<LiveSimulation> live_;
   FrameRequest made_for_;
   Sensor last_;  ///< of the last image

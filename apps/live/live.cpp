@@ -8,6 +8,7 @@
 #include <chrono>
 #include <csignal>
 #include <cstdlib>
+#include <future>
 #include <memory>
 #include <thread>
 
@@ -17,6 +18,9 @@
 #include "apps/live/page_files.h"
 #include "apps/live/server.h"
 #include "apps/live/session.h"
+#ifdef MTFKIT_HAVE_SCENE
+#include "apps/live/scene_view.h"
+#endif
 #include "apps/options.h"
 #include "apps/sensor/sensor_air.h"
 #include "apps/sensor/sensor_file.h"
@@ -56,47 +60,91 @@ void open_browser(const std::string& address) {
   if (child > 0) ::waitpid(child, nullptr, 0);
 }
 
-}  // namespace
+/// The session of a 3-D scene.
+std::shared_ptr<Session> space_session(const LiveOptions& options, const Global& global, SessionOptions session,
+                                       const Sensor& sensor) {
+#ifdef MTFKIT_HAVE_SCENE
+  session.scene_name = options.first;
+  session.sensor_name = options.second;
+  return std::make_shared<Session>(sensor,
+                                   open_space({.scene = options.first,
+                                               .temperatures = options.temperatures,
+                                               .time = options.time,
+                                               .no_air = options.no_air},
+                                              global),
+                                   std::move(session));
+#else
+  static_cast<void>(global), static_cast<void>(session), static_cast<void>(sensor);
+  throw mtf::UsageError(options.second + ": this build has no 3-D scenes; name a sensor file and an image");
+#endif
+}
 
-int run_live(const LiveOptions& options, const Global& global) {
-  if (options.sensor.empty() != options.scene.empty())
-    throw mtf::UsageError("name a sensor file and a scene, or neither for the demo");
-  SessionOptions session{.sensor_name = options.sensor,
-                         .scene_name = options.scene,
-                         .command_before = {},
-                         .tolerance = options.tolerance,
-                         .threads = global.threads};
-  Sensor sensor;
+/// The session of an image; of the demo's without a sensor.
+std::shared_ptr<Session> image_session(const LiveOptions& options, SessionOptions session, Sensor sensor) {
   SceneSource scene;
-  if (options.sensor.empty()) {
+  if (options.first.empty()) {
     std::tie(sensor, scene) = demo();
     session.sensor_name = "mtf-demo/camera.toml";
     session.scene_name = "mtf-demo/thermal.exr";
     session.command_before = "mtf demo && ";
   } else {
-    sensor = std::make_shared<const mtf::io::SensorConfig>(read_sensor(options.sensor, global));
-    scene.file = options.scene;
+    session.sensor_name = options.first;
+    session.scene_name = options.second;
+    scene.file = options.second;
     scene.read = {.channel = options.channel, .layer = options.layer, .part = options.part};
   }
-  Session answers(sensor, std::move(scene), session);
-  // What is wrong with files of the user is said here, not in a browser; the demo's picture is made while that starts.
-  const Answer first = options.sensor.empty()
-                           ? Answer{}
-                           : answers.answer("frame", "{\"number\":" + std::to_string(answers.first_number()) + "}");
-  if (const std::string problem = error_of(first); !problem.empty()) throw mtf::UsageError(problem);
+  return std::make_shared<Session>(std::move(sensor), std::move(scene), std::move(session));
+}
+
+}  // namespace
+
+int run_live(const LiveOptions& options, const Global& global) {
+  if (options.first.empty() != options.second.empty())
+    throw mtf::UsageError("name a sensor file and a scene, or neither for the demo");
+  const bool space = options.second.ends_with(".toml");
+  if (!space && (!options.temperatures.empty() || !options.time.empty() || options.no_air))
+    throw mtf::UsageError("--temperatures, --time and --no-air are of a 3-D scene: mtf live scene.toml sensor.toml");
+  SessionOptions session{.sensor_name = {},
+                         .scene_name = {},
+                         .command_before = {},
+                         .tolerance = options.tolerance,
+                         .threads = global.threads};
+  // A sensor file that is wrong is said before there is a page. Scene and first picture are made while that is loaded;
+  // what is wrong with them ends the command, and is said here, not in a browser.
+  Sensor sensor;
+  if (const std::string& file = space ? options.second : options.first; !file.empty())
+    sensor = std::make_shared<const mtf::io::SensorConfig>(read_sensor(file, global));
+  const std::shared_future<std::shared_ptr<Session>> coming =
+      std::async(std::launch::async, [&]() -> std::shared_ptr<Session> {
+        return space ? space_session(options, global, std::move(session), sensor)
+                     : image_session(options, std::move(session), sensor);
+      }).share();
+  std::future<void> first = std::async(std::launch::async, [coming] {
+    Session& answers = *coming.get();
+    const Answer made = answers.answer("frame", "{\"number\":" + std::to_string(answers.first_number()) + "}");
+    if (const std::string problem = error_of(made); !problem.empty()) throw mtf::UsageError(problem);
+  });
 
   StopInGoodOrder interrupt("mtf: the live view ends\n", "");
   interrupt.keep();
   const std::string token = new_token();
-  Server server({.port = options.port, .token = token}, find_page_file,
-                [&](const std::string& place, const std::string& body) { return answers.answer(place, body); });
+  Server server(
+      {.port = options.port, .token = token}, find_page_file,
+      [coming](const std::string& place, const std::string& body) { return coming.get()->answer(place, body); });
   const std::string address = "http://127.0.0.1:" + std::to_string(server.port()) + "/#" + token;
   print(address + "\n");
   note(global, "the live view is open to this machine alone; Ctrl-C ends it" +
                    std::string(options.stay ? "" : ", as does a minute without a page"));
   if (options.browser) open_browser(address);
-  while (!interrupt.asked() && (options.stay || server.seconds_alone() < options.linger_s))
-    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  bool ready = false;
+  while (!interrupt.asked() && (options.stay || !ready || server.seconds_alone() < options.linger_s)) {
+    if (ready) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    } else if (first.wait_for(std::chrono::milliseconds(50)) == std::future_status::ready) {
+      ready = true;
+      first.get();
+    }
+  }
   server.stop();
   return 0;
 }

@@ -68,8 +68,8 @@ double bound_in(double bound, const Parameter& parameter, const std::string& uni
 
 Json finite(double value) { return std::isfinite(value) ? Json(value) : Json(); }
 
-Json row_json(const Parameter& parameter, const std::string& owner, const std::string& key, const cfg::Node* table) {
-  const cfg::Node* node = value_node(table, key);
+/// `node`: what the file has there, null for nothing.
+Json row_json(const Parameter& parameter, const std::string& owner, const std::string& key, const cfg::Node* node) {
   Json row{{"name", owner + "." + key}, {"key", key}, {"given", node != nullptr}, {"doc", parameter.doc}};
   const std::string example = unquoted(parameter.example);
   const std::string text = node != nullptr ? written(*node) : unquoted(parameter.default_value);
@@ -109,15 +109,26 @@ Json row_json(const Parameter& parameter, const std::string& owner, const std::s
   return row;
 }
 
+/// One of the two numbers of a pair.
+Parameter element_of(Parameter pair) {
+  pair.type = pair.dimension == mtf::Dimension::none ? Type::whole : Type::number;
+  return pair;
+}
+
 Json rows_json(const std::vector<Parameter>& parameters, const std::string& owner, const cfg::Node* table) {
   Json rows = Json::array();
   for (const Parameter& parameter : parameters) {
     const std::string name(parameter.name);
+    const cfg::Node* node = value_node(table, name);
     const bool split = parameter.type == Type::size && table != nullptr && table->find(name + "_x") != nullptr;
     if (split)
-      for (const char* axis : {"_x", "_y"}) rows.push_back(row_json(parameter, owner, name + axis, table));
+      for (const char* axis : {"_x", "_y"})
+        rows.push_back(row_json(parameter, owner, name + axis, value_node(table, name + axis)));
+    else if (parameter.type == Type::pair && node != nullptr && node->items.size() == 2)
+      for (const std::size_t i : {0U, 1U})
+        rows.push_back(row_json(element_of(parameter), owner, name + "[" + std::to_string(i) + "]", &node->items[i]));
     else
-      rows.push_back(row_json(parameter, owner, name, table));
+      rows.push_back(row_json(parameter, owner, name, node));
   }
   return rows;
 }
@@ -147,28 +158,24 @@ Json components_json(const mtf::io::SensorConfig& sensor, const cfg::Node& root,
 /// reader took its values.
 Json tables_json(const cfg::Node& root, const SensorKinds& kinds) {
   Json tables = Json::array();
-  const cfg::Node* detector = root.find("detector");
-  const cfg::Node* word = detector != nullptr ? detector->find("kind") : nullptr;
-  const bool thermal = word != nullptr && word->text == "thermal";
   std::vector<std::string_view> names;
   for (const auto* list : {&kinds.own_tables, &kinds.tables})
     for (const TableKind& table : *list)
       if (std::find(names.begin(), names.end(), table.name) == names.end()) names.push_back(table.name);
   for (const std::string_view name : names) {
     const cfg::Node* node = root.find(name);
-    if (node == nullptr || name == "band") continue;
+    if (node == nullptr) continue;
     const TableKind* chain = nullptr;
     std::string_view doc;
     std::vector<Parameter> rows;
     for (const TableKind& own : kinds.own_tables)
       if (own.name == name) {
-        for (const Parameter& parameter : own.parameters)
-          if (parameter.type != Type::pair) rows.push_back(parameter);
+        rows = own.parameters;
         doc = own.doc;
       }
     const bool fixed = !doc.empty();
     for (const TableKind& table : kinds.tables)
-      if (table.name == name && (table.condition.empty() ? chain == nullptr : thermal)) chain = &table;
+      if (table.name == name && (table.condition.empty() ? chain == nullptr : holds(table, root))) chain = &table;
     if (chain != nullptr) {
       rows.insert(rows.end(), chain->parameters.begin(), chain->parameters.end());
       if (doc.empty()) doc = chain->doc;
@@ -224,6 +231,16 @@ Json addable_json(const cfg::Node& root, const SensorKinds& kinds) {
 }
 
 }  // namespace
+
+bool holds(const TableKind& table, const mtf::io::cfg::Node& root) {
+  const std::string_view text = table.condition;
+  if (text.empty()) return true;
+  // "[detector] kind = \"thermal\""
+  const std::size_t close = text.find(']'), equals = text.find(" = "), quote = text.find('"');
+  const cfg::Node* section = root.find(text.substr(1, close - 1));
+  const cfg::Node* word = section != nullptr ? section->find(text.substr(close + 2, equals - close - 2)) : nullptr;
+  return word != nullptr && word->text == text.substr(quote + 1, text.rfind('"') - quote - 1);
+}
 
 SliderRange slider_range(const Parameter& parameter, double value, double lo, double hi) {
   constexpr double kShort = 50.0;  // a range that one linear slider resolves

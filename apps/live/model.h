@@ -8,6 +8,7 @@
 
 #include "apps/sensor/sensor_kinds.h"
 #include "mtf/io/config/config.h"
+#include "mtf/io/config/config_tree.h"
 
 namespace apps::live {
 
@@ -16,6 +17,9 @@ using Json = nlohmann::ordered_json;
 /// {"name", "components": [{"label", "kind", "list", "doc", "rows": [...]}], "tables": [{"name", ...}],
 /// "off": [{"number", "title"}], "kinds": what may be added}.
 Json model_json(const mtf::io::SensorConfig& sensor, const SensorKinds& kinds);
+
+/// Whether the file says what the keys of that table depend on (TableKind::condition).
+bool holds(const TableKind& table, const mtf::io::cfg::Node& root);
 
 /// The ends of a slider for a number: the range of its row where that is short, else about the value; on a logarithmic
 /// scale where the row wants one and the value is above zero. In the unit of `value`.

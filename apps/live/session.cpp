@@ -5,12 +5,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
 #include "apps/budget_table.h"
 #include "apps/figures/curve_json.h"
+#include "apps/live/answers.h"
 #include "apps/live/model.h"
 #include "apps/sensor/otf_curves.h"
 #include "apps/sensor/sensor_chain.h"
@@ -27,49 +27,6 @@ using mtf::UsageError;
 
 constexpr std::int64_t kWidest = 2048;  ///< pixels of the scene a side that a page is sent; more are left out evenly
 constexpr std::size_t kMostTabs = 64;
-
-Answer json_answer(const Json& json, int status = 200) {
-  return {.status = status,
-          .body = std::make_shared<const std::string>(json.dump(-1, ' ', false, Json::error_handler_t::replace))};
-}
-
-/// What cannot be done with a request that is allowed: an ordinary answer, as browsers put others on their console.
-Answer refusal(const std::string& text, int status = 422) {
-  const bool of_form = status == 400 || status == 404;
-  return json_answer({{"error", text}, {"status", status}}, of_form ? status : 200);
-}
-
-/// Facts and pixels in one body.
-Answer pixels_answer(Json facts, const PixelBytes& pixels) {
-  facts["width"] = pixels.width;
-  facts["height"] = pixels.height;
-  facts["low"] = pixels.low;
-  facts["high"] = pixels.high;
-  facts["dark"] = pixels.dark;
-  facts["bright"] = pixels.bright;
-  std::string json = facts.dump(-1, ' ', false, Json::error_handler_t::replace);
-  json.resize((json.size() + 3) / 4 * 4, ' ');  // the numbers begin at a multiple of their size
-  const auto length = static_cast<std::uint32_t>(json.size());
-  std::string body;
-  body.reserve(4 + json.size() + pixels.bytes.size());
-  for (int byte = 0; byte < 4; ++byte) body += static_cast<char>((length >> (8 * byte)) & 0xffU);
-  body += json;
-  body += pixels.bytes;
-  return {.type = "application/octet-stream", .body = std::make_shared<const std::string>(std::move(body))};
-}
-
-Json left_out_json(const mtf::SensorPlan& plan) {
-  Json left = Json::array();
-  const auto add = [&](const mtf::PlanReport& report) {
-    for (const mtf::Dropped& d : report.dropped) left.push_back({{"what", d.label}, {"bound", d.bound}});
-    for (const mtf::Omission& o : report.omitted)
-      left.push_back({{"what", o.what}, {"bound", o.bound}, {"saved_ms", o.saved_ms}});
-  };
-  add(plan.presample.report());
-  if (plan.readout) add(plan.readout->report());
-  if (plan.post) add(plan.post->report());
-  return left;
-}
 
 constexpr std::array kStages{radiometry::OutputStage::radiance, radiometry::OutputStage::irradiance,
                              radiometry::OutputStage::watts,    radiometry::OutputStage::electrons,
@@ -107,11 +64,6 @@ class ScratchFile {
 
 }  // namespace
 
-std::string error_of(const Answer& answer) {
-  const nlohmann::json json = nlohmann::json::parse(*answer.body, nullptr, false);
-  return json.is_object() && json.contains("error") ? json["error"].get<std::string>() : "";
-}
-
 /// A body, its values checked as they are asked for.
 struct Session::Parts {
   nlohmann::json json;
@@ -137,6 +89,12 @@ struct Session::Parts {
       throw UsageError(std::string(key) + ": a short text belongs here");
     return found->get<std::string>();
   }
+  bool flag(const char* key) const {
+    const auto found = json.find(key);
+    if (found == json.end() || found->is_null()) return false;
+    if (!found->is_boolean()) throw UsageError(std::string(key) + ": true or false belongs here");
+    return found->get<bool>();
+  }
   std::optional<double> tolerance() const {
     const auto asked = number("tolerance");
     if (asked && !(*asked > 0.0 && *asked < 1.0)) throw UsageError("--tolerance: is outside (0, 1)");
@@ -146,6 +104,21 @@ struct Session::Parts {
 
 Session::Session(Sensor start, SceneSource scene, SessionOptions options)
     : options_(std::move(options)), edited_(std::move(start)), frames_(std::move(scene), options_.threads) {}
+Session::Session(Sensor start, Space space, SessionOptions options)
+    : options_(std::move(options)), edited_(std::move(start)), space_(std::move(space)), frames_(space_->drawer()) {}
+
+FrameMaker& Session::maker(bool left) {
+  constexpr std::uint64_t kFirstLeft = std::uint64_t{1} << 40;
+  if (!left || !space_) return frames_;
+  if (!left_) left_.emplace(space_->drawer(), kFirstLeft);
+  return *left_;
+}
+
+std::shared_ptr<const KeptFrame> Session::kept(const Parts& request) {
+  const auto id = static_cast<std::uint64_t>(request.whole("id", 0, std::int64_t{1} << 53, 0));
+  auto found = frames_.kept(id);
+  return found || !left_ ? found : left_->kept(id);
+}
 
 Answer Session::answer(const std::string& place, const std::string& body) {
   try {
@@ -158,6 +131,7 @@ Answer Session::answer(const std::string& place, const std::string& body) {
     if (place == "figures") return figures(request);
     if (place == "value") return value(request);
     if (place == "file") return file(request);
+    if (place == "scenefile") return scene_file(request);
     return refusal("there is no such place", 404);
   } catch (const mtf::Error& error) {
     return refusal(error.what());
@@ -191,7 +165,20 @@ Answer Session::start() {
             {"before", options_.command_before},
             {"tolerance", options_.tolerance ? Json(*options_.tolerance) : Json()},
             {"numbers", frames_.numbers()}};
+  if (space_) {
+    json["space"] = space_->facts;
+    json["space"]["position"] = space_->start.position_m;
+    json["space"]["look_at"] = space_->start.look_at_m;
+    json["space"]["utc_s"] = space_->start.utc_s;
+    json["space"]["begin_s"] = space_->begin_s;
+    json["space"]["end_s"] = space_->end_s;
+  }
   return json_answer(json);
+}
+
+Answer Session::scene_file(const Parts& request) {
+  if (!space_) return refusal("a scene that is an image has no file with a camera");
+  return json_answer({{"text", space_->text(viewpoint_of(request.json, *space_))}});
 }
 
 Answer Session::model(const Parts& request) {
@@ -215,8 +202,11 @@ Answer Session::model(const Parts& request) {
 }
 
 Answer Session::frame(const Parts& request) {
+  const bool left = request.text("side") == "left", before = request.flag("before");
   const FrameRequest asked{.number = request.whole("number", 0, kLastNoiseFrame, 0),
-                           .every = static_cast<int>(request.whole("every", 1, 4, 1)),
+                           .preview = request.flag("preview"),
+                           .from = space_ ? std::optional(viewpoint_of(request.json, *space_)) : std::nullopt,
+                           .may_lag = request.flag("may_lag"),
                            .tolerance = request.tolerance(),
                            .stage = stage_named(request.text("stage"))};
   if (!is_latest(request)) return refusal("a later request has overtaken this one", 409);
@@ -224,8 +214,9 @@ Answer Session::frame(const Parts& request) {
   const std::scoped_lock lock(frame_mutex_);
   // While this request waited for its turn a later one may have come.
   if (!is_latest(request)) return refusal("a later request has overtaken this one", 409);
-  const auto made = frames_.frame(sensor, asked);
+  const auto made = maker(left).frame(sensor, asked);
   const mtf::Image& plane = made->image.planes.front();
+  const int every = asked.preview && !space_ ? 2 : 1;  // pixels of an image that moves on
   const auto text_of = [&](const char* key) {
     const auto found = made->image.metadata.text.find(key);
     return found == made->image.metadata.text.end() ? std::string() : found->second;
@@ -234,10 +225,11 @@ Answer Session::frame(const Parts& request) {
              {"generation", request.whole("generation", 0, std::int64_t{1} << 53, 0)},
              {"full_width", plane.width()},
              {"full_height", plane.height()},
-             {"every", asked.every},
+             {"every", every},
              {"step_x_um", made->plan->out().step_x_um},
              {"step_y_um", made->plan->out().step_y_um},
              {"number", asked.number},
+             {"focal_length_mm", sensor->system.frame.focal_length_mm},
              {"quantity", text_of("mtf:quantity")},
              {"unit", text_of("mtf:units")},
              {"ms", made->ms},
@@ -246,8 +238,23 @@ Answer Session::frame(const Parts& request) {
              {"method", made->plan->presample.report().method},
              {"merged", made->plan->presample.report().merged},
              {"left_out", left_out_json(*made->plan)},
-             {"warnings", made->warnings}};
-  return pixels_answer(std::move(facts), pixel_bytes(plane.view(), asked.every));
+             {"warnings", made->warnings},
+             {"preview", asked.preview}};
+  std::string radiance;
+  if (made->scene) {
+    facts["light_lags"] = made->light_lags;
+    facts["radiance_promised"] = made->radiance_promised;
+    facts["closures"] = made->closures;
+    facts["stages_ms"] = made->stages_ms;
+    facts["utc_s"] = asked.from->utc_s;
+    if (before) {
+      PixelBytes pixels = pixel_bytes(made->scene->planes.front().view(), 1);
+      facts["before"] = scene_facts(*made->scene, 1);
+      add_pixel_facts(facts["before"], pixels);
+      radiance = std::move(pixels.bytes);
+    }
+  }
+  return pixels_answer(std::move(facts), pixel_bytes(plane.view(), every), radiance);
 }
 
 Answer Session::scene(const Parts& request) {
@@ -256,15 +263,9 @@ Answer Session::scene(const Parts& request) {
   const auto scene = frames_.scene(sensor, request.whole("number", 0, kLastNoiseFrame, 0));
   const mtf::Image& plane = scene->planes.front();
   const auto every = static_cast<int>((std::max(plane.width(), plane.height()) + kWidest - 1) / kWidest);
-  Json facts{{"full_width", plane.width()},
-             {"full_height", plane.height()},
-             {"every", every},
-             {"step_x_um", scene->grid.step_x_um},
-             {"step_y_um", scene->grid.step_y_um},
-             {"pitch_x_um", sensor->system.frame.pitch_x_um},
-             {"pitch_y_um", sensor->system.frame.pitch_y_um},
-             {"quantity", std::string(mtf::io::quantity_name(scene->quantity))},
-             {"unit", std::string(mtf::io::quantity_unit(scene->quantity))}};
+  Json facts = scene_facts(*scene, every);
+  facts["pitch_x_um"] = sensor->system.frame.pitch_x_um;
+  facts["pitch_y_um"] = sensor->system.frame.pitch_y_um;
   return pixels_answer(std::move(facts), pixel_bytes(plane.view(), every));
 }
 
@@ -300,9 +301,9 @@ Answer Session::figures(const Parts& request) {
 Answer Session::value(const Parts& request) {
   const Sensor sensor = sensor_of(request);
   const std::scoped_lock lock(frame_mutex_);
-  const auto made = frames_.kept(static_cast<std::uint64_t>(request.whole("id", 0, std::int64_t{1} << 53, 0)));
+  const auto made = kept(request);
   if (!made) return refusal("that frame is no longer kept", 410);
-  const auto scene = frames_.scene(sensor, request.whole("number", 0, kLastNoiseFrame, 0));
+  const auto scene = made->scene ? made->scene : frames_.scene(sensor, request.whole("number", 0, kLastNoiseFrame, 0));
   const mtf::Image& after = made->image.planes.front();
   const mtf::Image& before = scene->planes.front();
   const double x_um = request.number("x_um").value_or(0.0), y_um = request.number("y_um").value_or(0.0);
@@ -326,9 +327,10 @@ Answer Session::file(const Parts& request) {
   std::shared_ptr<const KeptFrame> made;
   {
     const std::scoped_lock lock(frame_mutex_);
-    made = frames_.kept(static_cast<std::uint64_t>(request.whole("id", 0, std::int64_t{1} << 53, 0)));
+    made = kept(request);
   }
   if (!made) return refusal("that frame is no longer kept", 410);
+  if (made->passing) return refusal("that picture is a preview; files are made of pictures at rest");
   const ScratchFile scratch("frame." + format);
   write_sensor_image(scratch.path(), made->names, made->image.planes, made->image.metadata, made->range);
   constexpr std::size_t kMost = std::size_t{1} << 31;

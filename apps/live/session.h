@@ -6,33 +6,27 @@
 // each request, so that tabs, undo and links need no state here.
 //
 //   model   {"edits"}                                    the sensor as forms, its text, the command line
-//   frame   {"edits", "tab", "generation", "number", "tolerance", "stage", "every"}   facts and pixels of the image
+//   frame   {"edits", "tab", "generation", "number", "tolerance", "stage", "preview", "side"}   facts and
+//           pixels of the image; of a 3-D scene also "position", "look_at", "utc_s", "may_lag", and with "before" its
+//           radiance
 //   scene   {"edits", "number"}                          facts and pixels of the scene
 //   figures {"edits", "angle", "unit", "temperature"}    curves and budget
 //   value   {"id", "x", "y", "edits", "number"}          values under the cursor
 //   file    {"id", "format"}                             the frame as .exr or .png
 //   start   {}                                           what the page needs once
-//
-// Pixels follow their facts: four bytes with the length of the JSON, the JSON, the numbers of PixelBytes.
+//   scenefile {"position", "look_at", "utc_s"}           the text of the 3-D scene's file with that camera
 
 #include <map>
 #include <memory>
 #include <mutex>
 #include <string>
 
+#include "apps/live/answers.h"
 #include "apps/live/edits.h"
 #include "apps/live/frames.h"
+#include "apps/live/space.h"
 
 namespace apps::live {
-
-struct Answer {
-  int status = 200;
-  std::string type = "application/json";
-  std::shared_ptr<const std::string> body = std::make_shared<const std::string>();
-};
-
-/// The message of an answer that is an error, "" of others.
-std::string error_of(const Answer& answer);
 
 struct SessionOptions {
   std::string sensor_name, scene_name;  ///< as on the command line
@@ -44,6 +38,7 @@ struct SessionOptions {
 class Session {
  public:
   Session(Sensor start, SceneSource scene, SessionOptions options);
+  Session(Sensor start, Space space, SessionOptions options);
 
   /// Never throws for what is in a request: errors are answers with {"error": text, "status": 422, 409 (overtaken) or
   /// 410 (no longer kept)}. May be called from several
@@ -61,6 +56,10 @@ class Session {
   Answer value(const Parts& request);
   Answer file(const Parts& request);
   Answer start();
+  Answer scene_file(const Parts& request);
+  /// Makers of the pictures on the right and the left of the divider: in 3-D each has light and filters of its own.
+  FrameMaker& maker(bool left);
+  std::shared_ptr<const KeptFrame> kept(const Parts& request);
   Sensor sensor_of(const Parts& request);
   /// False for a request that a later one of its tab has overtaken.
   bool is_latest(const Parts& request);
@@ -68,7 +67,9 @@ class Session {
   SessionOptions options_;
   std::mutex edits_mutex_, frame_mutex_, generation_mutex_;
   EditedSensor edited_;
+  std::optional<Space> space_;
   FrameMaker frames_;
+  std::optional<FrameMaker> left_;  ///< of a 3-D scene, once it is asked for
   std::map<std::string, std::int64_t> generations_;
 };
 

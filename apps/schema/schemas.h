@@ -17,5 +17,7 @@ std::string kinds_json(const std::string& kind);
 std::string sensor_file_schema();
 /// `mtf config schema study`; where studies are built.
 std::string study_file_schema();
+/// `mtf config schema scene`; where scenes are built.
+std::string scene_file_schema();
 
 }  // namespace apps

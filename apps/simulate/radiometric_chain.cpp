@@ -75,6 +75,16 @@ bool same_light(const mtf::io::SensorConfig& a, const mtf::io::SensorConfig& b) 
          same("path") && same("atmosphere") && same("optics") && same("detector");
 }
 
+bool same_correction(const mtf::io::SensorConfig& a, const mtf::io::SensorConfig& b) {
+  const auto measured = [](const mtf::System<double>& system) {
+    const auto& [frame, optics, band] = std::tie(system.frame, system.optics, system.band);
+    return std::tuple(frame.focal_length_mm, frame.pitch_x_um, frame.pitch_y_um, frame.integration_time_s,
+                      optics.f_number, optics.aperture_mm, optics.obscuration, optics.wavelength_um,
+                      band ? band->lo_um : 0.0, band ? band->hi_um : 0.0);
+  };
+  return a.tables == b.tables && measured(a.system) == measured(b.system);
+}
+
 SceneLight to_light(const mtf::io::SensorConfig& config, const RadiometricChain& radiometric, mtf::io::Scene& scene,
                     std::vector<mtf::Image>& masks, const SceneSource& source, int threads) {
   mtf::Image bad;

@@ -45,6 +45,9 @@ std::string lag_warning(const RadiometricChain& radiometric, std::int64_t steps)
 /// True when a scene of the same values under [scene] (SceneDefaults) has the same light in both.
 bool same_light(const mtf::io::SensorConfig& a, const mtf::io::SensorConfig& b);
 
+/// True when the correction that one of them measures is that of the other: at most components of the OTF differ.
+bool same_correction(const mtf::io::SensorConfig& a, const mtf::io::SensorConfig& b);
+
 /// to_light() of scene_light.h with its `rate`; the masks of bad pixels become one. Throws RuntimeError where light
 /// exceeds float32.
 SceneLight to_light(const mtf::io::SensorConfig& config, const RadiometricChain& radiometric, mtf::io::Scene& scene,

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""The JSON Schemas of `mtf config schema`: every sensor and study file of the project validates, files that the command
-refuses for a key, a type, a unit or a word do not. Usage: check_schemas.py MTF [--study]; exit code 77: no validator."""
+"""The JSON Schemas of `mtf config schema`: every sensor, study and scene file of the project validates, files that the command
+refuses for a key, a type, a unit or a word do not. Usage: check_schemas.py MTF [--study] [--scene]; exit code 77: no validator."""
 
 import json
 import subprocess
@@ -49,6 +49,21 @@ BROKEN_STUDIES = [
     ("tolerance out of range", "schema = 1\n", "schema = 1\ntolerance = 2\n"),
     ("condition without unit", "[conditions]\n", "[conditions]\neye_time = 5\n"),
 ]
+BROKEN_SCENES = [
+    ("unknown key", 'latitude = "', 'lattitude = "'),
+    ("unknown table", "[place]", "[places]"),
+    ("no unit", 'altitude = "2317 m"', "altitude = 2317"),
+    ("a number without its unit", 'altitude = "2317 m"', 'altitude = "2317"'),
+    ("unknown word", 'stamp = "instant"', 'stamp = "now"'),
+    ("a share above 1", "solar_absorptance = 0.75", "solar_absorptance = 1.75"),
+    ("unknown model", 'convection = "mcadams"', 'convection = "mcadam"'),
+    ("unknown key of a layer", 'thickness = "20 mm"', 'thicknes = "20 mm"'),
+    ("unknown kind of inside", 'inside = { kind = "adiabatic" }', 'inside = { kind = "adiabat" }'),
+    ("a key of another inside", 'inside = { kind = "adiabatic" }', 'inside = { kind = "adiabatic", h = "3 W/m2/K" }'),
+    ("a point of two numbers", 'look_at = ["0 m", ', "look_at = ["),
+    ("a region without a mesh", 'mesh = "terrain"\n', ""),
+    ("another version", "schema = 1\n", "schema = 2\n"),
+]
 
 
 def run(*words):
@@ -65,15 +80,15 @@ def problems_of(judge, text):
     return [error.message[:200] for error in judge.iter_errors(tomllib.loads(text))]
 
 
-def refused(text, folder):
+def refused(text, folder, command):
     """That the command refuses the file, too: a case that it accepts would prove nothing."""
     path = folder / "broken.toml"
     path.write_text(text)
-    done = subprocess.run([MTF, "config", "check", str(path)], capture_output=True, text=True)
+    done = subprocess.run([MTF, command, "check", str(path)], capture_output=True, text=True)
     return done.returncode == 2
 
 
-def check(judge, good, broken, folder):
+def check(judge, good, broken, folder, command="config"):
     bad = []
     for path in good:
         bad += [f"{path}: {text}" for text in problems_of(judge, Path(path).read_text())]
@@ -85,8 +100,8 @@ def check(judge, good, broken, folder):
         text = base.replace(old, new, 1)
         if not problems_of(judge, text):
             bad.append(f"{what}: validates")
-        if not refused(text, folder):
-            bad.append(f"{what}: mtf config check accepts it")
+        if not refused(text, folder, command):
+            bad.append(f"{what}: mtf {command} check accepts it")
     print(f"{len(good)} files, {len(broken)} broken ones")
     return bad
 
@@ -105,11 +120,12 @@ def main():
         run("config", "init", "-o", str(starter))
         run("demo", "-o", str(folder / "demo"))
         shipped = [*(ROOT / "notebooks-data").rglob("*.toml")]
-        studies, sensors = [], [starter, *(folder / "demo").glob("*.toml")]
+        studies, scenes, sensors = [], [], [starter, *(folder / "demo").glob("*.toml")]
         for path in shipped:
             keys = tomllib.loads(path.read_text())
             if "place" in keys:
-                continue  # a scene file
+                scenes.append(path)
+                continue
             (studies if "axis" in keys else sensors).append(path)
         judge = validator("sensor")
         bad += check(judge, sensors, BROKEN_SENSORS, folder)
@@ -132,6 +148,9 @@ def main():
             studies.sort(key=lambda path: path.name != "aperture_against_pitch.toml")
             (folder / "satellite.toml").write_text((studies[0].parent / "satellite.toml").read_text())
             bad += check(validator("study"), studies, BROKEN_STUDIES, folder)
+        if "--scene" in sys.argv:
+            run("scene", "demo", "-o", str(folder / "scene"))
+            bad += check(validator("scene"), [folder / "scene" / "scene.toml", *scenes], BROKEN_SCENES, folder / "scene", "scene")
     print("\n".join(bad))
     return 1 if bad else 0
 

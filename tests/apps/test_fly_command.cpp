@@ -148,6 +148,12 @@ TEST_F(FlyCommand, AFrameOfADescentIsThatFrameAlone) {
 TEST_F(FlyCommand, RefusesWhatCannotFly) {
   std::filesystem::create_symlink(scratch_ / "sensor.toml", scratch_ / "link.03.exr");
   refused("scene.toml sensor.toml -o link.%02d.exr", "is a link");
+  for (const char* input : {"scene.toml", "sensor.toml", "flight.csv", "plates.obj"}) {
+    const std::string before = read_file(scratch_ / input);
+    refused("scene.toml sensor.toml --report " + std::string(input), "is the input");
+    EXPECT_EQ(read_file(scratch_ / input), before);
+  }
+  refused("scene.toml sensor.toml -o frame.%02d.exr --report frame.04.exr", "is one of the frames");
   refused("scene.toml sensor.toml -o frame.%02d.txt", "frames are .exr, .png or .tif files");
   refused("scene.toml sensor.toml --light-every 1e-300", "--light-every");
   refused("scene.toml sensor.toml --heat-tolerance '1e-12 K'", "--heat-tolerance");

@@ -74,6 +74,29 @@ TEST(LiveEdits, KeysThatNoScheduleReachesAreSetInTheirTable) {
   EXPECT_EQ(text, kText + "\n[scene]\nborder = \"replicate\"\n");
 }
 
+TEST(LiveEdits, PairsAreChangedNumberByNumber) {
+  std::string wanted = kText;
+  wanted.replace(wanted.find("4.8 um"), 6, "4.2 um");
+  EXPECT_EQ(text_after({{Edit::Kind::set, "band.wavelength[1]", "4.2 um"}}), wanted);
+  const std::string text =
+      text_after({{Edit::Kind::set, "frame.format", "[640, 512]"}, {Edit::Kind::set, "frame.format[0]", "320"}});
+  EXPECT_NE(text.find("format = [320, 512]\n"), std::string::npos) << text;
+  EXPECT_NE(refusal_of({Edit::Kind::set, "frame.format[0]", "320"}).find("no list"), std::string::npos);
+  EXPECT_FALSE(refusal_of({Edit::Kind::set, "frame.format", "\"/etc/passwd\""}).empty());
+  EXPECT_FALSE(refusal_of({Edit::Kind::set, "scene.gain[0]", "1.0"}).empty());
+}
+
+TEST(LiveModel, PairsHaveARowForEachNumber) {
+  const auto sensor = EditedSensor(camera()).with(std::vector<Edit>{{Edit::Kind::set, "frame.format", "[640, 512]"}});
+  const Json model = model_json(*sensor, sensor_kinds());
+  std::vector<std::string> names;
+  for (const auto& table : model["tables"])
+    for (const auto& row : table["rows"])
+      if (row["control"] == "number") names.push_back(row["name"]);
+  for (const char* name : {"band.wavelength[0]", "band.wavelength[1]", "frame.format[0]", "frame.format[1]"})
+    EXPECT_NE(std::find(names.begin(), names.end(), name), names.end()) << name;
+}
+
 TEST(LiveEdits, OffIsACommentAndOnBringsItBack) {
   const std::string off = text_after({{Edit::Kind::off, "jitter"}});
   EXPECT_NE(off.find("# the mount\n#- [[presample]]\n#- kind = \"jitter\"          # measured in May\n#- rms"),

@@ -151,6 +151,89 @@ def bodies(server):
         expect(f"junk {junk[:12]!r}", got == b"" or got.split(b" ")[1:2] in ([b"400"], [b"414"], [b"421"], [b"404"]), True)
 
 
+SCENE = """schema = 1
+[place]
+latitude = "40 deg"
+longitude = "0 deg"
+altitude = "0 m"
+[time]
+start = 2026-06-21T12:00:00Z
+end = 2026-06-21T14:00:00Z
+step = "1 h"
+[weather]
+air_temperature = "288 K"
+wind_speed = "2 m/s"
+direct_normal = "700 W/m2"
+diffuse_horizontal = "80 W/m2"
+longwave_down = "320 W/m2"
+vapour_pressure = "10 hPa"
+[[mesh]]
+name = "plate"
+file = "plate.obj"
+[[region]]
+mesh = "plate"
+temperature = "300 K"
+[camera]
+position = ["0 m", "-30 m", "9 m"]
+look_at = ["0 m", "0 m", "0 m"]
+"""
+CAMERA = """schema = 1
+[frame]
+focal_length = "20 mm"
+pitch = "12 um"
+format = [64, 48]
+[optics]
+f_number = 1.2
+stop_temperature = "293 K"
+[band]
+wavelength = ["8 um", "12 um"]
+[[presample]]
+kind = "diffraction"
+[detector]
+kind = "thermal"
+absorptance = 0.8
+responsivity = 1e5
+shutter_temperature = "293 K"
+nep = "5 pW"
+"""
+
+
+def places(folder):
+    """Camera and time of a 3-D scene: what is no number, or none of this world, is refused by name; none of it names a file."""
+    for name, text in (("scene.toml", SCENE), ("camera.toml", CAMERA), ("plate.obj", "v -9 -9 0\nv 9 -9 0\nv 9 9 0\nv -9 9 0\nf 1 2 3 4\n")):
+        (folder / name).write_text(text)
+    server = Server("--stay", str(folder / "scene.toml"), str(folder / "camera.toml"))
+    try:
+        begin = json.loads(server.ask("POST", "/start", "{}")[1])["space"]["begin_s"]
+        expect("the camera of the start", server.ask("POST", "/frame", "{}")[0], 200)
+        good = '{"position": [3, -30, 9], "look_at": [0, 0, 0], "utc_s": %r, "may_lag": true, "preview": true, "before": true, "side": "left"}' % begin
+        expect("another camera", server.ask("POST", "/frame", good)[0], 200)
+        points = ("[NaN, 0, 0]", "[1e999, 0, 0]", "[1e308, 0, 0]", "[-1e7, 0, 0]", "[0, 0]", "[0, 0, 0, 0]", "[]", "3", "true", '"../x"', '["1", "2", "3"]',
+                  "[null, 0, 0]", '{"x": 1}', "[[1], 2, 3]", "[" * 9000)
+        for key in ("position", "look_at"):
+            for point in points:
+                status, data, _ = server.ask("POST", "/frame", '{"%s": %s}' % (key, point))
+                expect(f"{key} {point[:20]}", status, (400, 422))
+                expect(f"{key} {point[:20]} is named", status == 400 or key.encode() in data, True)
+        for time_s in ("NaN", "1e308", "-1e308", '"2026-06-21"', "[]", "true", str(begin - 10), str(begin + 8000)):
+            expect(f"utc_s {time_s}", server.ask("POST", "/frame", '{"utc_s": %s}' % time_s)[0], (400, 422))
+        shown = server.ask("POST", "/frame", good)[1]
+        preview = json.loads(shown[4:4 + int.from_bytes(shown[:4], "little")])
+        expect("a file of a preview", server.ask("POST", "/file", json.dumps({"id": preview["id"], "format": "exr"}))[0], 422)
+        for key in ("preview", "may_lag", "before"):
+            expect(f"{key} as a number", server.ask("POST", "/frame", '{"%s": 1}' % key)[0], 422)
+        expect("a side that is none", server.ask("POST", "/frame", '{"side": 3}')[0], 422)
+        expect("its own position", server.ask("POST", "/frame", '{"position": [0, 0, 0]}')[0], 422)
+        expect("below the ground", server.ask("POST", "/frame", '{"position": [0, 3, -5]}')[0], 422)
+        expect("nothing to see", server.ask("POST", "/frame", '{"look_at": [0, -60, 90]}')[0], 422)
+        expect("the scene's file", b"[camera]" in server.ask("POST", "/scenefile", good)[1], True)
+        expect("the scene's file there", server.ask("POST", "/scenefile", '{"position": ["\\"]\\n[x]", 0, 0]}')[0], 422)
+        expect("the scene of a 3-D scene", server.ask("POST", "/scene", "{}")[0], 422)
+        expect("still a frame", server.ask("POST", "/frame", good)[0], 200)
+    finally:
+        expect("Ctrl-C of a 3-D scene", server.end(), 0)
+
+
 def many_connections(server):
     soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
     resource.setrlimit(resource.RLIMIT_NOFILE, (min(hard, 4096), hard))
@@ -210,6 +293,8 @@ def main():
                                                    capture_output=True).returncode, 1)
     finally:
         expect("Ctrl-C", server.end(), 0)
+    with tempfile.TemporaryDirectory() as folder:
+        places(Path(folder))
     server = Server("--linger", "1")
     begin = time.monotonic()
     expect("without a page it ends", server.process.wait(timeout=20), 0)

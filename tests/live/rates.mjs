@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Frame rates of `mtf live` in headless Chromium with software GL, 1280 x 1024: a slider moved to a new value whenever
-// the last picture is drawn. Prints rounds of 3 s; nothing is judged. Run by hand on a quiet machine.
+// Frame rates of `mtf live` in headless Chromium with software GL, 1280 x 1024: a slider that moves every 8 ms, as a
+// mouse does. Prints rounds of 3 s; nothing is judged. Run by hand on a quiet machine.
 // Usage: node rates.mjs --modules DIR --chromium FILE --mtf FILE --slider NAME [--sensor FILE --scene FILE] [--rounds N]
+//        of a 3-D scene: --scene scene.toml --sensor camera.toml --temperatures DIR, and sliders as camera.azimuth too
 
 import { spawn } from "node:child_process";
 import { createRequire } from "node:module";
@@ -16,7 +17,10 @@ const flags = ["--no-sandbox", "--disable-quic", "--use-gl=angle", "--use-angle=
 
 const browser = await chromium.launch({ executablePath: options.chromium, args: flags });
 const begin = Date.now();
-const child = spawn(options.mtf, ["live", "--no-browser", ...(options.sensor ? [options.sensor, options.scene] : [])], { stdio: ["ignore", "pipe", "inherit"] });
+const space = options.scene?.endsWith(".toml");
+const files = space ? [options.scene, options.sensor, ...(options.temperatures ? ["--temperatures", options.temperatures] : []), ...(options.time ? ["--time", options.time] : [])]
+  : options.sensor ? [options.sensor, options.scene] : [];
+const child = spawn(options.mtf, ["live", "--no-browser", ...files], { stdio: ["ignore", "pipe", "inherit"] });
 const address = await new Promise((resolve) => createInterface({ input: child.stdout }).once("line", resolve));
 const ready = Date.now() - begin;
 const page = await (await browser.newContext({ viewport: { width: 1280, height: 1024 } })).newPage();
@@ -26,29 +30,36 @@ console.log(`address after ${ready} ms, first picture after ${Date.now() - begin
 await page.waitForTimeout(1500);
 const rounds = await page.evaluate(async ({ name, count }) => {
   for (const details of document.querySelectorAll("#forms details")) details.open = true;
-  const slider = document.querySelector(`[data-name="${name}"] input[type=range]`), out = [];
-  let place = 0, last = window.mtfLive.frame.id;
+  const slider = document.querySelector(`[data-name="${name}"] input[type=range]`), out = [], asked = new Map(), fetching = window.fetch;
+  // A value is as old as the request that took it along.
+  window.fetch = (place, options) => {
+    if (place === "/frame") asked.set(JSON.parse(options.body).generation, performance.now());
+    return fetching(place, options);
+  };
+  let at = 0, last = window.mtfLive.frame.id;
+  const moving = setInterval(() => {
+    at = (at + 37) % 600;
+    slider.value = 200 + at;
+    slider.dispatchEvent(new Event("input", { bubbles: true }));
+  }, 8);
   for (let round = 0; round < count; round += 1) {
     const delays = [], server = [], start = performance.now();
     while (performance.now() - start < 3000) {
-      place = (place + 37) % 600;
-      slider.value = 200 + place;
-      const moved = performance.now();
-      slider.dispatchEvent(new Event("input", { bubbles: true }));
       while (window.mtfLive.frame.id === last) await new Promise((resolve) => setTimeout(resolve, 1));
-      last = window.mtfLive.frame.id;
-      await new Promise(requestAnimationFrame);
-      delays.push(performance.now() - moved);
-      server.push(window.mtfLive.frame.ms);
+      const { id, generation, ms } = window.mtfLive.frame;
+      last = id;
+      server.push(ms);
+      requestAnimationFrame(() => delays.push(performance.now() - asked.get(generation)));
     }
     for (const list of [delays, server]) list.sort((a, b) => a - b);
     const middle = (list) => list[Math.floor(list.length / 2)];
-    out.push({ fps: delays.length / 3, median: middle(delays), worst: delays.at(-1), server: middle(server), every: window.mtfLive.frame.every });
+    out.push({ fps: server.length / 3, median: middle(delays), worst: delays.at(-1), server: middle(server), preview: window.mtfLive.frame.preview });
   }
+  clearInterval(moving);
   slider.dispatchEvent(new Event("change", { bubbles: true }));
   return out;
 }, { name: options.slider, count: Number(options.rounds) });
-for (const { fps, median, worst, server, every } of rounds)
-  console.log(`${fps.toFixed(1)} frames/s, value to picture ${median.toFixed(0)} ms median, ${worst.toFixed(0)} ms worst; server ${server.toFixed(1)} ms; every ${every}. pixel; load ${loadavg()[0].toFixed(1)}`);
+for (const { fps, median, worst, server, preview } of rounds)
+  console.log(`${fps.toFixed(1)} frames/s, value to picture ${median.toFixed(0)} ms median, ${worst.toFixed(0)} ms worst; server ${server.toFixed(1)} ms; ${preview ? "preview" : "full"}; load ${loadavg()[0].toFixed(1)}`);
 await browser.close();
 child.kill("SIGINT");

@@ -36,12 +36,13 @@ export async function bytes(place, body) {
   throw new Refused(error, status);
 }
 
-/** Facts and 16-bit pixels of one body: four bytes with the length of the JSON, the JSON, the numbers. */
+/** Facts and 16-bit pixels of one body: four bytes with the length of the JSON, the JSON, the numbers; what follows. */
 export async function picture(place, body) {
   const buffer = await bytes(place, body);
   const length = new DataView(buffer).getUint32(0, true);
   const facts = JSON.parse(new TextDecoder().decode(new Uint8Array(buffer, 4, length)));
-  return { ...facts, pixels: new Uint16Array(buffer, 4 + length, facts.width * facts.height) };
+  const end = 4 + length + 2 * facts.width * facts.height;
+  return { ...facts, pixels: new Uint16Array(buffer, 4 + length, facts.width * facts.height), more: facts.before ? buffer.slice(end) : null };
 }
 
 /** Tells the server, for as long as the page is open, that it is; `lost` and `back` hear of a server that has ended. */

@@ -2,6 +2,7 @@
 // The forms of the sensor: a section for each component and table, a row for each parameter. Everything about a row
 // (unit, range, scale, words, documentation) comes from the field tables of the program.
 
+const CALM_MS = 100;
 const LISTS = { presample: "Before sampling", readout: "Readout", postsample: "After sampling" };
 const element = (tag, properties = {}, ...children) => {
   const made = Object.assign(document.createElement(tag), properties);
@@ -120,11 +121,11 @@ export class Controls {
     const id = `p-${row.name}`, message = element("p", { className: "message", id: `${id}-message`, hidden: true });
     const line = element("div", { className: "row" });
     line.dataset.name = row.name;
-    const label = element("label", { htmlFor: id, title: `${row.doc}${row.example ? `, such as ${row.example}` : ""}` }, row.key);
+    const label = element("label", { htmlFor: id, title: `${row.doc}${row.example ? `, such as ${row.example}` : ""}` }, row.key.replace(/^(.*)\[(\d)\]$/, (_, name, i) => `${i === "0" ? "1st" : "2nd"} ${name}`));
     const back = element("button", { type: "button", className: "small quiet back", title: "As at the start", hidden: true }, "↺");
     back.setAttribute("aria-label", `${row.key} as at the start`);
     back.onclick = () => this.act.reset(row.name, this.begin.get(row.name) ?? row.example);
-    let field, slider = null, now = row;
+    let field, slider = null, now = row, told = 0;
     if (row.control === "word" || row.control === "flag") {
       field = element("select", { id });
       for (const word of row.words ?? ["true", "false"]) field.append(element("option", {}, word));
@@ -143,11 +144,15 @@ export class Controls {
       slider.dataset.focus = `${id}-slider`;
       slider.oninput = () => {
         const text = written(now, valueAt(now, Number(slider.value)));
-        field.value = text;
+        // The text follows no more often than can be read: a page that is painted costs pictures.
+        if (performance.now() - told > CALM_MS) [field.value, told] = [text, performance.now()];
         slider.setAttribute("aria-valuetext", text);
         this.act.drag(row.name, text);
       };
-      slider.onchange = () => this.act.drop();
+      slider.onchange = () => {
+        field.value = written(now, valueAt(now, Number(slider.value)));
+        this.act.drop();
+      };
       slider.onkeydown = (event) => { // a step is a hundredth of the way
         const step = { ArrowLeft: -10, ArrowDown: -10, ArrowRight: 10, ArrowUp: 10, PageDown: -100, PageUp: 100 }[event.key];
         if (step === undefined) return;

@@ -11,10 +11,21 @@ export function download(name, parts, type) {
 
 const word = (text) => (/^[\w./%@:=+,-]+$/.test(text) ? text : `'${text.replaceAll("'", "'\\''")}'`);
 
+/** The picture of a 3-D scene: `view` is the camera, `air`: its path is in the picture. */
+function renderOf({ start, sensor, view }) {
+  const { space } = start, time = new Date(view.utc_s * 1000).toISOString().replace(/\.\d+Z$/, "Z");
+  const words = ["mtf", "render", word(start.scene), sensor, "--time", time, "--position", view.position.join(","), "--look-at", view.look_at.join(",")];
+  if (space.temperatures) words.push("--temperatures", word(space.temperatures));
+  else if (space.solved) words.push("--heat");
+  if (space.no_air) words.push("--no-air");
+  return `${[...words, "-o", "radiance.exr"].join(" ")} && `;
+}
+
 /** The command that makes the picture on the page; `file`: the sensor file as it is saved, `seed` of its noise. */
-export function commandOf({ start, file, changed, tolerance, stage, number, sequence, seed }) {
-  const words = ["mtf", "simulate", word(changed ? file : start.sensor), word(start.scene)];
-  let before = start.before;
+export function commandOf({ start, file, changed, tolerance, stage, number, sequence, seed, view, hasPath, air }) {
+  const sensor = word(changed ? file : start.sensor);
+  const words = ["mtf", "simulate", sensor, view ? "radiance.exr" : word(start.scene)];
+  let before = start.before + (view ? renderOf({ start, sensor, view }) : "");
   if (sequence) {
     words.push("-o", "out.%04d.exr", "--frames", `${number}:${number}`);
   } else if (number > 0 && seed !== undefined) {
@@ -26,6 +37,7 @@ export function commandOf({ start, file, changed, tolerance, stage, number, sequ
   }
   if (tolerance !== null) words.push("--tolerance", String(tolerance));
   if (stage) words.push("--stage", stage);
+  if (view && hasPath && air) words.push("--without-path");
   return before + words.join(" ");
 }
 

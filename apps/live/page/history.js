@@ -1,15 +1,23 @@
 // SPDX-License-Identifier: Apache-2.0
-// The edits of the sensor file, which everything else follows from: what the server is told, undo, the link.
+// The edits of the sensor file, which everything else follows from: what the server is told, undo, the link. There are
+// two lists, one for each side of the divider; the sliders edit one of them.
 
-const past = [], future = [];
-let edits = [];
+const past = [], future = []; // { side, list }: a list as it was
+const lists = [[], []];
+let editing = 1;
 let before = null; // a drag at work: the edits as they were when it began
 
 const same = (a, b) => JSON.stringify(a) === JSON.stringify(b);
 
-export const current = () => edits;
+export const side = () => editing;
+export const current = (of = editing) => lists[of];
 export const canUndo = () => past.length > 0;
 export const canRedo = () => future.length > 0;
+
+export function edit(of) {
+  drop();
+  editing = of;
+}
 
 /** Without those that a later one of the same parameter makes void; none moves across a table that comes or goes. */
 function withSet(list, name, value) {
@@ -20,61 +28,65 @@ function withSet(list, name, value) {
   return result;
 }
 
-function take(next) {
-  if (same(next, edits)) return;
-  past.push(edits);
+function take(next, of = editing) {
+  if (same(next, lists[of])) return;
+  past.push({ side: of, list: lists[of] });
   if (past.length > 500) past.shift();
   future.length = 0;
-  edits = next;
+  lists[of] = next;
 }
 
 /** A value while its slider moves: no step of its own for undo. */
 export function drag(name, value) {
-  before ??= edits;
-  edits = withSet(edits, name, value);
+  before ??= lists[editing];
+  lists[editing] = withSet(lists[editing], name, value);
 }
 
 export function drop() {
   if (before === null) return;
-  const after = edits;
-  edits = before;
+  const after = lists[editing];
+  lists[editing] = before;
   before = null;
   take(after);
 }
 
 export function set(name, value) {
   drop();
-  take(withSet(edits, name, value));
+  take(withSet(lists[editing], name, value));
 }
 
-export function add(edit) {
+export function add(one) {
   drop();
-  take([...edits, edit]);
+  take([...lists[editing], one]);
 }
 
 /** A parameter as it was at the start: its edits go where nothing after them depends on them. */
 export function reset(name, value) {
   drop();
-  const next = edits.filter((edit) => !(edit[0] === "set" && edit[1] === name));
-  take(edits.every((edit) => edit[0] === "set") ? next : withSet(edits, name, value));
+  const list = lists[editing];
+  const next = list.filter((one) => !(one[0] === "set" && one[1] === name));
+  take(list.every((one) => one[0] === "set") ? next : withSet(list, name, value));
 }
 
-export function undo() {
+/** The left side becomes what the right one is. */
+export function keep() {
   drop();
-  if (past.length === 0) return;
-  future.push(edits);
-  edits = past.pop();
+  take(lists[1], 0);
 }
 
-export function redo() {
+function move(from, to) {
   drop();
-  if (future.length === 0) return;
-  past.push(edits);
-  edits = future.pop();
+  if (from.length === 0) return;
+  const { side: of, list } = from.pop();
+  to.push({ side: of, list: lists[of] });
+  lists[of] = list;
 }
+export const undo = () => move(past, future);
+export const redo = () => move(future, past);
 
-export function restore(list) {
-  if (Array.isArray(list)) edits = list;
+export function restore(right, left) {
+  if (Array.isArray(right)) lists[1] = right;
+  if (Array.isArray(left)) lists[0] = left;
 }
 
 /** Text for a fragment, and back. */

@@ -4,27 +4,21 @@
 
 import { lookup } from "./palettes.js";
 
+const SLOW_MS = 24; // from one drawing to the next chance for one: more than a frame of the screen
+
 const VERTEX = `#version 300 es
 void main() { vec2 p = vec2((gl_VertexID << 1) & 2, gl_VertexID & 2); gl_Position = vec4(p * 2.0 - 1.0, 0.0, 1.0); }`;
 
+// One side of the divider: each is drawn by itself into its own rectangle, with nothing to decide for a pixel.
 const FRAGMENT = `#version 300 es
 precision highp float; precision highp int; precision highp usampler2D;
-uniform usampler2D left_picture, right_picture; uniform sampler2D palette;
-uniform vec2 corner, left_step, right_step; uniform float um_per_pixel, height, divider;
-uniform vec2 left_map, right_map; uniform vec3 outside, line;
+uniform usampler2D picture; uniform sampler2D palette;
+uniform vec2 corner, per_pixel, map; uniform float height;
 out vec4 colour;
-vec4 shown(usampler2D picture, vec2 step_um, vec2 map, vec2 um) {
-  ivec2 at = ivec2(floor(um / step_um)), size = textureSize(picture, 0);
-  if (um.x < 0.0 || um.y < 0.0 || at.x >= size.x || at.y >= size.y) return vec4(outside, 1.0);
-  float t = clamp(float(texelFetch(picture, at, 0).r) * map.x + map.y, 0.0, 1.0);
-  return vec4(texture(palette, vec2(t * 255.0 / 256.0 + 0.5 / 256.0, 0.5)).rgb, 1.0);
-}
 void main() {
-  vec2 pixel = vec2(gl_FragCoord.x, height - gl_FragCoord.y);
-  vec2 um = corner + pixel * um_per_pixel;
-  bool left = pixel.x < divider;
-  colour = left ? shown(left_picture, left_step, left_map, um) : shown(right_picture, right_step, right_map, um);
-  if (abs(pixel.x - divider) < 1.0) colour = vec4(line, 1.0);
+  ivec2 at = ivec2(corner + vec2(gl_FragCoord.x, height - gl_FragCoord.y) * per_pixel);
+  float t = clamp(float(texelFetch(picture, at, 0).r) * map.x + map.y, 0.0, 1.0);
+  colour = texelFetch(palette, ivec2(int(t * 255.0 + 0.5), 0), 0);
 }`;
 
 function shader(gl, type, text) {
@@ -44,9 +38,7 @@ class Gpu {
     if (!gl.getProgramParameter(program, gl.LINK_STATUS)) throw new Error("no shader");
     gl.useProgram(program);
     this.at = (name) => gl.getUniformLocation(program, name);
-    this.places = {};
-    for (const name of ["corner", "left_step", "right_step", "um_per_pixel", "height", "divider", "left_map", "right_map", "outside", "line"])
-      this.places[name] = this.at(name);
+    this.places = Object.fromEntries(["picture", "corner", "per_pixel", "map", "height"].map((name) => [name, this.at(name)]));
     this.sizes = [];
     this.textures = [0, 1, 2].map((unit) => {
       const texture = gl.createTexture();
@@ -56,8 +48,7 @@ class Gpu {
       for (const name of [gl.TEXTURE_WRAP_S, gl.TEXTURE_WRAP_T]) gl.texParameteri(gl.TEXTURE_2D, name, gl.CLAMP_TO_EDGE);
       return texture;
     });
-    gl.uniform1i(this.at("left_picture"), 0);
-    gl.uniform1i(this.at("right_picture"), 1);
+    gl.enable(gl.SCISSOR_TEST);
     gl.uniform1i(this.at("palette"), 2);
   }
   picture(unit, { width, height, pixels }) {
@@ -78,18 +69,27 @@ class Gpu {
   }
   draw(scene) {
     const gl = this.gl, p = this.places;
+    const fill = (x0, y0, x1, y1, colour) => { // rectangle from the top
+      gl.scissor(x0, scene.height - y1, Math.max(0, x1 - x0), Math.max(0, y1 - y0));
+      if (!colour) return;
+      gl.clearColor(...colour, 1);
+      gl.clear(gl.COLOR_BUFFER_BIT);
+    };
     gl.viewport(0, 0, scene.width, scene.height);
-    gl.uniform2f(p.corner, ...scene.corner);
-    gl.uniform1f(p.um_per_pixel, scene.scale);
+    fill(0, 0, scene.width, scene.height, scene.outside);
     gl.uniform1f(p.height, scene.height);
-    gl.uniform1f(p.divider, scene.divider);
-    gl.uniform3f(p.outside, ...scene.outside);
-    gl.uniform3f(p.line, ...scene.line);
     scene.sides.forEach((side, i) => {
-      gl.uniform2f(i === 0 ? p.left_step : p.right_step, ...side.step);
-      gl.uniform2f(i === 0 ? p.left_map : p.right_map, ...side.map);
+      const [x0, y0, x1, y1] = scene.rectangle(i);
+      if (!(x1 > x0 && y1 > y0)) return;
+      gl.uniform1i(p.picture, i);
+      gl.uniform2f(p.corner, scene.corner[0] / side.step[0], scene.corner[1] / side.step[1]);
+      gl.uniform2f(p.per_pixel, scene.scale / side.step[0], scene.scale / side.step[1]);
+      gl.uniform2f(p.map, ...side.map);
+      fill(x0, y0, x1, y1);
+      gl.drawArrays(gl.TRIANGLES, 0, 3);
     });
-    gl.drawArrays(gl.TRIANGLES, 0, 3);
+    const line = Math.round(scene.divider);
+    fill(line - 1, 0, line + 1, scene.height, scene.line);
   }
 }
 
@@ -133,7 +133,7 @@ export class View {
     this.canvas = canvas;
     this.changed = changed; // hears when zoom or place have changed
     const gl = new URLSearchParams(location.search).has("plain") ? null
-      : canvas.getContext("webgl2", { antialias: false, alpha: false, preserveDrawingBuffer: true });
+      : canvas.getContext("webgl2", { antialias: false, alpha: false, depth: false, stencil: false });
     this.engine = gl ? new Gpu(gl) : new Plain(canvas);
     this.kind = gl ? "webgl2" : "canvas";
     this.sides = [null, null];
@@ -142,7 +142,10 @@ export class View {
     this.brightness = 0;
     this.range = "auto";
     this.held = [null, null];
-    this.zoom = null; // um per device pixel; null: the whole picture
+    this.zoom = null; // um per pixel of the page; null: the whole picture
+    this.ratio = 1; // pixels of the canvas to one of the page
+    this.moving = false; // pictures follow each other: a page that draws slowly draws more coarsely
+    this.lags = 0; // drawings in a row that took long
     this.middle = [0, 0];
     this.waiting = false;
     this.drawn = 0;
@@ -167,7 +170,8 @@ export class View {
     const [w, h] = this.size();
     return Math.max(w / this.canvas.width, h / this.canvas.height) || 1;
   }
-  scale() { return this.zoom ?? this.fitScale(); }
+  /** um per pixel of the canvas. */
+  scale() { return this.zoom === null ? this.fitScale() : this.zoom / this.ratio; }
   corner() {
     const scale = this.scale(), [w, h] = this.size();
     const middle = this.zoom === null ? [w / 2, h / 2] : this.middle;
@@ -188,14 +192,14 @@ export class View {
     const middle = this.zoom === null ? [w / 2, h / 2] : this.middle, held = at ?? middle;
     const scale = Math.min(Math.max(old * factor, least), this.fitScale() * 2);
     this.middle = [0, 1].map((i) => held[i] + ((middle[i] - held[i]) * scale) / old);
-    this.zoom = scale;
+    this.zoom = scale * this.ratio;
     this.draw();
     this.changed();
   }
   moveBy(x, y) {
     const [w, h] = this.size(), scale = this.scale();
     if (this.zoom === null) this.middle = [w / 2, h / 2];
-    this.zoom = scale;
+    this.zoom = scale * this.ratio;
     this.middle = [Math.min(Math.max(this.middle[0] + x * scale, 0), w), Math.min(Math.max(this.middle[1] + y * scale, 0), h)];
     this.draw();
     this.changed();
@@ -221,16 +225,36 @@ export class View {
     this.waiting = true;
     const theme = document.documentElement.dataset.theme + matchMedia("(prefers-color-scheme: dark)").matches;
     if (theme !== this.theme) Object.assign(this, { theme, outside: css("--well"), line: css("--line") });
-    requestAnimationFrame(() => {
+    requestAnimationFrame((now) => {
       this.waiting = false;
-      const ratio = Math.min(devicePixelRatio, 2), box = this.canvas.getBoundingClientRect();
-      const width = Math.max(1, Math.round(box.width * ratio)), height = Math.max(1, Math.round(box.height * ratio));
+      if (this.moving) requestAnimationFrame((after) => { this.lags = after - now > SLOW_MS ? this.lags + 1 : Math.max(0, this.lags - 1); });
+      const coarse = this.moving && this.lags >= 3 ? 0.5 : 1;
+      this.ratio = Math.min(devicePixelRatio, 2) * coarse;
+      if (this.moving && coarse < 1) this.lags = Math.max(this.lags, 6); // until it rests
+      const box = this.canvas.getBoundingClientRect();
+      const width = Math.max(1, Math.round(box.width * this.ratio)), height = Math.max(1, Math.round(box.height * this.ratio));
       if (this.canvas.width !== width || this.canvas.height !== height) Object.assign(this.canvas, { width, height });
+      const corner = this.corner(), scale = this.scale(), divider = this.divider * width;
       this.engine.draw({
-        width, height, corner: this.corner(), scale: this.scale(), divider: this.divider * width, outside: this.outside, line: this.line,
+        width, height, corner, scale, divider, outside: this.outside, line: this.line,
         sides: [0, 1].map((i) => ({ step: this.sides[i]?.step ?? [1, 1], map: this.map(i) })),
+        /** Where the picture of a side is on the canvas. */
+        rectangle: (i) => {
+          const side = this.sides[i];
+          if (!side) return [0, 0, 0, 0];
+          const from = [0, 1].map((k) => Math.ceil(-corner[k] / scale - 0.5));
+          const to = [0, 1].map((k) => Math.floor((side.step[k] * [side.width, side.height][k] - corner[k]) / scale + 0.5));
+          const middle = Math.round(divider);
+          return [Math.max(from[0], i === 0 ? 0 : middle), Math.max(from[1], 0), Math.min(to[0], i === 0 ? middle : width), Math.min(to[1], height)];
+        },
       });
       this.drawn += 1;
     });
+  }
+  /** Nothing moves any more: what was drawn coarsely is drawn as it is. */
+  rest() {
+    if (!this.moving) return;
+    this.moving = false;
+    this.draw();
   }
 }

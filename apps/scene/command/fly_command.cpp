@@ -35,6 +35,7 @@ namespace {
 using namespace scene;
 namespace fs = std::filesystem;
 
+constexpr double kClock_s = 1e-3;
 constexpr std::int64_t kAhead = 15;  // frames: light is asked for so long before it is wanted
 
 /// Where and when frames are.
@@ -104,11 +105,39 @@ std::vector<std::string> inputs_of(const FlyCommandOptions& options, const Scene
                                    const mtf::io::SensorConfig& config) {
   std::vector<std::string> inputs = files_of(config);
   inputs.push_back(options.scene);
-  for (const std::string& name : {file.weather.file, options.schedule}) inputs.push_back(name);
+  for (const std::string& name : {file.weather.file, options.schedule, options.temperatures}) inputs.push_back(name);
   for (const MeshSection& mesh : file.meshes) inputs.push_back(mesh.file);
   if (file.camera->path) inputs.push_back(file.camera->path->source);
   std::erase(inputs, "");
   return inputs;
+}
+
+/// No frame and no report replaces what the run reads, or each other, or is written through a link.
+void require_outputs(const FlyCommandOptions& options, const std::optional<FrameNames>& names, const Course& course,
+                     const std::vector<std::string>& inputs) {
+  const auto is_frame = [&](const std::string& name) {
+    const auto frame = names ? names->frame_of(name) : std::nullopt;
+    return frame && std::binary_search(course.frames.begin(), course.frames.end(), *frame);
+  };
+  std::vector<std::string> outputs;
+  if (!options.report.empty()) outputs.push_back(options.report);
+  if (names) outputs.push_back(names->name(course.frames.front()));
+  if (names && course.frames.size() > 1) outputs.push_back(names->name(course.frames.back()));
+  require_writable(outputs, inputs);
+  for (const std::string& input : inputs)
+    if (is_frame(input))
+      throw mtf::UsageError("-o: a frame would replace " + one_line(input) +
+                            ", which this run reads; choose another name");
+  if (!options.report.empty() && is_frame(options.report))
+    throw mtf::UsageError("--report: " + one_line(options.report) + " is one of the frames; choose another name");
+  if (!names) return;
+  std::error_code error;
+  const fs::path folder = fs::path(names->name(course.frames.front())).parent_path();
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder.empty() ? fs::path(".") : folder, error)) {
+    const std::string name = (folder / entry.path().filename()).string();
+    if (is_frame(name) && entry.is_symlink(error))
+      throw mtf::UsageError("-o: " + one_line(name) + " is a link; remove it, or choose another name");
+  }
 }
 
 /// What the flight did not do, in words.
@@ -202,20 +231,8 @@ int run_fly(const FlyCommandOptions& options, const Global& global) {
   Course course{options, file, instant_of("--time", options.time).value_or(file.time.start_s)};
   course.frames = frames_of(options, file);
   const std::int64_t first = course.frames.front(), last = course.frames.back();
-  if (names) {
-    const std::vector<std::string> inputs = inputs_of(options, file, config);
-    require_writable(
-        first == last ? std::vector{names->name(first)} : std::vector{names->name(first), names->name(last)}, inputs);
-    for (const std::string& input : inputs)
-      if (const auto frame = names->frame_of(input);
-          frame && std::binary_search(course.frames.begin(), course.frames.end(), *frame))
-        throw mtf::UsageError("-o: frame " + std::to_string(*frame) + " would replace " + one_line(input) +
-                              ", which this run reads; choose another name");
-  }
-  for (const std::int64_t frame : course.frames)
-    if (std::error_code error; names && fs::is_symlink(fs::symlink_status(names->name(frame), error)))
-      throw mtf::UsageError("-o: " + one_line(names->name(frame)) + " is a link; remove it, or choose another name");
   for (const std::int64_t frame : {first, last}) course.place_of(frame);  // the path has them
+  require_outputs(options, names, course, inputs_of(options, file, config));
 
   if (const std::string text =
           sampling_warning(picture_sensor(config, PictureQuantity::weighted), options.sampling.samples_per_pitch);
@@ -237,11 +254,17 @@ int run_fly(const FlyCommandOptions& options, const Global& global) {
     heat_ms = heat.ms();
   }
   PictureSource source(file, air, std::move(rows));
+  if (const auto span = source.temperatures_span_utc_s())
+    for (const std::int64_t frame : {first, last})
+      if (const double utc_s = course.utc_of(frame); utc_s < (*span)[0] - kClock_s || utc_s > (*span)[1] + kClock_s)
+        throw mtf::UsageError("frame " + std::to_string(frame) + " is at " + radiometry::heat::instant_text(utc_s) +
+                              ", and the temperatures go from " + radiometry::heat::instant_text((*span)[0]) + " to " +
+                              radiometry::heat::instant_text((*span)[1]) + "; choose another --time, or fewer frames");
   FlightOptions how{.samples_per_pitch = options.sampling.samples_per_pitch,
                     .render = {.points = options.sampling.points, .empty_views = true, .threads = global.threads},
                     .image = options.image,
                     .light_every_s = options.light_every_s,
-                    .begin_s = course.utc_of(first),
+                    .begin_s = course.utc_of(0),  // also of a part of a flight: the same light
                     .end_s = course.utc_of(last)};
   how.image.threads = global.threads;
   how.image.loosen = true;  // a frame of little contrast does not end the flight

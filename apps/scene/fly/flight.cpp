@@ -6,6 +6,7 @@
 #include <cmath>
 #include <future>
 #include <optional>
+#include <tuple>
 
 #include "apps/scene/heat/stopwatch.h"
 #include "apps/sensor/sensor_air.h"
@@ -24,9 +25,10 @@ struct LightKey {
   radiometry::Interval band{};
   std::optional<mtf::SettingsTable> air{};  ///< [atmosphere] of the sensor file
 
-  bool operator==(const LightKey& other) const {
-    return interval == other.interval && response == other.response && band.lo_um == other.band.lo_um &&
-           band.hi_um == other.band.hi_um && air == other.air;
+  bool operator==(const LightKey& other) const { return interval == other.interval && same_but_for_time(other); }
+  bool same_but_for_time(const LightKey& other) const {
+    return response == other.response && band.lo_um == other.band.lo_um && band.hi_um == other.band.hi_um &&
+           air == other.air;
   }
 };
 
@@ -37,6 +39,23 @@ struct Light {
   double temperatures_utc_s = 0.0;
   std::unique_ptr<render::Renderer> renderer{};
 };
+
+/// A picture that was made, kept for sensors that change while it does not.
+struct SeenPicture {
+  render::Camera camera{};
+  std::size_t light = 0;  ///< number of the light
+  double temperatures_utc_s = 0.0;
+  mtf::Image radiance{};
+  std::vector<double> promised{};
+  std::size_t sides = 0;
+};
+
+bool same_view(const render::Camera& a, const render::Camera& b) {
+  const auto values = [](const render::Camera& c) {
+    return std::tie(c.position, c.ahead, c.right, c.down, c.width, c.height, c.step_x, c.step_y, c.axis_x, c.axis_y);
+  };
+  return values(a) == values(b);
+}
 
 /// What a sensor file says, worked out once.
 struct KnownSensor {
@@ -55,14 +74,23 @@ KnownSensor known_sensor(const Flight::Sensor& sensor) {
 
 }  // namespace
 
+/// The simulation of images that have as many samples a pitch: their plans are of another grid.
+struct SampledSimulation {
+  double samples_per_pitch = 0.0;
+  LiveSimulation simulation;
+};
+
 struct Flight::State {
   PictureSource& source;
   SceneFile file;
   PictureOptions air;
   FlightOptions options;
-  LiveSimulation simulation;
+  std::vector<SampledSimulation> simulations{};             ///< the one of the last frame first
   std::optional<KnownSensor> last_sensor{}, next_sensor{};  ///< of the last frame, and of prepare()
   std::unique_ptr<Light> light{};
+  std::size_t lights = 0;  ///< so far
+  std::optional<SeenPicture> seen{};
+  std::optional<render::Camera> last_camera{};  ///< that saw something
   std::optional<LightKey> coming_key{};
   std::future<std::unique_ptr<Light>> coming{};
 
@@ -71,8 +99,14 @@ struct Flight::State {
   std::unique_ptr<Light> made(const LightKey& key, const PictureSensor& sensor,
                               const std::shared_ptr<const render::Renderer::Known>& views);
   void require_time(double utc_s) const;
-  render::Camera camera(const PictureSensor& sensor, const CameraPlace& place) const;
-  void set_light(const KnownSensor& sensor, double utc_s, FlightFrame& frame);
+  render::Camera camera(const PictureSensor& sensor, const CameraPlace& place, double samples_per_pitch) const;
+  void set_light(const KnownSensor& sensor, double utc_s, bool may_lag, FlightFrame& frame);
+  /// Begins to make that light beside frames, unless another one is being made; with what the camera of the last
+  /// picture sees in it, where `looked_at`: temperatures of another hour are other patches, which every side sees anew.
+  void begin_light(const LightKey& key, const KnownSensor& sensor, bool looked_at);
+  render::RenderedFrame rendered(const render::Camera& camera);
+  LiveSimulation& simulation_of(double samples_per_pitch);
+  const LiveSimulation& last_simulation() const;
 };
 
 const KnownSensor& Flight::State::known(const Sensor& sensor) {
@@ -111,18 +145,46 @@ void Flight::State::require_time(double utc_s) const {
                         "; state begin_s and end_s");
 }
 
-render::Camera Flight::State::camera(const PictureSensor& sensor, const CameraPlace& place) const {
+render::Camera Flight::State::camera(const PictureSensor& sensor, const CameraPlace& place,
+                                     double samples_per_pitch) const {
   return picture_camera(sensor,
                         {.position = place.position_m,
                          .look_at = place.look_at_m,
                          .up = file.camera ? file.camera->up : radiometry::scene::Vector{0.0, 0.0, 1.0}},
-                        options.samples_per_pitch);
+                        samples_per_pitch);
 }
 
-void Flight::State::set_light(const KnownSensor& sensor, double utc_s, FlightFrame& frame) {
+void Flight::State::begin_light(const LightKey& key, const KnownSensor& sensor, bool looked_at) {
+  const bool busy = coming.valid() && coming.wait_for(std::chrono::seconds(0)) != std::future_status::ready;
+  if (busy) return;
+  coming_key = key;
+  coming = std::async(std::launch::async, [this, key, picture = sensor.picture, views = light->renderer->known(),
+                                           camera = looked_at ? last_camera : std::nullopt] {
+    auto made_light = made(key, picture, views);
+    if (camera) made_light->renderer->render(*camera);
+    return made_light;
+  });
+}
+
+void Flight::State::set_light(const KnownSensor& sensor, double utc_s, bool may_lag, FlightFrame& frame) {
   const LightKey key = key_of(sensor, utc_s);
   if (light && light->key == key) return;
+  if (may_lag && light && light->key.same_but_for_time(key)) {
+    // What has been made by now is nearer to what is wanted than the present one.
+    const bool ready = coming_key && coming_key->same_but_for_time(key) &&
+                       coming.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
+    if (ready) {
+      coming_key.reset();
+      light = coming.get();
+      ++lights;
+      frame.new_light = true;
+    }
+    frame.light_lags = !(light->key == key);
+    if (frame.light_lags && coming_key != key) begin_light(key, sensor, true);
+    return;
+  }
   frame.new_light = true;
+  ++lights;
   if (coming_key == key) {
     frame.late = coming.wait_for(std::chrono::seconds(0)) != std::future_status::ready;
     coming_key.reset();
@@ -134,11 +196,7 @@ void Flight::State::set_light(const KnownSensor& sensor, double utc_s, FlightFra
 }
 
 Flight::Flight(PictureSource& source, const SceneFile& file, const PictureOptions& air, const FlightOptions& options)
-    : state_(std::make_unique<State>(State{.source = source,
-                                           .file = file,
-                                           .air = air,
-                                           .options = options,
-                                           .simulation = LiveSimulation(options.image)})) {
+    : state_(std::make_unique<State>(State{.source = source, .file = file, .air = air, .options = options})) {
   if (!(options.light_every_s > 0.0)) throw mtf::UsageError("a flight's light is kept for more than 0 s");
 }
 Flight::~Flight() = default;
@@ -150,23 +208,72 @@ void Flight::prepare(const Sensor& sensor, double utc_s) {
   const KnownSensor& known = state.known(sensor);
   const LightKey key = state.key_of(known, utc_s);
   if (state.light->key == key || state.coming_key == key) return;
-  const bool busy = state.coming.valid() && state.coming.wait_for(std::chrono::seconds(0)) != std::future_status::ready;
-  if (busy) return;
-  state.coming_key = key;
-  state.coming =
-      std::async(std::launch::async, [&state, key, picture = known.picture, views = state.light->renderer->known()] {
-        return state.made(key, picture, views);
-      });
+  state.begin_light(key, known, false);
 }
 
-FlightFrame Flight::frame(const Sensor& sensor, const CameraPlace& place, double utc_s, std::int64_t number) {
+render::RenderedFrame Flight::State::rendered(const render::Camera& camera) {
+  if (!options.keep_radiance) {
+    render::RenderedFrame frame = light->renderer->render(camera);
+    last_camera = camera;
+    return frame;
+  }
+  if (seen && seen->light == lights && seen->temperatures_utc_s == light->temperatures_utc_s &&
+      same_view(seen->camera, camera)) {
+    render::RenderedFrame frame;
+    frame.radiance.push_back(seen->radiance.clone());
+    frame.promised = seen->promised;
+    frame.sides = seen->sides;
+    return frame;
+  }
+  seen.reset();
+  render::RenderedFrame frame = light->renderer->render(camera);
+  last_camera = camera;
+  seen = SeenPicture{.camera = camera,
+                     .light = lights,
+                     .temperatures_utc_s = light->temperatures_utc_s,
+                     .radiance = frame.radiance.front().clone(),
+                     .promised = frame.promised,
+                     .sides = frame.sides};
+  return frame;
+}
+
+LiveSimulation& Flight::State::simulation_of(double samples_per_pitch) {
+  constexpr std::size_t kKept = 2;  // while a camera moves, and at rest
+  const auto found = std::find_if(simulations.begin(), simulations.end(), [&](const SampledSimulation& one) {
+    return one.samples_per_pitch == samples_per_pitch;
+  });
+  if (found == simulations.end()) {
+    simulations.insert(simulations.begin(), {samples_per_pitch, LiveSimulation(options.image)});
+    if (simulations.size() > kKept) simulations.pop_back();
+  } else {
+    std::rotate(simulations.begin(), found, found + 1);
+  }
+  return simulations.front().simulation;
+}
+
+const LiveSimulation& Flight::State::last_simulation() const {
+  if (simulations.empty()) throw mtf::UsageError("a flight has no images before its first frame");
+  return simulations.front().simulation;
+}
+
+void Flight::begin_anew() {
+  for (SampledSimulation& one : state_->simulations) one.simulation.begin_anew();
+}
+
+void Flight::set_image(const SimulateOptions& options) {
+  state_->options.image = options;
+  state_->simulations.clear();
+}
+
+FlightFrame Flight::frame(const Sensor& sensor, const CameraPlace& place, double utc_s, std::int64_t number,
+                          const FrameChoice& choice) {
   State& state = *state_;
   state.require_time(utc_s);
   FlightFrame out;
   const Stopwatch preparing;
   if (!state.last_sensor || state.last_sensor->sensor != sensor) state.last_sensor = KnownSensor(state.known(sensor));
   const KnownSensor& known = *state.last_sensor;
-  state.set_light(known, utc_s, out);
+  state.set_light(known, utc_s, choice.light_may_lag, out);
   out.timing_ms.emplace_back("light", preparing.ms());
   Light& light = *state.light;
   const Stopwatch temperatures;
@@ -178,8 +285,9 @@ FlightFrame Flight::frame(const Sensor& sensor, const CameraPlace& place, double
   }
   out.timing_ms.emplace_back("temperatures", temperatures.ms());
   require_above_ground(light.scene, place.position_m);
-  const render::Camera camera = state.camera(known.picture, place);
-  render::RenderedFrame frame = light.renderer->render(camera);
+  const double samples_per_pitch = choice.samples_per_pitch.value_or(state.options.samples_per_pitch);
+  const render::Camera camera = state.camera(known.picture, place, samples_per_pitch);
+  render::RenderedFrame frame = state.rendered(camera);
   out.timing_ms.insert(out.timing_ms.end(), frame.timing_ms.begin(), frame.timing_ms.end());
   out.promised = frame.promised.front();
   out.sides = frame.sides;
@@ -189,10 +297,15 @@ FlightFrame Flight::frame(const Sensor& sensor, const CameraPlace& place, double
   const mtf::io::Metadata metadata =
       picture_metadata(state.file, light.scene, known.picture, camera, state.options.render, frame);
   const bool has_air = light.scene.scene.air.has_value();
-  out.image = state.simulation.image(scene_of(std::move(frame), known.picture, camera, metadata),
-                                     has_air ? known.without_air : known.sensor, number);
-  out.tolerance = state.simulation.plan().options.tolerance;
-  out.warnings = state.simulation.warnings();
+  LiveSimulation& simulation = state.simulation_of(samples_per_pitch);
+  mtf::io::Scene radiance = scene_of(std::move(frame), known.picture, camera, metadata);
+  if (state.options.keep_radiance) {
+    out.radiance = facts_of(radiance);
+    out.radiance->planes.push_back(radiance.planes.front().clone());
+  }
+  out.image = simulation.image(std::move(radiance), has_air ? known.without_air : known.sensor, number);
+  out.tolerance = simulation.plan().options.tolerance;
+  out.warnings = simulation.warnings();
   if (out.new_light) out.warnings.insert(out.warnings.end(), light.scene.warnings.begin(), light.scene.warnings.end());
   out.timing_ms.emplace_back("sensor", imaging.ms());
   return out;
@@ -200,7 +313,7 @@ FlightFrame Flight::frame(const Sensor& sensor, const CameraPlace& place, double
 
 void Flight::require_place(const CameraPlace& place) const {
   if (!state_->light) throw mtf::UsageError("a flight knows no places before its first frame");
-  state_->camera(state_->last_sensor->picture, place);
+  state_->camera(state_->last_sensor->picture, place, state_->options.samples_per_pitch);
   require_above_ground(state_->light->scene, place.position_m);
   render::require_outside(state_->light->scene.scene, place.position_m);
 }
@@ -209,9 +322,18 @@ const std::vector<std::pair<std::string, std::string>>& Flight::closures() const
   if (!state_->light) throw mtf::UsageError("a flight has no closures before its first frame");
   return state_->light->scene.closures;
 }
-IntegerRange Flight::integer_range() const { return state_->simulation.integer_range(); }
-const std::vector<std::string>& Flight::names() const { return state_->simulation.names(); }
-int Flight::plans_compiled() const { return state_->simulation.plans_compiled(); }
-int Flight::plans_updated() const { return state_->simulation.plans_updated(); }
+IntegerRange Flight::integer_range() const { return state_->last_simulation().integer_range(); }
+const std::vector<std::string>& Flight::names() const { return state_->last_simulation().names(); }
+const mtf::SensorPlan& Flight::plan() const { return state_->last_simulation().plan(); }
+int Flight::plans_compiled() const {
+  int count = 0;
+  for (const SampledSimulation& one : state_->simulations) count += one.simulation.plans_compiled();
+  return count;
+}
+int Flight::plans_updated() const {
+  int count = 0;
+  for (const SampledSimulation& one : state_->simulations) count += one.simulation.plans_updated();
+  return count;
+}
 
 }  // namespace apps::scene

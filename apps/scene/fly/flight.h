@@ -10,9 +10,11 @@
 // Of the sensor, plan and chain are made anew where a parameter is another one (LiveSimulation). Sides that were never
 // seen before get their views.
 // New light is made beside frames where prepare() says in time that it will be wanted; without it frames are the same
-// within the promise of their tables.
+// within the promise of their tables. Where somebody turns the clock by hand, frames may have the light of another time
+// until the one of theirs is there (FrameChoice::light_may_lag).
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -28,16 +30,28 @@ struct FlightOptions {
   SimulateOptions image{};                     ///< those of LiveSimulation
   double light_every_s = 60.0, temperatures_every_s = 1.0;
   double begin_s = 0.0, end_s = 0.0;  ///< UTC, of the first and the last frame; others are refused
+  /// FlightFrame::radiance is wanted; and frames that see the same as the one before take its radiance.
+  bool keep_radiance = false;
+};
+
+/// Of one frame.
+struct FrameChoice {
+  std::optional<double> samples_per_pitch{};  ///< in place of those of the flight; plans of two of them are kept
+  /// The light of the frame before will do, where it is of another time alone: the present one is made beside frames,
+  /// and frames take it once it is there.
+  bool light_may_lag = false;
 };
 
 struct FlightFrame {
   SimulatedImage image;
   std::vector<std::string> warnings{};
   std::vector<std::pair<std::string, double>> timing_ms{};
-  double promised = 0.0;                 ///< relative error of the radiance (RenderedFrame)
-  double tolerance = 0.0;                ///< of the filters, which the image keeps
-  std::size_t sides = 0, shaded = 0;     ///< seen so far; worked out for this frame
-  bool new_light = false, late = false;  ///< light was made anew; and not ready before the frame
+  double promised = 0.0;                     ///< relative error of the radiance (RenderedFrame)
+  double tolerance = 0.0;                    ///< of the filters, which the image keeps
+  std::size_t sides = 0, shaded = 0;         ///< seen so far; worked out for this frame
+  bool new_light = false, late = false;      ///< light was made anew; and not ready before the frame
+  bool light_lags = false;                   ///< its light is of another time
+  std::optional<mtf::io::Scene> radiance{};  ///< what the sensor took in (FlightOptions::keep_radiance)
 };
 
 class Flight {
@@ -53,7 +67,11 @@ class Flight {
   void prepare(const Sensor& sensor, double utc_s);
   /// `number`: of the frame, which is that of the noise. Sensors that are the same object are taken to be unchanged.
   /// Throws mtf::UsageError as picture_sensor, PictureSource::at, Renderer::render and LiveSimulation::image.
-  FlightFrame frame(const Sensor& sensor, const CameraPlace& place, double utc_s, std::int64_t number);
+  FlightFrame frame(const Sensor& sensor, const CameraPlace& place, double utc_s, std::int64_t number,
+                    const FrameChoice& choice = {});
+  /// As LiveSimulation: the next image stands for itself. And other options of the images from here on.
+  void begin_anew();
+  void set_image(const SimulateOptions& options);
 
   /// Throws as frame() would, with the sensor of the last frame, for a camera that stands below the ground or inside a
   /// solid, or has no line of sight. Once there was a frame.
@@ -62,6 +80,7 @@ class Flight {
   const std::vector<std::pair<std::string, std::string>>& closures() const;  ///< of the last frame
   IntegerRange integer_range() const;
   const std::vector<std::string>& names() const;
+  const mtf::SensorPlan& plan() const;  ///< of the last frame
   int plans_compiled() const;
   int plans_updated() const;
 

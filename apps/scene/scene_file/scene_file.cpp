@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <tuple>
 
+#include "apps/scene/scene_file/scene_fields.h"
 #include "apps/scene/scene_file/scene_reader.h"
 #include "mtf/error.h"
 #include "mtf/io/csv/curve_csv.h"
@@ -16,9 +17,6 @@ namespace {
 
 namespace cfg = mtf::io::cfg;
 using mtf::io::Diagnostic;
-
-constexpr std::array<std::string_view, 12> kTables{"schema",   "place", "time",   "weather", "sky",      "atmosphere",
-                                                   "material", "mesh",  "region", "ground",  "measured", "camera"};
 
 /// The air, by the same table as in sensor files.
 void read_atmosphere(SceneReader& s) {

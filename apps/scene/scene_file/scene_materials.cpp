@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "apps/scene/scene_file/scene_fields.h"
 #include "apps/scene/scene_file/scene_reader.h"
 #include "mtf/error.h"
 #include "mtf/io/csv/csv_numbers.h"
@@ -18,111 +19,6 @@ using cfg::Node;
 using cfg::Section;
 using mtf::FieldInfo;
 using mtf::Presence;
-
-constexpr FieldInfo kConductivity{.name = "conductivity",
-                                  .unit = "W/m/K",
-                                  .lo = 0.0,
-                                  .hi = 1e4,
-                                  .lo_open = true,
-                                  .example = "\"45 W/m/K\"",
-                                  .doc = "thermal"};
-constexpr FieldInfo kDensity{.name = "density",
-                             .unit = "kg/m3",
-                             .lo = 0.0,
-                             .hi = 3e4,
-                             .lo_open = true,
-                             .example = "\"7800 kg/m3\"",
-                             .doc = "mass per volume"};
-constexpr FieldInfo kHeatCapacity{.name = "heat_capacity",
-                                  .unit = "J/kg/K",
-                                  .lo = 0.0,
-                                  .hi = 2e4,
-                                  .lo_open = true,
-                                  .example = "\"480 J/kg/K\"",
-                                  .doc = "per mass, at constant pressure"};
-constexpr FieldInfo kThickness{.name = "thickness",
-                               .unit = "m",
-                               .lo = 0.0,
-                               .hi = 100.0,
-                               .lo_open = true,
-                               .example = "\"20 mm\"",
-                               .doc = "of the layer"};
-constexpr FieldInfo kSource{.name = "source",
-                            .unit = "W/m3",
-                            .lo = -1e9,
-                            .hi = 1e9,
-                            .presence = Presence::optional,
-                            .example = "\"500 W/m3\"",
-                            .doc = "heat that the layer generates; a constant, or the name of a schedule.csv"};
-constexpr FieldInfo kSolarAbsorptance{.name = "solar_absorptance",
-                                      .lo = 0.0,
-                                      .hi = 1.0,
-                                      .example = "0.7",
-                                      .doc = "share of the sunlight that is absorbed"};
-constexpr FieldInfo kWetFraction{.name = "wet_fraction",
-                                 .lo = 0.0,
-                                 .hi = 1.0,
-                                 .presence = Presence::optional,
-                                 .example = "0.2",
-                                 .doc = "of the surface that evaporates"};
-constexpr FieldInfo kGloss{.name = "gloss",
-                           .lo = 0.0,
-                           .hi = 1.0,
-                           .presence = Presence::optional,
-                           .example = "0.8",
-                           .doc = "share of the reflected light that a mirror would show"};
-constexpr FieldInfo kSchlick{.name = "schlick_exponent",
-                             .lo = 1.0,
-                             .hi = 100.0,
-                             .presence = Presence::optional,
-                             .example = "5",
-                             .doc = "emissivity by angle: 1 - (1 - cos)^exponent of that along the normal"};
-constexpr FieldInfo kIndex{.name = "refractive_index",
-                           .lo = 1.0,
-                           .hi = 10.0,
-                           .lo_open = true,
-                           .presence = Presence::optional,
-                           .example = "1.5",
-                           .doc = "emissivity by angle: Fresnel's law for a dielectric"};
-constexpr FieldInfo kFilm{.name = "h",
-                          .unit = "W/m2/K",
-                          .lo = 0.0,
-                          .hi = 1e5,
-                          .example = "\"10 W/m2/K\"",
-                          .doc = "heat transfer coefficient"};
-constexpr FieldInfo kFlux{.name = "flux",
-                          .unit = "W/m2",
-                          .lo = -1e6,
-                          .hi = 1e6,
-                          .example = "\"200 W/m2\"",
-                          .doc = "into the inner surface; a constant, or the name of a schedule.csv"};
-constexpr FieldInfo kPairThickness{.name = "thickness",
-                                   .unit = "m",
-                                   .lo = 0.0,
-                                   .hi = 100.0,
-                                   .lo_open = true,
-                                   .presence = Presence::optional,
-                                   .example = "\"50 mm\"",
-                                   .doc = "longest distance to the opposite face"};
-
-/// The keys of [material.inside] by kind, beside `kind`.
-std::vector<std::string_view> inside_keys(InsideKind kind) {
-  switch (kind) {
-    case InsideKind::adiabatic:
-      return {"kind"};
-    case InsideKind::fixed:
-      return {"kind", "temperature"};
-    case InsideKind::film:
-      return {"kind", "h", "temperature"};
-    case InsideKind::flux:
-      return {"kind", "flux"};
-    case InsideKind::sheet:
-      return {"kind", "solar_absorptance", "emissivity"};
-    case InsideKind::pair:
-      return {"kind", "thickness"};
-  }
-  return {};
-}
 
 void read_layers(SceneReader& s, const Section& material, std::vector<LayerSection>& layers) {
   const Node* node = material.find("layers");
@@ -142,8 +38,7 @@ void read_layers(SceneReader& s, const Section& material, std::vector<LayerSecti
   for (std::size_t i = 0; i < node->items.size(); ++i) {
     const Section section{material.reader, node->items[i], material.at("layers[" + std::to_string(i) + "]"),
                           "a layer of " + material.title};
-    cfg::check_keys(section,
-                    std::array<std::string_view, 5>{"conductivity", "density", "heat_capacity", "thickness", "source"});
+    cfg::check_keys(section, kLayerKeys);
     layers.push_back({.conductivity_w_m_k = read_si(section, kConductivity).value_or(1.0),
                       .density_kg_m3 = read_si(section, kDensity).value_or(1.0),
                       .heat_capacity_j_kg_k = read_si(section, kHeatCapacity).value_or(1.0),
@@ -157,30 +52,19 @@ void read_convection(const Section& material, Convection& convection) {
   if (node == nullptr) return;
   if (node->kind == Node::Kind::table) {
     const Section section{material.reader, *node, material.at("convection"), "convection of " + material.title};
-    cfg::check_keys(section, std::array<std::string_view, 2>{"h0", "h1"});
+    cfg::check_keys(section, std::array{kFilmStill.name, kFilmWind.name});
     convection.model = ConvectionModel::linear;
-    convection.h0_w_m2_k =
-        read_si(
-            section,
-            {.name = "h0", .unit = "W/m2/K", .lo = 0.0, .hi = 1e5, .example = "\"5 W/m2/K\"", .doc = "without wind"})
-            .value_or(0.0);
-    convection.h1_j_m3_k = read_si(section, {.name = "h1",
-                                             .unit = "J/m3/K",
-                                             .lo = 0.0,
-                                             .hi = 1e5,
-                                             .example = "\"3.8 W/m2/K/(m/s)\"",
-                                             .doc = "per wind speed"})
-                               .value_or(0.0);
+    convection.h0_w_m2_k = read_si(section, kFilmStill).value_or(0.0);
+    convection.h1_j_m3_k = read_si(section, kFilmWind).value_or(0.0);
     return;
   }
-  constexpr std::array<std::string_view, 3> words{"none", "mcadams", "tarp"};
   if (node->kind != Node::Kind::string) {
     material.error("convection", std::string(cfg::kind_word(node->kind)) +
                                      " where a word or a table belongs; write \"mcadams\", \"tarp\", \"none\" or "
                                      "{ h0 = \"5 W/m2/K\", h1 = \"3.8 W/m2/K/(m/s)\" }");
     return;
   }
-  if (const auto word = cfg::read_word(material, "convection", words))
+  if (const auto word = cfg::read_word(material, "convection", kConvectionWords))
     convection.model = static_cast<ConvectionModel>(*word);
 }
 
@@ -272,9 +156,7 @@ void read_materials(SceneReader& s) {
     const bool named = name != nullptr && name->kind == Node::Kind::string;
     const Section section{s.reader, node, "material[" + std::to_string(i) + "]",
                           "[[material]]" + (named ? " " + mtf::io::printable(name->text, 40) : "")};
-    cfg::check_keys(section, std::array<std::string_view, 11>{
-                                 "name", "solar_absorptance", "emissivity", "convection", "layers", "inside",
-                                 "wet_fraction", "gloss", "schlick_exponent", "refractive_index", "emissivity_angles"});
+    cfg::check_keys(section, kMaterialKeys);
     MaterialSection material;
     material.name = read_name(section, s.material_names, "armour");
     material.solar_absorptance = read_si(section, kSolarAbsorptance).value_or(0.0);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "apps/scene/scene_file/scene_fields.h"
 #include "apps/scene/scene_file/scene_reader.h"
 #include "mtf/io/file_checks.h"
 
@@ -14,7 +15,6 @@ namespace {
 namespace cfg = mtf::io::cfg;
 using cfg::Node;
 using cfg::Section;
-using mtf::Presence;
 
 /// Either a material or a given temperature, or both: then the material is the surface's alone.
 void read_surface(SceneReader& s, const Section& section, std::optional<std::size_t>& material,
@@ -54,18 +54,14 @@ void read_meshes(SceneReader& s) {
   for (std::size_t i = 0; i < list->items.size(); ++i) {
     const Node& node = list->items[i];
     const Section section{s.reader, node, "mesh[" + std::to_string(i) + "]", "[[mesh]]"};
-    cfg::check_keys(section, std::array<std::string_view, 3>{"name", "file", "unit"});
+    cfg::check_keys(section, kMeshKeys);
     MeshSection mesh;
     mesh.name = read_name(section, s.mesh_names, "vehicle");
     if (section.find("file") == nullptr && !s.reader.has_failed(section.at("file")))
       section.error("file", "missing; write file = \"vehicle.obj\" (OBJ, PLY, STL or glTF 2)");
     mesh.file = read_path(section, "file").value_or("");
     if (const Node* file = section.find("file")) mesh.file_at = file->position;
-    mesh.unit_m =
-        read_si(
-            section,
-            {.name = "unit", .unit = "m", .lo = 1e-6, .hi = 1e4, .presence = Presence::optional, .example = "\"1 mm\""})
-            .value_or(1.0);
+    mesh.unit_m = read_si(section, kMeshUnit).value_or(1.0);
     s.scene.meshes.push_back(std::move(mesh));
   }
 }
@@ -80,8 +76,7 @@ void read_regions(SceneReader& s) {
   for (std::size_t i = 0; i < list->items.size(); ++i) {
     const Node& node = list->items[i];
     const Section section{s.reader, node, "region[" + std::to_string(i) + "]", "[[region]]"};
-    cfg::check_keys(
-        section, std::array<std::string_view, 6>{"name", "mesh", "group", "mesh_material", "material", "temperature"});
+    cfg::check_keys(section, kRegionKeys);
     RegionSection region;
     region.group = cfg::read_string(section, "group").value_or("");
     region.mesh_material = cfg::read_string(section, "mesh_material").value_or("");
@@ -112,7 +107,7 @@ void read_ground(SceneReader& s) {
   const Node* table = find_section(s, "ground", "");
   if (table == nullptr) return;
   const Section section{s.reader, *table, "ground", "[ground]"};
-  cfg::check_keys(section, std::array<std::string_view, 2>{"material", "temperature"});
+  cfg::check_keys(section, kGroundKeys);
   GroundSection& ground = s.scene.ground.emplace();
   read_surface(s, section, ground.material, ground.temperature);
 }
@@ -121,25 +116,19 @@ void read_measured(SceneReader& s) {
   const Node* table = find_section(s, "measured", "");
   if (table == nullptr) return;
   const Section section{s.reader, *table, "measured", "[measured]"};
-  cfg::check_keys(section, std::array<std::string_view, 2>{"temperature", "sd"});
+  cfg::check_keys(section, kMeasuredKeys);
   MeasuredSection& measured = s.scene.measured.emplace();
   measured.temperature = read_schedule_value(s, section, kTemperature).value_or(radiometry::heat::Schedule{});
   if (measured.temperature.constant())
     section.error("temperature", "a measured day is a table of times; write the name of a CSV file");
-  measured.sd_k = read_si(section, {.name = "sd",
-                                    .unit = "K",
-                                    .lo = 0.0,
-                                    .hi = 100.0,
-                                    .lo_open = true,
-                                    .presence = Presence::optional,
-                                    .example = "\"0.3 K\""});
+  measured.sd_k = read_si(section, kMeasuredSd);
 }
 
 void read_camera(SceneReader& s) {
   const Node* table = find_section(s, "camera", "");
   if (table == nullptr) return;
   const Section section{s.reader, *table, "camera", "[camera]"};
-  cfg::check_keys(section, std::array<std::string_view, 4>{"position", "look_at", "path", "up"});
+  cfg::check_keys(section, kCameraKeys);
   const auto up = read_point(section, "up");
   if (up && distance(*up, {}) == 0.0) section.error("up", "a direction of length 0");
   CameraSection camera;

@@ -11,6 +11,7 @@
 #include <string_view>
 #include <vector>
 
+#include "apps/scene/scene_file/scene_fields.h"
 #include "apps/scene/scene_file/scene_file.h"
 #include "mtf/io/config/config_reader.h"
 
@@ -85,14 +86,5 @@ void read_camera(SceneReader& s);
 /// A schedule has to stay within the range of a field; the value that does not, in words.
 std::optional<std::string> out_of_range(const radiometry::heat::Schedule& schedule, const mtf::FieldInfo& field,
                                         double origin_s);
-
-inline constexpr double kHottest_k = 3000.0;
-inline constexpr mtf::FieldInfo kTemperature{.name = "temperature",
-                                             .unit = "K",
-                                             .lo = 0.0,
-                                             .hi = kHottest_k,
-                                             .lo_open = true,
-                                             .example = "\"80 degC\"",
-                                             .doc = "a constant, or the name of a schedule.csv"};
 
 }  // namespace apps::scene

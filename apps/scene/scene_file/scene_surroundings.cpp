@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "apps/scene/scene_file/scene_fields.h"
 #include "apps/scene/scene_file/scene_reader.h"
 #include "mtf/io/file_checks.h"
 #include "radiometry/heat/weather/instant.h"
@@ -19,7 +20,6 @@ using cfg::Node;
 using cfg::Section;
 using heat::WeatherQuantity;
 using mtf::FieldInfo;
-using mtf::Presence;
 using enum WeatherQuantity;
 
 /// An instant as a TOML date and time, or the same in quotes.
@@ -39,32 +39,6 @@ std::optional<double> read_instant(const Section& section, std::string_view key)
   if (!instant) section.error(key, mtf::io::printable(node->text, 60) + ": " + error.text);
   return instant;
 }
-
-constexpr FieldInfo constant_field(WeatherQuantity quantity, std::string_view unit, double lo, double hi,
-                                   std::string_view example) {
-  return {.name = heat::quantity_name(quantity),
-          .unit = unit,
-          .lo = lo,
-          .hi = hi,
-          .presence = Presence::optional,
-          .example = example};
-}
-
-/// Constant values that [weather] may have, in the order of WeatherQuantity.
-constexpr std::array kConstants{
-    constant_field(air_temperature, "K", 178.15, 338.15, "\"15 degC\""),
-    constant_field(wind_speed, "m/s", 0.0, 120.0, "\"3 m/s\""),
-    constant_field(vapour_pressure, "Pa", 0.0, 12000.0, "\"8 hPa\""),
-    constant_field(pressure, "Pa", 20e3, 115e3, "\"1013 hPa\""),
-    constant_field(direct_normal, "W/m2", 0.0, 1500.0, "\"800 W/m2\""),
-    constant_field(diffuse_horizontal, "W/m2", 0.0, 1500.0, "\"100 W/m2\""),
-    constant_field(global_horizontal, "W/m2", 0.0, 1500.0, "\"600 W/m2\""),
-    constant_field(longwave_down, "W/m2", 30.0, 700.0, "\"300 W/m2\""),
-    constant_field(cloud_cover, "", 0.0, 1.0, "0.3"),
-};
-static_assert(kConstants.back().name == heat::quantity_name(static_cast<WeatherQuantity>(kConstants.size() - 1)));
-constexpr FieldInfo kHumidity{
-    .name = "relative_humidity", .lo = 0.0, .hi = 1.1, .presence = Presence::optional, .example = "\"50 %\""};
 
 std::vector<std::string_view> constant_keys() {
   std::vector<std::string_view> keys{kHumidity.name};
@@ -95,24 +69,12 @@ void read_place(SceneReader& s) {
   const Node* table = find_section(s, "place", "write [place] with latitude, longitude and altitude");
   if (table == nullptr) return;
   const Section section{s.reader, *table, "place", "[place]"};
-  cfg::check_keys(section, std::array<std::string_view, 4>{"latitude", "longitude", "altitude", "north"});
-  const auto angle = [&](std::string_view name, double most, Presence presence, std::string_view example,
-                         std::string_view doc) {
-    constexpr double degree = std::numbers::pi / 180.0;
-    const FieldInfo field{
-        .name = name, .unit = "deg", .lo = -most, .hi = most, .presence = presence, .example = example, .doc = doc};
-    return degree * read_si(section, field).value_or(0.0);
-  };
-  s.scene.place.latitude_rad = angle("latitude", 90.0, Presence::required, "\"37.70 deg\"", "north positive");
-  s.scene.place.longitude_rad = angle("longitude", 360.0, Presence::required, "\"-105.92 deg\"", "east positive");
-  s.scene.north_rad = angle("north", 360.0, Presence::optional, "\"0 deg\"", "azimuth of +y");
-  s.scene.place.altitude_m = read_si(section, {.name = "altitude",
-                                               .unit = "m",
-                                               .lo = -500.0,
-                                               .hi = 9000.0,
-                                               .example = "\"2317 m\"",
-                                               .doc = "above the sea"})
-                                 .value_or(0.0);
+  cfg::check_keys(section, kPlaceKeys);
+  constexpr double degree = std::numbers::pi / 180.0;
+  s.scene.place.latitude_rad = degree * read_si(section, kLatitude).value_or(0.0);
+  s.scene.place.longitude_rad = degree * read_si(section, kLongitude).value_or(0.0);
+  s.scene.north_rad = degree * read_si(section, kNorth).value_or(0.0);
+  s.scene.place.altitude_m = read_si(section, kAltitude).value_or(0.0);
 }
 
 void read_time(SceneReader& s) {
@@ -120,15 +82,10 @@ void read_time(SceneReader& s) {
   const Node* table = find_section(s, "time", "write [time] with start, end and step");
   if (table == nullptr) return;
   const Section section{s.reader, *table, "time", "[time]"};
-  cfg::check_keys(section, std::array<std::string_view, 3>{"start", "end", "step"});
+  cfg::check_keys(section, kTimeKeys);
   TimeSection& time = s.scene.time;
   const auto start = read_instant(section, "start"), end = read_instant(section, "end");
-  const auto step = read_si(section, {.name = "step",
-                                      .unit = "s",
-                                      .lo = 0.1,
-                                      .hi = heat::kDay_s,
-                                      .presence = Presence::optional,
-                                      .example = "\"10 min\""});
+  const auto step = read_si(section, kStep);
   time.step_s = step.value_or(time.step_s);
   time.start_s = start.value_or(0.0);
   time.end_s = end.value_or(0.0);
@@ -149,7 +106,7 @@ void read_weather_section(SceneReader& s) {
   const Node* table = find_section(s, "weather", "write [weather] with file = \"weather.csv\", or constant values");
   if (table == nullptr) return;
   const Section section{s.reader, *table, "weather", "[weather]"};
-  std::vector<std::string_view> known{"file", "stamp", "repeat", "bridge", "average"};
+  std::vector<std::string_view> known(kWeatherKeys.begin(), kWeatherKeys.end());
   const auto constants = constant_keys();
   known.insert(known.end(), constants.begin(), constants.end());
   cfg::check_keys(section, known);
@@ -158,20 +115,8 @@ void read_weather_section(SceneReader& s) {
     weather.stamp = static_cast<heat::Stamp>(*stamp);
   if (const auto repeat = cfg::read_word(section, "repeat", heat::kRepeatNames))
     weather.repeat = static_cast<heat::Repeat>(*repeat);
-  weather.longest_bridge_s = read_si(section, {.name = "bridge",
-                                               .unit = "s",
-                                               .lo = 0.0,
-                                               .hi = heat::kDay_s,
-                                               .presence = Presence::optional,
-                                               .example = "\"1 h\""})
-                                 .value_or(weather.longest_bridge_s);
-  weather.average_s = read_si(section, {.name = "average",
-                                        .unit = "s",
-                                        .lo = 0.0,
-                                        .hi = heat::kDay_s,
-                                        .presence = Presence::optional,
-                                        .example = "\"5 min\""})
-                          .value_or(weather.average_s);
+  weather.longest_bridge_s = read_si(section, kBridge).value_or(weather.longest_bridge_s);
+  weather.average_s = read_si(section, kAverage).value_or(weather.average_s);
   weather.file = read_path(section, "file").value_or("");
   if (const Node* file = section.find("file")) weather.file_at = file->position;
   const auto constant = std::find_if(constants.begin(), constants.end(),
@@ -192,16 +137,15 @@ void read_sky(SceneReader& s) {
   const Node* table = find_section(s, "sky", "");
   if (table == nullptr) return;
   const Section section{s.reader, *table, "sky", "[sky]"};
-  cfg::check_keys(section, std::array<std::string_view, 2>{"longwave", "cloud"});
+  cfg::check_keys(section, kSkyKeys);
   SkySection& sky = s.scene.sky;
   if (const auto word = cfg::read_word(section, "longwave", kLongwaveNames))
     sky.longwave = static_cast<LongwaveModel>(*word);
   const Node* cloud = section.find("cloud");
   if (cloud == nullptr) return;
   if (cloud->kind == Node::Kind::string && !cloud->text.ends_with("%")) {
-    constexpr std::span<const std::string_view> words = std::span(kCloudNames).first(3);  // a constant is a number
-    if (const auto word = cfg::read_word(section, "cloud", words)) sky.cloud = static_cast<CloudSource>(*word);
-  } else if (const auto cover = read_si(section, {.name = "cloud", .lo = 0.0, .hi = 1.0, .example = "0.3"})) {
+    if (const auto word = cfg::read_word(section, "cloud", kCloudWords)) sky.cloud = static_cast<CloudSource>(*word);
+  } else if (const auto cover = read_si(section, kCloud)) {
     sky.cloud = CloudSource::constant;
     sky.cloud_cover = *cover;
   }

@@ -6,9 +6,11 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <chrono>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <thread>
 
 #include "apps/simulate/simulate.h"
 #include "mtf/error.h"
@@ -175,6 +177,60 @@ TEST_F(Flights, LightMadeBesideFramesIsThatMadeInThem) {
     EXPECT_EQ(other.new_light, i == 0 || i == 2 || i == 3 || i == 4) << i;
     EXPECT_LE(largest_difference(one.image.planes.front(), other.image.planes.front()), 1.0) << i;
   }
+}
+
+TEST_F(Flights, LightMayLagUntilItIsThere) {
+  const SceneFile file = load_scene(path("scene.toml"));
+  const double begin_s = file.time.start_s;
+  const Flight::Sensor camera = sensor();
+  std::string text = kSensor;
+  text.replace(text.find("4.8 um"), 6, "4.6 um");
+  const Flight::Sensor other_band = sensor(text);
+  const CameraPlace place{{0.0, -300.0, 40.0}, {0.0, 0.0, 1.0}};
+  PictureSource source(file, {});
+  Flight flight(source, file, {},
+                {.light_every_s = 1.0, .begin_s = begin_s, .end_s = begin_s + 90.0, .keep_radiance = true});
+  const FrameChoice lag{.light_may_lag = true};
+  EXPECT_FALSE(flight.frame(camera, place, begin_s, 0, lag).light_lags);  // there is none before it
+  // At once the old light under temperatures of now; once it is there, that of now.
+  const FlightFrame first = flight.frame(camera, place, begin_s + 80.5, 1, lag);
+  EXPECT_TRUE(first.light_lags);
+  ASSERT_TRUE(first.radiance);
+  EXPECT_LE(
+      largest_difference(first.image.planes.front(), alone(file, camera, place, begin_s + 80.5, begin_s + 0.5, 1)),
+      1.0);
+  FlightFrame later = flight.frame(camera, place, begin_s + 80.5, 1, lag);
+  for (int i = 0; i < 1000 && later.light_lags; ++i) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    later = flight.frame(camera, place, begin_s + 80.5, 1, lag);
+  }
+  EXPECT_FALSE(later.light_lags);
+  const mtf::Image alone_then = alone(file, camera, place, begin_s + 80.5, begin_s + 80.5, 1);
+  EXPECT_LE(largest_difference(later.image.planes.front(), alone_then), 1.0);
+  // Light of another band is no light for this one.
+  EXPECT_FALSE(flight.frame(other_band, place, begin_s + 80.5, 1, lag).light_lags);
+  // Fewer samples are another picture; the plans of both stay.
+  flight.frame(camera, place, begin_s + 80.5, 1, {.samples_per_pitch = 1.0});
+  const int compiled = flight.plans_compiled();
+  const FlightFrame again = flight.frame(camera, place, begin_s + 80.5, 1);
+  EXPECT_EQ(again.radiance->planes.front().width(), 160);
+  EXPECT_EQ(flight.frame(camera, place, begin_s + 80.5, 1, {.samples_per_pitch = 1.0}).radiance->planes.front().width(),
+            80);
+  EXPECT_EQ(flight.plans_compiled(), compiled);
+  EXPECT_LE(largest_difference(again.image.planes.front(), alone_then), 1.0);
+  // A sensor that changes while the view does not takes the radiance again; the image is its own.
+  flight.frame(other_band, place, begin_s + 80.5, 1);
+  std::string shaking_text = kSensor;
+  shaking_text.replace(shaking_text.find("20 urad"), 7, "90 urad");
+  const Flight::Sensor shaking = sensor(shaking_text);
+  flight.frame(camera, place, begin_s + 80.5, 1);
+  const FlightFrame shaken = flight.frame(shaking, place, begin_s + 80.5, 1);
+  EXPECT_LE(largest_difference(shaken.radiance->planes.front(), again.radiance->planes.front()),
+            1e-4 * static_cast<double>(again.radiance->planes.front().at(80, 64)));
+  EXPECT_LE(
+      largest_difference(shaken.image.planes.front(), alone(file, shaking, place, begin_s + 80.5, begin_s + 80.5, 1)),
+      1.0);
+  EXPECT_GT(largest_difference(shaken.image.planes.front(), again.image.planes.front()), 10.0);
 }
 
 TEST_F(Flights, SensorsMayChangeInEveryFrame) {

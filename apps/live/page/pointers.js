@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: Apache-2.0
+// Mouse and keys on the picture: divider, zoom and place of an image, camera of a 3-D scene; values under the cursor.
+
+import { ask, Refused } from "./api.js";
+import { $, app, inSpace, moving, state } from "./app.js";
+import { shown } from "./figures.js";
+import * as edits from "./history.js";
+
+let asking = false, at = null;
+
+async function values(um) {
+  at = um;
+  if (asking || !app.frames[1] || moving()) return;
+  asking = true;
+  while (at) {
+    const [x, y] = at;
+    at = null;
+    try {
+      const found = await ask("value", { id: app.frames[1].id, edits: edits.current(1), number: state.number, x_um: x, y_um: y });
+      const one = (what, unit) => (what ? `${shown(what.value, 6)} ${unit} at ${what.x}, ${what.y}` : "outside");
+      app.value = found;
+      $("cursor").textContent = `scene ${one(found.before, app.scene?.unit ?? "")}   |   image ${one(found.after, app.frames[1].unit)}`;
+    } catch (error) {
+      if (!(error instanceof Refused)) break;
+    }
+  }
+  asking = false;
+}
+
+export function setDivider(share) {
+  app.view.divider = Math.min(Math.max(share, 0), 1);
+  $("divider").value = app.view.divider * 1000;
+  app.view.draw();
+}
+
+export function pointers() {
+  const canvas = $("view"), { view } = app;
+  let held = null;
+  const nearDivider = (event, box) => Math.abs((event.clientX - box.left) / box.width - view.divider) * box.width < 8;
+  canvas.onpointerdown = (event) => {
+    held = { x: event.clientX, y: event.clientY, divider: nearDivider(event, canvas.getBoundingClientRect()), pan: event.shiftKey || event.button !== 0 };
+    canvas.setPointerCapture(event.pointerId);
+    if (inSpace() && !held.divider) app.place.hold(true);
+  };
+  canvas.onpointermove = (event) => {
+    const box = canvas.getBoundingClientRect(), ratio = canvas.width / box.width;
+    canvas.style.cursor = nearDivider(event, box) ? "ew-resize" : inSpace() ? "move" : "crosshair";
+    values(view.place(event));
+    if (!held) return;
+    const x = event.clientX - held.x, y = event.clientY - held.y;
+    if (held.divider) return setDivider((event.clientX - box.left) / box.width);
+    held = { ...held, x: event.clientX, y: event.clientY };
+    if (!inSpace()) view.moveBy(-x * ratio, -y * ratio);
+    else if (held.pan) app.place.panBy(-x * ratio * view.scale(), y * ratio * view.scale());
+    else app.place.orbitBy(-x * 0.4, y * 0.3);
+  };
+  canvas.onpointerup = canvas.onpointercancel = () => {
+    held = null;
+    app.place?.hold(false);
+  };
+  canvas.oncontextmenu = (event) => inSpace() && event.preventDefault();
+  canvas.addEventListener("wheel", (event) => {
+    event.preventDefault();
+    if (inSpace() && !event.ctrlKey) app.place.nearBy(2 ** (event.deltaY / 500));
+    else view.zoomBy(2 ** (event.deltaY / 300), view.place(event));
+  }, { passive: false });
+  canvas.onkeydown = (event) => {
+    const act = { "[": () => setDivider(view.divider - 0.02), "]": () => setDivider(view.divider + 0.02), ...(inSpace() ? app.place.keys(event.shiftKey) : plainKeys(canvas)) }[event.key];
+    if (!act || event.ctrlKey || event.metaKey) return;
+    event.preventDefault();
+    act();
+  };
+  $("divider").oninput = () => setDivider(Number($("divider").value) / 1000);
+}
+
+function plainKeys(canvas) {
+  const step = canvas.width / 10, { view } = app;
+  return {
+    ArrowLeft: () => view.moveBy(-step, 0), ArrowRight: () => view.moveBy(step, 0), ArrowUp: () => view.moveBy(0, -step), ArrowDown: () => view.moveBy(0, step),
+    "+": () => view.zoomBy(1 / 1.25), "=": () => view.zoomBy(1 / 1.25), "-": () => view.zoomBy(1.25), 0: () => view.fit(),
+  };
+}

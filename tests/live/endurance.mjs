@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+// Random moves on two pages of an image and one of a 3-D scene, watched for growth, errors, and pictures of values that
+// are no longer there.
+
+import assert from "node:assert/strict";
+import { readFileSync } from "node:fs";
+import { writeScene } from "./check_space.mjs";
+import { context, open, settle, unfold } from "./helpers.mjs";
+
+const memory = (server) => Number(/VmRSS:\s+(\d+)/.exec(readFileSync(`/proc/${server.child.pid}/status`, "utf8"))[1]) / 1024;
+
+/** A slider, by five places of which it rests at the last; now and then undo, run and freeze, the wheel. */
+async function move(page, random) {
+  const sliders = page.locator(".row input[type=range]");
+  await sliders.nth(Math.floor(random() * (await sliders.count()))).evaluate((element, values) => {
+    for (const value of values) {
+      element.value = value;
+      element.dispatchEvent(new Event("input", { bubbles: true }));
+    }
+    element.dispatchEvent(new Event("change", { bubbles: true }));
+  }, Array.from({ length: 5 }, () => random() * 1000));
+  if (random() < 0.3) await page.keyboard.press("Control+z");
+  if (random() < 0.1) await page.keyboard.press("f");
+  if (random() < 0.05) await page.keyboard.press("k");
+  if (random() < 0.05) await page.locator("#home").click({ timeout: 100 }).catch(() => {});
+}
+
+/** The last picture is of the last state, unless that was refused. */
+async function isFresh(page) {
+  if (await page.evaluate(() => window.mtfLive.state.running)) await page.keyboard.press("f");
+  await settle(page);
+  const { wrong, frame, number, utc_s } = await page.evaluate(() => ({ wrong: !document.getElementById("problem").hidden, frame: { ...window.mtfLive.frame }, number: window.mtfLive.state.number,
+    utc_s: window.mtfLive.place?.utc_s }));
+  if (wrong) return;
+  assert.equal(frame.number, number);
+  assert.equal(frame.preview, false);
+  if (utc_s !== undefined) assert.equal(frame.utc_s, utc_s);
+}
+
+export async function endure(run, browser, minutes) {
+  await writeScene(run);
+  const servers = [await run.serve(), await run.serve("plates.toml", "space.toml")], own = await context(browser);
+  const pages = [await open(own, servers[0].address), await open(own, servers[0].address), await open(own, servers[1].address)];
+  let seed = 1, moves = 0, first = [];
+  const random = () => ((seed = (seed * 48271) % 2147483647) / 2147483647);
+  const end = Date.now() + minutes * 60000;
+  for (const { page } of pages) await unfold(page);
+  while (Date.now() < end) {
+    await move(pages[moves % pages.length].page, random);
+    moves += 1;
+    if (moves % 30 !== 0) continue;
+    for (const { page } of pages) await isFresh(page);
+    if (moves === 150) first = servers.map(memory);
+    if (moves % 300 === 0) console.log(`${moves} moves: ${servers.map((server) => memory(server).toFixed(0)).join(" and ")} MiB`);
+  }
+  for (const [i, server] of servers.entries()) {
+    const grown = memory(server) - first[i];
+    console.log(`server ${i}: ${moves} moves, memory grew by ${grown.toFixed(0)} MiB from ${first[i].toFixed(0)}`);
+    assert.ok(grown < 100, `memory grew by ${grown} MiB`);
+  }
+  for (const { said } of pages) assert.deepEqual(said.filter((text) => !/status of 4(22|09|10)/.test(text)), []);
+  for (const server of servers) assert.equal(await server.end(), 0);
+}
