@@ -36,7 +36,7 @@ export class Curves {
     this.later = this.library === undefined ? () => this.show(curves, base, baseName) : null;
     if (this.later) return undefined;
     if (!this.library) return this.table(data, lines);
-    const key = JSON.stringify([lines.map((line) => line.label), baseName, curves.unit, Boolean(base), document.documentElement.dataset.theme]);
+    const key = JSON.stringify([lines.map((line) => line.label), baseName, curves.unit, Boolean(base), getComputedStyle(document.documentElement).getPropertyValue("--ink")]);
     if (key !== this.key) this.make(lines, base ? baseName : "", curves.unit, key, data);
     else this.chart.setData(data);
     this.nyquist = curves.nyquist;
