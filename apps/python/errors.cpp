@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 
-// Exceptions of the toolkit as those of mtfkit.errors. The message stays as it is, with file, line and remedy.
+// Exceptions of the toolkit as those of mtfkit.errors. The message stays as it is, with file, line and remedy; options
+// of the command, "--nan fill", become the arguments of the same names, "nan fill".
+
+#include <regex>
+#include <string>
 
 #include "apps/python/topics.h"
 #include "apps/simulate/simulate.h"
@@ -12,10 +16,22 @@ namespace {
 
 namespace py = pybind11;
 
+std::string with_arguments(const std::string& what) {
+  static const std::regex option("(^|[\\s(\"',;:])--([a-z]+)(?:-([a-z]+))?");
+  std::string text;
+  auto from = what.cbegin();
+  for (std::sregex_iterator it(what.cbegin(), what.cend(), option), end; it != end; ++it) {
+    text.append(from, (*it)[0].first).append((*it)[1].str()).append((*it)[2].str());
+    if ((*it)[3].matched) text.append("_").append((*it)[3].str());
+    from = (*it)[0].second;
+  }
+  return text.append(from, what.cend());
+}
+
 /// Sets the Python error of that class.
 void raise(const char* name, const char* what) {
   const py::object type = py::module_::import("mtfkit.errors").attr(name);
-  PyErr_SetObject(type.ptr(), py::str(what, std::char_traits<char>::length(what)).ptr());
+  PyErr_SetObject(type.ptr(), py::str(with_arguments(what)).ptr());
 }
 
 void raise_unreachable(const mtf::UnreachableTolerance& error) {

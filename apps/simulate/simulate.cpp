@@ -70,7 +70,7 @@ SimulateResult simulate_whole(const mtf::io::SensorConfig& config, SceneSource& 
   for (std::string& warning : light.warnings) report.warnings.push_back(std::move(warning));
 
   mtf::PlanOptions plan_options = plan_options_of(options, config, scene);
-  plan_options.scene = summarise_all(scene, defaults, light.error);
+  plan_options.scene = summarise_all(scene, defaults, light.error, report.warnings);
   plan_options.separate_readout = radiometric != nullptr;
   if (radiometric != nullptr && !options.tolerance && plan_options.scene)
     plan_options.tolerance = radiometric->tolerance(plan_options.tolerance, plan_options.scene->std);

@@ -86,13 +86,18 @@ std::optional<mtf::SceneSummary> harder_of(std::optional<mtf::SceneSummary> a,
 }
 
 std::optional<mtf::SceneSummary> summarise_all(const mtf::io::Scene& scene, const mtf::io::SceneDefaults& defaults,
-                                               double error) {
+                                               double error, std::vector<std::string>& warnings) {
   std::optional<mtf::SceneSummary> worst;
   for (const mtf::Image& plane : scene.planes)
     worst = harder_of(worst, mtf::summarise(plane.view(), defaults.border, defaults.border_value));
   // Less contrast than the rounding of float32 is none: such a scene has no std that a tolerance could be a share of.
   constexpr double kRounding = 0x1p-23;
-  if (worst && worst->std <= kRounding * worst->largest) return std::nullopt;
+  if (worst && worst->std <= kRounding * worst->largest) {
+    warnings.push_back(
+        "the scene has less contrast than its values are rounded by in single precision; the promised error is not of "
+        "that contrast: take off a constant first");
+    return std::nullopt;
+  }
   if (worst) worst->error = error;
   return worst;
 }

@@ -59,9 +59,10 @@ auto compile_reachable(bool asked, double unseen, mtf::PlanOptions& options, std
 }
 
 /// One summary for all channels: the parts that make the promise hardest to keep, on the scale of one of them. Nothing
-/// when all are flat. `error`: of a value, at most, as it comes (SceneLight::error).
+/// when all are flat, or have less contrast than the rounding of their values, of which `warnings` hears. `error`: of a
+/// value, at most, as it comes (SceneLight::error).
 std::optional<mtf::SceneSummary> summarise_all(const mtf::io::Scene& scene, const mtf::io::SceneDefaults& defaults,
-                                               double error = 0.0);
+                                               double error, std::vector<std::string>& warnings);
 
 /// One spectrum for all channels that have contrast, where the border has one (mtf/survey/scene_spectrum.h) and the
 /// planes are not huge.

@@ -78,7 +78,12 @@ struct Psf {
       for (std::size_t i = 0; i < h.size(); ++i) h[i] = h[i] * table.normalised(sum[i]);
     };
   }
-  double cutoff_cy_mm(const Context<S>&) const { return kInfinity; }
+  double cutoff_cy_mm(const Context<S>&) const { return kInfinity; }  // a corner, which is next to 0
+  /// Where it ends along the axes.
+  std::vector<double> kinks_cy_mm(const Context<S>& ctx) const {
+    const double x = 500.0 / value_of(step.x_um(ctx.frame)), y = 500.0 / value_of(step.y_um(ctx.frame));
+    return {std::min(x, y), std::max(x, y)};
+  }
   /// |1 - exp(-2 pi i a)| = 2 sin(pi |a|) for each sample.
   double deviation(double fx, double fy, const Context<S>& ctx) const {
     const double x = fx * value_of(step.x_um(ctx.frame)) * 1e-3, y = fy * value_of(step.y_um(ctx.frame)) * 1e-3;
@@ -105,7 +110,9 @@ struct Psf {
     if (std::max(samples.size(), samples.front().size()) > kMostSamples)
       return fault("more than " + std::to_string(kMostSamples) + " samples along an axis");
     const auto [sum, absolute] = sums();
-    if (!(sum > 1e-6 * absolute)) return fault("their sum, by which they are divided, is " + format_double(sum));
+    if (!(sum > 0.1 * absolute))
+      return fault("their sum, by which they are divided, is " + format_double(sum) + ", and that of their sizes " +
+                   format_double(absolute) + "; a PSF is positive but for noise and rings");
     // What is left at the highest frequency that they hold would be folded by the sampling.
     const double x = 499.0 / value_of(step.x_um(ctx.frame)), y = 499.0 / value_of(step.y_um(ctx.frame));
     double left = 0.0;

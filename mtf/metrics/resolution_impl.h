@@ -102,7 +102,7 @@ double ResolutionMeter<S>::Impl::fill_panels(Axis axis, double cutoff) {
     // Nothing ends the OTF: continue until the rest is too small to count, at most to 2^16 times Nyquist.
     double lo = 0.0, hi = 2.0 * nyquist;
     for (int i = 0; i < 16; ++i, lo = hi, hi *= 2.0) {
-      append_series<S, kOtfs>(series, {lo, hi}, share, kMostPanels, {}, evaluate);
+      append_series<S, kOtfs>(series, {lo, hi}, share, kMostPanels, parts.kinks_cy_mm(), evaluate);
       // Over the last octave, at frequencies that are not all zeros of one footprint.
       std::vector<double> octave;
       for (int k = 0; k < 29; ++k) octave.push_back(hi * (0.5 + 0.5 * (k + 0.61) / 29.3));

@@ -32,7 +32,7 @@ SceneInput load_input(SceneSource source, const mtf::io::SensorConfig& sensor, c
   if (source.filter) source.filter(input.scene);
   input.rate = light.rate;
   for (std::string& warning : light.warnings) input.scene.warnings.push_back(std::move(warning));
-  input.summary = summarise_all(input.scene, defaults, light.error);
+  input.summary = summarise_all(input.scene, defaults, light.error, input.scene.warnings);
   return input;
 }
 

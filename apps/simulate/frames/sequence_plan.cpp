@@ -151,6 +151,9 @@ std::shared_ptr<const mtf::SensorPlan> SequencePlanner::compile(const mtf::Syste
     loosened_for_ = difficulty(*input.summary);
     // Room for contrast that fades on.
     loosened_ = std::min(kRoomStorage * e.reachable(), std::midpoint(e.reachable(), 1.0));
+    if (const double unseen = radiometric != nullptr && !asked_ ? radiometric->unseen_tolerance(own) : 0.0;
+        e.reachable() <= unseen)
+      loosened_ = std::min(loosened_, unseen);
     const SceneDifficulty fading{loosened_for_.storage * kRoomStorage, loosened_for_.canvas};
     std::shared_ptr<const mtf::SensorPlan> plan;
     try {
