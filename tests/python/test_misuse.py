@@ -167,3 +167,18 @@ def test_a_function_may_write_into_its_frequencies():
     for wrong in (dict(label=3), dict(label=""), dict(tolerance=0), dict(tolerance=np.nan), dict(tolerance=-1)):
         with pytest.raises(mk.UsageError):
             mk.custom(lambda fx, fy: np.exp(-fx ** 2 - fy ** 2), cutoff="60 cy/mm", **wrong)
+
+
+def test_numbers_beyond_float32_are_not_written_as_infinite(tmp_path):
+    with pytest.raises(mk.DataError, match="beyond 3.4e38"):
+        mk.write(tmp_path / "large.exr", np.full((4, 4), 1e300))
+    assert not (tmp_path / "large.exr").exists()
+    mk.write(tmp_path / "infinite.exr", np.full((4, 4), np.inf))
+
+
+def test_contrast_below_rounding_is_warned_of(demo):
+    plain = mk.Sensor(frame=dict(focal_length="200 mm", pitch="12 um"), presample=[mk.Jitter(rms="10 um")])
+    image = np.random.default_rng(1).standard_normal((48, 64))
+    run = plain.simulate(1e7 + image, sample="3 um")
+    assert any("less contrast than its values are rounded by" in text for text in run.warnings)
+    assert not plain.simulate(1e3 + image, sample="3 um").warnings

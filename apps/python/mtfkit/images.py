@@ -124,7 +124,10 @@ def write(path: str | os.PathLike[str], planes: npt.ArrayLike | Mapping[str, npt
             text[name] = str(value)
     if bits not in (8, 16):
         raise UsageError(f"bits: {bits} is not 8 or 16")
-    for name, plane in named.items() if integers else ():
-        if not np.isfinite(_core.plane(plane, f"write: plane '{name}'")).all():
+    for name, plane in named.items():
+        single = _core.plane(plane, f"write: plane '{name}'")
+        if np.isinf(single).any() and not np.isinf(np.asarray(plane)).any():
+            raise DataError(f"{os.fspath(path)}: plane '{name}' has numbers beyond 3.4e38, the largest of float32")
+        if integers and not np.isfinite(single).all():
             raise DataError(f"{os.fspath(path)}: plane '{name}' has NaN or infinite values, for which there are no whole numbers")
     _core.write(os.fspath(path), list(named.items()), text, pairs, lists, [], range, bits)
