@@ -110,7 +110,7 @@ async function checkPage(run, browser) {
   await page.keyboard.press("Escape");
   await page.locator("#undo").click();
   await settle(page);
-  assert.ok(await page.locator("#problem").isHidden());
+  await page.waitForSelector("#problem", { state: "hidden" });  // its request may be on its way
   await page.locator("select[aria-label='Add to Before sampling']").selectOption("defocus");
   await page.waitForSelector("#problem:not([hidden])");
   assert.match(await page.locator("#problem").textContent(), /pupil/);

@@ -102,7 +102,7 @@ export async function checkSpace(run, browser) {
   await page.mouse.up();
   const around = await compare(run, page, "after dragging");
   assert.notDeepEqual(around.ends, first.ends);
-  assert.ok(await page.locator("#preview-tag").isHidden());
+  await page.waitForSelector("#preview-tag", { state: "hidden" });
   await page.mouse.wheel(0, -300);
   await page.waitForFunction(() => window.mtfLive.place.range < 55);
   const nearer = await compare(run, page, "after the wheel");
@@ -130,7 +130,7 @@ export async function checkSpace(run, browser) {
     assert.equal(await shown(), last, name);
     await page.locator("#home").click();
     await settle(page);
-    assert.ok(await page.locator("#problem").isHidden());
+    await page.waitForSelector("#problem", { state: "hidden" });
   }
 
   // A link restores the camera; the saved files reproduce the frame.
