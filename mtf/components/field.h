@@ -161,6 +161,16 @@ inline Traits motion_traits(bool in_x, bool in_y, bool even) {
           .real = even};
 }
 
+/// Whether rows of taps are the same read from right to left, or from the last one to the first, or both.
+template <class S>
+bool mirrored_taps(const Taps<S>& taps, bool in_x, bool in_y) {
+  const std::size_t rows = taps.size(), columns = taps.front().size();
+  for (std::size_t j = 0; j < rows; ++j)
+    for (std::size_t k = 0; k < columns; ++k)
+      if (value_of(taps[j][k]) != value_of(taps[in_y ? rows - 1 - j : j][in_x ? columns - 1 - k : k])) return false;
+  return true;
+}
+
 /// Bound of |1 - sinc| up to x: monotone to 1, never above 1 + 0.2173 (the deepest side lobe).
 inline double sinc_deviation(double x) { return x < 1.0 ? 1.0 - sinc(x).value : 1.2173; }
 

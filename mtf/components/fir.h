@@ -29,13 +29,7 @@ struct Fir {
                                       .doc = "rows of an odd by odd kernel; the response to one bright pixel"},
                             &Fir::taps}};
   }
-  bool mirrored(bool in_x, bool in_y) const {
-    const std::size_t rows = taps.size(), columns = taps.front().size();
-    for (std::size_t j = 0; j < rows; ++j)
-      for (std::size_t k = 0; k < columns; ++k)
-        if (value_of(taps[j][k]) != value_of(taps[in_y ? rows - 1 - j : j][in_x ? columns - 1 - k : k])) return false;
-    return true;
-  }
+  bool mirrored(bool in_x, bool in_y) const { return mirrored_taps(taps, in_x, in_y); }
   Traits traits(const Context<S>&) const {
     double sum = 0.0;
     for (const auto& row : taps)

@@ -142,14 +142,7 @@ struct Psf {
       }
     return s;
   }
-  bool mirrored(bool in_x, bool in_y) const {
-    const std::size_t rows = samples.size(), columns = samples.front().size();
-    for (std::size_t j = 0; j < rows; ++j)
-      for (std::size_t k = 0; k < columns; ++k)
-        if (value_of(samples[j][k]) != value_of(samples[in_y ? rows - 1 - j : j][in_x ? columns - 1 - k : k]))
-          return false;
-    return true;
-  }
+  bool mirrored(bool in_x, bool in_y) const { return mirrored_taps(samples, in_x, in_y); }
 
   /// Samples by columns, with their steps in mm.
   struct Table {
