@@ -23,8 +23,6 @@ void check(const Ray& ray, const Point& middle, std::size_t number) {
   if (!(norm > 1e-150 && norm < 1e150)) refuse("has a direction without a length from 1e-150 to 1e150.");
 }
 
-Vector unit(const Vector& v) { return (1.0 / length(v)) * v; }
-
 /// The distance to the plane of a triangle along a direction of any length, in that length.
 double distance_to(const Facets& facets, std::uint32_t triangle, const Point& origin, const Vector& direction) {
   const auto& [a, b, c] = facets.triangles[triangle];

@@ -20,6 +20,7 @@ constexpr Vector cross(const Vector& a, const Vector& b) {
   return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
 }
 inline double length(const Vector& a) { return std::sqrt(dot(a, a)); }
+inline Vector unit(const Vector& a) { return (1.0 / length(a)) * a; }
 inline bool finite(const Vector& a) { return std::isfinite(a[0]) && std::isfinite(a[1]) && std::isfinite(a[2]); }
 
 }  // namespace radiometry::scene

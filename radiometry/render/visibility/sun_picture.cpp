@@ -12,9 +12,7 @@
 namespace radiometry::render {
 namespace {
 
-using scene::operator-, scene::operator*;
-
-Vector unit(const Vector& v) { return (1.0 / scene::length(v)) * v; }
+using scene::operator-;
 
 }  // namespace
 
@@ -38,8 +36,8 @@ SunPicture::SunPicture(const scene::Facets& facets, const Vector& to_sun, int th
   const auto steep = [](double a, double b) { return std::abs(a) < std::abs(b); };
   Vector level{};
   level[static_cast<std::size_t>(std::min_element(to_sun.begin(), to_sun.end(), steep) - to_sun.begin())] = 1.0;
-  axes_[0] = unit(scene::cross(level, to_sun));
-  axes_[1] = unit(scene::cross(to_sun, axes_[0]));
+  axes_[0] = scene::unit(scene::cross(level, to_sun));
+  axes_[1] = scene::unit(scene::cross(to_sun, axes_[0]));
   for (std::size_t i = 0; i < place_.size(); ++i) {
     const Vector from_middle = facets.vertices[i] - facets.middle;
     place_[i] = {scene::dot(axes_[0], from_middle), scene::dot(axes_[1], from_middle)};
