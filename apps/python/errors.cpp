@@ -36,7 +36,7 @@ void raise(const char* name, const char* what) {
 
 void raise_unreachable(const mtf::UnreachableTolerance& error) {
   const py::object type = py::module_::import("mtfkit.errors").attr("ToleranceError");
-  PyErr_SetObject(type.ptr(), type(py::str(error.what()), error.reachable()).ptr());
+  PyErr_SetObject(type.ptr(), type(py::str(with_arguments(error.what())), error.reachable()).ptr());
 }
 
 void translate(std::exception_ptr thrown) {
