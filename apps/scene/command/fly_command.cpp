@@ -35,7 +35,6 @@ namespace {
 using namespace scene;
 namespace fs = std::filesystem;
 
-constexpr double kClock_s = 1e-3;
 constexpr std::int64_t kAhead = 15;  // frames: light is asked for so long before it is wanted
 
 /// Where and when frames are.
@@ -115,10 +114,7 @@ std::vector<std::string> inputs_of(const FlyCommandOptions& options, const Scene
 /// No frame and no report replaces what the run reads, or each other, or is written through a link.
 void require_outputs(const FlyCommandOptions& options, const std::optional<FrameNames>& names, const Course& course,
                      const std::vector<std::string>& inputs) {
-  const auto is_frame = [&](const std::string& name) {
-    const auto frame = names ? names->frame_of(name) : std::nullopt;
-    return frame && std::binary_search(course.frames.begin(), course.frames.end(), *frame);
-  };
+  const auto is_frame = [&](const std::string& name) { return names && names->is_among(course.frames, name); };
   std::vector<std::string> outputs;
   if (!options.report.empty()) outputs.push_back(options.report);
   if (names) outputs.push_back(names->name(course.frames.front()));
@@ -131,13 +127,8 @@ void require_outputs(const FlyCommandOptions& options, const std::optional<Frame
   if (!options.report.empty() && is_frame(options.report))
     throw mtf::UsageError("--report: " + one_line(options.report) + " is one of the frames; choose another name");
   if (!names) return;
-  std::error_code error;
-  const fs::path folder = fs::path(names->name(course.frames.front())).parent_path();
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder.empty() ? fs::path(".") : folder, error)) {
-    const std::string name = (folder / entry.path().filename()).string();
-    if (is_frame(name) && entry.is_symlink(error))
-      throw mtf::UsageError("-o: " + one_line(name) + " is a link; remove it, or choose another name");
-  }
+  if (const std::vector<std::string> links = names->links(course.frames); !links.empty())
+    throw mtf::UsageError("-o: " + one_line(links.front()) + " is a link; remove it, or choose another name");
 }
 
 /// What the flight did not do, in words.
@@ -254,12 +245,11 @@ int run_fly(const FlyCommandOptions& options, const Global& global) {
     heat_ms = heat.ms();
   }
   PictureSource source(file, air, std::move(rows));
-  if (const auto span = source.temperatures_span_utc_s())
-    for (const std::int64_t frame : {first, last})
-      if (const double utc_s = course.utc_of(frame); utc_s < (*span)[0] - kClock_s || utc_s > (*span)[1] + kClock_s)
-        throw mtf::UsageError("frame " + std::to_string(frame) + " is at " + radiometry::heat::instant_text(utc_s) +
-                              ", and the temperatures go from " + radiometry::heat::instant_text((*span)[0]) + " to " +
-                              radiometry::heat::instant_text((*span)[1]) + "; choose another --time, or fewer frames");
+  for (const std::int64_t frame : {first, last}) try {
+      source.require_temperatures_at(course.utc_of(frame));
+    } catch (const mtf::Error&) {
+      rethrow(course, frame, 0);
+    }
   FlightOptions how{.samples_per_pitch = options.sampling.samples_per_pitch,
                     .render = {.points = options.sampling.points, .empty_views = true, .threads = global.threads},
                     .image = options.image,

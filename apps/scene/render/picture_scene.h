@@ -59,6 +59,8 @@ class PictureSource {
   void temperatures(double utc_s, std::vector<float>& kelvin);
   bool temperatures_change() const { return temperatures_->change(); }
   std::optional<std::array<double, 2>> temperatures_span_utc_s() const { return temperatures_->span_utc_s(); }
+  /// Throws UsageError for a time that the temperatures do not have.
+  void require_temperatures_at(double utc_s) const { temperatures_->require_time(utc_s); }
   const radiometry::scene::Rays& rays() const { return *rays_; }
 
  private:

@@ -84,17 +84,23 @@ struct SideTemperatures::State {
   }
 
   const std::vector<double>& times() const { return folder ? folder->times() : rows.utc_s; }
+  void require_time(double utc_s) const;
   void from_rows(double utc_s);
   void from_file(double utc_s);
   void require_all() const;
 };
 
-void SideTemperatures::State::from_rows(double utc_s) {
+void SideTemperatures::State::require_time(double utc_s) const {
   const std::vector<double>& time = times();
-  if (!(utc_s >= time.front() && utc_s <= time.back()))
-    throw mtf::UsageError(heat::instant_text(utc_s) + " is outside of the temperatures of " + one_line(source) +
-                          ", which go from " + heat::instant_text(time.front()) + " to " +
-                          heat::instant_text(time.back()));
+  if (time.empty() || (utc_s >= time.front() && utc_s <= time.back())) return;
+  throw mtf::UsageError(heat::instant_text(utc_s) + " is outside of the temperatures of " + one_line(source) +
+                        ", which go from " + heat::instant_text(time.front()) + " to " +
+                        heat::instant_text(time.back()));
+}
+
+void SideTemperatures::State::from_rows(double utc_s) {
+  require_time(utc_s);
+  const std::vector<double>& time = times();
   const auto above = std::upper_bound(time.begin(), time.end(), utc_s);
   const std::size_t row = static_cast<std::size_t>(above - time.begin()) - 1;
   const std::size_t next = std::min(row + 1, time.size() - 1);
@@ -167,6 +173,8 @@ std::optional<std::array<double, 2>> SideTemperatures::span_utc_s() const {
   if (state_->times().empty()) return std::nullopt;
   return std::array{state_->times().front(), state_->times().back()};
 }
+
+void SideTemperatures::require_time(double utc_s) const { state_->require_time(utc_s); }
 
 bool SideTemperatures::change() const {
   const State& state = *state_;

@@ -33,6 +33,8 @@ class SideTemperatures {
   double default_utc_s() const;
   /// The first and the last time that is known; nothing where they hold at all times.
   std::optional<std::array<double, 2>> span_utc_s() const;
+  /// Throws UsageError for a time that the rows do not have.
+  void require_time(double utc_s) const;
   /// Whether they change with time.
   bool change() const;
   /// Fills `kelvin` of radiometry::scene::index(side); NaN for the inside of solids. Throws UsageError for a time that

@@ -117,14 +117,36 @@ std::optional<std::int64_t> FrameNames::frame_of(const std::string& path) const 
   return name(frame) == folder_ + file ? std::optional(frame) : std::nullopt;  // frame.1.exr is not frame.%04d.exr
 }
 
-std::vector<std::int64_t> FrameNames::in_folder() const {
+bool FrameNames::is_among(const std::vector<std::int64_t>& frames, const std::string& path) const {
+  const auto frame = frame_of(path);
+  return frame && std::binary_search(frames.begin(), frames.end(), *frame);
+}
+
+std::vector<std::int64_t> FrameNames::numbers_in_folder(std::error_code& error) const {
   std::vector<std::int64_t> frames;
-  std::error_code error;
-  const std::filesystem::path folder = folder_.empty() ? "." : folder_;
+  const std::string folder = folder_.empty() ? "." : folder_;
   for (std::filesystem::directory_iterator it(folder, error), end; !error && it != end; it.increment(error))
     if (const auto frame = frame_of(folder_ + it->path().filename().string())) frames.push_back(*frame);
+  return frames;
+}
+
+std::vector<std::string> FrameNames::links(const std::vector<std::int64_t>& frames) const {
+  std::error_code ignored;  // a folder that nobody may list has no names that anybody can write
+  std::vector<std::int64_t> there = numbers_in_folder(ignored);
+  std::sort(there.begin(), there.end());
+  std::vector<std::string> found;
+  for (const std::int64_t frame : there)
+    if (is_among(frames, name(frame)) &&
+        std::filesystem::is_symlink(std::filesystem::symlink_status(name(frame), ignored)))
+      found.push_back(name(frame));
+  return found;
+}
+
+std::vector<std::int64_t> FrameNames::in_folder() const {
+  std::error_code error;
+  std::vector<std::int64_t> frames = numbers_in_folder(error);
   if (error)
-    throw mtf::RuntimeError("cannot list " + one_line(folder.string()) + ": " + error.message() +
+    throw mtf::RuntimeError("cannot list " + one_line(folder_.empty() ? "." : folder_) + ": " + error.message() +
                             "; check the folder of " + one_line(pattern_));
   if (frames.empty())
     throw mtf::RuntimeError("there is no file " + one_line(pattern_) + " (" + one_line(name(1)) +

@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <system_error>
 #include <vector>
 
 #include "apps/simulate/simulate_options.h"
@@ -25,12 +26,19 @@ class FrameNames {
   /// The frame that a path in any spelling of the folder stands for, or nothing.
   std::optional<std::int64_t> frame_of(const std::string& path) const;
 
+  /// Whether a path stands for one of these frames, which rise.
+  bool is_among(const std::vector<std::int64_t>& frames, const std::string& path) const;
+  /// Names of those of these frames, which rise, that are links, in their order.
+  std::vector<std::string> links(const std::vector<std::int64_t>& frames) const;
+
   /// Frames to work on, in rising order: those of the range, or without one all that are in the folder. Throws
   /// RuntimeError naming the first frame that is missing: one of the range, or one between two that are there (their
   /// numbers go up by the smallest step between neighbours).
   std::vector<std::int64_t> find(const std::optional<FrameRange>& range) const;
 
  private:
+  /// In no order.
+  std::vector<std::int64_t> numbers_in_folder(std::error_code& error) const;
   std::vector<std::int64_t> in_folder() const;
 
   std::string pattern_, folder_;  ///< folder with its final slash, "" for the current one

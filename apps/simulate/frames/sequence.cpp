@@ -50,9 +50,7 @@ std::optional<FrameNames> output_names_of(const SimulateOptions& options, bool n
 void check_files(const SimulateOptions& options, const SceneSource& scene, const SequenceNames& names,
                  std::vector<std::string> inputs) {
   const std::vector<std::int64_t>& frames = names.frames;
-  const auto is_frame = [&](const std::optional<std::int64_t>& number) {
-    return number && std::binary_search(frames.begin(), frames.end(), *number);
-  };
+  const auto is_frame = [&](const std::string& name) { return names.out->is_among(frames, name); };
   std::vector<std::string> outputs = options.also_written;
   if (names.out) outputs.insert(outputs.begin(), names.out->name(frames.front()));
   if (!options.schedule.empty()) inputs.push_back(options.schedule);
@@ -60,25 +58,21 @@ void check_files(const SimulateOptions& options, const SceneSource& scene, const
   require_writable(outputs, inputs);
   if (!names.out) return;
   for (const std::string& input : inputs)
-    if (is_frame(names.out->frame_of(input)))
-      throw mtf::UsageError(one_line(input) + ": is an input; name other files for the output");
+    if (is_frame(input)) throw mtf::UsageError(one_line(input) + ": is an input; name other files for the output");
   for (std::size_t i = 1; i < outputs.size(); ++i)
-    if (is_frame(names.out->frame_of(outputs[i])) || is_frame(names.out->frame_of(place_of(outputs[i]).string())))
+    if (is_frame(outputs[i]) || is_frame(place_of(outputs[i]).string()))
       throw mtf::UsageError(one_line(outputs[i]) + ": is the name of an output frame; give it its own name");
   std::set<std::filesystem::path> linked;
   for (std::size_t i = 1; i < outputs.size(); ++i) linked.insert(place_of(outputs[i]));
-  for (const std::int64_t frame : frames) {
-    const std::string name = names.out->name(frame);
-    std::error_code error;
-    if (!std::filesystem::is_symlink(std::filesystem::symlink_status(name, error))) continue;
+  for (const std::string& name : names.out->links(frames)) {
     const std::filesystem::path place = place_of(name);
-    if (is_frame(names.out->frame_of(place.string())) || !linked.insert(place).second)
+    if (is_frame(place.string()) || !linked.insert(place).second)
       throw mtf::UsageError(one_line(name) + ": is a link to " + one_line(place.string()) +
                             ", which another output is too; remove the link");
   }
   if (!names.scenes) return;
   for (const std::int64_t frame : frames) {
-    if (is_frame(names.scenes->frame_of(names.out->name(frame))))
+    if (names.scenes->is_among(frames, names.out->name(frame)))
       throw mtf::UsageError(one_line(names.out->name(frame)) +
                             ": is a frame of the input; name other files for the output");
     require_different(names.scenes->name(frame), names.out->name(frame));
