@@ -64,9 +64,11 @@ struct AxisFigures {
   S nyquist{}, optics_nyquist{}, detector_nyquist{},
       presample_nyquist{};  ///< MTF at Nyquist, 1 without such components
   S folded_nyquist{};
-  S mtf50_cy_px{};     ///< NaN where the MTF never falls that far
-  S rer_unfiltered{};  ///< of the image before digital filters ([[postsample]])
-  S mtfa{}, rer{}, overshoot{}, edge_height{}, fwhm_px{};
+  S mtf50_cy_px{};  ///< NaN where the MTF never falls that far
+  S mtfa{};
+  /// Of the edge: NaN where a phase moves it by more pixels than the quadrature follows, some hundred.
+  S rer{}, overshoot{}, edge_height{}, fwhm_px{};
+  S rer_unfiltered{};  ///< the same of the image before digital filters ([[postsample]])
   S aliasing{}, spurious_in{};
   S spurious_out{};         ///< NaN where nothing ends what follows sampling (no display)
   std::vector<S> mtf_at{};  ///< of the system, in the order of ResolutionNeeds::at

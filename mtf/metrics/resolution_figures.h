@@ -7,23 +7,35 @@
 
 namespace mtf {
 
+/// Fills the sums of the edge. Where it is; NaN where that is farther from the origin than nodes resolve. The phase at
+/// low frequency only says about where: for a long tail another place, for hundreds of pixels one a turn away.
+template <class S>
+template <class Otf>
+S ResolutionMeter<S>::Impl::place_edge(Axis axis, Otf otf) {
+  for (;;) {
+    edge.clear(pitch_mm(axis), near());
+    for (const detail::AxisPanel<S>& panel : panels) edge.add(panel.series.map, *panel.nodes, panel.*otf);
+    const S centre = edge.centre(shift_px);
+    const double needed = std::abs(value_of(centre)) + margin_px();
+    if (edge.real() || needed <= reach_px) return centre;
+    if (reach_px == 0.0) return S(std::numeric_limits<double>::quiet_NaN());
+    make_nodes(axis, std::min(needed + 1.0, 4.0 * reach_px));  // what lies beyond is not to be relied on
+  }
+}
+
 template <class S>
 void ResolutionMeter<S>::Impl::edge_figures(Axis axis, AxisFigures<S>& figures) {
   using namespace detail;
   const AxisNeeds& n = needs.axis;
-  const auto fill = [&](auto otf) {
-    edge.clear(pitch_mm(axis), near());
-    for (const AxisPanel<S>& panel : panels) edge.add(panel.series.map, *panel.nodes, panel.*otf);
-  };
   const bool unfiltered = n.unfiltered && parts.digital_filters(axis);
   if (unfiltered) {
-    fill(&AxisPanel<S>::unfiltered);
-    const S centre = edge.centre(shift_px);
+    const S centre = place_edge(axis, &AxisPanel<S>::unfiltered);
+    if (std::isnan(value_of(centre))) return;
     figures.rer_unfiltered = edge.at(centre + S(0.5)).esf - edge.at(centre - S(0.5)).esf;
   }
-  fill(&AxisPanel<S>::system);
   // For a real OTF from the edge on, else from half a pixel before it.
-  const S centre = edge.centre(shift_px);
+  const S centre = place_edge(axis, &AxisPanel<S>::system);
+  if (std::isnan(value_of(centre))) return;
   const std::size_t at_edge = edge.real() ? 0 : 2;
   const EdgeSamples<S> samples = edge.samples(edge.real() ? S(0) : centre - S(0.5), n.overshoot ? 15 : 5);
   const bool edges = n.edge || (n.unfiltered && !unfiltered);

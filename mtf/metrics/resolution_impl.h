@@ -25,6 +25,7 @@ struct ResolutionMeter<S>::Impl {
   std::vector<detail::AxisPanel<S>> panels{};
   int evaluations = 0;
   double shift_px = 0.0;       ///< of the image along the axis at hand, about
+  double reach_px = 0.0;       ///< how far from the origin the nodes resolve the edge
   double series_error = 0.0;   ///< of the OTF's series
   double replica_error = 0.0;  ///< of integrals over replicas
   double figure_error = 0.0;   ///< of figures from a slope, or from integrals of their own
@@ -40,6 +41,11 @@ struct ResolutionMeter<S>::Impl {
   bool needs_moduli() const { return needs.axis.area || needs.axis.aliasing || needs.axis.spurious; }
   S pitch_mm(Axis axis) const { return parts.system().frame.pitch_um(axis) * S(1e-3); }
   double fill_panels(Axis axis, double cutoff);
+  /// What figures of the edge need on both sides of it.
+  double margin_px() const { return needs.axis.overshoot ? 3.0 : needs_edge() ? 1.0 : 0.0; }
+  void make_nodes(Axis axis, double to_px);
+  template <class Otf>
+  S place_edge(Axis axis, Otf otf);
   void points(Axis axis, double cutoff, AxisFigures<S>& figures);
   S mtf50(Axis axis);
   void edge_figures(Axis axis, AxisFigures<S>& figures);
@@ -118,21 +124,35 @@ double ResolutionMeter<S>::Impl::fill_panels(Axis axis, double cutoff) {
   parts.along(axis, f, products);
   const Complex<S> h_low = products.presample[0] * products.after_sampling[0];
   shift_px = -std::atan2(value_of(h_low.im), value_of(h_low.re)) / (2.0 * kPi * 1e-3);
-  const double reach_px = (needs.axis.overshoot ? 3.0 : needs_edge() ? 1.0 : 0.0) + std::abs(shift_px);
   panels.clear();
   series_error = 0.0;
   for (SeriesPanel<S, kOtfs>& one : series) {
-    const double width = pitch * (one.map.hi - one.map.lo);
     series_error = std::max(series_error, one.error);
-    const FineNodes& nodes = fine_nodes(one.degree, reach_px * width);
-    detail::AxisPanel<S> panel{{}, &nodes, at_nodes(one.otf[kSystem], nodes), {}, {}};
-    if (presample) panel.presample = at_nodes(one.otf[kPresample], nodes);
-    if (unfiltered) panel.unfiltered = at_nodes(one.otf[kUnfiltered], nodes);
-    panel.series = std::move(one);
-    panels.push_back(std::move(panel));
+    panels.emplace_back().series = std::move(one);
   }
+  make_nodes(axis, margin_px() + std::abs(shift_px));
   series_error += band_error();
   return series_error * amplified + beyond;
+}
+
+/// Nodes of every panel that resolve places up to `to_px` from the origin; where there are not as many, the most.
+template <class S>
+void ResolutionMeter<S>::Impl::make_nodes(Axis axis, double to_px) {
+  using namespace detail;
+  const double pitch = value_of(pitch_mm(axis));
+  bool enough = true;
+  for (AxisPanel<S>& panel : panels) {
+    const SeriesPanel<S, kOtfs>& series = panel.series;
+    const double cycles = to_px * pitch * (series.map.hi - series.map.lo);
+    enough = enough && nodes_suffice(series.degree, cycles);
+    const FineNodes& nodes = fine_nodes(series.degree, cycles);
+    panel.nodes = &nodes;
+    panel.system = at_nodes(series.otf[kSystem], nodes);
+    if (needs.axis.aliasing || needs.axis.spurious) panel.presample = at_nodes(series.otf[kPresample], nodes);
+    if (needs.axis.unfiltered && parts.digital_filters(axis))
+      panel.unfiltered = at_nodes(series.otf[kUnfiltered], nodes);
+  }
+  reach_px = enough ? to_px : 0.0;
 }
 
 /// The OTF at single frequencies: Nyquist, its replicas, those asked for.

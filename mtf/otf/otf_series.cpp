@@ -90,6 +90,12 @@ struct Clenshaw {
   }
 };
 
+/// In whole groups of lanes.
+double nodes_wanted(int degree, double cycles) {
+  const double k = 0.5 * kPi * kPi * cycles;  // largest change of phase per unit of t; nodes: see quadrature.h
+  return 8.0 * std::ceil((0.5 * degree + 0.5 * k + 2.0 * std::cbrt(k) + 8.0) / 8.0);
+}
+
 }  // namespace
 
 PanelPlaces PanelMap::at(std::span<const double> t) const {
@@ -121,10 +127,10 @@ const ChebyshevPoints& chebyshev_points(int degree) {
   return points[degree == kLeastDegree ? 0 : degree == kMostDegree ? 2 : 1];
 }
 
+bool nodes_suffice(int degree, double cycles) { return nodes_wanted(degree, cycles) <= kMostGaussNodes; }
+
 const FineNodes& fine_nodes(int degree, double cycles) {
-  const double k = 0.5 * kPi * kPi * cycles;  // largest change of phase per unit of t; nodes: see quadrature.h
-  const double wanted = 0.5 * degree + 0.5 * k + 2.0 * std::cbrt(k) + 8.0;
-  const int count = static_cast<int>(std::min<double>(kMostGaussNodes, 8.0 * std::ceil(wanted / 8.0)));
+  const int count = static_cast<int>(std::min<double>(kMostGaussNodes, nodes_wanted(degree, cycles)));
   // One table for each degree and number of nodes; threads keep what they found, so that the lock is taken once.
   static std::mutex lock;
   static std::map<std::pair<int, int>, std::unique_ptr<const FineNodes>> tables;

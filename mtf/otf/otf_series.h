@@ -36,8 +36,11 @@ struct FineNodes {
   std::vector<double> t, share, weight;  ///< rising; share and weight as parts of the panel's width
   std::vector<double> basis;             ///< [k][node] = T_k(t)
 };
-/// It has as many nodes as the product of the series and a wave of `cycles` over the panel needs.
+/// It has as many nodes as the product of the series and a wave of `cycles` over the panel needs, or the most there
+/// are.
 const FineNodes& fine_nodes(int degree, double cycles);
+/// Whether they are as many as the product needs.
+bool nodes_suffice(int degree, double cycles);
 
 /// result[i] = sum over k of matrix[k][i] x factor[k]; for double on whatever vectors the machine has.
 void add_products(const double* matrix, std::span<const double> factor, std::span<double> result);

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+// Edges that a phase moves.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "mtf/metrics/resolution.h"
+#include "tests/mtf/builders.h"
+
+namespace mtf::test {
+namespace {
+
+// A Gaussian behind an RC low-pass is the exponentially modified Gaussian (Grushka, Anal. Chem. 44, 1733 (1972)):
+//   esf(x) = Phi(x/s) - exp(s^2/(2 t^2) - x/t) Phi(x/s - s/t)
+// whose median is t ln 2 and more behind the place without the filter.
+TEST(Resolution, ALongTailMovesTheEdgeAndEveryFigureIsRightOrNone) {
+  constexpr double s = 0.5;
+  int none = 0;
+  for (const double t : {0.3, 2.0, 20.0, 150.0, 400.0, 700.0, 1400.0, 1e4, 1e7}) {
+    System<double> system;
+    system.frame = {100.0, 10.0, 10.0, 0.0, 0, 0};
+    system.add(Stage::presample, gaussian(10.0 * s));
+    auto rc = Component<double>::make("rc_lowpass");
+    set(rc, "cutoff", 100.0 / (2.0 * kPi * t), "cy/mm");  // a pixel is 10 um
+    system.add(Stage::presample, rc);
+    ResolutionNeeds needs;
+    needs.axis.edge = needs.axis.unfiltered = true;
+    needs.tolerance = 1e-7;
+    const Resolution<double> r = ResolutionMeter<double>(needs).measure(system);
+    const auto phi = [](double x) { return 0.5 * std::erfc(-x / std::numbers::sqrt2); };
+    const auto esf = [&](double x) {
+      return phi(x / s) - std::exp(0.5 * s * s / (t * t) - x / t) * phi(x / s - s / t);
+    };
+    double lo = -3.0, hi = 3.0 + 3.0 * t;
+    while (0.5 * (lo + hi) > lo && 0.5 * (lo + hi) < hi) (esf(0.5 * (lo + hi)) < 0.5 ? lo : hi) = 0.5 * (lo + hi);
+    none += std::isnan(r.x.rer);
+    if (!std::isnan(r.x.rer)) {
+      EXPECT_NEAR(r.x.rer, esf(lo + 0.5) - esf(lo - 0.5), r.error) << t;
+    }
+    EXPECT_EQ(std::isnan(r.x.rer_unfiltered), std::isnan(r.x.rer)) << t;
+    EXPECT_TRUE(t > 400.0 || !std::isnan(r.x.rer)) << t;
+    EXPECT_NEAR(r.y.rer, std::erf(0.5 / (std::numbers::sqrt2 * s)), 1e-7);
+  }
+  EXPECT_LE(none, 4);
+}
+
+}  // namespace
+}  // namespace mtf::test
