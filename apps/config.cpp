@@ -12,6 +12,7 @@
 #include "apps/sensor/sensor_chain.h"
 #include "apps/sensor/sensor_file.h"
 #include "apps/sensor/sensor_place.h"
+#include "apps/sensor/sensor_warnings.h"
 #include "apps/sweep/study_file.h"
 #include "apps/terminal/output.h"
 #include "apps/terminal/text_table.h"

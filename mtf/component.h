@@ -107,7 +107,7 @@ Choice choice_of(std::span<const std::string_view> names, std::string_view word)
 /// Before the first sample it starts from 1 at f = 0; beyond the last it goes to 0 along the last slope, or the mean
 /// fall 1/(last frequency) if steeper, and stays there.
 struct Curve {
-  std::string source;             ///< file it came from, for messages and provenance
+  std::string source;             ///< file it came from, for messages and provenance; empty: lines of the sensor file
   const Unit* unit = nullptr;     ///< cy/mm, cy/mrad or cy/px
   std::vector<double> frequency;  ///< strictly increasing, first > 0 or (0, value)
   std::vector<double> value;

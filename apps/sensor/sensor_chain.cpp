@@ -9,6 +9,7 @@
 
 #include "apps/sensor/sensor_air.h"
 #include "apps/sensor/sensor_place.h"
+#include "apps/sensor/sensor_warnings.h"
 #include "mtf/components/footprint.h"
 #include "mtf/error.h"
 #include "mtf/io/csv/spectrum_csv.h"
@@ -120,7 +121,7 @@ mtf::io::SensorConfig read_sensor_file(const std::string& file, std::vector<mtf:
 std::vector<std::string> files_of(const mtf::io::SensorConfig& config) {
   std::vector<std::string> files{config.file};
   const auto add = [&](const std::shared_ptr<const mtf::Curve>& curve) {
-    if (curve) files.push_back(curve->source);
+    if (curve && !curve->source.empty()) files.push_back(curve->source);
   };
   for (const auto& list : config.system.stages)
     for (const auto& entry : list)
@@ -248,92 +249,6 @@ std::string unused_table(const mtf::io::SensorConfig& config) {
   return (row ? std::string(table.name) + "." + std::string(table.settings.front().name)
               : "[" + std::string(table.name) + "]") +
          ": part of the chain to electrons, which begins with [detector]; add that, or remove this";
-}
-
-namespace {
-
-mtf::io::Diagnostic warning_at(std::string path, std::string text) {
-  return {.error = false, .position = {}, .path = std::move(path), .text = std::move(text)};
-}
-
-/// The active area of a pixel says how much light it takes and what its MTF is; two keys of a file state it.
-std::vector<mtf::io::Diagnostic> fill_factor_warnings(const mtf::System<double>& system, double fill_factor) {
-  std::vector<mtf::io::Diagnostic> warnings;
-  const auto context = system.context();
-  const double cell_mm2 = 1e-6 * system.frame.pitch_x_um * system.frame.pitch_y_um;
-  for (const auto& entry : system.list(mtf::Stage::presample)) {
-    const auto* footprint = entry.component.get_if<mtf::Footprint<double>>();
-    if (footprint == nullptr) continue;
-    const double active_mm2 = footprint->width_mm(mtf::Axis::x, context) * footprint->width_mm(mtf::Axis::y, context);
-    const double other = active_mm2 / cell_mm2;
-    if (std::abs(other - fill_factor) > 1e-6 * fill_factor)
-      warnings.push_back(warning_at(
-          "detector.fill_factor", radiometry::three_digits(fill_factor) + " here, " + radiometry::three_digits(other) +
-                                      " in \"" + entry.label +
-                                      "\" of [[presample]]: both are the active area of a pixel over that of the "
-                                      "pitch, here for its light, there for its MTF; give both the same value"));
-  }
-  return warnings;
-}
-
-/// With counts_per_kelvin nobody has said what a count is in volts.
-std::vector<mtf::io::Diagnostic> invented_volts_warnings(const std::vector<mtf::SettingsTable>& tables) {
-  std::vector<mtf::io::Diagnostic> warnings;
-  for (const mtf::TableInfo& table : radiometry::sensor_tables())
-    for (const mtf::SettingInfo& row : table.settings) {
-      const mtf::SettingsTable* given = find_table(tables, table.name);
-      if (given == nullptr || row.info.dimension != mtf::Dimension::voltage) continue;
-      const mtf::SettingValue* value = given->find(row.info.name);
-      const double* volts = value != nullptr ? std::get_if<double>(value) : nullptr;
-      if (volts == nullptr || *volts == 0.0) continue;
-      warnings.push_back(warning_at(std::string(table.name) + "." + std::string(row.info.name),
-                                    "in volts beside detector.counts_per_kelvin, which leaves open how many volts a "
-                                    "count is and calls it 1 uV, so that this is taken for " +
-                                        radiometry::three_digits(1e6 * *volts) +
-                                        " counts; give it as counts x 1 uV, or responsivity and adc.volts_per_count "
-                                        "in place of counts_per_kelvin"));
-    }
-  return warnings;
-}
-
-}  // namespace
-
-std::vector<mtf::io::Diagnostic> chain_warnings(const mtf::io::SensorConfig& config) {
-  std::vector<mtf::io::Diagnostic> warnings = atmosphere_warnings(config);
-  const mtf::SettingsTable* lag = find_table(config.tables, "lag");
-  const mtf::SettingValue* given = lag != nullptr ? lag->find("time_constant") : nullptr;
-  const auto moving = radiometry::moving_bolometer(config.system);
-  const mtf::SettingsTable* detector = find_table(config.tables, "detector");
-  if (detector != nullptr &&
-      radiometry::from_table<radiometry::DetectorSettings>(*detector).kind == radiometry::DetectorKind::thermal) {
-    const double tau_s = given != nullptr ? std::get<double>(*given) : moving ? moving->time_constant_s : 0.0;
-    const auto thermal = radiometry::from_table<radiometry::ThermalSettings>(*detector);
-    if (std::string text = bandwidth_warning(thermal, tau_s); !text.empty())
-      warnings.push_back(warning_at("detector.noise_bandwidth", std::move(text)));
-    const auto add = [&](std::vector<mtf::io::Diagnostic> more) {
-      for (mtf::io::Diagnostic& warning : more) warnings.push_back(std::move(warning));
-    };
-    if (thermal.fill_factor) add(fill_factor_warnings(config.system, *thermal.fill_factor));
-    if (thermal.counts_per_k) add(invented_volts_warnings(config.tables));
-    return warnings;  // [lag] beside a bolometer that moves is refused
-  }
-  if (given == nullptr || !moving) return warnings;
-  const double lag_s = std::get<double>(*given), other_s = moving->time_constant_s;
-  const bool same = std::abs(other_s - lag_s) <= 1e-6 * lag_s;
-  const auto milliseconds = [](double s) {
-    std::array<char, 32> text{};
-    std::snprintf(text.data(), text.size(), "%.6g ms", 1e3 * s);
-    return std::string(text.data());
-  };
-  warnings.push_back(
-      warning_at("lag.time_constant",
-                 milliseconds(lag_s) + " here, " + (same ? "the same" : milliseconds(other_s)) + " in \"" +
-                     moving->label + "\" of [[presample]]: both are the thermal lag of the detector" +
-                     (same ? "" : ", which has one time constant") +
-                     ", and a sequence whose frames show the motion counts it twice; keep [lag] for such sequences, "
-                     "the component for single images, curves and budgets" +
-                     (same ? "" : ", unless one of them is another effect")));
-  return warnings;
 }
 
 std::optional<mtf::io::Diagnostic> chain_problem(const mtf::io::SensorConfig& config) {

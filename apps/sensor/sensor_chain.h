@@ -68,9 +68,6 @@ mtf::System<double> with_electron_rate(const mtf::System<double>& system, const 
 /// The error for a file without [detector] that has other tables of the chain; empty when it has none.
 std::string unused_table(const mtf::io::SensorConfig& config);
 
-/// What components and tables of the chain count twice: warnings, as such a pair can be meant.
-std::vector<mtf::io::Diagnostic> chain_warnings(const mtf::io::SensorConfig& config);
-
 /// Why a file makes no chain, for `mtf config check`, with its place where it is about a key of the file; nothing where
 /// it does.
 std::optional<mtf::io::Diagnostic> chain_problem(const mtf::io::SensorConfig& config);

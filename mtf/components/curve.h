@@ -21,7 +21,7 @@ inline constexpr std::array<std::string_view, 3> kCurveAxisNames{"radial", "x", 
 template <class S>
 struct CurveOtf {
   static constexpr std::string_view kind = "curve";
-  static constexpr std::string_view doc = "tabulated MTF from a CSV file, radial or along one axis";
+  static constexpr std::string_view doc = "tabulated MTF from CSV lines, radial or along one axis";
   static constexpr Stages stages{.presample = true, .readout = true, .postsample = true};
 
   std::shared_ptr<const Curve> curve{};
@@ -30,10 +30,12 @@ struct CurveOtf {
 
   static constexpr auto fields() {
     return std::tuple{
-        Field{FieldInfo{.name = "file",
-                        .example = "\"lens.csv\"",
-                        .doc = "CSV with two columns, frequency and MTF, the unit in the header: frequency_cy_mm, mtf"},
-              &CurveOtf::curve},
+        Field{
+            FieldInfo{.name = "file",
+                      .example = "\"lens.csv\"",
+                      .doc = "CSV with two columns, frequency and MTF, the unit in the header: frequency_cy_mm,mtf; or "
+                             "its lines themselves, in a text of several lines"},
+            &CurveOtf::curve},
         Field{FieldInfo{.name = "axis",
                         .presence = Presence::optional,
                         .example = "\"radial\"",
@@ -72,8 +74,9 @@ struct CurveOtf {
         {.error = false,
          .field = "file",
          .text =
-             curve->source + " ends at " + format_double(curve->frequency.back()) + " " +
-             std::string(curve->unit->name) + " with MTF " + format_double(curve->value.back()) +
+             (curve->source.empty() ? std::string("the curve") : curve->source) + " ends at " +
+             format_double(curve->frequency.back()) + " " + std::string(curve->unit->name) + " with MTF " +
+             format_double(curve->value.back()) +
              "; beyond it the curve goes straight on to 0, along its last slope or 1/(last frequency), the steeper"}};
   }
 };

@@ -127,7 +127,10 @@ void explain_scene(Table& table, const SceneDefaults& scene, const Frame<double>
             std::string(cfg::kApertureNames[static_cast<std::size_t>(scene.aperture)]), "default");
   if (scene.aperture == Aperture::point) return;
   if (scene.aperture == Aperture::curve)
-    table.row("scene.aperture_file", node, {"aperture_file"}, scene.aperture_curve ? scene.aperture_curve->source : "-",
+    table.row("scene.aperture_file", node, {"aperture_file"},
+              !scene.aperture_curve                  ? "-"
+              : scene.aperture_curve->source.empty() ? "in the file"
+                                                     : scene.aperture_curve->source,
               "set by program");
   else
     table.row("scene.aperture_size", node, {"aperture_size", "aperture_size_x", "aperture_size_y"},

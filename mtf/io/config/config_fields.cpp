@@ -233,7 +233,9 @@ std::optional<Encoding> read_encoding(const Section& section, std::string_view k
 }
 
 std::shared_ptr<const Curve> read_curve(const Section& section, std::string_view key) {
-  const auto name = read_string(section, key);
+  const Node* node = section.find(key);
+  const bool lines = node != nullptr && node->kind == Node::Kind::string && node->text.find('\n') != std::string::npos;
+  const auto name = lines ? std::optional(node->text) : read_string(section, key);
   if (!name) return nullptr;
   const auto fail = [&](const std::string& text) {
     section.error(key, printable(text, 600));
@@ -241,7 +243,11 @@ std::shared_ptr<const Curve> read_curve(const Section& section, std::string_view
   };
   if (name->empty() || name->find('\0') != std::string::npos) return fail("no file name");
   try {
-    return std::make_shared<const Curve>(read_curve_csv(beside(section.reader.folder, *name)));
+    if (!lines) return std::make_shared<const Curve>(read_curve_csv(beside(section.reader.folder, *name)));
+    section.reader.positions[section.at(key)] = node->position;
+    Curve curve = parse_curve_csv(*name, "text");
+    curve.source.clear();
+    return std::make_shared<const Curve>(std::move(curve));
   } catch (const Error& error) {
     return fail(error.what());
   }

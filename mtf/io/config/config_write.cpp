@@ -57,7 +57,7 @@ class Writer {
     if (pair.split) extent(key + "_y", pair.y);
   }
   void curve(std::string_view key, const std::shared_ptr<const Curve>& curve) {
-    if (curve) raw(key, toml_string(path_of(curve->source)));
+    if (curve) raw(key, curve->source.empty() ? in_lines(*curve) : toml_string(path_of(curve->source)));
   }
   void encoding(std::string_view key, const Encoding& encoding) {
     raw(key, toml_string(encoding.kind == Encoding::Kind::table ? path_of(encoding.name) : encoding.name));
@@ -69,6 +69,13 @@ class Writer {
  private:
   std::vector<FitSpec>::const_iterator find_fit(const std::string& path) const {
     return std::find_if(config_.fits.begin(), config_.fits.end(), [&](const FitSpec& fit) { return fit.path == path; });
+  }
+  static std::string in_lines(const Curve& curve) {
+    std::string unit(curve.unit->name), lines;
+    std::replace(unit.begin(), unit.end(), '/', '_');
+    for (std::size_t i = 0; i < curve.frequency.size(); ++i)
+      lines += format_double(curve.frequency[i]) + "," + format_double(curve.value[i]) + "\n";
+    return "\"\"\"\nfrequency_" + unit + ",mtf\n" + lines + "\"\"\"";
   }
   std::string path_of(const std::string& source) const {
     namespace fs = std::filesystem;

@@ -201,6 +201,10 @@ TEST(ConfigErrors, Components) {
              "s.toml:11:8: error: postsample[0].taps: rows and columns have to be odd");
   expect_one(list("presample", "kind = \"curve\"\nfile = \"no_such.csv\"\n"),
              "s.toml:11:8: error: presample[0].file: cannot read no_such.csv");
+  expect_one(list("presample", "kind = \"curve\"\nfile = \"\"\"\nfrequency_cy_mm,mtf\n0,1\n9,x\n\"\"\"\n"),
+             "s.toml:11:8: error: presample[0].file: text:3: \"x\" is no finite number");
+  expect_one(list("presample", "kind = \"curve\"\nfile = \"\"\"\nlens\n.csv\"\"\"\n"),
+             "s.toml:11:8: error: presample[0].file: text:1: one column only");
   expect_one(list("presample", "kind = \"linear_motion\"\ntravel = \"1 um\"\nvelocity = \"1 mm/s\"\n"),
              "s.toml:11:10: error: presample[0].travel: give exactly one");
   expect_one(list("presample", "kind = \"linear_motion\"\nvelocity = \"1 furlong/s\"\n"),

@@ -10,6 +10,7 @@
 #include <fstream>
 #include <random>
 
+#include "mtf/components/curve.h"
 #include "mtf/components/gaussian.h"
 #include "mtf/components/same_bits.h"
 #include "mtf/io/config/config.h"
@@ -299,6 +300,22 @@ TEST(ConfigRoundTrip, CurveFilesFollowTheDestination) {
   EXPECT_NE(write_config(result.config).find("file = \"lens.csv\""), std::string::npos);
   const std::string elsewhere = write_config(result.config, "/nowhere/fitted.toml");
   EXPECT_TRUE(parse_config(elsewhere, "/nowhere/fitted.toml").ok()) << elsewhere;
+}
+
+TEST(ConfigRoundTrip, CurvesInLinesStayInLines) {
+  const std::string lines = "file = \"\"\"\nfrequency_cy_px,mtf\n0,1\n0.1,0.7\n0.3333333333333333,-0.125\n\"\"\"\n";
+  const ConfigResult result =
+      parse_config(kHead + "[[presample]]\nkind = \"curve\"\n" + lines + "axis = \"x\"\n", sensor_path());
+  ASSERT_TRUE(result.ok()) << first_error(result);
+  const auto& component = result.config.system.list(Stage::presample).back().component;
+  const auto* curve = component.get_if<CurveOtf<double>>();
+  ASSERT_NE(curve, nullptr);
+  EXPECT_EQ(curve->curve->frequency, (std::vector<double>{0.0, 0.1, 0.3333333333333333}));
+  EXPECT_EQ(curve->curve->value, (std::vector<double>{1.0, 0.7, -0.125}));
+  EXPECT_EQ(curve->curve->unit->name, "cy/px");
+  const std::string elsewhere = write_config(result.config, "/nowhere/fitted.toml");
+  EXPECT_NE(elsewhere.find(lines), std::string::npos) << elsewhere;
+  expect_round_trip(result.config);
 }
 
 double random_double(std::mt19937_64& random, double lo, double hi) {
