@@ -82,67 +82,30 @@ SensorConfig parsed(const SensorConfig& before, const std::string& text) {
   return std::move(result.config);
 }
 
-/// A key of a table that schedules do not reach, such as one of [scene] or a first key of the chain in [optics];
-/// "frame.format[0]" is one of the two numbers of a pair.
-struct TableKey {
-  std::string table, key;
-  std::optional<std::size_t> element{};
-  const Parameter* row = nullptr;
-};
-
-std::optional<TableKey> table_key(const std::string& name, const SensorKinds& kinds) {
+/// The row of a key that schedules do not reach, such as one of [scene] or a first key of the chain in [optics];
+/// "frame.format[0]" is one of the two numbers of a pair. Null where there is none.
+const Parameter* row_of_table(const std::string& name, const SensorKinds& kinds) {
   const std::size_t dot = name.find('.');
-  if (dot == std::string::npos) return std::nullopt;
-  TableKey found{.table = name.substr(0, dot), .key = name.substr(dot + 1)};
-  if (found.key.ends_with("[0]") || found.key.ends_with("[1]")) {
-    found.element = found.key[found.key.size() - 2] == '1' ? 1 : 0;
-    found.key.resize(found.key.size() - 3);
-  }
+  if (dot == std::string::npos) return nullptr;
+  const bool element = name.ends_with("[0]") || name.ends_with("[1]");
+  const std::string key = name.substr(dot + 1, element ? name.size() - dot - 4 : std::string::npos);
   for (const auto* tables : {&kinds.tables, &kinds.own_tables})
     for (const TableKind& table : *tables)
-      if (table.name == found.table && found.row == nullptr) found.row = find_parameter(table.parameters, found.key);
-  const bool whole = !found.element || (found.row != nullptr && found.row->type == Parameter::Type::pair);
-  return found.row != nullptr && whole ? std::optional(found) : std::nullopt;
-}
-
-std::string toml_of(const std::string& value) {
-  const cfg::Node node = cfg::node_of(value, 0);
-  return node.kind == cfg::Node::Kind::string ? cfg::toml_string(node.text) : value;
-}
-
-SensorConfig set_in_table(const SensorConfig& sensor, const TableKey& at, const std::string& value) {
-  const cfg::Tree tree = cfg::read_tree(sensor.text);
-  const cfg::Node* table = tree.root.find(at.table);
-  const cfg::Node* old = table != nullptr ? table->find(at.key) : nullptr;
-  if (at.element) {
-    if (old == nullptr || old->items.size() != 2)
-      throw UsageError(at.table + "." + at.key + ": is no list of two numbers in the file");
-    old = &old->items[*at.element];
-  }
-  if (old != nullptr) {
-    const std::size_t begin = cfg::offset_of(sensor.text, old->position);
-    return parsed(sensor, cfg::edited(sensor.text, {{begin, cfg::end_of_value(sensor.text, begin), toml_of(value)}}));
-  }
-  const std::string line = at.key + " = " + toml_of(value) + "\n";
-  for (const TomlBlock& block : toml_blocks(sensor.text))
-    if (!block.off && !block.list && block.header == at.table)
-      return parsed(sensor, sensor.text.substr(0, block.end) + (sensor.text[block.end - 1] == '\n' ? "" : "\n") + line +
-                                sensor.text.substr(block.end));
-  return parsed(sensor, with_block(sensor.text, "[" + at.table + "]\n" + line));
+      if (table.name == name.substr(0, dot))
+        if (const Parameter* row = find_parameter(table.parameters, key))
+          return element && row->type != Parameter::Type::pair ? nullptr : row;
+  return nullptr;
 }
 
 SensorConfig set(const SensorConfig& sensor, const Edit& edit, const SensorKinds& kinds) {
   const cfg::Targets targets = cfg::targets_of(sensor);
-  if (const auto target = cfg::find_target(targets, edit.name)) {
-    const Parameter* row = row_of(sensor, *target, kinds);
-    if (row == nullptr) throw UsageError(edit.name + ": is not changed by the live view");
-    require_no_file(*row, edit);
-    return mtf::io::replaced(sensor, edit.name, edit.value);
-  }
-  const auto at = table_key(edit.name, kinds);
-  if (!at) throw UsageError(cfg::unknown_parameter(targets, edit.name));
-  require_no_file(*at->row, edit);
-  return set_in_table(sensor, *at, edit.value);
+  const auto target = cfg::find_target(targets, edit.name);
+  const Parameter* row = target ? row_of(sensor, *target, kinds) : row_of_table(edit.name, kinds);
+  if (row == nullptr)
+    throw UsageError(target ? edit.name + ": is not changed by the live view"
+                            : cfg::unknown_parameter(targets, edit.name));
+  require_no_file(*row, edit);
+  return mtf::io::replaced(sensor, edit.name, edit.value);
 }
 
 /// The piece of text that a name stands for: "[noise]", or the label of a component.

@@ -2,6 +2,8 @@
 #include "mtf/io/config/replace_value.h"
 
 #include <algorithm>
+#include <array>
+#include <cctype>
 #include <cmath>
 
 #include "mtf/error.h"
@@ -161,7 +163,7 @@ std::string new_text(std::string_view text, const Node& root, const Target& targ
   const std::string line = target.key + " = " + value;
   const Node* table = table_of(root, target);
   if (table == nullptr)
-    return std::string(text) + (text.ends_with('\n') ? "" : "\n") + "[" + target.table + "]\n" + line + "\n";
+    return std::string(text) + (text.ends_with('\n') ? "\n[" : "\n\n[") + target.table + "]\n" + line + "\n";
   TableText out(text, *table);
   const Node* old = table->find(target.key);
   if (target.element && old != nullptr) {
@@ -200,6 +202,24 @@ std::string put_value(Node& root, const Target& target, const Node& value) {
   return cfg::put(root, target, std::move(wanted));
 }
 
+/// The target of a name: a parameter that studies change too, or any key of a table, "scene.border", "adc.bits", also
+/// of one that the file does not have. Whether the table knows the key, its reader says.
+std::optional<Target> target_of(const SensorConfig& config, const cfg::Targets& targets, std::string_view name) {
+  if (const auto found = cfg::find_target(targets, name)) return found;
+  const std::size_t dot = name.find('.');
+  if (dot == std::string_view::npos) return std::nullopt;
+  const std::string_view table = name.substr(0, dot), key = name.substr(dot + 1);
+  constexpr std::array<std::string_view, 4> kOwn{"frame", "scene", "optics", "band"};
+  const bool known =
+      std::find(kOwn.begin(), kOwn.end(), table) != kOwn.end() ||
+      std::any_of(config.schema.begin(), config.schema.end(), [&](const TableInfo& t) { return t.name == table; });
+  if (!known) return std::nullopt;
+  Target whole{.table = std::string(table), .key = std::string(key.substr(0, key.find('['))), .element = {}};
+  const auto plain = [](char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_'; };
+  if (whole.key.empty() || !std::all_of(whole.key.begin(), whole.key.end(), plain)) return std::nullopt;
+  return cfg::find_target({{whole.path(), whole}}, name);
+}
+
 }  // namespace
 
 std::string replace_value(const SensorConfig& config, std::string_view parameter, std::string_view value) {
@@ -207,7 +227,7 @@ std::string replace_value(const SensorConfig& config, std::string_view parameter
   const cfg::Tree tree = cfg::read_tree(config.text);
   if (tree.error) throw UsageError(format_diagnostic(*tree.error, config.file));
   const cfg::Targets targets = cfg::targets_of(config);
-  const auto target = cfg::find_target(targets, parameter);
+  const auto target = target_of(config, targets, parameter);
   if (!target) throw UsageError(where + cfg::unknown_parameter(targets, name));
 
   const Node wanted = wanted_node(value);

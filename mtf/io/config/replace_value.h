@@ -14,7 +14,8 @@ namespace mtf::io {
 
 /// The text of the sensor file with a new value. `parameter`: a name as in schedules and studies, the label of a
 /// component or the name of a table, then the key: "jitter.rms", "presample[1].rms_x", "frame.pitch",
-/// "wavefront.zernike[3]". `value`: a number, a list, true or false as TOML writes them, else the text of a string
+/// "wavefront.zernike[3]"; beyond those names any key of a table, "scene.border", also of a table that the file does
+/// not have. `value`: a number, a list, true or false as TOML writes them, else the text of a string
 /// ("10 urad"); or a table { value = "10 urad", fit = true } that takes the place of the whole. A key that the file
 /// does not have is added to its table; of a value with { fit = ... } the number changes and the rest stays. Throws
 /// UsageError for a parameter that the sensor does not have (with the nearest name), for an element beyond the end of a

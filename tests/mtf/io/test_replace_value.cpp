@@ -94,6 +94,21 @@ TEST(ReplaceValue, TheSensorIsThatOfTheNewText) {
   EXPECT_NE(sensor.sha256, read(kJitter).sha256);
 }
 
+// Schedules and studies do not reach these; a user who changes a file does.
+TEST(ReplaceValue, EveryKeyOfATableCanBeSet) {
+  EXPECT_EQ(after("", "scene.border", "periodic"), "\n[scene]\nborder = \"periodic\"\n");
+  EXPECT_EQ(after("[scene]\nsample = \"3 um\"\n" + kJitter, "scene.border", "periodic"),
+            "[scene]\nsample = \"3 um\"\nborder = \"periodic\"\n" + kJitter);
+  const std::string format = replace_value(read(kJitter), "frame.format", "[640, 512]");
+  EXPECT_NE(format.find("pitch = \"15 um\"\nformat = [640, 512]\n"), std::string::npos) << format;
+  const SensorConfig with_format = parse_config(format, "s.toml").config;
+  EXPECT_NE(replace_value(with_format, "frame.format[1]", "480").find("[640, 480]"), std::string::npos);
+  EXPECT_NE(refusal(kJitter, "scene.bordr", "periodic").find("did you mean \"border\"?"), std::string::npos);
+  EXPECT_NE(refusal(kJitter, "scene.border[0]", "x").find("0 elements"), std::string::npos);
+  for (const char* name : {"scene.", "scene", ".border", "scene.a b", "scene.a\n[x]", "sceen.border", "scene[0].x"})
+    EXPECT_NE(refusal(kJitter, name, "1").find("no parameter"), std::string::npos) << name;
+}
+
 TEST(ReplaceValue, MistakesAreNamed) {
   EXPECT_NE(refusal(kJitter, "jiter.rms", "1 px").find("did you mean jitter.rms"), std::string::npos);
   EXPECT_NE(refusal(kJitter, "jitter.rms", "3 kg").find("s.toml:13:9: error"), std::string::npos)
