@@ -9,6 +9,7 @@
 #include "calib/edge/median.h"
 
 #include "calib/find/find_parts.h"
+#include "mtf/work/stop.h"
 
 namespace calib::find {
 namespace {
@@ -121,11 +122,15 @@ float binomial_mean(const float* middle, std::int64_t at, std::int64_t count, st
 std::vector<float> smoothed(const Cells& cells) {
   std::vector<float> rows(cells.value.size()), both(cells.value.size());
   std::size_t i = 0;
-  for (std::int64_t y = 0; y < cells.height; ++y)
+  for (std::int64_t y = 0; y < cells.height; ++y) {
+    mtf::require_going_on();
     for (std::int64_t x = 0; x < cells.width; ++x, ++i) rows[i] = binomial_mean(&cells.value[i], x, cells.width, 1);
+  }
   i = 0;
-  for (std::int64_t y = 0; y < cells.height; ++y)
+  for (std::int64_t y = 0; y < cells.height; ++y) {
+    mtf::require_going_on();
     for (std::int64_t x = 0; x < cells.width; ++x, ++i) both[i] = binomial_mean(&rows[i], y, cells.height, cells.width);
+  }
   return both;
 }
 
@@ -147,6 +152,7 @@ Cells make_cells(mtf::ImageView<const float> image) {
   std::int64_t known = 0;
   double pixels = 0.0;
   for (std::int64_t row = 0; row < cells.height; ++row) {
+    mtf::require_going_on();
     std::fill(sum.begin(), sum.end(), 0.0);
     std::fill(numbers.begin(), numbers.end(), 0);
     const std::int64_t end = std::min(image.height, (row + 1) * cells.size_px);
@@ -199,7 +205,8 @@ Gradients make_gradients(const Cells& cells) {
   gradients.magnitude.assign(value.size(), 0.0F);
   gradients.direction.assign(value.size(), 0);
   gradients.threshold = std::max(kNoiseMargin * kGradientNoise * cells.noise_sd, cells.rounding);
-  for (std::int64_t y = 1; y + 1 < cells.height; ++y)
+  for (std::int64_t y = 1; y + 1 < cells.height; ++y) {
+    mtf::require_going_on();
     for (std::int64_t x = 1; x + 1 < cells.width; ++x) {
       const auto i = static_cast<std::size_t>(y * cells.width + x);
       const auto row = static_cast<std::size_t>(cells.width);
@@ -211,6 +218,7 @@ Gradients make_gradients(const Cells& cells) {
       const float turn = std::atan2(gy, gx) / (2.0F * std::numbers::pi_v<float>);
       gradients.direction[i] = static_cast<std::uint8_t>(std::lround(turn * 256.0F) & 255);
     }
+  }
   // Cells on the border take the gradient of their inner neighbours.
   if (cells.width < 3 || cells.height < 3) return gradients;
   for (std::int64_t y = 0; y < cells.height; ++y)

@@ -6,6 +6,7 @@
 #include <span>
 
 #include "calib/find/find_parts.h"
+#include "mtf/work/stop.h"
 
 namespace calib::find {
 namespace {
@@ -42,12 +43,14 @@ std::vector<std::uint32_t> seeds_of(const Gradients& g) {
   };
   std::vector<std::uint32_t> found;
   std::array<std::size_t, classes + 1> first{};
-  for (std::int64_t y = 1; y + 1 < g.height; ++y)
+  for (std::int64_t y = 1; y + 1 < g.height; ++y) {
+    mtf::require_going_on();
     for (std::int64_t x = 1; x + 1 < g.width; ++x)
       if (g.at(x, y) > g.threshold && is_ridge(g, x, y)) {
         found.push_back(static_cast<std::uint32_t>(y * g.width + x));
         ++first[class_of(g.at(x, y)) + 1];
       }
+  }
   for (std::size_t k = 1; k <= classes; ++k) first[k] += first[k - 1];
   std::vector<std::uint32_t> sorted(found.size());
   for (const std::uint32_t i : found) sorted[first[class_of(g.magnitude[i])]++] = i;
@@ -186,6 +189,7 @@ void make_segments(const Gradients& g, double min_length, const TakeSegment& tak
   Blob blob;
   for (const std::uint32_t seed : seeds_of(g)) {
     if (taken[seed]) continue;
+    mtf::require_going_on();
     grow(g, seed, taken, blob);
     if (static_cast<double>(blob.cells.size()) < min_length) continue;
     const double size = std::hypot(blob.x, blob.y);
