@@ -112,6 +112,21 @@ def test_replace_keeps_comments_and_takes_every_form():
         starter.replace({"jitter.rms": 60})
 
 
+def test_tables_are_changed_and_added(sensor):
+    other = sensor.replace({"scene.border": "periodic", "frame.format": [64, 32], "detector.quantum_efficiency": 0.7})
+    assert 'border = "periodic"' in other.text and "format = [64, 32]" in other.text and "[detector]" in other.text
+    assert other == sensor.append(detector=dict(quantum_efficiency=0.7)).replace(
+        {"scene.border": "periodic", "frame.format": (64, 32)})
+    for values, words in (({"scene.bordr": "periodic"}, 'did you mean "border"'), ({"sceen.border": "x"}, "no parameter"),
+                          ({"scene.border": "round"}, "unknown word")):
+        with pytest.raises(mk.UsageError, match=words):
+            sensor.replace(values)
+    with pytest.raises(mk.UsageError, match="TOML"):
+        other.append(detector=dict(quantum_efficiency=0.5))
+    with pytest.raises(mk.UsageError, match="no table"):
+        sensor.append(adc=14)
+
+
 def test_saved_elsewhere_a_sensor_finds_its_files(tmp_path, sensor):
     (tmp_path / "a").mkdir()
     (tmp_path / "b").mkdir()

@@ -22,6 +22,25 @@ if TYPE_CHECKING:
     Otf = Callable[[Floats, Floats], npt.NDArray[np.complex128]]
 
 
+def _blocks(count: int, length: int) -> list[slice]:
+    """Parts of `count` lines of that length, small enough that Ctrl-C is heard between them."""
+    lines = max(1, 2 ** 19 // length)
+    return [slice(first, min(first + lines, count)) for first in range(0, count, lines)]
+
+
+def _filtered(plane: Floats, otf: npt.NDArray[np.complex128]) -> Floats:
+    """The plane filtered: numpy's irfft2(rfft2(plane) * otf), line by line."""
+    rows, columns = plane.shape
+    spectrum, filtered = np.empty(otf.shape, dtype=np.complex128), np.empty(plane.shape)
+    for some in _blocks(rows, columns):
+        spectrum[some] = np.fft.rfft(plane[some])
+    for some in _blocks(otf.shape[1], rows):
+        spectrum[:, some] = np.fft.ifft(np.fft.fft(spectrum[:, some], axis=0) * otf[:, some], axis=0)
+    for some in _blocks(rows, columns):
+        filtered[some] = np.fft.irfft(spectrum[some], columns)
+    return filtered
+
+
 class Canvas:
     """Makes of a scene a canvas that repeats, the scene and its mirror images, behind the functions.
 
@@ -52,7 +71,9 @@ class Canvas:
         fy = np.fft.fftfreq(shape[0], self._step_um[1] * 1e-3)
         fx = np.fft.rfftfreq(shape[1], self._step_um[0] * 1e-3)
         x, y = np.broadcast_arrays(fx[None, :], fy[:, None])
-        values = self._product(x, y)
+        values = np.empty(x.shape, dtype=np.complex128)
+        for some in _blocks(*x.shape):
+            values[some] = self._product(x[some], y[some])
         if shape[1] % 2 == 0:  # the highest frequency stands for both of its signs: the mean of both
             values[:, -1] = 0.5 * (values[:, -1] + self._product(-x[:, -1], y[:, -1]))
         if shape[0] % 2 == 0:
@@ -70,7 +91,7 @@ class Canvas:
                             f"{column}, row {row}; a component made of a general function needs all")
         canvas = plane if self._border == "periodic" else np.block([[plane, plane[:, ::-1]], [plane[::-1], plane[::-1, ::-1]]])
         mean = float(canvas.mean())
-        filtered = mean + np.fft.irfft2(np.fft.rfft2(canvas - mean) * self._otf(canvas.shape), canvas.shape)
+        filtered = mean + _filtered(canvas - mean, self._otf(canvas.shape))
         rounded = filtered.astype(np.float32)
         spread = float(plane.std())
         if spread == 0.0:

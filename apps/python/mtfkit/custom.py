@@ -3,8 +3,10 @@
 
 from __future__ import annotations
 
+import hashlib
+import warnings
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -20,16 +22,16 @@ if TYPE_CHECKING:
 
 __all__ = ["Custom", "General", "Sampled", "custom"]
 
-_MOST_SAMPLES = 16385
+_MOST_SAMPLES = 16385  # so that a sensor file stays below a megabyte
 _UNITS = ("cy/mm", "cy/mrad", "cy/px")
 
 
 @dataclass(frozen=True, eq=False)
 class Custom:
-    """A component made of a function: tables that stand for it within `error`, absolute, at every frequency.
+    """A component made of a function: tables that stand for it within `error`, absolute, up to its cutoff.
 
     `axis` is "radial" (one table against |f|) or "separable" (one along x, one along y). Stands in the list of a Sensor as
-    any component; the sensor carries the tables, saves and pickles with them.
+    any component; the text of the sensor holds the tables.
     """
 
     label: str
@@ -39,18 +41,22 @@ class Custom:
     values: tuple[Floats, ...]
     error: float
 
-    def tables(self) -> list[tuple[str, str, str]]:
-        """(label, axis, CSV) of each table."""
-        header = f"frequency_{self.unit.replace('/', '_')},mtf\n"
+    def lines(self, stage: str) -> str:
+        """The component as a sensor file has it, with what it stands for."""
         names = ["radial"] if self.axis == "radial" else ["x", "y"]
-        return [(self.label if len(names) == 1 else f"{self.label}_{name}", name,
-                 header + "".join(f"{f!r},{v!r}\n" for f, v in zip(self.frequency.tolist(), values.tolist())))
-                for name, values in zip(names, self.values)]
+        header = f"frequency_{self.unit.replace('/', '_')},mtf\n"
+        text = f"# a function of Python by a table that is within {self.error:.2g} of it\n"
+        for name, values in zip(names, self.values):
+            rows = "".join(f"{f!r},{v!r}\n" for f, v in zip(self.frequency.tolist(), values.tolist()))
+            label = self.label if len(names) == 1 else f"{self.label}_{name}"
+            text += (f"[[{stage}]]\nkind = \"curve\"\nlabel = \"{label}\"\naxis = \"{name}\"\n"
+                     f"file = \"\"\"\n{header}{rows}\"\"\"\n")
+        return text
 
 
 @dataclass(frozen=True, eq=False)
 class General:
-    """A component made of a function that neither tables nor samples stand for: with edges or kinks in two dimensions.
+    """A component made of a function that neither tables nor samples stand for: one with edges or kinks.
 
     It acts on the scene by a transform in double precision, before all else of the sensor; for presample lists and scenes
     in memory. `otf` gives 0 beyond the cutoff, which is in `unit`. `within` is how well samples of the point spread function
@@ -62,6 +68,23 @@ class General:
     cutoff: float
     function: Callable[[Any, Any], Any]
     within: float | None = None
+    digest: str = ""  #: SHA-256 of 2000 values, by which `custom` tells this function from another
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, General):
+            return NotImplemented
+        return self._key() == other._key()
+
+    def __hash__(self) -> int:
+        return hash(self._key())
+
+    def _key(self) -> tuple[object, ...]:
+        return self.label, self.unit, self.cutoff, self.digest or self.function
+
+    def lines(self, stage: str) -> str:
+        """What stands in the text of a sensor, a comment: no file can state the function."""
+        return (f"# {stage}: \"{self.label}\", a function of Python that is 0 beyond {self.cutoff!r} {self.unit}, 2000 values of "
+                f"which have the SHA-256\n# {self.digest}; it is no part of this text\n")
 
     def refusal(self, what: str) -> UsageError:
         """Why a part of the toolkit that needs the component as data cannot have it, and what to do."""
@@ -121,20 +144,37 @@ def _conforms(otf: Callable[[Any, Any], Any], cutoff: float,
     return fx, fy, values
 
 
-def _table(profile: Callable[[Floats], Floats], cutoff: float, tolerance: float) -> tuple[Floats, Floats, float]:
-    """Samples whose monotone cubic is the profile within the tolerance, and what it errs by between them."""
-    count = 65
-    while True:
-        f = np.linspace(0.0, cutoff, count)
-        values = profile(f)
+def _warn_of_a_cut(otf: Callable[[Any, Any], Any], cutoff: float, unit: str, tolerance: float) -> None:
+    """A function that goes on beyond the cutoff is another component there, which only its author can mean."""
+    numbers = np.random.default_rng(2)
+    radius, angle = cutoff * numbers.uniform(1.0, 2.0, 500), 2 * np.pi * numbers.random(500)
+    with np.errstate(all="ignore"), warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        try:  # a function may not be made for such frequencies: then it has no values there
+            values = np.abs(np.asarray(otf(radius * np.cos(angle), radius * np.sin(angle)), dtype=np.complex128))
+        except Exception:  # noqa: BLE001
+            return
+    largest = float(np.max(values, initial=0.0, where=np.isfinite(values)))
+    if largest > tolerance:
+        warnings.warn(f"custom: |otf| is up to {largest:.2g} between {cutoff:g} and {2 * cutoff:g} {unit}, beyond the cutoff, "
+                      "where the component ends; give a larger cutoff, unless nothing else of the sensor passes that far",
+                      stacklevel=3)
+
+
+def _table(profile: Callable[[Floats], Floats], cutoff: float, tolerance: float,
+           most: int) -> tuple[Floats, Floats, float] | None:
+    """Samples whose monotone cubic is the profile within the tolerance, and what it errs by between them; None where as
+    many as may be do not suffice."""
+    count, digits = 65, int(np.ceil(2.0 - np.log10(tolerance)))
+    while count <= most:
+        f = np.array([float(f"{one:.12g}") for one in np.linspace(0.0, cutoff, count)])
+        values = np.round(profile(f), digits)
         middle = np.concatenate([0.5 * (f[:-1] + f[1:]), 0.75 * f[:-1] + 0.25 * f[1:], 0.25 * f[:-1] + 0.75 * f[1:]])
         error = float(np.abs(monotone_cubic(f, values, middle) - profile(middle)).max())
         if 2.0 * error <= tolerance:
             return f, values, 2.0 * error
-        if count >= _MOST_SAMPLES:
-            raise UsageError(f"custom: a table of {count} samples is off by {error:.2g}, more than half of the tolerance "
-                             f"{tolerance:g}: the function is too steep somewhere; give a larger tolerance")
         count = 2 * count - 1
+    return None
 
 
 def monotone_cubic(f: Floats, values: Floats, at: Floats) -> Floats:
@@ -157,13 +197,12 @@ def custom(otf: Callable[[Any, Any], Any], *, cutoff: quantities.Value, label: s
            tolerance: float = 1e-6) -> Custom | Sampled | General:
     """A component of your own, for exploration: `otf(fx, fy)` takes arrays of frequencies and gives the OTF there.
 
-    `cutoff` is where it ends, in the unit that the function takes: "60 cy/mm", (2, "cy/px"), "5 cy/mrad"; beyond it the OTF
-    falls to 0. The function is held to what every component is held to: 1 at zero, at most 1 without `gain`, finite, the
+    `cutoff` is where it ends, in the unit that the function takes: "60 cy/mm", (2, "cy/px"), "5 cy/mrad"; there the
+    component falls to 0, and a function that goes on is warned of. The function is held to what every component is held to: 1 at zero, at most 1 without `gain`, finite, the
     complex conjugate at -f. It becomes data that differ from it by less than `tolerance` at every frequency: tables where it
     is radial, or a product of x and y, real and even (Custom), else samples of its point spread function (Sampled). Such a
     component compiles, saves, pickles and is fitted beside as any other, and the promises of the sensor count its error.
-    What no data stand for within the tolerance, as functions with edges and kinks in two dimensions, is General: it acts on
-    arrays, exactly, by a transform in double precision, in `simulate` and `compile`. Raises UsageError that says which
+    What no data stand for within the tolerance, as functions with edges and kinks, is General: it acts on arrays, exactly, by a transform in double precision, in `simulate` and `compile`. Raises UsageError that says which
     property fails, and where.
 
     >>> import numpy as np, mtfkit as mk
@@ -187,7 +226,20 @@ def custom(otf: Callable[[Any, Any], Any], *, cutoff: quantities.Value, label: s
     if not 1e-12 <= tolerance <= 0.1:
         raise UsageError(f"tolerance: {tolerance!r} is outside 1e-12 to 0.1")
     fx, fy, values = _conforms(otf, end, gain)
+    _warn_of_a_cut(otf, end, unit, tolerance)
+    tables = _tables(otf, fx, fy, values, end, tolerance)
+    if tables is not None:
+        return Custom(label, unit, *tables)
+    whole = General(label, unit, end, otf, None, hashlib.sha256(values.tobytes()).hexdigest())
+    made = sampled(whole.otf, label=label, unit=unit, cutoff=end, tolerance=tolerance)
+    if made is None or made.error <= tolerance:
+        return whole if made is None else made
+    return replace(whole, within=made.error)
 
+
+def _tables(otf: Callable[[Any, Any], Any], fx: Floats, fy: Floats, values: npt.NDArray[np.complex128], end: float,
+            tolerance: float) -> tuple[str, Floats, tuple[Floats, ...], float] | None:
+    """Axis, frequencies, tables and error of a radial function or a product; None for others and for too steep ones."""
     def along_x(f: Floats) -> Floats:
         return _real(otf, f, np.zeros_like(f))
 
@@ -195,18 +247,15 @@ def custom(otf: Callable[[Any, Any], Any], *, cutoff: quantities.Value, label: s
         return _real(otf, np.zeros_like(f), f)
 
     if np.abs(along_x(np.hypot(fx, fy)) - values).max() <= 1e-12:
-        f, table, error = _table(along_x, end, tolerance)
-        return Custom(label, unit, "radial", f, (table,), error)
+        radial = _table(along_x, end, tolerance, _MOST_SAMPLES)
+        return None if radial is None else ("radial", radial[0], radial[1:2], radial[2])
     even = np.abs(_evaluated(otf, -fx, fy) - values).max() <= 1e-12
-    if even and np.abs(along_x(fx) * along_y(fy) - values).max() <= 1e-12:
-        f, x_table, x_error = _table(along_x, end, 0.5 * tolerance)
-        g, y_table, y_error = _table(along_y, end, 0.5 * tolerance)
-        if len(f) != len(g):  # one grid for both
-            f = f if len(f) > len(g) else g
-            x_table, y_table = along_x(f), along_y(f)  # a finer table errs by less
-        return Custom(label, unit, "separable", f, (x_table, y_table), x_error + y_error)
-    whole = General(label, unit, end, otf)
-    made = sampled(whole.otf, label=label, unit=unit, cutoff=end, tolerance=tolerance)
-    if made is not None and made.error <= tolerance:
-        return made
-    return General(label, unit, end, otf, made.error if made is not None else None)
+    if not even or np.abs(along_x(fx) * along_y(fy) - values).max() > 1e-12:
+        return None
+    most = _MOST_SAMPLES // 2 + 1
+    x, y = _table(along_x, end, 0.5 * tolerance, most), _table(along_y, end, 0.5 * tolerance, most)
+    if x is None or y is None:
+        return None
+    f, digits = (x if len(x[0]) > len(y[0]) else y)[0], int(np.ceil(2.0 - np.log10(0.5 * tolerance)))
+    # One grid for both, the finer one, on which the other errs by less.
+    return "separable", f, (np.round(along_x(f), digits), np.round(along_y(f), digits)), x[2] + y[2]

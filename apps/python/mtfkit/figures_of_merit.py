@@ -30,6 +30,8 @@ def metrics(sensor: Sensor, names: Iterable[str], *, tolerance: float = 1e-6,
     """
     import tempfile
 
+    if sensor._functions:
+        raise sensor._functions[0].refusal("metrics")
     asked = [names] if isinstance(names, str) else list(names)
     lines = ["schema = 1", 'sensor = "sensor.toml"', f"tolerance = {tolerance!r}", "[[axis]]",
              'parameter = "frame.focal_length"', f"values = [{sensor._file.stated('frame.focal_length')}]", "[metrics]",

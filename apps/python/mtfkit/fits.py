@@ -151,7 +151,7 @@ class Fit:
     @property
     def sensor(self) -> Sensor:
         """The sensor with the fitted values and their standard errors in its file, comments kept."""
-        return type(self._sensor)._of(self._run.sensor, self._sensor._tables)
+        return type(self._sensor)._of(self._run.sensor, self._sensor._own)
 
     @property
     def residuals(self) -> list[tuple[str, npt.NDArray[np.float32]]]:

@@ -10,6 +10,7 @@ import numpy as np
 
 from mtfkit import _core
 from mtfkit.curves import Column, Curves, curves_of
+from mtfkit.findings import Finding
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -53,6 +54,21 @@ def with_functions(curves: Curves, file: _core.SensorFile, functions: Sequence[G
     at = next(i for i, column in enumerate(columns) if column.label == "presample")
     return Curves(curves.name, curves.unit, curves.angle_deg, curves.nyquist, curves.cutoff, curves.q, curves.frequency,
                   (*columns[:at], *own, *columns[at:]), curves.seconds, curves.table_error)
+
+
+def explained(functions: Sequence[General]) -> str:
+    """What `Sensor.explain` says of them below the rest."""
+    if not functions:
+        return ""
+    lines = [f"  {f.label:<16} {f.function!r}, 0 beyond {f.cutoff:g} {f.unit}" for f in functions]
+    return "\nGeneral functions of Python, which act on the scene before all else\n" + "\n".join(lines) + "\n"
+
+
+def findings(functions: Sequence[General]) -> list[Finding]:
+    """What `Sensor.check` says of them."""
+    return [Finding("note", 0, 0, f.label, "a general function of Python: curves, compile and simulate count it; budgets, "
+                    "which no MTF enters, stay as they are, and what reads a file (fit, studies, metrics, save) refuses it")
+            for f in functions]
 
 
 def table_error(file: _core.SensorFile, error: float, samples_per_pixel: float) -> float:

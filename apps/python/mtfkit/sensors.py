@@ -16,7 +16,7 @@ from mtfkit.curves import Curves, curves_of
 from mtfkit.custom import Custom, General, Sampled
 from mtfkit.errors import UsageError
 from mtfkit.findings import Finding, Findings
-from mtfkit.sensor_parts import ComponentLike, Tables, component_lines, table_lines, write_sensor
+from mtfkit.sensor_parts import ComponentLike, Functions, component_lines, table_lines, write_sensor
 from mtfkit.plans import compile_plan
 from mtfkit.simulation import run_simulation
 
@@ -46,10 +46,10 @@ class Sensor:
     0.3875
     """
 
-    __slots__ = ("_canonical", "_file", "_tables")
+    __slots__ = ("_canonical", "_file", "_own")
     _file: _core.SensorFile
     _canonical: str | None
-    _tables: Tables | None  # of components made of functions
+    _own: Functions
 
     def __init__(self, *, name: str = "", frame: Table, scene: Table | None = None, optics: Table | None = None,
                  band: Table | None = None, presample: Sequence[ComponentLike] = (),
@@ -59,35 +59,30 @@ class Sensor:
             lines += [f"name = {quantities.toml(name, 'name')}"]
         lines += [""]
         for key, table in {"frame": frame, "scene": scene, "optics": optics, "band": band, **tables}.items():
-            if table is None:
-                continue
-            if not isinstance(table, Mapping):
-                raise UsageError(f"{key}: {table!r} is no table; give a dictionary of its keys")
-            lines += table_lines(key, table)
-        self._take(lines, "sensor", Tables(), {"presample": presample, "readout": readout, "postsample": postsample})
+            if table is not None:
+                lines += table_lines(key, table)
+        self._take(lines, "sensor", Functions(), {"presample": presample, "readout": readout, "postsample": postsample})
 
-    def _take(self, lines: list[str], file: str, own: Tables, lists: Mapping[str, Sequence[ComponentLike]]) -> None:
+    def _take(self, lines: list[str], file: str, own: Functions, lists: Mapping[str, Sequence[ComponentLike]]) -> None:
         """The sensor of these lines and further components."""
         for stage, components in lists.items():
             if isinstance(components, (str, Mapping, Component, Custom, Sampled, General)):
                 raise UsageError(f"{stage}: is a list of components; write [{components!r}]")
             for index, component in enumerate(components):
+                lines += component_lines(stage, index, component)
                 if isinstance(component, (Custom, Sampled, General)):
-                    lines += own.add(stage, component)
-                else:
-                    lines += component_lines(stage, index, component)
-        used = own.csv or own.error or own.functions
-        self._set(_core.SensorFile("\n".join(lines), file), own if used else None)
+                    own = own.with_one(stage, component)
+        self._set(_core.SensorFile("\n".join(lines), file), own)
 
-    def _set(self, file: _core.SensorFile, tables: Tables | None) -> None:
+    def _set(self, file: _core.SensorFile, own: Functions) -> None:
         object.__setattr__(self, "_file", file)
         object.__setattr__(self, "_canonical", None)
-        object.__setattr__(self, "_tables", tables)
+        object.__setattr__(self, "_own", own)
 
     @classmethod
-    def _of(cls, file: _core.SensorFile, tables: Tables | None = None) -> Sensor:
+    def _of(cls, file: _core.SensorFile, own: Functions | None = None) -> Sensor:
         sensor = object.__new__(cls)
-        sensor._set(file, tables)
+        sensor._set(file, own or Functions())
         return sensor
 
     def __setattr__(self, name: str, value: object) -> None:
@@ -116,7 +111,7 @@ class Sensor:
         """Writes the sensor file, with the comments that it has. Where files that it names would not be found from the
         new place, it is written anew with their right names and without comments. The file appears whole or not at all.
         """
-        write_sensor(self._file, self._tables, os.fspath(path))
+        write_sensor(self._file, self._own, os.fspath(path))
 
     @property
     def text(self) -> str:
@@ -142,24 +137,25 @@ class Sensor:
         """Another sensor with these values, by the names that studies, schedules and `explain` use.
 
         `sensor.replace({"jitter.rms": "60 urad", "optics.f_number": 4})`; `presample[1].rms` and `wavefront.zernike[3]`
-        are names too. Comments, order and units of all else stay; the values are set one after the other. Raises
-        UsageError for a name that the sensor does not have (with the nearest one) and for values that cannot be.
+        are names too, and so is any key of a table, "scene.border" or "adc.bits", whether the sensor has it or not.
+        Comments, order and units of all else stay; the values are set one after the other, and each has to make a sensor.
+        Raises UsageError for a name that the sensor does not have (with the nearest one) and for values that cannot be.
         """
         if not isinstance(values, Mapping):
             raise UsageError("replace: give a dictionary, such as {\"jitter.rms\": \"60 urad\"}")
         return Sensor._of(self._file.replaced([(name, quantities.words(value, name)) for name, value in values.items()]),
-                          self._tables)
+                          self._own)
 
     def append(self, *, presample: Sequence[ComponentLike] = (), readout: Sequence[ComponentLike] = (),
-               postsample: Sequence[ComponentLike] = ()) -> Sensor:
-        """Another sensor with further components at the ends of its lists.
+               postsample: Sequence[ComponentLike] = (), **tables: Table) -> Sensor:
+        """Another sensor with further components at the ends of its lists, and further tables.
 
-        `sensor.append(presample=[mk.Jitter(rms="20 urad"), mk.custom(otf, cutoff="60 cy/mm")])`. Raises UsageError for
-        what is no component.
+        `sensor.append(presample=[mk.Jitter(rms="20 urad"), mk.custom(otf, cutoff="60 cy/mm")], adc=dict(bits=14))`. Raises
+        UsageError for what is no component, and for a table that the sensor has already.
         """
-        sensor, own = object.__new__(Sensor), Tables() if self._tables is None else self._tables.copy()
-        text = self.text if self._tables is None else own.moved(self.text, self._tables.place)
-        sensor._take([text], self.file, own, {"presample": presample, "readout": readout, "postsample": postsample})
+        sensor = object.__new__(Sensor)
+        lines = [self.text, *(line for key, table in tables.items() for line in table_lines(key, table))]
+        sensor._take(lines, self.file, self._own, {"presample": presample, "readout": readout, "postsample": postsample})
         return sensor
 
     def otf(self, fx: npt.ArrayLike, fy: npt.ArrayLike = 0.0, *, unit: str = "cy/mm") -> Any:
@@ -185,17 +181,17 @@ class Sensor:
         +y, "45 deg".
         """
         values = [] if frequency is None else np.atleast_1d(quantities.frequencies(frequency, "frequency")).ravel().tolist()
-        error = 0.0 if self._tables is None else self._tables.error
-        curves = curves_of(*results.timed(_core.curves, self._file, values, quantities.angle_deg(angle), unit), error)
+        made = results.timed(_core.curves, self._file, values, quantities.angle_deg(angle), unit)
+        curves = curves_of(*made, self._own.error)
         return functions.with_functions(curves, self._file, self._functions) if self._functions else curves
 
     def explain(self) -> results.Text:
         """What every number becomes after units and defaults, and the stages of the chain, as `mtf config explain`."""
-        return results.Text(self._file.explain())
+        return results.Text(self._file.explain() + functions.explained(self._functions))
 
     def check(self) -> Findings:
         """Warnings and notes about this sensor, as `mtf config check`; true when nothing is wrong."""
-        return Findings(Finding(**finding) for finding in self._file.check())
+        return Findings((*(Finding(**finding) for finding in self._file.check()), *functions.findings(self._functions)))
 
     def budget(self, *, temperature: quantities.Value = "300 K") -> Budget:
         """Electrons, noise terms and sensitivity for a surface of that temperature, as `mtf budget`, bit for bit.
@@ -256,32 +252,30 @@ class Sensor:
 
     def _table_error(self, samples_per_pixel: float) -> float:
         """What tables in place of functions cost an image, as a share of the scene's standard deviation."""
-        return 0.0 if self._tables is None else functions.table_error(self._file, self._tables.error, samples_per_pixel)
+        return functions.table_error(self._file, self._own.error, samples_per_pixel)
 
     @property
     def _functions(self) -> tuple[General, ...]:
-        return () if self._tables is None else self._tables.functions
+        return self._own.general
 
     def _key(self) -> str:
         if self._canonical is None:
-            place = "" if self._tables is None else self._tables.place
-            object.__setattr__(self, "_canonical", self._file.canonical(os.path.join(place or "/mtfkit", "sensor.toml")))
+            object.__setattr__(self, "_canonical", self._file.canonical("/mtfkit/sensor.toml"))
         assert self._canonical is not None
         return self._canonical
 
     def __eq__(self, other: object) -> bool:
-        """The same values, whatever the comments, the order and the units of the texts."""
+        """The same values, whatever the comments, the order and the units of the texts; general functions are the same where
+        2000 values are."""
         if not isinstance(other, Sensor):
             return NotImplemented
-        tables = [{} if one._tables is None else one._tables.csv for one in (self, other)]
-        return self._key() == other._key() and tables[0] == tables[1] and self._functions == other._functions
+        return self._key() == other._key() and self._functions == other._functions
 
     def __hash__(self) -> int:
-        return hash(self._key())
+        return hash((self._key(), self._functions))
 
     def __reduce__(self) -> tuple[Any, ...]:
-        file = os.path.abspath(self.file) if os.path.exists(self.file) else self.file
-        return _unpickled, (self.text, file, self._tables, "" if self._tables is None else self._tables.place)
+        return _unpickled, (self.text, os.path.abspath(self.file) if os.path.exists(self.file) else self.file, self._own)
 
     def __repr__(self) -> str:
         return f"<Sensor {self.name or self.file!r}>"
@@ -290,5 +284,5 @@ class Sensor:
         return self.explain()._repr_html_()
 
 
-def _unpickled(text: str, file: str, tables: Tables | None, place: str) -> Sensor:
-    return Sensor._of(_core.SensorFile(text if tables is None else tables.moved(text, place), file), tables)
+def _unpickled(text: str, file: str, own: Functions) -> Sensor:
+    return Sensor._of(_core.SensorFile(text, file), own)
