@@ -18,6 +18,7 @@
 #include "apps/python/topics.h"
 #include "apps/simulate/radiometric_chain.h"
 #include "mtf/error.h"
+#include "mtf/work/stop.h"
 #include "radiometry/stages/optics/distortion.h"
 
 namespace apps::python {
@@ -233,6 +234,7 @@ void add_simulate(py::module_& module) {
         return py::make_tuple(grid.step_x_um, grid.step_y_um);
       },
       py::arg("sensor"), py::arg("sample"));
+  module.def("require_going_on", &mtf::require_going_on);
   module.def(
       "canvas_sensor",
       [](const SensorHandle& sensor, std::int64_t width, std::int64_t height, const SampleWords& sample) {

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -22,10 +22,12 @@ if TYPE_CHECKING:
     Otf = Callable[[Floats, Floats], npt.NDArray[np.complex128]]
 
 
-def _blocks(count: int, length: int) -> list[slice]:
+def _blocks(count: int, length: int) -> Iterator[slice]:
     """Parts of `count` lines of that length, small enough that Ctrl-C is heard between them."""
     lines = max(1, 2 ** 19 // length)
-    return [slice(first, min(first + lines, count)) for first in range(0, count, lines)]
+    for first in range(0, count, lines):
+        _core.require_going_on()
+        yield slice(first, min(first + lines, count))
 
 
 def _filtered(plane: Floats, otf: npt.NDArray[np.complex128]) -> Floats:
