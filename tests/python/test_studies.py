@@ -135,3 +135,90 @@ def test_progress_is_told_and_its_errors_are_kept(study):
 
     with pytest.raises(KeyError, match="mine"):
         study.rows(0, 200, progress=fail, threads=2)
+
+
+SATELLITE = dict(
+    name="satellite: aperture against pitch at 0.5 m",
+    constraints=["niirs_giqe5 > 5", "focal_length <= 8 m", "well_fill <= 0.25"],
+    objectives=["maximize niirs_giqe5", "minimize aperture"],
+    axes={"optics.aperture": {"from": "300 mm", "to": "1200 mm", "count": 4}, "frame.pitch": ([4, 8, 12.0], "um")},
+    links={"focal_length": "pitch * (500 km) / (0.5 m)", "tdi.slip": "pitch / 100",
+           "full_well": "200 ke- * (pitch / (8 um)) ^ 2"},
+    metrics=["niirs_giqe5", "niirs_giqe4", "target_snr", "rer_x", "rer_y", "mtf_nyquist", "q", "well_fill"],
+    conditions=dict(temperature="5800 K", range=(500, "km"), signal_contrast=0.53))
+
+
+def test_studies_of_keywords_are_those_of_files(studies, study, table, tmp_path):
+    made = mk.Study(mk.Sensor.load(studies / "satellite.toml"), **SATELLITE)
+    assert made.designs == 12 and made.columns == study.columns
+    assert (made.constraints, made.objectives, made.warnings) == (study.constraints, study.objectives, study.warnings)
+    rows, axes = made.rows(), study.run()[["optics.aperture", "frame.pitch"]].to_numpy()
+    for design, row in enumerate(rows):  # the same design of the file has the same bytes
+        same = np.flatnonzero((axes == [made.axes(design)[name] for name in ("optics.aperture", "frame.pitch")]).all(axis=1))
+        assert row.tobytes() == study.rows(int(same[0]), int(same[0]) + 1).tobytes()
+    made.save(tmp_path / "new" / "study.toml")
+    run_command("sweep", tmp_path / "new" / "study.toml", "-o", tmp_path / "swept")
+    said = np.load(tmp_path / "swept" / "designs.npy")
+    assert np.ascontiguousarray(said[:, :-1]).tobytes() == rows.tobytes()
+    assert made.sensor(5) == mk.Study.load(tmp_path / "new" / "study.toml").sensor(5)
+
+
+def test_saved_studies_hold_all_their_files(tmp_path):
+    (tmp_path / "a").mkdir()
+    for name, end in (("one.csv", 0.5), ("two.csv", 0.2)):
+        (tmp_path / "a" / name).write_text(f"frequency_cy_mm,mtf\n0,1\n30,{end}\n60,0\n")
+    blur = mk.custom(lambda fx, fy: np.exp(-(fx ** 2 + fy ** 2) / 2500), cutoff="400 cy/mm", label="coating")
+    sensor = mk.Sensor(frame=dict(focal_length="100 mm", pitch="15 um"), presample=[
+        mk.Jitter(rms="20 urad"), mk.Curve(label="lens", file=tmp_path / "a" / "one.csv", axis="radial"), blur])
+    study = mk.Study(sensor, axes={"lens.file": [tmp_path / "a" / "one.csv", tmp_path / "a" / "two.csv"],
+                                   "jitter.rms": ["10 urad", "30 urad"]}, metrics=["mtf_nyquist"])
+    rows = study.rows()
+    assert len(np.unique(rows[:, 2])) == 4
+    study.save(tmp_path / "b" / "mine.toml")
+    shutil.rmtree(tmp_path / "a")
+    shutil.move(tmp_path / "b", tmp_path / "c")
+    loaded = mk.Study.load(tmp_path / "c" / "mine.toml")
+    assert loaded.rows().tobytes() == rows.tobytes()
+    loaded.save(tmp_path / "d" / "again.toml")
+    run_command("sweep", tmp_path / "d" / "again.toml", "-o", tmp_path / "swept")
+    assert np.load(tmp_path / "swept" / "designs.npy")[:, 2].tobytes() == rows[:, 2].tobytes()
+
+
+def test_studies_of_keywords_go_to_processes(sensor):
+    study = mk.Study(sensor, axes=[{"name": "share", "from": 0.5, "to": 1, "count": 5}, {"parameter": "jitter.rms", "values": ["1 urad"]}],
+                     links={"footprint.width": "share * pitch"}, metrics=["mtf_nyquist"], objectives=["maximize share * mtf_nyquist"],
+                     as_built={"jitter.rms": {"sd": "2 %"}}, draws=10, seed=3, sampling=dict(method="sobol", points=8), tolerance=1e-3)
+    copy = pickle.loads(pickle.dumps(study))
+    assert copy == study and hash(copy) == hash(study) and copy.tolerance == 1e-3
+    assert copy.rows().tobytes() == study.rows().tobytes() and study.rows().shape[0] == 8
+    assert study != mk.Study(sensor, axes={"jitter.rms": ["1 urad"]}, metrics=["mtf_nyquist"])
+    with ProcessPoolExecutor(2) as pool:
+        pieces = list(pool.map(study.rows, [0, 3], [3, 8]))
+    assert np.concatenate(pieces).tobytes() == study.rows().tobytes()
+
+
+def test_sensors_as_an_axis(sensor):
+    sensors = [sensor.replace({"jitter.rms": f"{rms} urad"}) for rms in (10, 40)]
+    study = mk.Study(sensor, axes={"sensor": sensors}, metrics=["mtf_nyquist_x"])
+    said = [mk.metrics(each, ["mtf_nyquist_x"])["mtf_nyquist_x"].value for each in sensors]
+    assert study.run().mtf_nyquist_x.tolist() == pytest.approx(said, abs=2e-4)
+    assert study.sensor(1)._file.stated("jitter.rms") == sensors[1]._file.stated("jitter.rms")
+
+
+@pytest.mark.parametrize("wrong,words", [
+    (dict(sensor="a.toml"), "sensor: 'a.toml' is no Sensor.*Study.load"), (dict(axes={}), "axes: is empty"), (dict(axes=3), "axes: 3 is no"),
+    (dict(axes={"optics.apertur": ["1 mm"]}), r'^axes\["optics.apertur"\].parameter: .*did you mean optics.aperture'),
+    (dict(axes={"jitter.rms": ("1 urad", "9 urad")}), r'axes\["jitter.rms"\]: .* is no list of values; .*a range'),
+    (dict(axes={"jitter.rms": [10]}), r'^axes\["jitter.rms"\].values: 10 has no unit'),
+    (dict(axes={"jitter.rms": {"values": ["1 urad"], "step": 3}}), "key 'step'; it may have parameter"),
+    (dict(metrics="q"), r'metrics: \'q\' is no list of texts'), (dict(metrics=()), "neither metrics nor objectives are given; write metrics="),
+    (dict(links={"footprint.width": "pich"}), "^links.footprint.width: .*did you mean pitch"), (dict(links=[1]), "links: .* no dictionary"),
+    (dict(as_built={"jitter.rms": 3}), r'as_built\["jitter.rms"\]: 3'), (dict(as_built={"jitter.rms": {"ds": 3}}), r'^as_built\["jitter.rms"\].sd'),
+    (dict(draws=0), "^draws: 0 is outside"), (dict(sampling="sobol"), "sampling: 'sobol' is no dictionary"), (dict(tolerance=5), "^tolerance: 5"),
+    (dict(conditions={"rnge": "3 m"}), "^conditions.rnge: unknown key"), (dict(objectives=["max q"]), r"^objectives\[0\]: begins with"),
+])
+def test_mistakes_in_keywords_say_their_argument(sensor, wrong, words):
+    with pytest.raises(mk.UsageError, match=words) as refused:
+        mk.Study(**{"sensor": sensor, "axes": {"jitter.rms": ["10 urad"]}, "metrics": ["q"], **wrong})
+    assert "toml" not in str(refused.value) or "a.toml" in str(refused.value)
+    assert "/tmp" not in str(refused.value)

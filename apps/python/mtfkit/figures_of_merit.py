@@ -43,7 +43,7 @@ def metrics(sensor: Sensor, names: Iterable[str], *, tolerance: float = 1e-6,
         path = os.path.join(folder, "study.toml")
         with open(path, "w", encoding="utf-8") as file:
             file.write("\n".join(lines) + "\n")
-        study = Study(path)
+        study = Study.load(path)
         row = study.rows(0, 1)[0]
         gaps, refusal = study._study.gaps()
     made: dict[str, Any] = {}

@@ -28,6 +28,36 @@ def _number(value: float, what: str) -> str:
     return repr(float(value))
 
 
+def shown(value: object, most: int = 80) -> str:
+    """A value in a message: as Python writes it, cut where that is long."""
+    if isinstance(value, np.ndarray):
+        return f"an array of {value.dtype} of the shape {value.shape}"
+    try:
+        text = " ".join(repr(value).split())
+    except Exception:
+        text = f"<{type(value).__name__}>"
+    return text if len(text) <= most else f"{text[:most - 4]} ..."
+
+
+def number(value: Any, what: str) -> float:
+    """A plain number. Raises UsageError."""
+    if isinstance(value, (bool, np.bool_)) or not isinstance(value, (int, float, np.integer, np.floating)):
+        raise UsageError(f"{what}: {shown(value)} is no number")
+    return float(value)
+
+
+def path(file: Any, what: str) -> str:
+    """The name of a file. Raises UsageError."""
+    if not isinstance(file, (str, os.PathLike)):
+        raise UsageError(f"{what}: {shown(file)} is no name of a file; give a text or a path")
+    name = os.fspath(file)
+    if not isinstance(name, str):
+        raise UsageError(f"{what}: {shown(file)} is no text; give os.fsdecode of it")
+    if "\0" in name:
+        raise UsageError(f"{what}: {shown(name)} has a zero byte")
+    return name
+
+
 def is_quantity(value: Value) -> bool:
     """True for (number, unit)."""
     return (isinstance(value, tuple) and len(value) == 2 and isinstance(value[1], str)

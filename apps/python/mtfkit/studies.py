@@ -7,7 +7,8 @@ import json
 import operator
 import os
 import time
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -17,6 +18,7 @@ from mtfkit.errors import UsageError
 from mtfkit.progress import Progress, function_of
 from mtfkit.sensors import Sensor
 from mtfkit.study_results import Gradient, Optimum, StudyColumn
+from mtfkit.study_text import StudyParts, study_parts, write_copies, write_study
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -25,29 +27,94 @@ if TYPE_CHECKING:
 
 
 class Study:
-    """A trade study, as its file describes it. It never changes, and pickles with all its files.
+    """A trade study: a sensor, what varies in it, what is wanted. It never changes, and pickles with all that it needs.
+
+    Made of a sensor and keywords, which are the tables of a study file with its words, or read by `Study.load`. `save`
+    writes the file that `mtf sweep` runs to the same rows.
 
     >>> import mtfkit as mk
-    >>> study = mk.Study.load("notebooks-data/studies/aperture_against_pitch.toml")
-    >>> study.designs
-    1221
-    >>> rows = study.rows(0, 10)
-    >>> rows.shape == (10, len(study.columns))
+    >>> sensor = mk.Sensor(frame=dict(focal_length="100 mm", pitch="15 um"), optics=dict(f_number=2.0, wavelength="4 um"),
+    ...                    presample=["diffraction", mk.Footprint(width="15 um"), mk.Jitter(rms="20 urad")])
+    >>> study = mk.Study(sensor, axes={"optics.f_number": [1.4, 2.0, 2.8],
+    ...                                "jitter.rms": {"from": "10 urad", "to": "50 urad", "count": 5}},
+    ...                  links={"footprint.width": "0.9 * pitch"}, metrics=["mtf_nyquist_x"],
+    ...                  constraints=["mtf_nyquist_x > 0.3"], objectives=["maximize jitter.rms"])
+    >>> study.designs, study.axes(14)
+    (15, {'optics.f_number': 2.8, 'jitter.rms': 50.0})
+    >>> study.rows(0, 10).shape == (10, len(study.columns))
     True
+
+    `axes` is a dictionary by parameter, the last axis being the fastest of a grid: a list of values (numbers, texts, words,
+    files, or Sensors for the parameter "sensor"), values with one unit ([100, 200], "mm"), or a range {"from": "5 um", "to":
+    "15 um", "count": 11, "scale": "log"}. A number of the study's own, for links and goals, stands in a list of
+    dictionaries: [{"name": "f_number", "from": 4, "to": 12, "count": 9}, {"parameter": "frame.pitch", "values": [...]}].
+
+    `links` gives expressions by parameter, {"focal_length": "f_number * aperture"}; `constraints` and `objectives` are
+    lists of texts, "netd < 50 mK" and "minimize aperture"; `metrics` are names of figures beside those in them.
+    `conditions` is what metrics take from outside of the sensor: dict(range="500 km", temperature="290 K").
+    `sampling` is dict(method="sobol", points=1024) in place of the grid, or "latin_hypercube"; `seed` is that of samples
+    and as-built draws. `as_built` gives {"optics.obscuration": {"sd": 0.01}}, or `plus_minus`, and `draws` the number of
+    sensors that the yield of a design is made of. `tolerance` is the error allowed in every metric, 1e-4 by default. All
+    words, parameters, expressions and metrics are in apps/study/README.md.
+
+    Raises UsageError with every mistake, each with its argument.
     """
 
-    def __init__(self, file: str | os.PathLike[str], *, tolerance: float | None = None) -> None:
-        if tolerance is not None and not 1e-12 <= tolerance <= 0.1:
-            raise UsageError(f"tolerance: {tolerance!r} is outside 1e-12 to 0.1")
-        self._tolerance = tolerance
-        self._study = _core.StudyFile(os.fspath(file), tolerance)
-        self._folder: Any = None  # of copies, where the files came by pickle
+    def __init__(self, sensor: Sensor, *, axes: Mapping[str, Any] | Sequence[Mapping[str, Any]],
+                 links: Mapping[str, str] | None = None, constraints: Sequence[str] = (), objectives: Sequence[str] = (),
+                 metrics: Sequence[str] = (), conditions: Mapping[str, quantities.Value] | None = None,
+                 sampling: Mapping[str, Any] | None = None,
+                 as_built: Mapping[str, Mapping[str, quantities.Value]] | Sequence[Mapping[str, Any]] | None = None,
+                 draws: int | None = None, name: str = "", seed: int = 0, tolerance: float | None = None) -> None:
+        if not isinstance(sensor, Sensor):
+            raise UsageError(f"sensor: {quantities.shown(sensor)} is no Sensor; give one, or read a study file with Study.load(file)")
+        self._take(study_parts(sensor, name=name, axes=axes, links=links, constraints=constraints, objectives=objectives,
+                               metrics=metrics, conditions=conditions, sampling=sampling, as_built=as_built, draws=draws,
+                               seed=seed, tolerance=tolerance))
+
+    def _take(self, parts: StudyParts) -> None:
+        """The study of a text and sensors in memory."""
+        import tempfile
+
+        self._parts: StudyParts | None = parts
+        self._folder: Any = tempfile.TemporaryDirectory(prefix="mtfkit-study-")
+        self._tolerance: float | None = None
+        write_study(parts, self._folder.name, "study", own_files=False)
+        with self._said():
+            self._study = _core.StudyFile(os.path.join(self._folder.name, "study.toml"), None)
+
+    @contextmanager
+    def _said(self) -> Iterator[None]:
+        """Errors from within say arguments where the study was made of them."""
+        if self._parts is None:
+            yield
+            return
+        with self._parts.about_arguments(self._folder.name):
+            yield
 
     @classmethod
     def load(cls, file: str | os.PathLike[str], *, tolerance: float | None = None) -> Study:
         """Reads a study file; `tolerance` in place of its own. Raises UsageError with every error as a
         "file:line:column" line, DataError when a file cannot be read."""
-        return cls(file, tolerance=tolerance)
+        if tolerance is not None and not 1e-12 <= quantities.number(tolerance, "tolerance") <= 0.1:
+            raise UsageError(f"tolerance: {tolerance!r} is outside 1e-12 to 0.1")
+        study = object.__new__(cls)
+        study._parts, study._folder, study._tolerance = None, None, tolerance
+        study._study = _core.StudyFile(quantities.path(file, "file"), tolerance)
+        return study
+
+    def save(self, file: str | os.PathLike[str]) -> None:
+        """Writes the study file, and beside it the sensor files and all that these name, so that the folder can be moved.
+
+        `mtf sweep file` makes the rows of this study, bit for bit. Of a study that was loaded with another tolerance, it is
+        the file without it. Raises DataError where files cannot be written.
+        """
+        path = quantities.path(file, "file")
+        folder, base = os.path.split(os.path.abspath(path))
+        if self._parts is not None:
+            write_study(self._parts, folder, os.path.splitext(base)[0], own_files=True, file=base)
+        else:
+            write_copies(self._study.files(), folder, base)
 
     @property
     def name(self) -> str:
@@ -56,8 +123,13 @@ class Study:
 
     @property
     def file(self) -> str:
-        """The study file."""
-        return self._study.file
+        """The study file; "study" for one made of keywords."""
+        return self._study.file if self._parts is None else "study"
+
+    @property
+    def text(self) -> str:
+        """The study file, with its comments."""
+        return self._study.text
 
     @property
     def designs(self) -> int:
@@ -82,7 +154,8 @@ class Study:
     @property
     def warnings(self) -> list[str]:
         """What the file leaves in doubt."""
-        return self._study.warnings
+        warnings = self._study.warnings
+        return warnings if self._parts is None else [self._parts.in_words(text, self._folder.name) for text in warnings]
 
     @property
     def columns(self) -> tuple[StudyColumn, ...]:
@@ -102,8 +175,9 @@ class Study:
         """
         if isinstance(first, tuple):
             first, last = first
-        return self._study.rows(first, self.designs if last is None else last, quantities.thread_count(threads),
-                                function_of(progress, self.name or "designs"))
+        with self._said():
+            return self._study.rows(_whole(first, "first"), self.designs if last is None else _whole(last, "last"),
+                                    quantities.thread_count(threads), function_of(progress, self.name or "designs"))
 
     def run(self, *, threads: int = 0, progress: Progress = None) -> Any:
         """All designs as a DataFrame: see `frame`. `threads` 0 = all cores; `progress` True for a line on standard error,
@@ -178,7 +252,7 @@ class Study:
         return xarray.Dataset(variables, coords=coords, attrs={"study": self.name})
 
     def _values(self, design: int) -> list[float]:
-        return self._study.axis_values(operator.index(design))
+        return self._study.axis_values(_whole(design, "design"))
 
     def axes(self, design: int) -> dict[str, float | str]:
         """The values of the axes of a design, in the units of the columns; words where they are no numbers."""
@@ -189,13 +263,24 @@ class Study:
 
     def sensor(self, design: int) -> Sensor:
         """The sensor of a design, with all its numbers set: what `mtf sweep` writes as a chosen design."""
-        file = os.path.join(os.path.dirname(self.file), f"design_{int(design)}.toml")
-        return Sensor._of(self._study.sensor_at(self._values(design), file))
+        return self._sensor_at(self._values(design), f"design_{int(design)}.toml")
+
+    def _sensor_at(self, values: list[float], name: str) -> Sensor:
+        if self._parts is None:
+            return Sensor._of(self._study.sensor_at(values, os.path.join(os.path.dirname(self.file), name)))
+        given = self._parts.sensors[0]
+        for axis, value in zip(self._study.axes, values):
+            if axis["name"] == "sensor":
+                given = self._parts.sensors[int(axis["levels"][int(value)].rpartition("_")[2].partition(".")[0])]
+        with self._said():
+            made = self._study.sensor_at(values, os.path.join(os.path.dirname(given.file), name))
+        return Sensor._of(made, given._tables)
 
     def gradient(self, design: int) -> Gradient:
         """Exact derivatives of the metrics, objectives and constraints of a design by the numeric axes."""
         start = time.perf_counter()
-        made = self._study.gradient_at(self._values(design))
+        with self._said():
+            made = self._study.gradient_at(self._values(design))
         return Gradient(**made, seconds=time.perf_counter() - start)
 
     def optimum(self, *, objective: int | None = None, weights: Sequence[float] | None = None, search: bool = False,
@@ -220,38 +305,58 @@ class Study:
             numbers = [float(weight) for weight in weights]
             name = " + ".join(f"{weight:g} x {text}" for weight, text in zip(numbers, self.objectives))
         start = time.perf_counter()
-        report, table, best = self._study.optimum([(name, numbers)], search, starts, quantities.thread_count(threads),
-                                                  function_of(progress, "optimising"))
+        with self._said():
+            report, table, best = self._study.optimum([(name, numbers)], search, starts, quantities.thread_count(threads),
+                                                      function_of(progress, "optimising"))
+        if self._parts is not None:
+            report, table = (self._parts.in_words(text, self._folder.name) for text in (report, table))
         goals = json.loads(report)
         entry = goals["goals"][0] if "goals" in goals else goals
         sensor, axes = None, {}
         if best[0] is not None:
-            file = os.path.join(os.path.dirname(self.file), "best.toml")
-            sensor = Sensor._of(self._study.sensor_at(best[0], file))
+            sensor = self._sensor_at(best[0], "best.toml")
             axes = {axis["name"]: value for axis, value in zip(self._study.axes, best[0])}
         return Optimum(entry, table, sensor, axes, time.perf_counter() - start)
 
-    def __reduce__(self) -> tuple[Any, tuple[Any, ...]]:
+    def __reduce__(self) -> tuple[Any, ...]:
+        if self._parts is not None:
+            return _made, (self._parts,)
         return _unpickled, (os.path.abspath(self.file), self._study.sha256, self._study.files(), self._tolerance)
 
     def __eq__(self, other: object) -> bool:
-        """The same study: text, every file that it names, and tolerance."""
+        """The same study: text, every file or sensor that it names, and tolerance. One made of keywords is no equal of one
+        that was read."""
         if not isinstance(other, Study):
             return NotImplemented
+        if self._parts is not None or other._parts is not None:
+            return self._parts == other._parts
         return (self._study.sha256, self.tolerance) == (other._study.sha256, other.tolerance)
 
     def __hash__(self) -> int:
-        return hash((self._study.sha256, self.tolerance))
+        return hash((self._study.text if self._parts is not None else self._study.sha256, self.tolerance))
 
     def __repr__(self) -> str:
         return f"<Study {self.name or self.file!r}: {self.designs} designs>"
+
+
+def _whole(number: int, what: str) -> int:
+    try:
+        return operator.index(number)
+    except TypeError:
+        raise TypeError(f"{what}: {quantities.shown(number)} is no number of a design; give a whole number") from None
+
+
+def _made(parts: StudyParts) -> Study:
+    study = object.__new__(Study)
+    study._take(parts)
+    return study
 
 
 def _unpickled(file: str, sha256: str, files: list[tuple[str, bytes]], tolerance: float | None) -> Study:
     """The study from its own files where they are there and unchanged, else from copies that came along."""
     if os.path.exists(file):
         try:
-            study = Study(file, tolerance=tolerance)
+            study = Study.load(file, tolerance=tolerance)
             if study._study.sha256 == sha256:
                 return study
         except ValueError:
@@ -259,11 +364,7 @@ def _unpickled(file: str, sha256: str, files: list[tuple[str, bytes]], tolerance
     import tempfile
 
     folder = tempfile.TemporaryDirectory(prefix="mtfkit-study-")
-    for name, content in files:
-        path = os.path.join(folder.name, name)
-        os.makedirs(os.path.dirname(path), exist_ok=True)
-        with open(path, "wb") as copy:
-            copy.write(content)
-    study = Study(os.path.join(folder.name, files[0][0]), tolerance=tolerance)
+    write_copies(files, folder.name, files[0][0])
+    study = Study.load(os.path.join(folder.name, files[0][0]), tolerance=tolerance)
     study._folder = folder
     return study
