@@ -47,6 +47,55 @@ py::array plane(const ImageHandle& image, const std::string& name) {
   throw mtf::UsageError(image.path + ": has no plane '" + mtf::io::printable(name, 60) + "'; it has " + names);
 }
 
+/// Everything of a file in memory as Python's values, for pickle.
+py::tuple state_of(const ImageHandle& image) {
+  const mtf::io::ImageFile& file = *image.file;
+  const mtf::io::FileInfo& info = file.info;
+  py::list planes, channels;
+  for (const mtf::Image& values : file.planes) planes.append(to_numpy(values.clone()));
+  for (const mtf::io::ChannelInfo& c : info.channels)
+    channels.append(py::make_tuple(c.name, c.type, c.layer, c.part, c.part_name, c.x_sampling, c.y_sampling));
+  return py::make_tuple(image.path, file.names, planes, file.integer, file.missing_pixels,
+                        static_cast<int>(info.format), info.storage, info.width, info.height, info.data_window,
+                        info.display_window, channels, info.attributes, info.encoding.word, info.encoding.source,
+                        info.dct_steps);
+}
+
+ImageHandle of_state(const py::tuple& state) {
+  auto file = std::make_shared<mtf::io::ImageFile>();
+  std::size_t next = 0;
+  const auto take = [&](auto& to) { to = state[next++].cast<std::remove_reference_t<decltype(to)>>(); };
+  std::string path;
+  py::list planes, channels;
+  int format = 0;
+  mtf::io::FileInfo& info = file->info;
+  take(path);
+  take(file->names);
+  take(planes);
+  take(file->integer);
+  take(file->missing_pixels);
+  take(format);
+  take(info.storage);
+  take(info.width);
+  take(info.height);
+  take(info.data_window);
+  take(info.display_window);
+  take(channels);
+  take(info.attributes);
+  take(info.encoding.word);
+  take(info.encoding.source);
+  take(info.dct_steps);
+  info.format = static_cast<mtf::io::Format>(format);
+  for (const py::handle plane : planes)
+    file->planes.push_back(image_of(plane_of(py::reinterpret_borrow<py::object>(plane), "plane").view));
+  for (const py::handle channel : channels) {
+    const auto [name, type, layer, part, part_name, x, y] =
+        channel.cast<std::tuple<std::string, std::string, std::string, int, std::string, int, int>>();
+    info.channels.push_back({name, type, layer, part, part_name, x, y});
+  }
+  return {path, file};
+}
+
 mtf::io::Metadata metadata_of(const std::map<std::string, std::string>& text,
                               const std::map<std::string, std::array<double, 2>>& pairs,
                               const std::map<std::string, std::vector<float>>& lists,
@@ -97,7 +146,8 @@ void add_images(py::module_& module) {
       .def_property_readonly("encoding", [](const ImageHandle& i) { return i.file->info.encoding.word; })
       .def_property_readonly("pitch_um", [](const ImageHandle& i) { return mtf::io::stated_pitch_um(i.file->info); })
       .def_property_readonly("missing_pixels", [](const ImageHandle& i) { return i.file->missing_pixels; })
-      .def("plane", &plane, py::arg("name"));
+      .def("plane", &plane, py::arg("name"))
+      .def(py::pickle(&state_of, &of_state));
   module.def(
       "plane", [](const py::object& array, const std::string& name) { return plane_of(array, name).array; },
       py::arg("array"), py::arg("name"));

@@ -7,6 +7,7 @@
 #include <pybind11/stl.h>
 
 #include <array>
+#include <tuple>
 
 #include "apps/image/simulate_summary.h"
 #include "apps/python/arrays.h"
@@ -138,53 +139,74 @@ std::unique_ptr<RunHandle> simulate_scene(const SensorHandle& sensor, const Scen
   return run;
 }
 
-/// Scene samples to pixels: x is the column, y the row, the centre of the first sample and pixel is at 0.
-py::array_t<double> map_points(const RunHandle& run,
+/// A grid as Python has it: width, height, and the steps along x and y in um.
+using GridNumbers = std::tuple<std::int64_t, std::int64_t, double, double>;
+/// What is stored with an image, as Python keeps it: texts, pairs, lists, history.
+using MetadataParts = std::tuple<std::map<std::string, std::string>, std::map<std::string, std::array<double, 2>>,
+                                 std::map<std::string, std::vector<float>>, std::vector<std::string>>;
+
+GridNumbers numbers_of(const mtf::SampleGrid& grid) {
+  return {grid.width, grid.height, grid.step_x_um, grid.step_y_um};
+}
+
+std::vector<MetadataParts> metadata_of(const RunHandle& run) {
+  std::vector<MetadataParts> all;
+  for (const SimulatedImage& image : run.result.images)
+    all.emplace_back(image.metadata.text, image.metadata.pairs, image.metadata.lists, image.metadata.history);
+  return all;
+}
+
+/// Scene samples to pixels: x is the column, y the row, the centre of the first sample and pixel is at 0. `image` is
+/// the whole one, of which a region may have been made.
+py::array_t<double> map_points(const SensorHandle& sensor, const GridNumbers& scene, const GridNumbers& image,
+                               const std::optional<Region>& region,
                                const py::array_t<double, py::array::c_style | py::array::forcecast>& points) {
   if (points.ndim() != 2 || points.shape(1) != 2)
     throw mtf::UsageError("points: give an array of the shape (count, 2), a column and a row each");
-  const RunReport& report = run.result.report;
-  const mtf::SampleGrid &in = report.scene.grid, &out = report.whole_image();
+  const auto [scene_width, scene_height, in_x_um, in_y_um] = scene;
+  const auto [width, height, out_x_um, out_y_um] = image;
   const radiometry::SensorSettings settings =
-      has_chain(*run.sensor) ? load_chain(*run.sensor).sensor.settings : radiometry::SensorSettings{};
-  const double width_um = static_cast<double>(out.width) * out.step_x_um,
-               height_um = static_cast<double>(out.height) * out.step_y_um;
+      has_chain(*sensor.config) ? load_chain(*sensor.config).sensor.settings : radiometry::SensorSettings{};
+  const double width_um = static_cast<double>(width) * out_x_um, height_um = static_cast<double>(height) * out_y_um;
   const double axis_x_um =
-      0.5 * width_um + (settings.axis ? settings.axis->x_px * run.sensor->system.frame.pitch_x_um : 0.0);
+      0.5 * width_um + (settings.axis ? settings.axis->x_px * sensor.config->system.frame.pitch_x_um : 0.0);
   const double axis_y_um =
-      0.5 * height_um + (settings.axis ? settings.axis->y_px * run.sensor->system.frame.pitch_y_um : 0.0);
+      0.5 * height_um + (settings.axis ? settings.axis->y_px * sensor.config->system.frame.pitch_y_um : 0.0);
   const double half_um = 0.5 * std::hypot(width_um, height_um);
   py::array_t<double> result({points.shape(0), py::ssize_t{2}});
   for (py::ssize_t i = 0; i < points.shape(0); ++i) {
-    double x_um = (points.at(i, 0) + 0.5) * in.step_x_um, y_um = (points.at(i, 1) + 0.5) * in.step_y_um;
+    double x_um = (points.at(i, 0) + 0.5) * in_x_um, y_um = (points.at(i, 1) + 0.5) * in_y_um;
     if (settings.distortion) {
       const double dx = x_um - axis_x_um, dy = y_um - axis_y_um;
       const double part = radiometry::distorted_part(*settings.distortion, std::hypot(dx, dy) / half_um);
       x_um = axis_x_um + part * dx;
       y_um = axis_y_um + part * dy;
     }
-    result.mutable_at(i, 0) =
-        x_um / out.step_x_um - 0.5 - (report.region ? static_cast<double>((*report.region)[0]) : 0.0);
-    result.mutable_at(i, 1) =
-        y_um / out.step_y_um - 0.5 - (report.region ? static_cast<double>((*report.region)[1]) : 0.0);
+    result.mutable_at(i, 0) = x_um / out_x_um - 0.5 - (region ? static_cast<double>((*region)[0]) : 0.0);
+    result.mutable_at(i, 1) = y_um / out_y_um - 0.5 - (region ? static_cast<double>((*region)[1]) : 0.0);
   }
   return result;
 }
 
 /// Writes an image as `mtf simulate -o` does.
-void save(const RunHandle& run, std::size_t image, const std::string& path,
-          const std::optional<std::array<double, 2>>& range) {
-  if (image >= run.result.images.size()) throw mtf::UsageError("save: the run has no images in memory");
-  const auto planes = run.images[image].cast<py::tuple>()[1].cast<py::dict>();
+void save_image(const SensorHandle& sensor, const std::optional<std::string>& stage, const py::dict& planes,
+                const MetadataParts& parts, const std::string& path,
+                const std::optional<std::array<double, 2>>& range) {
+  std::vector<std::string> names;
   std::vector<mtf::Image> images;
-  for (const std::string& name : run.result.names)
-    images.push_back(image_of(plane_of(planes[py::str(name)], "plane '" + name + "'").view));
-  SimulateOptions options = run.options;
+  for (const auto& [name, array] : planes) {
+    names.push_back(name.cast<std::string>());
+    images.push_back(
+        image_of(plane_of(py::reinterpret_borrow<py::object>(array), "plane '" + names.back() + "'").view));
+  }
+  SimulateOptions options;
+  if (stage) options.stage = output_stage(*stage);
   options.range = range;
+  const auto& [text, pairs, lists, history] = parts;
+  const mtf::io::Metadata metadata{.text = text, .pairs = pairs, .lists = lists, .history = history};
   const py::gil_scoped_release free;
-  const auto chain = radiometric_chain_of(*run.sensor, options.stage);
-  write_sensor_image(path, run.result.names, images, run.result.images[image].metadata,
-                     integer_range(chain.get(), options));
+  const auto chain = radiometric_chain_of(*sensor.config, options.stage);
+  write_sensor_image(path, names, images, metadata, integer_range(chain.get(), options));
 }
 
 }  // namespace
@@ -214,19 +236,15 @@ void add_simulate(py::module_& module) {
       .def_property_readonly("warnings", [](const RunHandle& r) { return r.result.report.warnings; })
       .def_property_readonly("notes", [](const RunHandle& r) { return r.result.report.notes; })
       .def_property_readonly("timing_ms", [](const RunHandle& r) { return r.result.report.timing_ms; })
-      .def_property_readonly("pitch_um",
-                             [](const RunHandle& r) {
-                               const mtf::SampleGrid& grid = r.result.report.whole_image();
-                               return py::make_tuple(grid.step_x_um, grid.step_y_um);
-                             })
-      .def_property_readonly("scene_um",
-                             [](const RunHandle& r) {
-                               const mtf::SampleGrid& grid = r.result.report.scene.grid;
-                               return py::make_tuple(grid.step_x_um, grid.step_y_um);
-                             })
-      .def("explain", [](const RunHandle& r) { return explain_text(r.result.report); })
-      .def("map_points", &map_points, py::arg("points"))
-      .def("save", &save, py::arg("image"), py::arg("path"), py::arg("range"));
+      .def_property_readonly("image_grid", [](const RunHandle& r) { return numbers_of(r.result.report.whole_image()); })
+      .def_property_readonly("scene_grid", [](const RunHandle& r) { return numbers_of(r.result.report.scene.grid); })
+      .def_property_readonly("region", [](const RunHandle& r) { return r.result.report.region; })
+      .def_property_readonly("metadata", &metadata_of)
+      .def("explain", [](const RunHandle& r) { return explain_text(r.result.report); });
+  module.def("map_points", &map_points, py::arg("sensor"), py::arg("scene_grid"), py::arg("image_grid"),
+             py::arg("region"), py::arg("points"));
+  module.def("save_image", &save_image, py::arg("sensor"), py::arg("stage"), py::arg("planes"), py::arg("metadata"),
+             py::arg("path"), py::arg("range"));
   module.def(
       "sample_um",
       [](const SensorHandle& sensor, const SampleWords& sample) {

@@ -345,9 +345,22 @@ def test_results_show_in_notebooks(sensor, scene):
     array = run.to_xarray()
     assert array.attrs["units"] == run.unit and array.coords["x"].attrs["units"] == "mm"
     assert np.array_equal(np.asarray(run), run.image)
-    with pytest.raises((TypeError, AttributeError)):
-        pickle.dumps(run)
     assert pickle.loads(pickle.dumps(run.image)).shape == run.image.shape
+
+
+def test_one_image_is_asked_for_where_there_are_several(sensor, scene, demo):
+    colours = sensor.simulate({"R": scene, "G": scene + 1}, sample="3.75 um")
+    sequence = mk.Sensor.load(demo / "camera.toml").simulate(demo / "thermal.exr", stage="dn", frames=range(2, 7, 2))
+    for run, words in ((colours, "planes R, G; take run.planes"), (sequence, r"frames 2, 4, 6; take run.images\[number\]")):
+        for work in (lambda: run.image, lambda: np.asarray(run), run.to_xarray, lambda: mk.measure(run)):
+            with pytest.raises(mk.UsageError, match=words):
+                work()
+    assert np.array_equal(colours.plane("G"), colours.planes["G"]) and list(colours.planes) == ["R", "G"]
+    assert np.array_equal(sequence.plane("Y", 4), sequence.images[1]) and len(sequence.images) == 3
+    for work, words in ((lambda: colours.images, "run.plane"), (lambda: sequence.planes, "run.plane"), (lambda: colours.plane("B"), "there are R, G"),
+                        (lambda: sequence.plane("Y"), "name one of them"), (lambda: sequence.plane("Y", 3), "2, 4, 6")):
+        with pytest.raises(mk.UsageError, match=words):
+            work()
 
 
 def test_the_compiled_part_refuses_nonsense():

@@ -22,8 +22,8 @@ if TYPE_CHECKING:
 __all__ = ["BandAverage", "Line", "Sky", "line", "sky"]
 
 
-@dataclass(frozen=True)
-class BandAverage:
+@dataclass(frozen=True, eq=False)
+class BandAverage(results.ByValue):
     """Averages over a band, weighted by a blackbody and, for a sensor file, by its response.
 
     `transmission` is that of the blackbody's light, `contrast_transmission` that of a small difference of temperature,
@@ -36,13 +36,14 @@ class BandAverage:
     path_radiance: float
     path_radiance_unit: str
     components: dict[str, float]
+    __hash__ = None  # type: ignore[assignment]
 
 
 def _numbers(values: Sequence[float | None]) -> Floats:
     return np.array([np.nan if v is None else v for v in values], dtype=np.float64)
 
 
-class Line:
+class Line(results.ByValue):
     """The spectrum of a line of sight, rising in wavenumber, and its averages in bands."""
 
     def __init__(self, report: dict[str, Any], seconds: float) -> None:
@@ -54,6 +55,8 @@ class Line:
             contrast_transmission=band["contrast_transmission"],
             path_radiance=float("nan") if band["path_radiance"] is None else band["path_radiance"],
             path_radiance_unit=band["path_radiance_unit"], components=band["components"]) for band in report["bands"])
+
+    __hash__ = None  # type: ignore[assignment]
 
     @property
     def wavenumber_cm(self) -> Floats:
@@ -97,13 +100,15 @@ class Line:
         return f"<Line through {self.air}: {', '.join(f'{b.transmission:.4f}' for b in self.bands)}>"
 
 
-class Sky:
+class Sky(results.ByValue):
     """The radiance of the sky over the zenith angle, and the flux that a horizontal plane gets."""
 
     def __init__(self, report: dict[str, Any], seconds: float) -> None:
         self.report = report  #: the JSON of `mtf atmosphere --sky`
         self.seconds = seconds  #: wall time
         self.longwave_w_m2 = float(report["longwave_w_m2"])  #: long-wave flux on a horizontal plane
+
+    __hash__ = None  # type: ignore[assignment]
 
     @property
     def zenith_angle_deg(self) -> Floats:
@@ -114,6 +119,9 @@ class Sky:
     def radiance(self) -> Floats:
         """Radiance in W m-2 sr-1 over all wavelengths of the model."""
         return _numbers(self.report["radiance_W_m-2_sr-1"])
+
+    def __repr__(self) -> str:
+        return f"<Sky: {self.longwave_w_m2:.4g} W m-2 on a horizontal plane>"
 
     def in_band(self, band: int = 0) -> Floats:
         """Radiance in W m-2 sr-1 in one of the bands."""

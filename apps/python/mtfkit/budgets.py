@@ -12,8 +12,8 @@ from mtfkit import _core, results
 from mtfkit.errors import UsageError
 
 
-@dataclass(frozen=True)
-class Figure:
+@dataclass(frozen=True, eq=False)
+class Figure(results.ByValue):
     """A number with its unit. `value` is NaN where there is none, and `reason` says why."""
 
     name: str

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, eq=False)
-class Column:
+class Column(results.ByValue):
     """The OTF of one component, of one list, or of the whole sensor.
 
     `otf` has a complex value at each frequency; `error` is what its average over the band may err by, absolute.
@@ -32,6 +32,7 @@ class Column:
     real: bool
     otf: Complexes
     error: Floats
+    __hash__ = None  # type: ignore[assignment]
 
     @property
     def mtf(self) -> Floats:
@@ -40,7 +41,7 @@ class Column:
 
 
 @dataclass(frozen=True, eq=False)
-class Curves:
+class Curves(results.ByValue):
     """What `mtf curve` gives, bit for bit: columns by their label, the last one being "system".
 
     `frequency` is in `unit` along `angle_deg`, the angle from +x (columns) to +y (rows). `nyquist`, `cutoff` and `q` are
@@ -57,6 +58,7 @@ class Curves:
     columns: tuple[Column, ...]
     seconds: float = 0.0  #: wall time
     table_error: float = 0.0  #: of components made of functions: what tables in their place err by, absolute
+    __hash__ = None  # type: ignore[assignment]
 
     @property
     def promised(self) -> float:

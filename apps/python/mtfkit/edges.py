@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     ImageLike = Union[str, "os.PathLike[str]", Image, Run, npt.ArrayLike]
 
 
-class Estimate:
+class Estimate(results.ByValue):
     """A number with its standard deviation `sd` (NaN where a method knows none)."""
 
     __slots__ = ("sd", "value")
@@ -36,13 +36,8 @@ class Estimate:
     def __float__(self) -> float:
         return self.value
 
-    def __eq__(self, other: object) -> bool:
-        if not isinstance(other, Estimate):
-            return NotImplemented
-        return (self.value, self.sd) == (other.value, other.sd)
-
-    def __hash__(self) -> int:
-        return hash((self.value, self.sd))
+    def _values(self) -> Any:
+        return {"value": self.value, "sd": self.sd}
 
     def __repr__(self) -> str:
         return f"{self.value:.6g} +- {self.sd:.2g}"
@@ -52,7 +47,7 @@ _FIGURES = ("mtf50", "mtf30", "mtf20", "mtf10", "mtf50p", "nyquist", "rer", "ove
             "sampling_efficiency")
 
 
-class Edge:
+class Edge(results.ByValue):
     """One edge of an image, as `mtf measure --format json` has it.
 
     Frequencies are along the normal of the edge in the unit that was asked for, cycles/pixel by default. A figure that
@@ -62,6 +57,8 @@ class Edge:
     def __init__(self, entry: dict[str, Any], unit: str) -> None:
         self._entry = entry
         self.unit = unit  #: of the frequencies
+
+    __hash__ = None  # type: ignore[assignment]
 
     @property
     def measured(self) -> bool:

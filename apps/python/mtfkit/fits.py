@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, eq=False)
-class CurveData:
+class CurveData(results.ByValue):
     """An MTF that another instrument measured: values `mtf` at `frequency` [`unit`] along `angle`.
 
     `sd` is one standard deviation for all, or one for each.
@@ -38,10 +38,11 @@ class CurveData:
     unit: str = "cy/mm"
     angle: quantities.Value = 0
     name: str = "curve"
+    __hash__ = None  # type: ignore[assignment]
 
 
-@dataclass(frozen=True)
-class Parameter:
+@dataclass(frozen=True, eq=False)
+class Parameter(results.ByValue):
     """A fitted number of the sensor.
 
     `value` is NaN where the data do not determine it, `sd` where there is no standard deviation. `verdict` says how well
@@ -59,14 +60,32 @@ class Parameter:
     verdict: str
 
 
-class Fit:
-    """What `mtf fit` gives, bit for bit."""
+@dataclass(frozen=True, eq=False)
+class KeptFit:
+    """A finished fit by its values: as _core.FitRun, for pickle."""
 
-    def __init__(self, sensor: Sensor, run: _core.FitRun, seconds: float) -> None:
+    report: str
+    table: str
+    fitted: Sensor
+    residuals: list[tuple[str, npt.NDArray[np.float32]]]
+
+
+class Fit(results.ByValue):
+    """What `mtf fit` gives, bit for bit. Two are equal when all but their wall times is."""
+
+    def __init__(self, sensor: Sensor, run: _core.FitRun | KeptFit, seconds: float) -> None:
         self.seconds = seconds  #: wall time
         self._sensor = sensor
         self._run = run
         self.report: dict[str, Any] = json.loads(run.report)  #: the JSON of `mtf fit`
+
+    def _values(self) -> Any:
+        return {"sensor": self._sensor, "report": self.report, "residuals": self.residuals}
+
+    __hash__ = None  # type: ignore[assignment]
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return Fit, (self._sensor, KeptFit(self._run.report, self._run.table, self.sensor, self.residuals), self.seconds)
 
     @property
     def status(self) -> str:
@@ -151,6 +170,8 @@ class Fit:
     @property
     def sensor(self) -> Sensor:
         """The sensor with the fitted values and their standard errors in its file, comments kept."""
+        if isinstance(self._run, KeptFit):
+            return self._run.fitted
         return type(self._sensor)._of(self._run.sensor, self._sensor._own)
 
     @property

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from mtfkit import _core
+from mtfkit import _core, results
 from mtfkit.errors import DataError, UsageError
 
 if TYPE_CHECKING:
@@ -18,16 +18,26 @@ if TYPE_CHECKING:
     Plane = npt.NDArray[np.float32]
 
 
-class Image:
+class Image(results.ByValue):
     """An image file in memory, as it was stored: planes of float32 by name, and what the file says of them.
 
-    Made by `read`. `sensor.simulate(image)` gives what the file itself would give.
+    Made by `read`. `sensor.simulate(image)` gives what the file itself would give. Images pickle; two are equal when their
+    planes and all that the file says are, wherever it lies.
     """
 
     __slots__ = ("_file",)
 
     def __init__(self, file: _core.ImageFile) -> None:
         self._file = file
+
+    def _values(self) -> Any:
+        return {"planes": {name: self._file.plane(name) for name in self.names}, "attributes": self.attributes,
+                "what": (self.integer, self.encoding, self._file.storage, self._file.pitch_um)}
+
+    __hash__ = None  # type: ignore[assignment]
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return Image, (self._file,)
 
     @property
     def path(self) -> str:

@@ -87,7 +87,25 @@ class BandResponse:
         lo, hi = (quantities.micrometres(end, "band") for end in band)
         given = [(np.asarray(w, dtype=np.float64).ravel().tolist(), np.asarray(v, dtype=np.float64).ravel().tolist())
                  for w, v in curves]
+        self._given = (lo, hi, given)
         self._response = _core.BandResponse(lo, hi, given)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        lo, hi, curves = self._given
+        return BandResponse, ((f"{lo!r} um", f"{hi!r} um"), curves)
+
+    def __eq__(self, other: object) -> bool:
+        """The same band and curves."""
+        if not isinstance(other, BandResponse):
+            return NotImplemented
+        return self._given == other._given
+
+    def __hash__(self) -> int:
+        return hash(self._given[:2])
+
+    def __repr__(self) -> str:
+        lo, hi = self.range_um
+        return f"<BandResponse {lo:g} to {hi:g} um, integral {self.integral_um:.6g} um>"
 
     @property
     def range_um(self) -> tuple[float, float]:

@@ -46,6 +46,35 @@ def number(value: Any, what: str) -> float:
     return float(value)
 
 
+def whole(value: Any, what: str) -> int:
+    """A whole number. Raises UsageError."""
+    if isinstance(value, (bool, np.bool_)) or not isinstance(value, (int, np.integer)):
+        raise UsageError(f"{what}: {shown(value)} is no whole number")
+    return int(value)
+
+
+def numbers(values: npt.ArrayLike, what: str) -> npt.NDArray[np.float64]:
+    """An array of real numbers. Raises UsageError."""
+    try:
+        array = np.asanyarray(values)
+    except ValueError:
+        raise UsageError(f"{what}: {shown(values)} is no array of numbers; its rows differ in length") from None
+    if isinstance(array, np.ma.MaskedArray):
+        raise UsageError(f"{what}: is a masked array; say what stands for the masked values, such as a.filled(numpy.nan)")
+    if array.dtype.kind not in "biuf":
+        raise UsageError(f"{what}: {shown(values)} is no number or array of numbers")
+    return np.asarray(array, dtype=np.float64)
+
+
+def value_range(ends: Any, what: str = "range") -> tuple[float, float] | None:
+    """(low, high), or None. Raises UsageError."""
+    if ends is None:
+        return None
+    if not isinstance(ends, (tuple, list, np.ndarray)) or len(ends) != 2:
+        raise UsageError(f"{what}: {shown(ends)} is not (low, high)")
+    return number(ends[0], what), number(ends[1], what)
+
+
 def path(file: Any, what: str) -> str:
     """The name of a file. Raises UsageError."""
     if not isinstance(file, (str, os.PathLike)):

@@ -5,8 +5,10 @@ from __future__ import annotations
 
 import importlib
 import time
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any, TypeVar
+
+import numpy as np
 
 from mtfkit.errors import Error
 
@@ -31,6 +33,39 @@ def timed(call: Callable[..., Made], *arguments: Any) -> tuple[Made, float]:
     start = time.perf_counter()
     made = call(*arguments)
     return made, time.perf_counter() - start
+
+
+def same(a: Any, b: Any) -> bool:
+    """Whether two values are the same, arrays by type and value, NaN being NaN."""
+    if type(a) is not type(b):
+        return False
+    if isinstance(a, np.ndarray):
+        return a.dtype == b.dtype and bool(np.array_equal(a, b, equal_nan=a.dtype.kind in "fc"))
+    if isinstance(a, float):
+        return a == b or (a != a and b != b)
+    if isinstance(a, Mapping):
+        return list(a) == list(b) and all(same(a[key], b[key]) for key in a)
+    if isinstance(a, (list, tuple)):
+        return len(a) == len(b) and all(same(one, other) for one, other in zip(a, b))
+    return bool(a == b)
+
+
+class ByValue:
+    """A result: two are equal when their values are, arrays too; wall times do not count."""
+
+    __slots__ = ()
+
+    def _values(self) -> Any:
+        return {name: value for name, value in vars(self).items() if name != "seconds"}
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, ByValue) or type(other) is not type(self):
+            return NotImplemented
+        return same(self._values(), other._values())
+
+    def __hash__(self) -> int:
+        values = self._values()
+        return hash(tuple("nan" if value != value else value for value in values.values()))
 
 
 class MissingLibrary(Error, ImportError):

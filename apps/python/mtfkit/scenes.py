@@ -25,10 +25,11 @@ if TYPE_CHECKING:
 __all__ = ["Heat", "Picture", "heat", "render"]
 
 
-class Heat:
+class Heat(results.ByValue):
     """Temperatures of all surfaces of a scene over a run, as `mtf heat` writes them.
 
-    `folder` holds its files; it goes away with this object unless it was named.
+    `folder` holds its files; it goes away with this object unless it was named. A Heat pickles with its files, which are
+    in a folder of their own where it arrives; two are equal when their temperatures, times and warnings are.
     """
 
     def __init__(self, folder: str, report: dict[str, Any], warnings: list[str], seconds: float, keep: Any) -> None:
@@ -37,6 +38,18 @@ class Heat:
         self.warnings = warnings  #: reasons to doubt the result
         self.seconds = seconds  #: wall time
         self._keep = keep
+
+    def _values(self) -> Any:
+        return {"temperatures": np.asarray(self.temperatures), "times": self.times, "warnings": self.warnings}
+
+    __hash__ = None  # type: ignore[assignment]
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        files = {}
+        for name in sorted(os.listdir(self.folder)):
+            with open(os.path.join(self.folder, name), "rb") as file:
+                files[name] = file.read()
+        return _moved_heat, (files, self.report, self.warnings, self.seconds)
 
     @property
     def promised(self) -> float:
@@ -87,10 +100,26 @@ class Picture(Image):
         self.report = report
         self.seconds = seconds
 
+    def _values(self) -> Any:
+        return {**super()._values(), "layers": self.layers}
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return Picture, (self._file, self.layers, self.report, self.seconds)
+
     @property
     def promised(self) -> float:
         """The error of the tables that radiance is made of, relative to it, at most."""
         return float(self.report["promised_error"])
+
+
+def _moved_heat(files: dict[str, bytes], report: dict[str, Any], warnings: list[str], seconds: float) -> Heat:
+    import tempfile
+
+    keep = tempfile.TemporaryDirectory(prefix="mtfkit-heat-")
+    for name, content in files.items():
+        with open(os.path.join(keep.name, name), "wb") as file:
+            file.write(content)
+    return Heat(keep.name, report, warnings, seconds, keep)
 
 
 def heat(scene: str | os.PathLike[str], *, tolerance: quantities.Value = "0.1 K", rays: int = 128,

@@ -102,7 +102,7 @@ def run_simulation(sensor: Sensor, scene: SceneLike, *, sample: quantities.Value
         run = _core.simulate(file, words, tolerance, nan, is_measured(rigor), stage, roi, memory, span,
                              _schedule_file(schedule, folder), os.fspath(out) if out is not None else "", range, canvas,
                              quantities.thread_count(threads), function_of(progress, "simulating"))
-    return Run(run, time.perf_counter() - start, sensor, canvas)
+    return Run._of(run, time.perf_counter() - start, sensor, canvas, stage)
 
 
 class _NoFolder:

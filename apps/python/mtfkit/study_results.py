@@ -32,7 +32,7 @@ class StudyColumn:
 
 
 @dataclass(frozen=True, eq=False)
-class Gradient:
+class Gradient(results.ByValue):
     """Exact derivatives of a design by the numeric axes, by automatic differentiation; NaN where there is none.
 
     `value` has a row for each of `columns` and a column for each of `parameters`, in unit of the one per unit of the
@@ -45,6 +45,7 @@ class Gradient:
     objective: Floats
     margin: Floats
     seconds: float = 0.0  #: wall time
+    __hash__ = None  # type: ignore[assignment]
 
     def to_pandas(self) -> Any:
         """A DataFrame of `value`: index is the metric, a column for each parameter."""
@@ -55,7 +56,7 @@ class Gradient:
         return results.html_table(["d / d", *self.parameters], rows)
 
 
-class Optimum:
+class Optimum(results.ByValue):
     """The best design for one goal, as `mtf optimize`.
 
     `status` is "optimal", "stopped", "infeasible" or "impossible"; `sensor` is None where no design is feasible.
@@ -68,6 +69,8 @@ class Optimum:
         self.axes = axes  #: values of the axes, in their units
         self.seconds = seconds  #: wall time
         self._table = table
+
+    __hash__ = None  # type: ignore[assignment]
 
     @property
     def status(self) -> str:

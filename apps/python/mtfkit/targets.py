@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from mtfkit import quantities
+from mtfkit import quantities, results
 from mtfkit.errors import UsageError
 
 if TYPE_CHECKING:
@@ -21,7 +21,7 @@ __all__ = ["Target", "edge", "points", "sine"]
 
 
 @dataclass(frozen=True, eq=False)
-class Target:
+class Target(results.ByValue):
     """Values of a scene, float32, and the blur that is in its samples: the sigma of a Gaussian in samples, 0 for none.
 
     `sensor.simulate(target)` divides the blur out again, so that the image is that of the sharp target. Samples are an
@@ -30,6 +30,7 @@ class Target:
 
     values: Plane
     blur_samples: float = 0.0
+    __hash__ = None  # type: ignore[assignment]
 
 
 def _grid(size: tuple[int, int]) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
