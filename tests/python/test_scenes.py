@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """3-D scenes: temperatures and pictures are those of the command."""
 
+from datetime import date, datetime, time, timedelta, timezone
+
 import numpy as np
 import pytest
 from conftest import PLATE_MATERIAL, run_command
@@ -99,3 +101,26 @@ def test_mistakes_say_where(scene, tmp_path):
         mk.render(scene, camera, solve=True, plain=True, layers=["sound"])
     with pytest.raises(mk.UsageError):
         mk.render(scene, camera, solve=True)  # weighted radiance needs [detector]
+
+
+def test_times_of_any_kind(scene):
+    pandas = pytest.importorskip("pandas")
+    camera = mk.Sensor.load(scene.parent / "camera.toml")
+    how = dict(temperatures=mk.heat(scene), plain=True)
+    right = mk.render(scene, camera, at="2026-06-21T09:30:00Z", **how)
+    assert not np.array_equal(right.plane("Y"), mk.render(scene, camera, at="2026-06-21T08:30:00Z", **how).plane("Y"))
+    east = timezone(timedelta(hours=2))
+    for at in ("09:30", "9:30", "09:30:00Z", "2026-06-21 09:30", "2026-06-21T11:30:00+02:00", datetime(2026, 6, 21, 9, 30),
+               datetime(2026, 6, 21, 11, 30, tzinfo=east), time(9, 30), np.datetime64("2026-06-21T09:30"),
+               pandas.Timestamp("2026-06-21 09:30"), pandas.Timestamp("2026-06-21 11:30", tz=east)):
+        assert np.array_equal(mk.render(scene, camera, at=at, **how).plane("Y"), right.plane("Y")), at
+
+
+@pytest.mark.parametrize("at,words", [
+    ("noon", "'noon' is no time; give a time of day"), ("2026-06-21", "no time"), ("25:00", "no time"), ("2026-06-31T12:00", "no time"),
+    (12, "12 is no time"), (np.datetime64("NaT"), "no time"), (date(2026, 6, 21), "no time"), ([], "no time"),
+    ("05:00", "does not occur between 2026-06-21T06:00:00Z and 2026-06-21T12:00:00Z"),
+])
+def test_wrong_times_say_what_is_allowed(scene, at, words):
+    with pytest.raises(mk.UsageError, match=f"at: .*{words}"):
+        mk.render(scene, mk.Sensor.load(scene.parent / "camera.toml"), solve=True, plain=True, at=at)

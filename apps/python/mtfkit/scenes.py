@@ -14,6 +14,7 @@ import numpy as np
 from mtfkit import _core, quantities, results
 from mtfkit.errors import UsageError
 from mtfkit.images import Image, read
+from mtfkit.instants import Instant, instant_text
 from mtfkit.progress import Progress, function_of
 
 if TYPE_CHECKING:
@@ -151,14 +152,16 @@ def heat(scene: str | os.PathLike[str], *, tolerance: quantities.Value = "0.1 K"
 
 
 def render(scene: str | os.PathLike[str], sensor: Sensor, *, temperatures: Heat | str | os.PathLike[str] | None = None,
-           at: str | None = None, solve: bool = False, position: Sequence[float] | None = None,
+           at: Instant | None = None, solve: bool = False, position: Sequence[float] | None = None,
            look_at: Sequence[float] | None = None, samples_per_pitch: float = 2.0, points: int = 2, plain: bool = False,
            air: bool = True, layers: Sequence[str] = (), out: str | os.PathLike[str] | None = None,
            threads: int = 0) -> Picture:
     """The picture of a scene file at the aperture of a sensor, as `mtf render`: for `sensor.simulate(picture)`.
 
     `temperatures` is a Heat, its folder or a table of facets; with `solve` they are solved first, without either they are
-    those of the scene file. `at` is a time, UTC. `position` and `look_at` are x (east), y (north), z (up) in m, by
+    those of the scene file. `at` is ISO 8601 text, a datetime, a numpy.datetime64 or a pandas.Timestamp, UTC without an
+    offset, or a time of day "12:30" within the run of the scene; by default the last of the folder, or the start of the
+    scene. `position` and `look_at` are x (east), y (north), z (up) in m, by
     default those of [camera]. `plain` gives radiance in the band, else it is weighted by the sensor's response.
     `layers` of the picture: temperature, emissivity, Z, facet, material, normal, surface, transmittance. `out` keeps the file.
     Raises UsageError for what does not fit, each with its place.
@@ -171,7 +174,7 @@ def render(scene: str | os.PathLike[str], sensor: Sensor, *, temperatures: Heat 
         file = os.path.join(folder, "sensor.toml")
         sensor.save(file)
         picture = os.fspath(out) if out is not None else os.path.join(folder, "picture.exr")
-        report = _core.render(os.fspath(scene), [file], picture, source, at or "", solve,
+        report = _core.render(os.fspath(scene), [file], picture, source, instant_text(at, os.fspath(scene)), solve,
                               None if position is None else [float(v) for v in position],
                               None if look_at is None else [float(v) for v in look_at], samples_per_pitch, points, plain,
                               not air, list(layers), quantities.thread_count(threads))
