@@ -25,21 +25,6 @@ bool same(const std::shared_ptr<const Curve>& a, const std::shared_ptr<const Cur
   return a->unit == b->unit && a->frequency == b->frequency && a->value == b->value && a->slope == b->slope;
 }
 
-bool same(const Component<double>& a, const Component<double>& b) {
-  if (a.kind() != b.kind()) return false;
-  const auto fields = a.fields(), others = b.fields();
-  for (std::size_t i = 0; i < fields.size(); ++i) {
-    const bool equal = std::visit(
-        [&](const auto* value) {
-          using T = std::remove_cvref_t<decltype(value)>;
-          return same(*value, *std::get<std::remove_const_t<std::remove_pointer_t<T>>*>(others[i].value));
-        },
-        fields[i].value);
-    if (!equal) return false;
-  }
-  return true;
-}
-
 bool same(const Frame<double>& a, const Frame<double>& b) {
   return a.focal_length_mm == b.focal_length_mm && a.pitch_x_um == b.pitch_x_um && a.pitch_y_um == b.pitch_y_um &&
          a.integration_time_s == b.integration_time_s;
@@ -79,13 +64,32 @@ bool same(const std::optional<Band>& a, const std::optional<Band>& b) {
 
 }  // namespace
 
+bool same_component(const Component<double>& a, const Component<double>& b) {
+  if (a.kind() != b.kind()) return false;
+  const auto fields = a.fields(), others = b.fields();
+  for (std::size_t i = 0; i < fields.size(); ++i) {
+    const bool equal = std::visit(
+        [&](const auto* value) {
+          using T = std::remove_cvref_t<decltype(value)>;
+          return same(*value, *std::get<std::remove_const_t<std::remove_pointer_t<T>>*>(others[i].value));
+        },
+        fields[i].value);
+    if (!equal) return false;
+  }
+  return true;
+}
+
+bool same_surroundings(const System<double>& a, const System<double>& b) {
+  return same(a.frame, b.frame) && same(a.optics, b.optics) && a.air.path_length_m == b.air.path_length_m &&
+         a.air.scattering == b.air.scattering && same(a.band, b.band) && a.band_nodes == b.band_nodes;
+}
+
 bool same_list(const System<double>& a, const System<double>& b, Stage stage) {
   const auto &first = a.list(stage), &second = b.list(stage);
   if (first.empty() && second.empty()) return true;
-  return same(a.frame, b.frame) && same(a.optics, b.optics) && a.air.path_length_m == b.air.path_length_m &&
-         a.air.scattering == b.air.scattering && same(a.band, b.band) && a.band_nodes == b.band_nodes &&
+  return same_surroundings(a, b) &&
          std::equal(first.begin(), first.end(), second.begin(), second.end(),
-                    [](const auto& x, const auto& y) { return same(x.component, y.component); });
+                    [](const auto& x, const auto& y) { return same_component(x.component, y.component); });
 }
 
 }  // namespace mtf

@@ -4,9 +4,11 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <tuple>
 
 #include "mtf/error.h"
 #include "mtf/math/special.h"
+#include "mtf/same_list.h"
 
 namespace mtf {
 namespace {
@@ -22,14 +24,14 @@ double saved_ms(const Traits& traits, std::int64_t samples) {
 
 }  // namespace
 
-std::string FactoredOtf::join_labels(const std::vector<const Entry<double>*>& entries) {
+std::string FactoredOtf::join_labels(const Entries& entries) {
   std::string text;
   for (const Entry<double>* entry : entries) text += (text.empty() ? "" : ", ") + entry->label;
   return text;
 }
 
 FactoredOtf::FactoredOtf(const System<double>& system, std::span<const Stage> stages, const SceneAperture& aperture,
-                         const SamplerOptions& options)
+                         const SamplerOptions& options, const FactoredOtf* earlier)
     : system_(system), aperture_(aperture), stages_(stages.begin(), stages.end()), options_(options) {
   const double target = std::clamp(options.table_share, 1e-7, 1e-6);
   if (aperture_.kind == SceneAperture::Kind::curve && aperture_.curve->unit->name == "cy/px" &&
@@ -48,37 +50,68 @@ FactoredOtf::FactoredOtf(const System<double>& system, std::span<const Stage> st
     return end;
   };
   for (const Entry<double>* entry : entries_) cutoff_ = std::min(cutoff_, entry->component.cutoff_cy_mm(shortest));
-  const auto& chromatic = chromatic_general_.empty() ? chromatic_radial_ : chromatic_general_;
+  averaged_ = chromatic_general_.empty() ? chromatic_radial_ : chromatic_general_;
+  if (earlier != nullptr && !asks_for_same_tables(*earlier)) earlier = nullptr;
   // Slow components are given the error that they may have, not the smallest that a table can keep.
   const double slow_target = std::clamp(4.0 * options.table_share, 1e-7, 1e-4);
-  if (!chromatic.empty()) {
+  const bool same_average = earlier != nullptr && same_components(averaged_, earlier->averaged_);
+  if (same_average) {
+    wavelength_rule_ = earlier->wavelength_rule_;
+    wavelengths_ = earlier->wavelengths_;
+    quadrature_error_ = earlier->quadrature_error_;
+  } else if (!averaged_.empty()) {
     // Slow ones are tabulated by other means, and these values say how well.
-    choose_wavelengths(end_of({&chromatic}), chromatic_general_.empty() ? target : 0.05 * slow_target);
-    if (chromatic_general_.empty()) tabulate_band(end_of({&chromatic}));
+    choose_wavelengths(end_of({&averaged_}), chromatic_general_.empty() ? target : 0.05 * slow_target);
   }
-
-  const bool aperture_radial = aperture_.kind == SceneAperture::Kind::curve || !options.split.is_whole();
-  if (!radial_.empty() || !chromatic_radial_.empty() || aperture_radial) {
-    if (options.table_share > 0.0)
-      table_.emplace(
-          [this](std::span<const double> radius, std::span<double> value) {
-            for (std::size_t i = 0; i < radius.size(); ++i) value[i] = radial_product(radius[i]);
-          },
-          end_of({&radial_, &chromatic_radial_}), target, std::min(options.samples, RadialTable::kMostSamples));
-    std::string names = join_labels(radial_);
-    if (!chromatic_radial_.empty()) names += (names.empty() ? "" : ", ") + join_labels(chromatic_radial_);
-    if (!table_ || table_->error() > 20.0 * options.table_share) {
-      // Steep or kinked beyond what a table resolves (a thin annulus, a ragged curve): exact, and slower.
-      table_.reset();
-      radial_per_sample_ = true;
-    }
-    if (!names.empty())
-      merged_.push_back(names +
-                        (table_ ? " -> one radial table" : " -> one radial factor, evaluated at every frequency"));
+  if (same_average && earlier->table_ && chromatic_general_.empty() && same_components(radial_, earlier->radial_)) {
+    table_ = earlier->table_;
+    mean_error_ = earlier->mean_error_;
+    if (const std::string names = radial_labels(); !names.empty()) merged_.push_back(names + " -> one radial table");
+  } else {
+    if (!chromatic_radial_.empty()) tabulate_band(end_of({&chromatic_radial_}));
+    tabulate_radial(end_of({&radial_, &chromatic_radial_}), target);
   }
   tabulate_lines(target);
-  tabulate_slow(slow_target);
+  tabulate_slow(slow_target, earlier);
   if (!separable_.empty()) merged_.push_back(join_labels(separable_) + " -> one vector per axis");
+}
+
+std::string FactoredOtf::radial_labels() const {
+  std::string names = join_labels(radial_);
+  if (!chromatic_radial_.empty()) names += (names.empty() ? "" : ", ") + join_labels(chromatic_radial_);
+  return names;
+}
+
+void FactoredOtf::tabulate_radial(double end, double target) {
+  const bool aperture_radial = aperture_.kind == SceneAperture::Kind::curve || !options_.split.is_whole();
+  if (radial_.empty() && chromatic_radial_.empty() && !aperture_radial) return;
+  if (options_.table_share > 0.0)
+    table_ = std::make_shared<const RadialTable>(
+        [this](std::span<const double> radius, std::span<double> value) {
+          for (std::size_t i = 0; i < radius.size(); ++i) value[i] = radial_product(radius[i]);
+        },
+        end, target, std::min(options_.samples, RadialTable::kMostSamples));
+  if (!table_ || table_->error() > 20.0 * options_.table_share) {
+    // Steep or kinked beyond what a table resolves (a thin annulus, a ragged curve): exact, and slower.
+    table_.reset();
+    radial_per_sample_ = true;
+  }
+  if (const std::string names = radial_labels(); !names.empty())
+    merged_.push_back(names +
+                      (table_ ? " -> one radial table" : " -> one radial factor, evaluated at every frequency"));
+}
+
+bool FactoredOtf::same_components(const Entries& a, const Entries& b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                    [](const auto* x, const auto* y) { return same_component(x->component, y->component); });
+}
+
+bool FactoredOtf::asks_for_same_tables(const FactoredOtf& other) const {
+  const auto asked = [](const SamplerOptions& o) {
+    return std::tie(o.fx_max, o.fy_max, o.table_share, o.wavelengths, o.samples, o.split);
+  };
+  return asked(options_) == asked(other.options_) && aperture_.kind != SceneAperture::Kind::curve &&
+         other.aperture_.kind != SceneAperture::Kind::curve && same_surroundings(system_, other.system_);
 }
 
 // The limit may be exceeded anywhere in the band: a box or a curve rises again after its zeros.
@@ -241,7 +274,7 @@ double FactoredOtf::aperture_radial(double r) const { return limited_inverse(ape
 double FactoredOtf::table_error() const {
   double sum = table_ ? table_->error() : 0.0;
   for (const Line& line : lines_) sum += line.table.line_error();
-  for (const PolarTable& table : polar_) sum += table.error();
+  for (const Slow& slow : polar_) sum += slow.table->error();
   return sum * gain();
 }
 

@@ -72,8 +72,9 @@ struct SamplerOptions {
 
 class FactoredOtf {
  public:
+  /// Tables of `earlier` (may be null) that hold the same are shared.
   FactoredOtf(const System<double>& system, std::span<const Stage> stages, const SceneAperture& aperture,
-              const SamplerOptions& options);
+              const SamplerOptions& options, const FactoredOtf* earlier = nullptr);
   FactoredOtf(const FactoredOtf&) = delete;  // its lists point into its own copy of the system
   FactoredOtf& operator=(const FactoredOtf&) = delete;
 
@@ -101,7 +102,7 @@ class FactoredOtf {
   /// The part of it that comes from tables; 0 where every frequency is evaluated.
   double table_error() const;
   /// The part of it that comes from the number of wavelengths: the change when it was last doubled.
-  double quadrature_error() const { return quadrature_error_ * gain(); }
+  double quadrature_error() const { return (quadrature_error_ + mean_error_) * gain(); }
   /// True when the aperture's correction is at its gain limit for some frequencies of the grid.
   bool aperture_limited() const { return aperture_limited_; }
   /// OTF at zero frequency: the gain of the mean.
@@ -155,12 +156,22 @@ class FactoredOtf {
     Freq<double> direction;
     RadialTable table;
   };
-  static std::string join_labels(const std::vector<const Entry<double>*>& entries);
+  /// The product of slow components.
+  struct Slow {
+    std::vector<const Entry<double>*> of;
+    std::shared_ptr<const PolarTable> table;
+  };
+  using Entries = std::vector<const Entry<double>*>;
+  static std::string join_labels(const Entries& entries);
+  static bool same_components(const Entries& a, const Entries& b);
+  bool asks_for_same_tables(const FactoredOtf& other) const;
   void sort_components();
   double scene_cost(const Entry<double>& entry) const;
   void bound_correction();
+  std::string radial_labels() const;
+  void tabulate_radial(double end, double target);
   void tabulate_lines(double target);
-  void tabulate_slow(double target);
+  void tabulate_slow(double target, const FactoredOtf* earlier);
   Complex<double> chromatic_product(const Freq<double>& f) const;
   /// The product of chromatic components at one wavelength.
   Complex<double> product_at(const Freq<double>& f, double wavelength_um) const;
@@ -182,7 +193,8 @@ class FactoredOtf {
   SceneAperture aperture_;
   std::vector<Stage> stages_;
   SamplerOptions options_;
-  std::vector<const Entry<double>*> entries_, separable_, radial_, chromatic_radial_, general_, chromatic_general_;
+  Entries entries_, separable_, radial_, chromatic_radial_, general_, chromatic_general_;
+  Entries averaged_;         ///< chromatic components, whose product is averaged over the band
   double gain_ = 1.0;        ///< bound of the product of the components that amplify
   double correction_ = 1.0;  ///< bound of the aperture's correction
   double identity_error_ = 0.0;
@@ -190,13 +202,14 @@ class FactoredOtf {
   std::vector<std::string> merged_;
   BandRule wavelength_rule_;
   std::optional<BandMean> radial_mean_;  ///< mean of the slow radial components
-  std::optional<RadialTable> table_;
+  std::shared_ptr<const RadialTable> table_;
   std::vector<Line> lines_;
-  std::vector<PolarTable> polar_;
+  std::vector<Slow> polar_;
   double cutoff_ = std::numeric_limits<double>::infinity();  ///< |f| from which some component lets nothing through
   bool real_ = true, even_x_ = true, even_y_ = true, aperture_limited_ = false;
   bool radial_per_sample_ = false;  ///< no table resolves the radial factors
   double quadrature_error_ = 0.0;
+  double mean_error_ = 0.0;  ///< of radial_mean_
   int wavelengths_ = 1;
 };
 

@@ -58,7 +58,7 @@ std::vector<Complex<double>> FactoredOtf::Grid::general_row(std::size_t j, std::
   if (sampler_->radial_per_sample_)
     for (std::size_t i = 0; i < count; ++i) product[i].re = sampler_->radial_product(std::hypot(fx_[i], fy));
   for (const auto& multiply : rows_) multiply(fy, product);
-  for (const PolarTable& table : sampler_->polar_) table.multiply(fx_, fy, product);
+  for (const Slow& slow : sampler_->polar_) slow.table->multiply(fx_, fy, product);
   if (sampler_->chromatic_general_.empty()) return product;
   for (std::size_t i = 0; i < count; ++i) product[i] = product[i] * sampler_->chromatic_product({fx_[i], fy});
   if (sampler_->options_.progress) sampler_->options_.progress(static_cast<std::int64_t>(count));

@@ -56,7 +56,7 @@ void FactoredOtf::tabulate_lines(double target) {
 }
 
 // Aberrated pupils: microseconds a sample, but smooth between a few radii. A band averages the whole chromatic product.
-void FactoredOtf::tabulate_slow(double target) {
+void FactoredOtf::tabulate_slow(double target, const FactoredOtf* earlier) {
   // About how many values a table takes at least, and the most it may take: a rougher function gains nothing from one.
   constexpr std::int64_t kWorthIt = 4000, kMostEvaluations = 40000;
   if (!(options_.table_share > 0.0) || options_.samples < kWorthIt) return;
@@ -64,25 +64,39 @@ void FactoredOtf::tabulate_slow(double target) {
   const auto add_kinks = [&](const Entry<double>* entry, const Context<double>& ctx, std::vector<double>& breaks) {
     for (const double r : entry->component.kinks_cy_mm(ctx)) breaks.push_back(std::min(r, end));
   };
-  const auto tabulate = [&](const PolarTable::Function& h, const PolarTable::Rings& rings, std::vector<double> breaks,
-                            std::int64_t most, const std::string& names) {
+  const auto keep = [&](const Entries& of, std::shared_ptr<const PolarTable> table) {
+    polar_.push_back({of, std::move(table)});
+    merged_.push_back(join_labels(of) + " -> one table over radius and direction");
+  };
+  const auto kept_before = [&](const Entries& of) {
+    if (earlier == nullptr) return false;
+    for (const Slow& slow : earlier->polar_)
+      if (same_components(slow.of, of)) {
+        keep(of, slow.table);
+        return true;
+      }
+    return false;
+  };
+  const auto tabulate = [&](const Entries& of, const PolarTable::Function& h, const PolarTable::Rings& rings,
+                            std::vector<double> breaks, std::int64_t most) {
     std::sort(breaks.begin(), breaks.end());
-    PolarTable table(h, rings, std::move(breaks), target, most, options_.threads);
-    if (table.error() > 20.0 * options_.table_share) return false;
-    polar_.push_back(std::move(table));
-    merged_.push_back(names + " -> one table over radius and direction");
+    auto table = std::make_shared<const PolarTable>(h, rings, std::move(breaks), target, most, options_.threads);
+    if (table->error() > 20.0 * options_.table_share) return false;
+    keep(of, std::move(table));
     return true;
   };
   const std::int64_t most = std::min(options_.samples, kMostEvaluations);
   const Context<double> ctx = system_.context();
   std::erase_if(general_, [&](const Entry<double>* entry) {
     if (!entry->component.is_slow()) return false;
+    if (kept_before({entry})) return true;
     std::vector<double> breaks;
     add_kinks(entry, ctx, breaks);
     const PolarTable::Function h = [&](const Freq<double>& f) { return entry->component.otf(f, ctx); };
-    return tabulate(h, reported(PolarTable::rings_of(h, options_.threads)), std::move(breaks), most, entry->label);
+    return tabulate({entry}, h, reported(PolarTable::rings_of(h, options_.threads)), std::move(breaks), most);
   });
   if (chromatic_general_.empty()) return;
+  if (kept_before(chromatic_general_)) return chromatic_general_.clear();
   std::vector<double> breaks;
   for (const Entry<double>* entry : chromatic_general_)
     for (const double wavelength : {system_.band->lo_um, system_.band->hi_um})
@@ -92,7 +106,7 @@ void FactoredOtf::tabulate_slow(double target) {
   const PolarTable::Function h = [this](const Freq<double>& f) { return chromatic_product(f); };
   const bool fixed = options_.wavelengths > 0;
   const PolarTable::Rings rings = fixed ? reported(PolarTable::rings_of(h, options_.threads)) : band_rings(end, target);
-  if (tabulate(h, rings, std::move(breaks), fixed ? most : kWavelengths * most, join_labels(chromatic_general_)))
+  if (tabulate(chromatic_general_, h, rings, std::move(breaks), fixed ? most : kWavelengths * most))
     chromatic_general_.clear();
 }
 
@@ -163,7 +177,7 @@ void FactoredOtf::tabulate_band(double end) {
     radial_mean_->at(r, {&mean, 1});
     worst = std::max(worst, std::abs(mean - chromatic_product({r, 0.0}).re));
   }
-  quadrature_error_ += 2.0 * worst;
+  mean_error_ = 2.0 * worst;
 }
 
 Complex<double> FactoredOtf::product_at(const Freq<double>& f, double wavelength_um) const {

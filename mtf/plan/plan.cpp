@@ -121,16 +121,19 @@ Plan compile_stages(const System<double>& system, std::span<const Stage> stages,
   std::optional<SceneCost> scene_cost;
   if (options.spectrum)
     scene_cost = SceneCost{options.spectrum.get(), ratio_x, ratio_y, spectrum_gain / (alias * norm)};
-  const FactoredOtf sampler(system, stages, options.aperture,
-                            {.fx_max = 500.0 / in.step_x_um,
-                             .fy_max = 500.0 / in.step_y_um,
-                             .drop_budget = kDropShare * tolerance / (alias * norm),
-                             .table_share = how.tables ? kTableShare * tolerance / (alias * norm) : 0.0,
-                             .samples = in.width * in.height / 2,
-                             .threads = options.threads,
-                             .scene = scene_cost,
-                             .split = how.split,
-                             .progress = options.progress});
+  impl->sampler = std::make_shared<const FactoredOtf>(
+      system, stages, options.aperture,
+      SamplerOptions{.fx_max = 500.0 / in.step_x_um,
+                     .fy_max = 500.0 / in.step_y_um,
+                     .drop_budget = kDropShare * tolerance / (alias * norm),
+                     .table_share = how.tables ? kTableShare * tolerance / (alias * norm) : 0.0,
+                     .samples = in.width * in.height / 2,
+                     .threads = options.threads,
+                     .scene = scene_cost,
+                     .split = how.split,
+                     .progress = options.progress},
+      how.earlier != nullptr ? how.earlier->sampler.get() : nullptr);
+  const FactoredOtf& sampler = *impl->sampler;
   impl->dc = sampler.dc();
   report.dropped = sampler.dropped();
   report.merged = sampler.merged();

@@ -4,6 +4,7 @@
 // Shared by plan.cpp (compiling), plan_run.cpp (running) and plan_explain.cpp (reporting); not installed as interface.
 
 #include "mtf/engines/engine.h"
+#include "mtf/otf/factored_otf.h"
 #include "mtf/plan/plan.h"
 
 namespace mtf {
@@ -14,6 +15,7 @@ struct Plan::Impl {
   PlanOptions options;
   ScaleSplit split;
   PlanReport report;
+  std::shared_ptr<const FactoredOtf> sampler;  ///< whose tables the plan of a changed system shares
   double dc = 1.0;
   double cost_ms = 0.0;                  ///< predicted, of the chosen candidate
   double family_choice_ms = 0.0;         ///< the same when all methods were last judged
