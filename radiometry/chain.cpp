@@ -341,7 +341,11 @@ Chain::Chain(const mtf::SensorPlan& plan, const mtf::System<double>& system, con
   if (width * steps != plan.out().width || height * steps != plan.out().height)
     refuse("[microscan]", "the image is not a whole number of " + std::to_string(steps) + " x " +
                               std::to_string(steps) + " positions; give frame.format, or a scene of whole pitches");
-  compiled->maps = pixel_maps(*compiled, sensor, origin, width, height, threads);
+  compiled->map_source = map_source(*compiled, sensor, origin, width, height);
+  compiled->maps =
+      before != nullptr && before->compiled_->map_source == compiled->map_source
+          ? before->compiled_->maps
+          : std::make_shared<const PixelMaps>(pixel_maps(*compiled, sensor, origin, width, height, threads));
   if (before != nullptr) {
     const auto& owner = before->compiled_->corrected_by ? before->compiled_->corrected_by : before->compiled_;
     if (sensor.settings.correction && owner->settings.correction && owner->plan.out() == compiled->plan.out())

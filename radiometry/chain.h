@@ -130,7 +130,8 @@ class Chain {
   /// `plan` is that of `system` for scenes of weighted radiance, with PlanOptions::separate_readout and
   /// samples_a_pitch(). `origin` is the first pixel of the image on the detector, whose format is [frame] format, or as
   /// large as the image needs. `before` is a chain of the same sequence, whose two-point correction this one takes, as
-  /// a camera is corrected once: where both have [correction] and the same pixels. Throws UsageError for a sensor
+  /// a camera is corrected once: where both have [correction] and the same pixels; maps of pixels that are the same are
+  /// shared. Throws UsageError for a sensor
   /// without [detector], for a plan with other filters, for maps that do not cover the image, and for settings that
   /// contradict each other.
   Chain(const mtf::SensorPlan& plan, const mtf::System<double>& system, const Sensor& sensor, Origin origin = {},

@@ -4,7 +4,9 @@
 // The inside of a compiled chain (chain.h): what is the same for every frame and is made once, one frame on its way
 // through the stages, and the table of the stages.
 
+#include <array>
 #include <chrono>
+#include <memory>
 #include <mutex>
 #include <span>
 
@@ -60,6 +62,26 @@ std::vector<StageRow> stages_to_run(const mtf::System<double>& system, const Sen
 /// True where the image of an output stage has gone through that part of the chain.
 bool goes_through(StageRow::Part part, OutputStage stage);
 
+/// All that maps of pixels are made from.
+struct MapSource {
+  std::optional<Vignetting> vignetting{};
+  std::optional<NonuniformitySettings> nonuniformity{};
+  std::optional<Narcissus> narcissus{};
+  std::optional<Defects> defects{};
+  std::optional<Blinking> blinking{};
+  std::array<std::shared_ptr<const mtf::Image>, 3> given{};  ///< vignetting, responsivity, offset
+  FocalPlane detector{};
+  Origin origin{};
+  std::int64_t width = 0, height = 0;
+  std::uint64_t seed = 0;
+  double focal_length_mm = 0.0, gain = 0.0, dark_e = 0.0;
+  Directions<double> warm{};
+  double cone_sr = 0.0, around_sr = 0.0;
+  bool shutter = false, closes = false;  ///< of a thermal camera
+
+  bool operator==(const MapSource&) const = default;
+};
+
 /// What differs from pixel to pixel, for the pixels of an image or of a tile of one.
 struct PixelMaps {
   Origin origin;            ///< of the first pixel on the detector
@@ -98,7 +120,9 @@ struct CompiledChain {
   std::optional<ShutterEvents> events;  ///< of a thermal camera whose shutter closes now and then
   double frame_time_s = 0.0;
   double focal_length_mm = 0.0;
-  PixelMaps maps;  ///< of the image; empty where the image comes in tiles, each of which has its own
+  /// Of the image, and what they were made from; null where the image comes in tiles, each of which has its own.
+  std::shared_ptr<const PixelMaps> maps;
+  MapSource map_source;
 
   double glow_e() const { return warm.total_e() + dark_e; }
 
@@ -109,6 +133,9 @@ struct CompiledChain {
   mutable std::once_flag measured_once;
   mutable TwoPoint measured;
 };
+
+MapSource map_source(const CompiledChain& chain, const Sensor& sensor, Origin origin, std::int64_t width,
+                     std::int64_t height);
 
 /// The maps of width x height pixels from `origin` on. Throws UsageError for pixels beyond the detector, and for a map
 /// of a sensor that does not cover the detector.

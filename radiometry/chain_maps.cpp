@@ -53,6 +53,30 @@ void require_maps(const Sensor& sensor, std::int64_t columns, std::int64_t rows)
   }
 }
 
+MapSource map_source(const CompiledChain& chain, const Sensor& sensor, Origin origin, std::int64_t width,
+                     std::int64_t height) {
+  const SensorSettings& s = chain.settings;
+  return {.vignetting = s.vignetting,
+          .nonuniformity = s.nonuniformity,
+          .narcissus = s.narcissus,
+          .defects = s.defects,
+          .blinking = s.blinking,
+          .given = {sensor.vignetting, sensor.responsivity, sensor.offset},
+          .detector = chain.detector,
+          .origin = origin,
+          .width = width,
+          .height = height,
+          .seed = chain.seed,
+          .focal_length_mm = chain.focal_length_mm,
+          .gain = chain.gain,
+          .dark_e = chain.dark_e,
+          .warm = chain.warm,
+          .cone_sr = cone_sr(chain.camera),
+          .around_sr = around_cone_sr(chain.camera),
+          .shutter = s.thermal && s.thermal->shutter_k,
+          .closes = chain.events.has_value()};
+}
+
 PixelMaps pixel_maps(const CompiledChain& chain, const Sensor& sensor, Origin origin, std::int64_t width,
                      std::int64_t height, int threads) {
   const SensorSettings& s = chain.settings;

@@ -110,7 +110,7 @@ ChainFrame Chain::run(mtf::Image radiance, std::uint32_t number, OutputStage sta
                       ChainState* state) const {
   require_output_stage(stage, compiled_->last, compiled_->adc.has_value(), compiled_->settings.thermal.has_value());
   FrameRun run{.chain = *compiled_,
-               .maps = compiled_->maps,
+               .maps = *compiled_->maps,
                .threads = mtf::threads_of(threads),
                .key = {compiled_->seed, number},
                .number = number,
@@ -147,7 +147,7 @@ TwoPoint CompiledChain::measure(int threads) const {
     return (fill * pixel.full_well_e - glow_e()) / gain;
   };
   const auto flat = [&](double fill, std::uint32_t number, mtf::ImageView<float> out) {
-    FrameRun run{.chain = *this, .maps = maps, .threads = threads, .key = {seed, number}, .border = radiance_of(fill)};
+    FrameRun run{.chain = *this, .maps = *maps, .threads = threads, .key = {seed, number}, .border = radiance_of(fill)};
     mtf::Image image(out.width, out.height);
     std::fill_n(image.data(), image.size(), static_cast<float>(run.border));
     run_detector(run, image, OutputStage::dn);

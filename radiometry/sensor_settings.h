@@ -217,6 +217,8 @@ struct NonuniformitySettings {
             optional_row("offset", "\"offset.exr\"", "map of offsets in place of dsnu, in electrons or volts as that"),
             &NonuniformitySettings::offset}};
   }
+
+  bool operator==(const NonuniformitySettings&) const = default;
 };
 
 struct NoiseSettings {

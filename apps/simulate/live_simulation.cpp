@@ -52,7 +52,7 @@ SimulatedImage LiveSimulation::image(const mtf::io::SensorConfig& sensor, std::i
   Frame frame;
   frame.number = number;
   frame.sensor = std::make_shared<const mtf::io::SensorConfig>(sensor);
-  frame.radiometric = radiometric_chain_of(sensor, state.options.stage);
+  frame.radiometric = radiometric_chain_of(sensor, state.options.stage, state.sensor.get(), state.radiometric.get());
   frame.input = state.still.of(frame.sensor, frame.radiometric.get());
   return state.run(frame);
 }
@@ -64,7 +64,9 @@ SimulatedImage LiveSimulation::image(mtf::io::Scene scene, const std::shared_ptr
   Frame frame;
   frame.number = number;
   frame.sensor = sensor;
-  frame.radiometric = sensor == state.sensor ? state.radiometric : radiometric_chain_of(*sensor, state.options.stage);
+  frame.radiometric = sensor == state.sensor ? state.radiometric
+                                             : radiometric_chain_of(*sensor, state.options.stage, state.sensor.get(),
+                                                                    state.radiometric.get());
   frame.input = std::make_shared<const SceneInput>(
       load_input({.image = std::move(scene), .filter = state.still.source().filter}, *sensor, frame.radiometric.get(),
                  state.options.nan, state.options.threads));

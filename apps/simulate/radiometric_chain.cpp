@@ -8,12 +8,30 @@
 #include "apps/sensor/sensor_place.h"
 #include "apps/simulate/range_weights.h"
 #include "apps/simulate/simulate_parts.h"
+#include "mtf/components/path_air.h"
 #include "mtf/error.h"
 
 namespace apps {
 
+namespace {
+
+/// True when load_chain gives the same for both.
+bool same_loaded(const mtf::io::SensorConfig& a, const mtf::io::SensorConfig& b) {
+  return same_correction(a, b) && a.scene.quantity == b.scene.quantity && loss_in(a.system) == loss_in(b.system) &&
+         takes_path_air(a.system) == takes_path_air(b.system);
+}
+
+}  // namespace
+
 std::shared_ptr<const RadiometricChain> radiometric_chain_of(const mtf::io::SensorConfig& config,
                                                              std::optional<radiometry::OutputStage> stage) {
+  return radiometric_chain_of(config, stage, nullptr, nullptr);
+}
+
+std::shared_ptr<const RadiometricChain> radiometric_chain_of(const mtf::io::SensorConfig& config,
+                                                             std::optional<radiometry::OutputStage> stage,
+                                                             const mtf::io::SensorConfig* before,
+                                                             const RadiometricChain* chain) {
   if (!has_chain(config)) {
     if (stage)
       throw mtf::UsageError(config.file +
@@ -23,7 +41,8 @@ std::shared_ptr<const RadiometricChain> radiometric_chain_of(const mtf::io::Sens
     return nullptr;
   }
   auto radiometric = std::make_shared<RadiometricChain>();
-  radiometric->loaded = load_chain(config);
+  const bool known = before != nullptr && chain != nullptr && same_loaded(*before, config);
+  radiometric->loaded = known ? chain->loaded : load_chain(config);
   const radiometry::Sensor& sensor = radiometric->loaded.sensor;
   radiometric->system = at_its_place(config, [&] { return with_electron_rate(config.system, radiometric->loaded); });
   const radiometry::OutputStage last = last_output_stage(config.system, sensor);

@@ -32,6 +32,13 @@ struct RadiometricChain {
 std::shared_ptr<const RadiometricChain> radiometric_chain_of(const mtf::io::SensorConfig& config,
                                                              std::optional<radiometry::OutputStage> stage);
 
+/// The same for a sensor that has changed since `before`, of which `chain` is (both may be null): files are not read
+/// again where at most components of the OTF are others.
+std::shared_ptr<const RadiometricChain> radiometric_chain_of(const mtf::io::SensorConfig& config,
+                                                             std::optional<radiometry::OutputStage> stage,
+                                                             const mtf::io::SensorConfig* before,
+                                                             const RadiometricChain* chain);
+
 /// Number of the last frame that noise knows.
 inline constexpr std::int64_t kLastNoiseFrame = 0x7fffffff;
 

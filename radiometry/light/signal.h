@@ -181,6 +181,8 @@ struct Directions {
   S cone_e{}, around_e{};
 
   S total_e() const { return cone_e + around_e; }
+
+  bool operator==(const Directions&) const = default;
 };
 
 /// Mean electrons in a pixel by where they come from; everything but `scene` is background. Of a thermal detector these

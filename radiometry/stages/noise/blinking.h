@@ -44,6 +44,8 @@ struct Blinking {
                         .doc = "mean time in a state, in frames"},
               &Blinking::dwell_frames}};
   }
+
+  bool operator==(const Blinking&) const = default;
 };
 
 struct BlinkingPixel {

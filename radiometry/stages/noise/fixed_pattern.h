@@ -57,6 +57,8 @@ struct Defects {
                                       .doc = "mean excess of a hot pixel in a frame"},
                             &Defects::hot_e}};
   }
+
+  bool operator==(const Defects&) const = default;
 };
 
 struct DefectivePixel {

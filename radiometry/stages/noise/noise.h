@@ -13,6 +13,8 @@ namespace radiometry {
 struct Origin {
   std::int64_t x = 0;
   std::int64_t y = 0;
+
+  bool operator==(const Origin&) const = default;
 };
 
 /// Throws UsageError for a region that does not lie on such a detector.

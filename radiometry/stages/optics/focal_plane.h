@@ -52,6 +52,8 @@ struct FocalPlane {
   double y_um(std::int64_t row) const {
     return (static_cast<double>(row) + 0.5 - 0.5 * static_cast<double>(rows)) * step_y_um - axis_y_um;
   }
+
+  bool operator==(const FocalPlane&) const = default;
 };
 
 /// The grid of a detector.

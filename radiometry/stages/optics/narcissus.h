@@ -42,6 +42,8 @@ struct Narcissus {
                                       .doc = "gaussian, or flat_top"},
                             &Narcissus::profile}};
   }
+
+  bool operator==(const Narcissus&) const = default;
 };
 
 /// Electrons that are missing in each pixel of a region, per electron of background: d p(r / w). The map is made once

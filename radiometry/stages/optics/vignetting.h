@@ -46,6 +46,8 @@ struct Vignetting {
                         .doc = "image of factors, one a pixel, instead of a2, a4, a6"},
               &Vignetting::map}};
   }
+
+  bool operator==(const Vignetting&) const = default;
 };
 
 /// cos^4 of the field angle at a distance from the axis.
