@@ -18,7 +18,10 @@ struct Point {
   double x, y;  // 0..1 from the upper left corner
 };
 
-bool in_disk(Point p, Point centre, double radius) { return std::hypot(p.x - centre.x, p.y - centre.y) < radius; }
+bool in_disk(Point p, Point centre, double radius) {
+  const double x = std::abs(p.x - centre.x), y = std::abs(p.y - centre.y);
+  return x < radius && y < radius && std::hypot(x, y) < radius;
+}
 bool in_box(Point p, double x0, double y0, double x1, double y1) {
   return p.x >= x0 && p.x < x1 && p.y >= y0 && p.y < y1;
 }
@@ -36,35 +39,63 @@ double lattice(std::int64_t x, std::int64_t y) {
   return static_cast<double>((h ^ (h >> 29)) >> 11) * 0x1.0p-52 - 1.0;
 }
 
-// Smooth noise in -1..1 with features of size 1.
-double noise(double x, double y) {
-  const double fx = std::floor(x), fy = std::floor(y), u = x - fx, v = y - fy;
-  const double s = u * u * (3.0 - 2.0 * u), t = v * v * (3.0 - 2.0 * v);
-  const auto i = static_cast<std::int64_t>(fx), j = static_cast<std::int64_t>(fy);
-  return std::lerp(std::lerp(lattice(i, j), lattice(i + 1, j), s),
-                   std::lerp(lattice(i, j + 1), lattice(i + 1, j + 1), s), t);
-}
+// Smooth noise in -1..1 with features of size 1. The corners of the last cell are kept: neighbours mostly share them.
+class Noise {
+ public:
+  double at(double x, double y) {
+    const auto i = static_cast<std::int64_t>(x), j = static_cast<std::int64_t>(y);  // x, y >= 0
+    const double u = x - static_cast<double>(i), v = y - static_cast<double>(j);
+    const double s = u * u * (3.0 - 2.0 * u), t = v * v * (3.0 - 2.0 * v);
+    if (i != i_ || j != j_) {
+      i_ = i, j_ = j;
+      corners_ = {lattice(i, j), lattice(i + 1, j), lattice(i, j + 1), lattice(i + 1, j + 1)};
+    }
+    return std::lerp(std::lerp(corners_[0], corners_[1], s), std::lerp(corners_[2], corners_[3], s), t);
+  }
 
-double layered_noise(double x, double y, int octaves) {
-  double sum = 0.0, weight = 0.5;
-  for (int o = 0; o < octaves; ++o, weight *= 0.5, x *= 2.0, y *= 2.0) sum += weight * noise(x, y);
-  return sum;
-}
+ private:
+  std::int64_t i_ = -1, j_ = -1;
+  std::array<double, 4> corners_{};
+};
+
+template <int octaves>
+class LayeredNoise {
+ public:
+  double at(double x, double y) {
+    double sum = 0.0, weight = 0.5;
+    for (Noise& layer : layers_) {
+      sum += weight * layer.at(x, y);
+      weight *= 0.5, x *= 2.0, y *= 2.0;
+    }
+    return sum;
+  }
+
+ private:
+  std::array<Noise, octaves> layers_{};
+};
 
 // Heights of the ridge and of the ground's edge.
-double ridge_at(double x) { return 0.40 + 0.05 * layered_noise(3.0 * x, 0.5, 4); }
-double ground_at(double x) { return 0.47 + 0.01 * layered_noise(5.0 * x, 7.5, 3); }
+double ridge_at(double x) { return 0.40 + 0.05 * LayeredNoise<4>().at(3.0 * x, 0.5); }
+double ground_at(double x) { return 0.47 + 0.01 * LayeredNoise<3>().at(5.0 * x, 7.5); }
 
 // Sky, a ridge and the ground; `step` is the width over which one fades into the next. Their noise is costly and
 // smooth: evaluated once a sample, unlike the edges of everything else.
-double background(Point p, double step, double ridge, double ground) {
-  const auto below = [&](double line) { return std::clamp((p.y - line) / step + 0.5, 0.0, 1.0); };
-  double l = 2.0 + 1.0 * p.y + 0.3 * layered_noise(4.0 * p.x, 9.0 * p.y, 5);
-  if (below(ridge) > 0.0) l = std::lerp(l, 3.0 + 0.15 * layered_noise(20.0 * p.x, 30.0 * p.y, 5), below(ridge));
-  if (below(ground) > 0.0)
-    l = std::lerp(l, 3.5 + 0.35 * layered_noise(14.0 * p.x / (p.y + 0.2), 26.0 * p.y, 7), below(ground));
-  return l;
-}
+class Background {
+ public:
+  double at(Point p, double step, double ridge, double ground) {
+    const auto below = [&](double line) { return std::clamp((p.y - line) / step + 0.5, 0.0, 1.0); };
+    const double hills = below(ridge), soil = below(ground);
+    double l = 0.0;  // what is covered is not worked out
+    if (hills < 1.0 && soil < 1.0) l = 2.0 + 1.0 * p.y + 0.3 * sky_.at(4.0 * p.x, 9.0 * p.y);
+    if (hills > 0.0 && soil < 1.0) l = std::lerp(l, 3.0 + 0.15 * hills_.at(20.0 * p.x, 30.0 * p.y), hills);
+    if (soil > 0.0) l = std::lerp(l, 3.5 + 0.35 * soil_.at(14.0 * p.x / (p.y + 0.2), 26.0 * p.y), soil);
+    return l;
+  }
+
+ private:
+  LayeredNoise<5> sky_, hills_;
+  LayeredNoise<7> soil_;
+};
 
 // Cold track, warm hull, hot engine deck and exhaust: the four regions of a vehicle in the literature's examples.
 void vehicle(Point p, double& l) {
@@ -123,12 +154,13 @@ mtf::Image demo_landscape(std::int64_t size) {
     ground.push_back(ground_at(middle));
   }
   mtf::parallel_for(size, 16, 0, [&](std::int64_t begin, std::int64_t end) {
+    Background background;
     for (std::int64_t y = begin; y < end; ++y)
       for (std::int64_t x = 0; x < size; ++x) {
         const Point corner{static_cast<double>(x) * step, static_cast<double>(y) * step};
         const auto column = static_cast<std::size_t>(x);
         const double around =
-            background({corner.x + 0.5 * step, corner.y + 0.5 * step}, step, ridge[column], ground[column]);
+            background.at({corner.x + 0.5 * step, corner.y + 0.5 * step}, step, ridge[column], ground[column]);
         if (!may_hold_object(corner, step)) {
           image.at(x, y) = static_cast<float>(around);
           continue;
