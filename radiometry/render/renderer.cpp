@@ -35,12 +35,17 @@ class Laps {
   std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
 };
 
-void require_options(const RenderOptions& options, std::size_t bands) {
-  const auto refuse = [](const std::string& what) { throw mtf::UsageError("render: " + what); };
-  if (bands == 0) refuse("there is no band");
-  if (options.points != 1 && options.points != 2 && options.points != 4)
-    refuse(std::to_string(options.points) + " x " + std::to_string(options.points) +
+[[noreturn]] void refuse(const std::string& what) { throw mtf::UsageError("render: " + what); }
+
+void require_points(int points) {
+  if (points != 1 && points != 2 && points != 4)
+    refuse(std::to_string(points) + " x " + std::to_string(points) +
            " points of a sample; there are 1, 2 x 2 or 4 x 4");
+}
+
+void require_options(const RenderOptions& options, std::size_t bands) {
+  if (bands == 0) refuse("there is no band");
+  require_points(options.points);
   if (!(options.tolerance > 0.0)) refuse("a tolerance that is not above 0");
 }
 
@@ -191,9 +196,11 @@ Renderer::Renderer(Renderer&&) noexcept = default;
 
 const Times& Renderer::timing_ms() const { return parts_->timing; }
 
-RenderedFrame Renderer::render(const Camera& camera) {
+RenderedFrame Renderer::render(const Camera& camera, std::optional<int> points) {
   Parts& my = *parts_;
-  const RenderOptions& options = my.options;
+  RenderOptions options = my.options;
+  options.points = points.value_or(options.points);
+  require_points(options.points);
   RenderedFrame frame;
   Laps laps(frame.timing_ms);
   my.height_before_m = my.parts.extent.farthest_m > 0.0 ? my.camera_height_m : camera.position[2];

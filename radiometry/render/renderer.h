@@ -94,9 +94,10 @@ class Renderer {
   /// at the start.
   void temperatures_changed();
 
-  /// What did not change since the last frame is not worked out again. Throws mtf::UsageError for a camera that sees no
-  /// facet, or the inside of a solid.
-  RenderedFrame render(const Camera& camera);
+  /// What did not change since the last frame is not worked out again. `points`: of a sample of this frame, in place of
+  /// RenderOptions::points. Throws mtf::UsageError for a camera that sees no facet, or the inside of a solid, and for
+  /// other numbers of points.
+  RenderedFrame render(const Camera& camera, std::optional<int> points = std::nullopt);
 
   const std::vector<std::pair<std::string, double>>& timing_ms() const;  ///< of making it
 

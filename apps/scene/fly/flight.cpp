@@ -43,6 +43,7 @@ struct Light {
 /// A picture that was made, kept for sensors that change while it does not.
 struct SeenPicture {
   render::Camera camera{};
+  int points = 0;         ///< n x n of a sample
   std::size_t light = 0;  ///< number of the light
   double temperatures_utc_s = 0.0;
   mtf::Image radiance{};
@@ -104,7 +105,7 @@ struct Flight::State {
   /// Begins to make that light beside frames, unless another one is being made; with what the camera of the last
   /// picture sees in it, where `looked_at`: temperatures of another hour are other patches, which every side sees anew.
   void begin_light(const LightKey& key, const KnownSensor& sensor, bool looked_at);
-  render::RenderedFrame rendered(const render::Camera& camera);
+  render::RenderedFrame rendered(const render::Camera& camera, int points);
   LiveSimulation& simulation_of(double samples_per_pitch);
   const LiveSimulation& last_simulation() const;
 };
@@ -211,14 +212,14 @@ void Flight::prepare(const Sensor& sensor, double utc_s) {
   state.begin_light(key, known, false);
 }
 
-render::RenderedFrame Flight::State::rendered(const render::Camera& camera) {
+render::RenderedFrame Flight::State::rendered(const render::Camera& camera, int points) {
   if (!options.keep_radiance) {
-    render::RenderedFrame frame = light->renderer->render(camera);
+    render::RenderedFrame frame = light->renderer->render(camera, points);
     last_camera = camera;
     return frame;
   }
   if (seen && seen->light == lights && seen->temperatures_utc_s == light->temperatures_utc_s &&
-      same_view(seen->camera, camera)) {
+      seen->points == points && same_view(seen->camera, camera)) {
     render::RenderedFrame frame;
     frame.radiance.push_back(seen->radiance.clone());
     frame.promised = seen->promised;
@@ -226,9 +227,10 @@ render::RenderedFrame Flight::State::rendered(const render::Camera& camera) {
     return frame;
   }
   seen.reset();
-  render::RenderedFrame frame = light->renderer->render(camera);
+  render::RenderedFrame frame = light->renderer->render(camera, points);
   last_camera = camera;
   seen = SeenPicture{.camera = camera,
+                     .points = points,
                      .light = lights,
                      .temperatures_utc_s = light->temperatures_utc_s,
                      .radiance = frame.radiance.front().clone(),
@@ -287,15 +289,16 @@ FlightFrame Flight::frame(const Sensor& sensor, const CameraPlace& place, double
   require_above_ground(light.scene, place.position_m);
   const double samples_per_pitch = choice.samples_per_pitch.value_or(state.options.samples_per_pitch);
   const render::Camera camera = state.camera(known.picture, place, samples_per_pitch);
-  render::RenderedFrame frame = state.rendered(camera);
+  render::RenderOptions how = state.options.render;
+  how.points = choice.points.value_or(how.points);
+  render::RenderedFrame frame = state.rendered(camera, how.points);
   out.timing_ms.insert(out.timing_ms.end(), frame.timing_ms.begin(), frame.timing_ms.end());
   out.promised = frame.promised.front();
   out.sides = frame.sides;
   out.shaded = frame.shaded;
   const Stopwatch imaging;
   light.scene.utc_s = utc_s;  // that of the picture
-  const mtf::io::Metadata metadata =
-      picture_metadata(state.file, light.scene, known.picture, camera, state.options.render, frame);
+  const mtf::io::Metadata metadata = picture_metadata(state.file, light.scene, known.picture, camera, how, frame);
   const bool has_air = light.scene.scene.air.has_value();
   LiveSimulation& simulation = state.simulation_of(samples_per_pitch);
   mtf::io::Scene radiance = scene_of(std::move(frame), known.picture, camera, metadata);
