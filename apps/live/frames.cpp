@@ -101,10 +101,20 @@ KeptFrame FrameMaker::of_image(const Sensor& sensor, const FrameRequest& request
 }
 
 std::shared_ptr<const KeptFrame> FrameMaker::frame(const Sensor& sensor, const FrameRequest& request) {
+  // What was made while the page loaded is what it asks for first; an image of a preview is that at rest, too.
+  FrameRequest asked = request;
+  if (!draw_) asked.preview = false;
+  if (!kept_.empty() && !kept_.back()->light_lags && sensor == last_sensor_) {
+    FrameRequest last = last_request_;
+    last.may_lag = asked.may_lag;
+    if (last == asked) return kept_.back();
+  }
   const auto begin = std::chrono::steady_clock::now();
   const auto frame = std::make_shared<KeptFrame>(draw_ ? draw_(sensor, request) : of_image(sensor, request));
   frame->ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
   frame->id = ++count_;
+  last_sensor_ = sensor;
+  last_request_ = asked;
   kept_.push_back(frame);
   if (kept_.size() > kKept) kept_.pop_front();
   return frame;

@@ -78,7 +78,8 @@ class FrameMaker {
   FrameMaker(SceneSource scene, int threads, std::uint64_t first_id = 0);
   explicit FrameMaker(DrawScene draw, std::uint64_t first_id = 0);
 
-  /// Throws as LiveSimulation::image, or what draws. Not to be called from two threads at once.
+  /// The last frame once more where the same is asked for. Throws as LiveSimulation::image, or what draws. Not to be
+  /// called from two threads at once.
   std::shared_ptr<const KeptFrame> frame(const Sensor& sensor, const FrameRequest& request);
   /// One of the last frames, null for one that is no longer kept.
   std::shared_ptr<const KeptFrame> kept(std::uint64_t id) const;
@@ -102,6 +103,8 @@ class FrameMaker {
   Sensor last_;  ///< of the last image
   std::int64_t file_number_ = -1;
   std::deque<std::shared_ptr<const KeptFrame>> kept_;
+  Sensor last_sensor_;  ///< of the last of them
+  FrameRequest last_request_;
   std::uint64_t count_ = 0;
   std::shared_ptr<const mtf::io::Scene> scene_;
   Sensor scene_sensor_;

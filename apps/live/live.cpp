@@ -10,11 +10,13 @@
 #include <cstdlib>
 #include <future>
 #include <memory>
+#include <mutex>
 #include <thread>
 
 #include "apps/demo/demo_scene.h"
 #include "apps/demo/demo_thermal.h"
 #include "apps/live/access.h"
+#include "apps/live/answers.h"
 #include "apps/live/page_files.h"
 #include "apps/live/server.h"
 #include "apps/live/session.h"
@@ -33,6 +35,23 @@ namespace apps {
 namespace {
 
 using namespace live;
+
+/// What the session is being made of, in words for a page that waits for it.
+class Waiting {
+ public:
+  void tell(const std::string& words) {
+    const std::scoped_lock lock(mutex_);
+    words_ = words;
+  }
+  Answer answer() {
+    const std::scoped_lock lock(mutex_);
+    return json_answer({{"waiting", words_}});
+  }
+
+ private:
+  std::mutex mutex_;
+  std::string words_ = "The scene is made.";
+};
 
 /// The cooled camera of `mtf demo` and its scene, made in memory.
 std::pair<Sensor, SceneSource> demo() {
@@ -62,7 +81,7 @@ void open_browser(const std::string& address) {
 
 /// The session of a 3-D scene.
 std::shared_ptr<Session> space_session(const LiveOptions& options, const Global& global, SessionOptions session,
-                                       const Sensor& sensor) {
+                                       const Sensor& sensor, const std::shared_ptr<Waiting>& waiting) {
 #ifdef MTFKIT_HAVE_SCENE
   session.scene_name = options.first;
   session.sensor_name = options.second;
@@ -70,11 +89,12 @@ std::shared_ptr<Session> space_session(const LiveOptions& options, const Global&
                                    open_space({.scene = options.first,
                                                .temperatures = options.temperatures,
                                                .time = options.time,
-                                               .no_air = options.no_air},
+                                               .no_air = options.no_air,
+                                               .tell = [waiting](const std::string& words) { waiting->tell(words); }},
                                               global),
                                    std::move(session));
 #else
-  static_cast<void>(global), static_cast<void>(session), static_cast<void>(sensor);
+  static_cast<void>(global), static_cast<void>(session), static_cast<void>(sensor), static_cast<void>(waiting);
   throw mtf::UsageError(options.second + ": this build has no 3-D scenes; name a sensor file and an image");
 #endif
 }
@@ -114,23 +134,31 @@ int run_live(const LiveOptions& options, const Global& global) {
   Sensor sensor;
   if (const std::string& file = space ? options.second : options.first; !file.empty())
     sensor = std::make_shared<const mtf::io::SensorConfig>(read_sensor(file, global));
+  const auto waiting = std::make_shared<Waiting>();
+  const std::optional<double> tolerance = session.tolerance;
   const std::shared_future<std::shared_ptr<Session>> coming =
       std::async(std::launch::async, [&]() -> std::shared_ptr<Session> {
-        return space ? space_session(options, global, std::move(session), sensor)
+        return space ? space_session(options, global, std::move(session), sensor, waiting)
                      : image_session(options, std::move(session), sensor);
       }).share();
-  std::future<void> first = std::async(std::launch::async, [coming] {
+  std::future<void> first = std::async(std::launch::async, [coming, tolerance] {
     Session& answers = *coming.get();
-    const Answer made = answers.answer("frame", "{\"number\":" + std::to_string(answers.first_number()) + "}");
+    Json wanted{{"number", answers.first_number()}};
+    if (tolerance) wanted["tolerance"] = *tolerance;
+    const Answer made = answers.answer("frame", wanted.dump());
     if (const std::string problem = error_of(made); !problem.empty()) throw mtf::UsageError(problem);
   });
 
+  // Until the first picture is there an interrupt ends the process at once: nobody waits for what is being made.
   StopInGoodOrder interrupt("mtf: the live view ends\n", "");
-  interrupt.keep();
   const std::string token = new_token();
-  Server server(
-      {.port = options.port, .token = token}, find_page_file,
-      [coming](const std::string& place, const std::string& body) { return coming.get()->answer(place, body); });
+  Server server({.port = options.port, .token = token}, find_page_file,
+                [coming, waiting](const std::string& place, const std::string& body) {
+                  constexpr std::chrono::milliseconds kPatience{300};  // a page hears so often what it waits for
+                  if (place == "start" && coming.wait_for(kPatience) != std::future_status::ready)
+                    return waiting->answer();
+                  return coming.get()->answer(place, body);
+                });
   const std::string address = "http://127.0.0.1:" + std::to_string(server.port()) + "/#" + token;
   print(address + "\n");
   note(global, "the live view is open to this machine alone; Ctrl-C ends it" +
@@ -143,6 +171,7 @@ int run_live(const LiveOptions& options, const Global& global) {
     } else if (first.wait_for(std::chrono::milliseconds(50)) == std::future_status::ready) {
       ready = true;
       first.get();
+      interrupt.keep();
     }
   }
   server.stop();

@@ -22,6 +22,7 @@ using namespace scene;
 namespace cfg = mtf::io::cfg;
 
 constexpr double kSamples = 2.0, kSamplesMoving = 1.0;  ///< a pitch
+constexpr int kPoints = 2, kPointsMoving = 1;           ///< n x n of a sample
 constexpr double kLightEvery_s = 1.0;                   ///< pictures at rest have the light of their own second
 
 /// What all flights of the view share, and what it was started with.
@@ -49,7 +50,7 @@ KeptFrame Drawing::frame(const Sensor& sensor, const FrameRequest& request) {
   if (!flight) {
     // Half a second before the first time: seconds are the middles of the intervals of light.
     const FlightOptions how{.samples_per_pitch = kSamples,
-                            .render = {.threads = shared->threads},
+                            .render = {.points = kPoints, .threads = shared->threads},
                             .image = image,
                             .light_every_s = kLightEvery_s,
                             .begin_s = shared->begin_s - 0.5 * kLightEvery_s,
@@ -63,6 +64,7 @@ KeptFrame Drawing::frame(const Sensor& sensor, const FrameRequest& request) {
   if (last && !same_correction(*last, *sensor)) flight->begin_anew();
   last = sensor;
   const FrameChoice choice{.samples_per_pitch = request.preview ? kSamplesMoving : kSamples,
+                           .points = request.preview ? kPointsMoving : kPoints,
                            .light_may_lag = request.may_lag};
   const Viewpoint& from = request.from.value();
   FlightFrame made = flight->frame(sensor, {from.position_m, from.look_at_m}, from.utc_s, request.number, choice);
@@ -131,6 +133,10 @@ std::string with_camera(const std::string& text, const Viewpoint& from) {
 }
 
 Space open_space(const SceneViewOptions& options, const Global& global) {
+  const auto tell = [&](const std::string& words) {
+    if (options.tell) options.tell(words);
+  };
+  tell("The scene is read.");
   const auto shared = std::make_shared<Shared>();
   shared->file = read_scene(options.scene, global);
   const SceneFile& file = shared->file;
@@ -143,7 +149,12 @@ Space open_space(const SceneViewOptions& options, const Global& global) {
     note(global, "the heat balance is worked out first; mtf heat keeps it for --temperatures");
     ProgressLine progress(global);
     rows = solved_rows(file, file.time.start_s, file.time.end_s, {.threads = global.threads},
-                       [&](const std::string& step, double share) { progress.update(step, share); });
+                       [&](const std::string& step, double share) {
+                         progress.update(step, share);
+                         tell("The heat balance is worked out first: " + step + ", " +
+                              std::to_string(static_cast<int>(100.0 * share)) +
+                              " %. mtf heat keeps it in a folder, for --temperatures.");
+                       });
   }
   shared->source = std::make_unique<PictureSource>(file, shared->air, std::move(rows));
   shared->begin_s = file.time.start_s, shared->end_s = file.time.end_s;

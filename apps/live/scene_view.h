@@ -3,7 +3,11 @@
 
 // The 3-D scene of the live view: the flight of apps/scene/fly, its clock and camera turned by hand. At rest a frame is
 // what `mtf render` and `mtf simulate` give: two samples a pitch, four points each, the light of its own second. While
-// something moves it has one sample a pitch, and may have the light of the last time that light was made for.
+// something moves it has one sample a pitch and one point a sample, and may have the light of the last time that light
+// was made for.
+
+#include <functional>
+#include <string>
 
 #include "apps/live/space.h"
 #include "apps/options.h"
@@ -15,6 +19,7 @@ struct SceneViewOptions {
   std::string temperatures{};  ///< folder of `mtf heat`, or a table of facets; "": given in the scene file, or solved
   std::string time{};          ///< of the first picture; "": the first time that temperatures have
   bool no_air = false;
+  std::function<void(const std::string&)> tell{};  ///< hears what is going on, for the page
 };
 
 /// Reads the scene, and works out its temperatures where nobody gives them. Throws as load_scene, PictureSource and

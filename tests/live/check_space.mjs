@@ -108,6 +108,16 @@ export async function checkSpace(run, browser) {
   const nearer = await compare(run, page, "after the wheel");
   assert.notDeepEqual(nearer.ends, around.ends);
 
+  // Undo takes the camera back, one move at a time, and with it what the command line says.
+  const placeOf = () => page.evaluate(() => window.mtfLive.place.request());
+  const moved = await placeOf();
+  for (const step of ["undo", "undo"]) await page.locator(`#${step}`).click();
+  assert.deepEqual((await compare(run, page, "two moves undone")).ends, first.ends);
+  assert.ok(await page.locator("#undo").isDisabled());
+  for (const step of ["redo", "redo"]) await page.locator(`#${step}`).click();
+  assert.deepEqual(await placeOf(), moved);
+  assert.deepEqual((await compare(run, page, "and done again")).ends, nearer.ends);
+
   // Keys, sliders, typed values; time and sensor with them.
   await page.locator("#view").focus();
   for (const key of ["ArrowUp", "Shift+ArrowLeft", "PageUp", "-"]) await page.keyboard.press(key);

@@ -21,8 +21,9 @@ export function settled() {
   texts();
   remember();
 }
-/** The camera has come to rest: no number of the sensor has changed. */
-export async function placed() {
+/** The camera has come to rest, where it was `before`: no number of the sensor has changed. */
+export async function placed(before) {
+  if (before) edits.moved(before);
   pump();
   remember();
   await sceneFile().catch(() => {});
@@ -69,11 +70,17 @@ export function setLeft(left) {
   forgetLeft();
 }
 
+/** Undo or redo, which may have moved the camera. */
+function back(move) {
+  move();
+  settled();
+  if (inSpace()) placed();
+}
+
 export function bars() {
   const { view, controls } = app;
-  const back = (move) => () => { move(); settled(); };
-  $("undo").onclick = back(edits.undo);
-  $("redo").onclick = back(edits.redo);
+  $("undo").onclick = () => back(edits.undo);
+  $("redo").onclick = () => back(edits.redo);
   $("run").onclick = toggleRun;
   $("keep").onclick = () => { edits.keep(); setLeft("kept"); setEditing(1); settled(); };
   $("left").onchange = () => {
@@ -121,9 +128,7 @@ function keys(event) {
   const control = event.ctrlKey || event.metaKey, key = event.key.toLowerCase();
   if (control && (key === "z" || key === "y") && !typing) {
     event.preventDefault();
-    if (key === "y" || event.shiftKey) edits.redo();
-    else edits.undo();
-    settled();
+    back(key === "y" || event.shiftKey ? edits.redo : edits.undo);
   }
   if (control || event.altKey || typing) return;
   const act = {

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // The edits of the sensor file, which everything else follows from: what the server is told, undo, the link. There are
-// two lists, one for each side of the divider; the sliders edit one of them.
+// two lists, one for each side of the divider; the sliders edit one of them. Moves of the camera of a 3-D scene are
+// steps of the same undo.
 
-const past = [], future = []; // { side, list }: a list as it was
+const past = [], future = []; // { side, list }: a list as it was; { view }: camera and time as they were
 const lists = [[], []];
 let editing = 1;
+let camera = null; // { get, set, rest } of the view
 let before = null; // a drag at work: the edits as they were when it began
 
 const same = (a, b) => JSON.stringify(a) === JSON.stringify(b);
@@ -28,13 +30,22 @@ function withSet(list, name, value) {
   return result;
 }
 
-function take(next, of = editing) {
-  if (same(next, lists[of])) return;
-  past.push({ side: of, list: lists[of] });
+function remember(step) {
+  past.push(step);
   if (past.length > 500) past.shift();
   future.length = 0;
+}
+
+function take(next, of = editing) {
+  if (same(next, lists[of])) return;
+  remember({ side: of, list: lists[of] });
   lists[of] = next;
 }
+
+/** `rest`: brings to rest what moves, which is a step of its own. */
+export function follow(get, set, rest) { camera = { get, set, rest }; }
+/** The camera has come to rest somewhere else than where it was, `view`. */
+export function moved(view) { remember({ view }); }
 
 /** A value while its slider moves: no step of its own for undo. */
 export function drag(name, value) {
@@ -76,8 +87,14 @@ export function keep() {
 
 function move(from, to) {
   drop();
+  camera?.rest();
   if (from.length === 0) return;
-  const { side: of, list } = from.pop();
+  const { side: of, list, view } = from.pop();
+  if (view) {
+    to.push({ view: camera.get() });
+    camera.set(view);
+    return;
+  }
   to.push({ side: of, list: lists[of] });
   lists[of] = list;
 }

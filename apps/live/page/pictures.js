@@ -3,7 +3,7 @@
 // at a time, of the values of that moment; what has changed meanwhile is asked for next, and older values never are.
 
 import { picture, Refused } from "./api.js";
-import { app, editsOf, inSpace, moving, state, wanted } from "./app.js";
+import { $, app, editsOf, inSpace, moving, state, wanted } from "./app.js";
 import * as edits from "./history.js";
 import { clearProblem, facts, problem } from "./panels.js";
 
@@ -59,6 +59,7 @@ function showScene(scene, pixels) {
 }
 
 function showFrame(side, made, asked) {
+  if (side === 1 && !app.frames[1]) $("overlay").hidden = true;
   const name = state.left === "kept" ? (side === 0 ? "A: " : "B: ") : side === 0 ? "start: " : "";
   app.frames[side] = { ...made, pixels: null, more: null };
   app.view.setPicture(side, made, stepOf(made));

@@ -22,11 +22,12 @@ const metres = (text) => {
 const number = (text) => (/^\s*[-+.\deE]+\s*(deg|°)?\s*$/.test(text) ? parseFloat(text) : NaN);
 
 export class Place {
-  /** `space`: of the answer of `start`; `changed`, `settled`: called while it moves, and at rest. */
+  /** `space`: of the answer of `start`; `changed`: called while it moves, `settled` at rest, with where it was before. */
   constructor(box, space, changed, settled) {
     Object.assign(this, { box, space, changed, settled, held: false, timer: null, told: 0, rows: new Map() });
     this.home();
     this.build();
+    this.rested = this.request();
   }
 
   home() {
@@ -57,6 +58,8 @@ export class Place {
     this.look_at = view.look_at;
     this.setPosition(view.position);
     if (view.utc_s >= this.space.begin_s && view.utc_s <= this.space.end_s) this.utc_s = view.utc_s;
+    clearTimeout(this.timer);
+    Object.assign(this, { timer: null, held: false, told: 0, rested: this.request() });
     this.update();
   }
 
@@ -73,7 +76,10 @@ export class Place {
     this.timer = null;
     this.told = 0;
     this.update();
-    if (!this.held) this.settled();
+    if (this.held) return;
+    const before = this.rested;
+    this.rested = this.request();
+    this.settled(JSON.stringify(before) === JSON.stringify(this.rested) ? null : before);
   }
   hold(held) {
     if (held === this.held) return;

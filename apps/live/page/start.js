@@ -47,10 +47,18 @@ function restore() {
   if (state.left === "kept" && restored.editing === 0) setEditing(0);
 }
 
+const overlay = (text) => { $("overlay").textContent = text; $("overlay").hidden = text === ""; };
+
 async function begin() {
-  app.start = await ask("start", {});
+  let start = await ask("start", {});
+  for (; start.waiting !== undefined; start = await ask("start", {})) overlay(start.waiting); // answered late: no loop without rest
+  app.start = start;
+  overlay(inSpace() ? "The first picture is made." : "");
   state.tolerance = app.start.tolerance;
-  if (inSpace()) app.place = new Place($("place"), app.start.space, () => pictures.pump(), placed);
+  if (inSpace()) {
+    app.place = new Place($("place"), app.start.space, () => pictures.pump(), placed);
+    edits.follow(() => app.place.request(), (view) => app.place.restore(view), () => app.place.moving && app.place.rest());
+  }
   showKind();
   restore();
   if (app.start.numbers.length > 0) {
@@ -71,12 +79,8 @@ async function begin() {
     return panels.showModel();
   });
   panels.figures();
-  const overlay = (text) => { $("overlay").textContent = text; $("overlay").hidden = text === ""; };
   stay(() => overlay("The server has ended. Start mtf live again and open its new address."), () => overlay(""));
 }
 
-begin().catch((error) => {
-  $("overlay").textContent = error.status === 403 ? "This address has no valid token: open the one that mtf live has printed." : error.message;
-  $("overlay").hidden = false;
-});
+begin().catch((error) => overlay(error.status === 403 ? "This address has no valid token: open the one that mtf live has printed." : error.message));
 matchMedia("(prefers-color-scheme: dark)").addEventListener("change", redraw);
