@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Frame rates of `mtf live` in headless Chromium with software GL, 1280 x 1024: a slider that moves every 8 ms, as a
-// mouse does. Prints rounds of 3 s; nothing is judged. Run by hand on a quiet machine.
-// Usage: node rates.mjs --modules DIR --chromium FILE --mtf FILE --slider NAME [--sensor FILE --scene FILE] [--rounds N]
+// Frame rates of `mtf live` in headless Chromium, 1280 x 1024: a slider that moves every 8 ms, as a mouse does. Prints
+// rounds of 3 s, and when the first picture is there, beside a page of one canvas in a browser of its own; nothing is
+// judged. Run by hand on a quiet machine. Without a graphics card Chromium runs WebGL in software GL and puts the page
+// together itself; --gl page makes it put the page together in software GL too, which costs more than all else.
+// Usage: node rates.mjs --modules DIR --chromium FILE --mtf FILE --slider NAME [--sensor FILE --scene FILE] [--rounds N] [--gl page]
 //        of a 3-D scene: --scene scene.toml --sensor camera.toml --temperatures DIR, and sliders as camera.azimuth too
 
 import { spawn } from "node:child_process";
@@ -10,12 +12,27 @@ import { loadavg } from "node:os";
 import { join } from "node:path";
 import { createInterface } from "node:readline";
 
-const options = { slider: "jitter.rms", rounds: "8" };
+const options = { slider: "jitter.rms", rounds: "8", gl: "canvas" };
 for (let i = 2; i + 1 < process.argv.length; i += 2) options[process.argv[i].slice(2)] = process.argv[i + 1];
 const { chromium } = createRequire(join(options.modules, "x.js"))("playwright-core");
-const flags = ["--no-sandbox", "--disable-quic", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist"];
+const flags = ["--no-sandbox", "--disable-quic"];
+if (options.gl === "page") flags.push("--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist");
+const launch = () => chromium.launch({ executablePath: options.chromium, args: flags });
+const viewport = { width: 1280, height: 1024 };
 
-const browser = await chromium.launch({ executablePath: options.chromium, args: flags });
+/** Until a page of one canvas has drawn, ms. */
+async function canvasAlone() {
+  const browser = await launch(), begin = Date.now();
+  const page = await (await browser.newContext({ viewport })).newPage();
+  await page.goto(`data:text/html,<canvas id=c width=600 height=800></canvas><script>const gl=c.getContext("webgl2");requestAnimationFrame(()=>{gl.clear(gl.COLOR_BUFFER_BIT);window.drawn=true})</script>`);
+  await page.waitForFunction(() => window.drawn, null, { polling: 10 });
+  const ms = Date.now() - begin;
+  await browser.close();
+  return ms;
+}
+const alone = await canvasAlone();
+
+const browser = await launch();
 const begin = Date.now();
 const space = options.scene?.endsWith(".toml");
 const files = space ? [options.scene, options.sensor, ...(options.temperatures ? ["--temperatures", options.temperatures] : []), ...(options.time ? ["--time", options.time] : [])]
@@ -23,10 +40,10 @@ const files = space ? [options.scene, options.sensor, ...(options.temperatures ?
 const child = spawn(options.mtf, ["live", "--no-browser", ...files], { stdio: ["ignore", "pipe", "inherit"] });
 const address = await new Promise((resolve) => createInterface({ input: child.stdout }).once("line", resolve));
 const ready = Date.now() - begin;
-const page = await (await browser.newContext({ viewport: { width: 1280, height: 1024 } })).newPage();
+const page = await (await browser.newContext({ viewport })).newPage();
 await page.goto(address);
 await page.waitForFunction(() => window.mtfLive?.view.drawn > 0 && window.mtfLive.frame, null, { polling: 10 });
-console.log(`address after ${ready} ms, first picture after ${Date.now() - begin} ms; load ${loadavg()[0].toFixed(1)}`);
+console.log(`address after ${ready} ms, first picture after ${Date.now() - begin} ms, of a canvas alone ${alone} ms; load ${loadavg()[0].toFixed(1)}`);
 await page.waitForTimeout(1500);
 const rounds = await page.evaluate(async ({ name, count }) => {
   for (const details of document.querySelectorAll("#forms details")) details.open = true;

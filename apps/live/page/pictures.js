@@ -83,6 +83,7 @@ async function ask(side, { from, body, key }) {
     Object.assign(shown[side], { key, turn: (turn += 1), passing: from === "frame" && (made.preview || made.light_lags) });
     if (from === "scene") showScene(made, made.pixels);
     else showFrame(side, made, { preview, ms: performance.now() - begin });
+    if (from === "frame" && app.view.moving) requestAnimationFrame(() => app.view.lagged(performance.now() - begin - made.ms));
     settleProblem();
     if (app.frames[1] && (!(moving() || state.running) || performance.now() - told > CALM_MS)) {
       told = performance.now();
@@ -106,6 +107,7 @@ export async function pump() {
   if (asking) return;
   asking = true;
   let drawn = null;
+  if (!inSpace() && !shown[0].key && !shown[1].key) await Promise.all([0, 1].map((side) => ask(side, wish(side)))); // the first ones
   for (let now = next(); now; now = next()) {
     await ask(...now);
     await drawn;

@@ -13,6 +13,9 @@ import * as pictures from "./pictures.js";
 import { pointers } from "./pointers.js";
 import { View } from "./view.js";
 
+const PATIENCE_MS = 500;
+const starting = ask("start", {}); // is answered while WebGL begins
+starting.catch(() => {});
 app.view = new View($("view"), () => {});
 app.curves = new Curves($("curves"));
 app.controls = new Controls($("forms"), {
@@ -50,7 +53,7 @@ function restore() {
 const overlay = (text) => { $("overlay").textContent = text; $("overlay").hidden = text === ""; };
 
 async function begin() {
-  let start = await ask("start", {});
+  let start = await starting;
   for (; start.waiting !== undefined; start = await ask("start", {})) overlay(start.waiting); // answered late: no loop without rest
   app.start = start;
   overlay(inSpace() ? "The first picture is made." : "");
@@ -73,7 +76,8 @@ async function begin() {
   bars();
   setPalette(state.palette);
   panels.showTolerance();
-  pictures.pump();
+  // Pictures come first, forms and curves when the first is there, or takes its time.
+  await Promise.race([pictures.pump(), new Promise((resolve) => setTimeout(resolve, PATIENCE_MS))]);
   ask("model", { edits: [] }).then((first) => {
     app.controls.remember(first);
     return panels.showModel();

@@ -4,7 +4,7 @@
 
 import { lookup } from "./palettes.js";
 
-const SLOW_MS = 24; // from one drawing to the next chance for one: more than a frame of the screen
+const SLOW_MS = 24; // for a picture on its way to the screen: more than a frame of the screen and a half
 
 const VERTEX = `#version 300 es
 void main() { vec2 p = vec2((gl_VertexID << 1) & 2, gl_VertexID & 2); gl_Position = vec4(p * 2.0 - 1.0, 0.0, 1.0); }`;
@@ -145,7 +145,8 @@ export class View {
     this.zoom = null; // um per pixel of the page; null: the whole picture
     this.ratio = 1; // pixels of the canvas to one of the page
     this.moving = false; // pictures follow each other: a page that draws slowly draws more coarsely
-    this.lags = 0; // drawings in a row that took long
+    this.lags = 0; // pictures that took long to the screen, less those that did not
+    this.coarse = false;
     this.middle = [0, 0];
     this.waiting = false;
     this.drawn = 0;
@@ -225,12 +226,9 @@ export class View {
     this.waiting = true;
     const theme = document.documentElement.dataset.theme + matchMedia("(prefers-color-scheme: dark)").matches;
     if (theme !== this.theme) Object.assign(this, { theme, outside: css("--well"), line: css("--line") });
-    requestAnimationFrame((now) => {
+    requestAnimationFrame(() => {
       this.waiting = false;
-      if (this.moving) requestAnimationFrame((after) => { this.lags = after - now > SLOW_MS ? this.lags + 1 : Math.max(0, this.lags - 1); });
-      const coarse = this.moving && this.lags >= 3 ? 0.5 : 1;
-      this.ratio = Math.min(devicePixelRatio, 2) * coarse;
-      if (this.moving && coarse < 1) this.lags = Math.max(this.lags, 6); // until it rests
+      this.ratio = Math.min(devicePixelRatio, 2) * (this.moving && this.coarse ? 0.5 : 1);
       const box = this.canvas.getBoundingClientRect();
       const width = Math.max(1, Math.round(box.width * this.ratio)), height = Math.max(1, Math.round(box.height * this.ratio));
       if (this.canvas.width !== width || this.canvas.height !== height) Object.assign(this.canvas, { width, height });
@@ -251,10 +249,16 @@ export class View {
       this.drawn += 1;
     });
   }
+  /** `ms`: of a picture that moves on, from being asked for to the screen, without the time of computing it. */
+  lagged(ms) {
+    this.lags = Math.min(6, Math.max(0, this.lags + (ms > SLOW_MS ? 1 : ms < SLOW_MS / 2 ? -1 : 0)));
+    this.coarse ||= this.lags >= 3;
+  }
   /** Nothing moves any more: what was drawn coarsely is drawn as it is. */
   rest() {
     if (!this.moving) return;
     this.moving = false;
+    this.coarse = this.lags >= 3; // next time from the start
     this.draw();
   }
 }
