@@ -274,7 +274,7 @@ class Study:
                 given = self._parts.sensors[int(axis["levels"][int(value)].rpartition("_")[2].partition(".")[0])]
         with self._said():
             made = self._study.sensor_at(values, os.path.join(os.path.dirname(given.file), name))
-        return Sensor._of(made, given._tables)
+        return Sensor._of(made, given._own)
 
     def gradient(self, design: int) -> Gradient:
         """Exact derivatives of the metrics, objectives and constraints of a design by the numeric axes."""
