@@ -16,6 +16,7 @@
 #include "apps/python/topics.h"
 #include "apps/sensor/sensor_chain.h"
 #include "apps/sensor/sensor_place.h"
+#include "mtf/error.h"
 
 namespace apps::python {
 namespace {
@@ -23,9 +24,28 @@ namespace {
 namespace py = pybind11;
 using Doubles = py::array_t<double, py::array::c_style | py::array::forcecast>;
 
+/// A text that Python gave. Throws UsageError that names the argument.
+std::string text_of(const py::object& given, const std::string& argument) {
+  if (!py::isinstance<py::str>(given))
+    throw mtf::UsageError(argument + ": " + py::str(py::repr(given)[py::slice(0, 80, 1)]).cast<std::string>() +
+                          " is no text (one of cy/mm, cy/mrad, cy/px)");
+  return given.cast<std::string>();
+}
+
+/// The unit of frequencies along a direction. Units that are known elsewhere are told what they are here.
+std::string unit_of(const py::object& given) {
+  const std::string unit = text_of(given, "unit");
+  const std::string message = "unit: '" + unit + "' is not known (one of cy/mm, cy/mrad, cy/px); ";
+  if (unit == "lp/mm") throw mtf::UsageError(message + "a line pair is a cycle: lp/mm is cy/mm");
+  if (unit == "cy/rad" || unit == "lp/rad") throw mtf::UsageError(message + "1000 cy/rad are 1 cy/mrad");
+  if (unit == "lp/mrad") throw mtf::UsageError(message + "a line pair is a cycle: lp/mrad is cy/mrad");
+  return unit;
+}
+
 /// fx and fy of one length, in the unit. They may be infinite; the OTF at a NaN is NaN.
 py::array_t<std::complex<double>> otf(SensorHandle& sensor, const Doubles& fx, const Doubles& fy,
-                                      const std::string& unit) {
+                                      const py::object& given_unit) {
+  const std::string unit = unit_of(given_unit);
   if (fx.size() != fy.size()) throw mtf::UsageError("otf: fx and fy have different numbers of values");
   const std::shared_ptr<const mtf::io::SensorConfig> config = weighted(sensor);
   const mtf::System<double>& system = config->system;
@@ -74,7 +94,8 @@ py::dict column_of(const OtfColumn& column) {
   return result;
 }
 
-py::dict curves(SensorHandle& sensor, std::vector<double> frequency, double angle_deg, const std::string& unit) {
+py::dict curves(SensorHandle& sensor, std::vector<double> frequency, double angle_deg, const py::object& given_unit) {
+  const std::string unit = unit_of(given_unit);
   const std::shared_ptr<const mtf::io::SensorConfig> config = weighted(sensor);
   OtfCurves made;
   run_job([&](JobControl&) {

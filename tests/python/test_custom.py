@@ -269,6 +269,7 @@ def test_what_general_functions_do_not_go_with_has_words(scene, tmp_path, demo):
     how = dict(sample="3.75 um")
     for work in (lambda: sensor.save(tmp_path / "s.toml"), lambda: sensor.simulate(str(demo / "scene.exr")),
                  lambda: sensor.fit(free=["jitter.rms"]), lambda: mk.metrics(sensor, ["mtf50_x"]),
+                 lambda: mk.Study(sensor, axes={"jitter.rms": ["9 urad"]}, metrics=["q"]),
                  lambda: sensor.simulate(scene, **how).save(tmp_path / "x.exr"), lambda: sensor.simulate(mk.read(demo / "scene.exr")),
                  lambda: sensor.simulate(scene, roi=(0, 0, 2, 2), **how), lambda: sensor.simulate(scene, memory=1 << 20, **how),
                  lambda: sensor.simulate(scene, out=tmp_path / "x.exr", **how), lambda: sensor.simulate(scene, nan="propagate", **how),

@@ -13,6 +13,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from mtfkit import _core, quantities, results
+from mtfkit.arguments import checked
+from mtfkit.errors import UsageError
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -133,9 +135,12 @@ def _settings(settings: dict[str, Any]) -> list[tuple[str, str]]:
 
 
 def _bands(bands: Sequence[tuple[quantities.Value, quantities.Value]]) -> str:
-    return ",".join(":".join(repr(quantities.micrometres(end, "bands")) for end in band) for band in bands)
+    if not isinstance(bands, (list, tuple)):
+        raise UsageError(f"bands: {quantities.shown(bands)} is no list of bands; write [(\"8 um\", \"12 um\")]")
+    return ",".join(":".join(map(repr, quantities.band_um(band, f"bands[{number}]"))) for number, band in enumerate(bands))
 
 
+@checked
 def line(file: str | os.PathLike[str] = "", *, bands: Sequence[tuple[quantities.Value, quantities.Value]] = (),
          source_temperature: quantities.Value = "300 K", tolerance: float = 0.0, **settings: quantities.Value) -> Line:
     """The air along a line of sight, as `mtf atmosphere`, number for number.
@@ -155,14 +160,13 @@ def line(file: str | os.PathLike[str] = "", *, bands: Sequence[tuple[quantities.
     return Line(json.loads(made), time.perf_counter() - start)
 
 
+@checked
 def sky(file: str | os.PathLike[str] = "", *, bands: Sequence[tuple[quantities.Value, quantities.Value]] = (),
         cloud_cover: float | None = None, cloud_temperature: quantities.Value = None, tolerance: float = 0.0,
         **settings: quantities.Value) -> Sky:
     """The sky over that air, as `mtf atmosphere --sky`; clouds are black, of `cloud_temperature`."""
     kelvin = None if cloud_temperature is None else quantities.kelvin(cloud_temperature, "cloud_temperature")
     if (cloud_cover is None) != (kelvin is None):
-        from mtfkit.errors import UsageError
-
         raise UsageError("clouds: give cloud_cover and cloud_temperature, or neither")
     start = time.perf_counter()
     made = _core.atmosphere(os.fspath(file), _settings(settings), _bands(bands), 300.0, tolerance, True, cloud_cover, kelvin)

@@ -8,6 +8,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from mtfkit import _core, quantities
+from mtfkit.arguments import checked
 from mtfkit.errors import UsageError
 
 #: Names of the classes, by kind; made when one is asked for.
@@ -122,6 +123,7 @@ def kinds() -> dict[str, Any]:
     return _core.kinds()
 
 
+@checked
 def component(kind: str, values: Mapping[str, Any] | None = None) -> Component:
     """The component of that kind with these values. Raises UsageError for an unknown kind."""
     try:

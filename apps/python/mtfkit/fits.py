@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import json
+import os
 import time
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
@@ -12,9 +13,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from mtfkit import _core, quantities, results
-from mtfkit.edges import Estimate, image_argument
+from mtfkit.arguments import checked, require
+from mtfkit.edges import Estimate, image_argument, regions_of
 from mtfkit.errors import UsageError
+from mtfkit.images import Image
 from mtfkit.progress import Progress, function_of
+from mtfkit.runs import Run
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -211,7 +215,7 @@ def _bounds(name: str, given: Any) -> dict[str, Any]:
     if isinstance(given, Mapping):
         unknown = set(given) - {"min", "max", "prior", "value"}
         if unknown:
-            raise UsageError(f"free: {name}: {', '.join(sorted(unknown))} is not known (min, max, prior, value)")
+            raise UsageError(f"free: {name}: {', '.join(sorted(map(str, unknown)))} is not known (min, max, prior, value)")
         fields = dict(given)
         if isinstance(fields.get("prior"), (tuple, list)):
             fields["prior"] = dict(zip(("mean", "sd"), fields["prior"]))
@@ -226,7 +230,13 @@ def marked(sensor: Sensor, free: Mapping[str, Any] | Iterable[str] | None) -> Se
     """The sensor with { value, fit = true, min, max } for what is free; without `free` it stays as it is."""
     if free is None:
         return sensor
-    named = dict(free) if isinstance(free, Mapping) else {name: None for name in free}
+    if isinstance(free, str) or not isinstance(free, Iterable):
+        raise UsageError(f"free: {quantities.shown(free)} is no dictionary; write {{\"jitter.rms\": (\"0 urad\", \"80 urad\")}}, or a "
+                         "list of names")
+    named = dict(free) if isinstance(free, Mapping) else {name: None for name in list(free)}
+    for name in named:
+        if not isinstance(name, str):
+            raise UsageError(f"free: {quantities.shown(name)} is no name of a parameter, such as \"jitter.rms\"")
     marks = {}
     for name, given in named.items():
         fields = _bounds(name, given)
@@ -240,6 +250,23 @@ def marked(sensor: Sensor, free: Mapping[str, Any] | Iterable[str] | None) -> Se
     return sensor.replace(marks)
 
 
+def _curves(curves: Any) -> list[tuple[Any, ...]]:
+    if not isinstance(curves, (list, tuple)):
+        raise UsageError(f"curves: {quantities.shown(curves)} is no list; write [mtfkit.CurveData(frequency, mtf)]")
+    made: list[tuple[Any, ...]] = []
+    for number, curve in enumerate(curves):
+        what = f"curves[{number}]"
+        if not isinstance(curve, CurveData):
+            raise UsageError(f"{what}: {quantities.shown(curve)} is no CurveData; give mtfkit.CurveData(frequency, mtf, sd=0.01)")
+        require(curve.name, "str", f"{what}.name")
+        require(curve.unit, "str", f"{what}.unit")
+        frequency, mtf, sd = (np.atleast_1d(quantities.numbers(getattr(curve, name), f"{what}.{name}")).ravel().tolist()
+                              for name in ("frequency", "mtf", "sd"))
+        made.append((curve.name, frequency, mtf, sd, curve.unit, quantities.angle_deg(curve.angle, f"{what}.angle")))
+    return made
+
+
+@checked
 def fit(sensor: Sensor, *, edges: Sequence[ImageLike | tuple[ImageLike, Sensor]] = (),
         free: Mapping[str, Any] | Iterable[str] | None = None, curves: Sequence[CurveData] = (),
         spots: Sequence[ImageLike | tuple[ImageLike, Sensor]] = (), robust: bool = True, starts: int = 1,
@@ -267,18 +294,19 @@ def fit(sensor: Sensor, *, edges: Sequence[ImageLike | tuple[ImageLike, Sensor]]
     require_data(sensor)
 
     def pairs(images: Sequence[Any], what: str) -> list[tuple[Any, Any]]:
-        if isinstance(images, (str, np.ndarray)):
+        if isinstance(images, (str, os.PathLike, Image, Run)) or (isinstance(images, np.ndarray) and images.ndim == 2):
             raise UsageError(f"{what}: is a list of images; write [image]")
+        if not isinstance(images, (list, tuple, np.ndarray)):
+            raise UsageError(f"{what}: {quantities.shown(images)} is no list of images; write [image]")
         made = []
-        for image in images:
+        for number, image in enumerate(images):
             taken = image if isinstance(image, tuple) and len(image) == 2 and isinstance(image[1], Sensor) else (image, None)
             require_data(taken[1])
-            made.append((image_argument(taken[0]), taken[1]._file if taken[1] is not None else None))
+            made.append((image_argument(taken[0], f"{what}[{number}]"), taken[1]._file if taken[1] is not None else None))
         return made
 
-    given = [(c.name, np.asarray(c.frequency, float).ravel().tolist(), np.asarray(c.mtf, float).ravel().tolist(),
-              np.atleast_1d(np.asarray(c.sd, float)).ravel().tolist(), c.unit, quantities.angle_deg(c.angle)) for c in curves]
-    words = {"channel": channel, "encoding": encoding, "regions": [list(r) for r in roi] if roi is not None else [],
+    given = _curves(curves)
+    words = {"channel": channel, "encoding": encoding, "regions": regions_of(roi),
              "noise_sd": noise_sd, "saturation": saturation, "most": quantities.count(most, "most")}
     asked = marked(sensor, free)
     start = time.perf_counter()

@@ -13,6 +13,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from mtfkit import _core, quantities
+from mtfkit.arguments import checked
+from mtfkit.errors import UsageError
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -22,10 +24,12 @@ __all__ = ["BandResponse", "band_derivative", "band_radiance", "band_temperature
 
 
 def _at_wavelength(what: str, wavelength_um: npt.ArrayLike, other: npt.ArrayLike, flux: str) -> Any:
-    a, b = np.broadcast_arrays(np.asarray(wavelength_um, dtype=np.float64), np.asarray(other, dtype=np.float64))
+    name = "radiance" if what == "brightness_temperature" else "temperature_k"
+    a, b = quantities.broadcast(wavelength_um, "wavelength_um", other, name)
     return _core.blackbody(what, flux, a.ravel(), b.ravel()).reshape(a.shape)[()]
 
 
+@checked
 def planck(wavelength_um: npt.ArrayLike, temperature_k: npt.ArrayLike, *, flux: str = "watts") -> Any:
     """Spectral radiance of a blackbody: W (or photons s-1) m-2 sr-1 um-1. Raises UsageError for another flux.
 
@@ -36,39 +40,45 @@ def planck(wavelength_um: npt.ArrayLike, temperature_k: npt.ArrayLike, *, flux: 
     return _at_wavelength("planck", wavelength_um, temperature_k, flux)
 
 
+@checked
 def log_planck(wavelength_um: npt.ArrayLike, temperature_k: npt.ArrayLike, *, flux: str = "watts") -> Any:
     """The natural logarithm of `planck`, also where that is too small for a double."""
     return _at_wavelength("log_planck", wavelength_um, temperature_k, flux)
 
 
+@checked
 def planck_derivative(wavelength_um: npt.ArrayLike, temperature_k: npt.ArrayLike, *, flux: str = "watts") -> Any:
     """The derivative of `planck` by the temperature, per K."""
     return _at_wavelength("planck_derivative", wavelength_um, temperature_k, flux)
 
 
+@checked
 def brightness_temperature(wavelength_um: npt.ArrayLike, radiance: npt.ArrayLike, *, flux: str = "watts") -> Any:
     """The temperature in K of the blackbody of that spectral radiance: the inverse of `planck`."""
     return _at_wavelength("brightness_temperature", wavelength_um, radiance, flux)
 
 
 def _in_band(what: str, band: tuple[quantities.Value, quantities.Value], other: npt.ArrayLike, flux: str) -> Any:
-    values = np.asarray(other, dtype=np.float64)
-    lo, hi = (quantities.micrometres(end, "band") for end in band)
+    values = quantities.numbers(other, "radiance" if what == "temperature" else "temperature_k")
+    lo, hi = quantities.band_um(band, "band")
     return _core.blackbody_band(what, flux, lo, hi, values.ravel()).reshape(values.shape)[()]
 
 
+@checked
 def band_radiance(band: tuple[quantities.Value, quantities.Value], temperature_k: npt.ArrayLike, *,
                   flux: str = "watts") -> Any:
     """Radiance of a blackbody in a band, ("3.4 um", "4.8 um"): W (or photons s-1) m-2 sr-1."""
     return _in_band("radiance", band, temperature_k, flux)
 
 
+@checked
 def band_derivative(band: tuple[quantities.Value, quantities.Value], temperature_k: npt.ArrayLike, *,
                     flux: str = "watts") -> Any:
     """The derivative of `band_radiance` by the temperature, per K."""
     return _in_band("derivative", band, temperature_k, flux)
 
 
+@checked
 def band_temperature(band: tuple[quantities.Value, quantities.Value], radiance: npt.ArrayLike, *,
                      flux: str = "watts") -> Any:
     """The temperature in K of the blackbody of that radiance in the band: the inverse of `band_radiance`."""
@@ -84,9 +94,15 @@ class BandResponse:
 
     def __init__(self, band: tuple[quantities.Value, quantities.Value],
                  curves: Sequence[tuple[npt.ArrayLike, npt.ArrayLike]] = ()) -> None:
-        lo, hi = (quantities.micrometres(end, "band") for end in band)
-        given = [(np.asarray(w, dtype=np.float64).ravel().tolist(), np.asarray(v, dtype=np.float64).ravel().tolist())
-                 for w, v in curves]
+        lo, hi = quantities.band_um(band, "band")
+        if not isinstance(curves, (list, tuple)):
+            raise UsageError(f"curves: {quantities.shown(curves)} is no list of curves; write [(wavelength_um, value)]")
+        given = []
+        for number, curve in enumerate(curves):
+            if not isinstance(curve, (list, tuple)) or len(curve) != 2:
+                raise UsageError(f"curves[{number}]: {quantities.shown(curve)} is no curve; write (wavelength_um, value), two arrays")
+            w, v = (quantities.numbers(part, f"curves[{number}]").ravel().tolist() for part in curve)
+            given.append((w, v))
         self._given = (lo, hi, given)
         self._response = _core.BandResponse(lo, hi, given)
 
@@ -117,14 +133,16 @@ class BandResponse:
         """The integral of the product, in um."""
         return self._response.integral_um
 
+    @checked
     def radiance(self, temperature_k: npt.ArrayLike, *, flux: str = "watts") -> Any:
         """The weighted radiance of a blackbody: W (or photons s-1) m-2 sr-1."""
         return self._of(temperature_k, flux, False)
 
+    @checked
     def derivative(self, temperature_k: npt.ArrayLike, *, flux: str = "watts") -> Any:
         """Its derivative by the temperature, per K."""
         return self._of(temperature_k, flux, True)
 
     def _of(self, temperature_k: npt.ArrayLike, flux: str, derivative: bool) -> Any:
-        values = np.asarray(temperature_k, dtype=np.float64)
+        values = quantities.numbers(temperature_k, "temperature_k")
         return self._response.radiance(flux, values.ravel(), derivative).reshape(values.shape)[()]

@@ -6,6 +6,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from mtfkit import _core, quantities
+from mtfkit.arguments import checked
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -15,6 +16,7 @@ if TYPE_CHECKING:
 __all__ = ["gaussian", "shot"]
 
 
+@checked
 def gaussian(shape: tuple[int, int], *, sd: float, seed: int = 0, frame: int = 0, origin: tuple[int, int] = (0, 0),
              threads: int = 1) -> Plane:
     """Normal numbers of that standard deviation: float32 of `shape`, (rows, columns).
@@ -28,12 +30,17 @@ def gaussian(shape: tuple[int, int], *, sd: float, seed: int = 0, frame: int = 0
     True
     """
     rows, columns = quantities.plane_shape(shape, "shape")
+    quantities.count(frame, "frame", 0)
+    quantities.seed(seed)
     return _core.gaussian_noise(rows, columns, sd, seed, frame, origin[0], origin[1], quantities.thread_count(threads))
 
 
+@checked
 def shot(mean: npt.ArrayLike, *, seed: int = 0, frame: int = 0, origin: tuple[int, int] = (0, 0), threads: int = 1) -> Plane:
     """Poisson numbers of these mean electrons, exact for any mean: float32 of the same shape.
 
     A mean below 0 counts as 0, NaN stays NaN. They are those of the shot noise of a sensor with that seed.
     """
+    quantities.count(frame, "frame", 0)
+    quantities.seed(seed)
     return _core.shot_noise(mean, seed, frame, origin[0], origin[1], quantities.thread_count(threads))

@@ -18,7 +18,7 @@ def function_of(progress: Progress, what: str) -> Callable[[float], None] | None
     if progress is None or progress is False:
         return None
     if progress is not True:
-        if not callable(progress):
+        if not callable(progress) or isinstance(progress, type):
             raise UsageError(f"progress: {progress!r} is neither True nor a function of the share done")
         return progress
 

@@ -6,7 +6,7 @@ from __future__ import annotations
 import json
 import math
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -53,6 +53,12 @@ def whole(value: Any, what: str) -> int:
     return int(value)
 
 
+def seed(value: int) -> None:
+    """Raises UsageError for what is no seed of noise."""
+    if whole(value, "seed") < 0:
+        raise UsageError(f"seed: {value} is below 0")
+
+
 def numbers(values: npt.ArrayLike, what: str) -> npt.NDArray[np.float64]:
     """An array of real numbers. Raises UsageError."""
     try:
@@ -64,6 +70,24 @@ def numbers(values: npt.ArrayLike, what: str) -> npt.NDArray[np.float64]:
     if array.dtype.kind not in "biuf":
         raise UsageError(f"{what}: {shown(values)} is no number or array of numbers")
     return np.asarray(array, dtype=np.float64)
+
+
+def broadcast(a: npt.ArrayLike, a_name: str, b: npt.ArrayLike, b_name: str
+              ) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
+    """Two arrays of numbers of their common shape. Raises UsageError."""
+    x, y = numbers(a, a_name), numbers(b, b_name)
+    try:
+        along_a, along_b = np.broadcast_arrays(x, y)
+    except ValueError:
+        raise UsageError(f"{a_name}: has the shape {x.shape} and {b_name} {y.shape}, which have no common one") from None
+    return along_a, along_b
+
+
+def band_um(band: Any, what: str) -> tuple[float, float]:
+    """Both ends of a band in um. Raises UsageError."""
+    if not isinstance(band, (tuple, list)) or len(band) != 2 or is_quantity(band):
+        raise UsageError(f"{what}: {shown(band)} is no pair of wavelengths; write (\"3.4 um\", \"4.8 um\")")
+    return micrometres(band[0], what), micrometres(band[1], what)
 
 
 def value_range(ends: Any, what: str = "range") -> tuple[float, float] | None:
@@ -113,7 +137,7 @@ def toml(value: Value, what: str) -> str:
         value = value.tolist()
     if isinstance(value, Sequence):
         return "[" + ", ".join(toml(item, f"{what}[{i}]") for i, item in enumerate(value)) + "]"
-    raise UsageError(f"{what}: {value!r} is no value of a sensor file; give a number, a text such as \"15 um\", "
+    raise UsageError(f"{what}: {shown(value)} is no value of a sensor file; give a number, a text such as \"15 um\", "
                      "(15, \"um\"), a list, or True or False")
 
 
@@ -135,7 +159,20 @@ def sample_words(sample: Value) -> tuple[str, str] | None:
     if isinstance(sample, (tuple, list)) and len(sample) == 2 and all(
             isinstance(one, str) or is_quantity(one) for one in sample):
         return words(sample[0], "sample"), words(sample[1], "sample")
-    raise UsageError(f"sample: {sample!r} has no unit; write \"3.75 um\", (3.75, \"um\"), or a pair of them for x and y")
+    raise UsageError(f"sample: {shown(sample)} has no unit; write \"3.75 um\", (3.75, \"um\"), or a pair of them for x and y")
+
+
+def _lacks_unit(value: Value, unit: str) -> str:
+    if isinstance(value, (int, float, np.integer, np.floating)) and not isinstance(value, bool):
+        return f"{shown(value)} has no unit; write \"{value} {unit}\" or ({value}, \"{unit}\")"
+    return f"{shown(value)} is no text with a unit, such as \"5 {unit}\", and no (5, \"{unit}\")"
+
+
+def _named(conversion: Callable[[str], float], text: str, what: str) -> float:
+    try:
+        return conversion(text)
+    except UsageError as error:
+        raise UsageError(f"{what}: {error}") from None
 
 
 def angle_deg(angle: Value, what: str = "angle") -> float:
@@ -145,8 +182,8 @@ def angle_deg(angle: Value, what: str = "angle") -> float:
     if isinstance(angle, (int, float)) and not isinstance(angle, bool) and angle == 0:
         return 0.0
     if isinstance(angle, str) or is_quantity(angle):
-        return _core.angle_deg(words(angle, what))
-    raise UsageError(f"{what}: {angle!r} has no unit; write \"{angle} deg\" or ({angle}, \"deg\")")
+        return _named(_core.angle_deg, words(angle, what), what)
+    raise UsageError(f"{what}: {_lacks_unit(angle, 'deg')}")
 
 
 def kelvin(temperature: Value, what: str = "temperature") -> float:
@@ -154,8 +191,8 @@ def kelvin(temperature: Value, what: str = "temperature") -> float:
     from mtfkit import _core
 
     if isinstance(temperature, str) or is_quantity(temperature):
-        return _core.to_kelvin(words(temperature, what))
-    raise UsageError(f"{what}: {temperature!r} has no unit; write \"{temperature} K\" or ({temperature}, \"K\")")
+        return _named(_core.to_kelvin, words(temperature, what), what)
+    raise UsageError(f"{what}: {_lacks_unit(temperature, 'K')}")
 
 
 def micrometres(length: Value, what: str) -> float:
@@ -163,28 +200,28 @@ def micrometres(length: Value, what: str) -> float:
     from mtfkit import _core
 
     if isinstance(length, str) or is_quantity(length):
-        return _core.length_um(words(length, what))
-    raise UsageError(f"{what}: {length!r} has no unit; write \"{length} um\" or ({length}, \"um\")")
+        return _named(_core.length_um, words(length, what), what)
+    raise UsageError(f"{what}: {_lacks_unit(length, 'um')}")
 
 
 def count(number: int, what: str, least: int = 1) -> int:
     """A whole number of things. Raises UsageError."""
     if isinstance(number, bool) or not isinstance(number, (int, np.integer)) or not least <= number < 1 << 31:
-        raise UsageError(f"{what}: {number!r} is not a whole number from {least} on")
+        raise UsageError(f"{what}: {shown(number)} is not a whole number from {least} on")
     return int(number)
 
 
 def plane_shape(size: tuple[int, int], what: str) -> tuple[int, int]:
     """(rows, columns) of a plane. Raises UsageError."""
     if not isinstance(size, (tuple, list)) or len(size) != 2:
-        raise UsageError(f"{what}: {size!r} is not (rows, columns)")
+        raise UsageError(f"{what}: {shown(size)} is not (rows, columns)")
     return count(size[0], what), count(size[1], what)
 
 
 def thread_count(threads: int) -> int:
     """A number of threads, 0 for all cores. Raises UsageError."""
     if isinstance(threads, bool) or not isinstance(threads, (int, np.integer)) or not 0 <= threads <= 4096:
-        raise UsageError(f"threads: {threads!r} is not a whole number from 0 (all cores) to 4096")
+        raise UsageError(f"threads: {shown(threads)} is not a whole number from 0 (all cores) to 4096")
     return int(threads)
 
 

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from mtfkit import _core, quantities, results
+from mtfkit.arguments import checked
 from mtfkit.errors import UsageError
 
 if TYPE_CHECKING:
@@ -120,6 +121,7 @@ class Run(results.ByValue):
             raise UsageError(f"images: have the planes {', '.join(self.names)}; take run.plane(\"{self.names[0]}\", frame)")
         return [planes[self.names[0]] for _, planes in self._made]
 
+    @checked
     def plane(self, name: str, frame: int | None = None) -> Plane:
         """A plane by its name, of the frame of that number; without it of the only image."""
         if frame is None and len(self._made) > 1:
@@ -181,6 +183,7 @@ class Run(results.ByValue):
         return _core.map_points(self._sensor._file, self._run.scene_grid, self._run.image_grid, self._run.region,
                                 quantities.numbers(points, "points"))
 
+    @checked
     def save(self, path: str | os.PathLike[str], *, image: int = 0, range: tuple[float, float] | None = None) -> None:
         """Writes an image with its provenance, as `mtf simulate -o`: OpenEXR, or PNG and TIFF with `range`."""
         if not self._writable:

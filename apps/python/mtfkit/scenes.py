@@ -12,9 +12,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from mtfkit import _core, quantities, results
+from mtfkit.arguments import checked
 from mtfkit.errors import UsageError
 from mtfkit.images import Image, read
 from mtfkit.instants import Instant, instant_text
+from mtfkit.messages import about_arguments
 from mtfkit.progress import Progress, function_of
 
 if TYPE_CHECKING:
@@ -123,6 +125,16 @@ def _moved_heat(files: dict[str, bytes], report: dict[str, Any], warnings: list[
     return Heat(keep.name, report, warnings, seconds, keep)
 
 
+def _point(place: Sequence[float] | None, what: str) -> list[float] | None:
+    if place is None:
+        return None
+    numbers = quantities.numbers(place, what).tolist()
+    if not isinstance(numbers, list) or len(numbers) != 3 or not all(isinstance(number, float) for number in numbers):
+        raise UsageError(f"{what}: {quantities.shown(place)} is not (x, y, z) in m")
+    return numbers
+
+
+@checked
 def heat(scene: str | os.PathLike[str], *, tolerance: quantities.Value = "0.1 K", rays: int = 128,
          every_facet: bool = False, out: str | os.PathLike[str] | None = None, threads: int = 0,
          progress: Progress = None) -> Heat:
@@ -132,9 +144,8 @@ def heat(scene: str | os.PathLike[str], *, tolerance: quantities.Value = "0.1 K"
     `every_facet` solves each by itself. `out` is a folder for the files, which is created and has to be empty. Ctrl-C
     ends the run. Raises UsageError for a scene file with mistakes, each with its place.
     """
-    if not isinstance(tolerance, str) and not quantities.is_quantity(tolerance):
-        raise UsageError(f"tolerance: {tolerance!r} has no unit; write \"{tolerance} K\"")
     kelvin = quantities.kelvin(tolerance, "tolerance")
+    rays = quantities.count(rays, "rays")
     start, keep = time.perf_counter(), None
     if out is None:
         import tempfile
@@ -143,7 +154,10 @@ def heat(scene: str | os.PathLike[str], *, tolerance: quantities.Value = "0.1 K"
         folder = keep.name
     else:
         folder = os.fspath(out)
-        os.makedirs(folder, exist_ok=True)
+        try:
+            os.makedirs(folder, exist_ok=True)
+        except OSError as error:
+            raise UsageError(f"out: {folder} cannot be made a folder: {error.strerror}; name another one") from None
         if os.listdir(folder):
             raise UsageError(f"out: {folder} is not empty; name another folder")
     report, warnings = _core.heat(os.fspath(scene), folder, kelvin, rays, every_facet, quantities.thread_count(threads),
@@ -151,6 +165,7 @@ def heat(scene: str | os.PathLike[str], *, tolerance: quantities.Value = "0.1 K"
     return Heat(folder, json.loads(report), warnings, time.perf_counter() - start, keep)
 
 
+@checked
 def render(scene: str | os.PathLike[str], sensor: Sensor, *, temperatures: Heat | str | os.PathLike[str] | None = None,
            at: Instant | None = None, solve: bool = False, position: Sequence[float] | None = None,
            look_at: Sequence[float] | None = None, samples_per_pitch: float = 2.0, points: int = 2, plain: bool = False,
@@ -168,16 +183,16 @@ def render(scene: str | os.PathLike[str], sensor: Sensor, *, temperatures: Heat 
     """
     import tempfile
 
-    start = time.perf_counter()
-    source = temperatures.folder if isinstance(temperatures, Heat) else os.fspath(temperatures or "")
+    start, points = time.perf_counter(), quantities.count(points, "points")
+    source = "" if temperatures is None else temperatures.folder if isinstance(temperatures, Heat) else os.fspath(temperatures)
     with tempfile.TemporaryDirectory(prefix="mtfkit-render-") as folder:
         file = os.path.join(folder, "sensor.toml")
         sensor.save(file)
         picture = os.fspath(out) if out is not None else os.path.join(folder, "picture.exr")
-        report = _core.render(os.fspath(scene), [file], picture, source, instant_text(at, os.fspath(scene)), solve,
-                              None if position is None else [float(v) for v in position],
-                              None if look_at is None else [float(v) for v in look_at], samples_per_pitch, points, plain,
-                              not air, list(layers), quantities.thread_count(threads))
+        with about_arguments(folder, {"sensor.toml": "sensor", "picture.exr": "out"}):
+            report = _core.render(os.fspath(scene), [file], picture, source, instant_text(at, os.fspath(scene)), solve,
+                                  _point(position, "position"), _point(look_at, "look_at"), samples_per_pitch, points,
+                                  plain, not air, list(layers), quantities.thread_count(threads))
         channels = [name for layer in layers
                     for name in ([f"normal.{axis}" for axis in "XYZ"] if layer == "normal" else [layer])]
         planes = {name: read(picture, channel=name).plane() for name in channels}

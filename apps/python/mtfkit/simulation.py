@@ -4,14 +4,17 @@
 from __future__ import annotations
 
 import os
+import re
 import time
 from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, Union
 
 from mtfkit import _core, quantities
+from mtfkit.arguments import checked
 from mtfkit.canvas import Canvas
 from mtfkit.errors import UsageError
 from mtfkit.images import Image
+from mtfkit.messages import reworded
 from mtfkit.plans import is_measured
 from mtfkit.progress import function_of
 from mtfkit.runs import Run
@@ -29,7 +32,7 @@ if TYPE_CHECKING:
 def _frame_range(frames: Iterable[int]) -> tuple[int, int, int]:
     numbers = [quantities.count(frame, "frames", 0) for frame in frames]
     if not numbers:
-        raise UsageError("frames: is empty")
+        raise UsageError("frames: is empty; give range(5) or numbers")
     step = numbers[1] - numbers[0] if len(numbers) > 1 else 1
     if step < 1 or numbers != list(range(numbers[0], numbers[-1] + 1, step)):
         raise UsageError("frames: rise by one step, as a range does")
@@ -54,7 +57,11 @@ def _scene_words(sensor: Sensor, scene: SceneLike, sample: quantities.Value, qua
     else:
         planes = [("Y", scene)]
     if not planes and (sample is not None or quantity is not None):
-        raise UsageError("sample and quantity are for arrays; a file says its own, or [scene] of the sensor does")
+        what = "an Image" if image is not None else f"the file {path}"
+        plane = "image.plane()" if image is not None else f"mtfkit.read({path!r}).plane()"
+        given = " and ".join(name for name, value in (("sample", sample), ("quantity", quantity)) if value is not None)
+        raise UsageError(f"{given}: for arrays; {what} says its own, or [scene] of the sensor does. Give sensor.simulate({plane}, "
+                         f"sample=..., quantity=...), or write a file that says it with mtfkit.write(path, image, sample=...)")
     return _core.SceneWords(path, image, planes, list((beside or {}).items()), quantities.sample_words(sample),
                             quantity or sensor._file.quantity or "radiance", blur)
 
@@ -79,6 +86,7 @@ def _canvas(sensor: Sensor, scene: SceneLike, sample: quantities.Value,
     return canvas, canvas.sensor_for(sensor, _core.plane(plane, "scene").shape, words)
 
 
+@checked
 def run_simulation(sensor: Sensor, scene: SceneLike, *, sample: quantities.Value, quantity: str | None,
                    beside: Mapping[str, npt.ArrayLike] | None, tolerance: float | None, nan: str, stage: str | None,
                    frame: int, frames: Iterable[int] | None,
@@ -96,13 +104,24 @@ def run_simulation(sensor: Sensor, scene: SceneLike, *, sample: quantities.Value
     if frame != 0 and frames is not None:
         raise UsageError("frame and frames exclude each other; give one")
     frame = quantities.count(frame, "frame", 0)
+    if memory is not None and memory < 1 << 20:
+        raise UsageError(f"memory: {memory} bytes are less than 1 MiB; give 512 << 20 for 512 MiB")
     span = _frame_range(frames) if frames is not None else (frame, frame, 1) if frame != 0 else None
     start = time.perf_counter()
-    with _folder_for(schedule) as folder:
+    with _folder_for(schedule) as folder, reworded(lambda text: _in_lines(text, folder)):
         run = _core.simulate(file, words, tolerance, nan, is_measured(rigor), stage, roi, memory, span,
                              _schedule_file(schedule, folder), os.fspath(out) if out is not None else "", range, canvas,
                              quantities.thread_count(threads), function_of(progress, "simulating"))
     return Run._of(run, time.perf_counter() - start, sensor, canvas, stage)
+
+
+def _in_lines(text: str, folder: str) -> str:
+    """A message about lines of a schedule in memory: schedule[3] in place of line 5 of its file."""
+    if not folder:
+        return text
+    file = re.escape(os.path.join(folder, "schedule.csv"))
+    text = re.sub(rf"{file}:(\d+)(:\d+)?", lambda found: f"schedule[{max(int(found[1]) - 2, 0)}]", text)
+    return re.sub(file, "schedule", text)
 
 
 class _NoFolder:
@@ -130,12 +149,19 @@ def _schedule_file(schedule: str | os.PathLike[str] | Sequence[tuple[int, str, q
         return os.fspath(schedule)
     import csv
 
+    if not isinstance(schedule, (list, tuple)) and not hasattr(schedule, "__next__"):
+        raise UsageError(f"schedule: {quantities.shown(schedule)} is no list; write [(frame, \"jitter.rms\", \"60 urad\")], or the name "
+                         "of a CSV file")
+    lines = list(schedule)
+    if not lines:
+        raise UsageError("schedule: is empty; write [(frame, \"jitter.rms\", \"60 urad\")]")
     path = os.path.join(folder, "schedule.csv")
     with open(path, "w", encoding="utf-8", newline="") as file:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(["frame", "parameter", "value"])
-        for line in schedule:
-            if len(line) != 3:
-                raise UsageError(f"schedule: {line!r} is not (frame, parameter, value)")
-            writer.writerow([line[0], line[1], quantities.words(line[2], line[1])])
+        for number, line in enumerate(lines):
+            if not isinstance(line, (tuple, list)) or len(line) != 3 or not isinstance(line[1], str):
+                raise UsageError(f"schedule[{number}]: {quantities.shown(line)} is not (frame, parameter, value)")
+            frame = quantities.count(line[0], f"schedule[{number}]: frame", 0)
+            writer.writerow([frame, line[1], quantities.words(line[2], f"schedule[{number}]: {line[1]}")])
     return path

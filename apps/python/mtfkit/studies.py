@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from mtfkit import _core, quantities, results
+from mtfkit.arguments import checked
 from mtfkit.errors import UsageError
 from mtfkit.progress import Progress, function_of
 from mtfkit.sensors import Sensor
@@ -93,6 +94,7 @@ class Study:
             yield
 
     @classmethod
+    @checked
     def load(cls, file: str | os.PathLike[str], *, tolerance: float | None = None) -> Study:
         """Reads a study file; `tolerance` in place of its own. Raises UsageError with every error as a
         "file:line:column" line, DataError when a file cannot be read."""
@@ -103,6 +105,7 @@ class Study:
         study._study = _core.StudyFile(quantities.path(file, "file"), tolerance)
         return study
 
+    @checked
     def save(self, file: str | os.PathLike[str]) -> None:
         """Writes the study file, and beside it the sensor files and all that these name, so that the folder can be moved.
 
@@ -174,6 +177,8 @@ class Study:
         are not there.
         """
         if isinstance(first, tuple):
+            if len(first) != 2:
+                raise UsageError(f"first: {quantities.shown(first)} is no pair (first, last)")
             first, last = first
         with self._said():
             return self._study.rows(_whole(first, "first"), self.designs if last is None else _whole(last, "last"),
@@ -188,6 +193,7 @@ class Study:
         frame.attrs["seconds"] = time.perf_counter() - start
         return frame
 
+    @checked
     def frame(self, rows: npt.ArrayLike | Sequence[npt.ArrayLike], *, first: int = 0) -> Any:
         """Rows (or a list of pieces that follow one another) as a DataFrame.
 
@@ -195,10 +201,15 @@ class Study:
         that are no numbers and `feasible` as True or False; `attrs["units"]` has the unit of each.
         """
         pandas = results.pandas("Study.frame")
-        table = np.concatenate([np.asarray(piece) for piece in rows]) if isinstance(rows, (list, tuple)) else np.asarray(rows)
+        pieces = rows if isinstance(rows, (list, tuple)) else [rows]
+        tables = [quantities.numbers(piece, "rows") for piece in pieces]
         columns = self.columns
-        if table.ndim != 2 or table.shape[1] != len(columns):
-            raise UsageError(f"rows: have the shape {table.shape}, the study has {len(columns)} columns")
+        if tables and all(piece.shape == (len(columns),) for piece in tables):
+            tables = [np.asarray(tables)]  # a list of rows
+        for piece in tables:
+            if piece.ndim != 2 or piece.shape[1] != len(columns):
+                raise UsageError(f"rows: have the shape {piece.shape}, the study has {len(columns)} columns")
+        table = np.concatenate(tables) if tables else np.empty((0, len(columns)))
         frame = pandas.DataFrame(table, columns=[column.name for column in columns], copy=False,
                                  index=pandas.RangeIndex(first, first + len(table), name="design"))
         for column in columns:
@@ -211,6 +222,7 @@ class Study:
         return frame
 
     def _table(self, frame: Any) -> Floats:
+        _require_table(frame)
         table = np.empty((len(frame), len(self.columns)))
         for i, column in enumerate(self.columns):
             if column.name not in frame:
@@ -221,6 +233,7 @@ class Study:
 
     def pareto(self, frame: Any) -> Any:
         """The rows of the feasible designs that no other one beats in all objectives, as in `mtf sweep`."""
+        _require_table(frame)
         front = self._study.pareto([int(n) for n in frame.index], self._table(frame))
         return frame.loc[front]
 
@@ -232,6 +245,7 @@ class Study:
         xarray = results.xarray("Study.to_xarray")
         if not self._study.grid:
             raise UsageError("to_xarray: the designs of this study are samples, not a grid")
+        _require_table(frame)
         if len(frame) != self.designs:
             raise UsageError(f"to_xarray: the table has {len(frame)} of {self.designs} designs")
         frame = frame.sort_index()
@@ -283,6 +297,7 @@ class Study:
             made = self._study.gradient_at(self._values(design))
         return Gradient(**made, seconds=time.perf_counter() - start)
 
+    @checked
     def optimum(self, *, objective: int | None = None, weights: Sequence[float] | None = None, search: bool = False,
                 starts: int = 8, threads: int = 0, progress: Progress = None) -> Optimum:
         """The best design between those of the grid, the numeric axes being continuous, as `mtf optimize`.
@@ -303,6 +318,8 @@ class Study:
             name, numbers = self.objectives[chosen], [1.0 if i == chosen else 0.0 for i in range(count)]
         else:
             numbers = [float(weight) for weight in weights]
+            if len(numbers) != count:
+                raise UsageError(f"weights: has {len(numbers)} numbers, the study {count} objectives")
             name = " + ".join(f"{weight:g} x {text}" for weight, text in zip(numbers, self.objectives))
         start = time.perf_counter()
         with self._said():
@@ -339,11 +356,19 @@ class Study:
         return f"<Study {self.name or self.file!r}: {self.designs} designs>"
 
 
+def _require_table(frame: Any) -> None:
+    if not all(hasattr(frame, name) for name in ("columns", "index", "loc")):
+        raise UsageError(f"frame: {quantities.shown(frame)} is no DataFrame; give the table that `run` or `frame` made")
+
+
 def _whole(number: int, what: str) -> int:
     try:
-        return operator.index(number)
+        design = operator.index(number)
     except TypeError:
         raise TypeError(f"{what}: {quantities.shown(number)} is no number of a design; give a whole number") from None
+    if abs(design) >= 1 << 63:
+        raise UsageError(f"{what}: {quantities.shown(number)} is not among the designs of the study")
+    return design
 
 
 def _made(parts: StudyParts) -> Study:

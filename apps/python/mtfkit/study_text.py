@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from mtfkit import _core, quantities
+from mtfkit.arguments import require
 from mtfkit.errors import DataError, UsageError
 from mtfkit.messages import in_arguments, reworded
 
@@ -92,12 +93,13 @@ def _named_tables(given: Any, what: str, example: str) -> list[tuple[str, Mappin
             if not isinstance(name, str):
                 raise UsageError(f"{what}: {quantities.shown(name)} is no name of a parameter, such as \"frame.pitch\"")
             place = f"{what}[{json.dumps(name, ensure_ascii=False)}]"
-            fields = table if isinstance(table, Mapping) else {"values": table} if what == "axes" else None
+            fields = _table(table, place) if isinstance(table, Mapping) else {"values": table} if what == "axes" else None
             if fields is None:
                 raise UsageError(f"{place}: {quantities.shown(table)} is no dictionary; write {example}")
             named.append((place, fields if "parameter" in fields or "name" in fields else {"parameter": name, **fields}))
         return named
-    if isinstance(given, (list, tuple)) and all(isinstance(table, Mapping) for table in given):
+    if isinstance(given, (list, tuple)) and all(isinstance(table, Mapping) and all(isinstance(key, str) for key in table)
+                                                for table in given):
         return [(f"{what}[{index}]", table) for index, table in enumerate(given)]
     raise UsageError(f"{what}: {quantities.shown(given)} is no dictionary by parameter, and no list of dictionaries with `parameter`; write "
                      f"{example}")
@@ -112,8 +114,9 @@ def study_parts(sensor: Sensor, *, name: str, axes: Any, links: Any, constraints
     sensors = [sensor]
     said: list[tuple[str, str]] = [("metrics.list", "metrics"), ("yield.draws", "draws")]
     lines, files = ["schema = 1"], list[str]()
-    if not isinstance(name, str):
-        raise UsageError(f"name: {quantities.shown(name)} is no text")
+    for key, value, annotation in (("name", name, "str"), ("seed", seed, "int"), ("draws", draws, "int | None"),
+                                   ("tolerance", tolerance, "float | None")):
+        require(value, annotation, key)
     if name:
         lines.append(f"name = {quantities.toml(name, 'name')}")
     lines.append(f"sensor = {json.dumps(sensor_name('study', 0))}")
@@ -143,7 +146,7 @@ def study_parts(sensor: Sensor, *, name: str, axes: Any, links: Any, constraints
                         value[at] = sensor_name("study", len(sensors))
                         sensors.append(one)
             lines.append(f"{key} = {quantities.toml(value, f'{place}.{key}')}")
-    for index, (place, fields) in enumerate(_named_tables(as_built or {}, "as_built", '{"optics.obscuration": {"sd": 0.01}}')):
+    for index, (place, fields) in enumerate(_named_tables({} if as_built is None else as_built, "as_built", '{"optics.obscuration": {"sd": 0.01}}')):
         said.append((f"as_built[{index}]", place))
         lines += ["", "[[as_built]]", *(f"{_key(key)} = {quantities.toml(value, f'{place}.{key}')}"
                                         for key, value in fields.items())]
@@ -154,6 +157,9 @@ def study_parts(sensor: Sensor, *, name: str, axes: Any, links: Any, constraints
         if table:
             lines += ["", f"[{what}]", *(f"{_key(key)} = {quantities.toml(value, f'{what}.{key}')}"
                                          for key, value in table.items())]
+    for each in sensors:
+        if each._functions:
+            raise each._functions[0].refusal("Study")
     return StudyParts("\n".join(lines) + "\n", tuple(sensors), tuple(files), tuple(said))
 
 

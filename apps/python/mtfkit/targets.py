@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from mtfkit import quantities, results
+from mtfkit.arguments import checked
 from mtfkit.errors import UsageError
 
 if TYPE_CHECKING:
@@ -41,6 +42,7 @@ def _grid(size: tuple[int, int]) -> tuple[npt.NDArray[np.float64], npt.NDArray[n
 _erfc = np.frompyfunc(math.erfc, 1, 1)
 
 
+@checked
 def edge(*, angle: quantities.Value = "5 deg", size: tuple[int, int] = (1280, 1280), low: float = 2.0,
          high: float = 8.0) -> Target:
     """A straight edge through the middle, whose normal points `angle` from +x towards +y; `high` lies on that side.
@@ -58,6 +60,7 @@ def edge(*, angle: quantities.Value = "5 deg", size: tuple[int, int] = (1280, 12
     return Target((low + (high - low) * share).astype(np.float32), 1.0)
 
 
+@checked
 def sine(*, cycles: float, size: tuple[int, int] = (512, 512), mean: float = 5.0, amplitude: float = 1.0,
          angle: quantities.Value = 0) -> Target:
     """A sine of that many cycles over the width, along `angle` from +x to +y. `size` is (rows, columns) in samples."""
@@ -69,12 +72,16 @@ def sine(*, cycles: float, size: tuple[int, int] = (512, 512), mean: float = 5.0
     return Target((mean + amplitude * np.cos(phase)).astype(np.float32))
 
 
+@checked
 def points(places: list[tuple[int, int]], *, size: tuple[int, int] = (512, 512), background: float = 0.0,
            peak: float = 1.0) -> Target:
     """Single samples of `peak` at these places (column, row) on a background."""
     values = np.full(quantities.plane_shape(size, "size"), background, dtype=np.float32)
+    if not isinstance(places, (list, tuple, np.ndarray)):
+        raise UsageError(f"places: {quantities.shown(places)} is no list of (column, row)")
     for place in places:
-        if np.shape(place) != (2,) or not (0 <= place[0] < size[1] and 0 <= place[1] < size[0]):
+        if not isinstance(place, (list, tuple, np.ndarray)) or len(place) != 2 or not all(
+                isinstance(one, (int, np.integer)) for one in place) or not (0 <= place[0] < size[1] and 0 <= place[1] < size[0]):
             raise UsageError(f"places: {place!r} is no (column, row) of a scene of the size {size}")
         values[place[1], place[0]] = peak
     return Target(values)
