@@ -175,3 +175,23 @@ def test_contrast_below_rounding_is_warned_of(demo):
     run = plain.simulate(1e7 + image, sample="3 um")
     assert any("less contrast than its values are rounded by" in text for text in run.warnings)
     assert not plain.simulate(1e3 + image, sample="3 um").warnings
+
+
+def test_figures_say_why_they_are_absent(sensor, demo):
+    pandas = pytest.importorskip("pandas")
+    figures = mk.metrics(sensor, ["snr", "mtf_nyquist"])
+    assert "snr = nan (no [detector])" in repr(figures) and "(no [detector])" in figures._repr_html_()
+    assert figures.to_pandas().reason.tolist() == ["no [detector]", ""] and list(figures) == ["snr", "mtf_nyquist"]
+    budget = mk.Sensor.load(demo / "camera.toml").budget()
+    absent = [name for name, figure in budget.items() if np.isnan(figure.value)]
+    for name in absent:
+        assert budget[name].reason and budget[name].reason in repr(budget[name]) and f"({budget[name].reason})" in budget._repr_html_()
+    blank = mk.measure(np.random.default_rng(0).random((64, 64)), roi=(0, 0, 40, 40))
+    assert blank[0].reason and blank[0].reason in repr(blank[0]) and "contrast of the best line" in blank[0]._repr_html_()
+    assert blank.to_pandas().reason.tolist() == [blank[0].reason]
+    gaussian = mk.Sensor(frame=dict(focal_length="100 mm", pitch="15 um"), presample=[mk.Jitter(rms="37 urad")])
+    sharp = mk.measure(gaussian.simulate(mk.targets.edge(angle="5 deg")).image[16:-16, 16:-16])[0]
+    assert sharp.mtf50 is not None and sharp.figures["mtf10"] is None
+    assert "above 10 %" in sharp.reasons["mtf10"] and "mtf50" not in sharp.reasons
+    assert "above 10 %" in sharp._repr_html_() and "above 10 %" in sharp.to_pandas().attrs["reason"]
+    assert isinstance(blank.to_pandas(), pandas.DataFrame)

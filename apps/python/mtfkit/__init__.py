@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from mtfkit import air, components, light, noise, targets
 from mtfkit._core import __version__
-from mtfkit.budgets import Budget, Figure
+from mtfkit.budgets import Budget, Figure, Figures
 from mtfkit.components import Component, kinds
 from mtfkit.curves import Column, Curves
 from mtfkit.custom import Custom, General, Sampled, custom
@@ -32,7 +32,7 @@ if TYPE_CHECKING:  # a class for each kind of component, made when one is asked 
     from mtfkit.components import *
 
 __all__ = ["Budget", "Column", "Component", "CurveData", "Curves", "Custom", "DataError", "Edge", "Edges", "Error",
-           "Estimate", "Figure", "Finding", "Findings", "Fit", "General", "Gradient", "Heat", "Image", "Optimum",
+           "Estimate", "Figure", "Figures", "Finding", "Findings", "Fit", "General", "Gradient", "Heat", "Image", "Optimum",
            "Parameter", "Picture", "Plan", "Run", "Sampled", "Sensor", "Study", "StudyColumn", "ToleranceError", "UsageError",
            "__version__", "air", "components", "fit", "heat", "kinds", "light", "measure", "metrics", "noise", "read",
            "render", "targets", "write"]

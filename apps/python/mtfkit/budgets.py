@@ -4,11 +4,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
 from mtfkit import _core, results
+from mtfkit.arguments import checked
 from mtfkit.errors import UsageError
 
 
@@ -22,6 +23,7 @@ class Figure(results.ByValue):
     doc: str
     reason: str
 
+    @checked
     def to(self, unit: str) -> float:
         """The value in another unit of the same kind, such as "mK" for a figure in K. Raises UsageError."""
         return _core.convert(self.value, self.unit, unit)
@@ -30,7 +32,31 @@ class Figure(results.ByValue):
         return self.value
 
     def __repr__(self) -> str:
-        return f"{self.name} = {self.value:.7g} {self.unit}".rstrip()
+        text = f"{self.name} = {self.value:.7g} {self.unit}".rstrip()
+        return f"{text} ({self.reason})" if self.reason else text
+
+
+def _html(figures: Iterable[Figure], what: str) -> str:
+    return results.html_table([what, "value", "unit", "what it is"],
+                              [[f.name, "-" if math.isnan(f.value) else f.value, f.unit, f"{f.doc} ({f.reason})" if f.reason else f.doc]
+                               for f in figures])
+
+
+def _frame(figures: Mapping[str, Figure], what: str, asked: str) -> Any:
+    pandas = results.pandas(asked)
+    return pandas.DataFrame([(f.value, f.unit, f.doc, f.reason) for f in figures.values()],
+                            columns=["value", "unit", "doc", "reason"], index=pandas.Index(list(figures), name=what))
+
+
+class Figures(dict[str, Figure]):
+    """Figures of merit by name, each with its unit, and the reason where there is none."""
+
+    def to_pandas(self) -> Any:
+        """A DataFrame: index is the name; columns value, unit, doc, reason."""
+        return _frame(self, "figure", "Figures.to_pandas")
+
+    def _repr_html_(self) -> str:
+        return _html(self.values(), "figure")
 
 
 class Budget(Mapping[str, Figure]):
@@ -64,15 +90,10 @@ class Budget(Mapping[str, Figure]):
 
     def to_pandas(self) -> Any:
         """A DataFrame: index is the name; columns value, unit, doc, reason."""
-        return results.pandas("Budget.to_pandas").DataFrame(
-            [(f.value, f.unit, f.doc, f.reason) for f in self._figures.values()],
-            columns=["value", "unit", "doc", "reason"],
-            index=results.pandas("Budget.to_pandas").Index(list(self._figures), name="term"))
+        return _frame(self._figures, "term", "Budget.to_pandas")
 
     def __repr__(self) -> str:
         return f"<Budget at {self.temperature_k:g} K: {len(self)} figures>"
 
     def _repr_html_(self) -> str:
-        return results.html_table(["term", "value", "unit", "what it is"],
-                                  [[f.name, "-" if math.isnan(f.value) else f.value, f.unit, f.doc]
-                                   for f in self._figures.values()])
+        return _html(self._figures.values(), "term")

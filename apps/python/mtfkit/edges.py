@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import time
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, Union
@@ -12,6 +13,7 @@ from typing import TYPE_CHECKING, Any, Union
 import numpy as np
 
 from mtfkit import _core, quantities, results
+from mtfkit.arguments import checked
 from mtfkit.errors import UsageError
 from mtfkit.images import Image
 from mtfkit.runs import Run
@@ -74,6 +76,13 @@ class Edge(results.ByValue):
     def reason(self) -> str:
         """What is wrong or absent, in a sentence; "" for nothing."""
         return self._entry["reason"] or ""
+
+    @property
+    def reasons(self) -> dict[str, str]:
+        """Of each figure that is None, why."""
+        parts = re.split(r"(?:^|; )(\w[\w.]*): ", self.reason) if self.measured else [""]
+        said = dict(zip(parts[1::2], parts[2::2]))
+        return {name: said.get(name, self.reason) for name, figure in self.figures.items() if figure is None}
 
     @property
     def warnings(self) -> list[str]:
@@ -175,18 +184,22 @@ class Edge(results.ByValue):
         return dict(self._entry)
 
     def to_pandas(self) -> Any:
-        """A DataFrame: index frequency, columns mtf and sd; `attrs["units"]`."""
+        """A DataFrame: index frequency, columns mtf and sd; `attrs["units"]`, `attrs["reason"]`."""
         pandas = results.pandas("Edge.to_pandas")
         frame = pandas.DataFrame({"mtf": self.mtf, "sd": self.mtf_sd}, index=pandas.Index(self.frequency, name="frequency"))
-        frame.attrs["units"] = {"frequency": self.unit}
+        frame.attrs.update(units={"frequency": self.unit}, reason=self.reason)
         return frame
 
     def __repr__(self) -> str:
-        return f"<Edge at {self.roi}: {f'MTF50 {self.mtf50!r} {self.unit}' if self.measured else self.outcome}>"
+        if not self.measured:
+            return f"<Edge at {self.roi}: {self.outcome} ({self.reason})>"
+        figure = f"MTF50 {self.mtf50!r} {self.unit}" if self.mtf50 is not None else f"no MTF50: {self.reasons.get('mtf50', self.reason)}"
+        return f"<Edge at {self.roi}: {figure}>"
 
     def _repr_html_(self) -> str:
-        return results.html_table(["figure", "value", "sd"], [
-            [name, figure.value if figure else "-", figure.sd if figure else "-"] for name, figure in self.figures.items()])
+        rows: list[list[object]] = [[name, figure.value, figure.sd, ""] if figure else [name, "-", "-", self.reasons.get(name, self.reason)]
+                                    for name, figure in self.figures.items()]
+        return results.html_table(["figure", "value", "sd", "reason"], rows or [["outcome", self.outcome, "", self.reason]])
 
 
 class Edges(tuple[Edge, ...]):
@@ -204,10 +217,10 @@ class Edges(tuple[Edge, ...]):
         return made
 
     def to_pandas(self) -> Any:
-        """A DataFrame with a line for each edge: outcome, angle, figures with their sd."""
+        """A DataFrame with a line for each edge: outcome, reason, angle, figures with their sd."""
         lines = []
         for edge in self:
-            line: dict[str, Any] = {"outcome": edge.outcome, "angle_deg": edge.angle_deg}
+            line: dict[str, Any] = {"outcome": edge.outcome, "reason": edge.reason, "angle_deg": edge.angle_deg}
             line.update(zip(("x", "y", "width", "height"), edge.roi))
             for name, figure in edge.figures.items():
                 line[name], line[f"{name}_sd"] = (figure.value, figure.sd) if figure else (None, None)
@@ -221,8 +234,24 @@ class Edges(tuple[Edge, ...]):
         return results.Text(self.table)._repr_html_()
 
 
-def image_argument(image: ImageLike) -> Any:
+def regions_of(roi: Any) -> list[list[int]]:
+    """One region or several, x, y, width, height each. Raises UsageError."""
+    if roi is None:
+        return []
+    try:
+        rows = np.atleast_2d(np.asarray(roi))
+    except ValueError:
+        rows = np.empty(0)
+    if rows.ndim != 2 or rows.shape[1] != 4 or rows.dtype.kind not in "iu":
+        raise UsageError(f"roi: {quantities.shown(roi)} is not (x, y, width, height) in pixels, or a list of them")
+    regions: list[list[int]] = rows.tolist()
+    return regions
+
+
+def image_argument(image: ImageLike, name: str = "image") -> Any:
     """What the compiled part takes of an image."""
+    if image is None or isinstance(image, (bytes, type, bool, int, float, complex, dict, set)):
+        raise UsageError(f"{name}: {quantities.shown(image)} is no image; give a file, an Image, a Run or a 2-D array")
     if isinstance(image, os.PathLike):
         return os.fspath(image)
     if isinstance(image, Image):
@@ -232,6 +261,7 @@ def image_argument(image: ImageLike) -> Any:
     return image
 
 
+@checked
 def measure(image: ImageLike, *, roi: Sequence[int] | Sequence[Sequence[int]] | None = None, method: str = "regression",
             unit: str = "cy/px", pitch: quantities.Value = None, focal_length: quantities.Value = None,
             contrasts: Sequence[float] = (), channel: str | None = None, encoding: str = "", bayer: str = "",
@@ -251,15 +281,11 @@ def measure(image: ImageLike, *, roi: Sequence[int] | Sequence[Sequence[int]] | 
     What cannot be measured is an Edge with its reason, never an exception. Raises UsageError for wrong arguments and
     DataError for files that cannot be read.
     """
-    regions: list[list[int]] = []
-    if roi is not None:
-        rows = np.atleast_2d(np.asarray(roi, dtype=np.int64))
-        if rows.ndim != 2 or rows.shape[1] != 4:
-            raise UsageError(f"roi: {roi!r} is not (x, y, width, height), or a list of them")
-        regions = rows.tolist()
+    regions = regions_of(roi)
     words = {"channel": channel, "encoding": encoding, "bayer": bayer, "pattern": pattern, "mask": os.fspath(mask),
              "regions": regions, "most": quantities.count(most, "most"), "min_length_px": min_length, "min_cnr": min_cnr, "noise_sd": noise_sd,
              "saturation": saturation}
+    order = None if order is None else quantities.count(order, "order")
     pitch_um = None if pitch is None else quantities.micrometres(pitch, "pitch")
     focal_mm = None if focal_length is None else quantities.micrometres(focal_length, "focal_length") * 1e-3
     start = time.perf_counter()

@@ -3,20 +3,25 @@
 
 from __future__ import annotations
 
-import os
+import json
+import re
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
 from mtfkit import quantities
-from mtfkit.budgets import Figure
+from mtfkit.arguments import checked
+from mtfkit.budgets import Figure, Figures
+from mtfkit.errors import UsageError
+from mtfkit.messages import reworded
 from mtfkit.studies import Study
 
 if TYPE_CHECKING:
     from mtfkit.sensors import Sensor
 
 
-def metrics(sensor: Sensor, names: Iterable[str], *, tolerance: float = 1e-6,
-            **conditions: quantities.Value) -> dict[str, Figure]:
+@checked
+def metrics(sensor: Sensor, names: str | Iterable[str], *, tolerance: float = 1e-6,
+            **conditions: quantities.Value) -> Figures:
     """Figures of merit of a sensor, by name: those of the metrics of a study, bit for bit.
 
     `names` as in apps/study/README.md: mtf_nyquist, mtf50_x, rer, fwhm, strehl, q, snr, netd, niirs_giqe5, mrtd,
@@ -28,27 +33,20 @@ def metrics(sensor: Sensor, names: Iterable[str], *, tolerance: float = 1e-6,
     >>> round(mk.metrics(sensor, ["mtf_nyquist_x"])["mtf_nyquist_x"].value, 6)
     0.63662
     """
-    import tempfile
-
     if sensor._functions:
         raise sensor._functions[0].refusal("metrics")
     asked = [names] if isinstance(names, str) else list(names)
-    lines = ["schema = 1", 'sensor = "sensor.toml"', f"tolerance = {tolerance!r}", "[[axis]]",
-             'parameter = "frame.focal_length"', f"values = [{sensor._file.stated('frame.focal_length')}]", "[metrics]",
-             f"list = {quantities.toml(asked, 'names')}"]
-    if conditions:
-        lines += ["[conditions]", *(f"{key} = {quantities.toml(value, key)}" for key, value in conditions.items())]
-    with tempfile.TemporaryDirectory(prefix="mtfkit-metrics-") as folder:
-        sensor.save(os.path.join(folder, "sensor.toml"))
-        path = os.path.join(folder, "study.toml")
-        with open(path, "w", encoding="utf-8") as file:
-            file.write("\n".join(lines) + "\n")
-        study = Study.load(path)
+    if not all(isinstance(name, str) for name in asked):
+        raise UsageError(f"names: {quantities.shown(asked)} is no list of names of metrics")
+    stated = sensor._file.stated("frame.focal_length")
+    with reworded(lambda text: re.sub(r"(?m)^metrics\b", "names", re.sub(r"(?m)^conditions\.", "", text))):
+        study = Study(sensor, axes={"frame.focal_length": [json.loads(stated) if stated.startswith('"') else float(stated)]},
+                      metrics=asked, conditions=conditions, tolerance=tolerance)
         row = study.rows(0, 1)[0]
         gaps, refusal = study._study.gaps()
-    made: dict[str, Any] = {}
+    made: dict[str, Figure] = {}
     for column, value, gap in zip(study.columns, row, gaps):
         if column.role == "metric" and column.name in asked:
             reason = "" if value == value else gap or refusal
             made[column.name] = Figure(column.name, float(value), column.unit, column.definition, reason)
-    return made
+    return Figures(made)
