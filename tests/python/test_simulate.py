@@ -121,7 +121,7 @@ def test_nothing_is_copied_of_an_array_in_order(sensor, scene, tmp_path):
 def test_what_is_closed_or_no_file_has_words(sensor, tmp_path, demo):
     with open(demo / "scene.exr", "rb") as file:
         pass
-    with pytest.raises(TypeError, match="str, bytes or os.PathLike"):
+    with pytest.raises(mk.UsageError, match="path: .* is no name of a file"):
         mk.read(file)
     with pytest.raises(mk.UsageError, match="no array|dtype|type|dimensions"):
         sensor.simulate(file, sample="3.75 um")
@@ -368,3 +368,40 @@ def test_the_compiled_part_refuses_nonsense():
         _core.SensorFile(3, 4)
     with pytest.raises(TypeError):
         _core.LinearPlan(None, 1, 1, None, None, None, False, 1)
+
+
+@pytest.mark.parametrize("name", ["a.exr", "a.png", "a.tif"])
+def test_files_keep_what_they_say_when_they_are_written_anew(sensor, scene, tmp_path, name):
+    mk.write(tmp_path / name, scene, sample=("3.75 um", (5, "um")), quantity="radiance",
+             attributes={"note": "h\u00e4llo", "mtf:bandEdges": [3.4, 4.8], "corner": (1.5, 2.0)})
+    first = mk.read(tmp_path / name)
+    assert first.sample == ("3.75 um", "5.0 um") and first.attributes["mtf:quantity"] == "radiance"
+    assert first.attributes["mtf:units"] == "W.m^-2.sr^-1" and first.attributes["note"] == "h\u00e4llo"
+    for again in (f"b{name[1:]}", f"c{name[1:]}"):
+        mk.write(tmp_path / again, mk.read(tmp_path / name))
+        name = again
+        assert mk.read(tmp_path / again) == first
+    mk.write(tmp_path / f"d{name[1:]}", first, sample="7.5 um", attributes={"note": "other"})
+    changed = mk.read(tmp_path / f"d{name[1:]}")
+    assert changed.sample == ("7.5 um", "7.5 um") and changed.attributes["note"] == "other"
+    assert np.array_equal(changed.plane("Y"), first.plane("Y"))
+
+
+def test_written_arrays_are_scenes(sensor, scene, tmp_path):
+    mk.write(tmp_path / "a.exr", scene, sample="3.75 um", quantity="radiance")
+    right = sensor.simulate(scene, sample="3.75 um")
+    assert np.array_equal(sensor.simulate(tmp_path / "a.exr").image, right.image)
+    for wrong, words in ((dict(sample=3.75), "sample: 3.75 has no unit"), (dict(sample="1 px"), "sample: "), (dict(quantity="light"), "one of radiance")):
+        with pytest.raises(mk.UsageError, match=words):
+            mk.write(tmp_path / "b.exr", scene, **wrong)
+
+
+def test_a_spacing_beside_a_file_is_refused_with_the_remedy(sensor, scene, tmp_path):
+    mk.write(tmp_path / "q.png", scene)
+    image = mk.read(tmp_path / "q.png")
+    for given in (tmp_path / "q.png", image):
+        with pytest.raises(mk.UsageError, match=r"^sample: .*plane\(\), sample=..., quantity=...\), or write a file"):
+            sensor.simulate(given, sample="3.75 um")
+    run = sensor.simulate(mk.read(tmp_path / "q.png").plane(), sample="3.75 um", quantity="counts")  # the remedies
+    mk.write(tmp_path / "q.exr", image, sample="3.75 um", quantity="counts")
+    assert np.array_equal(sensor.simulate(tmp_path / "q.exr").image, run.image)

@@ -9,13 +9,18 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from mtfkit import _core, results
+from mtfkit import _core, quantities, results
+from mtfkit.arguments import checked
 from mtfkit.errors import DataError, UsageError
 
 if TYPE_CHECKING:
     import numpy.typing as npt
 
     Plane = npt.NDArray[np.float32]
+
+
+#: Units of the quantities of scenes.
+_UNITS = {"radiance": "W.m^-2.sr^-1", "photon_radiance": "ph.s^-1.m^-2.sr^-1", "temperature": "K", "counts": "counts"}
 
 
 class Image(results.ByValue):
@@ -76,6 +81,7 @@ class Image(results.ByValue):
         rows, columns = self.plane(self.names[0]).shape
         return rows, columns
 
+    @checked
     def plane(self, name: str | None = None) -> Plane:
         """The values of one plane, (rows, columns) of float32: a view that cannot be written, nothing is copied.
 
@@ -95,6 +101,7 @@ class Image(results.ByValue):
         return f"<Image {self.path}: {columns} x {rows}, {', '.join(self.names)}, {self._file.storage}>"
 
 
+@checked
 def read(path: str | os.PathLike[str], *, channel: str | None = None, layer: str | None = None,
          part: int | None = None) -> Image:
     """Reads OpenEXR, PNG, TIFF or JPEG. Values are linear float32 as stored, integers being their counts.
@@ -103,39 +110,80 @@ def read(path: str | os.PathLike[str], *, channel: str | None = None, layer: str
     several. Raises UsageError where a choice is needed, and lists what there is; DataError for a file that is missing
     or damaged.
     """
-    return Image(_core.read(os.fspath(path), channel, layer, part))
+    return Image(_core.read(os.fspath(path), channel, layer, None if part is None else quantities.count(part, "part", 0)))
 
 
-def write(path: str | os.PathLike[str], planes: npt.ArrayLike | Mapping[str, npt.ArrayLike], *,
-          attributes: Mapping[str, object] | None = None, range: tuple[float, float] | None = None,
-          bits: int = 16) -> None:
-    """Writes one plane, or planes by name, as the ending says: .exr (float32), .png or .tif (integers).
+#: Attributes that files of these formats have by themselves.
+_OWN = frozenset(("channels", "chunkCount", "compression", "dataWindow", "displayWindow", "lineOrder", "name", "pixelAspectRatio",
+                  "screenWindowCenter", "screenWindowWidth", "tiles", "type", "version"))
 
-    `attributes` are stored beside the pixels: texts, pairs of numbers or lists of them; in OpenEXR files names begin
-    with "mtf:". `range` gives the values that become 0 and the largest number of PNG and TIFF, by default the extremes;
-    `bits` is 8 or 16. The file appears whole or not at all. Raises UsageError for what is no 2-D array of numbers, and
-    DataError where the file cannot be written.
-    """
-    integers = not os.fspath(path).lower().endswith(".exr")
-    if range is not None and not integers:
-        raise UsageError("range: is for PNG and TIFF; OpenEXR has the values themselves")
-    named = planes if isinstance(planes, Mapping) else {"Y": planes}
+
+def _stored(attributes: Mapping[str, object] | None) -> tuple[dict[str, str], dict[str, tuple[float, float]], dict[str, list[float]]]:
     text: dict[str, str] = {}
     pairs: dict[str, tuple[float, float]] = {}
     lists: dict[str, list[float]] = {}
     for name, value in (attributes or {}).items():
-        if isinstance(value, str):
-            text[name] = value
-        elif isinstance(value, tuple) and len(value) == 2:
-            pairs[name] = (float(value[0]), float(value[1]))
+        what = f"attributes[{name!r}]"
+        if name in _OWN:
+            continue
+        if isinstance(value, tuple) and len(value) == 2 and not isinstance(value[0], str):
+            pairs[name] = (quantities.number(value[0], what), quantities.number(value[1], what))
         elif isinstance(value, (list, np.ndarray)):
-            lists[name] = [float(one) for one in value]
+            lists[name] = quantities.numbers(value, what).ravel().tolist()
         else:
             text[name] = str(value)
+    return text, pairs, lists
+
+
+@checked
+def write(path: str | os.PathLike[str], planes: Image | npt.ArrayLike | Mapping[str, npt.ArrayLike], *,
+          sample: quantities.Value = None, quantity: str | None = None, attributes: Mapping[str, object] | None = None,
+          range: tuple[float, float] | None = None, bits: int = 16) -> None:
+    """Writes one plane, planes by name, or an Image, as the ending says: .exr (float32), .png or .tif (integers).
+
+    `sample` is the spacing of the samples at the focal plane, "3.75 um" or a pair for x and y, and `quantity` what the
+    values are ("radiance", "photon_radiance", "temperature", "counts"): `read` and `sensor.simulate` take both from the file.
+    `attributes` are stored beside the pixels: texts, pairs of numbers or lists of them. Those of an Image are kept, and
+    `sample`, `quantity` and `attributes` change them: `write(path, read(file))` and reading that gives the attributes again,
+    in all three formats; what OpenEXR's own header says is left out of them. PNG and TIFF hold one or three planes of whole
+    numbers: those of an Image of counts as they are, else counts whose scale is in the attributes `gain` and `offset`.
+    JPEG is read, not written.
+
+    `range` gives the values that become 0 and the largest number of PNG and TIFF, by default the extremes, for an Image of
+    counts the counts themselves; `bits` is 8 or 16. The file appears whole or not at all. Raises UsageError for what is no
+    2-D array of numbers, and DataError where the file cannot be written.
+    """
+    integers = not os.fspath(path).lower().endswith(".exr")
+    if range is not None and not integers:
+        raise UsageError("range: is for PNG and TIFF; OpenEXR has the values themselves")
     if bits not in (8, 16):
         raise UsageError(f"bits: {bits} is not 8 or 16")
+    if isinstance(planes, Image):
+        attributes = {**planes.attributes, **(attributes or {})}
+        values: dict[str, npt.ArrayLike] = {name: planes.plane(name) for name in planes.names}
+        if integers and planes.integer and range is None:
+            bits = 8 if planes._file.storage == "8-bit" else bits
+            gain, offset = (float(attributes.get(name, one)) for name, one in (("gain", "1"), ("offset", "0")))  # type: ignore[arg-type]
+            range = (offset, offset + gain * (255.0 if bits == 8 else 65535.0))
+            values = {name: (gain * np.asarray(plane, dtype=np.float64) + offset) for name, plane in values.items()}
+        planes = values
+    named = planes if isinstance(planes, Mapping) else {"Y": planes}
+    for name in named:
+        if not isinstance(name, str):
+            raise UsageError(f"planes: {quantities.shown(name)} is no name of a plane; give a dictionary by name")
+    text, pairs, lists = _stored({name: value for name, value in (attributes or {}).items()
+                                  if not integers or name not in ("gain", "offset")})
+    if sample is not None:
+        words = quantities.sample_words(sample)
+        assert words is not None
+        text.pop("mtf:pixelPitch", None)
+        pairs["mtf:pixelPitch"] = (1e-6 * quantities.micrometres(words[0], "sample"), 1e-6 * quantities.micrometres(words[1], "sample"))
+    if quantity is not None:
+        if quantity not in _UNITS:
+            raise UsageError(f"quantity: {quantity!r} is not known (one of {', '.join(_UNITS)})")
+        text.update({"mtf:quantity": quantity, "mtf:units": _UNITS[quantity]})
     for name, plane in named.items():
-        single = _core.plane(plane, f"write: plane '{name}'")
+        single = _core.plane(plane, f"planes: '{name}'")
         if np.isinf(single).any() and not np.isinf(np.asarray(plane)).any():
             raise DataError(f"{os.fspath(path)}: plane '{name}' has numbers beyond 3.4e38, the largest of float32")
         if integers and not np.isfinite(single).all():
