@@ -216,7 +216,8 @@ Answer Session::frame(const Parts& request) {
   if (!is_latest(request)) return refusal("a later request has overtaken this one", 409);
   const auto made = maker(left).frame(sensor, asked);
   const mtf::Image& plane = made->image.planes.front();
-  const int every = asked.preview && !space_ ? 2 : 1;  // pixels of an image that moves on
+  const auto asked_every = static_cast<int>(request.whole("every", 1, 2, 1));
+  const int every = asked.preview ? asked_every : 1;  // pixels of an image that moves on
   const auto text_of = [&](const char* key) {
     const auto found = made->image.metadata.text.find(key);
     return found == made->image.metadata.text.end() ? std::string() : found->second;
@@ -248,8 +249,8 @@ Answer Session::frame(const Parts& request) {
     facts["stages_ms"] = made->stages_ms;
     facts["utc_s"] = asked.from->utc_s;
     if (before) {
-      PixelBytes pixels = pixel_bytes(made->scene->planes.front().view(), 1);
-      facts["before"] = scene_facts(*made->scene, 1);
+      PixelBytes pixels = pixel_bytes(made->scene->planes.front().view(), every);
+      facts["before"] = scene_facts(*made->scene, every);
       add_pixel_facts(facts["before"], pixels);
       radiance = std::move(pixels.bytes);
     }

@@ -6,8 +6,8 @@
 // each request, so that tabs, undo and links need no state here.
 //
 //   model   {"edits"}                                    the sensor as forms, its text, the command line
-//   frame   {"edits", "tab", "generation", "number", "tolerance", "stage", "preview", "side"}   facts and
-//           pixels of the image; of a 3-D scene also "position", "look_at", "utc_s", "may_lag", and with "before" its
+//   frame   {"edits", "tab", "generation", "number", "tolerance", "stage", "preview", "every", "side"}
+//           facts and pixels of the image; of a 3-D scene also "position", "look_at", "utc_s", "may_lag", and with "before" its
 //           radiance
 //   scene   {"edits", "number"}                          facts and pixels of the scene
 //   figures {"edits", "angle", "unit", "temperature"}    curves and budget

@@ -82,9 +82,24 @@ export async function writeScene(run) {
   writeFileSync(join(run.folder, "space.toml"), camera);
 }
 
+/** While a heat balance is worked out the page says so, and an interrupt does not wait for it. */
+async function checkWaiting(run, own) {
+  const server = await run.serve("vehicle/scene.toml", "vehicle/lwir.toml"), page = await own.newPage();
+  await page.goto(server.address);
+  await page.waitForFunction(() => /heat balance is worked out first: .+, \d+ %/.test(document.getElementById("overlay").textContent));
+  assert.ok(await page.locator("#overlay").isVisible());
+  const begin = Date.now();
+  assert.equal(await server.end(), 130);
+  assert.ok(Date.now() - begin < 1000, `the interrupt took ${Date.now() - begin} ms`);
+  await page.waitForFunction(() => /server has ended/.test(document.getElementById("overlay").textContent));
+  await page.close();
+}
+
 export async function checkSpace(run, browser) {
   await writeScene(run);
-  const own = await context(browser), server = await run.serve("plates.toml", "space.toml", "--time", "2026-06-21T12:30:00Z");
+  const own = await context(browser);
+  await checkWaiting(run, own);
+  const server = await run.serve("plates.toml", "space.toml", "--time", "2026-06-21T12:30:00Z");
   const { page, said, asked } = await open(own, server.address);
   await unfold(page);
   const first = await compare(run, page, "3-D, at the start");

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 
 #include "mtf/grid.h"
@@ -109,6 +110,64 @@ System<double> aberrated(double waves, double obscuration) {
   System<double> system = mwir();
   system.list(Stage::presample).front().component = coma(waves, obscuration);
   return system;
+}
+
+std::vector<Complex<float>> values(const FactoredOtf& sampler) {
+  const FrequencyAxis axis{Basis::fourier, 48, 500.0 / kEnd};
+  const std::vector<double> fx = axis.half_frequencies(), fy = axis.all_frequencies();
+  const FactoredOtf::Grid grid(sampler, fx, fy);
+  std::vector<Complex<float>> all(fx.size() * fy.size());
+  for (std::size_t j = 0; j < fy.size(); ++j) grid.complex_row(j, std::span(all).subspan(j * fx.size(), fx.size()));
+  return all;
+}
+
+// What an earlier sampler has tabulated serves where it is the same: no value changes by that, whatever is different.
+TEST(Sampler, tables_of_an_earlier_one_are_those_that_would_be_made) {
+  const auto band = [](System<double> system) {
+    system.band = Band{3.4, 4.8};
+    return system;
+  };
+  const auto with = [](System<double> system, Component<double> component) {
+    system.add(Stage::presample, std::move(component));
+    return system;
+  };
+  System<double> slower = band(mwir());
+  slower.optics.f_number *= 1.5;
+  const std::vector<System<double>> systems{band(mwir()),
+                                            with(band(mwir()), gaussian(3.0)),
+                                            with(band(mwir()), motion(8.0, 30.0)),
+                                            slower,
+                                            mwir(),
+                                            aberrated(0.3, 0.0),
+                                            with(aberrated(0.3, 0.0), gaussian(3.0)),
+                                            aberrated(0.4, 0.0),
+                                            band(aberrated(0.3, 0.0)),
+                                            with(band(aberrated(0.3, 0.0)), gaussian(3.0))};
+  std::atomic<std::int64_t> made = 0;
+  const SamplerOptions options{
+      .fx_max = kEnd, .fy_max = kEnd, .table_share = 1e-6, .progress = [&](std::int64_t count) { made += count; }};
+  for (const System<double>& before : systems)
+    for (const System<double>& system : systems) {
+      const FactoredOtf earlier(before, kStages, {}, options);
+      made = 0;
+      const FactoredOtf alone(system, kStages, {}, options);
+      const std::int64_t made_alone = made.exchange(0);
+      const FactoredOtf sampler(system, kStages, {}, options, &earlier);
+      EXPECT_LE(made, made_alone);
+      EXPECT_EQ(sampler.error(), alone.error());
+      EXPECT_EQ(sampler.wavelengths(), alone.wavelengths());
+      EXPECT_EQ(sampler.merged(), alone.merged());
+      const auto a = values(sampler), b = values(alone);
+      EXPECT_TRUE(
+          std::equal(a.begin(), a.end(), b.begin(),
+                     [](const Complex<float>& x, const Complex<float>& y) { return x.re == y.re && x.im == y.im; }))
+          << &before - systems.data() << " before " << &system - systems.data();
+    }
+  // Another blur: the slow values of the pupil are there.
+  const FactoredOtf pupil(systems[8], kStages, {}, options);
+  EXPECT_GT(made.exchange(0), 0);
+  const FactoredOtf blurred(systems[9], kStages, {}, options, &pupil);
+  EXPECT_EQ(made, 0);
 }
 
 TEST(Sampler, aberrated_pupils_are_one_table_over_radius_and_direction) {

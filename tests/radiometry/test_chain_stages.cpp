@@ -97,6 +97,41 @@ TEST(ChainStages, ACorrectionIsTakenOnlyFromAChainThatHasItsMaps) {
   }
 }
 
+// Maps of pixels are shared with an earlier chain where they are the same, and only there.
+TEST(ChainStages, AnEarlierChainChangesNoImage) {
+  const auto changed = [](auto change) {
+    Sensor sensor = noisy_sensor();
+    sensor.settings.vignetting = Vignetting{};
+    sensor.settings.defects = Defects{.dead_fraction = 0.02, .hot_fraction = 0.02, .hot_e = 1e5};
+    change(sensor);
+    return sensor;
+  };
+  const std::vector<Sensor> sensors{
+      changed([](Sensor&) {}),
+      changed([](Sensor& s) { s.settings.nonuniformity->prnu = 0.01; }),
+      changed([](Sensor& s) { s.settings.defects->hot_e = 2e5; }),
+      changed([](Sensor& s) { s.settings.noise->seed = 12; }),
+      changed([](Sensor& s) { s.settings.detector->dark_e_s = 9e6; }),
+      changed([](Sensor& s) { s.settings.vignetting.reset(); }),
+      changed([](Sensor& s) { s.offset = std::make_shared<const mtf::Image>(flat(24, 24, 1000.0F)); })};
+  mtf::System<double> blurred = mwir_system();
+  blurred.add(mtf::Stage::presample, mtf::test::gaussian(4.0));
+  mtf::PlanOptions options;
+  options.separate_readout = true;
+  const mtf::SensorPlan sharp = mtf::compile_sensor(mwir_system(), {24, 24, 15.0, 15.0}, options);
+  const mtf::SensorPlan soft = mtf::compile_sensor(blurred, {24, 24, 15.0, 15.0}, options);
+  for (const Sensor& first : sensors) {
+    const Chain before(sharp, mwir_system(), first, {}, 1);
+    for (const Sensor& sensor : sensors) {
+      const Chain after(soft, blurred, sensor, {}, 1, &before), alone(soft, blurred, sensor, {}, 1);
+      const mtf::Image a = after.run(flat(24, 24, 1e18F), 3, OutputStage::dn).image;
+      const mtf::Image b = alone.run(flat(24, 24, 1e18F), 3, OutputStage::dn).image;
+      EXPECT_TRUE(std::equal(a.data(), a.data() + a.size(), b.data()))
+          << &first - sensors.data() << " before " << &sensor - sensors.data();
+    }
+  }
+}
+
 TEST(ChainStages, APlanForOtherFiltersIsRefused) {
   mtf::System<double> filtered = mwir_system();
   filtered.list(mtf::Stage::readout).push_back({mtf::test::gaussian(4.0), "gaussian"});

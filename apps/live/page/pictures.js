@@ -77,7 +77,8 @@ async function ask(side, { from, body, key }) {
   if (inSpace() && timed !== app.lastName) [timed, fullMs] = [app.lastName, 0]; // most sensor sliders leave the view as it is
   const begin = performance.now(), preview = moving() && (fullMs > SLOW_MS || Boolean(app.place?.moving));
   app.view.moving = moving() || state.running;
-  const request = from === "scene" ? body : { ...body, tab: `${app.tab}-${side}`, side: side === 0 ? "left" : "right", generation: (generation += 1), preview };
+  const every = preview && (!inSpace() || app.view.coarse) ? 2 : 1; // no more pixels than are drawn
+  const request = from === "scene" ? body : { ...body, tab: `${app.tab}-${side}`, side: side === 0 ? "left" : "right", generation: (generation += 1), preview, every };
   try {
     const made = await picture(from, request);
     Object.assign(shown[side], { key, turn: (turn += 1), passing: from === "frame" && (made.preview || made.light_lags) });

@@ -50,6 +50,7 @@ function restore() {
   if (state.left === "kept" && restored.editing === 0) setEditing(0);
 }
 
+const ENDED = "The server has ended. Start mtf live again and open its new address.";
 const overlay = (text) => { $("overlay").textContent = text; $("overlay").hidden = text === ""; };
 
 async function begin() {
@@ -83,8 +84,8 @@ async function begin() {
     return panels.showModel();
   });
   panels.figures();
-  stay(() => overlay("The server has ended. Start mtf live again and open its new address."), () => overlay(""));
+  stay(() => overlay(ENDED), () => overlay(""));
 }
 
-begin().catch((error) => overlay(error.status === 403 ? "This address has no valid token: open the one that mtf live has printed." : error.message));
+begin().catch((error) => overlay(error.status === 403 ? "This address has no valid token: open the one that mtf live has printed." : error.status === undefined ? ENDED : error.message));
 matchMedia("(prefers-color-scheme: dark)").addEventListener("change", redraw);

@@ -75,9 +75,11 @@ KnownSensor known_sensor(const Flight::Sensor& sensor) {
 
 }  // namespace
 
-/// The simulation of images that have as many samples a pitch: their plans are of another grid.
+/// The simulation of images that have as many samples a pitch and points a sample: their plans are of another grid, and
+/// of another blur of the samples.
 struct SampledSimulation {
   double samples_per_pitch = 0.0;
+  int points = 0;
   LiveSimulation simulation;
 };
 
@@ -106,7 +108,7 @@ struct Flight::State {
   /// picture sees in it, where `looked_at`: temperatures of another hour are other patches, which every side sees anew.
   void begin_light(const LightKey& key, const KnownSensor& sensor, bool looked_at);
   render::RenderedFrame rendered(const render::Camera& camera, int points);
-  LiveSimulation& simulation_of(double samples_per_pitch);
+  LiveSimulation& simulation_of(double samples_per_pitch, int points);
   const LiveSimulation& last_simulation() const;
 };
 
@@ -239,13 +241,13 @@ render::RenderedFrame Flight::State::rendered(const render::Camera& camera, int 
   return frame;
 }
 
-LiveSimulation& Flight::State::simulation_of(double samples_per_pitch) {
+LiveSimulation& Flight::State::simulation_of(double samples_per_pitch, int points) {
   constexpr std::size_t kKept = 2;  // while a camera moves, and at rest
   const auto found = std::find_if(simulations.begin(), simulations.end(), [&](const SampledSimulation& one) {
-    return one.samples_per_pitch == samples_per_pitch;
+    return one.samples_per_pitch == samples_per_pitch && one.points == points;
   });
   if (found == simulations.end()) {
-    simulations.insert(simulations.begin(), {samples_per_pitch, LiveSimulation(options.image)});
+    simulations.insert(simulations.begin(), {samples_per_pitch, points, LiveSimulation(options.image)});
     if (simulations.size() > kKept) simulations.pop_back();
   } else {
     std::rotate(simulations.begin(), found, found + 1);
@@ -300,7 +302,7 @@ FlightFrame Flight::frame(const Sensor& sensor, const CameraPlace& place, double
   light.scene.utc_s = utc_s;  // that of the picture
   const mtf::io::Metadata metadata = picture_metadata(state.file, light.scene, known.picture, camera, how, frame);
   const bool has_air = light.scene.scene.air.has_value();
-  LiveSimulation& simulation = state.simulation_of(samples_per_pitch);
+  LiveSimulation& simulation = state.simulation_of(samples_per_pitch, how.points);
   mtf::io::Scene radiance = scene_of(std::move(frame), known.picture, camera, metadata);
   if (state.options.keep_radiance) {
     out.radiance = facts_of(radiance);

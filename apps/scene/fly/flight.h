@@ -36,8 +36,9 @@ struct FlightOptions {
 
 /// Of one frame.
 struct FrameChoice {
-  std::optional<double> samples_per_pitch{};  ///< in place of those of the flight; plans of two of them are kept
-  std::optional<int> points{};                ///< of a sample, in place of those of the flight (RenderOptions)
+  /// In place of those of the flight; plans of two pairs of them are kept.
+  std::optional<double> samples_per_pitch{};
+  std::optional<int> points{};  ///< of a sample (RenderOptions)
   /// The light of the frame before will do, where it is of another time alone: the present one is made beside frames,
   /// and frames take it once it is there.
   bool light_may_lag = false;

@@ -231,6 +231,17 @@ TEST_F(Flights, LightMayLagUntilItIsThere) {
       largest_difference(shaken.image.planes.front(), alone(file, shaking, place, begin_s + 80.5, begin_s + 80.5, 1)),
       1.0);
   EXPECT_GT(largest_difference(shaken.image.planes.front(), again.image.planes.front()), 10.0);
+  // Fewer points are those of a flight that has no more; the radiance of the others is not taken for theirs.
+  Flight coarse(source, file, {},
+                {.render = {.points = 1},
+                 .light_every_s = 1.0,
+                 .begin_s = begin_s,
+                 .end_s = begin_s + 90.0,
+                 .keep_radiance = true});
+  const mtf::Image four = flight.frame(camera, place, begin_s + 80.5, 1).image.planes.front().clone();
+  const mtf::Image one = flight.frame(camera, place, begin_s + 80.5, 1, {.points = 1}).image.planes.front().clone();
+  EXPECT_GT(largest_difference(one, four), 0.0);
+  EXPECT_LE(largest_difference(one, coarse.frame(camera, place, begin_s + 80.5, 1).image.planes.front()), 1.0);
 }
 
 TEST_F(Flights, SensorsMayChangeInEveryFrame) {
