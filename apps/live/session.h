@@ -7,8 +7,8 @@
 //
 //   model   {"edits"}                                    the sensor as forms, its text, the command line
 //   frame   {"edits", "tab", "generation", "number", "tolerance", "stage", "preview", "every", "side"}
-//           facts and pixels of the image; of a 3-D scene also "position", "look_at", "utc_s", "may_lag", and with "before" its
-//           radiance
+//           facts and pixels of the image; of a 3-D scene also "position", "look_at", "utc_s", "may_lag", and with
+//           "before" its radiance
 //   scene   {"edits", "number"}                          facts and pixels of the scene
 //   figures {"edits", "angle", "unit", "temperature"}    curves and budget
 //   value   {"id", "x", "y", "edits", "number"}          values under the cursor
