@@ -53,9 +53,11 @@ std::vector<std::pair<EdgeImage, std::size_t>> images_of(const std::vector<Given
 calib::CurveData curve_of(const GivenCurve& given) {
   const auto& [name, frequency, mtf, sd, unit, angle_deg] = given;
   calib::CurveData data{.name = name, .angle_deg = angle_deg, .frequency = frequency, .mtf = mtf, .sd = sd};
-  data.unit = mtf::find_unit(unit);
+  data.unit = mtf::find_unit(unit == "lp/mm" ? "cy/mm" : unit);  // a pair of lines is a cycle, as in tables of curves
   if (data.unit == nullptr || data.unit->dimension != mtf::Dimension::frequency)
-    throw mtf::UsageError("curve '" + name + "': the unit '" + unit + "' is not known (one of cy/mm, cy/mrad, cy/px)");
+    throw mtf::UsageError("curve '" + name + "': the unit '" + unit +
+                          "' is not known (one of cy/mm, lp/mm, cy/mrad, cy/px)" +
+                          (unit == "cy/rad" ? "; 1000 cy/rad are 1 cy/mrad" : ""));
   if (frequency.size() != mtf.size() || frequency.empty() || (sd.size() != 1 && sd.size() != mtf.size()))
     throw mtf::UsageError("curve '" + name + "': frequency, mtf and sd have different lengths, or none");
   return data;

@@ -147,6 +147,12 @@ void add_images(py::module_& module) {
       .def_property_readonly("pitch_um", [](const ImageHandle& i) { return mtf::io::stated_pitch_um(i.file->info); })
       .def_property_readonly("missing_pixels", [](const ImageHandle& i) { return i.file->missing_pixels; })
       .def("plane", &plane, py::arg("name"))
+      .def(
+          "called",
+          [](const ImageHandle& i, const std::string& name) {
+            return ImageHandle{name, i.file};
+          },
+          py::arg("name"))
       .def(py::pickle(&state_of, &of_state));
   module.def(
       "plane", [](const py::object& array, const std::string& name) { return plane_of(array, name).array; },

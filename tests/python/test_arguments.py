@@ -114,6 +114,7 @@ def test_all_public_functions_are_among_them(demo, tmp_path):
     (lambda s, d: s.simulate(d / "scene.exr", memory=3), "memory: 3 bytes are less than 1 MiB"),
     (lambda s, d: s.simulate(np.ones((4, 4)), sample="3 um", frames=[0, 1], schedule=[(0, "jitter.rms")]), r"schedule\[0\]: .* is not \(frame"),
     (lambda s, d: s.simulate(np.ones((4, 4)), sample="3 um", frames=[0, 1], schedule=[(0, "jiter.rms", "3 urad")]), r"^schedule\[0\]: .*jiter.rms"),
+    (lambda s, d: s.fit(curves=[mk.CurveData([5.0], [0.9], unit="cy/rad")], free=["jitter.rms"]), "one of cy/mm, lp/mm, .*1000 cy/rad are 1"),
     (lambda s, d: s.curves(unit="lp/mm"), "one of cy/mm, cy/mrad, cy/px.*lp/mm is cy/mm"),
     (lambda s, d: s.otf(3.0, unit="cy/rad"), "1000 cy/rad are 1 cy/mrad"), (lambda s, d: s.mtf(3.0, unit=3), "unit: 3 is no text"),
     (lambda s, d: mk.metrics(s, ["mtf51"]), '^names: unknown metric "mtf51"'), (lambda s, d: mk.metrics(s, ["q"], rnge="3 m"), "^rnge: unknown key"),
@@ -133,3 +134,8 @@ def test_messages_about_the_folder_of_a_picture(sensor, demo, tmp_path):
         mk.render(tmp_path / "scene.toml", sensor, solve=True)
     assert "mtfkit-render" not in str(refused.value)
     assert os.path.exists(demo / "camera.toml")
+
+
+def test_line_pairs_are_cycles_in_data(sensor):
+    a, b = (sensor.fit(curves=[mk.CurveData([5.0, 10, 20], [0.9, 0.8, 0.6], unit=unit)], free=["jitter.rms"]) for unit in ("cy/mm", "lp/mm"))
+    assert a["jitter.rms"] == b["jitter.rms"]

@@ -124,3 +124,11 @@ def test_times_of_any_kind(scene):
 def test_wrong_times_say_what_is_allowed(scene, at, words):
     with pytest.raises(mk.UsageError, match=f"at: .*{words}"):
         mk.render(scene, mk.Sensor.load(scene.parent / "camera.toml"), solve=True, plain=True, at=at)
+
+
+def test_a_picture_names_no_file_that_is_gone(scene, tmp_path):
+    camera = mk.Sensor.load(scene.parent / "camera.toml")
+    picture = mk.render(scene, camera, solve=True, plain=True)
+    assert picture.path == "picture" and "mtfkit-" not in repr(picture) + str(picture.report) + str(camera.simulate(picture).report)
+    kept = mk.render(scene, camera, solve=True, plain=True, out=tmp_path / "kept.exr")
+    assert kept.path == str(tmp_path / "kept.exr") and np.array_equal(kept.plane("Y"), picture.plane("Y"))

@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 class CurveData(results.ByValue):
     """An MTF that another instrument measured: values `mtf` at `frequency` [`unit`] along `angle`.
 
-    `sd` is one standard deviation for all, or one for each.
+    `sd` is one standard deviation for all, or one for each. `unit` is cy/mm, lp/mm (the same), cy/mrad or cy/px.
     """
 
     frequency: npt.ArrayLike

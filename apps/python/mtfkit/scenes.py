@@ -16,7 +16,7 @@ from mtfkit.arguments import checked
 from mtfkit.errors import UsageError
 from mtfkit.images import Image, read
 from mtfkit.instants import Instant, instant_text
-from mtfkit.messages import about_arguments
+from mtfkit.messages import about_arguments, in_arguments
 from mtfkit.progress import Progress, function_of
 
 if TYPE_CHECKING:
@@ -196,4 +196,8 @@ def render(scene: str | os.PathLike[str], sensor: Sensor, *, temperatures: Heat 
         channels = [name for layer in layers
                     for name in ([f"normal.{axis}" for axis in "XYZ"] if layer == "normal" else [layer])]
         planes = {name: read(picture, channel=name).plane() for name in channels}
-        return Picture(read(picture, channel="Y")._file, planes, json.loads(report), time.perf_counter() - start)
+        file_of = read(picture, channel="Y")._file
+        if out is None:  # the file goes away
+            file_of = file_of.called("picture")
+        report = in_arguments(report, folder, {"sensor.toml": "sensor", "picture.exr": "picture"})
+        return Picture(file_of, planes, json.loads(report), time.perf_counter() - start)
