@@ -199,7 +199,7 @@ try {
     console.log(`${name}: ${((Date.now() - began) / 1000).toFixed(1)} s`);
   };
   if (options.minutes) await endure(job("endurance"), browser, Number(options.minutes));
-  else await Promise.all([timed("page", checkPage), timed("chain", checkChain), timed("3-D", checkSpace)]);
+  else await Promise.all([timed("page", checkPage), timed("chain", checkChain), ...(options.space === "no" ? [] : [timed("3-D", checkSpace)])]);
   console.log("live: ok");
 } finally {
   await browser.close();

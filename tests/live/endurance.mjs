@@ -5,7 +5,7 @@
 import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
 import { writeScene } from "./check_space.mjs";
-import { context, open, settle, unfold } from "./helpers.mjs";
+import { context, open, options, settle, unfold } from "./helpers.mjs";
 
 const memory = (server) => Number(/VmRSS:\s+(\d+)/.exec(readFileSync(`/proc/${server.child.pid}/status`, "utf8"))[1]) / 1024;
 
@@ -38,9 +38,13 @@ async function isFresh(page) {
 }
 
 export async function endure(run, browser, minutes) {
-  await writeScene(run);
-  const servers = [await run.serve(), await run.serve("plates.toml", "space.toml")], own = await context(browser);
-  const pages = [await open(own, servers[0].address), await open(own, servers[0].address), await open(own, servers[1].address)];
+  const servers = [await run.serve()], own = await context(browser);
+  const pages = [await open(own, servers[0].address), await open(own, servers[0].address)];
+  if (options.space !== "no") {
+    await writeScene(run);
+    servers.push(await run.serve("plates.toml", "space.toml"));
+    pages.push(await open(own, servers[1].address));
+  }
   let seed = 1, moves = 0, first = [];
   const random = () => ((seed = (seed * 48271) % 2147483647) / 2147483647);
   const end = Date.now() + minutes * 60000;

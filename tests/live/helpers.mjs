@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What tests of the live view's page share: the server, a page at rest, its controls, pixels of the page and of files.
-// Options: --modules DIR --chromium FILE --mtf FILE --work DIR [--minutes N]
+// Options: --modules DIR --chromium FILE --mtf FILE --work DIR [--minutes N] [--space no]
 
 import { execFile, spawn } from "node:child_process";
 import { mkdirSync, rmSync } from "node:fs";

@@ -132,7 +132,7 @@ TEST(Sampler, tables_of_an_earlier_one_are_those_that_would_be_made) {
     return system;
   };
   System<double> slower = band(mwir());
-  slower.optics.f_number *= 1.5;
+  slower.optics.f_number = 1.5 * slower.optics.f_number.value();
   const std::vector<System<double>> systems{band(mwir()),
                                             with(band(mwir()), gaussian(3.0)),
                                             with(band(mwir()), motion(8.0, 30.0)),
