@@ -27,7 +27,6 @@ def wrong_values():
 
 
 #: Methods of sensors and plans, whose own code is another topic; what they hand on to the functions here is looked at here.
-SENSORS = {"Sensor": ("name", "scene", "optics", "band"), "load": (), "parse": (), "save": (), "append": (), "custom": (), "compile": ()}
 
 
 def calls(folder, demo):
@@ -42,7 +41,11 @@ def calls(folder, demo):
     mk.write(folder / "edge.png", sensor.simulate(mk.targets.edge(size=(320, 320))).image)
     edge, at = folder / "edge.png", dict(wavelength_um=10.0, temperature_k=300.0)
     band, size = dict(band=("3 um", "5 um")), dict(size=(40, 40))
+    plan, parts = sensor.compile(scene, **how), dict(frame=dict(focal_length="100 mm", pitch="15 um"))
     return [
+        (mk.Sensor, parts), (mk.Sensor.load, dict(path=demo / "camera.toml")), (mk.Sensor.parse, dict(text=sensor.text)),
+        (sensor.save, dict(path=folder / "d.toml")), (sensor.append, {}), (sensor.compile, dict(scene=scene, **how)), (plan, dict(scene=scene)),
+        (plan.replace, dict(sensor=sensor)), (mk.custom, dict(otf=lambda x, y: 1.0 / (1.0 + x * x + y * y) ** 9, cutoff="60 cy/mm")),
         (sensor.replace, dict(values={"jitter.rms": "3 urad"})), (sensor.otf, dict(fx=3.0)), (sensor.mtf, dict(fx=3.0)), (sensor.curves, {}),
         (camera.budget, {}), (sensor.simulate, dict(scene=scene, **how)), (camera.simulate, dict(scene=demo / "thermal.exr", stage="dn")),
         (mk.fit, dict(sensor=sensor, edges=[edge], free=["jitter.rms"])), (run.map_points, dict(points=[[0, 0]])),
@@ -61,6 +64,10 @@ def calls(folder, demo):
         (mk.targets.sine, dict(cycles=3, **size)), (mk.targets.points, dict(places=[(1, 1)], **size)), (mk.heat, dict(scene="none.toml")),
         (mk.render, dict(scene="none.toml", sensor=sensor)), (mk.Jitter, dict(rms="3 urad")),
         (mk.components.component, dict(kind="jitter", values=dict(rms="3 urad"))), (camera.budget()["netd"].to, dict(unit="mK"))]
+
+
+def name_of(function):
+    return getattr(function, "__qualname__", type(function).__name__)
 
 
 def complaint(function, arguments, name):
@@ -90,16 +97,18 @@ def test_every_function_with_each_wrong_argument(demo, tmp_path, monkeypatch):
             for kind, value in wrong_values().items():
                 if parameter.name in ("threads", "rays") and kind == "whole":
                     continue  # right
+                if parameter.name == "otf" and kind == "class":
+                    continue  # a function, whose own error is the user's
                 count += 1
                 said = complaint(function, {**right, parameter.name: value}, parameter.name)
                 if said:
-                    wrong.append(f"{function.__qualname__}({parameter.name}={kind}): {said}")
+                    wrong.append(f"{name_of(function)}({parameter.name}={kind}): {said}")
     signal.alarm(0)
     assert count > 4000 and not wrong, "\n".join(wrong)
 
 
 def test_all_public_functions_are_among_them(demo, tmp_path):
-    looked_at = {function.__qualname__.rpartition(".")[2] for function, _ in calls(tmp_path, demo)} | set(SENSORS)
+    looked_at = {name_of(function).rpartition(".")[2] for function, _ in calls(tmp_path, demo)}
     public = {name for name in mk.__all__ if inspect.isfunction(getattr(mk, name))}
     public |= {name for module in (mk.light, mk.air, mk.noise, mk.targets) for name in module.__all__ if inspect.isfunction(getattr(module, name))}
     public |= {name for owner in (mk.Study, mk.Run, mk.Image) for name, member in vars(owner).items()

@@ -70,6 +70,8 @@ _RULES: dict[str, tuple[Callable[[Any], bool], str]] = {
     "Mapping[str, npt.ArrayLike]": (lambda value: isinstance(value, Mapping) and all(isinstance(key, str) for key in value),
                                     "a dictionary of planes by name"),
     "Mapping[str, Any]": (lambda value: isinstance(value, Mapping) and all(isinstance(key, str) for key in value), "a dictionary by name"),
+    "Table": (lambda value: isinstance(value, Mapping) and all(isinstance(key, str) for key in value), "a dictionary of its keys"),
+    "Callable[[Any, Any], Any]": (callable, "a function of (fx, fy)"),
     "Sensor": (_is("sensors", "Sensor"), "a Sensor, such as mtfkit.Sensor.load(file)"),
     "Heat": (_is("scenes", "Heat"), "a Heat"),
 }

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from mtfkit import quantities
+from mtfkit.arguments import checked
 from mtfkit.errors import UsageError
 from mtfkit.sampled import Sampled, sampled
 
@@ -158,7 +159,7 @@ def _warn_of_a_cut(otf: Callable[[Any, Any], Any], cutoff: float, unit: str, tol
     if largest > tolerance:
         warnings.warn(f"custom: |otf| is up to {largest:.2g} between {cutoff:g} and {2 * cutoff:g} {unit}, beyond the cutoff, "
                       "where the component ends; give a larger cutoff, unless nothing else of the sensor passes that far",
-                      stacklevel=3)
+                      stacklevel=4)
 
 
 def _table(profile: Callable[[Floats], Floats], cutoff: float, tolerance: float,
@@ -193,6 +194,7 @@ def monotone_cubic(f: Floats, values: Floats, at: Floats) -> Floats:
                       + step[k] * t * (1 - t) * (tangent[k] * (1 - t) - tangent[k + 1] * t), dtype=np.float64)
 
 
+@checked
 def custom(otf: Callable[[Any, Any], Any], *, cutoff: quantities.Value, label: str = "custom", gain: bool = False,
            tolerance: float = 1e-6) -> Custom | Sampled | General:
     """A component of your own, for exploration: `otf(fx, fy)` takes arrays of frequencies and gives the OTF there.

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from mtfkit import _core, quantities, results
+from mtfkit.arguments import checked
 from mtfkit.canvas import Canvas
 from mtfkit.errors import UsageError
 
@@ -42,6 +43,7 @@ class Plan:
         """The sensor that the plan was made for."""
         return self._sensor
 
+    @checked
     def __call__(self, scene: npt.ArrayLike, *, out: Plane | None = None, frame: int = 0, threads: int = 0) -> Plane:
         """The image: float32 (rows, columns).
 
@@ -61,6 +63,7 @@ class Plan:
             self._canvas.begin()
         return self._plan.run(self._file, scene, out, frame)
 
+    @checked
     def replace(self, sensor: Sensor) -> Plan:
         """The plan of another sensor on the same scene grid, for little of the time: what has not changed is shared."""
         start = time.perf_counter()

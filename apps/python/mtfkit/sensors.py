@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from mtfkit import _core, functions, quantities, results
+from mtfkit.arguments import checked
 from mtfkit.budgets import Budget
 from mtfkit.components import Component
 from mtfkit.curves import Curves, curves_of
@@ -51,6 +52,7 @@ class Sensor:
     _canonical: str | None
     _own: Functions
 
+    @checked
     def __init__(self, *, name: str = "", frame: Table, scene: Table | None = None, optics: Table | None = None,
                  band: Table | None = None, presample: Sequence[ComponentLike] = (),
                  readout: Sequence[ComponentLike] = (), postsample: Sequence[ComponentLike] = (), **tables: Table) -> None:
@@ -66,8 +68,8 @@ class Sensor:
     def _take(self, lines: list[str], file: str, own: Functions, lists: Mapping[str, Sequence[ComponentLike]]) -> None:
         """The sensor of these lines and further components."""
         for stage, components in lists.items():
-            if isinstance(components, (str, Mapping, Component, Custom, Sampled, General)):
-                raise UsageError(f"{stage}: is a list of components; write [{components!r}]")
+            if not isinstance(components, Sequence) or isinstance(components, (str, bytes)):
+                raise UsageError(f"{stage}: is a list of components; write [{quantities.shown(components)}]")
             for index, component in enumerate(components):
                 lines += component_lines(stage, index, component)
                 if isinstance(component, (Custom, Sampled, General)):
@@ -92,12 +94,14 @@ class Sensor:
         raise AttributeError("a Sensor never changes")
 
     @classmethod
+    @checked
     def load(cls, path: str | os.PathLike[str]) -> Sensor:
         """The sensor of a file. Raises UsageError with every error as a "file:line:column" line, DataError when the file
         cannot be read."""
         return cls.parse(_core.read_text(os.fspath(path)), file=os.fspath(path))
 
     @classmethod
+    @checked
     def parse(cls, text: str, *, file: str = "sensor") -> Sensor:
         """The sensor of a text. `file` is what messages call it, and files that it names are relative to its folder."""
         return cls._of(_core.SensorFile(text, file))
@@ -107,6 +111,7 @@ class Sensor:
         """The commented sensor that `mtf config init` writes."""
         return cls.parse(_core.starter_config(), file="starter")
 
+    @checked
     def save(self, path: str | os.PathLike[str]) -> None:
         """Writes the sensor file, with the comments that it has. Where files that it names would not be found from the
         new place, it is written anew with their right names and without comments. The file appears whole or not at all.
@@ -146,6 +151,7 @@ class Sensor:
         return Sensor._of(self._file.replaced([(name, quantities.words(value, name)) for name, value in values.items()]),
                           self._own)
 
+    @checked
     def append(self, *, presample: Sequence[ComponentLike] = (), readout: Sequence[ComponentLike] = (),
                postsample: Sequence[ComponentLike] = (), **tables: Table) -> Sensor:
         """Another sensor with further components at the ends of its lists, and further tables.
@@ -232,6 +238,7 @@ class Sensor:
                               stage=stage, frame=frame, frames=frames, schedule=schedule, roi=roi, memory=memory,
                               rigor=rigor, out=out, range=range, threads=threads, progress=progress)
 
+    @checked
     def compile(self, scene: npt.ArrayLike | tuple[int, int], *, sample: quantities.Value = None,
                 quantity: str | None = None, tolerance: float | None = None, stage: str | None = None,
                 rigor: str = "estimate", threads: int = 0) -> Plan:
