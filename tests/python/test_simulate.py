@@ -164,6 +164,8 @@ def test_a_plan_without_memory_of_its_own(sensor, scene):
     assert not np.array_equal(steady(scene), image) and np.array_equal(plan(scene), image)
     fresh = sensor.replace({"jitter.rms": "60 urad"}).compile(scene, sample="3.75 um", tolerance=1e-4)
     assert np.abs(steady(scene) - fresh(scene)).max() < 2e-4 * scene.std() * 8
+    again = pickle.loads(pickle.dumps(plan))
+    assert np.array_equal(again(scene), image) and again.promised == plan.promised
 
 
 def test_the_promise_is_kept(sensor, scene):
@@ -182,6 +184,7 @@ def test_a_chain_plan_is_the_chain(demo):
     counts = plan(thermal, frame=2)
     assert np.array_equal(plan(thermal, frame=2, out=np.empty_like(counts)), counts)
     assert plan.shape == counts.shape
+    assert np.array_equal(pickle.loads(pickle.dumps(plan))(thermal, frame=2), counts)
     hotter = plan.replace(camera.replace({"frame.integration_time": "1 ms"}))
     assert hotter(thermal).mean() < counts.mean()
 

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -25,17 +26,18 @@ class Plan:
 
     Plans of sensors without [detector] never change and may be called from several threads at once. Those with
     [detector] run the whole chain; they make one image at a time, and frames of detectors that remember (lag, rolling
-    shutter) have to rise.
+    shutter) have to rise. A plan pickles as what it was compiled from, and is compiled anew where it arrives.
     """
 
     def __init__(self, sensor: Sensor, plan: _core.LinearPlan | _core.ChainPlan, file: _core.SensorFile, shape: tuple[int, int],
-                 sample: tuple[str, str] | None, canvas: Canvas | None, seconds: float) -> None:
+                 sample: tuple[str, str] | None, canvas: Canvas | None, request: Mapping[str, Any], seconds: float) -> None:
         self._sensor = sensor
         self._plan = plan
         self._file = file  # of the sensor, as the plan takes it
         self._scene_shape = shape
         self._sample = sample
         self._canvas = canvas
+        self._request = request  # what `compile` was asked for
         self.seconds = seconds  #: wall time of its making
 
     @property
@@ -76,7 +78,11 @@ class Plan:
             file = canvas.sensor_for(sensor, self._scene_shape, self._sample)
         if isinstance(plan, _core.LinearPlan):
             plan = plan.replaced(file)
-        return Plan(sensor, plan, file, self._scene_shape, self._sample, canvas, time.perf_counter() - start)
+        return Plan(sensor, plan, file, self._scene_shape, self._sample, canvas, self._request, time.perf_counter() - start)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Elsewhere it is compiled again, for the scene or shape that it was compiled for."""
+        return _compiled_again, (self._sensor, dict(self._request))
 
     @property
     def shape(self) -> tuple[int, int]:
@@ -119,7 +125,7 @@ def compile_plan(sensor: Sensor, scene: npt.ArrayLike | tuple[int, int], *, samp
     """`Sensor.compile`."""
     start = time.perf_counter()
     words, measure, threads = quantities.sample_words(sample), is_measured(rigor), quantities.thread_count(threads)
-    plane = None if _is_shape(scene) else _core.plane(scene, "scene")
+    plane = typical = None if _is_shape(scene) else _core.plane(scene, "scene")
     rows, columns = plane.shape if plane is not None else (int(n) for n in scene)  # type: ignore[union-attr,arg-type]
     if rows < 1 or columns < 1:
         raise UsageError(f"scene: the shape ({rows}, {columns}) has no samples")
@@ -137,7 +143,13 @@ def compile_plan(sensor: Sensor, scene: npt.ArrayLike | tuple[int, int], *, samp
             plane = None if plane is None else canvas(plane)
         height, width = canvas.size_of((rows, columns)) if canvas is not None else (rows, columns)
         plan = _core.LinearPlan(file, width, height, words, plane, tolerance, measure, threads)
-    return Plan(sensor, plan, file, (rows, columns), words, canvas, time.perf_counter() - start)
+    request = dict(scene=(rows, columns) if file.has_chain or typical is None else typical, sample=sample,
+                   quantity=quantity, tolerance=tolerance, stage=stage, rigor=rigor, threads=threads)
+    return Plan(sensor, plan, file, (rows, columns), words, canvas, request, time.perf_counter() - start)
+
+
+def _compiled_again(sensor: Sensor, request: dict[str, Any]) -> Plan:
+    return compile_plan(sensor, **request)
 
 
 def is_measured(rigor: str) -> bool:
