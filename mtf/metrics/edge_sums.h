@@ -75,6 +75,7 @@ template <class S>
 class EdgeSums {
  public:
   static constexpr double kStep_px = 0.25;
+  static constexpr double kFurthest_px = 1000.0;  ///< of the peak from the middle of the edge, which a tail takes away
 
   /// `pitch_mm`: scales frequencies to cycles per pixel. `near_px`: how short the last Newton step to a place is, which
   /// leaves its square.
@@ -153,8 +154,9 @@ class EdgeSums {
     return S(x);
   }
 
-  /// The peak of the lsf, searched about the edge in quarters of a pixel, and the samples around it. The value there
-  /// does not depend on the place to first order, so that the place carries no derivative.
+  /// The peak of the lsf, searched about the edge in quarters of a pixel, and the samples around it; NaN where it is
+  /// not within kFurthest_px. The value there does not depend on the place to first order, so that the place carries no
+  /// derivative.
   struct Peak {
     S x{};
     EdgeSamples<S> around;
@@ -167,8 +169,8 @@ class EdgeSums {
                                         [](const S& a, const S& b) { return value_of(a) < value_of(b); });
       const auto i = top - around.lsf.begin();
       const bool inside = i > 0 && i + 1 < count;
-      constexpr double kFurthest_px = 100.0;
       if (!inside && extent < kFurthest_px) continue;
+      if (!inside) return {S(std::nan("")), std::move(around)};
       const S x = falling_zero(around.first_px + kStep_px * static_cast<double>(i),
                                [](const Spread& here) { return std::pair(here.slope, here.curvature); });
       return {x, std::move(around)};

@@ -66,7 +66,8 @@ struct AxisFigures {
   S folded_nyquist{};
   S mtf50_cy_px{};  ///< NaN where the MTF never falls that far
   S mtfa{};
-  /// Of the edge: NaN where a phase moves it by more pixels than the quadrature follows, some hundred.
+  /// Of the edge: NaN where a phase moves it, or a tail goes on, for more pixels than the quadrature follows, some
+  /// hundred.
   S rer{}, overshoot{}, edge_height{}, fwhm_px{};
   S rer_unfiltered{};  ///< the same of the image before digital filters ([[postsample]])
   S aliasing{}, spurious_in{};
@@ -81,6 +82,7 @@ struct Resolution {
   OtfCurve<S> curve_x{}, curve_y{};  ///< of the system, for models that use many frequencies
   double cutoff_cy_mm = 0.0;         ///< from where on the presample OTF is 0; infinite without a pupil
   double error = 0.0;                ///< estimated, of the worst integral
+  bool edge_lost = false;            ///< figures of an edge are NaN because it is moved, or goes on, too far
   int evaluations = 0;               ///< frequencies at which the OTF was taken
   int wavelengths = 1;
 };

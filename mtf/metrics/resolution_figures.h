@@ -17,9 +17,16 @@ S ResolutionMeter<S>::Impl::place_edge(Axis axis, Otf otf) {
     for (const detail::AxisPanel<S>& panel : panels) edge.add(panel.series.map, *panel.nodes, panel.*otf);
     const S centre = edge.centre(shift_px);
     const double needed = std::abs(value_of(centre)) + margin_px();
-    if (edge.real() || needed <= reach_px) return centre;
-    if (reach_px == 0.0) return S(std::numeric_limits<double>::quiet_NaN());
-    make_nodes(axis, std::min(needed + 1.0, 4.0 * reach_px));  // what lies beyond is not to be relied on
+    if (edge.real()) return centre;
+    if (needed <= reach_px) {
+      edge_left_out = std::max(edge_left_out, left_out);
+      return centre;
+    }
+    // What lies beyond is not to be relied on, not even the place itself.
+    if (!make_nodes(axis, std::min(needed + 1.0, 2.0 * reach_px))) {
+      edge_lost = true;
+      return S(std::numeric_limits<double>::quiet_NaN());
+    }
   }
 }
 
@@ -55,11 +62,31 @@ void ResolutionMeter<S>::Impl::edge_figures(Axis axis, AxisFigures<S>& figures) 
     figures.overshoot = (inside ? edge.at(edge.top(x)).esf : samples.esf[top]) - S(1);
   }
   if (n.fwhm) {
+    if (std::abs(value_of(centre)) > edge.kFurthest_px) {  // the peak may be farther than it is searched
+      edge_lost = true;
+      return;
+    }
     const auto [peak, around] = edge.real() ? typename EdgeSums<S>::Peak{S(0), samples} : edge.peak(value_of(centre));
     const S half = S(0.5) * edge.at(peak).lsf, right = edge.half_width(peak, half, 1.0, around);
-    figures.fwhm_px = edge.real() ? S(2) * right : S(right + edge.half_width(peak, half, -1.0, around));
+    const S left = edge.real() ? right : edge.half_width(peak, half, -1.0, around);
+    const double furthest = std::abs(value_of(peak)) + std::max(value_of(left), value_of(right));
+    if (!edge.real() && !(furthest <= reach_px)) {
+      const double further = 2.0 * reach_px;
+      if (make_nodes(axis, furthest + 1.0 < further ? furthest + 1.0 : further)) return edge_figures(axis, figures);
+      edge_lost = true;
+      figures.fwhm_px = S(std::numeric_limits<double>::quiet_NaN());
+      return;
+    }
+    figures.fwhm_px = right + left;
     const double slope = std::abs(value_of(edge.at(peak + right).slope)), width = value_of(figures.fwhm_px);
-    figure_error = std::max(figure_error, 2.0 * series_error / (slope * width) + near() * near());
+    const double error = 2.0 * (series_error + (edge.real() ? 0.0 : line_left_out)) / (slope * width) + near() * near();
+    constexpr double kNoNumber = 0.05;  // a width with a larger error is useless: nothing ends the OTF
+    if (edge.real() || error <= kNoNumber) {
+      figure_error = std::max(figure_error, error);
+    } else {
+      edge_lost = true;
+      figures.fwhm_px = S(std::numeric_limits<double>::quiet_NaN());
+    }
   }
 }
 

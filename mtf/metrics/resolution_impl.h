@@ -25,7 +25,11 @@ struct ResolutionMeter<S>::Impl {
   std::vector<detail::AxisPanel<S>> panels{};
   int evaluations = 0;
   double shift_px = 0.0;       ///< of the image along the axis at hand, about
-  double reach_px = 0.0;       ///< how far from the origin the nodes resolve the edge
+  double reach_px = 0.0;       ///< how far from the origin the nodes follow the edge
+  double left_out = 0.0;       ///< bound of the part of the edge that they do not follow
+  double line_left_out = 0.0;  ///< the same of the line, per pixel
+  double edge_left_out = 0.0;  ///< the largest of an edge that was measured; no finer series makes it smaller
+  bool edge_lost = false;      ///< it is farther than they can
   double series_error = 0.0;   ///< of the OTF's series
   double replica_error = 0.0;  ///< of integrals over replicas
   double figure_error = 0.0;   ///< of figures from a slope, or from integrals of their own
@@ -42,8 +46,8 @@ struct ResolutionMeter<S>::Impl {
   S pitch_mm(Axis axis) const { return parts.system().frame.pitch_um(axis) * S(1e-3); }
   double fill_panels(Axis axis, double cutoff);
   /// What figures of the edge need on both sides of it.
-  double margin_px() const { return needs.axis.overshoot ? 3.0 : needs_edge() ? 1.0 : 0.0; }
-  void make_nodes(Axis axis, double to_px);
+  double margin_px() const { return needs.axis.overshoot || needs.axis.fwhm ? 3.0 : needs_edge() ? 1.0 : 0.0; }
+  bool make_nodes(Axis axis, double to_px, bool always = false);
   template <class Otf>
   S place_edge(Axis axis, Otf otf);
   void points(Axis axis, double cutoff, AxisFigures<S>& figures);
@@ -130,29 +134,48 @@ double ResolutionMeter<S>::Impl::fill_panels(Axis axis, double cutoff) {
     series_error = std::max(series_error, one.error);
     panels.emplace_back().series = std::move(one);
   }
-  make_nodes(axis, margin_px() + std::abs(shift_px));
+  if (!make_nodes(axis, margin_px() + std::abs(shift_px))) make_nodes(axis, margin_px(), true);
   series_error += band_error();
   return series_error * amplified + beyond;
 }
 
-/// Nodes of every panel that resolve places up to `to_px` from the origin; where there are not as many, the most.
+/// Nodes of every panel that follow places up to `to_px` from the origin. Panels of high frequencies that would need
+/// more than there are may be left to the error, by the bound of their part of the edge; where that is no small number,
+/// false, and all as it was.
 template <class S>
-void ResolutionMeter<S>::Impl::make_nodes(Axis axis, double to_px) {
+bool ResolutionMeter<S>::Impl::make_nodes(Axis axis, double to_px, bool always) {
   using namespace detail;
-  const double pitch = value_of(pitch_mm(axis));
-  bool enough = true;
+  const auto cycles = [&](const AxisPanel<S>& panel) {
+    return to_px * value_of(pitch_mm(axis)) * (panel.series.map.hi - panel.series.map.lo);
+  };
+  // The edge is 1/2 + 1/pi integral of Im(H exp(2 pi i u x)) / u: both what is left out and what stands in its place,
+  // at both ends of a difference.
+  double bound = 0.0, line_bound = 0.0;
+  for (const AxisPanel<S>& panel : panels) {
+    const SeriesPanel<S, kOtfs>& series = panel.series;
+    if (nodes_suffice(series.degree, cycles(panel))) continue;
+    double largest = 0.0;
+    const ComplexValues<S> values = at_nodes(series.otf[kSystem], fine_nodes(series.degree, 0.0));
+    for (std::size_t i = 0; i < values.re.size(); ++i)
+      largest = std::max(largest, std::hypot(value_of(values.re[i]), values.im.empty() ? 0.0 : value_of(values.im[i])));
+    bound += 4.0 / kPi * largest * std::log(series.map.hi / series.map.lo);
+    line_bound += 4.0 * largest * value_of(pitch_mm(axis)) * (series.map.hi - series.map.lo);
+  }
+  constexpr double kMostLeft = 1e-2;
+  if (!always && (!(bound <= kMostLeft) || to_px > 2.0 * edge.kFurthest_px)) return false;
   for (AxisPanel<S>& panel : panels) {
     const SeriesPanel<S, kOtfs>& series = panel.series;
-    const double cycles = to_px * pitch * (series.map.hi - series.map.lo);
-    enough = enough && nodes_suffice(series.degree, cycles);
-    const FineNodes& nodes = fine_nodes(series.degree, cycles);
+    const FineNodes& nodes = fine_nodes(series.degree, cycles(panel));
     panel.nodes = &nodes;
     panel.system = at_nodes(series.otf[kSystem], nodes);
     if (needs.axis.aliasing || needs.axis.spurious) panel.presample = at_nodes(series.otf[kPresample], nodes);
     if (needs.axis.unfiltered && parts.digital_filters(axis))
       panel.unfiltered = at_nodes(series.otf[kUnfiltered], nodes);
   }
-  reach_px = enough ? to_px : 0.0;
+  reach_px = to_px;
+  left_out = bound;
+  line_left_out = line_bound;
+  return true;
 }
 
 /// The OTF at single frequencies: Nyquist, its replicas, those asked for.
@@ -275,6 +298,8 @@ Resolution<S> ResolutionMeter<S>::Impl::measure_once() {
   Resolution<S> result;
   const double cutoff = result.cutoff_cy_mm = parts.cutoff_cy_mm();
   figure_error = 0.0;
+  edge_lost = false;
+  edge_left_out = 0.0;
   choose_wavelengths(cutoff);
   double error = measure_axis(Axis::x, cutoff, result.x, result.curve_x);
   if (needs.y) error = std::max(error, measure_axis(Axis::y, cutoff, result.y, result.curve_y));
@@ -287,6 +312,7 @@ Resolution<S> ResolutionMeter<S>::Impl::measure_once() {
   }
   result.wavelengths = parts.chromatic() ? parts.wavelengths() : 1;
   result.error = std::max(error, figure_error);
+  result.edge_lost = edge_lost;
   result.evaluations = evaluations;
   return result;
 }
@@ -304,6 +330,7 @@ Resolution<S> ResolutionMeter<S>::Impl::measure(const System<S>& system) {
     result = measure_once();
   }
   needs.tolerance = wanted;
+  result.error = std::max(result.error, edge_left_out);
   return result;
 }
 

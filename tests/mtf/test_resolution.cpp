@@ -223,7 +223,7 @@ double apart(double a, double b) { return std::isnan(a) && std::isnan(b) ? 0.0 :
 TEST(Resolution, TheErrorIsNotAboveTheReport) {
   int compared = 0, hopeless = 0;
   double tightest = 0.0;
-  for (int number = 0; number < 80; ++number) {
+  for (int number = 0; number < 56; ++number) {
     System<double> system = random_system(number, number % 8 == 3);
     const auto slow = [&](const Entry<double>& e) { return e.component.is_slow(); };
     const auto& presample = system.list(Stage::presample);

@@ -25,7 +25,7 @@ TEST(Resolution, ALongTailMovesTheEdgeAndEveryFigureIsRightOrNone) {
     set(rc, "cutoff", 100.0 / (2.0 * kPi * t), "cy/mm");  // a pixel is 10 um
     system.add(Stage::presample, rc);
     ResolutionNeeds needs;
-    needs.axis.edge = needs.axis.unfiltered = true;
+    needs.axis.edge = needs.axis.unfiltered = needs.axis.fwhm = true;
     needs.tolerance = 1e-7;
     const Resolution<double> r = ResolutionMeter<double>(needs).measure(system);
     const auto phi = [](double x) { return 0.5 * std::erfc(-x / std::numbers::sqrt2); };
@@ -38,11 +38,45 @@ TEST(Resolution, ALongTailMovesTheEdgeAndEveryFigureIsRightOrNone) {
     if (!std::isnan(r.x.rer)) {
       EXPECT_NEAR(r.x.rer, esf(lo + 0.5) - esf(lo - 0.5), r.error) << t;
     }
+    const auto lsf = [&](double x) { return std::exp(0.5 * s * s / (t * t) - x / t) * phi(x / s - s / t) / t; };
+    double peak = 0.0;
+    for (double x = -3.0; x < 8.0; x += 1e-4)
+      if (lsf(x) > lsf(peak)) peak = x;
+    const auto half_from = [&](double inside, double outside) {
+      while (std::abs(outside - inside) > 1e-10) {
+        const double middle = 0.5 * (inside + outside);
+        (lsf(middle) > 0.5 * lsf(peak) ? inside : outside) = middle;
+      }
+      return inside;
+    };
+    if (!std::isnan(r.x.fwhm_px)) {
+      EXPECT_NEAR(r.x.fwhm_px, half_from(peak, hi + 8.0 * t) - half_from(peak, -5.0), r.error * r.x.fwhm_px) << t;
+    }
+    EXPECT_TRUE(t > 150.0 || !std::isnan(r.x.fwhm_px)) << t;
+    EXPECT_EQ(r.edge_lost, std::isnan(r.x.rer) || std::isnan(r.x.fwhm_px)) << t;
     EXPECT_EQ(std::isnan(r.x.rer_unfiltered), std::isnan(r.x.rer)) << t;
     EXPECT_TRUE(t > 400.0 || !std::isnan(r.x.rer)) << t;
     EXPECT_NEAR(r.y.rer, std::erf(0.5 / (std::numbers::sqrt2 * s)), 1e-7);
   }
   EXPECT_LE(none, 4);
+}
+
+// Nothing ends an RC low-pass alone: esf = 1 - exp(-x/t), at one half at t ln 2.
+TEST(Resolution, AnOtfThatNothingEndsHasAnEdge) {
+  for (const double t : {0.398, 2.0, 30.0}) {
+    System<double> system;
+    system.frame = {100.0, 10.0, 10.0, 0.0, 0, 0};
+    auto rc = Component<double>::make("rc_lowpass");
+    set(rc, "cutoff", 100.0 / (2.0 * kPi * t), "cy/mm");
+    system.add(Stage::presample, rc);
+    ResolutionNeeds needs;
+    needs.axis.edge = true;
+    needs.tolerance = 1e-4;
+    const Resolution<double> r = ResolutionMeter<double>(needs).measure(system);
+    const auto esf = [&](double x) { return x > 0.0 ? -std::expm1(-x / t) : 0.0; };
+    const double middle = t * std::numbers::ln2;
+    EXPECT_NEAR(r.x.rer, esf(middle + 0.5) - esf(middle - 0.5), std::max(r.error, 1e-3)) << t;
+  }
 }
 
 }  // namespace

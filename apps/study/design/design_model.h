@@ -104,13 +104,10 @@ class DesignModel {
         values[i] = detail::not_there<S>();
     const auto has_none = [](const S& value) { return std::isnan(mtf::value_of(value)); };
     if (saturated && std::any_of(values.begin(), values.end(), has_none)) refusal_ = words(design_.budget->saturation);
-    const mtf::ResolutionNeeds& needs = plan_->needs;
-    const auto& edge = design_.resolution;
-    const bool no_edge =
-        plan_->resolution && needs.axis.edge && (has_none(edge.x.rer) || (needs.y && has_none(edge.y.rer)));
-    if (no_edge && refusal_.empty())
+    if (plan_->resolution && design_.resolution.edge_lost && refusal_.empty())
       refusal_ =
-          "the phase of the OTF moves edges by more pixels than their figures (rer, fwhm, ...) follow, some hundred";
+          "the phase of the OTF moves edges, or draws them out, for more pixels than their figures (rer, fwhm, ...) "
+          "follow, some hundred; or nothing ends it";
   }
   /// Why a metric of the last design has no number, "" where no model refused it.
   const std::string& refusal() const { return refusal_; }
