@@ -222,6 +222,12 @@ S niirs(Metric metric, const Design<S>& d) {
   const mtf::AxisFigures<S>&x = d.resolution.x, &y = d.resolution.y;
   const bool there =
       mtf::value_of(gsd) > 0.0 && mtf::value_of(snr) > 0.0 && mtf::value_of(x.rer) > 0.0 && mtf::value_of(y.rer) > 0.0;
+  constexpr double kNoSignal = 1e-3;  // the equation would go on falling without end
+  if (mtf::value_of(snr) < kNoSignal)
+    throw mtf::UsageError("NIIRS: the signal-to-noise ratio of the target is " +
+                          mtf::format_double(mtf::value_of(snr)) +
+                          ": its surface at [conditions] temperature gives no light in this band; in sunlight give the "
+                          "temperature of the sun, 5800 K");
   if (!there) return not_there<S>();
   const S elevation(d.conditions->elevation_deg);
   if (metric == Metric::niirs_giqe5)
