@@ -50,7 +50,7 @@ class Waiting {
 
  private:
   std::mutex mutex_;
-  std::string words_ = "The scene is made.";
+  std::string words_ = "The scene is being made.";
 };
 
 /// The cooled camera of `mtf demo` and its scene, made in memory.

@@ -2,6 +2,7 @@
 #include "apps/live/scene_view.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "apps/live/toml_blocks.h"
@@ -20,6 +21,12 @@ namespace {
 
 using namespace scene;
 namespace cfg = mtf::io::cfg;
+
+/// As the page sends places, so that its first request is that of the picture that is made at the start.
+std::array<double, 3> to_millimetres(std::array<double, 3> place_m) {
+  for (double& part : place_m) part = 1e-3 * std::round(1e3 * part);
+  return place_m;
+}
 
 constexpr double kSamples = 2.0, kSamplesMoving = 1.0;  ///< a pitch
 constexpr int kPoints = 2, kPointsMoving = 1;           ///< n x n of a sample
@@ -136,7 +143,7 @@ Space open_space(const SceneViewOptions& options, const Global& global) {
   const auto tell = [&](const std::string& words) {
     if (options.tell) options.tell(words);
   };
-  tell("The scene is read.");
+  tell("The scene is being read.");
   const auto shared = std::make_shared<Shared>();
   shared->file = read_scene(options.scene, global);
   const SceneFile& file = shared->file;
@@ -172,7 +179,8 @@ Space open_space(const SceneViewOptions& options, const Global& global) {
     const auto drawing = std::make_shared<Drawing>(Drawing{.shared = shared});
     return [drawing](const Sensor& sensor, const FrameRequest& request) { return drawing->frame(sensor, request); };
   };
-  space.start = {place.position_m, place.look_at_m, std::round(asked.value_or(shared->begin_s))};
+  space.start = {to_millimetres(place.position_m), to_millimetres(place.look_at_m),
+                 std::round(asked.value_or(shared->begin_s))};
   space.begin_s = shared->begin_s, space.end_s = shared->end_s;
   space.text = [shared](const Viewpoint& from) { return with_camera(shared->file.text, from); };
   space.facts = {{"facets", facets.size()},

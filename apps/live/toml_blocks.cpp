@@ -62,8 +62,8 @@ std::vector<TomlBlock> toml_blocks(std::string_view text) {
   for (const Line& at : lines) {
     const std::string_view line = text.substr(at.begin, at.end - at.begin), bare = trimmed(line);
     if (!in_string && !in_literal) {
-      const bool off = bare.starts_with(kOff);
-      const auto [name, list] = header_of(off ? bare.substr(kOff.size()) : bare);
+      const bool off = bare.starts_with(kOff) || bare == trimmed(kOff);  // of a line that was empty
+      const auto [name, list] = header_of(bare.starts_with(kOff) ? bare.substr(kOff.size()) : bare);
       // A comment of "#- " lines ends where they end.
       if (!name.empty() || (off_before && !off)) close();
       if (!name.empty()) {
@@ -76,8 +76,8 @@ std::vector<TomlBlock> toml_blocks(std::string_view text) {
     } else {
       last_content = at.end;
     }
-    if (!in_literal && !bare.starts_with("#")) in_string ^= toggles(line, "\"\"\"");
-    if (!in_string && !bare.starts_with("#")) in_literal ^= toggles(line, "'''");
+    if (!in_literal && (in_string || !bare.starts_with("#"))) in_string ^= toggles(line, "\"\"\"");
+    if (!in_string && (in_literal || !bare.starts_with("#"))) in_literal ^= toggles(line, "'''");
   }
   close();
   return blocks;

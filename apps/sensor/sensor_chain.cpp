@@ -2,15 +2,11 @@
 #include "apps/sensor/sensor_chain.h"
 
 #include <algorithm>
-#include <array>
-#include <cmath>
-#include <cstdio>
 #include <limits>
 
 #include "apps/sensor/sensor_air.h"
 #include "apps/sensor/sensor_place.h"
 #include "apps/sensor/sensor_warnings.h"
-#include "mtf/components/footprint.h"
 #include "mtf/error.h"
 #include "mtf/io/csv/spectrum_csv.h"
 #include "mtf/io/csv/tape7.h"

@@ -16,7 +16,6 @@ mtf::io::Diagnostic warning_at(std::string path, std::string text) {
   return {.error = false, .position = {}, .path = std::move(path), .text = std::move(text)};
 }
 
-/// The active area of a pixel says how much light it takes and what its MTF is; two keys of a file state it.
 struct FootprintArea {
   std::string label;
   double of_pitch = 1.0;  ///< its area over that of the pitch
@@ -33,6 +32,7 @@ std::vector<FootprintArea> footprint_areas(const mtf::System<double>& system) {
   return areas;
 }
 
+/// The active area of a pixel says how much light it takes and what its MTF is; two keys of a file state it.
 std::vector<mtf::io::Diagnostic> fill_factor_warnings(const mtf::System<double>& system, double fill_factor) {
   std::vector<mtf::io::Diagnostic> warnings;
   for (const FootprintArea& other : footprint_areas(system))
@@ -56,11 +56,11 @@ std::vector<mtf::io::Diagnostic> light_area_notes(const mtf::System<double>& sys
   for (const FootprintArea& other : footprint_areas(system)) {
     if (std::abs(other.of_pitch - of_pitch) <= 1e-6 * of_pitch) continue;
     mtf::io::Diagnostic note = warning_at(
-        key,
-        "the light is that of " + radiometry::three_digits(of_pitch) + " of the area of the pitch, and \"" +
-            other.label + "\" of [[presample]], which is the MTF of that area, has " +
-            radiometry::three_digits(other.of_pitch) +
-            "; unless microlenses or the quantum efficiency make up for the rest, give [detector] width and height");
+        key, "the light is that of " + radiometry::three_digits(of_pitch) + " of the area of the pitch, and \"" +
+                 other.label + "\" of [[presample]], which is the MTF of that area, has " +
+                 radiometry::three_digits(other.of_pitch) +
+                 "; unless microlenses or the quantum efficiency make up for the rest, make [detector] width "
+                 "and height and the footprint those of one area");
     note.remark = true;
     notes.push_back(std::move(note));
   }

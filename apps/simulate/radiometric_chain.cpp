@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
+#include <system_error>
 
 #include "apps/sensor/sensor_air.h"
 #include "apps/sensor/sensor_place.h"
@@ -19,6 +21,17 @@ namespace {
 bool same_loaded(const mtf::io::SensorConfig& a, const mtf::io::SensorConfig& b) {
   return same_correction(a, b) && a.scene.quantity == b.scene.quantity && loss_in(a.system) == loss_in(b.system) &&
          takes_path_air(a.system) == takes_path_air(b.system);
+}
+
+FileStates file_states(const mtf::io::SensorConfig& config) {
+  const std::vector<std::string> files = files_of(config);
+  FileStates states;
+  for (std::size_t i = 1; i < files.size(); ++i) {  // the first is the sensor file, whose text is in memory
+    std::error_code none;
+    const auto time = std::filesystem::last_write_time(files[i], none);
+    states.emplace_back(time, std::filesystem::file_size(files[i], none));
+  }
+  return states;
 }
 
 }  // namespace
@@ -41,7 +54,9 @@ std::shared_ptr<const RadiometricChain> radiometric_chain_of(const mtf::io::Sens
     return nullptr;
   }
   auto radiometric = std::make_shared<RadiometricChain>();
-  const bool known = before != nullptr && chain != nullptr && same_loaded(*before, config);
+  radiometric->files = file_states(config);
+  const bool known =
+      before != nullptr && chain != nullptr && chain->files == radiometric->files && same_loaded(*before, config);
   radiometric->loaded = known ? chain->loaded : load_chain(config);
   const radiometry::Sensor& sensor = radiometric->loaded.sensor;
   radiometric->system = at_its_place(config, [&] { return with_electron_rate(config.system, radiometric->loaded); });

@@ -4,6 +4,10 @@
 // What `mtf simulate` needs for a sensor file that says more than the OTF: its chain, and the place in it whose image
 // is written.
 
+#include <filesystem>
+#include <utility>
+#include <vector>
+
 #include "apps/simulate/run_report.h"
 #include "apps/simulate/scene_light.h"
 #include "apps/simulate/sensor_image.h"
@@ -12,8 +16,12 @@
 
 namespace apps {
 
+/// Of each file that a sensor names: when it was changed, and its size.
+using FileStates = std::vector<std::pair<std::filesystem::file_time_type, std::uintmax_t>>;
+
 struct RadiometricChain {
   LoadedSensor loaded;
+  FileStates files;            ///< when they were read
   mtf::System<double> system;  ///< with the electron rate of the band
   radiometry::OutputStage stage{};
 
@@ -33,7 +41,7 @@ std::shared_ptr<const RadiometricChain> radiometric_chain_of(const mtf::io::Sens
                                                              std::optional<radiometry::OutputStage> stage);
 
 /// The same for a sensor that has changed since `before`, of which `chain` is (both may be null): files are not read
-/// again where at most components of the OTF are others.
+/// again where nothing but components of the OTF differs, and the files are those that were read.
 std::shared_ptr<const RadiometricChain> radiometric_chain_of(const mtf::io::SensorConfig& config,
                                                              std::optional<radiometry::OutputStage> stage,
                                                              const mtf::io::SensorConfig* before,

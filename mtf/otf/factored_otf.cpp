@@ -63,7 +63,7 @@ FactoredOtf::FactoredOtf(const System<double>& system, std::span<const Stage> st
     // Slow ones are tabulated by other means, and these values say how well.
     choose_wavelengths(end_of({&averaged_}), chromatic_general_.empty() ? target : 0.05 * slow_target);
   }
-  if (same_average && earlier->table_ && chromatic_general_.empty() && same_components(radial_, earlier->radial_)) {
+  if (same_average && earlier->table_ && same_components(radial_, earlier->radial_)) {
     table_ = earlier->table_;
     mean_error_ = earlier->mean_error_;
     if (const std::string names = radial_labels(); !names.empty()) merged_.push_back(names + " -> one radial table");

@@ -156,12 +156,12 @@ class FactoredOtf {
     Freq<double> direction;
     RadialTable table;
   };
+  using Entries = std::vector<const Entry<double>*>;
   /// The product of slow components.
   struct Slow {
-    std::vector<const Entry<double>*> of;
+    Entries of;
     std::shared_ptr<const PolarTable> table;
   };
-  using Entries = std::vector<const Entry<double>*>;
   static std::string join_labels(const Entries& entries);
   static bool same_components(const Entries& a, const Entries& b);
   bool asks_for_same_tables(const FactoredOtf& other) const;

@@ -121,7 +121,7 @@ Plan compile_stages(const System<double>& system, std::span<const Stage> stages,
   std::optional<SceneCost> scene_cost;
   if (options.spectrum)
     scene_cost = SceneCost{options.spectrum.get(), ratio_x, ratio_y, spectrum_gain / (alias * norm)};
-  impl->sampler = std::make_shared<const FactoredOtf>(
+  const auto made = std::make_shared<FactoredOtf>(
       system, stages, options.aperture,
       SamplerOptions{.fx_max = 500.0 / in.step_x_um,
                      .fy_max = 500.0 / in.step_y_um,
@@ -133,7 +133,8 @@ Plan compile_stages(const System<double>& system, std::span<const Stage> stages,
                      .split = how.split,
                      .progress = options.progress},
       how.earlier != nullptr ? how.earlier->sampler.get() : nullptr);
-  const FactoredOtf& sampler = *impl->sampler;
+  impl->sampler = made;
+  const FactoredOtf& sampler = *made;
   impl->dc = sampler.dc();
   report.dropped = sampler.dropped();
   report.merged = sampler.merged();

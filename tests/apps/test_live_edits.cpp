@@ -165,6 +165,20 @@ TEST(LiveBlocks, HeadersInStringsAreNone) {
   EXPECT_TRUE(blocks[1].list);
 }
 
+TEST(LiveBlocks, LinesOfACurveStayTogether) {
+  const std::string curve =
+      "[[presample]]\nkind = \"curve\"\nfile = \"\"\"\nfrequency_cy_mm,mtf\n\n0,1\n# bench\"\"\"\n";
+  const std::string text = "a = 1\n" + curve + "[noise]\nseed = 1\n";
+  const auto blocks = toml_blocks(text);
+  ASSERT_EQ(blocks.size(), 2u);
+  EXPECT_EQ(blocks[1].header, "noise");
+  const std::string off = switched_off(text, blocks[0]);
+  const auto after = toml_blocks(off);
+  ASSERT_EQ(after.size(), 2u) << off;
+  EXPECT_TRUE(after[0].off);
+  EXPECT_EQ(switched_on(off, after[0]), text);
+}
+
 TEST(LiveModel, SlidersHoldTheirValueAndKeepToTheRange) {
   const SensorKinds kinds = sensor_kinds();
   const auto check = [](const Json& row) {

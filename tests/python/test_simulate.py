@@ -189,6 +189,20 @@ def test_a_chain_plan_is_the_chain(demo):
     assert hotter(thermal).mean() < counts.mean()
 
 
+def test_a_changed_file_is_read_again(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    def camera(efficiency):
+        (tmp_path / "qe.csv").write_text(f"wavelength_um,value\n3,{efficiency}\n5.5,{efficiency}\n")
+        return mk.Sensor(frame=dict(focal_length="100 mm", pitch="15 um", integration_time="2 ms"), optics=dict(f_number=2.0),
+                         scene=dict(quantity="temperature"), band=dict(wavelength=["3.4 um", "4.8 um"]),
+                         presample=["diffraction"], detector=dict(quantum_efficiency="qe.csv"))
+    scene = np.full((32, 32), 300.0, "f4")
+    plan = camera("0.8").compile(scene, sample="3.75 um", stage="electrons")
+    first = plan(scene).mean()
+    second = camera("0.4125")
+    assert plan.replace(second)(scene).mean() == second.compile(scene, sample="3.75 um", stage="electrons")(scene).mean() < 0.6 * first
+
+
 def test_labels_follow_the_image():
     # A bright sample lies where map_points says, for any ratio of the steps; a blur of a pixel aliases nothing.
     sensor = mk.Sensor(frame=dict(focal_length="100 mm", pitch="15 um"), presample=[mk.Gaussian(sigma="15 um")])

@@ -11,12 +11,15 @@ export class Refused extends Error {
   }
 }
 
+/** No server answers. */
+export class Gone extends Error {}
+
 async function send(place, body) {
   const answer = await fetch("/" + place, {
     method: "POST",
     headers: { "X-Mtf-Token": token, "Content-Type": "application/json" },
     body: JSON.stringify(body),
-  });
+  }).catch((error) => { throw new Gone(error.message); });
   if (!answer.ok) throw new Refused((await answer.text()).trim(), answer.status);
   return answer;
 }

@@ -21,7 +21,7 @@ export function settled() {
   texts();
   remember();
 }
-/** The camera has come to rest, where it was `before`: no number of the sensor has changed. */
+/** The camera has come to rest, `before` is where it was: no number of the sensor has changed. */
 export async function placed(before) {
   if (before) edits.moved(before);
   pump();

@@ -97,6 +97,7 @@ async function ask(side, { from, body, key }) {
     if (!(error instanceof Refused)) return new Promise((resolve) => setTimeout(resolve, 500));
     if (error.status === 409) return undefined;
     shown[side].refused = key;
+    if (side === 1) $("overlay").hidden = true; // the words stand at the control, which has to be within reach
     problem(error);
     if (state.running) stepped?.();
   }

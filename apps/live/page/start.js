@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The page at work: what it is made of, what a link restores, what tests read.
 
-import { ask, stay } from "./api.js";
+import { Gone, ask, stay } from "./api.js";
 import { $, app, inSpace, state } from "./app.js";
 import { bars, changed, placed, redraw, setEditing, setLeft, setPalette, settled, showKind } from "./bars.js";
 import { Controls } from "./controls.js";
@@ -57,7 +57,7 @@ async function begin() {
   let start = await starting;
   for (; start.waiting !== undefined; start = await ask("start", {})) overlay(start.waiting); // answered late: no loop without rest
   app.start = start;
-  overlay(inSpace() ? "The first picture is made." : "");
+  overlay(inSpace() ? "The first picture is being made." : "");
   state.tolerance = app.start.tolerance;
   if (inSpace()) {
     app.place = new Place($("place"), app.start.space, () => pictures.pump(), placed);
@@ -87,5 +87,5 @@ async function begin() {
   stay(() => overlay(ENDED), () => overlay(""));
 }
 
-begin().catch((error) => overlay(error.status === 403 ? "This address has no valid token: open the one that mtf live has printed." : error.status === undefined ? ENDED : error.message));
+begin().catch((error) => overlay(error.status === 403 ? "This address has no valid token: open the one that mtf live has printed." : error instanceof Gone ? ENDED : error.message));
 matchMedia("(prefers-color-scheme: dark)").addEventListener("change", redraw);

@@ -247,7 +247,7 @@ std::string stated_value(const SensorConfig& config, std::string_view parameter)
   const cfg::Tree tree = cfg::read_tree(config.text);
   if (tree.error) throw UsageError(format_diagnostic(*tree.error, config.file));
   const cfg::Targets targets = cfg::targets_of(config);
-  const auto target = cfg::find_target(targets, parameter);
+  const auto target = target_of(config, targets, parameter);
   if (!target) throw UsageError(config.file + ": " + cfg::unknown_parameter(targets, std::string(parameter)));
   const Node* table = table_of(tree.root, *target);
   const Node* value = table != nullptr ? table->find(target->key) : nullptr;
