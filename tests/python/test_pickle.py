@@ -135,8 +135,3 @@ def test_process_pools_return_results(sensor, scene):
     with ProcessPoolExecutor(1) as pool:
         run, edges = pool.map(work, ["run", "edges"], [sensor] * 2, [scene] * 2)
     assert run == work("run", sensor, scene) and edges == work("edges", sensor, scene)
-
-
-def test_plans_do_not_pickle(sensor, scene):
-    with pytest.raises(TypeError, match="pickle"):
-        pickle.dumps(sensor.compile(scene, **HOW))

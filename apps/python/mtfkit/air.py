@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import difflib
 import json
 import os
 import time
@@ -131,6 +132,12 @@ class Sky(results.ByValue):
 
 
 def _settings(settings: dict[str, Any]) -> list[tuple[str, str]]:
+    known = [row["name"] for table in _core.kinds()["tables"] if table["name"] == "atmosphere" for row in table["parameters"]]
+    for name in settings:
+        if name not in known:
+            near = difflib.get_close_matches(name, known, 1)
+            raise UsageError(f"{name}: unknown key of [atmosphere]" + (f"; did you mean {near[0]!r}?" if near else "")
+                             + f" (known: {', '.join(known)})")
     return [(name, quantities.words(value, name)) for name, value in settings.items()]
 
 

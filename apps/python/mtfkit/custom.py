@@ -89,7 +89,7 @@ class General:
 
     def refusal(self, what: str) -> UsageError:
         """Why a part of the toolkit that needs the component as data cannot have it, and what to do."""
-        way = (f"mtfkit.custom(..., tolerance={float(f'{1.1 * self.within:.1g}'):g}) makes samples of it that can, and the "
+        way = (f"mtfkit.custom(..., tolerance={_rounded_up(1.3 * self.within):g}) makes samples of it that can, and the "
                "promise counts their error" if self.within is not None and self.within < 0.03 else
                "it has to be written as a kind of component")
         return UsageError(f"{what}: \"{self.label}\" is a general function, code of Python that no data stand for; {way}")
@@ -100,6 +100,12 @@ class General:
         values = np.zeros(fx.shape, dtype=np.complex128)
         values[inside] = _evaluated(self.function, fx[inside], fy[inside])
         return values
+
+
+def _rounded_up(value: float) -> float:
+    """To one digit."""
+    step = 10.0 ** np.floor(np.log10(value))
+    return float(np.ceil(value / step) * step)
 
 
 def _evaluated(otf: Callable[[Any, Any], Any], fx: Floats, fy: Floats) -> npt.NDArray[np.complex128]:
@@ -201,7 +207,8 @@ def custom(otf: Callable[[Any, Any], Any], *, cutoff: quantities.Value, label: s
 
     `cutoff` is where it ends, in the unit that the function takes: "60 cy/mm", (2, "cy/px"), "5 cy/mrad"; there the
     component falls to 0, and a function that goes on is warned of. The function is held to what every component is held to: 1 at zero, at most 1 without `gain`, finite, the
-    complex conjugate at -f. It becomes data that differ from it by less than `tolerance` at every frequency: tables where it
+    complex conjugate at -f. It becomes data that differ from it by less than `tolerance`, as seen at thousands of frequencies
+    all over the plane (what is narrower than a hundredth of the cutoff can be overlooked): tables where it
     is radial, or a product of x and y, real and even (Custom), else samples of its point spread function (Sampled). Such a
     component compiles, saves, pickles and is fitted beside as any other, and the promises of the sensor count its error.
     What no data stand for within the tolerance, as functions with edges and kinks, is General: it acts on arrays, exactly, by a transform in double precision, in `simulate` and `compile`. Raises UsageError that says which

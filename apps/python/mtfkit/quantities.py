@@ -87,7 +87,10 @@ def band_um(band: Any, what: str) -> tuple[float, float]:
     """Both ends of a band in um. Raises UsageError."""
     if not isinstance(band, (tuple, list)) or len(band) != 2 or is_quantity(band):
         raise UsageError(f"{what}: {shown(band)} is no pair of wavelengths; write (\"3.4 um\", \"4.8 um\")")
-    return micrometres(band[0], what), micrometres(band[1], what)
+    lo, hi = micrometres(band[0], what), micrometres(band[1], what)
+    if not 0.0 < lo < hi:
+        raise UsageError(f"{what}: from {lo:g} to {hi:g} um is no band; give two wavelengths above 0, the shorter one first")
+    return lo, hi
 
 
 def value_range(ends: Any, what: str = "range") -> tuple[float, float] | None:

@@ -14,6 +14,7 @@ import numpy as np
 from mtfkit import _core, quantities, results
 from mtfkit.arguments import checked
 from mtfkit.errors import UsageError
+from mtfkit.folders import KeptFolder
 from mtfkit.images import Image, read
 from mtfkit.instants import Instant, instant_text
 from mtfkit.messages import about_arguments, in_arguments
@@ -116,9 +117,7 @@ class Picture(Image):
 
 
 def _moved_heat(files: dict[str, bytes], report: dict[str, Any], warnings: list[str], seconds: float) -> Heat:
-    import tempfile
-
-    keep = tempfile.TemporaryDirectory(prefix="mtfkit-heat-")
+    keep = KeptFolder("mtfkit-heat-")
     for name, content in files.items():
         with open(os.path.join(keep.name, name), "wb") as file:
             file.write(content)
@@ -148,9 +147,7 @@ def heat(scene: str | os.PathLike[str], *, tolerance: quantities.Value = "0.1 K"
     rays = quantities.count(rays, "rays")
     start, keep = time.perf_counter(), None
     if out is None:
-        import tempfile
-
-        keep = tempfile.TemporaryDirectory(prefix="mtfkit-heat-")
+        keep = KeptFolder("mtfkit-heat-")
         folder = keep.name
     else:
         folder = os.fspath(out)

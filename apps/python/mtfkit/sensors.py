@@ -187,6 +187,8 @@ class Sensor:
         +y, "45 deg".
         """
         values = [] if frequency is None else np.atleast_1d(quantities.frequencies(frequency, "frequency")).ravel().tolist()
+        if frequency is not None and not values:
+            raise UsageError("frequency: is empty; leave it out for 61 values to the cutoff or twice Nyquist")
         made = results.timed(_core.curves, self._file, values, quantities.angle_deg(angle), unit)
         curves = curves_of(*made, self._own.error)
         return functions.with_functions(curves, self._file, self._functions) if self._functions else curves

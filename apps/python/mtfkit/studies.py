@@ -16,6 +16,7 @@ import numpy as np
 from mtfkit import _core, quantities, results
 from mtfkit.arguments import checked
 from mtfkit.errors import UsageError
+from mtfkit.folders import KeptFolder
 from mtfkit.progress import Progress, function_of
 from mtfkit.sensors import Sensor
 from mtfkit.study_results import Gradient, Optimum, StudyColumn
@@ -75,10 +76,8 @@ class Study:
 
     def _take(self, parts: StudyParts) -> None:
         """The study of a text and sensors in memory."""
-        import tempfile
-
         self._parts: StudyParts | None = parts
-        self._folder: Any = tempfile.TemporaryDirectory(prefix="mtfkit-study-")
+        self._folder: Any = KeptFolder("mtfkit-study-")
         self._tolerance: float | None = None
         write_study(parts, self._folder.name, "study", own_files=False)
         with self._said():
@@ -386,9 +385,7 @@ def _unpickled(file: str, sha256: str, files: list[tuple[str, bytes]], tolerance
                 return study
         except ValueError:
             pass  # another file now lies there
-    import tempfile
-
-    folder = tempfile.TemporaryDirectory(prefix="mtfkit-study-")
+    folder = KeptFolder("mtfkit-study-")
     write_copies(files, folder.name, files[0][0])
     study = Study.load(os.path.join(folder.name, files[0][0]), tolerance=tolerance)
     study._folder = folder
