@@ -139,6 +139,19 @@ def test_saved_elsewhere_a_sensor_finds_its_files(tmp_path, sensor):
     assert pickle.loads(pickle.dumps(loaded)).mtf(30.0) == loaded.mtf(30.0)
 
 
+def test_what_a_sensor_names_is_where_it_was(tmp_path, monkeypatch):
+    for name in ("here", "there"):
+        (tmp_path / name).mkdir()
+    (tmp_path / "here" / "lens.csv").write_text("frequency_cy_mm,mtf\n0,1\n30,0.5\n60,0.1\n")
+    monkeypatch.chdir(tmp_path / "here")
+    sensor = mk.Sensor(frame=dict(focal_length="100 mm", pitch="15 um"), presample=[dict(kind="curve", file="lens.csv"), mk.Jitter(rms="9 urad")])
+    data = pickle.dumps(sensor)
+    monkeypatch.chdir(tmp_path / "there")
+    sensor.save("s.toml")
+    for other in (sensor.replace({"jitter.rms": "9 urad"}), pickle.loads(data), mk.Sensor.load("s.toml")):
+        assert other.mtf(20.0) == sensor.mtf(20.0)
+
+
 def test_bare_numbers_and_wrong_keys_are_errors_that_say_so():
     good = dict(focal_length="100 mm", pitch="15 um")
     with pytest.raises(mk.UsageError, match=r"focal_length.*\n?.*unit"):

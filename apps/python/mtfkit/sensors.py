@@ -74,7 +74,7 @@ class Sensor:
                 lines += component_lines(stage, index, component)
                 if isinstance(component, (Custom, Sampled, General)):
                     own = own.with_one(stage, component)
-        self._set(_core.SensorFile("\n".join(lines), file), own)
+        self._set(_read("\n".join(lines), file), own)
 
     def _set(self, file: _core.SensorFile, own: Functions) -> None:
         object.__setattr__(self, "_file", file)
@@ -104,7 +104,7 @@ class Sensor:
     @checked
     def parse(cls, text: str, *, file: str = "sensor") -> Sensor:
         """The sensor of a text. `file` is what messages call it, and files that it names are relative to its folder."""
-        return cls._of(_core.SensorFile(text, file))
+        return cls._of(_read(text, file))
 
     @classmethod
     def starter(cls) -> Sensor:
@@ -291,6 +291,12 @@ class Sensor:
 
     def _repr_html_(self) -> str:
         return self.explain()._repr_html_()
+
+
+def _read(text: str, file: str) -> _core.SensorFile:
+    """The sensor of a text. What it names is where it is now, wherever the process goes and the sensor is taken."""
+    made = _core.SensorFile(text, file)
+    return made if len(made.files) == 1 or os.path.isabs(file) else _core.SensorFile(text, os.path.abspath(file))
 
 
 def _unpickled(text: str, file: str, own: Functions) -> Sensor:
