@@ -222,3 +222,9 @@ def test_mistakes_in_keywords_say_their_argument(sensor, wrong, words):
         mk.Study(**{"sensor": sensor, "axes": {"jitter.rms": ["10 urad"]}, "metrics": ["q"], **wrong})
     assert "toml" not in str(refused.value) or "a.toml" in str(refused.value)
     assert "/tmp" not in str(refused.value)
+
+
+def test_metrics_that_no_design_has_are_warned_of(sensor):
+    study = mk.Study(sensor, axes={"jitter.rms": ["10 urad", "20 urad"]}, metrics=["netd", "q"])
+    assert [text for text in study.warnings if text.startswith("netd: ") and "[detector]" in text]
+    assert not any(text.startswith("q: ") for text in study.warnings)

@@ -107,11 +107,15 @@ def run_simulation(sensor: Sensor, scene: SceneLike, *, sample: quantities.Value
     if memory is not None and memory < 1 << 20:
         raise UsageError(f"memory: {memory} bytes are less than 1 MiB; give 512 << 20 for 512 MiB")
     span = _frame_range(frames) if frames is not None else (frame, frame, 1) if frame != 0 else None
-    start = time.perf_counter()
+    start, told = time.perf_counter(), function_of(progress, "simulating")
+    if told is not None:
+        told(0.0)
     with _folder_for(schedule) as folder, reworded(lambda text: _in_lines(text, folder)):
         run = _core.simulate(file, words, tolerance, nan, is_measured(rigor), stage, roi, memory, span,
                              _schedule_file(schedule, folder), os.fspath(out) if out is not None else "", range, canvas,
-                             quantities.thread_count(threads), function_of(progress, "simulating"))
+                             quantities.thread_count(threads), told)
+    if told is not None:
+        told(1.0)
     return Run._of(run, time.perf_counter() - start, sensor, canvas, stage)
 
 

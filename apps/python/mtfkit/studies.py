@@ -155,8 +155,9 @@ class Study:
 
     @property
     def warnings(self) -> list[str]:
-        """What the file leaves in doubt."""
+        """What the file leaves in doubt, and the metrics that no design has, with the reason."""
         warnings = self._study.warnings
+        warnings += [f"{column.name}: no design has it: {gap}" for column, gap in zip(self.columns, self._study.gaps()[0]) if gap]
         return warnings if self._parts is None else [self._parts.in_words(text, self._folder.name) for text in warnings]
 
     @property
