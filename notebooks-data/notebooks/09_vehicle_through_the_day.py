@@ -22,7 +22,6 @@ subprocess.run(["mtf", "scene", "demo", "-o", "vehicle", "--force"], check=True,
 text = Path("vehicle/scene.toml").read_text()
 text = re.sub(r"(?m)^end = .*", "end = 2026-06-22T00:00:00Z", text)
 text = re.sub(r"(?m)^step = .*", 'step = "3 h"', text)
-text += '\n[atmosphere]\nmodel = "mid_latitude_summer"\nhaze = "rural"\n'
 Path("vehicle/day.toml").write_text(text)
 
 # %% [markdown]
