@@ -41,6 +41,13 @@ inside = { kind = "adiabatic" }
 """
 
 
+def plate_scene(mesh, *groups, position, look_at):
+    """The text of a scene file: groups of the mesh `mesh`.obj, all of that material, and a camera."""
+    regions = "".join(f'[[region]]\nname = "{group}"\nmesh = "{mesh}"\ngroup = "{group}"\nmaterial = "plate"\n' for group in groups)
+    return (PLATE_MATERIAL + f'[[mesh]]\nname = "{mesh}"\nfile = "{mesh}.obj"\nunit = "1 m"\n' + regions
+            + f'[camera]\nposition = {json.dumps(position)}\nlook_at = {json.dumps(look_at)}\n')
+
+
 def run_command(*words):
     """Standard output of `mtf`, which has to end well."""
     return subprocess.run([COMMAND, *map(str, words)], check=True, capture_output=True, text=True).stdout

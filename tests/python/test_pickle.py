@@ -6,7 +6,7 @@ from concurrent.futures import ProcessPoolExecutor
 
 import numpy as np
 import pytest
-from conftest import PLATE_MATERIAL
+from conftest import plate_scene
 
 import mtfkit as mk
 
@@ -17,19 +17,7 @@ HOW = dict(sample="3.75 um")
 def plate(tmp_path_factory):
     folder = tmp_path_factory.mktemp("plate")
     (folder / "plate.obj").write_text("v -4 -4 0\nv 4 -4 0\nv 4 4 0\nv -4 4 0\ng soil\nf 1 2 3 4\n")
-    (folder / "scene.toml").write_text(PLATE_MATERIAL + """[[mesh]]
-name = "plate"
-file = "plate.obj"
-unit = "1 m"
-[[region]]
-name = "soil"
-mesh = "plate"
-group = "soil"
-material = "plate"
-[camera]
-position = ["0 m", "-12 m", "3 m"]
-look_at = ["0 m", "0 m", "0.7 m"]
-""")
+    (folder / "scene.toml").write_text(plate_scene("plate", "soil", position=["0 m", "-12 m", "3 m"], look_at=["0 m", "0 m", "0.7 m"]))
     return folder / "scene.toml"
 
 

@@ -12,7 +12,7 @@ import time
 
 import numpy as np
 import pytest
-from conftest import PLATE_MATERIAL
+from conftest import plate_scene
 
 import mtfkit as mk
 
@@ -78,20 +78,9 @@ def terrain(tmp_path_factory):
     lines += ["g soil"] + [f"f {a} {b} {c}" for n in corner
                            for a, b, c in ((n, n + 1, n + side + 2), (n, n + side + 2, n + side + 1))]
     (folder / "terrain.obj").write_text("\n".join(lines))
-    (folder / "scene.toml").write_text(PLATE_MATERIAL.replace("21T12:00:00Z", "23T12:00:00Z").replace("1 h", "10 min") + """
-        [[mesh]]
-        name = "terrain"
-        file = "terrain.obj"
-        unit = "1 m"
-        [[region]]
-        name = "soil"
-        mesh = "terrain"
-        group = "soil"
-        material = "plate"
-        [camera]
-        position = ["0 m", "-80 m", "45 m"]
-        look_at = ["0 m", "0 m", "0 m"]
-        """)
+    (folder / "scene.toml").write_text(plate_scene(
+        "terrain", "soil", position=["0 m", "-80 m", "45 m"], look_at=["0 m", "0 m", "0 m"]).replace("21T12:00:00Z", "23T12:00:00Z").replace(
+            'step = "1 h"', 'step = "10 min"'))
     return folder
 
 

@@ -5,28 +5,11 @@ from datetime import date, datetime, time, timedelta, timezone
 
 import numpy as np
 import pytest
-from conftest import PLATE_MATERIAL, run_command
+from conftest import plate_scene, run_command
 
 import mtfkit as mk
 
-SCENE = PLATE_MATERIAL + """[[mesh]]
-name = "plates"
-file = "plates.obj"
-unit = "1 m"
-[[region]]
-name = "soil"
-mesh = "plates"
-group = "soil"
-material = "plate"
-[[region]]
-name = "target"
-mesh = "plates"
-group = "target"
-material = "plate"
-[camera]
-position = ["0 m", "-12 m", "3 m"]
-look_at = ["0 m", "0 m", "0.7 m"]
-"""
+SCENE = plate_scene("plates", "soil", "target", position=["0 m", "-12 m", "3 m"], look_at=["0 m", "0 m", "0.7 m"])
 
 PLATES = ("v -4 -4 0\nv 4 -4 0\nv 4 4 0\nv -4 4 0\nv -0.5 0 0.2\nv 0.5 0 0.2\nv 0.5 0 1.2\nv -0.5 0 1.2\n"
           "g soil\nf 1 2 3 4\ng target\nf 5 6 7 8\n")

@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import difflib
 import json
 import os
 import time
@@ -135,6 +134,8 @@ def _settings(settings: dict[str, Any]) -> list[tuple[str, str]]:
     known = [row["name"] for table in _core.kinds()["tables"] if table["name"] == "atmosphere" for row in table["parameters"]]
     for name in settings:
         if name not in known:
+            import difflib
+
             near = difflib.get_close_matches(name, known, 1)
             raise UsageError(f"{name}: unknown key of [atmosphere]" + (f"; did you mean {near[0]!r}?" if near else "")
                              + f" (known: {', '.join(known)})")

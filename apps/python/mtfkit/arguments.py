@@ -45,6 +45,10 @@ def _are_texts(value: Any) -> bool:
             and (not isinstance(value, Sequence) or all(map(_is_text, value))))
 
 
+def _is_by_name(value: Any) -> bool:
+    return isinstance(value, Mapping) and all(isinstance(key, str) for key in value)
+
+
 def _is(module: str, name: str) -> Callable[[Any], bool]:
     return lambda value: isinstance(value, getattr(importlib.import_module(f"mtfkit.{module}"), name))
 
@@ -66,11 +70,10 @@ _RULES: dict[str, tuple[Callable[[Any], bool], str]] = {
     "tuple[int, int]": (lambda value: _is_list(value) and len(value) == 2 and all(map(_is_whole, value)), "a pair of whole numbers"),
     "tuple[int, int, int, int]": (lambda value: _is_list(value) and len(value) == 4 and all(map(_is_whole, value)),
                                   "(x, y, width, height) in pixels"),
-    "Mapping[str, object]": (lambda value: isinstance(value, Mapping) and all(isinstance(key, str) for key in value), "a dictionary by name"),
-    "Mapping[str, npt.ArrayLike]": (lambda value: isinstance(value, Mapping) and all(isinstance(key, str) for key in value),
-                                    "a dictionary of planes by name"),
-    "Mapping[str, Any]": (lambda value: isinstance(value, Mapping) and all(isinstance(key, str) for key in value), "a dictionary by name"),
-    "Table": (lambda value: isinstance(value, Mapping) and all(isinstance(key, str) for key in value), "a dictionary of its keys"),
+    "Mapping[str, object]": (_is_by_name, "a dictionary by name"),
+    "Mapping[str, npt.ArrayLike]": (_is_by_name, "a dictionary of planes by name"),
+    "Mapping[str, Any]": (_is_by_name, "a dictionary by name"),
+    "Table": (_is_by_name, "a dictionary of its keys"),
     "Callable[[Any, Any], Any]": (callable, "a function of (fx, fy)"),
     "Sensor": (_is("sensors", "Sensor"), "a Sensor, such as mtfkit.Sensor.load(file)"),
     "Heat": (_is("scenes", "Heat"), "a Heat"),

@@ -52,15 +52,13 @@ class Functions:
 
     def with_one(self, stage: str, component: Custom | Sampled | General) -> Functions:
         """And those of one more component. Raises UsageError for a list where it does not stand."""
-        if isinstance(component, Custom):
-            return Functions(self.general, self.error + component.error)
-        if stage != "presample":
+        if stage != "presample" and not isinstance(component, Custom):
             what = ("samples of a point spread function stand" if isinstance(component, Sampled) else
                     "a component made of a general function stands")
             raise UsageError(f"{stage}: {what} in presample")
-        if isinstance(component, Sampled):
-            return Functions(self.general, self.error + component.error)
-        return Functions((*self.general, component), self.error)
+        if isinstance(component, General):
+            return Functions((*self.general, component), self.error)
+        return Functions(self.general, self.error + component.error)
 
 
 def write_sensor(file: _core.SensorFile, functions: Functions, path: str) -> None:
