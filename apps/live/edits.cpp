@@ -12,7 +12,6 @@
 #include "mtf/error.h"
 #include "mtf/io/config/config_edit.h"
 #include "mtf/io/config/config_reader.h"
-#include "mtf/io/config/config_text.h"
 #include "mtf/io/config/replace_value.h"
 #include "mtf/units.h"
 
