@@ -12,6 +12,8 @@
 
 namespace mtf {
 
+struct KeptPlane;
+
 /// One plane to filter.
 struct Channel {
   ImageView<const float> in;
@@ -22,7 +24,8 @@ struct Channel {
   double dc = 1.0;       ///< gain of the mean
   double border_value = 0.0;
   const UniformRuns* flat = nullptr;  ///< of `in`; null where they are not known
-  double allowance = 0.0;  ///< rms contrast over `out`, relative to the std of `in`, that negligible lines may lose
+  double allowance = 0.0;     ///< rms contrast over `out`, relative to the std of `in`, that negligible lines may lose
+  KeptPlane* kept = nullptr;  ///< of `in`: takes and gives what does not depend on the filter; null: nothing is kept
 
   /// What is added to the filtered samples.
   double out_mean() const { return dc * mean; }

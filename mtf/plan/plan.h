@@ -19,6 +19,7 @@
 #include <string_view>
 #include <vector>
 
+#include "mtf/engines/kept_scene.h"
 #include "mtf/error.h"
 #include "mtf/grid.h"
 #include "mtf/image.h"
@@ -167,12 +168,17 @@ class Plan {
   void run(std::span<const ImageView<const float>> in, std::span<const ImageView<float>> out, double border_value = 0.0,
            int threads = 0) const;
 
+  /// The same of a scene that comes again, of whose transforms the later runs are spared (kept_scene.h).
+  void run(KeptScene& scene, std::span<const ImageView<float>> out, double border_value = 0.0, int threads = 0) const;
+
   /// The plan of another system on the same grids and options. FFT plans are shared where the sizes stay, and the
   /// method stays unless it has become impossible or clearly dearer.
   Plan with(const System<double>& system) const;
 
  private:
   struct Impl;
+  void run(std::span<const ImageView<const float>> in, std::span<const ImageView<float>> out, double border_value,
+           int threads, std::span<KeptPlane> kept) const;
   friend Plan compile(const System<double>&, const SampleGrid&, const SampleGrid&, const PlanOptions&);
   struct Recompile;
   friend Plan compile_stages(const System<double>&, std::span<const Stage>, const SampleGrid&, const SampleGrid&,

@@ -5,7 +5,7 @@
 #include <functional>
 #include <limits>
 
-#include "mtf/engines/mean_and_deviation.h"
+#include "mtf/engines/kept_plane.h"
 #include "mtf/error.h"
 #include "mtf/plan/plan_impl.h"
 
@@ -44,20 +44,34 @@ void Plan::run(ImageView<const float> in, ImageView<float> out, double border_va
 
 void Plan::run(std::span<const ImageView<const float>> in, std::span<const ImageView<float>> out, double border_value,
                int threads) const {
+  run(in, out, border_value, threads, {});
+}
+
+void Plan::run(KeptScene& scene, std::span<const ImageView<float>> out, double border_value, int threads) const {
+  std::vector<ImageView<const float>> in;
+  for (const Image& plane : scene.planes()) in.push_back(plane.view());
+  run(in, out, border_value, threads, scene.kept());
+}
+
+// `kept`: of each plane, or none.
+void Plan::run(std::span<const ImageView<const float>> in, std::span<const ImageView<float>> out, double border_value,
+               int threads, std::span<KeptPlane> kept) const {
   if (in.size() != out.size()) throw UsageError("as many output as input planes are needed");
   const bool constant = impl_->options.border == Border::constant;
   if (constant && !(std::abs(border_value) <= std::numeric_limits<float>::max()))
     throw UsageError("the border value has to be a finite float");
   std::vector<Channel> channels;
   std::vector<Image> copies;
-  std::vector<UniformRuns> flat(in.size());
+  std::vector<KeptPlane> own(kept.empty() ? in.size() : 0);  // for this run alone
   // FFT engines read all of an input before they write, and check by themselves that it is finite.
   const bool transforms = impl_->report.method.starts_with("fft");
   for (std::size_t c = 0; c < in.size(); ++c) {
     check_size(in[c].width, in[c].height, impl_->report.in, "input");
     check_size(out[c].width, out[c].height, impl_->report.out, "output");
     const std::optional<MeanAndDeviation> sampled = transforms ? sampled_mean_and_deviation(in[c]) : std::nullopt;
-    const MeanAndDeviation about = sampled ? *sampled : mean_and_deviation(in[c], threads, flat[c]);
+    KeptPlane& plane = kept.empty() ? own[c] : kept[c];
+    if (!sampled && !plane.all) plane.all = mean_and_deviation(in[c], threads, plane.flat);
+    const MeanAndDeviation about = sampled ? *sampled : *plane.all;
     const double deviation = canvas_deviation(about, impl_->options.border, border_value);
     if (deviation == 0.0) {
       fill(out[c], static_cast<float>(impl_->dc * about.mean));
@@ -68,7 +82,7 @@ void Plan::run(std::span<const ImageView<const float>> in, std::span<const Image
       ImageView<const float> from = in[c];
       if (!transforms && share_memory(in[c], out[c])) from = copies.emplace_back(copy_of(in[c])).view();
       channels.push_back({from, out[c], about.mean, scale_for(deviation), sampled.has_value(), impl_->dc, border_value,
-                          &flat[c], impl_->report.predicted.flat});
+                          &plane.flat, impl_->report.predicted.flat, kept.empty() ? nullptr : &plane});
     }
   }
   if (!channels.empty()) impl_->engine->run(channels, threads);

@@ -63,6 +63,18 @@ double largest_gain(const std::optional<Plan>& filter) {
 
 double error_of(const std::optional<Plan>& filter) { return filter ? filter->report().predicted.total() : 0.0; }
 
+std::vector<Image> planes_of(const SampleGrid& grid, std::size_t count) {
+  std::vector<Image> planes;
+  for (std::size_t i = 0; i < count; ++i) planes.emplace_back(grid.width, grid.height);
+  return planes;
+}
+
+std::vector<ImageView<float>> views_of(std::vector<Image>& planes) {
+  std::vector<ImageView<float>> views;
+  for (Image& plane : planes) views.push_back(plane.view());
+  return views;
+}
+
 // The error of a step passes through the filters that follow it.
 double predict(const Plan& presample, const std::optional<Plan>& readout, const std::optional<Plan>& post) {
   const double sampled = presample.report().predicted.total() * largest_gain(readout) + error_of(readout);
@@ -142,11 +154,14 @@ SensorPlan SensorPlan::with(const System<double>& other) const {
 
 std::vector<Image> SensorPlan::run(std::span<const ImageView<const float>> scene, double border_value,
                                    int threads) const {
-  std::vector<Image> sampled;
-  std::vector<ImageView<float>> views;
-  for (std::size_t i = 0; i < scene.size(); ++i) sampled.emplace_back(out().width, out().height);
-  for (Image& image : sampled) views.push_back(image.view());
-  presample.run(scene, views, border_value, threads);
+  std::vector<Image> sampled = planes_of(out(), scene.size());
+  presample.run(scene, views_of(sampled), border_value, threads);
+  return run_filters(std::move(sampled), border_value, threads);
+}
+
+std::vector<Image> SensorPlan::run(KeptScene& scene, double border_value, int threads) const {
+  std::vector<Image> sampled = planes_of(out(), scene.planes().size());
+  presample.run(scene, views_of(sampled), border_value, threads);
   return run_filters(std::move(sampled), border_value, threads);
 }
 

@@ -29,6 +29,8 @@ struct SensorPlan {
   /// Output planes of the given scene planes; arguments and errors as Plan::run.
   std::vector<Image> run(std::span<const ImageView<const float>> scene, double border_value = 0.0,
                          int threads = 0) const;
+  /// The same of a scene that comes again (mtf/engines/kept_scene.h).
+  std::vector<Image> run(KeptScene& scene, double border_value = 0.0, int threads = 0) const;
   /// The same in the memory of the scene planes, which are overwritten: for large images.
   std::vector<Image> run(std::vector<Image>&& scene, double border_value = 0.0, int threads = 0) const;
 

@@ -7,6 +7,7 @@
 // would save little.
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -33,6 +34,7 @@ class UniformRuns {
   const Kind* row(std::int64_t y) const { return kinds_.data() + y * groups_; }
   /// Fills in row y and returns it. Several threads may classify rows of their own.
   const Kind* classify_row(std::int64_t y);
+  std::size_t bytes() const { return values_.size() * sizeof(float) + kinds_.size() * sizeof(Kind); }
 
  private:
   ImageView<const float> plane_;

@@ -7,6 +7,7 @@
 #include <cstring>
 #include <numeric>
 
+#include "mtf/engines/kept_plane.h"
 #include "mtf/engines/mean_and_deviation.h"
 #include "mtf/parallel.h"
 
@@ -16,6 +17,10 @@ namespace {
 static_assert(kRow == kernels::kColumns);
 
 constexpr std::int64_t round_up(std::int64_t n, std::int64_t step) { return (n + step - 1) / step * step; }
+
+// Rows of one block of a buffer: whole groups of lines, and one more for the value of a constant border, which also
+// keeps the blocks of one row out of the same cache sets.
+constexpr std::int64_t block_rows(std::int64_t lines) { return round_up(lines, kRow) + 1; }
 
 /// work(group, place in the list) for all groups of a list.
 void for_groups(const std::vector<std::int64_t>& groups, int threads, const auto& work) {
@@ -60,13 +65,6 @@ double SpectralEngine<S>::otf_scale() const {
 }
 
 template <class S>
-std::int64_t SpectralEngine<S>::block_rows() const {
-  // Whole groups of rows, and one more for the value of a constant border, which also keeps the blocks of one row out
-  // of the same cache sets.
-  return round_up(std::max(y().samples, y().outputs), kRow) + 1;
-}
-
-template <class S>
 std::int64_t SpectralEngine<S>::coefficient_rows() const {
   return blocks() * kRow;
 }
@@ -81,24 +79,67 @@ std::int64_t SpectralEngine<S>::run_bytes(std::int64_t channels, int threads) co
   const std::int64_t planes = x().odd ? 2 : 1, areas = x().odd || y().odd ? 3 : 2;
   const std::int64_t rows =
       coefficient_rows() + line_stride() + x().samples + 1 + areas * std::max(x_.rows(), y_.rows());
-  const std::int64_t numbers = planes * channels * blocks() * block_rows() + std::int64_t{std::max(threads, 1)} * rows;
+  const std::int64_t numbers = planes * channels * blocks() * block_rows(std::max(y().samples, y().outputs)) +
+                               std::int64_t{std::max(threads, 1)} * rows;
   return numbers * kRow * static_cast<std::int64_t>(sizeof(S));
 }
 
 template <class S>
 void SpectralEngine<S>::run(const std::vector<Channel>& channels, const OtfBlocks<S>& otf, int threads) const {
   std::vector<BufferPool::Loan<S>> loans;
-  const auto buffer = [&] {
-    loans.emplace_back(pool_, static_cast<std::size_t>(blocks() * block_rows() * kRow));
-    return loans.back().data();
+  const auto buffers = [&](std::int64_t lines) {
+    const auto buffer = [&] {
+      loans.emplace_back(pool_, static_cast<std::size_t>(blocks() * block_rows(lines) * kRow));
+      return loans.back().data();
+    };
+    S* even = buffer();
+    return Buffers{even, x().odd ? buffer() : nullptr, block_rows(lines)};
   };
   std::vector<Plane> planes;
   for (const Channel& channel : channels) {
-    S* even = buffer();
-    planes.push_back(read(channel, {even, x().odd ? buffer() : nullptr}, threads));
+    planes.push_back(is_kept(channel) ? recall(channel, buffers(y().outputs))
+                                      : read(channel, buffers(std::max(y().samples, y().outputs)), threads));
+    Plane& plane = planes.back();
+    if (channel.allowance > 0.0) plane.over_uniform = groups_over_uniform(plane.input, x(), y());
+    plane.energies.resize(plane.over_uniform.size() * static_cast<std::size_t>(blocks()));
   }
   columns(planes, otf, threads);
-  for (const Plane& plane : planes) lines_inverse(plane, threads);
+  for (std::size_t c = 0; c < planes.size(); ++c) {
+    keep(channels[c], planes[c]);
+    lines_inverse(planes[c], threads);
+  }
+}
+
+template <class S>
+bool SpectralEngine<S>::is_kept(const Channel& channel) const {
+  if (channel.kept == nullptr) return false;
+  const KeptSpectrum& kept = channel.kept->spectrum;
+  return kept.transforms == name_ && kept.mean == channel.mean && kept.scale == channel.scale &&
+         kept.border_value == channel.border_value;
+}
+
+template <class S>
+auto SpectralEngine<S>::recall(const Channel& channel, const Buffers& buffers) const -> Plane {
+  const KeptSpectrum& kept = channel.kept->spectrum;
+  Plane plane{channel, buffers, kept.input, kept.std, reinterpret_cast<S*>(kept.numbers.data()), true};
+  plane.channel.mean = kept.own_mean;
+  plane.channel.scale = kept.own_scale;
+  return plane;
+}
+
+// Once the spectrum is complete: after an exception nothing is kept.
+template <class S>
+void SpectralEngine<S>::keep(const Channel& channel, const Plane& plane) const {
+  if (plane.spectrum == nullptr || plane.known) return;
+  KeptSpectrum& kept = channel.kept->spectrum;
+  kept.mean = channel.mean;
+  kept.scale = channel.scale;
+  kept.border_value = channel.border_value;
+  kept.own_mean = plane.channel.mean;
+  kept.own_scale = plane.channel.scale;
+  kept.std = plane.std;
+  kept.input = plane.input;
+  kept.transforms = name_;
 }
 
 template <class S>
@@ -112,22 +153,31 @@ auto SpectralEngine<S>::read(const Channel& channel, const Buffers& buffers, int
   }
   plane.std = std_of(all, samples);
   if (!plane.input.uniform.empty()) plane.canvas = canvas_without_uniform(plane.input);
-  if (plane.channel.allowance > 0.0) plane.over_uniform = groups_over_uniform(plane.input, x(), y());
-  plane.energies.resize(plane.over_uniform.size() * static_cast<std::size_t>(blocks()));
+  if (channel.kept != nullptr) {
+    KeptSpectrum& kept = channel.kept->spectrum;
+    const std::size_t bytes = static_cast<std::size_t>(spectrum_size()) * sizeof(S);
+    if (kept.numbers.size() != bytes) {
+      kept = {};
+      kept.numbers = AlignedBuffer<std::byte>(bytes);
+    }
+    kept.transforms = nullptr;
+    plane.spectrum = reinterpret_cast<S*>(kept.numbers.data());
+  }
   return plane;
 }
 
 // A cosine coefficient is a row of 2 x kLanes lines: a tile of kLanes frequencies fills half the width of a block. A
 // complex one is two rows, of the first and the last kLanes lines, and its real and imaginary parts fill both halves.
 template <class S>
-void SpectralEngine<S>::for_tiles(auto* coefficients, auto* buffer, std::int64_t first_row, const auto& tile) const {
+void SpectralEngine<S>::for_tiles(auto* coefficients, auto* buffer, std::int64_t rows, std::int64_t first_row,
+                                  const auto& tile) const {
   const bool pairs = x_.rows_per_coefficient() == 2;
   for (std::int64_t b = 0; b < blocks(); ++b)
     for (int half = 0; half < 2; ++half)
       for (int lines = 0; lines < 2; ++lines) {
         auto* from = coefficients + b * kRow * kRow;
         from += pairs ? lines * kRow + half * kLanes : half * kLanes * kRow + lines * kLanes;
-        tile(from, buffer + (b * block_rows() + first_row + lines * kLanes) * kRow + half * kLanes);
+        tile(from, buffer + (b * rows + first_row + lines * kLanes) * kRow + half * kLanes);
       }
 }
 
@@ -187,7 +237,7 @@ kernels::Moments SpectralEngine<S>::lines_forward(const Plane& plane, int thread
     x_.coefficients(work.data(), coefficients.data());
     std::fill_n(coefficients.data() + used * kRow, (coefficient_rows() - used) * kRow, S(0));
     const std::int64_t step = kRow * x_.rows_per_coefficient();
-    for_tiles(coefficients.data(), plane.buffers.even, begin,
+    for_tiles(coefficients.data(), plane.buffers.even, plane.buffers.rows, begin,
               [&](const S* from, S* to) { lanes::transpose(from, step, to, kRow); });
     return moments;
   };
@@ -237,7 +287,10 @@ void SpectralEngine<S>::columns(std::vector<Plane>& planes, const OtfBlocks<S>& 
     std::optional<BufferPool::Loan<S>> other;
     if (otf.parts.size() > 1) other.emplace(pool_, area);
     for (Plane& plane : planes) {
-      column_block(plane, otf, b, {work.data(), target.data(), other ? other->data() : nullptr});
+      if (plane.spectrum != nullptr)
+        column_block(plane, otf, b, {plane.spectrum + b * y().frequency.length * kRow, target.data(), work.data()});
+      else
+        column_block(plane, otf, b, {work.data(), target.data(), other ? other->data() : nullptr});
       add_energies(plane, b);
     }
   });
@@ -246,18 +299,21 @@ void SpectralEngine<S>::columns(std::vector<Plane>& planes, const OtfBlocks<S>& 
 template <class S>
 void SpectralEngine<S>::column_block(const Plane& plane, const OtfBlocks<S>& otf, std::int64_t block,
                                      const std::array<S*, 3>& areas) const {
-  const auto [work, target, other] = areas;
-  const auto [even, odd] = plane.buffers.of_rows(block * block_rows());
-  // A row of a constant border has one coefficient only: that of frequency zero.
-  S* const border_row = even + y().samples * kRow;
-  std::fill_n(border_row, kRow, S(0));
-  if (block == 0) border_row[0] = border_sample(plane.channel) * static_cast<S>(x().frequency.length);
-  y_.forward(even, block == 0 || plane.canvas.empty() ? y_.canvas() : plane.canvas, work);
+  const auto [spectrum, target, other] = areas;
+  const Buffers buffers = plane.buffers.of_block(block);
+  if (!plane.known) {
+    // A row of a constant border has one coefficient only: that of frequency zero.
+    S* const border_row = buffers.even + y().samples * kRow;
+    std::fill_n(border_row, kRow, S(0));
+    if (block == 0) border_row[0] = border_sample(plane.channel) * static_cast<S>(x().frequency.length);
+    y_.forward(buffers.even, block == 0 || plane.canvas.empty() ? y_.canvas() : plane.canvas, spectrum);
+  }
   for (std::size_t p = 0; p < otf.parts.size(); ++p) {
     const auto [along_x, along_y] = otf.parts[p];
     const bool last = p + 1 == otf.parts.size(), more = p > 0 && otf.parts[p - 1].x == along_x;
-    const S* samples = y_.inverse(along_y, work, otf.row(p, block, 0), otf.complex, target, last ? work : other);
-    S* to = along_x == Parity::even ? even : odd;
+    S* const work = last && plane.spectrum == nullptr ? spectrum : other;  // what is kept is not worked in
+    const S* samples = y_.inverse(along_y, spectrum, otf.row(p, block, 0), otf.complex, target, work);
+    S* to = along_x == Parity::even ? buffers.even : buffers.odd;
     for (const std::int32_t row : y_.out_rows()) {
       const S* sample = samples + std::int64_t{row} * kRow;
       if (more)
@@ -274,16 +330,16 @@ void SpectralEngine<S>::column_block(const Plane& plane, const OtfBlocks<S>& otf
 // Sums of the squares of a block's coefficients but the zeroth ones, while the block is in the cache.
 template <class S>
 void SpectralEngine<S>::add_energies(Plane& plane, std::int64_t block) const {
-  const auto [even, odd] = plane.buffers.of_rows(block * block_rows());
+  const Buffers buffers = plane.buffers.of_block(block);
   for (std::size_t i = 0; i < plane.over_uniform.size(); ++i) {
     const std::int64_t begin = plane.over_uniform[i] * kRow, end = std::min(begin + kRow, y().outputs);
     double& energy = plane.energies[i * static_cast<std::size_t>(blocks()) + static_cast<std::size_t>(block)];
-    for (const S* rows : {static_cast<const S*>(even), static_cast<const S*>(odd)}) {
+    for (const S* rows : {static_cast<const S*>(buffers.even), static_cast<const S*>(buffers.odd)}) {
       if (rows == nullptr) continue;
       std::array<S, kRow> squares{};
       for (const S* row = rows + begin * kRow; row < rows + end * kRow; row += kRow)
         for (std::size_t l = 0; l < kRow; ++l) squares[l] += row[l] * row[l];
-      energy += std::accumulate(squares.begin() + (block == 0 && rows == even ? 1 : 0), squares.end(), 0.0);
+      energy += std::accumulate(squares.begin() + (block == 0 && rows == buffers.even ? 1 : 0), squares.end(), 0.0);
     }
   }
 }
@@ -307,7 +363,7 @@ void SpectralEngine<S>::lines_inverse(const Plane& plane, int threads) const {
     const BufferPool::Loan<S> work(pool_, area), target(pool_, area),
         coefficients(pool_, static_cast<std::size_t>(coefficient_rows() * kRow));
     const auto samples_of = [&](Parity parity, const S* buffer, S* a, S* b) {
-      for_tiles(coefficients.data(), buffer, begin,
+      for_tiles(coefficients.data(), buffer, buffers.rows, begin,
                 [&](S* to, const S* from) { lanes::transpose(from, kRow, to, step); });
       return x_.inverse(parity, coefficients.data(), nullptr, false, a, b);
     };

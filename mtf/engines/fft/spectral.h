@@ -23,9 +23,14 @@
 // So columns are transformed once and come back once a part; of the x frequencies the cosines and the sines, in a
 // buffer each, once a row.
 //
+// What the y transforms of pass 2 leave does not depend on the OTF. For a channel with a KeptPlane it is written there,
+// block by block, and later runs of the same engine on that plane begin with the multiplication. (To keep the
+// coefficients of pass 1 instead would take as much memory and leave a third of the forward work.)
+//
 // Images are float32; S is the type of everything between them.
 
 #include <array>
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -90,21 +95,28 @@ class SpectralEngine {
   struct Buffers {
     S* even = nullptr;
     S* odd = nullptr;
-    Buffers of_rows(std::int64_t first) const {
-      return {even + first * kRow, odd == nullptr ? nullptr : odd + first * kRow};
+    std::int64_t rows = 0;  ///< of a block
+    Buffers of_block(std::int64_t block) const {
+      const std::int64_t first = block * rows * kRow;
+      return {even + first, odd == nullptr ? nullptr : odd + first, rows};
     }
   };
   /// A channel between the passes.
   struct Plane {
     Channel channel;
     Buffers buffers;
-    LineGroups input;
+    LineGroups input = {};
     double std = 0.0;                             ///< of the image, scaled
+    S* spectrum = nullptr;                        ///< of a plane that is kept
+    bool known = false;                           ///< the spectrum is there, and nothing in the buffers
     std::vector<std::int32_t> canvas = {};        ///< of the columns beyond the first block: uniform lines as zeros
     std::vector<std::int64_t> over_uniform = {};  ///< groups of filtered lines that may be negligible
     std::vector<double> energies = {};            ///< of those: [group][block]
   };
+  bool is_kept(const Channel& channel) const;
+  Plane recall(const Channel& channel, const Buffers& buffers) const;
   Plane read(const Channel& channel, const Buffers& buffers, int threads) const;
+  void keep(const Channel& channel, const Plane& plane) const;
   kernels::Moments lines_forward(const Plane& plane, int threads) const;
   kernels::Moments uniform_forward(const Plane& plane, std::int64_t begin, std::int64_t end) const;
   void columns(std::vector<Plane>& planes, const OtfBlocks<S>& otf, int threads) const;
@@ -118,9 +130,9 @@ class SpectralEngine {
   std::vector<std::int32_t> canvas_without_uniform(const LineGroups& input) const;
   LineGroups output_of(const Plane& plane) const;
   /// Calls tile(coefficients of kLanes lines, rows in the buffer) for all kLanes lines x kLanes numbers of a group.
-  void for_tiles(auto* coefficients, auto* buffer, std::int64_t first_row, const auto& tile) const;
+  void for_tiles(auto* coefficients, auto* buffer, std::int64_t rows, std::int64_t first_row, const auto& tile) const;
 
-  std::int64_t block_rows() const;        ///< rows of one block of a buffer
+  std::int64_t spectrum_size() const { return blocks() * y().frequency.length * kRow; }
   std::int64_t coefficient_rows() const;  ///< rows of the coefficients of one group of lines
   std::int64_t line_stride() const;
   S border_sample(const Channel& channel) const {
@@ -130,6 +142,7 @@ class SpectralEngine {
   AxisPass<S> x_, y_;
   Lines lines_;
   mutable BufferPool pool_;
+  std::shared_ptr<const void> name_ = std::make_shared<const char>();  ///< by which what is kept knows this engine
 };
 
 extern template class SpectralEngine<float>;

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// What is kept of one plane of a KeptScene: everything that a run makes of it before the OTF comes in.
+
+#include <cstddef>
+#include <memory>
+#include <optional>
+
+#include "mtf/engines/fft/line_groups.h"
+#include "mtf/engines/mean_and_deviation.h"
+#include "mtf/image.h"
+#include "mtf/survey/uniform_runs.h"
+
+namespace mtf {
+
+/// The spectrum of a plane, as a spectral engine multiplies it by an OTF, and what the engine knows of the plane.
+struct KeptSpectrum {
+  std::shared_ptr<const void> transforms;              ///< stands for the engine that made this; null: nothing is kept
+  double mean = 0.0, scale = 1.0, border_value = 0.0;  ///< of the channel that it was made for
+  double own_mean = 0.0, own_scale = 1.0;              ///< with which it was made
+  double std = 0.0;                                    ///< of the plane, scaled
+  LineGroups input;
+  AlignedBuffer<std::byte> numbers;  ///< [block][row][kRow], after the transforms along both axes
+};
+
+struct KeptPlane {
+  std::optional<MeanAndDeviation> all;  ///< from all samples, where they had to be read for it
+  UniformRuns flat;                     ///< found by the same pass
+  KeptSpectrum spectrum;
+};
+
+}  // namespace mtf
