@@ -145,11 +145,19 @@ class Chain {
   /// UsageError for a stage beyond last_output_stage() and a plane of another size, RuntimeError as Plan::run.
   ChainFrame run(mtf::Image radiance, std::uint32_t frame, OutputStage stage, double border_value = 0.0,
                  int threads = 0, ChainState* state = nullptr) const;
+  /// The same of a scene that comes again and is not used up (mtf/engines/kept_scene.h): its only plane is the
+  /// radiance.
+  ChainFrame run(mtf::KeptScene& radiance, std::uint32_t frame, OutputStage stage, double border_value = 0.0,
+                 int threads = 0, ChainState* state = nullptr) const;
 
   /// Electrons for one unit of weighted radiance, on the axis.
   double electrons_per_radiance() const;
 
  private:
+  /// `kept`: the scene in place of `radiance`, or null.
+  ChainFrame run_scene(mtf::Image radiance, mtf::KeptScene* kept, std::uint32_t frame, OutputStage stage,
+                       double border_value, int threads, ChainState* state) const;
+
   std::shared_ptr<const CompiledChain> compiled_;
 };
 

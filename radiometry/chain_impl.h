@@ -160,6 +160,7 @@ struct FrameRun {
   int threads;
   NoiseKey key{};
   std::uint32_t number = 0;         ///< of the frame in its sequence
+  mtf::KeptScene* kept = nullptr;   ///< the scene, where it comes again: until a stage has made an image of it
   ChainState* state = nullptr;      ///< of the sequence; null: the frame stands for itself
   double border = 0.0;              ///< value of a constant border at this place of the chain
   std::uint32_t frames_passed = 1;  ///< since the frame before; frames that were left out are time that has passed

@@ -108,12 +108,25 @@ void FrameRun::run_to(OutputStage stage) {
 
 ChainFrame Chain::run(mtf::Image radiance, std::uint32_t number, OutputStage stage, double border_value, int threads,
                       ChainState* state) const {
+  return run_scene(std::move(radiance), nullptr, number, stage, border_value, threads, state);
+}
+
+ChainFrame Chain::run(mtf::KeptScene& radiance, std::uint32_t number, OutputStage stage, double border_value,
+                      int threads, ChainState* state) const {
+  if (radiance.planes().size() != 1)
+    throw mtf::UsageError("the chain of a sensor takes one plane, not " + std::to_string(radiance.planes().size()));
+  return run_scene({}, &radiance, number, stage, border_value, threads, state);
+}
+
+ChainFrame Chain::run_scene(mtf::Image radiance, mtf::KeptScene* kept, std::uint32_t number, OutputStage stage,
+                            double border_value, int threads, ChainState* state) const {
   require_output_stage(stage, compiled_->last, compiled_->adc.has_value(), compiled_->settings.thermal.has_value());
   FrameRun run{.chain = *compiled_,
                .maps = *compiled_->maps,
                .threads = mtf::threads_of(threads),
                .key = {compiled_->seed, number},
                .number = number,
+               .kept = kept,
                .border = border_value};
   run.frame.image = std::move(radiance);
   run.run(Part::optics, run.frame.image);

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "radiometry/chain_steps.h"
 
+#include <span>
+#include <utility>
+
 #include "mtf/parallel.h"
 
 namespace radiometry {
@@ -71,15 +74,24 @@ namespace step {
 
 void distort(FrameRun& run, mtf::Image& scene) {
   const CompiledChain& chain = run.chain;
-  mtf::Image moved(scene.width(), scene.height());
-  radiometry::distort(scene.view(), *chain.settings.distortion, focal_plane_of(run, chain.plan.in()), moved.view(), {},
+  const mtf::Image& given = run.kept != nullptr ? run.kept->planes().front() : scene;
+  mtf::Image moved(given.width(), given.height());
+  radiometry::distort(given.view(), *chain.settings.distortion, focal_plane_of(run, chain.plan.in()), moved.view(), {},
                       chain.plan.options.border, static_cast<float>(run.border), run.threads);
   scene = std::move(moved);
+  run.kept = nullptr;
 }
 
 void sample(FrameRun& run, mtf::Image& scene) {
-  filter(run.chain.plan.presample, run, scene);
-  run.border *= run.chain.plan.presample.dc();
+  const mtf::Plan& plan = run.chain.plan.presample;
+  if (run.kept != nullptr) {
+    scene = mtf::Image(plan.out().width, plan.out().height);
+    const mtf::ImageView<float> out = scene.view();
+    plan.run(*std::exchange(run.kept, nullptr), std::span(&out, 1), run.border, run.threads);
+  } else {
+    filter(plan, run, scene);
+  }
+  run.border *= plan.dc();
 }
 
 void glare(FrameRun& run, mtf::Image& radiance) {

@@ -19,6 +19,7 @@ struct LiveSimulation::State {
 
   SimulateOptions options;
   StillScene still;
+  mtf::KeptScene kept;  ///< the planes of `still`
   SequencePlanner planner;
   radiometry::ChainState chain_state;
   mtf::SampleGrid chain_grid;  ///< of the images that chain_state remembers
@@ -28,6 +29,10 @@ struct LiveSimulation::State {
   std::shared_ptr<const RadiometricChain> radiometric;
 
   SimulatedImage run(Frame& frame);
+  mtf::KeptScene* kept_of(const std::shared_ptr<const SceneInput>& input) {
+    if (&kept.planes() != &input->scene.planes) kept = mtf::KeptScene({input, &input->scene.planes});
+    return &kept;
+  }
 };
 
 LiveSimulation::LiveSimulation(SceneSource scene, const SimulateOptions& options)
@@ -54,6 +59,7 @@ SimulatedImage LiveSimulation::image(const mtf::io::SensorConfig& sensor, std::i
   frame.sensor = std::make_shared<const mtf::io::SensorConfig>(sensor);
   frame.radiometric = radiometric_chain_of(sensor, state.options.stage, state.sensor.get(), state.radiometric.get());
   frame.input = state.still.of(frame.sensor, frame.radiometric.get());
+  frame.kept = state.kept_of(frame.input);
   return state.run(frame);
 }
 
@@ -118,6 +124,7 @@ const mtf::SensorPlan& LiveSimulation::plan() const {
   if (!state_->plan) throw mtf::UsageError("there is no plan before the first image; call image() first");
   return *state_->plan;
 }
+std::int64_t LiveSimulation::kept_bytes() const { return state_->kept.bytes(); }
 int LiveSimulation::plans_compiled() const { return state_->planner.compiled(); }
 int LiveSimulation::plans_updated() const { return state_->planner.updated(); }
 

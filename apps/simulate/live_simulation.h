@@ -7,8 +7,8 @@
 //   for (;;) show(live.image(sensor_with(slider.value())));
 //
 // Between two images only what the change asks for is done again: the scene stays in memory, in the unit that the
-// sensor filters; the plan keeps its FFT plans and the components that have not changed; the chain of a sensor with
-// [detector] keeps what was measured for its correction.
+// sensor filters, and its transforms with it; the plan keeps its FFT plans and the components that have not changed;
+// the chain of a sensor with [detector] keeps what was measured for its correction.
 
 #include <memory>
 
@@ -50,6 +50,9 @@ class LiveSimulation {
   const std::vector<std::string>& names() const;
   const std::vector<std::string>& warnings() const;
   const mtf::SensorPlan& plan() const;
+  /// Bytes that are kept of the scene's transforms: about as many as of its planes, more with borders other than
+  /// reflect (mtf/engines/kept_scene.h). None of scenes that come with each image.
+  std::int64_t kept_bytes() const;
   /// Plans made anew and plans remade in part, of all images so far.
   int plans_compiled() const;
   int plans_updated() const;

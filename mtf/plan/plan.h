@@ -177,8 +177,9 @@ class Plan {
 
  private:
   struct Impl;
-  void run(std::span<const ImageView<const float>> in, std::span<const ImageView<float>> out, double border_value,
-           int threads, std::span<KeptPlane> kept) const;
+  /// `kept`: of each plane, or none.
+  void run_planes(std::span<const ImageView<const float>> in, std::span<const ImageView<float>> out,
+                  double border_value, int threads, std::span<KeptPlane> kept) const;
   friend Plan compile(const System<double>&, const SampleGrid&, const SampleGrid&, const PlanOptions&);
   struct Recompile;
   friend Plan compile_stages(const System<double>&, std::span<const Stage>, const SampleGrid&, const SampleGrid&,

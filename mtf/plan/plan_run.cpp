@@ -44,18 +44,17 @@ void Plan::run(ImageView<const float> in, ImageView<float> out, double border_va
 
 void Plan::run(std::span<const ImageView<const float>> in, std::span<const ImageView<float>> out, double border_value,
                int threads) const {
-  run(in, out, border_value, threads, {});
+  run_planes(in, out, border_value, threads, {});
 }
 
 void Plan::run(KeptScene& scene, std::span<const ImageView<float>> out, double border_value, int threads) const {
   std::vector<ImageView<const float>> in;
   for (const Image& plane : scene.planes()) in.push_back(plane.view());
-  run(in, out, border_value, threads, scene.kept());
+  run_planes(in, out, border_value, threads, scene.kept());
 }
 
-// `kept`: of each plane, or none.
-void Plan::run(std::span<const ImageView<const float>> in, std::span<const ImageView<float>> out, double border_value,
-               int threads, std::span<KeptPlane> kept) const {
+void Plan::run_planes(std::span<const ImageView<const float>> in, std::span<const ImageView<float>> out,
+                      double border_value, int threads, std::span<KeptPlane> kept) const {
   if (in.size() != out.size()) throw UsageError("as many output as input planes are needed");
   const bool constant = impl_->options.border == Border::constant;
   if (constant && !(std::abs(border_value) <= std::numeric_limits<float>::max()))

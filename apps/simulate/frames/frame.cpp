@@ -11,12 +11,17 @@ namespace {
 std::vector<mtf::Image> filtered(Frame& frame, radiometry::ChainState* state, int threads) {
   const SceneInput& input = *frame.input;
   if (frame.chain) {
-    frame.counted = frame.chain->run(input.scene.planes.front().clone(), static_cast<std::uint32_t>(frame.number),
-                                     frame.radiometric->stage, input.border_value, threads, state);
+    const auto number = static_cast<std::uint32_t>(frame.number);
+    const radiometry::OutputStage stage = frame.radiometric->stage;
+    frame.counted =
+        frame.kept != nullptr
+            ? frame.chain->run(*frame.kept, number, stage, input.border_value, threads, state)
+            : frame.chain->run(input.scene.planes.front().clone(), number, stage, input.border_value, threads, state);
     std::vector<mtf::Image> images;
     images.push_back(std::move(frame.counted.image));
     return images;
   }
+  if (frame.kept != nullptr) return frame.plan->run(*frame.kept, input.border_value, threads);
   std::vector<mtf::ImageView<const float>> planes;
   for (const mtf::Image& plane : input.scene.planes) planes.push_back(plane.view());
   return frame.plan->run(planes, input.border_value, threads);
