@@ -16,10 +16,15 @@ namespace mtf {
 
 /// The spectrum of a plane, as a spectral engine multiplies it by an OTF, and what the engine knows of the plane.
 struct KeptSpectrum {
-  std::shared_ptr<const void> transforms;              ///< stands for the engine that made this; null: nothing is kept
-  double mean = 0.0, scale = 1.0, border_value = 0.0;  ///< of the channel that it was made for
-  double own_mean = 0.0, own_scale = 1.0;              ///< with which it was made
-  double std = 0.0;                                    ///< of the plane, scaled
+  /// What it is good for, besides the plane.
+  struct Key {
+    std::shared_ptr<const void> transforms;              ///< stands for the engine that made it; null: there is none
+    double mean = 0.0, scale = 1.0, border_value = 0.0;  ///< of the channel
+    bool operator==(const Key&) const = default;
+  };
+  Key key;
+  double mean = 0.0, scale = 1.0;  ///< with which it was made: those of the channel, or of all samples (is_near)
+  double std = 0.0;                ///< of the plane, scaled
   LineGroups input;
   AlignedBuffer<std::byte> numbers;  ///< [block][row][kRow], after the transforms along both axes
 };

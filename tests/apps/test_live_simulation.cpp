@@ -9,6 +9,7 @@
 #include <cstring>
 
 #include "apps/simulate/live_simulation.h"
+#include "apps/simulate/simulate.h"
 #include "tests/apps/chain_sensor.h"
 
 namespace apps_test {
@@ -100,6 +101,75 @@ class LiveSimulation : public testing::Test {
   }
   const Scratch scratch;
 };
+
+/// What sliders do to a sensor, one after the other, and what a hand does that writes in the file.
+std::vector<std::string> changes() {
+  const auto jitter = [](const char* rms) {
+    return std::string("[[presample]]\nkind = \"jitter\"\nrms = \"") + rms + "\"\n";
+  };
+  const std::string turned = "[[presample]]\nkind = \"linear_motion\"\ntravel = \"12 um\"\ndirection = \"35 deg\"\n";
+  return {jitter("10 urad"),
+          jitter("20 urad"),
+          jitter("30 urad"),
+          jitter("200 urad"),  // frequencies are left out
+          jitter("30 urad") + turned,
+          jitter("40 urad") + turned,
+          jitter("40 urad") + "[[readout]]\nkind = \"gaussian\"\nsigma = \"4 um\"\n",
+          jitter("50 urad") + "[[postsample]]\nkind = \"gaussian\"\nsigma = \"4 um\"\n",
+          jitter("50 urad")};
+}
+
+/// The same transforms, and of the OTF the same left out: images have the same bits then.
+bool same_work(const mtf::SensorPlan& a, const mtf::SensorPlan& b) {
+  const auto same = [](const mtf::Plan& p, const mtf::Plan& q) {
+    const mtf::PlanReport &r = p.report(), &s = q.report();
+    return r.method == s.method && r.axes == s.axes && r.kept == s.kept && r.merged == s.merged &&
+           r.dropped.size() == s.dropped.size() && r.predicted.flat == s.predicted.flat && p.dc() == q.dc();
+  };
+  return same(a.presample, b.presample) && a.post.has_value() == b.post.has_value() &&
+         a.readout.has_value() == b.readout.has_value() && (!a.post || same(*a.post, *b.post)) &&
+         (!a.readout || same(*a.readout, *b.readout));
+}
+
+// A view that keeps the transforms of its scene beside one that gets the scene anew with each image, and beside a call
+// of its own for each image, where that has the same plan. Borders and what lies beyond them change in between.
+TEST_F(LiveSimulation, WhatIsKeptOfTheSceneChangesNoBit) {
+  const std::string chain = "[noise]\nseed = 5\n[nonuniformity]\nprnu = 0.01\n[adc]\nbits = 14\n",
+                    distortion = "[distortion]\nk1 = -0.05\n";
+  const apps::SimulateOptions options{.tolerance = 5e-5};
+  for (const std::string& base : {kPlain, kSensor + chain, kSensor + chain + distortion}) {
+    SCOPED_TRACE(base);
+    apps::LiveSimulation live(temperatures(), options), anew(options);
+    int images = 0, transforms = 0, of_the_same_plan = 0;
+    const auto expect_same = [&](const SensorConfig& shown) {
+      for (apps::LiveSimulation* view : {&live, &anew}) view->begin_anew();
+      const Image kept = image(live, shown);
+      const auto again = anew.image(std::move(*temperatures().image), std::make_shared<const SensorConfig>(shown), 0);
+      EXPECT_TRUE(same_pixels(kept, again.planes.front())) << live.plan().presample.explain();
+      const apps::SimulateResult alone = apps::simulate(shown, temperatures(), options);
+      const bool same_plan = same_work(live.plan(), *alone.report.plan);
+      EXPECT_TRUE(!same_plan || same_pixels(kept, alone.images.front().planes.front()));
+      ++images;
+      transforms += live.plan().presample.report().method.starts_with("fft") ? 1 : 0;
+      of_the_same_plan += same_plan ? 1 : 0;
+    };
+    for (const std::string& change : changes())
+      for (const auto& [border, beyond] : {std::pair{mtf::Border::reflect, 0.0},
+                                           {mtf::Border::constant, 290.0},
+                                           {mtf::Border::constant, 301.0},
+                                           {mtf::Border::reflect, 0.0}}) {
+        SensorConfig shown = sensor(base + change);
+        shown.scene.border = border;
+        shown.scene.border_value = beyond;
+        expect_same(shown);
+        expect_same(shown);
+      }
+    EXPECT_GT(transforms, images / 2);
+    EXPECT_GT(of_the_same_plan, images / 3);
+    EXPECT_EQ(live.kept_bytes() > 0, base.find(distortion) == std::string::npos);
+    EXPECT_EQ(anew.kept_bytes(), 0);
+  }
+}
 
 TEST_F(LiveSimulation, ASensorWithoutAChainGetsTheSceneAndNotItsLight) {
   const SensorConfig with = camera("[adc]\nbits = 14\n"), without = sensor(kPlain);

@@ -7,7 +7,6 @@
 #include <cstring>
 #include <numeric>
 
-#include "mtf/engines/kept_plane.h"
 #include "mtf/engines/mean_and_deviation.h"
 #include "mtf/parallel.h"
 
@@ -97,49 +96,26 @@ void SpectralEngine<S>::run(const std::vector<Channel>& channels, const OtfBlock
   };
   std::vector<Plane> planes;
   for (const Channel& channel : channels) {
-    planes.push_back(is_kept(channel) ? recall(channel, buffers(y().outputs))
-                                      : read(channel, buffers(std::max(y().samples, y().outputs)), threads));
+    const bool known = channel.kept != nullptr && channel.kept->spectrum.key == key_of(channel);
+    planes.push_back(known ? recall(channel, buffers(y().outputs))
+                           : read(channel, buffers(std::max(y().samples, y().outputs)), threads));
     Plane& plane = planes.back();
     if (channel.allowance > 0.0) plane.over_uniform = groups_over_uniform(plane.input, x(), y());
     plane.energies.resize(plane.over_uniform.size() * static_cast<std::size_t>(blocks()));
   }
   columns(planes, otf, threads);
-  for (std::size_t c = 0; c < planes.size(); ++c) {
-    keep(channels[c], planes[c]);
-    lines_inverse(planes[c], threads);
-  }
-}
-
-template <class S>
-bool SpectralEngine<S>::is_kept(const Channel& channel) const {
-  if (channel.kept == nullptr) return false;
-  const KeptSpectrum& kept = channel.kept->spectrum;
-  return kept.transforms == name_ && kept.mean == channel.mean && kept.scale == channel.scale &&
-         kept.border_value == channel.border_value;
+  for (const Channel& channel : channels)  // whose spectra are complete; after an exception nothing is kept
+    if (channel.kept != nullptr) channel.kept->spectrum.key = key_of(channel);
+  for (const Plane& plane : planes) lines_inverse(plane, threads);
 }
 
 template <class S>
 auto SpectralEngine<S>::recall(const Channel& channel, const Buffers& buffers) const -> Plane {
   const KeptSpectrum& kept = channel.kept->spectrum;
   Plane plane{channel, buffers, kept.input, kept.std, reinterpret_cast<S*>(kept.numbers.data()), true};
-  plane.channel.mean = kept.own_mean;
-  plane.channel.scale = kept.own_scale;
+  plane.channel.mean = kept.mean;
+  plane.channel.scale = kept.scale;
   return plane;
-}
-
-// Once the spectrum is complete: after an exception nothing is kept.
-template <class S>
-void SpectralEngine<S>::keep(const Channel& channel, const Plane& plane) const {
-  if (plane.spectrum == nullptr || plane.known) return;
-  KeptSpectrum& kept = channel.kept->spectrum;
-  kept.mean = channel.mean;
-  kept.scale = channel.scale;
-  kept.border_value = channel.border_value;
-  kept.own_mean = plane.channel.mean;
-  kept.own_scale = plane.channel.scale;
-  kept.std = plane.std;
-  kept.input = plane.input;
-  kept.transforms = name_;
 }
 
 template <class S>
@@ -155,12 +131,16 @@ auto SpectralEngine<S>::read(const Channel& channel, const Buffers& buffers, int
   if (!plane.input.uniform.empty()) plane.canvas = canvas_without_uniform(plane.input);
   if (channel.kept != nullptr) {
     KeptSpectrum& kept = channel.kept->spectrum;
-    const std::size_t bytes = static_cast<std::size_t>(spectrum_size()) * sizeof(S);
+    const auto bytes = static_cast<std::size_t>(blocks() * y().frequency.length * kRow) * sizeof(S);
+    kept.key = {};
     if (kept.numbers.size() != bytes) {
-      kept = {};
+      kept.numbers = {};  // given back before others are taken
       kept.numbers = AlignedBuffer<std::byte>(bytes);
     }
-    kept.transforms = nullptr;
+    kept.mean = plane.channel.mean;
+    kept.scale = plane.channel.scale;
+    kept.std = plane.std;
+    kept.input = plane.input;
     plane.spectrum = reinterpret_cast<S*>(kept.numbers.data());
   }
   return plane;

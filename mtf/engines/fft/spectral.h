@@ -38,6 +38,7 @@
 #include "mtf/engines/engine.h"
 #include "mtf/engines/fft/axis_pass.h"
 #include "mtf/engines/fft/line_groups.h"
+#include "mtf/engines/kept_plane.h"
 #include "mtf/engines/kernels.h"
 #include "mtf/image.h"
 
@@ -113,10 +114,11 @@ class SpectralEngine {
     std::vector<std::int64_t> over_uniform = {};  ///< groups of filtered lines that may be negligible
     std::vector<double> energies = {};            ///< of those: [group][block]
   };
-  bool is_kept(const Channel& channel) const;
+  KeptSpectrum::Key key_of(const Channel& channel) const {
+    return {name_, channel.mean, channel.scale, channel.border_value};
+  }
   Plane recall(const Channel& channel, const Buffers& buffers) const;
   Plane read(const Channel& channel, const Buffers& buffers, int threads) const;
-  void keep(const Channel& channel, const Plane& plane) const;
   kernels::Moments lines_forward(const Plane& plane, int threads) const;
   kernels::Moments uniform_forward(const Plane& plane, std::int64_t begin, std::int64_t end) const;
   void columns(std::vector<Plane>& planes, const OtfBlocks<S>& otf, int threads) const;
@@ -132,7 +134,6 @@ class SpectralEngine {
   /// Calls tile(coefficients of kLanes lines, rows in the buffer) for all kLanes lines x kLanes numbers of a group.
   void for_tiles(auto* coefficients, auto* buffer, std::int64_t rows, std::int64_t first_row, const auto& tile) const;
 
-  std::int64_t spectrum_size() const { return blocks() * y().frequency.length * kRow; }
   std::int64_t coefficient_rows() const;  ///< rows of the coefficients of one group of lines
   std::int64_t line_stride() const;
   S border_sample(const Channel& channel) const {
