@@ -92,4 +92,71 @@ std::string toml_string(std::string_view text) {
   return quoted + "\"";
 }
 
+const Node* number_of(const Node* value) {
+  const Node* inner = value != nullptr && value->kind == Node::Kind::table ? value->find("value") : nullptr;
+  return inner != nullptr ? inner : value;
+}
+
+void TableText::replace(const Node& old, const std::string& value) {
+  const std::size_t begin = offset_of(text_, old.position);
+  edits_.push_back({begin, end_of_value(text_, begin), value});
+}
+
+void TableText::replace_line(std::string_view key, std::string_view first, std::string_view second) {
+  const Member& member = member_of(key);
+  const std::size_t begin = offset_of(text_, member.position);
+  const std::string gap = is_inline() ? ", " : "\n" + std::string(indentation(begin));
+  edits_.push_back({begin, end_of(member), std::string(first) + (second.empty() ? "" : gap + std::string(second))});
+}
+
+void TableText::remove_line(std::string_view key) {
+  const Member& member = member_of(key);
+  std::size_t begin = offset_of(text_, member.position), end = end_of(member);
+  if (is_inline()) {  // with the comma before or after it
+    const std::size_t before = text_.find_last_not_of(" \t\r\n", begin - 1),
+                      after = text_.find_first_not_of(" \t", end);
+    if (text_[before] == ',')
+      begin = before;
+    else if (after != std::string_view::npos && text_[after] == ',')
+      end = text_.find_first_not_of(" \t", after + 1);
+  } else {
+    begin -= indentation(begin).size();
+    end = std::min(text_.find('\n', end), text_.size() - 1) + 1;
+  }
+  edits_.push_back({begin, end, ""});
+}
+
+void TableText::add_line(const std::string& line) {
+  const auto last = std::max_element(
+      table_.members.begin(), table_.members.end(),
+      [&](const Member& a, const Member& b) { return offset_of(text_, a.position) < offset_of(text_, b.position); });
+  if (last == table_.members.end()) {
+    const std::size_t at = std::min(text_.find('\n', offset_of(text_, table_.position)), text_.size());
+    edits_.push_back({at, at, "\n" + line});
+    return;
+  }
+  const std::size_t begin = offset_of(text_, last->position), end = end_of(*last);
+  const std::size_t at = is_inline() ? end : std::min(text_.find('\n', end), text_.size());
+  edits_.push_back({at, at, (is_inline() ? ", " : "\n" + std::string(indentation(begin))) + line});
+}
+
+const Member& TableText::member_of(std::string_view key) const {
+  return *std::find_if(table_.members.begin(), table_.members.end(), [&](const Member& m) { return m.key == key; });
+}
+
+std::size_t TableText::end_of(const Member& member) const {
+  return end_of_value(text_, offset_of(text_, member.value.position));
+}
+
+bool TableText::is_inline() const {
+  const std::size_t at = offset_of(text_, table_.position);
+  return at < text_.size() && text_[at] == '{';
+}
+
+std::string_view TableText::indentation(std::size_t at) const {
+  std::size_t begin = at;
+  while (begin > 0 && (text_[begin - 1] == ' ' || text_[begin - 1] == '\t')) --begin;
+  return begin == 0 || text_[begin - 1] == '\n' ? text_.substr(begin, at - begin) : std::string_view();
+}
+
 }  // namespace mtf::io::cfg

@@ -15,11 +15,12 @@
 namespace mtf::io {
 namespace {
 
-using cfg::Edit;
 using cfg::end_of_value;
 using cfg::Member;
 using cfg::Node;
+using cfg::number_of;
 using cfg::offset_of;
+using cfg::TableText;
 using cfg::Target;
 
 /// Equal values under equal keys; the order of keys and their positions do not count.
@@ -65,84 +66,6 @@ const Node* table_of(const Node& root, const Target& target) {
   if (owner == nullptr || !target.component) return owner;
   return target.index < owner->items.size() ? &owner->items[target.index] : nullptr;
 }
-
-/// The number of a fit table, else the value itself.
-const Node* number_of(const Node* value) {
-  const Node* inner = value != nullptr && value->kind == Node::Kind::table ? value->find("value") : nullptr;
-  return inner != nullptr ? inner : value;
-}
-
-/// Changes of one table of the text.
-class TableText {
- public:
-  TableText(std::string_view text, const Node& table) : text_(text), table_(table) {}
-
-  const Node* find(std::string_view key) const { return table_.find(key); }
-  void replace(const Node& old, const std::string& value) {
-    const std::size_t begin = offset_of(text_, old.position);
-    edits_.push_back({begin, end_of_value(text_, begin), value});
-  }
-  /// `key = value` gives way to `lines`, one below the other.
-  void replace_line(std::string_view key, std::string_view first, std::string_view second = {}) {
-    const Member& member = member_of(key);
-    const std::size_t begin = offset_of(text_, member.position);
-    const std::string gap = is_inline() ? ", " : "\n" + std::string(indentation(begin));
-    edits_.push_back({begin, end_of(member), std::string(first) + (second.empty() ? "" : gap + std::string(second))});
-  }
-  void remove_line(std::string_view key) {
-    const Member& member = member_of(key);
-    std::size_t begin = offset_of(text_, member.position), end = end_of(member);
-    if (is_inline()) {  // with the comma before or after it
-      const std::size_t before = text_.find_last_not_of(" \t\r\n", begin - 1),
-                        after = text_.find_first_not_of(" \t", end);
-      if (text_[before] == ',')
-        begin = before;
-      else if (after != std::string_view::npos && text_[after] == ',')
-        end = text_.find_first_not_of(" \t", after + 1);
-    } else {
-      begin -= indentation(begin).size();
-      end = std::min(text_.find('\n', end), text_.size() - 1) + 1;
-    }
-    edits_.push_back({begin, end, ""});
-  }
-  /// After the last key of the table.
-  void add_line(const std::string& line) {
-    const auto last = std::max_element(
-        table_.members.begin(), table_.members.end(),
-        [&](const Member& a, const Member& b) { return offset_of(text_, a.position) < offset_of(text_, b.position); });
-    if (last == table_.members.end()) {
-      const std::size_t at = std::min(text_.find('\n', offset_of(text_, table_.position)), text_.size());
-      edits_.push_back({at, at, "\n" + line});
-      return;
-    }
-    const std::size_t begin = offset_of(text_, last->position), end = end_of(*last);
-    const std::size_t at = is_inline() ? end : std::min(text_.find('\n', end), text_.size());
-    edits_.push_back({at, at, (is_inline() ? ", " : "\n" + std::string(indentation(begin))) + line});
-  }
-  std::string text() const { return cfg::edited(text_, edits_); }
-
- private:
-  const Member& member_of(std::string_view key) const {
-    return *std::find_if(table_.members.begin(), table_.members.end(), [&](const Member& m) { return m.key == key; });
-  }
-  std::size_t end_of(const Member& member) const {
-    return end_of_value(text_, offset_of(text_, member.value.position));
-  }
-  bool is_inline() const {
-    const std::size_t at = offset_of(text_, table_.position);
-    return at < text_.size() && text_[at] == '{';
-  }
-  /// The blanks before `at`, where the line starts with them.
-  std::string_view indentation(std::size_t at) const {
-    std::size_t begin = at;
-    while (begin > 0 && (text_[begin - 1] == ' ' || text_[begin - 1] == '\t')) --begin;
-    return begin == 0 || text_[begin - 1] == '\n' ? text_.substr(begin, at - begin) : std::string_view();
-  }
-
-  std::string_view text_;
-  const Node& table_;
-  std::vector<Edit> edits_{};
-};
 
 /// A table { value = ..., fit = ... } takes the place of the whole; a number that of the number in such a table.
 const Node& replaced_node(const Node& old, std::string_view value) {
@@ -240,6 +163,32 @@ std::string replace_value(const SensorConfig& config, std::string_view parameter
   if (result.error || !same_values(result.root, expected))
     throw UsageError(where + printable(name, 80) + ": cannot be set to " + printable(value, 80) + " in place; write [" +
                      target->table + "] with one `key = value` a line");
+  return text;
+}
+
+std::string without_value(const SensorConfig& config, std::string_view parameter) {
+  const std::string where = config.file + ": " + printable(std::string(parameter), 80) + ": ";
+  const cfg::Tree tree = cfg::read_tree(config.text);
+  if (tree.error) throw UsageError(format_diagnostic(*tree.error, config.file));
+  const cfg::Targets targets = cfg::targets_of(config);
+  const auto target = target_of(config, targets, parameter);
+  if (!target) throw UsageError(config.file + ": " + cfg::unknown_parameter(targets, std::string(parameter)));
+  const Node* table = table_of(tree.root, *target);
+  if (table == nullptr || target->element || table->find(target->key) == nullptr)
+    throw UsageError(where + "the file does not state it");
+  TableText out(config.text, *table);
+  out.remove_line(target->key);
+  std::string text = out.text();
+  Node expected = tree.root;
+  const auto remove = [&](Node& owner) {
+    std::erase_if(owner.members, [&](const Member& member) { return member.key == target->key; });
+  };
+  for (Member& member : expected.members)
+    if (member.key == target->table) remove(target->component ? member.value.items.at(target->index) : member.value);
+  const cfg::Tree result = cfg::read_tree(text);
+  if (result.error || !same_values(result.root, expected))
+    throw UsageError(where + "cannot be taken out in place; write [" + target->table +
+                     "] with one `key = value` a line");
   return text;
 }
 

@@ -23,6 +23,10 @@ namespace mtf::io {
 /// checked here.
 std::string replace_value(const SensorConfig& config, std::string_view parameter, std::string_view value);
 
+/// The text without that key, which counts as not given from then on. Throws UsageError for a parameter that the sensor
+/// does not have, or that the file does not state by that name.
+std::string without_value(const SensorConfig& config, std::string_view parameter);
+
 /// The value of a parameter as the file has it, `"10 urad"` with its quotes; of { value = ... } the number. "" where
 /// the file does not state it. Throws UsageError for a parameter that the sensor does not have.
 std::string stated_value(const SensorConfig& config, std::string_view parameter);

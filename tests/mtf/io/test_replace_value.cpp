@@ -172,3 +172,17 @@ TEST(ReplaceValue, TheValueThatAFileStates) {
   EXPECT_EQ(mtf::io::stated_value(fitted, "jitter.rms"), "\"1 px\"");
   EXPECT_THROW(mtf::io::stated_value(fitted, "jitter.rmz"), mtf::UsageError);
 }
+
+TEST(ReplaceValue, AKeyGoesOut) {
+  const SensorConfig sensor = read(kJitter);
+  const std::string without = mtf::io::without_value(sensor, "optics.wavelength");
+  EXPECT_EQ(without, [&] {
+    std::string text = sensor.text;
+    return text.erase(text.find("wavelength = \"4 um\"\n"), std::string("wavelength = \"4 um\"\n").size());
+  }());
+  // Of a component, whose comment goes with it.
+  EXPECT_EQ(mtf::io::without_value(sensor, "jitter.rms"), kHead + "[[presample]]\n  kind = \"jitter\"\n");
+  for (const char* name :
+       {"optics.aperture", "jitter.rms_x", "diffraction.obscuration", "frame.nothing", "nothing.rms"})
+    EXPECT_THROW(static_cast<void>(mtf::io::without_value(sensor, name)), mtf::UsageError) << name;
+}
