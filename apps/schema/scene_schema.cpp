@@ -93,10 +93,7 @@ Json instant(std::string_view doc) {
 
 Json temperature() { return number_or_file(scene::kTemperature, "\\.(csv|CSV|npy)$"); }
 
-Json emissivity() {
-  return number_or_file({.name = "emissivity", .lo = 0.0, .hi = 1.0, .example = "0.9", .doc = "or the name of a table"},
-                        "\\.[A-Za-z]+$");
-}
+Json emissivity() { return number_or_file(scene::kEmissivity, "\\.[A-Za-z]+$"); }
 
 Json place() {
   Json table = closed_table("where the scene is");
@@ -121,6 +118,7 @@ Json weather() {
   keys["stamp"] = words(radiometry::heat::kStampNames);
   keys["repeat"] = words(radiometry::heat::kRepeatNames);
   for (const FieldInfo& field : {scene::kBridge, scene::kAverage, scene::kHumidity}) add(table, field);
+  for (const FieldInfo& field : scene::kWeatherChanges) add(table, field);
   for (const FieldInfo& field : scene::kConstants) add(table, field);
   return table;
 }

@@ -68,6 +68,34 @@ inline constexpr FieldInfo kAverage{.name = "average",
                                     .presence = Presence::optional,
                                     .example = "\"5 min\"",
                                     .doc = "records become means over so long"};
+/// Changes of a file's records (WeatherChange).
+inline constexpr std::array kWeatherChanges{
+    FieldInfo{.name = "air_temperature_offset",
+              .unit = "K",
+              .lo = -60.0,
+              .hi = 60.0,
+              .presence = Presence::optional,
+              .example = "\"5 K\"",
+              .doc = "added to the file's air temperature; vapour pressure and long wave stay"},
+    FieldInfo{.name = "wind_speed_factor",
+              .lo = 0.0,
+              .hi = 20.0,
+              .presence = Presence::optional,
+              .example = "0.5",
+              .doc = "times the file's wind speed"},
+    FieldInfo{.name = "solar_factor",
+              .lo = 0.0,
+              .hi = 1.5,
+              .presence = Presence::optional,
+              .example = "0.3",
+              .doc = "times the file's direct, diffuse and global irradiance"},
+    FieldInfo{.name = "longwave_down_offset",
+              .unit = "W/m2",
+              .lo = -300.0,
+              .hi = 300.0,
+              .presence = Presence::optional,
+              .example = "\"20 W/m2\"",
+              .doc = "added to the file's long wave of the sky"}};
 constexpr FieldInfo constant_field(WeatherQuantity quantity, std::string_view unit, double lo, double hi,
                                    std::string_view example) {
   return {.name = radiometry::heat::quantity_name(quantity),
@@ -152,6 +180,8 @@ inline constexpr FieldInfo kSolarAbsorptance{.name = "solar_absorptance",
                                              .hi = 1.0,
                                              .example = "0.7",
                                              .doc = "share of the sunlight that is absorbed"};
+inline constexpr FieldInfo kEmissivity{
+    .name = "emissivity", .lo = 0.0, .hi = 1.0, .example = "0.9", .doc = "or the name of a table"};
 inline constexpr FieldInfo kWetFraction{.name = "wet_fraction",
                                         .lo = 0.0,
                                         .hi = 1.0,

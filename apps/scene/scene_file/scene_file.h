@@ -33,6 +33,17 @@ struct TimeSection {
   double step_s = 600.0;  ///< between outputs; a divisor of the span
 };
 
+/// What changes the records of a weather file: the same days, warmer or calmer. Each quantity by itself: vapour
+/// pressure and the sky's long wave stay as they were recorded where the air gets warmer.
+struct WeatherChange {
+  double air_temperature_offset_k = 0.0;
+  double wind_speed_factor = 1.0;
+  double solar_factor = 1.0;  ///< of direct, diffuse and global irradiance
+  double longwave_down_offset_w_m2 = 0.0;
+
+  bool operator==(const WeatherChange&) const = default;
+};
+
 /// [weather]: a file, or constant values as one record.
 struct WeatherSection {
   std::string file;                              ///< path, "" for constant values
@@ -42,6 +53,7 @@ struct WeatherSection {
   radiometry::heat::Repeat repeat = radiometry::heat::Repeat::none;
   double longest_bridge_s = 3600.0;  ///< longest gap that a straight line closes
   double average_s = 0.0;            ///< records become means over intervals of this length; 0: they stay
+  WeatherChange change{};            ///< of a file's records
 };
 
 enum class LongwaveModel { measured, brunt, brutsaert, swinbank, atmosphere };
@@ -207,7 +219,7 @@ void require_files(const SceneFile& scene);
 /// The weather of a scene, ready for use: the file read, or the constant values, checked and prepared with the scene's
 /// place, stamp, repeat and start. Warnings are in the series. Throws as read_weather and make_series.
 radiometry::heat::WeatherSeries scene_weather(const SceneFile& scene);
-/// The records that it is made of, averaged as [weather] asks; of a scene whose weather is a file.
+/// The records that it is made of, averaged and changed as [weather] asks; of a scene whose weather is a file.
 WeatherFile scene_weather_records(const SceneFile& scene);
 
 /// Long-wave irradiance of a horizontal plane by the sky as [sky] has it, W/m2, with the cloud cover that it was made

@@ -46,6 +46,19 @@ std::vector<std::string_view> constant_keys() {
   return keys;
 }
 
+/// Changes of a file's records; what stands there beside constant values is refused.
+void read_weather_change(SceneReader& s, const Section& section, bool has_file) {
+  const auto& [air, wind, sun, sky] = kWeatherChanges;
+  for (const FieldInfo& field : kWeatherChanges)
+    if (!has_file && section.find(field.name) != nullptr)
+      section.error(field.name, "changes the records of a file; of constant weather change the values themselves");
+  WeatherChange& change = s.scene.weather.change;
+  change.air_temperature_offset_k = read_si(section, air).value_or(change.air_temperature_offset_k);
+  change.wind_speed_factor = read_si(section, wind).value_or(change.wind_speed_factor);
+  change.solar_factor = read_si(section, sun).value_or(change.solar_factor);
+  change.longwave_down_offset_w_m2 = read_si(section, sky).value_or(change.longwave_down_offset_w_m2);
+}
+
 /// One record of the values; the relative humidity becomes the vapour pressure.
 void read_constant_weather(SceneReader& s, const Section& section) {
   heat::Weather& weather = s.scene.weather.constant;
@@ -109,6 +122,7 @@ void read_weather_section(SceneReader& s) {
   std::vector<std::string_view> known(kWeatherKeys.begin(), kWeatherKeys.end());
   const auto constants = constant_keys();
   known.insert(known.end(), constants.begin(), constants.end());
+  for (const FieldInfo& field : kWeatherChanges) known.push_back(field.name);
   cfg::check_keys(section, known);
   WeatherSection& weather = s.scene.weather;
   if (const auto stamp = cfg::read_word(section, "stamp", heat::kStampNames))
@@ -119,6 +133,7 @@ void read_weather_section(SceneReader& s) {
   weather.average_s = read_si(section, kAverage).value_or(weather.average_s);
   weather.file = read_path(section, "file").value_or("");
   if (const Node* file = section.find("file")) weather.file_at = file->position;
+  read_weather_change(s, section, section.find("file") != nullptr || s.reader.has_failed("weather.file"));
   const auto constant = std::find_if(constants.begin(), constants.end(),
                                      [&](std::string_view key) { return section.find(key) != nullptr; });
   if (constant == constants.end()) {

@@ -32,6 +32,23 @@ heat::SkyModel model_of(LongwaveModel longwave) {
                                                : heat::SkyModel::brutsaert;
 }
 
+void apply(const WeatherChange& change, heat::Weather& weather) {
+  const auto for_values = [&](WeatherQuantity quantity, double factor, double offset) {
+    for (double& value : weather[quantity]) value = factor * value + offset;
+  };
+  for_values(WeatherQuantity::air_temperature, 1.0, change.air_temperature_offset_k);
+  for_values(WeatherQuantity::wind_speed, change.wind_speed_factor, 0.0);
+  for (const WeatherQuantity quantity :
+       {WeatherQuantity::direct_normal, WeatherQuantity::diffuse_horizontal, WeatherQuantity::global_horizontal})
+    for_values(quantity, change.solar_factor, 0.0);
+  for_values(WeatherQuantity::longwave_down, 1.0, change.longwave_down_offset_w_m2);
+  try {
+    heat::check_weather(weather);
+  } catch (const mtf::UsageError& error) {
+    throw mtf::UsageError(std::string("with the offsets and factors of [weather]: ") + error.what());
+  }
+}
+
 }  // namespace
 
 WeatherFile scene_weather_records(const SceneFile& scene) {
@@ -44,6 +61,7 @@ WeatherFile scene_weather_records(const SceneFile& scene) {
                           ": it has one record, which says nothing of other times; for constant weather write its "
                           "values in [weather]");
   if (section.average_s > 0.0) file.weather = averaged(file.weather, section.average_s);
+  if (section.change != WeatherChange{}) apply(section.change, file.weather);
   return file;
 }
 

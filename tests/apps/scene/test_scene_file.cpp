@@ -194,6 +194,42 @@ TEST(SceneFile, WeatherIsReadAndPlacesAreCompared) {
   EXPECT_TRUE(contains(elsewhere.warnings[0], "10 deg away from [place]"));
 }
 
+TEST(SceneFile, WeatherOfAFileIsChanged) {
+  const SceneFolder folder;
+  const auto with = [&](const std::string& keys) {
+    return folder.parse(replaced(scene_text(), "stamp = \"instant\"\n", "stamp = \"instant\"\n" + keys));
+  };
+  const auto plain = scene_weather(folder.parse(scene_text()).scene);
+  const SceneResult result = with(
+      "air_temperature_offset = \"-7 K\"\nwind_speed_factor = 0.5\nsolar_factor = \"40 %\"\n"
+      "longwave_down_offset = \"20 W/m2\"\n");
+  ASSERT_TRUE(result.ok()) << all_of(result);
+  const auto changed = scene_weather(result.scene);
+  ASSERT_EQ(changed.node_s, plain.node_s);
+  for (std::size_t q = 0; q < radiometry::heat::kQuantities; ++q) {
+    const auto quantity = static_cast<radiometry::heat::WeatherQuantity>(q);
+    ASSERT_EQ(changed.has(quantity), plain.has(quantity));
+    const bool sun = quantity == direct_normal || quantity == diffuse_horizontal || quantity == global_horizontal;
+    const double factor = quantity == wind_speed ? 0.5 : sun ? 0.4 : 1.0;
+    const double offset = quantity == air_temperature ? -7.0 : quantity == longwave_down ? 20.0 : 0.0;
+    for (std::size_t i = 0; i < plain.value[q].size(); ++i)
+      // A closed column is closed after the change: sums of numbers up to 1500.
+      EXPECT_NEAR(changed.value[q][i], factor * plain.value[q][i] + offset, 1e-9)
+          << quantity_name(quantity) << " " << i;
+  }
+  EXPECT_TRUE(contains(all_of(with("wind_speed_factor = -1\n")), "outside [0, 20]"));
+  EXPECT_TRUE(contains(all_of(with("air_temperature_offset = \"20 degC\"\n")), "outside [-60, 60]")) << "a point";
+  try {
+    scene_weather(with("longwave_down_offset = \"-300 W/m2\"\n").scene);
+    FAIL();
+  } catch (const mtf::UsageError& error) {
+    EXPECT_TRUE(contains(error.what(), "with the offsets and factors of [weather]: ")) << error.what();
+  }
+  const std::string constant =
+      replaced(scene_text(), "file = \"weather.csv\"", "wind_speed = \"3 m/s\"\nsolar_factor = 0.5");
+  EXPECT_TRUE(contains(all_of(folder.parse(constant)), "weather.solar_factor: changes the records of a file"));
+}
+
 TEST(SceneFile, SkyModels) {
   WeatherAt weather;
   weather.value.fill(std::nan(""));
