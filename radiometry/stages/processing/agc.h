@@ -52,7 +52,7 @@ struct AutomaticGain {
                       row("plateau", 0.0, 1.0, true, "largest part of the pixels in one bin", &AutomaticGain::plateau),
                       row("bins", 2, 65536, false, "bins of the histogram", &AutomaticGain::bins),
                       row("most_level", 0.0, 1e9, true, "largest display level", &AutomaticGain::most_level),
-                      choice("polarity", "\"black_hot\"", "which end of the signal is bright: white_hot, black_hot",
+                      choice("polarity", "\"white_hot\"", "which end of the signal is bright: white_hot, black_hot",
                              &AutomaticGain::polarity)};
   }
 };
