@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <nlohmann/json.hpp>
 
 #include "apps/live/model.h"
@@ -23,7 +24,7 @@ using mtf::UsageError;
 using mtf::io::SensorConfig;
 
 constexpr std::size_t kMostEdits = 1000, kLongestName = 200, kLongestValue = 2000;
-constexpr std::array<std::string_view, 5> kKindNames{"set", "remove", "off", "on", "add"};
+constexpr std::array<std::string_view, 6> kKindNames{"set", "unset", "remove", "off", "on", "add"};
 
 const Parameter* find_parameter(const std::vector<Parameter>& parameters, std::string_view key) {
   const auto stem = cfg::pair_of_axis(key);
@@ -96,15 +97,50 @@ const Parameter* row_of_table(const std::string& name, const SensorKinds& kinds)
   return nullptr;
 }
 
-SensorConfig set(const SensorConfig& sensor, const Edit& edit, const SensorKinds& kinds) {
+/// Its row of the field tables; refuses a name that has none.
+const Parameter& row_named(const SensorConfig& sensor, const std::string& name, const SensorKinds& kinds) {
   const cfg::Targets targets = cfg::targets_of(sensor);
-  const auto target = cfg::find_target(targets, edit.name);
-  const Parameter* row = target ? row_of(sensor, *target, kinds) : row_of_table(edit.name, kinds);
-  if (row == nullptr)
-    throw UsageError(target ? edit.name + ": is not changed by the live view"
-                            : cfg::unknown_parameter(targets, edit.name));
-  require_no_file(*row, edit);
-  return mtf::io::replaced(sensor, edit.name, edit.value);
+  const auto target = cfg::find_target(targets, name);
+  const Parameter* row = target ? row_of(sensor, *target, kinds) : row_of_table(name, kinds);
+  if (row != nullptr) return *row;
+  throw UsageError(target ? name + ": is not changed by the live view" : cfg::unknown_parameter(targets, name));
+}
+
+/// The other keys of the same table or component that a message names.
+std::vector<std::string> others_named(const SensorConfig& sensor, const std::string& name, const std::string& message) {
+  std::vector<std::string> names;
+  const std::string owner = name.substr(0, name.rfind('.') + 1);
+  for (const auto& [other, target] : cfg::targets_of(sensor)) {
+    if (other == name || !other.starts_with(owner)) continue;
+    const std::size_t at = message.find(target.key);
+    const auto within = [&](std::size_t i) {
+      return i < message.size() && (std::isalnum(static_cast<unsigned char>(message[i])) != 0 || message[i] == '_');
+    };
+    if (at != std::string::npos && !within(at + target.key.size()) && (at == 0 || !within(at - 1)))
+      names.push_back(other);
+  }
+  return names;
+}
+
+SensorConfig set(const SensorConfig& sensor, const Edit& edit, const SensorKinds& kinds) {
+  require_no_file(row_named(sensor, edit.name, kinds), edit);
+  try {
+    return mtf::io::replaced(sensor, edit.name, edit.value);
+  } catch (const UsageError& error) {
+    if (!mtf::io::stated_value(sensor, edit.name).empty()) throw;
+    for (const std::string& other : others_named(sensor, edit.name, error.what())) try {
+        SensorConfig without = sensor;
+        without.text = mtf::io::without_value(sensor, other);
+        return parsed(sensor, mtf::io::replace_value(without, edit.name, edit.value));
+      } catch (const UsageError&) {  // that one does not exclude it
+      }
+    throw;
+  }
+}
+
+SensorConfig unset(const SensorConfig& sensor, const Edit& edit, const SensorKinds& kinds) {
+  static_cast<void>(row_named(sensor, edit.name, kinds));
+  return parsed(sensor, mtf::io::without_value(sensor, edit.name));
 }
 
 /// The piece of text that a name stands for: "[noise]", or the label of a component.
@@ -201,7 +237,7 @@ std::vector<Edit> read_edits(const std::string& json) {
                        std::all_of(item.begin(), item.end(), [](const auto& word) { return word.is_string(); });
     if (!words) throw fail("each is a list of two or three texts");
     const auto kind = std::find(kKindNames.begin(), kKindNames.end(), item[0].template get<std::string>());
-    if (kind == kKindNames.end()) throw fail("set, remove, off, on or add");
+    if (kind == kKindNames.end()) throw fail("set, unset, remove, off, on or add");
     Edit edit{.kind = static_cast<Edit::Kind>(kind - kKindNames.begin()), .name = item[1].template get<std::string>()};
     if (item.size() == 3) edit.value = item[2].template get<std::string>();
     if (edit.name.size() > kLongestName || edit.value.size() > kLongestValue) throw fail("a name or value is too long");
@@ -218,6 +254,8 @@ SensorConfig with_edit(const SensorConfig& sensor, const Edit& edit, const Senso
   switch (edit.kind) {
     case Edit::Kind::set:
       return set(sensor, edit, kinds);
+    case Edit::Kind::unset:
+      return unset(sensor, edit, kinds);
     case Edit::Kind::remove:
       return parsed(sensor, without_block(sensor.text, block_of(sensor, edit.name)));
     case Edit::Kind::off:
@@ -237,7 +275,11 @@ EditedSensor::Sensor EditedSensor::with(std::span<const Edit> edits) {
   after_.resize(same);
   for (; same < edits.size(); ++same) {
     const Sensor& before = same == 0 ? start_ : after_.back();
-    after_.push_back(std::make_shared<const SensorConfig>(with_edit(*before, edits[same], kinds_)));
+    try {
+      after_.push_back(std::make_shared<const SensorConfig>(with_edit(*before, edits[same], kinds_)));
+    } catch (const UsageError& error) {
+      throw RefusedEdit(error.what(), same, "edits");
+    }
     edits_.push_back(edits[same]);
   }
   return after_.empty() ? start_ : after_.back();

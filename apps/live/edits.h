@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "apps/sensor/sensor_kinds.h"
+#include "mtf/error.h"
 #include "mtf/io/config/config.h"
 
 namespace apps::live {
@@ -18,6 +19,7 @@ namespace apps::live {
 struct Edit {
   enum class Kind {
     set,     ///< parameter `name`, "jitter.rms", takes `value`, as a schedule has it
+    unset,   ///< the file states parameter `name` no longer
     remove,  ///< the component labelled `name`, or the table "[noise]"
     off,     ///< the same stays as a comment
     on,      ///< the comment number `name` becomes a table again
@@ -29,11 +31,24 @@ struct Edit {
   bool operator==(const Edit&) const = default;
 };
 
+/// An edit that cannot be made: the place in its list, which a request calls `list`.
+class RefusedEdit : public mtf::UsageError {
+ public:
+  RefusedEdit(const std::string& text, std::size_t index, std::string list)
+      : UsageError(text), index_(index), list_(std::move(list)) {}
+  std::size_t index() const { return index_; }
+  const std::string& list() const { return list_; }
+
+ private:
+  std::size_t index_;
+  std::string list_;
+};
+
 /// From JSON: [["set", "jitter.rms", "20 urad"], ...]. Throws UsageError.
 std::vector<Edit> read_edits(const std::string& json);
 
-/// The sensor with these edits. Throws UsageError for one that cannot be made, with the message of the reader, whose
-/// file name is that of the start.
+/// The sensor with these edits. Throws RefusedEdit of the list "edits" for one that cannot be made, with the message of
+/// the reader, whose file name is that of the start.
 class EditedSensor {
  public:
   using Sensor = std::shared_ptr<const mtf::io::SensorConfig>;
@@ -52,7 +67,8 @@ class EditedSensor {
   std::vector<Sensor> after_;  ///< after each of them
 };
 
-/// One edit. `kinds`: sensor_kinds().
+/// One edit. `kinds`: sensor_kinds(). Of keys that exclude each other, of which the reader says so by name, a new one
+/// takes the place of the other: an aperture that of an f-number.
 mtf::io::SensorConfig with_edit(const mtf::io::SensorConfig& sensor, const Edit& edit, const SensorKinds& kinds);
 
 }  // namespace apps::live

@@ -59,6 +59,35 @@ std::string refusal_of(const Edit& edit) {
   return "";
 }
 
+TEST(LiveEdits, AKeyIsNoLongerGiven) {
+  const std::string text = text_after(
+      {{Edit::Kind::set, "diffraction.obscuration", "0.3"}, {Edit::Kind::unset, "diffraction.obscuration", ""}});
+  EXPECT_EQ(text, kText);
+  EXPECT_EQ(text_after({{Edit::Kind::unset, "detector.full_well", ""}}).find("full_well"), std::string::npos);
+  EXPECT_NE(refusal_of({Edit::Kind::unset, "optics.f_number", ""}), "") << "something has to be given";
+  EXPECT_NE(refusal_of({Edit::Kind::unset, "diffraction.obscuration", ""}), "") << "the file does not state it";
+}
+
+TEST(LiveEdits, OfKeysThatExcludeEachOtherTheNewOneCounts) {
+  const std::string text = text_after({{Edit::Kind::set, "optics.aperture", "40 mm"}});
+  EXPECT_NE(text.find("aperture = \"40 mm\""), std::string::npos);
+  EXPECT_EQ(text.find("f_number"), std::string::npos);
+  // A value that is wrong by itself takes nothing away.
+  EXPECT_NE(refusal_of({Edit::Kind::set, "optics.aperture", "-40 mm"}).find("aperture"), std::string::npos);
+}
+
+TEST(LiveEdits, TheOneThatCannotBeMadeIsNamed) {
+  try {
+    text_after({{Edit::Kind::set, "jitter.rms", "10 urad"},
+                {Edit::Kind::set, "optics.f_number", "0"},
+                {Edit::Kind::set, "jitter.rms", "9 urad"}});
+    FAIL();
+  } catch (const RefusedEdit& error) {
+    EXPECT_EQ(error.index(), 1u);
+    EXPECT_EQ(error.list(), "edits");
+  }
+}
+
 TEST(LiveEdits, AValueChangesItsPlaceAndNothingElse) {
   std::string wanted = kText;
   wanted.replace(wanted.find("20 urad"), 7, "35 urad");
