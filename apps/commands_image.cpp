@@ -8,9 +8,6 @@
 namespace apps {
 namespace {
 
-constexpr std::array kNan{std::pair{std::string_view("refuse"), NanPolicy::refuse},
-                          std::pair{std::string_view("fill"), NanPolicy::fill},
-                          std::pair{std::string_view("propagate"), NanPolicy::propagate}};
 constexpr std::array kRigor{std::pair{std::string_view("estimate"), false},
                             std::pair{std::string_view("measure"), true}};
 constexpr std::array kResume{std::pair{std::string_view("auto"), true}, std::pair{std::string_view("no"), false}};
@@ -73,7 +70,7 @@ Command simulate_command() {
       "whose output is wanted, of a sensor with [detector]: radiance, irradiance, electrons (of a thermal detector "
       "watts, volts), dn (counts) or display; default: the end of its chain",
       kOutputStages, options.run.stage);
-  add_choice(app, "--nan", "POLICY", "NaN and infinite pixels: refuse (default), fill or propagate", kNan,
+  add_choice(app, "--nan", "POLICY", "NaN and infinite pixels: refuse (default), fill or propagate", kNanPolicies,
              options.run.nan);
   add_flag(app, "--without-path",
            "leave [path] and [atmosphere] of the sensor file out, for a picture that has its air in it",

@@ -72,6 +72,7 @@ struct LiveOptions {
   std::optional<std::string> channel, layer;
   std::optional<int> part;
   std::optional<double> tolerance;
+  NanPolicy nan = NanPolicy::refuse;
   int port = 0;            ///< 0 = any free one
   bool browser = true;     ///< opened where there is a desktop
   bool stay = false;       ///< without a page too

@@ -33,6 +33,8 @@ Command live_command() {
              if (!(*options.tolerance > 0.0 && *options.tolerance < 1.0))
                throw mtf::UsageError("--tolerance: " + text + " is outside (0, 1)");
            });
+  add_choice(app, "--nan", "POLICY", "NaN and infinite pixels: refuse (default), fill or propagate", kNanPolicies,
+             options.nan);
   add_text(app, "--temperatures", "PATH",
            "of a 3-D scene: folder that mtf heat wrote, or a table of facets; else the heat balance is worked out",
            options.temperatures);

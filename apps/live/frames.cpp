@@ -66,8 +66,8 @@ PixelBytes pixel_bytes(mtf::ImageView<const float> image, int every) {
   return pixels;
 }
 
-FrameMaker::FrameMaker(SceneSource scene, int threads, std::uint64_t first_id)
-    : source_(std::move(scene)), threads_(threads), count_(first_id) {
+FrameMaker::FrameMaker(SceneSource scene, NanPolicy nan, int threads, std::uint64_t first_id)
+    : source_(std::move(scene)), nan_(nan), threads_(threads), count_(first_id) {
   if (!source_.image) files_ = FrameNames::parse(source_.file);
   if (files_) numbers_ = files_->find(std::nullopt);
 }
@@ -83,8 +83,9 @@ KeptFrame FrameMaker::of_image(const Sensor& sensor, const FrameRequest& request
   const std::int64_t file = files_ ? request.number : 0;
   if (!live_ || file != file_number_ || request.tolerance != made_for_.tolerance || request.stage != made_for_.stage) {
     // The present one stays until another one is there.
-    live_.emplace(source_of(file),
-                  SimulateOptions{.tolerance = request.tolerance, .stage = request.stage, .threads = threads_});
+    live_.emplace(
+        source_of(file),
+        SimulateOptions{.tolerance = request.tolerance, .nan = nan_, .stage = request.stage, .threads = threads_});
     made_for_ = request;
     file_number_ = file;
   }
@@ -104,7 +105,7 @@ std::shared_ptr<const KeptFrame> FrameMaker::frame(const Sensor& sensor, const F
   // What was made while the page loaded is what it asks for first; an image of a preview is that at rest, too.
   FrameRequest asked = request;
   if (!draw_) asked.preview = false;
-  if (!kept_.empty() && !kept_.back()->light_lags && sensor == last_sensor_) {
+  if (!kept_.empty() && !kept_.back()->light_lags && kept_.back()->solving.empty() && sensor == last_sensor_) {
     FrameRequest last = last_request_;
     last.may_lag = asked.may_lag;
     if (last == asked) return kept_.back();

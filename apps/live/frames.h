@@ -34,6 +34,7 @@ struct FrameRequest {
   std::int64_t number = 0;          ///< of the noise, and of a sequence's files
   bool preview = false;             ///< for the moment: quicker, and less exact (README.md)
   std::optional<Viewpoint> from{};  ///< of a 3-D scene
+  std::string scene{};              ///< text of its file; "": that of the start
   bool may_lag = false;             ///< the light of another time will do for the moment
   std::optional<double> tolerance{};
   std::optional<radiometry::OutputStage> stage{};
@@ -59,12 +60,13 @@ struct KeptFrame {
   std::vector<std::string> warnings{};
   std::shared_ptr<const mtf::SensorPlan> plan{};
   double ms = 0.0;
-  bool passing = false;  ///< a preview, or in the light of another time: no file is made of it
+  bool passing = false;  ///< a preview, or of another time's light or temperatures: no file is made of it
   /// Of a 3-D scene: what the sensor took in, its relative error, whether its light is of another time, and what stands
   /// for sky, sun and air.
   std::shared_ptr<const mtf::io::Scene> scene{};
   double radiance_promised = 0.0;
   bool light_lags = false;
+  std::string solving{};  ///< temperatures are those of before: what is going on, in words
   std::vector<std::pair<std::string, std::string>> closures{};
   std::vector<std::pair<std::string, double>> stages_ms{};
 };
@@ -75,7 +77,7 @@ using DrawScene = std::function<KeptFrame(const Sensor& sensor, const FrameReque
 class FrameMaker {
  public:
   /// `scene`: one image, or numbered files. Numbers of frames follow `first_id`.
-  FrameMaker(SceneSource scene, int threads, std::uint64_t first_id = 0);
+  FrameMaker(SceneSource scene, NanPolicy nan, int threads, std::uint64_t first_id = 0);
   explicit FrameMaker(DrawScene draw, std::uint64_t first_id = 0);
 
   /// The last frame once more where the same is asked for. Throws as LiveSimulation::image, or what draws. Not to be
@@ -97,6 +99,7 @@ class FrameMaker {
   SceneSource source_;
   std::optional<FrameNames> files_;
   std::vector<std::int64_t> numbers_;
+  NanPolicy nan_ = NanPolicy::refuse;
   int threads_ = 0;
   std::optional<LiveSimulation> live_;
   FrameRequest made_for_;

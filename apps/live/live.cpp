@@ -21,7 +21,7 @@
 #include "apps/live/server.h"
 #include "apps/live/session.h"
 #ifdef MTFKIT_HAVE_SCENE
-#include "apps/live/scene_view.h"
+#include "apps/live/space/scene_view.h"
 #endif
 #include "apps/options.h"
 #include "apps/sensor/sensor_air.h"
@@ -45,10 +45,12 @@ class Waiting {
   }
   Answer answer() {
     const std::scoped_lock lock(mutex_);
-    return json_answer({{"waiting", words_}});
+    const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(std::chrono::steady_clock::now() - begin_);
+    return json_answer({{"waiting", words_ + " " + std::to_string(seconds.count()) + " s."}});
   }
 
  private:
+  const std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
   std::mutex mutex_;
   std::string words_ = "The scene is being made.";
 };
@@ -128,6 +130,7 @@ int run_live(const LiveOptions& options, const Global& global) {
                          .scene_name = {},
                          .command_before = {},
                          .tolerance = options.tolerance,
+                         .nan = options.nan,
                          .threads = global.threads};
   // A sensor file that is wrong is said before there is a page. Scene and first picture are made while that is loaded;
   // what is wrong with them ends the command, and is said here, not in a browser.

@@ -15,9 +15,11 @@
 #include "apps/sensor/otf_curves.h"
 #include "apps/sensor/sensor_chain.h"
 #include "apps/sensor/sensor_place.h"
+#include "apps/sensor/sensor_warnings.h"
 #include "apps/simulate/radiometric_chain.h"
 #include "apps/simulate/sensor_image.h"
 #include "mtf/error.h"
+#include "mtf/io/config/config_reader.h"
 #include "mtf/io/csv/curve_csv.h"
 
 namespace apps::live {
@@ -62,6 +64,24 @@ class ScratchFile {
   std::string path_;
 };
 
+std::string word_of(NanPolicy policy) {
+  for (const auto& [word, each] : kNanPolicies)
+    if (each == policy) return std::string(word);
+  return {};
+}
+
+/// What its reader would say of the sensor's text: warnings, and notes where both ways are usual.
+Json notes_of(const mtf::io::SensorConfig& sensor) {
+  Json notes = Json::array();
+  const auto add = [&](const std::vector<mtf::io::Diagnostic>& diagnostics) {
+    for (const mtf::io::Diagnostic& one : diagnostics)
+      if (!one.error) notes.push_back((one.path.empty() ? "" : one.path + ": ") + one.text);
+  };
+  add(mtf::io::parse_config(sensor.text, sensor.file, sensor.schema).diagnostics);
+  if (has_chain(sensor)) add(chain_warnings(sensor));
+  return notes;
+}
+
 }  // namespace
 
 /// A body, its values checked as they are asked for.
@@ -95,6 +115,10 @@ struct Session::Parts {
     if (!found->is_boolean()) throw UsageError(std::string(key) + ": true or false belongs here");
     return found->get<bool>();
   }
+  std::vector<Edit> edits(const char* key) const {
+    const auto found = json.find(key);
+    return read_edits(found == json.end() ? "[]" : found->dump());
+  }
   std::optional<double> tolerance() const {
     const auto asked = number("tolerance");
     if (asked && !(*asked > 0.0 && *asked < 1.0)) throw UsageError("--tolerance: is outside (0, 1)");
@@ -103,7 +127,9 @@ struct Session::Parts {
 };
 
 Session::Session(Sensor start, SceneSource scene, SessionOptions options)
-    : options_(std::move(options)), edited_(std::move(start)), frames_(std::move(scene), options_.threads) {}
+    : options_(std::move(options)),
+      edited_(std::move(start)),
+      frames_(std::move(scene), options_.nan, options_.threads) {}
 Session::Session(Sensor start, Space space, SessionOptions options)
     : options_(std::move(options)), edited_(std::move(start)), space_(std::move(space)), frames_(space_->drawer()) {}
 
@@ -133,6 +159,9 @@ Answer Session::answer(const std::string& place, const std::string& body) {
     if (place == "file") return file(request);
     if (place == "scenefile") return scene_file(request);
     return refusal("there is no such place", 404);
+  } catch (const RefusedEdit& error) {
+    return json_answer(
+        {{"error", error.what()}, {"status", 422}, {"refused", {{"list", error.list()}, {"index", error.index()}}}});
   } catch (const mtf::Error& error) {
     return refusal(error.what());
   } catch (const std::bad_alloc&) {
@@ -141,8 +170,7 @@ Answer Session::answer(const std::string& place, const std::string& body) {
 }
 
 Sensor Session::sensor_of(const Parts& request) {
-  const auto found = request.json.find("edits");
-  const std::vector<Edit> edits = read_edits(found == request.json.end() ? "[]" : found->dump());
+  const std::vector<Edit> edits = request.edits("edits");
   const std::scoped_lock lock(edits_mutex_);
   return edited_.with(edits);
 }
@@ -164,7 +192,8 @@ Answer Session::start() {
             {"text", edited_.start()->text},
             {"before", options_.command_before},
             {"tolerance", options_.tolerance ? Json(*options_.tolerance) : Json()},
-            {"numbers", frames_.numbers()}};
+            {"numbers", frames_.numbers()},
+            {"nan", word_of(options_.nan)}};
   if (space_) {
     json["space"] = space_->facts;
     json["space"]["position"] = space_->start.position_m;
@@ -176,15 +205,27 @@ Answer Session::start() {
   return json_answer(json);
 }
 
+std::string Session::scene_text_of(const Parts& request) {
+  const std::vector<Edit> edits = request.edits("scene");
+  const std::scoped_lock lock(edits_mutex_);
+  if (!scene_text_ || scene_edits_ != edits) {
+    scene_text_ = space_->edited(edits);
+    scene_edits_ = edits;
+  }
+  return *scene_text_;
+}
+
 Answer Session::scene_file(const Parts& request) {
   if (!space_) return refusal("a scene that is an image has no file with a camera");
-  return json_answer({{"text", space_->text(viewpoint_of(request.json, *space_))}});
+  return json_answer({{"text", space_->with_camera(scene_text_of(request), viewpoint_of(request.json, *space_))}});
 }
 
 Answer Session::model(const Parts& request) {
   const Sensor sensor = sensor_of(request);
   Json json = model_json(*sensor, edited_.kinds());
   json["text"] = sensor->text;
+  json["notes"] = notes_of(*sensor);
+  if (space_) json["scene"] = space_->rows(scene_text_of(request));
   json["chain"] = has_chain(*sensor);
   json["stages"] = Json::array();
   if (has_chain(*sensor)) {
@@ -206,6 +247,7 @@ Answer Session::frame(const Parts& request) {
   const FrameRequest asked{.number = request.whole("number", 0, kLastNoiseFrame, 0),
                            .preview = request.flag("preview"),
                            .from = space_ ? std::optional(viewpoint_of(request.json, *space_)) : std::nullopt,
+                           .scene = space_ ? scene_text_of(request) : "",
                            .may_lag = request.flag("may_lag"),
                            .tolerance = request.tolerance(),
                            .stage = stage_named(request.text("stage"))};
@@ -244,6 +286,7 @@ Answer Session::frame(const Parts& request) {
   std::string radiance;
   if (made->scene) {
     facts["light_lags"] = made->light_lags;
+    facts["solving"] = made->solving;
     facts["radiance_promised"] = made->radiance_promised;
     facts["closures"] = made->closures;
     facts["stages_ms"] = made->stages_ms;

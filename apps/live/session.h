@@ -5,16 +5,16 @@
 // Every answer follows from the request and the files that the command was started with: the list of edits comes with
 // each request, so that tabs, undo and links need no state here.
 //
-//   model   {"edits"}                                    the sensor as forms, its text, the command line
+//   model   {"edits", "scene"}                           sensor and 3-D scene as forms, the sensor's text
 //   frame   {"edits", "tab", "generation", "number", "tolerance", "stage", "preview", "every", "side"}
-//           facts and pixels of the image; of a 3-D scene also "position", "look_at", "utc_s", "may_lag", and with
-//           "before" its radiance
+//           facts and pixels of the image; of a 3-D scene also "scene", edits of its file, "position", "look_at",
+//           "utc_s", "may_lag", and with "before" its radiance
 //   scene   {"edits", "number"}                          facts and pixels of the scene
 //   figures {"edits", "angle", "unit", "temperature"}    curves and budget
 //   value   {"id", "x", "y", "edits", "number"}          values under the cursor
 //   file    {"id", "format"}                             the frame as .exr or .png
 //   start   {}                                           what the page needs once
-//   scenefile {"position", "look_at", "utc_s"}           the text of the 3-D scene's file with that camera
+//   scenefile {"scene", "position", "look_at", "utc_s"}  the text of the 3-D scene's file with that camera
 
 #include <map>
 #include <memory>
@@ -24,7 +24,7 @@
 #include "apps/live/answers.h"
 #include "apps/live/edits.h"
 #include "apps/live/frames.h"
-#include "apps/live/space.h"
+#include "apps/live/space/space.h"
 
 namespace apps::live {
 
@@ -32,6 +32,7 @@ struct SessionOptions {
   std::string sensor_name, scene_name;  ///< as on the command line
   std::string command_before;           ///< what makes the files of the demo: "mtf demo && "
   std::optional<double> tolerance{};
+  NanPolicy nan = NanPolicy::refuse;
   int threads = 0;
 };
 
@@ -61,6 +62,8 @@ class Session {
   FrameMaker& maker(bool left);
   std::shared_ptr<const KeptFrame> kept(const Parts& request);
   Sensor sensor_of(const Parts& request);
+  /// Of a 3-D scene, with the request's edits.
+  std::string scene_text_of(const Parts& request);
   /// False for a request that a later one of its tab has overtaken.
   bool is_latest(const Parts& request);
 
@@ -68,6 +71,8 @@ class Session {
   std::mutex edits_mutex_, frame_mutex_, generation_mutex_;
   EditedSensor edited_;
   std::optional<Space> space_;
+  std::vector<Edit> scene_edits_{};  ///< of scene_text_
+  std::optional<std::string> scene_text_{};
   FrameMaker frames_;
   std::optional<FrameMaker> left_;  ///< of a 3-D scene, once it is asked for
   std::map<std::string, std::int64_t> generations_;

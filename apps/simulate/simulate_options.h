@@ -10,6 +10,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "radiometry/output_stage.h"
@@ -19,6 +20,9 @@ namespace apps {
 struct ImagePart;
 
 enum class NanPolicy { refuse, fill, propagate };
+inline constexpr std::array kNanPolicies{std::pair{std::string_view("refuse"), NanPolicy::refuse},
+                                         std::pair{std::string_view("fill"), NanPolicy::fill},
+                                         std::pair{std::string_view("propagate"), NanPolicy::propagate}};
 
 /// First and last frame of a sequence, and the step from one to the next: 0 <= first <= last <= 999999999, step >= 1.
 struct FrameRange {

@@ -107,18 +107,34 @@ async function checkPage(run, browser) {
   await page.waitForSelector("[data-name='optics.f_number'] .message:not([hidden])");
   assert.match(await page.locator("[data-name='optics.f_number'] .message").textContent(), /is outside \[0\.1, 1/);
   assert.equal(await page.evaluate(() => window.mtfLive.frame.id), shown);
-  await page.keyboard.press("Escape");
-  await page.locator("#undo").click();
-  await settle(page);
-  await page.waitForSelector("#problem", { state: "hidden" });  // its request may be on its way
+  // It stands in the way of nothing: no edit, no step of undo, words until something else is changed.
+  const edits = () => page.evaluate(() => window.mtfLive.edits), kept = await edits();
+  assert.ok(!JSON.stringify(kept).includes("0.001"));
   await page.locator("select[aria-label='Add to Before sampling']").selectOption("defocus");
-  await page.waitForSelector("#problem:not([hidden])");
-  assert.match(await page.locator("#problem").textContent(), /pupil/);
-  await page.locator("#undo").click();
+  await page.waitForFunction(() => /^defocus is not added: .*pupil/.test(document.getElementById("problem").textContent));
+  assert.deepEqual(await edits(), kept);
+  await field(page, "optics.aperture").fill("30 mm");  // in place of the f-number, which excludes it
+  await field(page, "optics.aperture").press("Enter");
   await settle(page);
+  await page.waitForSelector("#problem", { state: "hidden" });
+  assert.ok(await page.evaluate(() => /^aperture = "30 mm"$/m.test(window.mtfLive.text) && !/^f_number/m.test(window.mtfLive.text)));
+  await compare(run, page, "an aperture");
+  await field(page, "optics.aperture").press("Control+z");
+  await settle(page);
+  assert.deepEqual(await edits(), kept);
+  assert.match(await field(page, "optics.f_number").inputValue(), /\d/);
 
-  // A link restores the state; files are what the page says.
+  // A link restores the state, but for what cannot be; files are what the page says.
   const link = page.url();
+  const wrong = await open(own, await page.evaluate(() => {
+    const [address, state] = location.href.split(/\/(?=[^/]*$)/), read = JSON.parse(atob(state.replaceAll("-", "+").replaceAll("_", "/")));
+    read.edits.push(["set", "optics.f_number", "x"]);
+    return `${address}/${btoa(JSON.stringify(read))}`;
+  }));
+  await wrong.page.waitForSelector("[data-name='optics.f_number'] .message:not([hidden])");
+  await settle(wrong.page);
+  assert.deepEqual(await wrong.page.evaluate(() => window.mtfLive.edits), kept);
+  await wrong.page.close();
   const other = await open(own, link);
   assert.deepEqual(await other.page.evaluate(() => window.mtfLive.edits), await page.evaluate(() => window.mtfLive.edits));
   assert.equal(await other.page.evaluate(() => window.mtfLive.text), await page.evaluate(() => window.mtfLive.text));
@@ -145,6 +161,20 @@ async function checkPage(run, browser) {
   assert.notEqual(await page.evaluate(() => window.mtfLive.text), before);
   await page.locator("#view").hover({ position: { x: 200, y: 200 } });
   await page.waitForFunction(() => window.mtfLive.value);
+  // Values under a mouse that rests follow the picture, and are those of both sensors where there are two.
+  await page.keyboard.press("k");
+  const cursor = () => page.locator("#cursor").textContent();
+  await page.waitForFunction(() => /\| +A .+ \| +B /.test(document.getElementById("cursor").textContent));
+  await settle(page);
+  await page.waitForTimeout(300);  // the window has settled too
+  const [, a] = (await cursor()).split("|");
+  await page.locator("#find").fill("jitter.rms");
+  await slider(page, "jitter.rms").focus();
+  for (let i = 0; i < 3; i += 1) await page.keyboard.press("PageUp");
+  await page.waitForFunction((text) => document.getElementById("cursor").textContent.split("|")[2].slice(3) !== text.slice(3), a);
+  assert.equal((await cursor()).split("|")[1], a);
+  await page.locator("#find").fill("no such thing");
+  await page.waitForSelector("#nothing:not([hidden])");
   const unnamed = await page.evaluate(() => [...document.querySelectorAll("button, input, select")].filter((e) => !e.hidden && !(e.getAttribute("aria-label") || e.labels?.length || e.textContent.trim())).map((e) => e.outerHTML));
   assert.deepEqual(unnamed, []);
   const sizes = await page.evaluate(() => performance.getEntriesByType("resource").filter((e) => /\.(js|css)$/.test(e.name)).reduce((sum, e) => sum + e.decodedBodySize, 0));

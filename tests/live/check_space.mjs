@@ -82,11 +82,49 @@ export async function writeScene(run) {
   writeFileSync(join(run.folder, "space.toml"), camera);
 }
 
+/** Other weather and another surface: a heat balance beside pictures, which are then those of the command line. */
+async function checkHeat(run, own) {
+  const solved = SCENE.replace('temperature = "warming.csv"\n', "").replace('longwave_down', 'relative_humidity = "40 %"\nlongwave_down').replace('vapour_pressure = "10 hPa"\n', "");
+  writeFileSync(join(run.folder, "heated.toml"), solved);
+  await run.mtf("heat", "heated.toml", "-o", "known", "--quiet");
+  const server = await run.serve("heated.toml", "space.toml", "--temperatures", "known", "--time", "2026-06-21T13:00:00Z");
+  const { page, said } = await open(own, server.address);
+  await page.evaluate(() => { for (const each of document.querySelectorAll("#scene-forms details")) each.open = true; });
+  const solving = [];
+  await page.exposeFunction("waits", (words) => solving.push(words));
+  await page.evaluate(() => setInterval(() => window.mtfLive.frame.solving && window.waits(document.getElementById("preview-tag").textContent), 20));
+  const first = await compare(run, page, "temperatures of a folder");
+  for (const [name, text] of [["weather.wind_speed", "9 m/s"], ["material.paint.solar_absorptance", "0.2"]]) {
+    await field(page, name).fill(text);
+    await field(page, name).press("Enter");
+    await settle(page);
+  }
+  assert.match(await page.locator("#difference").textContent(), /- solar_absorptance = 0\.7\n\+ solar_absorptance = 0\.2/);
+  const [file] = await Promise.all([page.waitForEvent("download"), page.locator("#save-scene").click()]);
+  writeFileSync(join(run.folder, "heated-live.toml"), readFileSync(await file.path(), "utf8"));
+  const cold = await compare(run, page, "calm and white");
+  assert.match(cold.command, /^mtf heat heated-live\.toml -o temperatures-live --force && mtf render heated-live\.toml /);
+  assert.ok(cold.ends[1] < first.ends[1], `${cold.ends} after ${first.ends}`);
+  assert.ok(solving.some((words) => /^heat balance: \w+/.test(words)), "the page says what is going on");
+  // Out of range, and the name of a file: refused at the control.
+  for (const text of ["-2 m/s", "/etc/passwd", "weather.csv"]) {
+    await field(page, "weather.wind_speed").fill(text);
+    await field(page, "weather.wind_speed").press("Enter");
+    await page.waitForSelector("[data-name='weather.wind_speed'] .message:not([hidden])");
+    await settle(page);
+  }
+  for (let i = 0; i < 2; i += 1) await page.locator("#undo").click();
+  assert.deepEqual((await compare(run, page, "as it was")).ends, first.ends);
+  assert.deepEqual(said, []);
+  await page.close();
+  assert.equal(await server.end(), 0);
+}
+
 /** While a heat balance is worked out the page says so, and an interrupt does not wait for it. */
 async function checkWaiting(run, own) {
   const server = await run.serve("vehicle/scene.toml", "vehicle/lwir.toml"), page = await own.newPage();
   await page.goto(server.address);
-  await page.waitForFunction(() => /heat balance is worked out first: .+, \d+ %/.test(document.getElementById("overlay").textContent));
+  await page.waitForFunction(() => /heat balance is worked out first: .+, \d+ %.* \d+ s/.test(document.getElementById("overlay").textContent));
   assert.ok(await page.locator("#overlay").isVisible());
   const begin = Date.now();
   assert.equal(await server.end(), 130);
@@ -99,6 +137,7 @@ export async function checkSpace(run, browser) {
   await writeScene(run);
   const own = await context(browser);
   await checkWaiting(run, own);
+  await checkHeat(run, own);
   const server = await run.serve("plates.toml", "space.toml", "--time", "2026-06-21T12:30:00Z");
   const { page, said, asked } = await open(own, server.address);
   await unfold(page);
@@ -146,7 +185,7 @@ export async function checkSpace(run, browser) {
   assert.ok(Math.abs(await page.evaluate(() => window.mtfLive.place.range) - 80) < 1e-9);
 
   // What cannot be: the program's words at the control, the last good picture stays.
-  for (const [name, text, words] of [["camera.elevation", "-60 deg", /below the ground/], ["camera.look_at", "0, 0, 5000", /sees no facet/], ["camera.range", "-3 m", /above 0 m/], ["camera.time", "2027-01-01", /a time from/]]) {
+  for (const [name, text, words] of [["camera.elevation", "-60 deg", /below the ground/], ["camera.look_at", "0, 0, 5000", /sees no facet/], ["camera.range", "-3 m", /above 0 belongs/], ["camera.time", "2027-01-01", /a time from/]]) {
     const last = await shown();
     await field(page, name).fill(text);
     await field(page, name).press("Enter");

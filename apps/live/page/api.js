@@ -5,9 +5,10 @@ export const token = location.hash.slice(1).split("/")[0];
 
 /** A refusal of the server: its own words. */
 export class Refused extends Error {
-  constructor(text, status) {
+  /** `refused`: the edit that cannot be made: { list, index } of the request. */
+  constructor(text, status, refused) {
     super(text);
-    this.status = status;
+    Object.assign(this, { status, refused });
   }
 }
 
@@ -28,15 +29,15 @@ const isJson = (answer) => answer.headers.get("Content-Type") === "application/j
 
 export async function ask(place, body) {
   const json = await (await send(place, body)).json();
-  if (json.error !== undefined) throw new Refused(json.error, json.status);
+  if (json.error !== undefined) throw new Refused(json.error, json.status, json.refused);
   return json;
 }
 
 export async function bytes(place, body) {
   const answer = await send(place, body);
   if (!isJson(answer)) return answer.arrayBuffer();
-  const { error, status } = await answer.json();
-  throw new Refused(error, status);
+  const { error, status, refused } = await answer.json();
+  throw new Refused(error, status, refused);
 }
 
 /** Facts and 16-bit pixels of one body: four bytes with the length of the JSON, the JSON, the numbers; what follows. */

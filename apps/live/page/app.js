@@ -17,8 +17,10 @@ export const app = {
   scene: null, // facts of the scene
   figures: null,
   value: null, // under the cursor
-  view: null, curves: null, controls: null, place: null,
+  view: null, curves: null, controls: null, sceneControls: null, place: null,
   dragging: false, // a slider
+  stale: false, // the picture on the right is not of the present values, which are refused
+  cursor: () => {}, // asks for the values under the cursor once more
   lastName: null, // of the control that was used last: what is wrong is said there
 };
 
@@ -29,5 +31,8 @@ export const moving = () => app.dragging || Boolean(app.place?.moving);
 /** Edits of a side: of the left one, where it shows a sensor. */
 export const editsOf = (side) => (side === 1 || state.left === "kept" ? edits.current(side) : []);
 
+/** Edits of the file of a 3-D scene, as a part of a request. */
+export const ofScene = () => (inSpace() ? { scene: edits.current(edits.SCENE) } : {});
+
 /** What every request of a frame says beside its edits. */
-export const wanted = () => ({ number: state.number, tolerance: state.tolerance, stage: state.stage, ...app.place?.request() });
+export const wanted = () => ({ number: state.number, tolerance: state.tolerance, stage: state.stage, ...ofScene(), ...app.place?.request() });

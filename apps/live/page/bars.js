@@ -4,13 +4,15 @@
 import { bytes, token } from "./api.js";
 import { $, app, inSpace, state } from "./app.js";
 import { download } from "./files.js";
+import { shown } from "./figures.js";
 import * as edits from "./history.js";
 import { names as palettes } from "./palettes.js";
-import { figures, savedName, sceneFile, showFigures, showModel, showTolerance, texts } from "./panels.js";
+import { clearProblem, figures, problem, savedName, sceneFile, showFigures, showModel, showTolerance, texts } from "./panels.js";
 import { forgetLeft, pump, run } from "./pictures.js";
 
 /** Something moves. */
 export function changed() {
+  clearProblem(true);
   pump();
   figures();
 }
@@ -21,7 +23,15 @@ export function settled() {
   texts();
   remember();
 }
-/** The camera has come to rest, `before` is where it was: no number of the sensor has changed. */
+/** An edit is no more: everything follows but the words about it. */
+export function follow() {
+  pump();
+  figures();
+  showModel();
+  texts();
+  remember();
+}
+/** The camera has come to rest, `before` is where it was, or the scene's file has changed: no number of the sensor has. */
 export async function placed(before) {
   if (before) edits.moved(before);
   pump();
@@ -32,7 +42,7 @@ export async function placed(before) {
 
 function remember() {
   const { tolerance, stage, palette, left } = state;
-  const link = { edits: edits.current(1), kept: edits.current(0), tolerance, stage, palette, left, editing: edits.side(), view: app.place?.request() };
+  const link = { edits: edits.current(1), kept: edits.current(0), scene: edits.current(edits.SCENE), number: state.number, tolerance, stage, palette, left, editing: edits.side(), view: app.place?.request() };
   history.replaceState(null, "", `${location.search}#${token}/${edits.encode(link)}`);
 }
 
@@ -77,8 +87,26 @@ function back(move) {
   if (inSpace()) placed();
 }
 
+/** What the ends of the palette are, on the right; no more often than can be read. */
+let scaled = "", calm = null;
+function showScale() {
+  if (calm) return;
+  calm = setTimeout(() => {
+    calm = null;
+    const { view } = app, ends = view.shownEnds(1), text = ends ? ends.map((value) => shown(value, 4)) : ["", ""];
+    const key = `${text} ${state.palette}`;
+    if (key === scaled) return;
+    scaled = key;
+    [$("black").value, $("white").value] = [text[0], ends ? `${text[1]} ${app.frames[1]?.unit ?? ""}` : ""];
+    const context = $("ramp").getContext("2d"), image = context.createImageData(64, 8);
+    for (let i = 0; i < 64 * 8; i += 1) image.data.set(view.colours.subarray(4 * (i % 64) * 4, 4 * (i % 64) * 4 + 4), 4 * i);
+    context.putImageData(image, 0, 0);
+  }, 150);
+}
+
 export function bars() {
   const { view, controls } = app;
+  view.changedScale = showScale;
   $("undo").onclick = () => back(edits.undo);
   $("redo").onclick = () => back(edits.redo);
   $("run").onclick = toggleRun;
@@ -92,23 +120,26 @@ export function bars() {
   $("stage").onchange = () => { state.stage = $("stage").value; settled(); };
   $("palette").onchange = () => setPalette($("palette").value);
   $("range").onchange = () => { view.range = $("range").value; view.draw(); };
+  for (const id of ["contrast", "brightness"]) $(id).ondblclick = () => { $(id).value = 0; $(id).oninput(); };
   $("contrast").oninput = () => { view.contrast = Number($("contrast").value); view.draw(); };
   $("brightness").oninput = () => { view.brightness = Number($("brightness").value); view.draw(); };
   $("fit").onclick = () => view.fit();
   $("home").onclick = () => { app.place.home(); app.place.moved("camera.range"); };
   $("number").oninput = () => { state.number = app.start.numbers[Number($("number").value)]; changed(); texts(); };
+  $("first-frame").onclick = () => { state.number = app.start.numbers[0] ?? 0; $("number").value = 0; settled(); };
   for (const id of ["angle", "unit", "temperature"]) $(id).onchange = figures;
-  $("tolerance").oninput = () => { state.tolerance = Number((10 ** (Number($("tolerance").value) / 100)).toPrecision(2)); showTolerance(); app.lastName = null; changed(); };
+  $("tolerance").oninput = () => { state.tolerance = Number((10 ** (Number($("tolerance").value) / 100)).toPrecision(2)); showTolerance(true); app.lastName = null; changed(); };
   $("tolerance").onchange = settled;
   $("tolerance-default").onclick = () => { state.tolerance = null; showTolerance(); settled(); };
   $("theme").onclick = () => { document.documentElement.dataset.theme = dark() ? "light" : "dark"; redraw(); };
   $("help").onclick = () => $("keys").showModal();
-  $("find").oninput = () => controls.filter($("find").value);
+  $("find").oninput = () => { $("nothing").hidden = [controls, app.sceneControls].map((forms) => forms.filter($("find").value)).some(Boolean); };
   $("save").onclick = () => download(savedName(app.start.sensor, "sensor.toml"), [app.model.text], "application/toml");
   $("save-scene").onclick = async () => download(savedName(app.start.scene, "scene.toml"), [await sceneFile()], "application/toml");
   for (const format of ["png", "exr"]) $(format).onclick = async () => {
     const frame = () => app.frames[edits.side()];
-    while (frame().light_lags || (frame().preview && inSpace())) await new Promise((resolve) => setTimeout(resolve, 50)); // a preview is never saved
+    if (app.stale || !frame()) return problem({ message: "There is no picture of the present values to save: mend what is refused first." });
+    while (frame().light_lags || frame().solving || (frame().preview && inSpace())) await new Promise((resolve) => setTimeout(resolve, 50)); // a preview is never saved
     download(`frame.${format}`, [await bytes("file", { id: frame().id, format })], format === "png" ? "image/png" : "image/x-exr");
   };
   const copy = async (text, button) => {
@@ -126,7 +157,9 @@ export function bars() {
 function keys(event) {
   const typing = event.target.matches("input[type=text], input[type=search], input[type=number], select, textarea");
   const control = event.ctrlKey || event.metaKey, key = event.key.toLowerCase();
-  if (control && (key === "z" || key === "y") && !typing) {
+  // In a text that is being written the browser's own undo is meant.
+  const writing = typing && event.target.matches("input") && event.target.value !== (event.target.dataset.shown ?? event.target.value);
+  if (control && (key === "z" || key === "y") && !writing) {
     event.preventDefault();
     back(key === "y" || event.shiftKey ? edits.redo : edits.undo);
   }

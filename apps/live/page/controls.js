@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The forms of the sensor: a section for each component and table, a row for each parameter. Everything about a row
-// (unit, range, scale, words, documentation) comes from the field tables of the program.
+// The forms of the sensor, and of the file of a 3-D scene: a section for each component and table, a row for each
+// parameter. Everything about a row (unit, range, scale, words, documentation) comes from the field tables of the program.
 
 const CALM_MS = 100;
 const LISTS = { presample: "Before sampling", readout: "Readout", postsample: "After sampling" };
@@ -25,37 +25,54 @@ const written = (row, value) => {
   return row.unit ? `${number} ${row.unit}` : row.whole || /[.e]/.test(number) ? number : `${number}.0`;
 };
 
+/** Keys of lists by what they are. */
+const titleOf = (key) => ({ "format[0]": "columns", "format[1]": "rows" })[key] ?? key.replace(/^(\w+)\[(\d)\]$/, (_, name, i) => `${i === "0" ? "1st" : "2nd"} ${name}`);
+/** Long keys go on in the next line behind an underscore. */
+const breakable = (text) => text.split(/(?<=_)/).flatMap((part, i) => (i > 0 ? [document.createElement("wbr"), part] : [part]));
+
+/** A slider keeps its ends while its value is between them: what a place of the handle means does not change by itself. */
+function withEndsOf(now, next) {
+  const same = now.unit === next.unit && now.log === next.log && now.min === next.min && now.max === next.max;
+  const at = position(now, next.number);
+  return same && at > 10 && at < 990 ? { ...next, low: now.low, high: now.high } : next;
+}
+
 export class Controls {
-  /** `act`: what the forms call: drag, drop, set, add, reset. */
-  constructor(place, act) {
-    this.place = place;
-    this.act = act;
+  /** `act`: what the forms call: drag, drop, set, unset, add, reset. `open`: names of the tables that are open at first. */
+  constructor(place, act, open) {
+    Object.assign(this, { place, act, first: new Set(open) });
     this.rows = new Map(); // name -> { row, update }
     this.open = new Map(); // sections that the user has opened or closed
     this.shape = "";
+    this.added = null; // what has been added: it opens, and comes into view
     this.begin = new Map(); // texts at the start
   }
 
   /** The texts that `reset` goes back to. */
   remember(model) {
-    for (const owner of [...model.components, ...model.tables])
+    for (const owner of [...(model.components ?? []), ...model.tables])
       for (const row of owner.rows) this.begin.set(row.name, row.given ? row.text : null);
   }
 
   show(model) {
-    const owners = [...model.components, ...model.tables];
+    const owners = [...(model.components ?? []), ...model.tables];
     const shape = JSON.stringify([owners.map((owner) => [owner.label ?? owner.name, owner.rows.map((row) => [row.name, row.control, row.given])]), model.off]);
     if (shape === this.shape) {
       for (const owner of owners) for (const row of owner.rows) this.rows.get(row.name)?.update(row);
       return;
     }
+    const old = new Set(this.owners);
+    this.owners = owners.map((owner) => owner.label ?? owner.name);
+    if (this.shape !== "") this.added = this.owners.find((name) => !old.has(name)) ?? null;
     this.shape = shape;
     const focus = document.activeElement?.dataset?.focus;
     this.rows.clear();
-    const groups = Object.keys(LISTS).map((list) => this.list(list, model)).filter(Boolean);
-    this.place.replaceChildren(...groups, ...this.tables(model));
+    this.place.replaceChildren(...(model.components
+      ? [...Object.keys(LISTS).map((list) => this.list(list, model)), ...this.tables(model)]
+      : model.tables.map((table) => this.section(table, table.name, ""))));
     if (focus) this.place.querySelector(`[data-focus="${CSS.escape(focus)}"]`)?.focus();
     this.filter(this.wanted ?? "");
+    if (this.added) this.place.querySelector(".added")?.scrollIntoView({ block: "nearest" });
   }
 
   list(list, model) {
@@ -93,7 +110,8 @@ export class Controls {
   section(owner, title, kind) {
     const key = title, given = owner.rows.filter((row) => row.given), more = owner.rows.filter((row) => !row.given);
     const fixed = owner.fixed === true, label = owner.label ?? `[${owner.name}]`;
-    const details = element("details", { className: "section", open: this.open.get(key) ?? (owner.list !== undefined || owner.name === "optics") });
+    const details = element("details", { className: "section", open: this.open.get(key) ?? (owner.list !== undefined || this.first.has(owner.name)) });
+    if ((owner.label ?? owner.name) === this.added) [details.open, details.className] = [true, "section added"];
     details.ontoggle = () => this.open.set(key, details.open);
     const head = element("summary", { className: "head", title: owner.doc }, element("span", {}, title), element("em", {}, kind));
     if (!fixed) {
@@ -121,11 +139,15 @@ export class Controls {
     const id = `p-${row.name}`, message = element("p", { className: "message", id: `${id}-message`, hidden: true });
     const line = element("div", { className: "row" });
     line.dataset.name = row.name;
-    const label = element("label", { htmlFor: id, title: `${row.doc}${row.example ? `, such as ${row.example}` : ""}` }, row.key.replace(/^(.*)\[(\d)\]$/, (_, name, i) => `${i === "0" ? "1st" : "2nd"} ${name}`));
+    const label = element("label", { htmlFor: id, title: `${row.doc}${row.example ? `, such as ${row.example}` : ""}` }, ...breakable(titleOf(row.key)));
     const back = element("button", { type: "button", className: "small quiet back", title: "As at the start", hidden: true }, "↺");
     back.setAttribute("aria-label", `${row.key} as at the start`);
-    back.onclick = () => this.act.reset(row.name, this.begin.get(row.name) ?? row.example);
-    let field, slider = null, now = row, told = 0;
+    back.onclick = () => this.act.reset(row.name, this.begin.get(row.name) ?? null);
+    let field, slider = null, now = row, told = 0, later = null;
+    const say = (text) => {
+      clearTimeout(later);
+      [field.value, field.dataset.shown, told] = [text, text, performance.now()];
+    };
     if (row.control === "word" || row.control === "flag") {
       field = element("select", { id });
       for (const word of row.words ?? ["true", "false"]) field.append(element("option", {}, word));
@@ -133,9 +155,17 @@ export class Controls {
       field.onchange = () => field.value && this.act.set(row.name, field.value);
     } else {
       field = element("input", { id, type: "text", spellcheck: false, autocomplete: "off", disabled: row.control === "file" });
-      field.placeholder = row.text || row.example;
-      field.onchange = () => field.value.trim() !== "" && this.act.set(row.name, field.value.trim());
+      field.placeholder = row.text || (row.presence === "shared" ? "as in [optics]" : `e.g. ${row.example}`);
+      field.onchange = () => {
+        const text = field.value.trim();
+        field.dataset.shown = field.value;
+        if (text !== "") this.act.set(row.name, text);
+        else if (now.given && now.presence !== "required") this.begin.get(row.name) ? this.act.unset(row.name) : this.act.reset(row.name, null);
+        else say(now.given ? now.text : "");
+      };
+      field.onblur = () => this.wrong !== row.name && say(now.given ? now.text : "");
     }
+    field.setAttribute("aria-label", row.name);
     field.dataset.focus = id;
     field.setAttribute("aria-describedby", message.id);
     if (row.control === "number") {
@@ -145,12 +175,14 @@ export class Controls {
       slider.oninput = () => {
         const text = written(now, valueAt(now, Number(slider.value)));
         // The text follows no more often than can be read: a page that is painted costs pictures.
-        if (performance.now() - told > CALM_MS) [field.value, told] = [text, performance.now()];
+        clearTimeout(later);
+        if (performance.now() - told > CALM_MS) say(text);
+        else later = setTimeout(() => say(text), CALM_MS);
         slider.setAttribute("aria-valuetext", text);
         this.act.drag(row.name, text);
       };
       slider.onchange = () => {
-        field.value = written(now, valueAt(now, Number(slider.value)));
+        say(written(now, valueAt(now, Number(slider.value))));
         this.act.drop();
       };
       slider.onkeydown = (event) => { // a step is a hundredth of the way
@@ -163,11 +195,12 @@ export class Controls {
       };
     }
     const update = (next) => {
-      now = next;
-      if (document.activeElement !== field || field.tagName === "SELECT") field.value = next.given ? next.text : "";
-      if (slider && document.activeElement !== slider) slider.value = position(next, next.number);
-      else if (slider && slider.matches(":not(:active)")) slider.value = position(next, next.number);
-      slider?.setAttribute("aria-valuetext", next.text || next.example);
+      now = slider ? withEndsOf(now, next) : next;
+      const typing = document.activeElement === field && field.tagName !== "SELECT" && field.value !== field.dataset.shown;
+      if (!typing && this.wrong !== row.name) say(next.given ? next.text : "");
+      if (slider && !slider.matches(":active")) slider.value = position(now, next.number);
+      slider?.setAttribute("aria-valuetext", next.text || "not given");
+      slider?.classList.toggle("unset", !next.text);
       const start = this.begin.get(row.name);
       back.hidden = start === undefined || (next.given ? next.text : null) === start;
     };
@@ -180,9 +213,9 @@ export class Controls {
 
   /** The program's own words at the control that they are about. */
   problem(name, text) {
-    this.clear();
     const at = this.rows.get(name);
     if (!at) return false;
+    this.clear();
     at.message.textContent = text;
     at.message.hidden = false;
     at.line.classList.add("wrong");
@@ -211,5 +244,6 @@ export class Controls {
       section.hidden = words.length > 0 && rows.every((row) => row.hidden);
       if (words.length > 0 && !section.hidden) section.open = true;
     }
+    return [...this.rows.values()].some(({ line }) => !line.hidden);
   }
 }

@@ -71,7 +71,7 @@ export class Curves {
       ...this.size(), series, hooks: { draw: [nyquist] },
       axes: [{ ...axis, size: 34, label: unit, labelSize: 16, labelFont: "11px system-ui, sans-serif" }, { ...axis, size: 40 }],
       scales: { x: { time: false }, y: { range: (_, min, max) => [Math.min(low, min), Math.max(1, max) * 1.02] } },
-      legend: { live: true }, cursor: { drag: { x: false, y: false } },
+      legend: { live: true, markers: { width: 0, fill: (u, i) => u.series[i].stroke(u, i), } }, cursor: { drag: { x: false, y: false } },
     }, data, this.place);
     this.key = key;
   }

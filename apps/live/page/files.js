@@ -11,21 +11,25 @@ export function download(name, parts, type) {
 
 const word = (text) => (/^[\w./%@:=+,-]+$/.test(text) ? text : `'${text.replaceAll("'", "'\\''")}'`);
 
-/** The picture of a 3-D scene: `view` is the camera, `air`: its path is in the picture. */
-function renderOf({ start, sensor, view }) {
+/** The picture of a 3-D scene: `view` is the camera, `changedScene` its file as it is saved, null where it is that of the start. */
+function renderOf({ start, sensor, view, changedScene }) {
   const { space } = start, time = new Date(view.utc_s * 1000).toISOString().replace(/\.\d+Z$/, "Z");
-  const words = ["mtf", "render", word(start.scene), sensor, "--time", time, "--position", view.position.join(","), "--look-at", view.look_at.join(",")];
-  if (space.temperatures) words.push("--temperatures", word(space.temperatures));
-  else if (space.solved) words.push("--heat");
+  const scene = word(changedScene ?? start.scene);
+  const words = ["mtf", "render", scene, sensor, "--time", time, "--position", view.position.join(","), "--look-at", view.look_at.join(",")];
+  // Temperatures of the whole run, as the page has them.
+  const solved = changedScene ? space.solvable : space.solved;
+  if (solved) words.push("--temperatures", "temperatures-live");
+  else if (space.temperatures) words.push("--temperatures", word(space.temperatures));
   if (space.no_air) words.push("--no-air");
-  return `${[...words, "-o", "radiance.exr"].join(" ")} && `;
+  const before = solved ? `mtf heat ${scene} -o temperatures-live --force && ` : "";
+  return `${before}${[...words, "-o", "radiance.exr"].join(" ")} && `;
 }
 
-/** The command that makes the picture on the page; `file`: the sensor file as it is saved, `seed` of its noise. */
-export function commandOf({ start, file, changed, tolerance, stage, number, sequence, seed, view, hasPath, air }) {
+/** The command that makes the picture on the page; `file`: the sensor file as it is saved, `seed` of its noise, `air`: the path is in the picture. */
+export function commandOf({ start, file, changed, tolerance, stage, number, sequence, seed, view, changedScene, hasPath, air }) {
   const sensor = word(changed ? file : start.sensor);
   const words = ["mtf", "simulate", sensor, view ? "radiance.exr" : word(start.scene)];
-  let before = start.before + (view ? renderOf({ start, sensor, view }) : "");
+  let before = start.before + (view ? renderOf({ start, sensor, view, changedScene }) : "");
   if (sequence) {
     words.push("-o", "out.%04d.exr", "--frames", `${number}:${number}`);
   } else if (number > 0 && seed !== undefined) {
@@ -35,6 +39,7 @@ export function commandOf({ start, file, changed, tolerance, stage, number, sequ
   } else {
     words.push("-o", "out.exr");
   }
+  if (start.nan !== "refuse") words.push("--nan", start.nan);
   if (tolerance !== null) words.push("--tolerance", String(tolerance));
   if (stage) words.push("--stage", stage);
   if (view && hasPath && air) words.push("--without-path");

@@ -1,15 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 // The edits of the sensor file, which everything else follows from: what the server is told, undo, the link. There are
-// two lists, one for each side of the divider; the sliders edit one of them. Moves of the camera of a 3-D scene are
-// steps of the same undo.
+// two lists, one for each side of the divider, of which the sliders edit one, and one of the file of a 3-D scene. Moves
+// of the camera of a 3-D scene are steps of the same undo.
 
-const past = [], future = []; // { side, list }: a list as it was; { view }: camera and time as they were
-const lists = [[], []];
+export const SCENE = 2;
+const past = [], future = []; // { of, list }: a list as it was; { view }: camera and time as they were
+const lists = [[], [], []];
 let editing = 1;
 let camera = null; // { get, set, rest } of the view
 let before = null; // a drag at work: the edits as they were when it began
 
 const same = (a, b) => JSON.stringify(a) === JSON.stringify(b);
+
+/** Values of parameters may stand in another order. */
+const sameValues = (a, b) => same(a, b) || (a.every(ofValue) && b.every(ofValue) && same(a.toSorted(), b.toSorted()));
 
 export const side = () => editing;
 export const current = (of = editing) => lists[of];
@@ -21,14 +25,16 @@ export function edit(of) {
   editing = of;
 }
 
+const ofValue = (edit) => edit[0] === "set" || edit[0] === "unset";
+
 /** Without those that a later one of the same parameter makes void; none moves across a table that comes or goes. */
-function withSet(list, name, value) {
+function withoutValues(list, name) {
   const result = list.slice();
-  for (let i = result.length - 1; i >= 0 && result[i][0] === "set"; i -= 1)
+  for (let i = result.length - 1; i >= 0 && ofValue(result[i]); i -= 1)
     if (result[i][1] === name) result.splice(i, 1);
-  result.push(["set", name, value]);
   return result;
 }
+const withSet = (list, name, value) => [...withoutValues(list, name), ["set", name, value]];
 
 function remember(step) {
   past.push(step);
@@ -38,7 +44,7 @@ function remember(step) {
 
 function take(next, of = editing) {
   if (same(next, lists[of])) return;
-  remember({ side: of, list: lists[of] });
+  remember({ of, list: lists[of] });
   lists[of] = next;
 }
 
@@ -61,9 +67,9 @@ export function drop() {
   take(after);
 }
 
-export function set(name, value) {
+export function set(name, value, of = editing) {
   drop();
-  take(withSet(lists[editing], name, value));
+  take(withSet(lists[of], name, value), of);
 }
 
 export function add(one) {
@@ -71,12 +77,33 @@ export function add(one) {
   take([...lists[editing], one]);
 }
 
-/** A parameter as it was at the start: its edits go where nothing after them depends on them. */
-export function reset(name, value) {
+/** A parameter that the file no longer states. */
+export function unset(name, of = editing) {
   drop();
-  const list = lists[editing];
-  const next = list.filter((one) => !(one[0] === "set" && one[1] === name));
-  take(list.every((one) => one[0] === "set") ? next : withSet(list, name, value));
+  take([...withoutValues(lists[of], name), ["unset", name]], of);
+}
+
+/** A parameter as it was at the start, null: not given; its edits go where nothing after them depends on them. */
+export function reset(name, value, of = editing) {
+  drop();
+  const list = lists[of];
+  if (list.every(ofValue)) return take(list.filter((one) => one[1] !== name), of);
+  if (value !== null) return take(withSet(list, name, value), of);
+  const next = withoutValues(list, name), stated = next.some((one) => one[0] === "set" && one[1] === name);
+  return take(stated ? [...next, ["unset", name]] : next, of);
+}
+
+/** An edit that the program refuses is as if it had never been: what it made void counts again. */
+export function refuse(edit) {
+  const of = lists.findIndex((list) => list.includes(edit));
+  if (of < 0) return;
+  const earlier = past.filter((step) => step.of === of && !step.list.includes(edit)).at(-1)?.list ?? [];
+  const former = ofValue(edit) ? earlier.filter((one) => ofValue(one) && one[1] === edit[1]).at(-1) : undefined;
+  const without = (list) => (list?.includes(edit) ? list.map((one) => (one === edit ? former : one)).filter(Boolean) : list);
+  lists[of] = without(lists[of]);
+  before = without(before);
+  for (const steps of [past, future]) for (const step of steps) step.list = without(step.list);
+  while (past.at(-1)?.of === of && sameValues(past.at(-1).list, lists[of])) past.pop();
 }
 
 /** The left side becomes what the right one is. */
@@ -89,21 +116,20 @@ function move(from, to) {
   drop();
   camera?.rest();
   if (from.length === 0) return;
-  const { side: of, list, view } = from.pop();
+  const { of, list, view } = from.pop();
   if (view) {
     to.push({ view: camera.get() });
     camera.set(view);
     return;
   }
-  to.push({ side: of, list: lists[of] });
+  to.push({ of, list: lists[of] });
   lists[of] = list;
 }
 export const undo = () => move(past, future);
 export const redo = () => move(future, past);
 
-export function restore(right, left) {
-  if (Array.isArray(right)) lists[1] = right;
-  if (Array.isArray(left)) lists[0] = left;
+export function restore(...saved) {
+  for (const [of, list] of saved.entries()) if (Array.isArray(list)) lists[of] = list;
 }
 
 /** Text for a fragment, and back. */

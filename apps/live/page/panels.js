@@ -2,7 +2,7 @@
 // Forms, curves, budget and texts beside the pictures. Each follows the edits by requests of its own, one at a time.
 
 import { ask, Refused } from "./api.js";
-import { $, app, editsOf, inSpace, moving, state } from "./app.js";
+import { $, app, editsOf, inSpace, moving, ofScene, state } from "./app.js";
 import { baseOf, showBudget, showLeftOut, shown } from "./figures.js";
 import { commandOf, difference } from "./files.js";
 import * as edits from "./history.js";
@@ -10,19 +10,43 @@ import * as edits from "./history.js";
 const CALM_MS = 150; // curves follow a moving slider no more often: pictures come first
 let asking = false, wanted = false, models = 0, shownModels = 0, waiting = 0, sceneText = null;
 let baseline = {}; // by unit, direction and edits
+let said = null; // what is wrong; words about an edit that is no more stay until something is changed
+let follow = () => {};
 
 export const isBusy = () => asking || wanted || waiting > 0 || shownModels < models;
 
-export function problem(error) {
+/** `act` is called when an edit was refused and is no more: everything else follows. */
+export function onRefusedEdit(act) { follow = act; }
+
+/**
+ * What cannot be, in the program's words, at the control that it is about. An edit that cannot be made goes, so that it
+ * stands in the way of no other; one of a slider that moves may be made at its next place. `body`: of the request.
+ */
+export function problem(error, body) {
   // The reader's words begin with the place in the file; the control shows what is wrong with it.
-  const text = error.message.split("\n").map((line) => line.replace(/^\S+:\d+:\d+: error: /, "")).join("\n");
-  if (!app.place?.problem(app.lastName, text)) app.controls.problem(app.lastName, text);
+  let text = error.message.split("\n").map((line) => line.replace(/^\S+:\d+:\d+: error: /, "")).join("\n");
+  const edit = error.refused && !app.dragging ? body?.[error.refused.list]?.[error.refused.index] : undefined;
+  if (edit) {
+    const [kind, name, value] = edit;
+    if (kind === "set" || kind === "unset") app.lastName = name;
+    else [app.lastName, text] = [null, `${kind === "add" ? `${value} is not added` : `${name} stays as it is`}: ${text}`];
+    edits.refuse(edit);
+  }
+  said = { text, name: app.lastName, stays: Boolean(edit) };
+  atControl();
   $("problem").textContent = text;
   $("problem").hidden = false;
+  if (edit) follow();
 }
-export function clearProblem() {
-  app.controls.clear();
-  app.place?.clear();
+/** The words stand at the control that they are about, once it is there. */
+function atControl() {
+  if (said) for (const forms of [app.place, app.sceneControls, app.controls]) if (forms?.problem(said.name, said.text)) break;
+}
+/** `changed`: something else has been changed. */
+export function clearProblem(changed = false) {
+  if (said?.stays && !changed) return;
+  said = null;
+  for (const forms of [app.place, app.sceneControls, app.controls]) forms?.clear();
   $("problem").hidden = true;
 }
 
@@ -33,8 +57,12 @@ export async function figures() {
   asking = true;
   while (wanted) {
     wanted = false;
+    const surface = $("temperature");
+    if (surface.value.trim() === "") surface.value = 300;
+    surface.toggleAttribute("aria-invalid", !surface.checkValidity());
+    surface.title = surface.validationMessage || "temperature of the surface that the budget is for";
     try {
-      showFigures(await ask("figures", { edits: edits.current(), angle: Number($("angle").value) || 0, unit: $("unit").value, temperature: Number($("temperature").value) }));
+      if (surface.checkValidity()) showFigures(await ask("figures", { edits: edits.current(), angle: Number($("angle").value) || 0, unit: $("unit").value, temperature: Number(surface.value) }));
     } catch (error) {
       if (!(error instanceof Refused)) break;
     }
@@ -54,7 +82,7 @@ export function showFigures(next) {
   $("merits").textContent = `Nyquist ${shown(nyquist, 4)} ${unit}` + (cutoff ? `, cutoff ${shown(cutoff, 4)} ${unit}` : "") + (q ? `, Q ${shown(q, 3)}` : "");
   $("budget-panel").hidden = !next.budget;
   if (next.budget) showBudget($("budget"), next.budget);
-  $("saturation").textContent = next.saturation ?? "";
+  $("saturation").textContent = next.saturation ? `A surface of ${next.temperature} K: ${next.saturation}` : "";
   app.figures = next;
 }
 
@@ -69,12 +97,12 @@ async function makeBaseline(key, { unit, angle_deg: angle }, list) {
 }
 
 export async function showModel() {
-  const turn = (models += 1);
+  const turn = (models += 1), body = { edits: edits.current(), ...ofScene() };
   let model;
   try {
-    model = await ask("model", { edits: edits.current() });
+    model = await ask("model", body);
   } catch (error) {
-    if (error instanceof Refused) problem(error);
+    if (error instanceof Refused) problem(error, body);
     shownModels = Math.max(shownModels, turn);
     return;
   }
@@ -82,7 +110,11 @@ export async function showModel() {
   shownModels = turn;
   app.model = model;
   app.controls.show(model);
-  $("name").textContent = model.name || app.start.sensor;
+  if (model.scene) app.sceneControls.show(model.scene);
+  atControl();
+  $("name").textContent = $("name").title = model.name || app.start.sensor;
+  $("notes-panel").hidden = model.notes.length === 0;
+  $("notes").replaceChildren(...model.notes.map((text) => Object.assign(document.createElement("li"), { textContent: text })));
   document.title = `${model.name || app.start.sensor} - mtf live`;
   const stages = ["", ...model.stages];
   $("stage-label").hidden = model.stages.length === 0;
@@ -91,13 +123,15 @@ export async function showModel() {
   texts();
 }
 
+/** A file in the folder of another one. */
+const besides = (path, name) => path.replace(/[^/]*$/, name);
 export const savedName = (path, otherwise) => `${(path.split("/").pop() || otherwise).replace(/\.toml$/, "")}-live.toml`;
 
-/** The scene's file with the present camera. */
+/** The scene's file with the present camera and all changes. */
 export async function sceneFile() {
   waiting += 1;
   try {
-    sceneText = (await ask("scenefile", app.place.request())).text;
+    sceneText = (await ask("scenefile", { ...ofScene(), ...app.place.request() })).text;
   } finally {
     waiting -= 1;
   }
@@ -118,8 +152,10 @@ export function texts() {
   $("command").textContent = commandOf({
     start, file: savedName(start.sensor, "sensor.toml"), changed: model.text !== start.text, tolerance: state.tolerance, stage: state.stage, number: state.number,
     sequence: start.numbers.length > 0, seed: model.tables.flatMap((table) => table.rows).find((row) => row.name === "noise.seed")?.text,
-    view: app.place?.request(), hasPath: model.tables.some((table) => table.name === "path" || table.name === "atmosphere"), air: app.frames[1]?.closures?.some(([name]) => name === "air"),
+    view: app.place?.request(), changedScene: edits.current(edits.SCENE).length > 0 ? besides(start.scene, savedName(start.scene, "scene.toml")) : null, hasPath: model.tables.some((table) => table.name === "path" || table.name === "atmosphere"), air: app.frames[1]?.closures?.some(([name]) => name === "air"),
   });
+  const saved = [model.text !== start.text && `the sensor file as ${savedName(start.sensor, "sensor.toml")}`, edits.current(edits.SCENE).length > 0 && `the scene file as ${savedName(start.scene, "scene.toml")} beside the scene`].filter(Boolean);
+  $("save-first").textContent = saved.length > 0 ? `Save ${saved.join(", and ")} first.` : "";
   $("undo").disabled = !edits.canUndo();
   $("redo").disabled = !edits.canRedo();
 }
@@ -132,10 +168,13 @@ export function facts(tags, rate) {
   parts.push(`promised ${shown(frame.promised, 2)}`, frame.method);
   if (frame.radiance_promised !== undefined) parts.push(`radiance within ${shown(frame.radiance_promised, 2)}`);
   if (frame.light_lags) parts.push("light of another time");
+  if (frame.solving) parts.push(`temperatures of before; heat balance: ${frame.solving}`);
   if (rate > 0 && (state.running || moving())) parts.push(`${rate.toFixed(0)} frames/s`);
+  $("first-frame").hidden = state.running || state.number === (app.start.numbers[0] ?? 0);
   if (state.running || state.number > 0) parts.push(`frame ${state.number}`);
   $("facts").textContent = parts.join("  ·  ");
-  $("preview-tag").hidden = !(frame.preview || frame.light_lags);
+  $("preview-tag").hidden = !(app.stale || frame.preview || frame.light_lags || frame.solving);
+  $("preview-tag").textContent = app.stale ? "picture of earlier values" : frame.solving ? `heat balance: ${frame.solving}` : "preview";
   $("left-tag").textContent = tags[0] ?? "";
   $("right-tag").textContent = tags[1] ?? "";
   if (frame.warnings.length > 0) $("facts").append(Object.assign(document.createElement("p"), { className: "warn", textContent: frame.warnings.join("\n") }));
@@ -143,7 +182,11 @@ export function facts(tags, rate) {
   app.place?.showClosures(frame.closures);
 }
 
-export function showTolerance() {
-  $("tolerance-text").textContent = state.tolerance === null ? "default" : state.tolerance.toExponential(1);
-  if (state.tolerance !== null) $("tolerance").value = 100 * Math.log10(state.tolerance);
+/** `moving`: by the slider itself, which has no rounded place. */
+export function showTolerance(moving = false) {
+  const text = state.tolerance === null ? "default" : state.tolerance.toExponential(1);
+  $("tolerance-text").textContent = text;
+  $("tolerance").setAttribute("aria-valuetext", text);
+  $("tolerance").classList.toggle("unset", state.tolerance === null);
+  if (state.tolerance !== null && !moving) $("tolerance").value = 100 * Math.log10(state.tolerance);
 }

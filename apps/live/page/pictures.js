@@ -9,6 +9,7 @@ import { clearProblem, facts, problem } from "./panels.js";
 
 const SLOW_MS = 40; // a frame that takes longer is asked for as a preview while a slider moves
 const CALM_MS = 150; // texts follow a moving slider no more often: pictures come first
+const HEAT_MS = 400; // while a heat balance is worked out
 const shown = [{}, {}]; // of each side: key of what is shown, whether it is for the moment, key that was refused, turn
 let asking = false, generation = 0, turn = 0, told = 0, fullMs = 0, timed = null, stepped = null;
 const rates = [];
@@ -52,10 +53,12 @@ export const isBusy = () => asking || Boolean(app.start && app.view && next());
 
 const stepOf = (picture) => [(picture.step_x_um ?? app.scene?.pitch_x_um ?? 1) * picture.every, (picture.step_y_um ?? app.scene?.pitch_y_um ?? 1) * picture.every];
 
+const named = ({ quantity, unit }) => (quantity === unit ? quantity : `${quantity} [${unit}]`);
+
 function showScene(scene, pixels) {
   app.scene = { ...app.scene, ...scene, pixels: null };
   app.view.setPicture(0, { ...scene, pixels }, stepOf(scene));
-  shown[0].tag = `scene: ${scene.quantity} [${scene.unit}]`;
+  shown[0].tag = `scene: ${named(scene)}`;
 }
 
 function showFrame(side, made, asked) {
@@ -63,7 +66,7 @@ function showFrame(side, made, asked) {
   const name = state.left === "kept" ? (side === 0 ? "A: " : "B: ") : side === 0 ? "start: " : "";
   app.frames[side] = { ...made, pixels: null, more: null };
   app.view.setPicture(side, made, stepOf(made));
-  shown[side].tag = `${name}${made.quantity} [${made.unit}]`;
+  shown[side].tag = `${name}${named(made)}`;
   if (made.before) showScene(made.before, new Uint16Array(made.more, 0, made.before.width * made.before.height));
   if (side !== 1) return;
   if (!asked.preview) fullMs = asked.ms;
@@ -81,24 +84,27 @@ async function ask(side, { from, body, key }) {
   const request = from === "scene" ? body : { ...body, tab: `${app.tab}-${side}`, side: side === 0 ? "left" : "right", generation: (generation += 1), preview, every };
   try {
     const made = await picture(from, request);
-    Object.assign(shown[side], { key, turn: (turn += 1), passing: from === "frame" && (made.preview || made.light_lags) });
+    Object.assign(shown[side], { key, turn: (turn += 1), passing: from === "frame" && (made.preview || made.light_lags || made.solving) });
     if (from === "scene") showScene(made, made.pixels);
     else showFrame(side, made, { preview, ms: performance.now() - begin });
     if (from === "frame" && app.view.moving) requestAnimationFrame(() => app.view.lagged(performance.now() - begin - made.ms));
     settleProblem();
+    if (!moving()) app.cursor();
     if (app.frames[1] && (!(moving() || state.running) || performance.now() - told > CALM_MS)) {
       told = performance.now();
       facts(shown.map((one) => one.tag), rate());
     }
     if (side === 1 && state.running) step();
-    // The light of now is being made: until it is there the same picture comes again and again.
-    if (made.light_lags && !moving()) return new Promise((resolve) => setTimeout(resolve, CALM_MS));
+    // The light of now, or the temperatures, are being made: until then the same picture comes again and again.
+    if ((made.light_lags || made.solving) && !moving()) return new Promise((resolve) => setTimeout(resolve, made.solving ? HEAT_MS : CALM_MS));
   } catch (error) {
     if (!(error instanceof Refused)) return new Promise((resolve) => setTimeout(resolve, 500));
     if (error.status === 409) return undefined;
     shown[side].refused = key;
     if (side === 1) $("overlay").hidden = true; // the words stand at the control, which has to be within reach
-    problem(error);
+    problem(error, body);
+    settleStale();
+    if (!app.frames[1] && app.place?.toStart()) $("problem").textContent = `The camera of the link: ${error.message}`;
     if (state.running) stepped?.();
   }
   return undefined;
@@ -120,9 +126,19 @@ export async function pump() {
   settleProblem();
 }
 
+const isRefused = (side) => Boolean(shown[side].refused) && wish(side)?.key === shown[side].refused;
+
 /** What was wrong is so no longer where nothing that is wanted was refused. */
 function settleProblem() {
-  if ([0, 1].every((side) => !shown[side].refused || wish(side)?.key !== shown[side].refused)) clearProblem();
+  if (!isRefused(0) && !isRefused(1)) clearProblem();
+  settleStale();
+}
+
+/** Whether the picture is one of other values. */
+function settleStale() {
+  if (app.stale === isRefused(1)) return;
+  app.stale = isRefused(1);
+  if (app.frames[1]) facts(shown.map((one) => one.tag), rate());
 }
 
 /** The left side has become another kind of picture. */

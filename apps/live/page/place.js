@@ -35,6 +35,14 @@ export class Place {
     this.utc_s = this.space.utc_s;
     this.setPosition(this.space.position);
   }
+  /** Back to the start; false where it is there already. */
+  toStart() {
+    const now = JSON.stringify(this.request());
+    this.home();
+    this.rested = this.request();
+    this.update();
+    return JSON.stringify(this.rested) !== now;
+  }
   get moving() { return this.held || this.timer !== null; }
   get position() {
     const flat = this.range * Math.cos(this.elevation * rad);
@@ -133,14 +141,14 @@ export class Place {
     this.box.replaceChildren(
       this.row("camera.time", "time", "UTC; temperatures, sun, sky and weather are those of this time", begin_s < end_s ? line(begin_s, end_s) : null, () => this.utc_s,
         (s) => { this.utc_s = whole(s); }, () => isoOf(this.utc_s), (text) => {
-          const plain = text.trim().replace(" ", "T"), s = Date.parse(/Z$/.test(plain) ? plain : `${plain}Z`) / 1000;
+          const plain = text.trim().replace(" ", "T"), s = Date.parse(/(Z|[+-]\d\d:?\d\d)$/.test(plain) ? plain : `${plain}Z`) / 1000;
           if (!(s >= begin_s && s <= end_s)) return `a time from ${isoOf(begin_s)} to ${isoOf(end_s)} belongs here`;
           this.utc_s = Math.round(s);
           return "";
         }),
       this.row("camera.range", "range", "from the camera to the point that it looks at", log, () => this.range, (value) => { this.range = value; }, () => `${shortNumber(this.range)} m`, (text) => {
         const value = metres(text);
-        if (!(value > 0)) return "a length above 0 m belongs here";
+        if (!(value > 0)) return "a length above 0 belongs here, in m or km";
         this.range = value;
         return "";
       }),
@@ -202,7 +210,11 @@ export class Place {
   /** Fields follow a moving camera no more often than can be read: a page that is painted costs pictures. */
   update() {
     const now = performance.now();
-    if (this.moving && now - this.told < CALM_MS) return;
+    clearTimeout(this.later);
+    if (this.moving && now - this.told < CALM_MS) {
+      this.later = setTimeout(() => this.update(), CALM_MS);
+      return;
+    }
     this.told = now;
     for (const { update } of this.rows.values()) update();
   }

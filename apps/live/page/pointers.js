@@ -6,7 +6,7 @@ import { $, app, inSpace, moving, state } from "./app.js";
 import { shown } from "./figures.js";
 import * as edits from "./history.js";
 
-let asking = false, at = null;
+let asking = false, at = null, over = null; // over: the last place of the mouse on the picture
 
 async function values(um) {
   at = um;
@@ -15,11 +15,13 @@ async function values(um) {
   while (at) {
     const [x, y] = at;
     at = null;
+    const of = (side) => ask("value", { id: app.frames[side].id, edits: edits.current(1), number: state.number, x_um: x, y_um: y });
+    const one = (what, unit) => (what ? `${shown(what.value, 6)} ${unit} at ${what.x}, ${what.y}` : "outside");
     try {
-      const found = await ask("value", { id: app.frames[1].id, edits: edits.current(1), number: state.number, x_um: x, y_um: y });
-      const one = (what, unit) => (what ? `${shown(what.value, 6)} ${unit} at ${what.x}, ${what.y}` : "outside");
+      const pair = state.left === "scene" || !app.frames[0] ? null : await of(0), found = await of(1);
       app.value = found;
-      $("cursor").textContent = `scene ${one(found.before, app.scene?.unit ?? "")}   |   image ${one(found.after, app.frames[1].unit)}`;
+      const left = pair ? `${state.left === "kept" ? "A" : "start"} ${one(pair.after, app.frames[0].unit)}   |   ${state.left === "kept" ? "B" : "image"}` : "image";
+      $("cursor").textContent = `scene ${one(found.before, app.scene?.unit ?? "")}   |   ${left} ${one(found.after, app.frames[1].unit)}`;
     } catch (error) {
       if (!(error instanceof Refused)) break;
     }
@@ -35,6 +37,8 @@ export function setDivider(share) {
 
 export function pointers() {
   const canvas = $("view"), { view } = app;
+  app.cursor = view.changed = () => over && values(view.place(over));
+  canvas.onpointerleave = () => { over = null; };
   let held = null;
   const nearDivider = (event, box) => Math.abs((event.clientX - box.left) / box.width - view.divider) * box.width < 8;
   canvas.onpointerdown = (event) => {
@@ -45,6 +49,7 @@ export function pointers() {
   canvas.onpointermove = (event) => {
     const box = canvas.getBoundingClientRect(), ratio = canvas.width / box.width;
     canvas.style.cursor = nearDivider(event, box) ? "ew-resize" : inSpace() ? "move" : "crosshair";
+    over = { clientX: event.clientX, clientY: event.clientY };
     values(view.place(event));
     if (!held) return;
     const x = event.clientX - held.x, y = event.clientY - held.y;

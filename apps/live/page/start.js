@@ -3,7 +3,7 @@
 
 import { Gone, ask, stay } from "./api.js";
 import { $, app, inSpace, state } from "./app.js";
-import { bars, changed, placed, redraw, setEditing, setLeft, setPalette, settled, showKind } from "./bars.js";
+import { bars, changed, follow, placed, redraw, setEditing, setLeft, setPalette, settled, showKind } from "./bars.js";
 import { Controls } from "./controls.js";
 import { Curves } from "./figures.js";
 import * as edits from "./history.js";
@@ -22,9 +22,20 @@ app.controls = new Controls($("forms"), {
   drag(name, text) { app.lastName = name; app.dragging = true; edits.drag(name, text); changed(); },
   drop() { app.dragging = false; edits.drop(); settled(); },
   set(name, text) { app.lastName = name; edits.set(name, text); settled(); },
+  unset(name) { app.lastName = name; edits.unset(name); settled(); },
   reset(name, text) { app.lastName = name; edits.reset(name, text); settled(); },
   add(edit) { app.lastName = edit[1]; edits.add(edit); settled(); },
-});
+}, ["optics"]);
+// Another heat balance takes seconds: pictures follow once a slider is let go.
+let held = null;
+const sceneEdit = (name) => { app.lastName = name; return edits.SCENE; };
+app.sceneControls = new Controls($("scene-forms"), {
+  drag(name, text) { held = [name, text]; },
+  drop() { if (held) this.set(...held); held = null; },
+  set(name, text) { edits.set(name, text, sceneEdit(name)); settled(); placed(); },
+  unset(name) { edits.unset(name, sceneEdit(name)); settled(); placed(); },
+  reset(name, text) { edits.reset(name, text, sceneEdit(name)); settled(); placed(); },
+}, ["weather"]);
 
 /** What tests read: the page's own state, nothing computed for them. */
 window.mtfLive = {
@@ -36,6 +47,7 @@ window.mtfLive = {
   get frame() { return app.frames[1]; },
   get frames() { return app.frames; },
   get edits() { return edits.current(); },
+  get sceneEdits() { return edits.current(edits.SCENE); },
   get busy() { return !app.start || pictures.isBusy() || panels.isBusy() || app.dragging || Boolean(app.place?.moving); },
   get text() { return app.model?.text; },
   get curves() { return app.curves.values; },
@@ -44,13 +56,13 @@ window.mtfLive = {
 function restore() {
   const link = location.hash.slice(1).split("/")[1], restored = link ? edits.decode(link) : null;
   if (!restored) return;
-  edits.restore(restored.edits, restored.kept);
-  for (const key of ["tolerance", "stage", "palette", "left"]) state[key] = restored[key] ?? state[key];
+  edits.restore(restored.kept, restored.edits, restored.scene);
+  for (const key of ["tolerance", "stage", "palette", "left", "number"]) state[key] = restored[key] ?? state[key];
   app.place?.restore(restored.view);
   if (state.left === "kept" && restored.editing === 0) setEditing(0);
 }
 
-const ENDED = "The server has ended. Start mtf live again and open its new address.";
+const ENDED = "The server has ended. The sensor file can still be saved here; then start mtf live again and open its new address.";
 const overlay = (text) => { $("overlay").textContent = text; $("overlay").hidden = text === ""; };
 
 async function begin() {
@@ -66,9 +78,11 @@ async function begin() {
   showKind();
   restore();
   if (app.start.numbers.length > 0) {
-    state.number = app.start.numbers[0];
+    const { numbers } = app.start;
+    if (!numbers.includes(state.number)) [state.number] = numbers;
     $("number-label").hidden = false;
-    $("number").max = app.start.numbers.length - 1;
+    $("number").max = numbers.length - 1;
+    $("number").value = numbers.indexOf(state.number);
   }
   const side = edits.side();
   setLeft(state.left);
@@ -77,10 +91,12 @@ async function begin() {
   bars();
   setPalette(state.palette);
   panels.showTolerance();
+  panels.onRefusedEdit(follow);
   // Pictures come first, forms and curves when the first is there, or takes its time.
   await Promise.race([pictures.pump(), new Promise((resolve) => setTimeout(resolve, PATIENCE_MS))]);
   ask("model", { edits: [] }).then((first) => {
     app.controls.remember(first);
+    if (first.scene) app.sceneControls.remember(first.scene);
     return panels.showModel();
   });
   panels.figures();

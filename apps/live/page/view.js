@@ -154,7 +154,8 @@ export class View {
     new ResizeObserver(() => this.draw()).observe(canvas);
   }
   setPalette(name) {
-    this.engine.palette(lookup(name));
+    this.colours = lookup(name);
+    this.engine.palette(this.colours);
     this.draw();
   }
   /** `step`: um of one pixel that was sent. */
@@ -221,6 +222,13 @@ export class View {
     const gain = 2 ** (this.contrast / 25) / (white - black), middle = (black + white) / 2;
     return [((side.high - side.low) / 65535) * gain, (side.low - middle) * gain + 0.5 + this.brightness / 100];
   }
+  /** What the two ends of the palette are on a side. */
+  shownEnds(i) {
+    const side = this.sides[i];
+    if (!side) return null;
+    const [gain, offset] = this.map(i), value = (t) => side.low + (((t - offset) / gain) * (side.high - side.low)) / 65535;
+    return gain > 0 ? [value(0), value(1)] : null;
+  }
   draw() {
     if (this.waiting) return;
     this.waiting = true;
@@ -247,6 +255,7 @@ export class View {
         },
       });
       this.drawn += 1;
+      this.changedScale?.();
     });
   }
   /** `ms`: of a picture that moves on, from being asked for to the screen, without the time of computing it. */

@@ -1,0 +1,234 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/live/space/scene_view.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "apps/live/space/scene_rows.h"
+#include "apps/live/space/solved_scenes.h"
+#include "apps/live/toml_blocks.h"
+#include "apps/scene/command/read_scene.h"
+#include "apps/scene/fly/flight.h"
+#include "apps/scene/heat/stopwatch.h"
+#include "apps/scene/render/solved_rows.h"
+#include "apps/simulate/radiometric_chain.h"
+#include "apps/terminal/progress_line.h"
+#include "mtf/error.h"
+#include "mtf/io/config/config_text.h"
+#include "mtf/io/config/config_tree.h"
+
+namespace apps::live {
+namespace {
+
+using namespace scene;
+namespace cfg = mtf::io::cfg;
+
+/// As the page sends places, so that its first request is that of the picture that is made at the start.
+std::array<double, 3> to_millimetres(std::array<double, 3> place_m) {
+  for (double& part : place_m) part = 1e-3 * std::round(1e3 * part);
+  return place_m;
+}
+
+constexpr double kSamples = 2.0, kSamplesMoving = 1.0;  ///< a pitch
+constexpr int kPoints = 2, kPointsMoving = 1;           ///< n x n of a sample
+constexpr double kLightEvery_s = 1.0;                   ///< pictures at rest have the light of their own second
+
+/// What all flights of the view share, and what it was started with.
+struct Shared {
+  double begin_s = 0.0, end_s = 0.0;
+  int threads = 0;
+  std::unique_ptr<SolvedScenes> scenes{};
+};
+
+/// A flight over a scene, and the sensor and options of its last frame.
+struct Drawing {
+  std::shared_ptr<Shared> shared;
+  std::shared_ptr<SolvedScene> scene{};
+  std::unique_ptr<Flight> flight{};
+  std::optional<double> tolerance{};
+  std::optional<radiometry::OutputStage> stage{};
+  Sensor last{};
+
+  KeptFrame frame(const Sensor& sensor, const FrameRequest& request);
+  void make_flight(const SimulateOptions& image);
+};
+
+void Drawing::make_flight(const SimulateOptions& image) {
+  // Half a second before the first time: seconds are the middles of the intervals of light.
+  const FlightOptions how{.samples_per_pitch = kSamples,
+                          .render = {.points = kPoints, .threads = shared->threads},
+                          .image = image,
+                          .light_every_s = kLightEvery_s,
+                          .begin_s = shared->begin_s - 0.5 * kLightEvery_s,
+                          .end_s = shared->end_s + 0.5 * kLightEvery_s,
+                          .keep_radiance = true};
+  flight = std::make_unique<Flight>(*scene->source, scene->file, scene->air, how);
+}
+
+KeptFrame Drawing::frame(const Sensor& sensor, const FrameRequest& request) {
+  const SimulateOptions image{.tolerance = request.tolerance, .stage = request.stage, .threads = shared->threads};
+  const SolvedScenes::Found found = shared->scenes->find(request.scene);
+  const auto& wanted = found.scene ? found.scene : scene ? scene : shared->scenes->start();
+  if (wanted != scene) {
+    flight.reset();  // before its source may go
+    scene = wanted;
+  }
+  if (!flight)
+    make_flight(image);
+  else if (request.tolerance != tolerance || request.stage != stage)
+    flight->set_image(image);
+  tolerance = request.tolerance, stage = request.stage;
+  if (last && !same_correction(*last, *sensor)) flight->begin_anew();
+  last = sensor;
+  const FrameChoice choice{.samples_per_pitch = request.preview ? kSamplesMoving : kSamples,
+                           .points = request.preview ? kPointsMoving : kPoints,
+                           .light_may_lag = request.may_lag};
+  const Viewpoint& from = request.from.value();
+  FlightFrame made = flight->frame(sensor, {from.position_m, from.look_at_m}, from.utc_s, request.number, choice);
+  KeptFrame kept;
+  kept.names = flight->names();
+  kept.image = std::move(made.image);
+  kept.range = flight->integer_range();
+  kept.plan = std::make_shared<const mtf::SensorPlan>(flight->plan());
+  kept.scene = std::make_shared<const mtf::io::Scene>(std::move(*made.radiance));
+  kept.light_lags = made.light_lags;
+  kept.solving = found.waiting;
+  kept.passing = request.preview || made.light_lags || !kept.solving.empty();
+  kept.radiance_promised = made.promised;
+  kept.stages_ms = std::move(made.timing_ms);
+  for (const auto& [name, words] : flight->closures()) kept.closures.emplace_back(name, words);
+  // Of a picture that is for the moment nobody has to be warned.
+  if (!request.preview) {
+    kept.warnings = std::move(made.warnings);
+    const PictureSensor picture = picture_sensor(*sensor, PictureQuantity::weighted);
+    if (std::string text = sampling_warning(picture, kSamples); !text.empty()) kept.warnings.push_back(std::move(text));
+  }
+  return kept;
+}
+
+std::string metres(double value) { return mtf::format_double(value) + " m"; }
+
+std::string point_text(const std::array<double, 3>& point) {
+  std::string text = "[";
+  for (std::size_t i = 0; i < 3; ++i) text += (i > 0 ? ", \"" : "\"") + metres(point[i]) + "\"";
+  return text + "]";
+}
+
+/// Where the camera begins: [camera], or an oblique look at all of it.
+CameraPlace place_of(const SceneFile& file, const radiometry::scene::Facets& facets) {
+  if (file.camera) return {file.camera->position_m, file.camera->look_at_m};
+  const auto& [x, y, z] = facets.middle;
+  const double size = facets.half_extent_m;
+  return {{x + size, y - size, z + 0.7 * size}, facets.middle};
+}
+
+HeatRows rows_of(const SceneFile& file, int threads, const HeatProgress& progress) {
+  return solved_rows(file, file.time.start_s, file.time.end_s, {.threads = threads}, progress);
+}
+
+/// The scene of an edited text: temperatures that `--temperatures` names are those of the start alone.
+std::shared_ptr<SolvedScene> solved_scene(const std::string& text, const std::string& path, const PictureOptions& air,
+                                          int threads, const SolveProgress& progress) {
+  auto scene = std::make_shared<SolvedScene>(SolvedScene{.file = parse_scene(text, path).scene, .air = air});
+  std::optional<HeatRows> rows;
+  if (!regions_to_solve(scene->file).empty()) {
+    scene->air.temperatures.clear();
+    rows = rows_of(scene->file, threads, progress);
+  }
+  progress("picture", 0.0);
+  scene->source = std::make_unique<PictureSource>(scene->file, scene->air, std::move(rows));
+  return scene;
+}
+
+}  // namespace
+
+std::string with_camera(const std::string& text, const Viewpoint& from) {
+  const std::string position = point_text(from.position_m), look_at = point_text(from.look_at_m);
+  const cfg::Tree tree = cfg::read_tree(text);
+  const cfg::Node* camera = tree.root.find("camera");
+  if (camera == nullptr) return with_block(text, "[camera]\nposition = " + position + "\nlook_at = " + look_at + "\n");
+  std::vector<cfg::Edit> edits;
+  const auto put = [&](const char* key, const std::string& value) {
+    const cfg::Node* old = camera->find(key);
+    if (old == nullptr) return false;
+    const std::size_t begin = cfg::offset_of(text, old->position);
+    edits.push_back({begin, cfg::end_of_value(text, begin), value});
+    return true;
+  };
+  if (const cfg::Node* path = camera->find("path")) {
+    // Its line gives way to the two of a camera that stands still; a comment behind it was about the path.
+    const std::size_t value = cfg::offset_of(text, path->position);
+    const std::size_t begin = text.rfind('\n', value) == std::string::npos ? 0 : text.rfind('\n', value) + 1;
+    const std::size_t end = std::min(text.find('\n', value), text.size());
+    edits.push_back({begin, end, "position = " + position + "\nlook_at = " + look_at});
+  } else {
+    put("position", position);
+    put("look_at", look_at);
+  }
+  return cfg::edited(text, std::move(edits));
+}
+
+Space open_space(const SceneViewOptions& options, const Global& global) {
+  const auto tell = [&](const std::string& words) {
+    if (options.tell) options.tell(words);
+  };
+  tell("The scene is being read.");
+  const auto asked = instant_of("--time", options.time);
+  const PictureOptions air{.temperatures = options.temperatures, .utc_s = asked, .air = !options.no_air};
+  const auto start = std::make_shared<SolvedScene>(SolvedScene{.file = read_scene(options.scene, global), .air = air});
+  const SceneFile& file = start->file;
+  const bool solved = options.temperatures.empty() && !regions_to_solve(file).empty();
+  std::optional<HeatRows> rows;
+  if (solved) {
+    note(global, "the heat balance is worked out first; mtf heat keeps it for --temperatures");
+    ProgressLine progress(global);
+    rows = rows_of(file, global.threads, [&](const std::string& step, double share) {
+      progress.update(step, share);
+      tell("The heat balance is worked out first: " + step + ", " + std::to_string(static_cast<int>(100.0 * share)) +
+           " %. mtf heat keeps it in a folder, for --temperatures.");
+    });
+  }
+  start->source = std::make_unique<PictureSource>(file, air, std::move(rows));
+  const auto shared = std::make_shared<Shared>();
+  shared->threads = global.threads;
+  shared->begin_s = file.time.start_s, shared->end_s = file.time.end_s;
+  if (const auto span = start->source->temperatures_span_utc_s())
+    shared->begin_s = std::max(shared->begin_s, (*span)[0]), shared->end_s = std::min(shared->end_s, (*span)[1]);
+  if (asked && !(*asked >= shared->begin_s && *asked <= shared->end_s))
+    throw mtf::UsageError("--time: temperatures and weather go from " +
+                          radiometry::heat::instant_text(shared->begin_s) + " to " +
+                          radiometry::heat::instant_text(shared->end_s));
+  shared->scenes = std::make_unique<SolvedScenes>(
+      file.text, start,
+      [air, path = file.file, threads = global.threads](const std::string& text, const auto& progress) {
+        return solved_scene(text, path, air, threads, progress);
+      });
+  const auto& facets = start->source->rays().facets();
+  const CameraPlace place = place_of(file, facets);
+
+  Space space;
+  space.drawer = [shared]() -> DrawScene {
+    const auto drawing = std::make_shared<Drawing>(Drawing{.shared = shared});
+    return [drawing](const Sensor& sensor, const FrameRequest& request) { return drawing->frame(sensor, request); };
+  };
+  space.start = {to_millimetres(place.position_m), to_millimetres(place.look_at_m),
+                 std::round(asked.value_or(shared->begin_s))};
+  space.begin_s = shared->begin_s, space.end_s = shared->end_s;
+  const std::string text = file.text, path = file.file;
+  space.edited = [text, path](std::span<const Edit> edits) { return edited_scene(text, path, edits); };
+  space.rows = scene_json;
+  space.with_camera = with_camera;
+  space.facts = {{"facets", facets.size()},
+                 {"size_m", 2.0 * facets.half_extent_m},
+                 {"text", file.text},
+                 {"temperatures", options.temperatures},
+                 {"solved", solved},
+                 {"solvable", !regions_to_solve(file).empty()},
+                 {"no_air", options.no_air},
+                 {"temperatures_change", start->source->temperatures_change()},
+                 {"air_in_scene", file.atmosphere.has_value()}};
+  return space;
+}
+
+}  // namespace apps::live

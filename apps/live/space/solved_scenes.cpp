@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/live/space/solved_scenes.h"
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <exception>
+#include <thread>
+
+#include "mtf/work/stop.h"
+
+namespace apps::live {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr std::size_t kKept = 2;                  ///< beside the start: each holds the temperatures of all its times
+constexpr std::chrono::milliseconds kGone{1500};  ///< a page that waits asks more often
+
+}  // namespace
+
+/// One heat balance.
+struct SolvedScenes::Work {
+  std::string text;
+  const Clock::time_point begun = Clock::now();
+  Clock::time_point asked = begun;  ///< the last time
+  std::atomic<bool> ended{false};
+  std::mutex mutex;
+  std::string step = "meshes";
+  double share = 0.0;
+  std::shared_ptr<SolvedScene> scene{};
+  std::exception_ptr problem{};
+  bool finished = false;
+  std::thread thread{};
+
+  /// What is going on.
+  std::string words() {
+    const std::scoped_lock guard(mutex);
+    const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(Clock::now() - begun).count();
+    const std::string done = share > 0.0 ? " " + std::to_string(static_cast<int>(100.0 * share)) + " %" : "";
+    return step + done + ", " + std::to_string(seconds) + " s";
+  }
+  ~Work() {
+    ended = true;
+    if (thread.joinable()) thread.join();
+  }
+};
+
+SolvedScenes::SolvedScenes(std::string start_text, std::shared_ptr<SolvedScene> start, SolveScene solve)
+    : start_text_(std::move(start_text)), start_(std::move(start)), solve_(std::move(solve)) {}
+SolvedScenes::~SolvedScenes() = default;
+
+SolvedScenes::Found SolvedScenes::find(const std::string& text) {
+  if (text.empty() || text == start_text_) return {start_, ""};
+  const std::scoped_lock lock(mutex_);
+  take_finished();
+  for (const Known& known : known_)
+    if (known.text == text) return {known.scene, ""};
+  if (work_ && work_->text == text) {
+    work_->asked = Clock::now();
+    if (work_->problem) std::rethrow_exception(work_->problem);  // finished
+    return {nullptr, work_->words()};
+  }
+  const bool busy = work_ && !work_->problem && Clock::now() - work_->asked < kGone;
+  if (busy) return {nullptr, "waits for another page's: " + work_->words()};
+  work_.reset();  // ends it
+  work_ = std::make_shared<Work>();
+  work_->text = text;
+  Work& work = *work_;
+  work.thread = std::thread([this, &work] {
+    const mtf::StopScope stop(&work.ended);
+    std::shared_ptr<SolvedScene> scene;
+    std::exception_ptr problem;
+    try {
+      scene = solve_(work.text, [&work](const std::string& step, double share) {
+        const std::scoped_lock guard(work.mutex);
+        work.step = step;
+        work.share = share;
+      });
+    } catch (...) {
+      problem = std::current_exception();
+    }
+    const std::scoped_lock guard(work.mutex);
+    work.scene = std::move(scene);
+    work.problem = problem;
+    work.finished = true;
+  });
+  return {nullptr, work.words()};
+}
+
+void SolvedScenes::take_finished() {
+  if (!work_) return;
+  {
+    const std::scoped_lock guard(work_->mutex);
+    if (!work_->finished || work_->problem) return;
+    known_.push_back({work_->text, std::move(work_->scene)});
+  }
+  work_.reset();
+  if (known_.size() > kKept) known_.erase(known_.begin());
+}
+
+}  // namespace apps::live
