@@ -4,7 +4,8 @@
 // judged. Run by hand on a quiet machine. Without a graphics card Chromium runs WebGL in software GL and puts the page
 // together itself; --gl page makes it put the page together in software GL too, which costs more than all else.
 // Usage: node rates.mjs --modules DIR --chromium FILE --mtf FILE --slider NAME [--sensor FILE --scene FILE] [--rounds N] [--gl page]
-//        of a 3-D scene: --scene scene.toml --sensor camera.toml --temperatures DIR, and sliders as camera.azimuth too
+//        of a 3-D scene: --scene scene.toml --sensor camera.toml --temperatures DIR, and sliders as camera.azimuth too;
+//        camera.azimuth,jitter.rms moves both
 
 import { spawn } from "node:child_process";
 import { createRequire } from "node:module";
@@ -47,7 +48,7 @@ console.log(`address after ${ready} ms, first picture after ${Date.now() - begin
 await page.waitForTimeout(1500);
 const rounds = await page.evaluate(async ({ name, count }) => {
   for (const details of document.querySelectorAll("#forms details")) details.open = true;
-  const slider = document.querySelector(`[data-name="${name}"] input[type=range]`), out = [], asked = new Map(), fetching = window.fetch;
+  const sliders = name.split(",").map((one) => document.querySelector(`[data-name="${one}"] input[type=range]`)), out = [], asked = new Map(), fetching = window.fetch;
   // A value is as old as the request that took it along.
   window.fetch = (place, options) => {
     if (place === "/frame") asked.set(JSON.parse(options.body).generation, performance.now());
@@ -56,8 +57,10 @@ const rounds = await page.evaluate(async ({ name, count }) => {
   let at = 0, last = window.mtfLive.frame.id;
   const moving = setInterval(() => {
     at = (at + 37) % 600;
-    slider.value = 200 + at;
-    slider.dispatchEvent(new Event("input", { bubbles: true }));
+    for (const slider of sliders) {
+      slider.value = 200 + at;
+      slider.dispatchEvent(new Event("input", { bubbles: true }));
+    }
   }, 8);
   for (let round = 0; round < count; round += 1) {
     const delays = [], server = [], start = performance.now();
@@ -73,7 +76,7 @@ const rounds = await page.evaluate(async ({ name, count }) => {
     out.push({ fps: server.length / 3, median: middle(delays), worst: delays.at(-1), server: middle(server), preview: window.mtfLive.frame.preview });
   }
   clearInterval(moving);
-  slider.dispatchEvent(new Event("change", { bubbles: true }));
+  for (const slider of sliders) slider.dispatchEvent(new Event("change", { bubbles: true }));
   return out;
 }, { name: options.slider, count: Number(options.rounds) });
 for (const { fps, median, worst, server, preview } of rounds)

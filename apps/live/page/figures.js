@@ -47,7 +47,7 @@ export class Curves {
     const number = (_, value) => (value === null ? "" : value.toFixed(3));
     const series = [{ label: `f [${unit}]`, value: (_, f) => (f === null ? "" : shown(f, 4)) },
       ...lines.map((line, i) => ({ label: line.label, stroke: i === 0 ? ink : COLOURS[(i - 1) % COLOURS.length], width: line.width, value: number, pxAlign: 0, points: { show: false } }))];
-    if (baseName) series.push({ label: baseName, stroke: ink, width: 1.2, dash: [5, 4], pxAlign: 0, value: number, points: { show: false } });
+    if (baseName) series.push({ label: baseName, stroke: style.getPropertyValue("--soft"), width: 1.2, dash: [5, 4], pxAlign: 0, value: number, points: { show: false } });
     const axis = { stroke: style.getPropertyValue("--soft"), grid: { stroke: grid, width: 1 }, ticks: { stroke: grid, width: 1 }, font: "11px system-ui, sans-serif" };
     this.chart?.destroy();
     const nyquist = (u) => {
@@ -71,7 +71,7 @@ export class Curves {
       ...this.size(), series, hooks: { draw: [nyquist] },
       axes: [{ ...axis, size: 34, label: unit, labelSize: 16, labelFont: "11px system-ui, sans-serif" }, { ...axis, size: 40 }],
       scales: { x: { time: false }, y: { range: (_, min, max) => [Math.min(low, min), Math.max(1, max) * 1.02] } },
-      legend: { live: true, markers: { width: 0, fill: (u, i) => u.series[i].stroke(u, i), } }, cursor: { drag: { x: false, y: false } },
+      legend: { live: true, markers: { width: 0, fill: (u, i) => u.series[i].stroke(u, i) } }, cursor: { drag: { x: false, y: false } },
     }, data, this.place);
     this.key = key;
   }
