@@ -106,9 +106,13 @@ const Parameter& row_named(const SensorConfig& sensor, const std::string& name, 
   throw UsageError(target ? name + ": is not changed by the live view" : cfg::unknown_parameter(targets, name));
 }
 
-/// The other keys of the same table or component that a message names.
+/// The other keys of the same table or component of which a message says that they exclude `name`.
 std::vector<std::string> others_named(const SensorConfig& sensor, const std::string& name, const std::string& message) {
   std::vector<std::string> names;
+  constexpr std::array<std::string_view, 4> kExclude{"either ", "together with", "exactly one", "already"};
+  if (std::none_of(kExclude.begin(), kExclude.end(),
+                   [&](std::string_view words) { return message.find(words) != std::string::npos; }))
+    return names;
   const std::string owner = name.substr(0, name.rfind('.') + 1);
   for (const auto& [other, target] : cfg::targets_of(sensor)) {
     if (other == name || !other.starts_with(owner)) continue;

@@ -107,7 +107,7 @@ std::shared_ptr<const KeptFrame> FrameMaker::frame(const Sensor& sensor, const F
   if (!draw_) asked.preview = false;
   if (!kept_.empty() && !kept_.back()->light_lags && kept_.back()->solving.empty() && sensor == last_sensor_) {
     FrameRequest last = last_request_;
-    last.may_lag = asked.may_lag;
+    last.may_lag = asked.may_lag, last.tab = asked.tab;
     if (last == asked) return kept_.back();
   }
   const auto begin = std::chrono::steady_clock::now();

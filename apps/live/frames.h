@@ -35,6 +35,7 @@ struct FrameRequest {
   bool preview = false;             ///< for the moment: quicker, and less exact (README.md)
   std::optional<Viewpoint> from{};  ///< of a 3-D scene
   std::string scene{};              ///< text of its file; "": that of the start
+  std::string tab{};                ///< page that asks
   bool may_lag = false;             ///< the light of another time will do for the moment
   std::optional<double> tolerance{};
   std::optional<radiometry::OutputStage> stage{};

@@ -64,6 +64,9 @@ class ScratchFile {
   std::string path_;
 };
 
+/// A page names its two sides apart: "page-0" and "page-1".
+std::string page_of(const std::string& tab) { return tab.substr(0, tab.rfind('-')); }
+
 std::string word_of(NanPolicy policy) {
   for (const auto& [word, each] : kNanPolicies)
     if (each == policy) return std::string(word);
@@ -78,7 +81,10 @@ Json notes_of(const mtf::io::SensorConfig& sensor) {
       if (!one.error) notes.push_back((one.path.empty() ? "" : one.path + ": ") + one.text);
   };
   add(mtf::io::parse_config(sensor.text, sensor.file, sensor.schema).diagnostics);
-  if (has_chain(sensor)) add(chain_warnings(sensor));
+  if (has_chain(sensor)) try {
+      add(chain_warnings(sensor));
+    } catch (const UsageError&) {  // a chain that cannot be is said by its frame
+    }
   return notes;
 }
 
@@ -228,17 +234,20 @@ Answer Session::model(const Parts& request) {
   if (space_) json["scene"] = space_->rows(scene_text_of(request));
   json["chain"] = has_chain(*sensor);
   json["stages"] = Json::array();
-  if (has_chain(*sensor)) {
-    const auto chain = radiometric_chain_of(*sensor, std::nullopt);
-    for (const radiometry::OutputStage stage : kStages) {
-      const bool thermal = chain->loaded.sensor.settings.thermal.has_value();
-      const bool photon_only = stage == radiometry::OutputStage::electrons;
-      const bool thermal_only = stage == radiometry::OutputStage::watts || stage == radiometry::OutputStage::volts;
-      const bool no_adc = stage == radiometry::OutputStage::dn && !chain->loaded.sensor.settings.adc;
-      if (stage <= chain->stage && !(thermal ? photon_only : thermal_only) && !no_adc)
-        json["stages"].push_back(std::string(radiometry::output_stage_name(stage)));
+  // A chain that cannot be is said by its frame; the forms and the text are those of the present values all the same.
+  if (has_chain(*sensor)) try {
+      const auto chain = radiometric_chain_of(*sensor, std::nullopt);
+      for (const radiometry::OutputStage stage : kStages) {
+        const bool thermal = chain->loaded.sensor.settings.thermal.has_value();
+        const bool photon_only = stage == radiometry::OutputStage::electrons;
+        const bool thermal_only = stage == radiometry::OutputStage::watts || stage == radiometry::OutputStage::volts;
+        const bool no_adc = stage == radiometry::OutputStage::dn && !chain->loaded.sensor.settings.adc;
+        if (stage <= chain->stage && !(thermal ? photon_only : thermal_only) && !no_adc)
+          json["stages"].push_back(std::string(radiometry::output_stage_name(stage)));
+      }
+    } catch (const UsageError&) {
+      json["stages"] = Json::array();
     }
-  }
   return json_answer(json);
 }
 
@@ -248,6 +257,7 @@ Answer Session::frame(const Parts& request) {
                            .preview = request.flag("preview"),
                            .from = space_ ? std::optional(viewpoint_of(request.json, *space_)) : std::nullopt,
                            .scene = space_ ? scene_text_of(request) : "",
+                           .tab = page_of(request.text("tab")),
                            .may_lag = request.flag("may_lag"),
                            .tolerance = request.tolerance(),
                            .stage = stage_named(request.text("stage"))};

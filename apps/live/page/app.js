@@ -19,7 +19,7 @@ export const app = {
   value: null, // under the cursor
   view: null, curves: null, controls: null, sceneControls: null, place: null,
   dragging: false, // a slider
-  stale: false, // the picture on the right is not of the present values, which are refused
+  stale: [false, false], // the picture of a side is not of the present values, which are refused
   cursor: () => {}, // asks for the values under the cursor once more
   lastName: null, // of the control that was used last: what is wrong is said there
 };

@@ -137,9 +137,9 @@ export function bars() {
   $("save").onclick = () => download(savedName(app.start.sensor, "sensor.toml"), [app.model.text], "application/toml");
   $("save-scene").onclick = async () => download(savedName(app.start.scene, "scene.toml"), [await sceneFile()], "application/toml");
   for (const format of ["png", "exr"]) $(format).onclick = async () => {
-    const frame = () => app.frames[edits.side()];
-    if (app.stale || !frame()) return problem({ message: "There is no picture of the present values to save: mend what is refused first." });
-    while (frame().light_lags || frame().solving || (frame().preview && inSpace())) await new Promise((resolve) => setTimeout(resolve, 50)); // a preview is never saved
+    const frame = () => app.frames[edits.side()], refused = () => app.stale[edits.side()] || !frame();
+    while (!refused() && (frame().light_lags || frame().solving || (frame().preview && inSpace()))) await new Promise((resolve) => setTimeout(resolve, 50)); // a preview is never saved
+    if (refused()) return problem({ message: "There is no picture of the present values to save: mend what is refused first." });
     download(`frame.${format}`, [await bytes("file", { id: frame().id, format })], format === "png" ? "image/png" : "image/x-exr");
   };
   const copy = async (text, button) => {
@@ -158,7 +158,7 @@ function keys(event) {
   const typing = event.target.matches("input[type=text], input[type=search], input[type=number], select, textarea");
   const control = event.ctrlKey || event.metaKey, key = event.key.toLowerCase();
   // In a text that is being written the browser's own undo is meant.
-  const writing = typing && event.target.matches("input") && event.target.value !== (event.target.dataset.shown ?? event.target.value);
+  const writing = typing && event.target.matches("input") && event.target.value !== (event.target.dataset.shown ?? "");
   if (control && (key === "z" || key === "y") && !writing) {
     event.preventDefault();
     back(key === "y" || event.shiftKey ? edits.redo : edits.undo);

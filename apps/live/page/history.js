@@ -86,8 +86,9 @@ export function unset(name, of = editing) {
 /** A parameter as it was at the start, null: not given; its edits go where nothing after them depends on them. */
 export function reset(name, value, of = editing) {
   drop();
-  const list = lists[of];
-  if (list.every(ofValue)) return take(list.filter((one) => one[1] !== name), of);
+  const list = lists[of], owner = name.slice(0, name.lastIndexOf(".") + 1);
+  // A key of the same table may have taken the place of another one.
+  if (list.every((one) => ofValue(one) && (one[1] === name || !one[1].startsWith(owner)))) return take(list.filter((one) => one[1] !== name), of);
   if (value !== null) return take(withSet(list, name, value), of);
   const next = withoutValues(list, name), stated = next.some((one) => one[0] === "set" && one[1] === name);
   return take(stated ? [...next, ["unset", name]] : next, of);
@@ -103,7 +104,12 @@ export function refuse(edit) {
   lists[of] = without(lists[of]);
   before = without(before);
   for (const steps of [past, future]) for (const step of steps) step.list = without(step.list);
-  while (past.at(-1)?.of === of && sameValues(past.at(-1).list, lists[of])) past.pop();
+  // Steps that now lead to what is there anyway.
+  for (let i = past.length - 1, next = lists[of]; i >= 0; i -= 1) {
+    if (past[i].of !== of) continue;
+    if (sameValues(past[i].list, next)) past.splice(i, 1);
+    else next = past[i].list;
+  }
 }
 
 /** The left side becomes what the right one is. */

@@ -102,7 +102,7 @@ export async function showModel() {
   try {
     model = await ask("model", body);
   } catch (error) {
-    if (error instanceof Refused) problem(error, body);
+    if (error instanceof Refused && (turn === models || error.refused)) problem(error, body);
     shownModels = Math.max(shownModels, turn);
     return;
   }
@@ -173,8 +173,8 @@ export function facts(tags, rate) {
   $("first-frame").hidden = state.running || state.number === (app.start.numbers[0] ?? 0);
   if (state.running || state.number > 0) parts.push(`frame ${state.number}`);
   $("facts").textContent = parts.join("  ·  ");
-  $("preview-tag").hidden = !(app.stale || frame.preview || frame.light_lags || frame.solving);
-  $("preview-tag").textContent = app.stale ? "picture of earlier values" : frame.solving ? `heat balance: ${frame.solving}` : "preview";
+  $("preview-tag").hidden = !(app.stale.some(Boolean) || frame.preview || frame.light_lags || frame.solving);
+  $("preview-tag").textContent = app.stale.some(Boolean) ? "picture of earlier values" : frame.solving ? `heat balance: ${frame.solving}` : "preview";
   $("left-tag").textContent = tags[0] ?? "";
   $("right-tag").textContent = tags[1] ?? "";
   if (frame.warnings.length > 0) $("facts").append(Object.assign(document.createElement("p"), { className: "warn", textContent: frame.warnings.join("\n") }));

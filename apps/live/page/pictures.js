@@ -100,7 +100,7 @@ async function ask(side, { from, body, key }) {
   } catch (error) {
     if (!(error instanceof Refused)) return new Promise((resolve) => setTimeout(resolve, 500));
     if (error.status === 409) return undefined;
-    shown[side].refused = key;
+    Object.assign(shown[side], { refused: key, error });
     if (side === 1) $("overlay").hidden = true; // the words stand at the control, which has to be within reach
     problem(error, body);
     settleStale();
@@ -130,14 +130,17 @@ const isRefused = (side) => Boolean(shown[side].refused) && wish(side)?.key === 
 
 /** What was wrong is so no longer where nothing that is wanted was refused. */
 function settleProblem() {
-  if (!isRefused(0) && !isRefused(1)) clearProblem();
+  const side = [1, 0].find(isRefused);
+  if (side === undefined) clearProblem();
+  else if ($("problem").hidden) problem(shown[side].error);
   settleStale();
 }
 
-/** Whether the picture is one of other values. */
+/** Whether the pictures are of other values. */
 function settleStale() {
-  if (app.stale === isRefused(1)) return;
-  app.stale = isRefused(1);
+  const stale = [0, 1].map(isRefused);
+  if (String(app.stale) === String(stale)) return;
+  app.stale = stale;
   if (app.frames[1]) facts(shown.map((one) => one.tag), rate());
 }
 

@@ -200,7 +200,7 @@ export class Place {
     line.dataset.name = name;
     line.classList.toggle("no-slider", !slider);
     const update = () => {
-      if (document.activeElement !== field) field.value = text();
+      if (document.activeElement !== field || field.value === field.dataset.shown) field.value = field.dataset.shown = text();
       if (slider && !slider.matches(":active")) slider.value = scale.at(get());
       slider?.setAttribute("aria-valuetext", text());
     };

@@ -179,10 +179,12 @@ const SceneRow* find_row(const std::vector<SceneTable>& tables, std::string_view
   return nullptr;
 }
 
-/// The value as the file has it: a number, or a text in quotes.
-std::string toml_of(const std::string& value) {
+/// The value as the file has it: a text in quotes, a number where the row has no unit, as a text there names a file.
+std::string toml_of(const std::string& value, const FieldInfo& field) {
   const Node node = cfg::node_of(value, 0);
-  return node.is_number() ? cfg::toml_number(node.number) : cfg::toml_string(value);
+  if (field.unit.empty() && node.is_number()) return cfg::toml_number(node.number);
+  if (field.unit.empty()) return cfg::toml_number(scene::parse_si(value, field.unit, example_of(field)));
+  return cfg::toml_string(value);
 }
 
 /// What the text of the start has there, which need not be a number.
@@ -196,20 +198,29 @@ std::string text_at_start(const std::string& start, const std::string& name) {
 std::string with_value(const std::string& text, const std::string& start, const Edit& edit) {
   const cfg::Tree tree = cfg::read_tree(text);
   const std::vector<SceneTable> tables = scene_tables(tree.root);
-  const SceneRow* row = edit.kind == Edit::Kind::set ? find_row(tables, edit.name) : nullptr;
+  const bool of_value = edit.kind == Edit::Kind::set || edit.kind == Edit::Kind::unset;
+  const SceneRow* row = of_value ? find_row(tables, edit.name) : nullptr;
   if (row == nullptr) throw UsageError(one_line(edit.name) + ": is not changed by the live view");
   const FieldInfo& field = row->field;
-  const bool plain = field.unit.empty() && cfg::node_of(edit.value, 0).is_number();
-  if (!plain && edit.value != text_at_start(start, edit.name)) try {
-      static_cast<void>(scene::parse_si(edit.value, field.unit, example_of(field)));
-    } catch (const UsageError& error) {
-      throw UsageError(edit.name + ": " + error.what() + " (files are named in the scene file alone)");
-    }
   cfg::TableText out(text, *row->table);
+  if (edit.kind == Edit::Kind::unset) {
+    if (row->node == nullptr) throw UsageError(edit.name + ": the file does not state it");
+    out.remove_line(field.name);
+    return out.text();
+  }
+  std::string value;
+  try {
+    value = toml_of(edit.value, field);
+    if (!field.unit.empty()) static_cast<void>(scene::parse_si(edit.value, field.unit, example_of(field)));
+  } catch (const UsageError& error) {
+    if (edit.value != text_at_start(start, edit.name))
+      throw UsageError(edit.name + ": " + error.what() + " (files are named in the scene file alone)");
+    value = cfg::toml_string(edit.value);
+  }
   if (row->node != nullptr)
-    out.replace(*row->node, toml_of(edit.value));
+    out.replace(*row->node, value);
   else
-    out.add_line(std::string(field.name) + " = " + toml_of(edit.value));
+    out.add_line(std::string(field.name) + " = " + value);
   return out.text();
 }
 

@@ -41,7 +41,7 @@ std::vector<SceneTable> scene_tables(const mtf::io::cfg::Node& root);
 /// {"tables": [{"name", "doc", "fixed": true, "rows": [...]}]}, rows as those of model_json.
 Json scene_json(const std::string& text);
 
-/// The text of the scene file with these edits, all of which are of Edit::Kind::set; comments and all else stay. A
+/// The text of the scene file with these edits, of Edit::Kind::set and unset; comments and all else stay. A
 /// value that is no number is refused unless it is the one that `start`, the text at the start, has there: no edit
 /// names another file. `file`: of the scene, for messages and for what it names. Throws RefusedEdit of the list
 /// "scene".

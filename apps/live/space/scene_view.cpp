@@ -45,6 +45,7 @@ struct Shared {
 struct Drawing {
   std::shared_ptr<Shared> shared;
   std::shared_ptr<SolvedScene> scene{};
+  std::string tab{};  ///< page of the last frame
   std::unique_ptr<Flight> flight{};
   std::optional<double> tolerance{};
   std::optional<radiometry::OutputStage> stage{};
@@ -68,8 +69,11 @@ void Drawing::make_flight(const SimulateOptions& image) {
 
 KeptFrame Drawing::frame(const Sensor& sensor, const FrameRequest& request) {
   const SimulateOptions image{.tolerance = request.tolerance, .stage = request.stage, .threads = shared->threads};
-  const SolvedScenes::Found found = shared->scenes->find(request.scene);
-  const auto& wanted = found.scene ? found.scene : scene ? scene : shared->scenes->start();
+  const SolvedScenes::Found found = shared->scenes->find(request.scene, request.tab);
+  // Until it is there the page has the scene that it had before.
+  const bool own = scene && tab == request.tab;
+  const std::shared_ptr<SolvedScene> wanted = found.scene ? found.scene : own ? scene : shared->scenes->start();
+  tab = request.tab;
   if (wanted != scene) {
     flight.reset();  // before its source may go
     scene = wanted;

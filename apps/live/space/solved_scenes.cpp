@@ -14,14 +14,14 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr std::size_t kKept = 2;                  ///< beside the start: each holds the temperatures of all its times
-constexpr std::chrono::milliseconds kGone{1500};  ///< a page that waits asks more often
+constexpr std::size_t kKept = 2;           ///< beside the start: each holds the temperatures of all its times
+constexpr std::chrono::seconds kGone{10};  ///< a page that waits asks more often
 
 }  // namespace
 
 /// One heat balance.
 struct SolvedScenes::Work {
-  std::string text;
+  std::string text, tab;
   const Clock::time_point begun = Clock::now();
   Clock::time_point asked = begun;  ///< the last time
   std::atomic<bool> ended{false};
@@ -33,6 +33,14 @@ struct SolvedScenes::Work {
   bool finished = false;
   std::thread thread{};
 
+  bool is_finished() {
+    const std::scoped_lock guard(mutex);
+    return finished;
+  }
+  std::exception_ptr what_was_wrong() {
+    const std::scoped_lock guard(mutex);
+    return problem;
+  }
   /// What is going on.
   std::string words() {
     const std::scoped_lock guard(mutex);
@@ -50,23 +58,28 @@ SolvedScenes::SolvedScenes(std::string start_text, std::shared_ptr<SolvedScene> 
     : start_text_(std::move(start_text)), start_(std::move(start)), solve_(std::move(solve)) {}
 SolvedScenes::~SolvedScenes() = default;
 
-SolvedScenes::Found SolvedScenes::find(const std::string& text) {
-  if (text.empty() || text == start_text_) return {start_, ""};
+SolvedScenes::Found SolvedScenes::find(const std::string& text, const std::string& tab) {
   const std::scoped_lock lock(mutex_);
   take_finished();
+  const bool of_start = text.empty() || text == start_text_;
+  const bool same = work_ && work_->text == text;
+  if (work_ && !same && work_->tab == tab) end_work();  // its page wants another scene
+  if (of_start) return {start_, ""};
   for (const Known& known : known_)
     if (known.text == text) return {known.scene, ""};
-  if (work_ && work_->text == text) {
+  const std::exception_ptr wrong = work_ ? work_->what_was_wrong() : nullptr;
+  if (same) {
     work_->asked = Clock::now();
-    if (work_->problem) std::rethrow_exception(work_->problem);  // finished
+    if (wrong) std::rethrow_exception(wrong);
     return {nullptr, work_->words()};
   }
-  const bool busy = work_ && !work_->problem && Clock::now() - work_->asked < kGone;
+  const bool busy = work_ && !wrong && Clock::now() - work_->asked < kGone;
   if (busy) return {nullptr, "waits for another page's: " + work_->words()};
-  work_.reset();  // ends it
-  work_ = std::make_shared<Work>();
-  work_->text = text;
-  Work& work = *work_;
+  end_work();
+  const auto begun = std::make_shared<Work>();
+  begun->text = text;
+  begun->tab = tab;
+  Work& work = *begun;
   work.thread = std::thread([this, &work] {
     const mtf::StopScope stop(&work.ended);
     std::shared_ptr<SolvedScene> scene;
@@ -85,7 +98,16 @@ SolvedScenes::Found SolvedScenes::find(const std::string& text) {
     work.problem = problem;
     work.finished = true;
   });
+  work_ = begun;
   return {nullptr, work.words()};
+}
+
+void SolvedScenes::end_work() {
+  std::erase_if(ended_, [](const auto& work) { return work->is_finished(); });
+  if (!work_) return;
+  work_->ended = true;
+  ended_.push_back(std::move(work_));
+  work_.reset();
 }
 
 void SolvedScenes::take_finished() {

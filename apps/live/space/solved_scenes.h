@@ -5,10 +5,8 @@
 // frames. Until it is there pictures have the temperatures of before.
 
 #include <functional>
-#include <future>
 #include <memory>
 #include <mutex>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -39,10 +37,10 @@ class SolvedScenes {
     std::shared_ptr<SolvedScene> scene{};  ///< null: it is being worked out, or waits for another one
     std::string waiting{};                 ///< what is going on: "rays, 3 s"
   };
-  /// The scene of that text, "" for the start. One that is not known begins to be worked out, unless another one is
-  /// whose page still asks for it: two pages with different scenes take turns. Throws what has ended that scene's heat
-  /// balance. From several threads.
-  Found find(const std::string& text);
+  /// The scene of that text, "" for the start, for a page of the browser. One that is not known begins to be worked
+  /// out; that ends the one that the same page has asked for before, while another page's is waited for. Throws what
+  /// has ended that scene's heat balance. From several threads.
+  Found find(const std::string& text, const std::string& tab);
   const std::shared_ptr<SolvedScene>& start() const { return start_; }
 
  private:
@@ -52,6 +50,8 @@ class SolvedScenes {
     std::shared_ptr<SolvedScene> scene;
   };
   void take_finished();
+  /// Ends it, without waiting for that.
+  void end_work();
 
   std::string start_text_;
   std::shared_ptr<SolvedScene> start_;
@@ -59,6 +59,7 @@ class SolvedScenes {
   std::mutex mutex_;
   std::vector<Known> known_{};  ///< the last ones that were worked out, the newest at the end
   std::shared_ptr<Work> work_{};
+  std::vector<std::shared_ptr<Work>> ended_{};  ///< until their threads have noticed
 };
 
 }  // namespace apps::live

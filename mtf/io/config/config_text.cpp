@@ -127,10 +127,12 @@ void TableText::remove_line(std::string_view key) {
 }
 
 void TableText::add_line(const std::string& line) {
-  const auto last = std::max_element(
-      table_.members.begin(), table_.members.end(),
-      [&](const Member& a, const Member& b) { return offset_of(text_, a.position) < offset_of(text_, b.position); });
-  if (last == table_.members.end()) {
+  const Member* last = nullptr;
+  for (const Member& member : table_.members)
+    if (!has_header(member) &&
+        (last == nullptr || offset_of(text_, last->position) < offset_of(text_, member.position)))
+      last = &member;
+  if (last == nullptr) {
     const std::size_t at = std::min(text_.find('\n', offset_of(text_, table_.position)), text_.size());
     edits_.push_back({at, at, "\n" + line});
     return;
@@ -146,6 +148,13 @@ const Member& TableText::member_of(std::string_view key) const {
 
 std::size_t TableText::end_of(const Member& member) const {
   return end_of_value(text_, offset_of(text_, member.value.position));
+}
+
+bool TableText::has_header(const Member& member) const {
+  const std::size_t at = offset_of(text_, member.position);
+  const std::size_t line = at == 0 ? std::string_view::npos : text_.rfind('\n', at - 1);
+  const std::size_t begin = text_.find_first_not_of(" \t", line == std::string_view::npos ? 0 : line + 1);
+  return !is_inline() && begin < at && text_[begin] == '[';
 }
 
 bool TableText::is_inline() const {

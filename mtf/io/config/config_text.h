@@ -39,13 +39,14 @@ class TableText {
   /// `key = value` gives way to `first` and `second`, one below the other.
   void replace_line(std::string_view key, std::string_view first, std::string_view second = {});
   void remove_line(std::string_view key);
-  /// After the last key of the table.
+  /// After the last key of the table, before tables within it that have headers of their own.
   void add_line(const std::string& line);
   std::string text() const { return edited(text_, edits_); }
 
  private:
   const Member& member_of(std::string_view key) const;
   std::size_t end_of(const Member& member) const;
+  bool has_header(const Member& member) const;
   bool is_inline() const;
   /// The blanks before `at`, where the line starts with them.
   std::string_view indentation(std::size_t at) const;

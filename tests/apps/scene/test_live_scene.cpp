@@ -74,11 +74,21 @@ TEST(LiveScene, WeatherOfAFileIsChangedByKeysThatAreAdded) {
   EXPECT_EQ(file.weather.change.air_temperature_offset_k, -5.0);
 }
 
+TEST(LiveScene, AKeyIsNoLongerGiven) {
+  const SceneFolder folder;
+  const std::vector<Edit> edits{{Edit::Kind::set, "weather.solar_factor", "0.5"},
+                                {Edit::Kind::unset, "weather.solar_factor", ""}};
+  EXPECT_EQ(edited_scene(scene_text(), folder.file("scene.toml"), edits), scene_text());
+  const std::vector<Edit> needed{{Edit::Kind::unset, "material.armour.solar_absorptance", ""}};
+  EXPECT_THROW(edited_scene(scene_text(), folder.file("scene.toml"), needed), RefusedEdit);
+}
+
 TEST(LiveScene, WhatIsRefused) {
   const SceneFolder folder;
   for (const char* value : {"/etc/passwd", "other.csv", "../engine.csv", "", "hot", "90", "90 mm"})
     EXPECT_NE(refusal_of(folder, {{"material.armour.inside.temperature", value}}), "") << value;
   EXPECT_NE(refusal_of(folder, {{"material.armour.emissivity", "bands.csv"}}), "") << "another file";
+  EXPECT_TRUE(contains(after(folder, {{"material.armour.emissivity", "90 %"}}), "emissivity = 0.9\n")) << "no file";
   EXPECT_NE(refusal_of(folder, {{"weather.file", "engine.csv"}}), "");
   EXPECT_NE(refusal_of(folder, {{"mesh.vehicle.file", "/etc/passwd"}}), "");
   EXPECT_TRUE(contains(refusal_of(folder, {{"weather.wind_speed_factor", "2.0"}, {"weather.solar_factor", "-1"}}, 1),
@@ -111,9 +121,9 @@ TEST(LiveScene, RowsHaveSlidersInTheUnitOfTheFile) {
 }
 
 /// Finds until the scene is there.
-std::shared_ptr<SolvedScene> wait_for(SolvedScenes& scenes, const std::string& text) {
+std::shared_ptr<SolvedScene> wait_for(SolvedScenes& scenes, const std::string& text, const std::string& tab = "tab") {
   for (int i = 0; i < 10000; ++i) {
-    if (auto found = scenes.find(text); found.scene) return found.scene;
+    if (auto found = scenes.find(text, tab); found.scene) return found.scene;
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
   return nullptr;
@@ -133,9 +143,9 @@ TEST(SolvedScenes, AreMadeBesideAndKept) {
     if (text == "bad") throw mtf::UsageError("no such weather");
     return scene_of(text);
   });
-  EXPECT_EQ(scenes.find("").scene, scenes.start());
-  EXPECT_EQ(scenes.find("a").scene, scenes.start());
-  const auto found = scenes.find("b");
+  EXPECT_EQ(scenes.find("", "tab").scene, scenes.start());
+  EXPECT_EQ(scenes.find("a", "tab").scene, scenes.start());
+  const auto found = scenes.find("b", "tab");
   EXPECT_FALSE(found.scene);
   EXPECT_FALSE(found.waiting.empty());
   const auto b = wait_for(scenes, "b");
@@ -145,7 +155,7 @@ TEST(SolvedScenes, AreMadeBesideAndKept) {
   EXPECT_EQ(wait_for(scenes, "b"), b) << "kept";
   EXPECT_EQ(made, 2);
   EXPECT_THROW(wait_for(scenes, "bad"), mtf::UsageError);
-  EXPECT_THROW(scenes.find("bad"), mtf::UsageError) << "and again, without trying";
+  EXPECT_THROW(scenes.find("bad", "tab"), mtf::UsageError) << "and again, without trying";
   EXPECT_EQ(made, 3);
   EXPECT_TRUE(wait_for(scenes, "d"));
 }
@@ -165,11 +175,12 @@ TEST(SolvedScenes, OneThatNobodyAsksForEnds) {
     }
     return scene_of(text);
   });
-  EXPECT_FALSE(scenes.find("long").scene);
+  EXPECT_FALSE(scenes.find("long", "tab").scene);
   while (!begun) std::this_thread::sleep_for(std::chrono::milliseconds(1));
-  EXPECT_TRUE(contains(scenes.find("b").waiting, "waits for another")) << "a page still asks for the first";
+  EXPECT_TRUE(contains(scenes.find("b", "other").waiting, "waits for another")) << "a page still asks for the first";
   EXPECT_FALSE(stopped);
-  EXPECT_TRUE(wait_for(scenes, "b")) << "then no longer";
+  EXPECT_TRUE(wait_for(scenes, "b")) << "that page wants another one";
+  for (int i = 0; i < 1000 && !stopped; ++i) std::this_thread::sleep_for(std::chrono::milliseconds(1));
   EXPECT_TRUE(stopped);
 }
 
