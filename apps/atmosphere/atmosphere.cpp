@@ -10,8 +10,10 @@
 #include "apps/atmosphere/atmosphere_options.h"
 #include "apps/atmosphere/atmosphere_report.h"
 #include "apps/atmosphere/spectrum_text.h"
+#ifdef MTFKIT_HAVE_SCENE
 #include "apps/scene/scene_file/clear_sky_flux.h"
 #include "apps/scene/scene_file/scene_file.h"
+#endif
 #include "apps/sensor/sensor_air.h"
 #include "apps/sensor/sensor_file.h"
 #include "apps/simulate/output_files.h"
@@ -42,6 +44,7 @@ struct Given {
   std::vector<std::string> files;
 };
 
+#ifdef MTFKIT_HAVE_SCENE
 /// Of a scene, whose weather gives the temperature and humidity at its place, the air above that.
 air::Air<double> air_in(const Given& given) {
   if (!given.place_m) return read_air(given.settings);
@@ -50,6 +53,9 @@ air::Air<double> air_in(const Given& given) {
   alone.target_altitude_m = alone.zenith_deg = alone.range_m = std::nullopt;
   return scene::air_above(alone, *given.place_m);
 }
+#else
+air::Air<double> air_in(const Given& given) { return read_air(given.settings); }
+#endif
 
 /// True for a scene file: sensor files have no [place].
 bool is_scene_file(const std::string& file) {
@@ -58,6 +64,7 @@ bool is_scene_file(const std::string& file) {
 }
 
 /// The air of a scene, seen from its camera or, without one, from its place.
+#ifdef MTFKIT_HAVE_SCENE
 void take_scene(const AtmosphereOptions& options, Given& given, const Global& global) {
   std::vector<mtf::io::Diagnostic> warnings;
   const scene::SceneFile scene = scene::load_scene(options.file, &warnings);
@@ -71,6 +78,11 @@ void take_scene(const AtmosphereOptions& options, Given& given, const Global& gl
   given.settings.sensor_altitude_m = scene.place.altitude_m + (scene.camera ? scene.camera->position_m[2] : 0.0);
   given.files.push_back(options.file);
 }
+#else
+void take_scene(const AtmosphereOptions& options, Given&, const Global&) {
+  throw mtf::UsageError(options.file + ": this build has no 3-D scenes; name a sensor file");
+}
+#endif
 
 Given given_by(const AtmosphereOptions& options, const Global& global) {
   Given given;
