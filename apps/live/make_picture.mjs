@@ -58,7 +58,7 @@ function animated(shots) {
 
 const child = spawn(options.mtf, ["live", "--no-browser", options.sensor, options.scene], { stdio: ["ignore", "pipe", "inherit"] });
 const address = await new Promise((resolve) => createInterface({ input: child.stdout }).once("line", resolve));
-const browser = await chromium.launch({ executablePath: options.chromium, args: ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist"] });
+const browser = await chromium.launch({ executablePath: options.chromium, args: ["--no-sandbox"] });
 const page = await (await browser.newContext({ viewport: { width: 1080, height: 600 }, colorScheme: "dark" })).newPage();
 await page.goto(address);
 const rest = async () => {
