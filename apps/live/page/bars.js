@@ -18,10 +18,8 @@ export function changed() {
 }
 /** Something has come to rest: the forms, the texts and the link follow. */
 export function settled() {
-  changed();
-  showModel();
-  texts();
-  remember();
+  clearProblem(true);
+  follow();
 }
 /** An edit is no more: everything follows but the words about it. */
 export function follow() {

@@ -143,67 +143,72 @@ std::optional<Target> target_of(const SensorConfig& config, const cfg::Targets& 
   return cfg::find_target({{whole.path(), whole}}, name);
 }
 
-}  // namespace
-
-std::string replace_value(const SensorConfig& config, std::string_view parameter, std::string_view value) {
-  const std::string name(parameter), where = config.file + ": ";
-  const cfg::Tree tree = cfg::read_tree(config.text);
+/// A parameter in the tree of the file. Throws UsageError for a text that cannot be read, and for one that the sensor
+/// does not have.
+struct Located {
+  cfg::Tree tree;
+  Target target;
+  const Node* table() const { return table_of(tree.root, target); }
+};
+Located located(const SensorConfig& config, std::string_view parameter) {
+  cfg::Tree tree = cfg::read_tree(config.text);
   if (tree.error) throw UsageError(format_diagnostic(*tree.error, config.file));
   const cfg::Targets targets = cfg::targets_of(config);
   const auto target = target_of(config, targets, parameter);
-  if (!target) throw UsageError(where + cfg::unknown_parameter(targets, name));
+  if (!target) throw UsageError(config.file + ": " + cfg::unknown_parameter(targets, std::string(parameter)));
+  return {std::move(tree), *target};
+}
 
-  const Node wanted = wanted_node(value);
-  Node expected = tree.root;
-  if (const std::string problem = put_value(expected, *target, wanted); !problem.empty())
-    throw UsageError(where + printable(name, 80) + ": " + problem);
-  std::string text = new_text(config.text, tree.root, *target, toml_value(wanted, value));
-  // What comes back is read again: a table written in an unusual form is refused, never changed into something else.
+/// What was changed is read again: a table written in an unusual form is refused, never changed into something else.
+void require_tree(const std::string& text, const Node& expected, const std::string& problem, const Target& target) {
   const cfg::Tree result = cfg::read_tree(text);
   if (result.error || !same_values(result.root, expected))
-    throw UsageError(where + printable(name, 80) + ": cannot be set to " + printable(value, 80) + " in place; write [" +
-                     target->table + "] with one `key = value` a line");
+    throw UsageError(problem + " in place; write [" + target.table + "] with one `key = value` a line");
+}
+
+}  // namespace
+
+std::string replace_value(const SensorConfig& config, std::string_view parameter, std::string_view value) {
+  const std::string where = config.file + ": " + printable(std::string(parameter), 80) + ": ";
+  const Located at = located(config, parameter);
+  const Node wanted = wanted_node(value);
+  Node expected = at.tree.root;
+  if (const std::string problem = put_value(expected, at.target, wanted); !problem.empty())
+    throw UsageError(where + problem);
+  std::string text = new_text(config.text, at.tree.root, at.target, toml_value(wanted, value));
+  require_tree(text, expected, where + "cannot be set to " + printable(value, 80), at.target);
   return text;
 }
 
 std::string without_value(const SensorConfig& config, std::string_view parameter) {
   const std::string where = config.file + ": " + printable(std::string(parameter), 80) + ": ";
-  const cfg::Tree tree = cfg::read_tree(config.text);
-  if (tree.error) throw UsageError(format_diagnostic(*tree.error, config.file));
-  const cfg::Targets targets = cfg::targets_of(config);
-  const auto target = target_of(config, targets, parameter);
-  if (!target) throw UsageError(config.file + ": " + cfg::unknown_parameter(targets, std::string(parameter)));
-  const Node* table = table_of(tree.root, *target);
-  if (table == nullptr || target->element || table->find(target->key) == nullptr)
+  const Located at = located(config, parameter);
+  const Target& target = at.target;
+  const Node* table = at.table();
+  if (table == nullptr || target.element || table->find(target.key) == nullptr)
     throw UsageError(where + "the file does not state it");
   TableText out(config.text, *table);
-  out.remove_line(target->key);
+  out.remove_line(target.key);
   std::string text = out.text();
-  Node expected = tree.root;
+  Node expected = at.tree.root;
   const auto remove = [&](Node& owner) {
-    std::erase_if(owner.members, [&](const Member& member) { return member.key == target->key; });
+    std::erase_if(owner.members, [&](const Member& member) { return member.key == target.key; });
   };
   for (Member& member : expected.members)
-    if (member.key == target->table) remove(target->component ? member.value.items.at(target->index) : member.value);
-  const cfg::Tree result = cfg::read_tree(text);
-  if (result.error || !same_values(result.root, expected))
-    throw UsageError(where + "cannot be taken out in place; write [" + target->table +
-                     "] with one `key = value` a line");
+    if (member.key == target.table) remove(target.component ? member.value.items.at(target.index) : member.value);
+  require_tree(text, expected, where + "cannot be taken out", target);
   return text;
 }
 
 std::string stated_value(const SensorConfig& config, std::string_view parameter) {
-  const cfg::Tree tree = cfg::read_tree(config.text);
-  if (tree.error) throw UsageError(format_diagnostic(*tree.error, config.file));
-  const cfg::Targets targets = cfg::targets_of(config);
-  const auto target = target_of(config, targets, parameter);
-  if (!target) throw UsageError(config.file + ": " + cfg::unknown_parameter(targets, std::string(parameter)));
-  const Node* table = table_of(tree.root, *target);
-  const Node* value = table != nullptr ? table->find(target->key) : nullptr;
+  const Located at = located(config, parameter);
+  const Target& target = at.target;
+  const Node* table = at.table();
+  const Node* value = table != nullptr ? table->find(target.key) : nullptr;
   if (value == nullptr && table != nullptr)  // of both axes
-    if (const auto pair = cfg::pair_of_axis(target->key)) value = table->find(*pair);
-  if (value != nullptr && target->element)
-    value = *target->element < value->items.size() ? &value->items[*target->element] : nullptr;
+    if (const auto pair = cfg::pair_of_axis(target.key)) value = table->find(*pair);
+  if (value != nullptr && target.element)
+    value = *target.element < value->items.size() ? &value->items[*target.element] : nullptr;
   if (value == nullptr) return {};
   const std::size_t begin = offset_of(config.text, number_of(value)->position);
   return config.text.substr(begin, end_of_value(config.text, begin) - begin);
