@@ -30,10 +30,6 @@ const cfg::Node* value_node(const cfg::Node* table, std::string_view key) {
   return inner != nullptr ? inner : node;
 }
 
-std::string written(const cfg::Node& node) {
-  return node.kind == cfg::Node::Kind::string ? node.text : cfg::shown(node);
-}
-
 struct Number {
   double value = 0.0;
   std::string unit;
@@ -95,16 +91,9 @@ Json row_json(const Parameter& parameter, const std::string& owner, const std::s
   const double lo = has_range(parameter) ? bound_in(parameter.lo, parameter, number->unit) : -HUGE_VAL;
   const double hi = has_range(parameter) ? bound_in(parameter.hi, parameter, number->unit) : HUGE_VAL;
   const SliderRange range = slider_range(parameter, number->value, lo, hi);
-  row["control"] = "number";
-  row["number"] = number->value;
-  row["unit"] = number->unit;
+  add_number(row, number->value, number->unit, lo, hi, range);
   row["units"] = Json::array();
   for (const std::string_view unit : mtf::units_of(parameter.dimension)) row["units"].push_back(std::string(unit));
-  row["min"] = finite(lo);
-  row["max"] = finite(hi);
-  row["low"] = range.low;
-  row["high"] = range.high;
-  row["log"] = range.log;
   row["whole"] = parameter.type == Type::whole;
   return row;
 }
@@ -268,6 +257,21 @@ SliderRange slider_range(const Parameter& parameter, double value, double lo, do
   if (parameter.lo_open && range.low <= lo) range.low = range.log ? range.low * 1.001 : range.low + step;
   if (parameter.hi_open && range.high >= hi) range.high -= step;
   return range;
+}
+
+std::string written(const cfg::Node& node) {
+  return node.kind == cfg::Node::Kind::string ? node.text : cfg::shown(node);
+}
+
+void add_number(Json& row, double number, const std::string& unit, double lo, double hi, const SliderRange& range) {
+  row["control"] = "number";
+  row["number"] = number;
+  row["unit"] = unit;
+  row["min"] = finite(lo);
+  row["max"] = finite(hi);
+  row["low"] = range.low;
+  row["high"] = range.high;
+  row["log"] = range.log;
 }
 
 Json model_json(const mtf::io::SensorConfig& sensor, const SensorKinds& kinds) {

@@ -29,4 +29,9 @@ struct SliderRange {
 };
 SliderRange slider_range(const Parameter& parameter, double value, double lo, double hi);
 
+/// A text as the file has it, without its quotes; any other value as TOML writes it.
+std::string written(const mtf::io::cfg::Node& node);
+/// Makes a row that of a number in `unit`, from `lo` to `hi` where they are finite, whose slider has that range.
+void add_number(Json& row, double number, const std::string& unit, double lo, double hi, const SliderRange& range);
+
 }  // namespace apps::live

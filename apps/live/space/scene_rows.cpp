@@ -27,8 +27,6 @@ std::string example_of(const FieldInfo& field) {
   return text;
 }
 
-std::string written(const Node& node) { return node.kind == Node::Kind::string ? node.text : cfg::shown(node); }
-
 /// Collects the rows of one table.
 class Rows {
  public:
@@ -159,15 +157,8 @@ Json row_json(const SceneRow& row) {
   const Written now = stated ? *stated : quantity_in(example, field).value();
   const double lo = in_unit(field.lo, now.unit, field), hi = in_unit(field.hi, now.unit, field);
   const SliderRange range = range_of(field, now.number, lo, hi);
-  json["control"] = "number";
-  json["number"] = now.number;
-  json["unit"] = now.unit;
+  add_number(json, now.number, now.unit, lo, hi, range);
   json["units"] = Json::array();
-  json["min"] = lo;
-  json["max"] = hi;
-  json["low"] = range.low;
-  json["high"] = range.high;
-  json["log"] = range.log;
   json["whole"] = false;
   return json;
 }
