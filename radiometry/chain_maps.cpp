@@ -93,7 +93,8 @@ PixelMaps pixel_maps(const CompiledChain& chain, const Sensor& sensor, Origin or
   if (s.vignetting) {
     const mtf::Image given = detector_map(sensor.vignetting, "vignetting.map");
     maps.corners = mtf::Image(width, height);
-    vignetting_map(maps.corners.view(), *s.vignetting, chain.detector, chain.focal_length_mm, origin, given.view());
+    vignetting_map(maps.corners.view(), *s.vignetting, chain.detector, chain.focal_length_mm, origin, given.view(),
+                   cores);
   }
   mtf::Image responsivity;
   if (const auto& unequal = s.nonuniformity) {
@@ -119,7 +120,7 @@ PixelMaps pixel_maps(const CompiledChain& chain, const Sensor& sensor, Origin or
   }
   multiply(around, std::move(responsivity));
   maps.glow = glow_of(chain, chain.warm, maps.corners, around, chain.dark_e);
-  if (s.defects) maps.defects = find_defects(width, height, *s.defects, chain.seed, origin);
+  if (s.defects) maps.defects = find_defects(width, height, *s.defects, chain.seed, origin, cores);
   if (s.blinking) maps.blinking = find_blinking(width, height, *s.blinking, chain.seed, origin);
   return maps;
 }

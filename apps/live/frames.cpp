@@ -89,11 +89,10 @@ KeptFrame FrameMaker::of_image(const Sensor& sensor, const FrameRequest& request
     made_for_ = request;
     file_number_ = file;
   }
-  // A camera with other parameters is another camera, whose correction is its own: what one command would show.
-  if (last_ && !same_correction(*last_, *sensor)) live_->begin_anew();
-  last_ = sensor;
   KeptFrame frame;
-  frame.image = live_->image(*sensor, request.number);
+  // A camera with other parameters is another camera, whose correction is its own: what one command would show.
+  frame.image = live_->image(*sensor, request.number, request.correction());
+  frame.passing = frame.correction_lags = live_->correction_lags();
   frame.names = live_->names();
   frame.warnings = live_->warnings();
   frame.plan = std::make_shared<const mtf::SensorPlan>(live_->plan());
@@ -105,7 +104,10 @@ std::shared_ptr<const KeptFrame> FrameMaker::frame(const Sensor& sensor, const F
   // What was made while the page loaded is what it asks for first; an image of a preview is that at rest, too.
   FrameRequest asked = request;
   if (!draw_) asked.preview = false;
-  if (!kept_.empty() && !kept_.back()->light_lags && kept_.back()->solving.empty() && sensor == last_sensor_) {
+  const auto lags = [](const KeptFrame& kept) {
+    return kept.light_lags || kept.correction_lags || !kept.solving.empty();
+  };
+  if (!kept_.empty() && !lags(*kept_.back()) && sensor == last_sensor_) {
     FrameRequest last = last_request_;
     last.may_lag = asked.may_lag, last.tab = asked.tab;
     if (last == asked) return kept_.back();

@@ -40,6 +40,9 @@ struct FrameRequest {
   std::optional<double> tolerance{};
   std::optional<radiometry::OutputStage> stage{};
 
+  /// A preview does not wait for one.
+  CorrectionOf correction() const { return preview ? CorrectionOf::earlier : CorrectionOf::own; }
+
   bool operator==(const FrameRequest&) const = default;
 };
 
@@ -61,7 +64,8 @@ struct KeptFrame {
   std::vector<std::string> warnings{};
   std::shared_ptr<const mtf::SensorPlan> plan{};
   double ms = 0.0;
-  bool passing = false;  ///< a preview, or of another time's light or temperatures: no file is made of it
+  bool passing = false;          ///< a preview, or of another time's light or temperatures: no file is made of it
+  bool correction_lags = false;  ///< it has the correction of earlier values
   /// Of a 3-D scene: what the sensor took in, its relative error, whether its light is of another time, and what stands
   /// for sky, sun and air.
   std::shared_ptr<const mtf::io::Scene> scene{};
@@ -104,7 +108,6 @@ class FrameMaker {
   int threads_ = 0;
   std::optional<LiveSimulation> live_;
   FrameRequest made_for_;
-  Sensor last_;  ///< of the last image
   std::int64_t file_number_ = -1;
   std::deque<std::shared_ptr<const KeptFrame>> kept_;
   Sensor last_sensor_;  ///< of the last of them

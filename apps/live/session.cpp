@@ -292,7 +292,8 @@ Answer Session::frame(const Parts& request) {
              {"merged", made->plan->presample.report().merged},
              {"left_out", left_out_json(*made->plan)},
              {"warnings", made->warnings},
-             {"preview", asked.preview}};
+             {"preview", asked.preview},
+             {"correction_lags", made->correction_lags}};
   std::string radiance;
   if (made->scene) {
     facts["light_lags"] = made->light_lags;

@@ -27,8 +27,10 @@ struct LiveSimulation::State {
   std::shared_ptr<const mtf::SensorPlan> plan;
   std::shared_ptr<const mtf::io::SensorConfig> sensor;  ///< of the last image, with its chain
   std::shared_ptr<const RadiometricChain> radiometric;
+  std::shared_ptr<const mtf::io::SensorConfig> corrected;  ///< by whose parameters the correction is measured
+  bool correction_lags = false;
 
-  SimulatedImage run(Frame& frame);
+  SimulatedImage run(Frame& frame, CorrectionOf correction);
   mtf::KeptScene* kept_of(const std::shared_ptr<const SceneInput>& input) {
     if (&kept.planes() != &input->scene.planes) kept = mtf::KeptScene({input, &input->scene.planes});
     return &kept;
@@ -51,7 +53,8 @@ void require_noise_number(std::int64_t number) {
 
 }  // namespace
 
-SimulatedImage LiveSimulation::image(const mtf::io::SensorConfig& sensor, std::int64_t number) {
+SimulatedImage LiveSimulation::image(const mtf::io::SensorConfig& sensor, std::int64_t number,
+                                     CorrectionOf correction) {
   require_noise_number(number);
   State& state = *state_;
   Frame frame;
@@ -60,11 +63,11 @@ SimulatedImage LiveSimulation::image(const mtf::io::SensorConfig& sensor, std::i
   frame.radiometric = radiometric_chain_of(sensor, state.options.stage, state.sensor.get(), state.radiometric.get());
   frame.input = state.still.of(frame.sensor, frame.radiometric.get());
   frame.kept = state.kept_of(frame.input);
-  return state.run(frame);
+  return state.run(frame, correction);
 }
 
 SimulatedImage LiveSimulation::image(mtf::io::Scene scene, const std::shared_ptr<const mtf::io::SensorConfig>& sensor,
-                                     std::int64_t number) {
+                                     std::int64_t number, CorrectionOf correction) {
   require_noise_number(number);
   State& state = *state_;
   Frame frame;
@@ -76,21 +79,28 @@ SimulatedImage LiveSimulation::image(mtf::io::Scene scene, const std::shared_ptr
   frame.input = std::make_shared<const SceneInput>(
       load_input({.image = std::move(scene), .filter = state.still.source().filter}, *sensor, frame.radiometric.get(),
                  state.options.nan, state.options.threads));
-  return state.run(frame);
+  return state.run(frame, correction);
 }
 
-SimulatedImage LiveSimulation::State::run(Frame& frame) {
+SimulatedImage LiveSimulation::State::run(Frame& frame, CorrectionOf correction) {
   frame.warnings = frame.input->scene.warnings;
   for (std::string& text : mtf::io::sampling_warnings(frame.sensor->system, frame.input->scene.grid))
     frame.warnings.push_back(std::move(text));
   // Everything that one image leaves to the next is changed in a copy, which replaces it once the image is there.
   SequencePlanner next = planner;
+  const bool in_sequence = correction == CorrectionOf::first_image;
+  const bool own = corrected && same_correction(*corrected, *frame.sensor);
+  const bool lags =
+      corrected && !own && correction == CorrectionOf::earlier && nearly_same_correction(*corrected, *frame.sensor);
+  const bool measures = !corrected || !(own || lags || in_sequence);
+  if (measures) next.forget_correction();
+  const bool goes_on = in_sequence || (own && same_correction(*sensor, *frame.sensor));
   frame.plan = next.plan_for(*frame.sensor, frame.radiometric.get(), *frame.input, frame.warnings);
   for (const std::string& text : frame.plan->presample.report().notes) frame.warnings.push_back(text);
   if (frame.radiometric) frame.chain = next.chain_for(*frame.sensor, frame.radiometric, frame.plan);
   const bool remembered = frame.radiometric && remembers(*frame.radiometric);
   radiometry::ChainState remembering;  // what pixels remember says nothing of those of another grid
-  if (remembered && chain_grid == frame.plan->out()) remembering = clone(chain_state);
+  if (remembered && goes_on && chain_grid == frame.plan->out()) remembering = clone(chain_state);
   frame.image.frame = frame.number;
   frame.image.planes = run_planes(frame, remembered ? &remembering : nullptr, options.threads);
   if (frame.counted.held.any()) frame.warnings.push_back(words(frame.counted.held));
@@ -105,14 +115,12 @@ SimulatedImage LiveSimulation::State::run(Frame& frame) {
   plan = frame.plan;
   sensor = frame.sensor;
   radiometric = frame.radiometric;
+  if (measures) corrected = frame.sensor;
+  correction_lags = lags && frame.radiometric && frame.radiometric->loaded.sensor.settings.correction;
   return std::move(frame.image);
 }
 
-void LiveSimulation::begin_anew() {
-  state_->planner.forget_correction();
-  state_->chain_state = {};
-  state_->chain_grid = {};
-}
+bool LiveSimulation::correction_lags() const { return state_->correction_lags; }
 
 IntegerRange LiveSimulation::integer_range() const {
   return apps::integer_range(state_->radiometric.get(), state_->options);

@@ -17,6 +17,13 @@
 
 namespace apps {
 
+/// Whose correction the image of a sensor with [correction] has, from images after the first on.
+enum class CorrectionOf {
+  first_image,  ///< that of the first image: images are a sequence by one camera, whatever changes in between
+  own,          ///< its own, as that of simulate(): it is measured anew where what it is measured of has changed
+  earlier,      ///< for the moment, quickly: an earlier one, where light, optics or noise have changed, else its own
+};
+
 class LiveSimulation {
  public:
   /// `scene`: one image, which is read with the first image. Of the options those of one whole image count: tolerance,
@@ -30,20 +37,19 @@ class LiveSimulation {
 
   /// The image that the sensor sees. `frame` is the number of the noise, 0 to 2147483647: the same number gives the
   /// same noise. With [lag] or a rolling [shutter] frames have to rise, as each leaves something to the next;
-  /// a change of the detector grid makes them begin anew. Not to be called from two threads at once. Errors as
-  /// simulate(); the image after a failed one is what it would be without that call.
-  SimulatedImage image(const mtf::io::SensorConfig& sensor, std::int64_t frame = 0);
+  /// a change of the detector grid makes them begin anew, as does one of the camera for all but
+  /// CorrectionOf::first_image. Not to be called from two threads at once. Errors as simulate(); the image after a
+  /// failed one is what it would be without that call.
+  SimulatedImage image(const mtf::io::SensorConfig& sensor, std::int64_t frame = 0,
+                       CorrectionOf correction = CorrectionOf::first_image);
 
   /// The image of another scene, of values in memory; that which the simulation began with stays. A sensor that is the
   /// same object as that of the image before is taken to be unchanged.
   SimulatedImage image(mtf::io::Scene scene, const std::shared_ptr<const mtf::io::SensorConfig>& sensor,
-                       std::int64_t frame);
+                       std::int64_t frame, CorrectionOf correction = CorrectionOf::first_image);
 
-  /// The next image stands for itself, as that of simulate() does: a sensor with [correction] measures it anew, by its
-  /// present parameters, and pixels remember nothing. Without this call the images are a sequence: the correction is
-  /// that of its first one.
-  void begin_anew();
-
+  /// Of the last image: its correction is an earlier one, another than its own.
+  bool correction_lags() const;
   /// Of the last image: how it becomes whole numbers in a file.
   IntegerRange integer_range() const;
   /// Of the last image: names of its planes; reasons to doubt it; its plan, with the promise that it keeps.

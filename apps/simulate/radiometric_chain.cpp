@@ -2,6 +2,7 @@
 #include "apps/simulate/radiometric_chain.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <filesystem>
 #include <system_error>
@@ -117,6 +118,20 @@ bool same_correction(const mtf::io::SensorConfig& a, const mtf::io::SensorConfig
                       band ? band->lo_um : 0.0, band ? band->hi_um : 0.0);
   };
   return a.tables == b.tables && measured(a.system) == measured(b.system);
+}
+
+bool nearly_same_correction(const mtf::io::SensorConfig& a, const mtf::io::SensorConfig& b) {
+  constexpr std::array<std::string_view, 11> kOthers{"scene",         "camera_counts", "path",  "atmosphere",
+                                                     "optics",        "distortion",    "ghost", "detector",
+                                                     "veiling_glare", "noise",         "agc"};
+  const auto pixels = [&](const mtf::io::SensorConfig& config) {
+    std::vector<mtf::SettingsTable> tables = config.tables;
+    std::erase_if(tables, [&](const auto& table) { return std::ranges::find(kOthers, table.name) != kOthers.end(); });
+    return tables;
+  };
+  const mtf::Frame<double>&first = a.system.frame, &second = b.system.frame;
+  return std::pair(first.pitch_x_um, first.pitch_y_um) == std::pair(second.pitch_x_um, second.pitch_y_um) &&
+         pixels(a) == pixels(b);
 }
 
 SceneLight to_light(const mtf::io::SensorConfig& config, const RadiometricChain& radiometric, mtf::io::Scene& scene,

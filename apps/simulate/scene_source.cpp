@@ -25,6 +25,16 @@ void require_planes(const mtf::io::Scene& scene, const std::string& name) {
                           std::to_string(scene.grid.height) + "; leave out the size of the grid");
 }
 
+mtf::io::ImageFile copy_of(const mtf::io::ImageFile& file) {
+  mtf::io::ImageFile copy{.names = file.names,
+                          .planes = {},
+                          .integer = file.integer,
+                          .missing_pixels = file.missing_pixels,
+                          .info = file.info};
+  for (const mtf::Image& plane : file.planes) copy.planes.push_back(plane.clone());
+  return copy;
+}
+
 /// What a caller may leave out.
 void complete(const mtf::io::SensorConfig& sensor, mtf::io::Scene& scene, const std::string& name) {
   if (scene.names.empty() && scene.planes.size() == 1) scene.names = {"Y"};
@@ -48,8 +58,12 @@ void complete(const mtf::io::SensorConfig& sensor, mtf::io::Scene& scene, const 
 }  // namespace
 
 SceneSource clone(const SceneSource& source) {
-  SceneSource copy{
-      .file = source.file, .read = source.read, .image = std::nullopt, .beside = {}, .filter = source.filter};
+  SceneSource copy{.file = source.file,
+                   .read = source.read,
+                   .stored = source.stored,
+                   .image = std::nullopt,
+                   .beside = {},
+                   .filter = source.filter};
   for (const auto& [name, plane] : source.beside) copy.beside.emplace(name, plane.clone());
   if (!source.image) return copy;
   copy.image = facts_of(*source.image);
@@ -62,6 +76,7 @@ void complete_name(SceneSource& source) {
 }
 
 mtf::io::Scene take_scene(const mtf::io::SensorConfig& sensor, SceneSource& source) {
+  if (source.stored) return mtf::io::physical_scene(sensor, source.file, copy_of(*source.stored));
   if (!source.image) return mtf::io::load_scene(sensor, source.file, source.read);
   mtf::io::Scene scene = std::move(*source.image);
   complete(sensor, scene, source.file);

@@ -6,6 +6,7 @@
 
 #include <functional>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 
@@ -15,7 +16,8 @@ namespace apps {
 
 struct SceneSource {
   std::string file{};  ///< OpenEXR, PNG or TIFF, frame.%04d.exr for a sequence; with `image` its name in messages
-  mtf::io::ReadOptions read{};  ///< channels of the file
+  mtf::io::ReadOptions read{};                         ///< channels of the file
+  std::shared_ptr<const mtf::io::ImageFile> stored{};  ///< what is in `file`, where it has been read already
   /// A scene in memory: `planes` of one size and of `quantity` in its unit (mtf::io::quantity_unit; gain, offset and
   /// encoding of [scene] are for files). What is left out is filled in: `names`, the size of `grid`, and its steps in
   /// um, which are those of [scene] where they are 0.

@@ -88,7 +88,7 @@ void FactoredOtf::tabulate_radial(double end, double target) {
   if (options_.table_share > 0.0)
     table_ = std::make_shared<const RadialTable>(
         [this](std::span<const double> radius, std::span<double> value) {
-          for (std::size_t i = 0; i < radius.size(); ++i) value[i] = radial_product(radius[i]);
+          for_each(radius.size(), [&](std::size_t i) { value[i] = radial_product(radius[i]); });
         },
         end, target, std::min(options_.samples, RadialTable::kMostSamples));
   if (!table_ || table_->error() > 20.0 * options_.table_share) {

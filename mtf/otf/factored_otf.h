@@ -64,7 +64,7 @@ struct SamplerOptions {
                              ///< 0: no tables
   int wavelengths = 0;  ///< nodes of a Gauss rule for the band; 0 = split at the kinks, as many as that error needs
   std::int64_t samples = std::numeric_limits<std::int64_t>::max();  ///< about how many frequencies will be asked for
-  int threads = 0;  ///< threads that fill tables of slow components; 0 = all cores
+  int threads = 0;                                                  ///< threads that fill tables; 0 = all cores
   std::optional<SceneCost> scene = std::nullopt;
   ScaleSplit split = {};  ///< the part of the OTF by scale
   OtfProgress progress = {};
@@ -169,6 +169,8 @@ class FactoredOtf {
   double scene_cost(const Entry<double>& entry) const;
   void bound_correction();
   std::string radial_labels() const;
+  /// Calls `value(i)` for every i below `count`. The band makes values of means over it slow enough for threads.
+  void for_each(std::size_t count, const std::function<void(std::size_t)>& value) const;
   void tabulate_radial(double end, double target);
   void tabulate_lines(double target);
   void tabulate_slow(double target, const FactoredOtf* earlier);

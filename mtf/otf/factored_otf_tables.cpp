@@ -8,6 +8,7 @@
 
 #include "mtf/math/special.h"
 #include "mtf/otf/factored_otf.h"
+#include "mtf/parallel.h"
 
 namespace mtf {
 namespace {
@@ -32,6 +33,14 @@ std::vector<double> probe_radii(double end, std::size_t even, const LowProbes& l
 }
 
 }  // namespace
+
+void FactoredOtf::for_each(std::size_t count, const std::function<void(std::size_t)>& value) const {
+  constexpr std::int64_t kAtOnce = 16;
+  parallel_for(static_cast<std::int64_t>(count), kAtOnce, averaged_.empty() ? 1 : options_.threads,
+               [&](std::int64_t begin, std::int64_t end) {
+                 for (std::int64_t i = begin; i < end; ++i) value(static_cast<std::size_t>(i));
+               });
+}
 
 // Motion along one direction depends on f.u alone, an even function where it is real. A table that is too coarse for it
 // leaves the component where it is.
@@ -220,10 +229,10 @@ void FactoredOtf::choose_wavelengths(double end, double target) {
   const auto averages = [&](int n) {
     wavelength_rule_ = BandRule(*system_.band, kinks, n);
     std::vector<Complex<double>> mean(radii.size() * directions);
-    for (std::size_t i = 0; i < mean.size(); ++i) {
+    for_each(mean.size(), [&](std::size_t i) {
       const double r = radii[i / directions], a = 0.25 * static_cast<double>(i % directions);
       mean[i] = chromatic_product({r * cos_pi(a), r * sin_pi(a)});
-    }
+    });
     return mean;
   };
   // A slow product takes the fewest wavelengths that suffice; for others the steps are wide.

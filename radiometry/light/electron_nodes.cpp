@@ -129,9 +129,14 @@ mtf::ElectronRate BandResponse::electron_rate(std::optional<double> temperature_
   auto nodes = [*this, temperature_k, flux](int n) {
     return electron_nodes(std::min(n, kMostNodes), temperature_k, flux);
   };
-  auto density = [*this, temperature_k, flux, largest = points.log_largest, sum = points.sum](double wavelength_um) {
+  // Logarithms cost twice as much, and are for radiances that leave the range of numbers.
+  constexpr double kOrdinary = 600.0;
+  const double scale = std::abs(points.log_largest) < kOrdinary ? std::exp(-points.log_largest) : 0.0;
+  auto density = [*this, temperature_k, flux, scale, largest = points.log_largest,
+                  sum = points.sum](double wavelength_um) {
     const double response = value(wavelength_um);
     if (!(response > 0.0) || !temperature_k) return response / sum;
+    if (scale > 0.0) return response * (planck(flux, wavelength_um, *temperature_k) * scale) / sum;
     return response * std::exp(log_planck(flux, wavelength_um, *temperature_k) - largest) / sum;
   };
   return {std::move(nodes), std::move(density), std::move(breaks_um)};

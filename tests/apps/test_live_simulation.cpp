@@ -3,19 +3,13 @@
 // A live view whose sensor changes between images: each image is the one that a new view of that sensor shows, whatever
 // was shown, or refused, before.
 
-#include <gtest/gtest.h>
-
-#include <cmath>
 #include <cstring>
 
-#include "apps/simulate/live_simulation.h"
 #include "apps/simulate/simulate.h"
-#include "tests/apps/chain_sensor.h"
+#include "tests/apps/live_images.h"
 
 namespace apps_test {
 namespace {
-
-using mtf::io::SensorConfig;
 
 const std::string kFilters = R"([[presample]]
 kind = "diffraction"
@@ -38,69 +32,10 @@ f_number = 2.5
 wavelength = ["3 um", "5 um"]
 )" + kFilters;
 
-/// A ramp with detail: its ends differ, so the border shows.
-Image ramp(double mean, double amplitude) {
-  Image plane(64, 48);
-  for (std::int64_t y = 0; y < plane.height(); ++y)
-    for (std::int64_t x = 0; x < plane.width(); ++x)
-      plane.at(x, y) = static_cast<float>(
-          mean + amplitude * (static_cast<double>(x) / 64.0 + 0.3 * std::sin(0.7 * static_cast<double>(x * y % 31))));
-  return plane;
-}
-
 bool same_pixels(const Image& a, const Image& b) {
   return a.width() == b.width() && a.height() == b.height() &&
          std::memcmp(a.data(), b.data(), static_cast<std::size_t>(a.size()) * sizeof(float)) == 0;
 }
-
-/// Rms difference as a share of the standard deviation of `b`; infinite for images of two sizes.
-double difference(const Image& a, const Image& b) {
-  if (a.width() != b.width() || a.height() != b.height()) return INFINITY;
-  const auto n = static_cast<double>(b.size());
-  double sum = 0.0, squares = 0.0, mean = 0.0;
-  for (std::int64_t i = 0; i < b.size(); ++i) mean += static_cast<double>(b.data()[i]) / n;
-  for (std::int64_t i = 0; i < b.size(); ++i) {
-    sum += std::pow(static_cast<double>(a.data()[i]) - static_cast<double>(b.data()[i]), 2.0);
-    squares += std::pow(static_cast<double>(b.data()[i]) - mean, 2.0);
-  }
-  return std::sqrt(sum / squares);
-}
-
-/// Two plans that keep the default tolerance differ by twice that at most.
-constexpr double kTwoPlans = 2e-4;
-
-class LiveSimulation : public testing::Test {
- protected:
-  SensorConfig sensor(const std::string& text) const {
-    write_file(scratch / "s.toml", text);
-    return apps::read_sensor_file((scratch / "s.toml").string());
-  }
-  SensorConfig camera(const std::string& more = "") const { return sensor(kSensor + more); }
-  /// [scene] of the sensor says what its values are.
-  apps::SceneSource file() const {
-    mtf::io::write_exr((scratch / "scene.exr").string(), {{"Y", ramp(5.0, 1.0).view()}}, {});
-    return {.file = (scratch / "scene.exr").string()};
-  }
-  static apps::SceneSource temperatures() {
-    mtf::io::Scene scene;
-    scene.quantity = mtf::io::Quantity::temperature;
-    scene.planes.push_back(ramp(300.0, 5.0));
-    return {.image = std::move(scene)};
-  }
-  static Image image(apps::LiveSimulation& live, const SensorConfig& sensor, std::int64_t frame = 0) {
-    return std::move(live.image(sensor, frame).planes.at(0));
-  }
-  static Image alone(apps::SceneSource scene, const SensorConfig& sensor) {
-    apps::LiveSimulation live(std::move(scene));
-    return image(live, sensor);
-  }
-  static double tolerance_alone(apps::SceneSource scene, const SensorConfig& sensor) {
-    apps::LiveSimulation live(std::move(scene));
-    image(live, sensor);
-    return live.plan().options.tolerance;
-  }
-  const Scratch scratch;
-};
 
 /// What sliders do to a sensor, one after the other, and what a hand does that writes in the file.
 std::vector<std::string> changes() {
@@ -142,9 +77,9 @@ TEST_F(LiveSimulation, WhatIsKeptOfTheSceneChangesNoBit) {
     apps::LiveSimulation live(temperatures(), options), anew(options);
     int images = 0, transforms = 0, of_the_same_plan = 0;
     const auto expect_same = [&](const SensorConfig& shown) {
-      for (apps::LiveSimulation* view : {&live, &anew}) view->begin_anew();
-      const Image kept = image(live, shown);
-      const auto again = anew.image(std::move(*temperatures().image), std::make_shared<const SensorConfig>(shown), 0);
+      const Image kept = image(live, shown, 0, apps::CorrectionOf::own);
+      const auto again = anew.image(std::move(*temperatures().image), std::make_shared<const SensorConfig>(shown), 0,
+                                    apps::CorrectionOf::own);
       EXPECT_TRUE(same_pixels(kept, again.planes.front())) << live.plan().presample.explain();
       const apps::SimulateResult alone = apps::simulate(shown, temperatures(), options);
       const bool same_plan = same_work(live.plan(), *alone.report.plan);
@@ -357,30 +292,6 @@ TEST_F(LiveSimulation, AContrastThatRisesSlowlyTakesFewPlans) {
   const int before = live.plans_compiled();
   image(live, shown);
   EXPECT_EQ(live.plans_compiled(), before + 1);  // beyond the room
-}
-
-TEST_F(LiveSimulation, ACameraThatBeginsAnewMeasuresItsOwnCorrection) {
-  const auto with_dsnu = [&](const char* dsnu) {
-    return camera("[nonuniformity]\nprnu = 0.02\ndsnu = \"" + std::string(dsnu) +
-                  "\"\n[adc]\nbits = 14\n[correction]\nlow = 0.2\nhigh = 0.8\n");
-  };
-  const SensorConfig first = with_dsnu("10 e-"), second = with_dsnu("100 ke-");
-  apps::LiveSimulation live(temperatures());
-  image(live, first);
-  // As the next frame of a sequence it keeps the correction of the first, which leaves the new offsets in the image.
-  EXPECT_GT(difference(image(live, second), alone(temperatures(), second)), 0.1);
-  live.begin_anew();
-  EXPECT_LT(difference(image(live, second), alone(temperatures(), second)), 1e-2);
-}
-
-TEST_F(LiveSimulation, ACorrectionIsMeasuredOfThePixelsThatItCorrects) {
-  const std::string adc = "[nonuniformity]\nprnu = 0.02\n[adc]\nbits = 14\n";
-  const SensorConfig raw = camera(adc), corrected = camera(adc + "[correction]\nlow = 0.2\nhigh = 0.8\n");
-  SensorConfig coarse = corrected;
-  coarse.system.frame.pitch_x_um = coarse.system.frame.pitch_y_um = 30.0;
-  apps::LiveSimulation live(temperatures());
-  for (const SensorConfig* shown : std::initializer_list<const SensorConfig*>{&raw, &corrected, &coarse})
-    EXPECT_LT(difference(image(live, *shown), alone(temperatures(), *shown)), 1e-2);
 }
 
 }  // namespace

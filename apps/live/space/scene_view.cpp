@@ -49,7 +49,6 @@ struct Drawing {
   std::unique_ptr<Flight> flight{};
   std::optional<double> tolerance{};
   std::optional<radiometry::OutputStage> stage{};
-  Sensor last{};
 
   KeptFrame frame(const Sensor& sensor, const FrameRequest& request);
   void make_flight(const SimulateOptions& image);
@@ -83,11 +82,10 @@ KeptFrame Drawing::frame(const Sensor& sensor, const FrameRequest& request) {
   else if (request.tolerance != tolerance || request.stage != stage)
     flight->set_image(image);
   tolerance = request.tolerance, stage = request.stage;
-  if (last && !same_correction(*last, *sensor)) flight->begin_anew();
-  last = sensor;
   const FrameChoice choice{.samples_per_pitch = request.preview ? kSamplesMoving : kSamples,
                            .points = request.preview ? kPointsMoving : kPoints,
-                           .light_may_lag = request.may_lag};
+                           .light_may_lag = request.may_lag,
+                           .correction = request.correction()};
   const Viewpoint& from = request.from.value();
   FlightFrame made = flight->frame(sensor, {from.position_m, from.look_at_m}, from.utc_s, request.number, choice);
   KeptFrame kept;
@@ -97,6 +95,7 @@ KeptFrame Drawing::frame(const Sensor& sensor, const FrameRequest& request) {
   kept.plan = std::make_shared<const mtf::SensorPlan>(flight->plan());
   kept.scene = std::make_shared<const mtf::io::Scene>(std::move(*made.radiance));
   kept.light_lags = made.light_lags;
+  kept.correction_lags = made.correction_lags;
   kept.solving = found.waiting;
   kept.passing = request.preview || made.light_lags || !kept.solving.empty();
   kept.radiance_promised = made.promised;

@@ -260,10 +260,6 @@ const LiveSimulation& Flight::State::last_simulation() const {
   return simulations.front().simulation;
 }
 
-void Flight::begin_anew() {
-  for (SampledSimulation& one : state_->simulations) one.simulation.begin_anew();
-}
-
 void Flight::set_image(const SimulateOptions& options) {
   state_->options.image = options;
   state_->simulations.clear();
@@ -308,7 +304,9 @@ FlightFrame Flight::frame(const Sensor& sensor, const CameraPlace& place, double
     out.radiance = facts_of(radiance);
     out.radiance->planes.push_back(radiance.planes.front().clone());
   }
-  out.image = simulation.image(std::move(radiance), has_air ? known.without_air : known.sensor, number);
+  out.image =
+      simulation.image(std::move(radiance), has_air ? known.without_air : known.sensor, number, choice.correction);
+  out.correction_lags = simulation.correction_lags();
   out.tolerance = simulation.plan().options.tolerance;
   out.warnings = simulation.warnings();
   if (out.new_light) out.warnings.insert(out.warnings.end(), light.scene.warnings.begin(), light.scene.warnings.end());

@@ -42,6 +42,7 @@ struct FrameChoice {
   /// The light of the frame before will do, where it is of another time alone: the present one is made beside frames,
   /// and frames take it once it is there.
   bool light_may_lag = false;
+  CorrectionOf correction = CorrectionOf::first_image;
 };
 
 struct FlightFrame {
@@ -53,6 +54,7 @@ struct FlightFrame {
   std::size_t sides = 0, shaded = 0;         ///< seen so far; worked out for this frame
   bool new_light = false, late = false;      ///< light was made anew; and not ready before the frame
   bool light_lags = false;                   ///< its light is of another time
+  bool correction_lags = false;              ///< as LiveSimulation::correction_lags
   std::optional<mtf::io::Scene> radiance{};  ///< what the sensor took in (FlightOptions::keep_radiance)
 };
 
@@ -71,8 +73,7 @@ class Flight {
   /// Throws mtf::UsageError as picture_sensor, PictureSource::at, Renderer::render and LiveSimulation::image.
   FlightFrame frame(const Sensor& sensor, const CameraPlace& place, double utc_s, std::int64_t number,
                     const FrameChoice& choice = {});
-  /// As LiveSimulation: the next image stands for itself. And other options of the images from here on.
-  void begin_anew();
+  /// Other options of the images from here on.
   void set_image(const SimulateOptions& options);
 
   /// Throws as frame() would, with the sensor of the last frame, for a camera that stands below the ground or inside a

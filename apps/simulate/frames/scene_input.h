@@ -38,7 +38,7 @@ bool same_values(const mtf::io::SceneDefaults& a, const mtf::io::SceneDefaults& 
 
 /// One scene for every frame. It is loaded again only where the sensor asks for other values of it: [scene] may have
 /// changed, samples may be angles, whose size follows the focal length, and the light that a sensor with [detector]
-/// takes depends on the band and on all that is before the pixels.
+/// takes depends on the band and on all that is before the pixels. A file whose scene is loaded again stays in memory.
 class StillScene {
  public:
   StillScene(SceneSource source, NanPolicy nan, int threads)

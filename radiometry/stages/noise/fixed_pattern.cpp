@@ -104,13 +104,14 @@ void add_column_noise(mtf::ImageView<float> image, double rms, const NoiseKey& k
 }
 
 std::vector<DefectivePixel> find_defects(std::int64_t width, std::int64_t height, const Defects& defects,
-                                         std::uint64_t seed, Origin origin) {
+                                         std::uint64_t seed, Origin origin, int threads) {
   require_defects(defects);
   require_on_detector(origin, width, height);
-  std::vector<DefectivePixel> found;
   const double dead = defects.dead_fraction, hot = defects.hot_fraction;
-  if (dead + hot == 0.0) return found;
-  for (std::int64_t y = 0; y < height; ++y) {
+  if (dead + hot == 0.0) return {};
+  std::vector<std::vector<DefectivePixel>> rows(static_cast<std::size_t>(height));
+  const auto search = [&](std::int64_t y) {
+    std::vector<DefectivePixel>& found = rows[static_cast<std::size_t>(y)];
     const RandomRow random{{seed, 0}, Stream::defects, static_cast<std::uint32_t>(origin.y + y)};
     for (std::int64_t x = 0; x < width; ++x) {
       // [0, dead) is dead; [dead, dead + hot) is hot, the place in there giving the excess by inversion.
@@ -120,7 +121,12 @@ std::vector<DefectivePixel> find_defects(std::int64_t width, std::int64_t height
       else if (u < dead + hot)
         found.push_back({x, y, false, static_cast<float>(-defects.hot_e * std::log1p(-(u - dead) / hot))});
     }
-  }
+  };
+  mtf::parallel_for(height, kRowsAtOnce, threads, [&](std::int64_t begin, std::int64_t end) {
+    for (std::int64_t y = begin; y < end; ++y) search(y);
+  });
+  std::vector<DefectivePixel> found;
+  for (const auto& row : rows) found.insert(found.end(), row.begin(), row.end());
   return found;
 }
 

@@ -70,7 +70,7 @@ struct DefectivePixel {
 /// The defective pixels of a region, row by row: found once for a sequence, the same for any region. Throws UsageError
 /// for values out of their bounds, and for fractions that are more than all pixels together.
 std::vector<DefectivePixel> find_defects(std::int64_t width, std::int64_t height, const Defects& defects,
-                                         std::uint64_t seed, Origin origin = {});
+                                         std::uint64_t seed, Origin origin = {}, int threads = 1);
 
 /// Adds the excess of hot pixels to mean electrons and sets dead ones to 0. UsageError for a pixel outside the image.
 void apply_defects(mtf::ImageView<float> image, std::span<const DefectivePixel> pixels);

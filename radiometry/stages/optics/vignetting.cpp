@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "mtf/parallel.h"
 #include "radiometry/stages/noise/fixed_pattern.h"
 
 namespace radiometry {
@@ -26,7 +27,7 @@ void require_map(const Vignetting& vignetting, mtf::ImageView<const float> given
 }  // namespace
 
 void vignetting_map(mtf::ImageView<float> factors, const Vignetting& vignetting, const FocalPlane& detector,
-                    double focal_length_mm, Origin origin, mtf::ImageView<const float> given) {
+                    double focal_length_mm, Origin origin, mtf::ImageView<const float> given, int threads) {
   require_valid("vignetting", vignetting);
   require_region(detector, origin, factors.width, factors.height);
   if (!(focal_length_mm > 0.0))
@@ -35,7 +36,7 @@ void vignetting_map(mtf::ImageView<float> factors, const Vignetting& vignetting,
   const bool has_map = !vignetting.map.empty() || given.data != nullptr;
   if (has_map) require_map(vignetting, given, factors, origin);
   const double scale = 1.0 / detector.half_diagonal_um();
-  for (std::int64_t y = 0; y < factors.height; ++y) {
+  const auto row = [&](std::int64_t y) {
     const double y_um = detector.y_um(origin.y + y);
     for (std::int64_t x = 0; x < factors.width; ++x) {
       const double distance_um = std::hypot(detector.x_um(origin.x + x), y_um), r = distance_um * scale, r2 = r * r;
@@ -44,7 +45,11 @@ void vignetting_map(mtf::ImageView<float> factors, const Vignetting& vignetting,
       const double lost = has_map ? static_cast<double>(given.at(x, y)) : std::max(0.0, polynomial);
       factors.at(x, y) = static_cast<float>(fall * lost);
     }
-  }
+  };
+  constexpr std::int64_t kRowsAtOnce = 16;
+  mtf::parallel_for(factors.height, kRowsAtOnce, threads, [&](std::int64_t begin, std::int64_t end) {
+    for (std::int64_t y = begin; y < end; ++y) row(y);
+  });
 }
 
 }  // namespace radiometry

@@ -62,6 +62,7 @@ inline double cos4_factor(double distance_um, double focal_length_mm) {
 /// their bounds, a map together with a polynomial, a map missing, of another size, with factors that are negative or
 /// not finite, and a focal length that is not above 0.
 void vignetting_map(mtf::ImageView<float> factors, const Vignetting& vignetting, const FocalPlane& detector,
-                    double focal_length_mm, Origin origin = {}, mtf::ImageView<const float> given = {});
+                    double focal_length_mm, Origin origin = {}, mtf::ImageView<const float> given = {},
+                    int threads = 1);
 
 }  // namespace radiometry

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Apache-2.0
+
+// Whose correction an image of a live view has.
+
+#include "tests/apps/live_images.h"
+
+namespace apps_test {
+namespace {
+
+using LiveCorrection = LiveSimulation;
+
+TEST_F(LiveCorrection, ACorrectionIsThatOfTheFirstImageOrItsOwn) {
+  const auto with_dsnu = [&](const char* dsnu) {
+    return camera("[nonuniformity]\nprnu = 0.02\ndsnu = \"" + std::string(dsnu) +
+                  "\"\n[adc]\nbits = 14\n[correction]\nlow = 0.2\nhigh = 0.8\n");
+  };
+  const SensorConfig first = with_dsnu("10 e-"), second = with_dsnu("100 ke-");
+  apps::LiveSimulation live(temperatures());
+  image(live, first);
+  // As the next frame of a sequence it keeps the correction of the first, which leaves the new offsets in the image.
+  EXPECT_GT(difference(image(live, second), alone(temperatures(), second)), 0.1);
+  EXPECT_LT(difference(image(live, second, 0, apps::CorrectionOf::own), alone(temperatures(), second)), 1e-2);
+}
+
+// For the moment an earlier correction serves a camera of other light, not one of other pixels.
+TEST_F(LiveCorrection, AnEarlierCorrectionServesWhereOnlyLightHasChanged) {
+  using enum apps::CorrectionOf;
+  const auto with = [&](double f_number, const char* prnu) {
+    SensorConfig made =
+        camera("[nonuniformity]\nprnu = " + std::string(prnu) +
+               "\ndsnu = \"2 ke-\"\n[adc]\nbits = 14\n[noise]\nseed = 3\n[lag]\ntime_constant = \"5 ms\"\n"
+               "[correction]\nframes = 2\nlow = 0.2\nhigh = 0.8\n");
+    made.system.optics.f_number = f_number;
+    return made;
+  };
+  const SensorConfig first = with(2.0, "0.02"), darker = with(2.2, "0.02"), other = with(2.2, "0.05");
+  const auto expect_own = [&](apps::LiveSimulation& live, const SensorConfig& shown, apps::CorrectionOf correction) {
+    EXPECT_LT(difference(image(live, shown, 0, correction), alone(temperatures(), shown)), 1e-2);
+    EXPECT_FALSE(live.correction_lags());
+  };
+  apps::LiveSimulation live(temperatures());
+  expect_own(live, first, earlier);  // there is none before
+  for (int i = 0; i < 2; ++i) {
+    const double away = difference(image(live, darker, 0, earlier), alone(temperatures(), darker));
+    EXPECT_TRUE(live.correction_lags());
+    EXPECT_LT(away, 1e-3);  // flat frames are as bright, for their fill is given
+  }
+  expect_own(live, darker, own);
+  image(live, first, 0, earlier);
+  EXPECT_TRUE(live.correction_lags());
+  expect_own(live, darker, earlier);  // whose correction is still there
+  expect_own(live, other, earlier);
+}
+
+TEST_F(LiveCorrection, ACorrectionIsMeasuredOfThePixelsThatItCorrects) {
+  const std::string adc = "[nonuniformity]\nprnu = 0.02\n[adc]\nbits = 14\n";
+  const SensorConfig raw = camera(adc), corrected = camera(adc + "[correction]\nlow = 0.2\nhigh = 0.8\n");
+  SensorConfig coarse = corrected;
+  coarse.system.frame.pitch_x_um = coarse.system.frame.pitch_y_um = 30.0;
+  apps::LiveSimulation live(temperatures());
+  for (const SensorConfig* shown : std::initializer_list<const SensorConfig*>{&raw, &corrected, &coarse})
+    EXPECT_LT(difference(image(live, *shown), alone(temperatures(), *shown)), 1e-2);
+}
+
+}  // namespace
+}  // namespace apps_test
