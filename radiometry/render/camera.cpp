@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "radiometry/render/camera.h"
 
+#include <unistd.h>
+
 #include <cmath>
 #include <string>
 
@@ -13,6 +15,16 @@ namespace {
 using scene::operator-, scene::operator*;
 
 constexpr std::int64_t kMostSamples = std::int64_t{1} << 28;
+constexpr double kBytesASample = 50.0;  // of a rendered picture and its image (measured, 4000 x 4000 pixels)
+
+/// A format that a slider reaches must not take the machine's memory before anybody says so.
+void require_memory(double samples) {
+  const double machine = static_cast<double>(::sysconf(_SC_PHYS_PAGES)) * static_cast<double>(::sysconf(_SC_PAGESIZE));
+  if (samples * kBytesASample <= machine) return;
+  throw mtf::UsageError("camera: " + mtf::format_double(samples) + " samples need " +
+                        mtf::format_double(samples * kBytesASample) + " bytes, the machine has " +
+                        mtf::format_double(machine) + "; take fewer samples a pitch or a smaller format");
+}
 
 void require_positive(double value, const char* what) {
   if (!(value > 0.0 && std::isfinite(value)))
@@ -40,6 +52,7 @@ Camera camera_of(const Lens& lens, const Pose& pose) {
   if (!(wanted <= static_cast<double>(kMostSamples)))
     throw mtf::UsageError("camera: " + mtf::format_double(wanted) + " samples are more than " +
                           std::to_string(kMostSamples) + "; take fewer samples a pitch or a smaller format");
+  require_memory(wanted);
   const Vector forward = pose.look_at - pose.position;
   const auto parallel = [&](const Vector& up) {
     return !(scene::length(scene::cross(forward, up)) > 1e-9 * scene::length(forward) * scene::length(up));
