@@ -32,7 +32,7 @@ bool in_trapezoid(Point p, double y0, double y1, double x0, double x1, double x2
   return p.x >= x0 + t * (x2 - x0) && p.x < x1 + t * (x3 - x1);
 }
 
-/// std::lerp, which is exact in cases that do not arise here, takes three times as long.
+/// std::lerp takes three times as long.
 double between(double a, double b, double t) { return a + t * (b - a); }
 
 double lattice(std::int64_t x, std::int64_t y) {

@@ -27,7 +27,8 @@ struct LiveSimulation::State {
   std::shared_ptr<const mtf::SensorPlan> plan;
   std::shared_ptr<const mtf::io::SensorConfig> sensor;  ///< of the last image, with its chain
   std::shared_ptr<const RadiometricChain> radiometric;
-  std::shared_ptr<const mtf::io::SensorConfig> corrected;  ///< by whose parameters the correction is measured
+  std::shared_ptr<const mtf::io::SensorConfig> corrected;  ///< by whose parameters the correction is measured,
+  mtf::SampleGrid corrected_grid;                          ///< of its pixels
   bool correction_lags = false;
 
   SimulatedImage run(Frame& frame, CorrectionOf correction);
@@ -88,15 +89,16 @@ SimulatedImage LiveSimulation::State::run(Frame& frame, CorrectionOf correction)
     frame.warnings.push_back(std::move(text));
   // Everything that one image leaves to the next is changed in a copy, which replaces it once the image is there.
   SequencePlanner next = planner;
-  const bool in_sequence = correction == CorrectionOf::first_image;
-  const bool own = corrected && same_correction(*corrected, *frame.sensor);
-  const bool lags =
-      corrected && !own && correction == CorrectionOf::earlier && nearly_same_correction(*corrected, *frame.sensor);
-  const bool measures = !corrected || !(own || lags || in_sequence);
-  if (measures) next.forget_correction();
-  const bool goes_on = in_sequence || (own && same_correction(*sensor, *frame.sensor));
   frame.plan = next.plan_for(*frame.sensor, frame.radiometric.get(), *frame.input, frame.warnings);
   for (const std::string& text : frame.plan->presample.report().notes) frame.warnings.push_back(text);
+  const bool in_sequence = correction == CorrectionOf::first_image;
+  const bool known = corrected && corrected_grid == frame.plan->out();
+  const bool own = known && same_correction(*corrected, *frame.sensor);
+  const bool lags =
+      known && !own && correction == CorrectionOf::earlier && nearly_same_correction(*corrected, *frame.sensor);
+  const bool measures = !known || !(own || lags || in_sequence);
+  if (measures) next.forget_correction();
+  const bool goes_on = in_sequence || (!measures && same_correction(*sensor, *frame.sensor));
   if (frame.radiometric) frame.chain = next.chain_for(*frame.sensor, frame.radiometric, frame.plan);
   const bool remembered = frame.radiometric && remembers(*frame.radiometric);
   radiometry::ChainState remembering;  // what pixels remember says nothing of those of another grid
@@ -115,8 +117,12 @@ SimulatedImage LiveSimulation::State::run(Frame& frame, CorrectionOf correction)
   plan = frame.plan;
   sensor = frame.sensor;
   radiometric = frame.radiometric;
-  if (measures) corrected = frame.sensor;
-  correction_lags = lags && frame.radiometric && frame.radiometric->loaded.sensor.settings.correction;
+  if (measures) {
+    corrected = frame.sensor;
+    corrected_grid = frame.plan->out();
+  }
+  correction_lags = lags && frame.radiometric && frame.radiometric->stage == radiometry::OutputStage::display &&
+                    frame.radiometric->loaded.sensor.settings.correction;
   return std::move(frame.image);
 }
 

@@ -13,6 +13,7 @@
 #include "apps/simulate/simulate_parts.h"
 #include "mtf/components/path_air.h"
 #include "mtf/error.h"
+#include "mtf/same_list.h"
 
 namespace apps {
 
@@ -22,6 +23,26 @@ namespace {
 bool same_loaded(const mtf::io::SensorConfig& a, const mtf::io::SensorConfig& b) {
   return same_correction(a, b) && a.scene.quantity == b.scene.quantity && loss_in(a.system) == loss_in(b.system) &&
          takes_path_air(a.system) == takes_path_air(b.system);
+}
+
+/// Flat frames go through [[readout]].
+bool same_readout(const mtf::System<double>& a, const mtf::System<double>& b) {
+  return std::ranges::equal(a.list(mtf::Stage::readout), b.list(mtf::Stage::readout),
+                            [](const auto& x, const auto& y) { return mtf::same_component(x.component, y.component); });
+}
+
+/// What pixels differ by and are converted by: without light, optics, efficiency and temporal noise.
+std::vector<mtf::SettingsTable> tables_of_pixels(const mtf::io::SensorConfig& config) {
+  constexpr std::array<std::string_view, 9> kTables{
+      "scene", "camera_counts", "path", "atmosphere", "optics", "distortion", "ghost", "veiling_glare", "agc"};
+  constexpr std::array<std::string_view, 8> kKeys{"quantum_efficiency", "dark_current", "read_noise", "reset_noise",
+                                                  "other_noise",        "shot",         "row",        "column"};
+  std::vector<mtf::SettingsTable> tables = config.tables;
+  std::erase_if(tables, [&](const auto& table) { return std::ranges::find(kTables, table.name) != kTables.end(); });
+  for (mtf::SettingsTable& table : tables)
+    if (table.name == "detector" || table.name == "noise")
+      std::erase_if(table.settings, [&](const auto& key) { return std::ranges::find(kKeys, key.name) != kKeys.end(); });
+  return tables;
 }
 
 FileStates file_states(const mtf::io::SensorConfig& config) {
@@ -113,25 +134,26 @@ bool same_light(const mtf::io::SensorConfig& a, const mtf::io::SensorConfig& b) 
 bool same_correction(const mtf::io::SensorConfig& a, const mtf::io::SensorConfig& b) {
   const auto measured = [](const mtf::System<double>& system) {
     const auto& [frame, optics, band] = std::tie(system.frame, system.optics, system.band);
-    return std::tuple(frame.focal_length_mm, frame.pitch_x_um, frame.pitch_y_um, frame.integration_time_s,
-                      optics.f_number, optics.aperture_mm, optics.obscuration, optics.wavelength_um,
-                      band ? band->lo_um : 0.0, band ? band->hi_um : 0.0);
+    return std::tuple(frame.focal_length_mm, frame.pitch_x_um, frame.pitch_y_um, frame.columns, frame.rows,
+                      frame.integration_time_s, optics.f_number, optics.aperture_mm, optics.obscuration,
+                      optics.wavelength_um, band ? band->lo_um : 0.0, band ? band->hi_um : 0.0);
   };
-  return a.tables == b.tables && measured(a.system) == measured(b.system);
+  return a.tables == b.tables && measured(a.system) == measured(b.system) && same_readout(a.system, b.system);
 }
 
 bool nearly_same_correction(const mtf::io::SensorConfig& a, const mtf::io::SensorConfig& b) {
-  constexpr std::array<std::string_view, 11> kOthers{"scene",         "camera_counts", "path",  "atmosphere",
-                                                     "optics",        "distortion",    "ghost", "detector",
-                                                     "veiling_glare", "noise",         "agc"};
-  const auto pixels = [&](const mtf::io::SensorConfig& config) {
-    std::vector<mtf::SettingsTable> tables = config.tables;
-    std::erase_if(tables, [&](const auto& table) { return std::ranges::find(kOthers, table.name) != kOthers.end(); });
-    return tables;
+  // The ring of narcissus and the light of a warm shutter are fixed patterns that follow the optics.
+  const mtf::SettingsTable* const detector = find_table(a.tables, "detector");
+  if (find_table(a.tables, "narcissus") != nullptr || (detector != nullptr && detector->find("shutter_temperature")))
+    return false;
+  const auto pixels = [](const mtf::System<double>& system) {
+    const mtf::Frame<double>& frame = system.frame;
+    return std::tuple(frame.pitch_x_um, frame.pitch_y_um, frame.columns, frame.rows);
   };
-  const mtf::Frame<double>&first = a.system.frame, &second = b.system.frame;
-  return std::pair(first.pitch_x_um, first.pitch_y_um) == std::pair(second.pitch_x_um, second.pitch_y_um) &&
-         pixels(a) == pixels(b);
+  const bool shaded = find_table(a.tables, "vignetting") != nullptr;
+  return pixels(a.system) == pixels(b.system) && same_readout(a.system, b.system) &&
+         (!shaded || a.system.frame.focal_length_mm == b.system.frame.focal_length_mm) &&
+         tables_of_pixels(a) == tables_of_pixels(b);
 }
 
 SceneLight to_light(const mtf::io::SensorConfig& config, const RadiometricChain& radiometric, mtf::io::Scene& scene,

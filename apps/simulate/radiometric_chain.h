@@ -60,10 +60,11 @@ std::string lag_warning(const RadiometricChain& radiometric, std::int64_t steps)
 /// True when a scene of the same values under [scene] (SceneDefaults) has the same light in both.
 bool same_light(const mtf::io::SensorConfig& a, const mtf::io::SensorConfig& b);
 
-/// True when the correction that one of them measures is that of the other: at most components of the OTF differ.
+/// True when the correction that one of them measures is that of the other: at most components of the OTF before the
+/// detector or after [[readout]] differ.
 bool same_correction(const mtf::io::SensorConfig& a, const mtf::io::SensorConfig& b);
 /// True when the correction of one nearly serves the other: the pixels differ among themselves in the same way and are
-/// converted in the same way; light, optics, the detector's efficiency and noise may be others.
+/// converted in the same way; light, optics, the detector's efficiency and dark current, and temporal noise may differ.
 bool nearly_same_correction(const mtf::io::SensorConfig& a, const mtf::io::SensorConfig& b);
 
 /// to_light() of scene_light.h with its `rate`; the masks of bad pixels become one. Throws RuntimeError where light

@@ -169,7 +169,7 @@ class FactoredOtf {
   double scene_cost(const Entry<double>& entry) const;
   void bound_correction();
   std::string radial_labels() const;
-  /// Calls `value(i)` for every i below `count`. The band makes values of means over it slow enough for threads.
+  /// Calls `value(i)` for every i below `count`; by threads for means over the band, as others are too quick for them.
   void for_each(std::size_t count, const std::function<void(std::size_t)>& value) const;
   void tabulate_radial(double end, double target);
   void tabulate_lines(double target);

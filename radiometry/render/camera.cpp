@@ -17,10 +17,10 @@ using scene::operator-, scene::operator*;
 constexpr std::int64_t kMostSamples = std::int64_t{1} << 28;
 constexpr double kBytesASample = 50.0;  // of a rendered picture and its image (measured, 4000 x 4000 pixels)
 
-/// A format that a slider reaches must not take the machine's memory before anybody says so.
+/// Sliders of the format reach pictures that fill any machine.
 void require_memory(double samples) {
   const double machine = static_cast<double>(::sysconf(_SC_PHYS_PAGES)) * static_cast<double>(::sysconf(_SC_PAGESIZE));
-  if (samples * kBytesASample <= machine) return;
+  if (!(machine > 0.0) || samples * kBytesASample <= machine) return;
   throw mtf::UsageError("camera: " + mtf::format_double(samples) + " samples need " +
                         mtf::format_double(samples * kBytesASample) + " bytes, the machine has " +
                         mtf::format_double(machine) + "; take fewer samples a pitch or a smaller format");

@@ -2,6 +2,7 @@
 
 // Whose correction an image of a live view has.
 
+#include "apps/simulate/radiometric_chain.h"
 #include "tests/apps/live_images.h"
 
 namespace apps_test {
@@ -50,6 +51,38 @@ TEST_F(LiveCorrection, AnEarlierCorrectionServesWhereOnlyLightHasChanged) {
   EXPECT_TRUE(live.correction_lags());
   expect_own(live, darker, earlier);  // whose correction is still there
   expect_own(live, other, earlier);
+}
+
+// What flat frames show, or what converts it, is not light.
+TEST_F(LiveCorrection, SensorsWhoseFlatFramesDifferHaveCorrectionsOfTheirOwn) {
+  const std::string base = kSensor +
+                           "[vignetting]\n[nonuniformity]\nprnu = 0.02\n[noise]\nseed = 3\n[adc]\nbits = 14\n" +
+                           "[correction]\nlow = 0.2\nhigh = 0.8\n";
+  const auto with = [&](const std::string& from, const std::string& to) {
+    std::string text = base;
+    EXPECT_NE(text.find(from), std::string::npos) << from;
+    return sensor(text.replace(text.find(from), from.size(), to));
+  };
+  const SensorConfig first = sensor(base);
+  for (const auto& [from, to] : {std::pair{"f_number = 2.5", "f_number = 3"},
+                                 {"transmission = 0.85", "transmission = 0.5"},
+                                 {"quantum_efficiency = 0.75", "quantum_efficiency = 0.5"},
+                                 {"\"500 e-\"", "\"100 e-\""},
+                                 {"seed = 3", "seed = 3\nrow = \"50 e-\""}}) {
+    EXPECT_TRUE(apps::nearly_same_correction(first, with(from, to))) << to;
+    EXPECT_FALSE(apps::same_correction(first, with(from, to))) << to;
+  }
+  for (const auto& [from, to] : {std::pair{"\"100 mm\"", "\"80 mm\""},
+                                 {"pitch = \"15 um\"", "pitch = \"15 um\"\nformat = [16, 12]"},
+                                 {"\"10 Me-\"", "\"5 Me-\""},
+                                 {"seed = 3", "seed = 4"},
+                                 {"seed = 3", "seed = 3\nfixed_row = \"50 e-\""},
+                                 {"prnu = 0.02", "prnu = 0.03"},
+                                 {"bits = 14", "bits = 12"},
+                                 {"[detector]", "[[readout]]\nkind = \"gaussian\"\nsigma = \"4 um\"\n[detector]"}}) {
+    EXPECT_FALSE(apps::nearly_same_correction(first, with(from, to))) << to;
+    EXPECT_FALSE(apps::same_correction(first, with(from, to))) << to;
+  }
 }
 
 TEST_F(LiveCorrection, ACorrectionIsMeasuredOfThePixelsThatItCorrects) {

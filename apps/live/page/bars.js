@@ -136,7 +136,7 @@ export function bars() {
   $("save-scene").onclick = async () => download(savedName(app.start.scene, "scene.toml"), [await sceneFile()], "application/toml");
   for (const format of ["png", "exr"]) $(format).onclick = async () => {
     const frame = () => app.frames[edits.side()], refused = () => app.stale[edits.side()] || !frame();
-    while (!refused() && (frame().light_lags || frame().solving || (frame().preview && inSpace()))) await new Promise((resolve) => setTimeout(resolve, 50)); // a preview is never saved
+    while (!refused() && (frame().light_lags || frame().correction_lags || frame().solving || (frame().preview && inSpace()))) await new Promise((resolve) => setTimeout(resolve, 50)); // a preview is never saved
     if (refused()) return problem({ message: "There is no picture of the present values to save: mend what is refused first." });
     download(`frame.${format}`, [await bytes("file", { id: frame().id, format })], format === "png" ? "image/png" : "image/x-exr");
   };

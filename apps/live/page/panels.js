@@ -168,7 +168,7 @@ export function facts(tags, rate) {
   parts.push(`promised ${shown(frame.promised, 2)}`, frame.method);
   if (frame.radiance_promised !== undefined) parts.push(`radiance within ${shown(frame.radiance_promised, 2)}`);
   if (frame.light_lags) parts.push("light of another time");
-  if (frame.correction_lags) parts.push("correction of before");
+  if (frame.correction_lags) parts.push("earlier correction");
   if (frame.solving) parts.push(`temperatures of before; heat balance: ${frame.solving}`);
   if (rate > 0 && (state.running || moving())) parts.push(`${rate.toFixed(0)} frames/s`);
   $("first-frame").hidden = state.running || state.number === (app.start.numbers[0] ?? 0);

@@ -84,7 +84,7 @@ async function ask(side, { from, body, key }) {
   const request = from === "scene" ? body : { ...body, tab: `${app.tab}-${side}`, side: side === 0 ? "left" : "right", generation: (generation += 1), preview, every };
   try {
     const made = await picture(from, request);
-    Object.assign(shown[side], { key, turn: (turn += 1), passing: from === "frame" && (made.preview || made.light_lags || made.solving) });
+    Object.assign(shown[side], { key, turn: (turn += 1), passing: from === "frame" && (made.preview || made.light_lags || made.correction_lags || made.solving) });
     if (from === "scene") showScene(made, made.pixels);
     else showFrame(side, made, { preview, ms: performance.now() - begin });
     if (from === "frame" && app.view.moving) requestAnimationFrame(() => app.view.lagged(performance.now() - begin - made.ms));

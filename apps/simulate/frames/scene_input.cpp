@@ -53,8 +53,10 @@ std::shared_ptr<const SceneInput> StillScene::of(const std::shared_ptr<const mtf
                       (!light || !radiometric->loaded.paths ||
                        mtf::same_list(sensor_->system, sensor->system, mtf::Stage::presample));  // `rate` is of it
   if (serves) return input_;
-  // One that is asked for again will be asked for often: its file is read once more, and kept.
-  if (input_ && !source_.image && !source_.stored)
+  // A scene that is loaded a second time will probably be loaded often: its file is kept, unless it is very large.
+  constexpr std::int64_t kMostSamples = std::int64_t{1} << 28;
+  const auto samples = [&] { return std::ssize(input_->scene.planes) * input_->scene.planes.front().size(); };
+  if (input_ && !source_.image && !source_.stored && samples() <= kMostSamples)
     source_.stored = std::make_shared<const mtf::io::ImageFile>(mtf::io::read_image(source_.file, source_.read));
   input_ = std::make_shared<const SceneInput>(load_input(clone(source_), *sensor, radiometric, nan_, threads_));
   sensor_ = sensor;
