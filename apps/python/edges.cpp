@@ -10,6 +10,7 @@
 #include "apps/python/edge_images.h"
 #include "apps/python/job.h"
 #include "apps/python/topics.h"
+#include "apps/simulate/scene_source.h"
 #include "mtf/error.h"
 
 namespace apps::python {

@@ -9,6 +9,7 @@
 #include "apps/python/arrays.h"
 #include "apps/python/job.h"
 #include "apps/python/topics.h"
+#include "apps/simulate/scene_source.h"
 #include "apps/simulate/sensor_image.h"
 #include "mtf/error.h"
 #include "mtf/io/file_checks.h"
@@ -121,16 +122,6 @@ void write(const std::string& path, const std::vector<std::pair<std::string, py:
 }
 
 }  // namespace
-
-mtf::io::ImageFile copy_of(const mtf::io::ImageFile& file) {
-  mtf::io::ImageFile copy;
-  copy.names = file.names;
-  copy.integer = file.integer;
-  copy.missing_pixels = file.missing_pixels;
-  copy.info = file.info;
-  for (const mtf::Image& values : file.planes) copy.planes.push_back(values.clone());
-  return copy;
-}
 
 mtf::io::Scene scene_of(const mtf::io::SensorConfig& sensor, const ImageHandle& image) {
   return mtf::io::physical_scene(sensor, image.path, copy_of(*image.file));

@@ -16,8 +16,6 @@ struct ImageHandle {
   std::shared_ptr<const mtf::io::ImageFile> file;
 };
 
-mtf::io::ImageFile copy_of(const mtf::io::ImageFile& file);
-
 /// The scene that load_scene makes of the file, from its planes in memory.
 mtf::io::Scene scene_of(const mtf::io::SensorConfig& sensor, const ImageHandle& image);
 

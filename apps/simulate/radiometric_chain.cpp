@@ -19,9 +19,24 @@ namespace apps {
 
 namespace {
 
+/// The same tables, and the same numbers of frame, optics and band.
+bool same_camera(const mtf::io::SensorConfig& a, const mtf::io::SensorConfig& b) {
+  const auto numbers = [](const mtf::System<double>& system) {
+    const auto& [frame, optics, band] = std::tie(system.frame, system.optics, system.band);
+    return std::tuple(frame.focal_length_mm, frame.pitch_x_um, frame.pitch_y_um, frame.integration_time_s,
+                      optics.f_number, optics.aperture_mm, optics.obscuration, optics.wavelength_um,
+                      band ? band->lo_um : 0.0, band ? band->hi_um : 0.0);
+  };
+  return a.tables == b.tables && numbers(a.system) == numbers(b.system);
+}
+
+std::pair<int, int> format_of(const mtf::io::SensorConfig& config) {
+  return {config.system.frame.columns, config.system.frame.rows};
+}
+
 /// True when load_chain gives the same for both.
 bool same_loaded(const mtf::io::SensorConfig& a, const mtf::io::SensorConfig& b) {
-  return same_correction(a, b) && a.scene.quantity == b.scene.quantity && loss_in(a.system) == loss_in(b.system) &&
+  return same_camera(a, b) && a.scene.quantity == b.scene.quantity && loss_in(a.system) == loss_in(b.system) &&
          takes_path_air(a.system) == takes_path_air(b.system);
 }
 
@@ -132,13 +147,7 @@ bool same_light(const mtf::io::SensorConfig& a, const mtf::io::SensorConfig& b) 
 }
 
 bool same_correction(const mtf::io::SensorConfig& a, const mtf::io::SensorConfig& b) {
-  const auto measured = [](const mtf::System<double>& system) {
-    const auto& [frame, optics, band] = std::tie(system.frame, system.optics, system.band);
-    return std::tuple(frame.focal_length_mm, frame.pitch_x_um, frame.pitch_y_um, frame.columns, frame.rows,
-                      frame.integration_time_s, optics.f_number, optics.aperture_mm, optics.obscuration,
-                      optics.wavelength_um, band ? band->lo_um : 0.0, band ? band->hi_um : 0.0);
-  };
-  return a.tables == b.tables && measured(a.system) == measured(b.system) && same_readout(a.system, b.system);
+  return same_camera(a, b) && format_of(a) == format_of(b) && same_readout(a.system, b.system);
 }
 
 bool nearly_same_correction(const mtf::io::SensorConfig& a, const mtf::io::SensorConfig& b) {
@@ -146,14 +155,11 @@ bool nearly_same_correction(const mtf::io::SensorConfig& a, const mtf::io::Senso
   const mtf::SettingsTable* const detector = find_table(a.tables, "detector");
   if (find_table(a.tables, "narcissus") != nullptr || (detector != nullptr && detector->find("shutter_temperature")))
     return false;
-  const auto pixels = [](const mtf::System<double>& system) {
-    const mtf::Frame<double>& frame = system.frame;
-    return std::tuple(frame.pitch_x_um, frame.pitch_y_um, frame.columns, frame.rows);
-  };
+  const mtf::Frame<double>&first = a.system.frame, &second = b.system.frame;
   const bool shaded = find_table(a.tables, "vignetting") != nullptr;
-  return pixels(a.system) == pixels(b.system) && same_readout(a.system, b.system) &&
-         (!shaded || a.system.frame.focal_length_mm == b.system.frame.focal_length_mm) &&
-         tables_of_pixels(a) == tables_of_pixels(b);
+  return first.pitch_x_um == second.pitch_x_um && first.pitch_y_um == second.pitch_y_um &&
+         format_of(a) == format_of(b) && same_readout(a.system, b.system) &&
+         (!shaded || first.focal_length_mm == second.focal_length_mm) && tables_of_pixels(a) == tables_of_pixels(b);
 }
 
 SceneLight to_light(const mtf::io::SensorConfig& config, const RadiometricChain& radiometric, mtf::io::Scene& scene,

@@ -25,16 +25,6 @@ void require_planes(const mtf::io::Scene& scene, const std::string& name) {
                           std::to_string(scene.grid.height) + "; leave out the size of the grid");
 }
 
-mtf::io::ImageFile copy_of(const mtf::io::ImageFile& file) {
-  mtf::io::ImageFile copy{.names = file.names,
-                          .planes = {},
-                          .integer = file.integer,
-                          .missing_pixels = file.missing_pixels,
-                          .info = file.info};
-  for (const mtf::Image& plane : file.planes) copy.planes.push_back(plane.clone());
-  return copy;
-}
-
 /// What a caller may leave out.
 void complete(const mtf::io::SensorConfig& sensor, mtf::io::Scene& scene, const std::string& name) {
   if (scene.names.empty() && scene.planes.size() == 1) scene.names = {"Y"};
@@ -56,6 +46,16 @@ void complete(const mtf::io::SensorConfig& sensor, mtf::io::Scene& scene, const 
 }
 
 }  // namespace
+
+mtf::io::ImageFile copy_of(const mtf::io::ImageFile& file) {
+  mtf::io::ImageFile copy{.names = file.names,
+                          .planes = {},
+                          .integer = file.integer,
+                          .missing_pixels = file.missing_pixels,
+                          .info = file.info};
+  for (const mtf::Image& plane : file.planes) copy.planes.push_back(plane.clone());
+  return copy;
+}
 
 SceneSource clone(const SceneSource& source) {
   SceneSource copy{.file = source.file,

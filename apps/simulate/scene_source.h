@@ -33,6 +33,7 @@ struct SceneSource {
 mtf::io::Scene facts_of(const mtf::io::Scene& scene);
 
 /// The same once more, its planes copied.
+mtf::io::ImageFile copy_of(const mtf::io::ImageFile& file);
 SceneSource clone(const SceneSource& source);
 
 /// A scene in memory gets a name for messages where it has none.
