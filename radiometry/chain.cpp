@@ -329,7 +329,7 @@ CompiledChain::CompiledChain(const mtf::SensorPlan& filters, const mtf::System<d
 }
 
 Chain::Chain(const mtf::SensorPlan& plan, const mtf::System<double>& system, const Sensor& sensor, Origin origin,
-             int threads, const Chain* before) {
+             int threads, const Chain* before, bool keep_shading) {
   if (plan.readout.has_value() == system.list(mtf::Stage::readout).empty() ||
       plan.post.has_value() == system.list(mtf::Stage::postsample).empty())
     refuse("the plan of a chain",
@@ -341,16 +341,17 @@ Chain::Chain(const mtf::SensorPlan& plan, const mtf::System<double>& system, con
   if (width * steps != plan.out().width || height * steps != plan.out().height)
     refuse("[microscan]", "the image is not a whole number of " + std::to_string(steps) + " x " +
                               std::to_string(steps) + " positions; give frame.format, or a scene of whole pitches");
-  compiled->map_source = map_source(*compiled, sensor, origin, width, height);
-  compiled->maps =
-      before != nullptr && before->compiled_->map_source == compiled->map_source
-          ? before->compiled_->maps
-          : std::make_shared<const PixelMaps>(pixel_maps(*compiled, sensor, origin, width, height, threads));
   if (before != nullptr) {
     const auto& owner = before->compiled_->corrected_by ? before->compiled_->corrected_by : before->compiled_;
     if (sensor.settings.correction && owner->settings.correction && owner->plan.out() == compiled->plan.out())
       compiled->corrected_by = owner;
   }
+  compiled->map_source = map_source(*compiled, sensor, origin, width, height);
+  if (keep_shading && compiled->corrected_by) compiled->map_source.shading = compiled->corrected_by->maps;
+  compiled->maps =
+      before != nullptr && before->compiled_->map_source == compiled->map_source
+          ? before->compiled_->maps
+          : std::make_shared<const PixelMaps>(pixel_maps(*compiled, sensor, origin, width, height, threads));
   compiled_ = std::move(compiled);
 }
 

@@ -131,11 +131,12 @@ class Chain {
   /// samples_a_pitch(). `origin` is the first pixel of the image on the detector, whose format is [frame] format, or as
   /// large as the image needs. `before` is a chain of the same sequence, whose two-point correction this one takes, as
   /// a camera is corrected once: where both have [correction] and the same pixels; maps of pixels that are the same are
-  /// shared. Throws UsageError for a sensor
-  /// without [detector], for a plan with other filters, for maps that do not cover the image, and for settings that
-  /// contradict each other.
+  /// shared. With `keep_shading` the image has the [vignetting] of that correction, too, as bright on the mean as its
+  /// own: the correction takes it away, and would leave that of another sensor. Throws UsageError for a sensor without
+  /// [detector], for a plan with other filters, for maps that do not cover the image, and for settings that contradict
+  /// each other.
   Chain(const mtf::SensorPlan& plan, const mtf::System<double>& system, const Sensor& sensor, Origin origin = {},
-        int threads = 0, const Chain* before = nullptr);
+        int threads = 0, const Chain* before = nullptr, bool keep_shading = false);
 
   /// Measures now what the first image at that stage would measure; call it before frames run in parallel.
   void prepare(OutputStage stage, int threads = 0) const;

@@ -62,6 +62,8 @@ std::vector<StageRow> stages_to_run(const mtf::System<double>& system, const Sen
 /// True where the image of an output stage has gone through that part of the chain.
 bool goes_through(StageRow::Part part, OutputStage stage);
 
+struct PixelMaps;
+
 /// All that maps of pixels are made from.
 struct MapSource {
   std::optional<Vignetting> vignetting{};
@@ -78,6 +80,8 @@ struct MapSource {
   Directions<double> warm{};
   double cone_sr = 0.0, around_sr = 0.0;
   bool shutter = false, closes = false;  ///< of a thermal camera
+  /// Those whose vignetting they have, as bright as their own; null: that of the settings.
+  std::shared_ptr<const PixelMaps> shading{};
 
   bool operator==(const MapSource&) const = default;
 };

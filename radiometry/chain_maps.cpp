@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <limits>
+#include <numeric>
+#include <span>
 
 #include "mtf/parallel.h"
 #include "radiometry/chain_impl.h"
@@ -35,6 +37,23 @@ void multiply(mtf::Image& factors, mtf::Image&& map) {
     factors = std::move(map);
   else
     multiply_by(factors.view(), map.view());
+}
+
+double mean(const mtf::Image& factors) {
+  if (factors.size() == 0) return 1.0;
+  const std::span<const float> all(factors.data(), static_cast<std::size_t>(factors.size()));
+  return std::accumulate(all.begin(), all.end(), 0.0) / static_cast<double>(all.size());
+}
+
+/// `shading`, as bright on the mean as `own`; empty images stand for factors of 1.
+mtf::Image as_bright(const mtf::Image& shading, mtf::Image&& own) {
+  const double bright = mean(own), was = mean(shading);
+  if (!(was > 0.0)) return std::move(own);
+  if (own.size() == 0 && shading.size() != 0) own = mtf::Image(shading.width(), shading.height());
+  for (std::int64_t i = 0; i < own.size(); ++i)
+    own.data()[i] =
+        static_cast<float>(bright / was * (shading.size() == 0 ? 1.0 : static_cast<double>(shading.data()[i])));
+  return std::move(own);
 }
 
 }  // namespace
@@ -96,6 +115,7 @@ PixelMaps pixel_maps(const CompiledChain& chain, const Sensor& sensor, Origin or
     vignetting_map(maps.corners.view(), *s.vignetting, chain.detector, chain.focal_length_mm, origin, given.view(),
                    cores);
   }
+  if (const auto& kept = chain.map_source.shading) maps.corners = as_bright(kept->corners, std::move(maps.corners));
   mtf::Image responsivity;
   if (const auto& unequal = s.nonuniformity) {
     responsivity = detector_map(sensor.responsivity, "nonuniformity.responsivity");

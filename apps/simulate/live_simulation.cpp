@@ -99,7 +99,10 @@ SimulatedImage LiveSimulation::State::run(Frame& frame, CorrectionOf correction)
   const bool measures = !known || !(own || lags || in_sequence);
   if (measures) next.forget_correction();
   const bool goes_on = in_sequence || (!measures && same_correction(*sensor, *frame.sensor));
-  if (frame.radiometric) frame.chain = next.chain_for(*frame.sensor, frame.radiometric, frame.plan);
+  const bool takes_earlier = lags && frame.radiometric &&
+                             frame.radiometric->stage == radiometry::OutputStage::display &&
+                             frame.radiometric->loaded.sensor.settings.correction;
+  if (frame.radiometric) frame.chain = next.chain_for(*frame.sensor, frame.radiometric, frame.plan, takes_earlier);
   const bool remembered = frame.radiometric && remembers(*frame.radiometric);
   radiometry::ChainState remembering;  // what pixels remember says nothing of those of another grid
   if (remembered && goes_on && chain_grid == frame.plan->out()) remembering = clone(chain_state);
@@ -121,8 +124,7 @@ SimulatedImage LiveSimulation::State::run(Frame& frame, CorrectionOf correction)
     corrected = frame.sensor;
     corrected_grid = frame.plan->out();
   }
-  correction_lags = lags && frame.radiometric && frame.radiometric->stage == radiometry::OutputStage::display &&
-                    frame.radiometric->loaded.sensor.settings.correction;
+  correction_lags = takes_earlier;
   return std::move(frame.image);
 }
 

@@ -21,8 +21,8 @@ namespace apps {
 enum class CorrectionOf {
   first_image,  ///< that of the first image: images are a sequence by one camera, whatever changes in between
   own,          ///< its own, as that of simulate(): it is measured anew where what it is measured of has changed
-  earlier,      ///< quicker, while a slider moves: an earlier one where light, optics, the detector's efficiency or
-                ///< temporal noise alone have changed since, else its own
+  earlier,      ///< quicker, while a slider moves: an earlier one, with the [vignetting] that it takes away, where
+                ///< light, optics, the detector's efficiency or temporal noise alone have changed since, else its own
 };
 
 class LiveSimulation {

@@ -46,10 +46,10 @@ bool same_readout(const mtf::System<double>& a, const mtf::System<double>& b) {
                             [](const auto& x, const auto& y) { return mtf::same_component(x.component, y.component); });
 }
 
-/// What pixels differ by and are converted by: without light, optics, efficiency and temporal noise.
+/// What pixels differ by and are converted by: without light, optics, shading, efficiency and temporal noise.
 std::vector<mtf::SettingsTable> tables_of_pixels(const mtf::io::SensorConfig& config) {
-  constexpr std::array<std::string_view, 9> kTables{
-      "scene", "camera_counts", "path", "atmosphere", "optics", "distortion", "ghost", "veiling_glare", "agc"};
+  constexpr std::array<std::string_view, 10> kTables{"scene",      "camera_counts", "path",  "atmosphere",    "optics",
+                                                     "vignetting", "distortion",    "ghost", "veiling_glare", "agc"};
   constexpr std::array<std::string_view, 8> kKeys{"quantum_efficiency", "dark_current", "read_noise", "reset_noise",
                                                   "other_noise",        "shot",         "row",        "column"};
   std::vector<mtf::SettingsTable> tables = config.tables;
@@ -156,10 +156,8 @@ bool nearly_same_correction(const mtf::io::SensorConfig& a, const mtf::io::Senso
   if (find_table(a.tables, "narcissus") != nullptr || (detector != nullptr && detector->find("shutter_temperature")))
     return false;
   const mtf::Frame<double>&first = a.system.frame, &second = b.system.frame;
-  const bool shaded = find_table(a.tables, "vignetting") != nullptr;
   return first.pitch_x_um == second.pitch_x_um && first.pitch_y_um == second.pitch_y_um &&
-         format_of(a) == format_of(b) && same_readout(a.system, b.system) &&
-         (!shaded || first.focal_length_mm == second.focal_length_mm) && tables_of_pixels(a) == tables_of_pixels(b);
+         format_of(a) == format_of(b) && same_readout(a.system, b.system) && tables_of_pixels(a) == tables_of_pixels(b);
 }
 
 SceneLight to_light(const mtf::io::SensorConfig& config, const RadiometricChain& radiometric, mtf::io::Scene& scene,

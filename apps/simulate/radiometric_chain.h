@@ -63,8 +63,9 @@ bool same_light(const mtf::io::SensorConfig& a, const mtf::io::SensorConfig& b);
 /// True when the correction that one of them measures is that of the other: at most components of the OTF before the
 /// detector or after [[readout]] differ.
 bool same_correction(const mtf::io::SensorConfig& a, const mtf::io::SensorConfig& b);
-/// True when the correction of one nearly serves the other: the pixels differ among themselves in the same way and are
-/// converted in the same way; light, optics, the detector's efficiency and dark current, and temporal noise may differ.
+/// True when the correction of one nearly serves the other under the shading of the first: the pixels differ among
+/// themselves in the same way and are converted in the same way; light, optics and their shading, the detector's
+/// efficiency and dark current, and temporal noise may differ.
 bool nearly_same_correction(const mtf::io::SensorConfig& a, const mtf::io::SensorConfig& b);
 
 /// to_light() of scene_light.h with its `rate`; the masks of bad pixels become one. Throws RuntimeError where light

@@ -53,6 +53,34 @@ TEST_F(LiveCorrection, AnEarlierCorrectionServesWhereOnlyLightHasChanged) {
   expect_own(live, other, earlier);
 }
 
+// The shading that a correction takes away is that of its flat frames; its level is that of their mean.
+TEST_F(LiveCorrection, AnEarlierCorrectionKeepsItsShading) {
+  using enum apps::CorrectionOf;
+  const auto with = [&](const std::string& focal_length, const std::string& a2, const std::string& correction) {
+    std::string text = kSensor + "[vignetting]\na2 = " + a2 + "\n[nonuniformity]\nprnu = 0.02\n[adc]\nbits = 14\n" +
+                       (correction.empty() ? "" : "[correction]\n" + correction);
+    text.replace(text.find("\"100 mm\""), 8, "\"" + focal_length + "\"");
+    return sensor(text);
+  };
+  for (const auto& [focal_length, a2] : {std::pair{"2 mm", "-0.3"}, {"3 mm", "-0.1"}}) {
+    apps::LiveSimulation live(temperatures());
+    const std::string flats = "frames = 2\nlow = 0.2\nhigh = 0.8\n";
+    const SensorConfig first = with("3 mm", "-0.3", flats), second = with(focal_length, a2, flats);
+    image(live, first, 0, earlier);
+    const double away = difference(image(live, second, 0, earlier), alone(temperatures(), second));
+    EXPECT_TRUE(live.correction_lags());
+    // Rounding of flat frames to counts, which two frames do not average; with the shading alone kept, the level would be off by 1.3.
+    EXPECT_LT(away, 3e-3) << focal_length;
+    EXPECT_LT(difference(image(live, second, 0, own), alone(temperatures(), second)), 1e-4);
+    // Without a correction the shading is in the image, at once.
+    const SensorConfig raw_first = with("3 mm", "-0.3", ""), raw = with(focal_length, a2, "");
+    apps::LiveSimulation plain(temperatures());
+    image(plain, raw_first, 0, earlier);
+    EXPECT_LT(difference(image(plain, raw, 0, earlier), alone(temperatures(), raw)), 1e-4);
+    EXPECT_GT(difference(alone(temperatures(), raw_first), alone(temperatures(), raw)), 0.05);
+  }
+}
+
 // What flat frames show, or what converts it, is not light.
 TEST_F(LiveCorrection, SensorsWhoseFlatFramesDifferHaveCorrectionsOfTheirOwn) {
   const std::string base = kSensor +
@@ -65,6 +93,8 @@ TEST_F(LiveCorrection, SensorsWhoseFlatFramesDifferHaveCorrectionsOfTheirOwn) {
   };
   const SensorConfig first = sensor(base);
   for (const auto& [from, to] : {std::pair{"f_number = 2.5", "f_number = 3"},
+                                 {"\"100 mm\"", "\"80 mm\""},
+                                 {"[vignetting]", "[vignetting]\na2 = -0.2"},
                                  {"transmission = 0.85", "transmission = 0.5"},
                                  {"quantum_efficiency = 0.75", "quantum_efficiency = 0.5"},
                                  {"\"500 e-\"", "\"100 e-\""},
@@ -72,8 +102,7 @@ TEST_F(LiveCorrection, SensorsWhoseFlatFramesDifferHaveCorrectionsOfTheirOwn) {
     EXPECT_TRUE(apps::nearly_same_correction(first, with(from, to))) << to;
     EXPECT_FALSE(apps::same_correction(first, with(from, to))) << to;
   }
-  for (const auto& [from, to] : {std::pair{"\"100 mm\"", "\"80 mm\""},
-                                 {"pitch = \"15 um\"", "pitch = \"15 um\"\nformat = [16, 12]"},
+  for (const auto& [from, to] : {std::pair{"pitch = \"15 um\"", "pitch = \"15 um\"\nformat = [16, 12]"},
                                  {"\"10 Me-\"", "\"5 Me-\""},
                                  {"seed = 3", "seed = 4"},
                                  {"seed = 3", "seed = 3\nfixed_row = \"50 e-\""},

@@ -202,14 +202,15 @@ std::shared_ptr<const mtf::SensorPlan> SequencePlanner::plan_for(const mtf::io::
 
 std::shared_ptr<const radiometry::Chain> SequencePlanner::chain_for(
     const mtf::io::SensorConfig& sensor, const std::shared_ptr<const RadiometricChain>& radiometric,
-    const std::shared_ptr<const mtf::SensorPlan>& plan) {
-  if (chain_radiometric_ != radiometric || chain_plan_ != plan)
+    const std::shared_ptr<const mtf::SensorPlan>& plan, bool keep_shading) {
+  if (chain_radiometric_ != radiometric || chain_plan_ != plan || chain_keeps_shading_ != keep_shading)
     chain_ = at_its_place(sensor, [&] {
       return std::make_shared<const radiometry::Chain>(*plan, radiometric->system, radiometric->loaded.sensor,
-                                                       radiometry::Origin{}, base_.threads, chain_.get());
+                                                       radiometry::Origin{}, base_.threads, chain_.get(), keep_shading);
     });
   chain_radiometric_ = radiometric;
   chain_plan_ = plan;
+  chain_keeps_shading_ = keep_shading;
   return chain_;
 }
 

@@ -38,11 +38,12 @@ class SequencePlanner {
                                                   const RadiometricChain* radiometric, const SceneInput& input,
                                                   std::vector<std::string>& warnings);
 
-  /// The chain of a frame with that plan; the one of the frame before where neither has changed. Errors as
-  /// radiometry::Chain.
+  /// The chain of a frame with that plan; the one of the frame before where nothing of it has changed. `keep_shading`
+  /// and errors as those of radiometry::Chain.
   std::shared_ptr<const radiometry::Chain> chain_for(const mtf::io::SensorConfig& sensor,
                                                      const std::shared_ptr<const RadiometricChain>& radiometric,
-                                                     const std::shared_ptr<const mtf::SensorPlan>& plan);
+                                                     const std::shared_ptr<const mtf::SensorPlan>& plan,
+                                                     bool keep_shading = false);
 
   /// The next chain measures its correction itself, instead of taking that of the first one.
   void forget_correction() { chain_.reset(), chain_plan_.reset(); }
@@ -71,6 +72,7 @@ class SequencePlanner {
   std::shared_ptr<const radiometry::Chain> chain_;
   std::shared_ptr<const RadiometricChain> chain_radiometric_;  ///< that chain_ was made of,
   std::shared_ptr<const mtf::SensorPlan> chain_plan_;          ///< and this
+  bool chain_keeps_shading_ = false;
   int compiled_ = 0, updated_ = 0;
 };
 
