@@ -42,7 +42,7 @@ const child = spawn(options.mtf, ["live", "--no-browser", ...files], { stdio: ["
 const address = await new Promise((resolve) => createInterface({ input: child.stdout }).once("line", resolve));
 const ready = Date.now() - begin;
 const page = await (await browser.newContext({ viewport })).newPage();
-await page.goto(address);
+await page.goto(options.query ? address.replace("/#", `/?${options.query}#`) : address);
 await page.waitForFunction(() => window.mtfLive?.view.drawn > 0 && window.mtfLive.frame, null, { polling: 10 });
 console.log(`address after ${ready} ms, first picture after ${Date.now() - begin} ms, of a canvas alone ${alone} ms; load ${loadavg()[0].toFixed(1)}`);
 await page.waitForTimeout(1500);

@@ -33,16 +33,20 @@ export async function ask(place, body) {
   return json;
 }
 
-export async function bytes(place, body) {
+export async function bytes(place, body, begun) {
   const answer = await send(place, body);
+  begun?.();
   if (!isJson(answer)) return answer.arrayBuffer();
   const { error, status, refused } = await answer.json();
   throw new Refused(error, status, refused);
 }
 
-/** Facts and 16-bit pixels of one body: four bytes with the length of the JSON, the JSON, the numbers; what follows. */
-export async function picture(place, body) {
-  const buffer = await bytes(place, body);
+/**
+ * Facts and 16-bit pixels of one body: four bytes with the length of the JSON, the JSON, the numbers; what follows.
+ * `begun` hears when the answer begins: the server is free then.
+ */
+export async function picture(place, body, begun) {
+  const buffer = await bytes(place, body, begun);
   const length = new DataView(buffer).getUint32(0, true);
   const facts = JSON.parse(new TextDecoder().decode(new Uint8Array(buffer, 4, length)));
   const end = 4 + length + 2 * facts.width * facts.height;

@@ -11,16 +11,12 @@ export const shown = (value, digits = 5) => {
 };
 
 /** The chart library, which no picture waits for; a build without it has none. */
-const library = new Promise((resolve) => {
+const library = () => new Promise((resolve) => {
   document.head.append(Object.assign(document.createElement("script"), { src: "/uPlot.iife.min.js", onload: () => resolve(true), onerror: () => resolve(false) }));
 });
 
 export class Curves {
   constructor(place) {
-    library.then((found) => {
-      this.library = found;
-      this.later?.();
-    });
     this.place = place;
     this.chart = null;
     this.key = "";
@@ -34,13 +30,18 @@ export class Curves {
     this.values = { frequency: curves.frequency, unit: curves.unit, columns: Object.fromEntries(lines.map((line, i) => [line.label, data[i + 1]])) };
     if (base) data.push(curves.frequency.map((f) => at(base, f)));
     this.later = this.library === undefined ? () => this.show(curves, base, baseName) : null;
-    if (this.later) return undefined;
+    if (this.later) return this.load();
     if (!this.library) return this.table(data, lines);
     const key = JSON.stringify([lines.map((line) => line.label), baseName, curves.unit, Boolean(base), getComputedStyle(document.documentElement).getPropertyValue("--ink")]);
     if (key !== this.key) this.make(lines, base ? baseName : "", curves.unit, key, data);
     else this.chart.setData(data);
     this.nyquist = curves.nyquist;
     return undefined;
+  }
+  async load() {
+    this.loading ??= library();
+    this.library = await this.loading;
+    this.later?.();
   }
   make(lines, baseName, unit, key, data) {
     const style = getComputedStyle(document.documentElement), ink = style.getPropertyValue("--ink"), grid = style.getPropertyValue("--grid");

@@ -10,7 +10,7 @@ import { clearProblem, facts, problem } from "./panels.js";
 const SLOW_MS = 40; // a frame that takes longer is asked for as a preview while a slider moves
 const CALM_MS = 150; // texts follow a moving slider no more often: pictures come first
 const HEAT_MS = 400; // while a heat balance is worked out
-const shown = [{}, {}]; // of each side: key of what is shown, whether it is for the moment, key that was refused, turn
+const shown = [{}, {}]; // of each side: key of what is shown, whether it is for the moment, keys on the way and refused, turn
 let asking = false, generation = 0, turn = 0, told = 0, fullMs = 0, timed = null, stepped = null;
 const rates = [];
 
@@ -31,7 +31,7 @@ function wish(side) {
 
 function needs(side) {
   const now = wish(side), last = shown[side];
-  if (!now || now.key === last.refused) return null;
+  if (!now || now.key === last.refused || now.key === last.coming) return null;
   if (now.from === "scene" && app.dragging && last.key) return null; // no slider of the scene waits for it
   if (now.key !== last.key || (last.passing && !moving())) return now;
   return null;
@@ -76,14 +76,17 @@ function showFrame(side, made, asked) {
 
 const rate = () => (rates.length > 2 ? (1000 * (rates.length - 1)) / (rates.at(-1) - rates[0]) : 0);
 
-async function ask(side, { from, body, key }) {
+/** `begun` hears when the answer begins; it is shown after `before`. */
+async function ask(side, { from, body, key }, begun, before) {
   if (inSpace() && timed !== app.lastName) [timed, fullMs] = [app.lastName, 0]; // most sensor sliders leave the view as it is
   const begin = performance.now(), preview = moving() && (fullMs > SLOW_MS || Boolean(app.place?.moving));
   app.view.moving = moving() || state.running;
   const every = preview && (!inSpace() || app.view.coarse) ? 2 : 1; // no more pixels than are drawn
   const request = from === "scene" ? body : { ...body, tab: `${app.tab}-${side}`, side: side === 0 ? "left" : "right", generation: (generation += 1), preview, every };
+  shown[side].coming = key;
   try {
-    const made = await picture(from, request);
+    const made = await picture(from, request, begun);
+    await before;
     Object.assign(shown[side], { key, turn: (turn += 1), passing: from === "frame" && (made.preview || made.light_lags || made.correction_lags || made.solving) });
     if (from === "scene") showScene(made, made.pixels);
     else showFrame(side, made, { preview, ms: performance.now() - begin });
@@ -100,26 +103,33 @@ async function ask(side, { from, body, key }) {
   } catch (error) {
     if (!(error instanceof Refused)) return new Promise((resolve) => setTimeout(resolve, 500));
     if (error.status === 409) return undefined;
+    await before;
     Object.assign(shown[side], { refused: key, error });
     if (side === 1) $("overlay").hidden = true; // the words stand at the control, which has to be within reach
     problem(error, body);
     settleStale();
     if (!app.frames[1] && app.place?.toStart()) $("problem").textContent = `The camera of the link: ${error.message}`;
     if (state.running) stepped?.();
+  } finally {
+    if (shown[side].coming === key) shown[side].coming = null;
   }
   return undefined;
 }
 
-/** Asks for pictures for as long as something has changed; the next one is made while the last one is drawn. */
+/** Asks for pictures for as long as something has changed; the next one is made while the last one arrives and is drawn. */
 export async function pump() {
   if (asking) return;
   asking = true;
-  let drawn = null;
+  let drawn = null, last = null;
   if (!inSpace() && !shown[0].key && !shown[1].key) await Promise.all([0, 1].map((side) => ask(side, wish(side)))); // the first ones
   for (let now = next(); now; now = next()) {
-    await ask(...now);
+    const before = last;
+    await new Promise((begun) => { last = ask(...now, begun, before).finally(begun); });
+    await before;
+    if (!(moving() && inSpace())) await last; // of a 3-D scene the next one is made while this one is on its way
     await drawn;
     drawn = new Promise((resolve) => requestAnimationFrame(resolve));
+    if (!next()) await last;
   }
   asking = false;
   if (!moving()) app.view.rest();

@@ -87,13 +87,14 @@ async function begin() {
   const side = edits.side();
   setLeft(state.left);
   if (state.left === "kept") setEditing(side);
-  pointers();
   bars();
   setPalette(state.palette);
   panels.showTolerance();
   panels.onRefusedEdit(follow);
   // Pictures come first, forms and curves when the first is there, or takes its time.
   await Promise.race([pictures.pump(), new Promise((resolve) => setTimeout(resolve, PATIENCE_MS))]);
+  app.view.useGraphicsCard();
+  pointers();
   ask("model", { edits: [] }).then((first) => {
     app.controls.remember(first);
     if (first.scene) app.sceneControls.remember(first.scene);

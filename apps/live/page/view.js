@@ -93,33 +93,51 @@ class Gpu {
   }
 }
 
-// Without WebGL: the same, pixel by pixel.
+function isSoftware(gl) {
+  const names = gl.getExtension("WEBGL_debug_renderer_info");
+  return /swiftshader|llvmpipe|softpipe|software|basic render/i.test(gl.getParameter(names?.UNMASKED_RENDERER_WEBGL ?? gl.RENDERER));
+}
+
+// The same without a graphics card.
 class Plain {
   constructor(canvas) {
-    this.context = canvas.getContext("2d");
+    this.context = canvas.getContext("2d", { alpha: false, willReadFrequently: true });
     this.pictures = [];
   }
   picture(unit, picture) { this.pictures[unit] = picture; }
   palette(colours) { this.colours = new Uint32Array(colours.buffer.slice(0)); }
-  draw(scene) {
-    const image = this.context.createImageData(scene.width, scene.height);
-    const out = new Uint32Array(image.data.buffer);
-    const solid = (rgb) => (255 << 24) | (Math.round(rgb[2] * 255) << 16) | (Math.round(rgb[1] * 255) << 8) | Math.round(rgb[0] * 255);
-    const outside = solid(scene.outside), line = solid(scene.line);
-    for (let y = 0; y < scene.height; y += 1) {
-      const um = scene.corner[1] + (y + 0.5) * scene.scale;
-      for (let x = 0; x < scene.width; x += 1) {
-        const unit = x + 0.5 < scene.divider ? 0 : 1, side = scene.sides[unit], picture = this.pictures[unit];
-        const column = Math.floor((scene.corner[0] + (x + 0.5) * scene.scale) / side.step[0]), row = Math.floor(um / side.step[1]);
-        let colour = outside;
-        if (picture && column >= 0 && row >= 0 && column < picture.width && row < picture.height) {
-          const t = picture.pixels[row * picture.width + column] * side.map[0] + side.map[1];
-          colour = this.colours[Math.max(0, Math.min(255, Math.round(t * 255)))];
-        }
-        out[y * scene.width + x] = Math.abs(x + 0.5 - scene.divider) < 1 ? line : colour;
-      }
+  /** The colour of each 16-bit number; `map`: gain, not below 0, and offset. */
+  colourOf([gain, offset]) {
+    const table = new Uint32Array(65536);
+    for (let i = 0, from = 0; i < 256; i += 1) {
+      const next = (i + 0.5) / 255 - offset, to = i === 255 ? 65536 : gain > 0 ? Math.max(from, Math.min(65536, Math.ceil(next / gain))) : next > 0 ? 65536 : from;
+      table.fill(this.colours[i], from, to);
+      from = to;
     }
-    this.context.putImageData(image, 0, 0);
+    return table;
+  }
+  draw(scene) {
+    const { width, height, corner, scale } = scene;
+    if (this.image?.width !== width || this.image.height !== height) this.image = this.context.createImageData(width, height);
+    const out = new Uint32Array(this.image.data.buffer);
+    const solid = (rgb) => (255 << 24) | (Math.round(rgb[2] * 255) << 16) | (Math.round(rgb[1] * 255) << 8) | Math.round(rgb[0] * 255);
+    out.fill(solid(scene.outside));
+    scene.sides.forEach(({ step, map }, i) => {
+      const picture = this.pictures[i], [x0, y0, x1, y1] = scene.rectangle(i);
+      if (!picture || !(x1 > x0 && y1 > y0)) return;
+      const { pixels } = picture, colour = this.colourOf(map);
+      const place = (k, at, count) => Math.max(0, Math.min(count - 1, Math.floor((corner[k] + (at + 0.5) * scale) / step[k])));
+      const columns = Int32Array.from({ length: x1 - x0 }, (_, k) => place(0, x0 + k, picture.width));
+      for (let y = y0, last = -1; y < y1; y += 1) {
+        const row = place(1, y, picture.height), to = y * width + x0;
+        if (row === last) out.copyWithin(to, to - width, to - width + x1 - x0);
+        else for (let k = 0, from = row * picture.width; k < columns.length; k += 1) out[to + k] = colour[pixels[from + columns[k]]];
+        last = row;
+      }
+    });
+    const line = Math.round(scene.divider);
+    for (let y = 0; y < height; y += 1) out.fill(solid(scene.line), Math.max(y * width, y * width + line - 1), Math.min((y + 1) * width, y * width + line + 1));
+    this.context.putImageData(this.image, 0, 0);
   }
 }
 
@@ -132,10 +150,8 @@ export class View {
   constructor(canvas, changed) {
     this.canvas = canvas;
     this.changed = changed; // hears when zoom or place have changed
-    const gl = new URLSearchParams(location.search).has("plain") ? null
-      : canvas.getContext("webgl2", { antialias: false, alpha: false, depth: false, stencil: false });
-    this.engine = gl ? new Gpu(gl) : new Plain(canvas);
-    this.kind = gl ? "webgl2" : "canvas";
+    this.engine = new Plain(canvas);
+    this.kind = "canvas";
     this.sides = [null, null];
     this.divider = 0.5;
     this.contrast = 0;
@@ -151,7 +167,32 @@ export class View {
     this.waiting = false;
     this.drawn = 0;
     this.setPalette("white hot");
-    new ResizeObserver(() => this.draw()).observe(canvas);
+    this.sized = new ResizeObserver(() => this.draw());
+    this.sized.observe(canvas);
+  }
+  /**
+   * Goes over to WebGL where a graphics card draws it, with another canvas in the place of this one. Software GL is no
+   * quicker than the canvas, and begins much later.
+   */
+  useGraphicsCard() {
+    const asked = new URLSearchParams(location.search);
+    if (asked.has("plain")) return;
+    const canvas = this.canvas.cloneNode(), gl = canvas.getContext("webgl2", { antialias: false, alpha: false, depth: false, stencil: false });
+    if (!gl) return;
+    if (!asked.has("webgl") && isSoftware(gl)) {
+      gl.getExtension("WEBGL_lose_context")?.loseContext();
+      return;
+    }
+    const { pictures } = this.engine;
+    this.engine = new Gpu(gl);
+    this.kind = "webgl2";
+    this.engine.palette(this.colours);
+    pictures.forEach((picture, unit) => this.engine.picture(unit, picture));
+    this.sized.unobserve(this.canvas);
+    this.canvas.replaceWith(canvas);
+    this.canvas = canvas;
+    this.sized.observe(canvas);
+    this.draw();
   }
   setPalette(name) {
     this.colours = lookup(name);
@@ -230,7 +271,7 @@ export class View {
     return gain > 0 ? [value(0), value(1)] : null;
   }
   draw() {
-    if (this.waiting) return;
+    if (this.waiting || !this.sides.some(Boolean)) return;
     this.waiting = true;
     const theme = document.documentElement.dataset.theme + matchMedia("(prefers-color-scheme: dark)").matches;
     if (theme !== this.theme) Object.assign(this, { theme, outside: css("--well"), line: css("--line") });
