@@ -347,7 +347,8 @@ Chain::Chain(const mtf::SensorPlan& plan, const mtf::System<double>& system, con
       compiled->corrected_by = owner;
   }
   compiled->map_source = map_source(*compiled, sensor, origin, width, height);
-  if (keep_shading && compiled->corrected_by) compiled->map_source.shading = compiled->corrected_by->maps;
+  if (keep_shading && compiled->corrected_by && !same_shading(compiled->map_source, compiled->corrected_by->map_source))
+    compiled->map_source.shading = compiled->corrected_by->maps;
   compiled->maps =
       before != nullptr && before->compiled_->map_source == compiled->map_source
           ? before->compiled_->maps

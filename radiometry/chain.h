@@ -132,9 +132,9 @@ class Chain {
   /// large as the image needs. `before` is a chain of the same sequence, whose two-point correction this one takes, as
   /// a camera is corrected once: where both have [correction] and the same pixels; maps of pixels that are the same are
   /// shared. With `keep_shading` the image has the [vignetting] of that correction, too, as bright on the mean as its
-  /// own: the correction takes it away, and would leave that of another sensor. Throws UsageError for a sensor without
-  /// [detector], for a plan with other filters, for maps that do not cover the image, and for settings that contradict
-  /// each other.
+  /// own: the correction takes it away, and would leave that of another sensor. Saturation is that of the kept shading.
+  /// Throws UsageError for a sensor without [detector], for a plan with other filters, for maps that do not cover the
+  /// image, and for settings that contradict each other.
   Chain(const mtf::SensorPlan& plan, const mtf::System<double>& system, const Sensor& sensor, Origin origin = {},
         int threads = 0, const Chain* before = nullptr, bool keep_shading = false);
 

@@ -80,11 +80,15 @@ struct MapSource {
   Directions<double> warm{};
   double cone_sr = 0.0, around_sr = 0.0;
   bool shutter = false, closes = false;  ///< of a thermal camera
-  /// Those whose vignetting they have, as bright as their own; null: that of the settings.
+  /// The maps whose vignetting these have, scaled to the mean of the vignetting of the settings; null: that itself.
   std::shared_ptr<const PixelMaps> shading{};
 
   bool operator==(const MapSource&) const = default;
 };
+
+inline bool same_shading(const MapSource& a, const MapSource& b) {
+  return a.vignetting == b.vignetting && a.given[0] == b.given[0] && a.focal_length_mm == b.focal_length_mm;
+}
 
 /// What differs from pixel to pixel, for the pixels of an image or of a tile of one.
 struct PixelMaps {

@@ -65,7 +65,8 @@ bool same_light(const mtf::io::SensorConfig& a, const mtf::io::SensorConfig& b);
 bool same_correction(const mtf::io::SensorConfig& a, const mtf::io::SensorConfig& b);
 /// True when the correction of one nearly serves the other under the shading of the first: the pixels differ among
 /// themselves in the same way and are converted in the same way; light, optics and their shading, the detector's
-/// efficiency and dark current, and temporal noise may differ.
+/// efficiency and dark current, and temporal noise may differ. Where warm optics or dark current have changed under a
+/// strong shading, that change is divided by the shading in the image.
 bool nearly_same_correction(const mtf::io::SensorConfig& a, const mtf::io::SensorConfig& b);
 
 /// to_light() of scene_light.h with its `rate`; the masks of bad pixels become one. Throws RuntimeError where light

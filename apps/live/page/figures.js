@@ -10,8 +10,8 @@ export const shown = (value, digits = 5) => {
   return String(Number(value.toPrecision(digits)));
 };
 
-/** The chart library, which no picture waits for; a build without it has none. */
-const library = () => new Promise((resolve) => {
+/** Loads the chart library, which no picture waits for; a build without it has none. */
+const loadLibrary = () => new Promise((resolve) => {
   document.head.append(Object.assign(document.createElement("script"), { src: "/uPlot.iife.min.js", onload: () => resolve(true), onerror: () => resolve(false) }));
 });
 
@@ -39,7 +39,7 @@ export class Curves {
     return undefined;
   }
   async load() {
-    this.loading ??= library();
+    this.loading ??= loadLibrary();
     this.library = await this.loading;
     this.later?.();
   }

@@ -76,18 +76,21 @@ function showFrame(side, made, asked) {
 
 const rate = () => (rates.length > 2 ? (1000 * (rates.length - 1)) / (rates.at(-1) - rates[0]) : 0);
 
-/** `begun` hears when the answer begins; it is shown after `before`. */
+/** What is asked for now may be quicker and coarser. */
+const inHaste = () => moving() && (fullMs > SLOW_MS || Boolean(app.place?.moving));
+
+/** `begun` hears when the answer begins; the picture is shown once the promise `before` is kept. */
 async function ask(side, { from, body, key }, begun, before) {
   if (inSpace() && timed !== app.lastName) [timed, fullMs] = [app.lastName, 0]; // most sensor sliders leave the view as it is
-  const begin = performance.now(), preview = moving() && (fullMs > SLOW_MS || Boolean(app.place?.moving));
+  const begin = performance.now(), preview = inHaste();
   app.view.moving = moving() || state.running;
   const every = preview && (!inSpace() || app.view.coarse) ? 2 : 1; // no more pixels than are drawn
   const request = from === "scene" ? body : { ...body, tab: `${app.tab}-${side}`, side: side === 0 ? "left" : "right", generation: (generation += 1), preview, every };
-  shown[side].coming = key;
+  Object.assign(shown[side], { coming: key, turn: (turn += 1) });
   try {
     const made = await picture(from, request, begun);
     await before;
-    Object.assign(shown[side], { key, turn: (turn += 1), passing: from === "frame" && (made.preview || made.light_lags || made.correction_lags || made.solving) });
+    Object.assign(shown[side], { key, passing: from === "frame" && (made.preview || made.light_lags || made.correction_lags || made.solving) });
     if (from === "scene") showScene(made, made.pixels);
     else showFrame(side, made, { preview, ms: performance.now() - begin });
     if (from === "frame" && app.view.moving) requestAnimationFrame(() => app.view.lagged(performance.now() - begin - made.ms));
@@ -116,22 +119,29 @@ async function ask(side, { from, body, key }, begun, before) {
   return undefined;
 }
 
-/** Asks for pictures for as long as something has changed; the next one is made while the last one arrives and is drawn. */
-export async function pump() {
-  if (asking) return;
-  asking = true;
+async function askAll() {
   let drawn = null, last = null;
   if (!inSpace() && !shown[0].key && !shown[1].key) await Promise.all([0, 1].map((side) => ask(side, wish(side)))); // the first ones
   for (let now = next(); now; now = next()) {
     const before = last;
     await new Promise((begun) => { last = ask(...now, begun, before).finally(begun); });
     await before;
-    if (!(moving() && inSpace())) await last; // of a 3-D scene the next one is made while this one is on its way
+    if (!(inSpace() && inHaste())) await last; // of a moving 3-D scene the next one is made while this one is on its way
     await drawn;
     drawn = new Promise((resolve) => requestAnimationFrame(resolve));
     if (!next()) await last;
   }
-  asking = false;
+}
+
+/** Asks for pictures for as long as something has changed; the next one is made while the last one is drawn. */
+export async function pump() {
+  if (asking) return;
+  asking = true;
+  try {
+    await askAll();
+  } finally {
+    asking = false;
+  }
   if (!moving()) app.view.rest();
   settleProblem();
 }

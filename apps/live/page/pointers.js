@@ -75,7 +75,6 @@ export function pointers() {
     event.preventDefault();
     act();
   };
-  $("divider").oninput = () => setDivider(Number($("divider").value) / 1000);
 }
 
 function plainKeys(canvas) {

@@ -10,11 +10,11 @@ import * as edits from "./history.js";
 import * as panels from "./panels.js";
 import { Place } from "./place.js";
 import * as pictures from "./pictures.js";
-import { pointers } from "./pointers.js";
+import { pointers, setDivider } from "./pointers.js";
 import { View } from "./view.js";
 
 const PATIENCE_MS = 500;
-const starting = ask("start", {}); // is answered while WebGL begins
+const starting = ask("start", {}); // is answered while the page is put together
 starting.catch(() => {});
 app.view = new View($("view"), () => {});
 app.curves = new Curves($("curves"));
@@ -88,6 +88,7 @@ async function begin() {
   setLeft(state.left);
   if (state.left === "kept") setEditing(side);
   bars();
+  $("divider").oninput = () => setDivider(Number($("divider").value) / 1000);
   setPalette(state.palette);
   panels.showTolerance();
   panels.onRefusedEdit(follow);

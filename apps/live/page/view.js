@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Two pictures on both sides of a divider, in the same place and scale: positions are um in the focal plane, from the
-// corner that scene and detector share. Contrast and palette are the shader's, so that they need no request.
+// corner that scene and detector share. Contrast and palette are applied in drawing, so that they need no request.
 
 import { lookup } from "./palettes.js";
 
@@ -98,10 +98,10 @@ function isSoftware(gl) {
   return /swiftshader|llvmpipe|softpipe|software|basic render/i.test(gl.getParameter(names?.UNMASKED_RENDERER_WEBGL ?? gl.RENDERER));
 }
 
-// The same without a graphics card.
+// What Gpu does, without a graphics card.
 class Plain {
   constructor(canvas) {
-    this.context = canvas.getContext("2d", { alpha: false, willReadFrequently: true });
+    this.context = canvas.getContext("2d", { willReadFrequently: true });
     this.pictures = [];
   }
   picture(unit, picture) { this.pictures[unit] = picture; }
@@ -183,8 +183,12 @@ export class View {
       gl.getExtension("WEBGL_lose_context")?.loseContext();
       return;
     }
-    const { pictures } = this.engine;
-    this.engine = new Gpu(gl);
+    const { pictures } = this.engine, focused = document.activeElement === this.canvas;
+    try {
+      this.engine = new Gpu(gl);
+    } catch {
+      return; // the canvas serves
+    }
     this.kind = "webgl2";
     this.engine.palette(this.colours);
     pictures.forEach((picture, unit) => this.engine.picture(unit, picture));
@@ -192,6 +196,7 @@ export class View {
     this.canvas.replaceWith(canvas);
     this.canvas = canvas;
     this.sized.observe(canvas);
+    if (focused) canvas.focus();
     this.draw();
   }
   setPalette(name) {
