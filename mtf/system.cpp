@@ -108,7 +108,8 @@ std::vector<Finding> findings_of(const System<double>& system, bool doubtful) {
       if (!pupil.empty())
         error(where() + ".kind",
               "a second complete pupil OTF beside \"" + pupil +
-                  "\": aberrations and diffraction are one integral; use one wavefront with all terms");
+                  "\": aberrations and diffraction are one integral; remove one of the two, as defocus and wavefront "
+                  "contain diffraction, or give all terms in one wavefront");
       pupil = entry.label;
     }
   }

@@ -5,10 +5,10 @@
 
 #include <algorithm>
 #include <limits>
-#include <numeric>
 #include <span>
 
 #include "mtf/parallel.h"
+#include "mtf/survey/statistics.h"
 #include "radiometry/chain_impl.h"
 #include "radiometry/chain_tiles.h"
 
@@ -39,21 +39,23 @@ void multiply(mtf::Image& factors, mtf::Image&& map) {
     multiply_by(factors.view(), map.view());
 }
 
-double mean(const mtf::Image& factors) {
-  if (factors.size() == 0) return 1.0;
-  const std::span<const float> all(factors.data(), static_cast<std::size_t>(factors.size()));
-  return std::accumulate(all.begin(), all.end(), 0.0) / static_cast<double>(all.size());
+std::span<float> values_of(mtf::Image& map) { return {map.data(), static_cast<std::size_t>(map.size())}; }
+
+double mean(mtf::ImageView<const float> factors) {
+  if (factors.data == nullptr) return 1.0;
+  return mtf::statistics(factors).mean;
 }
 
-/// `shading`, as bright on the mean as `own`; empty images stand for factors of 1.
-mtf::Image as_bright(const mtf::Image& shading, mtf::Image&& own) {
-  const double bright = mean(own), was = mean(shading);
-  if (!(was > 0.0)) return std::move(own);
-  if (own.size() == 0 && shading.size() != 0) own = mtf::Image(shading.width(), shading.height());
-  for (std::int64_t i = 0; i < own.size(); ++i)
-    own.data()[i] =
-        static_cast<float>(bright / was * (shading.size() == 0 ? 1.0 : static_cast<double>(shading.data()[i])));
-  return std::move(own);
+/// `shading`, as bright on the mean as `own`; an empty image stands for factors of 1, one of the two is none.
+mtf::Image as_bright(const mtf::Image& shading, const mtf::Image& own) {
+  mtf::Image factors = shading.clone();
+  if (factors.size() == 0) {
+    factors = mtf::Image(own.width(), own.height());
+    std::ranges::fill(values_of(factors), 1.0F);
+  }
+  const auto scale = static_cast<float>(mean(own.view()) / mean(shading.view()));
+  for (float& factor : values_of(factors)) factor *= scale;
+  return factors;
 }
 
 }  // namespace
@@ -115,7 +117,7 @@ PixelMaps pixel_maps(const CompiledChain& chain, const Sensor& sensor, Origin or
     vignetting_map(maps.corners.view(), *s.vignetting, chain.detector, chain.focal_length_mm, origin, given.view(),
                    cores);
   }
-  if (const auto& kept = chain.map_source.shading) maps.corners = as_bright(kept->corners, std::move(maps.corners));
+  if (const auto& kept = chain.map_source.shading) maps.corners = as_bright(kept->corners, maps.corners);
   mtf::Image responsivity;
   if (const auto& unequal = s.nonuniformity) {
     responsivity = detector_map(sensor.responsivity, "nonuniformity.responsivity");
@@ -136,7 +138,7 @@ PixelMaps pixel_maps(const CompiledChain& chain, const Sensor& sensor, Origin or
   if (s.narcissus) {
     around = mtf::Image(width, height);
     narcissus_map(around.view(), *s.narcissus, chain.detector, origin);
-    for (float& missing : std::span(around.data(), static_cast<std::size_t>(around.size()))) missing = 1.0F - missing;
+    for (float& missing : values_of(around)) missing = 1.0F - missing;
   }
   multiply(around, std::move(responsivity));
   maps.glow = glow_of(chain, chain.warm, maps.corners, around, chain.dark_e);

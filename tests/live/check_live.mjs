@@ -18,7 +18,7 @@ async function compare(run, page, what, counts = 0) {
   writeFileSync(join(run.folder, "seen.toml"), seen.text);
   const frequency = seen.curves.frequency;
   // The command that the page shows, with the names that its files have here.
-  const line = seen.command.replace(/^mtf demo && /, "").replace(/simulate \S+/, "simulate seen.toml").replace("out.", "again.");
+  const line = seen.command.replace(/^.*mtf demo; /, "").replace(/simulate \S+/, "simulate seen.toml").replace("out.", "again.");
   const [text] = await Promise.all([run.mtf("curve", "seen.toml", "--format", "json", "--unit", seen.curves.unit, "--freq", `0:${frequency.at(-1)}:${frequency.length}`, "--quiet"), run.shell(`${line} --quiet`)]);
   const json = JSON.parse(text);
   const modulus = (c) => c.re.map((re, i) => Math.hypot(re, c.im[i]));
@@ -79,6 +79,27 @@ async function checkPage(run, browser) {
     const { worst } = await compare(run, page, name);
     console.log(`${name}: curves within ${worst.toExponential(1)}`);
   }
+  // A handle that is let go where it began: no `change` comes from the browser then.
+  const jitter = page.locator('[data-name="jitter.rms"] input[type="range"]');
+  await jitter.scrollIntoViewIfNeeded();
+  const [x, y] = await jitter.evaluate((slider) => {
+    const box = slider.getBoundingClientRect();
+    return [box.left + 8 + ((box.width - 16) * slider.value) / 1000, box.top + box.height / 2];
+  });
+  await page.mouse.move(x, y);
+  await page.mouse.down();
+  for (const to of [x + 12, x]) await page.mouse.move(to, y);
+  assert.ok(await page.evaluate(() => window.mtfLive.busy));
+  await page.mouse.up();
+  await settle(page);
+  assert.ok(await page.evaluate(() => !window.mtfLive.frame.preview && document.getElementById("preview-tag").hidden));
+  // Words about a value go with it.
+  await field(page, "jitter.rms").fill("bad");
+  await field(page, "jitter.rms").press("Enter");
+  await page.locator("#problem").waitFor();
+  await field(page, "jitter.rms").press("Escape");
+  await settle(page);
+  assert.ok(await page.evaluate(() => document.getElementById("problem").hidden && document.querySelector(".row.wrong") === null));
   await field(page, "jitter.rms").fill("0.012 mrad");
   await field(page, "jitter.rms").press("Enter");
   await settle(page);

@@ -4,6 +4,20 @@
 
 const CALM_MS = 100;
 const LISTS = { presample: "Before sampling", readout: "Readout", postsample: "After sampling" };
+/**
+ * Calls `letGo` once for each time that a slider has moved and is let go. A browser fires no `change` where the handle is
+ * back in its place.
+ */
+export function onLetGo(slider, letGo) {
+  let moved = false;
+  const end = () => {
+    if (moved) letGo();
+    moved = false;
+  };
+  slider.addEventListener("input", () => { moved = true; });
+  for (const event of ["change", "pointerup", "pointercancel", "blur"]) slider.addEventListener(event, end);
+}
+
 const element = (tag, properties = {}, ...children) => {
   const made = Object.assign(document.createElement(tag), properties);
   made.append(...children);
@@ -38,7 +52,7 @@ function withEndsOf(now, next) {
 }
 
 export class Controls {
-  /** `act`: what the forms call: drag, drop, set, unset, add, reset. `open`: names of the tables that are open at first. */
+  /** `act`: what the forms call: drag, drop, set, unset, add, reset, stay (nothing has changed, and words about it go). `open`: names of the tables that are open at first. */
   constructor(place, act, open) {
     Object.assign(this, { place, act, first: new Set(open) });
     this.rows = new Map(); // name -> { row, update }
@@ -96,7 +110,11 @@ export class Controls {
     const choice = element("select", { className: "add", ariaLabel: `Add to ${LISTS[list] ?? "the chain"}` }, element("option", { value: "" }, "Add …"));
     choice.setAttribute("aria-label", choice.ariaLabel);
     for (const [name, doc] of model.addable[list]) choice.append(element("option", { value: name, title: doc }, name));
-    choice.onchange = () => choice.value && this.act.add(["add", list, choice.value]);
+    choice.onchange = () => {
+      const kind = choice.value;
+      choice.value = ""; // so that one that was refused can be chosen again
+      if (kind) this.act.add(["add", list, kind]);
+    };
     return choice;
   }
 
@@ -148,6 +166,10 @@ export class Controls {
       clearTimeout(later);
       [field.value, field.dataset.shown, told] = [text, text, performance.now()];
     };
+    const restore = () => {
+      say(now.given ? now.text : "");
+      this.act.stay();
+    };
     if (row.control === "word" || row.control === "flag") {
       field = element("select", { id });
       for (const word of row.words ?? ["true", "false"]) field.append(element("option", {}, word));
@@ -161,8 +183,9 @@ export class Controls {
         field.dataset.shown = field.value;
         if (text !== "") this.act.set(row.name, text);
         else if (now.given && now.presence !== "required") this.begin.get(row.name) ? this.act.unset(row.name) : this.act.reset(row.name, null);
-        else say(now.given ? now.text : "");
+        else restore();
       };
+      field.onkeydown = (event) => { if (event.key === "Escape") restore(); };
       field.onblur = () => this.wrong !== row.name && say(now.given ? now.text : "");
     }
     field.setAttribute("aria-label", row.name);
@@ -181,17 +204,16 @@ export class Controls {
         slider.setAttribute("aria-valuetext", text);
         this.act.drag(row.name, text);
       };
-      slider.onchange = () => {
+      onLetGo(slider, () => {
         say(written(now, valueAt(now, Number(slider.value))));
         this.act.drop();
-      };
+      });
       slider.onkeydown = (event) => { // a step is a hundredth of the way
         const step = { ArrowLeft: -10, ArrowDown: -10, ArrowRight: 10, ArrowUp: 10, PageDown: -100, PageUp: 100 }[event.key];
         if (step === undefined) return;
         event.preventDefault();
         slider.value = Number(slider.value) + step;
-        slider.oninput();
-        slider.onchange();
+        for (const moved of ["input", "change"]) slider.dispatchEvent(new Event(moved, { bubbles: true }));
       };
     }
     const update = (next) => {

@@ -87,6 +87,10 @@ async function ask(side, { from, body, key }, begun, before) {
   const every = preview && (!inSpace() || app.view.coarse) ? 2 : 1; // no more pixels than are drawn
   const request = from === "scene" ? body : { ...body, tab: `${app.tab}-${side}`, side: side === 0 ? "left" : "right", generation: (generation += 1), preview, every };
   Object.assign(shown[side], { coming: key, turn: (turn += 1) });
+  const ticking = setInterval(() => {
+    $("busy-tag").textContent = `computing, ${Math.round((performance.now() - begin) / 1000)} s`;
+    $("busy-tag").hidden = false;
+  }, 1000);
   try {
     const made = await picture(from, request, begun);
     await before;
@@ -114,6 +118,8 @@ async function ask(side, { from, body, key }, begun, before) {
     if (!app.frames[1] && app.place?.toStart()) $("problem").textContent = `The camera of the link: ${error.message}`;
     if (state.running) stepped?.();
   } finally {
+    clearInterval(ticking);
+    $("busy-tag").hidden = true;
     if (shown[side].coming === key) shown[side].coming = null;
   }
   return undefined;

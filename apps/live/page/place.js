@@ -3,7 +3,7 @@
 // the mouse does. Axes as in scene files: x east, y north, z up, m; azimuth of the camera from north, clockwise.
 
 import { $, app } from "./app.js";
-import { shortNumber } from "./controls.js";
+import { onLetGo, shortNumber } from "./controls.js";
 
 const REST_MS = 250; // after the last turn of a wheel or press of a key the camera is at rest
 const CALM_MS = 150;
@@ -186,7 +186,7 @@ export class Place {
     if (slider) {
       slider.setAttribute("aria-label", `${name} slider`);
       slider.oninput = () => { set(scale.of(Number(slider.value))); this.held = true; this.moved(name); };
-      slider.onchange = () => { this.held = false; this.rest(); };
+      onLetGo(slider, () => { this.held = false; this.rest(); });
       slider.onkeydown = (event) => { // a step is a hundredth of the way
         const step = { ArrowLeft: -10, ArrowDown: -10, ArrowRight: 10, ArrowUp: 10, PageDown: -100, PageUp: 100 }[event.key];
         if (step === undefined) return;

@@ -25,6 +25,7 @@ app.controls = new Controls($("forms"), {
   unset(name) { app.lastName = name; edits.unset(name); settled(); },
   reset(name, text) { app.lastName = name; edits.reset(name, text); settled(); },
   add(edit) { app.lastName = edit[1]; edits.add(edit); settled(); },
+  stay: settled,
 }, ["optics"]);
 // Another heat balance takes seconds: pictures follow once a slider is let go.
 let held = null;
@@ -35,6 +36,7 @@ app.sceneControls = new Controls($("scene-forms"), {
   set(name, text) { edits.set(name, text, sceneEdit(name)); settled(); placed(); },
   unset(name) { edits.unset(name, sceneEdit(name)); settled(); placed(); },
   reset(name, text) { edits.reset(name, text, sceneEdit(name)); settled(); placed(); },
+  stay: settled,
 }, ["weather"]);
 
 /** What tests read: the page's own state, nothing computed for them. */

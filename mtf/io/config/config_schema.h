@@ -35,8 +35,12 @@ inline constexpr FieldInfo kIntegrationTime{.name = "integration_time",
                                             .doc = "exposure of one frame"};
 
 // [optics]
-inline constexpr FieldInfo kFNumber{
-    .name = "f_number", .presence = Presence::optional, .example = "2.0", .doc = "focal length / aperture"};
+inline constexpr FieldInfo kFNumber{.name = "f_number",
+                                    .lo = 0.1,
+                                    .hi = 1e4,
+                                    .presence = Presence::optional,
+                                    .example = "2.0",
+                                    .doc = "focal length / aperture"};
 inline constexpr FieldInfo kApertureDiameter{.name = "aperture",
                                              .dimension = Dimension::length,
                                              .unit = "mm",
