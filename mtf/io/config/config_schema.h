@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include "mtf/component.h"
+#include "mtf/components/field.h"
 
 namespace mtf::io::cfg {
 
@@ -35,12 +36,11 @@ inline constexpr FieldInfo kIntegrationTime{.name = "integration_time",
                                             .doc = "exposure of one frame"};
 
 // [optics]
-inline constexpr FieldInfo kFNumber{.name = "f_number",
-                                    .lo = 0.1,
-                                    .hi = 1e4,
-                                    .presence = Presence::optional,
-                                    .example = "2.0",
-                                    .doc = "focal length / aperture"};
+inline constexpr FieldInfo kFNumber = [] {
+  FieldInfo info = kFNumberInfo;
+  info.presence = Presence::optional;
+  return info;
+}();
 inline constexpr FieldInfo kApertureDiameter{.name = "aperture",
                                              .dimension = Dimension::length,
                                              .unit = "mm",
