@@ -108,7 +108,7 @@ std::shared_ptr<Session> image_session(const LiveOptions& options, SessionOption
     std::tie(sensor, scene) = demo();
     session.sensor_name = "mtf-demo/camera.toml";
     session.scene_name = "mtf-demo/thermal.exr";
-    session.command_before = "[ -d mtf-demo ] || mtf demo; ";
+    session.command_before = "[ -d mtf-demo ] || mtf demo && ";
   } else {
     session.sensor_name = options.first;
     session.scene_name = options.second;

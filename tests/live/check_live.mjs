@@ -18,7 +18,7 @@ async function compare(run, page, what, counts = 0) {
   writeFileSync(join(run.folder, "seen.toml"), seen.text);
   const frequency = seen.curves.frequency;
   // The command that the page shows, with the names that its files have here.
-  const line = seen.command.replace(/^.*mtf demo; /, "").replace(/simulate \S+/, "simulate seen.toml").replace("out.", "again.");
+  const line = seen.command.replace(/^\[ -d mtf-demo \] \|\| mtf demo && /, "").replace(/simulate \S+/, "simulate seen.toml").replace("out.", "again.");
   const [text] = await Promise.all([run.mtf("curve", "seen.toml", "--format", "json", "--unit", seen.curves.unit, "--freq", `0:${frequency.at(-1)}:${frequency.length}`, "--quiet"), run.shell(`${line} --quiet`)]);
   const json = JSON.parse(text);
   const modulus = (c) => c.re.map((re, i) => Math.hypot(re, c.im[i]));

@@ -3,7 +3,7 @@
 // rounds of 3 s, and when the first picture is there, beside a page of one canvas in a browser of its own; nothing is
 // judged. Run by hand on a quiet machine. Without a graphics card Chromium runs WebGL in software GL and puts the page
 // together itself; --gl page makes it put the page together in software GL too, which costs more than all else.
-// Usage: node rates.mjs --modules DIR --chromium FILE --mtf FILE --slider NAME [--sensor FILE --scene FILE] [--rounds N] [--gl page]
+// Usage: node rates.mjs --modules DIR --chromium FILE --mtf FILE --slider NAME [--sensor FILE --scene FILE] [--rounds N] [--gl page] [--query plain|webgl]
 //        of a 3-D scene: --scene scene.toml --sensor camera.toml --temperatures DIR, and sliders as camera.azimuth too;
 //        camera.azimuth,jitter.rms moves both
 

@@ -4,6 +4,7 @@
 
 const CALM_MS = 100;
 const LISTS = { presample: "Before sampling", readout: "Readout", postsample: "After sampling" };
+
 /**
  * Calls `letGo` once for each time that a slider has moved and is let go. A browser fires no `change` where the handle is
  * back in its place.
@@ -18,7 +19,10 @@ export function onLetGo(slider, letGo) {
   for (const event of ["change", "pointerup", "pointercancel", "blur"]) slider.addEventListener(event, end);
 }
 
-const element = (tag, properties = {}, ...children) => {
+/** How far a key moves a slider of 1000 steps; undefined for other keys. */
+export const stepOf = (event) => ({ ArrowLeft: -10, ArrowDown: -10, ArrowRight: 10, ArrowUp: 10, PageDown: -100, PageUp: 100 })[event.key];
+
+export const element = (tag, properties = {}, ...children) => {
   const made = Object.assign(document.createElement(tag), properties);
   made.append(...children);
   return made;
@@ -52,7 +56,10 @@ function withEndsOf(now, next) {
 }
 
 export class Controls {
-  /** `act`: what the forms call: drag, drop, set, unset, add, reset, stay (nothing has changed, and words about it go). `open`: names of the tables that are open at first. */
+  /**
+   * `act`: what the forms call: drag, drop, set, unset, add, reset, stay (nothing has changed, and words about it go).
+   * `open`: names of the tables that are open at first.
+   */
   constructor(place, act, open) {
     Object.assign(this, { place, act, first: new Set(open) });
     this.rows = new Map(); // name -> { row, update }
@@ -208,8 +215,8 @@ export class Controls {
         say(written(now, valueAt(now, Number(slider.value))));
         this.act.drop();
       });
-      slider.onkeydown = (event) => { // a step is a hundredth of the way
-        const step = { ArrowLeft: -10, ArrowDown: -10, ArrowRight: 10, ArrowUp: 10, PageDown: -100, PageUp: 100 }[event.key];
+      slider.onkeydown = (event) => {
+        const step = stepOf(event);
         if (step === undefined) return;
         event.preventDefault();
         slider.value = Number(slider.value) + step;

@@ -3,18 +3,13 @@
 // the mouse does. Axes as in scene files: x east, y north, z up, m; azimuth of the camera from north, clockwise.
 
 import { $, app } from "./app.js";
-import { onLetGo, shortNumber } from "./controls.js";
+import { element, onLetGo, shortNumber, stepOf } from "./controls.js";
 
 const REST_MS = 250; // after the last turn of a wheel or press of a key the camera is at rest
 const CALM_MS = 150;
 const STEEPEST = 89; // deg
 const rad = Math.PI / 180;
 const isoOf = (s) => new Date(s * 1000).toISOString().replace("T", " ").replace(/(:00)?\.\d+Z$/, "Z");
-const element = (tag, properties = {}, ...children) => {
-  const made = Object.assign(document.createElement(tag), properties);
-  made.append(...children);
-  return made;
-};
 const metres = (text) => {
   const found = /^\s*([-+.\deE]+)\s*(m|km)?\s*$/.exec(text);
   return found ? Number(found[1]) * (found[2] === "km" ? 1000 : 1) : NaN;
@@ -187,8 +182,8 @@ export class Place {
       slider.setAttribute("aria-label", `${name} slider`);
       slider.oninput = () => { set(scale.of(Number(slider.value))); this.held = true; this.moved(name); };
       onLetGo(slider, () => { this.held = false; this.rest(); });
-      slider.onkeydown = (event) => { // a step is a hundredth of the way
-        const step = { ArrowLeft: -10, ArrowDown: -10, ArrowRight: 10, ArrowUp: 10, PageDown: -100, PageUp: 100 }[event.key];
+      slider.onkeydown = (event) => {
+        const step = stepOf(event);
         if (step === undefined) return;
         event.preventDefault();
         slider.value = Number(slider.value) + step;
