@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 
 #include "apps/live/space/scene_rows.h"
 #include "apps/live/space/solved_scenes.h"
@@ -33,6 +34,24 @@ std::array<double, 3> to_millimetres(std::array<double, 3> place_m) {
 constexpr double kSamples = 2.0, kSamplesMoving = 1.0;  ///< a pitch
 constexpr int kPoints = 2, kPointsMoving = 1;           ///< n x n of a sample
 constexpr double kLightEvery_s = 1.0;                   ///< pictures at rest have the light of their own second
+
+/// Places around what the camera looks at, as far from it and as high as the camera is; those on its own side first.
+std::vector<CameraPlace> places_around(const Viewpoint& from) {
+  constexpr int kPlaces = 16;
+  const auto& [x, y, z] = from.look_at_m;
+  const double east = from.position_m[0] - x, north = from.position_m[1] - y, range = std::hypot(east, north);
+  std::vector<CameraPlace> places;
+  for (int k = 0; k < kPlaces; ++k) {
+    const double angle = 2.0 * std::numbers::pi * k / kPlaces;
+    places.push_back({{x + range * std::cos(angle), y + range * std::sin(angle), from.position_m[2]}, from.look_at_m});
+  }
+  const auto nearness = [&](const CameraPlace& place) {
+    return (place.position_m[0] - x) * east + (place.position_m[1] - y) * north;
+  };
+  std::sort(places.begin(), places.end(),
+            [&](const CameraPlace& a, const CameraPlace& b) { return nearness(a) > nearness(b); });
+  return places;
+}
 
 /// What all flights of the view share, and what it was started with.
 struct Shared {
@@ -106,6 +125,7 @@ KeptFrame Drawing::frame(const Sensor& sensor, const FrameRequest& request) {
     kept.warnings = std::move(made.warnings);
     const PictureSensor picture = picture_sensor(*sensor, PictureQuantity::weighted);
     if (std::string text = sampling_warning(picture, kSamples); !text.empty()) kept.warnings.push_back(std::move(text));
+    flight->look_ahead(places_around(from));  // the camera will turn
   }
   return kept;
 }

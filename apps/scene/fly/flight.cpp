@@ -6,6 +6,7 @@
 #include <cmath>
 #include <future>
 #include <optional>
+#include <stop_token>
 #include <tuple>
 
 #include "apps/scene/heat/stopwatch.h"
@@ -38,6 +39,7 @@ struct Light {
   PictureScene scene;
   double temperatures_utc_s = 0.0;
   std::unique_ptr<render::Renderer> renderer{};
+  std::vector<render::Camera> looked_from{};  ///< beside frames
 };
 
 /// A picture that was made, kept for sensors that change while it does not.
@@ -56,6 +58,14 @@ bool same_view(const render::Camera& a, const render::Camera& b) {
     return std::tie(c.position, c.ahead, c.right, c.down, c.width, c.height, c.step_x, c.step_y, c.axis_x, c.axis_y);
   };
   return values(a) == values(b);
+}
+
+/// Whether two cameras see much the same.
+bool is_near(const render::Camera& a, const render::Camera& b, double near_m) {
+  using radiometry::scene::operator-;
+  constexpr double kSameDirection = 0.999;
+  return radiometry::scene::length(a.position - b.position) < near_m &&
+         radiometry::scene::dot(a.ahead, b.ahead) > kSameDirection;
 }
 
 /// What a sensor file says, worked out once.
@@ -93,8 +103,9 @@ struct Flight::State {
   std::unique_ptr<Light> light{};
   std::size_t lights = 0;  ///< so far
   std::optional<SeenPicture> seen{};
-  std::optional<render::Camera> last_camera{};  ///< that saw something
+  std::vector<render::Camera> last_camera{};  ///< the one that saw something; none before
   std::optional<LightKey> coming_key{};
+  std::stop_source enough{};  ///< of looking ahead
   std::future<std::unique_ptr<Light>> coming{};
 
   const KnownSensor& known(const Sensor& sensor);
@@ -104,9 +115,13 @@ struct Flight::State {
   void require_time(double utc_s) const;
   render::Camera camera(const PictureSensor& sensor, const CameraPlace& place, double samples_per_pitch) const;
   void set_light(const KnownSensor& sensor, double utc_s, bool may_lag, FlightFrame& frame);
-  /// Begins to make that light beside frames, unless another one is being made; with what the camera of the last
-  /// picture sees in it, where `looked_at`: temperatures of another hour are other patches, which every side sees anew.
-  void begin_light(const LightKey& key, const KnownSensor& sensor, bool looked_at);
+  bool is_ready() const {
+    return coming.valid() && coming.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
+  }
+  /// Begins to make that light beside frames, unless another one is being made; with the views of what these cameras
+  /// see, until it is enough.
+  void begin_light(const LightKey& key, const KnownSensor& sensor, std::vector<render::Camera> cameras);
+  void take_ahead();  ///< the present light, with the views that have been worked out ahead by now
   render::RenderedFrame rendered(const render::Camera& camera, int points);
   LiveSimulation& simulation_of(double samples_per_pitch, int points);
   const LiveSimulation& last_simulation() const;
@@ -157,39 +172,55 @@ render::Camera Flight::State::camera(const PictureSensor& sensor, const CameraPl
                         samples_per_pitch);
 }
 
-void Flight::State::begin_light(const LightKey& key, const KnownSensor& sensor, bool looked_at) {
-  const bool busy = coming.valid() && coming.wait_for(std::chrono::seconds(0)) != std::future_status::ready;
-  if (busy) return;
+void Flight::State::begin_light(const LightKey& key, const KnownSensor& sensor, std::vector<render::Camera> cameras) {
+  if (coming.valid() && !is_ready()) return;
   coming_key = key;
+  enough = {};
+  const std::vector<render::Camera> before = key == light->key ? light->looked_from : std::vector<render::Camera>{};
   coming = std::async(std::launch::async, [this, key, picture = sensor.picture, views = light->renderer->known(),
-                                           camera = looked_at ? last_camera : std::nullopt] {
+                                           before, cameras = std::move(cameras), stop = enough.get_token()] {
     auto made_light = made(key, picture, views);
-    if (camera) made_light->renderer->render(*camera);
+    made_light->looked_from = before;
+    for (const render::Camera& camera : cameras) {
+      try {
+        require_above_ground(made_light->scene, camera.position);
+        made_light->renderer->render(camera);
+      } catch (const mtf::UsageError&) {  // there is no picture from there
+      }
+      made_light->looked_from.push_back(camera);
+      if (stop.stop_requested()) break;  // not before the first one: frame after frame, all of them have their turn
+    }
     return made_light;
   });
 }
 
+void Flight::State::take_ahead() {
+  if (!light || coming_key != light->key || !is_ready()) return;
+  coming_key.reset();
+  light = coming.get();
+}
+
 void Flight::State::set_light(const KnownSensor& sensor, double utc_s, bool may_lag, FlightFrame& frame) {
   const LightKey key = key_of(sensor, utc_s);
+  if (light && coming_key == light->key) enough.request_stop();
+  take_ahead();
   if (light && light->key == key) return;
   if (may_lag && light && light->key.same_but_for_time(key)) {
     // What has been made by now is nearer to what is wanted than the present one.
-    const bool ready = coming_key && coming_key->same_but_for_time(key) &&
-                       coming.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
-    if (ready) {
+    if (coming_key && coming_key->same_but_for_time(key) && is_ready()) {
       coming_key.reset();
       light = coming.get();
       ++lights;
       frame.new_light = true;
     }
     frame.light_lags = !(light->key == key);
-    if (frame.light_lags && coming_key != key) begin_light(key, sensor, true);
+    if (frame.light_lags && coming_key != key) begin_light(key, sensor, last_camera);
     return;
   }
   frame.new_light = true;
   ++lights;
   if (coming_key == key) {
-    frame.late = coming.wait_for(std::chrono::seconds(0)) != std::future_status::ready;
+    frame.late = !is_ready();
     coming_key.reset();
     light = coming.get();
   } else {
@@ -202,7 +233,7 @@ Flight::Flight(PictureSource& source, const SceneFile& file, const PictureOption
     : state_(std::make_unique<State>(State{.source = source, .file = file, .air = air, .options = options})) {
   if (!(options.light_every_s > 0.0)) throw mtf::UsageError("a flight's light is kept for more than 0 s");
 }
-Flight::~Flight() = default;
+Flight::~Flight() { state_->enough.request_stop(); }
 
 void Flight::prepare(const Sensor& sensor, double utc_s) {
   State& state = *state_;
@@ -211,13 +242,31 @@ void Flight::prepare(const Sensor& sensor, double utc_s) {
   const KnownSensor& known = state.known(sensor);
   const LightKey key = state.key_of(known, utc_s);
   if (state.light->key == key || state.coming_key == key) return;
-  state.begin_light(key, known, false);
+  state.begin_light(key, known, {});
+}
+
+void Flight::look_ahead(std::span<const CameraPlace> places) {
+  State& state = *state_;
+  if (!state.light) return;
+  state.take_ahead();
+  const Light& light = *state.light;
+  const auto is_known = [&](const render::Camera& camera) {
+    return std::any_of(light.looked_from.begin(), light.looked_from.end(), [&](const render::Camera& other) {
+      return is_near(camera, other, 0.02 * light.scene.scene.facets().half_extent_m);
+    });
+  };
+  std::vector<render::Camera> cameras;
+  for (const CameraPlace& place : places) {
+    const render::Camera one = state.camera(state.last_sensor->picture, place, 1.0);
+    if (!is_known(one)) cameras.push_back(one);
+  }
+  if (!cameras.empty()) state.begin_light(light.key, *state.last_sensor, std::move(cameras));
 }
 
 render::RenderedFrame Flight::State::rendered(const render::Camera& camera, int points) {
   if (!options.keep_radiance) {
     render::RenderedFrame frame = light->renderer->render(camera, points);
-    last_camera = camera;
+    last_camera = {camera};
     return frame;
   }
   if (seen && seen->light == lights && seen->temperatures_utc_s == light->temperatures_utc_s &&
@@ -230,7 +279,7 @@ render::RenderedFrame Flight::State::rendered(const render::Camera& camera, int 
   }
   seen.reset();
   render::RenderedFrame frame = light->renderer->render(camera, points);
-  last_camera = camera;
+  last_camera = {camera};
   seen = SeenPicture{.camera = camera,
                      .points = points,
                      .light = lights,

@@ -15,6 +15,7 @@
 
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -69,6 +70,11 @@ class Flight {
   /// Begins to make the light of that time and sensor, where it is another than that of the last frame and none is
   /// being made.
   void prepare(const Sensor& sensor, double utc_s);
+  /// Begins to work out, beside frames, the views of the sides that are seen from these places, so that a camera which
+  /// goes there later does not wait for them. Places that see nothing, or where no camera can be, are passed over. The
+  /// next frame ends it, and has what has been worked out by then; it is the same without. Does nothing while light is
+  /// being made, and for places that have been seen.
+  void look_ahead(std::span<const CameraPlace> places);
   /// `number`: of the frame, which is that of the noise. Sensors that are the same object are taken to be unchanged.
   /// Throws mtf::UsageError as picture_sensor, PictureSource::at, Renderer::render and LiveSimulation::image.
   FlightFrame frame(const Sensor& sensor, const CameraPlace& place, double utc_s, std::int64_t number,

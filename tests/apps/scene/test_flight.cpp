@@ -244,6 +244,39 @@ TEST_F(Flights, LightMayLagUntilItIsThere) {
   EXPECT_LE(largest_difference(one, coarse.frame(camera, place, begin_s + 80.5, 1).image.planes.front()), 1.0);
 }
 
+TEST_F(Flights, WhatIsSeenAheadIsKnownAndChangesNoPicture) {
+  const SceneFile file = load_scene(path("scene.toml"));
+  const double begin_s = file.time.start_s;
+  const Flight::Sensor camera = sensor();
+  const CameraPlace front{{0.0, -300.0, 40.0}, {0.0, 0.0, 1.0}}, behind{{0.0, 300.0, 40.0}, {0.0, 0.0, 1.0}};
+  const std::vector<CameraPlace> ahead{{{0.0, -300.0, -4.0}, {0.0, 0.0, 1.0}},      // below the ground
+                                       {{0.0, -300.0, 40.0}, {0.0, -600.0, 40.0}},  // sees no facet
+                                       behind};
+  PictureSource source(file, {});
+  Flight flight(source, file, {}, {.begin_s = begin_s, .end_s = begin_s}),
+      other(source, file, {}, {.begin_s = begin_s, .end_s = begin_s});
+  flight.look_ahead(ahead);  // no light yet
+  const std::size_t seen = flight.frame(camera, front, begin_s, 0).sides;
+  FlightFrame again;
+  for (int i = 0; i < 1000 && again.sides <= seen; ++i) {
+    flight.look_ahead(ahead);
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    again = flight.frame(camera, front, begin_s, 0);
+  }
+  EXPECT_EQ(again.sides, seen + 1);  // the other side of the target
+  EXPECT_FALSE(again.new_light);
+  EXPECT_EQ(largest_difference(again.image.planes.front(), other.frame(camera, front, begin_s, 0).image.planes.front()),
+            0.0);
+  const FlightFrame turned = flight.frame(camera, behind, begin_s, 0);
+  EXPECT_EQ(turned.sides, seen + 1);
+  EXPECT_EQ(
+      largest_difference(turned.image.planes.front(), other.frame(camera, behind, begin_s, 0).image.planes.front()),
+      0.0);
+  // Everything has been looked at: nothing is begun, and an end in the midst of it is no harm.
+  flight.look_ahead(ahead);
+  flight.look_ahead(std::vector<CameraPlace>{{{200.0, 200.0, 40.0}, {0.0, 0.0, 1.0}}});
+}
+
 TEST_F(Flights, SensorsMayChangeInEveryFrame) {
   const SceneFile file = load_scene(path("scene.toml"));
   const double begin_s = file.time.start_s;
