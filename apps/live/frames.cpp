@@ -4,11 +4,12 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <limits>
 
 #include "apps/simulate/frames/scene_input.h"
 #include "apps/simulate/radiometric_chain.h"
 #include "mtf/error.h"
-#include "mtf/survey/statistics.h"
+#include "mtf/work/stop.h"
 
 namespace apps::live {
 namespace {
@@ -17,8 +18,18 @@ constexpr std::size_t kKept = 6;  // frames: two pages with the ones they show a
 
 /// Least and largest of the finite values; 0 and 0 where there is none.
 std::pair<double, double> ends_of(mtf::ImageView<const float> image) {
-  const mtf::Statistics s = mtf::statistics(image);
-  return std::isfinite(s.min) && std::isfinite(s.max) ? std::pair{s.min, s.max} : std::pair{0.0, 0.0};
+  constexpr float kMost = std::numeric_limits<float>::max();
+  float least = kMost, largest = -kMost;
+  for (std::int64_t y = 0; y < image.height; ++y) {
+    const float* row = image.row(y);
+    for (std::int64_t x = 0; x < image.width; ++x) {
+      const bool finite = std::abs(row[x]) <= kMost;
+      least = finite && row[x] < least ? row[x] : least;
+      largest = finite && row[x] > largest ? row[x] : largest;
+    }
+  }
+  if (least > largest) return {0.0, 0.0};
+  return {static_cast<double>(least), static_cast<double>(largest)};
 }
 
 /// The values between which all but a share of both ends lie, of some thousand pixels.
@@ -33,9 +44,10 @@ std::pair<double, double> usual_range(mtf::ImageView<const float> image) {
     if (std::isfinite(value)) values.push_back(value);
   }
   if (values.empty()) return {0.0, 0.0};
-  std::sort(values.begin(), values.end());
   const auto at = [&](double share) {
-    return static_cast<double>(values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1))]);
+    const auto place = values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
+    std::nth_element(values.begin(), place, values.end());
+    return static_cast<double>(*place);
   };
   return {at(kShare), at(1.0 - kShare)};
 }
@@ -90,8 +102,13 @@ KeptFrame FrameMaker::of_image(const Sensor& sensor, const FrameRequest& request
     file_number_ = file;
   }
   KeptFrame frame;
-  // A camera with other parameters is another camera, whose correction is its own: what one command would show.
-  frame.image = live_->image(*sensor, request.number, request.correction());
+  try {
+    // A camera with other parameters is another camera, whose correction is its own: what one command would show.
+    frame.image = live_->image(*sensor, request.number, request.correction());
+  } catch (const mtf::Stopped&) {
+    live_.reset();  // what it keeps may be half made
+    throw;
+  }
   frame.passing = frame.correction_lags = live_->correction_lags();
   frame.names = live_->names();
   frame.warnings = live_->warnings();

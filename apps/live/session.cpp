@@ -12,6 +12,7 @@
 #include "apps/figures/curve_json.h"
 #include "apps/live/answers.h"
 #include "apps/live/model.h"
+#include "apps/live/request_body.h"
 #include "apps/sensor/otf_curves.h"
 #include "apps/sensor/sensor_chain.h"
 #include "apps/sensor/sensor_place.h"
@@ -21,6 +22,7 @@
 #include "mtf/error.h"
 #include "mtf/io/config/config_reader.h"
 #include "mtf/io/csv/curve_csv.h"
+#include "mtf/work/stop.h"
 
 namespace apps::live {
 namespace {
@@ -88,49 +90,9 @@ Json notes_of(const mtf::io::SensorConfig& sensor) {
   return notes;
 }
 
+Answer overtaken() { return refusal("a later request has overtaken this one", 409); }
+
 }  // namespace
-
-/// A body, its values checked as they are asked for.
-struct Session::Parts {
-  nlohmann::json json;
-
-  std::int64_t whole(const char* key, std::int64_t least, std::int64_t most, std::int64_t otherwise) const {
-    const auto found = json.find(key);
-    if (found == json.end() || found->is_null()) return otherwise;
-    if (!found->is_number_integer() || *found < least || *found > most)
-      throw UsageError(std::string(key) + ": a whole number from " + std::to_string(least) + " to " +
-                       std::to_string(most) + " belongs here");
-    return found->get<std::int64_t>();
-  }
-  std::optional<double> number(const char* key) const {
-    const auto found = json.find(key);
-    if (found == json.end() || found->is_null()) return std::nullopt;
-    if (!found->is_number()) throw UsageError(std::string(key) + ": a number belongs here");
-    return found->get<double>();
-  }
-  std::string text(const char* key, const std::string& otherwise = "") const {
-    const auto found = json.find(key);
-    if (found == json.end() || found->is_null()) return otherwise;
-    if (!found->is_string() || found->get_ref<const std::string&>().size() > 100)
-      throw UsageError(std::string(key) + ": a short text belongs here");
-    return found->get<std::string>();
-  }
-  bool flag(const char* key) const {
-    const auto found = json.find(key);
-    if (found == json.end() || found->is_null()) return false;
-    if (!found->is_boolean()) throw UsageError(std::string(key) + ": true or false belongs here");
-    return found->get<bool>();
-  }
-  std::vector<Edit> edits(const char* key) const {
-    const auto found = json.find(key);
-    return read_edits(found == json.end() ? "[]" : found->dump());
-  }
-  std::optional<double> tolerance() const {
-    const auto asked = number("tolerance");
-    if (asked && !(*asked > 0.0 && *asked < 1.0)) throw UsageError("--tolerance: is outside (0, 1)");
-    return asked;
-  }
-};
 
 Session::Session(Sensor start, SceneSource scene, SessionOptions options)
     : options_(std::move(options)),
@@ -146,7 +108,7 @@ FrameMaker& Session::maker(bool left) {
   return *left_;
 }
 
-std::shared_ptr<const KeptFrame> Session::kept(const Parts& request) {
+std::shared_ptr<const KeptFrame> Session::kept(const RequestBody& request) {
   const auto id = static_cast<std::uint64_t>(request.whole("id", 0, std::int64_t{1} << 53, 0));
   auto found = frames_.kept(id);
   return found || !left_ ? found : left_->kept(id);
@@ -154,11 +116,12 @@ std::shared_ptr<const KeptFrame> Session::kept(const Parts& request) {
 
 Answer Session::answer(const std::string& place, const std::string& body) {
   try {
-    Parts request{nlohmann::json::parse(body, nullptr, false)};
+    RequestBody request{nlohmann::json::parse(body, nullptr, false)};
     if (!request.json.is_object()) return refusal("the body of a request is a JSON object", 400);
     if (place == "start") return start();
     if (place == "model") return model(request);
     if (place == "frame") return frame(request);
+    if (place == "stop") return stop(request);
     if (place == "scene") return scene(request);
     if (place == "figures") return figures(request);
     if (place == "value") return value(request);
@@ -168,6 +131,8 @@ Answer Session::answer(const std::string& place, const std::string& body) {
   } catch (const RefusedEdit& error) {
     return json_answer(
         {{"error", error.what()}, {"status", 422}, {"refused", {{"list", error.list()}, {"index", error.index()}}}});
+  } catch (const mtf::Stopped&) {
+    return overtaken();
   } catch (const mtf::Error& error) {
     return refusal(error.what());
   } catch (const std::bad_alloc&) {
@@ -175,21 +140,33 @@ Answer Session::answer(const std::string& place, const std::string& body) {
   }
 }
 
-Sensor Session::sensor_of(const Parts& request) {
+Sensor Session::sensor_of(const RequestBody& request) {
   const std::vector<Edit> edits = request.edits("edits");
   const std::scoped_lock lock(edits_mutex_);
   return edited_.with(edits);
 }
 
-bool Session::is_latest(const Parts& request) {
+bool Session::is_latest(const RequestBody& request) {
   const std::string tab = request.text("tab");
-  const std::int64_t generation = request.whole("generation", 0, std::int64_t{1} << 53, 0);
+  const std::int64_t generation = request.generation();
   const std::scoped_lock lock(generation_mutex_);
   if (generations_.size() >= kMostTabs && !generations_.contains(tab)) generations_.clear();
   std::int64_t& latest = generations_[tab];
   if (generation < latest) return false;
   latest = generation;
   return true;
+}
+
+void Session::begin_work(const RequestBody& request) {
+  const std::scoped_lock lock(generation_mutex_);
+  working_ = {request.text("tab"), request.generation()};
+  stopped_ = false;
+}
+
+Answer Session::stop(const RequestBody& request) {
+  const std::scoped_lock lock(generation_mutex_);
+  if (working_ == std::pair{request.text("tab"), request.generation()}) stopped_ = true;
+  return json_answer(Json::object());
 }
 
 Answer Session::start() {
@@ -211,7 +188,7 @@ Answer Session::start() {
   return json_answer(json);
 }
 
-std::string Session::scene_text_of(const Parts& request) {
+std::string Session::scene_text_of(const RequestBody& request) {
   const std::vector<Edit> edits = request.edits("scene");
   const std::scoped_lock lock(edits_mutex_);
   if (!scene_text_ || scene_edits_ != edits) {
@@ -221,12 +198,12 @@ std::string Session::scene_text_of(const Parts& request) {
   return *scene_text_;
 }
 
-Answer Session::scene_file(const Parts& request) {
+Answer Session::scene_file(const RequestBody& request) {
   if (!space_) return refusal("a scene that is an image has no file with a camera");
   return json_answer({{"text", space_->with_camera(scene_text_of(request), viewpoint_of(request.json, *space_))}});
 }
 
-Answer Session::model(const Parts& request) {
+Answer Session::model(const RequestBody& request) {
   const Sensor sensor = sensor_of(request);
   Json json = model_json(*sensor, edited_.kinds());
   json["text"] = sensor->text;
@@ -251,7 +228,7 @@ Answer Session::model(const Parts& request) {
   return json_answer(json);
 }
 
-Answer Session::frame(const Parts& request) {
+Answer Session::frame(const RequestBody& request) {
   const bool left = request.text("side") == "left", before = request.flag("before");
   const FrameRequest asked{.number = request.whole("number", 0, kLastNoiseFrame, 0),
                            .preview = request.flag("preview"),
@@ -261,11 +238,14 @@ Answer Session::frame(const Parts& request) {
                            .may_lag = request.flag("may_lag"),
                            .tolerance = request.tolerance(),
                            .stage = stage_named(request.text("stage"))};
-  if (!is_latest(request)) return refusal("a later request has overtaken this one", 409);
+  if (!is_latest(request)) return overtaken();
   const Sensor sensor = sensor_of(request);
   const std::scoped_lock lock(frame_mutex_);
   // While this request waited for its turn a later one may have come.
-  if (!is_latest(request)) return refusal("a later request has overtaken this one", 409);
+  if (!is_latest(request)) return overtaken();
+  begin_work(request);
+  // What a 3-D scene knows of its views would go with half a picture.
+  const mtf::StopScope scope(space_ ? nullptr : &stopped_);
   const auto made = maker(left).frame(sensor, asked);
   const mtf::Image& plane = made->image.planes.front();
   const auto asked_every = static_cast<int>(request.whole("every", 1, 2, 1));
@@ -275,7 +255,7 @@ Answer Session::frame(const Parts& request) {
     return found == made->image.metadata.text.end() ? std::string() : found->second;
   };
   Json facts{{"id", made->id},
-             {"generation", request.whole("generation", 0, std::int64_t{1} << 53, 0)},
+             {"generation", request.generation()},
              {"full_width", plane.width()},
              {"full_height", plane.height()},
              {"every", every},
@@ -312,7 +292,7 @@ Answer Session::frame(const Parts& request) {
   return pixels_answer(std::move(facts), pixel_bytes(plane.view(), every), radiance);
 }
 
-Answer Session::scene(const Parts& request) {
+Answer Session::scene(const RequestBody& request) {
   const Sensor sensor = sensor_of(request);
   const std::scoped_lock lock(frame_mutex_);
   const auto scene = frames_.scene(sensor, request.whole("number", 0, kLastNoiseFrame, 0));
@@ -324,7 +304,7 @@ Answer Session::scene(const Parts& request) {
   return pixels_answer(std::move(facts), pixel_bytes(plane.view(), every));
 }
 
-Answer Session::figures(const Parts& request) {
+Answer Session::figures(const RequestBody& request) {
   const Sensor edited = sensor_of(request);
   const double angle = request.number("angle").value_or(0.0);
   const double temperature = request.number("temperature").value_or(300.0);
@@ -353,7 +333,7 @@ Answer Session::figures(const Parts& request) {
   return json_answer(json);
 }
 
-Answer Session::value(const Parts& request) {
+Answer Session::value(const RequestBody& request) {
   const Sensor sensor = sensor_of(request);
   const std::scoped_lock lock(frame_mutex_);
   const auto made = kept(request);
@@ -376,7 +356,7 @@ Answer Session::value(const Parts& request) {
                       {"after", at(after, out.step_x_um, out.step_y_um)}});
 }
 
-Answer Session::file(const Parts& request) {
+Answer Session::file(const RequestBody& request) {
   const std::string format = request.text("format");
   if (format != "exr" && format != "png") return refusal("format: exr or png", 400);
   std::shared_ptr<const KeptFrame> made;

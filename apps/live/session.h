@@ -9,6 +9,7 @@
 //   frame   {"edits", "tab", "generation", "number", "tolerance", "stage", "preview", "every", "side"}
 //           facts and pixels of the image; of a 3-D scene also "scene", edits of its file, "position", "look_at",
 //           "utc_s", "may_lag", and with "before" its radiance
+//   stop    {"tab", "generation"}                        ends the work on that frame of a 2-D scene, which answers 409
 //   scene   {"edits", "number"}                          facts and pixels of the scene
 //   figures {"edits", "angle", "unit", "temperature"}    curves and budget
 //   value   {"id", "x", "y", "edits", "number"}          values under the cursor
@@ -16,6 +17,7 @@
 //   start   {}                                           what the page needs once
 //   scenefile {"scene", "position", "look_at", "utc_s"}  the text of the 3-D scene's file with that camera
 
+#include <atomic>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -36,6 +38,8 @@ struct SessionOptions {
   int threads = 0;
 };
 
+struct RequestBody;
+
 class Session {
  public:
   Session(Sensor start, SceneSource scene, SessionOptions options);
@@ -49,23 +53,24 @@ class Session {
   std::int64_t first_number() const { return frames_.numbers().empty() ? 0 : frames_.numbers().front(); }
 
  private:
-  struct Parts;
-  Answer model(const Parts& request);
-  Answer frame(const Parts& request);
-  Answer scene(const Parts& request);
-  Answer figures(const Parts& request);
-  Answer value(const Parts& request);
-  Answer file(const Parts& request);
+  Answer model(const RequestBody& request);
+  Answer frame(const RequestBody& request);
+  Answer stop(const RequestBody& request);
+  Answer scene(const RequestBody& request);
+  Answer figures(const RequestBody& request);
+  Answer value(const RequestBody& request);
+  Answer file(const RequestBody& request);
   Answer start();
-  Answer scene_file(const Parts& request);
+  Answer scene_file(const RequestBody& request);
   /// Makers of the pictures on the right and the left of the divider: in 3-D each has light and filters of its own.
   FrameMaker& maker(bool left);
-  std::shared_ptr<const KeptFrame> kept(const Parts& request);
-  Sensor sensor_of(const Parts& request);
+  std::shared_ptr<const KeptFrame> kept(const RequestBody& request);
+  Sensor sensor_of(const RequestBody& request);
   /// Of a 3-D scene, with the request's edits.
-  std::string scene_text_of(const Parts& request);
+  std::string scene_text_of(const RequestBody& request);
   /// False for a request that a later one of its tab has overtaken.
-  bool is_latest(const Parts& request);
+  bool is_latest(const RequestBody& request);
+  void begin_work(const RequestBody& request);
 
   SessionOptions options_;
   std::mutex edits_mutex_, frame_mutex_, generation_mutex_;
@@ -76,6 +81,8 @@ class Session {
   FrameMaker frames_;
   std::optional<FrameMaker> left_;  ///< of a 3-D scene, once it is asked for
   std::map<std::string, std::int64_t> generations_;
+  std::pair<std::string, std::int64_t> working_{};  ///< tab and generation of the last frame that was begun
+  std::atomic<bool> stopped_{false};                ///< the work on it
 };
 
 }  // namespace apps::live

@@ -240,6 +240,21 @@ async function checkChain(run, browser) {
   await page.locator("#run").click();
   await settle(page);
   await compare(run, page, "a later frame of the noise", 1.05);
+
+  // A picture of half a minute that nobody wants any more is not waited for.
+  await page.evaluate(() => {
+    window.widths = new Set();
+    const view = window.mtfLive.view, set = view.setPicture;
+    view.setPicture = function (...all) { window.widths.add(window.mtfLive.frame.full_width); return set.apply(this, all); };
+  });
+  const width = await page.evaluate(() => window.mtfLive.frame.full_width);
+  await field(page, "frame.pitch").fill("0.8 um");
+  await field(page, "frame.pitch").press("Enter");
+  await page.waitForSelector("#busy-tag:not([hidden])");
+  await page.locator("#undo").click();
+  await settle(page);
+  assert.deepEqual(await page.evaluate(() => [...window.widths]), [width]);
+  await compare(run, page, "after a picture that was ended", 1.05);
   assert.deepEqual(said, []);
   await page.close();
   assert.equal(await server.end(), 0);

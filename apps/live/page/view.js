@@ -103,12 +103,13 @@ class Plain {
   constructor(canvas) {
     this.context = canvas.getContext("2d", { willReadFrequently: true });
     this.pictures = [];
+    this.tables = [0, 1].map(() => new Uint32Array(65536)); // of each side: colour of each 16-bit number
   }
   picture(unit, picture) { this.pictures[unit] = picture; }
   palette(colours) { this.colours = new Uint32Array(colours.buffer.slice(0)); }
-  /** The colour of each 16-bit number; `map`: gain, not below 0, and offset. */
-  colourOf([gain, offset]) {
-    const table = new Uint32Array(65536);
+  /** Fills the table of a side; gain, not below 0, and offset. */
+  tableOf(side, [gain, offset]) {
+    const table = this.tables[side];
     for (let i = 0, from = 0; i < 256; i += 1) {
       const next = (i + 0.5) / 255 - offset, to = i === 255 ? 65536 : gain > 0 ? Math.max(from, Math.min(65536, Math.ceil(next / gain))) : next > 0 ? 65536 : from;
       table.fill(this.colours[i], from, to);
@@ -125,7 +126,7 @@ class Plain {
     scene.sides.forEach(({ step, map }, i) => {
       const picture = this.pictures[i], [x0, y0, x1, y1] = scene.rectangle(i);
       if (!picture || !(x1 > x0 && y1 > y0)) return;
-      const { pixels } = picture, colour = this.colourOf(map);
+      const { pixels } = picture, colour = this.tableOf(i, map);
       const place = (k, at, count) => Math.max(0, Math.min(count - 1, Math.floor((corner[k] + (at + 0.5) * scale) / step[k])));
       const columns = Int32Array.from({ length: x1 - x0 }, (_, k) => place(0, x0 + k, picture.width));
       for (let y = y0, last = -1; y < y1; y += 1) {
