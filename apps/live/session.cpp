@@ -370,7 +370,7 @@ Answer Session::file(const RequestBody& request) {
   write_sensor_image(scratch.path(), made->names, made->image.planes, made->image.metadata, made->range);
   constexpr std::size_t kMost = std::size_t{1} << 31;
   return {.type = format == "png" ? "image/png" : "image/x-exr",
-          .body = std::make_shared<const std::string>(mtf::io::read_text_file(scratch.path(), kMost))};
+          .body = std::make_shared<const std::string>(mtf::io::read_file(scratch.path(), kMost))};
 }
 
 }  // namespace apps::live

@@ -163,7 +163,12 @@ std::string format_diagnostic(const Diagnostic& diagnostic, const std::string& f
 }
 
 SensorConfig load_config(const std::string& file, std::vector<Diagnostic>* warnings, std::vector<TableInfo> schema) {
-  ConfigResult result = parse_config(read_text_file(file, cfg::kMaxBytes), file, std::move(schema));
+  const std::string text = read_text_file(file, cfg::kMaxBytes);
+  ConfigResult result = parse_config(text, file, std::move(schema));
+  if (const bool wrong = std::any_of(result.diagnostics.begin(), result.diagnostics.end(),
+                                     [](const Diagnostic& one) { return one.error; });
+      wrong && cfg::read_tree(text).root.find("mesh") != nullptr)
+    throw UsageError(file + ": the file of a 3-D scene, for it has [[mesh]]; a sensor file belongs here");
   cfg::require_no_errors(result.diagnostics, file);
   if (warnings != nullptr)
     std::move(result.diagnostics.begin(), result.diagnostics.end(), std::back_inserter(*warnings));

@@ -92,9 +92,20 @@ CurveColumns read_header(std::string_view line, const std::string& where) {
   return columns;
 }
 
+/// By the first bytes of OpenEXR, PNG and both kinds of TIFF.
+bool is_image(std::string_view start) {
+  using namespace std::string_view_literals;
+  return start.starts_with("\x76\x2f\x31\x01"sv) || start.starts_with("\x89PNG"sv) || start.starts_with("II*\0"sv) ||
+         start.starts_with("MM\0*"sv);
+}
+RuntimeError no_text(const std::string& path) {
+  return RuntimeError("cannot read " + path +
+                      ": it is an image, and a text file belongs here; are two files in each other's place?");
+}
+
 }  // namespace
 
-std::string read_text_file(const std::string& path, std::size_t limit) {
+std::string read_file(const std::string& path, std::size_t limit) {
   std::error_code ignored;
   if (std::filesystem::is_directory(path, ignored)) throw RuntimeError("cannot read " + path + ": it is a folder");
   const auto close = [](std::FILE* file) { static_cast<void>(std::fclose(file)); };
@@ -105,12 +116,19 @@ std::string read_text_file(const std::string& path, std::size_t limit) {
   std::array<char, 65536> buffer{};
   while (const std::size_t n = std::fread(buffer.data(), 1, buffer.size(), file.get())) {
     text.append(buffer.data(), n);
+    if (text.size() > limit && is_image(text)) throw no_text(path);
     if (text.size() > limit)
       throw RuntimeError("cannot read " + path + ": larger than " + shown_bytes(static_cast<double>(limit)) +
                          ", the limit for this kind of file; is it the right one?");
   }
   if (std::ferror(file.get()))
     throw RuntimeError("cannot read " + path + ": " + std::generic_category().message(errno));
+  return text;
+}
+
+std::string read_text_file(const std::string& path, std::size_t limit) {
+  std::string text = read_file(path, limit);
+  if (is_image(text)) throw no_text(path);
   return text;
 }
 

@@ -24,7 +24,9 @@ Curve read_curve_csv(const std::string& path);
 /// The same from text; `source` is what messages and Curve::source call it.
 Curve parse_curve_csv(std::string_view text, const std::string& source);
 
-/// A whole text file of at most `limit` bytes (a pipe will do). Throws RuntimeError: missing, a folder, too large.
+/// A whole file of at most `limit` bytes (a pipe will do). Throws RuntimeError: missing, a folder, too large.
+std::string read_file(const std::string& path, std::size_t limit);
+/// The same of a text file; throws for an image in its place, too.
 std::string read_text_file(const std::string& path, std::size_t limit);
 
 }  // namespace mtf::io

@@ -163,6 +163,9 @@ TEST(SceneErrors, AllOfAFileAtOnceInItsOrder) {
   EXPECT_EQ(std::count(thrown.begin(), thrown.end(), '\n'), 4);
   EXPECT_TRUE(contains(thrown, folder.file("scene.toml") + ":3:12: error: place.latitude"));
   EXPECT_FALSE(folder.parse("").ok());
+  folder.write("scene.toml", "schema = 1\n[frame]\npitch = \"15 um\"\n");
+  EXPECT_EQ(message_of([&] { load_scene(folder.file("scene.toml")); }),
+            folder.file("scene.toml") + ": a sensor file, for it has [frame]; the file of a 3-D scene belongs here");
 }
 
 TEST(SceneErrors, DamagedFilesEndInErrorsOrValues) {

@@ -261,6 +261,19 @@ TEST(ConfigErrors, NotesAndWarningsAreNoErrors) {
   EXPECT_TRUE(warnings[2].starts_with("s.toml:11:7: warning: presample[0].rms: ")) << warnings[2];
 }
 
+TEST(ConfigErrors, ALensInAirHasAHalfAtLeast) {
+  const auto lens = [](const std::string& f_number) {
+    std::string text = kHead;
+    text.replace(text.find("f_number = 2.0"), 14, f_number);
+    for (const std::string& message : messages(text, false))
+      if (message.find(": warning: ") != std::string::npos) return message;
+    return std::string();
+  };
+  EXPECT_EQ(lens("f_number = 0.5"), "");
+  EXPECT_TRUE(lens("f_number = 0.49").starts_with("s.toml:6:12: warning: optics.f_number: an f-number of 0.49"));
+  EXPECT_TRUE(lens("aperture = \"250 mm\"").starts_with("s.toml:6:12: warning: optics.aperture: an f-number of 0.4"));
+}
+
 TEST(ConfigErrors, EveryKindOfFootprintIsOne) {
   for (const std::string footprint :
        {"kind = \"footprint\"\nwidth = \"10 um\"\n", "kind = \"circular_footprint\"\ndiameter = \"10 um\"\n",
@@ -297,6 +310,22 @@ TEST(ConfigErrors, LoadThrowsAllOfThem) {
     EXPECT_TRUE(what.starts_with(path + ":4:9: error: ")) << what;
     EXPECT_NE(what.find("\n" + path + ":10:8: error: "), std::string::npos) << what;
   }
+  // Files in each other's place.
+  const auto error_of = [&](const std::string& text) -> std::string {
+    std::ofstream(path, std::ios::binary) << text;
+    try {
+      load_config(path);
+    } catch (const Error& error) {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_EQ(error_of("schema = 1\n[[mesh]]\nname = \"hull\"\n"),
+            path + ": the file of a 3-D scene, for it has [[mesh]]; a sensor file belongs here");
+  const std::string image =
+      "cannot read " + path + ": it is an image, and a text file belongs here; are two files in each other's place?";
+  EXPECT_EQ(error_of("\x76\x2f\x31\x01 and so on"), image);
+  EXPECT_EQ(error_of("\x89PNG" + std::string(2 << 20, 'x')), image);
   static_cast<void>(std::remove(path.c_str()));
   EXPECT_THROW(load_config(path), RuntimeError);
   EXPECT_THROW(load_config(testing::TempDir()), RuntimeError);
