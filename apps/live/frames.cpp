@@ -9,7 +9,6 @@
 #include "apps/simulate/frames/scene_input.h"
 #include "apps/simulate/radiometric_chain.h"
 #include "mtf/error.h"
-#include "mtf/work/stop.h"
 
 namespace apps::live {
 namespace {
@@ -102,13 +101,8 @@ KeptFrame FrameMaker::of_image(const Sensor& sensor, const FrameRequest& request
     file_number_ = file;
   }
   KeptFrame frame;
-  try {
-    // A camera with other parameters is another camera, whose correction is its own: what one command would show.
-    frame.image = live_->image(*sensor, request.number, request.correction());
-  } catch (const mtf::Stopped&) {
-    live_.reset();  // what it keeps may be half made
-    throw;
-  }
+  // A camera with other parameters is another camera, whose correction is its own: what one command would show.
+  frame.image = live_->image(*sensor, request.number, request.correction());
   frame.passing = frame.correction_lags = live_->correction_lags();
   frame.names = live_->names();
   frame.warnings = live_->warnings();

@@ -244,7 +244,7 @@ Answer Session::frame(const RequestBody& request) {
   // While this request waited for its turn a later one may have come.
   if (!is_latest(request)) return overtaken();
   begin_work(request);
-  // What a 3-D scene knows of its views would go with half a picture.
+  // Frames of a 3-D scene are not ended: the views that were worked out so far could be half made.
   const mtf::StopScope scope(space_ ? nullptr : &stopped_);
   const auto made = maker(left).frame(sensor, asked);
   const mtf::Image& plane = made->image.planes.front();

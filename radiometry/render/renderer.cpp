@@ -186,6 +186,13 @@ std::shared_ptr<const Renderer::Known> Renderer::known() const {
   return copy;
 }
 
+void Renderer::learn(const Known& other) {
+  const std::optional<Sun>&mine = parts_->scene.sun, &its = other.scene.sun;
+  const bool same_sun = mine ? its && mine->to_sun == its->to_sun : !its;
+  if (!same_sun || other.scene.rays != parts_->scene.rays || other.patches.patch_of != parts_->patches.patch_of) return;
+  parts_->sides->take_over(*other.sides);
+}
+
 void Renderer::temperatures_changed() {
   for (BandShader& one : parts_->shader) one.temperatures_changed();
   for (BandShader& one : parts_->surface) one.temperatures_changed();

@@ -90,6 +90,10 @@ class Renderer {
   /// mtf::UsageError as above, and for other facets.
   Renderer(const RenderScene& scene, std::vector<RenderBand> bands, const Known& known);
 
+  /// Takes over the views of sides that another renderer has seen, so that frames do not wait for them; pictures are
+  /// the same without. Does nothing where facets, patches or the sun are others.
+  void learn(const Known& other);
+
   /// To be called when `temperature_k` of the scene has changed. What surfaces reflect stays that of the temperatures
   /// at the start.
   void temperatures_changed();

@@ -86,6 +86,22 @@ std::size_t VisibleSides::add(std::vector<std::uint32_t> fresh) {
   return fresh.size();
 }
 
+void VisibleSides::take_over(const VisibleSides& other) {
+  for (std::size_t n = 0; n < other.size(); ++n) {
+    std::uint32_t& number = number_[other.side_[n]];
+    if (number != scene::kNone) continue;
+    number = static_cast<std::uint32_t>(side_.size());
+    side_.push_back(other.side_[n]);
+    shown_.push_back(0);
+    sun_cosine_.push_back(other.sun_cosine_[n]);
+    sun_share_.push_back(other.sun_share_[n]);
+    const Light light = other.light(n);
+    source_.insert(source_.end(), light.source.begin(), light.source.end());
+    share_.insert(share_.end(), light.share.begin(), light.share.end());
+    first_.push_back(source_.size());
+  }
+}
+
 void VisibleSides::set_sun(std::size_t first) {
   constexpr int kPoints = 16;
   sun_cosine_.resize(side_.size());

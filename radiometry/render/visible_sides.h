@@ -27,6 +27,10 @@ class VisibleSides {
   /// The same of single sides (kNone: none), which are shown beside them.
   std::size_t add(std::vector<std::uint32_t> sides);
 
+  /// Numbers the sides that `other` has and these lack, with their views: of the same facets, patches and sun. They are
+  /// not shown.
+  void take_over(const VisibleSides& other);
+
   std::size_t size() const { return side_.size(); }
   /// Of a side that was added.
   std::uint32_t number(std::uint32_t side) const { return number_[side]; }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Chromium as its user has it, but without a window: no flag but what that takes, told by the protocol of its developer
-// tools over a pipe. A driver such as Playwright hides scroll bars and hears of every request, so that pages cost
-// another time under it.
+// Chromium as its user has it, but without a window: with no other flags than that needs, and driven through the DevTools
+// protocol over a pipe. A driver such as Playwright hides scroll bars and hears of every request, so that pages take
+// another time with it.
 
 import { spawn } from "node:child_process";
 import { mkdtempSync, rmSync } from "node:fs";
@@ -55,5 +55,9 @@ export async function launch(executable, { width, height }, flags = []) {
 
 /** Until an expression is true on a page that is perhaps not there yet. */
 export async function until(page, expression) {
-  while (!(await page(expression).catch(() => false))) await sleep(10);
+  const end = Date.now() + 60000;
+  while (!(await page(expression).catch(() => false))) {
+    if (Date.now() > end) throw new Error(`not true within a minute: ${expression}`);
+    await sleep(10);
+  }
 }

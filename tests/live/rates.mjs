@@ -30,25 +30,6 @@ function processorTimes() {
 }
 
 const browser = await launch(options.chromium, { width: 1280, height: 1024 });
-await sleep(STARTED_MS);
-let begin = Date.now();
-const blank = await browser.page(`data:text/html,<canvas id=c width=600 height=800></canvas><script>c.getContext("2d").fillRect(0,0,9,9);requestAnimationFrame(()=>{window.drawn=true})</script>`);
-await until(blank, "window.drawn");
-const alone = Date.now() - begin;
-await sleep(500);
-
-begin = Date.now();
-const space = options.scene?.endsWith(".toml");
-const files = space ? [options.scene, options.sensor, ...(options.temperatures ? ["--temperatures", options.temperatures] : []), ...(options.time ? ["--time", options.time] : [])]
-  : options.sensor ? [options.sensor, options.scene] : [];
-const child = spawn(options.mtf, ["live", "--no-browser", ...files], { stdio: ["ignore", "pipe", "inherit"] });
-const address = await new Promise((resolve) => createInterface({ input: child.stdout }).once("line", resolve));
-const ready = Date.now() - begin;
-const page = await browser.page(options.query ? address.replace("/#", `/?${options.query}#`) : address);
-await until(page, "window.mtfLive?.view.drawn > 0 && Boolean(window.mtfLive.frame)");
-console.log(`address after ${ready} ms, first picture after ${Date.now() - begin} ms, of a canvas alone ${alone} ms; load ${loadavg()[0].toFixed(1)}`);
-await sleep(2000);
-
 const measure = async (name) => {
   const sliders = name.split(",").map((one) => document.querySelector(`[data-name="${one}"] input[type=range]`)), asked = new Map(), fetching = window.fetch;
   if (sliders.includes(null)) throw new Error(`there is no slider of ${name}: ${[...document.querySelectorAll("[data-name]")].map((row) => row.dataset.name).join(" ")}`);
@@ -75,13 +56,34 @@ const measure = async (name) => {
       server.push(ms);
       requestAnimationFrame(() => delays.push(performance.now() - asked.get(generation)));
     }
+    await new Promise((resolve) => requestAnimationFrame(resolve));
     if (server.length === 0) throw new Error("no picture within 3 s: are all values refused?");
     for (const list of [delays, server]) list.sort((a, b) => a - b);
     const middle = (list) => list[Math.floor(list.length / 2)];
     return { pictures: server.length, median: middle(delays), worst: delays.at(-1), server: middle(server), preview: window.mtfLive.frame.preview };
   };
 };
+
+let child = null;
 try {
+  await sleep(STARTED_MS);
+  let begin = Date.now();
+  const blank = await browser.page(`data:text/html,<canvas id=c width=600 height=800></canvas><script>c.getContext("2d").fillRect(0,0,9,9);requestAnimationFrame(()=>{window.drawn=true})</script>`);
+  await until(blank, "window.drawn");
+  const alone = Date.now() - begin;
+  await sleep(500);
+
+  begin = Date.now();
+  const space = options.scene?.endsWith(".toml");
+  const files = space ? [options.scene, options.sensor, ...(options.temperatures ? ["--temperatures", options.temperatures] : []), ...(options.time ? ["--time", options.time] : [])]
+    : options.sensor ? [options.sensor, options.scene] : [];
+  child = spawn(options.mtf, ["live", "--no-browser", ...files], { stdio: ["ignore", "pipe", "inherit"] });
+  const address = await new Promise((resolve, reject) => { createInterface({ input: child.stdout }).once("line", resolve); child.once("exit", (code) => reject(new Error(`mtf live ended with ${code}`))); });
+  const ready = Date.now() - begin;
+  const page = await browser.page(options.query ? address.replace("/#", `/?${options.query}#`) : address);
+  await until(page, "window.mtfLive?.view.drawn > 0 && Boolean(window.mtfLive.frame)");
+  console.log(`address after ${ready} ms, first picture after ${Date.now() - begin} ms, of a canvas alone ${alone} ms; load ${loadavg()[0].toFixed(1)}`);
+  await sleep(2000);
   await page(`for (const details of document.querySelectorAll("#forms details")) details.open = true; (${measure})(${JSON.stringify(options.slider)})`);
   for (let k = 0; k < Number(options.rounds); k += 1) {
     const before = processorTimes(), { pictures, median, worst, server, preview } = await page("round()"), after = processorTimes();
@@ -90,5 +92,5 @@ try {
   }
 } finally {
   await browser.close();
-  child.kill("SIGINT");
+  child?.kill("SIGINT");
 }

@@ -2,7 +2,7 @@
 // The pictures on both sides of the divider. Each follows from a key: all that it depends on. One picture is asked for
 // at a time, of the values of that moment; what has changed meanwhile is asked for next, and older values never are.
 
-import { ask as stop, picture, Refused } from "./api.js";
+import { ask as post, picture, Refused } from "./api.js";
 import { $, app, editsOf, inSpace, moving, state, wanted } from "./app.js";
 import * as edits from "./history.js";
 import { clearProblem, facts, problem } from "./panels.js";
@@ -91,7 +91,7 @@ async function ask(side, { from, body, key }, begun, before) {
     $("busy-tag").textContent = `computing, ${Math.round((performance.now() - begin) / 1000)} s`;
     $("busy-tag").hidden = false;
     // What is no longer wanted is not waited for.
-    if (from === "frame" && !inSpace() && !moving() && wish(side)?.key !== key) stop("stop", { tab: request.tab, generation: request.generation }).catch(() => {});
+    if (from === "frame" && !inSpace() && !moving() && wish(side)?.key !== key) post("stop", { tab: request.tab, generation: request.generation }).catch(() => {});
   }, 1000);
   try {
     const made = await picture(from, request, begun);

@@ -6,9 +6,10 @@
 #include <cmath>
 #include <future>
 #include <optional>
-#include <stop_token>
 #include <tuple>
 
+#include "apps/scene/fly/flight_light.h"
+#include "apps/scene/fly/look_ahead.h"
 #include "apps/scene/heat/stopwatch.h"
 #include "apps/sensor/sensor_air.h"
 #include "mtf/error.h"
@@ -18,29 +19,6 @@ namespace apps::scene {
 namespace {
 
 namespace render = radiometry::render;
-
-/// What light depends on.
-struct LightKey {
-  std::int64_t interval = 0;  ///< of the scene's clock
-  std::string response{};
-  radiometry::Interval band{};
-  std::optional<mtf::SettingsTable> air{};  ///< [atmosphere] of the sensor file
-
-  bool operator==(const LightKey& other) const { return interval == other.interval && same_but_for_time(other); }
-  bool same_but_for_time(const LightKey& other) const {
-    return response == other.response && band.lo_um == other.band.lo_um && band.hi_um == other.band.hi_um &&
-           air == other.air;
-  }
-};
-
-/// A scene in one light, and what draws it.
-struct Light {
-  LightKey key;
-  PictureScene scene;
-  double temperatures_utc_s = 0.0;
-  std::unique_ptr<render::Renderer> renderer{};
-  std::vector<render::Camera> looked_from{};  ///< beside frames
-};
 
 /// A picture that was made, kept for sensors that change while it does not.
 struct SeenPicture {
@@ -58,14 +36,6 @@ bool same_view(const render::Camera& a, const render::Camera& b) {
     return std::tie(c.position, c.ahead, c.right, c.down, c.width, c.height, c.step_x, c.step_y, c.axis_x, c.axis_y);
   };
   return values(a) == values(b);
-}
-
-/// Whether two cameras see much the same.
-bool is_near(const render::Camera& a, const render::Camera& b, double near_m) {
-  using radiometry::scene::operator-;
-  constexpr double kSameDirection = 0.999;
-  return radiometry::scene::length(a.position - b.position) < near_m &&
-         radiometry::scene::dot(a.ahead, b.ahead) > kSameDirection;
 }
 
 /// What a sensor file says, worked out once.
@@ -103,25 +73,22 @@ struct Flight::State {
   std::unique_ptr<Light> light{};
   std::size_t lights = 0;  ///< so far
   std::optional<SeenPicture> seen{};
-  std::vector<render::Camera> last_camera{};  ///< the one that saw something; none before
+  std::optional<render::Camera> last_camera{};  ///< that saw something
   std::optional<LightKey> coming_key{};
-  std::stop_source enough{};  ///< of looking ahead
   std::future<std::unique_ptr<Light>> coming{};
+  std::size_t ahead_light = 0;  ///< number of the light that `ahead` is of
+  LookAhead ahead{};            ///< the last member, as its work uses the others
 
   const KnownSensor& known(const Sensor& sensor);
   LightKey key_of(const KnownSensor& sensor, double utc_s) const;
   std::unique_ptr<Light> made(const LightKey& key, const PictureSensor& sensor,
-                              const std::shared_ptr<const render::Renderer::Known>& views);
+                              const std::shared_ptr<const render::Renderer::Known>& views) const;
   void require_time(double utc_s) const;
   render::Camera camera(const PictureSensor& sensor, const CameraPlace& place, double samples_per_pitch) const;
   void set_light(const KnownSensor& sensor, double utc_s, bool may_lag, FlightFrame& frame);
-  bool is_ready() const {
-    return coming.valid() && coming.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
-  }
-  /// Begins to make that light beside frames, unless another one is being made; with the views of what these cameras
-  /// see, until it is enough.
-  void begin_light(const LightKey& key, const KnownSensor& sensor, std::vector<render::Camera> cameras);
-  void take_ahead();  ///< the present light, with the views that have been worked out ahead by now
+  /// Begins to make that light beside frames, unless another one is being made; with what the camera of the last
+  /// picture sees in it, where `looked_at`: temperatures of another hour are other patches, which every side sees anew.
+  void begin_light(const LightKey& key, const KnownSensor& sensor, bool looked_at);
   render::RenderedFrame rendered(const render::Camera& camera, int points);
   LiveSimulation& simulation_of(double samples_per_pitch, int points);
   const LiveSimulation& last_simulation() const;
@@ -140,7 +107,7 @@ LightKey Flight::State::key_of(const KnownSensor& sensor, double utc_s) const {
 }
 
 std::unique_ptr<Light> Flight::State::made(const LightKey& key, const PictureSensor& sensor,
-                                           const std::shared_ptr<const render::Renderer::Known>& views) {
+                                           const std::shared_ptr<const render::Renderer::Known>& views) const {
   PictureOptions with = air;
   with.sensor_air = sensor.air;
   with.sensor_file = sensor.config.file;
@@ -172,55 +139,39 @@ render::Camera Flight::State::camera(const PictureSensor& sensor, const CameraPl
                         samples_per_pitch);
 }
 
-void Flight::State::begin_light(const LightKey& key, const KnownSensor& sensor, std::vector<render::Camera> cameras) {
-  if (coming.valid() && !is_ready()) return;
+void Flight::State::begin_light(const LightKey& key, const KnownSensor& sensor, bool looked_at) {
+  const bool busy = coming.valid() && coming.wait_for(std::chrono::seconds(0)) != std::future_status::ready;
+  if (busy) return;
   coming_key = key;
-  enough = {};
-  const std::vector<render::Camera> before = key == light->key ? light->looked_from : std::vector<render::Camera>{};
   coming = std::async(std::launch::async, [this, key, picture = sensor.picture, views = light->renderer->known(),
-                                           before, cameras = std::move(cameras), stop = enough.get_token()] {
+                                           camera = looked_at ? last_camera : std::nullopt] {
     auto made_light = made(key, picture, views);
-    made_light->looked_from = before;
-    for (const render::Camera& camera : cameras) {
-      try {
-        require_above_ground(made_light->scene, camera.position);
-        made_light->renderer->render(camera);
-      } catch (const mtf::UsageError&) {  // there is no picture from there
-      }
-      made_light->looked_from.push_back(camera);
-      if (stop.stop_requested()) break;  // not before the first one: frame after frame, all of them have their turn
-    }
+    if (camera) made_light->renderer->render(*camera);
     return made_light;
   });
 }
 
-void Flight::State::take_ahead() {
-  if (!light || coming_key != light->key || !is_ready()) return;
-  coming_key.reset();
-  light = coming.get();
-}
-
 void Flight::State::set_light(const KnownSensor& sensor, double utc_s, bool may_lag, FlightFrame& frame) {
   const LightKey key = key_of(sensor, utc_s);
-  if (light && coming_key == light->key) enough.request_stop();
-  take_ahead();
   if (light && light->key == key) return;
   if (may_lag && light && light->key.same_but_for_time(key)) {
     // What has been made by now is nearer to what is wanted than the present one.
-    if (coming_key && coming_key->same_but_for_time(key) && is_ready()) {
+    const bool ready = coming_key && coming_key->same_but_for_time(key) &&
+                       coming.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
+    if (ready) {
       coming_key.reset();
       light = coming.get();
       ++lights;
       frame.new_light = true;
     }
     frame.light_lags = !(light->key == key);
-    if (frame.light_lags && coming_key != key) begin_light(key, sensor, last_camera);
+    if (frame.light_lags && coming_key != key) begin_light(key, sensor, true);
     return;
   }
   frame.new_light = true;
   ++lights;
   if (coming_key == key) {
-    frame.late = !is_ready();
+    frame.late = coming.wait_for(std::chrono::seconds(0)) != std::future_status::ready;
     coming_key.reset();
     light = coming.get();
   } else {
@@ -230,10 +181,10 @@ void Flight::State::set_light(const KnownSensor& sensor, double utc_s, bool may_
 }
 
 Flight::Flight(PictureSource& source, const SceneFile& file, const PictureOptions& air, const FlightOptions& options)
-    : state_(std::make_unique<State>(State{.source = source, .file = file, .air = air, .options = options})) {
+    : state_(new State{.source = source, .file = file, .air = air, .options = options}) {  // made in place
   if (!(options.light_every_s > 0.0)) throw mtf::UsageError("a flight's light is kept for more than 0 s");
 }
-Flight::~Flight() { state_->enough.request_stop(); }
+Flight::~Flight() = default;
 
 void Flight::prepare(const Sensor& sensor, double utc_s) {
   State& state = *state_;
@@ -242,31 +193,32 @@ void Flight::prepare(const Sensor& sensor, double utc_s) {
   const KnownSensor& known = state.known(sensor);
   const LightKey key = state.key_of(known, utc_s);
   if (state.light->key == key || state.coming_key == key) return;
-  state.begin_light(key, known, {});
+  state.begin_light(key, known, false);
 }
 
 void Flight::look_ahead(std::span<const CameraPlace> places) {
   State& state = *state_;
-  if (!state.light) return;
-  state.take_ahead();
+  if (!state.light || state.coming_key) return;
   const Light& light = *state.light;
-  const auto is_known = [&](const render::Camera& camera) {
-    return std::any_of(light.looked_from.begin(), light.looked_from.end(), [&](const render::Camera& other) {
-      return is_near(camera, other, 0.02 * light.scene.scene.facets().half_extent_m);
-    });
-  };
+  state.ahead.take(*light.renderer);
+  if (state.ahead_light != state.lights) state.ahead.forget();
+  state.ahead_light = state.lights;
+  const PictureSensor& sensor = state.last_sensor->picture;
   std::vector<render::Camera> cameras;
-  for (const CameraPlace& place : places) {
-    const render::Camera one = state.camera(state.last_sensor->picture, place, 1.0);
-    if (!is_known(one)) cameras.push_back(one);
-  }
-  if (!cameras.empty()) state.begin_light(light.key, *state.last_sensor, std::move(cameras));
+  for (const CameraPlace& place : places) try {
+      const render::Camera camera = state.camera(sensor, place, 1.0);
+      if (!state.ahead.has_seen(camera, 0.02 * light.scene.scene.facets().half_extent_m)) cameras.push_back(camera);
+    } catch (const mtf::UsageError&) {  // no camera can be there
+    }
+  state.ahead.begin(std::move(cameras), [&state, key = light.key, sensor, views = light.renderer->known()] {
+    return state.made(key, sensor, views);
+  });
 }
 
 render::RenderedFrame Flight::State::rendered(const render::Camera& camera, int points) {
   if (!options.keep_radiance) {
     render::RenderedFrame frame = light->renderer->render(camera, points);
-    last_camera = {camera};
+    last_camera = camera;
     return frame;
   }
   if (seen && seen->light == lights && seen->temperatures_utc_s == light->temperatures_utc_s &&
@@ -279,7 +231,7 @@ render::RenderedFrame Flight::State::rendered(const render::Camera& camera, int 
   }
   seen.reset();
   render::RenderedFrame frame = light->renderer->render(camera, points);
-  last_camera = {camera};
+  last_camera = camera;
   seen = SeenPicture{.camera = camera,
                      .points = points,
                      .light = lights,
@@ -318,6 +270,8 @@ FlightFrame Flight::frame(const Sensor& sensor, const CameraPlace& place, double
                           const FrameChoice& choice) {
   State& state = *state_;
   state.require_time(utc_s);
+  state.ahead.enough();
+  if (state.light) state.ahead.take(*state.light->renderer);
   FlightFrame out;
   const Stopwatch preparing;
   if (!state.last_sensor || state.last_sensor->sensor != sensor) state.last_sensor = KnownSensor(state.known(sensor));

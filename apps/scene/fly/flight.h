@@ -73,7 +73,7 @@ class Flight {
   /// Begins to work out, beside frames, the views of the sides that are seen from these places, so that a camera which
   /// goes there later does not wait for them. Places that see nothing, or where no camera can be, are passed over. The
   /// next frame ends it, and has what has been worked out by then; it is the same without. Does nothing while light is
-  /// being made, and for places that have been seen.
+  /// being made, and for places that were seen in this light.
   void look_ahead(std::span<const CameraPlace> places);
   /// `number`: of the frame, which is that of the noise. Sensors that are the same object are taken to be unchanged.
   /// Throws mtf::UsageError as picture_sensor, PictureSource::at, Renderer::render and LiveSimulation::image.

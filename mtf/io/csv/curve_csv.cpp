@@ -103,9 +103,7 @@ RuntimeError no_text(const std::string& path) {
                       ": it is an image, and a text file belongs here; are two files in each other's place?");
 }
 
-}  // namespace
-
-std::string read_file(const std::string& path, std::size_t limit) {
+std::string read_whole(const std::string& path, std::size_t limit, bool text_belongs_here) {
   std::error_code ignored;
   if (std::filesystem::is_directory(path, ignored)) throw RuntimeError("cannot read " + path + ": it is a folder");
   const auto close = [](std::FILE* file) { static_cast<void>(std::fclose(file)); };
@@ -116,21 +114,21 @@ std::string read_file(const std::string& path, std::size_t limit) {
   std::array<char, 65536> buffer{};
   while (const std::size_t n = std::fread(buffer.data(), 1, buffer.size(), file.get())) {
     text.append(buffer.data(), n);
-    if (text.size() > limit && is_image(text)) throw no_text(path);
+    if (text.size() > limit && text_belongs_here && is_image(text)) throw no_text(path);
     if (text.size() > limit)
       throw RuntimeError("cannot read " + path + ": larger than " + shown_bytes(static_cast<double>(limit)) +
                          ", the limit for this kind of file; is it the right one?");
   }
   if (std::ferror(file.get()))
     throw RuntimeError("cannot read " + path + ": " + std::generic_category().message(errno));
+  if (text_belongs_here && is_image(text)) throw no_text(path);
   return text;
 }
 
-std::string read_text_file(const std::string& path, std::size_t limit) {
-  std::string text = read_file(path, limit);
-  if (is_image(text)) throw no_text(path);
-  return text;
-}
+}  // namespace
+
+std::string read_file(const std::string& path, std::size_t limit) { return read_whole(path, limit, false); }
+std::string read_text_file(const std::string& path, std::size_t limit) { return read_whole(path, limit, true); }
 
 Curve parse_curve_csv(std::string_view text, const std::string& source) {
   text = without_mark(text);
