@@ -210,6 +210,7 @@ void Flight::look_ahead(std::span<const CameraPlace> places) {
       if (!state.ahead.has_seen(camera, 0.02 * light.scene.scene.facets().half_extent_m)) cameras.push_back(camera);
     } catch (const mtf::UsageError&) {  // no camera can be there
     }
+  if (cameras.empty() || state.ahead.is_working()) return;
   state.ahead.begin(std::move(cameras), [&state, key = light.key, sensor, views = light.renderer->known()] {
     return state.made(key, sensor, views);
   });

@@ -12,7 +12,6 @@ namespace apps::scene {
 namespace render = radiometry::render;
 
 void LookAhead::begin(std::vector<render::Camera> cameras, std::function<std::unique_ptr<Light>()> make) {
-  if (cameras.empty() || found_.valid()) return;
   enough_ = false;
   found_ = std::async(std::launch::async, [this, cameras = std::move(cameras), make = std::move(make)] {
     const mtf::StopScope scope(&ended_);

@@ -21,8 +21,8 @@ class LookAhead {
   LookAhead& operator=(const LookAhead&) = delete;
   ~LookAhead() { enough_ = ended_ = true; }  // the future waits for the work
 
-  /// Begins to look from these cameras, in the copy that `make` makes, on a thread of its own; nothing where the work
-  /// before is not done, or there is no camera.
+  bool is_working() const { return found_.valid(); }  ///< or has found what nobody has taken
+  /// Begins to look from these cameras, in the copy that `make` makes, on a thread of its own. Not while it is working.
   void begin(std::vector<radiometry::render::Camera> cameras, std::function<std::unique_ptr<Light>()> make);
   /// The camera that is looked from now is the last one.
   void enough() { enough_ = true; }

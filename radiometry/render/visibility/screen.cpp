@@ -27,15 +27,13 @@ struct ScreenTriangle {
   float least = 0.0F, most = 0.0F;  ///< nearness of its corners
   std::int32_t x0 = 0, x1 = 0, y0 = 0, y1 = 0;
   std::uint32_t side = 0;
-  bool narrow = false;               ///< so that the few columns of points are not worth a search for the edges
-  std::array<double, 3> crossing{};  ///< else -n / a of each edge: over it, the column where an edge crosses a row
+  std::array<double, 3> crossing{};  ///< -n / a of each edge: over it, the column where an edge crosses a row
 
   /// Columns of points between the edges, a few more for rounding; `rest`: of the edges in this row, b y + c.
   struct Columns {
     std::int32_t first, last;
   };
   MTFKIT_INLINE Columns columns(const std::array<double, 3>& rest) const {
-    if (narrow) return {x0, x1};
     double left = static_cast<double>(x0), right = static_cast<double>(x1);
     for (std::size_t k = 0; k < 3; ++k) {
       const double crossed = rest[k] * crossing[k];
@@ -285,12 +283,11 @@ void Screen::draw(std::int64_t band, ScreenRows& out) const {
     const double volume = t.edge[0].a * c.x + t.edge[0].b * c.y + t.edge[0].c * c.w;
     if (!(volume > 0.0)) return;  // edge on, to rounding
     const double scale = 1.0 / volume;
-    for (const Plane& edge : t.edge)
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Plane& edge = t.edge[k];
       t.nearness = {t.nearness.a + scale * edge.a, t.nearness.b + scale * edge.b, t.nearness.c + scale * edge.c};
-    constexpr std::int32_t kNarrow = 8;
-    t.narrow = t.x0 / kNarrow == (t.x1 - 1) / kNarrow;
-    if (!t.narrow)
-      for (std::size_t k = 0; k < 3; ++k) t.crossing[k] = -n_ / t.edge[k].a;
+      t.crossing[k] = -n_ / edge.a;
+    }
     const std::array<double, 3> depth{corner_[number[0]].w, corner_[number[1]].w, corner_[number[2]].w};
     t.least = static_cast<float>(1.0 / *std::max_element(depth.begin(), depth.end()));
     t.most = seen.most;
