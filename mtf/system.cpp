@@ -84,13 +84,12 @@ std::vector<Finding> findings_of(const System<double>& system, bool doubtful) {
     error("band.wavelength", "has to be two increasing wavelengths in [0.01, 1e5] um");
   if (band && optics.wavelength_um) error("optics.wavelength", "the spectrum is given twice: remove it or [band]");
   if (!findings.empty()) return findings;  // component checks rely on the frame
-  const auto f_number =
-      optics.aperture_mm ? std::optional(frame.focal_length_mm / *optics.aperture_mm) : optics.f_number;
-  if (constexpr double kLeast = 0.5; doubtful && f_number && *f_number < kLeast)
+  const double f_number = f_number_of<double>(std::nullopt, system.context());
+  if (constexpr double kLeast = 0.5; doubtful && f_number > 0.0 && f_number < kLeast)
     findings.push_back({optics.f_number ? "optics.f_number" : "optics.aperture",
                         {.error = false,
                          .field = {},
-                         .text = "an f-number of " + format_double(*f_number) +
+                         .text = "an f-number of " + format_double(f_number) +
                                  "; a lens in air has at least 0.5, where its cone of light is a half-space"}});
 
   for (const Stage stage : kStages) {

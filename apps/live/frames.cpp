@@ -4,11 +4,11 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <limits>
 
 #include "apps/simulate/frames/scene_input.h"
 #include "apps/simulate/radiometric_chain.h"
 #include "mtf/error.h"
+#include "mtf/survey/statistics.h"
 
 namespace apps::live {
 namespace {
@@ -17,18 +17,8 @@ constexpr std::size_t kKept = 6;  // frames: two pages with the ones they show a
 
 /// Least and largest of the finite values; 0 and 0 where there is none.
 std::pair<double, double> ends_of(mtf::ImageView<const float> image) {
-  constexpr float kMost = std::numeric_limits<float>::max();
-  float least = kMost, largest = -kMost;
-  for (std::int64_t y = 0; y < image.height; ++y) {
-    const float* row = image.row(y);
-    for (std::int64_t x = 0; x < image.width; ++x) {
-      const bool finite = std::abs(row[x]) <= kMost;
-      least = finite && row[x] < least ? row[x] : least;
-      largest = finite && row[x] > largest ? row[x] : largest;
-    }
-  }
-  if (least > largest) return {0.0, 0.0};
-  return {static_cast<double>(least), static_cast<double>(largest)};
+  const mtf::Statistics s = mtf::statistics(image);
+  return std::isfinite(s.min) && std::isfinite(s.max) ? std::pair{s.min, s.max} : std::pair{0.0, 0.0};
 }
 
 /// The values between which all but a share of both ends lie, of some thousand pixels.

@@ -73,19 +73,23 @@ ImageFile read_raster(const std::string& path, Format format, const ReadOptions&
 
 }  // namespace
 
+std::optional<Format> format_of(std::string_view start) {
+  using std::string_view_literals::operator""sv;
+  if (start.starts_with("\x76\x2f\x31\x01"sv)) return Format::exr;
+  if (start.starts_with("\x89PNG\r\n\x1a\n"sv)) return Format::png;
+  if (start.starts_with("\xff\xd8\xff"sv)) return Format::jpeg;
+  for (const std::string_view tiff : {"II\x2a\0"sv, "MM\0\x2a"sv, "II\x2b\0"sv, "MM\0\x2b"sv})
+    if (start.starts_with(tiff)) return Format::tiff;
+  return std::nullopt;
+}
+
 Format detect_format(const std::string& path) {
   const std::int64_t size = input_file_size(path);
   std::ifstream file(path, std::ios::binary);
   if (!file) throw RuntimeError("cannot read " + path + ": it cannot be opened; check its permissions");
   std::array<char, 8> start{};
   file.read(start.data(), static_cast<std::streamsize>(start.size()));
-  const std::string magic(start.data(), static_cast<std::size_t>(file.gcount()));
-  using std::string_literals::operator""s;
-  if (magic.starts_with("\x76\x2f\x31\x01"s)) return Format::exr;
-  if (magic.starts_with("\x89PNG\r\n\x1a\n"s)) return Format::png;
-  if (magic.starts_with("\xff\xd8\xff"s)) return Format::jpeg;
-  for (const std::string& tiff : {"II\x2a\0"s, "MM\0\x2a"s, "II\x2b\0"s, "MM\0\x2b"s})
-    if (magic.starts_with(tiff)) return Format::tiff;
+  if (const auto format = format_of({start.data(), static_cast<std::size_t>(file.gcount())})) return *format;
   throw RuntimeError("cannot read " + path + ": its content (" + shown_bytes(static_cast<double>(size)) +
                      ") is neither OpenEXR nor PNG nor TIFF nor JPEG; convert the image to one of them");
 }

@@ -12,6 +12,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "mtf/image.h"
@@ -21,6 +22,9 @@
 namespace mtf::io {
 
 enum class Format { exr, png, tiff, jpeg };
+
+/// Format by the first bytes of a file; nothing where they are those of no image.
+std::optional<Format> format_of(std::string_view start);
 
 /// Format by file content for reading (magic bytes). Throws RuntimeError when the file is missing, empty or none of
 /// ours.

@@ -43,6 +43,11 @@ struct Sun {
 };
 inline constexpr double kSun_k = 5772.0;  ///< IAU 2015 Resolution B3
 
+/// Whether both are missing or stand in the same direction: then they reach the same sides.
+inline bool same_direction(const std::optional<Sun>& a, const std::optional<Sun>& b) {
+  return a ? b && a->to_sun == b->to_sun : !b;
+}
+
 struct RenderScene {
   const scene::Rays* rays = nullptr;  ///< outlives what is made of it
   std::vector<Finish> finish{};

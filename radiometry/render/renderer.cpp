@@ -187,9 +187,10 @@ std::shared_ptr<const Renderer::Known> Renderer::known() const {
 }
 
 void Renderer::learn(const Known& other) {
-  const std::optional<Sun>&mine = parts_->scene.sun, &its = other.scene.sun;
-  const bool same_sun = mine ? its && mine->to_sun == its->to_sun : !its;
-  if (!same_sun || other.scene.rays != parts_->scene.rays || other.patches.patch_of != parts_->patches.patch_of) return;
+  const RenderScene& mine = parts_->scene;
+  if (other.scene.rays != mine.rays || !same_direction(other.scene.sun, mine.sun) ||
+      other.patches.patch_of != parts_->patches.patch_of)
+    return;
   parts_->sides->take_over(*other.sides);
 }
 

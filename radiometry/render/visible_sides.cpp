@@ -26,9 +26,7 @@ VisibleSides::VisibleSides(const RenderScene& scene, const Patches& patches, con
       first_(known.first_),
       source_(known.source_),
       share_(known.share_) {
-  const std::optional<Sun>& sun = known.scene_.sun;
-  const bool same = scene.sun ? sun && sun->to_sun == scene.sun->to_sun : !sun;
-  if (!same) set_sun(0);
+  if (!same_direction(scene.sun, known.scene_.sun)) set_sun(0);
 }
 
 /// Those that have no number yet; the others are shown.

@@ -13,10 +13,10 @@ const UI_HEIGHT = 87; // of the window, beside the page
 export const sleep = (ms) => new Promise((resolve) => setTimeout(resolve, ms));
 
 /** Starts it. `page(address)` opens a page in it, and gives a function that says what an expression is there. */
-export async function launch(executable, { width, height }, flags = []) {
+export async function launch(executable, { width, height }) {
   const profile = mkdtempSync(join(tmpdir(), "mtfkit-chromium-"));
-  const own = ["--headless=new", "--no-sandbox", "--no-first-run", `--window-size=${width},${height + UI_HEIGHT}`, `--user-data-dir=${profile}`, "--remote-debugging-pipe"];
-  const child = spawn(executable, [...own, ...flags, "about:blank"], { stdio: ["ignore", "ignore", "ignore", "pipe", "pipe"] });
+  const flags = ["--headless=new", "--no-sandbox", "--no-first-run", `--window-size=${width},${height + UI_HEIGHT}`, `--user-data-dir=${profile}`, "--remote-debugging-pipe"];
+  const child = spawn(executable, [...flags, "about:blank"], { stdio: ["ignore", "ignore", "ignore", "pipe", "pipe"] });
   const ended = new Promise((resolve) => child.once("exit", resolve));
   const asked = new Map();
   let count = 0, rest = "";

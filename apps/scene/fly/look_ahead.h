@@ -21,16 +21,19 @@ class LookAhead {
   LookAhead& operator=(const LookAhead&) = delete;
   ~LookAhead() { enough_ = ended_ = true; }  // the future waits for the work
 
-  bool is_working() const { return found_.valid(); }  ///< or has found what nobody has taken
-  /// Begins to look from these cameras, in the copy that `make` makes, on a thread of its own. Not while it is working.
+  /// True from begin() until take() has handed over what was found.
+  bool is_working() const { return found_.valid(); }
+  /// Starts a thread that calls `make` for a copy of the scene and renders it from each camera in turn. Only where
+  /// is_working() is false.
   void begin(std::vector<radiometry::render::Camera> cameras, std::function<std::unique_ptr<Light>()> make);
-  /// The camera that is looked from now is the last one.
+  /// The thread ends once the picture that it renders now is done.
   void enough() { enough_ = true; }
-  /// What has been found by now is known to `renderer` from here on.
+  /// Gives the views that were found to `renderer`, if the thread has ended; else does nothing.
   void take(radiometry::render::Renderer& renderer);
-  /// Whether a camera of the same lens, within `near_m` and about in this direction, has been looked from.
+  /// Whether the scene was already rendered by a camera with the same lens and format, less than `near_m` away from
+  /// this one and pointing in nearly the same direction (cosine above 0.999).
   bool has_seen(const radiometry::render::Camera& camera, double near_m) const;
-  void forget() { looked_from_.clear(); }  ///< the light is another one
+  void forget() { looked_from_.clear(); }  ///< for another light, which needs views of its own
 
  private:
   struct Found {

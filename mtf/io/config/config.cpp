@@ -165,10 +165,7 @@ std::string format_diagnostic(const Diagnostic& diagnostic, const std::string& f
 SensorConfig load_config(const std::string& file, std::vector<Diagnostic>* warnings, std::vector<TableInfo> schema) {
   const std::string text = read_text_file(file, cfg::kMaxBytes);
   ConfigResult result = parse_config(text, file, std::move(schema));
-  const bool wrong = std::any_of(result.diagnostics.begin(), result.diagnostics.end(),
-                                 [](const Diagnostic& one) { return one.error; });
-  if (const cfg::Node root = wrong ? cfg::read_tree(text).root : cfg::Node{};
-      root.find("mesh") != nullptr && root.find("frame") == nullptr)
+  if (cfg::is_another_kind(result.diagnostics, text, "mesh", "frame"))
     throw UsageError(file + ": the file of a 3-D scene, for it has [[mesh]]; a sensor file belongs here");
   cfg::require_no_errors(result.diagnostics, file);
   if (warnings != nullptr)

@@ -117,6 +117,14 @@ std::string beside(const std::string& folder, const std::string& name) {
   return name.starts_with('/') ? name : folder + name;
 }
 
+bool is_another_kind(const std::vector<Diagnostic>& diagnostics, const std::string& text, std::string_view theirs,
+                     std::string_view ours) {
+  if (std::none_of(diagnostics.begin(), diagnostics.end(), [](const Diagnostic& one) { return one.error; }))
+    return false;
+  const Node root = read_tree(text).root;
+  return root.find(theirs) != nullptr && root.find(ours) == nullptr;
+}
+
 void require_no_errors(const std::vector<Diagnostic>& diagnostics, const std::string& file) {
   std::string errors;
   for (const Diagnostic& diagnostic : diagnostics)

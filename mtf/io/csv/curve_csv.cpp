@@ -17,6 +17,7 @@
 #include "mtf/io/csv/csv_numbers.h"
 #include "mtf/io/csv/spectral_units.h"
 #include "mtf/io/file_checks.h"
+#include "mtf/io/image_io.h"
 
 namespace mtf::io {
 namespace {
@@ -92,12 +93,6 @@ CurveColumns read_header(std::string_view line, const std::string& where) {
   return columns;
 }
 
-/// By the first bytes of OpenEXR, PNG and both kinds of TIFF.
-bool is_image(std::string_view start) {
-  using namespace std::string_view_literals;
-  return start.starts_with("\x76\x2f\x31\x01"sv) || start.starts_with("\x89PNG"sv) || start.starts_with("II*\0"sv) ||
-         start.starts_with("MM\0*"sv);
-}
 RuntimeError no_text(const std::string& path) {
   return RuntimeError("cannot read " + path +
                       ": it is an image, and a text file belongs here; are two files in each other's place?");
@@ -114,14 +109,14 @@ std::string read_whole(const std::string& path, std::size_t limit, bool text_bel
   std::array<char, 65536> buffer{};
   while (const std::size_t n = std::fread(buffer.data(), 1, buffer.size(), file.get())) {
     text.append(buffer.data(), n);
-    if (text.size() > limit && text_belongs_here && is_image(text)) throw no_text(path);
+    if (text.size() > limit && text_belongs_here && format_of(text)) throw no_text(path);
     if (text.size() > limit)
       throw RuntimeError("cannot read " + path + ": larger than " + shown_bytes(static_cast<double>(limit)) +
                          ", the limit for this kind of file; is it the right one?");
   }
   if (std::ferror(file.get()))
     throw RuntimeError("cannot read " + path + ": " + std::generic_category().message(errno));
-  if (text_belongs_here && is_image(text)) throw no_text(path);
+  if (text_belongs_here && format_of(text)) throw no_text(path);
   return text;
 }
 

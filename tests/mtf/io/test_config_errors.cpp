@@ -325,7 +325,7 @@ TEST(ConfigErrors, LoadThrowsAllOfThem) {
   const std::string image =
       "cannot read " + path + ": it is an image, and a text file belongs here; are two files in each other's place?";
   EXPECT_EQ(error_of("\x76\x2f\x31\x01 and so on"), image);
-  EXPECT_EQ(error_of("\x89PNG" + std::string(2 << 20, 'x')), image);
+  EXPECT_EQ(error_of("\x89PNG\r\n\x1a\n" + std::string(2 << 20, 'x')), image);
   static_cast<void>(std::remove(path.c_str()));
   EXPECT_THROW(load_config(path), RuntimeError);
   EXPECT_THROW(load_config(testing::TempDir()), RuntimeError);
