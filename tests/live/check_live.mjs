@@ -93,10 +93,12 @@ async function checkPage(run, browser) {
   await page.mouse.up();
   await settle(page);
   assert.ok(await page.evaluate(() => !window.mtfLive.frame.preview && document.getElementById("preview-tag").hidden));
-  // Words about a value go with it.
+  // Words about a value go with it, and the pictures stay where they are when words come.
+  const place = await page.locator("#stagebox").boundingBox();
   await field(page, "jitter.rms").fill("bad");
   await field(page, "jitter.rms").press("Enter");
   await page.locator("#problem").waitFor();
+  assert.deepEqual(await page.locator("#stagebox").boundingBox(), place);
   await field(page, "jitter.rms").press("Escape");
   await settle(page);
   assert.ok(await page.evaluate(() => document.getElementById("problem").hidden && document.querySelector(".row.wrong") === null));
