@@ -113,58 +113,56 @@ struct Draw {
 
 }  // namespace
 
-Screen::Screen(const RenderScene& scene, const Camera& camera, int n, std::span<const std::uint32_t> likely,
-               int threads)
-    : scene_(scene), likely_(likely), n_(n), width_(camera.width * n), height_(camera.height * n) {
+void Screen::place(const RenderScene& scene, const Camera& camera, int n, std::span<const std::uint32_t> likely,
+                   int threads) {
+  scene_ = &scene;
+  likely_ = likely;
+  n_ = n;
+  width_ = camera.width * n, height_ = camera.height * n;
   place_corners(camera, threads);
-  constexpr std::int64_t kChunk = 1 << 14;
-  const auto triangles = static_cast<std::int64_t>(scene.facets().triangles.size());
-  const auto chunks = static_cast<std::size_t>((triangles + kChunk - 1) / kChunk),
-             bands = static_cast<std::size_t>((height_ + kRows - 1) / kRows);
+  constexpr std::size_t kChunk = 1 << 14;
+  const std::size_t triangles = scene.facets().triangles.size(), chunks = (triangles + kChunk - 1) / kChunk,
+                    bands = static_cast<std::size_t>(this->bands());
   const auto each_band = [&](const Seen& seen, const auto& work) {
     for (std::int64_t band = seen.y0 / kRows; band <= (seen.y1 - 1) / kRows; ++band)
       work(static_cast<std::size_t>(band));
   };
   const auto each_chunk = [&](const auto& work) {
-    mtf::parallel_for(triangles, kChunk, threads, [&](std::int64_t begin, std::int64_t end) {
-      for (std::int64_t from = begin; from < end; from += kChunk)
-        work(static_cast<std::size_t>(from / kChunk), from, std::min(from + kChunk, end));
+    mtf::parallel_for(static_cast<std::int64_t>(chunks), 1, threads, [&](std::int64_t begin, std::int64_t end) {
+      for (auto chunk = static_cast<std::size_t>(begin); chunk < static_cast<std::size_t>(end); ++chunk) work(chunk);
     });
   };
-  std::vector<std::vector<Seen>> seen(chunks);
+  seen_.resize(triangles);
+  std::vector<std::size_t> count(chunks);
   // How many of a chunk are in a band; then where its next one goes.
-  std::vector<std::size_t> of_chunk(chunks * bands, 0);
-  each_chunk([&](std::size_t chunk, std::int64_t from, std::int64_t to) {
-    seen[chunk] = seen_among(static_cast<std::uint32_t>(from), static_cast<std::uint32_t>(to));
-    for (const Seen& one : seen[chunk]) each_band(one, [&](std::size_t band) { ++of_chunk[chunk * bands + band]; });
+  next_.assign(chunks * bands, 0);
+  each_chunk([&](std::size_t chunk) {
+    const std::size_t from = chunk * kChunk, to = std::min(from + kChunk, triangles);
+    count[chunk] = find_seen(static_cast<std::uint32_t>(from), static_cast<std::uint32_t>(to), seen_.data() + from);
+    for (std::size_t i = from; i < from + count[chunk]; ++i)
+      each_band(seen_[i], [&](std::size_t band) { ++next_[chunk * bands + band]; });
   });
   std::size_t total = 0;
+  first_.clear();
   for (std::size_t band = 0; band < bands; ++band) {
     first_.push_back(total);
     for (std::size_t chunk = 0; chunk < chunks; ++chunk) {
-      std::size_t& next = of_chunk[chunk * bands + band];
+      std::size_t& next = next_[chunk * bands + band];
       total += std::exchange(next, total);
     }
   }
   first_.push_back(total);
   of_band_.resize(total);
-  std::vector<std::size_t> start{0};
-  for (const std::vector<Seen>& some : seen) start.push_back(start.back() + some.size());
-  seen_.resize(start.back());
-  each_chunk([&](std::size_t chunk, std::int64_t, std::int64_t) {
-    for (std::size_t i = 0; i < seen[chunk].size(); ++i) {
-      const std::size_t number = start[chunk] + i;
-      seen_[number] = seen[chunk][i];
-      each_band(seen_[number], [&](std::size_t band) {
-        of_band_[of_chunk[chunk * bands + band]++] = static_cast<std::uint32_t>(number);
-      });
-    }
+  each_chunk([&](std::size_t chunk) {
+    for (std::size_t i = chunk * kChunk; i < chunk * kChunk + count[chunk]; ++i)
+      each_band(seen_[i],
+                [&](std::size_t band) { of_band_[next_[chunk * bands + band]++] = static_cast<std::uint32_t>(i); });
   });
 }
 
 void Screen::place_corners(const Camera& camera, int threads) {
   using scene::operator-;
-  const std::vector<Point>& vertices = scene_.facets().vertices;
+  const std::vector<Point>& vertices = scene_->facets().vertices;
   corner_.resize(vertices.size());
   const double per_x = 1.0 / camera.step_x, per_y = 1.0 / camera.step_y;
   mtf::parallel_for(static_cast<std::int64_t>(vertices.size()), 1 << 14, threads,
@@ -178,11 +176,11 @@ void Screen::place_corners(const Camera& camera, int threads) {
                     });
 }
 
-std::vector<Screen::Seen> Screen::seen_among(std::uint32_t begin, std::uint32_t end) const {
+std::size_t Screen::find_seen(std::uint32_t begin, std::uint32_t end, Seen* out) const {
   constexpr double kNear = 1e-12;  // of the deepest corner: where an edge is cut that comes from behind the camera
   constexpr double kSlack = 0.15;  // points are at most 0.125 n-ths of a sample from where they were if evenly spread
-  const scene::Facets& facets = scene_.facets();
-  std::vector<Seen> seen;
+  const scene::Facets& facets = scene_->facets();
+  std::size_t count = 0;
   for (std::uint32_t t = begin; t < end; ++t) {
     const std::array<Corner, 3> c{corner_[facets.triangles[t][0]], corner_[facets.triangles[t][1]],
                                   corner_[facets.triangles[t][2]]};
@@ -192,7 +190,7 @@ std::vector<Screen::Seen> Screen::seen_among(std::uint32_t begin, std::uint32_t 
                           c[0].w * (c[1].x * c[2].y - c[1].y * c[2].x);
     // Rows run downwards: the front is seen where corners run clockwise.
     const std::uint32_t side = 2 * facets.facet_of[t] + (volume > 0.0 ? 1U : 0U);
-    if (volume == 0.0 || std::isnan(scene_.temperature_k[side])) continue;
+    if (volume == 0.0 || std::isnan(scene_->temperature_k[side])) continue;
     const double least = kNear * deepest;
     double left = std::numeric_limits<double>::infinity(), top = left, right = -left, bottom = -left;
     const double nearest = std::min({c[0].w, c[1].w, c[2].w});
@@ -225,9 +223,9 @@ std::vector<Screen::Seen> Screen::seen_among(std::uint32_t begin, std::uint32_t 
                    .y0 = first(top, height_),
                    .y1 = last(bottom, height_)};
     if (one.x0 >= one.x1 || one.y0 >= one.y1) continue;
-    seen.push_back(one);
+    out[count++] = one;
   }
-  return seen;
+  return count;
 }
 
 /// Whether everything in its part of a band is nearer than the triangle anywhere.
@@ -255,7 +253,7 @@ void Screen::draw(std::int64_t band, ScreenRows& out) const {
   const auto points = static_cast<std::size_t>(out.stride * kRows);
   out.nearness.assign(points, 0.0F);
   out.side.assign(points, scene::kNone);
-  const scene::Facets& facets = scene_.facets();
+  const scene::Facets& facets = scene_->facets();
   const PointPlaces places(n_, band * kRows);
   std::array<ScreenTriangle, 64> some;  // a few at a time stay in the cache
   std::size_t count = 0;

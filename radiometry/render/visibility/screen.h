@@ -50,12 +50,13 @@ class Screen {
  public:
   static constexpr std::int64_t kRows = 16;  ///< of points, in a band
 
-  /// The sides without a temperature, which are the insides of solids, are not drawn.
+  /// Finds where the triangles are on the screen of a camera, which draw() needs; memory is used again. The sides
+  /// without a temperature, which are the insides of solids, are not drawn.
   /// `likely`: of each side, kNone where it is not likely to be seen (empty: none is). What is seen does not depend on
-  /// it; the likely ones are drawn first, and what they hide costs next to nothing. Both outlive the screen.
-  Screen(const RenderScene& scene, const Camera& camera, int n, std::span<const std::uint32_t> likely, int threads);
+  /// it; the likely ones are drawn first, and what they hide costs next to nothing. Both outlive what is drawn.
+  void place(const RenderScene& scene, const Camera& camera, int n, std::span<const std::uint32_t> likely, int threads);
 
-  std::int64_t bands() const { return static_cast<std::int64_t>(first_.size()) - 1; }
+  std::int64_t bands() const { return (height_ + kRows - 1) / kRows; }
   /// Fills rows [kRows * band, kRows * (band + 1)), the last ones of which may lie beyond the image. From any number of
   /// threads at once. Of equally near triangles the first of the scene is seen.
   void draw(std::int64_t band, ScreenRows& out) const;
@@ -71,20 +72,22 @@ class Screen {
     std::int32_t x0, x1, y0, y1;
   };
   void place_corners(const Camera& camera, int threads);
-  std::vector<Seen> seen_among(std::uint32_t begin, std::uint32_t end) const;
+  /// Writes those of the triangles from `begin` to `end` that may be seen to `out`; returns how many there are.
+  std::size_t find_seen(std::uint32_t begin, std::uint32_t end, Seen* out) const;
 
   static constexpr std::int32_t kTile = 16;  ///< columns
   bool hidden(const Seen& seen, const std::vector<float>& least) const;
   void find_least(const ScreenRows& rows, std::int64_t count, std::vector<float>& least) const;
 
-  const RenderScene& scene_;
-  std::span<const std::uint32_t> likely_;
-  int n_;
-  std::int64_t width_, height_;  ///< in points
-  std::vector<Corner> corner_;   ///< of each vertex
-  std::vector<Seen> seen_;
-  std::vector<std::size_t> first_;  ///< of the bands, in `of_band_`
-  std::vector<std::uint32_t> of_band_;
+  const RenderScene* scene_ = nullptr;
+  std::span<const std::uint32_t> likely_{};
+  int n_ = 1;
+  std::int64_t width_ = 0, height_ = 0;   ///< in points
+  std::vector<Corner> corner_{};          ///< of each vertex
+  std::vector<Seen> seen_{};              ///< as many as there are triangles; some of each chunk of them are in use
+  std::vector<std::size_t> next_{};       ///< of each chunk and band, in `of_band_`
+  std::vector<std::size_t> first_{};      ///< of the bands, in `of_band_`
+  std::vector<std::uint32_t> of_band_{};  ///< numbers in `seen_`
 };
 
 }  // namespace radiometry::render

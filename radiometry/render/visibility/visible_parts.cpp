@@ -253,7 +253,8 @@ SamplePart sample_of(const SampleRun& run, std::uint32_t number, const Camera& c
 }
 
 void find_parts(const RenderScene& scene, const Camera& camera, const PartsOptions& options, VisibleParts& parts) {
-  const Screen screen(scene, camera, options.n, options.likely, options.threads);
+  Screen& screen = parts.screen;
+  screen.place(scene, camera, options.n, options.likely, options.threads);
   parts.camera = camera;
   parts.n = options.n;
   if (options.n == 1) parts_of<1>(scene, screen, camera, options, parts);

@@ -46,6 +46,7 @@ struct VisibleParts {
   PathExtent extent{};                         ///< of what is seen of facets
   std::size_t on_facets = 0;                   ///< parts, and samples of runs
   std::size_t divided = 0;                     ///< samples of more than one part
+  Screen screen{};                             ///< kept for its memory
 };
 
 struct PartsOptions {

@@ -88,7 +88,8 @@ void each_point(const RenderScene& scene, const Camera& eye, int n, const Look& 
   std::vector<std::uint32_t> likely(scene.temperature_k.size(), scene::kNone);
   for (std::size_t side = 0; side < likely.size(); ++side)
     if (side % 5 < 2) likely[side] = 0;
-  const Screen screen(scene, eye, n, likely, 1);
+  Screen screen;
+  screen.place(scene, eye, n, likely, 1);
   ScreenRows rows;
   for (std::int64_t band = 0; band < screen.bands(); ++band) {
     screen.draw(band, rows);
@@ -172,7 +173,8 @@ TEST(Screen, WhatIsLikelyToBeSeenChangesNoPoint) {
     std::vector<std::uint32_t> likely(share > 0.0 ? made.scene.temperature_k.size() : 0, scene::kNone);
     for (std::uint32_t& one : likely)
       if (uniform() < share) one = 0;
-    const Screen screen(made.scene, eye, 2, likely, 1);
+    Screen screen;
+    screen.place(made.scene, eye, 2, likely, 1);
     ScreenRows rows;
     std::pair<std::vector<float>, std::vector<std::uint32_t>> all;
     for (std::int64_t band = 0; band < screen.bands(); ++band) {
