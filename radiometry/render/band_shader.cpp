@@ -29,6 +29,19 @@ PathExtent with_room(const PathExtent& extent) {
   return {kNearer * extent.nearest_m, kFarther * extent.farthest_m, extent.lowest_m - room, extent.highest_m + room};
 }
 
+/// The same together with what the present tables cover, unless that is much more: otherwise a camera that goes to and
+/// fro has to wait for new tables again and again.
+PathExtent with_room(const PathExtent& extent, const PathExtent& present) {
+  constexpr double kMuch = 2.0;
+  const PathExtent own = with_room(extent),
+                   both{std::min(own.nearest_m, present.nearest_m), std::max(own.farthest_m, present.farthest_m),
+                        std::min(own.lowest_m, present.lowest_m), std::max(own.highest_m, present.highest_m)};
+  const auto ranges = [](const PathExtent& of) { return std::log(of.farthest_m / of.nearest_m); };
+  const auto heights = [](const PathExtent& of) { return of.highest_m - of.lowest_m; };
+  const bool much = !(ranges(both) <= kMuch * ranges(own) && heights(both) <= kMuch * heights(own));
+  return much ? own : both;
+}
+
 }  // namespace
 
 BandShader::BandShader(RenderBand band, const RenderScene& scene, const Patches& patches, const scene::Views& views,
@@ -153,19 +166,19 @@ bool BandShader::prepare(double camera_height_m, const PathExtent& extent, int t
         std::make_unique<Backdrop>(scene_, nodes_, sources_, view_.get(), camera_height_m, scene_.facets().lowest_m);
     return true;
   }
+  const PathExtent wanted = tables_ ? with_room(extent, grid_.extent) : with_room(extent);
   constexpr double kLeastAbove_m = 0.1;  // of a camera that has the ground below it
   const bool moves =
       tables_ && camera_height_m != camera_height_m_ && camera_height_m - scene_.facets().lowest_m > kLeastAbove_m;
   if (layered && moves) {
-    make_ends(camera_height_m, with_room(extent), threads);
+    make_ends(camera_height_m, wanted, threads);
     take_between(camera_height_m);
     return true;
   }
   std::unique_ptr<AirView> view;
   if (with_air_)
-    view = std::make_unique<AirView>(*scene_.air, nodes_, scene_.altitude_m, camera_height_m,
-                                     with_room(extent).farthest_m);
-  PathGrid grid = view ? path_grid(*view, nodes_, with_room(extent), tolerance_) : no_air(nodes_);
+    view = std::make_unique<AirView>(*scene_.air, nodes_, scene_.altitude_m, camera_height_m, wanted.farthest_m);
+  PathGrid grid = view ? path_grid(*view, nodes_, wanted, tolerance_) : no_air(nodes_);
   FromHeight own = from_height(camera_height_m, view.get(), grid, std::nullopt);
   promised_ = promised_error(band_.curves, curves_, *folds_, own.tables, grid, view.get());
   low_.reset(), high_.reset();

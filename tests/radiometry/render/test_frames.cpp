@@ -89,6 +89,26 @@ TEST(Renderer, ACameraThatSinksSeesTheGroundThroughItsAir) {
   }
 }
 
+// Tables that cover both places of a camera that goes to and fro serve both: their promise stays the same number.
+TEST(Renderer, ACameraThatGoesToAndFroKeepsItsTables) {
+  const SmallScene made = distant();
+  const auto from = [](double x) {
+    return camera({.position = {x, 0, 40}, .look_at = {x + 600, 0, 0}}, 64, 48, 0.006);
+  };
+  Renderer flying(made.scene, {lwir()}, {.points = 1});
+  const double far = flying.render(from(0.0)).promised[0], both = flying.render(from(200.0)).promised[0];
+  EXPECT_NE(far, both);
+  for (const double x : {0.0, 200.0, 100.0}) {
+    const RenderedFrame seen = flying.render(from(x)),
+                        there = Renderer(made.scene, {lwir()}, {.points = 1}).render(from(x));
+    EXPECT_EQ(seen.promised[0], both) << x;
+    EXPECT_LT(largest_difference(seen.radiance[0], there.radiance[0]), seen.promised[0] + there.promised[0]) << x;
+  }
+  // Ranges of another order, near the wall, have tables for them alone.
+  EXPECT_NE(flying.render(from(780.0)).promised[0], both);
+  EXPECT_EQ(flying.render(from(0.0)).promised[0], far);
+}
+
 // A pole of one sample before a wall in the shade has its own light.
 TEST(Renderer, ThinThingsHaveTheirOwnShadows) {
   scene::Mesh mesh = empty_mesh();
