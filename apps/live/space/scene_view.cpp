@@ -5,6 +5,8 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <numeric>
+#include <tuple>
 
 #include "apps/live/space/scene_rows.h"
 #include "apps/live/space/solved_scenes.h"
@@ -35,21 +37,21 @@ constexpr double kSamples = 2.0, kSamplesMoving = 1.0;  ///< a pitch
 constexpr int kPoints = 2, kPointsMoving = 1;           ///< n x n of a sample
 constexpr double kLightEvery_s = 1.0;                   ///< pictures at rest have the light of their own second
 
-/// Places around what the camera looks at, as far from it and as high as the camera is; those on its own side first.
+/// Places around what the camera looks at, as far from it and as high as the camera is: every fourth of a full circle
+/// first, then those in the middle between them, then all the others; of each of these the nearest first.
 std::vector<CameraPlace> places_around(const Viewpoint& from) {
-  constexpr int kPlaces = 16;
+  constexpr int kPlaces = 64;
   const auto& [x, y, z] = from.look_at_m;
   const double east = from.position_m[0] - x, north = from.position_m[1] - y, range = std::hypot(east, north);
+  std::array<int, kPlaces> turns;
+  std::iota(turns.begin(), turns.end(), 1 - kPlaces / 2);
+  std::ranges::stable_sort(turns, {},
+                           [](int turn) { return std::tuple(turn % 4 != 0, turn % 2 != 0, std::abs(turn)); });
   std::vector<CameraPlace> places;
-  for (int k = 0; k < kPlaces; ++k) {
-    const double angle = 2.0 * std::numbers::pi * k / kPlaces;
+  for (const int turn : turns) {
+    const double angle = std::atan2(north, east) + 2.0 * std::numbers::pi * turn / kPlaces;
     places.push_back({{x + range * std::cos(angle), y + range * std::sin(angle), from.position_m[2]}, from.look_at_m});
   }
-  const auto nearness = [&](const CameraPlace& place) {
-    return (place.position_m[0] - x) * east + (place.position_m[1] - y) * north;
-  };
-  std::sort(places.begin(), places.end(),
-            [&](const CameraPlace& a, const CameraPlace& b) { return nearness(a) > nearness(b); });
   return places;
 }
 
