@@ -36,15 +36,11 @@ std::string joined(const std::vector<std::string_view>& words) {
   return text;
 }
 
-std::string with_unit(const std::string& range, std::string_view unit) {
-  return range + (unit.empty() ? "" : " " + std::string(unit));
-}
-
 /// Of a key of a table.
 std::string values_of(const Parameter& key) {
   switch (key.type) {
     case Parameter::Type::number_or_file:
-      return with_unit(interval(key), key.unit) + ", or a file";
+      return mtf::with_unit(interval(key), key.unit) + ", or a file";
     case Parameter::Type::whole:
       return "whole, " + interval(key);
     case Parameter::Type::flag:
@@ -55,7 +51,7 @@ std::string values_of(const Parameter& key) {
     case Parameter::Type::file:
       return range_of(key);
     default:
-      return with_unit(interval(key), key.unit);
+      return mtf::with_unit(interval(key), key.unit);
   }
 }
 
@@ -77,7 +73,7 @@ std::string describe_component(const ComponentKind& kind) {
   TextTable table({"  parameter", "example", "range", "", ""});
   for (const Parameter& parameter : kind.parameters)
     table.add({"  " + written_name(parameter), std::string(parameter.example),
-               with_unit(range_of(parameter), parameter.unit), std::string(presence_of(parameter)),
+               mtf::with_unit(range_of(parameter), parameter.unit), std::string(presence_of(parameter)),
                std::string(parameter.doc)});
   return text + table.aligned();
 }

@@ -94,6 +94,13 @@ struct FieldInfo {
   std::string_view doc{};
 };
 
+/// Whether a value is finite and within the bounds.
+bool in_range(const FieldInfo& info, double value);
+/// The bounds of a value in this unit: "[0, 1) um".
+std::string range_text(const FieldInfo& info, std::string_view unit);
+/// "2 um is outside [0, 1) um".
+std::string outside_text(const FieldInfo& info, double value, std::string_view unit);
+
 /// An enumerated field: `names` are the words of the config.
 struct Choice {
   int index = 0;

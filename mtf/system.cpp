@@ -59,9 +59,8 @@ std::vector<Finding> findings_of(const System<double>& system, bool doubtful) {
     findings.push_back({std::move(where), {.error = true, .field = {}, .text = std::move(text)}});
   };
   const auto within = [&](std::string_view where, double value, std::string_view unit, double low, double high) {
-    if (!(value >= low && value <= high))
-      error(std::string(where), format_double(value) + (unit.empty() ? "" : " ") + std::string(unit) + " is outside [" +
-                                    format_double(low) + ", " + format_double(high) + "]");
+    const FieldInfo info{.name = where, .lo = low, .hi = high};
+    if (!in_range(info, value)) error(std::string(where), outside_text(info, value, unit));
   };
   within("frame.focal_length", frame.focal_length_mm, "mm", 1e-6, 1e7);
   within("frame.pitch_x", frame.pitch_x_um, "um", 1e-6, 1e6);

@@ -183,6 +183,11 @@ std::string format_double(double value) {
   return {buffer.data(), result.ptr};
 }
 
+std::string with_unit(std::string number, std::string_view unit) {
+  if (!unit.empty()) number.append(" ").append(unit);
+  return number;
+}
+
 std::string_view describe(Dimension dimension) {
   switch (dimension) {
     case Dimension::none:

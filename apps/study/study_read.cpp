@@ -219,10 +219,8 @@ std::optional<double> read_held(StudyReader& s, const Node& node, const mtf::Fie
     }
     scalar->value = mtf::convert({scalar->value, scalar->unit}, info.unit);
   }
-  if (cfg::in_range(info, scalar->value)) return scalar->value;
-  s.error(node.position, path,
-          mtf::format_double(scalar->value) + (info.unit.empty() ? "" : " ") + std::string(info.unit) + " is outside " +
-              cfg::range_text(info));
+  if (mtf::in_range(info, scalar->value)) return scalar->value;
+  s.error(node.position, path, mtf::outside_text(info, scalar->value, info.unit));
   return std::nullopt;
 }
 

@@ -4,28 +4,33 @@
 #include <cmath>
 #include <string>
 
-namespace mtf::detail {
-namespace {
+namespace mtf {
 
 bool in_range(const FieldInfo& info, double value) {
-  if (!std::isfinite(value)) return false;
-  return (info.lo_open ? value > info.lo : value >= info.lo) && (info.hi_open ? value < info.hi : value <= info.hi);
+  return std::isfinite(value) && (info.lo_open ? value > info.lo : value >= info.lo) &&
+         (info.hi_open ? value < info.hi : value <= info.hi);
 }
 
-/// Text of an allowed interval: "[0, 1)".
-std::string range_text(const FieldInfo& info) {
-  return (info.lo_open ? "(" : "[") + format_double(info.lo) + ", " + format_double(info.hi) +
-         (info.hi_open ? ")" : "]");
+std::string range_text(const FieldInfo& info, std::string_view unit) {
+  return with_unit(
+      (info.lo_open ? "(" : "[") + format_double(info.lo) + ", " + format_double(info.hi) + (info.hi_open ? ")" : "]"),
+      unit);
 }
+
+std::string outside_text(const FieldInfo& info, double value, std::string_view unit) {
+  return with_unit(format_double(value), unit) + " is outside " + range_text(info, unit);
+}
+
+namespace detail {
+namespace {
 
 void check_field(const FieldRef<double>& field, const Context<double>& ctx, std::vector<Problem>& problems) {
   const FieldInfo& info = *field.info;
   const auto missing = [&] { problems.push_back({.field = std::string(info.name), .text = "missing"}); };
   const auto bounded = [&](std::string_view suffix, double value, std::string_view unit) {
     if (in_range(info, value)) return;
-    problems.push_back({.field = std::string(info.name) + std::string(suffix),
-                        .text = format_double(value) + (unit.empty() ? "" : " ") + std::string(unit) + " is outside " +
-                                range_text(info)});
+    problems.push_back(
+        {.field = std::string(info.name) + std::string(suffix), .text = outside_text(info, value, unit)});
   };
   std::visit(
       [&](auto* value) {
@@ -84,4 +89,5 @@ std::vector<Problem> check_fields(std::span<const FieldRef<double>> fields, cons
   return problems;
 }
 
-}  // namespace mtf::detail
+}  // namespace detail
+}  // namespace mtf

@@ -27,10 +27,6 @@ using radiometry::heat::Schedule;
 
 constexpr std::size_t kLongestText = 1024;
 
-std::string with_unit(double value, const FieldInfo& field) {
-  return mtf::format_double(value) + (field.unit.empty() ? "" : " ") + std::string(field.unit);
-}
-
 /// The example without its quotes: "45 W/m/K".
 std::string bare_example(const FieldInfo& field) {
   std::string text(field.example);
@@ -82,14 +78,13 @@ std::optional<double> read_plain_si(const Section& section, const Node& node, co
       return fail(printable(error.what(), 400));
     }
   }
-  if (cfg::in_range(field, value)) return value;
+  if (mtf::in_range(field, value)) return value;
   const bool in_other_unit =
       !node.is_number() && !field.unit.empty() && !node.text.ends_with(" " + std::string(field.unit));
   const std::string given = in_other_unit ? printable(node.text, 60) + ", which is " + significant(value, 9) + " " +
                                                 std::string(field.unit) + ","
-                                          : with_unit(value, field);
-  return fail(given + " is outside " + cfg::range_text(field) +
-              (field.unit.empty() ? "" : " " + std::string(field.unit)));
+                                          : mtf::with_unit(mtf::format_double(value), field.unit);
+  return fail(given + " is outside " + mtf::range_text(field, field.unit));
 }
 
 std::optional<double> read_si(const Section& section, const FieldInfo& field) {
@@ -141,12 +136,11 @@ std::optional<std::string> read_path(const Section& section, std::string_view ke
 
 std::optional<std::string> out_of_range(const Schedule& schedule, const FieldInfo& field, double origin_s) {
   for (std::size_t i = 0; i < schedule.value.size(); ++i) {
-    if (cfg::in_range(field, schedule.value[i])) continue;
+    if (mtf::in_range(field, schedule.value[i])) continue;
     const TimedTable table = parse_timed_table(mtf::io::read_table_text(schedule.source), schedule.source, origin_s);
     const auto at = std::find(table.time_s.begin(), table.time_s.end(), schedule.time_s[i]) - table.time_s.begin();
     return error_at(schedule.source, table.line.at(static_cast<std::size_t>(at))) +
-           with_unit(schedule.value[i], field) + " is outside " + cfg::range_text(field) + " " +
-           std::string(field.unit);
+           mtf::outside_text(field, schedule.value[i], field.unit);
   }
   return std::nullopt;
 }

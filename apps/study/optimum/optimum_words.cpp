@@ -19,10 +19,6 @@ std::string digits(double value, int count) {
   return text;
 }
 
-std::string with_unit(const std::string& number, const std::string& unit) {
-  return unit.empty() ? number : number + " " + unit;
-}
-
 /// The power of ten about a hundredth of the limit, to say what a little more room gives.
 double little(double limit) {
   return limit == 0.0 || !std::isfinite(limit) ? 1.0 : std::pow(10.0, std::floor(std::log10(0.05 * std::abs(limit))));
@@ -39,7 +35,7 @@ std::string gain_text(const Study& study, const OptimizeOptions& options, double
   if (used > 1) return "improve the weighted sum by " + digits(gain, 3);
   const Objective& objective = study.objectives[which];
   return (objective.maximize ? "raise " : "lower ") + objective.text + " by " +
-         with_unit(digits(gain / options.weights[which], 3), objective.unit);
+         mtf::with_unit(digits(gain / options.weights[which], 3), objective.unit);
 }
 
 std::string joined(const std::vector<std::string>& parts) {
@@ -60,8 +56,8 @@ void limits(const Study& study, const OptimizeOptions& options, const Optimum& b
     } else {
       const double step = little(limit.value);
       limited = true;
-      lines.push_back(limit.text + " limits: relaxing it by " + with_unit(digits(step, 3), limit.unit) + " would " +
-                      gain_text(study, options, limit.gain * step));
+      lines.push_back(limit.text + " limits: relaxing it by " + mtf::with_unit(digits(step, 3), limit.unit) +
+                      " would " + gain_text(study, options, limit.gain * step));
     }
   }
   if (!idle.empty()) lines.push_back("active without limiting: " + joined(idle));
@@ -83,8 +79,8 @@ std::vector<std::string> sentences(const Study& study, const OptimizeOptions& op
   if (outcome.status == Status::infeasible) {
     lines.push_back("no design found that meets every constraint; this is the nearest");
     for (const Violation& v : best.violations)
-      lines.push_back(study.constraints[v.constraint].text + " is missed by " + with_unit(digits(v.by, 4), v.unit) +
-                      " (" + digits(100.0 * v.share, 3) + " %)");
+      lines.push_back(study.constraints[v.constraint].text + " is missed by " +
+                      mtf::with_unit(digits(v.by, 4), v.unit) + " (" + digits(100.0 * v.share, 3) + " %)");
     if (outcome.contradiction.size() > 1) lines.push_back("contradict each other: " + joined(outcome.contradiction));
     return lines;
   }

@@ -22,9 +22,7 @@ std::string rounded(double value) {
   return text.data();
 }
 
-std::string with_unit(double value, std::string_view unit) {
-  return rounded(value) + (unit.empty() ? "" : " ") + std::string(unit);
-}
+std::string with_unit(double value, std::string_view unit) { return mtf::with_unit(rounded(value), unit); }
 
 /// One value for both axes, or both of them.
 std::string per_axis(double x, double y, std::string_view unit) {

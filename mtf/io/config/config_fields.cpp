@@ -101,8 +101,7 @@ std::optional<double> read_number(const Section& section, const FieldInfo& info,
   const auto scalar = read_plain(section.reader, *node, info, section.at(key));
   if (!scalar) return std::nullopt;
   if (in_range(info, scalar->value)) return scalar->value;
-  section.error(key, format_double(scalar->value) + (info.unit.empty() ? "" : " ") + std::string(info.unit) +
-                         " is outside " + range_text(info));
+  section.error(key, outside_text(info, scalar->value, info.unit));
   return std::nullopt;
 }
 
@@ -172,7 +171,7 @@ std::optional<int> read_whole(const Section& section, const FieldInfo& info) {
     return std::nullopt;
   }
   if (in_range(info, node->number)) return static_cast<int>(node->integer);
-  section.error(info.name, shown(*node) + " is outside " + range_text(info));
+  section.error(info.name, shown(*node) + " is outside " + range_text(info, ""));
   return std::nullopt;
 }
 

@@ -93,16 +93,6 @@ const Node* find_table(const Section& parent, std::string_view key) {
   return nullptr;
 }
 
-bool in_range(const FieldInfo& info, double value) {
-  return std::isfinite(value) && (info.lo_open ? value > info.lo : value >= info.lo) &&
-         (info.hi_open ? value < info.hi : value <= info.hi);
-}
-
-std::string range_text(const FieldInfo& info) {
-  return (info.lo_open ? "(" : "[") + format_double(info.lo) + ", " + format_double(info.hi) +
-         (info.hi_open ? ")" : "]");
-}
-
 std::string missing_text(const FieldInfo& info) {
   return "missing; write for example " + std::string(info.name) + " = " + std::string(info.example) + " (" +
          std::string(info.doc) + ")";

@@ -94,8 +94,6 @@ std::string toml_scalar(const Scalar& scalar);
 /// A fit table; the value of it when usable. In config_fit.cpp.
 std::optional<Scalar> read_fit(Reader& reader, const Node& table, const FieldInfo& info, const std::string& path);
 
-bool in_range(const FieldInfo& info, double value);
-std::string range_text(const FieldInfo& info);
 /// `missing; write rms = "8 urad" (rms displacement of one axis, one sigma)`
 std::string missing_text(const FieldInfo& info);
 /// "did you mean …" and the list of what is known.

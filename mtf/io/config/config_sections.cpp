@@ -113,7 +113,8 @@ void read_sample(const Section& section, const Frame<double>& frame, SceneDefaul
     if (!(frame.focal_length_mm > 0.0)) return std::nullopt;  // reported there
     const double um = frame.um_from_urad(angle_urad);
     if (in_range(kSample, um)) return um;
-    section.error(key, "a sample of " + format_double(um) + " um at the focal plane is outside " + range_text(kSample));
+    section.error(
+        key, "a sample of " + format_double(um) + " um at the focal plane is outside " + range_text(kSample, "um"));
     return std::nullopt;
   };
   if (first == "sample") scene.sample_x_um = scene.sample_y_um = read_number(section, kSample, "sample");
@@ -145,8 +146,7 @@ void read_scene_aperture(const Section& section, SceneDefaults& scene) {
   if (sized && read_axis_pair(section, kApertureSize, scene.aperture_size, false)) {
     const auto check = [&](std::string_view key, const Extent<double>& size) {
       if (!in_range(kApertureSize, size.value))
-        section.error(key, format_double(size.value) + " " + std::string(size.unit->name) + " is outside " +
-                               range_text(kApertureSize));
+        section.error(key, outside_text(kApertureSize, size.value, size.unit->name));
     };
     check(scene.aperture_size.split ? "aperture_size_x" : "aperture_size", scene.aperture_size.x);
     if (scene.aperture_size.split) check("aperture_size_y", scene.aperture_size.y);

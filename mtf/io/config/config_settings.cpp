@@ -45,8 +45,7 @@ std::optional<SettingValue> read_bounded(const Section& section, const FieldInfo
     return std::nullopt;
   }
   if (in_range(info, scalar->value)) return scalar->value;
-  section.error(info.name, format_double(scalar->value) + (info.unit.empty() ? "" : " ") + std::string(info.unit) +
-                               " is outside " + range_text(info));
+  section.error(info.name, outside_text(info, scalar->value, info.unit));
   return std::nullopt;
 }
 
