@@ -39,7 +39,8 @@ using namespace live;
 
 /// The memory of pictures comes and goes with every frame, and touching a page of it for the first time may take 15 us
 /// on a virtual machine: 5 ms for a picture of 640 x 512. So there is one heap for all threads, and what is free in it
-/// stays for the next picture; blocks of 32 MiB and more go back to the system. Called before there are threads.
+/// stays for the next picture, up to 256 MiB at its end; blocks of 32 MiB and more go back to the system. Called before
+/// there are threads.
 void keep_memory() {
 #ifdef __GLIBC__
   mallopt(M_ARENA_MAX, 1);

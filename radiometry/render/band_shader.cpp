@@ -32,13 +32,14 @@ PathExtent with_room(const PathExtent& extent) {
 /// The same together with what the present tables cover, unless that is much more: otherwise a camera that goes to and
 /// fro has to wait for new tables again and again.
 PathExtent with_room(const PathExtent& extent, const PathExtent& present) {
-  constexpr double kMuch = 2.0;
+  constexpr double kMuch = 2.0, kFlat_m = 1.0;
   const PathExtent own = with_room(extent),
                    both{std::min(own.nearest_m, present.nearest_m), std::max(own.farthest_m, present.farthest_m),
                         std::min(own.lowest_m, present.lowest_m), std::max(own.highest_m, present.highest_m)};
   const auto ranges = [](const PathExtent& of) { return std::log(of.farthest_m / of.nearest_m); };
   const auto heights = [](const PathExtent& of) { return of.highest_m - of.lowest_m; };
-  const bool much = !(ranges(both) <= kMuch * ranges(own) && heights(both) <= kMuch * heights(own));
+  const bool much = !(ranges(both) <= kMuch * ranges(own) && both.farthest_m <= kMuch * own.farthest_m &&
+                      heights(both) <= kMuch * std::max(heights(own), kFlat_m));
   return much ? own : both;
 }
 

@@ -36,8 +36,9 @@ class BandShader {
   /// Temperatures of the scene are others: nothing that depends on them is kept.
   void temperatures_changed();
   /// Sees to it that tables hold for a camera at that height and what it sees; returns whether they are others than
-  /// before. The tables of the first height are its own. A camera that leaves it gets those of two heights about it, as
-  /// far apart as keeps the promise below kBetweenHeights, at least 12 m, and straight lines between them.
+  /// before. They may also hold for what earlier frames saw. The tables of the first height are its own. A camera that
+  /// leaves it gets those of two heights about it, as far apart as keeps the promise below kBetweenHeights, at least 12
+  /// m, and straight lines between them.
   bool prepare(double camera_height_m, const PathExtent& extent, int threads = 0);
   /// The values of the sides that are shown, for this camera; only of those whose cell or tables changed. Returns how
   /// many.

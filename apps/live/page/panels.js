@@ -36,6 +36,7 @@ export function problem(error, body) {
   atControl();
   $("problem").textContent = text;
   $("problem").hidden = false;
+  $("said").scrollTop = 0;
   if (edit) follow();
 }
 /** The words stand at the control that they are about, once it is there. */
@@ -178,7 +179,7 @@ export function facts(tags, rate) {
   $("preview-tag").textContent = app.stale.some(Boolean) ? "picture of earlier values" : frame.solving ? `heat balance: ${frame.solving}` : "preview";
   $("left-tag").textContent = tags[0] ?? "";
   $("right-tag").textContent = tags[1] ?? "";
-  if (frame.warnings.length > 0) $("facts").append(Object.assign(document.createElement("p"), { className: "warn", textContent: frame.warnings.join("\n") }));
+  if (frame.warnings.length > 0) $("facts").prepend(Object.assign(document.createElement("p"), { className: "warn", textContent: frame.warnings.join("\n") }));
   showLeftOut($("left-out"), frame);
   app.place?.showClosures(frame.closures);
 }

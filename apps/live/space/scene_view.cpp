@@ -37,19 +37,22 @@ constexpr double kSamples = 2.0, kSamplesMoving = 1.0;  ///< a pitch
 constexpr int kPoints = 2, kPointsMoving = 1;           ///< n x n of a sample
 constexpr double kLightEvery_s = 1.0;                   ///< pictures at rest have the light of their own second
 
-/// Places around what the camera looks at, as far from it and as high as the camera is: every fourth of a full circle
-/// first, then those in the middle between them, then all the others; of each of these the nearest first.
+/// Places around what the camera looks at, as far from it and as high as the camera is: first every fourth of 64 on a
+/// circle, then those halfway between them, then the rest; in each group the nearest to the camera first. They stay the
+/// same when the camera turns.
 std::vector<CameraPlace> places_around(const Viewpoint& from) {
   constexpr int kPlaces = 64;
+  constexpr double kStep = 2.0 * std::numbers::pi / kPlaces;
   const auto& [x, y, z] = from.look_at_m;
   const double east = from.position_m[0] - x, north = from.position_m[1] - y, range = std::hypot(east, north);
   std::array<int, kPlaces> turns;
   std::iota(turns.begin(), turns.end(), 1 - kPlaces / 2);
   std::ranges::stable_sort(turns, {},
                            [](int turn) { return std::tuple(turn % 4 != 0, turn % 2 != 0, std::abs(turn)); });
+  const double here = std::round(std::atan2(north, east) / kStep);
   std::vector<CameraPlace> places;
   for (const int turn : turns) {
-    const double angle = std::atan2(north, east) + 2.0 * std::numbers::pi * turn / kPlaces;
+    const double angle = kStep * (here + turn);
     places.push_back({{x + range * std::cos(angle), y + range * std::sin(angle), from.position_m[2]}, from.look_at_m});
   }
   return places;

@@ -53,7 +53,8 @@ class Screen {
   /// Finds where the triangles are on the screen of a camera, which draw() needs; memory is used again. The sides
   /// without a temperature, which are the insides of solids, are not drawn.
   /// `likely`: of each side, kNone where it is not likely to be seen (empty: none is). What is seen does not depend on
-  /// it; the likely ones are drawn first, and what they hide costs next to nothing. Both outlive what is drawn.
+  /// it; the likely ones are drawn first, and what they hide costs next to nothing. Scene and `likely`
+  /// have to outlive the last draw().
   void place(const RenderScene& scene, const Camera& camera, int n, std::span<const std::uint32_t> likely, int threads);
 
   std::int64_t bands() const { return (height_ + kRows - 1) / kRows; }
