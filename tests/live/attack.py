@@ -204,8 +204,8 @@ def places(folder):
         (folder / name).write_text(text)
     server = Server("--stay", str(folder / "scene.toml"), str(folder / "camera.toml"))
     try:
+        expect("the camera of the start", server.ask("POST", "/frame", "{}")[0], 200)  # waits for the scene, as start does not
         begin = json.loads(server.ask("POST", "/start", "{}")[1])["space"]["begin_s"]
-        expect("the camera of the start", server.ask("POST", "/frame", "{}")[0], 200)
         good = '{"position": [3, -30, 9], "look_at": [0, 0, 0], "utc_s": %r, "may_lag": true, "preview": true, "before": true, "side": "left"}' % begin
         expect("another camera", server.ask("POST", "/frame", good)[0], 200)
         points = ("[NaN, 0, 0]", "[1e999, 0, 0]", "[1e308, 0, 0]", "[-1e7, 0, 0]", "[0, 0]", "[0, 0, 0, 0]", "[]", "3", "true", '"../x"', '["1", "2", "3"]',
