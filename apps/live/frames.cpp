@@ -18,7 +18,7 @@ constexpr std::size_t kKept = 6;  // frames: two pages with the ones they show a
 /// Least and largest of the finite values; 0 and 0 where there is none.
 std::pair<double, double> ends_of(mtf::ImageView<const float> image) {
   const mtf::Statistics s = mtf::statistics(image);
-  return std::isfinite(s.min) && std::isfinite(s.max) ? std::pair{s.min, s.max} : std::pair{0.0, 0.0};
+  return {s.min, s.max};
 }
 
 /// The values between which all but a share of both ends lie, of some thousand pixels.

@@ -68,6 +68,7 @@ struct Renderer::Parts {
   std::vector<BandShader> surface{};  ///< of each band without air, where layers need it; else none
   std::unique_ptr<VisibleSides> sides{};
   std::optional<SidesInSun> in_sun{};                   ///< where shadows matter
+  Screen screen{};                                      ///< of both of these, one after the other
   VisibleParts parts{}, middles{};                      ///< of the frame, and of its layers
   double camera_height_m = 0.0, height_before_m = 0.0;  ///< of the last two frames
   bool angles = false;                                  ///< some finish depends on the angle, or is glossy
@@ -217,7 +218,7 @@ RenderedFrame Renderer::render(const Camera& camera, std::optional<int> points) 
   find_parts(
       my.scene, camera,
       {.n = options.points, .runs = !options.ray_shadows, .likely = my.sides->numbers(), .threads = options.threads},
-      my.parts);
+      my.screen, my.parts);
   if (my.parts.on_facets == 0) {
     if (!options.empty_views)
       throw mtf::UsageError("the camera sees no facet of the scene: turn it, or move it nearer");
@@ -257,7 +258,8 @@ RenderedFrame Renderer::render(const Camera& camera, std::optional<int> points) 
 void Renderer::add_layers(const Camera& camera, bool shadows, RenderedFrame& frame) {
   Parts& my = *parts_;
   const int threads = my.options.threads;
-  find_parts(my.scene, camera, {.n = 1, .runs = false, .likely = my.sides->numbers(), .threads = threads}, my.middles);
+  find_parts(my.scene, camera, {.n = 1, .runs = false, .likely = my.sides->numbers(), .threads = threads}, my.screen,
+             my.middles);
   my.sides->add(my.middles);
   const MirrorRays mirrors = my.mirrors_of(camera, my.middles);
   if (shadows) my.shadows_on(my.middles);

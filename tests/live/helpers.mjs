@@ -55,7 +55,8 @@ export async function open(context, address) {
   await page.waitForFunction(() => window.mtfLive?.text);
   return { page, said, asked };
 }
-export const rest = (page) => page.waitForFunction(() => window.mtfLive?.frame && window.mtfLive.figures && !window.mtfLive.busy, null, { timeout: 60000 }); // pictures of the largest formats that sliders reach take long
+// A picture of the largest format that sliders reach takes long.
+export const rest = (page) => page.waitForFunction(() => window.mtfLive?.frame && window.mtfLive.figures && !window.mtfLive.busy, null, { timeout: 60000 });
 /** At rest, and still at rest when what that has begun is over. */
 export const settle = async (page) => {
   await page.waitForTimeout(10);

@@ -203,6 +203,7 @@ void Flight::look_ahead(std::span<const CameraPlace> places) {
   state.ahead.take(*light.renderer);
   if (state.ahead_light != state.lights) state.ahead.forget();
   state.ahead_light = state.lights;
+  if (state.ahead.is_working()) return;
   const PictureSensor& sensor = state.last_sensor->picture;
   std::vector<render::Camera> cameras;
   for (const CameraPlace& place : places) try {
@@ -210,7 +211,7 @@ void Flight::look_ahead(std::span<const CameraPlace> places) {
       if (!state.ahead.has_seen(camera, 0.02 * light.scene.scene.facets().half_extent_m)) cameras.push_back(camera);
     } catch (const mtf::UsageError&) {  // no camera can be there
     }
-  if (cameras.empty() || state.ahead.is_working()) return;
+  if (cameras.empty()) return;
   state.ahead.begin(std::move(cameras), [&state, key = light.key, sensor, views = light.renderer->known()] {
     return state.made(key, sensor, views);
   });

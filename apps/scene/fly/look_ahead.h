@@ -30,8 +30,8 @@ class LookAhead {
   void enough() { enough_ = true; }
   /// Gives the views that were found to `renderer`, if the thread has ended; else does nothing.
   void take(radiometry::render::Renderer& renderer);
-  /// Whether the scene was already rendered by a camera with the same lens and format, less than `near_m` away from
-  /// this one and pointing in nearly the same direction (cosine above 0.999).
+  /// Whether a camera with the same lens and format, less than `near_m` away from this one and pointing in nearly the
+  /// same direction (cosine above 0.999), has had its turn; it may be in a place that there is no picture from.
   bool has_seen(const radiometry::render::Camera& camera, double near_m) const;
   void forget() { looked_from_.clear(); }  ///< for another light, which needs views of its own
 

@@ -67,9 +67,9 @@ void check_column(const Weather& weather, const Range& range, std::vector<std::s
     return (std::isnan(a) ? -1e300 : a) < (std::isnan(b) ? -1e300 : b);
   });
   std::string text = place_of(weather, static_cast<std::size_t>(bad - values.begin())) +
-                     "error: " + std::string(quantity_name(range.quantity)) + " " + shown(*bad) +
-                     (range.unit.empty() ? "" : " " + std::string(range.unit)) + " is outside of " + shown(range.lo) +
-                     " ... " + shown(range.hi);
+                     "error: " + std::string(quantity_name(range.quantity)) + " " +
+                     mtf::with_unit(shown(*bad), range.unit) + " is outside of " + shown(range.lo) + " ... " +
+                     shown(range.hi);
   if (count > 1) text += " (and " + std::to_string(count - 1) + " more records)";
   faults.push_back(
       text + "; " +

@@ -135,19 +135,19 @@ void Screen::place(const RenderScene& scene, const Camera& camera, int n, std::s
   seen_.resize(triangles);
   std::vector<std::size_t> count(chunks);
   // How many of a chunk are in a band; then where its next one goes.
-  next_.assign(chunks * bands, 0);
+  std::vector<std::size_t> of_chunk(chunks * bands, 0);
   each_chunk([&](std::size_t chunk) {
     const std::size_t from = chunk * kChunk, to = std::min(from + kChunk, triangles);
     count[chunk] = find_seen(static_cast<std::uint32_t>(from), static_cast<std::uint32_t>(to), seen_.data() + from);
     for (std::size_t i = from; i < from + count[chunk]; ++i)
-      each_band(seen_[i], [&](std::size_t band) { ++next_[chunk * bands + band]; });
+      each_band(seen_[i], [&](std::size_t band) { ++of_chunk[chunk * bands + band]; });
   });
   std::size_t total = 0;
   first_.clear();
   for (std::size_t band = 0; band < bands; ++band) {
     first_.push_back(total);
     for (std::size_t chunk = 0; chunk < chunks; ++chunk) {
-      std::size_t& next = next_[chunk * bands + band];
+      std::size_t& next = of_chunk[chunk * bands + band];
       total += std::exchange(next, total);
     }
   }
@@ -156,7 +156,7 @@ void Screen::place(const RenderScene& scene, const Camera& camera, int n, std::s
   each_chunk([&](std::size_t chunk) {
     for (std::size_t i = chunk * kChunk; i < chunk * kChunk + count[chunk]; ++i)
       each_band(seen_[i],
-                [&](std::size_t band) { of_band_[next_[chunk * bands + band]++] = static_cast<std::uint32_t>(i); });
+                [&](std::size_t band) { of_band_[of_chunk[chunk * bands + band]++] = static_cast<std::uint32_t>(i); });
   });
 }
 

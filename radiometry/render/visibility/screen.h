@@ -53,8 +53,8 @@ class Screen {
   /// Finds where the triangles are on the screen of a camera, which draw() needs; memory is used again. The sides
   /// without a temperature, which are the insides of solids, are not drawn.
   /// `likely`: of each side, kNone where it is not likely to be seen (empty: none is). What is seen does not depend on
-  /// it; the likely ones are drawn first, and what they hide costs next to nothing. Scene and `likely`
-  /// have to outlive the last draw().
+  /// it; the likely ones are drawn first, and what they hide costs next to nothing. Scene and `likely` have to
+  /// outlive the last draw().
   void place(const RenderScene& scene, const Camera& camera, int n, std::span<const std::uint32_t> likely, int threads);
 
   std::int64_t bands() const { return (height_ + kRows - 1) / kRows; }
@@ -86,7 +86,6 @@ class Screen {
   std::int64_t width_ = 0, height_ = 0;   ///< in points
   std::vector<Corner> corner_{};          ///< of each vertex
   std::vector<Seen> seen_{};              ///< as many as there are triangles; some of each chunk of them are in use
-  std::vector<std::size_t> next_{};       ///< of each chunk and band, in `of_band_`
   std::vector<std::size_t> first_{};      ///< of the bands, in `of_band_`
   std::vector<std::uint32_t> of_band_{};  ///< numbers in `seen_`
 };

@@ -252,8 +252,8 @@ SamplePart sample_of(const SampleRun& run, std::uint32_t number, const Camera& c
           .lit = run.lit};
 }
 
-void find_parts(const RenderScene& scene, const Camera& camera, const PartsOptions& options, VisibleParts& parts) {
-  Screen& screen = parts.screen;
+void find_parts(const RenderScene& scene, const Camera& camera, const PartsOptions& options, Screen& screen,
+                VisibleParts& parts) {
   screen.place(scene, camera, options.n, options.likely, options.threads);
   parts.camera = camera;
   parts.n = options.n;

@@ -46,7 +46,6 @@ struct VisibleParts {
   PathExtent extent{};                         ///< of what is seen of facets
   std::size_t on_facets = 0;                   ///< parts, and samples of runs
   std::size_t divided = 0;                     ///< samples of more than one part
-  Screen screen{};                             ///< kept for its memory
 };
 
 struct PartsOptions {
@@ -55,9 +54,10 @@ struct PartsOptions {
   std::span<const std::uint32_t> likely{};  ///< as in screen.h
   int threads = 0;
 };
-/// Fills `parts`, whose memory is used again. What is seen does not depend on `runs`, `likely` and `threads`; the
-/// nearest range of `extent` is a lower bound where there are runs.
-void find_parts(const RenderScene& scene, const Camera& camera, const PartsOptions& options, VisibleParts& parts);
+/// Fills `parts`; the memory of `screen` and `parts` is used again. What is seen does not depend on `runs`, `likely`
+/// and `threads`; the nearest range of `extent` is a lower bound where there are runs.
+void find_parts(const RenderScene& scene, const Camera& camera, const PartsOptions& options, Screen& screen,
+                VisibleParts& parts);
 
 /// Where a part is, in samples from the outer corner of the image.
 struct PlaceInImage {
