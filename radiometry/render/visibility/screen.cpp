@@ -91,17 +91,19 @@ struct Draw {
           const std::int32_t to = std::min(right - x, kBlock);
           for (std::int32_t k = std::max(left - x, 0) & -kLanes; k < to; k += kLanes) {
             const Floats at = simd::load<Floats>(places->in_block.data() + k);
-            const Ints outside = __builtin_bit_cast(Ints, a0 * at + e0) | __builtin_bit_cast(Ints, a1 * at + e1) |
-                                 __builtin_bit_cast(Ints, a2 * at + e2);
+            const Ints signs = __builtin_bit_cast(Ints, a0 * at + e0) | __builtin_bit_cast(Ints, a1 * at + e1) |
+                               __builtin_bit_cast(Ints, a2 * at + e2);
             Floats near = aw * at + ew;
-            near = near < least ? least : near;
-            near = near > most ? most : near;
+            near = near > least ? near : least;
+            near = near < most ? near : most;
             float* const nearness = rows->nearness.data() + row + x + k;
             std::uint32_t* const shown = rows->side.data() + row + x + k;
             const Floats before = simd::load<Floats>(nearness);
             const Ints other = simd::load<Ints>(shown);
-            const Ints drawn = ~(outside >> 31) &  // no sign bit is set inside
-                               ((near > before) | ((near == before) & (side < other)));
+            // Nearer, or as near and of a lower number. Numbers that are not negative have the order of their bits. GCC
+            // 12 takes a logic of comparisons of 64-byte vectors apart, lane by lane.
+            const Ints further = __builtin_bit_cast(Ints, before) - __builtin_bit_cast(Ints, near);
+            const Ints drawn = ~(signs >> 31) & ((further + ((side - other) >> 31)) >> 31);
             simd::store(drawn ? near : before, nearness);
             simd::store(drawn ? side : other, shown);
           }
