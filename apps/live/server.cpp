@@ -93,6 +93,16 @@ void answer_text(httplib::Response& response, int status, const std::string& tex
   response.set_content(text + "\n", "text/plain; charset=utf-8");
 }
 
+/// Sends `bytes` as they are, without a copy; `owner` keeps them. A body that httplib holds itself it would compress,
+/// which on the way to this machine takes time alone: 0.16 s of the page's script.
+void provide(httplib::Response& response, std::string_view bytes, const std::string& type,
+             std::shared_ptr<const void> owner = nullptr) {
+  response.set_content_provider(bytes.size(), type,
+                                [bytes, owner](std::size_t offset, std::size_t length, httplib::DataSink& sink) {
+                                  return sink.write(bytes.data() + offset, length);
+                                });
+}
+
 }  // namespace
 
 struct Server::State {
@@ -136,13 +146,7 @@ void Server::State::serve(const httplib::Request& request, httplib::Response& re
   }
   Answer made = answer(place, request.body);
   response.status = made.status;
-  const auto body = std::move(made.body);
-  if (body->empty()) return;
-  // From the memory of the answer: a picture is not copied once more.
-  response.set_content_provider(body->size(), made.type,
-                                [body](std::size_t offset, std::size_t length, httplib::DataSink& sink) {
-                                  return sink.write(body->data() + offset, length);
-                                });
+  if (!made.body->empty()) provide(response, *made.body, made.type, made.body);
 }
 
 Server::Server(const ServerOptions& options, std::function<const PageFile*(const std::string&)> find_file,
@@ -175,7 +179,7 @@ Server::Server(const ServerOptions& options, std::function<const PageFile*(const
       return httplib::Server::HandlerResponse::Handled;
     }
     if (file == nullptr) return httplib::Server::HandlerResponse::Unhandled;
-    response.set_content(file->text.data(), file->text.size(), std::string(file->type));
+    provide(response, file->text, std::string(file->type));
     return httplib::Server::HandlerResponse::Handled;
   });
   http.Post("/[a-z]+",
