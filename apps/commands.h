@@ -17,7 +17,7 @@ Command demo_command();
 Command simulate_command();
 Command bench_command();
 Command report_command();
-// Where cpp-httplib is there.
+// Where cpp-httplib and esbuild are there.
 Command live_command();
 // Where calib is built.
 Command measure_command();
