@@ -5,8 +5,9 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
-#include <new>
 #include <utility>
+
+#include "mtf/memory.h"
 
 namespace mtf {
 
@@ -36,8 +37,7 @@ template <class T>
 class AlignedBuffer {
  public:
   AlignedBuffer() = default;
-  explicit AlignedBuffer(std::size_t count)
-      : data_(static_cast<T*>(::operator new (count * sizeof(T), std::align_val_t{64}))), size_(count) {}
+  explicit AlignedBuffer(std::size_t count) : data_(static_cast<T*>(allocate(count, sizeof(T)))), size_(count) {}
 
   T* data() const { return data_.get(); }
   std::size_t size() const { return size_; }
@@ -45,7 +45,7 @@ class AlignedBuffer {
 
  private:
   struct Free {
-    void operator()(T* p) const { ::operator delete (p, std::align_val_t{64}); }
+    void operator()(T* p) const { release(p); }
   };
   std::unique_ptr<T, Free> data_;
   std::size_t size_ = 0;

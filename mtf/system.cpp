@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "mtf/double_counting.h"
+#include "mtf/components/double_counting.h"
 #include "mtf/error.h"
 #include "mtf/system_impl.h"
 

@@ -8,8 +8,8 @@
 #include <cmath>
 #include <utility>
 
-#include "mtf/band_average.h"
 #include "mtf/components/field_access.h"
+#include "mtf/otf/band_average.h"
 #include "mtf/system.h"
 
 namespace mtf {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
-#include "mtf/double_counting.h"
+#include "mtf/components/double_counting.h"
 #include "tests/mtf/builders.h"
 #include "tests/mtf/conformance.h"
 
