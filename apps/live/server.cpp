@@ -20,6 +20,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr std::chrono::seconds kPatience{5};  ///< for a peer that sends or reads slowly
+constexpr std::chrono::seconds kIdle{1};      ///< an open connection without a request; the end waits for them
 constexpr std::chrono::seconds kPresence{5};  ///< a page's open request is answered so late, and asked anew
 constexpr int kMostThreads = 1200;            ///< each waits for one connection
 constexpr const char* kPolicy =
@@ -160,7 +161,7 @@ Server::Server(const ServerOptions& options, std::function<const PageFile*(const
   http.new_task_queue = [] { return new ConnectionThreads; };  // httplib deletes it
   http.set_tcp_nodelay(true);
   http.set_keep_alive_max_count(1'000'000'000);
-  http.set_keep_alive_timeout(kPatience.count());
+  http.set_keep_alive_timeout(kIdle.count());
   http.set_read_timeout(kPatience);
   http.set_write_timeout(kPatience);
   http.set_payload_max_length(kMostBody);
