@@ -215,6 +215,7 @@ RenderedFrame Renderer::render(const Camera& camera, std::optional<int> points) 
   my.height_before_m = my.parts.extent.farthest_m > 0.0 ? my.camera_height_m : camera.position[2];
   my.camera_height_m = camera.position[2];
   require_outside(my.scene, camera.position);
+  const PathExtent before = my.parts.extent;
   find_parts(
       my.scene, camera,
       {.n = options.points, .runs = !options.ray_shadows, .likely = my.sides->numbers(), .threads = options.threads},
@@ -222,7 +223,7 @@ RenderedFrame Renderer::render(const Camera& camera, std::optional<int> points) 
   if (my.parts.on_facets == 0) {
     if (!options.empty_views)
       throw mtf::UsageError("the camera sees no facet of the scene: turn it, or move it nearer");
-    my.parts.extent = {1.0, 2.0, 0.0, 1.0};  // of no account
+    my.parts.extent = before.farthest_m > 0.0 ? before : PathExtent{1.0, 2.0, 0.0, 1.0};  // so that tables stay
   }
   frame.divided = my.parts.divided;
   laps.lap("what is seen");
