@@ -48,31 +48,36 @@ TEST(ImportDamage, FilesThatWereCutShort) {
   }
 }
 
-/// Changes up to three bytes of the samples whose names end so, 286 times each: 2,002 files in all.
-void change_bytes(const std::string& extension) {
+/// Changes up to three bytes of the samples whose names end so, `times` each.
+void change_bytes(const std::string& extension, int times) {
   const Folder folder;
   std::mt19937 random(20161101);
   const auto below = [&random](std::size_t count) { return random() % count; };
   std::size_t meshes = 0, files = 0;
   for (const Sample& sample : samples()) {
     if (!sample.name.ends_with(extension)) continue;
-    for (int i = 0; i < 286; ++i, ++files) {
+    for (int i = 0; i < times; ++i, ++files) {
       std::string content = sample.content;
       for (std::size_t changes = 1 + below(3); changes > 0; --changes)
         content[below(content.size())] = static_cast<char>(below(256));
       meshes += imported(folder.put(sample.name, content)) ? 1U : 0U;
     }
   }
-  EXPECT_GE(files, 286U);
+  EXPECT_GT(files, 0U);
   EXPECT_GT(meshes, 0U);     // a changed coordinate is another mesh
   EXPECT_LT(meshes, files);  // and much else is noticed
 }
 
-TEST(ImportDamage, BytesOfObjThatWereChanged) { change_bytes(".obj"); }
-TEST(ImportDamage, BytesOfPlyThatWereChanged) { change_bytes(".ply"); }
-TEST(ImportDamage, BytesOfStlThatWereChanged) { change_bytes(".stl"); }
-TEST(ImportDamage, BytesOfGltfThatWereChanged) { change_bytes(".gltf"); }
-TEST(ImportDamage, BytesOfGlbThatWereChanged) { change_bytes(".glb"); }
+constexpr int kSome = 72;
+TEST(ImportDamage, BytesOfObjThatWereChanged) { change_bytes(".obj", kSome); }
+TEST(ImportDamage, BytesOfPlyThatWereChanged) { change_bytes(".ply", kSome); }
+TEST(ImportDamage, BytesOfStlThatWereChanged) { change_bytes(".stl", kSome); }
+TEST(ImportDamage, BytesOfGltfThatWereChanged) { change_bytes(".gltf", kSome); }
+TEST(ImportDamage, BytesOfGlbThatWereChanged) { change_bytes(".glb", kSome); }
+/// 2,002 files, a process each.
+TEST(ImportDamageLong, BytesThatWereChanged) {
+  for (const char* extension : {".obj", ".ply", ".stl", ".gltf", ".glb"}) change_bytes(extension, 286);
+}
 
 TEST(ImportDamage, NumbersThatTheFileCannotHold) {
   const Folder folder;
