@@ -13,23 +13,30 @@ namespace mtf {
 namespace {
 
 constexpr std::size_t kAlignment = 64;
-constexpr std::size_t kHugePage = std::size_t{2} << 20;
+
+/// Asks for pages of 2 MiB where they lie whole within the block: an alignment to them would leave holes between
+/// blocks.
+void ask_for_huge_pages(void* block, std::size_t bytes) {
+#ifdef MADV_HUGEPAGE
+  constexpr std::uintptr_t kHugePage = std::uintptr_t{2} << 20;
+  const auto begin = reinterpret_cast<std::uintptr_t>(block);
+  const std::uintptr_t first = (begin + kHugePage - 1) / kHugePage * kHugePage,
+                       last = (begin + bytes) / kHugePage * kHugePage;
+  // That the system has none to give is no error.
+  if (last > first) ::madvise(reinterpret_cast<void*>(first), last - first, MADV_HUGEPAGE);
+#else
+  static_cast<void>(block), static_cast<void>(bytes);
+#endif
+}
 
 }  // namespace
 
 void* allocate(std::size_t count, std::size_t size) {
-  if (size != 0 && count > (PTRDIFF_MAX - kHugePage) / size) throw std::bad_alloc();
+  if (size != 0 && count > PTRDIFF_MAX / size) throw std::bad_alloc();
   const std::size_t bytes = count * size;
-  const bool large = bytes >= kLargeBlock;
-  const std::size_t alignment = large ? kHugePage : kAlignment;
-  // std::aligned_alloc wants a multiple of the alignment; what is not touched costs address space alone.
-  const std::size_t rounded = (bytes + alignment - 1) / alignment * alignment;
-  void* const block = std::aligned_alloc(alignment, rounded == 0 ? alignment : rounded);
-  if (block == nullptr) throw std::bad_alloc();
-#ifdef MADV_HUGEPAGE
-  // Whole pages of the block alone. That the system has none to give is no error.
-  if (large) ::madvise(block, bytes / kHugePage * kHugePage, MADV_HUGEPAGE);
-#endif
+  void* block = nullptr;
+  if (::posix_memalign(&block, kAlignment, bytes == 0 ? 1 : bytes) != 0) throw std::bad_alloc();
+  if (bytes >= kLargeBlock) ask_for_huge_pages(block, bytes);
   return block;
 }
 

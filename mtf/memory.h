@@ -11,11 +11,11 @@ namespace mtf {
 
 inline constexpr std::size_t kLargeBlock = std::size_t{4} << 20;  ///< bytes; from here on blocks ask for huge pages
 
-/// `count` objects of `size` bytes, uninitialised, aligned to 64 bytes, large blocks to 2 MiB. Never null; throws
+/// Memory of `count` objects of `size` bytes, uninitialised and aligned to 64 bytes. The result is never null; throws
 /// std::bad_alloc.
 void* allocate(std::size_t count, std::size_t size);
 
-/// Ends what allocate() gave; null is allowed. std::free does the same.
+/// Frees what allocate() gave; null is allowed. std::free does the same.
 void release(void* block) noexcept;
 
 }  // namespace mtf

@@ -51,6 +51,7 @@ std::optional<Refusal> refused(const RequestHead& head, std::string_view token, 
   if (!is_this_machine(head.host)) return Refusal{421, "Host: not a name of this machine"};
   if (!head.origin.empty() && head.origin != "http://" + head.host)
     return Refusal{403, "Origin: requests of other pages are not answered"};
+  if (head.ranged) return Refusal{416, "Range: files and answers are given whole"};
   if (head.method == "GET") {
     if (is_page_file) return std::nullopt;
     return Refusal{404, "there is no such file"};

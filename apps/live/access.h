@@ -25,6 +25,7 @@ struct RequestHead {
   std::string method, path;
   std::string host, origin, token;           ///< as sent; "" where there is none
   bool has_length = false, chunked = false;  ///< Content-Length is there; Transfer-Encoding is there
+  bool ranged = false;                       ///< Range is there
   std::uint64_t length = 0;
 };
 

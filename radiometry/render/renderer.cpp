@@ -221,9 +221,9 @@ RenderedFrame Renderer::render(const Camera& camera, std::optional<int> points) 
       {.n = options.points, .runs = !options.ray_shadows, .likely = my.sides->numbers(), .threads = options.threads},
       my.screen, my.parts);
   if (my.parts.on_facets == 0) {
+    my.parts.extent = before.farthest_m > 0.0 ? before : PathExtent{1.0, 2.0, 0.0, 1.0};  // so that tables stay
     if (!options.empty_views)
       throw mtf::UsageError("the camera sees no facet of the scene: turn it, or move it nearer");
-    my.parts.extent = before.farthest_m > 0.0 ? before : PathExtent{1.0, 2.0, 0.0, 1.0};  // so that tables stay
   }
   frame.divided = my.parts.divided;
   laps.lap("what is seen");

@@ -108,6 +108,16 @@ def paths(server):
     expect("POST to an unknown place", server.ask("POST", "/passwd", "{}")[0], 404)
 
 
+def ranges(server):
+    """No part of a file or an answer is given, and nothing of the memory beyond it."""
+    post = f"POST /start HTTP/1.1\r\nHost: 127.0.0.1\r\nX-Mtf-Token: {server.token}\r\nContent-Length: 2\r\n".encode()
+    for start, body in ((b"GET / HTTP/1.1\r\nHost: 127.0.0.1\r\n", b""), (post, b"{}")):
+        for part in (b"0-99999999", b"5000000-5004095", b"9223372036854775000-9223372036854775807", b"-5", b"0-1,90000-99999"):
+            got = server.raw(start + b"Range: bytes=" + part + b"\r\nConnection: close\r\n\r\n" + body)
+            expect(f"{start[:4]} range {part}", got.split(b" ")[1:2], ([b"416"], [b"400"]))
+            expect("no more than the words", len(got) < 1200, True)
+
+
 def files_by_edits(server, folder):
     """No edit makes the server open a file: not as a curve, a map, a table or an encoding."""
     trap = folder / "trap.csv"
@@ -280,6 +290,7 @@ def main():
         tokens_hosts_origins(server)
         first = server.memory_mib()
         paths(server)
+        ranges(server)
         with tempfile.TemporaryDirectory() as folder:
             files_by_edits(server, Path(folder))
         bodies(server)

@@ -101,7 +101,7 @@ struct Draw {
             const Floats before = simd::load<Floats>(nearness);
             const Ints other = simd::load<Ints>(shown);
             // Nearer, or as near and of a lower number. Numbers that are not negative have the order of their bits. GCC
-            // 12 takes a logic of comparisons of 64-byte vectors apart, lane by lane.
+            // 12 compiles combined comparisons of 64-byte vectors lane by lane, so integers are subtracted instead.
             const Ints further = __builtin_bit_cast(Ints, before) - __builtin_bit_cast(Ints, near);
             const Ints drawn = ~(signs >> 31) & ((further + ((side - other) >> 31)) >> 31);
             simd::store(drawn ? near : before, nearness);
