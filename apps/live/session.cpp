@@ -248,7 +248,7 @@ Answer Session::frame(const RequestBody& request) {
   const mtf::StopScope scope(space_ ? nullptr : &stopped_);
   const auto made = maker(left).frame(sensor, asked);
   const mtf::Image& plane = made->image.planes.front();
-  const auto asked_every = static_cast<int>(request.whole("every", 1, 2, 1));
+  const auto asked_every = static_cast<int>(request.whole("every", 1, 8, 1));
   const int every = asked.preview ? asked_every : 1;  // pixels of an image that moves on
   const auto text_of = [&](const char* key) {
     const auto found = made->image.metadata.text.find(key);

@@ -84,7 +84,7 @@ async function ask(side, { from, body, key }, begun, before) {
   if (inSpace() && timed !== app.lastName) [timed, fullMs] = [app.lastName, 0]; // most sensor sliders leave the view as it is
   const begin = performance.now(), preview = inHaste();
   app.view.moving = moving() || state.running;
-  const every = preview && (!inSpace() || app.view.coarse) ? 2 : 1; // no more pixels than are drawn
+  const every = preview ? Math.max(inSpace() && !app.view.coarse ? 1 : 2, app.view.drawsEvery(side)) : 1;
   const request = from === "scene" ? body : { ...body, tab: `${app.tab}-${side}`, side: side === 0 ? "left" : "right", generation: (generation += 1), preview, every };
   Object.assign(shown[side], { coming: key, turn: (turn += 1) });
   const ticking = setInterval(() => {

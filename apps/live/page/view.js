@@ -260,6 +260,11 @@ export class View {
     this.held[i] = { unit: side.unit, ends };
     return ends;
   }
+  /** Of how many pixels of a row of a picture one is drawn, at most 8: more need not be sent. */
+  drawsEvery(i) {
+    const side = this.sides[i];
+    return side ? Math.min(8, Math.max(1, Math.floor((this.scale() * side.every) / Math.min(...side.step)))) : 1;
+  }
   /** From a 16-bit number to the place in the palette. */
   map(i) {
     const side = this.sides[i];
