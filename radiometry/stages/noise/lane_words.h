@@ -18,25 +18,8 @@ struct Words {
   alignas(64) std::uint32_t w[4][kPairs];
 };
 
-LANES_INLINE void philox_lanes(const RandomRow& row, std::uint32_t half_column, Words& out) {
-  const auto k0 = static_cast<std::uint32_t>(row.key.seed), k1 = static_cast<std::uint32_t>(row.key.seed >> 32);
-  const auto stream = static_cast<std::uint32_t>(row.stream);
-  for (int i = 0; i < kPairs; ++i) {
-    std::uint32_t c0 = half_column + static_cast<std::uint32_t>(i), c1 = row.y, c2 = row.key.frame, c3 = stream;
-#pragma GCC unroll 10
-    for (std::uint32_t round = 0; round < 10; ++round) {
-      const std::uint64_t p0 = std::uint64_t{0xD2511F53} * c0, p1 = std::uint64_t{0xCD9E8D57} * c2;
-      c0 = static_cast<std::uint32_t>(p1 >> 32) ^ c1 ^ (k0 + round * 0x9E3779B9);
-      c2 = static_cast<std::uint32_t>(p0 >> 32) ^ c3 ^ (k1 + round * 0xBB67AE85);
-      c1 = static_cast<std::uint32_t>(p1);
-      c3 = static_cast<std::uint32_t>(p0);
-    }
-    out.w[0][i] = c0;
-    out.w[1][i] = c1;
-    out.w[2][i] = c2;
-    out.w[3][i] = c3;
-  }
-}
+/// The bits of RandomRow::pair for the pairs from `half_column` on.
+void philox_lanes(const RandomRow& row, std::uint32_t half_column, Words& out);
 
 /// (a + (b + 1/2) 2^-31) 2^-31 in the precision of T.
 template <class T>

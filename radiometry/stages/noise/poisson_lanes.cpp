@@ -208,10 +208,6 @@ MTFKIT_CLONES int single_block(const Words& words, const float* means, float* co
   return all;
 }
 
-MTFKIT_CLONES void words_of(const RandomRow& row, std::uint32_t half_column, Words& words) {
-  philox_lanes(row, half_column, words);
-}
-
 float one_number(const Words& words, const float* means, int i) {
   const int pair = i / 2, word = 2 * (i % 2);
   const std::int32_t a = upper31(words.w[word][pair]), b = upper31(words.w[word + 1][pair]);
@@ -229,7 +225,7 @@ float one_number(const Words& words, const float* means, int i) {
 void poisson_lanes(const RandomRow& row, std::uint32_t half_column, const float* mean, float* out) {
   constexpr int kFew = 16;  // that are faster one by one
   Words words;
-  words_of(row, half_column, words);
+  philox_lanes(row, half_column, words);
   int others = 0;
   for (int i = 0; i < kNoiseLanes; ++i) others += mean[i] >= kLeastSingle && mean[i] < kMostSingle ? 0 : 1;
   alignas(64) std::int32_t open[kNoiseLanes];
