@@ -349,10 +349,11 @@ Chain::Chain(const mtf::SensorPlan& plan, const mtf::System<double>& system, con
   compiled->map_source = map_source(*compiled, sensor, origin, width, height);
   if (keep_shading && compiled->corrected_by && !same_shading(compiled->map_source, compiled->corrected_by->map_source))
     compiled->map_source.shading = compiled->corrected_by->maps;
+  const PixelMaps* known = before != nullptr ? before->compiled_->maps.get() : nullptr;
   compiled->maps =
-      before != nullptr && before->compiled_->map_source == compiled->map_source
+      known != nullptr && before->compiled_->map_source == compiled->map_source
           ? before->compiled_->maps
-          : std::make_shared<const PixelMaps>(pixel_maps(*compiled, sensor, origin, width, height, threads));
+          : std::make_shared<const PixelMaps>(pixel_maps(*compiled, sensor, origin, width, height, threads, known));
   compiled_ = std::move(compiled);
 }
 

@@ -24,8 +24,8 @@ struct Factor {
   bool uniform() const { return map.size() == 0; }
 };
 
-/// number x map + added, or number + added where there is no map.
-Factor factor_of(double number, const mtf::Image& map, double added);
+/// number x a x b + added; an empty map stands for 1.
+Factor factor_of(double number, const mtf::Image& a, const mtf::Image& b, double added, int threads);
 
 /// image = gain x image + offset.
 void multiply_add(mtf::Image& image, const Factor& gain, const Factor& offset, int threads);
@@ -64,18 +64,26 @@ bool goes_through(StageRow::Part part, OutputStage stage);
 
 struct PixelMaps;
 
-/// All that maps of pixels are made from.
-struct MapSource {
-  std::optional<Vignetting> vignetting{};
+/// All that the maps of a detector are made from.
+struct DetectorSource {
   std::optional<NonuniformitySettings> nonuniformity{};
   std::optional<Narcissus> narcissus{};
   std::optional<Defects> defects{};
   std::optional<Blinking> blinking{};
-  std::array<std::shared_ptr<const mtf::Image>, 3> given{};  ///< vignetting, responsivity, offset
+  std::shared_ptr<const mtf::Image> responsivity{}, offset{};  ///< that are given
   FocalPlane detector{};
   Origin origin{};
   std::int64_t width = 0, height = 0;
   std::uint64_t seed = 0;
+
+  bool operator==(const DetectorSource&) const = default;
+};
+
+/// All that maps of pixels are made from.
+struct MapSource {
+  DetectorSource detector{};
+  std::optional<Vignetting> vignetting{};
+  std::shared_ptr<const mtf::Image> given_vignetting{};
   double focal_length_mm = 0.0, gain = 0.0, dark_e = 0.0;
   Directions<double> warm{};
   double cone_sr = 0.0, around_sr = 0.0;
@@ -87,19 +95,27 @@ struct MapSource {
 };
 
 inline bool same_shading(const MapSource& a, const MapSource& b) {
-  return a.vignetting == b.vignetting && a.given[0] == b.given[0] && a.focal_length_mm == b.focal_length_mm;
+  return a.vignetting == b.vignetting && a.given_vignetting == b.given_vignetting &&
+         a.focal_length_mm == b.focal_length_mm;
 }
+
+/// What differs from pixel to pixel whatever the light.
+struct DetectorMaps {
+  DetectorSource made_from;
+  mtf::Image responsivity{};  ///< empty: 1
+  mtf::Image narcissus{};     ///< part of the camera's own light that is left; empty: all of it
+  mtf::Image offset{};        ///< electrons added to every frame; empty: none
+  std::vector<DefectivePixel> defects{};
+  std::vector<BlinkingPixel> blinking{};
+};
 
 /// What differs from pixel to pixel, for the pixels of an image or of a tile of one.
 struct PixelMaps {
-  Origin origin;            ///< of the first pixel on the detector
-  mtf::Image corners;       ///< vignetting; empty: none
-  Factor light;             ///< electrons for one unit of weighted radiance
-  Factor glow;              ///< mean electrons of warm optics, stop and dark current
-  mtf::Image offset;        ///< electrons added to every frame; empty: none
-  mtf::Image responsivity;  ///< kept for a shutter that closes now and then; empty: 1
-  std::vector<DefectivePixel> defects;
-  std::vector<BlinkingPixel> blinking;
+  Origin origin;                                   ///< of the first pixel on the detector
+  std::shared_ptr<const DetectorMaps> detector{};  ///< never null
+  mtf::Image corners{};                            ///< vignetting; empty: none
+  Factor light{};                                  ///< electrons for one unit of weighted radiance
+  Factor glow{};                                   ///< mean electrons of warm optics, stop and dark current
 };
 
 struct CompiledChain {
@@ -145,16 +161,17 @@ struct CompiledChain {
 MapSource map_source(const CompiledChain& chain, const Sensor& sensor, Origin origin, std::int64_t width,
                      std::int64_t height);
 
-/// The maps of width x height pixels from `origin` on. Throws UsageError for pixels beyond the detector, and for a map
-/// of a sensor that does not cover the detector.
+/// The maps of width x height pixels from `origin` on. `before`: others, whose maps of the detector are taken where
+/// they would be the same, or null. Throws UsageError for pixels beyond the detector, and for a map of a sensor that
+/// does not cover the detector.
 PixelMaps pixel_maps(const CompiledChain& chain, const Sensor& sensor, Origin origin, std::int64_t width,
-                     std::int64_t height, int threads);
+                     std::int64_t height, int threads, const PixelMaps* before = nullptr);
 
-/// What light of the camera itself gives to each pixel: it is multiplied by `sensitivity` (empty: 1), and `added` comes
-/// on top. Where a thermal camera has a shutter, vignetting (`corners`, empty: none) narrows the cone of light, and the
-/// housing is seen in its place.
+/// What light of the camera itself gives to each pixel: it is multiplied by `left` and `responsivity` (empty: 1), and
+/// `added` comes on top. Where a thermal camera has a shutter, vignetting (`corners`, empty: none) narrows the cone of
+/// light, and the housing is seen in its place.
 Factor glow_of(const CompiledChain& chain, const Directions<double>& light, const mtf::Image& corners,
-               const mtf::Image& sensitivity, double added);
+               const mtf::Image& left, const mtf::Image& responsivity, double added, int threads);
 
 /// The light of the camera itself at a frame beside that of frame 0, before the lag: what has warmed since then.
 Directions<double> warming_of(const CompiledChain& chain, std::uint32_t frame);

@@ -22,40 +22,75 @@ void require_size(const mtf::Image& map, const char* key, std::int64_t columns, 
                         std::to_string(rows) + "; give a map of the whole detector");
 }
 
-/// The part of a map of the whole detector that an image at `origin` has.
-mtf::Image crop(const mtf::Image& map, Origin origin, std::int64_t width, std::int64_t height) {
-  mtf::Image part(width, height);
-  for (std::int64_t y = 0; y < height; ++y)
-    std::copy_n(map.data() + (origin.y + y) * map.width() + origin.x, width, part.data() + y * width);
+/// The part of a map of the whole detector that an image has; empty where there is no map.
+mtf::Image part_of(const std::shared_ptr<const mtf::Image>& whole, const char* key, const DetectorSource& source) {
+  if (!whole) return {};
+  require_size(*whole, key, source.detector.columns, source.detector.rows);
+  mtf::Image part(source.width, source.height);
+  for (std::int64_t y = 0; y < source.height; ++y)
+    std::copy_n(whole->data() + (source.origin.y + y) * whole->width() + source.origin.x, source.width,
+                part.data() + y * source.width);
   return part;
-}
-
-/// factors *= map; an empty image stands for factors of 1.
-void multiply(mtf::Image& factors, mtf::Image&& map) {
-  if (map.size() == 0) return;
-  if (factors.size() == 0)
-    factors = std::move(map);
-  else
-    multiply_by(factors.view(), map.view());
 }
 
 std::span<float> values_of(mtf::Image& map) { return {map.data(), static_cast<std::size_t>(map.size())}; }
 
-double mean(mtf::ImageView<const float> factors) {
+double mean(mtf::ImageView<const float> factors, int threads) {
   if (factors.data == nullptr) return 1.0;
-  return mtf::statistics(factors).mean;
+  return mtf::statistics(factors, threads).mean;
 }
 
 /// `shading`, as bright on the mean as `own`; an empty image stands for factors of 1, one of the two is none.
-mtf::Image as_bright(const mtf::Image& shading, const mtf::Image& own) {
+mtf::Image as_bright(const mtf::Image& shading, const mtf::Image& own, int threads) {
   mtf::Image factors = shading.clone();
   if (factors.size() == 0) {
     factors = mtf::Image(own.width(), own.height());
     std::ranges::fill(values_of(factors), 1.0F);
   }
-  const auto scale = static_cast<float>(mean(own.view()) / mean(shading.view()));
+  const auto scale = static_cast<float>(mean(own.view(), threads) / mean(shading.view(), threads));
   for (float& factor : values_of(factors)) factor *= scale;
   return factors;
+}
+
+DetectorSource detector_source(const CompiledChain& chain, const Sensor& sensor, Origin origin, std::int64_t width,
+                               std::int64_t height) {
+  const SensorSettings& s = chain.settings;
+  return {.nonuniformity = s.nonuniformity,
+          .narcissus = s.narcissus,
+          .defects = s.defects,
+          .blinking = s.blinking,
+          .responsivity = sensor.responsivity,
+          .offset = sensor.offset,
+          .detector = chain.detector,
+          .origin = origin,
+          .width = width,
+          .height = height,
+          .seed = chain.seed};
+}
+
+DetectorMaps detector_maps(const DetectorSource& source, int threads) {
+  const std::int64_t width = source.width, height = source.height;
+  DetectorMaps maps{.made_from = source};
+  if (const auto& unequal = source.nonuniformity) {
+    maps.responsivity = part_of(source.responsivity, "nonuniformity.responsivity", source);
+    if (maps.responsivity.size() == 0 && unequal->prnu > 0.0) {
+      maps.responsivity = mtf::Image(width, height);
+      responsivity_map(maps.responsivity.view(), unequal->prnu, source.seed, source.origin, threads);
+    }
+    maps.offset = part_of(source.offset, "nonuniformity.offset", source);
+    if (maps.offset.size() == 0 && unequal->dsnu_e > 0.0) {
+      maps.offset = mtf::Image(width, height);
+      offset_map(maps.offset.view(), unequal->dsnu_e, source.seed, source.origin, threads);
+    }
+  }
+  if (source.narcissus) {
+    maps.narcissus = mtf::Image(width, height);
+    narcissus_map(maps.narcissus.view(), *source.narcissus, source.detector, source.origin);
+    for (float& missing : values_of(maps.narcissus)) missing = 1.0F - missing;
+  }
+  if (source.defects) maps.defects = find_defects(width, height, *source.defects, source.seed, source.origin, threads);
+  if (source.blinking) maps.blinking = find_blinking(width, height, *source.blinking, source.seed, source.origin);
+  return maps;
 }
 
 }  // namespace
@@ -77,17 +112,9 @@ void require_maps(const Sensor& sensor, std::int64_t columns, std::int64_t rows)
 MapSource map_source(const CompiledChain& chain, const Sensor& sensor, Origin origin, std::int64_t width,
                      std::int64_t height) {
   const SensorSettings& s = chain.settings;
-  return {.vignetting = s.vignetting,
-          .nonuniformity = s.nonuniformity,
-          .narcissus = s.narcissus,
-          .defects = s.defects,
-          .blinking = s.blinking,
-          .given = {sensor.vignetting, sensor.responsivity, sensor.offset},
-          .detector = chain.detector,
-          .origin = origin,
-          .width = width,
-          .height = height,
-          .seed = chain.seed,
+  return {.detector = detector_source(chain, sensor, origin, width, height),
+          .vignetting = s.vignetting,
+          .given_vignetting = sensor.vignetting,
           .focal_length_mm = chain.focal_length_mm,
           .gain = chain.gain,
           .dark_e = chain.dark_e,
@@ -99,51 +126,26 @@ MapSource map_source(const CompiledChain& chain, const Sensor& sensor, Origin or
 }
 
 PixelMaps pixel_maps(const CompiledChain& chain, const Sensor& sensor, Origin origin, std::int64_t width,
-                     std::int64_t height, int threads) {
+                     std::int64_t height, int threads, const PixelMaps* before) {
   const SensorSettings& s = chain.settings;
   const int cores = mtf::threads_of(threads);
   require_on_detector(origin, width, height);
   require_region(chain.detector, origin, width, height);
-  PixelMaps maps;
-  maps.origin = origin;
-  const auto detector_map = [&](const std::shared_ptr<const mtf::Image>& whole, const char* key) {
-    if (!whole) return mtf::Image();
-    require_size(*whole, key, chain.detector.columns, chain.detector.rows);
-    return crop(*whole, origin, width, height);
-  };
+  PixelMaps maps{.origin = origin};
+  const DetectorSource source = detector_source(chain, sensor, origin, width, height);
+  maps.detector = before != nullptr && before->detector->made_from == source
+                      ? before->detector
+                      : std::make_shared<const DetectorMaps>(detector_maps(source, cores));
   if (s.vignetting) {
-    const mtf::Image given = detector_map(sensor.vignetting, "vignetting.map");
+    const mtf::Image given = part_of(sensor.vignetting, "vignetting.map", source);
     maps.corners = mtf::Image(width, height);
     vignetting_map(maps.corners.view(), *s.vignetting, chain.detector, chain.focal_length_mm, origin, given.view(),
                    cores);
   }
-  if (const auto& kept = chain.map_source.shading) maps.corners = as_bright(kept->corners, maps.corners);
-  mtf::Image responsivity;
-  if (const auto& unequal = s.nonuniformity) {
-    responsivity = detector_map(sensor.responsivity, "nonuniformity.responsivity");
-    if (responsivity.size() == 0 && unequal->prnu > 0.0) {
-      responsivity = mtf::Image(width, height);
-      responsivity_map(responsivity.view(), unequal->prnu, chain.seed, origin, cores);
-    }
-    maps.offset = detector_map(sensor.offset, "nonuniformity.offset");
-    if (maps.offset.size() == 0 && unequal->dsnu_e > 0.0) {
-      maps.offset = mtf::Image(width, height);
-      offset_map(maps.offset.view(), unequal->dsnu_e, chain.seed, origin, cores);
-    }
-  }
-  mtf::Image seen = maps.corners.clone(), around;
-  multiply(seen, responsivity.clone());
-  maps.light = factor_of(chain.gain, seen, 0.0);
-  if (chain.events) maps.responsivity = responsivity.clone();
-  if (s.narcissus) {
-    around = mtf::Image(width, height);
-    narcissus_map(around.view(), *s.narcissus, chain.detector, origin);
-    for (float& missing : values_of(around)) missing = 1.0F - missing;
-  }
-  multiply(around, std::move(responsivity));
-  maps.glow = glow_of(chain, chain.warm, maps.corners, around, chain.dark_e);
-  if (s.defects) maps.defects = find_defects(width, height, *s.defects, chain.seed, origin, cores);
-  if (s.blinking) maps.blinking = find_blinking(width, height, *s.blinking, chain.seed, origin);
+  if (const auto& kept = chain.map_source.shading) maps.corners = as_bright(kept->corners, maps.corners, cores);
+  const DetectorMaps& detector = *maps.detector;
+  maps.light = factor_of(chain.gain, maps.corners, detector.responsivity, 0.0, cores);
+  maps.glow = glow_of(chain, chain.warm, maps.corners, detector.narcissus, detector.responsivity, chain.dark_e, cores);
   return maps;
 }
 

@@ -40,8 +40,8 @@ void absorb(FrameRun& run, mtf::Image& image) {
   for (const Directions<double>& volts : light) {
     const Directions<double> watts{volts.cone_e / chain.pixel.volts_per_watt,
                                    volts.around_e / chain.pixel.volts_per_watt};
-    multiply_add(image, {.number = std::exchange(area_m2, 1.0)}, glow_of(chain, watts, run.maps.corners, {}, 0.0),
-                 run.threads);
+    multiply_add(image, {.number = std::exchange(area_m2, 1.0)},
+                 glow_of(chain, watts, run.maps.corners, {}, {}, 0.0, run.threads), run.threads);
   }
   run.lap("watts");
 }

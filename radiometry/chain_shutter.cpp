@@ -3,6 +3,7 @@
 // The light of the camera itself in the chain: warm optics and housing, and the closed shutter of a thermal camera over
 // a sequence (stages/detector/shutter_events.h).
 
+#include "mtf/parallel.h"
 #include "radiometry/chain_impl.h"
 
 namespace radiometry {
@@ -20,32 +21,41 @@ Directions<double> closed_at(const CompiledChain& chain, const CameraEmission& c
   return closed_shutter(chain.camera, chain.pixel, own_radiances(chain.curves, camera));
 }
 
+/// An image of the size of another: value(i) at its pixel i.
+template <class Value>
+mtf::Image map_of(const mtf::Image& other, int threads, Value value) {
+  constexpr std::int64_t kPixelsAtOnce = std::int64_t{1} << 16;
+  mtf::Image map(other.width(), other.height());
+  mtf::parallel_for(map.size(), kPixelsAtOnce, threads, [&](std::int64_t begin, std::int64_t end) {
+    for (std::int64_t i = begin; i < end; ++i) map.data()[i] = static_cast<float>(value(i));
+  });
+  return map;
+}
+
+double product(const mtf::Image& a, const mtf::Image& b, std::int64_t i) {
+  const auto factor = [i](const mtf::Image& map) { return map.size() > 0 ? static_cast<double>(map.data()[i]) : 1.0; };
+  return factor(a) * factor(b);
+}
+
 }  // namespace
 
-Factor factor_of(double number, const mtf::Image& map, double added) {
-  Factor result{number + added};
-  if (map.size() == 0 || number == 0.0) return result;
-  result.map = mtf::Image(map.width(), map.height());
-  for (std::int64_t i = 0; i < map.size(); ++i)
-    result.map.data()[i] = static_cast<float>(number * static_cast<double>(map.data()[i]) + added);
-  return result;
+Factor factor_of(double number, const mtf::Image& a, const mtf::Image& b, double added, int threads) {
+  if (number == 0.0 || (a.size() == 0 && b.size() == 0)) return {number + added};
+  const mtf::Image& some = a.size() > 0 ? a : b;
+  return {.map = map_of(some, threads, [&](std::int64_t i) { return number * product(a, b, i) + added; })};
 }
 
 Factor glow_of(const CompiledChain& chain, const Directions<double>& light, const mtf::Image& corners,
-               const mtf::Image& sensitivity, double added) {
+               const mtf::Image& left, const mtf::Image& responsivity, double added, int threads) {
   if (corners.size() == 0 || !chain.settings.thermal || !chain.settings.thermal->shutter_k)
-    return factor_of(light.total_e(), sensitivity, added);
+    return factor_of(light.total_e(), left, responsivity, added, threads);
   // v of the cone is left, and pi - v cone around it.
   const double cone = cone_sr(chain.camera), around = around_cone_sr(chain.camera);
   const double around_per_sr = around > 0.0 ? light.around_e / around : 0.0;
   const double always = mtf::kPi * around_per_sr, by_cone = light.cone_e - cone * around_per_sr;
-  Factor result{.map = mtf::Image(corners.width(), corners.height())};
-  for (std::int64_t i = 0; i < corners.size(); ++i) {
-    const double factor = sensitivity.size() == 0 ? 1.0 : static_cast<double>(sensitivity.data()[i]);
-    const double value = factor * (always + by_cone * static_cast<double>(corners.data()[i])) + added;
-    result.map.data()[i] = static_cast<float>(value);
-  }
-  return result;
+  return {.map = map_of(corners, threads, [&](std::int64_t i) {
+            return product(left, responsivity, i) * (always + by_cone * static_cast<double>(corners.data()[i])) + added;
+          })};
 }
 
 Directions<double> warming_of(const CompiledChain& chain, std::uint32_t frame) {

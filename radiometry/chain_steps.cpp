@@ -33,7 +33,9 @@ void hold_well(FrameRun& run, mtf::Image& image, const Limit& limit) {
 /// Adds light of the camera itself to a frame of volts.
 void add_glow(FrameRun& run, mtf::Image& image, const Directions<double>& light) {
   if (light.cone_e == 0.0 && light.around_e == 0.0) return;
-  multiply_add(image, {1.0}, glow_of(run.chain, light, run.maps.corners, run.maps.responsivity, 0.0), run.threads);
+  const Factor glow =
+      glow_of(run.chain, light, run.maps.corners, {}, run.maps.detector->responsivity, 0.0, run.threads);
+  multiply_add(image, {1.0}, glow, run.threads);
   run.border += light.total_e();
 }
 
@@ -134,14 +136,14 @@ void lag(FrameRun& run, mtf::Image& electrons) {
 }
 
 void defects(FrameRun& run, mtf::Image& electrons) {
-  apply_defects(electrons.view(), run.maps.defects);
-  run.counter.mark(run.maps.defects);
+  apply_defects(electrons.view(), run.maps.detector->defects);
+  run.counter.mark(run.maps.detector->defects);
 }
 
 void blinking(FrameRun& run, mtf::Image& electrons) {
   const CompiledChain& chain = run.chain;
-  run.counter.mark(
-      apply_blinking(electrons.view(), run.maps.blinking, *chain.settings.blinking, run.key, run.maps.origin));
+  run.counter.mark(apply_blinking(electrons.view(), run.maps.detector->blinking, *chain.settings.blinking, run.key,
+                                  run.maps.origin));
 }
 
 void shot_noise(FrameRun& run, mtf::Image& electrons) {
@@ -171,7 +173,9 @@ void readout(FrameRun& run, mtf::Image& electrons) {
   run.border *= run.chain.plan.readout->dc();
 }
 
-void offsets(FrameRun& run, mtf::Image& electrons) { add_map(electrons.view(), run.maps.offset.view()); }
+void offsets(FrameRun& run, mtf::Image& electrons) {
+  add_map(electrons.view(), run.maps.detector->offset.view(), run.threads);
+}
 
 void read_noise(FrameRun& run, mtf::Image& electrons) {
   add_gaussian(electrons.view(), run.chain.read_e, run.key, Stream::read, run.maps.origin, run.threads);
@@ -222,7 +226,7 @@ void convert(FrameRun& run, mtf::Image& electrons) {
 void correct(FrameRun& run, mtf::Image& counts) {
   const TwoPoint& maps = correction_of(run);
   run.lap("flat frames");
-  radiometry::correct(counts.view(), maps);
+  radiometry::correct(counts.view(), maps, run.threads);
   if (run.chain.settings.correction->replace_bad && !maps.bad.empty()) replace_bad(counts.view(), maps.bad);
 }
 

@@ -37,11 +37,10 @@ double tile_bytes_a_pixel(const Sensor& sensor) {
   const bool corners = s.vignetting.has_value(), around = s.narcissus.has_value();
   const bool responsivity = unequal && (sensor.responsivity || unequal->prnu > 0.0);
   const bool offset = unequal && (sensor.offset || unequal->dsnu_e > 0.0);
-  // The image, the maps of pixel_maps(), and what these are multiplied from while they are made.
+  // The image, the maps of pixel_maps(), that of a shutter that closes now and then, and the map of a file.
   const bool closes = s.thermal && s.thermal->closes();
-  const double planes = 1.0 + one(closes) * (1.0 + one(responsivity)) + one(corners) + one(offset) +
-                        2.0 * one(corners || responsivity) + one(responsivity) + one(around) +
-                        one(around || responsivity);
+  const double planes = 1.0 + one(closes) + 2.0 * one(corners) + one(offset) + one(responsivity) + one(around) +
+                        one(corners || responsivity) + one(corners || around || responsivity);
   // Lists of single pixels grow by doubling; each pixel is in the list of those held apart too.
   const double listed = (s.defects ? s.defects->dead_fraction + s.defects->hot_fraction : 0.0) +
                         (s.blinking ? 2.0 * s.blinking->fraction : 0.0);

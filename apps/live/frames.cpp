@@ -8,6 +8,7 @@
 #include "apps/simulate/frames/scene_input.h"
 #include "apps/simulate/radiometric_chain.h"
 #include "mtf/error.h"
+#include "mtf/parallel.h"
 #include "mtf/survey/statistics.h"
 
 namespace apps::live {
@@ -15,10 +16,12 @@ namespace {
 
 constexpr std::size_t kKept = 6;  // frames: two pages with the ones they show and the one they ask for
 
-/// Least and largest of the finite values; 0 and 0 where there is none.
-std::pair<double, double> ends_of(mtf::ImageView<const float> image) {
-  const mtf::Statistics s = mtf::statistics(image);
-  return {s.min, s.max};
+/// Every so many columns of so many rows.
+mtf::Image some_of(mtf::ImageView<const float> image, std::int64_t every) {
+  mtf::Image some((image.width + every - 1) / every, (image.height + every - 1) / every);
+  for (std::int64_t y = 0; y < some.height(); ++y)
+    for (std::int64_t x = 0; x < some.width(); ++x) some.at(x, y) = image.at(x * every, y * every);
+  return some;
 }
 
 /// The values between which all but a share of both ends lie, of some thousand pixels.
@@ -43,27 +46,31 @@ std::pair<double, double> usual_range(mtf::ImageView<const float> image) {
 
 }  // namespace
 
-PixelBytes pixel_bytes(mtf::ImageView<const float> image, int every) {
+PixelBytes pixel_bytes(mtf::ImageView<const float> image, int every, int threads) {
+  constexpr std::int64_t kRowsAtOnce = 64;
+  const mtf::Image some = every > 1 ? some_of(image, every) : mtf::Image();
+  const mtf::ImageView<const float> sent = every > 1 ? some.view() : image;
   PixelBytes pixels;
-  const std::int64_t step = std::max(1, every);
-  pixels.width = (image.width + step - 1) / step;
-  pixels.height = (image.height + step - 1) / step;
-  std::tie(pixels.low, pixels.high) = ends_of(image);
-  std::tie(pixels.dark, pixels.bright) = usual_range(image);
+  pixels.width = sent.width, pixels.height = sent.height;
+  const mtf::Statistics s = mtf::statistics(sent, threads);
+  pixels.low = s.min, pixels.high = s.max;
+  std::tie(pixels.dark, pixels.bright) = usual_range(sent);
   const auto low = static_cast<float>(pixels.low);
   const float scale = pixels.high > pixels.low ? static_cast<float>(65535.0 / (pixels.high - pixels.low)) : 0.0F;
-  pixels.bytes.resize(static_cast<std::size_t>(2 * pixels.width * pixels.height));
-  std::size_t at = 0;
-  for (std::int64_t y = 0; y < image.height; y += step) {
-    const float* row = image.row(y);
-    for (std::int64_t x = 0; x < image.width; x += step, at += 2) {
-      // Not-a-number fails both comparisons and becomes the least value.
-      const float n = (row[x] - low) * scale + 0.5F;
-      const auto whole = static_cast<std::uint16_t>(n >= 65535.0F ? 65535.0F : n > 0.0F ? n : 0.0F);
-      pixels.bytes[at] = static_cast<char>(whole & 0xff);
-      pixels.bytes[at + 1] = static_cast<char>(whole >> 8);
+  pixels.bytes.resize(static_cast<std::size_t>(2 * sent.width * sent.height));
+  mtf::parallel_for(sent.height, kRowsAtOnce, threads, [&](std::int64_t begin, std::int64_t end) {
+    for (std::int64_t y = begin; y < end; ++y) {
+      const float* row = sent.row(y);
+      char* out = pixels.bytes.data() + 2 * y * sent.width;
+      for (std::int64_t x = 0; x < sent.width; ++x) {
+        // Not-a-number fails both comparisons and becomes the least value.
+        const float n = (row[x] - low) * scale + 0.5F;
+        const auto whole = static_cast<std::uint16_t>(n >= 65535.0F ? 65535.0F : n > 0.0F ? n : 0.0F);
+        out[2 * x] = static_cast<char>(whole & 0xff);
+        out[2 * x + 1] = static_cast<char>(whole >> 8);
+      }
     }
-  }
+  });
   return pixels;
 }
 

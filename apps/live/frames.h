@@ -46,14 +46,15 @@ struct FrameRequest {
   bool operator==(const FrameRequest&) const = default;
 };
 
-/// Pixels as 16-bit numbers: value = low + n (high - low) / 65535.
+/// Pixels as 16-bit numbers: value = low + n (high - low) / 65535. Every figure is of these pixels.
 struct PixelBytes {
   std::int64_t width = 0, height = 0;
   double low = 0.0, high = 0.0;
   double dark = 0.0, bright = 0.0;  ///< between which all but the darkest and the brightest half per cent lie
   std::string bytes;                ///< rows from the top, little-endian
 };
-PixelBytes pixel_bytes(mtf::ImageView<const float> image, int every);
+/// Every so many pixels of a row, and of a column.
+PixelBytes pixel_bytes(mtf::ImageView<const float> image, int every, int threads = 1);
 
 /// A finished frame.
 struct KeptFrame {

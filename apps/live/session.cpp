@@ -283,13 +283,13 @@ Answer Session::frame(const RequestBody& request) {
     facts["stages_ms"] = made->stages_ms;
     facts["utc_s"] = asked.from->utc_s;
     if (before) {
-      PixelBytes pixels = pixel_bytes(made->scene->planes.front().view(), every);
+      PixelBytes pixels = pixel_bytes(made->scene->planes.front().view(), every, options_.threads);
       facts["before"] = scene_facts(*made->scene, every);
       add_pixel_facts(facts["before"], pixels);
       radiance = std::move(pixels.bytes);
     }
   }
-  return pixels_answer(std::move(facts), pixel_bytes(plane.view(), every), radiance);
+  return pixels_answer(std::move(facts), pixel_bytes(plane.view(), every, options_.threads), radiance);
 }
 
 Answer Session::scene(const RequestBody& request) {
@@ -301,7 +301,7 @@ Answer Session::scene(const RequestBody& request) {
   Json facts = scene_facts(*scene, every);
   facts["pitch_x_um"] = sensor->system.frame.pitch_x_um;
   facts["pitch_y_um"] = sensor->system.frame.pitch_y_um;
-  return pixels_answer(std::move(facts), pixel_bytes(plane.view(), every));
+  return pixels_answer(std::move(facts), pixel_bytes(plane.view(), every, options_.threads));
 }
 
 Answer Session::figures(const RequestBody& request) {

@@ -17,7 +17,7 @@ struct RowMoments {
   std::int64_t finite = 0, first_bad = -1;
 };
 RowMoments row_moments(const float* values, std::int64_t n);
-std::vector<RowMoments> row_moments(ImageView<const float> plane);
+std::vector<RowMoments> row_moments(ImageView<const float> plane, int threads = 1);
 
 /// Of all rows of a plane, in order, `width` samples each.
 Statistics statistics_of(std::span<const RowMoments> rows, std::int64_t width);

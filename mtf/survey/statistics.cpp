@@ -20,7 +20,9 @@ bool all_finite(ImageView<const float> image) {
   return largest < infinity;
 }
 
-Statistics statistics(ImageView<const float> image) { return statistics_of(row_moments(image), image.width); }
+Statistics statistics(ImageView<const float> image, int threads) {
+  return statistics_of(row_moments(image, threads), image.width);
+}
 
 double canvas_norm(ImageView<const float> image, Border border, double border_value, double mean) {
   return canvas_norm_of(row_moments(image), image.width, border, border_value, mean);

@@ -18,7 +18,7 @@ struct Statistics {
   std::int64_t first_x = -1, first_y = -1;  ///< position of the first of them, row by row
 };
 
-Statistics statistics(ImageView<const float> image);
+Statistics statistics(ImageView<const float> image, int threads = 1);
 
 /// False when a pixel is NaN or infinite; all that statistics() is not needed for.
 bool all_finite(ImageView<const float> image);

@@ -29,8 +29,8 @@ TEST(Vignetting, cos4_and_polynomial) {
   EXPECT_FLOAT_EQ(factors_of({.cos4 = false, .a2 = -0.5, .a4 = 0.25, .a6 = -0.125}, detector, 2.0).at(3, 1),
                   static_cast<float>(1.0 - 0.5 * r2 + 0.25 * r2 * r2 - 0.125 * r2 * r2 * r2));
   EXPECT_EQ(factors_of({.a2 = -3.0}, detector, 2.0).at(0, 0), 0.0F);  // never below 0
-  EXPECT_NEAR(cos4_factor(25e3, 100.0), std::pow(16.0 / 17.0, 2), 1e-15);
-  EXPECT_NEAR(cos4_factor(25e3, 100.0), std::pow(std::cos(std::atan(0.25)), 4), 1e-15);
+  EXPECT_NEAR(cos4_factor(1.0 / 16.0), std::pow(16.0 / 17.0, 2), 1e-15);
+  EXPECT_NEAR(cos4_factor(1.0 / 16.0), std::pow(std::cos(std::atan(0.25)), 4), 1e-15);
 }
 
 TEST(Vignetting, symmetric_about_the_axis) {

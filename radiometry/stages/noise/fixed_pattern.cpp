@@ -36,16 +36,18 @@ void require_defects(const Defects& defects) {
 }
 
 template <class Combine>
-void with_map(mtf::ImageView<float> image, mtf::ImageView<const float> map, Combine combine) {
+void with_map(mtf::ImageView<float> image, mtf::ImageView<const float> map, int threads, Combine combine) {
   if (map.width != image.width || map.height != image.height)
     throw mtf::UsageError("a map of " + std::to_string(map.width) + " x " + std::to_string(map.height) +
                           " pixels for an image of " + std::to_string(image.width) + " x " +
                           std::to_string(image.height) + "; give one of its size");
-  for (std::int64_t y = 0; y < image.height; ++y) {
-    float* row = image.row(y);
-    const float* other = map.row(y);
-    for (std::int64_t x = 0; x < image.width; ++x) combine(row[x], other[x]);
-  }
+  mtf::parallel_for(image.height, 4 * kRowsAtOnce, threads, [&](std::int64_t begin, std::int64_t end) {
+    for (std::int64_t y = begin; y < end; ++y) {
+      float* row = image.row(y);
+      const float* other = map.row(y);
+      for (std::int64_t x = 0; x < image.width; ++x) combine(row[x], other[x]);
+    }
+  });
 }
 
 }  // namespace
@@ -78,11 +80,11 @@ void require_numbers(const std::string& name, mtf::ImageView<const float> map, f
 }
 
 void multiply_by(mtf::ImageView<float> image, mtf::ImageView<const float> map) {
-  with_map(image, map, [](float& value, float factor) { value *= factor; });
+  with_map(image, map, 1, [](float& value, float factor) { value *= factor; });
 }
 
-void add_map(mtf::ImageView<float> image, mtf::ImageView<const float> map) {
-  with_map(image, map, [](float& value, float offset) { value += offset; });
+void add_map(mtf::ImageView<float> image, mtf::ImageView<const float> map, int threads) {
+  with_map(image, map, threads, [](float& value, float offset) { value += offset; });
 }
 
 void add_row_noise(mtf::ImageView<float> image, double rms, const NoiseKey& key, Stream stream, Origin origin) {

@@ -26,7 +26,7 @@ void require_numbers(const std::string& name, mtf::ImageView<const float> map, f
 /// image *= map: mean electrons of light, before the shot noise. UsageError for a map of another size.
 void multiply_by(mtf::ImageView<float> image, mtf::ImageView<const float> map);
 /// image += map.
-void add_map(mtf::ImageView<float> image, mtf::ImageView<const float> map);
+void add_map(mtf::ImageView<float> image, mtf::ImageView<const float> map, int threads = 1);
 
 /// One number for every row, or column, of the detector.
 void add_row_noise(mtf::ImageView<float> image, double rms, const NoiseKey& key, Stream stream, Origin origin = {});

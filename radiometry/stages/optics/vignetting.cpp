@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include "mtf/parallel.h"
 #include "radiometry/stages/noise/fixed_pattern.h"
@@ -35,15 +36,20 @@ void vignetting_map(mtf::ImageView<float> factors, const Vignetting& vignetting,
                      " mm; it has to be above 0");
   const bool has_map = !vignetting.map.empty() || given.data != nullptr;
   if (has_map) require_map(vignetting, given, factors, origin);
-  const double scale = 1.0 / detector.half_diagonal_um();
+  const double half_diagonal_um = detector.half_diagonal_um(), focal_length_um = 1e3 * focal_length_mm;
+  const auto square_of = [](double number) { return number * number; };
+  const double by_diagonal = square_of(1.0 / half_diagonal_um),
+               by_focal_length = vignetting.cos4 ? square_of(1.0 / focal_length_um) : 0.0;
+  std::vector<double> x2;
+  for (std::int64_t x = 0; x < factors.width; ++x) x2.push_back(square_of(detector.x_um(origin.x + x)));
   const auto row = [&](std::int64_t y) {
-    const double y_um = detector.y_um(origin.y + y);
+    const double y2 = square_of(detector.y_um(origin.y + y));
+    float* out = factors.row(y);
     for (std::int64_t x = 0; x < factors.width; ++x) {
-      const double distance_um = std::hypot(detector.x_um(origin.x + x), y_um), r = distance_um * scale, r2 = r * r;
+      const double distance2 = x2[static_cast<std::size_t>(x)] + y2, r2 = distance2 * by_diagonal;
       const double polynomial = 1.0 + r2 * (vignetting.a2 + r2 * (vignetting.a4 + r2 * vignetting.a6));
-      const double fall = vignetting.cos4 ? cos4_factor(distance_um, focal_length_mm) : 1.0;
       const double lost = has_map ? static_cast<double>(given.at(x, y)) : std::max(0.0, polynomial);
-      factors.at(x, y) = static_cast<float>(fall * lost);
+      out[x] = static_cast<float>(cos4_factor(distance2 * by_focal_length) * lost);
     }
   };
   constexpr std::int64_t kRowsAtOnce = 16;

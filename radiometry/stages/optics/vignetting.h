@@ -50,10 +50,9 @@ struct Vignetting {
   bool operator==(const Vignetting&) const = default;
 };
 
-/// cos^4 of the field angle at a distance from the axis.
-inline double cos4_factor(double distance_um, double focal_length_mm) {
-  const double tangent = distance_um * 1e-3 / focal_length_mm;
-  const double cos2 = 1.0 / (1.0 + tangent * tangent);
+/// cos^4 of an angle, from the square of its tangent.
+inline double cos4_factor(double squared_tangent) {
+  const double cos2 = 1.0 / (1.0 + squared_tangent);
   return cos2 * cos2;
 }
 

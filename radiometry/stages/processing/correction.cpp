@@ -3,9 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <string>
 
 #include "mtf/error.h"
+#include "mtf/parallel.h"
 #include "mtf/units.h"
 
 namespace radiometry {
@@ -13,7 +15,7 @@ namespace {
 
 using mtf::UsageError;
 
-constexpr std::int64_t kReach = 8;
+constexpr std::int64_t kReach = 8, kRowsAtOnce = 64;
 
 std::string size_of(mtf::ImageView<const float> image) {
   return std::to_string(image.width) + " x " + std::to_string(image.height);
@@ -77,21 +79,24 @@ TwoPoint two_point_correction(mtf::ImageView<const float> cold, mtf::ImageView<c
   return correction;
 }
 
-void correct(mtf::ImageView<float> image, const TwoPoint& correction) {
+void correct(mtf::ImageView<float> image, const TwoPoint& correction, int threads) {
   const auto gain = correction.gain.view(), offset = correction.offset.view();
   if (gain.width != image.width || gain.height != image.height)
     throw UsageError("two-point correction: maps of " + size_of(gain) + " for an image of " + size_of(image) +
                      " pixels; measure the correction with frames of its size");
-  for (std::int64_t y = 0; y < image.height; ++y) {
-    float* row = image.row(y);
-    const float *g = gain.row(y), *o = offset.row(y);
-    for (std::int64_t x = 0; x < image.width; ++x) row[x] = g[x] * row[x] + o[x];
-  }
+  mtf::parallel_for(image.height, kRowsAtOnce, threads, [&](std::int64_t begin, std::int64_t end) {
+    for (std::int64_t y = begin; y < end; ++y) {
+      float* row = image.row(y);
+      const float *g = gain.row(y), *o = offset.row(y);
+      for (std::int64_t x = 0; x < image.width; ++x) row[x] = g[x] * row[x] + o[x];
+    }
+  });
 }
 
 void replace_bad(mtf::ImageView<float> image, std::span<const Place> bad) {
   if (bad.empty()) return;
-  std::vector<bool> is_bad(static_cast<std::size_t>(image.width * image.height), false);
+  const std::int64_t pixels = image.width * image.height;
+  std::vector<bool> is_bad(static_cast<std::size_t>(pixels), false);
   const auto index = [&](std::int64_t x, std::int64_t y) { return static_cast<std::size_t>(y * image.width + x); };
   for (const Place& place : bad) {
     if (place.x < 0 || place.y < 0 || place.x >= image.width || place.y >= image.height)
@@ -106,14 +111,15 @@ void replace_bad(mtf::ImageView<float> image, std::span<const Place> bad) {
         if (!is_bad[index(x, y)]) mean.add(image.at(x, y));
     return mean;
   };
-  const Mean all = mean_of(0, 0, image.width - 1, image.height - 1);
-  if (all.count == 0)
+  if (std::ssize(bad) >= pixels && std::ranges::count(is_bad, true) == pixels)
     throw UsageError("bad pixels: all " + size_of(image) + " pixels are bad; none is left to take values from");
+  std::optional<double> all;  // the mean of all good ones, where one is too far away from the nearest
   for (const Place& place : bad) {
     Mean mean;
     for (std::int64_t r = 1; r <= kReach && mean.count == 0; ++r)
       mean = mean_of(place.x - r, place.y - r, place.x + r, place.y + r);
-    image.at(place.x, place.y) = static_cast<float>(mean.count > 0 ? mean.value() : all.value());
+    if (mean.count == 0 && !all) all = mean_of(0, 0, image.width - 1, image.height - 1).value();
+    image.at(place.x, place.y) = static_cast<float>(mean.count > 0 ? mean.value() : *all);
   }
 }
 

@@ -29,7 +29,7 @@ struct TwoPoint {
 TwoPoint two_point_correction(mtf::ImageView<const float> cold, mtf::ImageView<const float> hot, double limit = 0.5);
 
 /// image = gain x image + offset. UsageError for an image of another size.
-void correct(mtf::ImageView<float> image, const TwoPoint& correction);
+void correct(mtf::ImageView<float> image, const TwoPoint& correction, int threads = 1);
 
 /// Gives each bad pixel the mean of the good ones in the smallest square around it that has any, up to 17 x 17, or else
 /// of all good ones. Good pixels stay. Throws UsageError for places outside of the image and when no pixel is good.
