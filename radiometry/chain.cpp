@@ -346,14 +346,13 @@ Chain::Chain(const mtf::SensorPlan& plan, const mtf::System<double>& system, con
     if (sensor.settings.correction && owner->settings.correction && owner->plan.out() == compiled->plan.out())
       compiled->corrected_by = owner;
   }
-  compiled->map_source = map_source(*compiled, sensor, origin, width, height);
-  if (keep_shading && compiled->corrected_by && !same_shading(compiled->map_source, compiled->corrected_by->map_source))
-    compiled->map_source.shading = compiled->corrected_by->maps;
-  const PixelMaps* known = before != nullptr ? before->compiled_->maps.get() : nullptr;
-  compiled->maps =
-      known != nullptr && before->compiled_->map_source == compiled->map_source
-          ? before->compiled_->maps
-          : std::make_shared<const PixelMaps>(pixel_maps(*compiled, sensor, origin, width, height, threads, known));
+  MapSource source = map_source(*compiled, sensor, origin, width, height);
+  if (keep_shading && compiled->corrected_by && !same_shading(source, compiled->corrected_by->maps->made_from))
+    source.shading = compiled->corrected_by->maps;
+  const std::shared_ptr<const PixelMaps> known = before != nullptr ? before->compiled_->maps : nullptr;
+  compiled->maps = known && known->made_from == source
+                       ? known
+                       : std::make_shared<const PixelMaps>(pixel_maps(*compiled, source, threads, known.get()));
   compiled_ = std::move(compiled);
 }
 

@@ -16,19 +16,18 @@
 
 namespace radiometry {
 
-/// A number for every pixel, or one for all.
-struct Factor {
-  double number = 1.0;
-  mtf::Image map{};  ///< empty: the number alone
+/// A map of the pixels of a detector; null stands for 1 at each of them.
+using SharedMap = std::shared_ptr<const mtf::Image>;
 
-  bool uniform() const { return map.size() == 0; }
+/// number x map + added at each pixel: of what all pixels share the number alone changes, and the map is kept.
+struct Linear {
+  double number = 1.0;
+  SharedMap map{};
+  double added = 0.0;
 };
 
-/// number x a x b + added; an empty map stands for 1.
-Factor factor_of(double number, const mtf::Image& a, const mtf::Image& b, double added, int threads);
-
-/// image = gain x image + offset.
-void multiply_add(mtf::Image& image, const Factor& gain, const Factor& offset, int threads);
+/// image = gain x image + offset. The image has steps x steps samples for each pixel of the maps.
+void multiply_add(mtf::Image& image, const Linear& gain, const Linear& offset, int threads, std::int64_t steps = 1);
 
 struct FrameRun;
 
@@ -102,20 +101,23 @@ inline bool same_shading(const MapSource& a, const MapSource& b) {
 /// What differs from pixel to pixel whatever the light.
 struct DetectorMaps {
   DetectorSource made_from;
-  mtf::Image responsivity{};  ///< empty: 1
-  mtf::Image narcissus{};     ///< part of the camera's own light that is left; empty: all of it
-  mtf::Image offset{};        ///< electrons added to every frame; empty: none
+  SharedMap responsivity{};
+  SharedMap own_light{};  ///< what narcissus leaves of the camera's own light, times the responsivity
+  mtf::Image offset{};    ///< electrons added to every frame; empty: none
   std::vector<DefectivePixel> defects{};
   std::vector<BlinkingPixel> blinking{};
 };
 
 /// What differs from pixel to pixel, for the pixels of an image or of a tile of one.
 struct PixelMaps {
-  Origin origin;                                   ///< of the first pixel on the detector
+  MapSource made_from;
   std::shared_ptr<const DetectorMaps> detector{};  ///< never null
-  mtf::Image corners{};                            ///< vignetting; empty: none
-  Factor light{};                                  ///< electrons for one unit of weighted radiance
-  Factor glow{};                                   ///< mean electrons of warm optics, stop and dark current
+  Linear corners{};                                ///< vignetting
+  Linear light{};                                  ///< electrons for one unit of weighted radiance
+  Linear glow{};                                   ///< mean electrons of warm optics, stop and dark current
+
+  /// Of the first pixel on the detector.
+  Origin origin() const { return made_from.detector.origin; }
 };
 
 struct CompiledChain {
@@ -144,9 +146,8 @@ struct CompiledChain {
   std::optional<ShutterEvents> events;  ///< of a thermal camera whose shutter closes now and then
   double frame_time_s = 0.0;
   double focal_length_mm = 0.0;
-  /// Of the image, and what they were made from; null where the image comes in tiles, each of which has its own.
+  /// Of the image; null where it comes in tiles, each of which has its own.
   std::shared_ptr<const PixelMaps> maps;
-  MapSource map_source;
 
   double glow_e() const { return warm.total_e() + dark_e; }
 
@@ -158,20 +159,20 @@ struct CompiledChain {
   mutable TwoPoint measured;
 };
 
+/// Of width x height pixels from `origin` on.
 MapSource map_source(const CompiledChain& chain, const Sensor& sensor, Origin origin, std::int64_t width,
                      std::int64_t height);
 
-/// The maps of width x height pixels from `origin` on. `before`: others, whose maps of the detector are taken where
-/// they would be the same, or null. Throws UsageError for pixels beyond the detector, and for a map of a sensor that
-/// does not cover the detector.
-PixelMaps pixel_maps(const CompiledChain& chain, const Sensor& sensor, Origin origin, std::int64_t width,
-                     std::int64_t height, int threads, const PixelMaps* before = nullptr);
+/// The maps of a source of that chain. `before`: others, of which those are taken that would be the same, or null.
+/// Throws UsageError for pixels beyond the detector, and for a map of a sensor that does not cover the detector.
+PixelMaps pixel_maps(const CompiledChain& chain, const MapSource& source, int threads,
+                     const PixelMaps* before = nullptr);
 
-/// What light of the camera itself gives to each pixel: it is multiplied by `left` and `responsivity` (empty: 1), and
-/// `added` comes on top. Where a thermal camera has a shutter, vignetting (`corners`, empty: none) narrows the cone of
-/// light, and the housing is seen in its place.
-Factor glow_of(const CompiledChain& chain, const Directions<double>& light, const mtf::Image& corners,
-               const mtf::Image& left, const mtf::Image& responsivity, double added, int threads);
+/// What light of the camera itself gives to each pixel: it is multiplied by `sensitivity`, and `added` comes on top.
+/// Where a thermal camera has a shutter, vignetting (`corners`) narrows the cone of light, and the housing is seen in
+/// its place.
+Linear glow_of(const CompiledChain& chain, const Directions<double>& light, const Linear& corners,
+               const SharedMap& sensitivity, double added, int threads);
 
 /// The light of the camera itself at a frame beside that of frame 0, before the lag: what has warmed since then.
 Directions<double> warming_of(const CompiledChain& chain, std::uint32_t frame);

@@ -33,23 +33,17 @@ mtf::Image part_of(const std::shared_ptr<const mtf::Image>& whole, const char* k
   return part;
 }
 
-std::span<float> values_of(mtf::Image& map) { return {map.data(), static_cast<std::size_t>(map.size())}; }
-
-double mean(mtf::ImageView<const float> factors, int threads) {
-  if (factors.data == nullptr) return 1.0;
-  return mtf::statistics(factors, threads).mean;
+SharedMap shared(mtf::Image map) {
+  return map.size() > 0 ? std::make_shared<const mtf::Image>(std::move(map)) : nullptr;
 }
 
-/// `shading`, as bright on the mean as `own`; an empty image stands for factors of 1, one of the two is none.
-mtf::Image as_bright(const mtf::Image& shading, const mtf::Image& own, int threads) {
-  mtf::Image factors = shading.clone();
-  if (factors.size() == 0) {
-    factors = mtf::Image(own.width(), own.height());
-    std::ranges::fill(values_of(factors), 1.0F);
-  }
-  const auto scale = static_cast<float>(mean(own.view(), threads) / mean(shading.view(), threads));
-  for (float& factor : values_of(factors)) factor *= scale;
-  return factors;
+double mean(const SharedMap& map, int threads) { return map ? mtf::statistics(map->view(), threads).mean : 1.0; }
+
+SharedMap product(const SharedMap& a, const SharedMap& b, int threads) {
+  if (!a || !b) return a ? a : b;
+  mtf::Image both = a->clone();
+  multiply_add(both, {1.0, b}, {0.0}, threads);
+  return shared(std::move(both));
 }
 
 DetectorSource detector_source(const CompiledChain& chain, const Sensor& sensor, Origin origin, std::int64_t width,
@@ -72,25 +66,39 @@ DetectorMaps detector_maps(const DetectorSource& source, int threads) {
   const std::int64_t width = source.width, height = source.height;
   DetectorMaps maps{.made_from = source};
   if (const auto& unequal = source.nonuniformity) {
-    maps.responsivity = part_of(source.responsivity, "nonuniformity.responsivity", source);
-    if (maps.responsivity.size() == 0 && unequal->prnu > 0.0) {
-      maps.responsivity = mtf::Image(width, height);
-      responsivity_map(maps.responsivity.view(), unequal->prnu, source.seed, source.origin, threads);
+    mtf::Image responsivity = part_of(source.responsivity, "nonuniformity.responsivity", source);
+    if (responsivity.size() == 0 && unequal->prnu > 0.0) {
+      responsivity = mtf::Image(width, height);
+      responsivity_map(responsivity.view(), unequal->prnu, source.seed, source.origin, threads);
     }
+    maps.responsivity = shared(std::move(responsivity));
     maps.offset = part_of(source.offset, "nonuniformity.offset", source);
     if (maps.offset.size() == 0 && unequal->dsnu_e > 0.0) {
       maps.offset = mtf::Image(width, height);
       offset_map(maps.offset.view(), unequal->dsnu_e, source.seed, source.origin, threads);
     }
   }
+  maps.own_light = maps.responsivity;
   if (source.narcissus) {
-    maps.narcissus = mtf::Image(width, height);
-    narcissus_map(maps.narcissus.view(), *source.narcissus, source.detector, source.origin);
-    for (float& missing : values_of(maps.narcissus)) missing = 1.0F - missing;
+    mtf::Image left(width, height);
+    narcissus_map(left.view(), *source.narcissus, source.detector, source.origin);
+    multiply_add(left, {-1.0}, {1.0}, threads);
+    maps.own_light = product(shared(std::move(left)), maps.responsivity, threads);
   }
   if (source.defects) maps.defects = find_defects(width, height, *source.defects, source.seed, source.origin, threads);
   if (source.blinking) maps.blinking = find_blinking(width, height, *source.blinking, source.seed, source.origin);
   return maps;
+}
+
+/// The vignetting of the settings.
+SharedMap corners_of(const MapSource& source, int threads) {
+  if (!source.vignetting) return nullptr;
+  const DetectorSource& d = source.detector;
+  const mtf::Image given = part_of(source.given_vignetting, "vignetting.map", d);
+  mtf::Image corners(d.width, d.height);
+  vignetting_map(corners.view(), *source.vignetting, d.detector, source.focal_length_mm, d.origin, given.view(),
+                 threads);
+  return shared(std::move(corners));
 }
 
 }  // namespace
@@ -125,27 +133,24 @@ MapSource map_source(const CompiledChain& chain, const Sensor& sensor, Origin or
           .closes = chain.events.has_value()};
 }
 
-PixelMaps pixel_maps(const CompiledChain& chain, const Sensor& sensor, Origin origin, std::int64_t width,
-                     std::int64_t height, int threads, const PixelMaps* before) {
-  const SensorSettings& s = chain.settings;
+PixelMaps pixel_maps(const CompiledChain& chain, const MapSource& source, int threads, const PixelMaps* before) {
   const int cores = mtf::threads_of(threads);
-  require_on_detector(origin, width, height);
-  require_region(chain.detector, origin, width, height);
-  PixelMaps maps{.origin = origin};
-  const DetectorSource source = detector_source(chain, sensor, origin, width, height);
-  maps.detector = before != nullptr && before->detector->made_from == source
-                      ? before->detector
-                      : std::make_shared<const DetectorMaps>(detector_maps(source, cores));
-  if (s.vignetting) {
-    const mtf::Image given = part_of(sensor.vignetting, "vignetting.map", source);
-    maps.corners = mtf::Image(width, height);
-    vignetting_map(maps.corners.view(), *s.vignetting, chain.detector, chain.focal_length_mm, origin, given.view(),
-                   cores);
+  const DetectorSource& d = source.detector;
+  require_on_detector(d.origin, d.width, d.height);
+  require_region(d.detector, d.origin, d.width, d.height);
+  PixelMaps maps{.made_from = source};
+  const bool same_detector = before != nullptr && before->made_from.detector == d;
+  maps.detector = same_detector ? before->detector : std::make_shared<const DetectorMaps>(detector_maps(d, cores));
+  const bool same_corners = same_detector && !before->made_from.shading && same_shading(before->made_from, source);
+  maps.corners = {1.0, same_corners ? before->corners.map : corners_of(source, cores)};
+  if (source.shading) {
+    const SharedMap& kept = source.shading->corners.map;
+    maps.corners = {mean(maps.corners.map, cores) / mean(kept, cores), kept};
   }
-  if (const auto& kept = chain.map_source.shading) maps.corners = as_bright(kept->corners, maps.corners, cores);
-  const DetectorMaps& detector = *maps.detector;
-  maps.light = factor_of(chain.gain, maps.corners, detector.responsivity, 0.0, cores);
-  maps.glow = glow_of(chain, chain.warm, maps.corners, detector.narcissus, detector.responsivity, chain.dark_e, cores);
+  maps.light = {chain.gain * maps.corners.number, same_detector && before->corners.map == maps.corners.map
+                                                      ? before->light.map
+                                                      : product(maps.corners.map, maps.detector->responsivity, cores)};
+  maps.glow = glow_of(chain, chain.warm, maps.corners, maps.detector->own_light, chain.dark_e, cores);
   return maps;
 }
 

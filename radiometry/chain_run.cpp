@@ -17,12 +17,9 @@ using Part = StageRow::Part;
 /// Turns the radiance of the detector's samples into the irradiance on them.
 void cast_on_detector(FrameRun& run, mtf::Image& image) {
   const CompiledChain& chain = run.chain;
-  multiply_add(image, {.number = irradiance(chain.camera, 1.0)}, {.number = 0.0}, run.threads);
-  if (run.maps.corners.size() > 0) {
-    const std::int64_t steps = chain.plan.samples_a_pitch;
-    for (std::int64_t y = 0; y < image.height(); ++y)
-      for (std::int64_t x = 0; x < image.width(); ++x) image.at(x, y) *= run.maps.corners.at(x / steps, y / steps);
-  }
+  const Linear& corners = run.maps.corners;
+  multiply_add(image, {irradiance(chain.camera, 1.0) * corners.number, corners.map}, {0.0}, run.threads,
+               chain.plan.samples_a_pitch);
   run.lap("irradiance");
 }
 
@@ -40,8 +37,8 @@ void absorb(FrameRun& run, mtf::Image& image) {
   for (const Directions<double>& volts : light) {
     const Directions<double> watts{volts.cone_e / chain.pixel.volts_per_watt,
                                    volts.around_e / chain.pixel.volts_per_watt};
-    multiply_add(image, {.number = std::exchange(area_m2, 1.0)},
-                 glow_of(chain, watts, run.maps.corners, {}, {}, 0.0, run.threads), run.threads);
+    multiply_add(image, {std::exchange(area_m2, 1.0)}, glow_of(chain, watts, run.maps.corners, {}, 0.0, run.threads),
+                 run.threads, chain.plan.samples_a_pitch);
   }
   run.lap("watts");
 }

@@ -16,7 +16,7 @@ void filter(const mtf::Plan& plan, FrameRun& run, mtf::Image& image) {
 }
 
 FocalPlane focal_plane_of(const FrameRun& run, const mtf::SampleGrid& grid) {
-  return on_grid(run.chain.detector, run.maps.origin, grid.width, grid.height, grid.step_x_um, grid.step_y_um);
+  return on_grid(run.chain.detector, run.maps.origin(), grid.width, grid.height, grid.step_x_um, grid.step_y_um);
 }
 
 /// Limits the charge and counts the pixels that are held. `limit` is fill_well or above_well.
@@ -33,9 +33,9 @@ void hold_well(FrameRun& run, mtf::Image& image, const Limit& limit) {
 /// Adds light of the camera itself to a frame of volts.
 void add_glow(FrameRun& run, mtf::Image& image, const Directions<double>& light) {
   if (light.cone_e == 0.0 && light.around_e == 0.0) return;
-  const Factor glow =
-      glow_of(run.chain, light, run.maps.corners, {}, run.maps.detector->responsivity, 0.0, run.threads);
-  multiply_add(image, {1.0}, glow, run.threads);
+  multiply_add(image, {},
+               glow_of(run.chain, light, run.maps.corners, run.maps.detector->responsivity, 0.0, run.threads),
+               run.threads);
   run.border += light.total_e();
 }
 
@@ -52,22 +52,28 @@ const TwoPoint& correction_of(const FrameRun& run) {
 
 }  // namespace
 
-void multiply_add(mtf::Image& image, const Factor& gain, const Factor& offset, int threads) {
+void multiply_add(mtf::Image& image, const Linear& gain, const Linear& offset, int threads, std::int64_t steps) {
+  constexpr std::int64_t kRowsAtOnce = 64;
   const std::int64_t width = image.width();
-  mtf::parallel_for(image.height(), 64, threads, [&](std::int64_t begin, std::int64_t end) {
+  const std::vector<float> ones(static_cast<std::size_t>(width), 1.0F);
+  mtf::parallel_for(image.height(), kRowsAtOnce, threads, [&](std::int64_t begin, std::int64_t end) {
+    std::vector<float> wide_gains, wide_offsets;
+    // A row of a map, as wide as the image.
+    const auto row_of = [&](const SharedMap& map, std::int64_t y, std::vector<float>& wide) {
+      if (!map) return ones.data();
+      const float* row = map->data() + y / steps * map->width();
+      if (steps == 1) return row;
+      wide.resize(static_cast<std::size_t>(width));
+      for (std::int64_t x = 0; x < width; ++x) wide[static_cast<std::size_t>(x)] = row[x / steps];
+      return std::as_const(wide).data();
+    };
+    const auto g = static_cast<float>(gain.number), g0 = static_cast<float>(gain.added);
+    const auto o = static_cast<float>(offset.map ? offset.number : offset.number + offset.added),
+               o0 = static_cast<float>(offset.map ? offset.added : 0.0);
     for (std::int64_t y = begin; y < end; ++y) {
+      const float *gains = row_of(gain.map, y, wide_gains), *offsets = row_of(offset.map, y, wide_offsets);
       float* row = image.data() + y * width;
-      const float* gains = gain.uniform() ? nullptr : gain.map.data() + y * width;
-      const float* offsets = offset.uniform() ? nullptr : offset.map.data() + y * width;
-      const auto g = static_cast<float>(gain.number), o = static_cast<float>(offset.number);
-      if (gains == nullptr && offsets == nullptr)
-        for (std::int64_t x = 0; x < width; ++x) row[x] = g * row[x] + o;
-      else if (offsets == nullptr)
-        for (std::int64_t x = 0; x < width; ++x) row[x] = gains[x] * row[x] + o;
-      else if (gains == nullptr)
-        for (std::int64_t x = 0; x < width; ++x) row[x] = g * row[x] + offsets[x];
-      else
-        for (std::int64_t x = 0; x < width; ++x) row[x] = gains[x] * row[x] + offsets[x];
+      for (std::int64_t x = 0; x < width; ++x) row[x] = (g * gains[x] + g0) * row[x] + (o * offsets[x] + o0);
     }
   });
 }
@@ -116,7 +122,7 @@ void shutter(FrameRun& run, mtf::Image& radiance) {
   ShutterState& state = run.state->shutter;
   if (run.frames_passed > 1) state = {};
   apply_shutter(radiance.view(), *chain.settings.shutter, chain.frame_time_s, chain.detector.rows, state,
-                run.maps.origin.y);
+                run.maps.origin().y);
 }
 
 void collect(FrameRun& run, mtf::Image& image) {
@@ -143,11 +149,11 @@ void defects(FrameRun& run, mtf::Image& electrons) {
 void blinking(FrameRun& run, mtf::Image& electrons) {
   const CompiledChain& chain = run.chain;
   run.counter.mark(apply_blinking(electrons.view(), run.maps.detector->blinking, *chain.settings.blinking, run.key,
-                                  run.maps.origin));
+                                  run.maps.origin()));
 }
 
 void shot_noise(FrameRun& run, mtf::Image& electrons) {
-  radiometry::shot_noise(electrons.view(), run.key, run.maps.origin, run.threads);
+  radiometry::shot_noise(electrons.view(), run.key, run.maps.origin(), run.threads);
 }
 
 void full_well(FrameRun& run, mtf::Image& electrons) {
@@ -178,25 +184,25 @@ void offsets(FrameRun& run, mtf::Image& electrons) {
 }
 
 void read_noise(FrameRun& run, mtf::Image& electrons) {
-  add_gaussian(electrons.view(), run.chain.read_e, run.key, Stream::read, run.maps.origin, run.threads);
+  add_gaussian(electrons.view(), run.chain.read_e, run.key, Stream::read, run.maps.origin(), run.threads);
   if (run.chain.slow.strength > 0.0)
-    add_frame_flicker(electrons.view(), run.chain.slow, run.key, run.maps.origin, run.threads);
+    add_frame_flicker(electrons.view(), run.chain.slow, run.key, run.maps.origin(), run.threads);
 }
 
 void flicker(FrameRun& run, mtf::Image& electrons) {
   const CompiledChain& chain = run.chain;
   add_flicker(electrons.view(), *chain.settings.flicker, chain.detector.columns, chain.detector.rows, run.key,
-              run.maps.origin, run.threads);
+              run.maps.origin(), run.threads);
 }
 
 void line_noise(FrameRun& run, mtf::Image& electrons) {
   const NoiseSettings& noise = *run.chain.settings.noise;
   const NoiseKey fixed{run.key.seed, 0};
   const auto rows = [&](double rms_e, const NoiseKey& key, Stream stream) {
-    if (rms_e > 0.0) add_row_noise(electrons.view(), rms_e, key, stream, run.maps.origin);
+    if (rms_e > 0.0) add_row_noise(electrons.view(), rms_e, key, stream, run.maps.origin());
   };
   const auto columns = [&](double rms_e, const NoiseKey& key, Stream stream) {
-    if (rms_e > 0.0) add_column_noise(electrons.view(), rms_e, key, stream, run.maps.origin);
+    if (rms_e > 0.0) add_column_noise(electrons.view(), rms_e, key, stream, run.maps.origin());
   };
   rows(noise.row_e, run.key, Stream::temporal_row);
   columns(noise.column_e, run.key, Stream::temporal_column);
@@ -205,7 +211,7 @@ void line_noise(FrameRun& run, mtf::Image& electrons) {
 }
 
 void noise_3d(FrameRun& run, mtf::Image& electrons) {
-  add_noise_3d(electrons.view(), *run.chain.settings.noise_3d, run.key, run.maps.origin, run.threads);
+  add_noise_3d(electrons.view(), *run.chain.settings.noise_3d, run.key, run.maps.origin(), run.threads);
 }
 
 void convert(FrameRun& run, mtf::Image& electrons) {

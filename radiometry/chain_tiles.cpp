@@ -14,12 +14,14 @@ TiledChain::TiledChain(const mtf::SensorPlan& tile, const mtf::System<double>& s
   auto compiled = std::make_shared<CompiledChain>(tile, system, sensor, columns, rows);
   require_output_stage(stage, compiled->last, compiled->adc.has_value(), sensor.settings.thermal.has_value());
   require_maps(sensor, compiled->detector.columns, compiled->detector.rows);
-  pixel_maps(*compiled, sensor, {}, 1, 1, 1);  // refuses settings of maps before any tile has been made
+  pixel_maps(*compiled, map_source(*compiled, sensor, {}, 1, 1),
+             1);  // refuses settings of maps before any tile has been made
   compiled_ = std::move(compiled);
 }
 
 ChainFrame TiledChain::run(mtf::Image radiance, Origin origin, std::uint32_t frame, int threads) const {
-  const PixelMaps maps = pixel_maps(*compiled_, sensor_, origin, radiance.width(), radiance.height(), threads);
+  const MapSource source = map_source(*compiled_, sensor_, origin, radiance.width(), radiance.height());
+  const PixelMaps maps = pixel_maps(*compiled_, source, threads);
   FrameRun run{.chain = *compiled_,
                .maps = maps,
                .threads = mtf::threads_of(threads),
@@ -37,10 +39,11 @@ double tile_bytes_a_pixel(const Sensor& sensor) {
   const bool corners = s.vignetting.has_value(), around = s.narcissus.has_value();
   const bool responsivity = unequal && (sensor.responsivity || unequal->prnu > 0.0);
   const bool offset = unequal && (sensor.offset || unequal->dsnu_e > 0.0);
-  // The image, the maps of pixel_maps(), that of a shutter that closes now and then, and the map of a file.
-  const bool closes = s.thermal && s.thermal->closes();
-  const double planes = 1.0 + one(closes) + 2.0 * one(corners) + one(offset) + one(responsivity) + one(around) +
-                        one(corners || responsivity) + one(corners || around || responsivity);
+  // The image, the map of a file that vignetting is cut from, the maps of pixel_maps(), and that of a shutter that
+  // closes now and then.
+  const bool shutter = s.thermal && s.thermal->shutter_k, closes = s.thermal && s.thermal->closes();
+  const double planes = 1.0 + 2.0 * one(corners) + one(offset) + one(responsivity) + one(corners && responsivity) +
+                        one(around) + one(around && responsivity) + one(shutter && corners) + one(closes);
   // Lists of single pixels grow by doubling; each pixel is in the list of those held apart too.
   const double listed = (s.defects ? s.defects->dead_fraction + s.defects->hot_fraction : 0.0) +
                         (s.blinking ? 2.0 * s.blinking->fraction : 0.0);

@@ -248,6 +248,31 @@ TEST(ThermalChain, a_camera_as_warm_as_its_shutter_gives_nothing) {
   EXPECT_NEAR(static_cast<double>(volts.at(5, 5)), 0.0, 2e-7 * same.signal.scene_e);
 }
 
+// Between the pixels lies the light that falls on them: the volts' finer sampling is the watts', too.
+TEST(ThermalChain, microscan_samples_watts_as_it_samples_volts) {
+  ThermalSettings thermal = by_netd();
+  thermal.shutter_k = 295.0;
+  Sensor sensor = sensor_of(thermal);
+  sensor.settings.optics =
+      OpticsSettings{.transmission = {0.9}, .emissivity = 0.1, .temperature_k = 300.0, .stop_temperature_k = 290.0};
+  sensor.settings.vignetting = Vignetting{.a2 = -0.5};
+  sensor.settings.microscan = Microscan{.steps = 2};
+  const Chain chain = make_chain(lwir_system(), sensor, 32, 32, 17.0 / 2.0);
+  const auto image = [&](OutputStage stage) {
+    mtf::Image scene = test::flat(32, 32, 310.0F);
+    radiance_of_temperature(scene.view(), scene_band(sensor.curves));
+    return chain.run(std::move(scene), 0, stage).image;
+  };
+  const mtf::Image watts = image(OutputStage::watts), volts = image(OutputStage::volts);
+  ASSERT_EQ(watts.width(), 32);
+  EXPECT_GT(std::abs(watts.at(0, 0) / watts.at(16, 16) - 1.0F), 0.1F);
+  const float volts_per_watt = volts.at(16, 16) / watts.at(16, 16);
+  for (std::int64_t y = 0; y < 32; ++y)
+    for (std::int64_t x = 0; x < 32; ++x)
+      ASSERT_NEAR(volts.at(x, y), volts_per_watt * watts.at(x, y), 1e-5F * std::abs(volts.at(16, 16)))
+          << x << ", " << y;
+}
+
 /// Two blackbodies in front of the camera: rms of one pixel over frames, over counts per kelvin.
 TEST(ThermalChain, netd_of_frames_of_two_blackbodies_is_the_specified_one) {
   for (const NetdOf of : {NetdOf::focal_plane, NetdOf::camera}) {
