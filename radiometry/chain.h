@@ -103,10 +103,11 @@ void add_time(std::vector<std::pair<Name, double>>& times, std::string_view name
 /// One frame that has gone through the chain.
 struct ChainFrame {
   mtf::Image image;
-  Spilled spilled{};        ///< by [blooming]
-  Clipped well, adc;        ///< all pixels that are held at an end of the range
-  HeldPixels held;          ///< those that light has brought there
-  HeldPixels held_defects;  ///< those that are defective, or blinking in the high state
+  Spilled spilled{};            ///< by [blooming]
+  Clipped well, adc;            ///< all pixels that are held at an end of the range
+  HeldPixels held;              ///< those that light has brought there
+  HeldPixels held_defects;      ///< those that are defective, or blinking in the high state
+  std::int64_t noise_rows = 1;  ///< the first row and every so-many-th after it have noise of each pixel
   std::vector<std::pair<std::string_view, double>> timing_ms;  ///< of the stages that ran, in their order
 };
 
@@ -147,9 +148,11 @@ class Chain {
   ChainFrame run(mtf::Image radiance, std::uint32_t frame, OutputStage stage, double border_value = 0.0,
                  int threads = 0, ChainState* state = nullptr) const;
   /// The same of a scene that comes again and is not used up (mtf/engines/kept_scene.h): its only plane is the
-  /// radiance.
+  /// radiance. `noise_rows`: of rows that nobody will look at shot and read noise may be left out; see
+  /// ChainFrame::noise_rows for whether they were. The pixels of the others are the same, but for bad ones that take
+  /// values from their neighbours.
   ChainFrame run(mtf::KeptScene& radiance, std::uint32_t frame, OutputStage stage, double border_value = 0.0,
-                 int threads = 0, ChainState* state = nullptr) const;
+                 int threads = 0, ChainState* state = nullptr, std::int64_t noise_rows = 1) const;
 
   /// Electrons for one unit of weighted radiance, on the axis.
   double electrons_per_radiance() const;
@@ -157,7 +160,7 @@ class Chain {
  private:
   /// `kept`: the scene in place of `radiance`, or null.
   ChainFrame run_scene(mtf::Image radiance, mtf::KeptScene* kept, std::uint32_t frame, OutputStage stage,
-                       double border_value, int threads, ChainState* state) const;
+                       double border_value, int threads, ChainState* state, std::int64_t noise_rows) const;
 
   std::shared_ptr<const CompiledChain> compiled_;
 };

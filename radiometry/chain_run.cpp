@@ -68,6 +68,15 @@ void run_positions(FrameRun& run, mtf::Image& image, const Microscan& scan, Outp
   run.lap("microscan");
 }
 
+/// Whether a row without noise changes no other one: nothing after the noise takes anything from other pixels, but for
+/// what replaces bad ones.
+bool rows_stand_alone(const CompiledChain& chain) {
+  if (chain.settings.microscan) return false;
+  return std::ranges::all_of(chain.stages, [](const StageRow& stage) {
+    return stage.whole_image.empty() || stage.part == Part::optics || stage.part == Part::correction;
+  });
+}
+
 }  // namespace
 
 void FrameRun::lap(std::string_view stage) {
@@ -105,18 +114,18 @@ void FrameRun::run_to(OutputStage stage) {
 
 ChainFrame Chain::run(mtf::Image radiance, std::uint32_t number, OutputStage stage, double border_value, int threads,
                       ChainState* state) const {
-  return run_scene(std::move(radiance), nullptr, number, stage, border_value, threads, state);
+  return run_scene(std::move(radiance), nullptr, number, stage, border_value, threads, state, 1);
 }
 
 ChainFrame Chain::run(mtf::KeptScene& radiance, std::uint32_t number, OutputStage stage, double border_value,
-                      int threads, ChainState* state) const {
+                      int threads, ChainState* state, std::int64_t noise_rows) const {
   if (radiance.planes().size() != 1)
     throw mtf::UsageError("the chain of a sensor takes one plane, not " + std::to_string(radiance.planes().size()));
-  return run_scene({}, &radiance, number, stage, border_value, threads, state);
+  return run_scene({}, &radiance, number, stage, border_value, threads, state, noise_rows);
 }
 
 ChainFrame Chain::run_scene(mtf::Image radiance, mtf::KeptScene* kept, std::uint32_t number, OutputStage stage,
-                            double border_value, int threads, ChainState* state) const {
+                            double border_value, int threads, ChainState* state, std::int64_t noise_rows) const {
   require_output_stage(stage, compiled_->last, compiled_->adc.has_value(), compiled_->settings.thermal.has_value());
   FrameRun run{.chain = *compiled_,
                .maps = *compiled_->maps,
@@ -126,6 +135,7 @@ ChainFrame Chain::run_scene(mtf::Image radiance, mtf::KeptScene* kept, std::uint
                .kept = kept,
                .border = border_value};
   run.frame.image = std::move(radiance);
+  if (rows_stand_alone(*compiled_)) run.frame.noise_rows = std::max<std::int64_t>(1, noise_rows);
   run.run(Part::optics, run.frame.image);
   if (state != nullptr && stage >= OutputStage::watts && !compiled_->settings.microscan) {
     run.state = state;

@@ -153,7 +153,7 @@ void blinking(FrameRun& run, mtf::Image& electrons) {
 }
 
 void shot_noise(FrameRun& run, mtf::Image& electrons) {
-  radiometry::shot_noise(electrons.view(), run.key, run.maps.origin(), run.threads);
+  radiometry::shot_noise(electrons.view(), run.key, run.maps.origin(), run.threads, run.frame.noise_rows);
 }
 
 void full_well(FrameRun& run, mtf::Image& electrons) {
@@ -184,7 +184,8 @@ void offsets(FrameRun& run, mtf::Image& electrons) {
 }
 
 void read_noise(FrameRun& run, mtf::Image& electrons) {
-  add_gaussian(electrons.view(), run.chain.read_e, run.key, Stream::read, run.maps.origin(), run.threads);
+  add_gaussian(electrons.view(), run.chain.read_e, run.key, Stream::read, run.maps.origin(), run.threads,
+               run.frame.noise_rows);
   if (run.chain.slow.strength > 0.0)
     add_frame_flicker(electrons.view(), run.chain.slow, run.key, run.maps.origin(), run.threads);
 }

@@ -99,8 +99,10 @@ KeptFrame FrameMaker::of_image(const Sensor& sensor, const FrameRequest& request
   }
   KeptFrame frame;
   // A camera with other parameters is another camera, whose correction is its own: what one command would show.
-  frame.image = live_->image(*sensor, request.number, request.correction());
-  frame.passing = frame.correction_lags = live_->correction_lags();
+  frame.image = live_->image(*sensor, request.number, request.correction(), request.preview ? request.every : 1);
+  frame.correction_lags = live_->correction_lags();
+  frame.noise_rows = live_->noise_rows();
+  frame.passing = frame.correction_lags || frame.noise_rows > 1;
   frame.names = live_->names();
   frame.warnings = live_->warnings();
   frame.plan = std::make_shared<const mtf::SensorPlan>(live_->plan());
@@ -112,8 +114,9 @@ std::shared_ptr<const KeptFrame> FrameMaker::frame(const Sensor& sensor, const F
   // What was made while the page loaded is what it asks for first; an image of a preview is that at rest, too.
   FrameRequest asked = request;
   if (!draw_) asked.preview = false;
+  asked.every = 1;
   const auto lags = [](const KeptFrame& kept) {
-    return kept.light_lags || kept.correction_lags || !kept.solving.empty();
+    return kept.light_lags || kept.correction_lags || kept.noise_rows > 1 || !kept.solving.empty();
   };
   if (!kept_.empty() && !lags(*kept_.back()) && sensor == last_sensor_) {
     FrameRequest last = last_request_;

@@ -33,6 +33,7 @@ struct Viewpoint {
 struct FrameRequest {
   std::int64_t number = 0;          ///< of the noise, and of a sequence's files
   bool preview = false;             ///< for the moment: quicker, and less exact (README.md)
+  std::int64_t every = 1;           ///< so many pixels along and down, of a preview, one is shown
   std::optional<Viewpoint> from{};  ///< of a 3-D scene
   std::string scene{};              ///< text of its file; "": that of the start
   std::string tab{};                ///< page that asks
@@ -67,6 +68,7 @@ struct KeptFrame {
   double ms = 0.0;
   bool passing = false;          ///< a preview, or of another time's light or temperatures: no file is made of it
   bool correction_lags = false;  ///< it has the correction of earlier values
+  std::int64_t noise_rows = 1;   ///< the first row and every so-many-th one after it have noise of each pixel
   /// Of a 3-D scene: what the sensor took in, its relative error, whether its light is of another time, and what stands
   /// for sky, sun and air.
   std::shared_ptr<const mtf::io::Scene> scene{};

@@ -232,6 +232,7 @@ Answer Session::frame(const RequestBody& request) {
   const bool left = request.text("side") == "left", before = request.flag("before");
   const FrameRequest asked{.number = request.whole("number", 0, kLastNoiseFrame, 0),
                            .preview = request.flag("preview"),
+                           .every = request.whole("every", 1, 8, 1),
                            .from = space_ ? std::optional(viewpoint_of(request.json, *space_)) : std::nullopt,
                            .scene = space_ ? scene_text_of(request) : "",
                            .tab = page_of(request.text("tab")),
@@ -248,8 +249,7 @@ Answer Session::frame(const RequestBody& request) {
   const mtf::StopScope scope(space_ ? nullptr : &stopped_);
   const auto made = maker(left).frame(sensor, asked);
   const mtf::Image& plane = made->image.planes.front();
-  const auto asked_every = static_cast<int>(request.whole("every", 1, 8, 1));
-  const int every = asked.preview ? asked_every : 1;  // pixels of an image that moves on
+  const int every = asked.preview ? static_cast<int>(asked.every) : 1;  // pixels of an image that moves on
   const auto text_of = [&](const char* key) {
     const auto found = made->image.metadata.text.find(key);
     return found == made->image.metadata.text.end() ? std::string() : found->second;
@@ -342,18 +342,19 @@ Answer Session::value(const RequestBody& request) {
   const mtf::Image& after = made->image.planes.front();
   const mtf::Image& before = scene->planes.front();
   const double x_um = request.number("x_um").value_or(0.0), y_um = request.number("y_um").value_or(0.0);
-  const auto at = [&](const mtf::Image& image, double step_x, double step_y) {
+  const auto at = [&](const mtf::Image& image, double step_x, double step_y, std::int64_t rows) {
     const double x = std::floor(x_um / step_x), y = std::floor(y_um / step_y);
     const bool inside =
         x >= 0 && y >= 0 && x < static_cast<double>(image.width()) && y < static_cast<double>(image.height());
     if (!inside) return Json();
-    const auto column = static_cast<std::int64_t>(x), row = static_cast<std::int64_t>(y);
+    const auto column = static_cast<std::int64_t>(x);
+    const std::int64_t row = static_cast<std::int64_t>(y) / rows * rows;  // the one that is shown
     const double number = static_cast<double>(image.at(column, row));
     return Json{{"x", column}, {"y", row}, {"value", std::isfinite(number) ? Json(number) : Json()}};
   };
   const mtf::SampleGrid& out = made->plan->out();
-  return json_answer({{"before", at(before, scene->grid.step_x_um, scene->grid.step_y_um)},
-                      {"after", at(after, out.step_x_um, out.step_y_um)}});
+  return json_answer({{"before", at(before, scene->grid.step_x_um, scene->grid.step_y_um, 1)},
+                      {"after", at(after, out.step_x_um, out.step_y_um, made->noise_rows)}});
 }
 
 Answer Session::file(const RequestBody& request) {

@@ -30,6 +30,7 @@ struct LiveSimulation::State {
   std::shared_ptr<const mtf::io::SensorConfig> corrected;  ///< by whose parameters the correction is measured,
   mtf::SampleGrid corrected_grid;                          ///< of its pixels
   bool correction_lags = false;
+  std::int64_t noise_rows = 1;
 
   SimulatedImage run(Frame& frame, CorrectionOf correction);
   mtf::KeptScene* kept_of(const std::shared_ptr<const SceneInput>& input) {
@@ -54,8 +55,8 @@ void require_noise_number(std::int64_t number) {
 
 }  // namespace
 
-SimulatedImage LiveSimulation::image(const mtf::io::SensorConfig& sensor, std::int64_t number,
-                                     CorrectionOf correction) {
+SimulatedImage LiveSimulation::image(const mtf::io::SensorConfig& sensor, std::int64_t number, CorrectionOf correction,
+                                     std::int64_t noise_rows) {
   require_noise_number(number);
   State& state = *state_;
   Frame frame;
@@ -64,6 +65,7 @@ SimulatedImage LiveSimulation::image(const mtf::io::SensorConfig& sensor, std::i
   frame.radiometric = radiometric_chain_of(sensor, state.options.stage, state.sensor.get(), state.radiometric.get());
   frame.input = state.still.of(frame.sensor, frame.radiometric.get());
   frame.kept = state.kept_of(frame.input);
+  frame.noise_rows = noise_rows;
   return state.run(frame, correction);
 }
 
@@ -125,10 +127,12 @@ SimulatedImage LiveSimulation::State::run(Frame& frame, CorrectionOf correction)
     corrected_grid = frame.plan->out();
   }
   correction_lags = takes_earlier;
+  this->noise_rows = frame.counted.noise_rows;
   return std::move(frame.image);
 }
 
 bool LiveSimulation::correction_lags() const { return state_->correction_lags; }
+std::int64_t LiveSimulation::noise_rows() const { return state_->noise_rows; }
 
 IntegerRange LiveSimulation::integer_range() const {
   return apps::integer_range(state_->radiometric.get(), state_->options);

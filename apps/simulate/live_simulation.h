@@ -40,9 +40,10 @@ class LiveSimulation {
   /// same noise. With [lag] or a rolling [shutter] frames have to rise, as each leaves something to the next;
   /// a change of the detector grid makes them begin anew, as does one of the camera for all but
   /// CorrectionOf::first_image. Not to be called from two threads at once. Errors as simulate(); the image after a
-  /// failed one is what it would be without that call.
+  /// failed one is what it would be without that call. `noise_rows`: where only the first row and every so-many-th one
+  /// after it will be looked at, the others may be without noise; see noise_rows() for whether they are.
   SimulatedImage image(const mtf::io::SensorConfig& sensor, std::int64_t frame = 0,
-                       CorrectionOf correction = CorrectionOf::first_image);
+                       CorrectionOf correction = CorrectionOf::first_image, std::int64_t noise_rows = 1);
 
   /// The image of another scene, of values in memory; that which the simulation began with stays. A sensor that is the
   /// same object as that of the image before is taken to be unchanged.
@@ -51,6 +52,8 @@ class LiveSimulation {
 
   /// Of the last image: its correction is an earlier one, another than its own.
   bool correction_lags() const;
+  /// Of the last image: the first row and every so-many-th one after it have noise of each pixel; 1: all have.
+  std::int64_t noise_rows() const;
   /// Of the last image: how it becomes whole numbers in a file.
   IntegerRange integer_range() const;
   /// Of the last image: names of its planes; reasons to doubt it; its plan, with the promise that it keeps.

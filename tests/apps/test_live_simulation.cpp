@@ -66,6 +66,31 @@ bool same_work(const mtf::SensorPlan& a, const mtf::SensorPlan& b) {
          (!a.readout || same(*a.readout, *b.readout));
 }
 
+// Rows that nobody looks at may be without noise; the others are those of the whole image. Where a stage takes values
+// from other rows, all of them have it.
+TEST_F(LiveSimulation, NoiseOfTheRowsThatAreLookedAt) {
+  const std::string noise = "[noise]\nseed = 5\ncolumn = \"40 e-\"\n[nonuniformity]\nprnu = 0.01\n[adc]\nbits = 14\n";
+  const apps::CorrectionOf own = apps::CorrectionOf::own;
+  const SensorConfig shown = camera(noise),
+                     sharpened = camera(noise + "[[postsample]]\nkind = \"gaussian\"\nsigma = \"4 um\"\n");
+  apps::LiveSimulation live(temperatures());
+  const Image whole = image(live, shown, 3, own);
+  EXPECT_EQ(live.noise_rows(), 1);
+  const Image some = std::move(live.image(shown, 3, own, 4).planes.at(0));
+  EXPECT_EQ(live.noise_rows(), 4);
+  bool others_same = true;
+  for (std::int64_t y = 0; y < whole.height(); ++y)
+    for (std::int64_t x = 0; x < whole.width(); ++x)
+      if (y % 4 == 0)
+        ASSERT_EQ(some.at(x, y), whole.at(x, y)) << x << ", " << y;
+      else
+        others_same = others_same && some.at(x, y) == whole.at(x, y);
+  EXPECT_FALSE(others_same);
+  const Image filtered = image(live, sharpened, 3, own);
+  EXPECT_TRUE(same_pixels(filtered, std::move(live.image(sharpened, 3, own, 4).planes.at(0))));
+  EXPECT_EQ(live.noise_rows(), 1);
+}
+
 // A view that keeps the transforms of its scene beside one that gets the scene anew with each image, and beside a call
 // of its own for each image, where that has the same plan. Borders and what lies beyond them change in between.
 TEST_F(LiveSimulation, WhatIsKeptOfTheSceneChangesNoBit) {

@@ -45,7 +45,7 @@ void run(char** argv, int every, int count) {
     const double processor_before = processor_ms();
     const std::string value = std::to_string(low + (high - low) * i / (kFirst + count)) + " " + argv[6];
     const std::vector<apps::live::Edit> edits{{apps::live::Edit::Kind::set, argv[3], value}};
-    const auto frame = maker.frame(edited.with(edits), {.number = i, .preview = every > 1});
+    const auto frame = maker.frame(edited.with(edits), {.number = i, .preview = every > 1, .every = every});
     const Clock::time_point made = Clock::now();
     apps::live::pixel_bytes(frame->image.planes.front().view(), every, 0);
     if (i < kFirst) continue;

@@ -101,6 +101,24 @@ TEST(Noise, the_same_for_any_region_and_threads) {
 }
 
 // Bins of the numbers themselves where they are few, else of about equal probability.
+TEST(Noise, of_some_rows_is_that_of_all) {
+  constexpr std::int64_t kWidth = 300, kHeight = 64;
+  const auto noisy = [](std::int64_t every, int threads) {
+    mtf::Image image = flat(kWidth, kHeight, 500.0F);
+    shot_noise(image.view(), {3, 1}, {5, 7}, threads, every);
+    add_gaussian(image.view(), 20.0, {3, 1}, Stream::read, {5, 7}, threads, every);
+    return image;
+  };
+  const mtf::Image all = noisy(1, 1);
+  for (const std::int64_t every : {2, 3, 64, 100})
+    for (const int threads : {1, 3}) {
+      const mtf::Image some = noisy(every, threads);
+      for (std::int64_t y = 0; y < kHeight; ++y)
+        for (std::int64_t x = 0; x < kWidth; ++x)
+          ASSERT_EQ(some.at(x, y), y % every == 0 ? all.at(x, y) : 500.0F) << every << ": " << x << ", " << y;
+    }
+}
+
 TEST(ShotNoise, chi_square_from_1e_3_to_1e7) {
   for (const double mean : {1e-3, 0.1, 1.0, 5.0, 31.0, 33.0, 70.0, 300.0, 1e3, 1e4, 1e5, 1e6, 1e7}) {
     const mtf::Image image = [&] {

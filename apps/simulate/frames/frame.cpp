@@ -15,7 +15,7 @@ std::vector<mtf::Image> filtered(Frame& frame, radiometry::ChainState* state, in
     const radiometry::OutputStage stage = frame.radiometric->stage;
     frame.counted =
         frame.kept != nullptr
-            ? frame.chain->run(*frame.kept, number, stage, input.border_value, threads, state)
+            ? frame.chain->run(*frame.kept, number, stage, input.border_value, threads, state, frame.noise_rows)
             : frame.chain->run(input.scene.planes.front().clone(), number, stage, input.border_value, threads, state);
     std::vector<mtf::Image> images;
     images.push_back(std::move(frame.counted.image));

@@ -22,6 +22,7 @@ struct Frame {
   std::shared_ptr<const RadiometricChain> radiometric;  ///< of a sensor with a chain
   std::shared_ptr<const SceneInput> input;
   mtf::KeptScene* kept = nullptr;  ///< of a scene that comes again: the planes of `input`
+  std::int64_t noise_rows = 1;     ///< of a kept scene: see radiometry::Chain::run
   std::shared_ptr<const mtf::SensorPlan> plan;
   std::shared_ptr<const radiometry::Chain> chain;
   std::optional<radiometry::ShutterClosing> closing;  ///< the last one, of a shutter that closes now and then

@@ -31,10 +31,11 @@ void for_each_block(std::int64_t x, std::int64_t width, Work work) {
 
 template <class Work>
 void for_each_row(mtf::ImageView<float> image, const NoiseKey& key, Stream stream, Origin origin, int threads,
-                  Work work) {
+                  std::int64_t every, Work work) {
   require_on_detector(origin, image.width, image.height);
-  mtf::parallel_for(image.height, kRowsAtOnce, threads, [&](std::int64_t begin, std::int64_t end) {
-    for (std::int64_t y = begin; y < end; ++y)
+  const std::int64_t rows = (image.height + every - 1) / every;
+  mtf::parallel_for(rows, kRowsAtOnce, threads, [&](std::int64_t begin, std::int64_t end) {
+    for (std::int64_t y = begin * every; y < end * every && y < image.height; y += every)
       work(RandomRow{key, stream, static_cast<std::uint32_t>(origin.y + y)}, image.row(y));
   });
 }
@@ -58,12 +59,12 @@ void gaussian_row(const RandomRow& row, std::int64_t x, std::int64_t count, floa
 }
 
 void add_gaussian(mtf::ImageView<float> image, double sigma, const NoiseKey& key, Stream stream, Origin origin,
-                  int threads) {
+                  int threads, std::int64_t every) {
   if (!(sigma >= 0.0) || !std::isfinite(sigma))
     throw mtf::UsageError("noise of " + mtf::format_double(sigma) + " rms; it has to be 0 or above and finite");
   if (sigma == 0.0) return;
   const auto s = static_cast<float>(sigma);
-  for_each_row(image, key, stream, origin, threads, [&](const RandomRow& random, float* row) {
+  for_each_row(image, key, stream, origin, threads, every, [&](const RandomRow& random, float* row) {
     alignas(64) float lanes[kNoiseLanes];
     for_each_block(origin.x, image.width,
                    [&](std::uint32_t half, std::int64_t offset, std::int64_t first, std::int64_t n) {
@@ -73,8 +74,8 @@ void add_gaussian(mtf::ImageView<float> image, double sigma, const NoiseKey& key
   });
 }
 
-void shot_noise(mtf::ImageView<float> image, const NoiseKey& key, Origin origin, int threads) {
-  for_each_row(image, key, Stream::shot, origin, threads, [&](const RandomRow& random, float* row) {
+void shot_noise(mtf::ImageView<float> image, const NoiseKey& key, Origin origin, int threads, std::int64_t every) {
+  for_each_row(image, key, Stream::shot, origin, threads, every, [&](const RandomRow& random, float* row) {
     alignas(64) float mean[kNoiseLanes], count[kNoiseLanes];
     for_each_block(origin.x, image.width,
                    [&](std::uint32_t half, std::int64_t offset, std::int64_t first, std::int64_t n) {
