@@ -8,6 +8,7 @@
 
 #include "apps/kinds.h"
 #include "apps/schema/schemas.h"
+#include "apps/sensor/file_kind.h"
 #include "apps/sensor/sensor_air.h"
 #include "apps/sensor/sensor_chain.h"
 #include "apps/sensor/sensor_file.h"
@@ -135,7 +136,9 @@ int check_sensor(const std::string& file, Format format) {
 }
 
 int check_config(const std::string& file, Format format) {
-  return is_study_file(file) ? check_study(file, format) : check_sensor(file, format);
+  if (file_kind(file) == FileKind::study) return check_study(file, format);
+  require_kind(file, FileKind::sensor);
+  return check_sensor(file, format);
 }
 
 int run_config(const ConfigOptions& options, const Global& global) {

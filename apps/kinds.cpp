@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/kinds.h"
 
+#include <algorithm>
 #include <sstream>
 
 #include "apps/terminal/text_table.h"
+#include "mtf/error.h"
 #include "mtf/units.h"
 
 namespace apps {
@@ -30,9 +32,9 @@ std::string interval(const Parameter& parameter) {
          (parameter.hi_open ? ")" : "]");
 }
 
-std::string joined(const std::vector<std::string_view>& words) {
+std::string joined(const std::vector<std::string_view>& words, const std::string& between) {
   std::string text;
-  for (const std::string_view word : words) text += (text.empty() ? "" : " | ") + std::string(word);
+  for (const std::string_view word : words) text += (text.empty() ? "" : between) + std::string(word);
   return text;
 }
 
@@ -55,15 +57,14 @@ std::string values_of(const Parameter& key) {
   }
 }
 
-std::string describe_table(const TableKind& kind) {
+/// `use`: what its keys are for.
+std::string describe_table(const TableKind& kind, const std::string& use) {
   TextTable table({"  key", "example", "range", "", ""});
   for (const Parameter& key : kind.parameters)
-    table.add({"  " + std::string(key.name), std::string(key.example), values_of(key), std::string(presence_of(key)),
+    table.add({"  " + written_name(key), std::string(key.example), values_of(key), std::string(presence_of(key)),
                std::string(key.doc)});
   return "[" + std::string(kind.name) + "]: " + (kind.doc.empty() ? "" : std::string(kind.doc) + "; ") +
-         "keys of the sensor file for " +
-         (kind.condition.empty() ? "electrons and counts" : "volts and counts, with " + kind.condition) + "\n\n" +
-         table.aligned();
+         "keys of the sensor file" + use + "\n\n" + table.aligned();
 }
 
 std::string describe_component(const ComponentKind& kind) {
@@ -93,7 +94,7 @@ std::string written_name(const Parameter& parameter) {
 }
 
 std::string range_of(const Parameter& parameter) {
-  if (parameter.type == Parameter::Type::word) return joined(parameter.words);
+  if (parameter.type == Parameter::Type::word) return joined(parameter.words, " | ");
   return parameter.type == Parameter::Type::file ? "a file" : interval(parameter);
 }
 
@@ -105,13 +106,27 @@ std::string_view presence_of(const Parameter& parameter) {
 
 std::string describe_kinds(const std::string& kind) {
   const SensorKinds kinds = sensor_kinds();
-  std::string tables;  // one for each kind of detector
-  for (const TableKind& table : kinds.tables)
-    if (table.name == kind) tables += (tables.empty() ? "" : "\n") + describe_table(table);
-  if (!tables.empty()) return tables;
-  if (!kind.empty()) return describe_component(component_kind(kind));
   std::string text;
-  for (const ComponentKind& each : kinds.components) text += (text.empty() ? "" : "\n") + describe_component(each);
+  const auto add = [&](const std::string& more) { text += (text.empty() ? "" : "\n") + more; };
+  std::vector<std::string_view> names;
+  for (const TableKind& table : kinds.own_tables) {
+    names.push_back(table.name);
+    if (table.name == kind) add(describe_table(table, ""));
+  }
+  for (const TableKind& table : kinds.tables) {  // [detector] once for each kind of detector
+    if (std::ranges::find(names, table.name) == names.end()) names.push_back(table.name);
+    if (table.name == kind)
+      add(describe_table(table, " for " + (table.condition.empty() ? "electrons and counts"
+                                                                   : "volts and counts, with " + table.condition)));
+  }
+  if (!text.empty()) return text;
+  if (!kind.empty()) try {
+      return describe_component(component_kind(kind));
+    } catch (const mtf::UsageError& unknown) {
+      throw mtf::UsageError(std::string(unknown.what()) + "; tables: " + joined(names, ", "));
+    }
+  for (const ComponentKind& each : kinds.components) add(describe_component(each));
+  add("tables of a sensor file, whose keys `mtf config kinds NAME` lists: " + joined(names, ", ") + "\n");
   return text;
 }
 

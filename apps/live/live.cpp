@@ -27,10 +27,13 @@
 #include "apps/options.h"
 #include "apps/sensor/sensor_air.h"
 #include "apps/sensor/sensor_file.h"
+#include "apps/simulate/frames/frame_names.h"
 #include "apps/terminal/interrupt.h"
 #include "apps/terminal/output.h"
 #include "mtf/error.h"
 #include "mtf/io/config/config_reader.h"
+#include "mtf/io/file_checks.h"
+#include "mtf/units.h"
 
 namespace apps {
 namespace {
@@ -94,6 +97,14 @@ void open_browser(const std::string& address) {
   if (child > 0) ::waitpid(child, nullptr, 0);
 }
 
+/// Throws RuntimeError where there is no such image, or no file of a sequence.
+void require_scene(const std::string& file) {
+  if (const auto names = FrameNames::parse(file))
+    names->find(std::nullopt);
+  else
+    mtf::io::input_file_size(file);
+}
+
 /// The session of a 3-D scene.
 std::shared_ptr<Session> space_session(const LiveOptions& options, const Global& global, SessionOptions session,
                                        const Sensor& sensor, const std::shared_ptr<Waiting>& waiting) {
@@ -151,6 +162,7 @@ int run_live(const LiveOptions& options, const Global& global) {
   Sensor sensor;
   if (const std::string& file = space ? options.second : options.first; !file.empty())
     sensor = std::make_shared<const mtf::io::SensorConfig>(read_sensor(file, global));
+  if (!space && !options.second.empty()) require_scene(options.second);
   const auto waiting = std::make_shared<Waiting>();
   const std::optional<double> tolerance = session.tolerance;
   const std::shared_future<std::shared_ptr<Session>> coming =
@@ -167,7 +179,7 @@ int run_live(const LiveOptions& options, const Global& global) {
   });
 
   // Until the first picture is there an interrupt ends the process at once: nobody waits for what is being made.
-  StopInGoodOrder interrupt("mtf: the live view ends\n", "");
+  StopInGoodOrder interrupt(global.quiet ? "" : "mtf: the live view ends\n", "");
   const std::string token = new_token();
   Server server({.port = options.port, .token = token}, find_page_file,
                 [coming, waiting](const std::string& place, const std::string& body) {
@@ -179,7 +191,7 @@ int run_live(const LiveOptions& options, const Global& global) {
   const std::string address = "http://127.0.0.1:" + std::to_string(server.port()) + "/#" + token;
   print(address + "\n");
   note(global, "the live view is open to this machine alone; Ctrl-C ends it" +
-                   std::string(options.stay ? "" : ", as does a minute without a page"));
+                   (options.stay ? "" : ", as do " + mtf::format_double(options.linger_s) + " s without a page"));
   if (options.browser) open_browser(address);
   bool ready = false;
   while (!interrupt.asked() && (options.stay || !ready || server.seconds_alone() < options.linger_s)) {

@@ -55,12 +55,12 @@ std::vector<mtf::io::Diagnostic> light_area_notes(const mtf::System<double>& sys
   const std::string key = detector.width_um ? "detector.width" : detector.height_um ? "detector.height" : "detector";
   for (const FootprintArea& other : footprint_areas(system)) {
     if (std::abs(other.of_pitch - of_pitch) <= 1e-6 * of_pitch) continue;
-    mtf::io::Diagnostic note = warning_at(
-        key, "the light is that of " + radiometry::three_digits(of_pitch) + " of the area of the pitch, and \"" +
-                 other.label + "\" of [[presample]], which is the MTF of that area, has " +
-                 radiometry::three_digits(other.of_pitch) +
-                 "; unless microlenses or the quantum efficiency make up for the rest, make [detector] width "
-                 "and height and the footprint those of one area");
+    mtf::io::Diagnostic note =
+        warning_at(key, "light is counted on " + radiometry::three_digits(of_pitch) +
+                            " of the area of the pitch, and blurred by " + radiometry::three_digits(other.of_pitch) +
+                            " of it, \"" + other.label +
+                            "\" of [[presample]]; give [detector] width and height and the footprint one size, unless "
+                            "microlenses or the quantum efficiency make up for the difference");
     note.remark = true;
     notes.push_back(std::move(note));
   }

@@ -106,6 +106,11 @@ TEST(Config, KindsDescribesTablesOfTheChain) {
   for (const char* text : {"  quantum_efficiency ", "[0, 1], or a file", "  full_well "})
     EXPECT_NE(table.out.find(text), std::string::npos) << text << "\n" << table.out;
   EXPECT_NE(scratch.run("mtf config kinds shutter").out.find("global | rolling"), std::string::npos);
+  const std::string frame = scratch.run("mtf config kinds frame").out;  // its keys with and without a chain
+  for (const char* text : {"  focal_length ", "  pitch (or pitch_x", "  frame_time "})
+    EXPECT_NE(frame.find(text), std::string::npos) << text << "\n" << frame;
+  EXPECT_NE(scratch.run("mtf config kinds band").out.find("  wavelength "), std::string::npos);
+  EXPECT_NE(scratch.run("mtf config kinds bands").err.find("tables: frame, scene, optics, band, "), std::string::npos);
 }
 
 TEST(Config, KindsTellsThePhysicsOfAComponent) {
@@ -193,6 +198,34 @@ TEST(Info, SensorFilesAndWhatItCannotRead) {
   apps_test::write_file(scratch / "empty.exr", "");
   for (const char* file : {"missing.exr", "empty.exr", "."})
     EXPECT_EQ(scratch.run(std::string("mtf info ") + file).status, 1) << file;
+}
+
+// One message in place of an error for each key that the other kind does not have.
+TEST(Config, SaysWhatAFileIsThatIsOfAnotherKind) {
+  const Scratch scratch;
+  scratch.add_sensor();
+  apps_test::write_file(scratch / "study.toml", "sensor = \"sensor.toml\"\n[[axis]]\nparameter = \"frame.pitch\"\n");
+  apps_test::write_file(scratch / "scene.toml",
+                        "schema = 1\n[place]\nlatitude = \"37 deg\"\n[[material]]\nname = \"a\"\n");
+  const auto expect_one_message = [&](const std::string& command, const std::string& text) {
+    const Result result = scratch.run(command);
+    EXPECT_EQ(result.status, 2) << command;
+    EXPECT_EQ(result.out, "") << command;
+    EXPECT_TRUE(result.err.starts_with("mtf: error: " + text)) << command << ": " << result.err;
+    EXPECT_EQ(std::ranges::count(result.err, '\n'), 1) << command << ": " << result.err;
+  };
+  const std::string scene = "scene.toml: this is a 3-D scene, not a ";
+  for (const char* command : {"config check", "config explain", "info", "curve", "budget"})
+    expect_one_message("mtf " + std::string(command) + " scene.toml",
+                       scene + "sensor file; `mtf scene check scene.toml`");
+  expect_one_message("mtf curve study.toml", "study.toml: this is a study, not a sensor file; `mtf config check");
+#ifdef MTFKIT_HAVE_CALIB
+  expect_one_message("mtf sweep sensor.toml -o out", "sensor.toml: this is a sensor file, not a study; ");
+  expect_one_message("mtf sweep scene.toml -o out", scene + "study");
+#endif
+#ifdef MTFKIT_HAVE_SCENE
+  expect_one_message("mtf scene check sensor.toml", "sensor.toml: this is a sensor file, not a 3-D scene; ");
+#endif
 }
 
 #ifdef MTFKIT_HAVE_CALIB

@@ -14,7 +14,7 @@ name = "MWIR staring 640x512"
 focal_length = "100 mm"
 pitch = "15 um"               # centre to centre; pitch_x and pitch_y when pixels are not square
 format = [640, 512]           # columns, rows: at most these; without it all whole pixels that the scene holds
-integration_time = "10 ms"    # needed where something moves
+integration_time = "10 ms"    # needed where something moves, and by [detector]
 
 # Scenes: what an image file does not say itself.
 [scene]
@@ -63,6 +63,8 @@ rms = "2 um"                  # one axis, one sigma; or an angle such as "20 ura
 # quantum_efficiency = 0.75
 # full_well = "20 Me-"
 # read_noise = "500 e-"
+# [noise]                     # images have noise only with this table; the budget counts it in any case
+# seed = 1
 )toml";
 }
 
