@@ -19,7 +19,7 @@ namespace radiometry {
 /// A map of the pixels of a detector; null stands for 1 at each of them.
 using SharedMap = std::shared_ptr<const mtf::Image>;
 
-/// number x map + added at each pixel: of what all pixels share the number alone changes, and the map is kept.
+/// number x map + added at each pixel. Where light or lens change, most often the number alone does, and maps are kept.
 struct Linear {
   double number = 1.0;
   SharedMap map{};

@@ -24,12 +24,13 @@ Directions<double> closed_at(const CompiledChain& chain, const CameraEmission& c
 
 Linear glow_of(const CompiledChain& chain, const Directions<double>& light, const Linear& corners,
                const SharedMap& sensitivity, double added, int threads) {
-  if (!corners.map || !chain.settings.thermal || !chain.settings.thermal->shutter_k)
-    return {light.total_e(), sensitivity, added};
+  const bool shutter = chain.settings.thermal && chain.settings.thermal->shutter_k;
+  if (!shutter || (!corners.map && corners.number == 1.0)) return {light.total_e(), sensitivity, added};
   // v of the cone is left, and pi - v cone around it.
   const double cone = cone_sr(chain.camera), around = around_cone_sr(chain.camera);
   const double around_per_sr = around > 0.0 ? light.around_e / around : 0.0;
   const double always = mtf::kPi * around_per_sr, by_cone = light.cone_e - cone * around_per_sr;
+  if (!corners.map) return {always + by_cone * corners.number, sensitivity, added};
   mtf::Image seen = corners.map->clone();
   multiply_add(seen, {by_cone * corners.number}, {always}, threads);
   multiply_add(seen, {1.0, sensitivity}, {added}, threads);
