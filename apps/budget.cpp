@@ -91,8 +91,7 @@ int run_budget(const BudgetOptions& options, const Global& global) {
                      given + " degC\", or \"" + given + " K\" where kelvin is meant");
   }
   const BudgetTable budget = budget_table(config, load_chain(config), options.temperature_k);
-  if (options.temperature_k == BudgetOptions().temperature_k)
-    note(global, "note: the pixel sees a surface of 300 K; --temperature takes another");
+  if (!options.temperature_given) note(global, "note: the pixel sees a surface of 300 K; --temperature takes another");
   if (budget.without_path) note(global, "note: the scene gives the range of each pixel; this budget is without a path");
   if (!budget.spatial_gap.empty()) note(global, "note: spatial noise has no number: " + budget.spatial_gap);
   for (const std::string& text : budget.notes) note(global, "note: " + text);

@@ -70,6 +70,7 @@ Command budget_command() {
              const GivenTemperature given = temperature("--temperature", text);
              options.temperature_k = given.kelvin;
              options.temperature_has_unit = given.has_unit;
+             options.temperature_given = true;
              if (!(options.temperature_k >= 0.0 && options.temperature_k <= radiometry::kMostTemperature_k))
                throw mtf::UsageError("--temperature " + text + ": a temperature in K is from 0 to 1e9");
            });

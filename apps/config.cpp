@@ -8,7 +8,6 @@
 
 #include "apps/kinds.h"
 #include "apps/schema/schemas.h"
-#include "apps/sensor/file_kind.h"
 #include "apps/sensor/sensor_air.h"
 #include "apps/sensor/sensor_chain.h"
 #include "apps/sensor/sensor_file.h"
@@ -19,6 +18,7 @@
 #include "apps/terminal/text_table.h"
 #include "mtf/error.h"
 #include "mtf/io/config/config.h"
+#include "mtf/io/config/config_reader.h"
 #include "mtf/io/config/config_tree.h"
 #include "mtf/io/csv/curve_csv.h"
 #include "radiometry/sensor_settings.h"
@@ -119,6 +119,14 @@ int report_verdict(const Verdict& verdict, Format format) {
 
 Verdict sensor_verdict(const std::string& text, const std::string& file) {
   mtf::io::ConfigResult result = mtf::io::parse_config(text, file, sensor_schema());
+  if (const std::string kind = mtf::io::cfg::another_kind(result.diagnostics, text, "frame"); !kind.empty())
+    return {
+        .file = file,
+        .ok = false,
+        .name = {},
+        .sha256 = {},
+        .summary = {},
+        .diagnostics = {{.error = true, .position = {}, .path = {}, .text = kind + "; `mtf scene check` reads it"}}};
   if (result.ok()) {
     for (mtf::io::Diagnostic& warning : chain_warnings(result.config)) result.diagnostics.push_back(std::move(warning));
     if (auto problem = chain_problem(result.config)) result.diagnostics.push_back(std::move(*problem));
@@ -136,9 +144,7 @@ int check_sensor(const std::string& file, Format format) {
 }
 
 int check_config(const std::string& file, Format format) {
-  if (file_kind(file) == FileKind::study) return check_study(file, format);
-  require_kind(file, FileKind::sensor);
-  return check_sensor(file, format);
+  return is_study_file(file) ? check_study(file, format) : check_sensor(file, format);
 }
 
 int run_config(const ConfigOptions& options, const Global& global) {

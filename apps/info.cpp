@@ -7,8 +7,8 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/image/image_facts.h"
-#include "apps/sensor/file_kind.h"
 #include "apps/sensor/sensor_file.h"
+#include "apps/sweep/study_file.h"
 #include "apps/terminal/output.h"
 #include "apps/terminal/text_table.h"
 #include "mtf/io/file_checks.h"
@@ -127,7 +127,7 @@ int info_of_config(const InfoOptions& options) {
   const int status = check_config(options.file, options.format);
   if (options.format != Format::table) return status;
   const std::string file = shell_word(options.file);
-  if (status == 0 && file_kind(options.file) == FileKind::study) {
+  if (status == 0 && is_study_file(options.file)) {
     print("next: mtf sweep " + file + " -o results\n");
     return status;
   }

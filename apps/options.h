@@ -82,7 +82,7 @@ struct LiveOptions {
 struct BudgetOptions {
   std::string sensor;
   double temperature_k = 300.0;  ///< of the surface that the pixel images
-  bool temperature_has_unit = true;
+  bool temperature_has_unit = true, temperature_given = false;
   Format format = Format::table;
   std::string out;  ///< "" = stdout
 };

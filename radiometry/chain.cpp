@@ -343,7 +343,8 @@ Chain::Chain(const mtf::SensorPlan& plan, const mtf::System<double>& system, con
                               std::to_string(steps) + " positions; give frame.format, or a scene of whole pitches");
   if (before != nullptr) {
     const auto& owner = before->compiled_->corrected_by ? before->compiled_->corrected_by : before->compiled_;
-    if (sensor.settings.correction && owner->settings.correction && owner->plan.out() == compiled->plan.out())
+    if (sensor.settings.correction && owner->settings.correction && owner->plan.out() == compiled->plan.out() &&
+        owner->plan.samples_a_pitch == compiled->plan.samples_a_pitch)
       compiled->corrected_by = owner;
   }
   MapSource source = map_source(*compiled, sensor, origin, width, height);

@@ -69,8 +69,8 @@ struct DetectorSource {
   std::optional<Narcissus> narcissus{};
   std::optional<Defects> defects{};
   std::optional<Blinking> blinking{};
-  std::shared_ptr<const mtf::Image> responsivity{}, offset{};  ///< that are given
-  FocalPlane detector{};
+  std::shared_ptr<const mtf::Image> responsivity{}, offset{};  ///< maps that are given
+  FocalPlane plane{};
   Origin origin{};
   std::int64_t width = 0, height = 0;
   std::uint64_t seed = 0;
@@ -190,6 +190,7 @@ struct FrameRun {
   ChainState* state = nullptr;      ///< of the sequence; null: the frame stands for itself
   double border = 0.0;              ///< value of a constant border at this place of the chain
   std::uint32_t frames_passed = 1;  ///< since the frame before; frames that were left out are time that has passed
+  std::int64_t noise_rows = 1;      ///< shot and read noise are wanted in the first row and each so-many-th after it
   ChainFrame frame{};
   HeldCounter counter{};
   std::chrono::steady_clock::time_point last = std::chrono::steady_clock::now();

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <limits>
-#include <span>
 
 #include "mtf/parallel.h"
 #include "mtf/survey/statistics.h"
@@ -25,7 +24,7 @@ void require_size(const mtf::Image& map, const char* key, std::int64_t columns, 
 /// The part of a map of the whole detector that an image has; empty where there is no map.
 mtf::Image part_of(const std::shared_ptr<const mtf::Image>& whole, const char* key, const DetectorSource& source) {
   if (!whole) return {};
-  require_size(*whole, key, source.detector.columns, source.detector.rows);
+  require_size(*whole, key, source.plane.columns, source.plane.rows);
   mtf::Image part(source.width, source.height);
   for (std::int64_t y = 0; y < source.height; ++y)
     std::copy_n(whole->data() + (source.origin.y + y) * whole->width() + source.origin.x, source.width,
@@ -55,7 +54,7 @@ DetectorSource detector_source(const CompiledChain& chain, const Sensor& sensor,
           .blinking = s.blinking,
           .responsivity = sensor.responsivity,
           .offset = sensor.offset,
-          .detector = chain.detector,
+          .plane = chain.detector,
           .origin = origin,
           .width = width,
           .height = height,
@@ -81,7 +80,7 @@ DetectorMaps detector_maps(const DetectorSource& source, int threads) {
   maps.own_light = maps.responsivity;
   if (source.narcissus) {
     mtf::Image left(width, height);
-    narcissus_map(left.view(), *source.narcissus, source.detector, source.origin);
+    narcissus_map(left.view(), *source.narcissus, source.plane, source.origin);
     multiply_add(left, {-1.0}, {1.0}, threads);
     maps.own_light = product(shared(std::move(left)), maps.responsivity, threads);
   }
@@ -96,8 +95,7 @@ SharedMap corners_of(const MapSource& source, int threads) {
   const DetectorSource& d = source.detector;
   const mtf::Image given = part_of(source.given_vignetting, "vignetting.map", d);
   mtf::Image corners(d.width, d.height);
-  vignetting_map(corners.view(), *source.vignetting, d.detector, source.focal_length_mm, d.origin, given.view(),
-                 threads);
+  vignetting_map(corners.view(), *source.vignetting, d.plane, source.focal_length_mm, d.origin, given.view(), threads);
   return shared(std::move(corners));
 }
 
@@ -137,7 +135,7 @@ PixelMaps pixel_maps(const CompiledChain& chain, const MapSource& source, int th
   const int cores = mtf::threads_of(threads);
   const DetectorSource& d = source.detector;
   require_on_detector(d.origin, d.width, d.height);
-  require_region(d.detector, d.origin, d.width, d.height);
+  require_region(d.plane, d.origin, d.width, d.height);
   PixelMaps maps{.made_from = source};
   const bool same_detector = before != nullptr && before->made_from.detector == d;
   maps.detector = same_detector ? before->detector : std::make_shared<const DetectorMaps>(detector_maps(d, cores));

@@ -68,12 +68,13 @@ void run_positions(FrameRun& run, mtf::Image& image, const Microscan& scan, Outp
   run.lap("microscan");
 }
 
-/// Whether a row without noise changes no other one: nothing after the noise takes anything from other pixels, but for
-/// what replaces bad ones.
-bool rows_stand_alone(const CompiledChain& chain) {
+/// Whether a row without noise changes no other one: nothing between the noise and the output takes anything from other
+/// pixels, but for what replaces bad ones.
+bool rows_stand_alone(const CompiledChain& chain, OutputStage output) {
   if (chain.settings.microscan) return false;
-  return std::ranges::all_of(chain.stages, [](const StageRow& stage) {
-    return stage.whole_image.empty() || stage.part == Part::optics || stage.part == Part::correction;
+  return std::ranges::all_of(chain.stages, [&](const StageRow& stage) {
+    return stage.whole_image.empty() || stage.part == Part::optics || stage.part == Part::correction ||
+           !goes_through(stage.part, output);
   });
 }
 
@@ -135,7 +136,7 @@ ChainFrame Chain::run_scene(mtf::Image radiance, mtf::KeptScene* kept, std::uint
                .kept = kept,
                .border = border_value};
   run.frame.image = std::move(radiance);
-  if (rows_stand_alone(*compiled_)) run.frame.noise_rows = std::max<std::int64_t>(1, noise_rows);
+  if (rows_stand_alone(*compiled_, stage)) run.noise_rows = std::max<std::int64_t>(1, noise_rows);
   run.run(Part::optics, run.frame.image);
   if (state != nullptr && stage >= OutputStage::watts && !compiled_->settings.microscan) {
     run.state = state;

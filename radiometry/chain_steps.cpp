@@ -55,6 +55,11 @@ const TwoPoint& correction_of(const FrameRun& run) {
 void multiply_add(mtf::Image& image, const Linear& gain, const Linear& offset, int threads, std::int64_t steps) {
   constexpr std::int64_t kRowsAtOnce = 64;
   const std::int64_t width = image.width();
+  for (const SharedMap& map : {gain.map, offset.map})
+    if (map && (map->width() * steps != width || map->height() * steps != image.height()))
+      throw mtf::UsageError("a map of " + std::to_string(map->width()) + " x " + std::to_string(map->height()) +
+                            " pixels for an image of " + std::to_string(width) + " x " +
+                            std::to_string(image.height()));
   const std::vector<float> ones(static_cast<std::size_t>(width), 1.0F);
   mtf::parallel_for(image.height(), kRowsAtOnce, threads, [&](std::int64_t begin, std::int64_t end) {
     std::vector<float> wide_gains, wide_offsets;
@@ -153,7 +158,8 @@ void blinking(FrameRun& run, mtf::Image& electrons) {
 }
 
 void shot_noise(FrameRun& run, mtf::Image& electrons) {
-  radiometry::shot_noise(electrons.view(), run.key, run.maps.origin(), run.threads, run.frame.noise_rows);
+  radiometry::shot_noise(electrons.view(), run.key, run.maps.origin(), run.threads, run.noise_rows);
+  run.frame.noise_rows = run.noise_rows;
 }
 
 void full_well(FrameRun& run, mtf::Image& electrons) {
@@ -185,9 +191,10 @@ void offsets(FrameRun& run, mtf::Image& electrons) {
 
 void read_noise(FrameRun& run, mtf::Image& electrons) {
   add_gaussian(electrons.view(), run.chain.read_e, run.key, Stream::read, run.maps.origin(), run.threads,
-               run.frame.noise_rows);
+               run.noise_rows);
   if (run.chain.slow.strength > 0.0)
-    add_frame_flicker(electrons.view(), run.chain.slow, run.key, run.maps.origin(), run.threads);
+    add_frame_flicker(electrons.view(), run.chain.slow, run.key, run.maps.origin(), run.threads, run.noise_rows);
+  run.frame.noise_rows = run.noise_rows;
 }
 
 void flicker(FrameRun& run, mtf::Image& electrons) {

@@ -93,9 +93,11 @@ int run_simulate(const SimulateCommandOptions& options, const Global& global) {
         "[atmosphere] from it instead");
   if (options.without_path) sensor = without_path(std::move(sensor));
   if (options.run.out.empty()) throw mtf::UsageError("-o, --out is missing: name the output image (.exr, .png, .tif)");
+  const bool has_signal = options.run.stage.value_or(radiometry::OutputStage::display) > radiometry::OutputStage::watts;
   if (const mtf::SettingsTable* detector = find_table(sensor.tables, "detector");
-      detector != nullptr && detector->find("read_noise") != nullptr && find_table(sensor.tables, "noise") == nullptr)
-    note(global, "note: images are means, without the read noise of [detector]: the sensor file has no [noise] table");
+      detector != nullptr && has_signal && detector->find("read_noise") != nullptr &&
+      find_table(sensor.tables, "noise") == nullptr)
+    note(global, "note: images are without the read noise of [detector]: the sensor file has no [noise] table");
   if (options.wisdom == "-") throw mtf::UsageError("--wisdom: name a file; \"-\" is for --report only");
   if (options.run.memory && !options.wisdom.empty())
     throw mtf::UsageError("--wisdom is for whole images; leave it out with --memory");

@@ -52,7 +52,7 @@ PixelBytes pixel_bytes(mtf::ImageView<const float> image, int every, int threads
   const mtf::ImageView<const float> sent = every > 1 ? some.view() : image;
   PixelBytes pixels;
   pixels.width = sent.width, pixels.height = sent.height;
-  const mtf::Statistics s = mtf::statistics(sent, threads);
+  const mtf::Statistics s = mtf::statistics(image, threads);  // of a moving picture the same as at rest
   pixels.low = s.min, pixels.high = s.max;
   std::tie(pixels.dark, pixels.bright) = usual_range(sent);
   const auto low = static_cast<float>(pixels.low);

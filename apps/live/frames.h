@@ -47,7 +47,7 @@ struct FrameRequest {
   bool operator==(const FrameRequest&) const = default;
 };
 
-/// Pixels as 16-bit numbers: value = low + n (high - low) / 65535. Every figure is of these pixels.
+/// Pixels as 16-bit numbers: value = low + n (high - low) / 65535, between the ends of the whole image.
 struct PixelBytes {
   std::int64_t width = 0, height = 0;
   double low = 0.0, high = 0.0;

@@ -342,13 +342,14 @@ Answer Session::value(const RequestBody& request) {
   const mtf::Image& after = made->image.planes.front();
   const mtf::Image& before = scene->planes.front();
   const double x_um = request.number("x_um").value_or(0.0), y_um = request.number("y_um").value_or(0.0);
-  const auto at = [&](const mtf::Image& image, double step_x, double step_y, std::int64_t rows) {
+  const auto at = [&](const mtf::Image& image, double step_x, double step_y, std::int64_t every) {
     const double x = std::floor(x_um / step_x), y = std::floor(y_um / step_y);
     const bool inside =
         x >= 0 && y >= 0 && x < static_cast<double>(image.width()) && y < static_cast<double>(image.height());
     if (!inside) return Json();
-    const auto column = static_cast<std::int64_t>(x);
-    const std::int64_t row = static_cast<std::int64_t>(y) / rows * rows;  // the one that is shown
+    // Where rows are without noise, the pixel that is shown in that place.
+    const std::int64_t column = static_cast<std::int64_t>(x) / every * every,
+                       row = static_cast<std::int64_t>(y) / every * every;
     const double number = static_cast<double>(image.at(column, row));
     return Json{{"x", column}, {"y", row}, {"value", std::isfinite(number) ? Json(number) : Json()}};
   };

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <limits>
 
-#include "apps/sensor/file_kind.h"
 #include "apps/sensor/sensor_air.h"
 #include "apps/sensor/sensor_place.h"
 #include "apps/sensor/sensor_warnings.h"
@@ -109,7 +108,6 @@ void read_path(const radiometry::SensorSettings& settings, LoadedSensor& loaded)
 }  // namespace
 
 mtf::io::SensorConfig read_sensor_file(const std::string& file, std::vector<mtf::io::Diagnostic>* diagnostics) {
-  require_kind(file, FileKind::sensor);
   mtf::io::SensorConfig config = mtf::io::load_config(file, diagnostics, sensor_schema());
   if (diagnostics != nullptr)
     for (mtf::io::Diagnostic& warning : chain_warnings(config)) diagnostics->push_back(std::move(warning));

@@ -90,7 +90,10 @@ bool is_study(const std::string& text) {
 }
 
 std::shared_ptr<const Study> load_study(const std::string& file) {
-  StudyResult result = parse_study(mtf::io::read_text_file(file, cfg::kMaxBytes), file);
+  const std::string text = mtf::io::read_text_file(file, cfg::kMaxBytes);
+  StudyResult result = parse_study(text, file);
+  if (const std::string kind = cfg::another_kind(result.diagnostics, text, "sensor"); !kind.empty())
+    throw mtf::UsageError(file + ": " + kind + "; a study belongs here");
   cfg::require_no_errors(result.diagnostics, file);
   return std::make_shared<const Study>(std::move(result.study));
 }

@@ -4,7 +4,6 @@
 
 #include <filesystem>
 
-#include "apps/sensor/file_kind.h"
 #include "apps/sensor/sensor_file.h"
 #include "apps/simulate/output_files.h"
 #include "apps/sweep/optimize_report.h"
@@ -86,7 +85,6 @@ std::vector<std::string> inputs_of(const study::Study& study) {
 }  // namespace
 
 int run_optimize(const OptimizeCommandOptions& options, const Global& global) {
-  require_kind(options.study, FileKind::study);
   const std::shared_ptr<const study::Study> study = study::load_study(options.study);
   for (const mtf::io::Diagnostic& warning : study->warnings)
     note(global, mtf::io::format_diagnostic(warning, study->file));

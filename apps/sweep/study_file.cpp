@@ -17,6 +17,11 @@
 
 namespace apps {
 
+bool is_study_file(const std::string& file) {
+  const auto tree = mtf::io::cfg::read_tree(mtf::io::read_text_file(file, mtf::io::cfg::kMaxBytes));
+  return tree.root.find("axis") != nullptr || tree.root.find("sensor") != nullptr;
+}
+
 #ifdef MTFKIT_HAVE_CALIB
 namespace {
 

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <chrono>
 
-#include "apps/sensor/file_kind.h"
 #include "apps/study/result_columns.h"
 #include "apps/study/rows/sweep_rows.h"
 #include "apps/sweep/sweep_parts.h"
@@ -78,7 +77,6 @@ int sweep_here(const SweepOptions& options, const Global& global) {
 
 SweepStudy open_study(const fs::path& file, std::optional<double> tolerance) {
   SweepStudy sweep;
-  require_kind(file.string(), FileKind::study);
   sweep.study = study::load_study(file.string());
   if (tolerance) {
     study::Study other = *sweep.study;

@@ -99,9 +99,11 @@ TEST(ChainStages, ACorrectionIsTakenOnlyFromAChainThatHasItsMaps) {
 
 // Maps of pixels are shared with an earlier chain where they are the same, and only there.
 TEST(ChainStages, AnEarlierChainChangesNoImage) {
+  const auto half = std::make_shared<const mtf::Image>(flat(24, 24, 0.5F));
   const auto changed = [](auto change) {
     Sensor sensor = noisy_sensor();
     sensor.settings.vignetting = Vignetting{};
+    sensor.settings.optics->stop_temperature_k = 250.0;
     sensor.settings.defects = Defects{.dead_fraction = 0.02, .hot_fraction = 0.02, .hot_e = 1e5};
     change(sensor);
     return sensor;
@@ -113,9 +115,15 @@ TEST(ChainStages, AnEarlierChainChangesNoImage) {
       changed([](Sensor& s) { s.settings.noise->seed = 12; }),
       changed([](Sensor& s) { s.settings.detector->dark_e_s = 9e6; }),
       changed([](Sensor& s) { s.settings.vignetting.reset(); }),
+      changed([&](Sensor& s) { s.settings.vignetting->cos4 = false, s.vignetting = half; }),
+      changed([](Sensor& s) { s.settings.narcissus = Narcissus{.depth = 0.5}; }),
+      changed([](Sensor& s) { s.settings.blinking = Blinking{.fraction = 0.1, .excess_e = 1e5}; }),
+      changed([](Sensor& s) { s.settings.axis = OpticalAxis{.x_px = 5.0}; }),
+      changed([&](Sensor& s) { s.responsivity = half; }),
       changed([](Sensor& s) { s.offset = std::make_shared<const mtf::Image>(flat(24, 24, 1000.0F)); })};
   mtf::System<double> blurred = mwir_system();
   blurred.add(mtf::Stage::presample, mtf::test::gaussian(4.0));
+  blurred.frame.focal_length_mm *= 0.01;
   mtf::PlanOptions options;
   options.separate_readout = true;
   const mtf::SensorPlan sharp = mtf::compile_sensor(mwir_system(), {24, 24, 15.0, 15.0}, options);

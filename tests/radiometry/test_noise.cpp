@@ -100,7 +100,6 @@ TEST(Noise, the_same_for_any_region_and_threads) {
   });
 }
 
-// Bins of the numbers themselves where they are few, else of about equal probability.
 TEST(Noise, of_some_rows_is_that_of_all) {
   constexpr std::int64_t kWidth = 300, kHeight = 64;
   const auto noisy = [](std::int64_t every, int threads) {
@@ -119,6 +118,7 @@ TEST(Noise, of_some_rows_is_that_of_all) {
     }
 }
 
+// Bins of the numbers themselves where they are few, else of about equal probability.
 TEST(ShotNoise, chi_square_from_1e_3_to_1e7) {
   for (const double mean : {1e-3, 0.1, 1.0, 5.0, 31.0, 33.0, 70.0, 300.0, 1e3, 1e4, 1e5, 1e6, 1e7}) {
     const mtf::Image image = [&] {

@@ -8,7 +8,6 @@
 
 #include "apps/options.h"
 #include "apps/scene/scene_file/scene_file.h"
-#include "apps/sensor/file_kind.h"
 #include "apps/terminal/output.h"
 #include "apps/text/words.h"
 #include "mtf/error.h"
@@ -18,7 +17,6 @@ namespace apps {
 
 /// load_scene; what it finds is said as notes.
 inline scene::SceneFile read_scene(const std::string& path, const Global& global) {
-  require_kind(path, FileKind::scene);
   std::vector<mtf::io::Diagnostic> findings;
   scene::SceneFile file = scene::load_scene(path, &findings);
   for (const mtf::io::Diagnostic& finding : findings) note(global, mtf::io::format_diagnostic(finding, file.file));

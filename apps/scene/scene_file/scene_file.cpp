@@ -159,8 +159,8 @@ void require_files(const SceneFile& scene) {
 SceneFile load_scene(const std::string& file, std::vector<Diagnostic>* warnings) {
   const std::string text = mtf::io::read_text_file(file, cfg::kMaxBytes);
   SceneResult result = parse_scene(text, file);
-  if (cfg::is_another_kind(result.diagnostics, text, "frame", "mesh"))
-    throw mtf::UsageError(file + ": a sensor file, for it has [frame]; the file of a 3-D scene belongs here");
+  if (const std::string kind = cfg::another_kind(result.diagnostics, text, "mesh"); !kind.empty())
+    throw mtf::UsageError(file + ": " + kind + "; the file of a 3-D scene belongs here");
   cfg::require_no_errors(result.diagnostics, file);
   if (warnings != nullptr)
     std::move(result.diagnostics.begin(), result.diagnostics.end(), std::back_inserter(*warnings));

@@ -165,8 +165,8 @@ std::string format_diagnostic(const Diagnostic& diagnostic, const std::string& f
 SensorConfig load_config(const std::string& file, std::vector<Diagnostic>* warnings, std::vector<TableInfo> schema) {
   const std::string text = read_text_file(file, cfg::kMaxBytes);
   ConfigResult result = parse_config(text, file, std::move(schema));
-  if (cfg::is_another_kind(result.diagnostics, text, "mesh", "frame"))
-    throw UsageError(file + ": the file of a 3-D scene, for it has [[mesh]]; a sensor file belongs here");
+  if (const std::string kind = cfg::another_kind(result.diagnostics, text, "frame"); !kind.empty())
+    throw UsageError(file + ": " + kind + "; a sensor file belongs here");
   cfg::require_no_errors(result.diagnostics, file);
   if (warnings != nullptr)
     std::move(result.diagnostics.begin(), result.diagnostics.end(), std::back_inserter(*warnings));

@@ -107,12 +107,17 @@ std::string beside(const std::string& folder, const std::string& name) {
   return name.starts_with('/') ? name : folder + name;
 }
 
-bool is_another_kind(const std::vector<Diagnostic>& diagnostics, const std::string& text, std::string_view theirs,
-                     std::string_view ours) {
-  if (std::none_of(diagnostics.begin(), diagnostics.end(), [](const Diagnostic& one) { return one.error; }))
-    return false;
+std::string another_kind(const std::vector<Diagnostic>& diagnostics, const std::string& text, std::string_view ours) {
+  static constexpr std::array<std::pair<std::string_view, std::string_view>, 3> kKinds{
+      {{"frame", "a sensor file, for it has [frame]"},
+       {"mesh", "the file of a 3-D scene, for it has [[mesh]]"},
+       {"sensor", "a study, for it names a sensor"}}};
+  if (std::none_of(diagnostics.begin(), diagnostics.end(), [](const Diagnostic& one) { return one.error; })) return {};
   const Node root = read_tree(text).root;
-  return root.find(theirs) != nullptr && root.find(ours) == nullptr;
+  if (root.find(ours) != nullptr) return {};
+  for (const auto& [mark, kind] : kKinds)
+    if (root.find(mark) != nullptr) return std::string(kind);
+  return {};
 }
 
 void require_no_errors(const std::vector<Diagnostic>& diagnostics, const std::string& file) {

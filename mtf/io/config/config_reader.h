@@ -78,9 +78,9 @@ std::optional<Coefficients<double>> read_coefficients(const Section& section, co
 std::optional<Encoding> read_encoding(const Section& section, std::string_view key);
 std::shared_ptr<const Curve> read_curve(const Section& section, std::string_view key);
 
-/// Whether a text that has errors is a file of another kind: it has a table or list `theirs`, and none called `ours`.
-bool is_another_kind(const std::vector<Diagnostic>& diagnostics, const std::string& text, std::string_view theirs,
-                     std::string_view ours);
+/// What a text that has errors is, when it is a file of another kind: it has the key that marks that one ("frame" of a
+/// sensor, "mesh" of a 3-D scene, "sensor" of a study), and not the key `ours`. "" when it is not.
+std::string another_kind(const std::vector<Diagnostic>& diagnostics, const std::string& text, std::string_view ours);
 
 /// Throws UsageError with every error of a file, a line each, where there is one.
 void require_no_errors(const std::vector<Diagnostic>& diagnostics, const std::string& file);

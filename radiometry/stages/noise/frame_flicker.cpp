@@ -90,9 +90,9 @@ double frame_flicker_density(const FrameFlicker& noise, double f_cy_frame) {
 }
 
 void add_frame_flicker(mtf::ImageView<float> image, const FrameFlicker& noise, const NoiseKey& key, Origin origin,
-                       int threads) {
+                       int threads, std::int64_t every) {
   const Parts parts = parts_of(noise);
-  add_gaussian(image, std::sqrt(parts.white), key, stream_of(0), origin, threads);
+  add_gaussian(image, std::sqrt(parts.white), key, stream_of(0), origin, threads, every);
   for (int octave = 1; octave <= std::ssize(parts.octaves); ++octave) {
     // Row 2^32 - 1 is beyond those from which numbers are taken.
     const std::uint32_t spacing = std::uint32_t{1} << octave;
@@ -100,8 +100,8 @@ void add_frame_flicker(mtf::ImageView<float> image, const FrameFlicker& noise, c
     const std::uint32_t place = key.frame + shift, knot = place >> octave;
     const double turn = 0.5 * mtf::kPi * static_cast<double>(place & (spacing - 1)) / static_cast<double>(spacing);
     const double rms = std::sqrt(parts.octaves[static_cast<std::size_t>(octave - 1)]);
-    add_gaussian(image, rms * std::cos(turn), {key.seed, knot}, stream_of(octave), origin, threads);
-    add_gaussian(image, rms * std::sin(turn), {key.seed, knot + 1}, stream_of(octave), origin, threads);
+    add_gaussian(image, rms * std::cos(turn), {key.seed, knot}, stream_of(octave), origin, threads, every);
+    add_gaussian(image, rms * std::sin(turn), {key.seed, knot + 1}, stream_of(octave), origin, threads, every);
   }
 }
 

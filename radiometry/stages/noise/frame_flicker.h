@@ -29,9 +29,9 @@ double frame_flicker_mean_variance(const FrameFlicker& noise, int frames);
 /// Two-sided density in squares of the unit per (cycle per frame), by the sum above; f from 0 to 1/2.
 double frame_flicker_density(const FrameFlicker& noise, double f_cy_frame);
 
-/// Adds that of the frame in `key` to a region of the detector. Throws UsageError for a strength below 0 and for
-/// frequencies that are not 0 < lowest < highest.
+/// Adds that of the frame in `key` to a region of the detector, to rows as add_gaussian. Throws UsageError for a
+/// strength below 0 and for frequencies that are not 0 < lowest < highest.
 void add_frame_flicker(mtf::ImageView<float> image, const FrameFlicker& noise, const NoiseKey& key, Origin origin = {},
-                       int threads = 1);
+                       int threads = 1, std::int64_t every = 1);
 
 }  // namespace radiometry

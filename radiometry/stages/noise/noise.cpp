@@ -33,6 +33,7 @@ template <class Work>
 void for_each_row(mtf::ImageView<float> image, const NoiseKey& key, Stream stream, Origin origin, int threads,
                   std::int64_t every, Work work) {
   require_on_detector(origin, image.width, image.height);
+  every = std::clamp<std::int64_t>(every, 1, std::max<std::int64_t>(1, image.height));
   const std::int64_t rows = (image.height + every - 1) / every;
   mtf::parallel_for(rows, kRowsAtOnce, threads, [&](std::int64_t begin, std::int64_t end) {
     for (std::int64_t y = begin * every; y < end * every && y < image.height; y += every)

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <bit>
+
 #include "mtf/engines/simd.h"
 #include "radiometry/stages/noise/lane_words.h"
 
@@ -8,10 +10,11 @@ namespace {
 template <int Bytes>
 using Wide = mtf::simd::Vector<std::uint64_t, Bytes>;
 
-/// The products of the lower halves of the lanes. One instruction of x86, for which GCC 12 writes seven.
+/// The products of the lower halves of the lanes. One instruction of x86, for which GCC 12 writes seven; other
+/// compilers find it, or check its operands against a function that has no vectors of that width.
 template <int Bytes>
 MTFKIT_INLINE Wide<Bytes> product(const Wide<Bytes>& a, const Wide<Bytes>& b) {
-#if defined(__x86_64__) && defined(__gnu_linux__)
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(MTFKIT_NO_CLONES)
   Wide<Bytes> result;
   if constexpr (Bytes == 16) {
     result = a;
@@ -52,6 +55,7 @@ struct PhiloxLanes {
     for (int i = 0; i < lanes; ++i) evens[i] = std::uint64_t{half_column} + 2U * static_cast<unsigned>(i);
     const Wide<Bytes> c1 = Wide<Bytes>{} + row->y, c2 = Wide<Bytes>{} + row->key.frame,
                       c3 = Wide<Bytes>{} + static_cast<std::uint32_t>(row->stream);
+    static_assert(std::endian::native == std::endian::little);
     for (int i = 0; i < kPairs; i += 2 * lanes, evens += 2 * lanes) {
       // Even and odd pairs, which are put together in lanes of half the width.
       Counters<Bytes> even{evens, c1, c2, c3}, odd{evens + 1, c1, c2, c3};
