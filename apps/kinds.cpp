@@ -53,7 +53,9 @@ std::string values_of(const Parameter& key) {
     case Parameter::Type::file:
       return range_of(key);
     default:
-      return mtf::with_unit(interval(key), key.unit);
+      if (has_range(key)) return mtf::with_unit(interval(key), key.unit);
+      return std::string(key.type == Parameter::Type::pair ? "two numbers" : "a number") +
+             (key.unit.empty() ? "" : " in " + std::string(key.unit));
   }
 }
 

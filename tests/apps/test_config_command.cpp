@@ -109,6 +109,7 @@ TEST(Config, KindsDescribesTablesOfTheChain) {
   const std::string frame = scratch.run("mtf config kinds frame").out;  // its keys with and without a chain
   for (const char* text : {"  focal_length ", "  pitch (or pitch_x", "  frame_time "})
     EXPECT_NE(frame.find(text), std::string::npos) << text << "\n" << frame;
+  EXPECT_EQ(frame.find("[0, 0]"), std::string::npos) << frame;  // their ranges follow from other values
   EXPECT_NE(scratch.run("mtf config kinds band").out.find("  wavelength "), std::string::npos);
   EXPECT_NE(scratch.run("mtf config kinds bands").err.find("tables: frame, scene, optics, band, "), std::string::npos);
 }
