@@ -100,7 +100,6 @@ inline bool same_shading(const MapSource& a, const MapSource& b) {
 
 /// What differs from pixel to pixel whatever the light.
 struct DetectorMaps {
-  DetectorSource made_from;
   SharedMap responsivity{};
   SharedMap own_light{};  ///< what narcissus leaves of the camera's own light, times the responsivity
   mtf::Image offset{};    ///< electrons added to every frame; empty: none

@@ -63,7 +63,7 @@ DetectorSource detector_source(const CompiledChain& chain, const Sensor& sensor,
 
 DetectorMaps detector_maps(const DetectorSource& source, int threads) {
   const std::int64_t width = source.width, height = source.height;
-  DetectorMaps maps{.made_from = source};
+  DetectorMaps maps;
   if (const auto& unequal = source.nonuniformity) {
     mtf::Image responsivity = part_of(source.responsivity, "nonuniformity.responsivity", source);
     if (responsivity.size() == 0 && unequal->prnu > 0.0) {

@@ -14,8 +14,8 @@ TiledChain::TiledChain(const mtf::SensorPlan& tile, const mtf::System<double>& s
   auto compiled = std::make_shared<CompiledChain>(tile, system, sensor, columns, rows);
   require_output_stage(stage, compiled->last, compiled->adc.has_value(), sensor.settings.thermal.has_value());
   require_maps(sensor, compiled->detector.columns, compiled->detector.rows);
-  pixel_maps(*compiled, map_source(*compiled, sensor, {}, 1, 1),
-             1);  // refuses settings of maps before any tile has been made
+  // Refuses settings of maps before any tile has been made.
+  pixel_maps(*compiled, map_source(*compiled, sensor, {}, 1, 1), 1);
   compiled_ = std::move(compiled);
 }
 

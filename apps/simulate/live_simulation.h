@@ -40,8 +40,8 @@ class LiveSimulation {
   /// same noise. With [lag] or a rolling [shutter] frames have to rise, as each leaves something to the next;
   /// a change of the detector grid makes them begin anew, as does one of the camera for all but
   /// CorrectionOf::first_image. Not to be called from two threads at once. Errors as simulate(); the image after a
-  /// failed one is what it would be without that call. `noise_rows`: where only the first row and every so-many-th one
-  /// after it will be looked at, the others may be without noise; see noise_rows() for whether they are.
+  /// failed one is what it would be without that call. `noise_rows` = n: only rows 0, n, 2 n ... will be shown, and the
+  /// others may come without noise. The method noise_rows() tells whether they did.
   SimulatedImage image(const mtf::io::SensorConfig& sensor, std::int64_t frame = 0,
                        CorrectionOf correction = CorrectionOf::first_image, std::int64_t noise_rows = 1);
 
