@@ -3,6 +3,8 @@
 // Systems of doubles and of floats, and what is wrong or doubtful about one.
 
 #include <algorithm>
+#include <array>
+#include <cstdio>
 #include <utility>
 
 #include "mtf/components/double_counting.h"
@@ -47,6 +49,28 @@ std::vector<Problem> counted_twice(const System<double>& system, const Entry<dou
       }
   }
   return problems;
+}
+
+/// Says where Q, the sampling frequency over the optical cutoff (Fiete, Opt. Eng. 38, 1229, 1999), is far from what
+/// cameras have. For most that is 0.05 to 5, for scanners with large pixels down to 0.002; a unit that is wrong by 1000
+/// mostly leaves the bounds here.
+std::vector<Finding> doubtful_sampling(const System<double>& system, const Component<double>& pupil) {
+  constexpr double kLeast = 0.0015, kMost = 30.0;
+  std::vector<Finding> doubts;
+  const double lambda_n_um = 1e3 / pupil.cutoff_cy_mm(system.context());
+  for (const Axis axis : {Axis::x, Axis::y}) {
+    const double pitch_um = system.frame.pitch_um(axis), q = lambda_n_um / pitch_um;
+    if (q >= kLeast && q <= kMost) continue;
+    std::array<char, 256> text;
+    std::snprintf(
+        text.data(), text.size(),
+        "Q = lambda N / pitch = %.6g um / %.6g um = %.3g, where most cameras have 0.05 to 5; compare the units "
+        "of the pitch, the wavelength, the focal length and the aperture",
+        lambda_n_um, pitch_um, q);
+    doubts.push_back(
+        {axis == Axis::x ? "frame.pitch_x" : "frame.pitch_y", {.error = false, .field = {}, .text = text.data()}});
+  }
+  return doubts;
 }
 
 /// What is wrong, and where `doubtful` also what is only doubtful.
@@ -104,6 +128,7 @@ std::vector<Finding> findings_of(const System<double>& system, bool doubtful) {
       if (band && problems.empty() && entry.component.traits(system.context()).chromatic)
         for (const double wavelength : {band->lo_um, band->hi_um})
           if (problems.empty()) problems = entry.component.check(system.context(wavelength));
+      const bool sound = std::none_of(problems.begin(), problems.end(), [](const Problem& p) { return p.error; });
       for (Problem& problem : problems)
         if (problem.error || doubtful)
           findings.push_back({where() + (problem.field.empty() ? "" : "." + problem.field), std::move(problem)});
@@ -111,6 +136,8 @@ std::vector<Finding> findings_of(const System<double>& system, bool doubtful) {
         for (Problem& problem : counted_twice(system, entry))
           findings.push_back({where() + ".kind", std::move(problem)});
       if (!entry.component.is_pupil()) continue;
+      if (doubtful && sound)
+        for (Finding& doubt : doubtful_sampling(system, entry.component)) findings.push_back(std::move(doubt));
       if (!pupil.empty())
         error(where() + ".kind",
               "a second complete pupil OTF beside \"" + pupil +

@@ -153,7 +153,9 @@ Quantity parse_quantity(std::string_view text, Dimension expected) {
   }
   result.unit = find_unit(text);
   if (result.unit == nullptr) {
-    const auto guess = nearest(text, units_of(expected));
+    // Units are short: where half of the letters differ, as of "kg" and "km", another one may have been meant.
+    auto guess = nearest(text, units_of(expected));
+    if (guess && (text.size() < 3 || 2 * edit_distance(text, *guess) > static_cast<int>(text.size()))) guess.reset();
     throw fail("unknown unit " + quoted(text) + (guess ? ", did you mean " + quoted(*guess) + "?" : ""));
   }
   if (!accepts(expected, result.unit->dimension)) throw fail("unit " + quoted(text) + " does not fit");

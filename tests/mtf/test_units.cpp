@@ -68,6 +68,8 @@ TEST(Units, whatever_is_not_is_refused) {
   mentions("15 Um", "unknown unit \"Um\"");  // case matters: mrad is not Mrad
   mentions("15 umm", "did you mean \"um\"?");
   mentions("15 microns", "unknown unit");
+  for (const char* other : {"15 kg", "15 kgs", "15 Um", "15 mil"})
+    EXPECT_EQ(refusal(other, Dimension::length).find("did you mean"), std::string::npos) << other;
   mentions("8 urad", "does not fit");
   mentions("0x10 um", "unknown unit");
   mentions("15,5 um", "unknown unit");

@@ -6,9 +6,12 @@
 #include <toml++/toml.h>
 
 #include <algorithm>
+#include <cctype>
+#include <charconv>
 #include <new>
 #include <sstream>
 
+#include "mtf/io/config/config_text.h"
 #include "mtf/io/config/config_tree.h"
 #include "mtf/io/file_checks.h"
 
@@ -131,6 +134,30 @@ Tree failure(Position position, std::string text) {
   return {.root = {}, .error = Diagnostic{.error = true, .position = position, .path = {}, .text = std::move(text)}};
 }
 
+/// For a line whose value is a word or a number with a unit and has no quotes: how to write it; else "".
+std::string quotes_missing(std::string_view text, int line) {
+  constexpr std::string_view blanks = " \t\r";
+  const auto without = [&](std::string_view from, std::string_view leading) {
+    from.remove_prefix(std::min(from.size(), from.find_first_not_of(leading)));
+    return from.substr(0, from.find_last_not_of(blanks) + 1);
+  };
+  text.remove_prefix(offset_of(text, {line, 1}));
+  text = text.substr(0, text.find_first_of("#\n"));
+  const std::size_t equals = std::min(text.size(), text.find('='));
+  const std::string_view value = without(text.substr(equals), "= \t"), number = without(value, "+");
+  if (value.find_first_of("\"'=") != std::string_view::npos) return {};
+  for (const std::string_view word : {"true", "false"})
+    if (std::equal(value.begin(), value.end(), word.begin(), word.end(),
+                   [](unsigned char a, unsigned char b) { return std::tolower(a) == b; }))
+      return {};
+  double ignored = 0.0;
+  const char* const end = std::from_chars(number.data(), number.data() + number.size(), ignored).ptr;
+  const std::string_view word = without(number.substr(static_cast<std::size_t>(end - number.data())), blanks);
+  const bool letter = !word.empty() && (static_cast<unsigned char>(word.front()) >= 0x80 ||  // of a µ or °
+                                        std::isalpha(static_cast<unsigned char>(word.front())) != 0);
+  return letter ? "; words and numbers with units stand in quotes: \"" + printable(value, 40) + "\"" : "";
+}
+
 }  // namespace
 
 Tree read_tree(const std::string& text) {
@@ -144,7 +171,8 @@ Tree read_tree(const std::string& text) {
     const toml::table table = toml::parse(std::string_view(text));
     return {.root = node_of(table), .error = std::nullopt};
   } catch (const toml::parse_error& error) {
-    return failure(position_of(error.source()), "not valid TOML: " + printable(error.description()));
+    const Position position = position_of(error.source());
+    return failure(position, "not valid TOML: " + printable(error.description()) + quotes_missing(text, position.line));
   }
 }
 

@@ -104,6 +104,25 @@ TEST(ConfigErrors, Units) {
   expect_one(head_with("2.0", "1e400"), "s.toml:6:", {"not valid TOML", "1e400"});
 }
 
+TEST(ConfigErrors, QuotesThatAreMissing) {
+  const auto expect_hint = [](const std::string& written, const std::string& quoted) {
+    expect_one(head_with("\"15 um\"", written),
+               "s.toml:4:", {"not valid TOML", "; words and numbers with units stand in quotes: \"" + quoted + "\""});
+  };
+  expect_hint("15 um", "15 um");
+  expect_hint("15um  # of the detector", "15um");
+  expect_hint("infrared", "infrared");
+  expect_hint("thermal\r", "thermal");
+  expect_hint("true_colour", "true_colour");
+  expect_hint("15 µm", "15 µm");
+  expect_hint("+15 um", "+15 um");
+  for (const std::string other : {"1e400", "15 um\"", "", "=", "1..5", "[1, 2", "1 2", "True", "15 b = 2", "#", "# um"})
+    for (const std::string& line : messages(head_with("\"15 um\"", other)))
+      EXPECT_EQ(line.find("stand in quotes"), std::string::npos) << line;
+  expect_one(kHead + "[a]\nb = true\nb = true", "s.toml:11:", {"not valid TOML"});
+  EXPECT_EQ(messages(kHead + "[a]\nb = true\nb = true")[0].find("stand in quotes"), std::string::npos);
+}
+
 TEST(ConfigErrors, StructureOfTheFile) {
   expect_one("schema = 1\n[frame\n", "s.toml:2:", {"not valid TOML"});
   expect_one(kHead + "[scene]\ngain = 1\ngain = 2\n", "s.toml:11:", {"not valid TOML"});
@@ -272,6 +291,37 @@ TEST(ConfigErrors, ALensInAirHasAHalfAtLeast) {
   EXPECT_EQ(lens("f_number = 0.5"), "");
   EXPECT_TRUE(lens("f_number = 0.49").starts_with("s.toml:6:12: warning: optics.f_number: an f-number of 0.49"));
   EXPECT_TRUE(lens("aperture = \"250 mm\"").starts_with("s.toml:6:12: warning: optics.aperture: an f-number of 0.4"));
+}
+
+TEST(ConfigErrors, UnitsThatAreWrongByAThousandLeaveTheRangeOfQ) {
+  using Lines = std::vector<std::string>;
+  const auto warnings = [](const std::string& from, const std::string& to, const std::string& pupil) {
+    Lines lines;
+    for (const std::string& message : messages(head_with(from, to) + "[[presample]]\nkind = \"" + pupil + "\n", false))
+      if (message.find(": warning: ") != std::string::npos) lines.push_back(message);
+    return lines;
+  };
+  const auto expected = [](const std::string& pitch, const std::string& q) {
+    return Lines{
+        "s.toml:4:" + pitch + ": Q = lambda N / pitch = " + q +
+        ", where most cameras have 0.05 to 5; compare the units of the pitch, the wavelength, the focal length "
+        "and the aperture"};
+  };
+  const std::string diffraction = "diffraction\"", both = "pitch = \"15 um\"";
+  EXPECT_EQ(warnings("15 um", "15 um", diffraction), Lines{});
+  EXPECT_EQ(warnings("15 um", "5 mm", diffraction), Lines{});  // Q = 0.0016, a scanner
+  EXPECT_EQ(warnings("2.0", "100", diffraction), Lines{});     // Q = 27, a pinhole
+  EXPECT_EQ(warnings("15 um", "15 mm", diffraction), expected("9: warning: frame.pitch", "8 um / 15000 um = 0.000533"));
+  EXPECT_EQ(warnings("4 um", "4 mm", diffraction), expected("9: warning: frame.pitch", "8000 um / 15 um = 533"));
+  EXPECT_EQ(warnings("f_number = 2.0", "aperture = \"50 um\"", diffraction),
+            expected("9: warning: frame.pitch", "8000 um / 15 um = 533"));
+  const Lines y = warnings(both, "pitch_x = \"15 um\"\npitch_y = \"15 mm\"", diffraction);
+  ASSERT_EQ(y.size(), 1u);
+  EXPECT_TRUE(y[0].starts_with("s.toml:5:11: warning: frame.pitch_y: Q = lambda N / pitch = 8 um / 15000 um"));
+  // What counts is the pupil's own f-number and wavelength.
+  EXPECT_EQ(warnings("4 um", "4 mm", diffraction + "\nwavelength = \"4 um\""), Lines{});
+  EXPECT_EQ(warnings("2.0", "2.0", diffraction + "\nf_number = 2000"),
+            expected("9: warning: frame.pitch", "8000 um / 15 um = 533"));
 }
 
 TEST(ConfigErrors, EveryKindOfFootprintIsOne) {
