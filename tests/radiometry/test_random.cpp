@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "radiometry/stages/noise/lane_words.h"
 #include "radiometry/stages/noise/random.h"
 
 namespace radiometry {
@@ -15,6 +16,19 @@ TEST(Philox, known_answers) {
             (Bits128{0x408f276d, 0x41c83b0e, 0xa20bc7c6, 0x6d5451fd}));
   EXPECT_EQ(philox({0x243f6a88, 0x85a308d3, 0x13198a2e, 0x03707344}, 0x299f31d0a4093822),
             (Bits128{0xd16cfe09, 0x94fdcceb, 0x5001e420, 0x24126ea1}));
+}
+
+// The loop over lanes gives the words of one pair after another, up to the last column that there is.
+TEST(Philox, lanes_are_those_of_single_pairs) {
+  const RandomRow row{{0x299f31d0a4093822, 0xffffffff}, Stream::read, 0xfffffffe};
+  for (const std::uint32_t first : {0U, 1U, 0x7fffffffU, 0U - static_cast<std::uint32_t>(kPairs)}) {
+    Words words;
+    philox_lanes(row, first, words);
+    for (int i = 0; i < kPairs; ++i)
+      EXPECT_EQ((Bits128{words.w[0][i], words.w[1][i], words.w[2][i], words.w[3][i]}),
+                row.pair(first + static_cast<std::uint32_t>(i)))
+          << first << " + " << i;
+  }
 }
 
 TEST(Uniform, keeps_both_ends) {

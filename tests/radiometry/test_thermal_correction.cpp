@@ -232,5 +232,39 @@ TEST(ThermalRecipe, responsivity_and_netd_from_frames_of_a_blackbody) {
   EXPECT_NEAR(budget_of(lwir_system(), measured, 293.15).netd_k, n / s, 1e-12);
 }
 
+// A live view keeps the correction of a lens without vignetting when the lens gets one. The image is then uniform, as
+// behind a grey filter of the mean of the vignetting, and the pixels see so much more of the housing around the lens.
+TEST(ThermalCorrection, a_kept_shading_that_is_none_is_a_uniform_one) {
+  constexpr std::int64_t kSize = 24;
+  const mtf::System<double> system = lwir_system();
+  mtf::PlanOptions options;
+  options.separate_readout = true;
+  const mtf::SensorPlan plan = mtf::compile_sensor(system, {kSize, kSize, 17.0, 17.0}, options);
+  Sensor plain = corrected(by_netd(), 1);
+  plain.settings.optics->stop_temperature_k = 310.0;  // apart from the shutter's 293 K
+  Sensor vignetted = plain;
+  vignetted.settings.vignetting = Vignetting{.cos4 = false, .a2 = -0.4};
+  mtf::Image factors(kSize, kSize);
+  vignetting_map(factors.view(), *vignetted.settings.vignetting,
+                 {.columns = kSize, .rows = kSize, .step_x_um = 17.0, .step_y_um = 17.0}, 18.0);
+  const double mean = test::moments(test::samples(factors)).mean;
+  Sensor uniform = plain;
+  uniform.settings.vignetting = Vignetting{.cos4 = false};
+  uniform.vignetting = std::make_shared<const mtf::Image>(test::flat(kSize, kSize, static_cast<float>(mean)));
+
+  const Chain before(plan, system, plain, {}, 1);
+  const auto volts = [&](const Chain& chain) {
+    mtf::Image scene = test::flat(kSize, kSize, 280.0F);
+    radiance_of_temperature(scene.view(), scene_band(plain.curves));
+    return test::moments(test::samples(chain.run(std::move(scene), 0, OutputStage::volts).image));
+  };
+  const auto kept = volts(Chain(plan, system, vignetted, {}, 1, &before, true)),
+             expected = volts(Chain(plan, system, uniform, {}, 1)), without = volts(before);
+  // The signal is a small difference of light and glow in floats, a few per cent of each.
+  EXPECT_NEAR(kept.mean, expected.mean, 1e-5 * std::abs(expected.mean));
+  EXPECT_LE(std::sqrt(kept.variance), 1e-5 * std::abs(expected.mean));
+  EXPECT_GT(std::abs(kept.mean - without.mean), 0.02 * std::abs(expected.mean));
+}
+
 }  // namespace
 }  // namespace radiometry
