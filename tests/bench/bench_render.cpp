@@ -14,6 +14,7 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <exception>
 #include <filesystem>
 #include <fstream>
 
@@ -163,9 +164,15 @@ int main(int argc, char** argv) {
       sensors.push_back(std::string(MTFKIT_SOURCE_DIR) + "/notebooks-data/studies/" + name);
   std::printf("bench_render, %s %s\n", mtf::version, mtf::git_commit);
   const fs::path folder = demo_scene();
-  const SceneFile file = load_scene((folder / "scene.toml").string());
-  const std::string temperatures = made_temperatures(folder, file);
-  for (const std::string& sensor : sensors) run(file, temperatures, sensor, threads);
+  int status = 0;
+  try {
+    const SceneFile file = load_scene((folder / "scene.toml").string());
+    const std::string temperatures = made_temperatures(folder, file);
+    for (const std::string& sensor : sensors) run(file, temperatures, sensor, threads);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "bench_render: %s\n", error.what());
+    status = 1;
+  }
   fs::remove_all(folder);
-  return 0;
+  return status;
 }
