@@ -8,7 +8,7 @@
 namespace radiometry {
 namespace {
 
-[[noreturn]] void refuse(const std::string& key, const std::string& why) {
+[[noreturn]] void refuse_key(const std::string& key, const std::string& why) {
   throw mtf::UsageError("detector." + key + ": " + why);
 }
 
@@ -26,14 +26,14 @@ void require_keys(const char* figure, std::initializer_list<Key> keys) {
     names += (names.empty() ? "" : ", ") + std::string(key.name);
     lines += (lines.empty() ? "" : ", ") + std::string(key.name) + " = " + key.example;
   }
-  if (!names.empty()) refuse(figure, "given without " + names + "; write " + lines);
+  if (!names.empty()) refuse_key(figure, "given without " + names + "; write " + lines);
 }
 
 /// Refuses keys that say more of a figure that is not given.
 void require_figure(bool figure_given, const char* figure, std::initializer_list<Key> keys) {
   for (const Key& key : keys)
     if (!figure_given && key.given)
-      refuse(key.name, std::string("belongs to ") + figure + ", which is not given; remove it");
+      refuse_key(key.name, std::string("belongs to ") + figure + ", which is not given; remove it");
 }
 
 }  // namespace
@@ -73,9 +73,9 @@ void require_thermal(const ThermalSettings& s, double area_m2, double middle_abs
     if (s.netd_bandwidth_hz) require_keys("netd_bandwidth", {bandwidth});
     if (s.netd_shortest_um.has_value() != s.netd_longest_um.has_value() ||
         (s.netd_shortest_um && !(*s.netd_shortest_um < *s.netd_longest_um)))
-      refuse("netd", "its band has two ends; give netd_shortest below netd_longest, or none for [band]");
+      refuse_key("netd", "its band has two ends; give netd_shortest below netd_longest, or none for [band]");
     if (s.netd_of == NetdOf::camera && s.readout_v > 0.0)
-      refuse("readout_noise", "is in the NETD of the camera already; remove it, or give netd_of = \"focal_plane\"");
+      refuse_key("readout_noise", "is in the NETD of the camera already; remove it, or give netd_of = \"focal_plane\"");
   }
   if (s.nep_bandwidth_hz) require_keys("nep_bandwidth", {bandwidth});
   if (s.nep_density) require_keys("nep_density", {bandwidth});
@@ -83,20 +83,21 @@ void require_thermal(const ThermalSettings& s, double area_m2, double middle_abs
   for (const auto& [key, given] :
        {std::pair{"width", s.width_um.has_value()}, std::pair{"height", s.height_um.has_value()}})
     if (s.fill_factor && given)
-      refuse("fill_factor",
-             std::string("given beside ") + key + ", which says the active area too; remove one of them");
+      refuse_key("fill_factor",
+                 std::string("given beside ") + key + ", which says the active area too; remove one of them");
   if (s.counts_per_k && s.responsivity_v_w)
-    refuse("counts_per_kelvin",
-           "given beside responsivity; it stands for responsivity and volts_per_count together: remove it or that");
+    refuse_key("counts_per_kelvin",
+               "given beside responsivity; it stands for responsivity and volts_per_count together: remove it or that");
   if (!(middle_absorptance > 0.0))
-    refuse("absorptance", "0 at the middle of the band, where responsivity, NEP and D* are stated; change [band]");
+    refuse_key("absorptance", "0 at the middle of the band, where responsivity, NEP and D* are stated; change [band]");
   if (!s.physics()) {
     if (!s.responsivity_v_w && !s.counts_per_k)
-      refuse("responsivity", "missing; volts need it: write responsivity = 1e5 for 1e5 V for a watt of incident power");
+      refuse_key("responsivity",
+                 "missing; volts need it: write responsivity = 1e5 for 1e5 V for a watt of incident power");
     return;
   }
   if (s.responsivity_v_w)
-    refuse("responsivity", "given beside bias, tcr and conductance, which are bias |tcr| / conductance; remove it");
+    refuse_key("responsivity", "given beside bias, tcr and conductance, which are bias |tcr| / conductance; remove it");
   require_keys("conductance", {{"heat_capacity", s.heat_capacity_j_k.has_value(), "3e-10"},
                                {"conductance", s.conductance_w_k.has_value(), "3e-8"},
                                {"temperature", s.temperature_k.has_value(), "\"300 K\""},
@@ -104,7 +105,7 @@ void require_thermal(const ThermalSettings& s, double area_m2, double middle_abs
                                {"tcr", s.tcr_per_k.has_value(), "-0.02"},
                                {"bias", s.bias_v.has_value(), "\"2 V\""},
                                bandwidth});
-  if (s.lowest_hz && !s.corner_hz) refuse("lowest_frequency", "belongs to corner, which is not given; remove it");
+  if (s.lowest_hz && !s.corner_hz) refuse_key("lowest_frequency", "belongs to corner, which is not given; remove it");
   require_physics<double>(s, middle_absorptance, area_m2, {});
 }
 
