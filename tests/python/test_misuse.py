@@ -2,6 +2,10 @@
 """Calls that cannot be met: an exception with words, never a crash and never a silent wrong result."""
 
 import copy
+import pathlib
+import shutil
+import subprocess
+import sys
 import threading
 
 import numpy as np
@@ -15,6 +19,13 @@ HOW = dict(sample="3.75 um")
 @pytest.fixture(scope="module")
 def study(studies):
     return mk.Study.load(studies / "stabilisation.toml")
+
+
+def test_a_package_that_is_not_built(tmp_path):
+    shutil.copytree(pathlib.Path(mk.__file__).parent, tmp_path / "mtfkit", ignore=shutil.ignore_patterns("*.so", "__pycache__"))
+    done = subprocess.run([sys.executable, "-c", "import mtfkit"], cwd=tmp_path, env={"PYTHONPATH": str(tmp_path)}, capture_output=True,
+                          text=True, check=False)
+    assert done.returncode == 1 and "mtfkit has no module _core for Python 3." in done.stderr and "cmake --build build" in done.stderr
 
 
 @pytest.mark.parametrize("fx,fy,words", [

@@ -8,7 +8,14 @@ The guide is apps/python/README.md; `help(mtfkit.Sensor)` and `mtfkit.kinds()` s
 
 from __future__ import annotations
 
+import importlib.util
+import platform
 from typing import TYPE_CHECKING, Any
+
+if importlib.util.find_spec("mtfkit._core") is None:
+    raise ImportError(f"{__path__[0]} has no module _core for Python {platform.python_version()}; build it by `cmake --build build` in "
+                      "the clone of mtfkit, and use the Python that it was built for, /usr/bin/python3 on Debian")
+del importlib, platform
 
 from mtfkit import air, components, light, noise, targets
 from mtfkit._core import __version__
