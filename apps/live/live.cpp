@@ -23,6 +23,7 @@
 #include "apps/live/session.h"
 #ifdef MTFKIT_HAVE_SCENE
 #include "apps/live/space/scene_view.h"
+#include "apps/scene/render/sensor_picture.h"
 #endif
 #include "apps/options.h"
 #include "apps/sensor/sensor_air.h"
@@ -109,6 +110,8 @@ void require_scene(const std::string& file) {
 std::shared_ptr<Session> space_session(const LiveOptions& options, const Global& global, SessionOptions session,
                                        const Sensor& sensor, const std::shared_ptr<Waiting>& waiting) {
 #ifdef MTFKIT_HAVE_SCENE
+  // A sensor that cannot see such a scene is refused before the heat balance, not after it.
+  static_cast<void>(scene::picture_sensor(*sensor, scene::PictureQuantity::weighted));
   session.scene_name = options.first;
   session.sensor_name = options.second;
   return std::make_shared<Session>(sensor,

@@ -101,7 +101,7 @@ async function ask(side, { from, body, key }, begun, before) {
     else showFrame(side, made, { preview, ms: performance.now() - begin });
     if (from === "frame" && app.view.moving) requestAnimationFrame(() => app.view.lagged(performance.now() - begin - made.ms));
     settleProblem();
-    if (!moving()) app.cursor();
+    app.cursor();
     if (app.frames[1] && (!(moving() || state.running) || performance.now() - told > CALM_MS)) {
       told = performance.now();
       facts(shown.map((one) => one.tag), rate());

@@ -6,11 +6,14 @@ import { $, app, inSpace, moving, state } from "./app.js";
 import { shown } from "./figures.js";
 import * as edits from "./history.js";
 
-let asking = false, at = null, over = null; // over: the last place of the mouse on the picture
+let asking = false, at = null, over = null; // over: where the mouse is on the picture
+const show = (text) => { $("cursor").textContent = text; };
 
+/** Values belong to the picture that is seen: none are shown while that changes, or without the mouse. */
 async function values(um) {
   at = um;
-  if (asking || !app.frames[1] || moving()) return;
+  if (moving()) return show("");
+  if (asking || !app.frames[1]) return;
   asking = true;
   while (at) {
     const [x, y] = at;
@@ -21,8 +24,9 @@ async function values(um) {
       const pair = state.left === "scene" || !app.frames[0] ? null : await of(0), found = await of(1);
       app.value = found;
       const left = pair ? `${state.left === "kept" ? "A" : "start"} ${one(pair.after, app.frames[0].unit)}   |   ${state.left === "kept" ? "B" : "image"}` : "image";
-      $("cursor").textContent = `scene ${one(found.before, app.scene?.unit ?? "")}   |   ${left} ${one(found.after, app.frames[1].unit)}`;
+      if (over && !moving()) show(`scene ${one(found.before, app.scene?.unit ?? "")}   |   ${left} ${one(found.after, app.frames[1].unit)}`);
     } catch (error) {
+      show("");
       if (!(error instanceof Refused)) break;
     }
   }
@@ -38,7 +42,10 @@ export function setDivider(share) {
 export function pointers() {
   const canvas = $("view"), { view } = app;
   app.cursor = view.changed = () => over && values(view.place(over));
-  canvas.onpointerleave = () => { over = null; };
+  canvas.onpointerleave = () => {
+    over = null;
+    show("");
+  };
   let held = null;
   const nearDivider = (event, box) => Math.abs((event.clientX - box.left) / box.width - view.divider) * box.width < 8;
   canvas.onpointerdown = (event) => {
