@@ -13,6 +13,7 @@
 
 #include "mtf/io/config/config_text.h"
 #include "mtf/io/config/config_tree.h"
+#include "mtf/io/csv/csv_cells.h"
 #include "mtf/io/file_checks.h"
 
 namespace mtf::io::cfg {
@@ -136,23 +137,21 @@ Tree failure(Position position, std::string text) {
 
 /// For a line whose value is a word or a number with a unit and has no quotes: how to write it; else "".
 std::string quotes_missing(std::string_view text, int line) {
-  constexpr std::string_view blanks = " \t\r";
-  const auto without = [&](std::string_view from, std::string_view leading) {
-    from.remove_prefix(std::min(from.size(), from.find_first_not_of(leading)));
-    return from.substr(0, from.find_last_not_of(blanks) + 1);
-  };
   text.remove_prefix(offset_of(text, {line, 1}));
   text = text.substr(0, text.find_first_of("#\n"));
-  const std::size_t equals = std::min(text.size(), text.find('='));
-  const std::string_view value = without(text.substr(equals), "= \t"), number = without(value, "+");
-  if (value.find_first_of("\"'=") != std::string_view::npos) return {};
+  const std::size_t equals = text.find('=');
+  if (equals == std::string_view::npos) return {};
+  text.remove_prefix(equals + 1);
+  if (text.find_first_of("\"'=") != std::string_view::npos) return {};
+  const std::string_view value = trimmed_cell(text);
   for (const std::string_view word : {"true", "false"})
     if (std::equal(value.begin(), value.end(), word.begin(), word.end(),
                    [](unsigned char a, unsigned char b) { return std::tolower(a) == b; }))
       return {};
+  const std::string_view number = value.substr(value.starts_with('+') ? 1 : 0);
   double ignored = 0.0;
   const char* const end = std::from_chars(number.data(), number.data() + number.size(), ignored).ptr;
-  const std::string_view word = without(number.substr(static_cast<std::size_t>(end - number.data())), blanks);
+  const std::string_view word = trimmed_cell(number.substr(static_cast<std::size_t>(end - number.data())));
   const bool letter = !word.empty() && (static_cast<unsigned char>(word.front()) >= 0x80 ||  // of a µ or °
                                         std::isalpha(static_cast<unsigned char>(word.front())) != 0);
   return letter ? "; words and numbers with units stand in quotes: \"" + printable(value, 40) + "\"" : "";

@@ -121,6 +121,7 @@ TEST(ConfigErrors, QuotesThatAreMissing) {
       EXPECT_EQ(line.find("stand in quotes"), std::string::npos) << line;
   expect_one(kHead + "[a]\nb = true\nb = true", "s.toml:11:", {"not valid TOML"});
   EXPECT_EQ(messages(kHead + "[a]\nb = true\nb = true")[0].find("stand in quotes"), std::string::npos);
+  EXPECT_EQ(messages(kHead + "[a]\nb = \"1 um\"\nb = \"1 um\"")[0].find("stand in quotes"), std::string::npos);
 }
 
 TEST(ConfigErrors, StructureOfTheFile) {
