@@ -13,6 +13,7 @@
 #include "apps/simulate/output_files.h"
 #include "apps/terminal/output.h"
 #include "apps/terminal/text_table.h"
+#include "apps/text/json_document.h"
 
 namespace apps {
 namespace {
@@ -75,7 +76,7 @@ std::string as_json(const Rows& rows, const radiometry::Saturation& saturation, 
     terms[row.name] = {{"value", row.value}, {"unit", row.unit}, {"doc", row.doc}};
     if (!row.refused.empty()) terms[row.name]["reason"] = row.refused;
   }
-  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  return json_document(json);
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 // `mtf check`: the promised accuracy of all numbers, compared with references on this machine and build.
 
 #include "apps/check/check.h"
+#include "apps/text/json_document.h"
 
 #include <chrono>
 #include <nlohmann/json.hpp>
@@ -51,7 +52,7 @@ std::string as_json(const std::vector<CheckResult>& results, std::size_t failed)
             {"worst_rel", r.worst_rel}, {"promise", r.promise}, {"passed", r.passed}};
     if (!r.passed) item["failure"] = one_line(r.failure);
   }
-  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  return json_document(json);
 }
 
 }  // namespace

@@ -16,6 +16,7 @@
 #include "apps/sweep/study_file.h"
 #include "apps/terminal/output.h"
 #include "apps/terminal/text_table.h"
+#include "apps/text/json_document.h"
 #include "mtf/error.h"
 #include "mtf/io/config/config.h"
 #include "mtf/io/config/config_reader.h"
@@ -59,7 +60,7 @@ std::string as_json(const Verdict& verdict) {
                     {"column", d.position.column},
                     {"path", d.path},
                     {"text", d.text}});
-  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  return json_document(json);
 }
 
 int explain(const ConfigOptions& options, const Global& global) {

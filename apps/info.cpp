@@ -11,6 +11,7 @@
 #include "apps/sweep/study_file.h"
 #include "apps/terminal/output.h"
 #include "apps/terminal/text_table.h"
+#include "apps/text/json_document.h"
 #include "mtf/io/file_checks.h"
 #include "mtf/units.h"
 
@@ -113,7 +114,7 @@ std::string as_json(const ImageFacts& facts) {
   }
   json["attributes"] = info.attributes;
   json["next"] = facts.next;
-  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  return json_document(json);
 }
 
 bool is_config_file(const std::string& path) {

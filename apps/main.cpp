@@ -17,7 +17,11 @@
 #include "apps/terminal/usage_errors.h"
 #include "mtf/engines/fft/fftw.h"
 #include "mtf/error.h"
+#include "mtf/io/atomic_file.h"
+#include "mtf/io/file_checks.h"
+#include "mtf/io/stage.h"
 #include "mtf/version.h"
+#include "mtf/work/usable_memory.h"
 
 namespace apps {
 namespace {
@@ -150,7 +154,7 @@ int run(int argc, char** argv) {
 int main(int argc, char** argv) {
   apps::prepare_process();
   const auto failed = [&](const char* what, int status) {
-    apps::complain(apps::error_lines(what, {argv + 1, argv + argc}));
+    apps::complain(apps::error_lines(mtf::io::without_stages(what), {argv + 1, argv + argc}));
     return status;
   };
   try {
@@ -158,10 +162,18 @@ int main(int argc, char** argv) {
     std::cout.flush();
     apps::print("");  // reports a failure of anything printed before
     return std::cout.good() ? status : 1;
+  } catch (const mtf::io::BrokenPipe&) {
+    apps::end_by_broken_pipe();
   } catch (const mtf::UsageError& error) {
     return failed(error.what(), 2);
   } catch (const std::bad_alloc&) {
-    return failed("out of memory; use a smaller image or fewer frequencies, or free some memory", 1);
+    const mtf::UsableMemory memory = mtf::usable_memory();
+    const std::string left = std::string(memory.whose) + " " + mtf::io::shown_bytes(memory.bytes);
+    return failed(
+        ("out of memory; " + left +
+         ": raise that limit or free some memory, or use a smaller image, a coarser mesh or fewer frequencies")
+            .c_str(),
+        1);
   } catch (const std::exception& error) {
     return failed(error.what(), 1);
   } catch (...) {

@@ -16,8 +16,8 @@
 #endif
 #include "apps/sensor/sensor_air.h"
 #include "apps/sensor/sensor_file.h"
-#include "apps/simulate/output_files.h"
 #include "apps/terminal/output.h"
+#include "apps/terminal/output_set.h"
 #include "mtf/error.h"
 #include "mtf/io/config/config_tree.h"
 #include "mtf/io/csv/curve_csv.h"
@@ -76,7 +76,7 @@ void take_scene(const AtmosphereOptions& options, Given& given, const Global& gl
   given.settings = *scene.atmosphere;
   given.place_m = scene.place.altitude_m;
   given.settings.sensor_altitude_m = scene.place.altitude_m + (scene.camera ? scene.camera->position_m[2] : 0.0);
-  given.files.push_back(options.file);
+  given.files = files_of(scene);
 }
 #else
 void take_scene(const AtmosphereOptions& options, Given&, const Global&) {
@@ -136,7 +136,7 @@ radiometry::SpectralCamera camera_in(const Given& given, const Interval& band) {
   return camera;
 }
 
-void require_outputs(const AtmosphereOptions& options, const Given& given) {
+std::vector<std::string> outputs_of(const AtmosphereOptions& options) {
   std::vector<std::string> outputs;
   for (const std::string& file : {options.table, options.tape7, options.plot})
     if (!file.empty()) outputs.push_back(file);
@@ -144,8 +144,7 @@ void require_outputs(const AtmosphereOptions& options, const Given& given) {
     check_figure_path(options.plot);
     outputs.push_back(figure_data_path(options.plot));
   }
-  if (!options.out.empty() && options.out != "-") outputs.push_back(options.out);
-  require_writable(outputs, given.files);
+  outputs.push_back(options.out);
   if (options.sky && (!options.table.empty() || !options.tape7.empty() || !options.plot.empty()))
     throw mtf::UsageError("--sky: prints the sky; --table, --tape7 and --plot are of a line of sight, remove them");
   const int covers = (options.cloud_cover ? 1 : 0) + (options.longwave_w_m2 ? 1 : 0);
@@ -155,6 +154,7 @@ void require_outputs(const AtmosphereOptions& options, const Given& given) {
     throw mtf::UsageError("clouds: give --cloud-temperature and one of --cloud-cover and --longwave");
   if (!options.ranges.empty() && options.table.empty())
     throw mtf::UsageError("--ranges: are those of --table FILE; add it");
+  return outputs;
 }
 
 std::vector<double> table_ranges(const AtmosphereOptions& options, const air::Air<double>& through,
@@ -177,12 +177,13 @@ std::vector<double> table_ranges(const AtmosphereOptions& options, const air::Ai
   return found.ranges_m;
 }
 
-void write_table(const AtmosphereOptions& options, const air::Air<double>& through, const air::Sight<double>& sight,
-                 const Interval& band, const std::string& what, const Global& global) {
+std::string table_text(const AtmosphereOptions& options, const air::Air<double>& through,
+                       const air::Sight<double>& sight, const Interval& band, const std::string& what,
+                       const Global& global) {
   const std::vector<double> ranges_m = table_ranges(options, through, sight, band, global);
   const air::RangeTableResult result =
       path_table(through, sight, ranges_m, {.band = band, .tolerance = options.tolerance});
-  emit(options.table, path_table_csv(result.table, what));
+  return path_table_csv(result.table, what);
 }
 
 air::Clouds clouds_of(const AtmosphereOptions& options, double clear_w_m2) {
@@ -263,13 +264,13 @@ std::string atmosphere_json(const AtmosphereOptions& options, const Global& glob
 
 int run_atmosphere(const AtmosphereOptions& options, const Global& global) {
   const Given given = given_by(options, global);
-  require_outputs(options, given);
+  OutputSet outputs({.files = outputs_of(options), .inputs = given.files});
   const std::vector<Interval> bands = bands_of(options, given);
   if (options.sky) {
     const SkyReport sky = sky_report(options, given, bands, global);
-    emit(options.out, options.format == Format::csv    ? as_csv(sky)
-                      : options.format == Format::json ? as_json(sky)
-                                                       : as_table(sky));
+    outputs.commit(options.out, options.format == Format::csv    ? as_csv(sky)
+                                : options.format == Format::json ? as_json(sky)
+                                                                 : as_table(sky));
     return 0;
   }
 
@@ -285,14 +286,15 @@ int run_atmosphere(const AtmosphereOptions& options, const Global& global) {
     for (const std::string& limit : report.limits) note(global, "warning: " + limit);
 
   const std::string what = report.air + "; " + report.line;
-  if (!options.table.empty()) write_table(options, through, sight, hull(bands), what, global);
-  if (!options.tape7.empty()) emit(options.tape7, tape7_text(report.path, what));
-  if (!options.plot.empty() && !write_figures(options.plot, atmosphere_figures(report)))
+  if (!options.table.empty())
+    emit(outputs.at(options.table), table_text(options, through, sight, hull(bands), what, global));
+  if (!options.tape7.empty()) emit(outputs.at(options.tape7), tape7_text(report.path, what));
+  if (!options.plot.empty() && !write_figures(outputs.at(options.plot), atmosphere_figures(report)))
     note(global, "mtf: note: gnuplot is not installed (Debian package gnuplot-nox): wrote only the data, " +
                      one_line(figure_data_path(options.plot)));
-  emit(options.out, options.format == Format::csv    ? spectrum_csv(report.path)
-                    : options.format == Format::json ? as_json(report)
-                                                     : as_table(report));
+  outputs.commit(options.out, options.format == Format::csv    ? spectrum_csv(report.path)
+                              : options.format == Format::json ? as_json(report)
+                                                               : as_table(report));
   return 0;
 }
 

@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "apps/terminal/text_table.h"
+#include "apps/text/json_document.h"
 #include "mtf/units.h"
 
 namespace apps {
@@ -121,7 +122,7 @@ std::string as_json(const AtmosphereReport& report) {
   for (const air::LeftOut& left : report.path.left_out)
     json["left_out"].push_back({{"what", left.what}, {"bound", left.bound}});
   json["limits"] = report.limits;
-  return json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
+  return json_document(json, -1);
 }
 
 std::vector<Figure> atmosphere_figures(const AtmosphereReport& report) {
@@ -217,7 +218,7 @@ std::string as_json(const SkyReport& report) {
     json["bands"].push_back({{"wavelength_um", {report.bands[b].lo_um, report.bands[b].hi_um}},
                              {"radiance_W_m-2_sr-1", std::move(values)}});
   }
-  return json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
+  return json_document(json, -1);
 }
 
 }  // namespace apps

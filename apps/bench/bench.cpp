@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <filesystem>
 #include <limits>
 
 #include "apps/bench/bench_report.h"
@@ -15,18 +14,15 @@
 #include "apps/check/reference_fft.h"
 #include "apps/options.h"
 #include "apps/sensor/sensor_file.h"
-#include "apps/sweep/output_folder.h"
 #include "apps/terminal/output.h"
+#include "apps/terminal/output_set.h"
 #include "apps/terminal/text_table.h"
-#include "apps/terminal/write_together.h"
 #include "mtf/engines/fft/fftw.h"
 #include "mtf/error.h"
-#include "mtf/io/atomic_file.h"
 
 namespace apps {
 namespace {
 
-namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 using Size = std::array<std::int64_t, 2>;
 
@@ -103,20 +99,19 @@ std::string command_line(const BenchOptions& options, const Global& global) {
 }
 
 /// Writes the results, with a note where a figure is left out because gnuplot is missing. Returns the names.
-std::string write_results(const fs::path& folder, const BenchReport& report, const Global& global) {
-  const auto path = [&](const char* name) { return (folder / name).string(); };
-  mtf::io::write_text_file(path("bench.csv"), bench_csv(report));
-  mtf::io::write_text_file(path("bench.json"), bench_json(report));
+std::string write_results(OutputSet& outputs, const BenchReport& report, const Global& global) {
+  emit(outputs.in("bench.csv"), bench_csv(report));
+  emit(outputs.in("bench.json"), bench_json(report));
   const std::optional<Figure> figure = bench_figure(report);
   if (!figure) {
     note(global, "note: every error is 0, so that no chart is made");
     return "bench.csv bench.json";
   }
-  if (!draw_figure(path("bench.svg"), *figure)) {
+  if (!draw_figure(outputs.in("bench.svg"), *figure)) {
     note(global, "note: gnuplot is not installed; bench.csv has the numbers, bench.svg and bench.png are left out");
     return "bench.csv bench.json";
   }
-  draw_figure(path("bench.png"), *figure);
+  draw_figure(outputs.in("bench.png"), *figure);
   return "bench.csv bench.json bench.svg bench.png";
 }
 
@@ -139,9 +134,13 @@ int run_bench(const BenchOptions& given, const Global& global) {
   options.rounds = given.rounds.value_or(kRounds);
   const Clock::time_point start = Clock::now();
   if (options.out.empty()) throw mtf::UsageError("-o, --out is missing: name the folder for the results");
-  const fs::path folder = options.out;
-  check_folder(folder, options.force);
   const mtf::io::SensorConfig config = load_sensor(options.sensor, global);
+  std::vector<std::string> inputs = files_of(config);
+  inputs.push_back(options.scene);
+  OutputSet outputs({.folder = options.out,
+                     .force = options.force,
+                     .names = {"bench.csv", "bench.json", "bench.svg", "bench.png"},
+                     .inputs = inputs});
   mtf::io::Scene scene = mtf::io::load_scene(config, options.scene, {options.channel, options.layer, options.part});
   require_decoded(scene);
 
@@ -182,18 +181,12 @@ int run_bench(const BenchOptions& given, const Global& global) {
     time_all(results, options, seconds, progress, report);
   }
   for (const std::string& text : report.notes) note(global, "note: " + one_line(text));
-  std::vector<std::string> outputs{folder.string()};
-  for (const char* name : {"bench.csv", "bench.json", "bench.svg", "bench.png"})
-    outputs.push_back((folder / name).string());
-  std::string written;
-  write_together(outputs, [&] {
-    prepare_folder(folder, options.force);
-    written = write_results(folder, report, global);
-  });
+  const std::string written = write_results(outputs, report, global);
+  outputs.commit();
   print(options.format == Format::json ? bench_json(report)
         : options.format == Format::csv
             ? bench_csv(report)
-            : bench_table(report) + "written to " + one_line(folder.string()) + "/: " + written + "\n");
+            : bench_table(report) + "written to " + one_line(options.out) + "/: " + written + "\n");
   return count_broken(report) > 0 ? 3 : 0;
 }
 

@@ -9,6 +9,7 @@
 #include "apps/bench/machine.h"
 #include "apps/terminal/output.h"
 #include "apps/terminal/text_table.h"
+#include "apps/text/json_document.h"
 #include "mtf/engines/fft/fftw.h"
 #include "mtf/units.h"
 #include "mtf/version.h"
@@ -143,7 +144,7 @@ std::string bench_json(const BenchReport& report) {
   for (const BenchRow& row : report.rows) json["rows"].push_back(row_json(row));
   json["warnings"] = report.notes;
   // Names of files may hold any bytes; the report stays valid UTF-8.
-  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  return json_document(json);
 }
 
 std::optional<Figure> bench_figure(const BenchReport& report) {

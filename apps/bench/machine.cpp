@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/bench/machine.h"
 
-#include <unistd.h>
-
 #include <fstream>
 #include <thread>
+
+#include "mtf/work/usable_memory.h"
 
 namespace apps {
 
@@ -15,8 +15,7 @@ Machine this_machine() {
     if (line.starts_with("model name") && line.find(": ") != std::string::npos)
       machine.cpu = line.substr(line.find(": ") + 2);
   machine.cores = static_cast<int>(std::thread::hardware_concurrency());
-  machine.memory_bytes =
-      static_cast<std::int64_t>(::sysconf(_SC_PHYS_PAGES)) * static_cast<std::int64_t>(::sysconf(_SC_PAGESIZE));
+  machine.memory_bytes = static_cast<std::int64_t>(mtf::usable_bytes());
   return machine;
 }
 

@@ -8,9 +8,9 @@ namespace apps {
 
 /// What a run time depends on.
 struct Machine {
-  std::string cpu;  ///< as the system names it, "" when it does not
-  int cores = 0;    ///< usable
-  std::int64_t memory_bytes = 0;
+  std::string cpu;                ///< as the system names it, "" when it does not
+  int cores = 0;                  ///< usable
+  std::int64_t memory_bytes = 0;  ///< usable
 };
 
 Machine this_machine();

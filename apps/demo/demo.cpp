@@ -17,10 +17,9 @@
 #include "apps/figures/plot.h"
 #include "apps/options.h"
 #include "apps/simulate/sensor_image.h"
-#include "apps/sweep/output_folder.h"
 #include "apps/terminal/output.h"
+#include "apps/terminal/output_set.h"
 #include "apps/terminal/text_table.h"
-#include "apps/terminal/write_together.h"
 #include "mtf/error.h"
 #include "mtf/io/atomic_file.h"
 #include "mtf/survey/scene_spectrum.h"
@@ -36,7 +35,7 @@ constexpr double kPass = 1e-4;  // the default tolerance: what the plan promises
 // Half cycles over the frame of 3.84 mm: 3.9 to 57 cy/mm; Nyquist is 256. No two have the same alias.
 const std::vector<int> kTargets{30, 60, 90, 120, 150, 170, 190, 210, 225, 240, 250, 280, 310, 340, 390, 440};
 
-constexpr std::array kFiles{
+const std::vector<std::string> kFiles{
     "sensor.toml",        "scene.exr",     "sensor.exr",   "preview.png", "mtf.csv",     "targets.exr",
     "targets_sensor.exr", "targets.png",   "edge.exr",     "fit.toml",    "thermal.exr", "camera.toml",
     "camera.exr",         "uncooled.toml", "uncooled.exr", "thermal.png", "mtf.svg",     "mtf.png"};
@@ -112,7 +111,7 @@ struct DemoResult {
   bool pass = false;
 };
 
-DemoResult make_demo(const DemoOptions& options, const Global& global) {
+DemoResult make_demo(const DemoOptions& options, OutputSet& outputs, const Global& global) {
   const mtf::io::SensorConfig config = mtf::io::parse_config(mtf::io::starter_config(), "sensor.toml").config;
   const mtf::System<double>& system = config.system;
   const mtf::SampleGrid grid{kSize, kSize, config.scene.sample_x_um.value(), config.scene.sample_y_um.value()};
@@ -133,8 +132,7 @@ DemoResult make_demo(const DemoOptions& options, const Global& global) {
   const mtf::SensorPlan plan = plan_for(landscape), targets_plan = plan_for(targets);
 
   const fs::path folder = options.out;
-  prepare_folder(folder, options.force);
-  const auto path = [&](const char* name) { return (folder / name).string(); };
+  const auto path = [&](const char* name) { return outputs.in(name); };
   mtf::io::write_text_file(path("sensor.toml"), mtf::io::starter_config());
   mtf::io::write_exr(path("scene.exr"), {{"Y", landscape.view()}}, scene_metadata(grid));
   mtf::io::write_exr(path("targets.exr"), {{"Y", targets.view()}}, scene_metadata(grid));
@@ -158,7 +156,8 @@ DemoResult make_demo(const DemoOptions& options, const Global& global) {
   write_radiance_picture(path("preview.png"), "scene", landscape, images[0]);
   write_radiance_picture(path("targets.png"), "sine targets", targets, images[1]);
   mtf::Image temperatures, counts;
-  const std::string thermal = demo_thermal(folder, landscape, grid.step_x_um, global.threads, temperatures, counts);
+  const std::string thermal =
+      demo_thermal(outputs.in(""), landscape, grid.step_x_um, global.threads, temperatures, counts);
   write_thermal_picture(path("thermal.png"), temperatures, counts);
 
   std::vector<double> frequency;
@@ -184,15 +183,16 @@ DemoResult make_demo(const DemoOptions& options, const Global& global) {
   text += std::string(pass ? "PASS" : "FAIL") + "  largest difference " + significant(worst, 2) + ", allowed " +
           significant(allowed, 2) + "\n" + thermal + "\nwritten to " + one_line(folder.string()) + "/:";
   for (std::size_t i = 0; i < kFiles.size() - (drawn ? 0 : kFigures); ++i) text += std::string(" ") + kFiles[i];
-  text += "\nnext: edit " + one_line(path("sensor.toml")) + ", then  mtf simulate " + shell_word(path("sensor.toml")) +
-          " " + shell_word(path("scene.exr")) + " -o out.exr\n";
+  const auto place = [&](const char* name) { return (folder / name).string(); };
+  text += "\nnext: edit " + one_line(place("sensor.toml")) + ", then  mtf simulate " +
+          shell_word(place("sensor.toml")) + " " + shell_word(place("scene.exr")) + " -o out.exr\n";
 #ifdef MTFKIT_HAVE_LIVE
-  text += "      or  mtf live " + shell_word(path("camera.toml")) + " " + shell_word(path("thermal.exr")) +
+  text += "      or  mtf live " + shell_word(place("camera.toml")) + " " + shell_word(place("thermal.exr")) +
           "  to turn every parameter in the browser\n";
 #endif
 #ifdef MTFKIT_HAVE_CALIB
-  text += "      or  mtf measure " + shell_word(path("edge.exr")) + "  and  mtf fit " + shell_word(path("fit.toml")) +
-          " " + shell_word(path("edge.exr")) + " -o fitted.toml\n";
+  text += "      or  mtf measure " + shell_word(place("edge.exr")) + "  and  mtf fit " + shell_word(place("fit.toml")) +
+          " " + shell_word(place("edge.exr")) + " -o fitted.toml\n";
 #endif
   return {std::move(text), pass};
 }
@@ -200,11 +200,9 @@ DemoResult make_demo(const DemoOptions& options, const Global& global) {
 }  // namespace
 
 int run_demo(const DemoOptions& options, const Global& global) {
-  const fs::path folder = options.out;
-  std::vector<std::string> outputs{folder.string()};
-  for (const char* name : kFiles) outputs.push_back((folder / name).string());
-  DemoResult result;
-  write_together(outputs, [&] { result = make_demo(options, global); });
+  OutputSet outputs({.folder = options.out, .force = options.force, .names = kFiles});
+  const DemoResult result = make_demo(options, outputs, global);
+  outputs.commit();
   print(result.text);
   return result.pass ? 0 : 3;
 }

@@ -3,14 +3,12 @@
 // `mtf fit`: the sensor's parameters from images of edges, curves and spots.
 
 #include <cmath>
-#include <filesystem>
 
 #include "apps/edges/fit_data.h"
 #include "apps/edges/fit_report.h"
 #include "apps/sensor/sensor_file.h"
-#include "apps/simulate/output_files.h"
-#include "apps/sweep/output_folder.h"
 #include "apps/terminal/output.h"
+#include "apps/terminal/output_set.h"
 #include "apps/terminal/progress_line.h"
 #include "mtf/error.h"
 #include "mtf/io/image_io.h"
@@ -39,18 +37,15 @@ std::vector<std::string> inputs_of(const FitOptions& options, const mtf::io::Sen
 }
 
 /// One file an edge or spot, in standard deviations of a pixel.
-void write_residuals(const std::string& folder, const std::vector<std::string>& inputs,
-                     const calib::FitResult& result) {
+void write_residuals(OutputSet& outputs, const calib::FitResult& result) {
   int number = 0;
   for (const calib::FitResiduals& data : result.data) {
     if (data.residual.size() == 0) continue;
     mtf::io::Metadata metadata;
     metadata.text["mtf:quantity"] = "residual / sd";
     metadata.history = {"mtf fit: " + one_line(data.name)};
-    const std::filesystem::path file =
-        std::filesystem::path(folder) / ("residual-" + std::to_string(++number) + ".exr");
-    for (const std::string& input : inputs) require_different(input, file.string());
-    mtf::io::write_exr(file.string(), {{"Y", data.residual.view()}}, metadata);
+    mtf::io::write_exr(outputs.in("residual-" + std::to_string(++number) + ".exr"), {{"Y", data.residual.view()}},
+                       metadata);
   }
 }
 
@@ -58,9 +53,10 @@ void write_residuals(const std::string& folder, const std::vector<std::string>& 
 
 int run_fit(const FitOptions& options, const Global& global) {
   const mtf::io::SensorConfig sensor = load_sensor(options.sensor, global);
-  const std::vector<std::string> inputs = inputs_of(options, sensor);
-  require_writable(outputs_of(options), inputs);
-  if (!options.residuals.empty()) check_folder(options.residuals, options.force);
+  OutputSet outputs({.folder = options.residuals,
+                     .force = options.force,
+                     .files = outputs_of(options),
+                     .inputs = inputs_of(options, sensor)});
   if (options.input.images.empty() && options.curves.empty() && options.spots.empty())
     throw mtf::UsageError("fit: no data; name images of edges, or give --curve or --spot");
   const std::vector<calib::FitParameter> parameters = fit_parameters(sensor);
@@ -87,21 +83,19 @@ int run_fit(const FitOptions& options, const Global& global) {
   const bool fitted =
       result.status == calib::FitStatus::converged || result.status == calib::FitStatus::converged_model_wrong;
   const std::string json = fit_json(result, sensor, loaded.files);
-  if (!options.report.empty()) emit(options.report, json);
+  if (!options.report.empty()) emit(outputs.at(options.report), json);
   if (fitted) {
-    if (!options.plot.empty() && write_figures(options.plot, fit_figures(result, loaded.measured)))
+    if (!options.plot.empty() && write_figures(outputs.at(options.plot), fit_figures(result, loaded.measured)))
       note(global, "wrote " + one_line(options.plot) + " and its data " + one_line(figure_data_path(options.plot)));
     else if (!options.plot.empty())
       note(global, "mtf: note: gnuplot is not installed (Debian package gnuplot-nox): wrote only the data, " +
                        one_line(figure_data_path(options.plot)));
-    if (!options.residuals.empty()) {
-      prepare_folder(options.residuals, options.force);
-      write_residuals(options.residuals, inputs, result);
-    }
-    if (!options.out.empty()) emit(options.out, fitted_config(result, sensor, loaded.files, options.out));
+    if (!options.residuals.empty()) write_residuals(outputs, result);
+    if (!options.out.empty()) emit(outputs.at(options.out), fitted_config(result, sensor, loaded.files, options.out));
   } else if (!options.out.empty()) {
     note(global, "mtf: note: not fitted: " + one_line(options.out) + " is not written");
   }
+  outputs.commit();
   print(options.format == Format::json ? json : fit_table(result));
   if (!fitted || loaded.left_out > 0) return 1;
   if (result.status == calib::FitStatus::converged || options.allow_misfit) return 0;

@@ -9,6 +9,7 @@
 #include "apps/edges/fit_parameters.h"
 #include "apps/terminal/output.h"
 #include "apps/terminal/text_table.h"
+#include "apps/text/json_document.h"
 #include "mtf/io/sha256.h"
 #include "mtf/units.h"
 #include "mtf/version.h"
@@ -94,7 +95,7 @@ std::string fit_json(const FitResult& result, const mtf::io::SensorConfig& senso
   json["iterations"] = result.iterations;
   json["starts_agreeing"] = result.starts_agreeing;
   json["provenance"] = provenance(sensor, inputs);
-  return json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
+  return json_document(json, -1);
 }
 
 std::vector<Figure> fit_figures(const FitResult& result, const std::vector<MeasuredEdge>& measured) {

@@ -12,11 +12,10 @@
 #include "apps/edges/image_table.h"
 #include "apps/edges/lateral_shift.h"
 #include "apps/edges/measure_report.h"
-#include "apps/simulate/output_files.h"
 #include "apps/terminal/output.h"
+#include "apps/terminal/output_set.h"
 #include "apps/terminal/progress_line.h"
 #include "mtf/error.h"
-#include "mtf/io/atomic_file.h"
 #include "mtf/io/image_io.h"
 
 namespace apps {
@@ -40,7 +39,8 @@ std::vector<std::string> outputs_of(const MeasureOptions& options) {
   return outputs;
 }
 
-void write_figures_of(const MeasureOptions& options, const MeasureReport& report, const Global& global) {
+void write_figures_of(const MeasureOptions& options, const MeasureReport& report, OutputSet& outputs,
+                      const Global& global) {
   const auto drawn = [&](bool made, const std::string& path) {
     note(global, made ? "wrote " + one_line(path) + " and its data " + one_line(figure_data_path(path))
                       : "mtf: note: gnuplot is not installed (Debian package gnuplot-nox): wrote only the data, " +
@@ -52,14 +52,14 @@ void write_figures_of(const MeasureOptions& options, const MeasureReport& report
     if (best == report.edges.end())
       note(global, "mtf: note: no edge was measured: no figure " + one_line(options.plot));
     else
-      drawn(write_figures(options.plot, edge_figures(*best)), options.plot);
+      drawn(write_figures(outputs.at(options.plot), edge_figures(*best)), options.plot);
   }
   if (!options.map.empty()) {
     const std::vector<Figure> map = field_map(report);
     if (map.empty())
       note(global, "mtf: note: no edge has an MTF50: no map " + one_line(options.map));
     else
-      drawn(write_figures(options.map, map, field_map_csv(report)), options.map);
+      drawn(write_figures(outputs.at(options.map), map, field_map_csv(report)), options.map);
   }
 }
 
@@ -92,7 +92,7 @@ std::string formatted(const MeasureReport& report, Format format) {
 }  // namespace
 
 int run_measure(const MeasureOptions& options, const Global& global) {
-  require_writable(outputs_of(options), files_of(options.input));
+  OutputSet outputs({.files = outputs_of(options), .inputs = files_of(options.input)});
   if (options.method != MeasureMethod::regression && options.circle)
     throw mtf::UsageError("--circle: ISO 12233 knows polynomials only; leave out one of the two");
   const auto scale_of = [&options](std::int64_t rows) {
@@ -128,7 +128,7 @@ int run_measure(const MeasureOptions& options, const Global& global) {
           edge.scale = scale_of(plane.plane.height());
           add_contrasts(edge, report.further);
         }
-        if (first && !options.annotate.empty()) write_annotated_image(options.annotate, plane.plane, edges);
+        if (first && !options.annotate.empty()) write_annotated_image(outputs.at(options.annotate), plane.plane, edges);
         first = false;
         std::move(edges.begin(), edges.end(), std::back_inserter(report.edges));
       }
@@ -139,10 +139,10 @@ int run_measure(const MeasureOptions& options, const Global& global) {
     }
   }
   progress.update("measuring", 1.0);
-  write_figures_of(options, report, global);
-  if (!options.table.empty()) emit(options.table, image_table(report));
-  if (!options.curves.empty()) emit(options.curves, curves_csv(report));
-  emit(options.out, formatted(report, options.format));
+  write_figures_of(options, report, outputs, global);
+  if (!options.table.empty()) emit(outputs.at(options.table), image_table(report));
+  if (!options.curves.empty()) emit(outputs.at(options.curves), curves_csv(report));
+  outputs.commit(options.out, formatted(report, options.format));
 
   const auto measured = std::count_if(report.edges.begin(), report.edges.end(),
                                       [](const MeasuredEdge& e) { return e.edge.trouble == calib::Trouble::none; });

@@ -10,6 +10,7 @@
 #include "apps/edges/method_report.h"
 #include "apps/terminal/output.h"
 #include "apps/terminal/text_table.h"
+#include "apps/text/json_document.h"
 #include "mtf/units.h"
 #include "mtf/version.h"
 
@@ -255,7 +256,7 @@ std::string measure_json(const MeasureReport& report) {
   json["failed"] = Json::array();
   for (const FailedImage& failed : report.failed)
     json["failed"].push_back({{"image", failed.image}, {"reason", failed.reason}});
-  return json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
+  return json_document(json, -1);
 }
 
 std::string curves_csv(const MeasureReport& report) {

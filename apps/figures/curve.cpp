@@ -18,7 +18,9 @@
 #include "apps/sensor/sensor_file.h"
 #include "apps/simulate/output_files.h"
 #include "apps/terminal/output.h"
+#include "apps/terminal/output_set.h"
 #include "apps/terminal/text_table.h"
+#include "apps/text/json_document.h"
 #include "mtf/io/config/config.h"
 
 namespace apps {
@@ -70,36 +72,24 @@ int terminal_columns() {
 
 std::string formatted(const OtfCurves& curves, const mtf::System<double>& system, Format format) {
   if (format == Format::csv) return as_csv(curves);
-  if (format == Format::json) return curves_json(curves).dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
+  if (format == Format::json) return json_document(curves_json(curves), -1);
   return as_table(curves) + "\n" + curve_footer(system, curves);
 }
 
-/// Refuses outputs that would overwrite one another or an input, before anything is written.
-void check_outputs(const CurveOptions& options, const std::vector<std::string>& inputs) {
-  for (const std::string& input : inputs) require_different(input, options.out);
-  const bool to_stdout = options.out.empty() || options.out == "-";
-  if (options.plot == "ascii") {
-    if (to_stdout && options.format != Format::table)
-      throw mtf::UsageError("--plot ascii and --format csv or json both write to standard output; give -o FILE");
-    return;
-  }
-  if (options.plot.empty()) return;
+std::vector<std::string> outputs_of(const CurveOptions& options) {
+  const bool to_stdout = options.out.empty() || options.out == "-", ascii = options.plot == "ascii";
+  if (ascii && to_stdout && options.format != Format::table)
+    throw mtf::UsageError("--plot ascii and --format csv or json both write to standard output; give -o FILE");
+  if (ascii || options.plot.empty()) return {options.out};
   check_figure_path(options.plot);
-  const std::string data = figure_data_path(options.plot);
-  for (const std::string& path : {options.plot, data}) {
-    for (const std::string& input : inputs) require_different(input, path);
-    if (!to_stdout && is_same_file(path, options.out))
-      throw mtf::UsageError(one_line(options.out) + ": -o names the " +
-                            (path == data ? "data file of the figure " : "file of the figure ") +
-                            one_line(options.plot) + "; choose another name for -o");
-  }
+  return {options.out, options.plot, figure_data_path(options.plot)};
 }
 
 }  // namespace
 
 int run_curve(const CurveOptions& options, const Global& global) {
   const mtf::io::SensorConfig config = load_sensor(options.sensor, global);
-  check_outputs(options, files_of(config));
+  OutputSet outputs({.files = outputs_of(options), .inputs = files_of(config)});
   const mtf::System<double>& system = config.system;
   const Direction direction = make_direction(system.frame, options.unit, options.angle_deg);
   const OtfCurves curves = otf_curves(
@@ -116,13 +106,16 @@ int run_curve(const CurveOptions& options, const Global& global) {
       note(global, "mtf: note: gnuplot is not installed: no figure (Debian package gnuplot-nox)");
     }
   } else if (!options.plot.empty()) {
-    const bool drawn = write_figure(options.plot, curve_figure(curves));
+    const bool drawn = write_figure(outputs.at(options.plot), curve_figure(curves));
     const std::string data = one_line(figure_data_path(options.plot));
     note(global,
          drawn ? "wrote " + one_line(options.plot) + " and its data " + data
                : "mtf: note: gnuplot is not installed (Debian package gnuplot-nox): wrote only the data, " + data);
   }
-  if (show_values) emit(options.out, formatted(curves, system, options.format));
+  if (show_values)
+    outputs.commit(options.out, formatted(curves, system, options.format));
+  else
+    outputs.commit();
   return 0;
 }
 

@@ -7,7 +7,6 @@
 #include "apps/figures/gnuplot.h"
 #include "apps/figures/gnuplot_script.h"
 #include "apps/terminal/text_table.h"
-#include "apps/terminal/write_together.h"
 #include "mtf/error.h"
 #include "mtf/io/atomic_file.h"
 #include "mtf/units.h"
@@ -63,12 +62,8 @@ bool write_figures(const std::string& path, std::span<const Figure> figures, con
   check_figure_path(path);
   // A figure without anything to draw is refused before anything is written.
   for (const Figure& figure : figures) static_cast<void>(x_range(figure));
-  bool drawn = false;
-  write_together({figure_data_path(path), path}, [&] {
-    mtf::io::write_text_file(figure_data_path(path), data);
-    drawn = draw(path, figures);
-  });
-  return drawn;
+  mtf::io::write_text_file(figure_data_path(path), data);
+  return draw(path, figures);
 }
 
 bool write_figures(const std::string& path, std::span<const Figure> figures) {

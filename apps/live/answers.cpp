@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/live/answers.h"
 
+#include "apps/text/json_document.h"
+
 namespace apps::live {
 
 std::string error_of(const Answer& answer) {
@@ -9,8 +11,7 @@ std::string error_of(const Answer& answer) {
 }
 
 Answer json_answer(const Json& json, int status) {
-  return {.status = status,
-          .body = std::make_shared<const std::string>(json.dump(-1, ' ', false, Json::error_handler_t::replace))};
+  return {.status = status, .body = std::make_shared<const std::string>(json_document(json, -1))};
 }
 
 Answer refusal(const std::string& text, int status) {
@@ -29,7 +30,7 @@ void add_pixel_facts(Json& facts, const PixelBytes& pixels) {
 
 Answer pixels_answer(Json facts, const PixelBytes& pixels, const std::string& more) {
   add_pixel_facts(facts, pixels);
-  std::string json = facts.dump(-1, ' ', false, Json::error_handler_t::replace);
+  std::string json = json_document(facts, -1);
   json.resize((json.size() + 3) / 4 * 4, ' ');  // the numbers begin at a multiple of their size
   const auto length = static_cast<std::uint32_t>(json.size());
   std::string body;

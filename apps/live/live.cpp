@@ -21,6 +21,7 @@
 #include "apps/live/page_files.h"
 #include "apps/live/server.h"
 #include "apps/live/session.h"
+#include "apps/text/json_document.h"
 #ifdef MTFKIT_HAVE_SCENE
 #include "apps/live/space/scene_view.h"
 #include "apps/scene/render/sensor_picture.h"
@@ -112,6 +113,8 @@ std::shared_ptr<Session> space_session(const LiveOptions& options, const Global&
 #ifdef MTFKIT_HAVE_SCENE
   // A sensor that cannot see such a scene is refused before the heat balance, not after it.
   static_cast<void>(scene::picture_sensor(*sensor, scene::PictureQuantity::weighted));
+  if (const std::string words = scene::memory_words(*sensor, 2.0, scene::kLiveBytes); !words.empty())
+    note(global, "note: " + words);
   session.scene_name = options.first;
   session.sensor_name = options.second;
   return std::make_shared<Session>(sensor,
@@ -177,12 +180,12 @@ int run_live(const LiveOptions& options, const Global& global) {
     Session& answers = *coming.get();
     Json wanted{{"number", answers.first_number()}};
     if (tolerance) wanted["tolerance"] = *tolerance;
-    const Answer made = answers.answer("frame", wanted.dump());
+    const Answer made = answers.answer("frame", json_document(wanted, -1));
     if (const std::string problem = error_of(made); !problem.empty()) throw mtf::UsageError(problem);
   });
 
   // Until the first picture is there an interrupt ends the process at once: nobody waits for what is being made.
-  StopInGoodOrder interrupt(global.quiet ? "" : "mtf: the live view ends\n", "");
+  StopInGoodOrder interrupt(global.quiet ? "" : "mtf: the live view ends\n");
   const std::string token = new_token();
   Server server({.port = options.port, .token = token}, find_page_file,
                 [coming, waiting](const std::string& place, const std::string& body) {

@@ -2,15 +2,21 @@
 #include "apps/live/server.h"
 
 #include <httplib.h>
+#include <poll.h>
+#include <sys/socket.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
+#include <cerrno>
 #include <chrono>
 #include <condition_variable>
 #include <deque>
+#include <list>
 #include <mutex>
+#include <optional>
 #include <thread>
-#include <vector>
 
 #include "apps/live/access.h"
 #include "mtf/error.h"
@@ -20,24 +26,32 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr std::chrono::seconds kPatience{5};  ///< for a peer that sends or reads slowly
-constexpr std::chrono::seconds kIdle{1};      ///< an open connection without a request; the end waits for them
-constexpr std::chrono::seconds kPresence{5};  ///< a page's open request is answered so late, and asked anew
-constexpr int kMostThreads = 1200;            ///< each waits for one connection
+constexpr std::chrono::seconds kPatience{5};     ///< for a peer that neither sends nor reads
+constexpr std::chrono::seconds kRequest{10};     ///< for all of a request, and for an answer beside kSlowest
+constexpr double kSlowest = 4096.0;              ///< bytes a second, at which an answer has to be read
+constexpr std::chrono::seconds kIdle{1};         ///< an open connection without a request
+constexpr std::chrono::seconds kSpare{2};        ///< a thread without a connection
+constexpr std::chrono::milliseconds kLook{100};  ///< so often a waiting thread sees that the server ends
+constexpr std::chrono::seconds kPresence{5};     ///< a page's open request is answered so late, and asked anew
+constexpr int kMostThreads = 1200;               ///< each waits for one connection
 constexpr const char* kPolicy =
     "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data: blob:; connect-src 'self'; "
     "base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
 
 /// A thread for each open connection, made when all others are at work: connections that are held open without a
-/// request do not keep others waiting.
+/// request do not keep others waiting. One that has had none for a while ends.
 class ConnectionThreads : public httplib::TaskQueue {
  public:
   void enqueue(std::function<void()> job) override {
     const std::scoped_lock lock(mutex_);
+    for (std::thread& thread : ended_threads_) thread.join();
+    ended_threads_.clear();
     jobs_.push_back(std::move(job));
     if (idle_ < jobs_.size() && threads_.size() < static_cast<std::size_t>(kMostThreads)) try {
-        threads_.emplace_back([this] { work(); });
+        const auto place = threads_.emplace(threads_.end());
+        *place = std::thread([this, place] { work(place); });
       } catch (const std::system_error&) {
+        threads_.pop_back();
         if (threads_.empty()) throw;  // the present ones will do it
       }
     wake_.notify_one();
@@ -48,30 +62,117 @@ class ConnectionThreads : public httplib::TaskQueue {
       ended_ = true;
     }
     wake_.notify_all();
-    for (std::thread& thread : threads_) thread.join();
+    std::unique_lock lock(mutex_);
+    all_ended_.wait(lock, [&] { return threads_.empty(); });
+    for (std::thread& thread : ended_threads_) thread.join();
+    ended_threads_.clear();
   }
 
  private:
-  void work() {
+  void work(std::list<std::thread>::iterator place) {
+    std::unique_lock lock(mutex_);
     for (;;) {
-      std::unique_lock lock(mutex_);
       ++idle_;
-      wake_.wait(lock, [&] { return !jobs_.empty() || ended_; });
+      wake_.wait_for(lock, kSpare, [&] { return !jobs_.empty() || ended_; });
       --idle_;
-      if (jobs_.empty()) return;
+      if (jobs_.empty()) break;
       const std::function<void()> job = std::move(jobs_.front());
       jobs_.pop_front();
       lock.unlock();
       job();
+      lock.lock();
     }
+    ended_threads_.splice(ended_threads_.end(), threads_, place);  // whose last step this is
+    if (threads_.empty()) all_ended_.notify_all();
   }
 
   std::mutex mutex_;
-  std::condition_variable wake_;
+  std::condition_variable wake_, all_ended_;
   std::deque<std::function<void()>> jobs_;
-  std::vector<std::thread> threads_;
+  std::list<std::thread> threads_, ended_threads_;
   std::size_t idle_ = 0;
   bool ended_ = false;
+};
+
+/// A connection whose requests come whole within a time, and whose answers are read: neither a byte every few seconds
+/// nor nothing at all keeps a thread for long, and none outlasts the server.
+class Connection : public httplib::Stream {
+ public:
+  Connection(socket_t socket, const std::atomic<bool>& ending) : socket_(socket), ending_(ending) {}
+
+  bool wait_for_request() { return begin_ < end_ || ready(POLLIN, Clock::now() + kIdle); }
+  void begin_request() {
+    read_until_ = Clock::now() + kRequest;
+    write_until_.reset();
+  }
+
+  bool is_readable() const override { return begin_ < end_ || ready(POLLIN, soon(read_until_)); }
+  bool is_writable() const override {
+    // From the first byte of the answer on, which may have taken long to make.
+    if (!write_until_) write_until_ = Clock::now() + kRequest;
+    return ready(POLLOUT, soon(*write_until_));
+  }
+  ssize_t read(char* to, std::size_t size) override {
+    if (begin_ == end_) {
+      if (!is_readable()) return -1;
+      const ssize_t came = ::recv(socket_, bytes_.data(), bytes_.size(), 0);
+      if (came <= 0) return came;
+      begin_ = 0, end_ = static_cast<std::size_t>(came);
+    }
+    const std::size_t count = std::min(size, end_ - begin_);
+    std::copy_n(bytes_.data() + begin_, count, to);
+    begin_ += count;
+    return static_cast<ssize_t>(count);
+  }
+  ssize_t write(const char* from, std::size_t size) override {
+    if (!is_writable()) return -1;
+    const ssize_t sent = ::send(socket_, from, size, MSG_NOSIGNAL | MSG_DONTWAIT);
+    if (sent < 0) return errno == EAGAIN || errno == EINTR ? 0 : -1;
+    *write_until_ += std::chrono::duration_cast<Clock::duration>(
+        std::chrono::duration<double>(static_cast<double>(sent) / kSlowest));
+    return sent;
+  }
+  void get_remote_ip_and_port(std::string& address, int& port) const override { address = "127.0.0.1", port = 0; }
+  void get_local_ip_and_port(std::string& address, int& port) const override { address = "127.0.0.1", port = 0; }
+  socket_t socket() const override { return socket_; }
+
+ private:
+  static Clock::time_point soon(Clock::time_point until) { return std::min(until, Clock::now() + kPatience); }
+  bool ready(short event, Clock::time_point until) const {
+    while (!ending_) {
+      const auto left = std::chrono::ceil<std::chrono::milliseconds>(until - Clock::now());
+      if (left.count() <= 0) return false;
+      pollfd end{socket_, event, 0};
+      const int found = ::poll(&end, 1, static_cast<int>(std::min<std::int64_t>(left.count(), kLook.count())));
+      if (found != 0) return found > 0 || errno == EINTR;
+    }
+    return false;
+  }
+
+  socket_t socket_;
+  const std::atomic<bool>& ending_;
+  Clock::time_point read_until_ = Clock::now() + kRequest;
+  mutable std::optional<Clock::time_point> write_until_;
+  std::array<char, 4096> bytes_{};
+  std::size_t begin_ = 0, end_ = 0;
+};
+
+/// httplib's server over such connections.
+class ConnectionServer : public httplib::Server {
+ public:
+  std::atomic<bool> ending{false};
+
+ private:
+  bool process_and_close_socket(socket_t socket) override {
+    Connection connection(socket, ending);
+    for (bool closed = false; !closed && !ending && connection.wait_for_request();) {
+      connection.begin_request();
+      if (!process_request(connection, false, closed, nullptr)) break;
+    }
+    ::shutdown(socket, SHUT_RDWR);
+    ::close(socket);
+    return true;
+  }
 };
 
 RequestHead head_of(const httplib::Request& request) {
@@ -113,7 +214,7 @@ struct Server::State {
   std::function<const PageFile*(const std::string&)> find_file;
   std::function<Answer(const std::string&, const std::string&)> answer;
   std::string token;
-  httplib::Server http;
+  ConnectionServer http;
   std::thread listening;
   int port = 0;
   std::atomic<int> waiting{0};  ///< requests of pages at work or held open
@@ -163,10 +264,8 @@ Server::Server(const ServerOptions& options, std::function<const PageFile*(const
   httplib::Server& http = state.http;
   http.new_task_queue = [] { return new ConnectionThreads; };  // httplib deletes it
   http.set_tcp_nodelay(true);
-  http.set_keep_alive_max_count(1'000'000'000);
+  http.set_keep_alive_max_count(1'000'000'000);  // which answers name; connections end as ConnectionServer says
   http.set_keep_alive_timeout(kIdle.count());
-  http.set_read_timeout(kPatience);
-  http.set_write_timeout(kPatience);
   http.set_payload_max_length(kMostBody);
   http.set_default_headers({{"Content-Security-Policy", kPolicy},
                             {"Cross-Origin-Resource-Policy", "same-origin"},
@@ -227,6 +326,7 @@ void Server::stop() {
     state_->stopped = true;
   }
   state_->ending.notify_all();
+  state_->http.ending = true;
   // A server that has not begun to listen yet would not hear it; one that cannot listen has ended already.
   while (!state_->listened && !state_->http.is_running()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
   state_->http.stop();

@@ -120,6 +120,7 @@ py::dict curves(SensorHandle& sensor, std::vector<double> frequency, double angl
 std::shared_ptr<const mtf::io::SensorConfig> weighted(SensorHandle& sensor) {
   if (sensor.weighted) return sensor.weighted;
   if (!has_chain(*sensor.config) || !sensor.config->system.band) return sensor.weighted = sensor.config;
+  require_unchanged(sensor);
   mtf::io::SensorConfig config = *sensor.config;
   {
     const py::gil_scoped_release free;

@@ -76,13 +76,18 @@ EdgeInput edge_input_of(const py::dict& words) {
   const auto take = [&words](const char* name, auto& to) {
     if (words.contains(name) && !words[name].is_none()) to = words[name].cast<std::remove_reference_t<decltype(to)>>();
   };
+  const auto take_file = [&take](const char* name, std::string& to) {
+    FileName file{to};
+    take(name, file);
+    to = file.bytes;
+  };
   take("channel", input.channel);
   take("encoding", input.encoding);
   take("bayer", input.bayer);
   take("pattern", input.pattern);
-  take("mask", input.mask);
+  take_file("mask", input.mask);
   take("regions", input.regions);
-  take("region_file", input.region_file);
+  take_file("region_file", input.region_file);
   take("most", input.most);
   take("min_length_px", input.min_length_px);
   take("min_cnr", input.min_cnr);
@@ -96,7 +101,7 @@ EdgeImage edge_image(const py::object& image, const std::string& name) {
     const auto handle = image.cast<ImageHandle>();
     return {handle.path, copy_of(*handle.file), true};
   }
-  if (py::isinstance<py::str>(image)) return {image.cast<std::string>(), std::nullopt, true};
+  if (py::isinstance<py::str>(image)) return {image.cast<FileName>().bytes, std::nullopt, true};
   const PlaneView plane = plane_of(image, name);
   EdgeImage made{name, mtf::io::ImageFile{}, false};
   made.file->names = {"Y"};

@@ -9,6 +9,7 @@
 #include "apps/python/topics.h"
 #include "apps/simulate/simulate.h"
 #include "mtf/error.h"
+#include "mtf/io/stage.h"
 #include "mtf/plan/plan.h"
 
 namespace apps::python {
@@ -28,15 +29,22 @@ std::string with_arguments(const std::string& what) {
   return text.append(from, what.cend());
 }
 
+/// A message, in which names of files may be no UTF-8.
+py::str text_of(const std::string& what) {
+  const std::string text = with_arguments(what);
+  return py::reinterpret_steal<py::str>(
+      PyUnicode_DecodeUTF8(text.data(), static_cast<Py_ssize_t>(text.size()), "replace"));
+}
+
 /// Sets the Python error of that class.
 void raise(const char* name, const char* what) {
   const py::object type = py::module_::import("mtfkit.errors").attr(name);
-  PyErr_SetObject(type.ptr(), py::str(with_arguments(what)).ptr());
+  PyErr_SetObject(type.ptr(), text_of(mtf::io::without_stages(what)).ptr());
 }
 
 void raise_unreachable(const mtf::UnreachableTolerance& error) {
   const py::object type = py::module_::import("mtfkit.errors").attr("ToleranceError");
-  PyErr_SetObject(type.ptr(), type(py::str(with_arguments(error.what())), error.reachable()).ptr());
+  PyErr_SetObject(type.ptr(), type(text_of(error.what()), error.reachable()).ptr());
 }
 
 void translate(std::exception_ptr thrown) {

@@ -19,14 +19,14 @@ namespace {
 
 namespace py = pybind11;
 
-ImageHandle read(const std::string& path, const std::optional<std::string>& channel,
+ImageHandle read(const FileName& path, const std::optional<std::string>& channel,
                  const std::optional<std::string>& layer, std::optional<int> part) {
   std::shared_ptr<const mtf::io::ImageFile> file;
   run_job([&](JobControl&) {
     file = std::make_shared<const mtf::io::ImageFile>(
         mtf::io::read_image(path, {.channel = channel, .layer = layer, .part = part}));
   });
-  return {path, file};
+  return {path.bytes, file};
 }
 
 /// The values as an array that cannot be written and that keeps the file in memory.
@@ -56,7 +56,7 @@ py::tuple state_of(const ImageHandle& image) {
   for (const mtf::Image& values : file.planes) planes.append(to_numpy(values.clone()));
   for (const mtf::io::ChannelInfo& c : info.channels)
     channels.append(py::make_tuple(c.name, c.type, c.layer, c.part, c.part_name, c.x_sampling, c.y_sampling));
-  return py::make_tuple(image.path, file.names, planes, file.integer, file.missing_pixels,
+  return py::make_tuple(FileName{image.path}, file.names, planes, file.integer, file.missing_pixels,
                         static_cast<int>(info.format), info.storage, info.width, info.height, info.data_window,
                         info.display_window, channels, info.attributes, info.encoding.word, info.encoding.source,
                         info.dct_steps);
@@ -66,7 +66,7 @@ ImageHandle of_state(const py::tuple& state) {
   auto file = std::make_shared<mtf::io::ImageFile>();
   std::size_t next = 0;
   const auto take = [&](auto& to) { to = state[next++].cast<std::remove_reference_t<decltype(to)>>(); };
-  std::string path;
+  FileName path;
   py::list planes, channels;
   int format = 0;
   mtf::io::FileInfo& info = file->info;
@@ -94,7 +94,7 @@ ImageHandle of_state(const py::tuple& state) {
         channel.cast<std::tuple<std::string, std::string, std::string, int, std::string, int, int>>();
     info.channels.push_back({name, type, layer, part, part_name, x, y});
   }
-  return {path, file};
+  return {path.bytes, file};
 }
 
 mtf::io::Metadata metadata_of(const std::map<std::string, std::string>& text,
@@ -104,7 +104,7 @@ mtf::io::Metadata metadata_of(const std::map<std::string, std::string>& text,
   return {.text = text, .pairs = pairs, .lists = lists, .history = history};
 }
 
-void write(const std::string& path, const std::vector<std::pair<std::string, py::object>>& planes,
+void write(const FileName& path, const std::vector<std::pair<std::string, py::object>>& planes,
            const std::map<std::string, std::string>& text, const std::map<std::string, std::array<double, 2>>& pairs,
            const std::map<std::string, std::vector<float>>& lists, const std::vector<std::string>& history,
            const std::optional<std::array<double, 2>>& range, int bits) {
@@ -129,7 +129,7 @@ mtf::io::Scene scene_of(const mtf::io::SensorConfig& sensor, const ImageHandle& 
 
 void add_images(py::module_& module) {
   py::class_<ImageHandle>(module, "ImageFile", "An image file in memory.")
-      .def_property_readonly("path", [](const ImageHandle& i) { return i.path; })
+      .def_property_readonly("path", [](const ImageHandle& i) { return FileName{i.path}; })
       .def_property_readonly("names", [](const ImageHandle& i) { return i.file->names; })
       .def_property_readonly("integer", [](const ImageHandle& i) { return i.file->integer; })
       .def_property_readonly("storage", [](const ImageHandle& i) { return i.file->info.storage; })
@@ -140,8 +140,8 @@ void add_images(py::module_& module) {
       .def("plane", &plane, py::arg("name"))
       .def(
           "called",
-          [](const ImageHandle& i, const std::string& name) {
-            return ImageHandle{name, i.file};
+          [](const ImageHandle& i, const FileName& name) {
+            return ImageHandle{name.bytes, i.file};
           },
           py::arg("name"))
       .def(py::pickle(&state_of, &of_state));

@@ -115,6 +115,7 @@ class ChainPlan {
 
   py::object run(const SensorHandle& sensor, const py::object& scene, const py::object& out, std::int64_t frame) {
     const PlaneView in = plane_of(scene, "scene");
+    require_unchanged(sensor);
     mtf::io::Scene made;
     made.quantity = quantity_;
     made.grid = grid_of(*sensor.config, in.view.width, in.view.height, sample_);

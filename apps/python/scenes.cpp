@@ -9,7 +9,7 @@
 #include "apps/python/topics.h"
 #include "apps/scene/command/heat_files.h"
 #include "apps/scene/command/render_options.h"
-#include "apps/sweep/output_folder.h"
+#include "apps/terminal/output_set.h"
 #include "mtf/error.h"
 
 namespace apps::python {
@@ -20,7 +20,7 @@ using Point = std::array<double, 3>;
 
 Global silent(int threads) { return {.threads = threads, .quiet = true, .progress = Progress::none}; }
 
-std::string atmosphere(const std::string& file, const std::vector<std::pair<std::string, std::string>>& settings,
+std::string atmosphere(const FileName& file, const std::vector<std::pair<std::string, std::string>>& settings,
                        const std::string& bands, double source_k, double tolerance, bool sky,
                        std::optional<double> cloud_cover, std::optional<double> cloud_k) {
   AtmosphereOptions options;
@@ -38,7 +38,7 @@ std::string atmosphere(const std::string& file, const std::vector<std::pair<std:
 }
 
 /// Solves a scene into a folder that is there and empty, with the files of `mtf heat`. Returns heat.json and warnings.
-py::tuple heat(const std::string& file, const std::string& folder, double tolerance_k, int rays, bool every_facet,
+py::tuple heat(const FileName& file, const FileName& folder, double tolerance_k, int rays, bool every_facet,
                int threads, const py::object& progress) {
   std::vector<std::string> warnings;
   std::string json;
@@ -54,24 +54,26 @@ py::tuple heat(const std::string& file, const std::string& folder, double tolera
         }};
     const scene::HeatScene prepared = scene::prepare_heat(read, options);
     warnings.insert(warnings.end(), prepared.warnings.begin(), prepared.warnings.end());
-    scene::HeatFiles files(folder, prepared);
+    OutputSet outputs({.folder = folder, .names = scene::heat_names(), .inputs = files_of(read)});
+    scene::HeatFiles files(outputs.in(""), folder, prepared);
     const scene::HeatReport made = scene::run_heat(
         prepared, options, [&](const scene::HeatOutput& output) { files.append(output); },
         [&](const std::string&, double share) { report(share); });
     control.check();
-    files.commit(made, options);
+    files.write(made, options);
+    outputs.commit();
     json = scene::heat_json(prepared, made, options);
   });
   return py::make_tuple(json, warnings);
 }
 
-std::string render(const std::string& scene_file, const std::vector<std::string>& sensors, const std::string& out,
-                   const std::string& temperatures, const std::string& time, bool solve,
+std::string render(const FileName& scene_file, const std::vector<FileName>& sensors, const FileName& out,
+                   const FileName& temperatures, const std::string& time, bool solve,
                    const std::optional<Point>& position, const std::optional<Point>& look_at, double samples_per_pitch,
                    int points, bool plain, bool no_air, const std::vector<std::string>& layers, int threads) {
   const RenderCommandOptions options{.scene = scene_file,
                                      .out = out,
-                                     .sensors = sensors,
+                                     .sensors = {sensors.begin(), sensors.end()},
                                      .temperatures = temperatures,
                                      .time = time,
                                      .heat = solve,

@@ -17,6 +17,7 @@
 #include "mtf/io/atomic_file.h"
 #include "mtf/io/config/replace_value.h"
 #include "mtf/io/csv/curve_csv.h"
+#include "mtf/io/sha256.h"
 
 namespace apps::python {
 namespace {
@@ -38,8 +39,18 @@ bool temperature(const mtf::Unit& unit) {
   return unit.dimension == mtf::Dimension::temperature || unit.dimension == mtf::Dimension::temperature_difference;
 }
 
+std::string contents_of(const std::string& file) {
+  try {
+    return mtf::io::sha256_file(file);
+  } catch (const mtf::RuntimeError&) {
+    return "";  // what needs the file says so
+  }
+}
+
 SensorHandle handle_of(SensorConfig config) {
-  return {std::make_shared<const SensorConfig>(std::move(config)), nullptr};
+  std::vector<std::string> contents;
+  for (const std::string& file : config.files) contents.push_back(contents_of(file));
+  return {std::make_shared<const SensorConfig>(std::move(config)), nullptr, std::move(contents)};
 }
 
 SensorHandle replaced(const SensorHandle& sensor, const std::vector<std::pair<std::string, std::string>>& values) {
@@ -59,6 +70,7 @@ py::dict budget(const SensorHandle& sensor, double temperature_k) {
   BudgetTable table;
   {
     const py::gil_scoped_release free;
+    require_unchanged(sensor);
     table = budget_table(*sensor.config, load_chain(*sensor.config), temperature_k);
   }
   py::list rows;
@@ -89,6 +101,12 @@ double converted(double value, const std::string& unit, const std::string& to) {
 
 }  // namespace
 
+void require_unchanged(const SensorHandle& sensor) {
+  for (std::size_t i = 0; i < sensor.contents.size(); ++i)
+    if (const std::string& file = sensor.config->files[i]; contents_of(file) != sensor.contents[i])
+      throw mtf::RuntimeError(one_line(file) + ": is not what it was when the sensor was read; read the sensor again");
+}
+
 SensorHandle read_sensor_text(const std::string& text, const std::string& file) {
   mtf::io::ConfigResult result = mtf::io::parse_config(text, file, sensor_schema());
   if (result.ok()) return handle_of(std::move(result.config));
@@ -100,9 +118,10 @@ SensorHandle read_sensor_text(const std::string& text, const std::string& file) 
 
 void add_sensor(py::module_& module) {
   py::class_<SensorHandle>(module, "SensorFile", "A sensor file in memory.")
-      .def(py::init(&read_sensor_text), py::arg("text"), py::arg("file"))
+      .def(py::init([](const std::string& text, const FileName& file) { return read_sensor_text(text, file); }),
+           py::arg("text"), py::arg("file"))
       .def_property_readonly("text", [](const SensorHandle& s) { return s.config->text; })
-      .def_property_readonly("file", [](const SensorHandle& s) { return s.config->file; })
+      .def_property_readonly("file", [](const SensorHandle& s) { return FileName{s.config->file}; })
       .def_property_readonly("name", [](const SensorHandle& s) { return s.config->system.name; })
       .def_property_readonly("sha256", [](const SensorHandle& s) { return s.config->sha256; })
       .def_property_readonly("has_chain", [](const SensorHandle& s) { return has_chain(*s.config); })
@@ -111,11 +130,17 @@ void add_sensor(py::module_& module) {
                                const auto& quantity = s.config->scene.quantity;
                                return quantity ? std::string(mtf::io::quantity_name(*quantity)) : std::string();
                              })
-      .def_property_readonly("files", [](const SensorHandle& s) { return files_of(*s.config); })
+      .def_property_readonly("files",
+                             [](const SensorHandle& s) {
+                               std::vector<FileName> names;
+                               for (std::string& file : files_of(*s.config)) names.push_back({std::move(file)});
+                               return names;
+                             })
+      .def_property_readonly("contents", [](const SensorHandle& s) { return s.contents; })
       .def("replaced", &replaced, py::arg("values"))
       .def(
           "canonical",
-          [](const SensorHandle& s, const std::string& destination) {
+          [](const SensorHandle& s, const FileName& destination) {
             return mtf::io::write_config(*s.config, destination);
           },
           py::arg("destination"))
@@ -130,10 +155,10 @@ void add_sensor(py::module_& module) {
       .def("budget", &budget, py::arg("temperature_k"));
   module.def("starter_config", &mtf::io::starter_config);
   module.def(
-      "read_text", [](const std::string& file) { return mtf::io::read_text_file(file, std::size_t{1} << 20); },
+      "read_text", [](const FileName& file) { return mtf::io::read_text_file(file, std::size_t{1} << 20); },
       py::arg("file"));
   module.def(
-      "write_text", [](const std::string& file, const std::string& text) { mtf::io::write_text_file(file, text); },
+      "write_text", [](const FileName& file, const std::string& text) { mtf::io::write_text_file(file, text); },
       py::arg("file"), py::arg("text"));
   const auto reads = [](mtf::Dimension dimension, const char* unit) {
     return

@@ -5,6 +5,7 @@
 
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "mtf/io/config/config.h"
 
@@ -14,7 +15,12 @@ struct SensorHandle {
   std::shared_ptr<const mtf::io::SensorConfig> config;
   /// The same with the electron rate of its band, for what takes the OTF alone, as `mtf curve` does.
   std::shared_ptr<const mtf::io::SensorConfig> weighted;
+  /// Hashes of the files that it names, as they were when it was made; "" for one that was not there.
+  std::vector<std::string> contents{};
 };
+
+/// Some of these files are read when they are needed: throws RuntimeError, naming it, for one that is not what it was.
+void require_unchanged(const SensorHandle& sensor);
 
 /// Reads the text of a sensor file. Throws UsageError with every error as a "file:line:col: error: ..." line.
 SensorHandle read_sensor_text(const std::string& text, const std::string& file);

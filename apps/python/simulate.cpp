@@ -104,10 +104,11 @@ std::unique_ptr<RunHandle> simulate_scene(const SensorHandle& sensor, const Scen
                                           const std::optional<std::string>& stage, const std::optional<Region>& region,
                                           std::optional<std::int64_t> memory,
                                           const std::optional<std::array<std::int64_t, 3>>& frames,
-                                          const std::string& schedule, const std::string& out,
+                                          const FileName& schedule, const FileName& out,
                                           const std::optional<std::array<double, 2>>& range, const py::object& filter,
                                           int threads, const py::object& progress) {
   auto run = std::make_unique<RunHandle>();
+  require_unchanged(sensor);
   run->sensor = sensor.config;
   SimulateOptions& options = run->options;
   options.tolerance = tolerance;
@@ -117,8 +118,8 @@ std::unique_ptr<RunHandle> simulate_scene(const SensorHandle& sensor, const Scen
   options.region = region;
   options.memory = memory;
   if (frames) options.frames = FrameRange{(*frames)[0], (*frames)[1], (*frames)[2]};
-  options.schedule = schedule;
-  options.out = out;
+  options.schedule = schedule.bytes;
+  options.out = out.bytes;
   options.range = range;
   options.threads = threads;
   SceneSource source = source_of(*sensor.config, scene);
@@ -190,8 +191,7 @@ py::array_t<double> map_points(const SensorHandle& sensor, const GridNumbers& sc
 
 /// Writes an image as `mtf simulate -o` does.
 void save_image(const SensorHandle& sensor, const std::optional<std::string>& stage, const py::dict& planes,
-                const MetadataParts& parts, const std::string& path,
-                const std::optional<std::array<double, 2>>& range) {
+                const MetadataParts& parts, const FileName& path, const std::optional<std::array<double, 2>>& range) {
   std::vector<std::string> names;
   std::vector<mtf::Image> images;
   for (const auto& [name, array] : planes) {
@@ -213,11 +213,11 @@ void save_image(const SensorHandle& sensor, const std::optional<std::string>& st
 
 void add_simulate(py::module_& module) {
   py::class_<SceneWords>(module, "SceneWords", "Where a scene comes from.")
-      .def(py::init([](const std::string& path, const std::optional<ImageHandle>& image,
+      .def(py::init([](const FileName& path, const std::optional<ImageHandle>& image,
                        const std::vector<std::pair<std::string, py::object>>& planes,
                        const std::vector<std::pair<std::string, py::object>>& beside, const SampleWords& sample,
                        const std::string& quantity, double blur_samples) {
-             return SceneWords{path, image, planes, beside, sample, quantity, blur_samples};
+             return SceneWords{path.bytes, image, planes, beside, sample, quantity, blur_samples};
            }),
            py::arg("path"), py::arg("image"), py::arg("planes"), py::arg("beside"), py::arg("sample"),
            py::arg("quantity"), py::arg("blur_samples"));

@@ -17,6 +17,7 @@
 #include "apps/study/rows/sweep_rows.h"
 #include "apps/sweep/optimize_report.h"
 #include "apps/sweep/sweep_parts.h"
+#include "apps/text/words.h"
 #include "mtf/error.h"
 #include "mtf/parallel.h"
 
@@ -31,9 +32,9 @@ struct StudyHandle {
   const study::Study& study() const { return *sweep.study; }
 };
 
-std::unique_ptr<StudyHandle> load(const std::string& file, std::optional<double> tolerance) {
+std::unique_ptr<StudyHandle> load(const FileName& file, std::optional<double> tolerance) {
   const py::gil_scoped_release free;
-  return std::make_unique<StudyHandle>(StudyHandle{open_study(file, tolerance)});
+  return std::make_unique<StudyHandle>(StudyHandle{open_study(file.bytes, tolerance)});
 }
 
 const char* role_word(study::Column::Role role) {
@@ -192,7 +193,7 @@ void require_axes(const StudyHandle& handle, const std::vector<double>& values) 
                           std::to_string(handle.study().axes.size()) + " axes");
 }
 
-SensorHandle sensor_at(const StudyHandle& handle, const std::vector<double>& values, const std::string& file) {
+SensorHandle sensor_at(const StudyHandle& handle, const std::vector<double>& values, const FileName& file) {
   require_axes(handle, values);
   study::Evaluator evaluator(handle.sweep.study);
   return read_sensor_text(mtf::io::write_config(evaluator.sensor_at(values), file), file);
@@ -254,7 +255,7 @@ py::tuple optimum(const StudyHandle& handle, const std::vector<std::pair<std::st
 py::list files(const StudyHandle& handle) {
   py::list list;
   for (const StudyCopy& copy : copies_of(handle.study()))
-    list.append(py::make_tuple(copy.name.string(), py::bytes(copy.bytes)));
+    list.append(py::make_tuple(FileName{copy.name.string()}, py::bytes(copy.bytes)));
   return list;
 }
 
@@ -263,7 +264,7 @@ py::list files(const StudyHandle& handle) {
 void add_study(py::module_& module) {
   py::class_<StudyHandle>(module, "StudyFile", "A trade study.")
       .def(py::init(&load), py::arg("file"), py::arg("tolerance"))
-      .def_property_readonly("file", [](const StudyHandle& s) { return s.study().file; })
+      .def_property_readonly("file", [](const StudyHandle& s) { return FileName{s.study().file}; })
       .def_property_readonly("text", [](const StudyHandle& s) { return s.study().text; })
       .def_property_readonly("sha256", [](const StudyHandle& s) { return s.study().sha256; })
       .def_property_readonly("name", [](const StudyHandle& s) { return s.study().name; })
@@ -276,7 +277,7 @@ void add_study(py::module_& module) {
                              [](const StudyHandle& s) {
                                std::vector<std::string> texts;
                                for (const auto& warning : s.study().warnings)
-                                 texts.push_back(mtf::io::format_diagnostic(warning, s.study().file));
+                                 texts.push_back(apps::one_line(mtf::io::format_diagnostic(warning, s.study().file)));
                                return texts;
                              })
       .def_property_readonly("columns", &columns_of)

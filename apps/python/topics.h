@@ -6,7 +6,16 @@
 
 #include <pybind11/pybind11.h>
 
+#include <string>
+
 namespace apps::python {
+
+/// The name of a file. In C++ it is bytes, in Python a text in which os.fsdecode has put what is no UTF-8 as lone
+/// surrogates (PEP 383): as a text it would be refused, or come back as an error.
+struct FileName {
+  std::string bytes;
+  operator const std::string&() const { return bytes; }  // NOLINT: a name is a name
+};
 
 void add_errors(pybind11::module_& module);
 void add_kinds(pybind11::module_& module);
@@ -23,3 +32,25 @@ void add_light(pybind11::module_& module);
 void add_scenes(pybind11::module_& module);
 
 }  // namespace apps::python
+
+namespace pybind11::detail {
+
+template <>
+struct type_caster<apps::python::FileName> {
+  PYBIND11_TYPE_CASTER(apps::python::FileName, const_name("str"));
+
+  bool load(handle from, bool) {
+    if (!PyUnicode_Check(from.ptr()) && !PyBytes_Check(from.ptr())) return false;
+    const object encoded = PyBytes_Check(from.ptr()) ? reinterpret_borrow<object>(from)
+                                                     : reinterpret_steal<object>(PyUnicode_EncodeFSDefault(from.ptr()));
+    if (!encoded) PyErr_Clear();
+    if (!encoded) return false;
+    value.bytes.assign(PyBytes_AS_STRING(encoded.ptr()), static_cast<std::size_t>(PyBytes_GET_SIZE(encoded.ptr())));
+    return true;
+  }
+  static handle cast(const apps::python::FileName& name, return_value_policy, handle) {
+    return PyUnicode_DecodeFSDefaultAndSize(name.bytes.data(), static_cast<Py_ssize_t>(name.bytes.size()));
+  }
+};
+
+}  // namespace pybind11::detail

@@ -6,6 +6,7 @@
 
 #include "apps/schema/schema_values.h"
 #include "apps/schema/schemas.h"
+#include "apps/text/json_document.h"
 #include "mtf/component_docs.h"
 
 namespace apps {
@@ -75,7 +76,7 @@ std::string kinds_json(const std::string& kind) {
     for (const ComponentKind& component : kinds.components) json["components"].push_back(component_json(component));
   else if (json["tables"].empty())
     json["components"].push_back(component_json(component_kind(kind)));
-  return json.dump(1) + "\n";
+  return json_document(json, 1);
 }
 
 }  // namespace apps

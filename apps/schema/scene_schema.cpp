@@ -8,6 +8,7 @@
 #include "apps/scene/scene_file/scene_fields.h"
 #include "apps/schema/schema_values.h"
 #include "apps/schema/schemas.h"
+#include "apps/text/json_document.h"
 #include "mtf/units.h"
 
 namespace apps {
@@ -258,7 +259,7 @@ std::string scene_file_schema() {
     if (name != "schema") schema["properties"][std::string(name)] = table_of(name, kinds);
   for (const char* name : {"place", "time", "weather"}) schema["required"].push_back(name);
   add_number_definitions(schema["definitions"]);
-  return schema.dump(1) + "\n";
+  return json_document(schema, 1);
 }
 
 }  // namespace apps

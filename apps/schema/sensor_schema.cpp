@@ -6,6 +6,7 @@
 
 #include "apps/schema/schema_values.h"
 #include "apps/schema/schemas.h"
+#include "apps/text/json_document.h"
 #include "mtf/io/config/config_schema.h"
 
 namespace apps {
@@ -79,7 +80,7 @@ std::string sensor_file_schema() {
   add_number_definitions(schema["definitions"]);
   for (const ComponentKind& kind : kinds.components)
     schema["definitions"]["component_" + std::string(kind.kind)] = component_schema(kind);
-  return schema.dump(1) + "\n";
+  return json_document(schema, 1);
 }
 
 }  // namespace apps

@@ -8,6 +8,7 @@
 #include "apps/schema/schema_values.h"
 #include "apps/schema/schemas.h"
 #include "apps/study/study_shape.h"
+#include "apps/text/json_document.h"
 
 namespace apps {
 namespace {
@@ -92,7 +93,7 @@ std::string study_file_schema() {
   Json schema = schema_head("mtf study file", "a trade study: what varies, what follows, what is wanted");
   for (const std::string_view key : study::kTopKeys)
     if (key != "schema") schema["properties"][std::string(key)] = value_of(key);
-  return schema.dump(1) + "\n";
+  return json_document(schema, 1);
 }
 
 }  // namespace apps

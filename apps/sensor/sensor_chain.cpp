@@ -116,21 +116,7 @@ mtf::io::SensorConfig read_sensor_file(const std::string& file, std::vector<mtf:
 
 std::vector<std::string> files_of(const mtf::io::SensorConfig& config) {
   std::vector<std::string> files{config.file};
-  const auto add = [&](const std::shared_ptr<const mtf::Curve>& curve) {
-    if (curve && !curve->source.empty()) files.push_back(curve->source);
-  };
-  for (const auto& list : config.system.stages)
-    for (const auto& entry : list)
-      for (const auto& field : entry.component.fields())
-        if (const auto* curve = std::get_if<std::shared_ptr<const mtf::Curve>*>(&field.value)) add(**curve);
-  add(config.scene.aperture_curve);
-  if (const auto& encoding = config.scene.encoding; encoding && encoding->kind == mtf::io::Encoding::Kind::table)
-    files.push_back(encoding->name);
-  for (const mtf::TableInfo& info : config.schema)
-    for (const mtf::SettingInfo& row : info.settings)
-      if (const mtf::SettingsTable* table = find_table(config.tables, info.name))
-        if (const mtf::SettingValue* value = table->find(row.info.name); value != nullptr && names_file(row))
-          if (const auto* path = std::get_if<std::string>(value)) files.push_back(*path);
+  files.insert(files.end(), config.files.begin(), config.files.end());
   return files;
 }
 

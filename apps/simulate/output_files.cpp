@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/simulate/output_files.h"
 
+#include <unistd.h>
+
+#include <cerrno>
 #include <system_error>
 
 #include "apps/text/words.h"
@@ -29,10 +32,11 @@ bool is_same_file(const std::string& a, const std::string& b) {
 }
 
 void require_different(const std::string& input, const std::string& output) {
-  if (output.empty()) return;
+  if (input.empty() || output.empty()) return;
   std::error_code ignored;
   if (fs::equivalent(input, output, ignored))
-    throw mtf::UsageError(output + ": is the input; name another file for the output");
+    throw mtf::UsageError(one_line(output) + ": is the input" + (input == output ? "" : " " + one_line(input)) +
+                          ", which this run reads and would replace; choose another output");
 }
 
 void require_writable(const std::vector<std::string>& outputs, const std::vector<std::string>& inputs) {
@@ -49,6 +53,9 @@ void require_writable(const std::vector<std::string>& outputs, const std::vector
     std::error_code error;
     if (fs::is_directory(outputs[i], error))
       throw mtf::RuntimeError("cannot write " + one_line(outputs[i]) + ": it is a folder; name a file in it");
+    if (fs::exists(outputs[i], error) && ::access(outputs[i].c_str(), W_OK) != 0)
+      throw mtf::RuntimeError("cannot write " + one_line(outputs[i]) + ": " + std::generic_category().message(errno) +
+                              "; change its permissions, or name another file");
     if (!folder.empty() && !fs::is_directory(folder, error))
       throw mtf::RuntimeError("cannot write " + one_line(outputs[i]) + ": there is no folder " +
                               one_line(folder.string()) + "; create it first");

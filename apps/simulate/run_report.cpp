@@ -5,6 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "apps/text/json_document.h"
 #include "mtf/engines/fft/fftw.h"
 #include "mtf/version.h"
 
@@ -201,7 +202,7 @@ std::string to_json(const RunReport& r) {
                               {"meaning", r.integer_scaling}};
   if (r.tiles) add_tiles(json, *r.tiles);
   // Names of files may hold any bytes; the report stays valid UTF-8.
-  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  return json_document(json);
 }
 
 }  // namespace apps

@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/study/study.h"
 
+#include <sys/stat.h>
+
 #include <algorithm>
 #include <tuple>
 
 #include "apps/study/study_reader.h"
 #include "mtf/error.h"
 #include "mtf/io/csv/curve_csv.h"
+#include "mtf/io/file_checks.h"
 #include "mtf/io/sha256.h"
 
 namespace study {
@@ -37,11 +40,30 @@ void read_on_sensor(StudyReader& s) {
   if (s.study.variants <= kMostVariants) check_levels(s);
 }
 
-std::string hash_of(const Study& study) {
+ReadFile state_of(const std::string& file) {
+  ReadFile now{.file = file, .sha256 = {}};
+  struct stat status {};
+  if (::stat(file.c_str(), &status) != 0) return now;
+  now.bytes = status.st_size;
+  now.changed_ns = std::int64_t{status.st_mtim.tv_sec} * 1'000'000'000 + status.st_mtim.tv_nsec;
+  return now;
+}
+
+/// With the hash of the study. Sensor files themselves are in memory.
+void hash_files(Study& study) {
   std::string all = mtf::io::sha256_hex(study.text) + study.base.sha256;
   for (const mtf::io::SensorConfig& sensor : study.sensors) all += sensor.sha256;
-  for (const StudyFile& named : files_of(study)) all += mtf::io::sha256_file(named.file);
-  return mtf::io::sha256_hex(all);
+  const auto is_sensor = [&](const std::string& file) {
+    return file == study.base.file || std::any_of(study.sensors.begin(), study.sensors.end(),
+                                                  [&](const auto& sensor) { return sensor.file == file; });
+  };
+  for (const StudyFile& named : files_of(study)) {
+    ReadFile read = state_of(named.file);
+    read.sha256 = mtf::io::sha256_file(named.file);
+    all += read.sha256;
+    if (!is_sensor(named.file)) study.read.push_back(std::move(read));
+  }
+  study.sha256 = mtf::io::sha256_hex(all);
 }
 
 }  // namespace
@@ -73,7 +95,7 @@ StudyResult parse_study(const std::string& text, const std::string& file) {
   if (good) check_column_names(s);
   result.diagnostics = std::move(s.reader.diagnostics);
   if (result.ok()) try {
-      s.study.sha256 = hash_of(s.study);
+      hash_files(s.study);
     } catch (const mtf::Error& error) {
       result.diagnostics.push_back({.error = true, .position = {}, .path = {}, .text = error.what()});
     }
@@ -82,6 +104,16 @@ StudyResult parse_study(const std::string& text, const std::string& file) {
     if (!diagnostic.error) s.study.warnings.push_back(diagnostic);
   result.study = std::move(s.study);
   return result;
+}
+
+void require_unchanged(const Study& study) {
+  for (const ReadFile& was : study.read) {
+    const ReadFile now = state_of(was.file);
+    if (now.bytes == was.bytes && now.changed_ns == was.changed_ns) continue;
+    if (now.changed_ns == 0 || mtf::io::sha256_file(was.file) != was.sha256)
+      throw mtf::RuntimeError(mtf::io::printable(was.file) +
+                              ": is not what it was when the study was read; read the study again");
+  }
 }
 
 bool is_study(const std::string& text) {

@@ -117,6 +117,12 @@ struct Objective {
 
 enum class Method { grid, latin_hypercube, sobol };
 
+/// A file that sensors of a study name, as it was when the study was read.
+struct ReadFile {
+  std::string file, sha256;
+  std::int64_t bytes = 0, changed_ns = 0;
+};
+
 struct Study {
   std::string file, text, sha256;  ///< sha256: hash of this text and of every file that it and its sensors name
   std::string name;
@@ -138,6 +144,7 @@ struct Study {
   std::vector<Objective> objectives;
   Conditions conditions;
   std::vector<mtf::io::Diagnostic> warnings;
+  std::vector<ReadFile> read{};
 
   /// Slots of expressions: parameters, then metrics.
   std::size_t slots() const { return parameters.size() + metrics.size(); }
@@ -165,6 +172,10 @@ struct StudyFile {
 /// All sensor files of the study and the files that they name, for each value of each discrete axis; each once, sorted
 /// by name. A value that contradicts the first values of the other axes is skipped, as its designs have no sensor.
 std::vector<StudyFile> files_of(const Study& study);
+
+/// Designs read the files of their sensors when they are made: throws RuntimeError, naming it, where one is not what it
+/// was when the study was read.
+void require_unchanged(const Study& study);
 
 /// Reads a file. Throws RuntimeError when it cannot be read, UsageError with all errors as "file:line:col: error: ..."
 /// lines.

@@ -5,10 +5,10 @@
 #include <filesystem>
 
 #include "apps/sensor/sensor_file.h"
-#include "apps/simulate/output_files.h"
 #include "apps/sweep/optimize_report.h"
-#include "apps/sweep/output_folder.h"
+#include "apps/sweep/sweep_parts.h"
 #include "apps/terminal/output.h"
+#include "apps/terminal/output_set.h"
 #include "apps/terminal/progress_line.h"
 #include "mtf/error.h"
 #include "mtf/io/config/config.h"
@@ -68,18 +68,18 @@ std::string sensor_text(const std::shared_ptr<const study::Study>& study, const 
   return mtf::io::write_config(evaluator.sensor_at(optimum.axis_values), file);
 }
 
-/// Where the best design of a goal is written.
-std::string sensor_file(const OptimizeCommandOptions& options, std::size_t goal) {
-  return options.each ? (std::filesystem::path(options.out) / ("best-" + std::to_string(goal + 1) + ".toml")).string()
-                      : options.out;
-}
+/// Of --each, in the folder.
+std::string name_of(std::size_t goal) { return "best-" + std::to_string(goal + 1) + ".toml"; }
 
-std::vector<std::string> inputs_of(const study::Study& study) {
-  std::vector<std::string> inputs{study.file};
-  for (const std::string& file : files_of(study.base)) inputs.push_back(file);
-  for (const mtf::io::SensorConfig& sensor : study.sensors)
-    for (const std::string& file : files_of(sensor)) inputs.push_back(file);
-  return inputs;
+OutputSet outputs_of(const OptimizeCommandOptions& options, std::size_t goals, const study::Study& study) {
+  const bool folder = options.each && !options.out.empty();
+  std::vector<std::string> names;
+  for (std::size_t g = 0; g < goals && folder; ++g) names.push_back(name_of(g));
+  return OutputSet({.folder = folder ? options.out : "",
+                    .force = options.force,
+                    .names = names,
+                    .files = {options.report, folder ? "" : options.out},
+                    .inputs = inputs_of(study)});
 }
 
 }  // namespace
@@ -89,17 +89,7 @@ int run_optimize(const OptimizeCommandOptions& options, const Global& global) {
   for (const mtf::io::Diagnostic& warning : study->warnings)
     note(global, mtf::io::format_diagnostic(warning, study->file));
   std::vector<OptimizedGoal> goals = goals_of(*study, options);
-  std::vector<std::string> files;
-  if (!options.report.empty()) files.push_back(options.report);
-  if (!options.out.empty() && !options.each) files.push_back(options.out);
-  require_writable(files, inputs_of(*study));
-  if (!options.out.empty() && options.each) {
-    check_folder(options.out, options.force);
-    for (std::size_t g = 0; g < goals.size() && !options.report.empty(); ++g)
-      if (is_same_file(options.report, sensor_file(options, g)))
-        throw mtf::UsageError(one_line(options.report) +
-                              ": --report names a sensor file that --each writes; give it another name");
-  }
+  OutputSet outputs = outputs_of(options, goals.size(), *study);
   if (study->draws > 0 && study->as_built.size() > 0)
     note(global, "mtf: note: the optimum does not take as-built variation into account");
 
@@ -122,21 +112,19 @@ int run_optimize(const OptimizeCommandOptions& options, const Global& global) {
   }
 
   if (!options.out.empty()) {
-    if (options.each) prepare_folder(options.out, options.force);
     for (std::size_t g = 0; g < goals.size(); ++g) {
-      const std::string file = sensor_file(options, g);
+      const std::string file = options.each ? (std::filesystem::path(options.out) / name_of(g)).string() : options.out;
       if (!goals[g].outcome.best.feasible) {
         note(global, "mtf: note: no feasible design: " + one_line(file) + " is not written");
         continue;
       }
-      if (options.each)
-        for (const std::string& input : inputs_of(*study)) require_different(input, file);
-      emit(file, sensor_text(study, goals[g].outcome.best, file));
+      emit(options.each ? outputs.in(name_of(g)) : outputs.at(file), sensor_text(study, goals[g].outcome.best, file));
       goals[g].file = file;
     }
   }
   const std::string json = optimize_json(*study, goals);
-  if (!options.report.empty()) emit(options.report, json);
+  if (!options.report.empty()) emit(outputs.at(options.report), json);
+  outputs.commit();
   print(options.format == Format::json ? json : optimize_table(*study, goals));
   return feasible ? 0 : 3;
 }

@@ -7,6 +7,7 @@
 #include "apps/sweep/sweep_report.h"
 #include "apps/terminal/output.h"
 #include "apps/terminal/text_table.h"
+#include "apps/text/json_document.h"
 #include "mtf/version.h"
 
 namespace apps {
@@ -203,7 +204,7 @@ std::string optimize_json(const Study& study, const std::vector<OptimizedGoal>& 
     for (const Optimum& other : outcome.others) one["others"].push_back(optimum_json(study, other, false));
     json["goals"].push_back(std::move(one));
   }
-  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  return json_document(json);
 }
 
 }  // namespace apps

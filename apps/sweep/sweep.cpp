@@ -55,12 +55,14 @@ int sweep_here(const SweepOptions& options, const Global& global) {
   for (const auto& warning : named.study->warnings)
     note(global, one_line(mtf::io::format_diagnostic(warning, options.words[0])));
   const std::vector<StudyCopy> copies = copies_of(*named.study);
-  open_sweep_folder(folder, named.layout, options.force, global);
+  const std::unique_ptr<OutputSet> outputs =
+      open_sweep_folder(folder, named.layout, copies, inputs_of(*named.study), options.force, global);
   SweepRun run;
   run.folder = folder;
-  run.files = write_copies(copies, folder);
+  run.outputs = outputs.get();
+  run.files = write_copies(copies, *outputs);
   // From the copies: what is in the folder is what the rows were made of.
-  const SweepStudy sweep = open_study(folder / "study.toml", options.tolerance);
+  const SweepStudy sweep = open_study(outputs->in("study.toml"), options.tolerance);
   const study::RowRange all{0, sweep.study->designs};
   int status = 0;
   {

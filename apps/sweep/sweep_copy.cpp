@@ -11,7 +11,6 @@
 #include "apps/sweep/sweep_parts.h"
 #include "apps/terminal/output.h"
 #include "mtf/error.h"
-#include "mtf/io/atomic_file.h"
 #include "mtf/io/config/config_reader.h"
 #include "mtf/io/sha256.h"
 
@@ -25,13 +24,6 @@ std::string bytes_of(const fs::path& file) {
   std::string bytes{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
   if (!in) throw mtf::RuntimeError(one_line(file.string()) + ": cannot be read");
   return bytes;
-}
-
-void write_below(const fs::path& folder, const fs::path& name, const std::string& bytes) {
-  std::error_code error;
-  fs::create_directories((folder / name).parent_path(), error);
-  if (error) throw mtf::RuntimeError("cannot create a folder for " + one_line(name.string()) + ": " + error.message());
-  mtf::io::write_text_file((folder / name).string(), bytes);
 }
 
 /// Names that a folder of results or a plan has for itself.
@@ -89,22 +81,29 @@ std::vector<StudyCopy> copies_of(const study::Study& study) {
   return copies;
 }
 
-std::vector<study::PlanFile> write_copies(const std::vector<StudyCopy>& copies, const fs::path& folder) {
+std::vector<std::string> inputs_of(const study::Study& study) {
+  std::vector<std::string> inputs{study.file};
+  for (study::StudyFile& named : study::files_of(study)) inputs.push_back(std::move(named.file));
+  return inputs;
+}
+
+std::vector<study::PlanFile> write_copies(const std::vector<StudyCopy>& copies, OutputSet& outputs) {
   std::vector<study::PlanFile> files;
   for (const StudyCopy& copy : copies) {
-    write_below(folder, copy.name, copy.bytes);
+    emit(outputs.in(copy.name.string()), copy.bytes);
     files.push_back({copy.name.generic_string(), mtf::io::sha256_hex(copy.bytes)});
   }
   return files;
 }
 
-void copy_files(const std::vector<study::PlanFile>& files, const fs::path& from, const fs::path& to) {
+std::vector<StudyCopy> copies_of(const std::vector<study::PlanFile>& files, const fs::path& from) {
+  std::vector<StudyCopy> copies;
   for (const study::PlanFile& file : files) {
-    const std::string bytes = bytes_of(from / file.file);
-    if (mtf::io::sha256_hex(bytes) != file.sha256)
+    copies.push_back({file.file, bytes_of(from / file.file)});
+    if (mtf::io::sha256_hex(copies.back().bytes) != file.sha256)
       throw mtf::RuntimeError(one_line((from / file.file).string()) + ": changed while it was copied");
-    write_below(to, file.file, bytes);
   }
+  return copies;
 }
 
 }  // namespace apps

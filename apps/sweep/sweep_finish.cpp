@@ -11,8 +11,8 @@
 #include "apps/terminal/output.h"
 #include "apps/terminal/progress_line.h"
 #include "apps/terminal/text_table.h"
+#include "apps/text/json_document.h"
 #include "mtf/error.h"
-#include "mtf/io/atomic_file.h"
 #include "mtf/parallel.h"
 
 namespace apps {
@@ -57,23 +57,18 @@ std::vector<double> axis_values(const study::Study& study, std::int64_t design) 
 
 /// Writes the sensor files of the chosen designs; those that a sensor cannot be are taken off the list.
 void write_chosen(SweepReport& report, study::Evaluator& evaluator) {
-  if (report.chosen.empty()) return;
-  const fs::path folder = report.run->folder;
-  std::error_code error;
-  fs::create_directory(folder / "chosen", error);
-  if (error)
-    throw mtf::RuntimeError("cannot create " + one_line((folder / "chosen").string()) + ": " + error.message());
+  OutputSet& outputs = *report.run->outputs;
   // Curves are named by their absolute path where they are not below the sensor file: here they are in the folder of
   // the study.
-  const std::string whole = "\"" + (fs::weakly_canonical(fs::absolute(folder)) / "").string();
+  const std::string whole = "\"" + (fs::weakly_canonical(fs::absolute(outputs.in(""))) / "").string();
   std::erase_if(report.chosen, [&](const ChosenFile& chosen) {
     try {
-      const fs::path file = folder / chosen.file;
+      const std::string file = outputs.in(chosen.file);
       std::string text =
-          mtf::io::write_config(evaluator.sensor_at(axis_values(*report.sweep->study, chosen.design)), file.string());
+          mtf::io::write_config(evaluator.sensor_at(axis_values(*report.sweep->study, chosen.design)), file);
       for (std::size_t at = text.find(whole); at != std::string::npos; at = text.find(whole, at))
         text.replace(at, whole.size(), "\"../");
-      mtf::io::write_text_file(file.string(), text);
+      emit(file, text);
       return false;
     } catch (const mtf::UsageError& problem) {
       report.skipped.push_back("design " + std::to_string(chosen.design) + " (" + chosen.why +
@@ -163,11 +158,11 @@ int finish_sweep(const SweepStudy& sweep, const SweepRun& run, const SweepOption
         {.pieces = run.pieces,
          .columns = study::table_columns(*sweep.study, columns),
          .marked = with_front ? std::optional(report.front.designs) : std::nullopt,
-         .csv = run.folder / "designs.csv",
-         .npy = run.folder / "designs.npy",
+         .csv = run.outputs->in("designs.csv"),
+         .npy = run.outputs->in("designs.npy"),
          .threads = global.threads,
          .done = [&](std::int64_t done) { progress.update("tables", static_cast<double>(done) / designs); }});
-    mtf::io::write_text_file((run.folder / "columns.csv").string(), study::columns_csv(columns));
+    emit(run.outputs->in("columns.csv"), study::columns_csv(columns));
     ask_evaluator(report);
     report.indices = study::study_indices(sweep.study, sweep.columns, global.threads,
                                           [&](double share) { progress.update("sensitivities", share); });
@@ -177,8 +172,9 @@ int finish_sweep(const SweepStudy& sweep, const SweepRun& run, const SweepOption
     }
   }
   report.finish_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  const std::string json = to_json(report).dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
-  mtf::io::write_text_file((run.folder / "sweep.json").string(), json);
+  const std::string json = json_document(to_json(report));
+  emit(run.outputs->in("sweep.json"), json);
+  run.outputs->commit();
   print(options.format == Format::json ? json : sweep_summary(report));
   int status = 0;
   if (none_valid(report)) {

@@ -5,10 +5,8 @@
 // command continues it. The key is the first file that is written and the first one that is removed, when all results
 // are there.
 
-#include <algorithm>
 #include <fstream>
 
-#include "apps/sweep/output_folder.h"
 #include "apps/sweep/sweep_parts.h"
 #include "apps/terminal/output.h"
 #include "mtf/error.h"
@@ -36,25 +34,27 @@ bool holds_key(const fs::path& folder) {
 /// True when the folder was left by a run that was killed before its key was written: it holds nothing but parts/, and
 /// this nothing but the temporary of the key.
 bool has_no_key_yet(const fs::path& folder) {
-  const auto names = [](const fs::path& of) {
-    std::vector<std::string> found;
-    std::error_code error;
-    for (const fs::directory_entry& entry : fs::directory_iterator(of, error))
-      found.push_back(entry.path().filename().string());
-    return found;
-  };
-  const auto inside = names(parts_of(folder));
-  return names(folder) == std::vector<std::string>{"parts"} &&
-         std::all_of(inside.begin(), inside.end(), [](const std::string& name) { return name.starts_with("key."); });
+  std::error_code error;
+  if (!fs::is_directory(parts_of(folder), error) || !holds_nothing(parts_of(folder))) return false;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder, error))
+    if (entry.path().filename() != "parts" && !mtf::io::is_stage(entry.path().filename().string())) return false;
+  return true;
 }
 
-/// The files that a sweep writes, apart from copies.
-void remove_results(const fs::path& folder) {
-  for (const char* name : {"parts", "chosen", "sweep.json", "designs.csv", "designs.npy", "columns.csv"}) {
-    std::error_code error;
-    fs::remove_all(folder / name, error);
-    if (error) throw mtf::RuntimeError("cannot remove " + one_line((folder / name).string()) + ": " + error.message());
+bool is_of(const fs::path& folder, const study::RowLayout& layout) {
+  return holds_key(folder) && first_line(key_file(folder)) == layout.key;
+}
+
+void prepare_parts(const fs::path& folder, const study::RowLayout& layout, const Global& global) {
+  if (is_of(folder, layout)) {
+    note(global, "note: " + one_line(folder.string()) + " holds a stopped sweep, which is continued");
+    return;
   }
+  std::error_code error;
+  fs::remove_all(parts_of(folder), error);
+  if (!error) fs::create_directory(parts_of(folder), error);
+  if (error) throw mtf::RuntimeError("cannot create " + one_line(parts_of(folder).string()) + ": " + error.message());
+  mtf::io::write_text_file(key_file(folder).string(), layout.key + "\n");
 }
 
 }  // namespace
@@ -64,7 +64,7 @@ fs::path parts_of(const fs::path& folder) { return folder / "parts"; }
 void check_sweep_folder(const fs::path& folder, const study::RowLayout& layout, bool force) {
   std::error_code error;
   if (holds_key(folder)) {
-    if (first_line(key_file(folder)) != layout.key && !force)
+    if (!is_of(folder, layout) && !force)
       throw mtf::UsageError(one_line(folder.string()) +
                             " holds a stopped sweep of another study, tolerance or version of mtf; choose another "
                             "folder, or --force to start over");
@@ -72,21 +72,21 @@ void check_sweep_folder(const fs::path& folder, const study::RowLayout& layout, 
   }
   if (fs::exists(folder / "plan.json", error))
     throw mtf::UsageError(one_line(folder.string()) + " holds a plan and its shards; choose another folder");
-  check_folder(folder, force || has_no_key_yet(folder));
 }
 
-void open_sweep_folder(const fs::path& folder, const study::RowLayout& layout, bool force, const Global& global) {
+std::unique_ptr<OutputSet> open_sweep_folder(const fs::path& folder, const study::RowLayout& layout,
+                                             const std::vector<StudyCopy>& copies, std::vector<std::string> inputs,
+                                             bool force, const Global& global) {
   check_sweep_folder(folder, layout, force);
-  if (holds_key(folder) && first_line(key_file(folder)) == layout.key) {
-    note(global, "note: " + one_line(folder.string()) + " holds a stopped sweep, which is continued");
-    return;
-  }
-  prepare_folder(folder, true);
-  remove_results(folder);
-  std::error_code error;
-  fs::create_directory(parts_of(folder), error);
-  if (error) throw mtf::RuntimeError("cannot create " + one_line(parts_of(folder).string()) + ": " + error.message());
-  mtf::io::write_text_file(key_file(folder).string(), layout.key + "\n");
+  OutputPlan plan{.folder = folder.string(),
+                  .force = force || holds_key(folder) || has_no_key_yet(folder),
+                  .names = {"sweep.json", "designs.csv", "designs.npy", "columns.csv"},
+                  .subfolders = {"chosen"},
+                  .inputs = std::move(inputs)};
+  for (const StudyCopy& copy : copies) plan.names.push_back(copy.name.lexically_normal().string());
+  auto outputs = std::make_unique<OutputSet>(std::move(plan));
+  prepare_parts(folder, layout, global);
+  return outputs;
 }
 
 void close_sweep_folder(const fs::path& folder) {

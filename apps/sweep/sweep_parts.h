@@ -10,6 +10,7 @@
 #include "apps/study/design/evaluator.h"
 #include "apps/study/rows/row_run.h"
 #include "apps/study/rows/shard_plan.h"
+#include "apps/terminal/output_set.h"
 
 namespace apps {
 
@@ -34,21 +35,24 @@ std::vector<mtf::io::Diagnostic> copy_problems(const study::Study& study);
 /// The study (as study.toml, the first), its sensor files and the files these name, by their names relative to the
 /// study. Nothing is written. Throws UsageError with all copy_problems, RuntimeError.
 std::vector<StudyCopy> copies_of(const study::Study& study);
-/// Writes them into a folder. Throws RuntimeError.
-std::vector<study::PlanFile> write_copies(const std::vector<StudyCopy>& copies, const std::filesystem::path& folder);
+/// Writes them into the folder. Throws RuntimeError.
+std::vector<study::PlanFile> write_copies(const std::vector<StudyCopy>& copies, OutputSet& outputs);
 
-/// Copies the files of one folder into another, checking that each is still what it was. Throws RuntimeError.
-void copy_files(const std::vector<study::PlanFile>& files, const std::filesystem::path& from,
-                const std::filesystem::path& to);
+/// What is in the files of a plan, each still as it was. Throws RuntimeError.
+std::vector<StudyCopy> copies_of(const std::vector<study::PlanFile>& files, const std::filesystem::path& from);
+/// The files that a study is read from.
+std::vector<std::string> inputs_of(const study::Study& study);
 
 /// The rows of a sweep that is being made.
 std::filesystem::path parts_of(const std::filesystem::path& folder);
 /// Throws where open_sweep_folder would, and changes nothing.
 void check_sweep_folder(const std::filesystem::path& folder, const study::RowLayout& layout, bool force);
 /// Makes the folder, or takes the one that a stopped run of the same study left. Throws UsageError for one that a
-/// stopped run of another study left or that is not empty, unless `force`, which removes their results.
-void open_sweep_folder(const std::filesystem::path& folder, const study::RowLayout& layout, bool force,
-                       const Global& global);
+/// stopped run of another study left or that is not empty, unless `force`; the results in it stay until the new ones
+/// take their place.
+std::unique_ptr<OutputSet> open_sweep_folder(const std::filesystem::path& folder, const study::RowLayout& layout,
+                                             const std::vector<StudyCopy>& copies, std::vector<std::string> inputs,
+                                             bool force, const Global& global);
 /// Removes the rows once all results are there: from now on the sweep is finished.
 void close_sweep_folder(const std::filesystem::path& folder);
 
@@ -61,15 +65,16 @@ study::RowRun row_run(const SweepStudy& sweep, study::RowRange range, const std:
 
 /// How the rows came about.
 struct SweepRun {
-  std::filesystem::path folder;
+  std::filesystem::path folder;  ///< as the user names it
+  OutputSet* outputs = nullptr;  ///< into it
   std::vector<study::PlanFile> files;
   std::vector<study::RowPiece> pieces;
   study::RowTally tally;
   double seconds = 0.0;  ///< of making rows; NaN where that was done elsewhere
 };
 
-/// Everything after the rows: tables, counts, chosen designs, sensitivities, sweep.json, and what standard output
-/// says. Returns the exit code: 3 where --accuracy finds an error above its bound.
+/// Everything after the rows: tables, counts, chosen designs, sensitivities, sweep.json, all put into place, and what
+/// standard output says. Returns the exit code: 3 where --accuracy finds an error above its bound.
 int finish_sweep(const SweepStudy& sweep, const SweepRun& run, const SweepOptions& options, const Global& global);
 
 // The verbs.

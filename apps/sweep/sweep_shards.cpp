@@ -10,7 +10,6 @@
 
 #include "apps/arguments.h"
 #include "apps/study/rows/submit_script.h"
-#include "apps/sweep/output_folder.h"
 #include "apps/sweep/sweep_parts.h"
 #include "apps/terminal/interrupt.h"
 #include "apps/terminal/output.h"
@@ -99,14 +98,16 @@ int sweep_plan(const SweepOptions& options, const Global& global) {
     throw mtf::UsageError("--shards: " + std::to_string(*options.shards) + " are more than the study has designs (" +
                           std::to_string(sweep.study->designs) + ")");
   const fs::path folder = options.out;
-  check_folder(folder, options.force);
   const std::size_t made = study::files_in_shards(folder).size();
   if (made > 0)
     throw mtf::UsageError(one_line(folder.string()) + " holds " + std::to_string(made) +
                           " finished shards; choose another folder, or remove " +
                           one_line((folder / "shards").string()) + " when they are not needed");
   const std::vector<StudyCopy> copies = copies_of(*sweep.study);
-  prepare_folder(folder, options.force);
+  OutputPlan files{
+      .folder = options.out, .force = options.force, .names = {"plan.json"}, .inputs = inputs_of(*sweep.study)};
+  for (const StudyCopy& copy : copies) files.names.push_back(copy.name.lexically_normal().string());
+  OutputSet outputs(std::move(files));
   study::ShardPlan plan{.version = mtf::version,
                         .commit = mtf::git_commit,
                         .name = sweep.study->name,
@@ -115,9 +116,10 @@ int sweep_plan(const SweepOptions& options, const Global& global) {
                         .designs = sweep.study->designs,
                         .shards = *options.shards,
                         .layout = sweep.layout,
-                        .files = write_copies(copies, folder)};
-  study::write_plan(plan, folder);
-  open_plan(folder);  // what every shard will do first
+                        .files = write_copies(copies, outputs)};
+  study::write_plan(plan, outputs.in(""));
+  open_plan(outputs.in(""));  // what every shard will do first
+  outputs.commit();
   const std::string word = shell_word(options.out), first = "1/" + std::to_string(plan.shards);
   print(one_line(options.out) + "  " + std::to_string(plan.designs) + " designs in " + std::to_string(plan.shards) +
         " shards\n  mtf sweep run " + word + " --shard " + first + "\n  mtf sweep submit " + word +
@@ -162,9 +164,12 @@ int sweep_merge(const SweepOptions& options, const Global& global) {
   run.pieces = study::all_shards(open.plan, plan_folder);
   run.tally.resumed = open.plan.designs;
   run.seconds = std::numeric_limits<double>::quiet_NaN();
-  open_sweep_folder(folder, open.plan.layout, options.force, global);
-  copy_files(run.files, plan_folder, folder);
-  const int code = finish_sweep(open_study(folder / "study.toml", open.plan.tolerance), run, options, global);
+  const std::vector<StudyCopy> copies = copies_of(run.files, plan_folder);
+  const std::unique_ptr<OutputSet> outputs =
+      open_sweep_folder(folder, open.plan.layout, copies, inputs_of(*open.sweep.study), options.force, global);
+  run.outputs = outputs.get();
+  write_copies(copies, *outputs);
+  const int code = finish_sweep(open_study(outputs->in("study.toml"), open.plan.tolerance), run, options, global);
   close_sweep_folder(folder);
   for (int shard = 1; shard <= open.plan.shards; ++shard)
     study::remove_parts(study::shard_file(open.plan, plan_folder, shard));

@@ -4,12 +4,11 @@
 #include <fcntl.h>
 #include <unistd.h>
 
-#include <array>
 #include <atomic>
 #include <csignal>
 #include <string_view>
 
-#include "mtf/io/atomic_file.h"
+#include "mtf/io/temporaries.h"
 
 namespace apps {
 namespace {
@@ -19,8 +18,6 @@ static_assert(std::atomic<const char*>::is_always_lock_free);
 
 std::atomic<const char*> stop_note = nullptr;  ///< of StopInGoodOrder, after keep
 std::atomic<bool> stop_asked = false;
-std::array<char, 4096> new_folder{};
-std::atomic<bool> has_folder = false;
 
 void say(std::string_view text) {
   if (::write(STDERR_FILENO, text.data(), text.size()) < 0) ::_exit(130);
@@ -30,7 +27,6 @@ void say(std::string_view text) {
 extern "C" void stop(int) {
   if (const char* text = stop_note; text != nullptr && !stop_asked.exchange(true)) return say(text);
   mtf::io::remove_temporaries();
-  if (has_folder) static_cast<void>(::rmdir(new_folder.data()));  // where it is empty
   say("mtf: interrupted\n");
   if (const char* text = last_note) say(text);
   ::_exit(130);
@@ -41,17 +37,8 @@ extern "C" void stop(int) {
 InterruptNote::InterruptNote(const char* text) { last_note = text; }
 InterruptNote::~InterruptNote() { last_note = nullptr; }
 
-StopInGoodOrder::StopInGoodOrder(const char* text, const std::string& folder) : text_(text) {
-  stop_asked = false;
-  if (folder.empty() || folder.size() >= new_folder.size()) return;
-  folder.copy(new_folder.data(), folder.size());
-  new_folder.at(folder.size()) = '\0';
-  has_folder = true;
-}
-StopInGoodOrder::~StopInGoodOrder() {
-  stop_note = nullptr;
-  has_folder = false;
-}
+StopInGoodOrder::StopInGoodOrder(const char* text) : text_(text) { stop_asked = false; }
+StopInGoodOrder::~StopInGoodOrder() { stop_note = nullptr; }
 void StopInGoodOrder::keep() { stop_note = text_; }
 bool StopInGoodOrder::asked() const { return stop_asked; }
 
@@ -72,6 +59,12 @@ void prepare_process() {
   sigaction(SIGINT, &action, nullptr);
   sigaction(SIGTERM, &action, nullptr);
   sigaction(SIGHUP, &action, nullptr);
+}
+
+void end_by_broken_pipe() {
+  std::signal(SIGPIPE, SIG_DFL);
+  std::raise(SIGPIPE);
+  ::_exit(128 + SIGPIPE);
 }
 
 }  // namespace apps

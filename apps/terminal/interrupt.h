@@ -3,13 +3,15 @@
 
 // How the process meets signals, broken pipes and missing standard streams.
 
-#include <string>
-
 namespace apps {
 
 /// SIGINT, SIGTERM and SIGHUP remove the temporaries of unfinished output files and end the process with 130 at once. A
-/// reader that goes away shows as a failed write instead of a signal. Call it first thing in main.
+/// reader that goes away shows as a failed write instead of a signal, so that all is put in order first. Call it first
+/// thing in main.
 void prepare_process();
+
+/// Ends the process as the signal of a broken pipe would have.
+[[noreturn]] void end_by_broken_pipe();
 
 /// While it lives, an interrupted process says `text` too: a literal that ends with a new line. One at a time.
 class InterruptNote {
@@ -20,12 +22,11 @@ class InterruptNote {
   InterruptNote& operator=(const InterruptNote&) = delete;
 };
 
-/// While it lives, an interrupted process leaves no empty `folder`. After `keep`, when there is something worth
-/// keeping, the first signal says `text`, a literal that ends with a new line, and `asked` tells the work to come to
-/// its end; the second one ends the process. One at a time.
+/// After `keep`, when there is something worth keeping, the first signal says `text`, a literal that ends with a new
+/// line, and `asked` tells the work to come to its end; the second one ends the process. One at a time.
 class StopInGoodOrder {
  public:
-  StopInGoodOrder(const char* text, const std::string& folder);
+  explicit StopInGoodOrder(const char* text);
   ~StopInGoodOrder();
   StopInGoodOrder(const StopInGoodOrder&) = delete;
   StopInGoodOrder& operator=(const StopInGoodOrder&) = delete;

@@ -14,6 +14,7 @@ namespace apps {
 void print(std::string_view text) {
   const bool whole = std::fwrite(text.data(), 1, text.size(), stdout) == text.size();
   if (whole && std::fflush(stdout) == 0) return;
+  if (errno == EPIPE) throw mtf::io::BrokenPipe("standard output: its reader has gone");
   throw mtf::RuntimeError("cannot write to standard output: " + std::generic_category().message(errno) +
                           "; give it a reader, or a file with room");
 }

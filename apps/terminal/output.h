@@ -11,7 +11,8 @@
 
 namespace apps {
 
-/// Writes to standard output at once. Throws RuntimeError when that fails (closed pipe, full disk).
+/// Writes to standard output at once. Throws BrokenPipe where its reader has gone, RuntimeError for another failure
+/// (full disk).
 void print(std::string_view text);
 
 /// Writes a result to the file `path`, whole or not at all; "" and "-" stand for standard output. Throws RuntimeError.

@@ -2,97 +2,22 @@
 #include "mtf/io/atomic_file.h"
 
 #include <fcntl.h>
-#include <pthread.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <algorithm>
-#include <array>
-#include <atomic>
 #include <cerrno>
 #include <climits>
-#include <csignal>
 #include <cstdlib>
-#include <cstring>
-#include <ctime>
 #include <memory>
 #include <system_error>
 
 #include "mtf/error.h"
-#include "mtf/io/temporaries.h"
+#include "mtf/io/stage.h"
 
 namespace mtf::io {
 namespace {
 
 constexpr std::size_t buffer_bytes = 256 * 1024;
-
-// A signal handler can neither lock nor allocate: names live in fixed slots, published by an atomic state.
-enum SlotState : int { slot_free, slot_filling, slot_active };
-struct Slot {
-  std::atomic<int> state{slot_free};
-  std::array<char, PATH_MAX> name{};
-};
-std::array<Slot, 32>& slots() {
-  static constinit std::array<Slot, 32> all{};
-  return all;
-}
-
-int register_temporary(const std::string& name) {
-  if (name.size() >= PATH_MAX) return -1;
-  for (std::size_t i = 0; i < slots().size(); ++i) {
-    int expected = slot_free;
-    if (!slots()[i].state.compare_exchange_strong(expected, slot_filling)) continue;
-    std::memcpy(slots()[i].name.data(), name.c_str(), name.size() + 1);
-    slots()[i].state = slot_active;
-    return static_cast<int>(i);
-  }
-  return -1;  // more than 32 files at once: still removed on failure, only not on a signal
-}
-
-// Once the process is being stopped no file may be created any more.
-std::atomic<bool>& stopping() {
-  static constinit std::atomic<bool> value{false};
-  return value;
-}
-std::atomic<int>& creating() {
-  static constinit std::atomic<int> count{0};
-  return count;
-}
-
-// Held while a temporary is created. The signals of a stop wait until then on this thread, the handler on another
-// thread waits for it; a thread that comes later than the stop waits for the end of the process.
-class Creation {
- public:
-  Creation() {
-    sigset_t stops;
-    sigemptyset(&stops);
-    for (const int signal : {SIGINT, SIGTERM, SIGHUP}) sigaddset(&stops, signal);
-    pthread_sigmask(SIG_BLOCK, &stops, &before_);
-    ++creating();
-    if (!stopping()) return;
-    --creating();
-    for (;;) ::pause();
-  }
-  ~Creation() {
-    --creating();
-    pthread_sigmask(SIG_SETMASK, &before_, nullptr);
-  }
-  Creation(const Creation&) = delete;
-  Creation& operator=(const Creation&) = delete;
-
- private:
-  sigset_t before_{};
-};
-
-void unregister_temporary(int slot) {
-  if (slot >= 0) slots()[static_cast<std::size_t>(slot)].state = slot_free;
-}
-
-std::string folder_of(const std::string& path) {
-  const auto slash = path.rfind('/');
-  if (slash == std::string::npos) return ".";
-  return slash == 0 ? "/" : path.substr(0, slash);
-}
 
 std::string remedy(int error_number) {
   switch (error_number) {
@@ -110,11 +35,6 @@ std::string remedy(int error_number) {
   }
 }
 
-[[noreturn]] void fail(const std::string& path, int error_number) {
-  throw RuntimeError("cannot write " + path + ": " + std::generic_category().message(error_number) + "; " +
-                     remedy(error_number));
-}
-
 // Returns 0 or the error number; a short write is continued.
 int write_all(int descriptor, const char* data, std::size_t size) {
   while (size > 0) {
@@ -128,14 +48,6 @@ int write_all(int descriptor, const char* data, std::size_t size) {
   return 0;
 }
 
-/// The names in a folder are written to the disk; a file system that cannot sync folders has done what it can.
-void sync_folder(const std::string& name) {
-  const int folder = ::open(name.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  if (folder < 0) return;
-  static_cast<void>(::fsync(folder));
-  ::close(folder);
-}
-
 std::string resolved(const std::string& path) {
   const std::unique_ptr<char, decltype(&std::free)> real(::realpath(path.c_str(), nullptr), &std::free);
   return real ? std::string(real.get()) : path;
@@ -143,41 +55,61 @@ std::string resolved(const std::string& path) {
 
 }  // namespace
 
-AtomicFile::AtomicFile(const std::string& path) : shown_(path), target_(path) {
+std::string folder_of_file(const std::string& path) {
+  const auto slash = path.rfind('/');
+  if (slash == std::string::npos) return ".";
+  return slash == 0 ? "/" : path.substr(0, slash);
+}
+
+void fail_to_write(const std::string& path, int error_number) {
+  if (error_number == EPIPE) throw BrokenPipe(path + ": its reader has gone");
+  throw RuntimeError("cannot write " + path + ": " + std::generic_category().message(error_number) + "; " +
+                     remedy(error_number));
+}
+
+void sync_folder(const std::string& name) {
+  const int folder = ::open(name.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (folder < 0) return;
+  static_cast<void>(::fsync(folder));
+  ::close(folder);
+}
+
+AtomicFile::AtomicFile(const std::string& path) : shown_(without_stages(path)), target_(path) {
   if (path.empty()) throw UsageError("cannot write a file without a name; give the output file a name");
   struct stat status {};
   const bool exists = ::stat(path.c_str(), &status) == 0;
   if (exists && S_ISDIR(status.st_mode))
-    throw RuntimeError("cannot write " + path + ": it is a folder; name a file in it");
+    throw RuntimeError("cannot write " + shown_ + ": it is a folder; name a file in it");
   if (exists && !S_ISREG(status.st_mode))
-    throw RuntimeError("cannot write " + path + ": it is a device or pipe; images need an ordinary file");
-  if (exists && ::access(path.c_str(), W_OK) != 0) fail(path, errno);
+    throw RuntimeError("cannot write " + shown_ + ": it is a device or pipe; images need an ordinary file");
+  if (exists && ::access(path.c_str(), W_OK) != 0) fail_to_write(shown_, errno);
   if (exists) target_ = resolved(path);
 
-  const std::string folder = folder_of(target_);
+  const std::string folder = folder_of_file(target_);
   struct stat folder_status {};
   const int folder_error = ::stat(folder.c_str(), &folder_status) != 0 ? errno : 0;
-  if (folder_error != 0 && folder_error != ENOENT && folder_error != ENOTDIR) fail(path, folder_error);
+  if (folder_error != 0 && folder_error != ENOENT && folder_error != ENOTDIR) fail_to_write(shown_, folder_error);
   if (folder_error != 0 || !S_ISDIR(folder_status.st_mode))
-    throw RuntimeError("cannot write " + path + ": folder " + folder + " does not exist; create it or choose another");
+    throw RuntimeError("cannot write " + shown_ + ": folder " + without_stages(folder) +
+                       " does not exist; create it or choose another");
 
   const std::string base = target_.substr(target_.rfind('/') + 1);
-  if (base.empty()) throw RuntimeError("cannot write " + path + ": it names a folder; name a file in it");
-  if (base.size() > NAME_MAX) fail(path, ENAMETOOLONG);
+  if (base.empty()) throw RuntimeError("cannot write " + shown_ + ": it names a folder; name a file in it");
+  if (base.size() > NAME_MAX) fail_to_write(shown_, ENAMETOOLONG);
   remove_dead_temporaries(target_);
   const std::string stem = temporary_stem(target_) + std::to_string(::getpid());
   temporary_ = stem;
   // Another thread may be writing the same target.
   for (int attempt = 1; attempt <= 100; ++attempt) {
-    const Creation creation;
-    slot_ = register_temporary(temporary_);
+    const Unstopped creation;
+    listed_.emplace(temporary_);
     descriptor_ = ::open(temporary_.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
     if (descriptor_ >= 0 && claim_temporary(descriptor_)) break;
     const int error_number = descriptor_ >= 0 ? EEXIST : errno;
     if (descriptor_ >= 0) ::close(descriptor_);
     descriptor_ = -1;
-    unregister_temporary(slot_);
-    if (error_number != EEXIST || attempt == 100) fail(path, error_number);
+    listed_.reset();
+    if (error_number != EEXIST || attempt == 100) fail_to_write(shown_, error_number);
     temporary_ = stem + "." + std::to_string(attempt);
   }
   if (exists) static_cast<void>(::fchmod(descriptor_, status.st_mode & 0777));
@@ -188,12 +120,12 @@ AtomicFile::~AtomicFile() {
   if (descriptor_ < 0) return;
   ::close(descriptor_);
   ::unlink(temporary_.c_str());
-  unregister_temporary(slot_);
+  listed_.reset();
 }
 
 void AtomicFile::check(int error_number) {
   if (error_ == 0) error_ = error_number;
-  if (error_ != 0) fail(shown_, error_);
+  if (error_ != 0) fail_to_write(shown_, error_);
 }
 
 void AtomicFile::flush() {
@@ -235,9 +167,9 @@ bool AtomicFile::keep_as(const std::string& path) {
   if (::rename(second.c_str(), path.c_str()) != 0) {
     const int error_number = errno;
     ::unlink(second.c_str());
-    fail(path, error_number);
+    fail_to_write(path, error_number);
   }
-  sync_folder(folder_of(target_));
+  sync_folder(folder_of_file(path));
   return true;
 }
 
@@ -245,10 +177,10 @@ void AtomicFile::commit() {
   flush();
   if (::fsync(descriptor_) != 0) check(errno);
   if (::rename(temporary_.c_str(), target_.c_str()) != 0) check(errno);
-  unregister_temporary(slot_);
+  listed_.reset();
   ::close(descriptor_);
   descriptor_ = -1;
-  sync_folder(folder_of(target_));
+  sync_folder(folder_of_file(target_));
 }
 
 void write_text_file(const std::string& path, std::string_view text) {
@@ -260,21 +192,18 @@ void write_text_file(const std::string& path, std::string_view text) {
     file.commit();
     return;
   }
-  const int descriptor = ::open(path.c_str(), O_WRONLY | O_CLOEXEC);
-  if (descriptor < 0) fail(path, errno);
+  // A standard stream is there already: to open a pipe again would wait for a reader that may have gone.
+  int descriptor = -1;
+  for (const int stream : {STDOUT_FILENO, STDERR_FILENO}) {
+    struct stat opened {};
+    const bool same = ::fstat(stream, &opened) == 0 && opened.st_dev == status.st_dev && opened.st_ino == status.st_ino;
+    if (descriptor < 0 && same) descriptor = ::dup(stream);
+  }
+  if (descriptor < 0) descriptor = ::open(path.c_str(), O_WRONLY | O_CLOEXEC);
+  if (descriptor < 0) fail_to_write(path, errno);
   const int error_number = write_all(descriptor, text.data(), text.size());
   ::close(descriptor);
-  if (error_number != 0) fail(path, error_number);
-}
-
-void remove_temporaries() noexcept {
-  const int saved = errno;
-  stopping() = true;
-  const timespec moment{0, 1'000'000};
-  for (int waited = 0; creating() > 0 && waited < 200; ++waited) ::nanosleep(&moment, nullptr);
-  for (Slot& slot : slots())
-    if (slot.state == slot_active) ::unlink(slot.name.data());
-  errno = saved;
+  if (error_number != 0) fail_to_write(path, error_number);
 }
 
 }  // namespace mtf::io

@@ -6,13 +6,17 @@
 // that a killed process left is removed when the file is written again (temporaries.h).
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "mtf/error.h"
+#include "mtf/io/temporaries.h"
+
 namespace mtf::io {
 
-/// One file being written. Movable neither nor copyable: the temporary is registered for `remove_temporaries`.
+/// One file being written. Movable neither nor copyable: the temporary is on the list of `remove_temporaries`.
 /// A symbolic link is followed (its target is replaced); an existing file keeps its permissions.
 class AtomicFile {
  public:
@@ -34,7 +38,7 @@ class AtomicFile {
   /// Reports an error number of such code, 0 for none: throws as `write` does.
   void check(int error_number);
 
-  /// Gives what has been written so far a second name, `path` in the same folder, which stays when the process is
+  /// Gives what has been written so far a second name, `path` on the same file system, which stays when the process is
   /// killed; what stood there is replaced. The bytes are on the disk when this returns. Later ones are written to the
   /// same file. False where the file system gives no second names.
   bool keep_as(const std::string& path);
@@ -51,15 +55,26 @@ class AtomicFile {
   std::vector<char> buffer_;
   std::uint64_t position_ = 0;
   int descriptor_ = -1;
-  int slot_ = -1;
+  std::optional<ListedTemporary> listed_;
   int error_ = 0;
 };
 
 /// Writes a whole text file in one go. A device or pipe such as /dev/stdout is written directly. Throws RuntimeError.
 void write_text_file(const std::string& path, std::string_view text);
 
-/// Unlinks every temporary of this process; files that other threads create afterwards wait for its end.
-/// Async-signal-safe: meant for the SIGINT handler of a command, right before it ends the process.
-void remove_temporaries() noexcept;
+/// Nobody reads what is written to a pipe any more: no fault of anybody, and the end of the command without a word.
+class BrokenPipe : public RuntimeError {
+ public:
+  using RuntimeError::RuntimeError;
+};
+
+/// Throws RuntimeError that `path` cannot be written, with the reason and the remedy for that error number.
+[[noreturn]] void fail_to_write(const std::string& path, int error_number);
+
+/// "." for a file in the current folder.
+std::string folder_of_file(const std::string& path);
+
+/// The names in a folder are written to the disk; a file system that cannot sync folders has done what it can.
+void sync_folder(const std::string& name);
 
 }  // namespace mtf::io

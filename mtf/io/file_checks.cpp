@@ -2,7 +2,6 @@
 #include "mtf/io/file_checks.h"
 
 #include <sys/stat.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <array>
@@ -11,18 +10,25 @@
 #include <system_error>
 
 #include "mtf/error.h"
+#include "mtf/work/usable_memory.h"
 
 namespace mtf::io {
 
-std::int64_t input_file_size(const std::string& path) {
+std::int64_t ordinary_file_size(const std::string& path) {
   struct stat status {};
   if (::stat(path.c_str(), &status) != 0)
     throw RuntimeError("cannot read " + path + ": " + std::generic_category().message(errno) + "; check the path");
-  if (S_ISDIR(status.st_mode)) throw RuntimeError("cannot read " + path + ": it is a folder; name an image file in it");
+  if (S_ISDIR(status.st_mode)) throw RuntimeError("cannot read " + path + ": it is a folder; name a file in it");
   if (!S_ISREG(status.st_mode))
-    throw RuntimeError("cannot read " + path + ": it is not an ordinary file; store the image in a file first");
-  if (status.st_size == 0) throw RuntimeError("cannot read " + path + ": the file is empty; copy or export it again");
+    throw RuntimeError("cannot read " + path +
+                       ": it is not an ordinary file, but a pipe or a device; store what it gives in a file first");
   return status.st_size;
+}
+
+std::int64_t input_file_size(const std::string& path) {
+  const std::int64_t size = ordinary_file_size(path);
+  if (size == 0) throw RuntimeError("cannot read " + path + ": the file is empty; copy or export it again");
+  return size;
 }
 
 void check_plane_pixels(const std::string& path, std::int64_t width, std::int64_t height) {
@@ -36,12 +42,13 @@ void check_plane_pixels(const std::string& path, std::int64_t width, std::int64_
 void check_plane_size(const std::string& path, std::int64_t width, std::int64_t height, std::int64_t planes) {
   const double pixels = static_cast<double>(width) * static_cast<double>(height);
   const double bytes = pixels * static_cast<double>(planes) * sizeof(float);
-  const double memory = static_cast<double>(::sysconf(_SC_PHYS_PAGES)) * static_cast<double>(::sysconf(_SC_PAGESIZE));
+  const UsableMemory memory = usable_memory();
   const std::string size = path + ": an image of " + std::to_string(width) + " x " + std::to_string(height) +
                            " pixels needs " + shown_bytes(bytes) + " for " + std::to_string(planes) + " plane(s)";
   check_plane_pixels(path, width, height);
-  if (bytes > memory)
-    throw RuntimeError(size + "; this machine has " + shown_bytes(memory) + ": crop it or choose one channel");
+  if (bytes > memory.bytes)
+    throw RuntimeError(size + "; " + memory.whose + " " + shown_bytes(memory.bytes) +
+                       ": crop it or choose one channel");
 }
 
 void check_compression(const std::string& path, double data_bytes, std::int64_t file_bytes, double ratio) {

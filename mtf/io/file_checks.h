@@ -12,14 +12,18 @@ namespace mtf::io {
 /// Largest number of pixels of one plane that is read or written.
 inline constexpr std::int64_t max_plane_pixels = std::int64_t{1} << 31;
 
-/// Size in bytes of a non-empty regular file. Throws RuntimeError for anything else (missing, folder, pipe, empty).
+/// Size in bytes of an ordinary file. Throws RuntimeError for anything else: missing, folder, device, pipe, which to
+/// open would wait for its other end. Every reader asks it before it opens a file.
+std::int64_t ordinary_file_size(const std::string& path);
+
+/// The same of a file that is not empty.
 std::int64_t input_file_size(const std::string& path);
 
 /// Throws RuntimeError when a plane of this size is empty or above `max_plane_pixels`.
 void check_plane_pixels(const std::string& path, std::int64_t width, std::int64_t height);
 
 /// Throws RuntimeError with the bytes needed when `planes` float planes of this size are above `max_plane_pixels` each
-/// or more than the machine's memory. Nothing is allocated.
+/// or more than the usable memory. Nothing is allocated.
 void check_plane_size(const std::string& path, std::int64_t width, std::int64_t height, std::int64_t planes);
 
 /// Throws RuntimeError when a file of `file_bytes` cannot hold `data_bytes` at a compression of `ratio`.

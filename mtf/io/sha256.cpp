@@ -7,6 +7,7 @@
 #include <fstream>
 
 #include "mtf/error.h"
+#include "mtf/io/file_checks.h"
 
 namespace mtf::io {
 namespace {
@@ -109,6 +110,7 @@ std::string sha256_hex(std::string_view bytes) {
 }
 
 std::string sha256_file(const std::string& path) {
+  static_cast<void>(ordinary_file_size(path));
   std::ifstream file(path, std::ios::binary);
   std::string piece(std::size_t{1} << 20, '\0');
   Digest digest;

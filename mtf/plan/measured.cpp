@@ -10,11 +10,12 @@
 
 #include "mtf/engines/fft/fftw.h"
 #include "mtf/error.h"
+#include "mtf/math/word_hash.h"
 
 namespace mtf {
 namespace {
 
-constexpr std::string_view kHeader = "mtfkit measured 1\n", kWisdom = "wisdom\n";
+constexpr std::string_view kHeader = "mtfkit measured 2 ", kWisdom = "wisdom\n";
 
 struct Book {
   std::mutex lock;
@@ -24,6 +25,13 @@ struct Book {
 Book& book() {
   static Book all;
   return all;
+}
+
+/// The first line: what it is, and a checksum of all that follows.
+std::string header_of(std::string_view text) {
+  std::uint64_t hash = kWordHashStart;
+  for (const char c : text) hash = mixed(hash, static_cast<unsigned char>(c));
+  return std::string(kHeader) + std::to_string(hash) + "\n";
 }
 
 }  // namespace
@@ -56,18 +64,20 @@ double time_ms(const std::function<void()>& run) {
 }
 
 std::string export_measured() {
-  std::string text(kHeader);
+  std::string text;
   {
     const std::scoped_lock lock(book().lock);
     for (const auto& [work, ms] : book().ms) text += format_double(ms) + " " + work + "\n";
   }
-  return text + std::string(kWisdom) + fft::export_wisdom();
+  text += std::string(kWisdom) + fft::export_wisdom();
+  return header_of(text) + text;
 }
 
 bool import_measured(const std::string& text) {
   std::string_view rest = text;
-  if (!rest.starts_with(kHeader)) return false;
-  rest.remove_prefix(kHeader.size());
+  const std::size_t line = rest.find('\n');
+  if (line == std::string_view::npos || header_of(rest.substr(line + 1)) != rest.substr(0, line + 1)) return false;
+  rest.remove_prefix(line + 1);
   std::map<std::string, double> learnt;
   while (!rest.starts_with(kWisdom)) {
     const auto end = rest.find('\n'), gap = rest.find(' ');

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <unistd.h>
 
 #include <algorithm>
 #include <array>
@@ -11,6 +10,7 @@
 #include "mtf/engines/fft/spectral.h"
 #include "mtf/error.h"
 #include "mtf/plan/plan_parts.h"
+#include "mtf/work/usable_memory.h"
 
 namespace mtf {
 namespace {
@@ -111,10 +111,10 @@ double spectral_bytes(const AxisTransform& x, const AxisTransform& y, bool real_
 
 void require_memory(double bytes, const SampleGrid& out) {
   bytes += 4.0 * static_cast<double>(out.width) * static_cast<double>(out.height);
-  const double machine = static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE));
-  if (bytes <= machine) return;
+  const UsableMemory memory = usable_memory();
+  if (bytes <= memory.bytes) return;
   throw UsageError(
-      "the plan would need " + format_double(bytes) + " bytes, the machine has " + format_double(machine) +
+      "the plan would need " + format_double(bytes) + " bytes, " + memory.whose + " " + format_double(memory.bytes) +
       "; check scene.sample and frame.pitch, set frame.format, choose border = \"periodic\", or cut the scene");
 }
 

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mtf/tiles/tiles.h"
 
-#include <unistd.h>
-
 #include <algorithm>
 #include <cmath>
 
@@ -12,6 +10,7 @@
 #include "mtf/tiles/tile_fit.h"
 #include "mtf/tiles/tile_halo.h"
 #include "mtf/tiles/tiles_refusal.h"
+#include "mtf/work/usable_memory.h"
 
 namespace mtf {
 namespace {
@@ -21,10 +20,6 @@ constexpr double kHaloShare = 0.25, kFarShare = 0.15, kNearShare = 0.55;
 constexpr std::array<std::int64_t, 2> kEvery{8, 16};
 constexpr double kCoarseBytes = 28.0;  // coarse image, its running sums, and plan: what is set aside for a sample
 constexpr int kAttempts = 4;           // at tiles that fit
-
-std::int64_t machine_bytes() {
-  return static_cast<std::int64_t>(sysconf(_SC_PHYS_PAGES)) * static_cast<std::int64_t>(sysconf(_SC_PAGESIZE));
-}
 
 double count(std::int64_t n) { return static_cast<double>(n); }
 
@@ -79,7 +74,7 @@ double plan_bytes(const Plan& plan) { return count(plan.report().otf_bytes + pla
 }  // namespace
 
 std::int64_t coarse_every(const SampleGrid& scene, Border border, std::int64_t memory) {
-  const double limit = count(memory > 0 ? memory : machine_bytes()) / 5.0;
+  const double limit = (memory > 0 ? count(memory) : usable_bytes()) / 5.0;
   for (const std::int64_t every : kEvery) {
     if (std::min(scene.width, scene.height) < 32 * every) return 0;  // a tile would be the scene
     if (kCoarseBytes * coarse_samples(coarse_grid(scene, border, every)) <= limit) return every;
@@ -188,7 +183,7 @@ std::optional<TiledSensorPlan> cut_into_tiles(const System<double>& system, cons
   FitRequest request;
   request.x = {*rx, plan.region_.x, plan.region_.width, halo->samples[0], post_halo.samples[0], 0, tiles.side};
   request.y = {*ry, plan.region_.y, plan.region_.height, halo->samples[1], post_halo.samples[1], 0, tiles.side};
-  request.limit = count(tiles.memory > 0 ? tiles.memory : machine_bytes());
+  request.limit = tiles.memory > 0 ? count(tiles.memory) : usable_bytes();
   request.row_bytes = count(tiles.row_bytes);
   request.more_rows = count(tiles.more_rows);
   request.channels = count(tiles.channels);
@@ -258,7 +253,7 @@ TiledSensorPlan compile_tiled(const System<double>& system, const SampleGrid& sc
   if (tiles.region) require_region(*tiles.region, detector);
   if (!(options.tolerance > 0.0 && options.tolerance < 1.0))
     throw UsageError("tolerance " + format_double(options.tolerance) + " is outside (0, 1)");
-  const double limit = count(tiles.memory > 0 ? tiles.memory : machine_bytes());
+  const double limit = tiles.memory > 0 ? count(tiles.memory) : usable_bytes();
 
   std::optional<TiledSensorPlan> best;
   std::string reason;

@@ -248,13 +248,12 @@ TEST(Curve, BadFrequenciesAndOutputs) {
     EXPECT_EQ(result.status, 2) << arguments;
     return result.err;
   };
-  EXPECT_EQ(said("--plot k.svg -o k.svg"),
-            "mtf: error: k.svg: -o names the file of the figure k.svg; choose another name for -o\n");
+  EXPECT_EQ(said("--plot k.svg -o k.svg"), "mtf: error: k.svg is named for two outputs; give each its own name\n");
   EXPECT_EQ(said("--plot k.svg -o ./k.svg.csv"),
-            "mtf: error: ./k.svg.csv: -o names the data file of the figure k.svg; choose another name for -o\n");
+            "mtf: error: k.svg.csv and ./k.svg.csv are one file, named for two outputs; give each its own name\n");
   // A link to a file that is yet to be written leads to it all the same.
   ASSERT_EQ(scratch.run("ln -s k.svg link.csv").status, 0);
-  EXPECT_NE(said("--plot k.svg -o link.csv").find("-o names the file of the figure"), std::string::npos);
+  EXPECT_NE(said("--plot k.svg -o link.csv").find("are one file, named for two outputs"), std::string::npos);
   ASSERT_EQ(scratch.run("rm link.csv").status, 0);
   EXPECT_EQ(scratch.run("ls").out, "sensor.toml\n");
 }

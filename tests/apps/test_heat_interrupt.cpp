@@ -4,8 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
+#include <functional>
 #include <nlohmann/json.hpp>
+#include <optional>
 
+#include "mtf/io/sha256.h"
 #include "tests/apps/heat_command_case.h"
 
 namespace apps_test {
@@ -68,7 +72,7 @@ TEST_F(HeatCommand, GoesOnAfterAnInterrupt) {
   EXPECT_LT(outputs, 10U * 24U + 1U);
   EXPECT_EQ(outputs % 24, 1U);  // whole days, and the start
   EXPECT_EQ(lines_of(read_file(scratch_ / "days/times.csv")).size(), outputs + 1);
-  for (const std::string& name : names_in(scratch_ / "days")) EXPECT_EQ(name.find(".tmp."), std::string::npos) << name;
+  for (const std::string& name : names_in(scratch_ / "days")) EXPECT_FALSE(name.starts_with('.')) << name;
 
   // Inputs that changed are refused, by name, and nothing is lost.
   write_file(scratch_ / "plates.obj", bumps(19));
@@ -103,7 +107,7 @@ TEST_F(HeatCommand, GoesOnAfterAnInterrupt) {
 TEST_F(HeatCommand, AKilledRunLeavesNothingHalfWritten) {
   write_many_days(scratch_, "2026-07-01");
   ASSERT_EQ(scratch_.run(stopped("fresh", "KILL")).status, 137);
-  for (const std::string& name : names_in(scratch_ / "fresh")) EXPECT_NE(name.find(".tmp."), std::string::npos) << name;
+  EXPECT_EQ(names_in(scratch_ / "fresh"), std::vector<std::string>{".mtf-new"});
 
   // What an interrupted run finished is there still when the one that goes on is killed, and can be gone on from.
   ASSERT_EQ(scratch_.run(interrupted("days")).status, 130);
@@ -115,10 +119,9 @@ TEST_F(HeatCommand, AKilledRunLeavesNothingHalfWritten) {
             std::string::npos);
 
   write_many_days(scratch_, "2026-06-22");
-  EXPECT_EQ(scratch_.run("mtf heat scene.toml -o fresh").status, 2);  // not empty
-  const Result again = scratch_.run("mtf heat scene.toml -o fresh --force");
+  const Result again = scratch_.run("mtf heat scene.toml -o fresh");  // as good as empty
   ASSERT_EQ(again.status, 0) << again.err;
-  for (const std::string& name : names_in(scratch_ / "fresh")) EXPECT_EQ(name.find(".tmp."), std::string::npos) << name;
+  for (const std::string& name : names_in(scratch_ / "fresh")) EXPECT_FALSE(name.starts_with('.')) << name;
 }
 
 /// `mtf heat scene.toml -o FOLDER --save-every 0`, killed as soon as it has saved a day, another one than in the file
@@ -154,19 +157,65 @@ TEST_F(HeatCommand, GoesOnAfterItWasKilled) {
   ASSERT_EQ(scratch_.run(killed("days", "first.bin")).status, 137);
   EXPECT_FALSE(read_file(scratch_ / "days/unfinished.bin") == state);
   // (What a killed process left is no sign that the next one has begun.)
-  ASSERT_EQ(scratch_.run("rm -f days/*.tmp.*; " + interrupted("days")).status, 130);
+  ASSERT_EQ(scratch_.run("rm -rf days/.mtf-new; " + interrupted("days")).status, 130);
   const Result last = scratch_.run("mtf heat scene.toml -o days");
   ASSERT_EQ(last.status, 0) << last.err;
   EXPECT_NE(last.err.find("going on after "), std::string::npos) << last.err;
   for (const char* name : {"temperatures.npy", "regions.csv", "times.csv", "facets.csv"})
     EXPECT_TRUE(read_file(scratch_ / "days" / name) == read_file(scratch_ / "whole" / name)) << name;
   for (const std::string& name : names_in(scratch_ / "days")) {
-    EXPECT_EQ(name.find(".tmp."), std::string::npos) << name;
+    EXPECT_FALSE(name.starts_with('.')) << name;
     EXPECT_EQ(name.find("unfinished"), std::string::npos) << name;
   }
   const auto one = nlohmann::json::parse(read_file(scratch_ / "whole/heat.json"));
   const auto two = nlohmann::json::parse(read_file(scratch_ / "days/heat.json"));
   for (const char* key : {"promised_K", "steps", "residual_K", "materials"}) EXPECT_EQ(one.at(key), two.at(key)) << key;
+}
+
+/// unfinished.bin with another head or another first number of the checkpoint (the windows that are finished), and the
+/// hash that belongs to it.
+std::string rewritten(const std::string& state, const std::function<void(nlohmann::json&)>& change,
+                      std::optional<std::uint64_t> windows = {}) {
+  const std::size_t magic = state.find('\n') + 1, begin = magic + 64, line = state.find('\n', begin);
+  nlohmann::json head = nlohmann::json::parse(state.substr(begin, line - begin));
+  change(head);
+  std::string body = state.substr(line + 1);
+  if (windows) std::memcpy(body.data(), &*windows, sizeof *windows);
+  const std::string all = head.dump() + "\n" + body;
+  return state.substr(0, magic) + mtf::io::sha256_hex(all) + all;
+}
+
+// Whatever a bad disk or somebody made of the state: it is refused, nothing crashes or takes memory for it, and it is
+// still there. The whole file is covered by its hash, the sizes in it are compared with the scene.
+TEST_F(HeatCommand, AStateThatIsNotItsOwnIsRefused) {
+  write_many_days(scratch_, "2026-07-01");
+  ASSERT_EQ(scratch_.run(interrupted("days")).status, 130);
+  const std::string state = read_file(scratch_ / "days/unfinished.bin");
+  const auto expect_refused = [&](const std::string& bytes, const std::string& what) {
+    write_file(scratch_ / "days/unfinished.bin", bytes);
+    const Result result = scratch_.run("ulimit -v 4000000; mtf heat scene.toml -o days");
+    EXPECT_TRUE(result.status == 1 || result.status == 2) << what << ": " << result.status;
+    EXPECT_NE(result.err.find("is damaged; --anew begins again"), std::string::npos) << what << ": " << result.err;
+    EXPECT_TRUE(read_file(scratch_ / "days/unfinished.bin") == bytes) << what;
+  };
+  const auto none = [](nlohmann::json&) {};
+  std::string flipped = state;
+  flipped[state.find("times_s") + 12] ^= 1;
+  expect_refused(flipped, "a time");
+  flipped = state;
+  flipped[state.size() / 2] ^= 1;
+  expect_refused(flipped, "the checkpoint");
+  expect_refused(rewritten(state, [](nlohmann::json& head) { head["regions"] = nlohmann::json::array(); }),
+                 "no regions");
+  expect_refused(rewritten(state, [](nlohmann::json& head) { head["times_s"].push_back(1e9); }), "more times");
+  expect_refused(rewritten(state, [](nlohmann::json& head) { head["regions"] = 5; }), "no list");
+  for (const std::uint64_t windows :
+       {std::uint64_t{0}, std::uint64_t{1000}, std::uint64_t{1} << 40U, ~std::uint64_t{0}})
+    expect_refused(rewritten(state, none, windows), std::to_string(windows) + " windows");
+  for (std::size_t cut = 100; cut < state.size(); cut += state.size() / 7)
+    expect_refused(state.substr(0, cut), "cut at " + std::to_string(cut));
+  write_file(scratch_ / "days/unfinished.bin", rewritten(state, none));
+  EXPECT_EQ(scratch_.run("mtf heat scene.toml -o days").status, 0);
 }
 
 // A limit on the size of files stands for a disk that is full.

@@ -13,6 +13,7 @@ import socket
 import subprocess
 import sys
 import tempfile
+import threading
 import time
 from pathlib import Path
 
@@ -66,6 +67,9 @@ class Server:
     def memory_mib(self):
         text = Path(f"/proc/{self.process.pid}/status").read_text()
         return int(re.search(r"VmRSS:\s+(\d+)", text)[1]) / 1024
+
+    def threads(self):
+        return len(os.listdir(f"/proc/{self.process.pid}/task"))
 
     def end(self, how=signal.SIGINT):
         self.process.send_signal(how)
@@ -267,6 +271,39 @@ def many_connections(server):
     return waited
 
 
+class Dripping(threading.Thread):
+    """A client that stays connected and sends a byte every half second: `seconds` until it is shown the door."""
+
+    def __init__(self, server):
+        super().__init__(daemon=True)
+        self.peer = socket.create_connection(("127.0.0.1", server.port), timeout=5)
+        self.seconds = None
+        self.start()
+
+    def run(self):
+        begin, text = time.monotonic(), b"POST /start HTTP/1.1\r\nHost: 127.0.0.1\r\nX-Note: " + b"x" * 200
+        try:
+            for i in range(len(text)):
+                self.peer.sendall(text[i:i + 1])
+                self.peer.settimeout(0.5)
+                try:
+                    if not self.peer.recv(1):
+                        break
+                except TimeoutError:
+                    pass
+        except OSError:
+            pass
+        self.seconds = time.monotonic() - begin
+
+
+def threads_end(server, usual):
+    for _ in range(100):
+        if server.threads() <= usual + 8:  # those of pictures
+            break
+        time.sleep(0.1)
+    expect("threads that went with their connections", server.threads() <= usual + 8, True)
+
+
 def slow_readers(server):
     body = b'{"edits": []}'
     head = (f"POST /scene HTTP/1.1\r\nHost: 127.0.0.1\r\nX-Mtf-Token: {server.token}\r\nContent-Length: {len(body)}\r\n\r\n").encode()
@@ -288,6 +325,8 @@ def main():
     server = Server("--stay")
     try:
         tokens_hosts_origins(server)
+        expect("a frame", server.ask("POST", "/frame", '{"edits": []}')[0], 200)
+        usual, dripping = server.threads(), Dripping(server)
         first = server.memory_mib()
         paths(server)
         ranges(server)
@@ -295,15 +334,22 @@ def main():
             files_by_edits(server, Path(folder))
         bodies(server)
         waited = many_connections(server)
+        threads_end(server, usual)
         slow_readers(server)
+        dripping.join(15.0)
+        expect("a request in drops ends", dripping.seconds is not None and 8.0 < dripping.seconds < 14.0, True)
         expect("still the same frame", server.ask("POST", "/frame", '{"edits": []}')[0], 200)
         grown = server.memory_mib() - first
         expect("memory", grown < 150.0, True)
         print(f"1000 connections: another one was answered after {waited:.2f} s; memory grew by {grown:.0f} MiB")
         expect("the port is taken", subprocess.run([MTF, "live", "--no-browser", "--port", str(server.port)],
                                                    capture_output=True).returncode, 1)
+        Dripping(server)
+        time.sleep(1.0)
     finally:
+        begin = time.monotonic()
         expect("Ctrl-C", server.end(), 0)
+        expect("an end that waits for no client", time.monotonic() - begin < 3.0, True)
     with tempfile.TemporaryDirectory() as folder:
         places(Path(folder))
     server = Server("--linger", "1")

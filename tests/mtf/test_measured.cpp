@@ -2,6 +2,7 @@
 // What measuring learns outlives the plan that measured, as text too; other text is refused and changes nothing.
 #include "mtf/plan/measured.h"
 
+#include "mtf/math/word_hash.h"
 #include "tests/mtf/plan_support.h"
 
 namespace mtf::test {
@@ -16,11 +17,30 @@ TEST(Measured, text_goes_out_and_back) {
   EXPECT_FALSE(measured_ms("other work"));
 }
 
+/// With the checksum that belongs to it.
+std::string whole(const std::string& text) {
+  std::uint64_t hash = kWordHashStart;
+  for (const char c : text) hash = mixed(hash, static_cast<unsigned char>(c));
+  return "mtfkit measured 2 " + std::to_string(hash) + "\n" + text;
+}
+
 TEST(Measured, other_text_is_refused) {
-  for (const std::string text :
-       {"", "mtfkit measured 1\n", "mtfkit measured 1\nx y\nwisdom\n", "mtfkit measured 1\n-1 work\nwisdom\n",
-        "mtfkit measured 1\nwisdom\nnot wisdom", "(fftw-3.3.10 fftwf_wisdom #x0 #x0 #x0 #x0\n)\n"})
+  for (const std::string text : {"", "x y\nwisdom\n", "-1 work\nwisdom\n", "wisdom\nnot wisdom"}) {
     EXPECT_FALSE(import_measured(text)) << text;
+    EXPECT_FALSE(import_measured(whole(text))) << text;
+  }
+  EXPECT_FALSE(import_measured("(fftw-3.3.10 fftwf_wisdom #x0 #x0 #x0 #x0\n)\n"));
+}
+
+TEST(Measured, a_byte_that_changed_is_found) {
+  remember_ms("some work 3x4", 1.5);
+  const std::string text = export_measured();
+  ASSERT_TRUE(import_measured(text));
+  for (std::size_t at = 0; at < text.size(); at += 1 + text.size() / 500) {
+    std::string changed = text;
+    changed[at] = static_cast<char>(changed[at] ^ 1);
+    EXPECT_FALSE(import_measured(changed)) << at;
+  }
 }
 
 TEST(Measured, a_plan_measures_once_and_says_so) {

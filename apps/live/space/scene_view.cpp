@@ -106,6 +106,7 @@ KeptFrame Drawing::frame(const Sensor& sensor, const FrameRequest& request) {
   else if (request.tolerance != tolerance || request.stage != stage)
     flight->set_image(image);
   tolerance = request.tolerance, stage = request.stage;
+  const std::string memory = memory_words(*sensor, kSamples, kLiveBytes);
   const FrameChoice choice{.samples_per_pitch = request.preview ? kSamplesMoving : kSamples,
                            .points = request.preview ? kPointsMoving : kPoints,
                            .light_may_lag = request.may_lag,
@@ -130,6 +131,7 @@ KeptFrame Drawing::frame(const Sensor& sensor, const FrameRequest& request) {
     kept.warnings = std::move(made.warnings);
     const PictureSensor picture = picture_sensor(*sensor, PictureQuantity::weighted);
     if (std::string text = sampling_warning(picture, kSamples); !text.empty()) kept.warnings.push_back(std::move(text));
+    if (!memory.empty()) kept.warnings.push_back(memory);
     flight->look_ahead(places_around(from));  // the camera will turn
   }
   return kept;

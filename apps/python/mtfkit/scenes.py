@@ -150,12 +150,12 @@ def heat(scene: str | os.PathLike[str], *, tolerance: quantities.Value = "0.1 K"
         keep = KeptFolder("mtfkit-heat-")
         folder = keep.name
     else:
-        folder = os.fspath(out)
+        folder = os.path.abspath(quantities.path(out, "out"))
         try:
             os.makedirs(folder, exist_ok=True)
         except OSError as error:
             raise UsageError(f"out: {folder} cannot be made a folder: {error.strerror}; name another one") from None
-        if os.listdir(folder):
+        if any(not name.endswith(".mtf-new") for name in os.listdir(folder)):  # which killed processes leave
             raise UsageError(f"out: {folder} is not empty; name another folder")
     report, warnings = _core.heat(os.fspath(scene), folder, kelvin, rays, every_facet, quantities.thread_count(threads),
                                   function_of(progress, "heat"))

@@ -269,13 +269,13 @@ class Sensor:
 
     def _key(self) -> str:
         if self._canonical is None:
-            object.__setattr__(self, "_canonical", self._file.canonical("/mtfkit/sensor.toml"))
+            object.__setattr__(self, "_canonical", self._file.canonical("/mtfkit/sensor.toml") + "".join(self._file.contents))
         assert self._canonical is not None
         return self._canonical
 
     def __eq__(self, other: object) -> bool:
-        """The same values, whatever the comments, the order and the units of the texts; general functions are the same where
-        2000 values are."""
+        """The same values, whatever the comments, the order and the units of the texts, and the same contents of the files that
+        they name, when they were read; general functions are the same where 2000 values are."""
         if not isinstance(other, Sensor):
             return NotImplemented
         return self._key() == other._key() and self._functions == other._functions

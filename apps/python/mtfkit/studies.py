@@ -101,7 +101,8 @@ class Study:
             raise UsageError(f"tolerance: {tolerance!r} is outside 1e-12 to 0.1")
         study = object.__new__(cls)
         study._parts, study._folder, study._tolerance = None, None, tolerance
-        study._study = _core.StudyFile(quantities.path(file, "file"), tolerance)
+        # Designs read the files of sensors when they are made: where those are now, wherever the process goes.
+        study._study = _core.StudyFile(os.path.abspath(quantities.path(file, "file")), tolerance)
         return study
 
     @checked
@@ -174,7 +175,7 @@ class Study:
         It depends on nothing but the study and the numbers, so that any worker on any machine makes the same bytes:
         `pool.map(study.rows, [0, 600], [600, 1221])`, or a pair `rows((0, 600))`. `threads` is 1, as workers of a pool
         want it; 0 = all cores. NaN where a design has no such number. Ctrl-C ends it. Raises UsageError for designs that
-        are not there.
+        are not there, DataError where a file of a sensor is not what it was when the study was read.
         """
         if isinstance(first, tuple):
             if len(first) != 2:

@@ -3,7 +3,6 @@
 // `mtf bench scene.toml -o DIR`: what each tolerance of the temperatures costs: promised and realised error, and time.
 
 #include <algorithm>
-#include <filesystem>
 #include <nlohmann/json.hpp>
 
 #include "apps/bench/machine.h"
@@ -11,19 +10,17 @@
 #include "apps/options.h"
 #include "apps/scene/heat/run/heat_run.h"
 #include "apps/scene/heat/stopwatch.h"
-#include "apps/sweep/output_folder.h"
 #include "apps/terminal/output.h"
+#include "apps/terminal/output_set.h"
 #include "apps/terminal/progress_line.h"
 #include "apps/terminal/text_table.h"
-#include "apps/terminal/write_together.h"
+#include "apps/text/json_document.h"
 #include "mtf/error.h"
-#include "mtf/io/atomic_file.h"
 #include "mtf/version.h"
 
 namespace apps {
 namespace {
 
-namespace fs = std::filesystem;
 using namespace scene;
 using Json = nlohmann::ordered_json;
 
@@ -102,7 +99,7 @@ std::string json_of(const SceneFile& file, const std::vector<Rung>& ladder, cons
       {"threads", global.threads > 0 ? global.threads : machine.cores},
       {"rounds", rounds},
       {"rows", rows}};
-  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  return json_document(json);
 }
 
 std::string table_of(const std::vector<Rung>& ladder) {
@@ -145,9 +142,11 @@ Figure figure_of(const SceneFile& file, const std::vector<Rung>& ladder) {
 
 int run_bench_heat(const BenchOptions& options, const Global& global) {
   if (options.out.empty()) throw mtf::UsageError("-o, --out is missing: name the folder for the results");
-  const fs::path folder = options.out;
-  check_folder(folder, options.force);
   const SceneFile file = load_scene(options.sensor);
+  OutputSet outputs({.folder = options.out,
+                     .force = options.force,
+                     .names = {"heat_bench.csv", "heat_bench.json", "heat_bench.svg"},
+                     .inputs = files_of(file)});
   std::vector<double> tolerances = options.tolerances_k;
   if (tolerances.empty()) tolerances = {1.0, 0.3, 0.1};
   const int rounds = options.rounds.value_or(1);
@@ -156,19 +155,14 @@ int run_bench_heat(const BenchOptions& options, const Global& global) {
     ProgressLine progress(global);
     for (const double tolerance_k : tolerances) ladder.push_back(rung_of(file, tolerance_k, rounds, global, progress));
   }
-  std::vector<std::string> outputs{folder.string()};
-  for (const char* name : {"heat_bench.csv", "heat_bench.json", "heat_bench.svg"})
-    outputs.push_back((folder / name).string());
-  write_together(outputs, [&] {
-    prepare_folder(folder, options.force);
-    mtf::io::write_text_file(outputs[1], csv_of(ladder));
-    mtf::io::write_text_file(outputs[2], json_of(file, ladder, global, rounds));
-    if (!draw_figure(outputs[3], figure_of(file, ladder)))
-      note(global, "note: gnuplot is not installed; heat_bench.csv has the numbers, heat_bench.svg is left out");
-  });
+  emit(outputs.in("heat_bench.csv"), csv_of(ladder));
+  emit(outputs.in("heat_bench.json"), json_of(file, ladder, global, rounds));
+  if (!draw_figure(outputs.in("heat_bench.svg"), figure_of(file, ladder)))
+    note(global, "note: gnuplot is not installed; heat_bench.csv has the numbers, heat_bench.svg is left out");
+  outputs.commit();
   print(options.format == Format::json  ? json_of(file, ladder, global, rounds)
         : options.format == Format::csv ? csv_of(ladder)
-                                        : table_of(ladder) + "written to " + one_line(folder.string()) + "/\n");
+                                        : table_of(ladder) + "written to " + one_line(options.out) + "/\n");
   bool kept = true;
   for (const Rung& rung : ladder)
     if (!rung.kept()) {

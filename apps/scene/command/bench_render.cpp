@@ -21,13 +21,12 @@
 #include "apps/scene/heat/stopwatch.h"
 #include "apps/scene/render/sensor_picture.h"
 #include "apps/sensor/sensor_file.h"
-#include "apps/sweep/output_folder.h"
 #include "apps/terminal/output.h"
+#include "apps/terminal/output_set.h"
 #include "apps/terminal/progress_line.h"
 #include "apps/terminal/text_table.h"
-#include "apps/terminal/write_together.h"
+#include "apps/text/json_document.h"
 #include "mtf/error.h"
-#include "mtf/io/atomic_file.h"
 #include "mtf/survey/statistics.h"
 #include "mtf/version.h"
 #include "radiometry/light/scene_radiance.h"
@@ -221,7 +220,7 @@ std::string json_of(const BenchOptions& options, const Subject& subject, const s
       {"threads", subject.threads > 0 ? subject.threads : machine.cores},
       {"rounds", ladder.front().ms.size()},
       {"rows", rows}};
-  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  return json_document(json);
 }
 
 std::string table_of(const std::vector<PictureRung>& ladder) {
@@ -258,10 +257,15 @@ Figure figure_of(const std::vector<PictureRung>& ladder) {
 
 int run_bench_render(const BenchOptions& options, const Global& global) {
   if (options.out.empty()) throw mtf::UsageError("-o, --out is missing: name the folder for the results");
-  const fs::path folder = options.out;
-  check_folder(folder, options.force);
   const SceneFile file = load_scene(options.sensor);
   const PictureSensor sensor = picture_sensor(read_sensor(options.scene, global), PictureQuantity::weighted);
+  std::vector<std::string> inputs = files_of(file);
+  for (const std::vector<std::string>& more : {files_of(sensor.config), temperature_files(options.temperatures)})
+    inputs.insert(inputs.end(), more.begin(), more.end());
+  OutputSet outputs({.folder = options.out,
+                     .force = options.force,
+                     .names = {"render_bench.csv", "render_bench.json", "render_bench.svg"},
+                     .inputs = inputs});
   const PictureScene scene = read_picture_scene(
       file, {.temperatures = options.temperatures, .sensor_air = sensor.air, .sensor_file = options.scene});
   render::Pose pose = options.position && options.look_at ? render::Pose{} : pose_of(file);
@@ -287,19 +291,14 @@ int run_bench_render(const BenchOptions& options, const Global& global) {
       measure_picture(subject, reference, options.rounds.value_or(5), ladder[r]);
     }
   }
-  std::vector<std::string> outputs{folder.string()};
-  for (const char* name : {"render_bench.csv", "render_bench.json", "render_bench.svg"})
-    outputs.push_back((folder / name).string());
-  write_together(outputs, [&] {
-    prepare_folder(folder, options.force);
-    mtf::io::write_text_file(outputs[1], csv_of(ladder));
-    mtf::io::write_text_file(outputs[2], json_of(options, subject, ladder));
-    if (!draw_figure(outputs[3], figure_of(ladder)))
-      note(global, "note: gnuplot is not installed; render_bench.csv has the numbers, render_bench.svg is left out");
-  });
+  emit(outputs.in("render_bench.csv"), csv_of(ladder));
+  emit(outputs.in("render_bench.json"), json_of(options, subject, ladder));
+  if (!draw_figure(outputs.in("render_bench.svg"), figure_of(ladder)))
+    note(global, "note: gnuplot is not installed; render_bench.csv has the numbers, render_bench.svg is left out");
+  outputs.commit();
   print(options.format == Format::json  ? json_of(options, subject, ladder)
         : options.format == Format::csv ? csv_of(ladder)
-                                        : table_of(ladder) + "written to " + one_line(folder.string()) + "/\n");
+                                        : table_of(ladder) + "written to " + one_line(options.out) + "/\n");
   bool kept = true;
   for (const PictureRung& rung : ladder)
     if (rung.tables > rung.promised) {

@@ -24,6 +24,7 @@
 #include "apps/terminal/output.h"
 #include "apps/terminal/progress_line.h"
 #include "apps/terminal/text_table.h"
+#include "apps/text/json_document.h"
 #include "mtf/error.h"
 #include "mtf/io/config/schedule.h"
 #include "mtf/survey/statistics.h"
@@ -103,10 +104,9 @@ std::vector<std::int64_t> frames_of(const FlyCommandOptions& options, const Scen
 std::vector<std::string> inputs_of(const FlyCommandOptions& options, const SceneFile& file,
                                    const mtf::io::SensorConfig& config) {
   std::vector<std::string> inputs = files_of(config);
-  inputs.push_back(options.scene);
-  for (const std::string& name : {file.weather.file, options.schedule, options.temperatures}) inputs.push_back(name);
-  for (const MeshSection& mesh : file.meshes) inputs.push_back(mesh.file);
-  if (file.camera->path) inputs.push_back(file.camera->path->source);
+  inputs.push_back(options.schedule);
+  for (const std::vector<std::string>& more : {files_of(file), temperature_files(options.temperatures)})
+    inputs.insert(inputs.end(), more.begin(), more.end());
   std::erase(inputs, "");
   return inputs;
 }
@@ -223,16 +223,19 @@ int run_fly(const FlyCommandOptions& options, const Global& global) {
   course.frames = frames_of(options, file);
   const std::int64_t first = course.frames.front(), last = course.frames.back();
   for (const std::int64_t frame : {first, last}) course.place_of(frame);  // the path has them
-  require_outputs(options, names, course, inputs_of(options, file, config));
-
-  if (const std::string text =
-          sampling_warning(picture_sensor(config, PictureQuantity::weighted), options.sampling.samples_per_pitch);
-      !text.empty())
-    note(global, "warning: " + text);
   const mtf::io::Schedule schedule =
       options.schedule.empty() ? mtf::io::Schedule{} : mtf::io::read_schedule(options.schedule, config);
+  std::vector<std::string> inputs = inputs_of(options, file, config);
+  inputs.insert(inputs.end(), schedule.files.begin(), schedule.files.end());
+  require_outputs(options, names, course, inputs);
+
+  const PictureSensor seen = picture_sensor(config, PictureQuantity::weighted);
+  if (const std::string text = sampling_warning(seen, options.sampling.samples_per_pitch); !text.empty())
+    note(global, "warning: " + text);
+  if (const std::string words = memory_words(config, options.sampling.samples_per_pitch, kFlightBytes); !words.empty())
+    note(global, "note: " + words);
   StopInGoodOrder interrupt(
-      "mtf: interrupted: the frame that is being made is written first; once more to stop at once\n", "");
+      "mtf: interrupted: the frame that is being made is written first; once more to stop at once\n");
   ProgressLine progress(global);
   std::optional<HeatRows> rows;
   const PictureOptions air{.temperatures = options.temperatures, .utc_s = course.utc_of(first), .air = !options.no_air};
@@ -323,9 +326,9 @@ int run_fly(const FlyCommandOptions& options, const Global& global) {
   nlohmann::json json = json_of(times, done, first_ms, flight, frame, left);
   json["tolerance"] = {{"asked", options.image.tolerance ? nlohmann::json(*options.image.tolerance) : nullptr},
                        {"largest", loosest}};
-  if (!options.report.empty()) emit(options.report, json.dump(2) + "\n");
+  if (!options.report.empty()) emit(options.report, json_document(json));
   if (options.json) {
-    print(json.dump(2) + "\n");
+    print(json_document(json));
   } else {
     TextTable table({"ms a frame", "least", "median", "most"});
     for (const StageTimes::Row& row : times.rows(done - 1))

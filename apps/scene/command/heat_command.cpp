@@ -16,12 +16,11 @@
 #include "apps/scene/command/unfinished_run.h"
 #include "apps/scene/outputs/mesh_files.h"
 #include "apps/simulate/output_files.h"
-#include "apps/sweep/output_folder.h"
 #include "apps/terminal/interrupt.h"
 #include "apps/terminal/output.h"
+#include "apps/terminal/output_set.h"
 #include "apps/terminal/progress_line.h"
 #include "apps/terminal/text_table.h"
-#include "apps/terminal/write_together.h"
 #include "mtf/error.h"
 #include "radiometry/heat/weather/instant.h"
 
@@ -144,34 +143,6 @@ std::string summary_text(const HeatScene& scene, const HeatReport& report, const
   return text + "time " + fixed(total / 1000.0, 2) + " s (" + times + ")\n";
 }
 
-std::vector<std::string> outputs_of(const std::string& folder) {
-  std::vector<std::string> paths;
-  for (const char* name :
-       {"temperatures.npy", "temperatures_back.npy", "facets.csv", "times.csv", "regions.csv", "heat.json",
-        "regions.svg", "regions.svg.csv", "scene.png", "facets.ply", "facets.vtk", "sensitivity.csv"})
-    paths.push_back(folder + "/" + name);
-  return paths;
-}
-
-/// With --force a folder may hold files of an earlier run, but not those that this one reads.
-void require_no_input_in(const std::string& folder, const SceneFile& file) {
-  std::vector<std::string> inputs{file.file, file.weather.file};
-  for (const MeshSection& mesh : file.meshes) inputs.push_back(mesh.file);
-  for (const radiometry::heat::Schedule* schedule : all_schedules(file)) inputs.push_back(schedule->source);
-  for (const RegionSection& region : file.regions)
-    if (region.temperature && !region.temperature->table.empty()) {
-      inputs.push_back(region.temperature->table);
-      inputs.push_back((fs::path(region.temperature->table).parent_path() / "times.csv").string());
-    }
-  std::vector<std::string> written = outputs_of(folder);
-  for (std::string& name : unfinished_files(folder)) written.push_back(std::move(name));
-  for (const std::string& output : written)
-    for (const std::string& input : inputs)
-      if (!input.empty() && is_same_file(input, output))
-        throw mtf::UsageError("-o: " + one_line(folder) + " holds " + one_line(input) +
-                              ", which this run reads and would replace; choose another folder");
-}
-
 /// The results so far of a run that was interrupted.
 bool holds_part(const std::string& folder) {
   std::ifstream file(folder + "/heat.json");
@@ -188,16 +159,14 @@ int run_heat(const HeatCommandOptions& options, const Global& global) {
              unfinished = resumable || part, force = options.force || unfinished;
   if (options.anew && !unfinished && !options.force)
     throw mtf::UsageError("--anew: " + one_line(options.out) + " holds no interrupted run");
-  check_folder(options.out, force);
   std::vector<mtf::io::Diagnostic> findings;
   const SceneFile file = load_scene(options.scene, &findings);
-  require_no_input_in(options.out, file);
+  for (const std::string& name : unfinished_files(options.out))
+    for (const std::string& input : files_of(file)) require_different(input, name);
+  OutputSet outputs({.folder = options.out, .force = force, .names = heat_names(), .inputs = files_of(file)});
   for (const mtf::io::Diagnostic& finding : findings) note(global, mtf::io::format_diagnostic(finding, file.file));
-  std::error_code ignored;
-  const bool fresh = !fs::exists(options.out, ignored);
   StopInGoodOrder interrupt(
-      "mtf: interrupted: the day that is being solved is finished and written first; once more to stop at once\n",
-      fresh ? options.out : std::string());
+      "mtf: interrupted: the day that is being solved is finished and written first; once more to stop at once\n");
   HeatOptions heat_options{.tolerance_k = options.tolerance_k,
                            .directions = options.directions,
                            .rays = options.rays,
@@ -218,7 +187,7 @@ int run_heat(const HeatCommandOptions& options, const Global& global) {
           one_line(options.out) +
           " holds a run that was interrupted, and --verify and --sensitivity need one from its begin: "
           "--anew begins again, without them it goes on");
-    earlier = read_unfinished(options.out, fingerprints_of(scene, heat_options));
+    earlier = read_unfinished(options.out, fingerprints_of(scene, heat_options), file.regions.size());
     heat_options.from = &earlier->checkpoint;
     note(global, "note: going on after " + std::to_string(earlier->checkpoint.outputs) + " outputs, at " +
                      radiometry::heat::instant_text(file.time.start_s + earlier->outputs.times_s.back()));
@@ -236,67 +205,59 @@ int run_heat(const HeatCommandOptions& options, const Global& global) {
   std::string text, sensitivity;
   double promised_k = 0.0, spread_k = 0.0, left_out_k = 0.0;
   std::optional<Verification> verified;
-  const std::vector<std::string> outputs = outputs_of(options.out);
-  std::vector<std::string> paths = outputs;
-  if (fresh) paths.insert(paths.begin(), options.out);
   double until_s = 0.0;
-  write_together(paths, [&] {
-    prepare_folder(options.out, force);
-    HeatFiles files(options.out, scene);
-    if (earlier) files.take_over(earlier->outputs);
-    auto write_state = [&, fingerprints = Fingerprints()](const Checkpoint& state) mutable {
-      if (fingerprints.empty()) fingerprints = fingerprints_of(scene, heat_options);
-      write_unfinished(options.out, {fingerprints, {files.times_s(), files.regions()}, state});
-    };
-    heat_options.keep = [&](const Checkpoint& state) {
-      if (files.keep()) write_state(state);
-    };
-    std::vector<double> last;
-    const HeatReport report = run_heat(
-        scene, heat_options,
-        [&](const HeatOutput& output) {
-          files.append(output);
-          last.assign(output.front_k.begin(), output.front_k.end());
-          until_s = output.time_s;
-          interrupt.keep();
-        },
-        [&](const std::string& step, double share) { progress.update(step, share); });
-    promised_k = report.promised.total_k();
-    spread_k = report.view_spread.error_k.percentile_95;
-    verified = report.verified;
-    if (report.left_out) left_out_k = report.left_out->largest_k;
-    // Of an earlier run: no file of two runs stands together. What an interrupted one finished is replaced, so that it
-    // is lost at no time.
-    for (const std::string& path : outputs)
-      if (!earlier) fs::remove(path);
-    if (report.checkpoint) {
-      files.keep();
-      write_state(*report.checkpoint);
+  HeatFiles files(outputs.in(""), options.out, scene);
+  if (earlier) files.take_over(earlier->outputs);
+  auto write_state = [&, fingerprints = Fingerprints()](const Checkpoint& state) mutable {
+    if (fingerprints.empty()) fingerprints = fingerprints_of(scene, heat_options);
+    write_unfinished(options.out, {fingerprints, {files.times_s(), files.regions()}, state});
+  };
+  heat_options.keep = [&](const Checkpoint& state) {
+    if (files.keep()) write_state(state);
+  };
+  std::vector<double> last;
+  const HeatReport report = run_heat(
+      scene, heat_options,
+      [&](const HeatOutput& output) {
+        files.append(output);
+        last.assign(output.front_k.begin(), output.front_k.end());
+        until_s = output.time_s;
+        interrupt.keep();
+      },
+      [&](const std::string& step, double share) { progress.update(step, share); });
+  promised_k = report.promised.total_k();
+  spread_k = report.view_spread.error_k.percentile_95;
+  verified = report.verified;
+  if (report.left_out) left_out_k = report.left_out->largest_k;
+  if (report.checkpoint) {
+    files.keep();
+    write_state(*report.checkpoint);
+  }
+  files.write(report, heat_options);
+  outputs.commit();  // what was solved for, before the pictures of it
+  if (!report.checkpoint) remove_unfinished(options.out);
+  write_figure(outputs.in("regions.svg"), region_figure(file, files));
+  if (!seen.empty())
+    write_scene_picture(outputs.in("scene.png"), seen, last,
+                        "surface temperatures [K] at " + radiometry::heat::instant_text(file.time.start_s + until_s));
+  if (options.ply) write_mesh_of(outputs.in("facets.ply"), scene, last, false);
+  if (options.vtk) write_mesh_of(outputs.in("facets.vtk"), scene, last, true);
+  if (options.sensitivity && until_s + 0.01 >= file.time.end_s - file.time.start_s) {
+    RegionMeans means;
+    for (const auto& regions : files.regions()) {
+      means.emplace_back();
+      for (const RegionTemperature& region : regions) means.back().push_back(region.mean_k);
     }
-    files.commit(report, heat_options);
-    if (!report.checkpoint) remove_unfinished(options.out);
-    write_figure(options.out + "/regions.svg", region_figure(file, files));
-    if (!seen.empty())
-      write_scene_picture(options.out + "/scene.png", seen, last,
-                          "surface temperatures [K] at " + radiometry::heat::instant_text(file.time.start_s + until_s));
-    if (options.ply) write_mesh_of(options.out + "/facets.ply", scene, last, false);
-    if (options.vtk) write_mesh_of(options.out + "/facets.vtk", scene, last, true);
-    if (options.sensitivity && until_s + 0.01 >= file.time.end_s - file.time.start_s) {
-      RegionMeans means;
-      for (const auto& regions : files.regions()) {
-        means.emplace_back();
-        for (const RegionTemperature& region : regions) means.back().push_back(region.mean_k);
-      }
-      heat_options.keep = {};
-      const std::vector<Sensitivity> all =
-          sensitivities(scene, heat_options, means,
-                        [&](const std::string& step, double share) { progress.update("sensitivity: " + step, share); });
-      emit(options.out + "/sensitivity.csv", sensitivity_csv(scene, all));
-      sensitivity = "\n" + sensitivity_table(scene, all);
-    }
-    text = options.format == Format::json ? heat_json(scene, report, heat_options)
-                                          : summary_text(scene, report, files) + sensitivity;
-  });
+    heat_options.keep = {};
+    const std::vector<Sensitivity> all =
+        sensitivities(scene, heat_options, means,
+                      [&](const std::string& step, double share) { progress.update("sensitivity: " + step, share); });
+    emit(outputs.in("sensitivity.csv"), sensitivity_csv(scene, all));
+    sensitivity = "\n" + sensitivity_table(scene, all);
+  }
+  outputs.commit();
+  text = options.format == Format::json ? heat_json(scene, report, heat_options)
+                                        : summary_text(scene, report, files) + sensitivity;
   print(text);
   if (spread_k > options.tolerance_k)
     note(global, "warning: what facets see differs from what their class sees by up to " + significant(spread_k, 2) +

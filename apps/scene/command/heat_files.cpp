@@ -11,8 +11,11 @@
 
 namespace apps::scene {
 
-HeatFiles::HeatFiles(std::string folder, const HeatScene& scene)
-    : folder_(std::move(folder)), scene_(scene), region_area_m2_(scene.file.regions.size(), 0.0) {
+HeatFiles::HeatFiles(std::string folder, std::string kept, const HeatScene& scene)
+    : folder_(std::move(folder)),
+      kept_(std::move(kept)),
+      scene_(scene),
+      region_area_m2_(scene.file.regions.size(), 0.0) {
   for (std::uint32_t f = 0; f < scene.region.size(); ++f)
     if (scene.is_seen(f)) region_area_m2_[scene.region[f]] += scene.facets().facet[f].area_m2;
   front_ = std::make_unique<NpyFile>(at("temperatures.npy"), scene.facets().size());
@@ -24,7 +27,7 @@ void HeatFiles::take_over(const EarlierOutputs& earlier) {
   const std::size_t outputs = earlier.times_s.size();
   // Without second names of files only Ctrl-C leaves an unfinished run, with all that is finished in place.
   const auto table = [&](const std::string& kept, const std::string& own) {
-    return std::filesystem::exists(at(kept)) ? at(kept) : at(own);
+    return kept_ + "/" + (std::filesystem::exists(kept_ + "/" + kept) ? kept : own);
   };
   copy_rows(table("unfinished.npy", "temperatures.npy"), outputs, *front_);
   if (back_) copy_rows(table("unfinished_back.npy", "temperatures_back.npy"), outputs, *back_);
@@ -59,7 +62,12 @@ void HeatFiles::append(const HeatOutput& output) {
 }
 
 bool HeatFiles::keep() {
-  return front_->keep_as(at("unfinished.npy")) && (!back_ || back_->keep_as(at("unfinished_back.npy")));
+  return front_->keep_as(kept_ + "/unfinished.npy") && (!back_ || back_->keep_as(kept_ + "/unfinished_back.npy"));
+}
+
+std::vector<std::string> heat_names() {
+  return {"temperatures.npy", "temperatures_back.npy", "facets.csv", "times.csv",  "regions.csv", "heat.json",
+          "regions.svg",      "regions.svg.csv",       "scene.png",  "facets.ply", "facets.vtk",  "sensitivity.csv"};
 }
 
 std::vector<std::pair<std::string, std::size_t>> covered_by_region(const HeatScene& scene, const HeatReport& report) {
@@ -87,7 +95,7 @@ std::string HeatFiles::facets_csv() const {
   return text;
 }
 
-void HeatFiles::commit(const HeatReport& report, const HeatOptions& options) {
+void HeatFiles::write(const HeatReport& report, const HeatOptions& options) {
   std::string times = "output,time,time_s\n", regions = "time,region,min_K,mean_K,max_K\n";
   for (std::size_t i = 0; i < times_s_.size(); ++i) {
     const std::string when = instant(times_s_[i]);

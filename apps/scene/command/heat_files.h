@@ -11,7 +11,6 @@
 //   heat.json             closures, classes, steps, promise, residuals, times
 // and, while it is not finished, unfinished.bin, unfinished.npy and, with sheets, unfinished_back.npy
 // (unfinished_run.h).
-// Every file appears whole or not at all.
 
 #include <memory>
 #include <string>
@@ -36,7 +35,8 @@ struct EarlierOutputs {
 
 class HeatFiles {
  public:
-  HeatFiles(std::string folder, const HeatScene& scene);
+  /// Files are written into `folder`; what is kept of a run that is not finished stands in `kept`.
+  HeatFiles(std::string folder, std::string kept, const HeatScene& scene);
 
   /// The outputs that stand in the folder, before others are appended. Throws RuntimeError where its tables are not
   /// those of that many outputs.
@@ -46,8 +46,8 @@ class HeatFiles {
   /// The outputs so far stand in unfinished*.npy, on the disk, and stay there when the process is killed. False where
   /// the file system does not allow that.
   bool keep();
-  /// All files appear.
-  void commit(const HeatReport& report, const HeatOptions& options);
+  /// All files are written.
+  void write(const HeatReport& report, const HeatOptions& options);
 
   /// [output][region]
   const std::vector<std::vector<RegionTemperature>>& regions() const { return regions_; }
@@ -58,13 +58,16 @@ class HeatFiles {
   std::string instant(double time_s) const;
   std::string facets_csv() const;
 
-  std::string folder_;
+  std::string folder_, kept_;
   const HeatScene& scene_;
   std::vector<double> region_area_m2_;
   std::unique_ptr<NpyFile> front_, back_;
   std::vector<double> times_s_;
   std::vector<std::vector<RegionTemperature>> regions_;
 };
+
+/// All names of files in the folder of a finished run.
+std::vector<std::string> heat_names();
 
 /// Facets inside other solids, by the names of their regions, without those that have none.
 std::vector<std::pair<std::string, std::size_t>> covered_by_region(const HeatScene& scene, const HeatReport& report);

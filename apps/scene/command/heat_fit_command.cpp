@@ -5,8 +5,8 @@
 #include "apps/edges/fit_parameters.h"
 #include "apps/options.h"
 #include "apps/scene/command/heat_fit_report.h"
-#include "apps/simulate/output_files.h"
 #include "apps/terminal/output.h"
+#include "apps/terminal/output_set.h"
 #include "apps/terminal/progress_line.h"
 #include "mtf/error.h"
 
@@ -14,14 +14,6 @@ namespace apps {
 namespace {
 
 using namespace scene;
-
-std::vector<std::string> inputs_of(const SceneFile& file) {
-  std::vector<std::string> inputs{file.file, file.weather.file};
-  for (const radiometry::heat::Schedule* schedule : all_schedules(file)) inputs.push_back(schedule->source);
-  if (file.measured) inputs.push_back(file.measured->temperature.source);
-  std::erase(inputs, "");
-  return inputs;
-}
 
 std::string outcome_of(const HeatFit& fit) {
   return std::string(calib::status_name(fit.series.status)) + ", " + fixed(fit.series.after.rms, 3) + " K rms, " +
@@ -42,7 +34,7 @@ int run_heat_fit(const HeatCommandOptions& options, const Global& global) {
     outputs.insert(outputs.end(), {options.fit_plot, figure_data_path(options.fit_plot)});
   }
   std::erase(outputs, "");
-  require_writable(outputs, inputs_of(file));
+  OutputSet files({.files = outputs, .inputs = files_of(file)});
   for (const mtf::io::Diagnostic& finding : findings) note(global, mtf::io::format_diagnostic(finding, file.file));
   HeatFit fit;
   {
@@ -56,17 +48,18 @@ int run_heat_fit(const HeatCommandOptions& options, const Global& global) {
   }
   for (const std::string& warning : fit.warnings) note(global, "warning: " + warning);
   const std::string json = heat_fit_json(file, fit);
-  if (!options.fit_report.empty()) emit(options.fit_report, json);
+  if (!options.fit_report.empty()) emit(files.at(options.fit_report), json);
   if (fit.series.fitted()) {
-    if (!options.fit_plot.empty() && !write_figures(options.fit_plot, heat_fit_figures(file, fit)))
+    if (!options.fit_plot.empty() && !write_figures(files.at(options.fit_plot), heat_fit_figures(file, fit)))
       note(global, "mtf: note: gnuplot is not installed (Debian package gnuplot-nox): wrote only the data, " +
                        one_line(figure_data_path(options.fit_plot)));
-    emit(options.out, fit_head({file.file, file.sha256, outcome_of(fit)}, {fit.measured.source}, fit.series.parameters,
-                               fit.series.not_separable) +
-                          without_fit_head(fitted_scene_text(file, fit)));
+    emit(files.at(options.out), fit_head({file.file, file.sha256, outcome_of(fit)}, {fit.measured.source},
+                                         fit.series.parameters, fit.series.not_separable) +
+                                    without_fit_head(fitted_scene_text(file, fit)));
   } else {
     note(global, "mtf: note: not fitted: " + one_line(options.out) + " is not written");
   }
+  files.commit();
   print(options.format == Format::json ? json : heat_fit_table(fit));
   if (!fit.series.fitted()) return 1;
   if (fit.series.status == calib::FitStatus::converged || options.allow_misfit) return 0;

@@ -7,6 +7,7 @@
 #include "apps/edges/fit_parameters.h"
 #include "apps/terminal/output.h"
 #include "apps/terminal/text_table.h"
+#include "apps/text/json_document.h"
 #include "mtf/io/sha256.h"
 #include "mtf/version.h"
 #include "radiometry/heat/weather/instant.h"
@@ -73,7 +74,7 @@ std::string heat_fit_json(const SceneFile& scene, const HeatFit& fit) {
       {"scene", scene.file},
       {"config_sha256", scene.sha256},
       {"data", {{{"file", fit.measured.source}, {"sha256", mtf::io::sha256_file(fit.measured.source)}}}}};
-  return json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
+  return json_document(json, -1);
 }
 
 std::vector<Figure> heat_fit_figures(const SceneFile& scene, const HeatFit& fit) {

@@ -2,6 +2,7 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/scene/command/heat_files.h"
+#include "apps/text/json_document.h"
 #include "mtf/version.h"
 #include "radiometry/heat/weather/instant.h"
 
@@ -146,7 +147,7 @@ std::string heat_json(const HeatScene& scene, const HeatReport& report, const He
                      {"materials", materials},
                      {"timing_ms", timing},
                      {"warnings", report.warnings}};
-  return json.dump(2) + "\n";
+  return json_document(json);
 }
 
 }  // namespace apps::scene

@@ -17,11 +17,10 @@
 #include "apps/scene/render/solved_rows.h"
 #include "apps/sensor/sensor_air.h"
 #include "apps/sensor/sensor_file.h"
-#include "apps/simulate/output_files.h"
-#include "apps/sweep/output_folder.h"
 #include "apps/terminal/output.h"
+#include "apps/terminal/output_set.h"
 #include "apps/terminal/progress_line.h"
-#include "apps/terminal/write_together.h"
+#include "apps/text/json_document.h"
 #include "mtf/error.h"
 #include "radiometry/heat/weather/instant.h"
 
@@ -67,18 +66,15 @@ render::Pose pose_of(const RenderCommandOptions& options, const SceneFile& file)
 
 std::vector<std::string> inputs_of(const RenderCommandOptions& options, const SceneFile& file,
                                    const std::vector<PictureSensor>& sensors) {
-  std::vector<std::string> inputs{file.file};
-  for (const std::string& input : {options.from, options.materials})
-    if (!input.empty()) inputs.push_back(input);
+  std::vector<std::string> inputs = files_of(file);
+  inputs.insert(inputs.end(), {options.from, options.materials});
+  for (const std::string& name : temperature_files(options.temperatures)) inputs.push_back(name);
   for (const PictureSensor& sensor : sensors)
     for (const std::string& name : files_of(sensor.config)) inputs.push_back(name);
-  if (!file.weather.file.empty()) inputs.push_back(file.weather.file);
-  for (const MeshSection& mesh : file.meshes)
-    if (!mesh.file.empty()) inputs.push_back(mesh.file);
   return inputs;
 }
 
-/// OpenEXR files, one a sensor: `out` itself, or of several sensors those of their names in that folder.
+/// OpenEXR files, one a sensor: `out` itself, or of several sensors names in that folder.
 std::vector<std::string> outputs_of(const RenderCommandOptions& options) {
   const bool one = options.sensors.size() == 1;
   if (one != options.out.ends_with(".exr"))
@@ -88,9 +84,10 @@ std::vector<std::string> outputs_of(const RenderCommandOptions& options) {
   if (one) return {options.out};
   std::vector<std::string> outputs;
   for (const std::string& sensor : options.sensors) {
-    const std::string file = (fs::path(options.out) / fs::path(sensor).stem()).string() + ".exr";
+    const std::string file = fs::path(sensor).stem().string() + ".exr";
     if (std::find(outputs.begin(), outputs.end(), file) != outputs.end())
-      throw mtf::UsageError("two sensors would both be written to " + one_line(file) + "; rename a sensor file");
+      throw mtf::UsageError("two sensors would both be written to " +
+                            one_line((fs::path(options.out) / file).string()) + "; rename a sensor file");
     outputs.push_back(file);
   }
   return outputs;
@@ -171,17 +168,25 @@ std::string render_pictures(const RenderCommandOptions& options, const Global& g
                                       {"--channel", !options.channels.empty()}})
       if (given)
         throw mtf::UsageError(std::string(name) + " is of the layers of another renderer: name them with --from");
-  const std::vector<std::string> outputs = outputs_of(options);
-  const bool folder = outputs.size() > 1;
+  std::vector<std::string> names = outputs_of(options);
+  const bool folder = names.size() > 1;
   if (!options.picture.empty() && !options.picture.ends_with(".png"))
     throw mtf::UsageError("--picture: " + one_line(options.picture) + ": is a PNG; give it the ending .png");
   const SceneFile file = read_scene(options.scene, global);
   const std::vector<PictureSensor> sensors = sensors_of(options, file, global);
-  std::vector<std::string> paths = folder ? std::vector<std::string>() : outputs;
-  if (!options.picture.empty() && (!folder || fs::path(options.picture).parent_path() != fs::path(options.out)))
-    paths.push_back(options.picture);
-  require_writable(paths, inputs_of(options, file, sensors));
-  if (folder) check_folder(options.out, options.force);
+  OutputSet outputs({.folder = folder ? options.out : "",
+                     .force = options.force,
+                     .names = folder ? names : std::vector<std::string>(),
+                     .files = folder ? std::vector{options.picture} : std::vector{options.out, options.picture},
+                     .inputs = inputs_of(options, file, sensors)});
+  const auto planes = static_cast<double>(
+      sensors.size() - 1 + options.layers.size() +
+      2U * static_cast<std::size_t>(std::count(options.layers.begin(), options.layers.end(), "normal")));
+  const double shown = options.picture.empty() ? 0.0 : kShownBytes * static_cast<double>(sensors.size());
+  if (const std::string words = memory_words(sensors.front().config, options.sampling.samples_per_pitch,
+                                             kPictureBytes + kPlaneBytes * planes + shown);
+      !words.empty())
+    note(global, "note: " + words);
   std::vector<render::Camera> cameras;
   std::vector<render::RenderBand> bands;
   for (const PictureSensor& sensor : sensors) {
@@ -214,25 +219,27 @@ std::string render_pictures(const RenderCommandOptions& options, const Global& g
   for (std::size_t b = 0; b < sensors.size(); ++b)
     metadata.push_back(picture_metadata(file, scene, sensors[b], cameras[b], how, frame, b));
   const Stopwatch writing;
-  if (folder) paths.insert(paths.begin(), options.out), paths.insert(paths.end(), outputs.begin(), outputs.end());
-  write_together(paths, [&] {
-    if (folder) prepare_folder(options.out, options.force);
-    for (std::size_t b = 0; b < sensors.size(); ++b)
-      mtf::io::write_exr(outputs[b], picture_planes(frame, b), metadata[b]);
-    if (options.picture.empty()) return;
+  std::vector<std::string> staged;
+  for (std::size_t b = 0; b < sensors.size(); ++b) {
+    staged.push_back(folder ? outputs.in(names[b]) : outputs.at(options.out));
+    mtf::io::write_exr(staged[b], picture_planes(frame, b), metadata[b]);
+    if (folder) names[b] = (fs::path(options.out) / names[b]).string();
+  }
+  if (!options.picture.empty()) {
     std::vector<mtf::io::SensorConfig> cameras_of;
     for (const PictureSensor& sensor : sensors)
       cameras_of.push_back(scene.scene.air ? without_path(sensor.config) : sensor.config);
     std::vector<SensorPictureFile> pictures;
     for (std::size_t b = 0; b < sensors.size(); ++b)
-      pictures.push_back({cameras_of[b], frame.radiance[b].view(), metadata[b].text.at("mtf:units"), outputs[b]});
-    draw_pictures(options.picture, pictures, global.threads);
-  });
-  if (!options.json) return render_summary(options, {scene, sensors, frame, metadata}, outputs);
-  nlohmann::json json = render_json({scene, sensors, frame, metadata}, outputs);
+      pictures.push_back({cameras_of[b], frame.radiance[b].view(), metadata[b].text.at("mtf:units"), staged[b]});
+    draw_pictures(outputs.at(options.picture), pictures, global.threads);
+  }
+  outputs.commit();
+  if (!options.json) return render_summary(options, {scene, sensors, frame, metadata}, names);
+  nlohmann::json json = render_json({scene, sensors, frame, metadata}, names);
   json["timing_ms"]["write"] = writing.ms();
   json["timing_ms"]["all"] = all.ms();
-  return json.dump(2) + "\n";
+  return json_document(json);
 }
 
 int run_render(const RenderCommandOptions& options, const Global& global) {

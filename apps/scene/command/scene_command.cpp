@@ -12,10 +12,9 @@
 #include "apps/scene/render/picture_surroundings.h"
 #include "apps/scene/scene_file/demo_scene_text.h"
 #include "apps/scene/vehicle/vehicle.h"
-#include "apps/sweep/output_folder.h"
 #include "apps/terminal/output.h"
+#include "apps/terminal/output_set.h"
 #include "apps/terminal/text_table.h"
-#include "apps/terminal/write_together.h"
 #include "radiometry/heat/weather/instant.h"
 #include "radiometry/light/constants.h"
 
@@ -26,20 +25,18 @@ using namespace scene;
 
 int write_demo(const SceneOptions& options) {
   const std::string folder = options.file + "/";
-  check_folder(options.file, options.force);
-  const std::vector<std::string> paths{options.file,           folder + "scene.toml", folder + "weather.csv",
-                                       folder + "engine.csv",  folder + "mwir.toml",  folder + "lwir.toml",
-                                       folder + "vehicle.obj", folder + "terrain.obj"};
-  write_together(paths, [&] {
-    prepare_folder(options.file, options.force);
-    emit(paths[1], demo_scene_text());
-    emit(paths[2], demo_weather_text());
-    emit(paths[3], demo_engine_text());
-    emit(paths[4], demo_mwir_text());
-    emit(paths[5], demo_lwir_text());
-    write_obj(paths[6], make_vehicle());
-    write_obj(paths[7], make_terrain());
-  });
+  OutputSet outputs(
+      {.folder = options.file,
+       .force = options.force,
+       .names = {"scene.toml", "weather.csv", "engine.csv", "mwir.toml", "lwir.toml", "vehicle.obj", "terrain.obj"}});
+  emit(outputs.in("scene.toml"), demo_scene_text());
+  emit(outputs.in("weather.csv"), demo_weather_text());
+  emit(outputs.in("engine.csv"), demo_engine_text());
+  emit(outputs.in("mwir.toml"), demo_mwir_text());
+  emit(outputs.in("lwir.toml"), demo_lwir_text());
+  write_obj(outputs.in("vehicle.obj"), make_vehicle());
+  write_obj(outputs.in("terrain.obj"), make_terrain());
+  outputs.commit();
   const std::string file = shell_word(folder + "scene.toml");
   print("written to " + folder + ": scene.toml weather.csv engine.csv mwir.toml lwir.toml vehicle.obj terrain.obj\n" +
         "next: mtf heat " + file + " -o temperatures\nnext: mtf render " + file + " " +

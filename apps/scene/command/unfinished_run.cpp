@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/scene/command/unfinished_run.h"
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -8,8 +9,10 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/terminal/output.h"
+#include "apps/text/json_document.h"
 #include "mtf/error.h"
 #include "mtf/io/atomic_file.h"
+#include "mtf/io/sha256.h"
 
 namespace apps::scene {
 namespace {
@@ -32,6 +35,8 @@ double kelvin_of(const Json& number) {
 std::string unfinished_path(const std::string& folder) { return folder + "/unfinished.bin"; }
 
 bool is_unfinished(const std::string& folder) {
+  std::error_code ignored;
+  if (!std::filesystem::is_regular_file(unfinished_path(folder), ignored)) return false;
   std::ifstream file(unfinished_path(folder), std::ios::binary);
   std::string start(kMagic.size(), '\0');
   file.read(start.data(), static_cast<std::streamsize>(start.size()));
@@ -46,39 +51,42 @@ void remove_unfinished(const std::string& folder) {
   for (const std::string& file : unfinished_files(folder)) std::filesystem::remove(file);
 }
 
-// A line that says what it is, a line of JSON, the checkpoint.
+// A line that says what it is, the hash of all that follows, a line of JSON, the checkpoint.
 void write_unfinished(const std::string& folder, const UnfinishedRun& run) {
   Json regions = Json::array();
   for (const auto& output : run.outputs.regions)
     for (const RegionTemperature& region : output) regions.push_back({region.least_k, region.mean_k, region.most_k});
   const Json head = {{"fingerprints", run.fingerprints}, {"times_s", run.outputs.times_s}, {"regions", regions}};
-  mtf::io::write_text_file(unfinished_path(folder),
-                           std::string(kMagic) + head.dump() + "\n" + bytes_of(run.checkpoint));
+  const std::string all = json_document(head, -1) + bytes_of(run.checkpoint);
+  mtf::io::write_text_file(unfinished_path(folder), std::string(kMagic) + mtf::io::sha256_hex(all) + all);
 }
 
-UnfinishedRun read_unfinished(const std::string& folder, const Fingerprints& now) {
+UnfinishedRun read_unfinished(const std::string& folder, const Fingerprints& now, std::size_t regions) {
   std::ifstream file(unfinished_path(folder), std::ios::binary);
-  const std::string bytes{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-  const std::size_t end = bytes.find('\n', kMagic.size());
-  if (!bytes.starts_with(kMagic) || end == std::string::npos) refuse(folder, "but its unfinished.bin is damaged");
+  const std::string read{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+  constexpr std::size_t kHash = 64, kBegin = kMagic.size() + kHash;
+  const std::string_view bytes = std::string_view(read).substr(std::min(kBegin, read.size()));
+  const std::size_t end = bytes.find('\n');
+  if (end == std::string::npos || mtf::io::sha256_hex(bytes) != read.substr(kMagic.size(), kHash))
+    refuse(folder, "but its unfinished.bin is damaged");
   UnfinishedRun run;
   try {
-    const Json head = Json::parse(bytes.begin() + kMagic.size(), bytes.begin() + static_cast<std::ptrdiff_t>(end));
+    const Json head = Json::parse(bytes.substr(0, end));
     head.at("fingerprints").get_to(run.fingerprints);
     head.at("times_s").get_to(run.outputs.times_s);
-    const std::size_t outputs = run.outputs.times_s.size(), regions = head.at("regions").size();
-    if (outputs == 0 || regions % outputs != 0) throw mtf::RuntimeError("regions");
+    const std::size_t outputs = run.outputs.times_s.size();
+    if (outputs == 0 || head.at("regions").size() != outputs * regions) throw mtf::RuntimeError("regions");
     for (std::size_t i = 0; i < outputs; ++i) {
       run.outputs.regions.emplace_back();
-      for (std::size_t r = 0; r < regions / outputs; ++r) {
-        const Json& one = head.at("regions").at(i * (regions / outputs) + r);
+      for (std::size_t r = 0; r < regions; ++r) {
+        const Json& one = head.at("regions").at(i * regions + r);
         run.outputs.regions.back().push_back({kelvin_of(one.at(0)), kelvin_of(one.at(1)), kelvin_of(one.at(2))});
       }
     }
     for (std::size_t i = 0; i < now.size(); ++i)
       if (i >= run.fingerprints.size() || run.fingerprints[i] != now[i])
         refuse(folder, "and " + now[i].first + " is not what it was then");
-    run.checkpoint = checkpoint_of(std::string_view(bytes).substr(end + 1));
+    run.checkpoint = checkpoint_of(bytes.substr(end + 1));
     if (run.checkpoint.outputs != outputs) throw mtf::RuntimeError("outputs");
   } catch (const Json::exception&) {
     refuse(folder, "but its unfinished.bin is damaged");

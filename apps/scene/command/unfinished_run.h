@@ -33,7 +33,7 @@ void remove_unfinished(const std::string& folder);
 /// The file appears whole or not at all.
 void write_unfinished(const std::string& folder, const UnfinishedRun& run);
 
-/// Throws UsageError for a file that is damaged, and where an input is not what it was.
-UnfinishedRun read_unfinished(const std::string& folder, const Fingerprints& now);
+/// Of a scene of so many regions. Throws UsageError for a file that is damaged, and where an input is not what it was.
+UnfinishedRun read_unfinished(const std::string& folder, const Fingerprints& now, std::size_t regions);
 
 }  // namespace apps::scene

@@ -75,8 +75,8 @@ class HeatBatches {
 
   /// What the next window is solved from, to go on in another process (checkpoint.h).
   SavedBatches save() const;
-  /// Throws RuntimeError for what other units saved.
-  void restore(const SavedBatches& saved);
+  /// Throws RuntimeError for what other units saved, or after another window.
+  void restore(const SavedBatches& saved, const Window& window);
 
  private:
   /// Units of a batch, with what the solver needs for them.

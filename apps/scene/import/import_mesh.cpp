@@ -16,6 +16,7 @@
 #include "mtf/error.h"
 #include "mtf/io/csv/number_text.h"
 #include "mtf/io/file_checks.h"
+#include "mtf/work/usable_memory.h"
 
 namespace apps::scene {
 namespace {
@@ -78,15 +79,22 @@ std::string extension_of(const fs::path& file) {
       "\" is not known; meshes are read from .obj, .ply, .stl, .gltf and .glb files: export it as one");
 }
 
+/// Address space that any mesh of that many bytes can be read in.
+std::uint64_t plenty_for(std::uint64_t size) { return 512 * mebibyte + 64 * size; }
+
+/// Whether the usable memory sets the limit, not the size of the file.
+bool short_of_memory(const InputFile& input, const ImportLimits& limits) {
+  return limits.memory_bytes == 0 && mtf::usable_bytes() < static_cast<double>(plenty_for(input.size()));
+}
+
 ImportRequest request_for(const fs::path& file, const InputFile& input, const ImportLimits& limits) {
-  const std::uint64_t memory =
-      static_cast<std::uint64_t>(::sysconf(_SC_PHYS_PAGES)) * static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE));
+  const auto memory = static_cast<std::uint64_t>(mtf::usable_bytes());
   const std::uint64_t size = input.size();
   ImportRequest request;
   request.descriptor = input.descriptor();
   request.extension = extension_of(file);
   if (request.extension == ".gltf") request.folder = fs::absolute(file).parent_path();
-  request.memory_bytes = limits.memory_bytes > 0 ? limits.memory_bytes : std::min(memory, 512 * mebibyte + 64 * size);
+  request.memory_bytes = limits.memory_bytes > 0 ? limits.memory_bytes : std::min(memory, plenty_for(size));
   request.cpu_s = limits.cpu_s > 0 ? limits.cpu_s : 1 + (size + 4 * mebibyte - 1) / (4 * mebibyte);
   request.output_bytes =
       limits.output_bytes > 0 ? limits.output_bytes : std::min(memory / 4, 64 * mebibyte + 64 * size);
@@ -143,7 +151,9 @@ Mesh import_mesh(const fs::path& file, double unit_m, Up up, const ImportLimits&
       refuse(file,
              "reading it needs more than " + mtf::io::shown_bytes(static_cast<double>(request.memory_bytes)) +
                  " of memory",
-             "the file is damaged, or has to be simplified");
+             short_of_memory(input, limits)
+                 ? std::string(mtf::usable_memory().whose) + " no more: raise that limit, or simplify the mesh"
+                 : "the file is damaged, or has to be simplified");
     case ImportOutcome::too_large:
       refuse_end(file, request, ImportEnd::too_large);
   }

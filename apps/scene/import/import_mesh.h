@@ -40,10 +40,11 @@ enum class Up {
 
 /// What the process that parses the file may use. 0 stands for a limit that grows with the size of the file.
 struct ImportLimits {
-  std::uint64_t memory_bytes = 0;  ///< of address space: 512 MiB and 64 bytes a byte of the file, at most the machine's
+  std::uint64_t memory_bytes = 0;  ///< of address space: 512 MiB and 64 bytes a byte of the file, at most what
+                                   ///< is usable
   std::uint32_t cpu_s = 0;         ///< of processor time, whole seconds: 1 s and 1 s for every 4 MiB
   std::uint64_t output_bytes = 0;  ///< of the mesh, about 60 bytes a face: 64 MiB and 64 bytes a byte of the file,
-                                   ///< at most a quarter of the machine's memory
+                                   ///< at most a quarter of the usable memory
 };
 
 /// The mesh in `file`, whose coordinates are multiples of `unit_m` metres. Throws UsageError for an extension that is

@@ -9,7 +9,9 @@
 #include "apps/sensor/sensor_place.h"
 #include "apps/text/words.h"
 #include "mtf/error.h"
+#include "mtf/io/file_checks.h"
 #include "mtf/version.h"
+#include "mtf/work/usable_memory.h"
 #include "radiometry/heat/weather/instant.h"
 
 namespace apps::scene {
@@ -63,6 +65,21 @@ radiometry::render::Camera picture_camera(const PictureSensor& sensor, const rad
                     .rows = frame.rows,
                     .samples_per_pitch = samples_per_pitch},
                    pose);
+}
+
+std::string memory_words(const mtf::io::SensorConfig& sensor, double samples_per_pitch, double bytes_a_sample) {
+  constexpr double kWorthSaying = 1024.0 * 1024.0 * 1024.0;
+  const mtf::Frame<double>& frame = sensor.system.frame;
+  const double columns = std::ceil(static_cast<double>(frame.columns) * samples_per_pitch);
+  const double rows = std::ceil(static_cast<double>(frame.rows) * samples_per_pitch);
+  const double bytes = columns * rows * bytes_a_sample;
+  const mtf::UsableMemory memory = mtf::usable_memory();
+  const std::string words = "pictures of " + mtf::format_double(columns) + " x " + mtf::format_double(rows) +
+                            " samples take about " + mtf::io::shown_bytes(bytes) + " of memory, " + memory.whose + " " +
+                            mtf::io::shown_bytes(memory.bytes);
+  if (bytes > memory.bytes)
+    throw mtf::UsageError(words + "; take fewer samples a pitch, a smaller format or fewer layers");
+  return bytes > kWorthSaying ? words : "";
 }
 
 FinestDetail finest_detail(const PictureSensor& sensor, double samples_per_pitch) {

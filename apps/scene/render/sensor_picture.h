@@ -36,6 +36,15 @@ PictureSensor picture_sensor(const mtf::io::SensorConfig& config, PictureQuantit
 radiometry::render::Camera picture_camera(const PictureSensor& sensor, const radiometry::render::Pose& pose,
                                           double samples_per_pitch);
 
+/// Bytes that each sample of a picture takes, measured with 4000 x 4000 of them: of a picture, more for each layer or
+/// further band, more for the image that --picture shows beside it; of a frame of a flight, and of the live view.
+inline constexpr double kPictureBytes = 28.0, kPlaneBytes = 8.0, kShownBytes = 38.0, kFlightBytes = 40.0,
+                        kLiveBytes = 62.0;
+
+/// What pictures need, as "pictures of 16000 x 16000 samples take about 7 GiB of memory, the machine has 23 GiB" where
+/// that is more than 1 GiB, else "". Throws UsageError where it is more than may be used.
+std::string memory_words(const mtf::io::SensorConfig& sensor, double samples_per_pitch, double bytes_a_sample);
+
 /// The finest detail that the samples of a picture hold, and the largest MTF of the sensor before its sampling there,
 /// along x and y. What is finer shows as false detail, weaker by the MTF at the frequency that it takes.
 struct FinestDetail {

@@ -202,6 +202,18 @@ void SideTemperatures::at(double utc_s, std::vector<float>& kelvin) {
   }
 }
 
+std::vector<std::string> temperature_files(const std::string& source) {
+  if (source.empty()) return {};
+  std::error_code ignored;
+  const bool folder = fs::is_directory(source, ignored);
+  const fs::path beside = folder ? fs::path(source) : fs::path(source).parent_path();
+  std::vector<std::string> files{(beside / "times.csv").string()};
+  if (!folder) files.push_back(source);
+  if (folder)
+    for (const char* name : {"temperatures.npy", "temperatures_back.npy"}) files.push_back((beside / name).string());
+  return files;
+}
+
 bool is_sheet(const SceneFile& file, const Surfaces& surfaces, std::uint32_t facet) {
   const RegionSection& region = file.regions[surfaces.region[facet]];
   if (!region.material) return false;

@@ -46,6 +46,9 @@ class SideTemperatures {
   std::unique_ptr<State> state_;
 };
 
+/// The files that a `source` of SideTemperatures is read from.
+std::vector<std::string> temperature_files(const std::string& source);
+
 /// Whether the back of that facet is exposed and has a temperature of its own.
 bool is_sheet(const SceneFile& file, const Surfaces& surfaces, std::uint32_t facet);
 

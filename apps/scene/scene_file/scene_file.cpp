@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <tuple>
 
 #include "apps/scene/scene_file/scene_fields.h"
@@ -136,7 +138,24 @@ SceneResult parse_scene(const std::string& text, const std::string& file) {
                             std::tuple(!b.error, b.position.line, b.position.column);
                    });
   s.scene.fits = std::move(s.reader.fits);
+  s.scene.files = std::move(s.reader.files);
   return {.scene = std::move(s.scene), .diagnostics = std::move(s.reader.diagnostics)};
+}
+
+std::vector<std::string> files_of(const SceneFile& scene) {
+  std::vector<std::string> files{scene.file};
+  for (const std::string& file : scene.files) {
+    files.push_back(file);
+    if (!file.ends_with(".gltf")) continue;
+    std::ifstream text(file);
+    const std::string json{std::istreambuf_iterator<char>(text), std::istreambuf_iterator<char>()};
+    for (std::size_t at = json.find("\"uri\""); at != std::string::npos; at = json.find("\"uri\"", at + 1)) {
+      const std::size_t begin = json.find('"', at + 5), end = json.find('"', begin + 1);
+      if (end != std::string::npos && end - begin < 4096)
+        files.push_back((std::filesystem::path(file).parent_path() / json.substr(begin + 1, end - begin - 1)).string());
+    }
+  }
+  return files;
 }
 
 void require_files(const SceneFile& scene) {

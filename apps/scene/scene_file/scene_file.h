@@ -190,7 +190,11 @@ struct SceneFile {
   /// Numbers that stand as tables { value, fit, min, max, prior, stderr }, in the unit that the value was written in
   /// (spreads of degC in K). Where the file gives no min and max, they are those of the key.
   std::vector<mtf::io::FitSpec> fits;
+  std::vector<std::string> files{};  ///< that the text names, beside `file`
 };
+
+/// All files that a scene is made of: its own, those it names, and the buffers of .gltf meshes.
+std::vector<std::string> files_of(const SceneFile& scene);
 
 /// The text of the scene with new values of its fits and the standard errors that `fits` hold; all else as written.
 std::string scene_text_with(const SceneFile& scene, std::span<const mtf::io::FitSpec> fits,

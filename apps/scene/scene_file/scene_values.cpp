@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 
 #include "apps/scene/scene_file/scene_reader.h"
 #include "apps/scene/weather/si_units.h"
@@ -129,7 +130,7 @@ std::string read_name(const Section& section, std::vector<std::string_view>& nam
 std::optional<std::string> read_path(const Section& section, std::string_view key) {
   const auto name = cfg::read_string(section, key);
   if (!name) return std::nullopt;
-  if (!name->empty() && name->find('\0') == std::string::npos) return cfg::beside(section.reader.folder, *name);
+  if (!name->empty() && name->find('\0') == std::string::npos) return section.reader.file(*name);
   section.error(key, "no file name");
   return std::nullopt;
 }
@@ -172,10 +173,11 @@ std::optional<GivenTemperature> read_given_temperature(SceneReader& s, const Sec
   const bool text = node->kind == Node::Kind::string;
   if (text && node->text.ends_with(".npy")) {
     auto path = read_path(section, kTemperature.name);
+    if (path) section.reader.file((std::filesystem::path(node->text).parent_path() / "times.csv").string());
     return path ? std::optional(GivenTemperature{.schedule = {}, .table = std::move(*path)}) : std::nullopt;
   }
   if (text && names_table(node->text)) try {
-      const std::string path = cfg::beside(section.reader.folder, node->text);
+      const std::string path = section.reader.file(node->text);
       if (first_cell(mtf::io::read_table_text(path)) == "facet") return GivenTemperature{.schedule = {}, .table = path};
     } catch (const mtf::Error& error) {
       section.error(kTemperature.name, printable(error.what(), 600));

@@ -17,6 +17,7 @@
 #include "apps/simulate/simulate_parts.h"
 #include "apps/text/words.h"
 #include "mtf/error.h"
+#include "mtf/work/usable_memory.h"
 
 namespace apps {
 namespace {
@@ -64,11 +65,12 @@ void check_files(const SimulateOptions& options, const SceneSource& scene, const
       throw mtf::UsageError(one_line(outputs[i]) + ": is the name of an output frame; give it its own name");
   std::set<std::filesystem::path> linked;
   for (std::size_t i = 1; i < outputs.size(); ++i) linked.insert(place_of(outputs[i]));
+  for (const std::string& input : inputs) linked.insert(place_of(input));
   for (const std::string& name : names.out->links(frames)) {
     const std::filesystem::path place = place_of(name);
     if (is_frame(place.string()) || !linked.insert(place).second)
       throw mtf::UsageError(one_line(name) + ": is a link to " + one_line(place.string()) +
-                            ", which another output is too; remove the link");
+                            ", which another output or an input is too; remove the link");
   }
   if (!names.scenes) return;
   for (const std::int64_t frame : frames) {
@@ -79,9 +81,9 @@ void check_files(const SimulateOptions& options, const SceneSource& scene, const
   }
 }
 
-/// As many frames at a time as keep every thread busy and fit into half of the machine's memory.
+/// As many frames at a time as keep every thread busy and fit into half of the usable memory.
 std::int64_t frames_in_flight(const SequenceFrames& frames, int threads) {
-  const double room = 0.5 * machine_bytes() / std::max(1.0, frames.bytes_a_frame());
+  const double room = 0.5 * mtf::usable_bytes() / std::max(1.0, frames.bytes_a_frame());
   const auto wanted = std::min<std::int64_t>(threads == 1 ? 1 : 2 * std::int64_t{threads}, frames.count());
   return std::clamp<std::int64_t>(static_cast<std::int64_t>(std::min(room, 1e6)), 1, wanted);
 }
@@ -172,7 +174,9 @@ SimulateResult simulate_sequence(const mtf::io::SensorConfig& sensor, SceneSourc
   if (names.frames.empty())
     throw mtf::UsageError(one_line(options.schedule) +
                           ": sets no parameter, so it names no frames; choose them by --frames START:STOP");
-  check_files(options, scene, names, files_of(sensor));
+  std::vector<std::string> inputs = files_of(sensor);
+  inputs.insert(inputs.end(), schedule.files.begin(), schedule.files.end());
+  check_files(options, scene, names, std::move(inputs));
   const std::shared_ptr<const RadiometricChain> radiometric = radiometric_chain_of(sensor, options.stage);
   if (names.out && mtf::io::format_from_extension(options.out) != mtf::io::Format::exr &&
       !integer_range(radiometric.get(), options).ends)

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/simulate/frames/sequence_frames.h"
 
-#include <unistd.h>
-
 #include <algorithm>
 #include <chrono>
 
@@ -60,10 +58,6 @@ std::string joined(const std::vector<std::string>& names) {
 }
 
 }  // namespace
-
-double machine_bytes() {
-  return static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE));
-}
 
 SequenceFrames::SequenceFrames(const SimulateOptions& options, const mtf::io::SensorConfig& sensor,
                                std::shared_ptr<const RadiometricChain> radiometric, mtf::io::Schedule schedule,

@@ -94,7 +94,4 @@ class SequenceFrames {
   double read_ms_ = 0.0, plan_ms_ = 0.0, run_ms_ = 0.0, write_ms_ = 0.0;
 };
 
-/// Memory of the machine.
-double machine_bytes();
-
 }  // namespace apps

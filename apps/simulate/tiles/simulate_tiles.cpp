@@ -2,7 +2,6 @@
 #include "apps/simulate/tiles/simulate_tiles.h"
 
 #include <malloc.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cstring>
@@ -283,17 +282,13 @@ std::vector<mtf::Image> run_flat_tiles(const mtf::TiledSensorPlan& plan, const m
   return plan.run(planes, border_value, &report.tiles->tally);
 }
 
-double memory_of_machine() {
-  return static_cast<double>(::sysconf(_SC_PHYS_PAGES)) * static_cast<double>(::sysconf(_SC_PAGESIZE));
-}
-
 bool wants_tiles(const mtf::io::SensorConfig& config, const SceneSource& scene, const SimulateOptions& options,
-                 const RadiometricChain* radiometric, double machine_bytes) {
+                 const RadiometricChain* radiometric, double usable) {
   if (options.memory || (options.region && radiometric == nullptr)) return true;
   if (!refusal_of_windows(options, scene).empty()) return false;
   // Planes of three channels, transforms and OTF of one, about.
   const mtf::io::FileInfo info = mtf::io::read_info(scene.file);
-  if (static_cast<double>(info.width) * static_cast<double>(info.height) * 20.0 <= machine_bytes) return false;
+  if (static_cast<double>(info.width) * static_cast<double>(info.height) * 20.0 <= usable) return false;
   if (radiometric == nullptr) return true;
   if (!stages_of_the_whole(*radiometric).empty()) return false;
   TileScene source;

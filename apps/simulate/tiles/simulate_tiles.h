@@ -9,6 +9,7 @@
 #include "apps/simulate/radiometric_chain.h"
 #include "apps/simulate/simulate.h"
 #include "mtf/tiles/tiles.h"
+#include "mtf/work/usable_memory.h"
 
 namespace apps {
 
@@ -20,13 +21,10 @@ std::optional<mtf::TiledSensorPlan> flat_tiles(const mtf::io::SensorConfig& conf
 std::vector<mtf::Image> run_flat_tiles(const mtf::TiledSensorPlan& plan, const mtf::io::Scene& scene,
                                        double border_value, RunReport& report);
 
-/// Bytes of physical memory.
-double memory_of_machine();
-
-/// True when a limit is given, or a region without a chain, or the whole image of a file would not fit that memory and
+/// True when a limit is given, or a region without a chain, or the whole image of a file would not fit `usable` and
 /// nothing of the scene, the chain, the output or the treatment of bad pixels needs the whole image.
 bool wants_tiles(const mtf::io::SensorConfig& config, const SceneSource& scene, const SimulateOptions& options,
-                 const RadiometricChain* radiometric, double machine_bytes = memory_of_machine());
+                 const RadiometricChain* radiometric, double usable = mtf::usable_bytes());
 
 /// simulate() of one image in tiles; `radiometric` is the chain of a sensor that has one. Throws UsageError for a chain
 /// that needs the whole image.

@@ -48,6 +48,7 @@ radiometry::SpectralNumbers<double> spectral_numbers(const Conditions& condition
 
 VariantSensor load_variant(const Study& study, std::span<const int> levels) {
   VariantSensor result;
+  require_unchanged(study);
   try {
     result.config = variant(study, levels);
   } catch (const mtf::UsageError& error) {

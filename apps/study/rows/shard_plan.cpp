@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "apps/text/json_document.h"
 #include "mtf/error.h"
 #include "mtf/io/atomic_file.h"
 #include "mtf/io/file_checks.h"
@@ -83,7 +84,7 @@ void write_plan(const ShardPlan& plan, const fs::path& folder) {
   std::error_code error;
   fs::create_directory(shards_folder(folder), error);
   if (error) throw mtf::RuntimeError("cannot create " + shown(shards_folder(folder)) + ": " + error.message());
-  mtf::io::write_text_file(plan_file(folder).string(), json.dump(2) + "\n");
+  mtf::io::write_text_file(plan_file(folder).string(), apps::json_document(json));
 }
 
 ShardPlan read_plan(const fs::path& folder) {

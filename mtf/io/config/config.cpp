@@ -134,6 +134,7 @@ void interpret(const Node& tree, ConfigResult& result) {
     if (reader.failed.empty()) note_what_is_missing(reader, system);
   }
   result.config.fits = std::move(reader.fits);
+  result.config.files = std::move(reader.files);
   result.diagnostics = std::move(reader.diagnostics);
   sort_diagnostics(result.diagnostics);
 }

@@ -79,6 +79,7 @@ struct SensorConfig {
   std::string file;                   ///< as given by the user
   std::string text;                   ///< the whole source
   std::string sha256;                 ///< of the source, 64 hex digits
+  std::vector<std::string> files{};   ///< that the text names, beside `file`
 };
 
 struct ConfigResult {

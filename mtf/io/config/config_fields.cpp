@@ -224,7 +224,9 @@ std::optional<Encoding> read_encoding(const Section& section, std::string_view k
   const auto word = read_string(section, key);
   if (!word) return std::nullopt;
   try {
-    return parse_encoding(*word, section.reader.folder);
+    Encoding encoding = parse_encoding(*word, section.reader.folder);
+    if (encoding.kind == Encoding::Kind::table) section.reader.file(*word);
+    return encoding;
   } catch (const Error& error) {
     section.error(key, printable(error.what(), 600));
     return std::nullopt;
@@ -242,7 +244,7 @@ std::shared_ptr<const Curve> read_curve(const Section& section, std::string_view
   };
   if (name->empty() || name->find('\0') != std::string::npos) return fail("no file name");
   try {
-    if (!lines) return std::make_shared<const Curve>(read_curve_csv(beside(section.reader.folder, *name)));
+    if (!lines) return std::make_shared<const Curve>(read_curve_csv(section.reader.file(*name)));
     section.reader.positions[section.at(key)] = node->position;
     Curve curve = parse_curve_csv(*name, "text");
     curve.source.clear();

@@ -107,6 +107,12 @@ std::string beside(const std::string& folder, const std::string& name) {
   return name.starts_with('/') ? name : folder + name;
 }
 
+std::string Reader::file(const std::string& name) {
+  const std::string path = beside(folder, name);
+  if (std::find(files.begin(), files.end(), path) == files.end()) files.push_back(path);
+  return path;
+}
+
 std::string another_kind(const std::vector<Diagnostic>& diagnostics, const std::string& text, std::string_view ours) {
   static constexpr std::array<std::pair<std::string_view, std::string_view>, 3> kKinds{
       {{"frame", "a sensor file, for it has [frame]"},

@@ -21,7 +21,10 @@ struct Reader {
   std::map<std::string, Position, std::less<>> positions;  ///< of values, by path
   std::set<std::string, std::less<>> failed;               ///< paths that were reported already
   std::vector<FitSpec> fits;
+  std::vector<std::string> files{};  ///< that the text names, as `file` gave them
 
+  /// The path of a file that the text names. It joins `files`.
+  std::string file(const std::string& name);
   void error(Position position, std::string path, std::string text);
   void note(Position position, std::string path, std::string text, bool remark);
   /// True when the path or a table around it was reported.

@@ -17,7 +17,7 @@ bool is_own(std::string_view table) { return std::find(kTopKeys.begin(), kTopKey
 std::optional<SettingValue> read_file(const Section& section, std::string_view key) {
   const auto name = read_string(section, key);
   if (!name) return std::nullopt;
-  if (!name->empty() && name->find('\0') == std::string::npos) return beside(section.reader.folder, *name);
+  if (!name->empty() && name->find('\0') == std::string::npos) return section.reader.file(*name);
   section.error(key, "no file name");
   return std::nullopt;
 }

@@ -134,7 +134,12 @@ Schedule parse_schedule(std::string_view text, const std::string& file, const Se
   }
   if (!errors.empty()) throw UsageError(joined(errors));
   ScheduledSensor check(sensor, schedule);
-  for (const Setting& setting : schedule.settings) check.advance(setting.frame);
+  for (const Setting& setting : schedule.settings) {
+    if (!check.advance(setting.frame)) continue;
+    for (const std::string& named : check.sensor().files)
+      if (std::find(schedule.files.begin(), schedule.files.end(), named) == schedule.files.end())
+        schedule.files.push_back(named);
+  }
   return schedule;
 }
 

@@ -36,8 +36,9 @@ struct Setting {
 
 struct Schedule {
   std::string file;
-  std::string sha256;             ///< of the text
-  std::vector<Setting> settings;  ///< by frame
+  std::string sha256;                ///< of the text
+  std::vector<Setting> settings;     ///< by frame
+  std::vector<std::string> files{};  ///< that its values name, and the sensor
 };
 
 /// A file of at most 64 MiB and a million lines. Every sensor that it makes of `sensor` is checked. Throws RuntimeError

@@ -2,9 +2,7 @@
 #include "mtf/io/csv/csv_numbers.h"
 
 #include <cmath>
-#include <filesystem>
 #include <optional>
-#include <system_error>
 
 #include "mtf/error.h"
 #include "mtf/io/csv/csv_cells.h"
@@ -57,13 +55,6 @@ CsvNumbers read_csv_numbers(std::string_view text, const std::string& source, co
   return numbers;
 }
 
-std::string read_table_text(const std::string& path, std::size_t limit) {
-  std::error_code ignored;
-  // A pipe without a writer would hang the reader of a sensor file.
-  if (std::filesystem::exists(path, ignored) && !std::filesystem::is_regular_file(path, ignored) &&
-      !std::filesystem::is_directory(path, ignored))
-    throw RuntimeError("cannot read " + path + ": it is not an ordinary file");
-  return read_text_file(path, limit);
-}
+std::string read_table_text(const std::string& path, std::size_t limit) { return read_text_file(path, limit); }
 
 }  // namespace mtf::io

@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "radiometry/scene/tracing/embree_scene.h"
 
+#include <cmath>
 #include <limits>
+#include <string>
 
 #include "mtf/error.h"
+#include "mtf/units.h"
+#include "mtf/work/usable_memory.h"
 
 namespace radiometry::scene {
 namespace {
@@ -57,7 +61,12 @@ std::array<float, 3> rounded(const Vector& v) {
 
 EmbreeScene::EmbreeScene(const Facets& facets)
     : middle_(facets.middle), lift_m_(0x1p-21 * facets.half_extent_m), device_(rtcNewDevice(nullptr)) {
-  if (!device_) throw mtf::RuntimeError("Embree: no device could be made.");
+  if (!device_) {
+    const mtf::UsableMemory memory = mtf::usable_memory();
+    throw mtf::RuntimeError(std::string("Embree, which traces the rays, cannot begin; ") + memory.whose + " " +
+                            mtf::format_double(std::round(memory.bytes / 1048576.0)) +
+                            " MiB: where that is little, raise the limit");
+  }
   scene_.reset(rtcNewScene(device_.get()));
   rtcSetSceneFlags(scene_.get(), RTC_SCENE_FLAG_ROBUST);
   rtcSetSceneBuildQuality(scene_.get(), RTC_BUILD_QUALITY_HIGH);

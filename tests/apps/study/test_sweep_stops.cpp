@@ -74,7 +74,7 @@ TEST(SweepCommand, AStopBetweenTheLastRowAndTheLastFileGoesOnToTheSameBytes) {
     for (const std::string file : {"designs.csv", "designs.npy", "columns.csv", "chosen"}) {
       const Result stopped = scratch.run(
           "rm -rf out; mtf sweep study.toml -o out --accuracy & pid=$!\n"
-          "for i in $(seq 3000); do [ -e out/" +
+          "for i in $(seq 3000); do [ -e out/.mtf-new/new/" +
           file + " ] && break; sleep 0.01; done\nkill -" + signal + " $pid; wait $pid");
       EXPECT_EQ(stopped.status, signal == "INT" ? 130 : 137);
       ASSERT_TRUE(fs::exists(scratch / "out/parts/key")) << "it was faster than the signal";

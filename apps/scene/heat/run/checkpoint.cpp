@@ -7,6 +7,7 @@
 #include "mtf/error.h"
 #include "mtf/io/sha256.h"
 #include "mtf/version.h"
+#include "radiometry/heat/lanes.h"
 
 namespace apps::scene {
 namespace {
@@ -31,7 +32,7 @@ class Writer {
     bytes_.append(text);
   }
   /// How many of something follow.
-  std::size_t count(std::size_t size) {
+  std::size_t count(std::size_t size, std::size_t) {
     (*this)(size);
     return size;
   }
@@ -63,11 +64,16 @@ class Reader {
   std::size_t count(std::size_t) {
     std::size_t size = 0;
     (*this)(size);
-    if (size > left_.size()) damaged();
+    return size;
+  }
+  /// The same of things of at least that many bytes.
+  std::size_t count(std::size_t, std::size_t bytes) {
+    const std::size_t size = count(0);
+    if (size > left_.size() / bytes) damaged();
     return size;
   }
   bool at_end() const { return left_.empty(); }
-  [[noreturn]] static void damaged() { throw mtf::RuntimeError("the state of an interrupted run is damaged"); }
+  [[noreturn]] static void damaged() { damaged_checkpoint(); }
 
  private:
   const char* take(std::size_t count, std::size_t size) {
@@ -132,18 +138,32 @@ void all_of(Archive& a, Saved& c) {
   a(c.batches.window);
   a(c.batches.emitted);
   a(c.batches.beyond_sample);
-  const std::size_t count = a.count(c.batches.batch.size());
+  constexpr std::size_t kLeast = 256;  // bytes of a batch
+  const std::size_t count = a.count(c.batches.batch.size(), kLeast);
   if constexpr (!std::is_const_v<Saved>) c.batches.batch.resize(count);
   for (auto& one : c.batches.batch) batch(a, one);
 }
-
-constexpr std::size_t kHashSize = 64;
 
 template <class... Vectors>
 std::string hash_of(const Vectors&... vectors) {
   Writer bytes;
   (bytes(vectors), ...);
   return mtf::io::sha256_hex(bytes.bytes());
+}
+
+bool is_whole(const heat::Grid& grid, std::size_t layers) {
+  const std::size_t nodes = grid.nodes();
+  return nodes > 0 && grid.conductance.size() + 1 == nodes && grid.depth_m.size() == nodes &&
+         grid.layer_m.size() == nodes * layers;
+}
+
+/// Whether a state is one of so many facets on the grids of its batch.
+bool fits(const heat::State& state, const SavedBatch& batch, std::size_t facets) {
+  const std::size_t fine = batch.fine.nodes() * facets, coarse = batch.coarse.nodes() * facets;
+  const bool one = state.doubled.empty() && state.coarse.empty();
+  return state.facets == facets && state.fine.size() == fine &&
+         (one || (state.doubled.size() == fine && state.coarse.size() == coarse)) &&
+         state.step_s.size() == (facets + heat::kLanes - 1) / heat::kLanes;
 }
 
 std::string hash_of_tables(const HeatScene& scene) {
@@ -156,16 +176,18 @@ std::string hash_of_tables(const HeatScene& scene) {
 
 }  // namespace
 
+void damaged_checkpoint() {
+  throw mtf::RuntimeError("the state of an interrupted run is damaged; --anew begins again and replaces it");
+}
+
 std::string bytes_of(const Checkpoint& checkpoint) {
   Writer writer;
   all_of(writer, checkpoint);
-  return mtf::io::sha256_hex(writer.bytes()) + writer.bytes();
+  return std::move(writer.bytes());
 }
 
 Checkpoint checkpoint_of(std::string_view bytes) {
-  if (bytes.size() < kHashSize || mtf::io::sha256_hex(bytes.substr(kHashSize)) != bytes.substr(0, kHashSize))
-    Reader::damaged();
-  Reader reader(bytes.substr(kHashSize));
+  Reader reader(bytes);
   Checkpoint checkpoint;
   all_of(reader, checkpoint);
   if (!reader.at_end()) Reader::damaged();
@@ -200,15 +222,22 @@ SavedBatches HeatBatches::save() const {
   return saved;
 }
 
-void HeatBatches::restore(const SavedBatches& saved) {
-  if (saved.batch.size() != batches_.size()) Reader::damaged();
+void HeatBatches::restore(const SavedBatches& saved, const Window& window) {
+  const std::size_t moments = 2 * (window.last - window.first) + 1, size = moments * units_.exchange.patches();
+  if (saved.batch.size() != batches_.size() || saved.window.first != window.first || saved.window.last != window.last ||
+      saved.emitted.size() != size || saved.beyond_sample.size() != size)
+    Reader::damaged();
   window_ = saved.window;
   emitted_ = saved.emitted;
   beyond_sample_ = saved.beyond_sample;
   for (std::size_t b = 0; b < batches_.size(); ++b) {
     Batch& batch = batches_[b];
     const SavedBatch& from = saved.batch[b];
-    if (from.all.facets != batch.all.unit.size() || from.sample.facets != batch.sample.unit.size()) Reader::damaged();
+    for (const heat::Grid* grid : {&from.fine, &from.coarse})
+      if (!is_whole(*grid, batch.all.heat.construction.layers.size())) Reader::damaged();
+    if (!fits(from.all, from, batch.all.unit.size()) || !fits(from.sample, from, batch.sample.unit.size()) ||
+        !fits(from.promise, from, batch.promise.unit.size()))
+      Reader::damaged();
     batch.wanted_k = from.wanted_k;
     batch.run = from.run;
     for (Group* group : {&batch.all, &batch.sample, &batch.promise})

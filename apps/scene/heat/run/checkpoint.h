@@ -44,7 +44,10 @@ struct Checkpoint {
   SavedBatches batches;
 };
 
-/// As bytes of this machine, and back. Throws RuntimeError for bytes that are none.
+/// Throws RuntimeError.
+[[noreturn]] void damaged_checkpoint();
+
+/// As bytes of this machine, and back. Throws RuntimeError for bytes that are none. Who stores them adds a checksum.
 std::string bytes_of(const Checkpoint& checkpoint);
 Checkpoint checkpoint_of(std::string_view bytes);
 

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/scene/heat/run/solve_units.h"
 
-#include <unistd.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -13,6 +11,7 @@
 #include "apps/text/words.h"
 #include "mtf/error.h"
 #include "mtf/parallel.h"
+#include "mtf/work/usable_memory.h"
 #include "radiometry/heat/weather/sky.h"
 #include "radiometry/light/constants.h"
 
@@ -119,14 +118,14 @@ void require_room(const HeatScene& scene, const Units& units, const std::vector<
   const double bytes = 2.0 * static_cast<double>(nodes) *
                        (kReceiver * static_cast<double>(units.exchange.receivers()) +
                         kPatch * static_cast<double>(units.exchange.patches()));
-  const double memory = static_cast<double>(::sysconf(_SC_PHYS_PAGES)) * static_cast<double>(::sysconf(_SC_PAGESIZE));
+  const mtf::UsableMemory memory = mtf::usable_memory();
   constexpr double kGibibyte = 1024.0 * 1024.0 * 1024.0;
-  if (bytes > 0.8 * memory)
+  if (bytes > 0.8 * memory.bytes)
     throw mtf::UsageError(one_line(scene.file.file) + ": the temperatures of " +
                           std::to_string(units.exchange.receivers()) + " surfaces at the " + std::to_string(nodes) +
-                          " nodes of a day would take " + significant(bytes / kGibibyte, 3) + " GiB of the " +
-                          significant(memory / kGibibyte, 3) +
-                          " GiB of this machine; ask for a larger tolerance, a longer [time] step, or means of the "
+                          " nodes of a day would take " + significant(bytes / kGibibyte, 3) + " GiB, " + memory.whose +
+                          " " + significant(memory.bytes / kGibibyte, 3) +
+                          " GiB; ask for a larger tolerance, a longer [time] step, or means of the "
                           "weather: [weather] average = \"5 min\"");
 }
 
@@ -193,8 +192,11 @@ UnitsRun solve_units(const HeatScene& scene, const Units& units, const HeatOptio
   };
   std::size_t first = 0;
   if (const Checkpoint* from = options.from) {
-    batches.restore(from->batches);
     first = from->windows;
+    if (first == 0 || first > windows.size() || from->outputs > s.outputs.size() ||
+        (from->outputs > 0 && s.outputs[from->outputs - 1] > windows[first - 1].last))
+      damaged_checkpoint();
+    batches.restore(from->batches, windows[first - 1]);
     solved.outputs = from->outputs;
     solved.promised.exchange_k = from->exchange_k;
     if (options.seen) solved.left_out = from->left_out;

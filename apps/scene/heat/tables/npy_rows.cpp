@@ -3,11 +3,11 @@
 
 #include <algorithm>
 #include <charconv>
-#include <filesystem>
 #include <string_view>
 
 #include "apps/text/words.h"
 #include "mtf/error.h"
+#include "mtf/io/file_checks.h"
 
 namespace apps::scene {
 namespace {
@@ -47,13 +47,15 @@ std::vector<float> read_numbers(std::ifstream& file, std::uint64_t count) {
 
 }  // namespace
 
-NpyRows::NpyRows(const std::string& path) : path_(path), file_(path, std::ios::binary) {
-  if (!file_) throw mtf::RuntimeError("cannot read " + one_line(path) + ": is it there?");
+NpyRows::NpyRows(const std::string& path) : path_(path) {
+  const auto bytes = static_cast<std::uint64_t>(mtf::io::ordinary_file_size(path));
+  file_.open(path, std::ios::binary);
+  if (!file_) throw mtf::RuntimeError("cannot read " + one_line(path) + ": check its permissions");
   const auto refuse = [&](const std::string& what) { throw mtf::UsageError(one_line(path) + ": " + what); };
   const auto read = [&](std::size_t count, const char* cut) {
-    std::string bytes(count, '\0');
-    if (!file_.read(bytes.data(), static_cast<std::streamsize>(count))) refuse(cut);
-    return bytes;
+    std::string part(count, '\0');
+    if (!file_.read(part.data(), static_cast<std::streamsize>(count))) refuse(cut);
+    return part;
   };
   constexpr const char *kNone = "is no NPY file", *kCut = "the header of the NPY file is cut off";
   const std::string head = read(8, kNone);
@@ -61,10 +63,8 @@ NpyRows::NpyRows(const std::string& path) : path_(path), file_(path, std::ios::b
   const std::string size = read(head[6] == 1 ? 2 : 4, kNone);  // of the header, the least byte first
   std::size_t length = 0;
   for (std::size_t i = size.size(); i-- > 0;) length = 256 * length + static_cast<unsigned char>(size[i]);
-  std::error_code error;
-  const std::uint64_t bytes = std::filesystem::file_size(path, error);
   begin_ = head.size() + size.size() + length;
-  if (error || begin_ > bytes) refuse(kCut);
+  if (begin_ > bytes) refuse(kCut);
   const std::string header = read(length, kCut);
   const std::string_view descr = entry(header, "descr");
   item_ = descr.find("'<f4'") < 4 ? sizeof(float) : descr.find("'<f8'") < 4 ? sizeof(double) : 0;
