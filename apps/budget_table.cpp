@@ -33,7 +33,7 @@ BudgetTable budget_table(const mtf::io::SensorConfig& config, const LoadedSensor
       at_its_place(config, [&] { return budget_of(config.system, loaded.sensor, temperature_k); });
   BudgetTable table{.rows = budget_rows(config.system, loaded.sensor, budget),
                     .saturation = budget.saturation,
-                    .notes = budget_notes(loaded.sensor),
+                    .notes = budget_notes(loaded.sensor, budget),
                     .spatial_gap = spatial_gap(loaded.sensor.settings, budget),
                     .without_path = static_cast<bool>(loaded.paths)};
   for (radiometry::BudgetRow& row : observer_rows(with_electron_rate(config.system, loaded), loaded.sensor, budget))

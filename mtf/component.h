@@ -132,6 +132,8 @@ struct ValueSlope {
 
 /// Value at |f| and slope at f, in the curve's own unit; the slope at 0 is 0, the mean of both sides.
 ValueSlope evaluate(const Curve& curve, double f);
+/// From where on it is 0, in the curve's own unit.
+double end_of(const Curve& curve);
 
 template <class S>
 using Taps = std::vector<std::vector<S>>;  ///< rows of equal length, taps[row][column]

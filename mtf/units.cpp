@@ -185,6 +185,12 @@ std::string format_double(double value) {
   return {buffer.data(), result.ptr};
 }
 
+std::string three_digits(double value) {
+  std::array<char, 32> buffer;
+  std::snprintf(buffer.data(), buffer.size(), "%.3g", value);
+  return buffer.data();
+}
+
 std::string with_unit(std::string number, std::string_view unit) {
   if (!unit.empty()) number.append(" ").append(unit);
   return number;

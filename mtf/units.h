@@ -65,6 +65,8 @@ double convert(const Quantity& quantity, std::string_view target);
 
 /// Shortest decimal form that reads back as the same double.
 std::string format_double(double value);
+/// Three digits, for messages.
+std::string three_digits(double value);
 /// "15 um"; a plain number, whose unit is empty, stays as it is.
 std::string with_unit(std::string number, std::string_view unit);
 

@@ -117,8 +117,9 @@ bool has_mean(const mtf::Image& map, const mtf::Statistics& measured, double exp
 
 }  // namespace
 
-std::vector<std::string> budget_notes(const Sensor& sensor) {
+std::vector<std::string> budget_notes(const Sensor& sensor, const Budget<double>& budget) {
   std::vector<std::string> notes;
+  if (std::string said = words(budget.dither); !said.empty()) notes.push_back(std::move(said));
   if (const auto& noise = sensor.settings.noise; noise && !noise->shot)
     notes.emplace_back(
         "[noise] shot = false leaves shot noise out of simulated frames; the budget counts it, as light and dark "
@@ -135,15 +136,15 @@ std::vector<std::string> budget_notes(const Sensor& sensor) {
   if (sensor.responsivity) {
     const mtf::Statistics factors = mtf::statistics(sensor.responsivity->view());
     if (!has_mean(*sensor.responsivity, factors, 1.0, 1.0))
-      notes.push_back("the mean of nonuniformity.responsivity is " + three_digits(factors.mean) +
+      notes.push_back("the mean of nonuniformity.responsivity is " + mtf::three_digits(factors.mean) +
                       "; the budget is that of a pixel whose factor is 1, and its prnu is the standard deviation of "
                       "the factors, " +
-                      three_digits(factors.std) + ", not divided by their mean");
+                      mtf::three_digits(factors.std) + ", not divided by their mean");
   }
   if (sensor.offset) {
     const mtf::Statistics offset = mtf::statistics(sensor.offset->view());
     if (!has_mean(*sensor.offset, offset, 0.0, offset.std))
-      notes.push_back("the mean of nonuniformity.offset is " + three_digits(offset.mean) + " " +
+      notes.push_back("the mean of nonuniformity.offset is " + mtf::three_digits(offset.mean) + " " +
                       std::string(signal_unit(sensor)) +
                       ", which the budget leaves out of the mean signal at the converter");
   }
@@ -217,7 +218,8 @@ std::vector<BudgetRow> thermal_terms(const Sensor& sensor, const Pixel<double>& 
                                                 : "noise of the detector by its NETD, NEP or D*"}};
   terms.push_back({"readout", "V", readout, "noise of the readout"});
   terms.push_back({"other", "V", b.other_e, "[flicker], row, column and 3-D noise of the frames"});
-  terms.push_back({"quantisation", "V", b.quantisation_e, "rounding to counts"});
+  terms.push_back(
+      {"quantisation", "V", b.quantisation_e, "rounding to counts, the part that changes from frame to frame"});
   const auto largest =
       std::max_element(terms.begin(), terms.end(), [](const auto& x, const auto& y) { return x.value < y.value; });
   const std::string name = largest->name;
@@ -299,6 +301,7 @@ std::vector<BudgetRow> thermal_rows(const mtf::System<double>& system, const Sen
       {"prnu", "V", b.prnu_e, "spatial noise of the responsivity (prnu, or its map), after [correction] where given"},
       {"dsnu", "V", b.dsnu_e, "spatial noise of the offset (dsnu, or its map), after [correction] where given"},
       {"correction", "V", b.correction_e, "spatial noise of the flat frames of [correction]"},
+      {"rounding", "V", b.rounding_e, "rounding to counts, the part that stays where noise does not dither it"},
       {"spatial", "V", b.spatial_e, "spatial noise, root sum of squares"},
       {"snr", "", b.snr, "scene / temporal noise"},
       {"netd", "mK", 1e3 * b.netd_k, "noise-equivalent temperature difference, temporal"},

@@ -118,11 +118,11 @@ std::string bandwidth_warning(const ThermalSettings& s, double time_constant_s) 
   const double widest_hz = std::max(from_hz, *s.bandwidth_hz);
   if (!(widest_hz > 10.0 * pixel_hz)) return "";
   const std::string figure = s.netd_k ? "netd" : s.nep_w ? "nep" : s.nep_density ? "nep_density" : "dstar";
-  return figure + " is taken from " + three_digits(from_hz) + " Hz to " + three_digits(*s.bandwidth_hz) +
+  return figure + " is taken from " + mtf::three_digits(from_hz) + " Hz to " + mtf::three_digits(*s.bandwidth_hz) +
          " Hz by the root of the bandwidths, as white noise; the temperature fluctuation of pixels with a time "
          "constant "
          "of " +
-         three_digits(time_constant_s) + " s has no more than 1/(4 tau) = " + three_digits(pixel_hz) +
+         mtf::three_digits(time_constant_s) + " s has no more than 1/(4 tau) = " + mtf::three_digits(pixel_hz) +
          " Hz, so that its part comes out " + (from_hz < *s.bandwidth_hz ? "too large" : "too small") +
          "; give the figure for the noise bandwidth of this camera, or the physics";
 }

@@ -70,8 +70,8 @@ std::string gap_of(const mtf::System<double>& system, const radiometry::Sensor& 
   if (const std::string refused = refusal_of(budget, budget.netd_k); !refused.empty()) return refused;
   constexpr double kMost_k = 1e6;  // of MrtdInput
   if (!(budget.netd_k <= kMost_k && budget.spatial_netd_k <= kMost_k))
-    return "the noise is no temperature difference: an NETD of " + radiometry::three_digits(budget.netd_k) +
-           " K and a spatial one of " + radiometry::three_digits(budget.spatial_netd_k) + " K";
+    return "the noise is no temperature difference: an NETD of " + mtf::three_digits(budget.netd_k) +
+           " K and a spatial one of " + mtf::three_digits(budget.spatial_netd_k) + " K";
   if (!(system.frame.focal_length_mm > 0.0)) return "no [frame] focal_length";
   const auto& frame = sensor.settings.frame;
   if (sensor.settings.thermal && !(frame && frame->frame_time_s)) return "no [frame] frame_time";

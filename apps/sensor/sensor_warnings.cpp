@@ -38,8 +38,8 @@ std::vector<mtf::io::Diagnostic> fill_factor_warnings(const mtf::System<double>&
   for (const FootprintArea& other : footprint_areas(system))
     if (std::abs(other.of_pitch - fill_factor) > 1e-6 * fill_factor)
       warnings.push_back(warning_at("detector.fill_factor",
-                                    radiometry::three_digits(fill_factor) + " here, " +
-                                        radiometry::three_digits(other.of_pitch) + " in \"" + other.label +
+                                    mtf::three_digits(fill_factor) + " here, " +
+                                        mtf::three_digits(other.of_pitch) + " in \"" + other.label +
                                         "\" of [[presample]]: both are the active area of a pixel over that of the "
                                         "pitch, here for its light, there for its MTF; give both the same value"));
   return warnings;
@@ -56,8 +56,8 @@ std::vector<mtf::io::Diagnostic> light_area_notes(const mtf::System<double>& sys
   for (const FootprintArea& other : footprint_areas(system)) {
     if (std::abs(other.of_pitch - of_pitch) <= 1e-6 * of_pitch) continue;
     mtf::io::Diagnostic note =
-        warning_at(key, "light is counted on " + radiometry::three_digits(of_pitch) +
-                            " of the area of the pitch, and blurred by " + radiometry::three_digits(other.of_pitch) +
+        warning_at(key, "light is counted on " + mtf::three_digits(of_pitch) +
+                            " of the area of the pitch, and blurred by " + mtf::three_digits(other.of_pitch) +
                             " of it, \"" + other.label +
                             "\" of [[presample]]; give [detector] width and height and the footprint one size, unless "
                             "microlenses or the quantum efficiency make up for the difference");
@@ -80,7 +80,7 @@ std::vector<mtf::io::Diagnostic> invented_volts_warnings(const std::vector<mtf::
       warnings.push_back(warning_at(std::string(table.name) + "." + std::string(row.info.name),
                                     "in volts beside detector.counts_per_kelvin, which leaves open how many volts a "
                                     "count is and calls it 1 uV, so that this is taken for " +
-                                        radiometry::three_digits(1e6 * *volts) +
+                                        mtf::three_digits(1e6 * *volts) +
                                         " counts; give it as counts x 1 uV, or responsivity and adc.volts_per_count "
                                         "in place of counts_per_kelvin"));
     }

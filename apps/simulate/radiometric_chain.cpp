@@ -129,8 +129,8 @@ std::string lag_warning(const RadiometricChain& radiometric, std::int64_t steps)
   if (!s.thermal || !s.lag || !s.frame || !s.frame->frame_time_s || steps == 0) return "";
   const double length_s = static_cast<double>(steps) * *s.frame->frame_time_s;
   if (s.lag->time_constant_s <= length_s) return "";
-  return "[lag]: the time constant of " + radiometry::three_digits(s.lag->time_constant_s) +
-         " s is longer than the sequence of " + radiometry::three_digits(length_s) +
+  return "[lag]: the time constant of " + mtf::three_digits(s.lag->time_constant_s) +
+         " s is longer than the sequence of " + mtf::three_digits(length_s) +
          " s, so that its last frame still shows the first one, which is taken for a steady state; give more frames";
 }
 

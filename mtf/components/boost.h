@@ -52,7 +52,14 @@ struct Boost {
     const double s = sin_pi(std::min(x, 0.5));
     return value_of(extra()) * s * s;
   }
-  std::vector<Problem> check(const Context<S>&) const { return {}; }
+  std::vector<Problem> check(const Context<S>& ctx) const {
+    const double nyquists = value_of(ctx.frame.cy_per_px(peak.cy_mm(ctx.frame, axis_of(axis)), axis_of(axis))) / 0.5;
+    if (nyquists >= 1.0) return {};
+    return {{.error = false,
+             .field = "peak",
+             .text = "the filter is meant up to its peak, which lies at " + three_digits(nyquists) +
+                     " of Nyquist; beyond it the gain falls again"}};
+  }
 };
 
 }  // namespace mtf

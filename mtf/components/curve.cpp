@@ -24,6 +24,9 @@ std::vector<double> monotone_slopes(const std::vector<double>& x, const std::vec
   return slope;
 }
 
+// Towards zero along the last slope, at least as steep as the mean fall from 0: a flat end must not go on for ever.
+double last_fall(const Curve& curve) { return std::max(std::abs(curve.slope.back()), 1.0 / curve.frequency.back()); }
+
 }  // namespace
 
 Curve make_curve(std::string source, const Unit& unit, std::vector<double> frequency, std::vector<double> value) {
@@ -58,9 +61,7 @@ ValueSlope evaluate(const Curve& curve, double f) {
   const double x = std::abs(f), sign = f < 0.0 ? -1.0 : f > 0.0 ? 1.0 : 0.0;
   const auto& fs = curve.frequency;
   if (x >= fs.back()) {
-    // Towards zero along the last slope, at least as steep as the mean fall from 0: a flat end must not go on for ever.
-    const double last = curve.value.back(), mean_fall = 1.0 / fs.back();
-    const double steepness = std::max(std::abs(curve.slope.back()), mean_fall);
+    const double last = curve.value.back(), steepness = last_fall(curve);
     const double left = std::abs(last) - steepness * (x - fs.back());
     if (!(left > 0.0)) return {0.0, 0.0};
     return {std::copysign(left, last), -std::copysign(steepness, last) * sign};
@@ -71,6 +72,13 @@ ValueSlope evaluate(const Curve& curve, double f) {
   const double value = u * u * (1.0 + 2.0 * t) * y0 + t * t * (3.0 - 2.0 * t) * y1 + t * u * (u * m0 - t * m1);
   const double slope = (6.0 * t * u * (y1 - y0) + u * (u - 2.0 * t) * m0 + t * (t - 2.0 * u) * m1) / h;
   return {value, slope * sign};
+}
+
+double end_of(const Curve& curve) {
+  std::size_t last = curve.value.size() - 1;
+  if (curve.value[last] != 0.0) return curve.frequency[last] + std::abs(curve.value[last]) / last_fall(curve);
+  while (curve.value[last - 1] == 0.0) --last;
+  return curve.frequency[last];
 }
 
 }  // namespace mtf

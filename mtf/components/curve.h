@@ -7,8 +7,9 @@
 // From 1 at f = 0 when the table starts later; beyond the last sample straight on to 0 along the last slope, or along
 // the mean fall 1/(last frequency) where that is steeper, and 0 from there. Frequencies in cy/mm, cy/mrad or cy/px, as
 // the file's header says; the latter two follow the frame. Real and even: signed values are allowed (contrast
-// reversal), phase is not. As valid as its samples are dense. (Fritsch and Carlson, SIAM J. Numer. Anal. 17, 238
-// (1980): monotone cubics.)
+// reversal), phase is not. As valid as its samples are dense, and as far as they go: where they end above 0 the
+// straight end is a guess, off by no more than the last value, and said. (Fritsch and Carlson, SIAM J. Numer. Anal. 17,
+// 238 (1980): monotone cubics.)
 
 #include <algorithm>
 
@@ -61,7 +62,16 @@ struct CurveOtf {
                                   : own_unit(f.y, Axis::y);
     return {lift(evaluate(*curve, value_of(u)), u), S(0)};
   }
-  double cutoff_cy_mm(const Context<S>&) const { return kInfinity; }
+  /// Where a radial curve has come to 0; one along an axis leaves the other.
+  double cutoff_cy_mm(const Context<S>& ctx) const { return axis.index == 0 ? value_of(end_cy_mm(ctx)) : kInfinity; }
+  /// |f| from which a radial curve is 0; of pixels that are not square, along their shorter side.
+  S end_cy_mm(const Context<S>& ctx) const {
+    const auto end = static_cast<S>(end_of(*curve));
+    if (curve->unit->name == "cy/mrad") return ctx.frame.cy_mm_from_mrad(end);
+    if (curve->unit->name == "cy/px")
+      return ctx.frame.cy_mm_from_px(end, ctx.frame.pitch_y_um < ctx.frame.pitch_x_um ? Axis::y : Axis::x);
+    return end;
+  }
   double deviation(double, double, const Context<S>&) const {
     double worst = 1.0;
     for (const double v : curve->value) worst = std::max(worst, std::abs(1.0 - v));
@@ -69,15 +79,15 @@ struct CurveOtf {
   }
   std::vector<Problem> check(const Context<S>&) const {
     if (curve == nullptr) return {{.field = "file", .text = "missing"}};
-    if (std::abs(curve->value.back()) <= 0.05) return {};
-    return {
-        {.error = false,
-         .field = "file",
-         .text =
-             (curve->source.empty() ? std::string("the curve") : curve->source) + " ends at " +
-             format_double(curve->frequency.back()) + " " + std::string(curve->unit->name) + " with MTF " +
-             format_double(curve->value.back()) +
-             "; beyond it the curve goes straight on to 0, along its last slope or 1/(last frequency), the steeper"}};
+    if (std::abs(curve->value.back()) <= 1e-3) return {};
+    return {{.error = false,
+             .field = "file",
+             .text = (curve->source.empty() ? std::string("the curve") : curve->source) + " ends at " +
+                     format_double(curve->frequency.back()) + " " + std::string(curve->unit->name) + " with MTF " +
+                     format_double(curve->value.back()) +
+                     "; beyond it the curve goes straight on to 0, which it reaches at " +
+                     format_double(end_of(*curve)) + ", so that its MTF there is off by up to " +
+                     three_digits(std::abs(curve->value.back())) + "; measure it further out"}};
   }
 };
 

@@ -122,7 +122,18 @@ struct Eye {
   std::vector<Problem> check(const Context<S>&) const {
     if (is_mtf() && field_deg)
       return {{.field = "field", .text = "belongs to the contrast sensitivities; model = \"mtf\" has no use for it"}};
-    return {};
+    if (is_mtf()) return {};
+    std::vector<Problem> problems;
+    const auto outside = [&](const char* name, double value, const char* unit, double lo, double hi) {
+      if (value >= lo && value <= hi) return;
+      problems.push_back({.error = false,
+                          .field = name,
+                          .text = three_digits(value) + unit + " is beyond the data of the fit, " + three_digits(lo) +
+                                  " to " + three_digits(hi) + unit});
+    };
+    outside("luminance", value_of(luminance_cd_m2.value), " cd/m^2", 0.1, 1000.0);
+    outside("field", value_of(field_deg.value_or(S(10.0))), " deg", 0.5, 60.0);
+    return problems;
   }
 };
 

@@ -58,7 +58,13 @@ struct ImageIntensifier {
   double deviation(double fx, double fy, const Context<S>& ctx) const {
     return -std::expm1(-std::pow(value_of(relative({S(fx), S(fy)}, ctx)), value_of(index)));
   }
-  std::vector<Problem> check(const Context<S>&) const { return {}; }
+  std::vector<Problem> check(const Context<S>&) const {
+    if (value_of(index) <= 2.0) return {};
+    return {{.error = false,
+             .field = "index",
+             .text = "a device index of " + three_digits(value_of(index)) +
+                     " is beyond those of Johnson's tables, 1.0 to 2.0: no measured device stands behind this MTF"}};
+  }
 
  private:
   S relative(const Freq<S>& f, const Context<S>& ctx) const {

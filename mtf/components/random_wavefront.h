@@ -7,7 +7,8 @@
 // length in cycles/rad, L = correlation length, as a length in the pupil or as a fraction of the aperture. Real,
 // positive, radial; multiplies `diffraction`. It does not go to 0: the fraction exp(-s^2) of the light stays in the
 // sharp core. W is at `wavelength_reference`: W(lambda) = W x reference / lambda. Valid for L well below the aperture
-// (polishing errors, boundary layers); a budget of known aberrations is `rms_wavefront`. (O'Neill, Introduction to
+// (polishing errors, boundary layers), say a quarter of it: of the variance of longer waves much is piston, which blurs
+// nothing; a budget of known aberrations is `rms_wavefront`. (O'Neill, Introduction to
 // Statistical Optics; equation 3-31 of the IBSM as pyBSM quotes it.)
 
 #include "mtf/components/field.h"
@@ -100,7 +101,13 @@ struct RandomWavefront {
       return {{.field = "correlation", .text = "give either correlation or correlation_length"}};
     if (correlation && !(value_of(aperture_of(aperture_mm, ctx)) > 0.0))
       return {{.field = "aperture", .text = "missing; correlation needs it here or in [optics]"}};
-    return {};
+    const double share = value_of(length_mm(ctx)) / value_of(aperture_of(aperture_mm, ctx));
+    if (!(share > 0.25 && share < kInfinity)) return {};  // infinite: the aperture is not known
+    return {{.error = false,
+             .field = correlation ? "correlation" : "correlation_length",
+             .text = "a correlation length of " + three_digits(share) +
+                     " of the aperture is beyond the validity of the formula, which is for lengths well below it (a "
+                     "quarter at most); much of such an error is piston and tilt, which do not blur"}};
   }
 };
 

@@ -64,7 +64,7 @@ struct AxisFigures {
   S nyquist{}, optics_nyquist{}, detector_nyquist{},
       presample_nyquist{};  ///< MTF at Nyquist, 1 without such components
   S folded_nyquist{};
-  S mtf50_cy_px{};  ///< NaN where the MTF never falls that far
+  S mtf50_cy_px{};  ///< NaN where the MTF never falls that far, or is below 1/2 next to f = 0 already
   S mtfa{};
   /// Of the edge: NaN where a phase moves it, or a tail goes on, for more pixels than the quadrature follows, some
   /// hundred.
@@ -83,6 +83,7 @@ struct Resolution {
   double cutoff_cy_mm = 0.0;         ///< from where on the presample OTF is 0; infinite without a pupil
   double error = 0.0;                ///< estimated, of the worst integral
   bool edge_lost = false;            ///< figures of an edge are NaN because it is moved, or goes on, too far
+  bool veiled = false;               ///< mtf50 is NaN because contrast is lost at all frequencies, not by blur
   int evaluations = 0;               ///< frequencies at which the OTF was taken
   int wavelengths = 1;
 };

@@ -29,6 +29,7 @@ struct ResolutionMeter<S>::Impl {
   double left_out = 0.0;       ///< bound of the part of the edge that they do not follow
   double line_left_out = 0.0;  ///< the same of the line, per pixel
   double edge_left_out = 0.0;  ///< the largest of an edge that was measured; no finer series makes it smaller
+  bool veiled = false;
   bool edge_lost = false;      ///< it is farther than they can
   double series_error = 0.0;   ///< of the OTF's series
   double replica_error = 0.0;  ///< of integrals over replicas
@@ -83,10 +84,12 @@ double ResolutionMeter<S>::Impl::fill_panels(Axis axis, double cutoff) {
   using namespace detail;
   const bool presample = needs.axis.aliasing || needs.axis.spurious;
   const bool unfiltered = needs.axis.unfiltered && parts.digital_filters(axis);
+  // A veil (aerosol) or AC coupling takes contrast from all frequencies but 0 itself, a point that no integral sees.
+  const double least = 1e-15 * value_of(parts.system().frame.nyquist_cy_mm(axis));
   double largest = 0.0;
   const auto evaluate = [&](const std::vector<double>& at, SeriesValues<S, kOtfs>& values) {
     f.clear();
-    for (const double f_cy_mm : at) f.push_back(S(f_cy_mm));
+    for (const double f_cy_mm : at) f.push_back(S(std::max(f_cy_mm, least)));
     parts.along(axis, f, products);
     evaluations += static_cast<int>(at.size());
     largest = 0.0;
@@ -203,11 +206,15 @@ void ResolutionMeter<S>::Impl::points(Axis axis, double cutoff, AxisFigures<S>& 
   for (std::size_t i = folds; i < f.size(); ++i) figures.mtf_at.push_back(system(i));
 }
 
-/// First crossing of 1/2 by |H|, on the series; NaN where it stays above.
+/// First crossing of 1/2 by |H|, on the series; NaN where it stays above, or begins below.
 template <class S>
 S ResolutionMeter<S>::Impl::mtf50(Axis axis) {
   using namespace detail;
   constexpr double kHalf = 0.5;
+  if (!(value_of(modulus(panels.front().series.otf[kSystem].at(-1.0))) > kHalf)) {
+    veiled = true;
+    return S(std::numeric_limits<double>::quiet_NaN());
+  }
   for (const AxisPanel<S>& panel : panels) {
     const ComplexSeries<S>& h = panel.series.otf[kSystem];
     const auto excess = [&](double t) { return value_of(modulus(h.at(t))) - kHalf; };
@@ -298,7 +305,7 @@ Resolution<S> ResolutionMeter<S>::Impl::measure_once() {
   Resolution<S> result;
   const double cutoff = result.cutoff_cy_mm = parts.cutoff_cy_mm();
   figure_error = 0.0;
-  edge_lost = false;
+  edge_lost = veiled = false;
   edge_left_out = 0.0;
   choose_wavelengths(cutoff);
   double error = measure_axis(Axis::x, cutoff, result.x, result.curve_x);
@@ -313,6 +320,7 @@ Resolution<S> ResolutionMeter<S>::Impl::measure_once() {
   result.wavelengths = parts.chromatic() ? parts.wavelengths() : 1;
   result.error = std::max(error, figure_error);
   result.edge_lost = edge_lost;
+  result.veiled = veiled;
   result.evaluations = evaluations;
   return result;
 }

@@ -23,12 +23,13 @@ std::vector<BudgetRow> terms(const Budget<double>& b) {
       {"read", "e-", b.read_e, "read noise"},
       {"reset", "e-", b.reset_e, "kTC noise"},
       {"other", "e-", b.other_e, "further temporal noise"},
-      {"quantisation", "e-", b.quantisation_e, "rounding to counts"},
+      {"quantisation", "e-", b.quantisation_e, "rounding to counts, the part that changes from frame to frame"},
       {"temporal", "e-", b.temporal_e, "temporal noise, root sum of squares"},
       {"floor", "e-", b.floor_e, "temporal noise without light"},
       {"prnu", "e-", b.prnu_e, "spatial noise of the responsivity (prnu, or its map), after [correction] where given"},
       {"dsnu", "e-", b.dsnu_e, "spatial noise of the offset (dsnu, or its map), after [correction] where given"},
       {"correction", "e-", b.correction_e, "spatial noise of the flat frames of [correction]"},
+      {"rounding", "e-", b.rounding_e, "rounding to counts, the part that stays where noise does not dither it"},
       {"spatial", "e-", b.spatial_e, "spatial noise, root sum of squares"},
       {"snr", "", b.snr, "scene / temporal noise"},
       {"shot_netd", "mK", 1e3 * b.shot_netd_k, "NETD from the shot noise of light alone"},
@@ -59,6 +60,16 @@ std::vector<BudgetRow> rows(const Budget<double>& budget) {
 
 bool is_saturated(const Budget<double>& budget, double value) {
   return budget.saturation.saturated() && std::isnan(value);
+}
+
+std::string words(const Dither& dither) {
+  if (dither.dithered()) return {};
+  std::string text = "the noise before the converter is " + mtf::three_digits(dither.noise_steps) +
+                     " of a count, which does not dither its rounding (0.4 does): at some levels of the scene ";
+  text += dither.response < 0.1 ? "differences of almost a count, " + mtf::three_digits(1e3 * dither.step_k) +
+                                      " mK, change nothing in the frames"
+                                : "small differences show at " + mtf::three_digits(dither.response) + " of their size";
+  return text + "; noise and NETD are means over all levels; give [adc] more bits, or smaller counts";
 }
 
 std::string refusal_of(const Budget<double>& budget, double value) {

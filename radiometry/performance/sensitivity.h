@@ -4,9 +4,12 @@
 // Noise of a pixel and the figures of its sensitivity, in closed form. Temporal terms, electrons rms:
 //   shot       sqrt(electrons), of scene and path, of the background (optics, stop), of the dark current
 //   read, kTC  as given; kTC = sqrt(k T C) / q for a capacitance that is reset
-//   quantisation   step / sqrt(12), for a step of one count in electrons (values spread over several counts)
+//   quantisation   rounding to counts of one step: step / sqrt(12) where the noise before it dithers, from 0.4 steps
+//   on;
+//                  below, the mean over all signals (rounding_noise.h), and the rest of step^2 / 12 is spatial
 // Spatial terms: responsivity (PRNU x electrons of light), offset (DSNU), both after correction (correction_residual.h
-// says what a two-point correction leaves), and the noise of the flat frames that it was made from.
+// says what a two-point correction leaves), the noise of the flat frames that it was made from, and the error of
+// rounding that no noise dithers.
 //   NETD  temporal noise / (d electrons / dT)
 //   NEI   noise / (QE A t), photons s^-1 m^-2 at the detector, of the spectrum that the scene has there; QE the mean
 //         over those photons
@@ -24,6 +27,7 @@
 
 #include "radiometry/light/constants.h"
 #include "radiometry/light/signal.h"
+#include "radiometry/performance/rounding_noise.h"
 #include "radiometry/stages/detector/saturation.h"
 
 namespace radiometry {
@@ -101,6 +105,17 @@ struct ResetNoise {
   }
 };
 
+/// How far the noise before the converter dithers its rounding.
+struct Dither {
+  double noise_steps = mtf::kInfinity;  ///< counts rms before the rounding; infinite without a converter
+  double response = 1.0;                ///< RoundingNoise::response
+  double step_k = 0.0;                  ///< one count as a temperature difference of the scene
+
+  bool dithered() const { return response >= kDitheredResponse; }
+};
+/// Which differences of the scene the frames may not show, and what that makes of the figures; "" where noise dithers.
+std::string words(const Dither& dither);
+
 /// Every term of signal and noise, and the figures they give.
 template <class S>
 struct Budget {
@@ -111,9 +126,9 @@ struct Budget {
   // Temporal noise, e- rms.
   S scene_shot_e{}, background_shot_e{}, dark_shot_e{}, read_e{}, reset_e{}, other_e{}, quantisation_e{};
   S temporal_e{};  ///< their root sum of squares
-  S floor_e{};     ///< without light: dark, read, reset, other, quantisation
+  S floor_e{};     ///< without light: dark, read, reset, other and all of the rounding, whose error is noise or stays
   // Spatial noise, e- rms.
-  S prnu_e{}, dsnu_e{}, correction_e{}, spatial_e{};
+  S prnu_e{}, dsnu_e{}, correction_e{}, rounding_e{}, spatial_e{};
   // Figures.
   S snr{};             ///< electrons of the scene / temporal noise
   S shot_netd_k{};     ///< from the shot noise of all light alone
@@ -123,12 +138,14 @@ struct Budget {
   S nep_w{};           ///< of a thermal detector: incident power that equals the temporal noise
   S dynamic_range{};   ///< full well / floor, a ratio
   Saturation saturation{};
+  Dither dither{};
 };
 
 /// spatial_e and spatial_netd_k from the spatial terms.
 template <class S>
 void set_spatial(Budget<S>& b) {
-  b.spatial_e = detail::root(S(b.prnu_e * b.prnu_e + b.dsnu_e * b.dsnu_e + b.correction_e * b.correction_e));
+  b.spatial_e = detail::root(
+      S(b.prnu_e * b.prnu_e + b.dsnu_e * b.dsnu_e + b.correction_e * b.correction_e + b.rounding_e * b.rounding_e));
   b.spatial_netd_k = b.spatial_e / b.signal_per_k;
 }
 
@@ -138,9 +155,11 @@ void refuse_saturated(Budget<S>& b) {
   const S none(std::numeric_limits<double>::quiet_NaN());
   for (S Budget<S>::*figure :
        {&Budget<S>::signal_per_k, &Budget<S>::scene_shot_e, &Budget<S>::background_shot_e, &Budget<S>::dark_shot_e,
-        &Budget<S>::temporal_e, &Budget<S>::prnu_e, &Budget<S>::spatial_e, &Budget<S>::snr, &Budget<S>::shot_netd_k,
-        &Budget<S>::netd_k, &Budget<S>::spatial_netd_k, &Budget<S>::nei_ph, &Budget<S>::nep_w})
+        &Budget<S>::temporal_e, &Budget<S>::prnu_e,
+        &Budget<S>::spatial_e, &Budget<S>::snr, &Budget<S>::shot_netd_k, &Budget<S>::netd_k, &Budget<S>::spatial_netd_k,
+        &Budget<S>::nei_ph, &Budget<S>::nep_w})
     b.*figure = none;
+  if (b.dither.noise_steps < mtf::kInfinity) b.quantisation_e = b.rounding_e = none;
   // The dark current alone may saturate the pixel.
   const Saturation& s = b.saturation;
   if (s.end != RangeEnd::least_count && mtf::value_of(b.signal.dark_e) >= s.end_e) b.floor_e = b.dynamic_range = none;
@@ -178,11 +197,17 @@ Budget<S> make_budget(const Pixel<S>& pixel, const Signal<S>& signal, const Nois
   b.read_e = noise.read_e;
   b.reset_e = noise.reset_e;
   b.other_e = noise.other_e;
-  b.quantisation_e = noise.step_e * S(0.28867513459481288225);  // 1 / sqrt(12)
-  const S floor2 = shot * signal.dark_e + b.read_e * b.read_e + b.reset_e * b.reset_e + b.other_e * b.other_e +
-                   b.quantisation_e * b.quantisation_e;
-  b.floor_e = root(floor2);
-  b.temporal_e = root(S(shot * (scene + background) + floor2));
+  const S dark2 = shot * signal.dark_e + b.read_e * b.read_e + b.reset_e * b.reset_e + b.other_e * b.other_e;
+  b.floor_e = root(S(dark2 + noise.step_e * noise.step_e / S(12)));
+  const S before2 = shot * (scene + background) + dark2;
+  if (const double step_e = mtf::value_of(noise.step_e); step_e > 0.0) {
+    const S steps = root(before2) / noise.step_e;
+    const RoundingNoise rounding = rounding_noise(mtf::value_of(steps));
+    b.quantisation_e = noise.step_e * root(mtf::lift(rounding.temporal, steps));
+    b.rounding_e = noise.step_e * root(mtf::lift(rounding.fixed, steps));
+    b.dither = {mtf::value_of(steps), rounding.response, step_e / mtf::value_of(signal_per_k)};
+  }
+  b.temporal_e = root(S(before2 + b.quantisation_e * b.quantisation_e));
   const S light = scene + background;  // below 0 where a scene is colder than the shutter of a thermal detector
   b.prnu_e = noise.prnu * (mtf::value_of(light) < 0.0 ? S(-light) : light);
   b.dsnu_e = noise.dsnu_e;

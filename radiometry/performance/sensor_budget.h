@@ -133,8 +133,8 @@ Budget<S> sensor_budget(const mtf::System<S>& system, const SensorSettings& sett
 /// The settings that the budget of a sensor counts: its maps in place of prnu and dsnu, by their standard deviation.
 SensorSettings budget_settings(const Sensor& sensor);
 
-/// Sentences that say where simulated frames differ from the budget; none where they agree.
-std::vector<std::string> budget_notes(const Sensor& sensor);
+/// Sentences that say where simulated frames differ from that budget; none where they agree.
+std::vector<std::string> budget_notes(const Sensor& sensor, const Budget<double>& budget);
 
 /// Why the spatial terms of that budget have no number, "" where they have.
 template <class S>

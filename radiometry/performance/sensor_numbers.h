@@ -150,8 +150,7 @@ ThermalNoise<S> thermal_noise_of(const SensorSettings& settings, const Pixel<S>&
 }
 
 /// Rms volts of a thermal pixel and its readout. An NETD of the camera has the rounding to counts in it already; it is
-/// taken off here, since the budget and the converter of simulated frames add it. Throws UsageError where the rounding
-/// alone is more.
+/// taken off here, since the budget and the converter of simulated frames add it.
 template <class S>
 S thermal_volts(const SensorSettings& settings, const Pixel<S>& pixel, const ThermalReference<S>& reference,
                 const Overrides<S>& numbers = {}) {
@@ -163,12 +162,9 @@ S thermal_volts(const SensorSettings& settings, const Pixel<S>& pixel, const The
   const S scale =
       stated_hz ? S(numbers("detector.noise_bandwidth", settings.thermal->bandwidth_hz.value_or(0.0)) / S(*stated_hz))
                 : S(1);
-  const S rest = volts * volts - scale * step * step / S(12);
-  if (mtf::value_of(rest) < 0.0)
-    throw mtf::UsageError("adc.volts_per_count: rounding to counts of " + three_digits(mtf::value_of(step)) +
-                          " V is more than the noise of " + three_digits(mtf::value_of(volts)) +
-                          " V that the NETD of the camera stands for; lower it, or raise detector.netd");
-  return detail::root(rest);
+  if (!(mtf::value_of(step) > 0.0)) return volts;
+  const S whole2 = volts * volts / (scale * step * step);
+  return detail::root(scale) * step * mtf::lift(noise_before_rounding(mtf::value_of(whole2)), whole2);
 }
 
 /// All temporal and spatial terms. `flicker_e`: rms of the 1/f noise over the detector. `reference`: of a thermal

@@ -16,7 +16,7 @@ void require_bolometer(const std::string& where, const ThermalBody<double>& body
   require_valid(where, readout);
   const double least = radiation_conductance_w_k(emissivity, area_m2, body.temperature_k);
   if (body.conductance_w_k < least)
-    refuse("conductance", mtf::format_double(body.conductance_w_k) + " W/K is below the " + three_digits(least) +
+    refuse("conductance", mtf::format_double(body.conductance_w_k) + " W/K is below the " + mtf::three_digits(least) +
                               " W/K by which the pixel radiates, 4 emissivity sigma A T^3; give the conductance of "
                               "legs, gas and radiation together, or a smaller area or absorptance");
   if (readout.tcr_per_k == 0.0)

@@ -99,6 +99,11 @@ TEST(Curve, ends_in_zero) {
   EXPECT_GT(evaluate(reversed, 41.0).value, -0.2);
   EXPECT_GT(evaluate(reversed, 41.0).slope, 0.0);
   EXPECT_EQ(evaluate(reversed, 90.0).value, 0.0);
+  for (const Curve& c : {steep, falling, flat, reversed, make({0, 20, 40, 50}, {1, 0.5, 0, 0}), make({0, 5}, {1, 0})}) {
+    const double end = end_of(c);
+    EXPECT_EQ(evaluate(c, end * (1.0 + 1e-15)).value, 0.0);
+    EXPECT_GT(std::abs(evaluate(c, 0.999 * end).value), 0.0);
+  }
 }
 
 TEST(Curve, what_is_no_curve_is_refused) {
@@ -150,6 +155,7 @@ TEST(Curve, component_reads_its_own_unit_and_axis) {
   use("cy/px", 0);
   EXPECT_FALSE(c.traits(s.context()).radial);  // elliptic over these pixels
   EXPECT_NEAR(at(20.0, 0.0), 0.7, 1e-15);
+  EXPECT_NEAR(c.cutoff_cy_mm(s.context()), 1e3 / 15.0, 1e-9);  // along the shorter side
   *std::get<std::shared_ptr<const Curve>*>(field(c, "file").value) =
       std::make_shared<const Curve>(make({0, 10, 20}, {1, -1.01, 0}));
   EXPECT_TRUE(c.traits(s.context()).gain);

@@ -61,6 +61,35 @@ TEST(Resolution, ALongTailMovesTheEdgeAndEveryFigureIsRightOrNone) {
   EXPECT_LE(none, 4);
 }
 
+// Light that aerosol scatters takes the part 1 - a of the contrast at every frequency but 0 itself: the rise of an edge
+// is a of what it was, the line keeps its width, and MTF50 is where the rest of the MTF has fallen to 1/(2 a); a below
+// 1/2 is no blur and has none. The error that is stated is that of the tolerance, as without it.
+TEST(Resolution, ContrastLostAtAllFrequenciesIsNoBlur) {
+  constexpr double s = 0.4;
+  for (const double depth : {0.1, 0.6, 0.7, 3.0}) {
+    System<double> system;
+    system.frame = {100.0, 10.0, 10.0, 0.0, 0, 0};
+    system.add(Stage::presample, gaussian(10.0 * s));
+    auto aerosol = Component<double>::make("aerosol");
+    set(aerosol, "scattering", depth);
+    set(aerosol, "path_length", 1.0);
+    system.add(Stage::presample, aerosol);
+    ResolutionNeeds needs;
+    needs.axis.edge = needs.axis.fwhm = needs.axis.mtf50 = true;
+    needs.tolerance = 1e-7;
+    const Resolution<double> r = ResolutionMeter<double>(needs).measure(system);
+    const double a = std::exp(-depth);
+    EXPECT_LE(r.error, 1e-7) << depth;
+    EXPECT_NEAR(r.x.rer, a * std::erf(0.5 / (std::numbers::sqrt2 * s)), 1e-7) << depth;
+    EXPECT_NEAR(r.x.fwhm_px, 2.0 * s * std::sqrt(2.0 * std::numbers::ln2), 1e-6) << depth;
+    EXPECT_EQ(r.veiled, a < 0.5);
+    EXPECT_EQ(std::isnan(r.x.mtf50_cy_px), r.veiled);
+    if (!r.veiled) {
+      EXPECT_NEAR(r.x.mtf50_cy_px, std::sqrt(std::log(2.0 * a) / 2.0) / (kPi * s), 1e-6) << depth;
+    }
+  }
+}
+
 // Nothing ends an RC low-pass alone: esf = 1 - exp(-x/t), at one half at t ln 2.
 TEST(Resolution, AnOtfThatNothingEndsHasAnEdge) {
   for (const double t : {0.398, 2.0, 30.0}) {

@@ -89,8 +89,8 @@ TEST(Saturation, AFullWellRefusesTheFiguresAndKeepsTheTermsThatStayTrue) {
     EXPECT_EQ(b.saturation.end, RangeEnd::full_well);
     for (const BudgetRow& row : rows(b)) {
       static const std::set<std::string> refused{
-          "signal_per_k", "scene_shot", "background_shot", "dark_shot",    "temporal", "prnu",
-          "spatial",      "snr",        "shot_netd",       "spatial_netd", "netd",     "nei"};
+          "signal_per_k", "scene_shot", "background_shot", "dark_shot", "temporal", "prnu",         "spatial",
+          "snr",          "shot_netd",  "spatial_netd",    "netd",      "nei",      "quantisation", "rounding"};
       EXPECT_EQ(std::isnan(row.value), refused.contains(row.name)) << row.name;
       EXPECT_EQ(row.refused.find("saturated") != std::string::npos, refused.contains(row.name)) << row.name;
     }

@@ -155,7 +155,7 @@ TEST(ThermalRange, the_scenes_that_the_converter_takes) {
 
 TEST(ThermalNotes, say_what_of_a_budget_does_not_hold) {
   const auto noted = [](const Sensor& sensor, std::string_view part) {
-    const std::vector<std::string> notes = budget_notes(sensor);
+    const std::vector<std::string> notes = budget_notes(sensor, {});
     return std::any_of(notes.begin(), notes.end(), [&](const auto& note) { return note.find(part) != note.npos; });
   };
   ThermalSettings thermal = by_physics();

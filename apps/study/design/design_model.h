@@ -108,6 +108,10 @@ class DesignModel {
       refusal_ =
           "the phase of the OTF moves edges, or draws them out, for more pixels than their figures (rer, fwhm, ...) "
           "follow, some hundred; or nothing ends it";
+    if (plan_->resolution && design_.resolution.veiled && refusal_.empty())
+      refusal_ =
+          "no mtf50: next to f = 0 the MTF is below 1/2 already; what takes contrast from all frequencies (light "
+          "scattered by aerosol, AC coupling) is no blur";
   }
   /// Why a metric of the last design has no number, "" where no model refused it.
   const std::string& refusal() const { return refusal_; }

@@ -110,7 +110,7 @@ void cutoff_is_true_and_tight(const Subject<S, C>& s, Outcome& outcome) {
   if (!(cutoff > 0.0 && std::isfinite(cutoff))) return;
   const bool pupil = is_pupil(s.component), all_round = s.traits().radial;
   bool reached = false;
-  for (const double angle : {0.0, 0.3, 1.1, 2.0, 3.1}) {
+  for (const double angle : {0.0, 0.3, 1.1, 0.5 * kPi, 2.0, 3.1}) {
     const double cosine = std::cos(angle), sine = std::sin(angle);
     const auto at = [&](double f) { return modulus(s.otf(static_cast<S>(f * cosine), static_cast<S>(f * sine))); };
     const auto place = [&](double f) { return s.at(f * cosine, f * sine) + ", cutoff " + format_double(cutoff); };

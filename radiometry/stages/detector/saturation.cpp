@@ -25,7 +25,7 @@ std::string formatted(const char* format, double value) {
   return text.data();
 }
 
-std::string percent(double share) { return three_digits(100.0 * share) + " %"; }
+std::string percent(double share) { return mtf::three_digits(100.0 * share) + " %"; }
 
 std::string shorter(const Saturation& s) {
   return s.end_e > 0.0 && s.mean_e >= s.end_e
@@ -66,8 +66,6 @@ Saturation saturation_of(const PixelScatter& pixel, const PixelRange& range, dou
           .held = std::min(above + below, 1.0)};
 }
 
-std::string three_digits(double value) { return formatted("%.3g", value); }
-
 std::string at_most(double value) {
   const double unit = std::pow(10.0, std::floor(std::log10(value)) - 1.0);
   return formatted("%.2g", std::floor(value / unit) * unit);
@@ -77,25 +75,25 @@ std::string words(const Saturation& s) {
   if (!(s.held >= kFarAway)) return {};
   std::string text = s.saturated() ? "saturated: " : "near saturation: about ";
   text += percent(s.held) + " of the values are held at ";
-  const std::string unit = s.volts ? " V" : " e-", mean = " for a mean of " + three_digits(s.mean_e) + unit;
+  const std::string unit = s.volts ? " V" : " e-", mean = " for a mean of " + mtf::three_digits(s.mean_e) + unit;
   switch (s.end) {
     case RangeEnd::full_well:
-      text += "the full well of " + three_digits(s.end_e) + " e-" + mean + "; " + shorter(s) +
+      text += "the full well of " + mtf::three_digits(s.end_e) + " e-" + mean + "; " + shorter(s) +
               ", or raise detector.full_well";
       break;
     case RangeEnd::most_count:
-      text += "the largest count of [adc], which stands for " + three_digits(s.end_e) + unit + "," + mean + "; raise " +
+      text += "the largest count of [adc], which stands for " + mtf::three_digits(s.end_e) + unit + "," + mean + "; raise " +
               (s.volts ? "adc.volts_per_count or adc.bits, or lower adc.offset"
                        : "adc.electrons_per_count or adc.bits, lower adc.offset, or " + shorter(s));
       break;
     default:
-      text += "count 0 of [adc], which stands for " + three_digits(s.end_e) + unit + "," + mean + "; raise adc.offset";
+      text += "count 0 of [adc], which stands for " + mtf::three_digits(s.end_e) + unit + "," + mean + "; raise adc.offset";
       break;
   }
   if (s.saturated()) return text;
   const HeldScatter left = held_scatter(s.sigmas);
-  return text + "; slope, noise and NETD are " + three_digits(left.slope) + ", " + three_digits(left.sd) + " and " +
-         three_digits(left.sd / left.slope) + " of the figures, at worst";
+  return text + "; slope, noise and NETD are " + mtf::three_digits(left.slope) + ", " + mtf::three_digits(left.sd) + " and " +
+         mtf::three_digits(left.sd / left.slope) + " of the figures, at worst";
 }
 
 double HeldPixels::share() const {

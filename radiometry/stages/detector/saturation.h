@@ -57,9 +57,7 @@ HeldScatter held_scatter(double x);
 
 Saturation saturation_of(const PixelScatter& pixel, const PixelRange& range, double full_well_e);
 
-/// Numbers for messages: three digits; two digits that are not more than a value above 0, so that a limit that is
-/// written is kept.
-std::string three_digits(double value);
+/// A number for messages: two digits that are not more than a value above 0, so that a limit that is written is kept.
 std::string at_most(double value);
 
 /// Which end holds how much, and which setting to change; "" where the ends are 4 sigma away or more and change no

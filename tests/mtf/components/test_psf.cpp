@@ -88,8 +88,65 @@ TEST(Psf, says_what_it_cannot_be) {
     EXPECT_TRUE(refused(psf(bad, 2.0), "samples"));
   EXPECT_TRUE(refused(psf(Taps<double>(1, std::vector<double>(1027, 1.0)), 2.0), "samples"));
   const auto warnings = [](const Component<double>& c) { return c.check(detector().context()).size(); };
-  EXPECT_EQ(warnings(psf(gaussian_spot(6, 1.5, 1.5, 0.0, 0.0), 2.0)), 0U);
+  EXPECT_EQ(warnings(psf(gaussian_spot(9, 1.5, 1.5, 0.0, 0.0), 2.0)), 0U);
   EXPECT_EQ(warnings(psf(gaussian_spot(3, 0.4, 0.4, 0.0, 0.0), 2.0)), 1U);  // a spot as narrow as its step
+}
+
+/// What a sampled PSF may be wrong by, by its own account: 1 where it is refused, 1e-3 where it says nothing.
+double stated_bound(const Component<double>& c) {
+  for (const Problem& problem : c.check(detector().context())) {
+    if (problem.field != "samples") continue;
+    if (problem.error) return 1.0;
+    const std::string before = "wrong by up to ";
+    return std::stod(problem.text.substr(problem.text.find(before) + before.size()));
+  }
+  return 1e-3;
+}
+
+// Shapes whose OTF is known in closed form, cut off at many radii: what the cut leaves out of the OTF is never more
+// than is said. Half a cycle a sample is well beyond the OTF of each.
+TEST(Psf, light_beyond_the_samples_is_said_or_refused) {
+  struct Shape {
+    const char* name;
+    double (*psf)(double);
+    double (*otf)(double);  ///< over cycles a sample
+  };
+  const Shape shapes[] = {{"gaussian, 3 samples", [](double r) { return std::exp(-r * r / 18.0); },
+                           [](double f) { return mtf::gaussian(3.0 * f).value; }},
+                          {"exponential, 4 samples", [](double r) { return std::exp(-r / 4.0); },
+                           [](double f) { return std::pow(1.0 + std::pow(8.0 * kPi * f, 2), -1.5); }},
+                          {"moffat, 2 samples", [](double r) { return std::pow(1.0 + r * r / 4.0, -1.5); },
+                           [](double f) { return std::exp(-4.0 * kPi * f); }},
+                          {"airy, cutoff at 0.2 cycles a sample",
+                           [](double r) {
+                             return r == 0.0 ? 1.0
+                                             : std::pow(2.0 * std::cyl_bessel_j(1, 0.2 * kPi * r) / (0.2 * kPi * r), 2);
+                           },
+                           [](double f) {
+                             const double nu = f / 0.2;
+                             return nu >= 1.0 ? 0.0 : 2.0 / kPi * (std::acos(nu) - nu * std::sqrt(1.0 - nu * nu));
+                           }}};
+  for (const Shape& shape : shapes) {
+    int said = 0, refusals = 0;
+    for (const int half : {2, 3, 5, 7, 8, 10, 13, 18, 27, 40, 64}) {
+      Taps<double> samples;
+      for (int j = -half; j <= half; ++j) {
+        samples.emplace_back();
+        for (int k = -half; k <= half; ++k) samples.back().push_back(shape.psf(std::hypot(j, k)));
+      }
+      const auto c = psf(std::move(samples), 1.0);
+      const double bound = stated_bound(c);
+      refusals += bound == 1.0;
+      said += bound > 1e-3 && bound < 1.0;
+      double worst = 0.0;
+      for (const double f : {0.005, 0.01, 0.02, 0.04, 0.07, 0.1, 0.15})
+        worst = std::max({worst, std::abs(otf_at(c, 1e3 * f, 0.0).re - shape.otf(f)),
+                          std::abs(otf_at(c, 700.0 * f, 700.0 * f).re - shape.otf(0.7 * std::sqrt(2.0) * f))});
+      EXPECT_LE(worst, bound) << shape.name << ", " << half;
+    }
+    EXPECT_GT(refusals, 0) << shape.name;
+    EXPECT_GT(said, 0) << shape.name;
+  }
 }
 
 }  // namespace
