@@ -37,7 +37,8 @@ std::string reasons(const Rows& rows) {
   return text;
 }
 
-std::string as_table(const Rows& rows, const radiometry::Saturation& saturation) {
+std::string as_table(const Rows& rows, const radiometry::Saturation& saturation,
+                     const std::vector<std::string>& observer) {
   TextTable table({"term", "value", "unit", "what it is"});
   for (const auto& row : rows)
     table.add({row.name,
@@ -46,7 +47,9 @@ std::string as_table(const Rows& rows, const radiometry::Saturation& saturation)
                                           : "-",
                row.unit, row.doc});
   const std::string said = words(saturation);
-  return table.aligned({Align::left, Align::right}) + reasons(rows) + (said.empty() ? "" : said + "\n");
+  std::string lines;
+  for (const std::string& line : observer) lines += one_line(line) + "\n";
+  return table.aligned({Align::left, Align::right}) + reasons(rows) + (said.empty() ? "" : said + "\n") + lines;
 }
 
 std::string as_csv(const Rows& rows) {
@@ -63,16 +66,16 @@ Json saturation_json(const radiometry::Saturation& saturation) {
   return json;
 }
 
-std::string as_json(const Rows& rows, const radiometry::Saturation& saturation, const std::vector<std::string>& notes,
-                    const BudgetOptions& options, const mtf::io::SensorConfig& config) {
+std::string as_json(const BudgetTable& budget, const BudgetOptions& options, const mtf::io::SensorConfig& config) {
   Json json{{"sensor", options.sensor},
             {"name", config.system.name},
             {"config_sha256", config.sha256},
             {"temperature_k", options.temperature_k},
-            {"saturation", saturation_json(saturation)},
-            {"notes", notes}};
+            {"saturation", saturation_json(budget.saturation)},
+            {"notes", budget.notes},
+            {"conditions", {{"lines", budget.observer}}}};
   Json& terms = json["terms"] = Json::object();
-  for (const auto& row : rows) {
+  for (const auto& row : budget.rows) {
     terms[row.name] = {{"value", row.value}, {"unit", row.unit}, {"doc", row.doc}};
     if (!row.refused.empty()) terms[row.name]["reason"] = row.refused;
   }
@@ -102,13 +105,14 @@ int run_budget(const BudgetOptions& options, const Global& global) {
     note(global, (saturation.saturated() ? "warning: " : "note: ") + said);
   switch (options.format) {
     case Format::table:
-      emit(options.out, as_table(rows, saturation));
+      emit(options.out, as_table(rows, saturation, budget.observer));
       break;
     case Format::csv:
+      for (const std::string& line : budget.observer) note(global, "note: " + line);
       emit(options.out, as_csv(rows));
       break;
     case Format::json:
-      emit(options.out, as_json(rows, saturation, budget.notes, options, config));
+      emit(options.out, as_json(budget, options, config));
       break;
   }
   return 0;

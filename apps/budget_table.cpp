@@ -34,6 +34,7 @@ BudgetTable budget_table(const mtf::io::SensorConfig& config, const LoadedSensor
   BudgetTable table{.rows = budget_rows(config.system, loaded.sensor, budget),
                     .saturation = budget.saturation,
                     .notes = budget_notes(loaded.sensor, budget),
+                    .observer = observer_lines(loaded.sensor),
                     .spatial_gap = spatial_gap(loaded.sensor.settings, budget),
                     .without_path = static_cast<bool>(loaded.paths)};
   for (radiometry::BudgetRow& row : observer_rows(with_electron_rate(config.system, loaded), loaded.sensor, budget))

@@ -13,9 +13,10 @@ namespace apps {
 struct BudgetTable {
   std::vector<radiometry::BudgetRow> rows;
   radiometry::Saturation saturation;
-  std::vector<std::string> notes;  ///< about the numbers
-  std::string spatial_gap;         ///< why spatial noise has no number; "" where it has
-  bool without_path = false;       ///< the scene gives the range of each pixel
+  std::vector<std::string> notes;     ///< about the numbers
+  std::vector<std::string> observer;  ///< observer_lines()
+  std::string spatial_gap;            ///< why spatial noise has no number; "" where it has
+  bool without_path = false;          ///< the scene gives the range of each pixel
 };
 
 /// For a surface of that temperature. `loaded`: the chain of `config`. Throws UsageError with the place in the sensor

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "mtf/survey/statistics.h"
+#include "radiometry/light/scene_radiance.h"
 #include "radiometry/performance/sensor_budget.h"
 #include "radiometry/stages/noise/frame_flicker.h"
 
@@ -78,12 +79,20 @@ Path path_with(const Sensor& sensor, const Overrides<double>& numbers) {
   return path;
 }
 
+namespace {
+Surface surface_of(const Sensor& sensor, double temperature_k, const Overrides<double>& numbers) {
+  const auto& scene = sensor.settings.scene;
+  const double given = scene ? scene->surroundings_k.value_or(0.0) : 0.0;
+  Surface surface{temperature_k, sensor.emissivity, numbers("scene.surroundings", given)};
+  set_constant(surface.emissivity, "scene.emissivity", numbers, 1.0);
+  return surface;
+}
+}  // namespace
+
 SpectralNumbers<double> spectral_numbers(const Sensor& sensor, const Path& path, double temperature_k, double warmer_k,
                                          const Overrides<double>& numbers) {
   const SensorSettings& settings = sensor.settings;
-  const double given = settings.scene ? settings.scene->surroundings_k.value_or(0.0) : 0.0;
-  Surface surface{temperature_k, sensor.emissivity, numbers("scene.surroundings", given)};
-  set_constant(surface.emissivity, "scene.emissivity", numbers, 1.0);
+  const Surface surface = surface_of(sensor, temperature_k, numbers);
   CameraEmission emission = emission_of(settings);
   emission.optics_k = numbers("optics.temperature", emission.optics_k);
   emission.stop_k = numbers("optics.stop_temperature", emission.stop_k);
@@ -95,6 +104,15 @@ SpectralNumbers<double> spectral_numbers(const Sensor& sensor, const Path& path,
           .thermal = thermal_reference(sensor),
           .cold_flat = flat_radiance(sensor, &CorrectionSettings::cold_k),
           .hot_flat = flat_radiance(sensor, &CorrectionSettings::hot_k)};
+}
+
+SpectralNumbers<double> behind_path(SpectralNumbers<double> own, const Sensor& sensor, const Path& path,
+                                    double temperature_k, const Overrides<double>& numbers) {
+  const Surface surface = surface_of(sensor, temperature_k, numbers);
+  own.radiances.scene = scene_radiance(sensor.curves, surface, path);
+  own.radiances.path = weighted_path_radiance(sensor.curves, path);
+  own.per_k = scene_derivative(sensor.curves, surface, path);
+  return own;
 }
 
 SensorSettings budget_settings(const Sensor& sensor) {

@@ -153,6 +153,14 @@ std::string words(const Sweep& sweep) {
   return text;
 }
 
+/// What figures of observers and ranges hold for.
+std::string conditions(const Sweep& sweep) {
+  if (sweep.conditions.empty()) return "";
+  std::string text = "<h3>Observer, target, air</h3>\n<ul>";
+  for (const std::string& line : sweep.conditions) text += "<li>" + html(line) + "</li>\n";
+  return text + "</ul>\n";
+}
+
 }  // namespace
 
 std::string summary_section(const Sweep& sweep, const DesignTable& table) {
@@ -163,7 +171,7 @@ std::string summary_section(const Sweep& sweep, const DesignTable& table) {
   return html_section("summary", "Summary", objectives.empty() ? "" : "Objectives: " + objectives + ".",
                       tiles(sweep) + words(sweep) + "<h3>Axes</h3>" + varies(sweep, table) +
                           (sweep.constraints.empty() ? "" : "<h3>Constraints</h3>" + constraints(sweep)) +
-                          (sweep.best.empty() ? "" : "<h3>Best designs</h3>" + best(sweep, table)));
+                          (sweep.best.empty() ? "" : "<h3>Best designs</h3>" + best(sweep, table)) + conditions(sweep));
 }
 
 }  // namespace apps

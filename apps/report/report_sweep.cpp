@@ -169,6 +169,7 @@ Sweep sweep_of(const Node& root) {
   if (root.has("conditions")) {
     const double given = root.at("conditions").number("temperature_k");
     if (given > 0.0 && given <= 1e6) sweep.temperature_k = given;
+    sweep.conditions = root.at("conditions").texts("lines");
   }
   for (const Node& node : root.list("columns")) sweep.columns.push_back(column_of(node));
   if (sweep.columns.empty() || sweep.columns.size() > 1000) root.fail("a sweep has 1 to 1000 columns");

@@ -72,7 +72,8 @@ struct Sweep {
   std::vector<NamedFile> sensors;
   std::int64_t designs = 0, evaluated = 0, seed = 0;
   double tolerance = 0.0, worst_error = 0.0;
-  double temperature_k = 300.0;  ///< of the surface that the study's pixels image
+  double temperature_k = 300.0;         ///< of the surface that the study's pixels image
+  std::vector<std::string> conditions;  ///< what figures of observers and ranges hold for
   std::vector<SweepColumn> columns;
   std::vector<SweepAxis> axes;
   std::vector<SweepConstraint> constraints;

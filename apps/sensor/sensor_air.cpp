@@ -93,6 +93,30 @@ bool any_aerosol(const mtf::System<double>& system, const Is& is) {
 }
 bool has_scattering(const mtf::Aerosol<double>& aerosol) { return aerosol.scattering_1_km.has_value(); }
 
+/// How far the line goes when its range is given other values.
+radiometry::Reach reach_of(const AtmosphereSettings& settings, const std::optional<air::Profile<double>>& profile) {
+  const air::Air<double> through = air_of(settings, profile);
+  const double from_m = settings.sensor_altitude_m;
+  constexpr double kShort = 1e-9;  // of the horizon, at which the line touches the ground
+  if (settings.target_altitude_m) {
+    const double to_m = *settings.target_altitude_m;
+    return {std::abs(to_m - from_m), (1.0 - kShort) * air::horizon_range_m(through, from_m, to_m),
+            "the horizon hides the target"};
+  }
+  if (!settings.zenith_deg) return {};
+  const double ground_m = through.profile.levels.front().altitude_m;
+  AtmosphereSettings down = settings;
+  down.range_m = {};
+  down.target_altitude_m = ground_m;
+  try {
+    if (from_m > ground_m && *settings.zenith_deg > 90.0)
+      return {0.0, (1.0 - kShort) * sight_numbers(through, *sight_of(down)).range_m,
+              "the line of sight meets the ground"};
+  } catch (const mtf::UsageError&) {  // it passes above the ground
+  }
+  return {};
+}
+
 /// Tables over the ranges of images, a function of the nearest and the longest range alone, so that a frame does not
 /// depend on those before it. Horizontal lines take ranges of whole powers of 2 in m, whose table frames then share.
 class AirTables {
@@ -204,6 +228,7 @@ void read_atmosphere(const mtf::System<double>& system, const radiometry::Sensor
       return at_key(kTable, [&] { return path_of(spectral_path(through, sight, {.band = band}), "[atmosphere]"); });
     };
     loaded.sensor.path = loaded.sensor.air(given);
+    loaded.reach = [profile](const AtmosphereSettings& numbers) { return reach_of(numbers, profile); };
     return;
   }
   if (given.range_m)
@@ -221,6 +246,21 @@ mtf::io::SensorConfig without_path(mtf::io::SensorConfig sensor) {
   std::erase_if(sensor.tables,
                 [](const mtf::SettingsTable& table) { return table.name == "path" || table.name == "atmosphere"; });
   return sensor;
+}
+
+std::optional<AirRange> range_of_air(const mtf::io::SensorConfig& sensor) {
+  const radiometry::SensorSettings settings = radiometry::sensor_settings(sensor.tables);
+  if (settings.path && settings.path->range_m) return AirRange{*settings.path->range_m};
+  if (!settings.atmosphere) return std::nullopt;
+  const auto sight = sight_of(*settings.atmosphere);
+  if (!sight) return std::nullopt;
+  const air::Air<double> through = read_air(*settings.atmosphere);
+  const air::SightNumbers<double> numbers = sight_numbers(through, *sight);
+  constexpr double kNear_m = 1.0;
+  const double top_m = through.profile.levels.back().altitude_m - kNear_m;
+  return AirRange{numbers.range_m,
+                  through.profile.levels.size() > 1 &&
+                      (settings.atmosphere->sensor_altitude_m >= top_m || numbers.object_altitude_m >= top_m)};
 }
 
 std::vector<mtf::io::Diagnostic> atmosphere_warnings(const mtf::io::SensorConfig& config) {

@@ -47,6 +47,15 @@ void read_atmosphere(const mtf::System<double>& system, const radiometry::Sensor
 /// that they were read with.
 mtf::io::SensorConfig without_path(mtf::io::SensorConfig sensor);
 
+/// How long the air in front of a sensor is, where its file says it. `to_space`: one end lies at the top of the air, so
+/// that the target may be farther.
+struct AirRange {
+  double range_m = 0.0;
+  bool to_space = false;
+};
+/// Nothing for a path of no stated length. Throws UsageError as above.
+std::optional<AirRange> range_of_air(const mtf::io::SensorConfig& sensor);
+
 /// What the model is not good for in the band of this sensor (radiometry/atmosphere: limits_of).
 std::vector<mtf::io::Diagnostic> atmosphere_warnings(const mtf::io::SensorConfig& config);
 

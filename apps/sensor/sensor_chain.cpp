@@ -94,13 +94,13 @@ void read_path(const radiometry::SensorSettings& settings, LoadedSensor& loaded)
       !given.radiance.file.empty() || given.radiance.number != 0.0)
     throw mtf::UsageError(
         "path.table: given together with transmission, radiance or air_temperature; it has both terms");
-  auto table = std::make_shared<const radiometry::PathTable>(table_of(given, by_pixel));
+  loaded.table = std::make_shared<const radiometry::PathTable>(table_of(given, by_pixel));
   if (by_pixel && given.range_m)
     throw mtf::UsageError("path.range: given together with scene.depth_channel; remove one of them");
   if (by_pixel)
-    loaded.paths = [table](double, double) { return RangedPaths{table}; };
+    loaded.paths = [table = loaded.table](double, double) { return RangedPaths{table}; };
   else if (given.range_m)
-    path = at_key("path.range", [&] { return table->at(*given.range_m); });
+    path = at_key("path.range", [&] { return loaded.table->at(*given.range_m); });
   else
     throw mtf::UsageError("path.range: missing; path.table needs it, or scene.depth_channel");
 }

@@ -8,6 +8,7 @@
 #include "mtf/io/config/config.h"
 #include "radiometry/chain.h"
 #include "radiometry/light/path.h"
+#include "radiometry/performance/acquisition.h"
 
 namespace apps {
 
@@ -46,7 +47,10 @@ struct LoadedSensor {
   /// What components take from [atmosphere] with other numbers; empty where none takes any, or pixels have their own
   /// range.
   std::function<mtf::PathAir<double>(const radiometry::AtmosphereSettings&)> path_air;
-  std::optional<double> source_k;  ///< source_temperature_k() of the quantity that [scene] states
+  /// How far [atmosphere] with other numbers goes when its range changes; empty where the file has none.
+  std::function<radiometry::Reach(const radiometry::AtmosphereSettings&)> reach;
+  std::shared_ptr<const radiometry::PathTable> table;  ///< of [path]; null without one
+  std::optional<double> source_k;                      ///< source_temperature_k() of the quantity that [scene] states
 };
 
 /// The sensor with its curves, tables and maps. Throws UsageError with file, line and key for what does not fit,

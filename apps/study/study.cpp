@@ -37,6 +37,7 @@ void read_on_sensor(StudyReader& s) {
   register_names(s, sources);
   read_link_expressions(s);
   read_goals(s);
+  check_conditions(s);
   if (s.study.variants <= kMostVariants) check_levels(s);
 }
 

@@ -35,7 +35,8 @@
 //   draws = 200
 //   [metrics]
 //   list = ["mtf_nyquist", "niirs_giqe5"]        # those in constraints and objectives come by themselves
-//   [conditions]                       # what metrics take from outside of the sensor, see conditions.h
+//   [conditions]                       # what metrics take from outside of the sensor, see
+//   radiometry/performance/conditions.h
 // Axes over `sensor` itself name other sensor files. A discrete axis is one of anything but numbers that the sensor's
 // formulas take (plain or with unit): whole numbers, words, flags, texts, files, lists, and lengths where the sensor
 // file has an angle. The combinations of their levels are variants, sensors of their own. The README beside this header
@@ -48,13 +49,15 @@
 #include <string>
 #include <vector>
 
-#include "apps/study/conditions.h"
 #include "apps/study/design/metric_list.h"
 #include "apps/study/expression.h"
 #include "apps/study/statistics/sampling.h"
 #include "mtf/io/config/config.h"
+#include "radiometry/performance/conditions.h"
 
 namespace study {
+
+using radiometry::Conditions;
 
 /// A number of a design: an axis, the target of a link, something that varies as built, or just read by an expression.
 /// Values are held in `unit`, which is that of the sensor's field (FieldInfo::unit; for Extents the unit they are

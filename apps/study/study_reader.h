@@ -70,6 +70,8 @@ void check_study_keys(const mtf::io::cfg::Section& section, std::span<const std:
 bool read_sensors(StudyReader& s);
 /// schema, name, tolerance, seed; [yield]; [conditions].
 void read_settings(StudyReader& s);
+/// That [conditions] and the air of the sensors do not say the same twice, or two different things.
+void check_conditions(StudyReader& s);
 /// [[axis]] and [sampling].
 void read_axes(StudyReader& s);
 void read_sampling(StudyReader& s);

@@ -4,9 +4,12 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
+#include "apps/sensor/sensor_air.h"
 #include "apps/study/study_reader.h"
 #include "apps/study/study_shape.h"
+#include "mtf/io/file_checks.h"
 
 namespace study {
 namespace {
@@ -14,69 +17,29 @@ namespace {
 namespace cfg = mtf::io::cfg;
 using cfg::Node;
 using cfg::Section;
-using mtf::Dimension;
 using mtf::FieldInfo;
 
 constexpr std::size_t kMaxName = 200;
-
-struct Row {
-  FieldInfo info;
-  std::function<void(Conditions&, double)> set;
-};
-
-std::vector<Row> condition_rows() {
-  using enum Dimension;
-  const auto row = [](std::string_view name, Dimension dimension, std::string_view unit, double lo, double hi,
-                      bool lo_open, std::string_view example, std::function<void(Conditions&, double)> set) {
-    return Row{{.name = name,
-                .dimension = dimension,
-                .unit = unit,
-                .lo = lo,
-                .hi = hi,
-                .lo_open = lo_open,
-                .presence = mtf::Presence::optional,
-                .example = example},
-               std::move(set)};
-  };
-  return {
-      row("temperature", temperature, "K", 0.0, 1e5, true, "\"300 K\"",
-          [](Conditions& c, double x) { c.temperature_k = x; }),
-      row("range", length, "m", 0.0, 1e13, true, "\"5 km\"", [](Conditions& c, double x) { c.range_m = x; }),
-      row("elevation", angle, "deg", 0.0, 90.0, true, "\"60 deg\"",
-          [](Conditions& c, double x) { c.elevation_deg = x; }),
-      row("contrast", temperature_difference, "K", 0.0, 1e5, true, "\"2 K\"",
-          [](Conditions& c, double x) { c.contrast_k = x; }),
-      row("target_size", length, "m", 0.0, 1e9, true, "\"3.1 m\"",
-          [](Conditions& c, double x) { c.target_size_m = x; }),
-      row("signal_contrast", none, "", 0.0, 1.0, true, "0.5", [](Conditions& c, double x) { c.signal_contrast = x; }),
-      row("extinction", none, "", 0.0, 1e6, false, "0.2", [](Conditions& c, double x) { c.extinction_per_km = x; }),
-      row("scene_contrast", temperature_difference, "K", 0.0, 1e5, true, "\"5 K\"",
-          [](Conditions& c, double x) { c.scene_contrast_k = x; }),
-      row("snr_threshold", none, "", 0.0, 1e6, true, "2.5", [](Conditions& c, double x) { c.snr_threshold = x; }),
-      row("eye_time", time, "s", 0.0, 1e3, true, "\"0.1 s\"", [](Conditions& c, double x) { c.eye_time_s = x; }),
-      row("frame_rate", temporal, "Hz", 0.0, 1e9, true, "\"60 Hz\"",
-          [](Conditions& c, double x) { c.frame_rate_hz = x; }),
-      row("luminance", luminance, "cd/m^2", 0.0, 1e6, true, "\"34 cd/m^2\"",
-          [](Conditions& c, double x) { c.luminance_cd_m2 = x; }),
-      row("magnification", none, "", 0.0, 1e6, true, "5.0",
-          [](Conditions& c, double x) { c.viewing_magnification = x; }),
-      row("v50_detect", none, "", 0.0, 1e6, true, "2.0", [](Conditions& c, double x) { c.v50_detect = x; }),
-      row("v50_recognise", none, "", 0.0, 1e6, true, "7.5", [](Conditions& c, double x) { c.v50_recognise = x; }),
-      row("v50_identify", none, "", 0.0, 1e6, true, "13.0", [](Conditions& c, double x) { c.v50_identify = x; }),
-  };
-}
 
 void read_conditions(StudyReader& s) {
   const Section root = s.root();
   const Node* table = cfg::find_table(root, "conditions");
   if (table == nullptr) return;
   const Section section{s.reader, *table, "conditions", "[conditions]"};
-  const std::vector<Row> rows = condition_rows();
+  const std::vector<FieldInfo> fields = condition_fields();
   std::vector<std::string_view> known;
-  for (const Row& row : rows) known.push_back(row.info.name);
+  for (const FieldInfo& field : fields) known.push_back(field.name);
   check_study_keys(section, known);
-  for (const Row& row : rows)
-    if (const auto value = cfg::read_number(section, row.info, row.info.name)) row.set(s.study.conditions, *value);
+  Conditions& given = s.study.conditions;
+  radiometry::for_each_field(given, [&](const FieldInfo& info, auto& member) {
+    if (const auto value = cfg::read_number(section, info, info.name)) member = *value;
+  });
+  if (given.display_height_m.has_value() != given.viewing_distance_m.has_value())
+    section.error(given.display_height_m ? "display_height" : "viewing_distance",
+                  std::string("needs ") + (given.display_height_m ? "viewing_distance" : "display_height") +
+                      " beside it: both say at which angle the observer sees the picture");
+  else if (given.magnification && given.display_height_m)
+    section.error("magnification", "given together with display_height, from which it follows; remove one of them");
 }
 
 void read_yield(StudyReader& s) {
@@ -114,7 +77,8 @@ void read_head(StudyReader& s) {
 
 std::vector<FieldInfo> condition_fields() {
   std::vector<FieldInfo> fields;
-  for (const Row& row : condition_rows()) fields.push_back(row.info);
+  Conditions prototype;
+  radiometry::for_each_field(prototype, [&](const FieldInfo& info, const auto&) { fields.push_back(info); });
   return fields;
 }
 
@@ -140,6 +104,42 @@ const Node* find_tables(StudyReader& s, const std::string& key) {
   if (list->kind == Node::Kind::array && std::all_of(list->items.begin(), list->items.end(), is_table)) return list;
   s.error(list->position, key, "has to be a list of tables; write [[" + key + "]] with double brackets");
   return nullptr;
+}
+
+void check_conditions(StudyReader& s) {
+  const Node* table = s.tree.find("conditions");
+  const auto refuse = [&](const char* key, const std::string& text) {
+    s.error(table->find(key)->position, std::string("conditions.") + key, text);
+  };
+  const Conditions& given = s.study.conditions;
+  const auto air_changes = [&](const Parameter& parameter) {
+    const auto varies = [&](const AsBuilt& built) {
+      return &s.study.parameters[static_cast<std::size_t>(built.parameter)] == &parameter;
+    };
+    return parameter.path == "atmosphere.range" || parameter.path == "path.range"
+               ? parameter.role != Parameter::Role::fixed ||
+                     std::any_of(s.study.as_built.begin(), s.study.as_built.end(), varies)
+               : false;
+  };
+  for (const SensorView& view : s.views) {
+    const std::string file = mtf::io::printable(view.sensor.file);
+    const char* air = find_table(view.sensor.tables, "atmosphere") ? "[atmosphere]" : "[path]";
+    if (!find_table(view.sensor.tables, "atmosphere") && !find_table(view.sensor.tables, "path")) continue;
+    if (given.extinction_per_km)
+      return refuse("extinction", "given beside " + std::string(air) + " of " + file +
+                                      ", whose air takes contrast too; remove extinction, or " + air +
+                                      " from the sensor file");
+    if (!given.range_m) continue;
+    if (std::any_of(s.study.parameters.begin(), s.study.parameters.end(), air_changes))
+      return refuse("range", "stays while the study changes the range of " + std::string(air) +
+                                 "; remove it: without it figures take that of the air");
+    const auto own = apps::range_of_air(view.sensor);
+    if (own && std::abs(own->range_m - *given.range_m) > 1e-6 * *given.range_m &&
+        !(own->to_space && *given.range_m > own->range_m))
+      return refuse("range", "is " + mtf::format_double(*given.range_m) + " m, but the air of " + file + " is " +
+                                 mtf::format_double(own->range_m) + " m long, " + std::string(air) +
+                                 "; give both the same, or remove range: without it figures take that of the air");
+  }
 }
 
 void read_settings(StudyReader& s) {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "apps/study/study_conditions.h"
 #include "apps/sweep/sweep_report.h"
 #include "apps/terminal/output.h"
 #include "apps/terminal/text_table.h"
@@ -119,6 +120,7 @@ Json optimum_json(const Study& study, const Optimum& optimum, bool whole) {
   for (std::size_t i = 0; i < study.constraints.size(); ++i)
     json["constraints"].push_back({{"text", study.constraints[i].text}, {"state", constraint_text(study, optimum, i)}});
   json["goal"] = number_or_null(optimum.goal);
+  json["error"] = number_or_null(optimum.row.back());
   json["feasible"] = optimum.feasible;
   json["limits"] = Json::array();
   for (const Limit& limit : optimum.limits)
@@ -166,6 +168,7 @@ std::string optimize_table(const Study& study, const std::vector<OptimizedGoal>&
         if (is_value(columns[c]))
           table.add({one_line(columns[c].name), value_text(study, outcome.best, c), columns[c].unit,
                      c < study.axes.size() ? reached_text(outcome.best, c) : ""});
+      table.add({"error", significant(outcome.best.row.back(), 2), "", "largest of the metrics, estimated"});
       for (std::size_t i = 0; i < study.constraints.size(); ++i)
         table.add({one_line(study.constraints[i].text), constraint_text(study, outcome.best, i), "", ""});
       text += table.aligned();
@@ -175,6 +178,7 @@ std::string optimize_table(const Study& study, const std::vector<OptimizedGoal>&
     text += std::to_string(outcome.evaluations) + " evaluations, " + std::to_string(outcome.starts) +
             (outcome.starts == 1 ? " start" : " starts") + "\n";
   }
+  for (const std::string& line : study::condition_lines(study)) text += one_line(line) + "\n";
   return text;
 }
 
@@ -186,6 +190,7 @@ std::string optimize_json(const Study& study, const std::vector<OptimizedGoal>& 
             {"sha256", study.sha256},
             {"seed", study.seed},
             {"goals", Json::array()}};
+  if (const auto lines = study::condition_lines(study); !lines.empty()) json["conditions"]["lines"] = lines;
   for (const OptimizedGoal& goal : goals) {
     const OptimizeOutcome& outcome = goal.outcome;
     Json one{{"goal", goal.name},

@@ -10,6 +10,7 @@
 #include "apps/bench/machine.h"
 #include "apps/study/result_columns.h"
 #include "apps/study/rows/sweep_rows.h"
+#include "apps/study/study_conditions.h"
 #include "apps/sweep/sweep_report.h"
 #include "mtf/version.h"
 
@@ -186,6 +187,8 @@ Json to_json(const SweepReport& report) {
                {"machine", machine_text()},
                {"study", {{"name", study.name}, {"file", "study.toml"}, {"sha256", study.sha256}}},
                {"conditions", {{"temperature_k", study.conditions.temperature_k}}}};
+  // What the figures of observers and ranges hold for, where there are any.
+  if (const auto lines = study::condition_lines(study); !lines.empty()) json["conditions"]["lines"] = lines;
   json["sensors"] = Json::array();
   for (std::size_t i = 1; i < run.files.size(); ++i)
     json["sensors"].push_back({{"file", std::filesystem::path(run.files[i].file).lexically_normal().generic_string()},

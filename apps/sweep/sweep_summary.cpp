@@ -6,6 +6,7 @@
 
 #include "apps/study/result_columns.h"
 #include "apps/study/rows/sweep_rows.h"
+#include "apps/study/study_conditions.h"
 #include "apps/sweep/sweep_report.h"
 #include "apps/terminal/output.h"
 #include "apps/terminal/text_table.h"
@@ -156,6 +157,7 @@ std::string sweep_summary(const SweepReport& report) {
             fixed(100.0 * study::yield_error(yield, study.draws), 1) + " % of " + std::to_string(study.draws) +
             " draws: design " + std::to_string(tally.highest_yield().design) + "\n";
   }
+  for (const std::string& line : study::condition_lines(study)) text += one_line(line) + "\n";
   for (std::size_t c = 0; c < columns.size(); ++c)
     if (c < report.gaps.size() && !report.gaps[c].empty())
       text += "no " + one_line(columns[c].name) + ": " + one_line(report.gaps[c]) + "\n";

@@ -8,14 +8,31 @@
 
 namespace mtf {
 
+namespace {
+
+enum class PathOf { none, air, itself };
+
+/// Whose path the component has.
+PathOf path_of(const Component<double>& component) {
+  if (const auto* aerosol = component.get_if<Aerosol<double>>())
+    return aerosol->scattering_1_km && aerosol->path_length_km ? PathOf::itself : PathOf::air;
+  if (const auto* turbulence = component.get_if<Turbulence<double>>())
+    return turbulence->cn2 && !turbulence->path_length_m ? PathOf::air : PathOf::itself;
+  return PathOf::none;
+}
+
+}  // namespace
+
 bool takes_path_air(const System<double>& system) {
   const auto& list = system.list(Stage::presample);
-  return std::any_of(list.begin(), list.end(), [](const Entry<double>& entry) {
-    if (const auto* aerosol = entry.component.get_if<Aerosol<double>>())
-      return !aerosol->scattering_1_km || !aerosol->path_length_km;
-    const auto* turbulence = entry.component.get_if<Turbulence<double>>();
-    return turbulence != nullptr && turbulence->cn2 && !turbulence->path_length_m;
-  });
+  return std::any_of(list.begin(), list.end(),
+                     [](const Entry<double>& entry) { return path_of(entry.component) == PathOf::air; });
+}
+
+std::string own_path(const System<double>& system) {
+  for (const Entry<double>& entry : system.list(Stage::presample))
+    if (path_of(entry.component) == PathOf::itself) return entry.label;
+  return "";
 }
 
 }  // namespace mtf

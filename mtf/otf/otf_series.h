@@ -177,6 +177,24 @@ class OtfCurve {
   /// Panels are added in the order of rising frequencies.
   void add(const PanelMap& map, const ComplexSeries<S>& series) { parts_.push_back({map, series}); }
   bool empty() const { return parts_.empty(); }
+  /// Adds weight x another OTF to an empty curve or to one of the same panels; false, and nothing done, for others.
+  bool add(const OtfCurve& other, double weight) {
+    if (empty()) parts_.resize(other.parts_.size());
+    const auto same = [](const Part& a, const Part& b) {
+      return a.map.hi == 0.0 || (a.map.lo == b.map.lo && a.map.hi == b.map.hi);
+    };
+    if (!std::equal(parts_.begin(), parts_.end(), other.parts_.begin(), other.parts_.end(), same)) return false;
+    const auto add_series = [weight](std::vector<S>& sum, const std::vector<S>& series) {
+      sum.resize(std::max(sum.size(), series.size()), S(0));
+      for (std::size_t k = 0; k < series.size(); ++k) sum[k] += S(weight) * series[k];
+    };
+    for (std::size_t p = 0; p < parts_.size(); ++p) {
+      parts_[p].map = other.parts_[p].map;
+      add_series(parts_[p].series.re, other.parts_[p].series.re);
+      add_series(parts_[p].series.im, other.parts_[p].series.im);
+    }
+    return true;
+  }
 
   /// The modulus at |f|, with the derivatives of f as well; 0 beyond the last panel.
   S modulus(const S& f_cy_mm) const {

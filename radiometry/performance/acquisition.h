@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// How likely an ensemble of observers succeeds at a task, by what is resolved on the target, and the range at which it
-// still does.
+// How likely an ensemble of observers succeeds at a task, by what is resolved on the target, and the longest range at
+// which it still does.
 //   P = x^E/(1 + x^E), x = V/V50 or N/N50: what is resolved over what half of the trials need
 //   ttp_nvthermip  E = 1.51 + 0.24 x  (AMSEL-NV-TR-230, 2004)
 //   ttp_nvipm      E = 1.5            (NV-IPM and after)
@@ -10,14 +10,15 @@
 // At x = 2 they give 0.80, 0.74 and 0.94, so that a result has to name its law.
 // V50 for vehicles: detection 2.0, recognition 7.5, identification 13.0. N50, cycles over the least dimension: 1, 4, 8
 // along one axis (Johnson 1958); 0.75, 3, 6 for a two-dimensional MRTD (Kennedy, Proc. SPIE 1488 (1991),
-// doi 10.1117/12.45802). Range by TTP: V(R) = TTP(C exp(-beta R)) sqrt(A)/R = V50 x(P). V falls with R, so there is one
-// root, below that without extinction.
+// doi 10.1117/12.45802). What is resolved at a range: target_at_range.h.
 
 #include <array>
+#include <string>
 #include <string_view>
 
-#include "radiometry/performance/ttp.h"
-#include "radiometry/rows.h"
+#include "mtf/error.h"
+#include "mtf/units.h"
+#include "radiometry/performance/implicit_root.h"
 
 namespace radiometry {
 
@@ -65,74 +66,54 @@ inline double ratio_for_probability(Psychometric model, double probability) {
   return std::exp(find_root(g, lo, hi, g(lo), g(hi)));
 }
 
+/// The ranges at which the air between target and sensor is known.
+struct Reach {
+  double least_m = 0.0, most_m = mtf::kInfinity;
+  std::string end{};  ///< what ends it: "the table path.csv ends"
+};
+
+/// How far a task succeeds.
 enum class Reached {
   at_range,  ///< up to range_m
-  at_limit,  ///< up to range_m, where the highest frequency that counts ends it
-  never,     ///< at no range: the contrast is below every threshold, or P = 1
-  always     ///< at any: P = 0
+  beyond,    ///< at the last of the ranges that were asked about, range_m, and nothing is known of those beyond
+  never      ///< at none of them
 };
 
-template <class S>
 struct AcquisitionRange {
   Reached reached = Reached::never;
-  S range_m{};  ///< 0 for never, infinite for always
+  double range_m = 0.0;  ///< 0 for never
 };
 
-/// A target and what is to be done with it.
-template <class S>
-struct TtpTask {
-  S size_m{};             ///< square root of the target's area, above 0 to 1e6
-  S contrast{};           ///< C at range 0, dT/(2 S_tmp), 0 to 1e6
-  S extinction_per_km{};  ///< beta of Beer's law over the band, 0 to 1e6
-  S v50{};                ///< above 0 to 1e6
-  double probability = 0.5;
-  Psychometric model = Psychometric::ttp_nvthermip;
-
-  static constexpr auto fields() {
-    return std::tuple{
-        row_above_zero("size", "m", 1e6, "square root of the target's area", &TtpTask::size_m),
-        row_between("contrast", "", 0.0, 1e6, "of the target at range 0", &TtpTask::contrast),
-        row_between("extinction", "/km", 0.0, 1e6, "of the contrast with range", &TtpTask::extinction_per_km),
-        row_above_zero("v50", "", 1e6, "cycles that half of the trials need", &TtpTask::v50),
-        row_between("probability", "", 0.0, 1.0, "of the task", &TtpTask::probability)};
-  }
-};
-
-/// The longest range at which the task succeeds with that probability, with its derivatives by everything. The courses
-/// are those of the sensitivities (ttp.h). Throws UsageError for values out of range.
-template <class S, class SensitivityX, class SensitivityY>
-AcquisitionRange<S> ttp_range(const TtpTask<S>& task, const SensitivityCourse& course_x, const SensitivityX& x,
-                              const SensitivityCourse& course_y, const SensitivityY& y) {
-  using std::exp;
-  require_valid("ttp", task);
-  const double ratio = ratio_for_probability(task.model, task.probability);
-  if (ratio == 0.0) return {Reached::always, S(mtf::kInfinity)};
-  const double v = mtf::value_of(task.v50) * ratio, size = mtf::value_of(task.size_m);
-  const double beta = 1e-3 * mtf::value_of(task.extinction_per_km);
-  const auto contrast_at = [&](double range) { return task.contrast * exp(S(-1e-3 * range) * task.extinction_per_km); };
-  const auto plain_ttp = [&](double range) {
-    const double c = mtf::value_of(task.contrast) * std::exp(-beta * range);
-    return ttp_of(axis_ttp(
-                      course_x, [&](double f) { return mtf::value_of(x(f)); }, c),
-                  axis_ttp(
-                      course_y, [&](double f) { return mtf::value_of(y(f)); }, c));
+/// The longest range at which a task succeeds. `margin`: range in m -> ln(what the target offers there / what the task
+/// needs), above 0 where it succeeds, -infinity where nothing is offered; it has to fall with range and is never NaN.
+/// From `guess` on the root is enclosed by steps as long as the margin, the first of which brackets it where the margin
+/// falls at least as fast as 1/range does, and then found to the digits of a double. 0 < least_m <= most_m.
+template <class Margin>
+AcquisitionRange longest_range(const Margin& margin, double least_m, double most_m, double guess_m) {
+  const auto at = [&](double log_range) { return margin(std::exp(log_range)); };
+  const double least = std::log(least_m), most = std::log(most_m);
+  double lo = std::clamp(std::log(guess_m), least, most), hi = lo, g_lo = at(lo), g_hi = g_lo;
+  const auto step = [](double g, double before) {
+    return std::max(2.0 * before, std::isfinite(g) ? std::abs(g) * (1.0 + 1e-9) + 1e-15 : 0.7);
   };
-  const double at_zero = plain_ttp(0.0), far = 1e3 * size * at_zero / v;
-  if (!(at_zero > 0.0) || !(far > 0.0)) return {};
-  // V R - V50 x R: finite at range 0.
-  const auto surplus = [&](double range) { return 1e3 * size * plain_ttp(range) - v * range; };
-  const double range = beta > 0.0 ? find_root(surplus, 0.0, far, 1e3 * size * at_zero, surplus(far)) : far;
-  if (!(range > 0.0)) return {};
+  for (double by = 0.0; g_hi > 0.0;) {
+    if (hi == most) return {Reached::beyond, most_m};
+    lo = hi, g_lo = g_hi, by = step(g_hi, by);
+    hi = std::min(hi + by, most), g_hi = at(hi);
+  }
+  for (double by = 0.0; g_lo <= 0.0;) {
+    if (lo == least) return {};
+    hi = lo, g_hi = g_lo, by = step(g_lo, by);
+    lo = std::max(lo - by, least), g_lo = at(lo);
+  }
+  return {Reached::at_range, std::exp(find_root(at, lo, hi, g_lo, g_hi))};
+}
 
-  const S c = contrast_at(range);
-  const AxisTtp<S> on_x = axis_ttp(course_x, x, c), on_y = axis_ttp(course_y, y, c);
-  const S ttp = ttp_of(on_x, on_y);
-  const double by_contrast =
-      0.5 * mtf::value_of(ttp) *
-      (on_x.by_contrast / mtf::value_of(on_x.value) + on_y.by_contrast / mtf::value_of(on_y.value));
-  const double slope = -1e3 * size * by_contrast * beta * mtf::value_of(c) - v;
-  const S g = S(1e3) * task.size_m * ttp - task.v50 * S(ratio * range);
-  return {Reached::at_range, implicit_root(range, g, slope)};
+/// A root of the margin with its derivatives: `margin` there with those by the parameters, `slope` its derivative by
+/// ln(range). One step of Newton's, so that a margin beside 0 moves the range too.
+template <class S>
+S range_with_slopes(double range_m, const S& margin, double slope) {
+  return S(range_m) * (S(1) - margin / S(slope));
 }
 
 }  // namespace radiometry

@@ -18,6 +18,8 @@
 // frequencies beyond the detector's Nyquist, is not in it. An H that rises again beyond a zero shows bars of the wrong
 // contrast: let it end at the zero.
 
+#include <complex>
+
 #include "mtf/frame.h"
 #include "radiometry/light/adaptive_integral.h"
 #include "radiometry/performance/implicit_root.h"
@@ -65,7 +67,7 @@ S averaged_over(double w_mrad, const S& band_cy_mrad, const Spectrum& spectrum) 
   const double band = mtf::value_of(band_cy_mrad), end = w_mrad * band;  // in lobes
   const auto power = [&](double lobes) { return S(spectrum(lobes / w_mrad)); };
   const auto window = [](double x) {
-    const double sinc = mtf::sinc(x).value;
+    const double sinc = mtf::sinc_value(x);
     return sinc * sinc;
   };
   const double direct = end > 64.0 ? 32.0 : end;
@@ -88,14 +90,52 @@ S averaged_over(double w_mrad, const S& band_cy_mrad, const Spectrum& spectrum) 
   return S(2.0 / w_mrad) * (sum + S(window(end)) * power(end) * S(w_mrad) * (band_cy_mrad - S(band)));
 }
 
+/// Integral of sinc^2 from 0 to x >= 0: Si(2 pi x)/pi - sin^2(pi x)/(pi^2 x), Si(z) by its series, beyond z = 4 as
+/// pi/2 + Im E1(i z) with the continued fraction of E1 (Abramowitz and Stegun, 5.1.22, by Lentz's method).
+inline double sinc_square_integral(double x) {
+  if (x == 0.0) return 0.0;
+  const double z = 2.0 * mtf::kPi * x, sine = mtf::sin_pi(x);
+  double si = 0.0;
+  if (z <= 4.0) {
+    double term = z;
+    for (int k = 1; std::abs(term) > 1e-18 * z; k += 2) {
+      si += term / k;
+      term *= -z * z / ((k + 1.0) * (k + 2.0));
+    }
+  } else {
+    std::complex<double> b(1.0, z), c(1e300, 0.0), d = 1.0 / b, h = d;
+    for (int i = 1; i < 200; ++i) {
+      const double a = -static_cast<double>(i) * i;
+      b += 2.0;
+      d = 1.0 / (a * d + b);
+      c = b + a / c;
+      const std::complex<double> step = c * d;
+      h *= step;
+      if (std::abs(step.real() - 1.0) + std::abs(step.imag()) < 1e-16) break;
+    }
+    si = 0.5 * mtf::kPi + (h * std::complex<double>(mtf::cos_pi(2.0 * x), -mtf::sin_pi(2.0 * x))).imag();
+  }
+  return si / mtf::kPi - sine * sine / (mtf::kPi * mtf::kPi * x);
+}
+
+/// Where nothing filters the noise.
+struct Unfiltered {
+  double operator()(double) const { return 1.0; }
+};
+
 /// What the eye leaves of the variance of white noise after filters of that MTF, as a bandwidth: averaged_over() of its
 /// square.
 template <class S, class Mtf>
 S averaged_bandwidth(double w_mrad, const S& band_cy_mrad, const Mtf& noise_mtf) {
-  return averaged_over(w_mrad, band_cy_mrad, [&](double f) {
-    const S h = noise_mtf(f);
-    return S(h * h);
-  });
+  if constexpr (std::is_same_v<Mtf, Unfiltered>) {
+    const S lobes = S(w_mrad) * band_cy_mrad;
+    const double x = mtf::value_of(lobes), sinc = mtf::sinc_value(x);
+    return S(2.0 / w_mrad) * mtf::lift<S>({sinc_square_integral(x), sinc * sinc}, lobes);
+  } else
+    return averaged_over(w_mrad, band_cy_mrad, [&](double f) {
+      const S h = noise_mtf(f);
+      return S(h * h);
+    });
 }
 
 /// E_t: the part of the variance of temporal noise that the integration time of the eye leaves.

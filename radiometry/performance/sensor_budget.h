@@ -38,6 +38,10 @@ Path path_with(const Sensor& sensor, const Overrides<double>& numbers);
 SpectralNumbers<double> spectral_numbers(const Sensor& sensor, const Path& path, double temperature_k,
                                          double warmer_k = 0.0, const Overrides<double>& numbers = {});
 
+/// The numbers of a sensor behind another path: `own` with radiances.scene, radiances.path and per_k worked out anew.
+SpectralNumbers<double> behind_path(SpectralNumbers<double> own, const Sensor& sensor, const Path& path,
+                                    double temperature_k, const Overrides<double>& numbers = {});
+
 /// True for a number that only path_with and spectral_numbers read.
 bool is_spectral(std::string_view path);
 /// True for a number that changes which wavelengths the path lets through, and so how much each counts in the OTF of a

@@ -69,6 +69,13 @@ Camera<S> camera_numbers(const mtf::System<S>& system, const SensorSettings& set
   return camera;
 }
 
+/// From a frame to the next: as given, else the integration time.
+template <class S>
+S frame_time_s(const mtf::System<S>& system, const SensorSettings& settings) {
+  return settings.frame && settings.frame->frame_time_s ? S(*settings.frame->frame_time_s)
+                                                        : system.frame.integration_time_s;
+}
+
 /// Electrons (volts of a thermal detector) of one count: as given, or the full well over the counts that the offset
 /// leaves. It is 0 without [adc].
 template <class S>

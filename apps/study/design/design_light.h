@@ -7,7 +7,7 @@
 
 #include <optional>
 
-#include "apps/study/design/variant_sensor.h"
+#include "apps/study/design/light_course.h"
 
 namespace study {
 
@@ -15,22 +15,23 @@ struct DesignLight {
   radiometry::SpectralNumbers<double> numbers;
   std::shared_ptr<const mtf::ElectronRate> rate;  ///< of Band::rate; nothing where wavelengths need no weights
   mtf::PathAir<double> air;                       ///< of System::air
+  std::shared_ptr<LightCourse> course{};          ///< along the range; null where no range is asked for, or none exists
 };
 
 /// What of it a study needs.
 struct LightNeeds {
-  bool numbers = false, otf = false;
+  bool numbers = false, otf = false, ranges = false;
 };
 
 /// The light of a variant with numbers overridden; the variant's own where none of them changes it. Throws UsageError
 /// as spectral_numbers and apps::electron_rate.
-DesignLight light_of(const VariantSensor& variant, const Conditions& conditions,
-                     const radiometry::Overrides<double>& numbers, const LightNeeds& needs);
+DesignLight light_of(const VariantSensor& variant, const Study& study,
+                     std::span<const radiometry::Override<double>> numbers, const LightNeeds& needs);
 
 /// Keeps the light of the last design, which neighbours often share.
 class KeptLight {
  public:
-  const DesignLight& at(const VariantSensor& variant, const Conditions& conditions,
+  const DesignLight& at(const VariantSensor& variant, const Study& study,
                         std::span<const radiometry::Override<double>> overrides, const LightNeeds& needs);
 
  private:

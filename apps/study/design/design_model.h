@@ -7,7 +7,7 @@
 #include <algorithm>
 
 #include "apps/study/design/design_light.h"
-#include "apps/study/design/range_models.h"
+#include "apps/study/design/range_solver.h"
 #include "apps/study/design/variant_sensor.h"
 #include "calib/fit/parameter_site.h"
 #include "mtf/error.h"
@@ -19,7 +19,8 @@ struct MetricPlan {
   std::vector<MetricChoice> choices;  ///< one for each of Study::metrics
   std::vector<std::size_t> at;        ///< index into needs.at, for mtf_at
   mtf::ResolutionNeeds needs;
-  bool resolution = false, budget = false, spatial = false, giqe = false, range = false;
+  bool resolution = false, budget = false, spatial = false, giqe = false, bars = false, air = false, ttp = false;
+  std::array<bool, kRangeTasks> range{};  ///< of range_tasks()
   std::vector<UnitScale> scale;
 };
 
@@ -29,7 +30,12 @@ template <class S>
 class DesignModel {
  public:
   DesignModel(const Study& study, const MetricPlan& plan, const VariantSensor& variant, mtf::System<S> system)
-      : study_(&study), plan_(&plan), variant_(&variant), system_(std::move(system)), meter_(plan.needs) {
+      : study_(&study),
+        plan_(&plan),
+        variant_(&variant),
+        system_(std::move(system)),
+        meter_(plan.needs),
+        range_meter_(curves_alone(std::is_same_v<S, double> ? kForDifferences : kForSlopes)) {
     for (const Parameter& parameter : study.parameters)
       sites_.push_back(calib::parameter_site(system_, parameter.path).numbers);
   }
@@ -42,13 +48,13 @@ class DesignModel {
     for (std::size_t i = 0; i < parameters.size(); ++i) {
       const Parameter& parameter = study_->parameters[i];
       if (parameter.path.empty() || parameter.role == Parameter::Role::fixed) continue;
-      for (S* number : sites_[i]) *number = parameters[i];
+      for (S* number : sites_[i]) put(*number, parameters[i]);
       if (sites_[i].empty()) overrides_.push_back({parameter.path, parameters[i]});
     }
   }
   /// The same as set(), also for parameters that vary as built.
   void set_fixed(std::size_t parameter, const S& value) {
-    for (S* number : sites_[parameter]) *number = value;
+    for (S* number : sites_[parameter]) put(*number, value);
     if (!sites_[parameter].empty()) return;
     const std::string& path = study_->parameters[parameter].path;
     const auto found =
@@ -71,23 +77,26 @@ class DesignModel {
   const mtf::System<S>& system() const { return system_; }
   std::span<const radiometry::Override<S>> overrides() const { return overrides_; }
 
-  /// Metrics in their units. `spectral`: of the overrides that are set.
-  void metrics(const radiometry::SpectralNumbers<S>& spectral, std::span<S> values) {
+  /// Metrics in their units. `spectral`: of the overrides that are set. `roots`: of the ranges of this design with
+  /// another light or another scalar; without them they are solved for.
+  void metrics(const radiometry::SpectralNumbers<S>& spectral, const DesignLight& light, std::span<S> values,
+               const RangeRoots* roots = nullptr) {
     design_.system = &system_;
     design_.conditions = &study_->conditions;
-    design_.frame_time_s = system_.frame.integration_time_s;
-    if (variant_->loaded && variant_->loaded->sensor.settings.frame)
-      if (const auto& given = variant_->loaded->sensor.settings.frame->frame_time_s) design_.frame_time_s = S(*given);
+    design_.range_m = target_range();
+    if (variant_->loaded) design_.frame_time_s = radiometry::frame_time_s(system_, variant_->loaded->sensor.settings);
     if (plan_->resolution) design_.resolution = meter_.measure(system_);
     design_.budget.reset();
     if (plan_->budget && variant_->loaded) design_.budget = budget(spectral);
     const bool saturated = design_.budget && design_.budget->saturation.saturated();
     if (plan_->giqe) design_.noise_gain = noise_gain();
-    design_.ranges.reset();
+    design_.observed = {};
+    if (roots == nullptr) roots_ = {};
     refusal_.clear();
     caution_ = design_.budget && !saturated ? words(design_.budget->saturation) : "";
     if (design_.budget && plan_->spatial)
       refusal_ = radiometry::spatial_gap(variant_->loaded->sensor.settings, *design_.budget);
+    const bool spatial = refusal_.empty();
     const auto taken =
         [this](auto model) {  // a model that refuses a design leaves the metrics of the others as they are
           try {
@@ -98,7 +107,8 @@ class DesignModel {
             return false;
           }
         };
-    if (plan_->range && design_.budget && !saturated) taken([this] { design_.ranges = range_figures(design_); });
+    if (plan_->bars && design_.budget && !saturated) taken([this] { observe_bars(design_); });
+    if (light.course && spatial) taken([&] { find_ranges(light, roots); });
     for (std::size_t i = 0; i < values.size(); ++i)
       if (!taken([&] { values[i] = metric_value(plan_->choices[i], design_, plan_->at[i]); }))
         values[i] = detail::not_there<S>();
@@ -113,13 +123,62 @@ class DesignModel {
           "no mtf50: next to f = 0 the MTF is below 1/2 already; what takes contrast from all frequencies (light "
           "scattered by aerosol, AC coupling) is no blur";
   }
+  const RangeRoots& roots() const { return roots_; }
   /// Why a metric of the last design has no number, "" where no model refused it.
   const std::string& refusal() const { return refusal_; }
   /// How far signal and noise of the last design are wrong because it is close to saturation; "" where they are not.
   const std::string& caution() const { return caution_; }
-  double error() const { return plan_->resolution ? design_.resolution.error : 0.0; }
+  double error() const {
+    double worst = plan_->resolution ? design_.resolution.error : 0.0;
+    for (const RangeRoot& root : roots_) worst = std::max(worst, root.error);
+    return worst;
+  }
 
  private:
+  void put(S& number, const S& value) {
+    same_otf_ = same_otf_ && mtf::value_of(number) == mtf::value_of(value);
+    number = value;
+  }
+
+  /// To the target: that of [conditions], else of the sensor's air; NaN where neither says it.
+  S target_range() const {
+    if (study_->conditions.range_m) return S(*study_->conditions.range_m);
+    if (!variant_->loaded) return detail::not_there<S>();
+    const auto own = apps::stated_range_m(variant_->loaded->sensor.settings);
+    if (!own) return detail::not_there<S>();
+    return radiometry::Overrides<S>{std::span<const radiometry::Override<S>>(overrides_)}("atmosphere.range", *own);
+  }
+
+  void find_ranges(const DesignLight& light, const RangeRoots* roots) {
+    const auto budget_of_light = [this](const radiometry::SpectralNumbers<double>& plain) {
+      radiometry::SpectralNumbers<double> from = plain;
+      radiometry::SpectralNumbers<S> to;
+      const auto numbers = from.all();
+      const auto scalars = to.all();
+      for (std::size_t i = 0; i < scalars.size(); ++i) *scalars[i] = S(*numbers[i]);
+      return budget(to);
+    };
+    RangeModel<S> model(system_, study_->conditions, design_.frame_time_s, *light.course, range_meter_,
+                        budget_of_light);
+    if constexpr (std::is_same_v<S, double>)
+      if (roots == nullptr) {
+        roots_ = solver_.solve(model, light.course, plan_->range, same_otf_, study_->tolerance, refusal_);
+        same_otf_ = true;
+      }
+    const std::array<RangeTask, kRangeTasks> tasks = range_tasks(study_->conditions);
+    std::string at_nyquist;
+    for (std::size_t i = 0; i < tasks.size(); ++i) {
+      if (!plan_->range[i]) continue;
+      const RangeRoot& root = roots != nullptr ? (*roots)[i] : roots_[i];
+      const bool moved = roots != nullptr && std::isfinite(root.found.range_m);
+      design_.observed.range_m[i] = moved ? range_of(tasks[i], root, model) : S(root.found.range_m);
+      if (root.at_nyquist) at_nyquist += (at_nyquist.empty() ? "" : ", ") + std::string(row_of(tasks[i].metric).name);
+    }
+    if (plan_->ttp) design_.observed.ttp_cy_mrad = model.ttp_cy_mrad(model.at(0.0));
+    if (!at_nyquist.empty())
+      caution_ += (caution_.empty() ? "" : "; ") + ("limited by the Nyquist frequency in " + at_nyquist);
+  }
+
   radiometry::Budget<S> budget(const radiometry::SpectralNumbers<S>& spectral) const {
     return radiometry::sensor_budget(system_, variant_->loaded->sensor.settings, spectral, variant_->flicker_e,
                                      radiometry::Overrides<S>{std::span<const radiometry::Override<S>>(overrides_)});
@@ -160,14 +219,20 @@ class DesignModel {
     return sqrt(separable ? S(mean_x * mean_y) : mean);
   }
 
+  /// Of the OTF at a root, by which ranges are differentiated: by jets, and by differences of the light.
+  static constexpr double kForSlopes = 1e-6, kForDifferences = 1e-9;
+
   const Study* study_;
   const MetricPlan* plan_;
   const VariantSensor* variant_;
   mtf::System<S> system_;
-  mtf::ResolutionMeter<S> meter_;
+  mtf::ResolutionMeter<S> meter_, range_meter_;
   std::vector<std::vector<S*>> sites_;
   std::vector<radiometry::Override<S>> overrides_;
   Design<S> design_;
+  RangeSolver solver_{};
+  RangeRoots roots_{};
+  bool same_otf_ = false;  ///< as when the ranges were solved last
   std::string refusal_, caution_;
 };
 

@@ -162,8 +162,8 @@ const DesignLight* Evaluator::Impl::set_system(Ready& variant) {
   }
   const DesignLight* light = nullptr;
   try {
-    light = &variant.light.at(variant.sensor, study->conditions, variant.model->overrides(),
-                              {.numbers = plan.budget, .otf = plan.resolution});
+    light = &variant.light.at(variant.sensor, *study, variant.model->overrides(),
+                              {.numbers = plan.budget, .otf = plan.resolution, .ranges = plan.air});
   } catch (const mtf::UsageError& refused) {
     problem = refused.what();
     return nullptr;
@@ -195,7 +195,7 @@ void Evaluator::Impl::evaluate_at(std::span<const double> values, std::span<doub
     }
   } else if (const DesignLight* light = fill_parameters(variant, values, shift) ? set_system(variant) : nullptr) {
     try {
-      variant.model->metrics(light->numbers, metrics);
+      variant.model->metrics(light->numbers, *light, metrics);
       error = variant.model->error();
       // Air that is not there to be changed, because the chain is refused or each pixel has its own range.
       const bool no_air = !variant.sensor.loaded || !variant.sensor.loaded->sensor.air;
@@ -265,10 +265,9 @@ Gradient Evaluator::gradient_at(std::span<const double> axis_values, double tole
   Impl& impl = *impl_;
   Impl::Ready& variant = impl.ready(axis_values);
   impl.problem.clear();
-  const bool possible =
-      variant.sensor.problems.empty() && impl.fill_parameters(variant, axis_values, {}) && impl.set_system(variant);
-  return gradient_of(*impl.study, variant.sensor,
-                     possible ? std::span<const double>(impl.parameters) : std::span<const double>{}, tolerance);
+  const bool possible = variant.sensor.problems.empty() && impl.fill_parameters(variant, axis_values, {});
+  const DesignLight* light = possible ? impl.set_system(variant) : nullptr;
+  return gradient_of(*impl.study, variant.sensor, light, impl.parameters, tolerance);
 }
 
 std::vector<std::string> Evaluator::gaps() const {
@@ -303,7 +302,7 @@ std::vector<std::string> Evaluator::skipped() const {
     skip(plan.needs.strehl || plan.needs.ensquared, "integrals over the pupil's OTF");
   }
   skip(plan.budget, "signal and noise");
-  skip(plan.range, "MRTD and range models");
+  skip(plan.bars || plan.air, "MRTD and range models");
   const auto& parameters = impl_->study->parameters;
   if (plan.budget && std::none_of(parameters.begin(), parameters.end(),
                                   [](const Parameter& p) { return radiometry::is_spectral(p.path); }))

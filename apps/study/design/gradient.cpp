@@ -4,7 +4,6 @@
 #include <cmath>
 #include <exception>
 
-#include "apps/study/design/design_light.h"
 #include "apps/study/design/design_model.h"
 #include "calib/fit/system_jet.h"
 #include "mtf/error.h"
@@ -39,11 +38,13 @@ struct LightAround {
 
 class LightSlopes {
  public:
-  LightSlopes(const Study& study, const MetricPlan& plan, const VariantSensor& variant,
+  LightSlopes(const Study& study, const MetricPlan& plan, const VariantSensor& variant, const DesignLight& here,
               std::span<const radiometry::Override<Jet4>> overrides)
-      : study_(study), variant_(variant), needs_{.numbers = plan.budget, .otf = plan.resolution} {
+      : study_(study),
+        variant_(variant),
+        needs_{.numbers = plan.budget, .otf = plan.resolution, .ranges = plan.air},
+        here_(here) {
     for (const auto& o : overrides) plain_.push_back({o.path, o.value.a});
-    here_ = at();
     for (std::size_t i = 0; i < plain_.size(); ++i)
       if (radiometry::is_spectral(plain_[i].path) && !overrides[i].value.v.isZero()) around_.push_back(around(i));
   }
@@ -70,10 +71,7 @@ class LightSlopes {
   }
 
  private:
-  DesignLight at() const {
-    return light_of(variant_, study_.conditions,
-                    radiometry::Overrides<double>{std::span<const radiometry::Override<double>>(plain_)}, needs_);
-  }
+  DesignLight at() const { return light_of(variant_, study_, plain_, needs_); }
 
   /// Central where the number's range and the model of the air allow it, else one-sided. The slope of a band model at
   /// range 0 is infinite; the one at 1 m stands for it.
@@ -86,7 +84,7 @@ class LightSlopes {
     const double middle = std::max(value, least);
     LightAround result{
         .number = number,
-        .moves_otf = needs_.otf && radiometry::changes_color(moved.path),
+        .moves_otf = (needs_.otf && radiometry::changes_color(moved.path)) || needs_.ranges,
         .h = 1e-3 * std::max({std::abs(value), moved.path.ends_with("_altitude") ? 100.0 : 1e-3, least})};
     std::exception_ptr refusal;
     for (const Stencil& stencil : kStencils) {
@@ -114,20 +112,21 @@ class LightSlopes {
   const Study& study_;
   const VariantSensor& variant_;
   LightNeeds needs_;
-  std::vector<radiometry::Override<double>> plain_;
   DesignLight here_;
+  std::vector<radiometry::Override<double>> plain_{};
   std::vector<LightAround> around_;
 };
 
 /// Adds to the slopes of the metrics what comes from the OTF's part of the light (DesignModel::set_light), which is no
-/// jet: the same differences, of the metrics with that part alone moved.
+/// jet, and from all of the light of ranges: the same differences, of the metrics with that part alone moved.
 void add_slopes_of_otf(const LightSlopes& slopes, std::span<const radiometry::Override<Jet4>> overrides,
-                       std::span<const double> parameters, DesignModel<double>& model, std::span<Jet4> metrics) {
+                       std::span<const double> parameters, DesignModel<double>& model, const RangeRoots& roots,
+                       std::span<Jet4> metrics) {
   std::vector<double> moved(metrics.size()), middle(metrics.size());
   const auto metrics_in = [&](const DesignLight& light, std::vector<double>& values) {
     model.set(parameters);
     model.set_light(light);
-    model.metrics(slopes.here().numbers, values);
+    model.metrics(slopes.here().numbers, light, values, &roots);
   };
   if (std::any_of(slopes.around().begin(), slopes.around().end(), [](const auto& one) { return one.moves_otf; }))
     metrics_in(slopes.here(), middle);
@@ -146,8 +145,8 @@ void add_slopes_of_otf(const LightSlopes& slopes, std::span<const radiometry::Ov
 
 }  // namespace
 
-Gradient gradient_of(const Study& study, const VariantSensor& variant, std::span<const double> parameters,
-                     double tolerance) {
+Gradient gradient_of(const Study& study, const VariantSensor& variant, const DesignLight* light,
+                     std::span<const double> parameters, double tolerance) {
   Gradient gradient;
   std::vector<std::size_t> axes;  // parameters of numeric axes
   for (const Axis& axis : study.axes)
@@ -162,11 +161,20 @@ Gradient gradient_of(const Study& study, const VariantSensor& variant, std::span
                                                              : study.constraints.size();
     values->assign(rows * axes.size(), std::numeric_limits<double>::quiet_NaN());
   }
-  if (parameters.empty()) return gradient;
+  if (light == nullptr) return gradient;
 
   const MetricPlan plan = plan_metrics(study, std::min(study.tolerance, tolerance));
   DesignModel<Jet4> model(study, plan, variant, mtf::cast<Jet4>(variant.system));
   DesignModel<double> plain_model(study, plan, variant, variant.system);
+  if (plan.air) try {
+      std::vector<double> values(study.metrics.size());
+      plain_model.set(parameters);
+      plain_model.set_light(*light);
+      plain_model.metrics(light->numbers, *light, values);
+    } catch (const mtf::UsageError&) {
+      return gradient;  // as the row of this design: no metrics
+    }
+  const RangeRoots roots = plain_model.roots();
   for (std::size_t first = 0; first < axes.size(); first += kStride) {
     std::vector<Jet4> values(parameters.begin(), parameters.end()), slots(study.slots()), metrics(study.metrics.size());
     const std::size_t count = std::min<std::size_t>(kStride, axes.size() - first);
@@ -180,12 +188,12 @@ Gradient gradient_of(const Study& study, const VariantSensor& variant, std::span
     }
     model.set(values);
     try {
-      LightSlopes slopes(study, plan, variant, model.overrides());
+      LightSlopes slopes(study, plan, variant, *light, model.overrides());
       model.set_light(slopes.here());
-      model.metrics(slopes.numbers(model.overrides()), metrics);
-      add_slopes_of_otf(slopes, model.overrides(), parameters, plain_model, metrics);
+      model.metrics(slopes.numbers(model.overrides()), *light, metrics, &roots);
+      add_slopes_of_otf(slopes, model.overrides(), parameters, plain_model, roots, metrics);
     } catch (const mtf::UsageError&) {
-      return gradient;  // as the row of this design: no metrics
+      return gradient;
     }
     for (std::size_t i = 0; i < metrics.size(); ++i)
       slots[study.parameters.size() + i] = metrics[i] * Jet4(plan.scale[i].si);

@@ -4,6 +4,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "apps/sensor/air_course.h"
+#include "apps/study/design/range_tasks.h"
+#include "mtf/error.h"
 #include "mtf/otf/otf_parts.h"
 
 namespace study {
@@ -12,14 +15,26 @@ std::string metric_gap(const MetricChoice& choice, const Study& study, const Var
   const Effort effort = choice.row->effort;
   const Metric metric = choice.row->metric;
   const Conditions& given = study.conditions;
-  const bool quality = effort == Effort::giqe || effort == Effort::grd, acquisition = effort == Effort::range;
+  const bool quality = effort == Effort::giqe || effort == Effort::grd;
+  const bool acquisition = effort == Effort::bars || effort == Effort::air;
   if ((effort == Effort::budget || quality || acquisition) && !sensor.no_budget.empty()) return sensor.no_budget;
-  if ((metric == Metric::gsd || quality) && !given.range_m) return "no [conditions] range";
+  const bool own_range = sensor.loaded && apps::stated_range_m(sensor.loaded->sensor.settings);
+  if ((metric == Metric::gsd || quality) && !given.range_m && !own_range) return "no [conditions] range";
   if ((metric == Metric::target_snr || quality) && !given.contrast_k && !given.signal_contrast)
     return "no [conditions] contrast or signal_contrast";
-  const bool of_camera = metric == Metric::mrtd || metric == Metric::mdtd;  // without a target of [conditions]
-  if (acquisition && !of_camera && !given.contrast_k) return "no [conditions] contrast";
-  if (acquisition && !of_camera && metric != Metric::ttp && !given.target_size_m) return "no [conditions] target_size";
+  if (effort == Effort::air) {
+    if (!given.contrast_k) return "no [conditions] contrast";
+    if (metric != Metric::ttp && !given.target_size_m) return "no [conditions] target_size";
+    const auto tasks = range_tasks(given);
+    const bool bars = std::any_of(tasks.begin(), tasks.end(),
+                                  [&](const RangeTask& task) { return task.metric == metric && task.by_bars; });
+    if (!bars) try {
+        static_cast<void>(radiometry::viewing_of(given, sensor.system.frame));
+      } catch (const mtf::UsageError& missing) {
+        return missing.what();
+      }
+    if (!sensor.no_ranges.empty()) return sensor.no_ranges;
+  }
   const auto& list = sensor.system.list(mtf::Stage::presample);
   const bool pupil = effort == Effort::light || metric == Metric::cutoff || metric == Metric::q;
   if (pupil && std::none_of(list.begin(), list.end(), [](const auto& e) { return e.component.is_pupil(); }))

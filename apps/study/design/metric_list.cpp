@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/study/design/metric_list.h"
 
+#include <algorithm>
 #include <charconv>
 
 #include "apps/study/design/metric_rows.h"
@@ -135,28 +136,28 @@ constexpr std::array kRows{
               "ground resolved distance: period of the finest bars that can be seen in the noise",
               "IBSM 4 (ERIM 253885-4-F), 3-54", kContrast, Effort::grd},
     MetricRow{mrtd, "mrtd", false, "mK", "2-D minimum resolvable temperature difference at half of Nyquist", kMrtd,
-              "[detector]", Effort::range},
+              "[detector]", Effort::bars},
     MetricRow{
         mdtd,
         "mdtd", false, "mK",
         "minimum detectable temperature difference of a square of 2 pixels (1 / Nyquist), the width of a bar of mrtd",
-        kMdtd, "[detector]", Effort::range},
+        kMdtd, "[detector]", Effort::bars},
     MetricRow{johnson_detect, "johnson_range_detect", false, "m",
-              "range of detection, probability 0.5, Johnson's criteria", kJohnson, kTarget, Effort::range},
+              "range of detection, probability 0.5, Johnson's criteria", kJohnson, kTarget, Effort::air},
     MetricRow{johnson_recognise, "johnson_range_recognise", false, "m",
-              "range of recognition, probability 0.5, Johnson's criteria", kJohnson, kTarget, Effort::range},
+              "range of recognition, probability 0.5, Johnson's criteria", kJohnson, kTarget, Effort::air},
     MetricRow{johnson_identify, "johnson_range_identify", false, "m",
-              "range of identification, probability 0.5, Johnson's criteria", kJohnson, kTarget, Effort::range},
+              "range of identification, probability 0.5, Johnson's criteria", kJohnson, kTarget, Effort::air},
     MetricRow{ttp, "ttp", false, "cy/mrad",
               "targeting task performance of the target's contrast at range 0, up to the optical cutoff, aliasing not "
               "counted",
-              kNvl, "[detector] and [conditions] contrast", Effort::range},
+              kNvl, "[detector] and [conditions] contrast", Effort::air},
     MetricRow{ttp_detect, "ttp_range_detect", false, "m", "range of detection, probability 0.5, TTP", kNvl, kTarget,
-              Effort::range},
+              Effort::air},
     MetricRow{ttp_recognise, "ttp_range_recognise", false, "m", "range of recognition, probability 0.5, TTP", kNvl,
-              kTarget, Effort::range},
+              kTarget, Effort::air},
     MetricRow{ttp_identify, "ttp_range_identify", false, "m", "range of identification, probability 0.5, TTP", kNvl,
-              kTarget, Effort::range}};
+              kTarget, Effort::air}};
 
 constexpr MetricRow kMtfAt{mtf_at, "mtf_at", true,          "", "MTF of the whole system at a frequency",
                            kOtf,   "",       Effort::points};
@@ -191,6 +192,10 @@ MetricInfo info_of(const MetricRow& row, std::string name, std::optional<mtf::Ax
 }  // namespace
 
 std::span<const MetricRow> metric_rows() { return kRows; }
+
+const MetricRow& row_of(Metric metric) {
+  return *std::find_if(kRows.begin(), kRows.end(), [&](const MetricRow& row) { return row.metric == metric; });
+}
 
 std::optional<MetricChoice> choose_metric(std::string_view name) {
   for (const MetricRow& row : kRows)

@@ -18,14 +18,16 @@ MetricPlan plan_metrics(const Study& study, double tolerance) {
     if (choice.row->metric == Metric::mtf_at) plan.needs.at.push_back(choice.at);
     mtf::AxisNeeds& axis = plan.needs.axis;
     const Effort effort = choice.row->effort;
-    plan.resolution = plan.resolution || (effort != Effort::geometry && effort != Effort::budget);
+    plan.resolution =
+        plan.resolution || (effort != Effort::geometry && effort != Effort::budget && effort != Effort::air);
     plan.needs.y = plan.needs.y || effort == Effort::giqe || (choice.row->directional && choice.axis != mtf::Axis::x);
-    plan.budget = plan.budget || effort == Effort::budget || effort == Effort::giqe || effort == Effort::grd ||
-                  effort == Effort::range;
+    const bool observed = effort == Effort::bars || effort == Effort::air;
+    plan.budget =
+        plan.budget || effort == Effort::budget || effort == Effort::giqe || effort == Effort::grd || observed;
     const Metric metric = choice.row->metric;
-    plan.spatial = plan.spatial || effort == Effort::range || metric == Metric::prnu_noise ||
-                   metric == Metric::dsnu_noise || metric == Metric::correction_noise ||
-                   metric == Metric::spatial_noise || metric == Metric::spatial_netd;
+    plan.spatial = plan.spatial || observed || metric == Metric::prnu_noise || metric == Metric::dsnu_noise ||
+                   metric == Metric::correction_noise || metric == Metric::spatial_noise ||
+                   metric == Metric::spatial_netd;
     switch (effort) {
       case Effort::geometry:
       case Effort::points:
@@ -64,10 +66,16 @@ MetricPlan plan_metrics(const Study& study, double tolerance) {
         else
           axis.edge = axis.overshoot = plan.giqe = true;
         break;
-      case Effort::range:
-        plan.range = plan.needs.curves = plan.needs.y = true;
+      case Effort::bars:
+        plan.bars = plan.needs.curves = plan.needs.y = true;
+        break;
+      case Effort::air:
+        plan.air = true;
+        plan.ttp = plan.ttp || metric == Metric::ttp;
         break;
     }
+    const std::array<RangeTask, kRangeTasks> tasks = range_tasks(study.conditions);
+    for (std::size_t i = 0; i < tasks.size(); ++i) plan.range[i] = plan.range[i] || tasks[i].metric == metric;
   }
   return plan;
 }

@@ -90,7 +90,8 @@ enum class Effort {
   budget,
   giqe,
   grd,
-  range
+  bars,  ///< of an observer of bars or squares, behind the sensor's own air
+  air    ///< of an observer of a target, at any range
 };
 
 struct MetricRow {
@@ -102,6 +103,7 @@ struct MetricRow {
 };
 
 std::span<const MetricRow> metric_rows();
+const MetricRow& row_of(Metric metric);
 
 /// A metric as asked for: which, along which axis (none: the geometric mean), and for mtf_at the frequency.
 struct MetricChoice {

@@ -6,8 +6,8 @@
 
 #include <limits>
 
-#include "apps/study/conditions.h"
 #include "apps/study/design/metric_rows.h"
+#include "apps/study/design/range_tasks.h"
 #include "mtf/metrics/resolution.h"
 #include "mtf/otf/otf_parts.h"
 #include "radiometry/performance/giqe.h"
@@ -16,22 +16,31 @@
 
 namespace study {
 
-/// The results of the range models.
+/// What observers make of the sensor; NaN where nothing has been found.
 template <class S>
-struct RangeFigures {
-  S mrtd_k{}, mdtd_k{}, ttp_cy_mrad{};
-  S johnson_m[3]{}, ttp_m[3]{};  ///< detect, recognise, identify
+struct Observed {
+  static S nothing() { return S(std::numeric_limits<double>::quiet_NaN()); }
+  S mrtd_k = nothing(), mdtd_k = nothing(), ttp_cy_mrad = nothing();
+  std::array<S, kRangeTasks> range_m = filled();  ///< of range_tasks()
+
+ private:
+  static std::array<S, kRangeTasks> filled() {
+    std::array<S, kRangeTasks> all;
+    all.fill(nothing());
+    return all;
+  }
 };
 
 template <class S>
 struct Design {
   const mtf::System<S>* system = nullptr;
   const Conditions* conditions = nullptr;
+  S range_m{};       ///< to the target; NaN where nothing says it
   S frame_time_s{};  ///< from one frame to the next
   mtf::Resolution<S> resolution{};
   std::optional<radiometry::Budget<S>> budget{};
   S noise_gain{1};  ///< of what follows the read noise: root of the mean of |OTF|^2 over the band, for GIQE
-  std::optional<RangeFigures<S>> ranges{};
+  Observed<S> observed{};
 };
 
 namespace detail {
@@ -56,9 +65,8 @@ S ifov_urad(const Design<S>& d, mtf::Axis axis) {
 
 template <class S>
 S gsd_m(const Design<S>& d, mtf::Axis axis) {
-  if (!d.conditions->range_m) return not_there<S>();
   return radiometry::ground_sample_distance_m(d.system->frame.pitch_um(axis), d.system->frame.focal_length_mm,
-                                              S(*d.conditions->range_m));
+                                              d.range_m);
 }
 
 template <class S>
@@ -247,10 +255,10 @@ S mtf_at_mrad(const Design<S>& d, mtf::Axis axis, double f_cy_mrad) {
 template <class S>
 S grd_m(const Design<S>& d) {
   const S snr = target_snr(d);
-  if (!d.conditions->range_m || !(mtf::value_of(snr) > 0.0)) return not_there<S>();
+  if (!(mtf::value_of(d.range_m) > 0.0) || !(mtf::value_of(snr) > 0.0)) return not_there<S>();
   S worst(0);
   for (const mtf::Axis axis : {mtf::Axis::x, mtf::Axis::y}) {
-    const radiometry::GrdInput<S> in{snr, S(1e-3) * ifov_urad(d, axis), S(*d.conditions->range_m)};
+    const radiometry::GrdInput<S> in{snr, S(1e-3) * ifov_urad(d, axis), d.range_m};
     const S grd = radiometry::ground_resolved_distance(in, [&](double f) { return mtf_at_mrad(d, axis, f); }).grd_m;
     if (mtf::value_of(grd) > mtf::value_of(worst)) worst = grd;
   }
@@ -258,29 +266,21 @@ S grd_m(const Design<S>& d) {
 }
 
 template <class S>
-S range_value(Metric metric, const RangeFigures<S>& r) {
+S observed_value(Metric metric, const Observed<S>& o) {
   switch (metric) {
     case Metric::mrtd:
-      return S(1e3) * r.mrtd_k;
+      return S(1e3) * o.mrtd_k;
     case Metric::mdtd:
-      return S(1e3) * r.mdtd_k;
-    case Metric::johnson_detect:
-      return r.johnson_m[0];
-    case Metric::johnson_recognise:
-      return r.johnson_m[1];
-    case Metric::johnson_identify:
-      return r.johnson_m[2];
+      return S(1e3) * o.mdtd_k;
     case Metric::ttp:
-      return r.ttp_cy_mrad;
-    case Metric::ttp_detect:
-      return r.ttp_m[0];
-    case Metric::ttp_recognise:
-      return r.ttp_m[1];
-    case Metric::ttp_identify:
-      return r.ttp_m[2];
+      return o.ttp_cy_mrad;
     default:
-      return not_there<S>();
+      break;
   }
+  const std::array<RangeTask, kRangeTasks> tasks = range_tasks(Conditions{});
+  for (std::size_t i = 0; i < tasks.size(); ++i)
+    if (tasks[i].metric == metric) return o.range_m[i];
+  return not_there<S>();
 }
 
 }  // namespace detail
@@ -316,7 +316,7 @@ S metric_value(const MetricChoice& choice, const Design<S>& d, std::size_t at) {
     default:
       break;
   }
-  if (row.effort == Effort::range) return d.ranges ? finite(range_value(row.metric, *d.ranges)) : not_there<S>();
+  if (row.effort == Effort::bars || row.effort == Effort::air) return finite(observed_value(row.metric, d.observed));
   return d.budget ? finite(budget_value(row.metric, *d.budget)) : not_there<S>();
 }
 

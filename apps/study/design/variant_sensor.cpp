@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "apps/sensor/air_course.h"
 #include "calib/fit/parameter_site.h"
 #include "mtf/error.h"
 
@@ -69,7 +70,8 @@ VariantSensor load_variant(const Study& study, std::span<const int> levels) {
       result.flicker_e = radiometry::flicker_rms_e(result.system, result.loaded->sensor.settings);
       result.spectral = spectral_numbers(study.conditions, result.loaded->sensor, result.loaded->sensor.path);
       result.loaded->sensor.settings = radiometry::budget_settings(result.loaded->sensor);
-      if (result.loaded->paths) result.no_budget = "the path has the range of each pixel";
+      result.no_ranges = apps::air_course_gap(result.system, *result.loaded);
+      if (result.loaded->paths) result.no_budget = result.no_ranges;
     } catch (const mtf::UsageError& error) {
       result.loaded.reset();
       result.no_budget = error.what();

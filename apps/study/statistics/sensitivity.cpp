@@ -50,6 +50,8 @@ StudyIndices study_indices(const std::shared_ptr<const Study>& study, const std:
     std::vector<double> values(study->axes.size()), row(columns.size());
     design_at(*study, study->designs / 2, values);
     evaluator->evaluate_at(values, row);  // reads what is read once
+    constexpr double kElsewhere = 0.37;   // a design that shares little with the first
+    design_at_quantiles(*study, std::vector<double>(values.size(), kElsewhere), values);
     const Clock::time_point start = Clock::now();
     evaluator->evaluate_at(values, row);
     const double each = std::chrono::duration<double>(Clock::now() - start).count() / mtf::threads_of(threads);

@@ -67,7 +67,7 @@ std::string mwir_study() {
   std::string list;
   for (const study::MetricRow& row : study::metric_rows())
     if (row.effort == study::Effort::budget || row.effort == study::Effort::giqe || row.effort == study::Effort::grd ||
-        row.effort == study::Effort::range)
+        row.effort == study::Effort::bars)
       list += (list.empty() ? "\"" : ", \"") + std::string(row.name) + "\"";
   return R"(schema = 1
 sensor = "camera.toml"

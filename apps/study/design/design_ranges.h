@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// The ranges of a design, by Johnson's criteria and by TTP (radiometry/performance/target_at_range.h), with the air
+// that lies on the way to the target. A range is the root of a margin:
+//   with double   noise and contrast from the panels of the light (light_course.h), first with the OTF that the design
+//                 has without air, then with that of each range, whose logarithm goes through the points of the panel.
+//                 Its error: by how much the root moves when everything that was interpolated, and the OTF, is worse by
+//                 what it may err.
+//   with jets     one step of Newton's from that root, with the light and the OTF of that very range
+
+#include <array>
+#include <functional>
+#include <memory>
+
+#include "apps/study/design/design_light.h"
+#include "apps/study/design/metric_values.h"
+#include "radiometry/performance/target_at_range.h"
+
+namespace study {
+
+/// An OTF along both axes, to that tolerance.
+inline mtf::ResolutionNeeds curves_alone(double tolerance) {
+  mtf::ResolutionNeeds needs;
+  needs.curves = true;
+  needs.tolerance = tolerance;
+  return needs;
+}
+
+/// How far a design gets at a task.
+struct RangeRoot {
+  radiometry::AcquisitionRange found{};
+  bool at_nyquist = false;  ///< it ends where the cycles that the task needs reach the Nyquist frequency
+  double slope = 0.0;       ///< of the margin, by ln(range)
+  double error = 0.0;       ///< of the range, relative
+};
+using RangeRoots = std::array<RangeRoot, kRangeTasks>;
+
+/// What a target at a range offers to the observers of a design.
+template <class S>
+class RangeModel {
+ public:
+  using Sensor = radiometry::SensorAtRange<S>;
+  using MakeBudget = std::function<radiometry::Budget<S>(const radiometry::SpectralNumbers<double>&)>;
+
+  RangeModel(mtf::System<S>& system, const Conditions& conditions, const S& frame_time_s, LightCourse& course,
+             mtf::ResolutionMeter<S>& meter, MakeBudget budget)
+      : system_(&system),
+        conditions_(&conditions),
+        frame_time_s_(frame_time_s),
+        course_(&course),
+        meter_(&meter),
+        budget_(std::move(budget)),
+        bars_(system, conditions, frame_time_s) {
+    const mtf::Context<S> shortest = system.band ? system.context(S(system.band->lo_um)) : system.context();
+    for (const mtf::Entry<S>& entry : system.list(mtf::Stage::presample))
+      cutoff_cy_mm_ = std::min(cutoff_cy_mm_, entry.component.cutoff_cy_mm(shortest));
+  }
+
+  /// With the light and the OTF of that range; 0 m: without air.
+  Sensor at(double range_m) {
+    const auto curves = std::make_shared<const mtf::Resolution<S>>(measured(course_->colour_at(range_m), *meter_));
+    return behind(course_->at(range_m), range_m, mtf_of(curves));
+  }
+  /// ln(what the target offers / what the task needs).
+  S margin(const RangeTask& task, const Sensor& sensor, double range_m) {
+    const S size(*conditions_->target_size_m), contrast(*conditions_->contrast_k);
+    if (task.by_bars)
+      return bars_.log_visibility(sensor, contrast, 1e-3 * task.cycles * range_m / *conditions_->target_size_m);
+    return display().log_cycles(sensor, contrast, size, range_m) - S(std::log(task.cycles));
+  }
+  /// The cycles that the task needs are at the Nyquist frequency there.
+  S nyquist_range_m(const RangeTask& task) const {
+    return S(1e3 * *conditions_->target_size_m / task.cycles) * bars_.nyquist_cy_mrad();
+  }
+  S ttp_cy_mrad(const Sensor& sensor) { return display().ttp_cy_mrad(sensor, S(*conditions_->contrast_k)); }
+
+  /// The OTF along both axes with the colours of a range.
+  mtf::Resolution<S> measured(const ColourAtRange& colour, mtf::ResolutionMeter<S>& meter) {
+    const auto own_air = system_->air;
+    const auto own_rate = system_->band ? system_->band->rate : nullptr;
+    const auto scalar = [](const std::optional<double>& v) { return v ? std::optional<S>(*v) : std::nullopt; };
+    if (system_->band) system_->band->rate = colour.rate;
+    system_->air = {scalar(colour.air.path_length_m), scalar(colour.air.scattering)};
+    mtf::Resolution<S> resolution = meter.measure(*system_);
+    if (system_->band) system_->band->rate = own_rate;
+    system_->air = own_air;
+    return resolution;
+  }
+  std::function<S(mtf::Axis, double)> mtf_of(std::shared_ptr<const mtf::Resolution<S>> curves) const {
+    return [this, curves](mtf::Axis axis, double f_cy_mrad) {
+      return (axis == mtf::Axis::x ? curves->curve_x : curves->curve_y).modulus(cy_mm(f_cy_mrad));
+    };
+  }
+  S cy_mm(double f_cy_mrad) const { return system_->frame.cy_mm_from_mrad(S(f_cy_mrad)); }
+  Sensor behind(const LightAtRange& light, double range_m, std::function<S(mtf::Axis, double)> mtf) const {
+    const radiometry::Budget<S> budget = budget_(course_->numbers(light));
+    if (budget.saturation.saturated())
+      throw mtf::UsageError("with the light at " + mtf::format_double(range_m) + " m: " + words(budget.saturation));
+    return {budget.netd_k, budget.spatial_netd_k, S(light.contrast_share), std::move(mtf)};
+  }
+  const Conditions& conditions() const { return *conditions_; }
+  LightCourse& course() { return *course_; }
+  double counted_cy_mrad() const { return radiometry::counted_cy_mrad(*system_, cutoff_cy_mm_); }
+
+ private:
+  const radiometry::DisplayObserver<S>& display() {
+    if (!display_) display_.emplace(*system_, *conditions_, frame_time_s_, counted_cy_mrad());
+    return *display_;
+  }
+
+  mtf::System<S>* system_;
+  const Conditions* conditions_;
+  S frame_time_s_;
+  LightCourse* course_;
+  mtf::ResolutionMeter<S>* meter_;
+  MakeBudget budget_;
+  radiometry::BarObserver<S> bars_;
+  std::optional<radiometry::DisplayObserver<S>> display_{};
+  double cutoff_cy_mm_ = mtf::kInfinity;
+};
+
+/// MRTD and MDTD of a design behind its own air, at the scene; it has a budget and the curves of its OTF.
+template <class S>
+void observe_bars(Design<S>& design) {
+  const mtf::System<S>& system = *design.system;
+  const radiometry::BarObserver<S> bars(system, *design.conditions, design.frame_time_s);
+  const radiometry::SensorAtRange<S> sensor{
+      .netd_k = design.budget->netd_k,
+      .spatial_netd_k = design.budget->spatial_netd_k,
+      .mtf = [&](mtf::Axis axis, double f) { return detail::mtf_at_mrad(design, axis, f); }};
+  // At half of Nyquist, and of a square as wide as a bar there; both move with pitch and focal length.
+  const S nyquist = bars.nyquist_cy_mrad(), width = S(1) / nyquist;
+  const double middle = 0.5 * mtf::value_of(nyquist), square = mtf::value_of(width);
+  design.observed.mrtd_k = radiometry::continued([&](double f) { return bars.mrtd_k(sensor, f); }, middle,
+                                                 S(S(0.5) * nyquist), 1e-3 * middle);
+  const double cutoff = radiometry::counted_cy_mrad(system, design.resolution.cutoff_cy_mm);
+  design.observed.mdtd_k =
+      radiometry::continued([&](double w) { return bars.mdtd_k(sensor, w, cutoff); }, square, width, 1e-3 * square);
+}
+
+/// The range of a root with its derivatives; NaN where there is none, 0 where the task succeeds nowhere.
+template <class S>
+S range_of(const RangeTask& task, const RangeRoot& root, RangeModel<S>& model) {
+  if (root.found.reached == radiometry::Reached::never) return S(root.found.range_m);
+  if (root.at_nyquist) return model.nyquist_range_m(task);
+  const double range_m = root.found.range_m;
+  return radiometry::range_with_slopes(range_m, model.margin(task, model.at(range_m), range_m), root.slope);
+}
+
+}  // namespace study

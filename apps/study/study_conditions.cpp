@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/study/study_conditions.h"
+
+#include <algorithm>
+
+#include "apps/sensor/air_course.h"
+#include "apps/study/design/range_tasks.h"
+#include "mtf/error.h"
+#include "radiometry/performance/condition_lines.h"
+
+namespace study {
+namespace {
+
+radiometry::FiguresOfObservers figures_of(const Study& study) {
+  radiometry::FiguresOfObservers figures;
+  const auto tasks = range_tasks(study.conditions);
+  for (const MetricInfo& metric : study.metrics) {
+    const MetricRow& row = *choose_metric(metric.name)->row;
+    if (row.effort == Effort::bars) figures.bars = true;
+    if (row.effort != Effort::air) continue;
+    const bool by_bars = std::any_of(tasks.begin(), tasks.end(),
+                                     [&](const RangeTask& task) { return task.metric == row.metric && task.by_bars; });
+    (by_bars ? figures.johnson : figures.ttp) = true;
+  }
+  return figures;
+}
+
+/// Of all sensor files of the study.
+std::string air_of(const Study& study) {
+  std::vector<std::string> airs;
+  const auto add = [&](const mtf::io::SensorConfig& sensor) {
+    std::string words = apps::air_words(radiometry::sensor_settings(sensor.tables));
+    if (words.empty()) words = "none";
+    if (words == "none" && study.conditions.extinction_per_km)
+      words = "extinction of the contrast, " + mtf::format_double(*study.conditions.extinction_per_km) + " per km";
+    if (std::find(airs.begin(), airs.end(), words) == airs.end()) airs.push_back(words);
+  };
+  add(study.base);
+  for (const mtf::io::SensorConfig& sensor : study.sensors) add(sensor);
+  std::string text;
+  for (const std::string& one : airs) text += (text.empty() ? "" : "; or ") + one;
+  const bool followed = study.conditions.extinction_per_km || text != "none";
+  return text + (followed ? "; ranges are solved with the air up to each of them" : "");
+}
+
+}  // namespace
+
+std::vector<std::string> condition_lines(const Study& study) {
+  std::optional<radiometry::Viewing<double>> viewing;
+  try {
+    viewing = radiometry::viewing_of(study.conditions, study.base.system.frame);
+  } catch (const mtf::UsageError&) {  // the gap of each figure says it
+  }
+  return radiometry::condition_lines(figures_of(study), study.conditions, viewing, air_of(study));
+}
+
+}  // namespace study

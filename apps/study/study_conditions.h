@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// What the observers, target and air of a study are, in words, for every output of its ranges.
+
+#include <string>
+#include <vector>
+
+#include "apps/study/study.h"
+
+namespace study {
+
+/// Empty for a study without figures of observers. A magnification by a display is that of the study's first sensor.
+std::vector<std::string> condition_lines(const Study& study);
+
+}  // namespace study

@@ -1,0 +1,236 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// What a target offers to an observer at one range, and by how much that is more than a task needs. Range enters in
+// three ways: the target gets smaller, and the air behind which the sensor sees it takes contrast and adds light, whose
+// noise counts, and blur.
+//
+// Temperature differences are apparent ones, at the aperture: a difference dT at the target arrives as
+//   dT x (derivative of the scene's electrons by its temperature, behind the air)/(the same without air),
+// and NETDs are noise over that derivative without air. Both are integrals over the band of scene x air x optics x
+// response together. So the air's transmission counts once, in the contrast, and its light in the noise; behind air
+// that only dims (Beer's law, extinction) the NETD stays what it is without air.
+//
+// Two models, linear in the contrast as published:
+//   FLIR92, Johnson  bars whose MRTD (mrtd.h) is below the contrast are resolved; N cycles on a target of the size h
+//                    succeed where MRTD(N R/h) < dT. Up to the Nyquist frequency. (Johnson, Image Intensifier
+//                    Symposium, 249 (1958); Ratches, Opt. Eng. 15, 525 (1976); Kennedy, Proc. SPIE 1488 (1991),
+//                    doi 10.1117/12.45802)
+//   TR-230, TTP      C = dT/(2 S_tmp) against the threshold of the eye before the display (contrast_threshold.h,
+//   ttp.h),
+//                    V = TTP(C) sqrt(A)/R. S_tmp is the apparent difference from dark to mean luminance of the display,
+//                    which stays what it is when contrast is lost: nobody turns the gain up. Up to the optical cutoff.
+//                    Fixed noise is not averaged over the frames that the eye adds up.
+// Aliasing counts in neither.
+
+#include <functional>
+#include <vector>
+
+#include "mtf/otf/otf_series.h"
+#include "mtf/system.h"
+#include "radiometry/performance/acquisition.h"
+#include "radiometry/performance/conditions.h"
+#include "radiometry/performance/contrast_threshold.h"
+#include "radiometry/performance/mdtd.h"
+#include "radiometry/performance/sensitivity.h"
+#include "radiometry/performance/ttp.h"
+
+namespace radiometry {
+
+/// A sensor behind the air of one range.
+template <class S>
+struct SensorAtRange {
+  S netd_k{}, spatial_netd_k{};  ///< at the aperture
+  S contrast_share{1};           ///< what arrives there of a small temperature difference at the target
+  std::function<S(mtf::Axis, double f_cy_mrad)> mtf{};  ///< of air, sensor and display; the eye excluded
+};
+
+/// True when something follows the sampling, which filters noise.
+template <class S>
+bool filters_noise(const mtf::System<S>& system) {
+  return !system.list(mtf::Stage::readout).empty() || !system.list(mtf::Stage::postsample).empty();
+}
+/// The modulus of what follows the sampling; f in cycles/mrad.
+template <class S>
+S noise_mtf(const mtf::System<S>& system, mtf::Axis axis, double f_cy_mrad) {
+  using std::sqrt;
+  if (!filters_noise(system)) return S(1);
+  const S f = system.frame.cy_mm_from_mrad(S(f_cy_mrad));
+  const mtf::Freq<S> at = axis == mtf::Axis::x ? mtf::Freq<S>{f, S(0)} : mtf::Freq<S>{S(0), f};
+  const mtf::Complex<S> h = system.otf(mtf::Stage::readout, at) * system.otf(mtf::Stage::postsample, at);
+  const S square = h.re * h.re + h.im * h.im;
+  return mtf::value_of(square) > 0.0 ? S(sqrt(square)) : S(0);
+}
+
+/// FLIR92's observer of bars and squares. It refers to the system, which has to outlive it.
+template <class S>
+class BarObserver {
+ public:
+  BarObserver(const mtf::System<S>& system, const Conditions& conditions, const S& frame_time_s) : system_(&system) {
+    const auto spacing_mrad = [&](mtf::Axis axis) {
+      return S(system.frame.pitch_um(axis) / system.frame.focal_length_mm);
+    };
+    input_.spacing_x_mrad = spacing_mrad(mtf::Axis::x);
+    input_.spacing_y_mrad = spacing_mrad(mtf::Axis::y);
+    input_.snr_threshold = S(conditions.snr_threshold);
+    input_.eye_time_s = S(conditions.eye_time_s);
+    input_.frame_rate_hz = conditions.frame_rate_hz ? S(*conditions.frame_rate_hz) : S(S(1) / frame_time_s);
+  }
+
+  /// Geometric mean of both axes.
+  S nyquist_cy_mrad() const {
+    using std::sqrt;
+    return S(0.5) / S(sqrt(S(input_.spacing_x_mrad * input_.spacing_y_mrad)));
+  }
+  /// 2-D, f > 0.
+  S mrtd_k(const SensorAtRange<S>& sensor, double f_cy_mrad) const {
+    return filters_noise(*system_) ? mrtd_k(sensor, f_cy_mrad, noise(mtf::Axis::x), noise(mtf::Axis::y))
+                                   : mrtd_k(sensor, f_cy_mrad, Unfiltered{}, Unfiltered{});
+  }
+  /// Of a square of that width; the MTF counts up to `cutoff`.
+  S mdtd_k(const SensorAtRange<S>& sensor, double width_mrad, double cutoff_cy_mrad) const {
+    const auto whole = [&](mtf::Axis axis) { return [&, axis](double f) { return sensor.mtf(axis, f); }; };
+    return radiometry::mdtd_k(with_noise(sensor), width_mrad, S(cutoff_cy_mrad), whole(mtf::Axis::x),
+                              whole(mtf::Axis::y), noise(mtf::Axis::x), noise(mtf::Axis::y));
+  }
+  /// ln(dT / MRTD) of bars of that frequency; -infinity where they are not resolved at any contrast.
+  S log_visibility(const SensorAtRange<S>& sensor, const S& contrast_k, double f_cy_mrad) const {
+    using std::log;
+    const S ratio = contrast_k * sensor.contrast_share / mrtd_k(sensor, f_cy_mrad);
+    return mtf::value_of(ratio) > 0.0 ? S(log(ratio)) : S(-mtf::kInfinity);
+  }
+
+ private:
+  template <class NoiseX, class NoiseY>
+  S mrtd_k(const SensorAtRange<S>& sensor, double f_cy_mrad, const NoiseX& noise_x, const NoiseY& noise_y) const {
+    const MrtdInput<S> in = with_noise(sensor);
+    const auto along = [&](mtf::Axis axis) {
+      return [&, axis](double f) {
+        return radiometry::mrtd_k(
+            in, axis, f, [&](double g) { return sensor.mtf(axis, g); }, noise_x, noise_y);
+      };
+    };
+    return mrtd_2d_k<S>(f_cy_mrad, along(mtf::Axis::x), along(mtf::Axis::y));
+  }
+  MrtdInput<S> with_noise(const SensorAtRange<S>& sensor) const {
+    MrtdInput<S> in = input_;
+    in.tvh_k = sensor.netd_k;
+    in.vh_k = sensor.spatial_netd_k;
+    return in;
+  }
+  auto noise(mtf::Axis axis) const {
+    return [this, axis](double f) { return noise_mtf(*system_, axis, f); };
+  }
+
+  const mtf::System<S>* system_;
+  MrtdInput<S> input_{};
+};
+
+namespace detail {
+
+/// A smooth, positive function of a frequency as a Chebyshev series of its logarithm over that of the frequency.
+template <class S>
+class LogSeries {
+ public:
+  /// Over 20 octaves up to `end`; beyond them the ends count. Functions that the eye's channel has smoothed are known
+  /// to 1e-9 by 65 values.
+  template <class Function>
+  LogSeries(double end, const Function& function) : hi_(std::log(end)), lo_(std::log(end) - 20.0 * std::log(2.0)) {
+    using std::log;
+    constexpr int kDegree = mtf::kMostDegree;
+    for (int k = 0; k <= kDegree; ++k)
+      series_.push_back(log(function(std::exp(at(mtf::cos_pi(static_cast<double>(k) / kDegree))))));
+    mtf::chebyshev_coefficients(series_);
+  }
+  S operator()(double f) const {
+    using std::exp;
+    const double t = (std::log(std::max(f, 1e-300)) - lo_) / (hi_ - lo_) * 2.0 - 1.0;
+    return exp(mtf::chebyshev(series_, std::clamp(t, -1.0, 1.0)));
+  }
+
+ private:
+  double at(double t) const { return lo_ + 0.5 * (t + 1.0) * (hi_ - lo_); }
+  double hi_, lo_;
+  std::vector<S> series_;
+};
+
+}  // namespace detail
+
+/// The eye in front of the display, NVThermIP's form of TTP.
+template <class S>
+class DisplayObserver {
+ public:
+  /// `cutoff`: from where on the MTF is 0. Throws UsageError as viewing_of, and for an observer out of range.
+  DisplayObserver(const mtf::System<S>& system, const Conditions& conditions, const S& frame_time_s,
+                  double cutoff_cy_mrad)
+      : observer_(observer_of(system, conditions)),
+        cutoff_(cutoff_cy_mrad),
+        scene_k_(conditions.scene_contrast_k),
+        frame_rate_hz_(conditions.frame_rate_hz ? S(*conditions.frame_rate_hz) : S(S(1) / frame_time_s)),
+        spacing_x_mrad_(system.frame.pitch_x_um / system.frame.focal_length_mm),
+        spacing_y_mrad_(system.frame.pitch_y_um / system.frame.focal_length_mm),
+        x_(channel(system, mtf::Axis::x)),
+        y_(filters_noise(system) ? channel(system, mtf::Axis::y) : x_) {
+    const S frames = frame_rate_hz_ * S(conditions.eye_time_s);
+    kept_ = mtf::value_of(frames) > 1.0 ? frames : S(1);
+  }
+
+  /// TTP of a temperature difference at the target, cycles/mrad.
+  S ttp_cy_mrad(const SensorAtRange<S>& sensor, const S& contrast_k) const {
+    const S rms_k =
+        detail::root(S(sensor.netd_k * sensor.netd_k + kept_ * sensor.spatial_netd_k * sensor.spatial_netd_k));
+    const S density = noise_density(rms_k, spacing_x_mrad_, spacing_y_mrad_, frame_rate_hz_);
+    const S contrast = S(0.5) * contrast_k * sensor.contrast_share / scene_k_;
+    const auto along = [&](mtf::Axis axis, const Channel& channel) {
+      const auto sensitivity = [&](double f) {
+        const S factor = noise_factor(S(kAlphaNvThermIp), density, channel.along(f), channel.across, scene_k_);
+        return system_sensitivity(observer_, f, sensor.mtf(axis, f), factor);
+      };
+      return axis_ttp(sensitivity_course(sensitivity, cutoff_), sensitivity, contrast);
+    };
+    return ttp_of(along(mtf::Axis::x, x_), along(mtf::Axis::y, y_));
+  }
+  /// ln V, of the cycles on a target of that size at that range; -infinity for none.
+  S log_cycles(const SensorAtRange<S>& sensor, const S& contrast_k, const S& size_m, double range_m) const {
+    using std::log;
+    const S cycles = cycles_on_target(ttp_cy_mrad(sensor, contrast_k), size_m, S(range_m));
+    return mtf::value_of(cycles) > 0.0 ? S(log(cycles)) : S(-mtf::kInfinity);
+  }
+  const Observer<S>& observer() const { return observer_; }
+
+ private:
+  /// What the eye's channels let through of the noise along an axis.
+  struct Channel {
+    S across;
+    detail::LogSeries<S> along;
+  };
+  static Observer<S> observer_of(const mtf::System<S>& system, const Conditions& conditions) {
+    const Viewing<S> viewing = viewing_of(conditions, system.frame);
+    const Observer<S> observer{.luminance_cd_m2 = S(conditions.luminance_cd_m2),
+                               .field_deg = viewing.field_deg,
+                               .magnification = viewing.magnification};
+    require_valid("observer", observer);
+    return observer;
+  }
+  Channel channel(const mtf::System<S>& system, mtf::Axis axis) const {
+    const auto seen = [&](double f) { return S(noise_mtf(system, axis, f) * eye_mtf_at(observer_, S(f))); };
+    const double eye_end = 8.0 * mtf::value_of(observer_.magnification);  // the eye's MTF is below 1e-12 there
+    return {bandwidth<S>(eye_end, seen),
+            detail::LogSeries<S>(cutoff_, [&](double f) { return channel_bandwidth<S>(f, seen); })};
+  }
+
+  Observer<S> observer_;
+  double cutoff_;
+  S scene_k_, frame_rate_hz_, spacing_x_mrad_, spacing_y_mrad_, kept_{1};
+  Channel x_, y_;
+};
+
+/// How far the MTF of a system counts: to the cutoff of its optics, to four times Nyquist where nothing ends it.
+template <class S>
+double counted_cy_mrad(const mtf::System<S>& system, double cutoff_cy_mm) {
+  const double nyquist =
+      0.5e3 / std::sqrt(mtf::value_of(system.frame.pitch_x_um) * mtf::value_of(system.frame.pitch_y_um));
+  return mtf::value_of(system.frame.cy_per_mrad(S(cutoff_cy_mm < mtf::kInfinity ? cutoff_cy_mm : 4.0 * nyquist)));
+}
+
+}  // namespace radiometry
