@@ -18,6 +18,15 @@ constexpr int kFinest = 48;
 constexpr std::int64_t kWhole = std::int64_t{1} << kFinest;
 constexpr double kUnit = 1.0 / static_cast<double>(kWhole);
 
+/// The film of tarp goes with the root of the wind, which has no Taylor series where the wind comes from 0 or falls to
+/// 0: the film changes by less than this factor in a step, but where the step is a small part of the interval.
+constexpr double kFilmFactor = 2.0;
+constexpr std::int64_t kSmallPart = kWhole >> 10;
+
+bool is_smooth(const Buoyancy& of_tarp, double film, double later) {
+  return !of_tarp.present || film == later || std::max(film, later) <= kFilmFactor * std::min(film, later);
+}
+
 /// The error of a step falls with its third power; a step grows to at most four times the last.
 double next_step(double step_s, double error_k, double tolerance_k) {
   const double ratio = 0.9 * std::cbrt(tolerance_k / std::max(error_k, 1e-12 * tolerance_k));
@@ -154,8 +163,9 @@ struct GroupRun::Interval {
 bool GroupRun::step_of_three(const Interval& interval, double from, double whole) {
   const double half = 0.5 * whole, step_s = interval.length_s() * (whole * kUnit);
   const Elimination<double>& long_step = kept_->fine.of_step(step_s);
-  evaluate(interval.at(from + kGamma * whole), doubled_middle_);
   evaluate(interval.at(from + whole), end_);
+  if (!is_short_enough(step_s, whole)) return false;
+  evaluate(interval.at(from + kGamma * whole), doubled_middle_);
   before_ = doubled_.t;
   take_step(fine_grid_, long_step, {&begin_, &doubled_middle_, &end_}, doubled_, nullptr);
   steps_.facet_steps += static_cast<std::int64_t>(count_);
@@ -178,13 +188,23 @@ bool GroupRun::step_of_three(const Interval& interval, double from, double whole
 bool GroupRun::step_of_one(const Interval& interval, double from, double whole) {
   const double step_s = interval.length_s() * (whole * kUnit);
   const Elimination<double>& elimination = kept_->fine.of_step(step_s);
-  evaluate(interval.at(from + kGamma * whole), doubled_middle_);
   evaluate(interval.at(from + whole), end_);
+  if (!is_short_enough(step_s, whole)) return false;
+  evaluate(interval.at(from + kGamma * whole), doubled_middle_);
   before_ = fine_.t;
   take_step(fine_grid_, elimination, {&begin_, &doubled_middle_, &end_}, fine_, nullptr);
   steps_.facet_steps += static_cast<std::int64_t>(count_);
   if (accept(step_s, step_error(fine_grid_, elimination, begin_, before_, fine_))) return true;
   fine_.t = before_;
+  return false;
+}
+
+bool GroupRun::is_short_enough(double step_s, double whole) {
+  if (whole <= static_cast<double>(kSmallPart) || (is_smooth(front_buoyancy_, begin_.front.film, end_.front.film) &&
+                                                   is_smooth(back_buoyancy_, begin_.back.film, end_.back.film)))
+    return true;
+  wanted_s_ = 0.5 * step_s;
+  ++steps_.refused;
   return false;
 }
 

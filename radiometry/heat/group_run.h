@@ -44,6 +44,8 @@ class GroupRun {
   struct Interval;
   bool step_of_three(const Interval& interval, double from, double whole);
   bool step_of_one(const Interval& interval, double from, double whole);
+  /// Whether the film changes little enough from begin_ to end_; else half the step is tried next.
+  bool is_short_enough(double step_s, double whole);
   /// Whether a step of 2h with that error is taken, and the next one to try.
   bool accept(double step_s, double error_k);
   void evaluate(Instant instant, Boundary& boundary) const;

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <complex>
+#include <limits>
 #include <numbers>
 #include <string>
 
@@ -22,6 +23,7 @@ constexpr std::size_t kSamples = 64;    ///< of the forcing in a period
 constexpr std::size_t kHarmonics = 12;  ///< what is left is corrected by the days that are run
 constexpr std::size_t kFacetsAtOnce = 64;
 constexpr int kMostIterations = 100;
+constexpr double kUnknown_k = std::numeric_limits<double>::infinity();
 
 /// One exposed side of one facet over the period.
 struct SideSamples {
@@ -203,19 +205,6 @@ std::vector<double> linear_state(const Plan& plan, const Grid& grid, const Harmo
   return t;
 }
 
-/// What the change `r` of the nodes over a period says of the periodic state: r + 2 (AP)^-1 (AP + 2)^-1 r with
-/// A = M^-1 (K + slopes).
-void correct(const Plan& plan, const Grid& grid, double period_s, const Linearised& linear, std::vector<double>& r) {
-  const bool sheet = plan.batch.construction.is_sheet();
-  const Elimination<double> half = eliminate(grid, sheet, 0.5 * period_s), steady = eliminate(grid, sheet, 1.0, 0.0);
-  std::vector<double> z = r;
-  for (std::size_t i = 0; i < z.size(); ++i) z[i] *= 0.5 * grid.capacity[i];
-  solve_linear(half, linear.front_slope, linear.back_slope, z);
-  for (std::size_t i = 0; i < z.size(); ++i) z[i] *= grid.capacity[i] / period_s;
-  solve_linear(steady, linear.front_slope, linear.back_slope, z);
-  for (std::size_t i = 0; i < z.size(); ++i) r[i] += 2.0 * z[i];
-}
-
 /// The runs of a state, on their grids.
 struct GridOfRun {
   const Grid* grid;
@@ -228,37 +217,51 @@ std::vector<GridOfRun> runs_of(const Plan& plan, Runs carried) {
   return runs;
 }
 
-/// Corrects the begin of a period by its end. `linear_of(first, count)`: facets linearised.
-template <class LinearOf>
-void correct_all(const Plan& plan, double period_s, const State& end, const LinearOf& linear_of, State& begin,
-                 int threads) {
-  const std::size_t facets = plan.batch.facets;
-  begin.step_s = end.step_s;
-  mtf::parallel_for(static_cast<std::int64_t>(facets), kFacetsAtOnce, threads,
-                    [&](std::int64_t first, std::int64_t last) {
-                      const std::vector<Linearised> linear =
-                          linear_of(static_cast<std::size_t>(first), static_cast<std::size_t>(last - first));
-                      for (const GridOfRun& run : runs_of(plan, begin.runs())) {
-                        std::vector<double>& t = begin.*run.t;
-                        const std::vector<double>& later = end.*run.t;
-                        std::vector<double> r(run.grid->nodes());
-                        for (auto f = static_cast<std::size_t>(first); f < static_cast<std::size_t>(last); ++f) {
-                          for (std::size_t i = 0; i < r.size(); ++i) r[i] = later[i * facets + f] - t[i * facets + f];
-                          correct(plan, *run.grid, period_s, linear[f - static_cast<std::size_t>(first)], r);
-                          for (std::size_t i = 0; i < r.size(); ++i) t[i * facets + f] += r[i];
-                        }
-                      }
-                    });
+double largest(const State& step) {
+  double most = 0.0;
+  for (const auto* values : {&step.fine, &step.doubled, &step.coarse})
+    for (const double value : *values) most = std::max(most, std::abs(value));
+  return most;
 }
 
 }  // namespace
 
-PeriodicStart periodic_start(const Plan& plan, const Forcing& forcing, const Timeline& period, double residual_k,
-                             int most_periods, int threads) {
-  return periodic_start(plan, for_all_groups(forcing), period, residual_k, most_periods, threads);
+State newton_step(const Plan& plan, const LossSlopes& slopes, const State& begin, const State& end, int threads) {
+  // r + 2 (AP)^-1 (AP + 2)^-1 r with A = M^-1 (K + slopes)
+  const bool sheet = plan.batch.construction.is_sheet();
+  const double period_s = end.time_s - begin.time_s;
+  const std::size_t facets = plan.batch.facets;
+  State step = end;
+  step.time_s = begin.time_s;
+  for (const GridOfRun& run : runs_of(plan, begin.runs())) {
+    const Grid& grid = *run.grid;
+    const Elimination<double> half = eliminate(grid, sheet, 0.5 * period_s), steady = eliminate(grid, sheet, 1.0, 0.0);
+    std::vector<double>& changed = step.*run.t;
+    const std::vector<double>& before = begin.*run.t;
+    mtf::parallel_for(static_cast<std::int64_t>(facets), kFacetsAtOnce, threads,
+                      [&](std::int64_t first, std::int64_t last) {
+                        std::vector<double> z(grid.nodes());
+                        for (auto f = static_cast<std::size_t>(first); f < static_cast<std::size_t>(last); ++f) {
+                          for (std::size_t i = 0; i < z.size(); ++i) {
+                            changed[i * facets + f] -= before[i * facets + f];
+                            z[i] = 0.5 * grid.capacity[i] * changed[i * facets + f];
+                          }
+                          solve_linear(half, slopes.front[f], slopes.back[f], z);
+                          for (std::size_t i = 0; i < z.size(); ++i) z[i] *= grid.capacity[i] / period_s;
+                          solve_linear(steady, slopes.front[f], slopes.back[f], z);
+                          for (std::size_t i = 0; i < z.size(); ++i) changed[i * facets + f] += 2.0 * z[i];
+                        }
+                      });
+  }
+  return step;
 }
 
-PeriodicStart periodic_start(const Plan& plan, const GroupForcing& forcing, const Timeline& period, double residual_k,
+PeriodicStart periodic_start(const Plan& plan, const Forcing& forcing, const Timeline& period, double error_k,
+                             int most_periods, int threads) {
+  return periodic_start(plan, for_all_groups(forcing), period, error_k, most_periods, threads);
+}
+
+PeriodicStart periodic_start(const Plan& plan, const GroupForcing& forcing, const Timeline& period, double error_k,
                              int most_periods, int threads, Runs runs_carried, const OutputSink& sink) {
   const double period_s = period.end_s - period.start_s;
   if (!(period_s > 0.0)) throw mtf::UsageError("heat: the period of a repeating start has to be above 0");
@@ -269,7 +272,7 @@ PeriodicStart periodic_start(const Plan& plan, const GroupForcing& forcing, cons
 
   PeriodicStart result;
   result.state = uniform_state(plan, period.start_s, 0.0, runs_carried);
-  std::vector<Linearised> linear(facets);
+  result.slopes = {std::vector<double>(facets), std::vector<double>(facets)};
   // The second run starts as the first one does, on the same grid.
   std::vector<GridOfRun> starts{runs.front()};
   if (three) starts.push_back(runs.back());
@@ -285,41 +288,29 @@ PeriodicStart periodic_start(const Plan& plan, const GroupForcing& forcing, cons
         const std::vector<double> t = linear_state(plan, *starts[g].grid, harmonics[g], samples[i], mean);
         for (std::size_t node = 0; node < t.size(); ++node)
           (result.state.*starts[g].t)[node * facets + facet] = t[node];
-        if (g == 0) linear[facet] = mean;
+        if (g > 0) continue;
+        result.slopes.front[facet] = mean.front_slope;
+        result.slopes.back[facet] = mean.back_slope;
       }
   };
   mtf::parallel_for(static_cast<std::int64_t>(facets), kFacetsAtOnce, threads, linear_states);
   if (three) result.state.doubled = result.state.fine;
 
+  double last_k = 0.0;
   while (result.periods < most_periods) {
     result.last = advance(plan, result.state, forcing, period, threads, sink);
-    const Run& day = result.last;
-    ++result.periods;
-    result.residual_k = 0.0;
+    const State step = newton_step(plan, result.slopes, result.state, result.last.end, threads);
+    result.state.step_s = step.step_s;
     for (const GridOfRun& run : runs)
-      for (std::size_t i = 0; i < (result.state.*run.t).size(); ++i)
-        result.residual_k = std::max(result.residual_k, std::abs((day.end.*run.t)[i] - (result.state.*run.t)[i]));
-    const auto known = [&](std::size_t first, std::size_t count) {
-      const auto from = linear.begin() + static_cast<std::ptrdiff_t>(first);
-      return std::vector<Linearised>(from, from + static_cast<std::ptrdiff_t>(count));
-    };
-    correct_all(plan, period_s, day.end, known, result.state, threads);
-    if (result.residual_k <= residual_k) break;
+      for (std::size_t i = 0; i < (step.*run.t).size(); ++i) (result.state.*run.t)[i] += (step.*run.t)[i];
+    // One step says nothing of how fast they become smaller: by half is taken for granted.
+    const double step_k = largest(step), ratio = result.periods > 0 && last_k > 0.0 ? step_k / last_k : 0.5;
+    last_k = step_k;
+    ++result.periods;
+    result.error_k = ratio < 1.0 ? step_k * std::max(1.0, ratio / (1.0 - ratio)) : kUnknown_k;
+    if (result.error_k <= error_k) break;
   }
   return result;
-}
-
-State corrected_start(const Plan& plan, const GroupForcing& forcing, const Timeline& period, const State& begin,
-                      const State& end, int threads) {
-  State start = begin;
-  const auto linear = [&](std::size_t first, std::size_t count) {
-    std::vector<Linearised> of_facets;
-    for (const FacetSamples& facet : sample(plan, forcing, period, first, count))
-      of_facets.push_back(mean_state(plan, plan.fine, facet));
-    return of_facets;
-  };
-  correct_all(plan, period.end_s - period.start_s, end, linear, start, threads);
-  return start;
 }
 
 }  // namespace radiometry::heat

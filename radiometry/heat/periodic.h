@@ -8,34 +8,42 @@
 // 2. About it the balance is linear: the deviation of the forcing from the mean, as a Fourier series, is multiplied by
 //      1 / (h + 4 epsilon sigma T^3 + Y(omega)),
 //    Y the admittance of the construction below the surface, by elimination on the same grid.
-// 3. Days are run with the full balance. What a day changes, r, is corrected by (1 - exp(-A P))^-1 r, A the linear
-//    system and P the period, with the approximation 1 / (1 - exp(-x)) = 1 + 2 / (x (x + 2)): exact for slow and fast
-//    modes, within 9 % between. So a few days are enough however slow the body is.
+// 3. Days are run with the full balance. The state is off by (1 - M)^-1 r, r what a day changes and M what is left
+// after
+//    a day of a small change: for a slow body many times r, the days of its time constant. Newton's step takes
+//    M = exp(-A P), A the linear system of the mean slopes and P the period, with the approximation
+//    1 / (1 - exp(-x)) = 1 + 2 / (x (x + 2)): exact for slow and fast modes, within 9 % between. Slopes that change
+//    over the day, by the wind and with the temperature, leave a few per cent more, up to half where the wind changes
+//    the film a hundredfold. A state is judged by the step, not by what a day changes: where steps become smaller by
+//    the ratio p from day to day, what is left after one is at most p / (1 - p) of it.
 
 #include "radiometry/heat/solver.h"
 
 namespace radiometry::heat {
 
-struct PeriodicStart {
-  State state;
-  double residual_k = 0.0;  ///< the largest change of any node over the last period; it is corrected in the state
-  int periods = 0;          ///< periods run
-  Run last;                 ///< the last of them, with its outputs; it began before the last correction
+/// W/m2/K of each facet: the mean slope of what its surfaces lose.
+struct LossSlopes {
+  std::vector<double> front, back;  ///< back: 0 but for sheets
 };
 
-/// The timeline is one period. Ends when a period changes no node of any facet by more than
-/// `residual_k`, or after `most_periods`, so the residual has to be checked. Throws UsageError for a construction
-/// whose mean temperature is not determined: neither emission, convection nor an inside temperature. `sink` gets the
-/// outputs of every period that is run, one after the other.
-PeriodicStart periodic_start(const Plan& plan, const Forcing& forcing, const Timeline& period, double residual_k,
-                             int most_periods = 8, int threads = 1);
-PeriodicStart periodic_start(const Plan& plan, const GroupForcing& forcing, const Timeline& period, double residual_k,
-                             int most_periods = 8, int threads = 1, Runs runs = Runs::three,
+struct PeriodicStart {
+  State state;
+  double error_k = 0.0;  ///< no node of any facet is farther from the state that repeats
+  int periods = 0;       ///< periods run
+  Run last;              ///< the last of them, with its outputs; it began before the last step
+  LossSlopes slopes;
+};
+
+/// The timeline is one period. Ends when the error is below `error_k`, or after `most_periods`, so the error has to be
+/// checked. Throws UsageError for a construction whose mean temperature is not determined: neither emission, convection
+/// nor an inside temperature. `sink` gets the outputs of every period that is run, one after the other.
+PeriodicStart periodic_start(const Plan& plan, const Forcing& forcing, const Timeline& period, double error_k,
+                             int most_periods = 12, int threads = 1);
+PeriodicStart periodic_start(const Plan& plan, const GroupForcing& forcing, const Timeline& period, double error_k,
+                             int most_periods = 12, int threads = 1, Runs runs = Runs::three,
                              const OutputSink& sink = {});
 
-/// Step 3 alone: the start to try after a period has brought `begin` to `end`. The forcing is that of the period, which
-/// the timeline is.
-State corrected_start(const Plan& plan, const GroupForcing& forcing, const Timeline& period, const State& begin,
-                      const State& end, int threads = 1);
+/// Newton's step: what to add to every node of `begin` after a period has brought it to `end`.
+State newton_step(const Plan& plan, const LossSlopes& slopes, const State& begin, const State& end, int threads = 1);
 
 }  // namespace radiometry::heat

@@ -16,13 +16,12 @@
 namespace radiometry::heat {
 namespace {
 
-constexpr double kStepsShare = 0.5, kGridShare = 0.4, kDepthShare = 0.08, kChainShare = 0.02;
+constexpr double kStepsShare = 0.45, kGridShare = 0.4, kDepthShare = 0.08, kChainShare = 0.02, kStartShare = 0.05;
 constexpr double kAim = 0.7;  ///< of a share: what the next guess aims at
 constexpr int kMostTrials = 12, kMostEconomies = 3;
 constexpr double kFirstStepShare = 0.5;  ///< of the tolerance: the first guess of that of a step
 constexpr double kFinestDensity = 3000.0;
-constexpr double kResidualShare = 0.1;  ///< of the tolerance: residual of a repeating start
-constexpr int kMostPeriods = 12;
+constexpr int kMostPeriods = 20;
 
 /// What a plan depends on and trials change.
 struct Guess {
@@ -93,30 +92,21 @@ Trial trial_of(const Batch& batch, const GroupForcing& forcing, std::size_t begi
   return trial;
 }
 
-struct Started {
-  State state;
-  double residual_k = 0.0;
-};
-
-Started start_of(const Plan& plan, const GroupForcing& forcing, const Timeline& timeline, const Start& start,
-                 double tolerance_k, int threads) {
+Run run_plan(const Plan& plan, const GroupForcing& forcing, const Timeline& timeline, const Start& start,
+             double tolerance_k, int threads) {
   if (const auto* uniform = std::get_if<UniformStart>(&start))
-    return {uniform_state(plan, timeline.start_s, uniform->temperature_k), 0.0};
+    return advance(plan, uniform_state(plan, timeline.start_s, uniform->temperature_k), forcing, timeline, threads);
   Timeline period = timeline;
   period.end_s = timeline.start_s + std::get<RepeatingStart>(start).period_s;
-  PeriodicStart repeating = periodic_start(plan, forcing, period, kResidualShare * tolerance_k, kMostPeriods, threads);
-  return {std::move(repeating.state), repeating.residual_k};
-}
-
-struct Outcome {
-  Run run;
-  double residual_k;
-};
-
-Outcome run_plan(const Plan& plan, const GroupForcing& forcing, const Timeline& timeline, const Start& start,
-                 double tolerance_k, int threads) {
-  const Started started = start_of(plan, forcing, timeline, start, tolerance_k, threads);
-  return {advance(plan, started.state, forcing, timeline, threads), started.residual_k};
+  const double allowed_k = kStartShare * tolerance_k;
+  const PeriodicStart repeating = periodic_start(plan, forcing, period, allowed_k, kMostPeriods, threads);
+  if (!(repeating.error_k <= allowed_k))
+    throw mtf::RuntimeError("heat: the state that repeats is known to " + mtf::format_double(repeating.error_k) +
+                            " K after " + std::to_string(kMostPeriods) + " periods, where " +
+                            mtf::format_double(allowed_k) + " K are wanted; ask for a larger tolerance");
+  Run run = advance(plan, repeating.state, forcing, timeline, threads);
+  run.promised.start_k = repeating.error_k;
+  return run;
 }
 
 /// The next guess: errors fall with the square of the cells, and with the power 2/3 of the tolerance of a step. What is
@@ -157,7 +147,7 @@ struct Problem {
 
 struct Found {
   Plan plan;
-  Outcome outcome;
+  Run run;
 };
 
 /// Runs the problem with better and better guesses until the tolerance is kept; with `economise` also with coarser ones
@@ -167,12 +157,12 @@ Found find(const Problem& problem, const Layers& layers, Guess& guess, bool econ
   const double tolerance_k = problem.tolerance_k;
   for (int trial = 1;; ++trial) {
     Plan plan = plan_of(*problem.batch, layers, guess);
-    Outcome outcome = run_plan(plan, *problem.forcing, *problem.timeline, *problem.start, tolerance_k, threads);
-    const Promise& promised = outcome.run.promised;
+    Run run = run_plan(plan, *problem.forcing, *problem.timeline, *problem.start, tolerance_k, threads);
+    const Promise promised = run.promised;
     const bool kept = keeps(promised, tolerance_k);
     const Guess next = next_guess(guess, promised, tolerance_k, kept);
     if (kept && !(economise && trial <= kMostEconomies && pays(next, guess, layers.one_node)))
-      return {std::move(plan), std::move(outcome)};
+      return {std::move(plan), std::move(run)};
     if (trial == kMostTrials || next.density > kFinestDensity) give_up(promised, tolerance_k);
     guess = next;
   }
@@ -231,7 +221,7 @@ Solution solve(const Batch& batch, const GroupForcing& forcing, const Timeline& 
   const Problem problem{&batch, &forcing, &timeline, &start, tolerance_k};
   Prepared prepared = prepare(problem);
   Found found = find(problem, prepared.layers, prepared.guess, false, threads);
-  return {std::move(found.plan), std::move(found.outcome.run), found.outcome.residual_k};
+  return {std::move(found.plan), std::move(found.run)};
 }
 
 }  // namespace radiometry::heat

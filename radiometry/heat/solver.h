@@ -27,7 +27,8 @@ struct Promise {
   double steps_k = 0.0;  ///< time steps
   double grid_k = 0.0;   ///< cells
   double depth_k = 0.0;  ///< layers taken as one node, and depth that was cut off
-  double total_k() const { return steps_k + grid_k + depth_k; }
+  double start_k = 0.0;  ///< a start that repeats: how far it is from the state that does (periodic.h)
+  double total_k() const { return steps_k + grid_k + depth_k + start_k; }
 };
 
 /// How a batch is solved: made by make_plan, used by advance.

@@ -39,7 +39,10 @@ Json closures(const HeatScene& scene) {
 }
 
 Json promise(const heat::Promise& promised) {
-  return {{"steps_K", promised.steps_k}, {"grid_K", promised.grid_k}, {"depth_K", promised.depth_k}};
+  return {{"steps_K", promised.steps_k},
+          {"grid_K", promised.grid_k},
+          {"depth_K", promised.depth_k},
+          {"start_K", promised.start_k}};
 }
 
 Json error_json(const radiometry::scene::TableError& error) {
@@ -98,9 +101,9 @@ std::string heat_json(const HeatScene& scene, const HeatReport& report, const He
                          {"promised", promise(run.promised)},
                          {"facet_steps", run.steps.facet_steps},
                          {"steps_refused", run.steps.refused},
-                         {"residual_K", run.start_residual_k},
+                         {"residual_K", run.promised.start_k},
                          {"energy_drift", run.drift}});
-    residual = std::max(residual, run.start_residual_k);
+    residual = std::max(residual, run.promised.start_k);
     steps += run.steps.facet_steps;
   }
   Json timing = Json::object();

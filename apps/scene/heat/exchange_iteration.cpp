@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "apps/scene/heat/heat_batches.h"
 #include "apps/text/words.h"
@@ -22,6 +23,21 @@ constexpr double kSampleShare = 0.25;  // of what is allowed: where the iteratio
 constexpr double kGuessShare = 0.02;  // of what its first iteration changed: where it ends with coarse plans
 
 namespace heat = radiometry::heat;
+
+/// How far the begin of a facet is from the state that repeats: Newton's step, and all that would follow it where steps
+/// become smaller as the last two did (periodic.h), by half at most.
+struct StartError {
+  double step_k = 0.0, error_k = 0.0;
+
+  void update(const heat::State& step, std::size_t facet) {
+    constexpr double kLeast = 2.0, kMost = 10.0;
+    const double last_k = std::exchange(step_k, 0.0);
+    for (std::size_t at = facet; at < step.fine.size(); at += step.facets)
+      step_k = std::max(step_k, std::abs(step.fine[at]));
+    const double left = last_k > 0.0 ? 1.0 - step_k / last_k : 1.0;
+    error_k = step_k * (left > 1.0 / kMost ? std::max(1.0 / left, kLeast) : kMost);
+  }
+};
 
 }  // namespace
 
@@ -84,14 +100,6 @@ std::vector<double> HeatBatches::patch_radiosity(std::size_t node) const {
     radiosity.push_back(table.reference_w_m2[moment] +
                         static_cast<double>(table.radiosity[p * table.moments + moment]));
   return radiosity;
-}
-
-double HeatBatches::residual_k(const Batch& batch, std::uint32_t place) const {
-  const std::size_t units = batch.all.unit.size();
-  double most = 0.0;
-  for (std::size_t at = place; at < batch.all.end.fine.size(); at += units)
-    most = std::max(most, std::abs(batch.all.end.fine[at] - batch.all.begin.fine[at]));
-  return most;
 }
 
 void HeatBatches::relax_sample(bool first, const Exchange& exchange, Pace pace) {
@@ -180,6 +188,7 @@ Relaxed HeatBatches::solve(const Window& window, bool first, double tolerance_k,
   Relaxed relaxed{.iterations = 1, .error_k = 0.0};
   std::vector<PatchTable> of_round{light_.longwave};          // with which units were solved
   std::vector<std::uint8_t> round_of(units_.unit.size(), 0);  // the last one in which each of them was
+  std::vector<StartError> start(units_.unit.size());          // of the first day, which repeats itself
   for (;; ++relaxed.iterations) {
     const std::vector<double> all = emitted_by_all();
     for (std::size_t e = 0; e < all.size(); ++e) {
@@ -191,16 +200,21 @@ Relaxed HeatBatches::solve(const Window& window, bool first, double tolerance_k,
     relaxed.error_k = 0.0;
     std::vector<std::vector<std::uint32_t>> places(batches_.size());
     bool enough = true;
+    std::vector<heat::State> steps;
     for (std::size_t b = 0; b < batches_.size(); ++b) {
       Batch& batch = batches_[b];
-      batch.run.start_residual_k = 0.0;
+      if (first) {
+        batch.run.promised.start_k = 0.0;
+        steps.push_back(newton_step(*batch.all.plan, batch.all.slopes, batch.all.begin, batch.all.end, threads_));
+      }
       for (std::uint32_t place = 0; place < batch.all.unit.size(); ++place) {
         const std::uint32_t u = batch.all.unit[place];
         const double error_k = change[u] / loss_w_m2_k / (1.0 - std::clamp(ratio_bound, 0.0, 0.99));
-        const double residual = first ? residual_k(batch, place) : 0.0;
+        if (first && round_of[u] + 1U == of_round.size()) start[u].update(steps[b], place);
+        const double start_k = start[u].error_k;
         relaxed.error_k = std::max(relaxed.error_k, error_k);
-        batch.run.start_residual_k = std::max(batch.run.start_residual_k, residual);
-        const double part = std::max(error_k / tolerance_k, residual / (kStartShare * tolerance_k_));
+        if (first) batch.run.promised.start_k = std::max(batch.run.promised.start_k, start_k);
+        const double part = std::max(error_k / tolerance_k, start_k / (kStartShare * tolerance_k_));
         enough = enough && part <= 1.0;
         if (part <= kAgainShare) continue;
         places[b].push_back(place);
@@ -213,7 +227,7 @@ Relaxed HeatBatches::solve(const Window& window, bool first, double tolerance_k,
                               significant(relaxed.error_k, 2) + " K after " + plural(kMostRounds, "solution") +
                               "; ask for a larger tolerance");
     relax_sample(first, exchange, Pace::fine);
-    run_again(places, first);
+    run_again(places, steps);
     of_round.push_back(light_.longwave);
   }
   relaxed.error_k += (parabola_error(patch, light_.longwave, solved_receivers_) +

@@ -41,13 +41,14 @@ heat::Plan plan_like(const heat::Plan& like, const heat::Batch& batch) {
 
 heat::Solution solve_like(const heat::Plan& like, const heat::Batch& batch, const heat::GroupForcing& forcing,
                           const heat::Timeline& timeline, double tolerance_k) {
-  constexpr double kResidualShare = 0.1;
+  constexpr double kStartShare = 0.1;
   heat::Plan plan = plan_like(like, batch);
   heat::Timeline day = timeline;
   day.end_s = timeline.start_s + heat::kDay_s;
-  const heat::PeriodicStart start = periodic_start(plan, forcing, day, kResidualShare * tolerance_k);
+  const heat::PeriodicStart start = periodic_start(plan, forcing, day, kStartShare * tolerance_k);
   heat::Run run = advance(plan, start.state, forcing, timeline);
-  return {std::move(plan), std::move(run), start.residual_k};
+  run.promised.start_k = start.error_k;
+  return {std::move(plan), std::move(run)};
 }
 
 }  // namespace
@@ -75,7 +76,6 @@ LevelRun level_run(const Surroundings& s, double utc_s, const Surface& surface, 
   level.run.nodes = solution->plan.fine.nodes();
   level.run.promised = solution->run.promised;
   level.run.steps = solution->run.steps;
-  level.run.start_residual_k = solution->residual_k;
   level.run.drift = solution->run.balance.front().relative_drift();
   level.plan = std::move(solution->plan);
   return level;

@@ -18,12 +18,14 @@ namespace {
 namespace heat = radiometry::heat;
 constexpr double kPlanShare = 0.7;    // of the tolerance: plans are made by trial, other units and days may need more
 constexpr double kStepsFactor = 2.0;  // see the header
+constexpr int kStartDays = 2;         // where a state that repeats is found from nothing
 constexpr double kCoarseStop_s = 1200.0;  // steps of a coarse plan end there, unless their error has them end before
 constexpr double kCoarseStepShare = 2.0, kCoarseStep_k = 0.15;  // of the tolerance, and at most
 
 /// The larger of two promises, part by part.
 heat::Promise worse(const heat::Promise& a, const heat::Promise& b) {
-  return {std::max(a.steps_k, b.steps_k), std::max(a.grid_k, b.grid_k), std::max(a.depth_k, b.depth_k)};
+  return {std::max(a.steps_k, b.steps_k), std::max(a.grid_k, b.grid_k), std::max(a.depth_k, b.depth_k),
+          std::max(a.start_k, b.start_k)};
 }
 
 double worst_drift(const std::vector<heat::HeatBalance>& balances) {
@@ -253,11 +255,15 @@ heat::Run HeatBatches::run(Batch& batch, Group& group, int days, heat::Runs runs
   const double step_tolerance_k = plan.step_tolerance_k;
   if (pace == Pace::coarse)
     plan.step_tolerance_k = std::max(step_tolerance_k, std::min(kCoarseStepShare * tolerance_k_, kCoarseStep_k));
+  // A plan that was made anew has other cells: then the state is found from nothing.
+  if (days == 0 && group.begin.fine.size() != plan.fine.nodes() * group.unit.size())
+    this->run(batch, group, kStartDays, runs, pace);
   heat::Run run;
   if (days > 0) {
     heat::PeriodicStart repeating =
         periodic_start(plan, group.forcing, line, kStartShare * tolerance_k_, days, threads_, runs, sink);
     group.begin = std::move(repeating.state);
+    group.slopes = std::move(repeating.slopes);
     run = std::move(repeating.last);
   } else {
     run = advance(plan, group.begin, group.forcing, line, threads_, sink);
@@ -309,7 +315,8 @@ void HeatBatches::run_all(int days, Pace pace) {
   for (Batch& batch : batches_) run(batch, batch.all, days, heat::Runs::one, pace, keeper_of(batch.all.unit));
 }
 
-void HeatBatches::run_again(const std::vector<std::vector<std::uint32_t>>& places, bool first) {
+void HeatBatches::run_again(const std::vector<std::vector<std::uint32_t>>& places,
+                            const std::vector<heat::State>& steps) {
   for (std::size_t b = 0; b < batches_.size(); ++b) {
     if (places[b].empty()) continue;
     Batch& batch = batches_[b];
@@ -324,9 +331,10 @@ void HeatBatches::run_again(const std::vector<std::vector<std::uint32_t>>& place
     some.plan = batch.all.plan;
     some.plan->batch = some.heat;
     some.begin = picked(batch.all.begin, places[b]);
-    if (first)  // this day repeats itself
-      some.begin = corrected_start(*some.plan, some.forcing, timeline(window_.first, window_.last, Pace::fine),
-                                   some.begin, picked(batch.all.end, places[b]), threads_);
+    if (!steps.empty()) {  // this day repeats itself
+      const heat::State step = picked(steps[b], places[b]);
+      for (std::size_t i = 0; i < step.fine.size(); ++i) some.begin.fine[i] += step.fine[i];
+    }
     run(batch, some, 0, heat::Runs::one, Pace::fine, keeper_of(some.unit));
     put_back(some.begin, places[b], batch.all.begin);
     put_back(some.end, places[b], batch.all.end);

@@ -23,7 +23,7 @@
 #include <optional>
 
 #include "apps/scene/heat/unit_flux.h"
-#include "radiometry/heat/solver.h"
+#include "radiometry/heat/periodic.h"
 
 namespace apps::scene {
 
@@ -33,7 +33,6 @@ struct MaterialRun {
   std::size_t units = 0, sample = 0, nodes = 0;
   radiometry::heat::Promise promised;
   radiometry::heat::StepCount steps;
-  double start_residual_k = 0.0;
   double drift = 0.0;  ///< of the sample: heat missing from the balance over the heat that was exchanged: rounding
 };
 
@@ -87,8 +86,9 @@ class HeatBatches {
     std::optional<radiometry::heat::Plan> plan;
     radiometry::heat::State begin;  ///< at the begin of the window
     radiometry::heat::State end;    ///< at its end, by the last run
+    radiometry::heat::LossSlopes slopes{};
   };
-  static constexpr double kStartShare = 0.4;  ///< of the tolerance: what the state at the start may change in a day
+  static constexpr double kStartShare = 0.2;  ///< of the tolerance: how far the start may be from what repeats
 
   /// Plans of the batch, or coarse ones.
   enum class Pace { fine, coarse };
@@ -130,12 +130,12 @@ class HeatBatches {
   /// All units with the coarse plans, again and again, until the next time would change less than the tolerance, or
   /// nothing comes nearer.
   void guess_exchange(bool first, const Exchange& exchange);
-  /// Runs units again: those of each batch at the given places of Batch::all.
-  void run_again(const std::vector<std::vector<std::uint32_t>>& places, bool first);
+  /// Runs units again: those of each batch at the given places of Batch::all. `steps`: of a day that repeats itself,
+  /// what the begin of all units lacks; else empty.
+  void run_again(const std::vector<std::vector<std::uint32_t>>& places,
+                 const std::vector<radiometry::heat::State>& steps);
   /// Where the temperatures of some units are kept.
   radiometry::heat::OutputSink keeper_of(const std::vector<std::uint32_t>& units);
-  /// What a unit of a batch changes in a day that should repeat, K.
-  double residual_k(const Batch& batch, std::uint32_t place) const;
   radiometry::heat::Timeline timeline(std::size_t first, std::size_t last, Pace pace) const;
   PatchScene patch_scene() const { return {&units_, &means_, &scene_.surroundings, &ground_, threads_}; }
 

@@ -88,7 +88,10 @@ ExactCase foil(const char* name, Layer metal, double emissivity, double sink_k, 
           .outputs_s = {time_s},
           .front_k = {end_k},
           .back_k = {},
-          .scale_k = std::abs(start_k - end_k)};
+          .scale_k = std::abs(start_k - end_k),
+          // The closed form has one temperature through the depth; the surface is colder than the mean by q L / (3 k).
+          .form_k = emissivity * kStefanBoltzmann_w_m2_k4 * std::abs(std::pow(end_k, 4) - std::pow(sink_k, 4)) *
+                    metal.thickness_m / (3.0 * metal.conductivity_w_m_k)};
 }
 
 ExactCase equilibrium(double absorptance, double sun, double emissivity, double sky, double film, double air_k,

@@ -28,6 +28,7 @@ struct ExactCase {
   std::vector<double> front_k;  ///< at the outputs
   std::vector<double> back_k;   ///< of sheets, or empty
   double scale_k = 0.0;         ///< errors are relative to this difference of temperatures
+  double form_k = 0.0;          ///< what the closed form leaves out
 };
 
 /// A slab with a film on one side, adiabatic on the other, cooling from a uniform temperature.

@@ -130,6 +130,30 @@ RandomFacet random_heated_facet(std::uint32_t seed) {
   return facet;
 }
 
+RandomFacet random_calm_facet(std::uint32_t seed) {
+  Random random{std::mt19937_64(seed + 3000000ULL)};
+  RandomFacet facet = random_facet(seed);
+  facet.batch.construction.convection = Tarp{};
+  facet.batch.construction.emissivity = random.between(0.02, 0.3);
+  if (auto* sheet = std::get_if<Sheet>(&facet.batch.construction.inside)) sheet->convection = Tarp{};
+  std::vector<double> wind;
+  for (int i = 0; i <= 24; ++i) {
+    wind.push_back(i % 2 == 0 ? random.log_between(0.3, 10.0) : 0.0);
+    facet.timeline.breaks_s.push_back(0.5 * kHour_s * i);
+  }
+  std::sort(facet.timeline.breaks_s.begin(), facet.timeline.breaks_s.end());
+  const double sun_w_m2 = random.between(300.0, 1000.0);
+  facet.forcing = [other = facet.forcing, wind, sun_w_m2](Instant at, std::size_t first, ForcingValues& values) {
+    other(at, first, values);
+    for (double& absorbed : values.front.absorbed_w_m2) absorbed += sun_w_m2;
+    const double place = std::min(at.time_s / (0.5 * kHour_s), 23.999999999);
+    const auto i = static_cast<std::size_t>(place);
+    const double share = std::min(at.time_s / (0.5 * kHour_s) - static_cast<double>(i), 1.0);
+    values.front.wind_m_s = values.back.wind_m_s = std::max(0.0, wind[i] + share * (wind[i + 1] - wind[i]));
+  };
+  return facet;
+}
+
 RandomFacet random_wet_facet(std::uint32_t seed) {
   Random random{std::mt19937_64(seed + 1000000ULL)};
   RandomFacet facet = random_facet(seed);

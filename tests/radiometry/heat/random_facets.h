@@ -21,5 +21,8 @@ RandomFacet random_facet(std::uint32_t seed);
 RandomFacet random_wet_facet(std::uint32_t seed);
 /// The same as random_facet, with layers that generate -100 to 400 W/m2, switched on and off where the inside jumps.
 RandomFacet random_heated_facet(std::uint32_t seed);
+/// The same as random_facet, in the sun and with tarp, under a wind that goes as straight lines between half hours, of
+/// which every second one is calm.
+RandomFacet random_calm_facet(std::uint32_t seed);
 
 }  // namespace radiometry::heat::test

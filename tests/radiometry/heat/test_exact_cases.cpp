@@ -26,7 +26,7 @@ void expect_within_promise(const ExactCase& exact) {
     for (std::size_t i = 0; i < exact.front_k.size(); ++i)
       realised = std::max(realised, std::abs(solution.run.front_k[i] - exact.front_k[i]));
     EXPECT_LE(promised, tolerance_k) << exact.name;
-    EXPECT_LE(realised, promised + solution.residual_k + kDigits * exact.scale_k)
+    EXPECT_LE(realised, promised + kDigits * exact.scale_k + exact.form_k)
         << exact.name << " at " << tolerance_k << " K, nodes " << solution.plan.fine.nodes();
   }
 }

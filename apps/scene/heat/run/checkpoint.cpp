@@ -113,7 +113,6 @@ void batch(Archive& a, Batch& b) {
   a(b.run.nodes);
   a(b.run.promised);
   a(b.run.steps);
-  a(b.run.start_residual_k);
   a(b.run.drift);
   grid(a, b.fine);
   grid(a, b.coarse);
