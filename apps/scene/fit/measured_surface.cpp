@@ -52,11 +52,6 @@ MeasuredSurface on_equal_steps(const MeasuredSurface& given) {
   return even;
 }
 
-/// Of a record's stamp, where it stands for an interval: the middle, from the stamp.
-double to_middle_s(heat::Stamp stamp, double interval_s) {
-  return stamp == heat::Stamp::begin ? 0.5 * interval_s : stamp == heat::Stamp::end ? -0.5 * interval_s : 0.0;
-}
-
 MeasuredSurface from_longwave(const SceneFile& scene, double emissivity) {
   using enum heat::WeatherQuantity;
   if (scene.weather.file.empty())
@@ -74,7 +69,7 @@ MeasuredSurface from_longwave(const SceneFile& scene, double emissivity) {
       scene.weather.average_s > 0.0 ? scene.weather.average_s : smallest_step(weather.time_s).value_or(0.0);
   for (std::size_t i = 0; i < weather.time_s.size(); ++i) {
     const double emitted = weather[longwave_up][i] - (1.0 - emissivity) * weather[longwave_down][i];
-    measured.time_s.push_back(weather.time_s[i] + to_middle_s(weather.stamp, interval) - scene.time.start_s);
+    measured.time_s.push_back(weather.time_s[i] + to_middle(weather.stamp) * interval - scene.time.start_s);
     measured.kelvin.push_back(
         emitted > 0.0 ? std::pow(emitted / (emissivity * radiometry::kStefanBoltzmann_w_m2_k4), 0.25) : kMissing);
   }

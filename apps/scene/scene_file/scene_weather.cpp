@@ -2,6 +2,7 @@
 
 // The weather and the sky that a scene file asks for, at run time.
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -67,11 +68,18 @@ WeatherFile scene_weather_records(const SceneFile& scene) {
 
 heat::WeatherSeries scene_weather(const SceneFile& scene) {
   const WeatherSection& section = scene.weather;
-  const heat::SeriesOptions options{.repeat = section.repeat, .longest_bridge_s = section.longest_bridge_s};
+  const double start_s = scene.time.start_s, end_s = std::max(scene.time.end_s, start_s + heat::kDay_s);
+  const heat::SeriesOptions options{
+      .repeat = section.repeat, .longest_bridge_s = section.longest_bridge_s, .begin_s = start_s, .end_s = end_s};
   if (section.file.empty()) return make_series(section.constant, scene.place, options);
   const WeatherFile file = scene_weather_records(scene);
   heat::WeatherSeries series = make_series(file.weather, scene.place, options);
   series.warnings.insert(series.warnings.begin(), file.warnings.begin(), file.warnings.end());
+  if (start_s < series.first_stamp_s || end_s > series.last_stamp_s)
+    series.warnings.push_back(section.file + ": the run reaches beyond the stamps, from " +
+                              heat::instant_text(series.first_stamp_s) + " to " +
+                              heat::instant_text(series.last_stamp_s) +
+                              "; what holds at a stamp is taken to stay for the rest of the hour");
   if (file.place) {
     constexpr double degree = std::numbers::pi / 180.0;
     const double north_deg = (file.place->latitude_rad - scene.place.latitude_rad) / degree;

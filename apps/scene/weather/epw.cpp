@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 
 // EPW: eight header lines, of which LOCATION has the place and the zone, then one line a record with 35 cells. Hours
-// count from 1 and end at their stamp in local standard time. Solar columns are Wh/m2 over the record; for hourly
-// records that is the mean in W/m2.
+// count from 1 and end at their stamp in local standard time. Solar columns are Wh/m2 received in the minutes before
+// the stamp; for hourly records that is the mean in W/m2. So, by its unit, is the long wave, of which the dictionary
+// does not say when it was received. Temperature, humidity, pressure, wind and clouds hold at the time indicated.
 
 #include <array>
 #include <cmath>
@@ -43,12 +44,12 @@ constexpr std::size_t kHumidityCell = 8;  // %, missing from 999 on
 }  // namespace
 
 WeatherFile parse_epw(std::string_view text, const std::string& source, const WeatherRequest& request) {
-  require_stamp(request, Stamp::end, WeatherFormat::epw, source);
   WeatherFile file;
   file.format = WeatherFormat::epw;
   double zone_h = 0.0, per_hour = 1.0;
   std::vector<HourStamp> stamps;
-  Weather all{.source = source, .stamp = Stamp::end, .time_s = {}, .values = {}};
+  Weather all{.source = source, .stamp = stamp_of(request, Stamp::end, file, source), .time_s = {}, .values = {}};
+  set_at_stamp(all);
   text = mtf::io::without_mark(text);
   for (std::size_t line = 1; !text.empty(); ++line) {
     const std::string_view row = mtf::io::take_text_line(text);

@@ -59,12 +59,11 @@ std::vector<std::string_view> words_of(std::string_view row) {
 }  // namespace
 
 WeatherFile parse_surfrad(std::string_view text, const std::string& source, const WeatherRequest& request) {
-  require_stamp(request, Stamp::end, WeatherFormat::surfrad, source);
   WeatherFile file;
   file.format = WeatherFormat::surfrad;
   Weather& weather = file.weather;
   weather.source = source;
-  weather.stamp = Stamp::end;
+  weather.stamp = stamp_of(request, Stamp::end, file, source);
   mtf::io::take_text_line(text);
   const auto station = words_of(mtf::io::take_text_line(text));
   const RecordCells head(source, 2, station);

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 
 // TMY3: the first line has station, zone and place, the second one the names of the columns with their units, then one
-// line an hour, which ends at its stamp in local standard time (01:00 ... 24:00). Missing values are -9900.
+// line an hour, in local standard time (01:00 ... 24:00). Sunlight is that of the 60 minutes that end at the stamp; all
+// else holds at the time indicated. Missing values are -9900.
 
 #include <algorithm>
 #include <array>
@@ -59,7 +60,6 @@ HourStamp stamp_of(const RecordCells& record) {
 }  // namespace
 
 WeatherFile parse_tmy3(std::string_view text, const std::string& source, const WeatherRequest& request) {
-  require_stamp(request, Stamp::end, WeatherFormat::tmy3, source);
   WeatherFile file;
   file.format = WeatherFormat::tmy3;
   text = mtf::io::without_mark(text);
@@ -88,7 +88,8 @@ WeatherFile parse_tmy3(std::string_view text, const std::string& source, const W
                  [&](const Tmy3Column& c) { return cell_of(c.name); });
   const std::size_t humidity_cell = cell_of(kHumidity);
 
-  Weather all{.source = source, .stamp = Stamp::end, .time_s = {}, .values = {}};
+  Weather all{.source = source, .stamp = stamp_of(request, Stamp::end, file, source), .time_s = {}, .values = {}};
+  set_at_stamp(all);
   std::vector<HourStamp> stamps;
   for (std::size_t line = 3; !text.empty(); ++line) {
     const std::string_view row = mtf::io::take_text_line(text);

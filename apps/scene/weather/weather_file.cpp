@@ -93,7 +93,8 @@ void finish_hours(Weather&& records, const std::vector<HourStamp>& stamps, doubl
     records.line[i] = 0;  // to be left out
   }
   Weather& weather = file.weather;
-  weather = {.source = records.source, .stamp = records.stamp, .time_s = {}, .values = {}};
+  weather = {
+      .source = records.source, .stamp = records.stamp, .time_s = {}, .values = {}, .at_stamp = records.at_stamp};
   for (std::size_t i = 0; i < stamps.size(); ++i) {
     if (records.line[i] == 0) continue;
     weather.time_s.push_back(radiometry::heat::instant_of(date_of(stamps[i]), stamps[i].seconds - 3600.0 * zone_h));
@@ -107,14 +108,18 @@ void finish_hours(Weather&& records, const std::vector<HourStamp>& stamps, doubl
   check_weather(weather);
 }
 
-void require_stamp(const WeatherRequest& request, Stamp stated, WeatherFormat format, const std::string& source) {
-  if (!request.stamp || *request.stamp == stated) return;
-  const auto name = [](Stamp stamp) {
-    return std::string(radiometry::heat::kStampNames[static_cast<std::size_t>(stamp)]);
-  };
-  throw mtf::UsageError(source + ": error: stamp = \"" + name(*request.stamp) + "\", but the stamps of " +
-                        std::string(format_name(format)) + " are the " + name(stated) +
-                        " of the interval; leave stamp out");
+Stamp stamp_of(const WeatherRequest& request, Stamp stated, WeatherFile& file, const std::string& source) {
+  if (!request.stamp || *request.stamp == stated) return stated;
+  file.warnings.push_back(source + ": warning: the stamps of " + std::string(format_name(file.format)) + " are the " +
+                          std::string(stamp_name(stated)) + " of the interval; stamp = \"" +
+                          std::string(stamp_name(*request.stamp)) + "\" is taken, as asked for");
+  return *request.stamp;
+}
+
+void set_at_stamp(Weather& weather) {
+  using enum radiometry::heat::WeatherQuantity;
+  for (const auto quantity : {air_temperature, vapour_pressure, pressure, wind_speed, cloud_cover})
+    weather.at_stamp[static_cast<std::size_t>(quantity)] = true;
 }
 
 Place place_of_degrees(double latitude_deg, double longitude_deg, double altitude_m, const std::string& source,

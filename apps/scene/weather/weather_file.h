@@ -20,8 +20,8 @@ enum class WeatherFormat { csv, epw, tmy3, surfrad };
 std::string_view format_name(WeatherFormat format);
 
 struct WeatherRequest {
-  /// What the stamps mean where the file does not say it. EPW and TMY3 have hours that end at their stamp, SURFRAD has
-  /// means over the minute that ends there: another value here is refused for them.
+  /// What the stamps of means stand for, where the file does not say it (absent: instants), or where it is not what its
+  /// format says: EPW and TMY3 have hours of sunlight that end at their stamp, SURFRAD has minutes.
   std::optional<radiometry::heat::Stamp> stamp{};
   /// UTC from which a column "time (s)" counts, the start of the run.
   double origin_s = 0.0;

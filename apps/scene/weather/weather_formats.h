@@ -52,9 +52,13 @@ struct HourStamp {
 void finish_hours(radiometry::heat::Weather&& records, const std::vector<HourStamp>& stamps, double zone_h, int year,
                   WeatherFile& file);
 
-/// Refuses a stamp other than `stated`, which the format fixes.
-void require_stamp(const WeatherRequest& request, radiometry::heat::Stamp stated, WeatherFormat format,
-                   const std::string& source);
+/// What the stamps of means stand for: what the format states, unless another stamp is asked for, which is noted.
+radiometry::heat::Stamp stamp_of(const WeatherRequest& request, radiometry::heat::Stamp stated, WeatherFile& file,
+                                 const std::string& source);
+
+/// What the published formats of hours say of temperature, humidity, wind, pressure and clouds: they hold at the time
+/// indicated, where sunlight is the sum of the record before it.
+void set_at_stamp(radiometry::heat::Weather& weather);
 
 /// Latitude and longitude in degrees, altitude in m, checked; throws UsageError with the line.
 radiometry::heat::Place place_of_degrees(double latitude_deg, double longitude_deg, double altitude_m,

@@ -18,10 +18,14 @@ constexpr double kTolerance_s = 1e-3;  // times that are equal but for rounding
 std::string span_text(double begin_s, double end_s) { return instant_text(begin_s) + " to " + instant_text(end_s); }
 
 /// The time within the day of the records for weather that repeats; the same time otherwise.
-double folded(const WeatherSeries& series, double utc_s) {
+double folded(const WeatherSeries& series, double utc_s, Limit limit) {
   if (series.repeat != Repeat::day || series.constant()) return utc_s;
-  const double first = series.node_s.front(), into_day = std::fmod(utc_s - first, kDay_s);
-  return first + (into_day < 0.0 ? into_day + kDay_s : into_day);
+  const double first = series.node_s.front();
+  double into_day = std::fmod(utc_s - first, kDay_s);
+  if (into_day < 0.0) into_day += kDay_s;
+  if (limit == Limit::before && into_day < kTolerance_s) into_day += kDay_s;
+  if (limit == Limit::after && into_day > kDay_s - kTolerance_s) into_day -= kDay_s;
+  return first + into_day;
 }
 
 /// A time between two nodes: value = (1 - weight) left + weight right.
@@ -30,17 +34,18 @@ struct Spot {
   double weight = 0.0;
 };
 
-Spot spot_of(const WeatherSeries& series, double utc_s) {
+Spot spot_of(const WeatherSeries& series, double utc_s, Limit limit) {
   const auto& t = series.node_s;
   if (series.constant()) return {};
-  const double time = folded(series, utc_s);
+  const double time = folded(series, utc_s, limit);
   if (!(time >= t.front() - kTolerance_s && time <= t.back() + kTolerance_s))
     throw mtf::UsageError(series.source + ": error: there is no weather at " +
                           (std::isfinite(utc_s) ? instant_text(utc_s) : "a time that is not finite") +
                           "; the records cover " + span_text(t.front(), t.back()));
-  const auto after = std::clamp<std::ptrdiff_t>(std::upper_bound(t.begin(), t.end(), time) - t.begin(), 1,
-                                                static_cast<std::ptrdiff_t>(t.size()) - 1);
-  const auto right = static_cast<std::size_t>(after);
+  const auto next = limit == Limit::before ? std::lower_bound(t.begin(), t.end(), time - kTolerance_s)
+                                           : std::upper_bound(t.begin(), t.end(), time + kTolerance_s);
+  const auto right = static_cast<std::size_t>(
+      std::clamp<std::ptrdiff_t>(next - t.begin(), 1, static_cast<std::ptrdiff_t>(t.size()) - 1));
   return {right - 1, right, std::clamp((time - t[right - 1]) / (t[right] - t[right - 1]), 0.0, 1.0)};
 }
 
@@ -86,7 +91,7 @@ bool meets(const WeatherSeries& series, const WeatherGap& gap, double begin_s, d
 }  // namespace
 
 WeatherAt weather_at(const WeatherSeries& series, double utc_s) {
-  const Spot spot = spot_of(series, utc_s);
+  const Spot spot = spot_of(series, utc_s, Limit::after);
   WeatherAt weather;
   for (std::size_t q = 0; q < kQuantities; ++q)
     weather.value[q] =
@@ -94,10 +99,10 @@ WeatherAt weather_at(const WeatherSeries& series, double utc_s) {
   return weather;
 }
 
-double value_at(const WeatherSeries& series, WeatherQuantity quantity, double utc_s) {
+double value_at(const WeatherSeries& series, WeatherQuantity quantity, double utc_s, Limit limit) {
   if (!series.has(quantity))
     throw mtf::UsageError(series.source + ": error: there is no " + std::string(quantity_name(quantity)));
-  return checked_value(series, static_cast<std::size_t>(quantity), spot_of(series, utc_s), utc_s);
+  return checked_value(series, static_cast<std::size_t>(quantity), spot_of(series, utc_s, limit), utc_s);
 }
 
 double mean_over(const WeatherSeries& series, WeatherQuantity quantity, double begin_s, double end_s) {
@@ -106,10 +111,9 @@ double mean_over(const WeatherSeries& series, WeatherQuantity quantity, double b
   auto times = break_times(series, begin_s, end_s);
   times.push_back(end_s);
   for (const double t : times) {
-    const double value = value_at(series, quantity, t);
-    integral += (t - last_s) * (last + value) / 2.0;
+    integral += (t - last_s) * (last + value_at(series, quantity, t, Limit::before)) / 2.0;
     last_s = t;
-    last = value;
+    last = value_at(series, quantity, t, t < end_s ? Limit::after : Limit::before);
   }
   return integral / (end_s - begin_s);
 }
@@ -134,13 +138,21 @@ void require(const WeatherSeries& series, const std::vector<WeatherQuantity>& qu
   if (!faults.empty()) throw mtf::UsageError(faults);
 }
 
-std::vector<double> break_times(const WeatherSeries& series, double begin_s, double end_s) {
+std::vector<double> break_times(const WeatherSeries& series, double begin_s, double end_s, bool jumps_alone) {
   std::vector<double> times;
   if (series.constant() || !(begin_s < end_s)) return times;
   const auto& t = series.node_s;
+  const auto jumps = [&](std::size_t node) {
+    const bool last = node + 1 == t.size();
+    if (last ? series.repeat == Repeat::none : t[node + 1] != t[node]) return false;
+    const std::size_t next = last ? 0 : node + 1;
+    return std::ranges::any_of(series.value, [&](const auto& v) { return !v.empty() && v[node] != v[next]; });
+  };
   const auto add = [&](double shift) {
     for (auto at = std::upper_bound(t.begin(), t.end(), begin_s - shift); at != t.end() && *at + shift < end_s; ++at)
-      if (times.empty() || *at + shift > times.back() + kTolerance_s) times.push_back(*at + shift);
+      if ((times.empty() || *at + shift > times.back() + kTolerance_s) &&
+          (!jumps_alone || jumps(static_cast<std::size_t>(at - t.begin()))))
+        times.push_back(*at + shift);
   };
   if (series.repeat == Repeat::none) {
     add(0.0);

@@ -130,7 +130,15 @@ TEST(WeatherEpw, ReadsATypicalYear) {
                          parse_weather(epw_text(48, {2003, 2003}), "a.epw");
                        }),
                        "2003 has no such day"));
-  EXPECT_TRUE(contains(refusal(epw_text(), {.stamp = Stamp::instant}), "stamps of EPW are the end"));
+  // Another stamp than the format's is taken, and said; what holds at the stamps does so in any case.
+  for (const auto q : {air_temperature, vapour_pressure, pressure, wind_speed, cloud_cover})
+    EXPECT_FALSE(weather.is_mean(static_cast<std::size_t>(q)));
+  for (const auto q : {longwave_down, global_horizontal, direct_normal, diffuse_horizontal})
+    EXPECT_TRUE(weather.is_mean(static_cast<std::size_t>(q)));
+  const WeatherFile middle = parse_weather(epw_text(), "a.epw", {.stamp = Stamp::middle, .year = 2016});
+  EXPECT_EQ(middle.weather.stamp, Stamp::middle);
+  ASSERT_EQ(middle.warnings.size(), 1u);
+  EXPECT_TRUE(contains(middle.warnings[0], "the stamps of EPW are the end of the interval; stamp = \"middle\""));
   EXPECT_TRUE(contains(refusal(replaced(epw_text(), ",13,60,", ",25,60,")), "file:21: error: no such date or hour"));
   EXPECT_TRUE(std::isnan(
       parse_weather(replaced(epw_text(), ",120,144,36,", ",9999,9999,9999,"), "a").weather[direct_normal][12]));
@@ -247,7 +255,7 @@ TEST(WeatherShared, SurfradFileIsReadWhole) {
   // 5-min means: 289 of them, as the first minute belongs to the day before.
   const auto means = make_series(averaged(weather, 300.0), *file.place, {.repeat = radiometry::heat::Repeat::day});
   EXPECT_TRUE(means.gaps.empty());
-  EXPECT_EQ(means.node_s.size(), 2u * 288u + 1u);
+  EXPECT_EQ(means.node_s.size(), 3u * 288u + 2u);  // begin, middle and end of each, sunrise and sunset
   const double noon = instant_of({2016, 1, 4}, 19.0 * 3600.0);
   EXPECT_NEAR(mean_over(means, direct_normal, noon, noon + 300.0), mean_over(series, direct_normal, noon, noon + 300.0),
               1e-9);
