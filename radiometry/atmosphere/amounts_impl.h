@@ -107,40 +107,36 @@ template <class S>
 class LineLayers {
  public:
   explicit LineLayers(const Line<S>& line) : line_(line) {
-    S extinction(0.0), humid(0.0);
-    std::array<S, kAerosolNodes> before{};
-    for (const Piece<S>& piece : line.pieces) {
-      // The humidity of a layer that is cut is that of the whole layer: what is cut is a share of its optical depth.
-      const auto sum =
-          line.horizontal ? line.at_sensor : integrals(line.column, way_through(line.column, piece, false).piece);
-      Boundary boundary{.extinction = sum[kAerosolDensity], .depth = {}};
-      extinction = extinction + sum[kAerosolDensity];
-      humid = humid + sum[kHumidAerosolDensity];
-      if (value_of(sum[kAerosolDensity]) > 0.0) {
-        const auto spectrum = boundary_spectrum(line.haze, line.loss, S(humid / extinction));
-        for (std::size_t k = 0; k < kAerosolNodes; ++k) {
-          const S depth = extinction * spectrum[k];
-          if (value_of(depth) <= value_of(before[k])) continue;
-          boundary.depth[k] = depth - before[k];
-          before[k] = depth;
-        }
-      }
-      boundaries_.push_back(boundary);
-      layers.push_back(part(boundaries_.size() - 1, piece));
+    Boundary boundary{};
+    for (std::size_t i = 0; i < line.pieces.size(); ++i) {
+      const auto sum = integrals(line, line.pieces[i]);
+      before_.push_back(boundary);
+      boundary = after(i, sum);
+      layers.push_back(layer_of(i, line.pieces[i], sum, boundary));
     }
   }
 
   /// A piece that is the i-th one up to some length.
   PathLayer<S> part(std::size_t i, const Piece<S>& piece) const {
     const auto sum = integrals(line_, piece);
+    return layer_of(i, piece, sum, after(i, sum));
+  }
+
+  std::vector<PathLayer<S>> layers;
+
+ private:
+  /// The boundary region up to some length: extinction at 0.55 um, that times the humidity, optical depths.
+  struct Boundary {
+    S extinction, humid;
+    std::array<S, kAerosolNodes> depth;
+  };
+
+  PathLayer<S> layer_of(std::size_t i, const Piece<S>& piece, const std::array<S, kDensities>& sum,
+                        const Boundary& boundary) const {
     const auto& air = value_of(sum[kMassDensity]) > 0.0 ? sum : line_.at_sensor;
     const S temperature = air[kPressureDensity] / air[kMassDensity];
     PathLayer<S> layer{amounts_of(sum, temperature), temperature, piece.length_m};
-    const Boundary& boundary = boundaries_[i];
-    if (value_of(boundary.extinction) > 0.0) {
-      const S share = sum[kAerosolDensity] / boundary.extinction;
-      for (std::size_t k = 0; k < kAerosolNodes; ++k) layer.amounts.aerosol[k] = share * boundary.depth[k];
-    }
+    for (std::size_t k = 0; k < kAerosolNodes; ++k) layer.amounts.aerosol[k] = boundary.depth[k] - before_[i].depth[k];
     for (std::size_t region = 1; line_.haze != HazeKind::none && region < kAerosolRegions; ++region) {
       const S& extinction = sum[kAerosolDensity + region];
       const auto spectrum = upper_spectrum(static_cast<AerosolRegion>(region), line_.loss);
@@ -150,16 +146,25 @@ class LineLayers {
     return layer;
   }
 
-  std::vector<PathLayer<S>> layers;
-
- private:
-  /// Extinction at 0.55 um of the boundary region in a whole layer, and its optical depths.
-  struct Boundary {
-    S extinction;
-    std::array<S, kAerosolNodes> depth;
-  };
+  /// With what the i-th piece, or a part of it, adds: the spectrum is that of the mean humidity so far, weighted by the
+  /// extinction, and nothing becomes less.
+  Boundary after(std::size_t i, const std::array<S, kDensities>& sum) const {
+    Boundary boundary = before_[i];
+    boundary.extinction = boundary.extinction + sum[kAerosolDensity];
+    boundary.humid = boundary.humid + sum[kHumidAerosolDensity];
+    const bool some = value_of(boundary.extinction) > 0.0;  // else the air at the sensor tells the slope
+    const S& extinction = some ? boundary.extinction : line_.at_sensor[kAerosolDensity];
+    const S& humid = some ? boundary.humid : line_.at_sensor[kHumidAerosolDensity];
+    if (!(value_of(extinction) > 0.0)) return boundary;
+    const auto spectrum = boundary_spectrum(line_.haze, line_.loss, S(humid / extinction));
+    for (std::size_t k = 0; k < kAerosolNodes; ++k) {
+      const S depth = boundary.extinction * spectrum[k];
+      if (value_of(depth) >= value_of(boundary.depth[k])) boundary.depth[k] = depth;
+    }
+    return boundary;
+  }
   const Line<S>& line_;
-  std::vector<Boundary> boundaries_;
+  std::vector<Boundary> before_;
 };
 
 /// Calls f(value, value) for the amounts of both, one by one.
