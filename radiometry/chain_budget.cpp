@@ -219,8 +219,21 @@ double dstar_of(const mtf::System<double>& system, const Sensor& sensor, const B
 
 namespace {
 
+/// What the noise of a thermal detector is known by; an NETD at another f-number than the camera's, how it gets there.
+std::string given_noise_doc(const ThermalSettings& thermal, const Camera<double>& of) {
+  const bool camera = thermal.netd_of == NetdOf::camera;
+  std::string doc = thermal.netd_k ? (camera ? "noise of the camera by its NETD" : "noise of the detector by its NETD")
+                                   : std::string("noise of the detector by its NEP or D*");
+  if (thermal.netd_f_number && of.f_number != *thermal.netd_f_number)
+    doc += ": at f/" + mtf::format_double(*thermal.netd_f_number) + ", here f/" + mtf::format_double(of.f_number) +
+           ", in proportion to " + (of.cone == Cone::sine ? "4 N^2" : "4 N^2 + 1") + " as [optics] cone = \"" +
+           std::string(kConeNames[static_cast<std::size_t>(of.cone)]) + "\" has it";
+  return doc + (camera ? ", less the rounding to counts" : "");
+}
+
 /// The noise terms of a thermal detector in volts: those of the physics, or the one that is given.
-std::vector<BudgetRow> thermal_terms(const Sensor& sensor, const Pixel<double>& pixel, const Budget<double>& b) {
+std::vector<BudgetRow> thermal_terms(const Sensor& sensor, const Camera<double>& camera, const Pixel<double>& pixel,
+                                     const Budget<double>& b) {
   const ThermalSettings& thermal = *sensor.settings.thermal;
   const double volts = pixel.volts_per_watt;
   const ThermalNoise<double> noise = thermal_noise_of(sensor.settings, pixel, thermal_reference(sensor));
@@ -232,8 +245,7 @@ std::vector<BudgetRow> thermal_terms(const Sensor& sensor, const Pixel<double>& 
              {"flicker", "V", volts * noise.flicker_w, "1/f noise from lowest_frequency to noise_bandwidth"}};
   else
     terms = {{"detector", "V", std::sqrt(std::max(b.read_e * b.read_e - readout * readout, 0.0)),
-              thermal.netd_of == NetdOf::camera ? "noise of the camera by its NETD, less the rounding to counts"
-                                                : "noise of the detector by its NETD, NEP or D*"}};
+              given_noise_doc(thermal, camera)}};
   terms.push_back({"readout", "V", readout, "noise of the readout"});
   terms.push_back({"other", "V", b.other_e, "[flicker], row, column and 3-D noise of the frames"});
   terms.push_back(
@@ -314,7 +326,7 @@ std::vector<BudgetRow> thermal_rows(const mtf::System<double>& system, const Sen
       {"responsivity", "V/W", pixel.volts_per_watt * pixel.quantum_efficiency * thermal_reference(sensor).middle,
        "volts for a watt of incident power at the middle of the band"},
       {"signal_per_k", "V/K", b.signal_per_k, "volts per kelvin of the scene"}};
-  for (BudgetRow& row : thermal_terms(sensor, pixel, b)) all.push_back(std::move(row));
+  for (BudgetRow& row : thermal_terms(sensor, camera_of(system, sensor), pixel, b)) all.push_back(std::move(row));
   const std::vector<BudgetRow> figures{
       {"prnu", "V", b.prnu_e, "spatial noise of the responsivity (prnu, or its map), after [correction] where given"},
       {"dsnu", "V", b.dsnu_e, "spatial noise of the offset (dsnu, or its map), after [correction] where given"},

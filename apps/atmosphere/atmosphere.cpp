@@ -248,7 +248,7 @@ AtmosphereReport line_report(const AtmosphereOptions& options, const Given& give
   report.response = given.camera.has_value();
   report.source_k = options.source_k;
   report.line = sight_words(report.path.sight, given.settings.sensor_altitude_m);
-  report.limits = limits_of(through, hull(bands));
+  report.limits = limits_of(through, hull(bands), sight);
   for (const Interval& band : bands)
     report.bands.push_back(band_average(report.path, camera_in(given, band), options.source_k));
   return report;

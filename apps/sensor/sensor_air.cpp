@@ -276,7 +276,8 @@ std::vector<mtf::io::Diagnostic> atmosphere_warnings(const mtf::io::SensorConfig
                           .text = "its transmission and the scattering of the aerosol component count scattered light "
                                   "twice; leave scattering and path_length out of the component, which then takes them "
                                   "from here, or remove haze"});
-    for (std::string& text : air::limits_of(read_air(settings), {config.system.band->lo_um, config.system.band->hi_um}))
+    const radiometry::Interval band{config.system.band->lo_um, config.system.band->hi_um};
+    for (std::string& text : air::limits_of(read_air(settings), band, sight_of(settings)))
       warnings.push_back({.error = false, .position = {}, .path = "atmosphere", .text = std::move(text)});
     if (has_depth_channel(config.tables))
       warnings.push_back({.error = false,

@@ -21,6 +21,7 @@ struct Line {
 [[noreturn]] void refuse_sensor(const std::string& source, double altitude_m, double lowest_m, double highest_m);
 [[noreturn]] void refuse_one_level(const std::string& source);
 [[noreturn]] void refuse_range(double range_m);
+[[noreturn]] void refuse_level_range(double range_m);
 [[noreturn]] void refuse_zenith(double zenith_rad);
 [[noreturn]] void refuse_nearer(double range_m, double from_m, double to_m);
 [[noreturn]] void refuse_ground(double range_m, double length_m, double from_m);
@@ -84,7 +85,8 @@ S angle_of(const S& cosine) {
 
 template <class S>
 Line<S> line_of(const Air<S>& air, const Horizontal<S>& sight) {
-  checked_range(value_of(sight.range_m));
+  constexpr double kQuarterOfEarth_m = 1e7;
+  if (checked_range(value_of(sight.range_m)) > kQuarterOfEarth_m) refuse_level_range(value_of(sight.range_m));
   Line<S> line{.horizontal = true, .column = {}, .pieces = {}, .numbers = {}};
   if (!(sight.altitude_m >= -500.0 && sight.altitude_m <= 120000.0))
     refuse_sensor(air.profile.source, sight.altitude_m, -500.0, 120000.0);

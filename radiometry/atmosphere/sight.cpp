@@ -28,6 +28,11 @@ void refuse_one_level(const std::string& source) {
 void refuse_range(double range_m) {
   throw UsageError("line of sight: a range of " + format_double(range_m) + " m; it has to be a number from 0 on");
 }
+void refuse_level_range(double range_m) {
+  throw UsageError("line of sight: a range of " + metres(range_m) +
+                   " at one altitude, a quarter of the way around the earth and more; give the altitude of the object, "
+                   "or a zenith angle");
+}
 void refuse_zenith(double zenith_rad) {
   throw UsageError("line of sight: a zenith angle of " + format_double(zenith_rad) +
                    " rad; it has to be from 0 (up) to pi (down)");

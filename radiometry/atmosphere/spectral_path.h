@@ -17,6 +17,7 @@
 // than double.
 
 #include <array>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -90,8 +91,10 @@ Path path_of(const SpectralPath<double>& path, const std::string& source);
 double scattering_depth(Air<double> air, const Sight<double>& sight, const Interval& band);
 
 /// What a user of this band and air has to be told: no radiance (scattered sunlight, at night little) below 2.857 um;
-/// bands narrower than 20 cm^-1; fog and rain, which scatter thermal radiation; temperature, vapour and humidity beyond
-/// what the coefficients were fitted to.
-std::vector<std::string> limits_of(const Air<double>& air, const Interval& band);
+/// bands narrower than 20 cm^-1; fog and rain, which scatter thermal radiation; fog that one sees far through;
+/// temperature, vapour and humidity beyond what the coefficients were fitted to; a line of one altitude that is longer
+/// than one can see there. A rule, a semicolon, and what breaks it.
+std::vector<std::string> limits_of(const Air<double>& air, const Interval& band,
+                                   const std::optional<Sight<double>>& sight = std::nullopt);
 
 }  // namespace radiometry::atmosphere

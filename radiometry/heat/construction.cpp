@@ -17,6 +17,14 @@ void require_fraction(double value, std::string_view where, const std::string& n
   if (!(value >= 0.0 && value <= 1.0)) refuse(where, name, value, "between 0 and 1");
 }
 
+/// Vapour goes with the heat that the film carries (evaporation.h).
+void require_film(double wet_fraction, const Convection& convection, std::string_view where) {
+  if (wet_fraction > 0.0 && forced_coefficient(convection, 1.0) == 0.0)
+    throw mtf::UsageError(std::string(where) +
+                          ": wet_fraction without a film: water evaporates into the air that takes heat, and this "
+                          "convection takes none; give a convection, or leave wet_fraction out");
+}
+
 }  // namespace
 
 void require_valid(const Construction& construction, std::string_view where) {
@@ -36,6 +44,7 @@ void require_valid(const Construction& construction, std::string_view where) {
   if (construction.is_wet() && !(construction.air_pressure_pa > 0.0 && std::isfinite(construction.air_pressure_pa)))
     refuse(where, "air pressure (Pa)", construction.air_pressure_pa, "above 0");
   require_valid(construction.convection, where);
+  require_film(construction.wet_fraction, construction.convection, where);
   if (const auto* film = std::get_if<InnerFilm>(&construction.inside)) {
     if (!(film->h_w_m2_k >= 0.0) || !std::isfinite(film->h_w_m2_k))
       refuse(where, "inside h (W/m2/K)", film->h_w_m2_k, "a number that is not negative");
@@ -43,6 +52,7 @@ void require_valid(const Construction& construction, std::string_view where) {
     require_fraction(sheet->emissivity, where, "inside emissivity");
     require_fraction(sheet->wet_fraction, where, "inside wet fraction");
     require_valid(sheet->convection, std::string(where) + ": inside");
+    require_film(sheet->wet_fraction, sheet->convection, std::string(where) + ": inside");
   }
 }
 

@@ -63,7 +63,8 @@ struct Construction {
 };
 
 /// Throws UsageError that begins with `where` and names the value: a layer whose conductivity, density, heat capacity
-/// or thickness is not above 0 and finite, an emissivity or a wet fraction outside 0 ... 1, no layer, a negative film.
+/// or thickness is not above 0 and finite, an emissivity or a wet fraction outside 0 ... 1, no layer, a negative film,
+/// an outer surface that is wet and has no film.
 void require_valid(const Construction& construction, std::string_view where);
 
 /// Thermal resistance of all layers, m2 K / W, and their heat capacity, J / m2 / K.

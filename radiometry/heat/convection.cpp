@@ -30,6 +30,25 @@ std::string name_of(const Convection& convection) {
       convection);
 }
 
+std::optional<Validity> wind_validity(const Convection& convection) {
+  constexpr double kStrongest_m_s = 30.0;
+  if (std::holds_alternative<McAdams>(convection))
+    return Validity{"convection mcadams",
+                    "wind",
+                    "m/s",
+                    0.0,
+                    kStrongest_m_s,
+                    "it was fitted below 5 m/s, and its film is some 20 % too large at 30 m/s"};
+  if (std::holds_alternative<Tarp>(convection))
+    return Validity{"convection tarp",
+                    "wind",
+                    "m/s",
+                    0.0,
+                    kStrongest_m_s,
+                    "it comes from plates in winds of some m/s, and nothing is known of its film"};
+  return std::nullopt;
+}
+
 double forced_coefficient(const Convection& convection, double wind_m_s) {
   return std::visit(
       Overloaded{

@@ -14,11 +14,14 @@
 //               warm side up, or cold side down                   c = 9.482 / (7.283 - |cos|)
 //               warm side down, or cold side up                   c = 1.810 / (1.382 + |cos|)
 //             and forced h = 2.537 R sqrt(P v / A), R the roughness (1.0 glass ... 2.17 stucco), P the perimeter and A
-//             the area of the whole plane surface, all sides taken as windward
+//             the area of the whole plane surface, all sides taken as windward; from plates in winds of some m/s
 
+#include <optional>
 #include <string>
 #include <string_view>
 #include <variant>
+
+#include "radiometry/heat/validity.h"
 
 namespace radiometry::heat {
 
@@ -35,6 +38,9 @@ using Convection = std::variant<NoConvection, LinearConvection, McAdams, Tarp>;
 
 /// `none`, `linear`, `mcadams` or `tarp`, as scene files and reports name them.
 std::string name_of(const Convection& convection);
+
+/// The winds that a closure was made for; nothing where it is what the user says.
+std::optional<Validity> wind_validity(const Convection& convection);
 
 /// h: the part in proportion to the temperature difference, W/m2/K. `wind_m_s` is not negative.
 double forced_coefficient(const Convection& convection, double wind_m_s);

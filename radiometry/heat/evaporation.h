@@ -15,7 +15,18 @@
 
 #include <cmath>
 
+#include "radiometry/heat/validity.h"
+
 namespace radiometry::heat {
+
+/// The formula of saturation holds where there is water.
+inline constexpr Validity kSaturationValidity{
+    "evaporation",
+    "surface temperature",
+    "K",
+    273.15,
+    333.15,
+    "over ice saturation is up to a third less than over water, and above 60 degC the formula is not made for it"};
 
 /// Pa/K.
 constexpr double psychrometric_pa_k(double air_pressure_pa) {

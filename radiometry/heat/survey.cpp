@@ -36,7 +36,7 @@ double shortest_lag(const Timeline& timeline) {
     const double since = before == breaks.begin() ? timeline.start_s : std::max(*(before - 1), timeline.start_s);
     lag = std::min(lag, output - since);
   }
-  return lag;
+  return std::max(lag, timeline.least_lag_s);
 }
 
 std::vector<Instant> sample_instants(const std::vector<double>& stops) {

@@ -24,6 +24,31 @@ std::vector<Vector> unit_directions(std::span<const Vector> to_sun) {
   return directions;
 }
 
+/// By how much the course of the sun may come nearer to a plane than both its neighbours in the list, as a sine:
+/// between two directions an angle a apart 1 - cos(a / 2), and the course bends no more than twice as much.
+std::vector<double> bends(const std::vector<Vector>& directions) {
+  std::vector<double> bend(directions.size(), 0.0);
+  for (std::size_t d = 0; d + 1 < directions.size(); ++d) {
+    const double half = 0.5 * length(directions[d + 1] - directions[d]);
+    for (const std::size_t end : {d, d + 1}) bend[end] = std::max(bend[end], half * half);
+  }
+  return bend;
+}
+
+/// The cosines of all directions with a side.
+std::vector<double> cosines(const Facets& facets, const Side& side, const std::vector<Vector>& directions) {
+  std::vector<double> cosine;
+  for (const Vector& direction : directions)
+    cosine.push_back((side.back ? -1.0 : 1.0) * dot(facets.facet[side.facet].normal, direction));
+  return cosine;
+}
+
+/// The neighbour of a direction in the list that is before the side; the direction itself where none is.
+std::size_t facing_neighbour(const std::vector<double>& cosine, std::size_t d) {
+  if (d + 1 < cosine.size() && cosine[d + 1] > 0.0) return d + 1;
+  return d > 0 && cosine[d - 1] > 0.0 ? d - 1 : d;
+}
+
 /// The points of the sides [begin, end), `points` for each.
 std::vector<Point> starts_on(const Rays& rays, std::span<const Side> sides, std::size_t begin, std::size_t end,
                              const SunOptions& options) {
@@ -77,6 +102,7 @@ SunVisibility sun_visibility(const Rays& rays, std::span<const Side> sides, std:
     if (side.facet >= facets.size())
       throw mtf::UsageError("sun_visibility: there is no facet " + std::to_string(side.facet));
   const std::vector<Vector> directions = unit_directions(to_sun);
+  const std::vector<double> bend = bends(directions);
   SunVisibility sun{.points = options.points,
                     .directions = directions.size(),
                     .lit = std::vector<std::uint8_t>(sides.size() * directions.size(), 0)};
@@ -87,17 +113,27 @@ SunVisibility sun_visibility(const Rays& rays, std::span<const Side> sides, std:
                       const auto begin = static_cast<std::size_t>(first), end = static_cast<std::size_t>(last);
                       const std::vector<Point> starts = starts_on(rays, sides, begin, end, options);
                       ShadowRays shadow_rays(rays.embree(), sun);
+                      std::vector<std::vector<double>> cosine;
+                      for (std::size_t i = begin; i < end; ++i) cosine.push_back(cosines(facets, sides[i], directions));
                       for (std::size_t d = 0; d < directions.size(); ++d) {
                         if (directions[d][2] <= 0.0) continue;
                         for (std::size_t i = begin; i < end; ++i) {
-                          const double cosine = dot(facets.facet[sides[i].facet].normal, directions[d]);
-                          if ((sides[i].back ? -cosine : cosine) <= 0.0) continue;
+                          const double c = cosine[i - begin][d];
+                          if (c <= -bend[d] || (c <= 0.0 && facing_neighbour(cosine[i - begin], d) != d)) continue;
+                          const Vector normal = (sides[i].back ? -1.0 : 1.0) * facets.facet[sides[i].facet].normal;
+                          const Vector towards = c > 0.0 ? directions[d] : unit(directions[d] - c * normal);
+                          if (!(towards[2] > 0.0)) continue;
                           for (std::size_t p = 0; p < points; ++p)
-                            shadow_rays.add(rays.embree().single(starts[(i - begin) * points + p], directions[d]),
+                            shadow_rays.add(rays.embree().single(starts[(i - begin) * points + p], towards),
                                             i * directions.size() + d);
                         }
                         shadow_rays.trace();
                       }
+                      for (std::size_t i = begin; i < end; ++i)
+                        for (std::size_t d = 0; d < directions.size(); ++d)
+                          if (cosine[i - begin][d] <= 0.0 && directions[d][2] > 0.0)
+                            if (const std::size_t from = facing_neighbour(cosine[i - begin], d); from != d)
+                              sun.lit[i * directions.size() + d] = sun.lit[i * directions.size() + from];
                     });
   return sun;
 }

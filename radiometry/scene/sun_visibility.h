@@ -2,9 +2,14 @@
 #pragma once
 
 // Which part of a surface the sun shines on, for a list of directions to the sun: the share of points on the facet from
-// which a ray towards the sun leaves the scene. A side that is turned away from the sun, and a sun below the horizon,
-// give 0 and cost no ray. The sun is a point: the half shadow of its disc, 9.3 mm wide for each metre of distance, is
-// left out.
+// which a ray towards the sun leaves the scene. A sun below the horizon gives 0 and costs no ray. The sun is a point:
+// the half shadow of its disc, 9.3 mm wide for each metre of distance, is left out.
+//
+// The list is the sun's course, between whose directions shares are interpolated. What a side itself does to the light
+// is max(0, cos) alone and is no shadow: a direction behind the side has the share of the neighbour in the list that is
+// before it, so that until the sun rises for the side, and after it has set, what other surfaces do stays as it is.
+// Where neither is, but the sun may touch the plane of the side between them, the share is that along the plane. Else
+// it is 0.
 //
 // Points are spread over the facet by R2 (Roberts 2018), rotated by a hash of the side (facets.h, `index`), so that
 // they are the same whichever other sides are asked for. Where the straight edge of a shadow crosses a square facet the

@@ -10,7 +10,6 @@
 namespace radiometry::scene {
 namespace {
 
-constexpr double kSuccessive_cos = 0.96592582628906829;  // 15 deg
 constexpr std::uint64_t kOtherSet = 0x9e3779b97f4a7c15;  // added to the seed
 
 /// `count` of the numbers below `size` at random, rising; all where there are no more.
@@ -35,7 +34,7 @@ TableError error_of(std::vector<double> differences, std::size_t count) {
     squares += difference * difference;
     difference = std::abs(difference);
   }
-  const std::size_t rank = (differences.size() - 1) * 95 / 100;
+  const std::size_t rank = ((differences.size() - 1) * 95 + 99) / 100;
   const auto at = differences.begin() + static_cast<std::ptrdiff_t>(rank);
   std::nth_element(differences.begin(), at, differences.end());
   return {std::sqrt(squares / static_cast<double>(differences.size())), *at, count};
@@ -66,45 +65,33 @@ ViewError view_error(const Rays& rays, const Receivers& receivers, const Views& 
   return {error_of(std::move(sky), numbers.size()), error_of(std::move(surfaces), numbers.size())};
 }
 
-TableError sun_error(const Rays& rays, std::span<const Side> sides, std::span<const Vector> to_sun,
-                     const SunVisibility& sun, const SunOptions& options, std::size_t count) {
+SunError sun_error(const Rays& rays, std::span<const Side> sides, std::span<const SunCheck> checks,
+                   const SunVisibility& sun, const SunOptions& options, std::size_t count) {
   const std::vector<std::size_t> numbers = picked(sides.size(), count, options.seed);
   std::vector<Side> some;
   some.reserve(numbers.size());
   for (const std::size_t i : numbers) some.push_back(sides[i]);
 
-  // A direction of the second set lies between two tabulated ones, or is the same as both.
-  struct Between {
-    std::size_t before, after;
-  };
   std::vector<Vector> directions;
-  std::vector<Between> between;
-  const auto add = [&](std::size_t before, std::size_t after) {
-    const Vector a = (1.0 / length(to_sun[before])) * to_sun[before], b = (1.0 / length(to_sun[after])) * to_sun[after];
-    if (dot(a, b) < kSuccessive_cos) return;
-    directions.push_back((1.0 / length(a + b)) * (a + b));
-    between.push_back({before, after});
-  };
-  for (std::size_t d = 0; d < to_sun.size(); ++d) {
-    add(d, d);
-    if (d + 1 < to_sun.size()) add(d, d + 1);
-  }
+  for (const SunCheck& check : checks) directions.push_back(check.to_sun);
   SunOptions twice = options;
   twice.points = std::min(255, 2 * options.points);
   twice.seed += kOtherSet;
   const SunVisibility again = sun_visibility(rays, some, directions, twice);
 
-  std::vector<double> differences;
+  std::vector<double> differences, largest(numbers.size(), 0.0);
   for (std::size_t k = 0; k < numbers.size(); ++k) {
     const Vector& normal = rays.facets().facet[some[k].facet].normal;
     for (std::size_t d = 0; d < directions.size(); ++d) {
       const double cosine = (some[k].back ? -1.0 : 1.0) * dot(normal, directions[d]);
       if (cosine <= 0.0 || directions[d][2] <= 0.0) continue;
-      const double table = 0.5 * (sun.share(numbers[k], between[d].before) + sun.share(numbers[k], between[d].after));
-      differences.push_back(cosine * (again.share(k, d) - table));
+      const auto [to_sun, entry, share] = checks[d];
+      const double before = sun.share(numbers[k], entry), after = share > 0.0 ? sun.share(numbers[k], entry + 1) : 0.0;
+      differences.push_back(cosine * (again.share(k, d) - (1.0 - share) * before - share * after));
+      largest[k] = std::max(largest[k], std::abs(differences.back()));
     }
   }
-  return error_of(std::move(differences), numbers.size());
+  return {error_of(std::move(differences), numbers.size()), error_of(std::move(largest), numbers.size())};
 }
 
 }  // namespace radiometry::scene

@@ -2,8 +2,8 @@
 #pragma once
 
 // The sampling error of tables of views and of visibility, from a second independent set with twice the rays (and, of
-// the sun, twice the directions) on facets picked at random. The difference of two sets has the variance of both; it is
-// reported as it is, so that the error of the first one is overstated by a factor of 1.1 to 1.2.
+// the sun, at other directions too) on facets picked at random. The difference of two sets has the variance of both; it
+// is reported as it is, so that the error of the first one is overstated by a factor of 1.1 to 1.2.
 
 #include <cstdint>
 #include <span>
@@ -29,11 +29,20 @@ struct ViewError {
 ViewError view_error(const Rays& rays, const Receivers& receivers, const Views& views, const ViewOptions& options,
                      std::size_t count = 2000, std::span<const std::uint32_t> among = {});
 
-/// Of the irradiance by the sun as a share of the direct normal irradiance, visibility times cosine, over sides and
-/// those directions that they face: the tabulated ones and those halfway between two successive ones, with visibility
-/// linear between them. Directions more than 15 degrees apart are not successive. `sun` was made of `sides` and
-/// `to_sun` with `options`.
-TableError sun_error(const Rays& rays, std::span<const Side> sides, std::span<const Vector> to_sun,
-                     const SunVisibility& sun, const SunOptions& options, std::size_t count = 2000);
+/// A direction to the sun, of length 1, and its place in the table: after an entry, by a share of the time to the next.
+struct SunCheck {
+  Vector to_sun{};
+  std::size_t entry = 0;
+  double share = 0.0;
+};
+
+struct SunError {
+  TableError of_directions;  ///< over sides and those directions that they face
+  TableError of_sides;       ///< over sides, of the largest of all directions
+};
+/// Of the irradiance by the sun as a share of the direct normal irradiance, visibility times cosine. `sun` was made of
+/// `sides` with `options`.
+SunError sun_error(const Rays& rays, std::span<const Side> sides, std::span<const SunCheck> checks,
+                   const SunVisibility& sun, const SunOptions& options, std::size_t count = 2000);
 
 }  // namespace radiometry::scene

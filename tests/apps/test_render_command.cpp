@@ -98,6 +98,25 @@ TEST_F(RenderCommand, TheSceneExplainsTheSkyThatPicturesHave) {
   EXPECT_NE(explained.out.find("sky: " + sky), std::string::npos) << explained.out;
 }
 
+// The air of a scene file is said to be beyond its model as that of a sensor file is.
+TEST_F(RenderCommand, TheAirOfASceneSaysWhatItsModelIsNotGoodFor) {
+  std::string text = kScene + "[atmosphere]\nmodel = \"mid_latitude_summer\"\n";
+  write_file(scratch_ / "scene.toml", text);
+  EXPECT_EQ(scratch_.run("mtf render scene.toml sensor.toml -o scene.exr").err, "");
+  text.replace(text.find("288 K"), 5, "335 K").replace(text.find("10 hPa"), 6, "115 hPa");
+  write_file(scratch_ / "scene.toml", text);
+  for (const char* command :
+       {"mtf render scene.toml sensor.toml -o hot.exr",
+        "mtf fly scene.toml sensor.toml --time 2026-06-21T12:00:00Z --seconds 0.1 -o f.%04d.exr"}) {
+    const Result hot = scratch_.run(command);
+    EXPECT_EQ(hot.status, 0) << hot.err;
+    EXPECT_NE(hot.err.find("[atmosphere]: the coefficients were fitted to air of 220 to 310 K; 335 K at 0 m is warmer"),
+              std::string::npos)
+        << hot.err;
+    EXPECT_NE(hot.err.find("at most 45 g/m3 of vapour"), std::string::npos) << hot.err;
+  }
+}
+
 TEST_F(RenderCommand, RefusesACameraBesideTheFacetsAndBelowThem) {
   const Result low = scratch_.run("mtf render scene.toml sensor.toml --position 3,-40,-4 -o scene.exr");
   EXPECT_EQ(low.status, 2);

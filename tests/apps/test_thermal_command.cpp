@@ -35,6 +35,7 @@ TEST_F(ThermalCommand, TheBudgetNamesItsTerms) {
   EXPECT_NEAR(terms["netd"]["value"].get<double>(), 50.0 / 0.9, 1e-9);  // the optics let 0.9 through
   EXPECT_EQ(terms["detector"]["unit"], "V");
   EXPECT_EQ(terms["dstar"]["reason"], "no detector.noise_bandwidth");
+  EXPECT_EQ(terms["detector"]["doc"], "noise of the detector by its NETD");
   EXPECT_FALSE(terms.contains("scene_shot"));
   const std::string spec = kUncooled.substr(kUncooled.find("responsivity"));
   camera("", spec,
@@ -45,6 +46,22 @@ TEST_F(ThermalCommand, TheBudgetNamesItsTerms) {
   for (const char* name : {"thermal_fluctuation", "johnson", "flicker", "readout", "largest", "nep", "dstar", "netd"})
     EXPECT_TRUE(terms[name]["value"].is_number()) << name;
   EXPECT_EQ(terms["largest"]["doc"], "part of the temporal variance that is flicker, the largest term");
+}
+
+// 4 N^2 + 1 for a cold stop, 4 N^2 for an aplanat: 6.5 % of the NETD between f/1 and f/1.2.
+TEST_F(ThermalCommand, AnNetdAtAnotherFNumberSaysByWhichCone) {
+  for (const auto& [cone, law, factor] :
+       {std::tuple{"tangent", "4 N^2 + 1", 6.76 / 5.0}, std::tuple{"sine", "4 N^2", 1.44}}) {
+    camera("");
+    const double here = budget()["netd"]["value"].get<double>();
+    std::string text = read_file(scratch / "s.toml");
+    text.replace(text.find("f_number = 1.0"), 14, "f_number = 1.2\ncone = \"" + std::string(cone) + "\"");
+    write_file(scratch / "s.toml", text);
+    const Json terms = budget();
+    EXPECT_EQ(terms["detector"]["doc"], "noise of the detector by its NETD: at f/1, here f/1.2, in proportion to " +
+                                            std::string(law) + " as [optics] cone = \"" + cone + "\" has it");
+    EXPECT_NEAR(terms["netd"]["value"].get<double>() / here, factor, 1e-9);
+  }
 }
 
 TEST_F(ThermalCommand, ASequenceShorterThanTheTimeConstantIsWarnedAbout) {

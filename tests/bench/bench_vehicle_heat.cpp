@@ -78,9 +78,9 @@ void run(const SceneFile& file, double tolerance_k, bool verify, bool seen) {
   std::printf(
       "  views of facets against those of units %.3f K rms, %.3f K for 95 %%, %.2f K at most; shadows %.3f rms\n",
       report.view_spread.error_k.rms, report.view_spread.error_k.percentile_95, report.view_spread.largest_k,
-      report.sun_error.rms);
+      report.sun_error.of_directions.rms);
   if (report.verified) {
-    if (report.verified->as_units) print("classes as they are", *report.verified->as_units);
+    print("classes as they are", report.verified->as_units);
     print("each facet by itself", report.verified->by_itself);
   }
   std::fflush(stdout);

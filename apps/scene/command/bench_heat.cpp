@@ -34,7 +34,7 @@ struct Rung {
     std::sort(sorted.begin(), sorted.end());
     return sorted[sorted.size() / 2];
   }
-  bool kept() const { return report.verified->of_promise().largest_k <= report.promised.total_k(); }
+  bool kept() const { return report.verified->as_units.largest_k <= report.promised.total_k(); }
 };
 
 Rung rung_of(const SceneFile& file, double tolerance_k, int rounds, const Global& global, ProgressLine& progress) {
@@ -61,7 +61,7 @@ constexpr const char* kColumns[] = {"tolerance_K", "promised_K",    "realised_K"
                                     "time_ms_min", "time_ms_median"};
 
 std::vector<double> numbers_of(const Rung& rung) {
-  const RealisedError &ours = rung.report.verified->of_promise(), &facets = rung.report.verified->by_itself;
+  const RealisedError &ours = rung.report.verified->as_units, &facets = rung.report.verified->by_itself;
   return {rung.tolerance_k,       rung.report.promised.total_k(),
           ours.largest_k,         facets.rms_k,
           facets.percentile_95_k, facets.percentile_999_k,
@@ -106,7 +106,7 @@ std::string table_of(const std::vector<Rung>& ladder) {
   TextTable table(
       {"tolerance", "promised", "realised", "facets rms", "95 %", "largest [K]", "classes", "s min", "median"});
   for (const Rung& rung : ladder) {
-    const RealisedError &ours = rung.report.verified->of_promise(), &facets = rung.report.verified->by_itself;
+    const RealisedError &ours = rung.report.verified->as_units, &facets = rung.report.verified->by_itself;
     table.add({significant(rung.tolerance_k, 2), significant(rung.report.promised.total_k(), 2),
                significant(ours.largest_k, 2), significant(facets.rms_k, 2), significant(facets.percentile_95_k, 2),
                significant(facets.largest_k, 2), std::to_string(rung.report.units), fixed(1e-3 * rung.least_ms(), 2),
@@ -131,7 +131,7 @@ Figure figure_of(const SceneFile& file, const std::vector<Rung>& ladder) {
   for (const Rung& rung : ladder) {
     for (Series* series : {&promised, &realised, &rms}) series->x.push_back(1e-3 * rung.least_ms());
     promised.y.push_back(rung.report.promised.total_k());
-    realised.y.push_back(rung.report.verified->of_promise().largest_k);
+    realised.y.push_back(rung.report.verified->as_units.largest_k);
     rms.y.push_back(rung.report.verified->by_itself.rms_k);
   }
   figure.series = {promised, realised, rms};
@@ -169,7 +169,7 @@ int run_bench_heat(const BenchOptions& options, const Global& global) {
       kept = false;
       complain("mtf: PROMISE BROKEN: tolerance " + significant(rung.tolerance_k, 2) + " K: promised " +
                significant(rung.report.promised.total_k(), 3) + " K, realised " +
-               significant(rung.report.verified->of_promise().largest_k, 3) + " K");
+               significant(rung.report.verified->as_units.largest_k, 3) + " K");
     }
   return kept ? 0 : 3;
 }

@@ -83,8 +83,7 @@ Json realised_json(const HeatScene& scene, const RealisedError& error) {
 /// null where it was not asked for.
 Json verified_json(const HeatScene& scene, const HeatReport& report) {
   if (!report.verified) return nullptr;
-  const std::optional<RealisedError>& as_units = report.verified->as_units;
-  return {{"as_classes", as_units ? realised_json(scene, *as_units) : Json(nullptr)},
+  return {{"as_classes", realised_json(scene, report.verified->as_units)},
           {"each_facet", realised_json(scene, report.verified->by_itself)}};
 }
 
@@ -137,7 +136,8 @@ std::string heat_json(const HeatScene& scene, const HeatReport& report, const He
                      {"tables",
                       {{"sun_directions", scene.surroundings.shadow_to_sun.size()},
                        {"sun_points", options.sun_points},
-                       {"sun_share_error", error_json(report.sun_error)},
+                       {"sun_share_error", error_json(report.sun_error.of_directions)},
+                       {"sun_share_error_of_facets", error_json(report.sun_error.of_sides)},
                        {"view_rays", options.rays},
                        {"sky_share_error", error_json(report.view_error.sky)},
                        {"surfaces_share_error", error_json(report.view_error.surfaces)},

@@ -211,6 +211,7 @@ std::string render_pictures(const RenderCommandOptions& options, const Global& g
     scene = layer_scene_of(options, file, sensors.front());
     frame = frame_of_layers(options, file, scene, bands, cameras.front(), global);
   }
+  for (const PictureSensor& sensor : sensors) add_air_limits(file, sensor.band.curves.band, scene);
   for (const PictureSensor& sensor : sensors)
     if (std::string text = sampling_warning(sensor, options.sampling.samples_per_pitch); !text.empty())
       scene.warnings.push_back(std::move(text));

@@ -61,7 +61,7 @@ LevelRun level_run(const Surroundings& s, double utc_s, const Surface& surface, 
   const PatchLight dark = make_patch_light(units, 0, s.nodes() - 1);
   const heat::GroupForcing forcing =
       forcing_of({{&units.unit.front()}, 0, s.nodes() - 1}, units, s, none, dark, surface, utc_s);
-  const heat::Timeline timeline{s.time_s.front(), s.time_s.back(), s.time_s, s.time_s};
+  const heat::Timeline timeline{s.time_s.front(), s.time_s.back(), s.time_s, s.time_s, {}, /*least_lag_s=*/kUsualLag_s};
   const heat::Batch batch{surface.construction, 1, {1.0}};
   std::optional<heat::Solution> solution;
   if (like != nullptr && like->fine.nodes() > 1) {

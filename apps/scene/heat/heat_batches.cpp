@@ -144,7 +144,7 @@ HeatBatches::HeatBatches(const HeatScene& scene, const Units& units, const Groun
 
 heat::Timeline HeatBatches::timeline(std::size_t first, std::size_t last, Pace pace) const {
   const std::vector<double>& times = scene_.surroundings.time_s;
-  heat::Timeline line{times[first], times[last], {}, {}};
+  heat::Timeline line{times[first], times[last], {}, {}, {}, kUsualLag_s};
   double next_s = times[first];  // where steps have to end
   for (std::size_t k = first; k <= last; ++k) {
     const bool ends = pace == Pace::fine || k == last || times[k] >= next_s;

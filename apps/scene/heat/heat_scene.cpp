@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "apps/scene/heat/limits.h"
 #include "apps/scene/heat/opposite_walls.h"
 #include "apps/scene/heat/seen/seen_facets.h"
 #include "apps/scene/heat/stopwatch.h"
@@ -102,6 +103,7 @@ HeatScene prepare_heat(const SceneFile& file, const HeatOptions& options) {
   const Stopwatch tree;
   radiometry::scene::Rays rays(std::move(surfaces.facets));
   std::vector<std::string> warnings = surroundings.warnings;
+  for (std::string& text : weather_limits(file, surfaces.material, surroundings)) warnings.push_back(std::move(text));
   warnings.insert(warnings.end(), surfaces.warnings.begin(), surfaces.warnings.end());
   HeatScene scene{file,
                   std::move(surroundings),

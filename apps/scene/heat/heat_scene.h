@@ -23,8 +23,9 @@ struct HeatOptions {
   int directions = 36;       ///< of the table of shadows, a day
   int rays = 128;            ///< of each side of a facet
   int sun_points = 4;        ///< of each facet
-  std::size_t patches = 500;  ///< that surfaces exchange radiation by, at most
-  bool every_facet = false;   ///< no facets are solved as one but those that others cover
+  std::uint64_t sun_seed = 0;  ///< another one gives other points
+  std::size_t patches = 500;   ///< that surfaces exchange radiation by, at most
+  bool every_facet = false;    ///< no facets are solved as one but those that others cover
   /// Temperatures of those facets alone that the camera of the scene can see (seen/seen_facets.h), which it has to
   /// have.
   bool seen = false;

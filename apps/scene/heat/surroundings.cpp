@@ -2,7 +2,9 @@
 #include "apps/scene/heat/surroundings.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <numbers>
 
 #include "apps/text/words.h"
 #include "mtf/error.h"
@@ -11,10 +13,12 @@
 namespace apps::scene {
 namespace {
 
+namespace geometry = radiometry::scene;
 namespace heat = radiometry::heat;
 constexpr double kLongestStep_s = 600.0, kShortestStep_s = 60.0;
 constexpr double kOnHorizon = 1e-6;
 constexpr double kSame_s = 1e-3;  // times closer than this are one node
+constexpr double kJump_s = 1.0;   // a jump of the weather is a line that is so long
 
 /// Rising, without doubles.
 std::vector<double> merged(std::vector<double> times) {
@@ -23,6 +27,21 @@ std::vector<double> merged(std::vector<double> times) {
   for (const double t : times)
     if (kept.empty() || t - kept.back() > kSame_s) kept.push_back(t);
   return kept;
+}
+
+/// Adds times after jumps: of the weather, which are lines of a few seconds, and of the beam at sunrise and sunset.
+/// What follows a jump at once is not resolved: records of a minute have their own nodes.
+void follow_jumps(std::vector<double>& times, std::vector<double> jumps, double end) {
+  constexpr double kLongestJump_s = 5.0;
+  constexpr std::array kAfter_s{10.0, 40.0, 150.0};
+  for (std::size_t k = 1; k < times.size(); ++k)
+    if (times[k] - times[k - 1] < kLongestJump_s) jumps.push_back(times[k]);
+  jumps = merged(std::move(jumps));
+  jumps.push_back(end);
+  for (std::size_t i = 0; i + 1 < jumps.size(); ++i)
+    for (const double after : kAfter_s)
+      if (10.0 * after < jumps[i + 1] - jumps[i]) times.push_back(jumps[i] + after);
+  times = merged(std::move(times));
 }
 
 std::size_t node_at(const std::vector<double>& times, double t) {
@@ -88,6 +107,16 @@ std::vector<int> entries_of(const Surroundings& s, const SceneFile& scene) {
 
 }  // namespace
 
+geometry::Vector Surroundings::sun_between(std::size_t node, double share) const {
+  using geometry::operator*, geometry::operator+;
+  // Of both ends, the parts across the axis turn by the same angle a second; those along it go as a straight line.
+  const geometry::Vector &a = to_sun[node], &b = to_sun[node + 1];
+  const double turn = 2.0 * std::numbers::pi * (time_s[node + 1] - time_s[node]) / heat::kDay_s;
+  const double of_a = std::sin((1.0 - share) * turn) / std::sin(turn), of_b = std::sin(share * turn) / std::sin(turn);
+  const double along = (1.0 - share - of_a) * geometry::dot(a, pole) + (share - of_b) * geometry::dot(b, pole);
+  return geometry::unit(of_a * a + of_b * b + along * pole);
+}
+
 Surroundings surroundings_of(const SceneFile& scene, int directions, double tolerance_k) {
   using enum heat::WeatherQuantity;
   const heat::WeatherSeries weather = scene_weather(scene);
@@ -109,7 +138,12 @@ Surroundings surroundings_of(const SceneFile& scene, int directions, double tole
 
   Surroundings s;
   s.warnings = weather.warnings;
+  s.pole = heat::in_scene_axes({0.0, std::cos(scene.place.latitude_rad), std::sin(scene.place.latitude_rad)},
+                               scene.north_rad);
   std::vector<double> times{0.0, end - start};
+  std::vector<double> edges;  // of daylight
+  for (const heat::SunCrossing& crossing : sun_crossings(scene.place, start, end))
+    edges.push_back(crossing.utc_s - start);
   // The exchange between surfaces is a parabola between nodes, whose error goes with the cube of their distance.
   const double step = std::clamp(kLongestStep_s * std::cbrt(10.0 * tolerance_k), kShortestStep_s, kLongestStep_s);
   for (const heat::SunAt& at : shadow_directions(scene.place, start, end, directions)) {
@@ -120,6 +154,7 @@ Surroundings surroundings_of(const SceneFile& scene, int directions, double tole
     times.push_back(at.utc_s - start);
   }
   for (const double t : break_times(weather, start, end)) times.push_back(t - start);
+  for (const double t : break_times(weather, start, end, true)) times.push_back(t - start + kJump_s);
   for (const heat::Schedule* schedule : all_schedules(scene))
     for (const double t : break_times(*schedule, start, end)) times.push_back(t - start);
   std::vector<double> outputs;
@@ -128,6 +163,7 @@ Surroundings surroundings_of(const SceneFile& scene, int directions, double tole
   times.insert(times.end(), outputs.begin(), outputs.end());
   for (double t = 0.0; t < end - start; t += step) times.push_back(t);
   s.time_s = merged(std::move(times));
+  follow_jumps(s.time_s, edges, end - start);
   for (const double t : outputs) s.outputs.push_back(node_at(s.time_s, t));
 
   std::optional<ClearSkyFlux> air = clear_sky_of(scene);
@@ -135,11 +171,11 @@ Surroundings surroundings_of(const SceneFile& scene, int directions, double tole
     const double utc = std::min(start + t, end);
     heat::WeatherAt at;
     for (const heat::WeatherQuantity quantity : wanted)
-      at.value[static_cast<std::size_t>(quantity)] = value_at(weather, quantity, utc);
+      at.value[static_cast<std::size_t>(quantity)] = value_at(weather, quantity, utc, heat::Limit::before);
     const heat::SunPosition sun = sun_position(utc, scene.place);
     const double up = sun.direction[2];
     s.air_k.push_back(at[air_temperature]);
-    s.vapour_pa.push_back(evaporates(scene) ? at[vapour_pressure] : 0.0);
+    s.vapour_pa.push_back(at[vapour_pressure]);
     s.wind_m_s.push_back(std::max(at[wind_speed], 0.0));
     s.direct_w_m2.push_back(up > -10.0 * kOnHorizon ? std::max(at[direct_normal], 0.0) : 0.0);
     s.diffuse_w_m2.push_back(std::max(at[diffuse_horizontal], 0.0));

@@ -2,9 +2,10 @@
 #pragma once
 
 // What all surfaces of a scene share, as a table over time: air, wind, sun and sky. Between two nodes everything is a
-// straight line, and so is the direction to the sun (then made a unit vector again): nodes are at most 10 minutes
-// apart, within which the sun's path differs from the line by 1e-4 rad. Nodes stand at the nodes of the weather, at
-// the directions of the table of shadows, at outputs and at samples of schedules.
+// straight line but the direction to the sun, which turns about the earth's axis evenly: nodes are at most 10 minutes
+// apart, within which that is right to 1e-7 rad. Nodes stand at the nodes of the weather, at the directions of the
+// table of shadows, at outputs and at samples of schedules, and, closer and closer, after a jump of the sunlight: what
+// surfaces give off then goes with the root of the time.
 
 #include <vector>
 
@@ -13,15 +14,19 @@
 
 namespace apps::scene {
 
+/// Nodes that follow the last one sooner are those after jumps.
+inline constexpr double kUsualLag_s = 60.0;
+
 struct Surroundings {
   std::vector<double> time_s;  ///< from the start of the run, strictly rising
   std::vector<double> air_k, wind_m_s;
-  std::vector<double> vapour_pa;                  ///< where a material is wet; else 0
+  std::vector<double> vapour_pa;                  ///< where it is asked for; else 0
   std::vector<double> direct_w_m2;                ///< on a plane that faces the sun; 0 while the sun is down
   std::vector<double> diffuse_w_m2;               ///< on a horizontal plane, without the beam
   std::vector<double> global_w_m2;                ///< on a horizontal plane: direct cos z + diffuse
   std::vector<double> sky_longwave_w_m2;          ///< on a horizontal plane
   std::vector<radiometry::scene::Vector> to_sun;  ///< in the axes of the meshes
+  radiometry::scene::Vector pole{};               ///< of the earth's axis
   std::vector<std::size_t> outputs;               ///< nodes that are outputs, the start included
 
   /// The table of shadows: directions to the sun, and for the interval after each node the entry of the table that it
@@ -33,6 +38,8 @@ struct Surroundings {
   std::vector<std::string> warnings;
 
   std::size_t nodes() const { return time_s.size(); }
+  /// The direction to the sun at a share of the interval after a node.
+  radiometry::scene::Vector sun_between(std::size_t node, double share) const;
 };
 
 /// From the start of the run to its end, or to a day after the start where that is later: the first day is what the

@@ -179,16 +179,26 @@ Beam beam_at(const Surroundings& s, std::size_t node, double share) {
   Beam beam;
   const int entry = s.shadow_entry[node];
   if (entry < 0) return beam;
-  for (std::size_t axis = 0; axis < 3; ++axis)
-    beam.to_sun[axis] = s.to_sun[node][axis] + share * (s.to_sun[node + 1][axis] - s.to_sun[node][axis]);
-  const double size = geometry::length(beam.to_sun);
-  for (double& component : beam.to_sun) component /= size;
+  beam.to_sun = s.sun_between(node, share);
   beam.irradiance_w_m2 = between(s.direct_w_m2, {node, share});
   beam.entry = static_cast<std::size_t>(entry);
   const double begin = s.shadow_time_s[beam.entry], end = s.shadow_time_s[beam.entry + 1];
   const double time_s = s.time_s[node] + share * (s.time_s[node + 1] - s.time_s[node]);
   beam.share = std::clamp((time_s - begin) / (end - begin), 0.0, 1.0);
   return beam;
+}
+
+std::vector<geometry::SunCheck> sun_checks(const Surroundings& s) {
+  constexpr double kApart_s = 540.0;  // nodes are at most 600 s apart, directions usually 1200 s
+  std::vector<geometry::SunCheck> checks;
+  double last_s = -kApart_s;
+  for (std::size_t k = 0; k + 1 < s.nodes(); ++k) {
+    const Beam beam = beam_at(s, k, 0.5);
+    if (s.shadow_entry[k] < 0 || s.time_s[k] < last_s + kApart_s) continue;
+    last_s = s.time_s[k];
+    checks.push_back({beam.to_sun, beam.entry, beam.share});
+  }
+  return checks;
 }
 
 double direct_w_m2(const UnitSide& side, const geometry::SunVisibility& sun, const Beam& beam) {

@@ -25,6 +25,9 @@ struct Beam {
 /// At a share of the interval after a node.
 Beam beam_at(const Surroundings& surroundings, std::size_t node, double share);
 
+/// Moments between the directions of the table of shadows, to check it at.
+std::vector<radiometry::scene::SunCheck> sun_checks(const Surroundings& surroundings);
+
 /// What a side gets of the beam, W/m2.
 double direct_w_m2(const UnitSide& side, const radiometry::scene::SunVisibility& sun, const Beam& beam);
 

@@ -9,6 +9,7 @@
 
 #include "apps/scene/heat/sides.h"
 #include "apps/scene/heat/stopwatch.h"
+#include "apps/scene/heat/unit_flux.h"
 #include "apps/text/words.h"
 #include "mtf/error.h"
 #include "mtf/parallel.h"
@@ -261,7 +262,8 @@ Units units_of(const HeatScene& scene, const HeatOptions& options, double tolera
   std::iota(own.begin(), own.end(), 0U);
   const geometry::Views seen =
       views(scene.rays, single, patches_of_sides(facets, single, own), own.size(), view_options);
-  const geometry::SunOptions sun_options{.points = options.sun_points, .threads = options.threads};
+  const geometry::SunOptions sun_options{
+      .points = options.sun_points, .seed = options.sun_seed, .threads = options.threads};
   Units units;
   units.sun = sun_of(scene, all, seen, sun_options);
   units.rays_ms = watch.ms();
@@ -350,7 +352,7 @@ Units units_of(const HeatScene& scene, const HeatOptions& options, double tolera
   for (std::uint32_t i = 0; i < leaders.size(); ++i)
     if (scene.is_seen(leaders[i].facet)) asked_for.push_back(i);
   units.view_error = view_error(scene.rays, receivers, units.views, view_options, checked, asked_for);
-  units.sun_error = sun_error(scene.rays, all.sides, to_sun, units.sun, sun_options, checked);
+  units.sun_error = sun_error(scene.rays, all.sides, sun_checks(scene.surroundings), units.sun, sun_options, checked);
   units.error_ms = errors.ms();
   return units;
 }

@@ -44,7 +44,7 @@ struct Units {
   std::vector<std::uint32_t> patch_of_side;  ///< as radiometry/scene/views.h has it
   double bound_w_m2 = 0.0;                   ///< largest difference of absorbed flux between a facet and its unit
   radiometry::scene::ViewError view_error;   ///< shares, of units
-  radiometry::scene::TableError sun_error;   ///< shares of the direct normal irradiance, of facets
+  radiometry::scene::SunError sun_error;     ///< shares of the direct normal irradiance, of facets
   /// Facets that are asked for whose fronts lie inside other solids and see nothing else: one unit for each finish.
   std::vector<std::uint32_t> covered;
   double rays_ms = 0.0, classes_ms = 0.0, error_ms = 0.0;

@@ -9,6 +9,7 @@
 #include "apps/scene/render/picture_surroundings.h"
 #include "apps/text/words.h"
 #include "mtf/error.h"
+#include "radiometry/atmosphere/spectral_path.h"
 
 namespace apps::scene {
 namespace {
@@ -149,6 +150,14 @@ void PictureSource::temperatures(double utc_s, std::vector<float>& kelvin) {
 
 PictureScene read_picture_scene(const SceneFile& file, const PictureOptions& options) {
   return PictureSource(file, options).at();
+}
+
+void add_air_limits(const SceneFile& file, const radiometry::Interval& band, PictureScene& picture) {
+  if (!file.atmosphere || !picture.scene.air) return;  // that of a sensor file is said where it is read
+  for (const std::string& limit : radiometry::atmosphere::limits_of(*picture.scene.air, band))
+    if (const std::string text = "[atmosphere]: " + limit;
+        std::ranges::find(picture.warnings, text) == picture.warnings.end())
+      picture.warnings.push_back(text);
 }
 
 void require_above_ground(const PictureScene& picture, const radiometry::scene::Point& camera) {

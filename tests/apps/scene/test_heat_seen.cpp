@@ -134,9 +134,9 @@ TEST_F(HeatSeen, WhatIsSeenIsAsWarmAsInARunForAll) {
 TEST_F(HeatSeen, VerificationFindsWhatIsLeftOut) {
   const Outcome some = run(kSunny + camera("\"5 m\", \"-8 m\", \"1.5 m\""), trench(40),
                            {.tolerance_k = 0.1, .patches = 60, .seen = true, .verify = true});
-  ASSERT_TRUE(some.report.verified && some.report.verified->as_units && some.report.left_out);
+  ASSERT_TRUE(some.report.verified && some.report.left_out);
   const LeftOut& out = *some.report.left_out;
-  const RealisedError &same = *some.report.verified->as_units, &single = some.report.verified->by_itself;
+  const RealisedError &same = some.report.verified->as_units, &single = some.report.verified->by_itself;
   EXPECT_EQ(same.count, some.report.facets - out.facets);
   EXPECT_GT(same.largest_k, 0.0);
   EXPECT_GT(out.largest_k, 0.0);
@@ -169,8 +169,8 @@ TEST_F(HeatSeen, VerificationOfCoveredFacetsThatAreSeenByACorner) {
                            {.tolerance_k = 0.3, .patches = 30, .seen = true, .verify = true});
   EXPECT_GT(some.report.covered.size(), 10U);  // of the 28 outer ones, those that touch a facet that is seen
   EXPECT_LE(some.report.covered.size(), 28U);
-  ASSERT_TRUE(some.report.verified && some.report.verified->as_units);
-  EXPECT_LT(some.report.verified->by_itself.rms_k, 0.1);
+  ASSERT_TRUE(some.report.verified);
+  EXPECT_LT(some.report.verified->by_itself.rms_k, 0.3);  // of which shadows of four points a facet are most
 }
 
 TEST_F(HeatSeen, TheSameForEveryNumberOfThreads) {

@@ -86,6 +86,7 @@ TEST(AtmosphereRefusals, LinesOfSight) {
   refused(numbers(ToAltitude<double>{10e3, 91.0 * kDegree, 0.0}), "never gets to 0 m");
   refused(numbers(Horizontal<double>{0.0, -1.0}), "range of -1 m");
   refused(numbers(Horizontal<double>{0.0, std::nan("")}), "range");
+  refused(numbers(Horizontal<double>{0.0, 1e9}), "a quarter of the way around the earth");
   refused(numbers(ToSpace<double>{0.0, 4.0}), "zenith angle of 4 rad");
   refused(
       [] {

@@ -321,6 +321,43 @@ TEST(AtmosphereHaze, LosesAbsorptionAloneWhereScatteredLightStays) {
   EXPECT_EQ(scattering_depth(clear, Horizontal<double>{0.0, 1000.0}, {3.0, 5.0}), 0.0);
 }
 
+// A level where a line ends divides its last layer, no more: humid haze has the humidity of the way.
+TEST(AtmosphereLimits, ALineEndsWithinALayerAsAtALevel) {
+  for (const HazeKind kind : {HazeKind::rural, HazeKind::urban, HazeKind::maritime})
+    for (const ModelAtmosphere model : {ModelAtmosphere::tropical, ModelAtmosphere::mid_latitude_summer})
+      for (const double top_m : {300.0, 500.0, 1500.0}) {
+        const Air<double> air{.profile = model_profile(model), .haze = {.kind = kind, .visibility_m = 5e3}};
+        Air<double> divided = air;
+        auto& levels = divided.profile.levels;
+        levels.insert(std::ranges::find_if(levels, [&](const auto& level) { return level.altitude_m > top_m; }),
+                      level_at(air.profile, top_m));
+        const Sight<double> sight = Between<double>{0.0, top_m, 3000.0};
+        const auto whole = spectral_path(air, sight), parts = spectral_path(divided, sight);
+        for (std::size_t i = 0; i < whole.transmission.size(); ++i)
+          ASSERT_NEAR(whole.transmission[i], parts.transmission[i], 1.3e-3) << top_m << " " << whole.wavenumber_cm[i];
+      }
+}
+
+TEST(AtmosphereLimits, LinesAndFogBeyondTheirKindAreSaid) {
+  const Air<double> air{model_profile(ModelAtmosphere::us_standard_1976)};
+  const auto of_line = [&](double altitude_m, double range_m) {
+    return limits_of(air, {8.0, 12.0}, Horizontal<double>{altitude_m, range_m});
+  };
+  ASSERT_EQ(of_line(0.0, 500e3).size(), 1U);
+  EXPECT_EQ(of_line(0.0, 500e3)[0],
+            "a line of one altitude follows the curve of the earth; at 0 m one sees no farther than 0 km, and this one "
+            "is 500 km long");
+  EXPECT_TRUE(of_line(0.0, 50e3).empty());
+  EXPECT_TRUE(of_line(10e3, 500e3).empty());
+  EXPECT_FALSE(of_line(10e3, 1000e3).empty());
+  const auto of_fog = [&](double visibility_m) {
+    return limits_of({.profile = air.profile, .haze = {.kind = HazeKind::radiation_fog, .visibility_m = visibility_m}},
+                     {8.0, 12.0});
+  };
+  EXPECT_EQ(of_fog(500.0).size() + 1, of_fog(100e3).size());
+  EXPECT_NE(of_fog(100e3).back().find("a visibility of 100 km is that of haze"), std::string::npos);
+}
+
 TEST(AtmosphereLimits, AirBeyondWhatWasFittedIsSaid) {
   const auto said = [](const Air<double>& air, const std::string& part) {
     for (const std::string& text : limits_of(air, {8.0, 12.0}))

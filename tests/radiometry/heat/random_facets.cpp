@@ -158,9 +158,13 @@ RandomFacet random_wet_facet(std::uint32_t seed) {
   Random random{std::mt19937_64(seed + 1000000ULL)};
   RandomFacet facet = random_facet(seed);
   Construction& construction = facet.batch.construction;
+  if (std::holds_alternative<NoConvection>(construction.convection)) construction.convection = McAdams{};
   construction.wet_fraction = random.log_between(0.05, 1.0);
   construction.air_pressure_pa = random.between(6e4, 1.05e5);
-  if (auto* sheet = std::get_if<Sheet>(&construction.inside)) sheet->wet_fraction = random.between(0.0, 1.0);
+  if (auto* sheet = std::get_if<Sheet>(&construction.inside)) {
+    if (std::holds_alternative<NoConvection>(sheet->convection)) sheet->convection = McAdams{};
+    sheet->wet_fraction = random.between(0.0, 1.0);
+  }
   const double vapour_pa = random.log_between(100.0, 2000.0);
   facet.forcing = [dry = facet.forcing, vapour_pa](Instant at, std::size_t first, ForcingValues& values) {
     dry(at, first, values);

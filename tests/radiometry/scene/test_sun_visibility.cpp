@@ -81,6 +81,55 @@ TEST(SunVisibility, DoesNotDependOnThreadsAndInteriorsAreDark) {
       EXPECT_EQ(one.share(i, d), 0.0);
 }
 
+/// Halfway between the directions, and at them.
+std::vector<SunCheck> checks_of(const std::vector<Vector>& to_sun) {
+  std::vector<SunCheck> checks;
+  for (std::size_t d = 0; d + 1 < to_sun.size(); ++d) {
+    checks.push_back({unit(to_sun[d]), d, 0.0});
+    checks.push_back({unit(unit(to_sun[d]) + unit(to_sun[d + 1])), d, 0.5});
+  }
+  return checks;
+}
+
+// A wall at the edge of the plane that the sun rises from: what the sun does to the wall is its cosine, and no shadow.
+TEST(SunVisibility, ASideIsNoShadowOfItself) {
+  Mesh mesh = test::empty_mesh();
+  test::add_plate(mesh, {0, 0, 0}, {0, 1, 0}, {0, 0, 1});   // faces east, nothing before it
+  test::add_plate(mesh, {10, 0, 0}, {0, 1, 0}, {0, 0, 1});  // the same, behind a wall that stands across its plane
+  test::add_plate(mesh, {9, 2, 0}, {2, 0, 0}, {0, 0, 5});
+  const Rays rays(test::facets(mesh));
+  std::vector<Vector> to_sun;
+  for (int h = 0; h <= 12; ++h) {
+    const double azimuth = (124.0 - 10.0 * h) * 3.14159265358979 / 180.0;  // 90: north; the plane of the walls
+    to_sun.push_back({std::cos(azimuth), std::sin(azimuth), 0.3});
+  }
+  const SunVisibility sun = sun_visibility(rays, std::vector<Side>{{0}, {1}}, to_sun);
+  const double normal = rays.facets().facet[0].normal[0];
+  ASSERT_NEAR(std::abs(normal), 1.0, 1e-12);
+  ASSERT_LT(normal * to_sun[3][0], 0.0);  // 4 degrees behind the side, the next 6 before it
+  for (std::size_t d = 0; d < to_sun.size(); ++d) EXPECT_EQ(sun.share(0, d), d < 3 ? 0.0 : 1.0) << d;
+  EXPECT_LT(sun.share(1, 4), 1.0);
+  EXPECT_EQ(sun.share(1, 3), sun.share(1, 4));
+}
+
+// A roof whose plane the sun just reaches at noon: in no direction of the list is it before the roof.
+TEST(SunVisibility, ASunThatTouchesThePlaneIsNotShaded) {
+  const double roof = 0.7, sun_height = roof - 0.0005;  // rad
+  Mesh mesh = test::empty_mesh();
+  test::add_plate(mesh, {0, 0, 0}, {1, 0, 0}, {0, -std::cos(roof), std::sin(roof)});
+  const Rays rays(test::facets(mesh));
+  std::vector<Vector> to_sun;
+  for (const double east : {-0.06, 0.06}) {
+    const double rest = std::sqrt(1.0 - east * east);
+    to_sun.push_back({east, -rest * std::cos(sun_height), rest * std::sin(sun_height)});
+  }
+  const Side upper{0, rays.facets().facet[0].normal[2] < 0.0};
+  const double behind = (upper.back ? -1.0 : 1.0) * dot(rays.facets().facet[0].normal, to_sun[0]);
+  ASSERT_NEAR(behind, -0.0005, 1e-5);
+  const SunVisibility sun = sun_visibility(rays, std::vector<Side>{upper}, to_sun);
+  EXPECT_EQ(sun.lit, (std::vector<std::uint8_t>{4, 4}));
+}
+
 TEST(SunVisibility, StatedError) {
   const Rays rays(test::facets(plate_over_ground()));
   const std::vector<Side> sides = fronts(rays.facets());
@@ -89,7 +138,8 @@ TEST(SunVisibility, StatedError) {
   for (int h = 20; h < 110; ++h) fine.push_back({std::cos(h * 0.026), -0.3, std::sin(h * 0.026)});
   const auto error = [&](const std::vector<Vector>& to_sun, int points) {
     const SunOptions options{.points = points};
-    return sun_error(rays, sides, to_sun, sun_visibility(rays, sides, to_sun, options), options);
+    return sun_error(rays, sides, checks_of(to_sun), sun_visibility(rays, sides, to_sun, options), options)
+        .of_directions;
   };
   // More directions and more points each lower it.
   EXPECT_EQ(error(fine, 4).count, 401U);
@@ -98,7 +148,7 @@ TEST(SunVisibility, StatedError) {
   EXPECT_LE(error(fine, 16).percentile_95, error(coarse, 16).percentile_95);
   const std::vector<Side> top{{400, false}};
   const SunVisibility open = sun_visibility(rays, top, fine);
-  EXPECT_EQ(sun_error(rays, top, fine, open, {}).rms, 0.0);
+  EXPECT_EQ(sun_error(rays, top, checks_of(fine), open, {}).of_sides.rms, 0.0);
 }
 
 TEST(SunVisibility, Refusals) {

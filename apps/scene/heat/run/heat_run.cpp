@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/scene/heat/run/heat_run.h"
 
+#include "apps/scene/heat/limits.h"
 #include "apps/scene/heat/run/verify_heat.h"
 
 namespace apps::scene {
@@ -19,13 +20,16 @@ HeatReport run_heat(const HeatScene& scene, const HeatOptions& options, const He
   report.timing_ms.emplace_back("table errors", units.error_ms);
 
   KeptOutputs kept;
+  SurfaceLimits limits(scene);
   UnitsRun solved = solve_units(
       scene, units, options,
       [&](const HeatOutput& at) {
         if (options.verify) kept.keep(at);
+        limits.see(at);
         output(at);
       },
       progress);
+  for (std::string& text : limits.texts()) report.warnings.push_back(std::move(text));
   report.timing_ms.emplace_back("heat", solved.ms);
   report.promised = solved.promised;
   report.materials = solved.materials;

@@ -28,7 +28,7 @@ struct HeatReport {
   std::vector<std::uint32_t> covered;  ///< facets that lie inside other solids and see nothing else
   int iterations = 0;                  ///< the most of any window
   radiometry::scene::ViewError view_error;
-  radiometry::scene::TableError sun_error;
+  radiometry::scene::SunError sun_error;
   ViewSpread view_spread;                ///< facets against their units, in the first day
   std::optional<Verification> verified;  ///< where the options ask for it and the run went to its end
   std::optional<Checkpoint> checkpoint;  ///< after an interrupt: what HeatOptions::from continues

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "apps/scene/heat/sides.h"
 #include "apps/scene/heat/stopwatch.h"
 
 namespace apps::scene {
@@ -11,6 +12,7 @@ namespace {
 
 constexpr double kFiner = 0.1;
 constexpr double kKeptAbove_k = 300.0;
+constexpr int kMoreSun = 4, kLeastDirections = 144;  // in 12 h of daylight: every 5 minutes
 
 /// Largest errors of facets and the sum of squares, output by output.
 class Comparison {
@@ -62,6 +64,11 @@ class Comparison {
   RealisedError error_;
 };
 
+struct SunTable {
+  const radiometry::scene::SunVisibility* sun;
+  const std::vector<radiometry::scene::Vector>* to_sun;
+};
+
 /// Nothing when the run was ended before its last output.
 std::optional<RealisedError> realised(const HeatScene& scene, const Units& units, const HeatOptions& options,
                                       const KeptOutputs& kept, const std::string& step, const HeatProgress& progress) {
@@ -71,6 +78,34 @@ std::optional<RealisedError> realised(const HeatScene& scene, const Units& units
       [&](const std::string&, double share) { progress(step, share); });
   if (comparison.outputs() < scene.surroundings.outputs.size()) return std::nullopt;
   return comparison.result(truth.promised.total_k());
+}
+
+/// Whether a side ever is in the sun, and nothing shades it then.
+bool is_open(const SunTable& table, std::size_t row, const radiometry::scene::Vector& normal) {
+  bool faces = false;
+  for (std::size_t d = 0; d < table.to_sun->size(); ++d) {
+    if (radiometry::scene::dot(normal, (*table.to_sun)[d]) <= 0.0) continue;
+    faces = true;
+    if (table.sun->lit[row * table.sun->directions + d] < table.sun->points) return false;
+  }
+  return faces;
+}
+
+/// Units whose sides that nothing shades need no table.
+Units with_open_sides(const HeatScene& scene, const Units& units, const HeatScene& apart, const Units& traced) {
+  Units open = units;
+  const SunTable table{&units.sun, &scene.surroundings.shadow_to_sun},
+      own{&traced.sun, &apart.surroundings.shadow_to_sun};
+  const std::vector<radiometry::scene::Side> sides = sides_of(scene).sides;
+  for (std::size_t row = 0; row < sides.size(); ++row) {
+    radiometry::scene::Vector normal = scene.facets().facet[sides[row].facet].normal;
+    if (sides[row].back)
+      for (double& component : normal) component = -component;
+    if (is_open(table, row, normal) && is_open(own, row, normal))
+      std::fill_n(open.sun.lit.begin() + static_cast<std::ptrdiff_t>(row * units.sun.directions), units.sun.directions,
+                  static_cast<std::uint8_t>(units.sun.points));
+  }
+  return open;
 }
 
 }  // namespace
@@ -88,20 +123,20 @@ std::optional<Verification> verify_heat(const HeatScene& scene, const Units& uni
   finer.keep = {};
   finer.seen = false;                                      // what is left out of the run is solved here
   const HeatScene fine = prepare_heat(scene.file, finer);  // the same facets, more nodes
-  Verification verification;
-  if (!options.every_facet) {
-    verification.as_units = realised(fine, units, finer, kept, "verification: classes", progress);
-    if (!verification.as_units) return std::nullopt;
-    finer.every_facet = true;
-  }
+  HeatOptions own = finer;
+  own.directions = std::max(kMoreSun * options.directions, kLeastDirections);
+  own.sun_points = std::min(kMoreSun * options.sun_points, 255);
+  own.sun_seed = options.sun_seed + 1;
+  own.every_facet = true;
+  const HeatScene apart = prepare_heat(scene.file, own);
   progress("verification: rays", 0.0);
-  const Units single = options.every_facet ? Units() : units_of(fine, finer, 0.0, &units);
-  const std::optional<RealisedError> by_itself =
-      realised(fine, options.every_facet ? units : single, finer, kept, "verification: facets", progress);
+  const Units single = units_of(apart, own, 0.0, &units);
+  const auto as_units =
+      realised(fine, with_open_sides(fine, units, apart, single), finer, kept, "verification: classes", progress);
+  if (!as_units) return std::nullopt;
+  const auto by_itself = realised(apart, single, own, kept, "verification: facets", progress);
   if (!by_itself) return std::nullopt;
-  verification.by_itself = *by_itself;
-  verification.ms = watch.ms();
-  return verification;
+  return Verification{*as_units, *by_itself, watch.ms()};
 }
 
 }  // namespace apps::scene

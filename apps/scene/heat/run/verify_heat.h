@@ -2,12 +2,15 @@
 #pragma once
 
 // The realised error of a run: its temperatures against those of runs at a tenth of the tolerance, with the nodes that
-// this tolerance asks for, and the same rays and patches, so that tables of shadows, views and exchange are the same.
-//   as units     the same units: steps, cells, depth, the iteration of the exchange and its parabolas, all of which the
-//                promise is about
-//   by itself    every facet a unit: merging too, and with it what facets of a unit see differently, which is measured
-//                beside the promise (view_spread.h)
-
+// this tolerance asks for, the same patches and the same rays to other surfaces. The sun is traced anew, from other
+// points of the facets, four times as many, and at least every few minutes:
+//   as units     the same units: steps, cells, depth, the start, the iteration of the exchange and its parabolas, all
+//   of
+//                which the promise is about. Sides that nothing ever shades are in the sun whenever it is before them,
+//                whatever the table of shadows says of them; others keep their table
+//   by itself    every facet a unit, in the sun as it was traced anew: what merging and the table of shadows do too,
+//                which is measured beside the promise (view_spread.h, table_error.h)
+//
 // Where only what the camera sees is asked for, both solve the whole scene, the second one with all rays of what is not
 // seen, and what is seen is compared.
 
@@ -31,11 +34,9 @@ struct RealisedError {
 };
 
 struct Verification {
-  std::optional<RealisedError> as_units;  ///< none where every facet is a unit anyhow
+  RealisedError as_units;  ///< what the promise is about
   RealisedError by_itself;
   double ms = 0.0;
-  /// What the promise is about.
-  const RealisedError& of_promise() const { return as_units ? *as_units : by_itself; }
 };
 
 /// Temperatures of a run, kept to be compared: single precision about 300 K, which is 2e-5 K at 600 K.
