@@ -230,9 +230,7 @@ Relaxed HeatBatches::solve(const Window& window, bool first, double tolerance_k,
     run_again(places, steps);
     of_round.push_back(light_.longwave);
   }
-  relaxed.error_k += (parabola_error(patch, light_.longwave, solved_receivers_) +
-                      parabola_error(patch, light_.solar, solved_receivers_)) /
-                     loss_w_m2_k;
+  relaxed.error_k += parabola_error(patch, light_, solved_receivers_) / loss_w_m2_k;
   for (Batch& batch : batches_) {
     batch.all.begin = std::move(batch.all.end);
     batch.sample.begin = std::move(batch.sample.end);

@@ -274,31 +274,43 @@ double largest_change(const PatchScene& scene, const PatchTable& before, const P
   return all.empty() ? 0.0 : *std::max_element(all.begin(), all.end());
 }
 
-double parabola_error(const PatchScene& scene, const PatchTable& table, std::span<const std::uint32_t> receivers) {
-  constexpr double kOff = 4.0 / 124.7;  // of the change of the second difference
-  const std::size_t intervals = table.moments / 2;
-  if (intervals < 3) return 0.0;
-  const auto error_at = [&](std::size_t place, std::vector<float>& series) {
+double parabola_error(const PatchScene& scene, const PatchLight& light, std::span<const std::uint32_t> receivers) {
+  constexpr double kOff = 1.0 / 124.7;
+  const double* time_s = scene.surroundings->time_s.data() + light.first;
+  const auto error_at = [&](const PatchTable& table, std::size_t place, std::vector<float>& series) {
     const std::size_t receiver = receivers[place];
     table.irradiance(*scene.units, receiver, series);
     const double share = PatchTable::share(*scene.units, receiver);
-    const auto second = [&](std::size_t i) {
-      const auto value = [&](std::size_t m) {
-        return share * table.reference_w_m2[m] + static_cast<double>(series[m]);
-      };
-      return value(2 * i) - 2.0 * value(2 * i + 1) + value(2 * i + 2);
-    };
-    double most = 0.0, before = std::numeric_limits<double>::infinity(), last = second(0);
-    for (std::size_t i = 1; i < intervals; ++i) {
-      const double here = second(i), change = std::abs(here - last);
-      most = std::max(most, std::min(before, change));
-      before = change;
-      last = here;
+    const auto value = [&](std::size_t m) { return share * table.reference_w_m2[m] + static_cast<double>(series[m]); };
+    // Of the interval before, which has no length at the begin and after a jump.
+    double length = 0.0, curvature = 0.0, before = std::numeric_limits<double>::infinity(), most = 0.0;
+    for (std::size_t i = 0; i < table.moments / 2; ++i) {
+      if (is_jump(time_s[i], time_s[i + 1])) {
+        length = 0.0;
+        before = std::numeric_limits<double>::infinity();
+        continue;
+      }
+      const double h = time_s[i + 1] - time_s[i];
+      const double here = 4.0 / (h * h) * (value(2 * i) - 2.0 * value(2 * i + 1) + value(2 * i + 2));
+      if (length > 0.0) {
+        const double third = 2.0 * std::abs(here - curvature) / (h + length);
+        const double error = kOff * third * h * length * std::sqrt(h * length);
+        most = std::max(most, std::min(before, error));
+        before = error;
+      }
+      length = h;
+      curvature = here;
     }
-    return kOff * most;
+    return most;
   };
-  const std::vector<double> errors = of_each(receivers.size(), scene.threads, error_at);
-  return errors.empty() ? 0.0 : *std::max_element(errors.begin(), errors.end());
+  double sum = 0.0;
+  for (const PatchTable* table : {&light.longwave, &light.solar}) {
+    const std::vector<double> errors =
+        of_each(receivers.size(), scene.threads,
+                [&](std::size_t place, std::vector<float>& series) { return error_at(*table, place, series); });
+    sum += errors.empty() ? 0.0 : *std::max_element(errors.begin(), errors.end());
+  }
+  return sum;
 }
 
 }  // namespace apps::scene

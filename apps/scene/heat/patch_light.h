@@ -74,10 +74,10 @@ std::vector<double> changes(const PatchScene& scene, const PatchTable& before, c
 double largest_change(const PatchScene& scene, const PatchTable& before, const PatchTable& after,
                       std::span<const std::uint32_t> receivers);
 
-/// What parabolas through the moments of each interval are off by: from the change of the second difference from
+/// What parabolas through the moments of each interval are off by: from the change of the second derivative from
 /// interval to interval, the smaller one at both ends, since a bend at a node is no error. A cubic with the third
-/// derivative f''' is off by at most f''' h^3 / (72 sqrt(3)), and its second differences change by f''' h^3 / 4.
-/// The largest of some receivers.
-double parabola_error(const PatchScene& scene, const PatchTable& table, std::span<const std::uint32_t> receivers);
+/// derivative f''' is off by at most f''' h^3 / (72 sqrt(3)). Jumps of the light, which last a second, are left out.
+/// The largest of some receivers, for both tables.
+double parabola_error(const PatchScene& scene, const PatchLight& light, std::span<const std::uint32_t> receivers);
 
 }  // namespace apps::scene

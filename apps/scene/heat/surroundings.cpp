@@ -18,7 +18,7 @@ namespace heat = radiometry::heat;
 constexpr double kLongestStep_s = 600.0, kShortestStep_s = 60.0;
 constexpr double kOnHorizon = 1e-6;
 constexpr double kSame_s = 1e-3;  // times closer than this are one node
-constexpr double kJump_s = 1.0;   // a jump of the weather is a line that is so long
+constexpr double kJump_s = 1.0;   // a jump of the light is a line that is so long
 
 /// Rising, without doubles.
 std::vector<double> merged(std::vector<double> times) {
@@ -29,14 +29,12 @@ std::vector<double> merged(std::vector<double> times) {
   return kept;
 }
 
-/// Adds times after jumps: of the weather, which are lines of a few seconds, and of the beam at sunrise and sunset.
-/// What follows a jump at once is not resolved: records of a minute have their own nodes.
-void follow_jumps(std::vector<double>& times, std::vector<double> jumps, double end) {
-  constexpr double kLongestJump_s = 5.0;
+/// Adds times after jumps. What follows a jump at once is not resolved: records of a minute have their own nodes.
+void follow_jumps(std::vector<double>& times, double end) {
   constexpr std::array kAfter_s{10.0, 40.0, 150.0};
+  std::vector<double> jumps;
   for (std::size_t k = 1; k < times.size(); ++k)
-    if (times[k] - times[k - 1] < kLongestJump_s) jumps.push_back(times[k]);
-  jumps = merged(std::move(jumps));
+    if (is_jump(times[k - 1], times[k])) jumps.push_back(times[k]);
   jumps.push_back(end);
   for (std::size_t i = 0; i + 1 < jumps.size(); ++i)
     for (const double after : kAfter_s)
@@ -141,9 +139,11 @@ Surroundings surroundings_of(const SceneFile& scene, int directions, double tole
   s.pole = heat::in_scene_axes({0.0, std::cos(scene.place.latitude_rad), std::sin(scene.place.latitude_rad)},
                                scene.north_rad);
   std::vector<double> times{0.0, end - start};
-  std::vector<double> edges;  // of daylight
-  for (const heat::SunCrossing& crossing : sun_crossings(scene.place, start, end))
-    edges.push_back(crossing.utc_s - start);
+  // The beam jumps where the sun rises and sets, and is there at that time itself.
+  for (const heat::SunCrossing& crossing : sun_crossings(scene.place, start, end)) {
+    const double dark = crossing.utc_s - start + (crossing.rises ? -kJump_s : kJump_s);
+    if (dark > 0.0 && dark < end - start) times.push_back(dark);
+  }
   // The exchange between surfaces is a parabola between nodes, whose error goes with the cube of their distance.
   const double step = std::clamp(kLongestStep_s * std::cbrt(10.0 * tolerance_k), kShortestStep_s, kLongestStep_s);
   for (const heat::SunAt& at : shadow_directions(scene.place, start, end, directions)) {
@@ -163,7 +163,7 @@ Surroundings surroundings_of(const SceneFile& scene, int directions, double tole
   times.insert(times.end(), outputs.begin(), outputs.end());
   for (double t = 0.0; t < end - start; t += step) times.push_back(t);
   s.time_s = merged(std::move(times));
-  follow_jumps(s.time_s, edges, end - start);
+  follow_jumps(s.time_s, end - start);
   for (const double t : outputs) s.outputs.push_back(node_at(s.time_s, t));
 
   std::optional<ClearSkyFlux> air = clear_sky_of(scene);

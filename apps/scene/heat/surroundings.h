@@ -17,6 +17,9 @@ namespace apps::scene {
 /// Nodes that follow the last one sooner are those after jumps.
 inline constexpr double kUsualLag_s = 60.0;
 
+/// Nodes that are so near to each other have a jump of the light between them.
+constexpr bool is_jump(double begin_s, double end_s) { return end_s - begin_s < 5.0; }
+
 struct Surroundings {
   std::vector<double> time_s;  ///< from the start of the run, strictly rising
   std::vector<double> air_k, wind_m_s;

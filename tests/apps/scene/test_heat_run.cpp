@@ -82,6 +82,26 @@ TEST_F(HeatRun, RealisedErrorsAreBelowThePromise) {
   }
 }
 
+// The beam of constant weather jumps where the sun rises: so does what a wall that faces it sends to a foil beside it,
+// which is as warm as its light within seconds. A parabola across the jump would be off for minutes.
+TEST_F(HeatRun, ExchangeFollowsALightThatJumps) {
+  const std::string foil =
+      "[[material]]\nname = \"foil\"\nsolar_absorptance = 0.5\nemissivity = 0.9\nconvection = \"mcadams\"\nlayers = [{ "
+      "conductivity = \"200 W/m/K\", density = \"2700 kg/m3\", heat_capacity = \"900 J/kg/K\", thickness = \"0.1 mm\" "
+      "}]\n";
+  const std::string wall = "g wall\nv 0 0 0\nv 0 1 0\nv 0 1 1\nv 0 0 1\nf 5 6 7 8\n";
+  for (const double tolerance_k : {0.3, 0.03}) {
+    const Outcome ours =
+        run(kDay + weather(280.0, 3.0, 800.0, 80.0, 280.0) + kSky + foil + kMesh + region("", "material = \"foil\""),
+            plate(0.0) + wall, {.tolerance_k = tolerance_k, .verify = tolerance_k > 0.1});
+    EXPECT_LE(ours.report.promised.total_k(), tolerance_k);
+    EXPECT_LE(ours.report.promised.feedback * ours.report.promised.exchange_k, 0.3 * tolerance_k);
+    if (ours.report.verified) {
+      EXPECT_LE(ours.report.verified->as_units.largest_k, ours.report.promised.total_k());
+    }
+  }
+}
+
 // The realised error is that against runs of tighter tolerances made here, one with the same units, one without.
 TEST_F(HeatRun, VerificationFindsTheRealisedError) {
   std::string obj = "g plate\n";
