@@ -50,9 +50,10 @@ TEST_F(HeatLimits, WetSurfacesBeyondTheFormulaOfSaturation) {
                 "evaporation");
   };
   const std::string cold = wet(262.0, 0.0);
-  EXPECT_EQ(cold.find("evaporation: region 'plates', facet 0: the surface temperature is outside of 273.15 K ... 333.15 "
-                      "K, first at 2016-03-20T00:00:00Z, and comes to 26"),
-            0U)
+  EXPECT_EQ(
+      cold.find("evaporation: region 'plates', facet 0: the surface temperature is outside of 273.15 K ... 333.15 "
+                "K, first at 2016-03-20T00:00:00Z, and comes to 26"),
+      0U)
       << cold;
   EXPECT_NE(wet(310.0, 1000.0).find("above 60 degC"), std::string::npos);
   EXPECT_EQ(wet(288.0, 0.0), "");

@@ -70,7 +70,7 @@ TEST(HeatOracle, WetFacetsKeepTheirPromise) { expect_promises(1, 1, 10, random_w
 TEST(HeatOracle, FacetsThatGenerateHeatKeepTheirPromise) { expect_promises(1, 1, 10, random_heated_facet); }
 
 // Where the wind falls to 0 the film of tarp, its root, has no slope.
-TEST(HeatOracle, FacetsThatAreBecalmedKeepTheirPromise) { expect_promises(1, 1, 12, random_calm_facet); }
+TEST(HeatOracle, FacetsThatAreBecalmedKeepTheirPromise) { expect_promises(6, 1, 3, random_calm_facet); }
 
 TEST(HeatOracleLong, TwoHundredRandomFacetsKeepTheirPromise) { expect_promises(1, 1, 200); }
 

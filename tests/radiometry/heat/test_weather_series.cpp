@@ -173,6 +173,17 @@ TEST(WeatherSeries, RecordsThatAreLeftOutAreGaps) {
   }
 }
 
+TEST(WeatherSeries, OfConstantSunlightTheGlobalOneIsNotUsed) {
+  Weather weather = hourly(Stamp::instant, {288.0});
+  weather[direct_normal] = {800.0};
+  weather[diffuse_horizontal] = {80.0};
+  EXPECT_TRUE(make_series(weather, kAlamosa).warnings.empty());
+  weather[global_horizontal] = {100.0};
+  const auto series = make_series(weather, kAlamosa);
+  ASSERT_EQ(series.warnings.size(), 1u);
+  EXPECT_TRUE(has(series.warnings[0], "global_horizontal is not used")) << series.warnings[0];
+}
+
 TEST(WeatherSeries, ConstantWeatherHasNoTime) {
   const auto series = make_series(hourly(Stamp::instant, {288.0}), kAlamosa);
   EXPECT_TRUE(series.constant());
