@@ -8,9 +8,8 @@
 // 2. About it the balance is linear: the deviation of the forcing from the mean, as a Fourier series, is multiplied by
 //      1 / (h + 4 epsilon sigma T^3 + Y(omega)),
 //    Y the admittance of the construction below the surface, by elimination on the same grid.
-// 3. Days are run with the full balance. The state is off by (1 - M)^-1 r, r what a day changes and M what is left
-// after
-//    a day of a small change: for a slow body many times r, the days of its time constant. Newton's step takes
+// 3. Days are run with the full balance. The state is off by (1 - M)^-1 r, r what a day changes and M what is left of
+//    a small change after a day: for a slow body many times r, the days of its time constant. Newton's step takes
 //    M = exp(-A P), A the linear system of the mean slopes and P the period, with the approximation
 //    1 / (1 - exp(-x)) = 1 + 2 / (x (x + 2)): exact for slow and fast modes, within 9 % between. Slopes that change
 //    over the day, by the wind and with the temperature, leave a few per cent more, up to half where the wind changes

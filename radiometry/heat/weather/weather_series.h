@@ -51,7 +51,7 @@ struct WeatherSeries {
   /// Rising; a time stands twice where values jump, before and after it. One alone: constant weather.
   std::vector<double> node_s;
   std::array<std::vector<double>, kQuantities> value;  ///< at the nodes; empty: absent; NaN inside of gaps
-                                                       /// Before and after, instants beside means hold.
+  /// Instants beside means: their first and last time, before and after which they hold.
   double first_stamp_s = -std::numeric_limits<double>::infinity(),
          last_stamp_s = std::numeric_limits<double>::infinity();
   std::vector<WeatherGap> gaps;       ///< by quantity and time

@@ -4,9 +4,8 @@
 // The realised error of a run: its temperatures against those of runs at a tenth of the tolerance, with the nodes that
 // this tolerance asks for, the same patches and the same rays to other surfaces. The sun is traced anew, from other
 // points of the facets, four times as many, and at least every few minutes:
-//   as units     the same units: steps, cells, depth, the start, the iteration of the exchange and its parabolas, all
-//   of
-//                which the promise is about. Sides that nothing ever shades are in the sun whenever it is before them,
+//   as units     the same units: steps, cells, depth, the start, the iteration of the exchange and its parabolas, which
+//                the promise is about. Sides that nothing ever shades are in the sun whenever it is before them,
 //                whatever the table of shadows says of them; others keep their table
 //   by itself    every facet a unit, in the sun as it was traced anew: what merging and the table of shadows do too,
 //                which is measured beside the promise (view_spread.h, table_error.h)
