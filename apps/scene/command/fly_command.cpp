@@ -293,10 +293,10 @@ int run_fly(const FlyCommandOptions& options, const Global& global) {
       if (writing.valid()) values.take(writing.get());
       rethrow(course, number, done);
     }
-    for (const std::string& warning : frame.warnings)
-      if (said.insert(warning.substr(0, warning.find(';')))
-              .second)  // a rule; what breaks it changes from frame to frame
-        note(global, "warning: frame " + std::to_string(number) + ": " + warning);
+    for (const std::string& warning : frame.warnings) {
+      const std::string rule = warning.substr(0, warning.find(';'));  // what breaks it changes from frame to frame
+      if (said.insert(rule).second) note(global, "warning: frame " + std::to_string(number) + ": " + warning);
+    }
     const Stopwatch waiting;
     if (writing.valid()) values.take(writing.get());
     scale = flight.integer_range();
