@@ -37,7 +37,7 @@ RULES = [
     (r"httplib\.h$", r"apps/live/server\.cpp$", "cpp-httplib is private to apps/live/server.cpp"),
     (r"embree3/", r"radiometry/scene/|tests/radiometry/scene/", "Embree is private to radiometry/scene"),
     (r"erfa\.h$", r"radiometry/heat/weather/", "ERFA is private to radiometry/heat/weather"),
-    (r"assimp/", r"apps/scene/import/", "Assimp is private to the import process of apps/scene"),
+    (r"draco/", r"apps/scene/import/", "Draco is private to the import process of apps/scene"),
     (r"(sundials|cvode|nvector|sunmatrix|sunlinsol)/", r"tests/", "SUNDIALS is the oracle of tests"),
     (r"mtf/components/all\.h$", r"mtf/component_impl\.h$|tests/", "all.h is for mtf/component_impl.h and tests"),
 ]

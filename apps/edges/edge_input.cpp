@@ -86,9 +86,27 @@ std::vector<NamedImage> mosaic_planes(std::vector<NamedImage>&& planes, const st
   return colours;
 }
 
-void hide_masked(const std::string& file, const std::string& image, std::vector<NamedImage>& planes) {
+/// Pixels of the display window that an OpenEXR does not hold are no data: zeros would make a perfect edge with the
+/// others.
+void hide_missing(mtf::io::ImageFile& file) {
+  if (file.missing_pixels == 0) return;
+  const auto [left, top, right, bottom] = file.info.data_window;
+  for (Image& plane : file.planes)
+    for (std::int64_t y = 0; y < plane.height(); ++y)
+      for (std::int64_t x = 0; x < plane.width(); ++x)
+        if (const std::int64_t u = x + file.info.display_window[0], v = y + file.info.display_window[1];
+            u < left || u > right || v < top || v > bottom)
+          plane.at(x, y) = std::numeric_limits<float>::quiet_NaN();
+  file.info.notes.push_back(std::to_string(file.missing_pixels) +
+                            " pixels lie outside the data window and are taken as no data");
+}
+
+/// Adds to `notes` what the file of the mask holds beside it.
+void hide_masked(const std::string& file, const std::string& image, std::vector<NamedImage>& planes,
+                 std::vector<std::string>& notes) {
   if (file.empty()) return;
   const mtf::io::ImageFile mask = mtf::io::read_image(file);
+  for (const std::string& note : mask.info.notes) notes.push_back(one_line(file) + ": " + one_line(note));
   for (NamedImage& plane : planes) {
     try {
       calib::apply_mask(plane.plane.view(), mask.planes.front().view());
@@ -212,12 +230,18 @@ std::vector<EdgePlane> edge_planes_of(mtf::io::ImageFile file, const std::string
                                       Regions regions) {
   const mtf::io::ChosenEncoding chosen = encoding_of(file.info, input);
   const mtf::io::Encoding& encoding = chosen.encoding;
+  hide_missing(file);
   std::int64_t outside = 0;
   for (Image& plane : file.planes) outside += mtf::io::decode(encoding, plane.view(), mtf::io::full_scale(file.info));
 
   const std::array<double, 2> scale = linear_scale(file, encoding);
   std::vector<NamedImage> planes = mosaic_planes(chosen_planes(file, scale[1], image, input), image, input);
-  hide_masked(input.mask, image, planes);
+  std::vector<std::string> notes{curve_note(image, file.info, input), jpeg_note(image, file.info)};
+  for (const std::string& note : file.info.notes) notes.push_back(one_line(image) + ": " + one_line(note));
+  if (const std::string aspect = mtf::io::aspect_note(file.info); !aspect.empty())
+    notes.push_back(one_line(image) + ": " + aspect + ": frequencies and angles are those of a grid of squares");
+  hide_masked(input.mask, image, planes, notes);
+  std::erase(notes, "");
   std::vector<EdgePlane> result;
   for (NamedImage& named : planes) {
     EdgePlane& plane = result.emplace_back();
@@ -232,9 +256,7 @@ std::vector<EdgePlane> edge_planes_of(mtf::io::ImageFile file, const std::string
     plane.options = options_of(file, encoding, scale, input, named.plane);
     plane.options.sparse = !input.bayer.empty() || !input.mask.empty();
     plane.linearisation = linearisation_of(file, chosen, plane.options, input);
-    if (result.size() == 1)
-      for (const std::string& note : std::array{curve_note(image, file.info, input), jpeg_note(image, file.info)})
-        if (!note.empty()) plane.notes.push_back(note);
+    if (result.size() == 1) plane.notes = notes;
     if (regions == Regions::wanted && plane.regions.empty()) {
       const calib::FindOptions find{
           .most = static_cast<std::size_t>(input.most), .min_length_px = input.min_length_px, .min_cnr = input.min_cnr};

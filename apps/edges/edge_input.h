@@ -41,8 +41,8 @@ struct EdgePlane {
   std::optional<std::array<double, 2>> stated_pitch_um{};  ///< along x and y, of the file; absent: it states none
   std::vector<EdgeRegion> regions;                         ///< given or found; empty: `reason`
   std::string reason;
-  std::string warning;             ///< "" = none
-  std::vector<std::string> notes;  ///< which curve that the file states was undone, and which edges are left out
+  std::string warning;                      ///< "" = none
+  std::vector<std::string> notes;           ///< what the file states and holds beside it, and which edges are left out
   std::size_t left_out = 0, not_tried = 0;  ///< of the edges that were found (calib/find/find_edges.h)
   calib::MeasureOptions options;            ///< noise, quantum and clipping of these values
   Linearisation linearisation;

@@ -10,6 +10,8 @@
 #endif
 #include "mtf/error.h"
 #include "mtf/io/channel_choice.h"
+#include "mtf/io/exr/spectral_exr.h"
+#include "mtf/io/scene.h"
 
 namespace apps {
 namespace {
@@ -26,6 +28,11 @@ bool is_float(const ChannelInfo& channel) {
   return type.ends_with("half") || type.ends_with("float") || type.ends_with("double");
 }
 
+bool is_radiance(const ChannelInfo& channel) {
+  const auto spectral = mtf::io::parse_spectral_channel(channel.name);
+  return spectral && spectral->kind == mtf::io::SpectralChannel::Kind::stokes;
+}
+
 std::string meaning(const FileInfo& info) {
   const auto stated = [&](const char* name) {
     const auto found = info.attributes.find(name);
@@ -37,6 +44,9 @@ std::string meaning(const FileInfo& info) {
            " (stated in the file)";
   if (const std::string foreign = stated("emissiveUnits"); !foreign.empty())
     return "emissiveUnits " + foreign + " (stated in the file); [scene] of the sensor file says what it is taken for";
+  if (std::any_of(info.channels.begin(), info.channels.end(), is_radiance))
+    return "spectral radiance by the names of its channels; unit not stated: W.m^-2.sr^-1.nm^-1 assumed, unless "
+           "[scene] of the sensor file gives a gain";
   if (std::none_of(info.channels.begin(), info.channels.end(), is_float))
     return "whole numbers, unit not stated: [scene] of the sensor file has to give gain, offset and quantity";
   return "not stated: radiance assumed, W.m^-2.sr^-1, unless [scene] of the sensor file gives another quantity";
@@ -160,7 +170,9 @@ ImageFacts image_facts(const InfoOptions& options) {
   facts.path = options.file;
   facts.info = mtf::io::read_info(options.file);
   facts.values = meaning(facts.info);
-  if (std::string remark = encoding_remark(facts.info); !remark.empty()) facts.remarks.push_back(std::move(remark));
+  facts.remarks = facts.info.notes;
+  for (std::string remark : {encoding_remark(facts.info), mtf::io::aspect_note(facts.info)})
+    if (!remark.empty()) facts.remarks.push_back(std::move(remark));
   const bool narrowed = options.channel || options.layer || options.part;
   for (const ChannelInfo& channel : facts.info.channels) {
     const bool in_layer = !options.layer || channel.layer == *options.layer ||

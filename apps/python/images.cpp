@@ -59,7 +59,7 @@ py::tuple state_of(const ImageHandle& image) {
   return py::make_tuple(FileName{image.path}, file.names, planes, file.integer, file.missing_pixels,
                         static_cast<int>(info.format), info.storage, info.width, info.height, info.data_window,
                         info.display_window, channels, info.attributes, info.encoding.word, info.encoding.source,
-                        info.dct_steps);
+                        info.dct_steps, info.no_data, info.pixel_aspect, info.notes);
 }
 
 ImageHandle of_state(const py::tuple& state) {
@@ -86,6 +86,9 @@ ImageHandle of_state(const py::tuple& state) {
   take(info.encoding.word);
   take(info.encoding.source);
   take(info.dct_steps);
+  take(info.no_data);
+  take(info.pixel_aspect);
+  take(info.notes);
   info.format = static_cast<mtf::io::Format>(format);
   for (const py::handle plane : planes)
     file->planes.push_back(image_of(plane_of(py::reinterpret_borrow<py::object>(plane), "plane").view));
@@ -135,6 +138,7 @@ void add_images(py::module_& module) {
       .def_property_readonly("storage", [](const ImageHandle& i) { return i.file->info.storage; })
       .def_property_readonly("attributes", [](const ImageHandle& i) { return i.file->info.attributes; })
       .def_property_readonly("encoding", [](const ImageHandle& i) { return i.file->info.encoding.word; })
+      .def_property_readonly("notes", [](const ImageHandle& i) { return i.file->info.notes; })
       .def_property_readonly("pitch_um", [](const ImageHandle& i) { return mtf::io::stated_pitch_um(i.file->info); })
       .def_property_readonly("missing_pixels", [](const ImageHandle& i) { return i.file->missing_pixels; })
       .def("plane", &plane, py::arg("name"))

@@ -45,6 +45,9 @@ std::shared_ptr<const mtf::Image> map_of(const std::string& file, const char* ke
     if (image.planes.size() != 1)
       throw mtf::UsageError(file + ": has " + std::to_string(image.planes.size()) + " channels; a map has one");
     if (image.integer) throw mtf::UsageError(file + ": holds whole numbers; a map is a float image (EXR)");
+    if (!image.info.notes.empty())
+      throw mtf::UsageError(file + ": " + image.info.notes.front() +
+                            "; store the map as an OpenEXR of one image, without loss");
     radiometry::require_numbers(file, image.planes.front().view(),
                                 factors ? 0.0F : std::numeric_limits<float>::lowest());
     return std::make_shared<const mtf::Image>(std::move(image.planes.front()));

@@ -64,6 +64,7 @@ std::vector<mtf::Image> treat_bad_pixels(mtf::io::Scene& scene, NanPolicy policy
       throw mtf::RuntimeError("channel " + scene.names[c] + ": " + std::to_string(s.not_finite) +
                               " pixels are NaN or infinite, the first at column " + std::to_string(s.first_x) +
                               ", row " + std::to_string(s.first_y) +
+                              (scene.info.no_data.empty() ? "" : ", or have no data, stored as " + scene.info.no_data) +
                               "; use --nan fill (from neighbours) or --nan propagate");
     if (policy == NanPolicy::propagate) masks[c] = mtf::bad_pixel_mask(scene.planes[c].view());
     total += mtf::fill_bad_pixels(scene.planes[c].view());

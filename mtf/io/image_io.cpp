@@ -34,6 +34,12 @@ FileInfo describe(const RasterHeader& header, Format format) {
   info.attributes = header.attributes;
   info.encoding = header.encoding;
   info.dct_steps = header.dct_steps;
+  info.pixel_aspect = header.pixel_aspect;
+  info.notes = header.notes;
+  if (header.no_data) {
+    info.no_data = header.no_data->words;
+    info.notes.push_back("pixels of the value " + info.no_data + " are no data and read as NaN");
+  }
   std::vector<std::string> names{"Y"};
   if (header.colours == 3) names = {"R", "G", "B"};
   if (header.alpha) names.emplace_back("A");

@@ -8,6 +8,7 @@
 #include <cstdio>
 
 #include "mtf/error.h"
+#include "mtf/io/csv/csv_cells.h"
 #include "mtf/io/exr/spectral_exr.h"
 #include "mtf/io/file_checks.h"
 
@@ -41,9 +42,16 @@ double um_from_m(double value_m) {
 
 SampleGrid grid_of(const SensorConfig& config, const ImageFile& file, const std::string& path) {
   const SampleGrid size{file.info.width, file.info.height, 0.0, 0.0};
-  if (const auto pitch = stated_pitch_um(file.info)) return {size.width, size.height, (*pitch)[0], (*pitch)[1]};
+  const auto grid = [&](double x_um, double y_um, const std::string& whose) -> SampleGrid {
+    if (!fits_aspect(file.info, x_um, y_um))
+      throw UsageError(path + ": " + aspect_note(file.info) + ", but its samples are " + format_double(x_um) + " x " +
+                       format_double(y_um) + " um by " + whose +
+                       "; state sample_x and sample_y in that ratio, or correct what the file states");
+    return {size.width, size.height, x_um, y_um};
+  };
+  if (const auto pitch = stated_pitch_um(file.info)) return grid((*pitch)[0], (*pitch)[1], "its mtf:pixelPitch");
   if (config.scene.sample_x_um && config.scene.sample_y_um)
-    return {size.width, size.height, *config.scene.sample_x_um, *config.scene.sample_y_um};
+    return grid(*config.scene.sample_x_um, *config.scene.sample_y_um, "[scene] of " + config.file);
   throw UsageError(path +
                    ": the sample spacing is not known; add sample = \"3.75 um\" (at the focal plane), or ifov, or gsd "
                    "and range, to [scene] of " +
@@ -68,6 +76,22 @@ bool is_weighted(const ImageFile& file) {
   return found != file.info.attributes.end() && found->second.starts_with("weighted_");
 }
 
+/// What a PNG or TIFF says of its values: value = gain x file + offset. Nothing where it says 1 and 0.
+std::optional<IntegerScaling> stated_scaling(const FileInfo& info) {
+  const auto number = [&](const char* name, double missing) {
+    const auto found = info.attributes.find(name);
+    return info.format == Format::exr || found == info.attributes.end() ? missing
+                                                                        : cell_number(found->second).value_or(missing);
+  };
+  const IntegerScaling scaling{number("gain", 1.0), number("offset", 0.0)};
+  if (scaling.gain == 1.0 && scaling.offset == 0.0) return std::nullopt;
+  return scaling;
+}
+
+std::string words_of(const IntegerScaling& scaling) {
+  return "gain = " + format_double(scaling.gain) + " and offset = " + format_double(scaling.offset);
+}
+
 /// Keys of [scene] that this file needs and the sensor file lacks, as one error.
 void require_keys(const SensorConfig& config, const std::string& path, const ImageFile& file, bool quantity_stated) {
   const SceneDefaults& defaults = config.scene;
@@ -76,12 +100,14 @@ void require_keys(const SensorConfig& config, const std::string& path, const Ima
   const auto need = [&](bool there, const char* key) {
     if (!there) missing += (missing.empty() ? "" : ", ") + std::string(key);
   };
-  if (file.integer) need(defaults.gain.has_value(), "gain"), need(defaults.offset.has_value(), "offset");
+  const std::optional<IntegerScaling> says = stated_scaling(file.info);
+  if (file.integer || says) need(defaults.gain.has_value(), "gain"), need(defaults.offset.has_value(), "offset");
   if (!float_exr) need(quantity_stated || defaults.quantity, "quantity");
   std::string text;
   if (!missing.empty())
     text = std::string(file.integer ? "integer samples" : "samples of a TIFF") + " carry no physical unit; add " +
-           missing + " to [scene] of " + config.file + " (value = gain x file + offset, in the unit of quantity)";
+           missing + " to [scene] of " + config.file + " (value = gain x file + offset, in the unit of quantity" +
+           (says ? "; the file says " + words_of(*says) : "") + ")";
   const StatedEncoding& stated = file.info.encoding;
   if (!defaults.encoding && !stated.source.empty() && stated.word != "linear")
     text += (text.empty() ? "" : "; ") + stated.source + ": the values need not be proportional to light; add " +
@@ -132,6 +158,19 @@ std::optional<std::array<double, 2>> stated_pitch_um(const FileInfo& info) {
   return std::array{um_from_m((*pitch_m)[0]), um_from_m((*pitch_m)[1])};
 }
 
+bool fits_aspect(const FileInfo& info, double step_x, double step_y) {
+  constexpr double kRounding = 1e-3;  // of both
+  return info.pixel_aspect == 1.0 || std::abs(step_x / step_y / info.pixel_aspect - 1.0) <= kRounding;
+}
+
+std::string aspect_note(const FileInfo& info) {
+  if (info.pixel_aspect == 1.0) return "";
+  std::array<char, 96> text;
+  std::snprintf(text.data(), text.size(), "its pixels are %.5g times as wide as they are high, as it states",
+                info.pixel_aspect);
+  return text.data();
+}
+
 std::int64_t make_physical(const Scene& scene, ImageView<float> image) {
   const std::int64_t outside = decode(scene.encoding.encoding, image, full_scale(scene.info));
   const double gain = scene.scaling.gain, offset = scene.scaling.offset;
@@ -154,8 +193,10 @@ Scene describe_scene(const SensorConfig& config, const std::string& path, const 
     scene.warnings.push_back("quantity is not stated in " + path + " nor in [scene]; taken as radiance (W m-2 sr-1)");
   // Weighted radiance is a picture made for one sensor: nothing that [scene] says of other images belongs to it.
   if (stated && defaults.quantity && *stated != *defaults.quantity && !is_weighted(file))
-    scene.warnings.push_back(path + " says quantity " + std::string(quantity_name(*stated)) + ", [scene] says " +
-                             std::string(quantity_name(*defaults.quantity)) + "; the file wins");
+    scene.warnings.push_back(path +
+                             (spectral ? " is spectral radiance by the names of its channels"
+                                       : " says quantity " + std::string(quantity_name(*stated))) +
+                             ", [scene] says " + std::string(quantity_name(*defaults.quantity)) + "; the file wins");
   scene.quantity = stated ? *stated : defaults.quantity.value_or(Quantity::radiance);
   if (file.missing_pixels > 0)
     scene.warnings.push_back(path + ": " + std::to_string(file.missing_pixels) +
@@ -164,12 +205,23 @@ Scene describe_scene(const SensorConfig& config, const std::string& path, const 
     scene.wavelength_um = spectral->wavelength_um;
     scene.warnings.insert(scene.warnings.end(), spectral->warnings.begin(), spectral->warnings.end());
   }
-  if (!stated || file.integer)
+  // A spectrum without units is what [scene] makes of it, and only then an assumption.
+  const bool of_scene = !stated || file.integer || (spectral && !spectral->stated && defaults.gain);
+  if (of_scene)
     scene.scaling = {defaults.gain.value_or(1.0), defaults.offset.value_or(0.0)};
   else if (spectral)
     scene.scaling = {spectral->factor, 0.0};
-  if (stated && !file.integer && (defaults.gain || defaults.offset))
-    scene.warnings.push_back(path + " states its own quantity; gain and offset of [scene] are for files that do not");
+  if (!of_scene && spectral && !spectral->stated)
+    scene.warnings.push_back(path + " does not state emissiveUnits; taken as W m-2 sr-1 nm-1" +
+                             (defaults.offset ? "; offset of [scene] needs a gain beside it and is not used" : ""));
+  else if (!of_scene && (defaults.gain || defaults.offset))
+    scene.warnings.push_back(path + " states " + (spectral ? "its units" : "its own quantity") +
+                             "; gain and offset of [scene] are for files that do not");
+  if (const auto says = stated_scaling(file.info);
+      says && (says->gain != scene.scaling.gain || says->offset != scene.scaling.offset))
+    scene.warnings.push_back(path + " says " + words_of(*says) + ", [scene] says " + words_of(scene.scaling) +
+                             "; [scene] wins");
+  for (const std::string& note : file.info.notes) scene.warnings.push_back(path + ": " + note);
   const auto& [width, height, step_x, step_y] = scene.grid;
   if (defaults.sample_x_um && (*defaults.sample_x_um != step_x || *defaults.sample_y_um != step_y))
     scene.warnings.push_back(path + " states samples of " + format_double(step_x) + " x " + format_double(step_y) +

@@ -31,10 +31,16 @@ struct Scene {
 /// The spacing of the samples along x and y at the focal plane that a file states (attribute mtf:pixelPitch), if any.
 std::optional<std::array<double, 2>> stated_pitch_um(const FileInfo& info);
 
-/// Reads `path`. The sample spacing comes from the file (attribute mtf:pixelPitch) or [scene]; integer files need gain,
-/// offset and quantity, float TIFF needs quantity, PNG and TIFF that say that their values follow a curve need
-/// encoding; EXR is linear, and without a stated quantity taken as radiance, with a warning; spectral EXR is
-/// spectral_radiance, in W m-2 sr-1 um-1. Throws UsageError naming the key to add, RuntimeError for unreadable files.
+/// Whether steps of x by y are of the shape of pixels that the file states, or it states none.
+bool fits_aspect(const FileInfo& info, double step_x, double step_y);
+/// "its pixels are 2 times as wide as they are high, as it states"; "" for square ones and where nothing is stated.
+std::string aspect_note(const FileInfo& info);
+
+/// Reads `path`. The sample spacing comes from the file (attribute mtf:pixelPitch) or [scene], and has to be of the
+/// shape of pixels that the file states; integer files need gain, offset and quantity, float TIFF needs quantity, PNG
+/// and TIFF that say that their values follow a curve need encoding; EXR is linear, and without a stated quantity taken
+/// as radiance, with a warning; spectral EXR is spectral_radiance, in W m-2 sr-1 um-1. Throws UsageError naming the key
+/// to add, RuntimeError for unreadable files.
 Scene load_scene(const SensorConfig& config, const std::string& path, const ReadOptions& options);
 
 /// The same of a file that has been read; `path` is what messages call it.

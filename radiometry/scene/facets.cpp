@@ -58,6 +58,8 @@ void append_mesh(Facets& facets, const PlacedMesh& placed, std::uint32_t mesh, M
   const auto first_vertex = static_cast<std::uint32_t>(facets.vertices.size());
   const auto first_shell = static_cast<std::uint32_t>(facets.shells.size());
   const std::size_t first_facet = facets.size();
+  for (const std::string& note : placed.mesh->notes)
+    facets.warnings.push_back("mesh `" + placed.name + "`: " + note + ".");
   facets.vertices.insert(facets.vertices.end(), repaired.vertices.begin(), repaired.vertices.end());
   for (std::size_t i = 0; i < shells.closed.size(); ++i)
     facets.shells.push_back({mesh, 0, shells.closed[i] != 0, shells.outward[i] != 0});
@@ -115,7 +117,8 @@ void add_warnings(const MeshReport& report, std::vector<std::string>& warnings) 
   if (left_out > 0) {
     std::ostringstream text;
     text << left_out << " of " << report.faces << " faces were left out (a corner names no vertex: " << report.bad_index
-         << ", a coordinate is not finite: " << report.not_finite << ", no area: " << report.degenerate
+         << ", a coordinate is not finite: " << report.not_finite
+         << ", no area or fewer than three corners: " << report.degenerate
          << ", second copy of a face: " << report.duplicate << ").";
     warn(text.str());
   }

@@ -21,6 +21,7 @@ struct Mesh {
   std::vector<std::uint32_t> group;     ///< of each face, an index into group_names
   std::vector<std::uint32_t> material;  ///< of each face, an index into material_names
   std::vector<std::string> group_names, material_names;
+  std::vector<std::string> notes{};  ///< what the file holds and is not in the mesh: "2 lines (l) make no face"
 
   std::size_t faces() const { return group.size(); }
 };

@@ -220,6 +220,45 @@ TEST(Measure, EncodedMosaicAndMaskedImages) {
   EXPECT_NEAR(value(masked.at("edges")[0], "mtf50"), 0.3, 0.001);
 }
 
+// A value that means no data (tRNS of a grey PNG; GDAL writes it so) is that, and not a dark side.
+TEST(Measure, PixelsWithoutDataAreNotUsed) {
+  const Scratch scratch;
+  mtf::Image image = made::make(made::Step::gaussian(0.3), {.width = 160, .height = 160, .noise_sd = 0.002});
+  for (std::int64_t y = 0; y < 160; ++y)
+    for (std::int64_t x = 0; x < 160; ++x)
+      if (x + y > 230) image.at(x, y) = 0.0F;
+  mtf::io::write_integer((scratch / "target.png").string(), {{"Y", image.view()}}, {1.0 / 65535.0, 0.0}, {});
+  io_test::add_chunks((scratch / "target.png").string(), {{"tRNS", std::string(2, '\0')}});
+  const Json edges = measure(scratch, "target.png").at("edges");
+  ASSERT_EQ(edges.size(), 1U);
+  EXPECT_NEAR(value(edges[0], "mtf50"), 0.3, 5.0 * edges[0].at("mtf50").at("sd").get<double>());
+  EXPECT_NE(scratch.run("mtf measure target.png").err.find("pixels of the value 0 (tRNS) are no data"),
+            std::string::npos);
+  EXPECT_NE(scratch.run("mtf info target.png").out.find("pixels of the value 0 (tRNS) are no data"), std::string::npos);
+}
+
+/// Makes the display window of an OpenEXR larger than its data.
+void enlarge_display(const std::string& file, std::int32_t columns, std::int32_t rows) {
+  std::string bytes = read_file(file);
+  const std::string name("displayWindow\0box2i\0\x10\0\0\0", 24);
+  const std::size_t corner = bytes.find(name) + name.size() + 8;
+  for (const auto& [at, value] : {std::pair{corner, columns - 1}, {corner + 4, rows - 1}})
+    for (std::size_t i = 0; i < 4; ++i) bytes[at + i] = static_cast<char>(value >> (8 * i) & 0xff);
+  write_file(file, bytes);
+}
+
+// Zeros around the data would be edges that no lens could make.
+TEST(Measure, PixelsOutsideTheDataWindowAreNoData) {
+  const Scratch scratch;
+  add_edge(scratch, "edge.exr", {.noise_sd = 0.01});
+  enlarge_display(scratch / "edge.exr", 200, 160);
+  const Json edges = measure(scratch, "edge.exr").at("edges");
+  ASSERT_EQ(edges.size(), 1U);
+  EXPECT_NEAR(value(edges[0], "mtf50"), 0.3, 5.0 * edges[0].at("mtf50").at("sd").get<double>());
+  EXPECT_NE(scratch.run("mtf measure edge.exr").err.find("19200 pixels lie outside the data window"),
+            std::string::npos);
+}
+
 TEST(Measure, ColourAsksForAChannel) {
   const Scratch scratch;
   static const made::Step step = made::Step::gaussian(0.3);

@@ -37,7 +37,7 @@ class Image(results.ByValue):
 
     def _values(self) -> Any:
         return {"planes": {name: self._file.plane(name) for name in self.names}, "attributes": self.attributes,
-                "what": (self.integer, self.encoding, self._file.storage, self._file.pitch_um)}
+                "what": (self.integer, self.encoding, self._file.storage, self._file.pitch_um, self.notes)}
 
     __hash__ = None  # type: ignore[assignment]
 
@@ -68,6 +68,11 @@ class Image(results.ByValue):
     def encoding(self) -> str:
         """The curve between light and stored values that the file states: "srgb", "gamma:2.2", ...; "" for none."""
         return self._file.encoding
+
+    @property
+    def notes(self) -> list[str]:
+        """What the file holds and is not read, and what else to know of its values: "read as page 1 of 3: ..."."""
+        return self._file.notes
 
     @property
     def sample(self) -> tuple[str, str] | None:

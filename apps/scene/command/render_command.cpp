@@ -145,6 +145,8 @@ render::RenderedFrame frame_of_layers(const RenderCommandOptions& options, const
   render::RenderedFrame frame;
   const Stopwatch reading;
   const render::SurfaceLayers layers = read_layers(from, file, camera);
+  for (const std::string& text : mtf::io::read_info(options.from).notes)
+    note(global, "warning: " + one_line(options.from) + ": " + one_line(text));
   frame.timing_ms.emplace_back("layers", reading.ms());
   const Stopwatch rendering;
   render::LayerFrame made =

@@ -5,15 +5,15 @@
 //
 //   const radiometry::scene::Mesh vehicle = apps::scene::import_mesh("vehicle.obj", 1.0);
 //
-// The file is parsed, STL and glTF by Assimp, in a process of its own, `libexec/mtfkit/mtfkit-import`, which is given
+// The file is parsed in a process of its own, `libexec/mtfkit/mtfkit-import`, which is given
 // limits on memory, processor time and output. A damaged or malicious file can therefore stop that process only: the
 // caller gets an error that names the file. The process ends with the caller, however that one ends.
 //
 // Faces stay the polygons that the file has. Vertices with the same coordinates become one vertex, others stay apart;
-// those that no face uses are left out, and so are points and lines. Normals, texture coordinates, colours, skins and
-// animations are not read. Coordinates keep the precision of the file: double in OBJ and PLY, float32 in STL and glTF.
-// Those that are not finite stay too: radiometry/scene/facets.h leaves their faces out and counts them, with the other
-// repairs of a mesh.
+// those that no face uses are left out. What else the file holds is refused where it would change the shape, and noted
+// where it is left out (README.md has the list). Coordinates keep the precision of the file. Those that are not finite
+// stay, and so do faces of fewer than three corners: radiometry/scene/facets.h leaves them out and counts them, with
+// the other repairs of a mesh.
 //
 //   format       group of a face                                   material of a face
 //   OBJ          the name in the `g` or `o` line before it         the name in `usemtl` (.mtl files are not opened)

@@ -81,7 +81,7 @@ bool all_below(const std::vector<std::uint32_t>& indices, std::size_t count) {
 }
 
 Mesh read_mesh(Reader& reader) {
-  const std::vector<std::uint64_t> counts = reader.array<std::uint64_t>(5);
+  const std::vector<std::uint64_t> counts = reader.array<std::uint64_t>(6);
   const std::uint64_t faces = counts[1];
   Mesh mesh;
   mesh.vertices = reader.array<Point>(counts[0]);
@@ -91,6 +91,7 @@ Mesh read_mesh(Reader& reader) {
   mesh.material = reader.array<std::uint32_t>(faces);
   mesh.group_names = reader.names(counts[3]);
   mesh.material_names = reader.names(counts[4]);
+  mesh.notes = reader.names(counts[5]);
   require(reader.rest().empty(), "the mesh that was sent is longer than it says");
 
   require(all_below(mesh.corners, mesh.vertices.size()), "a face has a vertex that is not there");
@@ -98,10 +99,7 @@ Mesh read_mesh(Reader& reader) {
   require(all_below(mesh.material, mesh.material_names.size()), "a face has a material that is not there");
   mesh.first.reserve(faces + 1);
   mesh.first.push_back(0);
-  for (const std::uint32_t size : sizes) {
-    require(size >= 3, "a face has fewer than three corners");
-    mesh.first.push_back(mesh.first.back() + size);
-  }
+  for (const std::uint32_t size : sizes) mesh.first.push_back(mesh.first.back() + size);
   require(mesh.first.back() == mesh.corners.size(), "the corners of the faces do not add up");
   return mesh;
 }
@@ -115,9 +113,9 @@ std::uint64_t names_size(const std::vector<std::string>& names) {
 }  // namespace
 
 std::uint64_t stream_size(const Mesh& mesh) {
-  return 6 * sizeof(std::uint64_t) + mesh.vertices.size() * sizeof(Point) +
+  return 7 * sizeof(std::uint64_t) + mesh.vertices.size() * sizeof(Point) +
          (mesh.corners.size() + 3 * mesh.faces()) * sizeof(std::uint32_t) + names_size(mesh.group_names) +
-         names_size(mesh.material_names);
+         names_size(mesh.material_names) + names_size(mesh.notes);
 }
 
 std::string encode_mesh(const Mesh& mesh) {
@@ -125,7 +123,7 @@ std::string encode_mesh(const Mesh& mesh) {
   for (const std::uint64_t number :
        {static_cast<std::uint64_t>(ImportOutcome::mesh), std::uint64_t{mesh.vertices.size()},
         std::uint64_t{mesh.faces()}, std::uint64_t{mesh.corners.size()}, std::uint64_t{mesh.group_names.size()},
-        std::uint64_t{mesh.material_names.size()}})
+        std::uint64_t{mesh.material_names.size()}, std::uint64_t{mesh.notes.size()}})
     out.put(number);
   out.put(std::span<const Point>(mesh.vertices));
   out.put(std::span<const std::uint32_t>(mesh.corners));
@@ -135,6 +133,7 @@ std::string encode_mesh(const Mesh& mesh) {
   out.put(std::span<const std::uint32_t>(mesh.material));
   out.put_names(mesh.group_names);
   out.put_names(mesh.material_names);
+  out.put_names(mesh.notes);
   return out.take();
 }
 

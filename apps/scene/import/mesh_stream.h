@@ -6,10 +6,10 @@
 //
 //   u64 kind                              ImportOutcome
 //   text                                  unless it is a mesh
-//   u64 x 5                               numbers of vertices, faces, corners, group names, material names
+//   u64 x 6                               numbers of vertices, faces, corners, group names, material names, notes
 //   f64 x 3 vertices, u32 x corners       coordinates; vertex of each corner
 //   u32 x 3 faces                         corners of each face, group of each, material of each
-//   (u32 length, bytes) x names           group names, then material names
+//   (u32 length, bytes) x names           group names, then material names, then notes
 //
 // The receiver trusts nothing: numbers are compared with the bytes that came before memory is taken.
 
@@ -40,8 +40,7 @@ struct DecodedImport {
   radiometry::scene::Mesh mesh;
 };
 
-/// Throws RuntimeError when the bytes are not of this form: too few, too many, an index that leads nowhere, a face of
-/// fewer than three corners.
+/// Throws RuntimeError when the bytes are not of this form: too few, too many, an index that leads nowhere.
 DecodedImport decode_import(std::string_view bytes);
 
 }  // namespace apps::scene

@@ -11,6 +11,7 @@
 #include "mtf/io/csv/csv_numbers.h"
 #include "mtf/io/file_checks.h"
 #include "mtf/io/image_io.h"
+#include "mtf/io/scene.h"
 
 namespace apps::scene {
 namespace {
@@ -97,6 +98,10 @@ std::map<int, MaterialEntry> read_materials_table(const std::string& path, const
 radiometry::render::SurfaceLayers read_layers(const LayerFile& from, const SceneFile& scene,
                                               const radiometry::render::Camera& camera) {
   const mtf::io::FileInfo info = mtf::io::read_info(from.file);
+  if (!mtf::io::fits_aspect(info, camera.step_x, camera.step_y))
+    throw mtf::UsageError(one_line(from.file) + ": " + mtf::io::aspect_note(info) + ", those of the sensor " +
+                          significant(camera.step_x / camera.step_y, 5) +
+                          " times; render it with pixels of that shape");
   radiometry::render::SurfaceLayers layers;
   layers.range_m = require_channel(from, info, "depth");
   layers.finish = require_channel(from, info, "material");

@@ -7,6 +7,7 @@
 
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -18,7 +19,13 @@
 
 namespace mtf::io {
 
-inline constexpr int codecs_version = 5;
+inline constexpr int codecs_version = 6;
+
+/// A stored value that means that a pixel has none: such pixels are NaN in the planes.
+struct NoData {
+  float value = 0.0F;
+  std::string words;  ///< "0 (GDAL_NODATA)"
+};
 
 /// A PNG, TIFF or JPEG as its header describes it, sizes already checked against the file.
 struct RasterHeader {
@@ -31,6 +38,9 @@ struct RasterHeader {
   std::map<std::string, std::string> attributes;
   StatedEncoding encoding;
   std::vector<std::uint16_t> dct_steps{};  ///< of a JPEG (mtf/io/codecs/dct_rounding.h)
+  std::optional<NoData> no_data{};
+  double pixel_aspect = 1.0;         ///< as in FileInfo
+  std::vector<std::string> notes{};  ///< as in FileInfo
 };
 
 /// Samples to be written, row-major, colours interleaved as R,G,B, 8 or 16 bits each.

@@ -5,7 +5,9 @@
 
 #include <turbojpeg.h>
 
+#include <algorithm>
 #include <exception>
+#include <limits>
 #include <memory>
 #include <stdexcept>
 
@@ -78,6 +80,10 @@ std::vector<Image> decode(const std::string& path, const std::string& format, co
   std::vector<Image> planes;
   for (int i = 0; i < header.colours; ++i)  // OpenCV keeps colours as B,G,R
     planes.push_back(plane_of(path, pixels, header.colours == 3 ? 2 - i : 0, header.scale));
+  if (header.no_data)
+    for (Image& plane : planes)
+      std::replace(plane.data(), plane.data() + plane.size(), header.no_data->value,
+                   std::numeric_limits<float>::quiet_NaN());
   return planes;
 }
 

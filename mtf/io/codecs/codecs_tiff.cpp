@@ -13,6 +13,7 @@
 
 #include "mtf/error.h"
 #include "mtf/io/codecs/codecs_parts.h"
+#include "mtf/io/codecs/codecs_tiff_tags.h"
 #include "mtf/io/csv/number_text.h"
 #include "mtf/io/file_checks.h"
 
@@ -47,7 +48,8 @@ std::string sample_type(const std::string& path, int bits, int format) {
   if (format == SAMPLEFORMAT_IEEEFP && bits == 64) return "double";
   const std::string kind = format == SAMPLEFORMAT_INT      ? "signed "
                            : format == SAMPLEFORMAT_IEEEFP ? "floating-point "
-                                                           : "";
+                           : format == SAMPLEFORMAT_UINT   ? ""
+                                                           : "undefined or complex ";
   unsupported(path, kind + std::to_string(bits) + "-bit samples");
 }
 
@@ -61,8 +63,11 @@ int colours_of(const std::string& path, int samples, int photometric, bool& alph
     return 3;
   }
   if (photometric == PHOTOMETRIC_PALETTE && samples == 1) return 3;
-  unsupported(path, "photometric interpretation " + std::to_string(photometric) + " and " + std::to_string(samples) +
-                        " samples a pixel");
+  const std::string what =
+      photometric_name(photometric) + (samples == 1 ? "" : " in " + std::to_string(samples) + " samples a pixel");
+  if (photometric == PHOTOMETRIC_CFA || photometric == kLinearRaw)
+    throw RuntimeError(path + ": TIFF with " + what + " is not read; " + kRawRemedy);
+  unsupported(path, what);
 }
 
 // OpenCV fills missing strips with zeros for some layouts; here a file that is cut short is refused.
@@ -181,6 +186,9 @@ RasterHeader tiff_header(const std::string& path, std::int64_t file_bytes) {
   if (tiff == nullptr) damaged(path, "its directory cannot be read");
 
   RasterHeader header;
+  const TiffOthers others = other_images(tiff);
+  if (TIFFCurrentDirectory(tiff) != 0) damaged(path, "its first directory cannot be read twice");
+  require_main_image(path, tiff, others);
   header.width = field<std::uint32_t>(tiff, TIFFTAG_IMAGEWIDTH, 0);
   header.height = field<std::uint32_t>(tiff, TIFFTAG_IMAGELENGTH, 0);
   const int bits = field<std::uint16_t>(tiff, TIFFTAG_BITSPERSAMPLE, 1);
@@ -217,10 +225,7 @@ RasterHeader tiff_header(const std::string& path, std::int64_t file_bytes) {
   const bool integer = header.type == "uint8" || header.type == "uint16";
   header.encoding = read_encoding(tiff, bits, integer);
   header.storage = std::to_string(bits) + (integer ? "-bit" : "-bit float") + (TIFFIsTiled(tiff) != 0 ? " tiled" : "");
-  // A damaged chain of directories may be long or circular; libtiff stops at the first one it has seen.
-  int pages = 1;
-  while (pages < 1000 && TIFFReadDirectory(tiff) == 1) ++pages;
-  if (pages > 1) header.storage += ", first of " + std::to_string(pages) + (pages == 1000 ? " or more" : "") + " pages";
+  read_tags(tiff, others, header);
   return header;
 }
 

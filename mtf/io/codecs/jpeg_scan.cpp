@@ -5,10 +5,12 @@
 #include <array>
 #include <fstream>
 #include <iterator>
+#include <map>
 #include <span>
 #include <string_view>
 
 #include "mtf/error.h"
+#include "mtf/io/codecs/exif.h"
 #include "mtf/io/file_checks.h"
 
 namespace mtf::io {
@@ -18,8 +20,8 @@ using Segment = std::span<const unsigned char>;
 
 // Markers of T.81, table B.1, and those that applications use.
 constexpr int kSof0 = 0xc0, kSof2 = 0xc2, kSofLast = 0xcf, kDht = 0xc4, kJpg = 0xc8, kDac = 0xcc, kRst0 = 0xd0,
-              kRst7 = 0xd7, kSoi = 0xd8, kEoi = 0xd9, kSos = 0xda, kDqt = 0xdb, kApp0 = 0xe0, kIcc = 0xe2,
-              kAdobe = 0xee, kAppLast = 0xef, kComment = 0xfe;
+              kRst7 = 0xd7, kSoi = 0xd8, kEoi = 0xd9, kSos = 0xda, kDqt = 0xdb, kApp0 = 0xe0, kApp1 = 0xe1,
+              kApp2 = 0xe2, kAdobe = 0xee, kAppLast = 0xef, kComment = 0xfe;
 
 constexpr std::size_t kBlock = 64;  // coefficients
 constexpr std::int64_t kMostBytes = std::int64_t{1} << 31;
@@ -34,6 +36,7 @@ struct JpegFacts {
   bool rgb = false;      // component names R, G, B
   int adobe_transform = -1;
   std::vector<unsigned char> profile;
+  std::map<int, std::size_t> unknown;  // bytes in segments of applications, by their number, that are not known here
 };
 
 [[noreturn]] void damaged_jpeg(const std::string& path, const std::string& why) {
@@ -97,16 +100,53 @@ std::size_t end_of_scan(Segment file, std::size_t at) {
   return file.size();
 }
 
+/// APP0 to APP15. What is not known may hold the raw counts of a thermal camera, beside which the image is a picture of
+/// them in colours.
+void read_application(int marker, Segment data, JpegFacts& facts) {
+  using std::string_view_literals::operator""sv;
+  std::vector<std::string>& notes = facts.header.notes;
+  if (marker == kApp0 && starts_with(data, "JFIF\0"sv) && data.size() >= 12) {
+    facts.header.pixel_aspect = aspect_of_densities(static_cast<std::uint32_t>(two_bytes(data, 8)),
+                                                    static_cast<std::uint32_t>(two_bytes(data, 10)));
+  } else if (marker == kApp1 && starts_with(data, "Exif\0\0"sv)) {
+    note_orientation(data.subspan(6), notes);
+  } else if (marker == kApp1 && starts_with(data, "FLIR\0"sv)) {
+    constexpr std::string_view flir =
+        "it holds the raw counts of a FLIR camera, which are not read: what is read is a picture of them; take them "
+        "out, as `exiftool -b -RawThermalImage` does";
+    if (std::find(notes.begin(), notes.end(), flir) == notes.end()) notes.emplace_back(flir);
+  } else if (marker == kApp2 && starts_with(data, "ICC_PROFILE") && data.size() > 14) {  // in order, as writers do
+    facts.profile.insert(facts.profile.end(), data.begin() + 14, data.end());
+  } else if (marker == kApp2 && starts_with(data, "MPF\0"sv)) {
+    constexpr std::uint16_t number_of_images = 0xb001;
+    if (const std::uint32_t images = tag_value(data.subspan(4), number_of_images).value_or(2); images > 1)
+      notes.push_back("read as the first of " + std::to_string(images) + " images (MPF): the others are not read");
+  } else if (marker == kAdobe && starts_with(data, "Adobe") && data.size() >= 12) {
+    facts.adobe_transform = data[11];
+  } else if (!starts_with(data, "JFXX") && !starts_with(data, "http://ns.adobe.com/") &&
+             !starts_with(data, "Photoshop 3.0") && !starts_with(data, "Ducky")) {
+    facts.unknown[marker - kApp0] += data.size();
+  }
+}
+
 void read_segment(const std::string& path, int marker, Segment data, JpegFacts& facts) {
   if (marker == kDqt) {
     read_quantisation(path, data, facts);
   } else if (marker >= kSof0 && marker <= kSofLast && marker != kDht && marker != kJpg && marker != kDac) {
     read_frame(path, marker, data, facts);
-  } else if (marker == kAdobe && starts_with(data, "Adobe") && data.size() >= 12) {
-    facts.adobe_transform = data[11];
-  } else if (marker == kIcc && starts_with(data, "ICC_PROFILE") && data.size() > 14) {  // in order, as writers do
-    facts.profile.insert(facts.profile.end(), data.begin() + 14, data.end());
+  } else if (marker >= kApp0 && marker <= kAppLast) {
+    read_application(marker, data, facts);
   }
+}
+
+/// `behind`: what comes after the end of the image; zeros only fill a block.
+void note_unread(JpegFacts& facts, Segment behind) {
+  std::vector<std::string>& notes = facts.header.notes;
+  constexpr const char* maybe = " are not read: they may hold raw counts, or another image";
+  for (const auto& [number, bytes] : facts.unknown)
+    notes.push_back(std::to_string(bytes) + " bytes in its segments APP" + std::to_string(number) + maybe);
+  if (std::any_of(behind.begin(), behind.end(), [](unsigned char byte) { return byte != 0; }))
+    notes.push_back(std::to_string(behind.size()) + " bytes after the end of the image" + maybe);
 }
 
 /// All segments in order; `keep` receives the bytes that decoding needs.
@@ -128,6 +168,7 @@ JpegFacts read_segments(const std::string& path, Segment file, std::vector<unsig
     }
     if (marker == kEoi) {
       copy(at, at + 2);
+      note_unread(facts, file.subspan(at + 2));
       return facts;
     }
     if (at + 4 > file.size()) break;

@@ -8,6 +8,7 @@
 #include <set>
 
 #include "mtf/error.h"
+#include "mtf/io/codecs/exif.h"
 #include "mtf/io/file_checks.h"
 
 namespace mtf::io {
@@ -150,6 +151,29 @@ class ColourChunks {
   std::map<std::string, std::string> malformed_;
 };
 
+/// Chunks that say which pixels are no data, how they are shaped, and what else the file holds. What is not here says
+/// nothing that would change a value: background, histogram, offset on a page, primaries, time.
+void read_other(const std::string& type, const unsigned char* data, std::size_t size, RasterHeader& header) {
+  if (type == "tRNS") {
+    const bool grey = header.colours == 1 && size == 2;
+    if (grey) {
+      const int value = data[0] << 8 | data[1];
+      header.no_data = {static_cast<float>(value), std::to_string(value) + " (tRNS)"};
+    }
+    header.alpha = header.alpha || !grey;
+  }
+  if (type == "pHYs" && size == 9) header.pixel_aspect = aspect_of_densities(big_endian(data), big_endian(data + 4));
+  if (type == "sBIT" && size > 0)
+    header.notes.push_back(std::to_string(data[0]) +
+                           " bits of each value are significant (sBIT): its steps may be of "
+                           "more than one count");
+  if (type == "acTL" && size == 8 && big_endian(data) > 1)
+    header.notes.push_back("read as its still image: " + std::to_string(big_endian(data)) +
+                           " images of an animation (acTL) are not read");
+  if (type == "sCAL") header.notes.push_back("the size that it states of what a pixel shows (sCAL) is not used");
+  if (type == "eXIf") note_orientation({data, size}, header.notes);
+}
+
 }  // namespace
 
 RasterHeader scan_png(const std::string& path, Bytes* critical) {
@@ -186,7 +210,7 @@ RasterHeader scan_png(const std::string& path, Bytes* critical) {
     if (first) read_ihdr(path, data, data_size, header);
     first = false;
     any_data = any_data || type == "IDAT";
-    if (type == "tRNS") header.alpha = true;
+    read_other(type, data, data_size, header);
     if (type == "tEXt" || type == "iTXt") read_text(type, data, data_size, header);
     colour.add(type, data, data_size, any_data);
     const bool needed = type == "IHDR" || type == "PLTE" || type == "tRNS" || type == "IDAT" || type == "IEND";
@@ -199,6 +223,9 @@ RasterHeader scan_png(const std::string& path, Bytes* critical) {
   }
   if (!any_data) damaged(path, "it holds no pixels");
   header.encoding = colour.stated();
+  if (header.alpha) header.notes.push_back("its alpha channel is not applied");
+  if (header.storage.find("palette") != std::string::npos)
+    header.notes.push_back("its values are colours of a palette, not measured ones");
   const double pixel_bytes = (header.colours + (header.alpha ? 1 : 0)) * (header.type == "uint16" ? 2.0 : 0.125);
   check_compression(path, static_cast<double>(header.width) * static_cast<double>(header.height) * pixel_bytes,
                     file_bytes, 2048);

@@ -11,6 +11,7 @@
 #include <OpenEXR/ImfIntAttribute.h>
 #include <OpenEXR/ImfPartType.h>
 #include <OpenEXR/ImfRationalAttribute.h>
+#include <OpenEXR/ImfStandardAttributes.h>
 #include <OpenEXR/ImfStringAttribute.h>
 #include <OpenEXR/ImfStringVectorAttribute.h>
 #include <OpenEXR/ImfTileDescription.h>
@@ -112,11 +113,52 @@ void add_part(FileInfo& info, const Imf::Header& header, int part) {
     channel.y_sampling = c.channel().ySampling;
     info.channels.push_back(channel);
   }
+}
+
+/// Those that have a text and are not there yet.
+void add_attributes(FileInfo& info, const Imf::Header& header) {
   for (auto a = header.begin(); a != header.end(); ++a) {
     const std::string name = a.name();
     if (name == "dataWindow" || name == "displayWindow" || name == "chunkCount") continue;
     const std::string text = attribute_text(a.attribute());
-    if (!text.empty()) info.attributes.emplace(name, text);  // the first part that has it wins
+    if (!text.empty()) info.attributes.emplace(name, text);
+  }
+}
+
+/// Whether decoding gives other values than those that were written. B44 leaves `float` alone, PXR24 `half`.
+bool loses(const Imf::Header& header) {
+  const Imf::Compression compression = header.compression();
+  const auto has = [&](Imf::PixelType type) {
+    for (auto c = header.channels().begin(); c != header.channels().end(); ++c)
+      if (c.channel().type == type) return true;
+    return false;
+  };
+  if (compression == Imf::PXR24_COMPRESSION) return has(Imf::FLOAT);
+  if (compression == Imf::B44_COMPRESSION || compression == Imf::B44A_COMPRESSION) return has(Imf::HALF);
+  return compression == Imf::DWAA_COMPRESSION || compression == Imf::DWAB_COMPRESSION;
+}
+
+/// Attributes of the part that change what its values mean.
+void add_notes(FileInfo& info, const Imf::Header& header) {
+  const auto stated = [&](const char* name) { return header.find(name) == header.end() ? "" : info.attributes[name]; };
+  if (loses(header))
+    info.notes.push_back("compressed with a loss that it does not state (" + compression_name(header.compression()) +
+                         "): fine structure and noise may be gone");
+  if (Imf::hasMultiView(header) && Imf::multiView(header).size() > 1) {
+    std::string views;
+    for (const std::string& view : Imf::multiView(header)) append_word(views, view, ',');
+    info.notes.push_back("it has the views " + views + " (multiView): channels without a layer are those of the first");
+  }
+  if (Imf::hasEnvmap(header)) info.notes.push_back("an image of all directions (envmap), which no lens takes");
+  if (const std::string white = stated("whiteLuminance"); !white.empty())
+    info.notes.push_back("white is " + white + " cd/m2 by its attribute whiteLuminance, which is not used");
+  for (const char* name : {"colorInteropID", "oiio:ColorSpace"}) {
+    std::string space = stated(name);
+    for (char& c : space) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+    if (!space.empty() && space.find("lin") == std::string::npos && !space.starts_with("aces") && space != "data" &&
+        space != "raw")
+      info.notes.push_back("its " + std::string(name) + " is " + info.attributes[name] +
+                           "; its values are taken as linear, as OpenEXR defines them");
   }
 }
 
@@ -127,20 +169,24 @@ bool exr_part_tiled(const Imf::Header& header) {
   return header.hasTileDescription();
 }
 
-FileInfo describe_exr(const Imf::MultiPartInputFile& file) {
+FileInfo describe_exr(const Imf::MultiPartInputFile& file, int part) {
   FileInfo info;
   info.format = Format::exr;
-  const Imf::Header& first = file.header(0);
-  info.data_window = corners_of(first.dataWindow());
-  info.display_window = corners_of(first.displayWindow());
+  const Imf::Header& own = file.header(part);
+  info.data_window = corners_of(own.dataWindow());
+  info.display_window = corners_of(own.displayWindow());
+  info.pixel_aspect = static_cast<double>(own.pixelAspectRatio());
+  add_attributes(info, own);
+  add_notes(info, own);
   info.width = std::int64_t{info.display_window[2]} - info.display_window[0] + 1;
   info.height = std::int64_t{info.display_window[3]} - info.display_window[1] + 1;
   if (file.parts() > 1) info.storage = std::to_string(file.parts()) + " parts: ";
   constexpr int shown = 8;
-  for (int part = 0; part < file.parts(); ++part) {
-    if (part < shown) info.storage += std::string(part > 0 ? ", " : "") + part_storage(file.header(part));
-    if (part == shown) info.storage += ", ...";
-    add_part(info, file.header(part), part);
+  for (int i = 0; i < file.parts(); ++i) {
+    if (i < shown) info.storage += std::string(i > 0 ? ", " : "") + part_storage(file.header(i));
+    if (i == shown) info.storage += ", ...";
+    add_part(info, file.header(i), i);
+    add_attributes(info, file.header(i));
   }
   return info;
 }

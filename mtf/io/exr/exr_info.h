@@ -10,7 +10,8 @@
 
 namespace mtf::io {
 
-FileInfo describe_exr(const Imf::MultiPartInputFile& file);
+/// Windows, shape of pixels and notes are those of `part`, and so are the attributes that it has.
+FileInfo describe_exr(const Imf::MultiPartInputFile& file, int part = 0);
 
 /// True for parts stored in tiles (by type, or by the tile description of old single-part files).
 bool exr_part_tiled(const Imf::Header& header);

@@ -89,6 +89,7 @@ OpenedExr::OpenedExr(const std::string& path, const ReadOptions& options)
   image.info = describe_exr(file);
   const ChannelChoice choice = choose_channels(path, image.info.channels, options);
   part = image.info.channels[choice.indices[0]].part;
+  image.info = describe_exr(file, part);
   const Imf::Header& header = file.header(part);
   if (header.hasType() && header.type() != Imf::SCANLINEIMAGE && header.type() != Imf::TILEDIMAGE)
     throw RuntimeError(path + ": part " + std::to_string(part) + " is of unknown type '" + printable(header.type()) +
@@ -99,8 +100,6 @@ OpenedExr::OpenedExr(const std::string& path, const ReadOptions& options)
                        "render or copy the file again");
   data = window_of(header.dataWindow());
   display = window_of(header.displayWindow());
-  image.info.data_window = {header.dataWindow().min.x, header.dataWindow().min.y, header.dataWindow().max.x,
-                            header.dataWindow().max.y};
   for (const std::size_t i : choice.indices) {
     channels.push_back(image.info.channels[i].name);
     image.integer = image.integer || image.info.channels[i].type == "uint";

@@ -160,7 +160,7 @@ std::optional<SpectralPlanes> spectral_planes(const std::string& path, const Ima
   std::string stated = attribute(file.info, "emissiveUnits");
   if (stated.empty()) stated = attribute(file.info, "mtf:units");
   const auto says = [&](std::string_view unit) { return stated == unit; };
-  if (stated.empty()) planes.warnings.push_back(path + " does not state emissiveUnits; taken as W m-2 sr-1 nm-1");
+  planes.stated = !stated.empty();
   if (says("W.m^-2.sr^-1"))
     planes.warnings.push_back(path + " states emissiveUnits W.m^-2.sr^-1, which for this layout means per nm");
   if (stated.empty() || says("W.m^-2.sr^-1") || says("W.m^-2.sr^-1.nm^-1"))

@@ -38,6 +38,7 @@ std::vector<std::size_t> spectral_choice(const std::string& path, const std::vec
 struct SpectralPlanes {
   std::vector<double> wavelength_um;  ///< of the planes
   double factor = 1.0;                ///< value x factor is W m^-2 sr^-1 um^-1
+  bool stated = true;                 ///< the file says so; otherwise it is assumed, densities per nm
   std::vector<std::string> warnings;  ///< what was assumed and left out
 };
 

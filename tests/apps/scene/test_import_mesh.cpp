@@ -6,38 +6,12 @@
 #include <cmath>
 #include <set>
 
-#include "apps/scene/import/import_mesh.h"
-#include "mesh_samples.h"
-#include "mtf/error.h"
+#include "import_checks.h"
 
 namespace {
 
 using namespace scene_test;
-using apps::scene::import_mesh;
 using apps::scene::Up;
-using radiometry::scene::Mesh;
-using radiometry::scene::Point;
-
-std::vector<Point> face(const Mesh& mesh, std::size_t i) {
-  std::vector<Point> points;
-  for (std::uint64_t k = mesh.first[i]; k < mesh.first[i + 1]; ++k) points.push_back(mesh.vertices[mesh.corners[k]]);
-  return points;
-}
-
-std::string refusal(const fs::path& file) {
-  try {
-    static_cast<void>(import_mesh(file, 1.0));
-  } catch (const mtf::Error& error) {
-    return error.what();
-  }
-  return "";
-}
-
-void expect_refused(const fs::path& file, const std::string& why) {
-  const std::string message = refusal(file);
-  EXPECT_NE(message.find(file.filename().string()), std::string::npos) << message;
-  EXPECT_NE(message.find(why), std::string::npos) << message;
-}
 
 const std::vector<Point> quad{{0, 0, 0}, {1, 0, 0}, {1, 2.5, 0}, {0, 2.5, 0}};
 
@@ -175,8 +149,8 @@ TEST(ImportMesh, RefusalsNameFileAndReason) {
   expect_refused(folder.put("type.ply", "ply\nformat ascii 1.0\nelement vertex 1\nproperty half x\nend_header\n1\n"),
                  "half");
   expect_refused(folder.put("other.ply", "plyx\n"), "ply");
-  expect_refused(folder.put("text.gltf", "no JSON"), "export it again");
-  expect_refused(folder.put("nobuffer.gltf", gltf("nowhere.bin")), "export it again");
+  expect_refused(folder.put("text.gltf", "no JSON"), "its JSON is damaged");
+  expect_refused(folder.put("nobuffer.gltf", gltf("nowhere.bin")), "buffers[0]: \"nowhere.bin\" is no file");
   fs::create_directory(folder / "folder.obj");
   expect_refused(folder / "folder.obj", "it is a folder");
 }

@@ -226,7 +226,6 @@ TEST(Codecs, TiffKinds) {
   check("double", 1, false);
   write_tiff(path, 7, 5, 1, SAMPLEFORMAT_UINT, counting<std::uint16_t>(35), 3);
   check("uint16", 1, true);
-  EXPECT_EQ(mtf::io::read_info(path).storage, "16-bit, first of 3 pages");
   write_tiff(path, 16, 16, 1, SAMPLEFORMAT_IEEEFP, counting<float>(256), 1, 16);
   check("float", 1, false);
 }
@@ -242,7 +241,7 @@ TEST(Codecs, TiffKindsThatAreNotRead) {
   write_tiff(path, 7, 5, 1, SAMPLEFORMAT_UINT, counting<std::uint32_t>(35));
   EXPECT_NE(message().find("32-bit"), std::string::npos) << message();
   write_tiff(path, 7, 5, 1, SAMPLEFORMAT_UINT, counting<std::uint8_t>(35), 1, 0, PHOTOMETRIC_MINISWHITE);
-  EXPECT_NE(message().find("photometric"), std::string::npos) << message();
+  EXPECT_NE(message().find("the least is white"), std::string::npos) << message();
 }
 
 void write_png(const std::string& path, int width, int height, int colour, int bits,

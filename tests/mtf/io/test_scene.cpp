@@ -3,9 +3,11 @@
 
 #include "mtf/io/scene.h"
 
+#include <OpenEXR/ImfVecAttribute.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "io_test_files.h"
 #include "mtf/error.h"
@@ -119,6 +121,53 @@ TEST_F(SceneEncoding, TheSensorFileKeepsIt) {
   }
   EXPECT_EQ(write_config(sensor("")).find("encoding"), std::string::npos);
   EXPECT_NE(explain_config(sensor("")).find("scene.encoding"), std::string::npos);
+}
+
+// pHYs of 1000 x 2000 a metre, pixelAspectRatio 2: pixels twice as wide as high.
+TEST_F(SceneEncoding, TheShapeOfPixelsHasToBeThatOfTheSamples) {
+  Image image(4, 2);
+  std::fill(image.data(), image.data() + image.size(), 1.0F);
+  write_integer(folder / "wide.png", {{"Y", image.view()}}, {}, {});
+  io_test::add_chunks(folder / "wide.png", {{"pHYs", io_test::big_endian(1000) + io_test::big_endian(2000) + '\1'}});
+  Imf::Header header(4, 2);
+  header.pixelAspectRatio() = 2.0F;
+  io_test::write_scanline(folder / "wide.exr", header, {"Y"});
+  header.insert("mtf:pixelPitch", Imf::V2dAttribute({5e-6, 5e-6}));
+  io_test::write_scanline(folder / "pitch.exr", header, {"Y"});
+  const std::string square = "sample = \"5 um\"\nquantity = \"radiance\"\ngain = 1.0\noffset = 0.0\n";
+  const std::string wide =
+      "sample_x = \"10 um\"\nsample_y = \"5 um\"\nquantity = \"radiance\"\ngain = 1.0\noffset = 0.0\n";
+  for (const char* name : {"wide.png", "wide.exr"}) {
+    const std::string message =
+        message_of<UsageError>([&] { static_cast<void>(load_scene(sensor(square), folder / name, {})); });
+    for (const char* part : {"2 times as wide", "5 x 5 um by [scene]", "sample_x and sample_y"})
+      EXPECT_NE(message.find(part), std::string::npos) << message;
+    EXPECT_EQ(load_scene(sensor(wide), folder / name, {}).grid.step_x_um, 10.0);
+  }
+  EXPECT_NE(message_of<UsageError>([&] {
+              static_cast<void>(load_scene(sensor(wide), folder / "pitch.exr", {}));
+            }).find("by its mtf:pixelPitch"),
+            std::string::npos);
+}
+
+TEST_F(SceneEncoding, GainAndOffsetThatTheFileStates) {
+  Image image(4, 2);
+  std::fill(image.data(), image.data() + image.size(), 1.0F);
+  write_integer(folder / "a.png", {{"Y", image.view()}}, {0.01, 273.15}, {});
+  const std::string message = message_of<UsageError>(
+      [&] { static_cast<void>(load_scene(sensor("sample = \"5 um\"\n"), folder / "a.png", {})); });
+  EXPECT_NE(message.find("the file says gain = 0.01 and offset = 273.15"), std::string::npos) << message;
+  EXPECT_TRUE(
+      warns(load("", "a.png"), "says gain = 0.01 and offset = 273.15, [scene] says gain = 0.5 and offset = 10"));
+  const std::string same = "sample = \"5 um\"\nquantity = \"radiance\"\ngain = 0.01\noffset = 273.15\n";
+  EXPECT_TRUE(load_scene(sensor(same), folder / "a.png", {}).warnings.empty());
+}
+
+TEST_F(SceneEncoding, NotesOfTheFileAreWarnings) {
+  io_test::add_chunks(folder / "plain.png", {{"tRNS", std::string("\x03\xe8", 2)}});
+  const Scene scene = load("", "plain.png");
+  EXPECT_TRUE(warns(scene, "pixels of the value 1000 (tRNS) are no data"));
+  EXPECT_TRUE(std::isnan(scene.planes[0].data()[1]));
 }
 
 TEST_F(SceneEncoding, WrongWordsAreErrorsOfTheirLine) {

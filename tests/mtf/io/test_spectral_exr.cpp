@@ -110,9 +110,30 @@ TEST(SpectralExr, units) {
   EXPECT_EQ(factor("W.m^-2.sr^-1.um^-1"), 1.0);
   EXPECT_EQ(factor("W.m^-2.sr^-1.m^-1"), 1e-6);
   EXPECT_EQ(factor(""), 1e3);
-  EXPECT_TRUE(holds(spectral_planes(path, read_image(path))->warnings, "does not state emissiveUnits"));
+  EXPECT_FALSE(spectral_planes(path, read_image(path))->stated);
   EXPECT_NE(io_test::message_of<UsageError>([&] { factor("bananas"); }).find("\"bananas\" are not known"),
             std::string::npos);
+}
+
+// An assumption gives way to what the sensor file says, and is not called a statement of the file.
+TEST(SpectralExr, units_that_are_not_stated) {
+  const TempFolder folder;
+  const std::string path = folder / "s.exr";
+  write(path, {"S0.550nm"}, "");
+  SensorConfig config = sensor();
+  config.scene.quantity = Quantity::radiance;
+  const Scene assumed = load_scene(config, path, {});
+  EXPECT_EQ(assumed.planes[0].at(2, 1), 1000.0F * io_test::sample(2, 1));
+  EXPECT_TRUE(holds(assumed.warnings, "does not state emissiveUnits; taken as W m-2 sr-1 nm-1"));
+  EXPECT_TRUE(holds(assumed.warnings, "spectral radiance by the names of its channels"));
+  config.scene.gain = 2.0;
+  config.scene.offset = 1.0;
+  const Scene given = load_scene(config, path, {});
+  EXPECT_EQ(given.planes[0].at(2, 1), 2.0F * io_test::sample(2, 1) + 1.0F);
+  EXPECT_EQ(given.quantity, Quantity::spectral_radiance);
+  EXPECT_FALSE(holds(given.warnings, "state"));
+  write(path, {"S0.550nm"}, "W.m^-2.sr^-1.um^-1");
+  EXPECT_TRUE(holds(load_scene(config, path, {}).warnings, "states its units; gain and offset"));
 }
 
 TEST(SpectralExr, an_image_of_another_quantity_keeps_it) {

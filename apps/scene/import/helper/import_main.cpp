@@ -16,10 +16,11 @@
 #include <stdexcept>
 #include <string_view>
 
-#include "apps/scene/import/helper/assimp_reader.h"
-#include "apps/scene/import/helper/given_files.h"
+#include "apps/scene/import/helper/buffer_file.h"
+#include "apps/scene/import/helper/gltf_reader.h"
 #include "apps/scene/import/helper/obj_reader.h"
 #include "apps/scene/import/helper/ply_reader.h"
+#include "apps/scene/import/helper/stl_reader.h"
 #include "apps/scene/import/mesh_stream.h"
 
 namespace apps::scene {
@@ -42,11 +43,11 @@ void set_limits(const Request& request) {
   limit(RLIMIT_CPU, request.cpu_s, request.cpu_s + 1);  // SIGXCPU, then SIGKILL
 }
 
-radiometry::scene::Mesh mesh_of(const Request& request, std::string content) {
+radiometry::scene::Mesh mesh_of(const Request& request, std::string_view content) {
   if (request.extension == ".obj") return read_obj(content);
   if (request.extension == ".ply") return read_ply(content);
-  if (request.extension == ".stl") return read_stl(std::move(content));
-  return read_gltf(request.extension, std::move(content), request.folder);
+  if (request.extension == ".stl") return read_stl(content);
+  return read_gltf(request.extension, content, request.folder);
 }
 
 std::string imported(const Request& request) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/scene/import/helper/mesh_builder.h"
 
+#include <algorithm>
 #include <bit>
 #include <limits>
 #include <stdexcept>
@@ -45,13 +46,16 @@ std::uint32_t MeshBuilder::vertex(radiometry::scene::Point point) {
 }
 
 void MeshBuilder::add_face(std::span<const std::uint32_t> vertices) {
-  if (vertices.size() < 3) return;
   if (!group_) group_ = number_of(groups_, mesh_.group_names, group_name_);
   if (!material_) material_ = number_of(materials_, mesh_.material_names, material_name_);
   mesh_.corners.insert(mesh_.corners.end(), vertices.begin(), vertices.end());
   mesh_.first.push_back(mesh_.corners.size());
   mesh_.group.push_back(*group_);
   mesh_.material.push_back(*material_);
+}
+
+void MeshBuilder::note(const std::string& text) {
+  if (std::find(mesh_.notes.begin(), mesh_.notes.end(), text) == mesh_.notes.end()) mesh_.notes.push_back(text);
 }
 
 }  // namespace apps::scene

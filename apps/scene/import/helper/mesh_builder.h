@@ -23,8 +23,11 @@ class MeshBuilder {
 
   /// The number of the vertex there. Throws std::runtime_error when there are 2^32.
   std::uint32_t vertex(radiometry::scene::Point point);
-  /// Fewer than three corners make no face.
+  /// Of whatever number of corners: facets_of leaves out what has fewer than three, and counts it.
   void add_face(std::span<const std::uint32_t> vertices);
+
+  /// Of what the file holds and the mesh does not; once each.
+  void note(const std::string& text);
 
   radiometry::scene::Mesh take() { return std::move(mesh_); }
 

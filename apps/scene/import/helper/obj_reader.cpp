@@ -26,17 +26,52 @@ class ObjReader {
       const std::string_view line = next_line();
       std::string_view rest = line;
       const std::string_view key = next_word(rest);
-      if (key == "v") add_vertex(rest);
-      if (key == "f") add_face(rest);
-      if (key == "g" || key == "o") builder_.set_group(trimmed(rest));
-      if (key == "usemtl") builder_.set_material(trimmed(rest));
+      if (key == "v")
+        add_vertex(rest);
+      else if (key == "f" || key == "fo")
+        add_face(rest);
+      else if (key == "g" || key == "o")
+        builder_.set_group(trimmed(rest));
+      else if (key == "usemtl")
+        builder_.set_material(trimmed(rest));
+      else if (!key.empty() && !key.starts_with('#'))
+        pass_over(key);
     }
+    note_passed(no_face_, "make no face");
+    note_passed(unknown_, "are no statements of OBJ that are known here");
     return builder_.take();
   }
 
  private:
   [[noreturn]] void refuse(const std::string& what) const {
     throw std::runtime_error("line " + std::to_string(line_) + ": " + what);
+  }
+
+  struct Passed {
+    std::uint64_t count = 0, line = 0;
+    std::string key;
+  };
+
+  // What has no part in polygons goes without a word; surfaces do, and so do other files.
+  void pass_over(std::string_view key) {
+    constexpr std::string_view no_part =
+        " vn vt vp s mg mtllib usemap maplib lod bevel c_interp d_interp shadow_obj trace_obj ctech stech cstype deg "
+        "bmat step parm trim hole scrv sp end con res ";
+    constexpr std::string_view surfaces = " surf bsp bzp cdp ", files = " call csh ", lines = " l p curv curv2 cdc ";
+    const std::string word = " " + std::string(key) + " ";
+    if (no_part.find(word) != std::string_view::npos) return;
+    if (surfaces.find(word) != std::string_view::npos)
+      refuse("a free-form surface (" + std::string(key) + ") is not read: make polygons of it before exporting");
+    if (files.find(word) != std::string_view::npos)
+      refuse("what the file takes in from elsewhere (" + std::string(key) + ") is not read: put it into one file");
+    Passed& passed = lines.find(word) != std::string_view::npos ? no_face_ : unknown_;
+    if (passed.count++ == 0) passed.line = line_, passed.key = key.substr(0, 20);
+  }
+
+  void note_passed(const Passed& passed, const char* why) {
+    if (passed.count > 0)
+      builder_.note(std::to_string(passed.count) + " lines of the file, the first of them line " +
+                    std::to_string(passed.line) + " with \"" + passed.key + "\", " + why);
   }
 
   // With what continues it; only then is it a copy.
@@ -96,6 +131,7 @@ class ObjReader {
   std::vector<Point> points_;
   std::vector<std::uint32_t> numbers_;  // of each point in the mesh
   std::vector<std::uint32_t> face_;
+  Passed no_face_, unknown_;
   MeshBuilder builder_;
 };
 

@@ -2,6 +2,7 @@
 #include "apps/scene/import/helper/ply_reader.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <cstring>
@@ -38,6 +39,7 @@ struct Element {
 struct Header {
   Storage storage = Storage::text;
   std::vector<Element> elements;
+  std::uint64_t lines = 0;
 };
 
 [[noreturn]] void refuse(const std::string& what) { throw std::runtime_error(what); }
@@ -69,6 +71,7 @@ Header take_header(std::string_view& content) {
     if (end == std::string_view::npos) refuse("its header has no end_header");
     std::string_view rest = content.substr(0, end);
     content.remove_prefix(end + 1);
+    ++header.lines;
     const std::string_view key = next_word(rest);
     if (std::exchange(first, false) && key != "ply") refuse("it does not begin with \"ply\"");
     if (key == "end_header") return header;
@@ -93,7 +96,8 @@ Header take_header(std::string_view& content) {
 /// The values after the header, one after the other.
 class Values {
  public:
-  Values(Storage storage, std::string_view left) : storage_(storage), left_(left) {}
+  Values(const Header& header, std::string_view content)
+      : storage_(header.storage), lines_(header.lines), all_(content), left_(content) {}
 
   double next(Type type) {
     if (storage_ == Storage::text) return next_text();
@@ -118,10 +122,34 @@ class Values {
     return 0.0;
   }
 
+  /// After the last value of an element. In a text its line ends there: values that the header does not announce would
+  /// be taken for the next element.
+  void end_element(const std::string& element) {
+    if (storage_ != Storage::text) return;
+    const std::string_view line = left_.substr(0, left_.find('\n'));
+    if (!trimmed(line).empty())
+      refuse("line " + std::to_string(line_number()) + ": after the values of an element \"" + element +
+             "\" that the header announces come more (" + std::string(trimmed(line).substr(0, 40)) + ")");
+    left_.remove_prefix(line.size());
+  }
+
+  /// After the last element.
+  void end() const {
+    if (left_.find_first_not_of(std::string(blanks) + '\0') == std::string_view::npos) return;
+    refuse((storage_ == Storage::text ? "line " + std::to_string(line_number()) + ": " : "") +
+           "it goes on after all that its header announces, by " + std::to_string(left_.size()) + " bytes");
+  }
+
   /// Every value takes at least a byte, so that more cannot come.
   std::uint64_t most() const { return left_.size(); }
 
  private:
+  std::uint64_t line_number() const {
+    const std::size_t at = all_.size() - left_.size() + std::min(left_.find_first_not_of(blanks), left_.size());
+    return lines_ + 1 +
+           static_cast<std::uint64_t>(std::count(all_.begin(), all_.begin() + static_cast<std::ptrdiff_t>(at), '\n'));
+  }
+
   double next_text() {
     const std::string_view word = next_word(left_);
     double value = 0.0;
@@ -142,7 +170,8 @@ class Values {
   }
 
   Storage storage_;
-  std::string_view left_;
+  std::uint64_t lines_;  // of the header
+  std::string_view all_, left_;
 };
 
 /// A whole number below `count` and 2^32, or an error.
@@ -158,7 +187,7 @@ void read_element(const Element& element, Values& values, const Take& take) {
   if (element.properties.empty()) return;
   if (element.count > values.most()) refuse("it ends before all that its header announces");
   std::vector<double> list;
-  for (std::uint64_t i = 0; i < element.count; ++i)
+  for (std::uint64_t i = 0; i < element.count; ++i) {
     for (const Property& property : element.properties) {
       const std::uint32_t count =
           property.count ? index_of(values.next(*property.count), values.most() + 1, "a list is longer than the file")
@@ -167,6 +196,8 @@ void read_element(const Element& element, Values& values, const Take& take) {
       for (double& value : list) value = values.next(property.type);
       take(property, list);
     }
+    values.end_element(element.name);
+  }
 }
 
 std::vector<Point> read_points(const Element& element, Values& values) {
@@ -186,14 +217,43 @@ std::vector<Point> read_points(const Element& element, Values& values) {
   return points;
 }
 
+/// Calls `take(vertices)` for each list of vertices; of a strip -1 is among them.
+template <class Take>
+void read_vertex_lists(const Element& element, Values& values, const Take& take) {
+  read_element(element, values, [&](const Property& property, const std::vector<double>& list) {
+    if (property.name == "vertex_indices" || property.name == "vertex_index") take(list);
+  });
+}
+
+std::uint32_t corner(double index, const std::vector<Point>& points, MeshBuilder& builder) {
+  return builder.vertex(points[index_of(index, points.size(), "a face has a vertex that is not there")]);
+}
+
 void read_faces(const Element& element, Values& values, const std::vector<Point>& points, MeshBuilder& builder) {
   std::vector<std::uint32_t> face;
-  read_element(element, values, [&](const Property& property, const std::vector<double>& list) {
-    if (property.name != "vertex_indices" && property.name != "vertex_index") return;
+  read_vertex_lists(element, values, [&](const std::vector<double>& list) {
     face.clear();
-    for (const double value : list)
-      face.push_back(builder.vertex(points[index_of(value, points.size(), "a face has a vertex that is not there")]));
+    for (const double index : list) face.push_back(corner(index, points, builder));
     builder.add_face(face);
+  });
+}
+
+/// Each vertex from the third on makes a triangle with the two before it; every other one is turned.
+void read_strips(const Element& element, Values& values, const std::vector<Point>& points, MeshBuilder& builder) {
+  std::vector<std::uint32_t> strip;
+  read_vertex_lists(element, values, [&](const std::vector<double>& list) {
+    strip.clear();
+    for (const double index : list) {
+      if (index == -1.0) {
+        strip.clear();
+        continue;
+      }
+      strip.push_back(corner(index, points, builder));
+      const std::size_t n = strip.size();
+      if (n < 3) continue;
+      const std::size_t turn = n % 2 == 0 ? 1 : 0;
+      builder.add_face(std::array{strip[n - 3 + turn], strip[n - 2 - turn], strip[n - 1]});
+    }
   });
 }
 
@@ -201,7 +261,7 @@ void read_faces(const Element& element, Values& values, const std::vector<Point>
 
 Mesh read_ply(std::string_view content) {
   const Header header = take_header(content);
-  Values values(header.storage, content);
+  Values values(header, content);
   MeshBuilder builder;
   std::vector<Point> points;
   for (const Element& element : header.elements) {
@@ -209,9 +269,16 @@ Mesh read_ply(std::string_view content) {
       points = read_points(element, values);
     else if (element.name == "face")
       read_faces(element, values, points, builder);
-    else
+    else if (element.name == "tristrips")
+      read_strips(element, values, points, builder);
+    else {
       read_element(element, values, [](const Property&, const std::vector<double>&) {});
+      if (element.count > 0)
+        builder.note("its " + std::to_string(element.count) + " elements \"" + element.name.substr(0, 40) +
+                     "\" are not read");
+    }
   }
+  values.end();
   return builder.take();
 }
 

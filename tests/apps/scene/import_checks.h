@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// What a mesh that was imported is, and what refusals say.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include "apps/scene/import/import_mesh.h"
+#include "mesh_samples.h"
+#include "mtf/error.h"
+
+namespace scene_test {
+
+using apps::scene::import_mesh;
+using radiometry::scene::Mesh;
+using radiometry::scene::Point;
+
+inline std::vector<Point> face(const Mesh& mesh, std::size_t i) {
+  std::vector<Point> points;
+  for (std::uint64_t k = mesh.first[i]; k < mesh.first[i + 1]; ++k) points.push_back(mesh.vertices[mesh.corners[k]]);
+  return points;
+}
+
+inline std::string refusal(const fs::path& file) {
+  try {
+    static_cast<void>(import_mesh(file, 1.0));
+  } catch (const mtf::Error& error) {
+    return error.what();
+  }
+  return "";
+}
+
+inline void expect_refused(const fs::path& file, const std::string& why) {
+  const std::string message = refusal(file);
+  EXPECT_NE(message.find(file.filename().string()), std::string::npos) << message;
+  EXPECT_NE(message.find(why), std::string::npos) << message;
+}
+
+inline double area(const Mesh& mesh) {
+  double sum = 0.0;  // of triangles and quads that lie in z = 0
+  for (std::size_t i = 0; i < mesh.faces(); ++i) {
+    const std::vector<Point> p = face(mesh, i);
+    for (std::size_t k = 0; k < p.size(); ++k) {
+      const Point &a = p[k], &b = p[(k + 1) % p.size()];
+      sum += 0.5 * (a[0] * b[1] - a[1] * b[0]);
+    }
+  }
+  return sum;
+}
+
+inline bool notes(const Mesh& mesh, const std::string& part) {
+  return std::any_of(mesh.notes.begin(), mesh.notes.end(),
+                     [&](const std::string& note) { return note.find(part) != std::string::npos; });
+}
+
+}  // namespace scene_test
