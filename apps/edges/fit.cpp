@@ -71,6 +71,7 @@ int run_fit(const FitOptions& options, const Global& global) {
                                 .starts = options.starts,
                                 .profile = options.profile,
                                 .residual_otf = options.residual_otf,
+                                .richer_models = true,
                                 .threads = global.threads,
                                 .progress = [&](double share) {
                                   progress.update("fitting", share);

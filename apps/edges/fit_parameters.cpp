@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <sstream>
 
 #include "apps/terminal/output.h"
 #include "apps/terminal/text_table.h"
@@ -14,12 +15,12 @@ namespace {
 
 using calib::FittedParameter;
 using calib::Knowledge;
+using calib::RicherModel;
 using Json = nlohmann::ordered_json;
 using Correlation = std::vector<std::vector<double>>;
 
 bool has_value(const FittedParameter& p) {
-  return p.knowledge == Knowledge::determined || p.knowledge == Knowledge::at_bound ||
-         p.knowledge == Knowledge::interval;
+  return p.knowledge != Knowledge::prior_only && p.knowledge != Knowledge::not_determined;
 }
 
 std::string interval_text(const std::array<double, 2>& interval) {
@@ -33,8 +34,26 @@ std::string profiled_text(const calib::ProfiledInterval& interval) {
   return interval.high ? "below " + significant(*interval.high, 5) : "not bounded";
 }
 
+/// "0.351 +- 0.0037", or the value with its interval; without the unit.
+std::string one_value_text(double value, const std::optional<double>& sd,
+                           const std::optional<std::array<double, 2>>& interval95) {
+  if (sd) return shown_with_error(value, *sd) + " +- " + significant(*sd, 2);
+  if (!interval95) return significant(value, 8);
+  return shown_with_error(value, 0.25 * ((*interval95)[1] - (*interval95)[0])) +
+         " (95 %: " + interval_text(*interval95) + ")";
+}
+
+/// All values of an ambiguous parameter.
+std::string values_text(const FittedParameter& p) {
+  std::string text = one_value_text(p.value, p.stderr_value, p.interval95);
+  for (const calib::OtherValue& other : p.others)
+    text += " or " + one_value_text(other.value, other.stderr_value, other.interval95);
+  return text;
+}
+
 std::string value_text(const FittedParameter& p) {
   const std::string unit = p.parameter.unit.empty() ? "" : " " + p.parameter.unit;
+  if (p.knowledge == Knowledge::ambiguous) return values_text(p) + unit;
   if (p.knowledge == Knowledge::interval)
     return shown_with_error(p.value, 0.25 * ((*p.interval95)[1] - (*p.interval95)[0])) + unit +
            " (95 %: " + profiled_text(*p.interval) + unit + ")";
@@ -45,9 +64,27 @@ std::string value_text(const FittedParameter& p) {
                       : std::string()) +
            ")";
   if (p.knowledge != Knowledge::determined) return std::string(knowledge_name(p.knowledge));
-  return (p.stderr_value ? shown_with_error(p.value, *p.stderr_value) + " +- " + significant(*p.stderr_value, 2)
-                         : significant(p.value, 8)) +
-         unit;
+  return one_value_text(p.value, p.stderr_value, std::nullopt) + unit;
+}
+
+/// With a standard deviation that stands for its interval, whatever that is like.
+calib::Estimate estimate_of(const FittedParameter& p) {
+  if (p.stderr_value) return {p.value, *p.stderr_value};
+  if (p.interval95) return {p.value, 0.25 * ((*p.interval95)[1] - (*p.interval95)[0])};
+  return {p.value, p.limit95 ? 0.5 * std::abs(*p.limit95 - p.value) : p.linear_sd};
+}
+
+/// What a richer model makes of parameter i, where that matters: "defocus" and its words.
+std::vector<std::array<std::string, 2>> sensitivities(const FittedParameter& p, std::size_t i,
+                                                      std::span<const RicherModel> richer_models) {
+  std::vector<std::array<std::string, 2>> all;
+  if (!has_value(p)) return all;
+  for (const RicherModel& model : richer_models) {
+    const FittedParameter& then = model.parameters[i];
+    if (!has_value(then) || matters(estimate_of(p), estimate_of(then)))
+      all.push_back({model.unknown, value_text(then)});
+  }
+  return all;
 }
 
 std::string correlation_table(std::span<const FittedParameter> parameters, const Correlation& correlation) {
@@ -70,6 +107,18 @@ std::string correlation_table(std::span<const FittedParameter> parameters, const
 Json optional_json(const std::optional<double>& value) { return value ? Json(*value) : Json(); }
 Json optional_json(const std::optional<std::array<double, 2>>& value) { return value ? Json(*value) : Json(); }
 
+Json others_json(const FittedParameter& p) {
+  Json all = Json::array();
+  for (const calib::OtherValue& other : p.others)
+    all.push_back({{"value", other.value},
+                   {"stderr", optional_json(other.stderr_value)},
+                   {"interval95", optional_json(other.interval95)},
+                   {"chi2_rise", other.chi2_rise}});
+  return all;
+}
+
+}  // namespace
+
 Json parameter_json(const FittedParameter& p) {
   const bool known = has_value(p);
   return {{"name", p.parameter.name},
@@ -87,10 +136,9 @@ Json parameter_json(const FittedParameter& p) {
                                          {"low", optional_json(p.interval->low)},
                                          {"high", optional_json(p.interval->high)},
                                          {"reason", p.interval->reason.empty() ? Json() : Json(p.interval->reason)}}
-                                  : Json()}};
+                                  : Json()},
+          {"other_values", others_json(p)}};
 }
-
-}  // namespace
 
 std::string shown_with_error(double value, double sd) {
   if (!(sd > 0.0) || !std::isfinite(sd)) return significant(value, 6);
@@ -98,8 +146,14 @@ std::string shown_with_error(double value, double sd) {
   return significant(value, std::clamp(digits, 2, 12), true);
 }
 
+bool matters(const calib::Estimate& plain, const calib::Estimate& richer) {
+  return std::abs(richer.value - plain.value) > plain.sd || richer.sd > 1.5 * plain.sd;
+}
+
 std::string parameters_table(std::span<const FittedParameter> parameters,
-                             std::span<const calib::NullDirection> not_separable, const Correlation& correlation) {
+                             std::span<const calib::NullDirection> not_separable, const Correlation& correlation,
+                             std::span<const calib::Alternative> alternatives,
+                             std::span<const RicherModel> richer_models) {
   std::string text;
   if (!parameters.empty()) {
     TextTable table({"parameter", "value", "start"});
@@ -107,7 +161,17 @@ std::string parameters_table(std::span<const FittedParameter> parameters,
       const std::string unit = p.parameter.unit.empty() ? "" : " " + p.parameter.unit;
       table.add({one_line(p.parameter.name), value_text(p), significant(p.start, 6) + unit});
     }
-    text += "\n" + table.aligned();
+    std::istringstream rows(table.aligned());
+    std::string row;
+    std::getline(rows, row);
+    const std::string below_value(row.find("value"), ' ');
+    text += "\n" + row + "\n";
+    for (std::size_t i = 0; i < parameters.size(); ++i) {
+      std::getline(rows, row);
+      text += row + "\n";
+      for (const auto& [unknown, then] : sensitivities(parameters[i], i, richer_models))
+        text += below_value + "with unknown " + unknown + ": " + then + "\n";
+    }
   }
   for (const FittedParameter& p : parameters) {
     if (p.interval68) text += one_line(p.parameter.name) + ": 68 % " + interval_text(*p.interval68);
@@ -116,6 +180,7 @@ std::string parameters_table(std::span<const FittedParameter> parameters,
     if (p.interval) text += (p.interval->reason.empty() ? "" : "; " + p.interval->reason) + "\n";
   }
   for (const calib::NullDirection& direction : not_separable) text += "\n" + direction.text + "\n";
+  for (const calib::Alternative& alternative : alternatives) text += "\n" + one_line(alternative.text) + "\n";
   if (parameters.size() > 1 && !correlation.empty()) text += "\n" + correlation_table(parameters, correlation);
   return text;
 }
@@ -134,19 +199,26 @@ void add_parameters(Json& json, std::span<const FittedParameter> parameters,
 }
 
 std::string fit_head(const FitOrigin& origin, const std::vector<std::string>& inputs,
-                     std::span<const FittedParameter> parameters, std::span<const calib::NullDirection> not_separable) {
+                     std::span<const FittedParameter> parameters, std::span<const calib::NullDirection> not_separable,
+                     std::span<const RicherModel> richer_models) {
   std::string head = "# " + one_line(origin.file) + " (sha256 " + origin.sha256.substr(0, 16) + ") fitted by mtf " +
                      mtf::version + ": " + origin.outcome + "\n";
   for (const std::string& input : inputs)
     head += "# to " + one_line(input) + " (sha256 " + mtf::io::sha256_file(input).substr(0, 16) + ")\n";
   for (const calib::NullDirection& direction : not_separable) head += "# " + one_line(direction.text) + "\n";
-  for (const FittedParameter& p : parameters)
+  for (std::size_t i = 0; i < parameters.size(); ++i) {
+    const FittedParameter& p = parameters[i];
+    const std::string name = "# " + one_line(p.parameter.name) + ": ";
+    const std::string unit = p.parameter.unit.empty() ? "" : " " + one_line(p.parameter.unit);
     if (p.knowledge != Knowledge::determined)
-      head += "# " + one_line(p.parameter.name) + ": " + std::string(knowledge_name(p.knowledge)) +
-              (p.interval ? ", 95 % " + profiled_text(*p.interval) +
-                                (p.parameter.unit.empty() ? "" : " " + one_line(p.parameter.unit))
-                          : "") +
+      head += name + std::string(knowledge_name(p.knowledge)) +
+              (p.knowledge == Knowledge::ambiguous ? ", " + values_text(p) + unit
+               : p.interval                        ? ", 95 % " + profiled_text(*p.interval) + unit
+                                                   : "") +
               "\n";
+    for (const auto& [unknown, then] : sensitivities(p, i, richer_models))
+      head += "# " + one_line(p.parameter.name) + " with unknown " + unknown + ": " + one_line(then) + "\n";
+  }
   return head + "\n";
 }
 

@@ -47,15 +47,35 @@ Json provenance(const mtf::io::SensorConfig& sensor, const std::vector<std::stri
   return json;
 }
 
+/// What every richer model makes of parameter i, whether it matters or not.
+Json sensitivity_json(const FitResult& result, std::size_t i) {
+  Json all = Json::array();
+  const Json now = parameter_json(result.parameters[i]);
+  for (const calib::RicherModel& model : result.richer_models) {
+    const Json then = parameter_json(model.parameters[i]);
+    Json one{{"unknown", model.unknown}};
+    for (const char* const field : {"value", "stderr", "knowledge", "interval95"}) one[field] = then[field];
+    const bool known = !now["value"].is_null() && !then["value"].is_null();
+    one["moves_by"] = known ? Json(model.parameters[i].value - result.parameters[i].value) : Json();
+    all.push_back(std::move(one));
+  }
+  return all;
+}
+
 }  // namespace
 
 std::string fit_table(const FitResult& result) {
   std::string text =
       std::string(status_name(result.status)) + (result.reason.empty() ? "" : ": " + result.reason) + "\n";
-  text += parameters_table(result.parameters, result.not_separable, result.correlation);
+  text += parameters_table(result.parameters, result.not_separable, result.correlation, result.alternatives,
+                           result.richer_models);
   text += "\n";
-  if (result.mtf50)
+  if (result.mtf50) {
     text += "MTF50                " + shown(*result.mtf50) + " cy/px along " + direction_of(result) + "\n";
+    for (const calib::RicherModel& model : result.richer_models)
+      if (model.mtf50 && matters(*result.mtf50, *model.mtf50))
+        text += "                     " + shown(*model.mtf50) + " cy/px with unknown " + model.unknown + "\n";
+  }
   if (result.equivalent_variance_px2)
     text += "equivalent variance  " + shown(*result.equivalent_variance_px2) + " px^2\n";
   text += "chi2 per dof         " + significant(result.chi2_per_dof, 4) + "\n";
@@ -74,6 +94,22 @@ std::string fit_json(const FitResult& result, const mtf::io::SensorConfig& senso
   json["reason"] = result.reason.empty() ? Json() : Json(result.reason);
   json["warnings"] = result.warnings;
   add_parameters(json, result.parameters, result.not_separable, result.correlation);
+  for (std::size_t i = 0; i < result.parameters.size(); ++i)
+    json["parameters"][i]["model_sensitivity"] = sensitivity_json(result, i);
+  json["alternatives"] = Json::array();
+  for (const calib::Alternative& one : result.alternatives) {
+    Json names = Json::array();
+    for (const std::size_t i : one.parameters) names.push_back(result.parameters[i].parameter.name);
+    json["alternatives"].push_back(
+        {{"parameters", names}, {"values", one.values}, {"chi2_rise", one.chi2_rise}, {"text", one.text}});
+  }
+  json["richer_models"] = Json::array();
+  for (const calib::RicherModel& model : result.richer_models)
+    json["richer_models"].push_back({{"unknown", model.unknown},
+                                     {"chi2_gain", model.chi2_gain},
+                                     {"p", model.p},
+                                     {"parameter", parameter_json(model.parameters.back())},
+                                     {"mtf50", optional_json(model.mtf50)}});
   json["equivalent_variance_px2"] = optional_json(result.equivalent_variance_px2);
   json["chi2_per_dof"] = result.chi2_per_dof;
   json["whiteness_p"] = result.whiteness_p;
@@ -141,7 +177,7 @@ std::string fitted_config(const FitResult& result, const mtf::io::SensorConfig& 
   const std::string head =
       fit_head({sensor.file, sensor.sha256,
                 std::string(status_name(result.status)) + ", chi2 per dof " + significant(result.chi2_per_dof, 4)},
-               inputs, result.parameters, result.not_separable);
+               inputs, result.parameters, result.not_separable, result.richer_models);
   std::vector<std::optional<double>> values(fitted.fits.size());
   for (const FittedParameter& p : result.parameters) {
     calib::set_parameter(fitted.system, p.parameter.path, p.value);

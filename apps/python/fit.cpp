@@ -99,6 +99,7 @@ std::unique_ptr<FitHandle> fit_sensor(SensorHandle& sensor, const std::vector<Gi
                                 .starts = starts,
                                 .profile = profile,
                                 .residual_otf = residual_otf,
+                                .richer_models = true,
                                 .threads = threads,
                                 .progress = [&](double share) {
                                   try {

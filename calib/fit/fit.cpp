@@ -5,6 +5,9 @@
 #include <cmath>
 
 #include "calib/fit/confidence/fit_intervals.h"
+#include "calib/fit/confidence/mirrors.h"
+#include "calib/fit/confidence/profile.h"
+#include "calib/fit/confidence/richer_models.h"
 #include "calib/fit/fit_build.h"
 #include "calib/fit/fit_rounds.h"
 #include "mtf/units.h"
@@ -31,31 +34,48 @@ class Progress {
   bool stopped_ = false;
 };
 
-void report_mtf(const Solved& solved, FitResult& result) {
+/// The solution as errors of functions see it: at a flat point, where first derivatives tell nothing, they are those of
+/// the place next to it where the parameter acts, at which the problem then is.
+Solved where_it_acts(FitProblem& problem, const Solved& solved, std::span<const FlatPoint> flat) {
+  Solved there{.problem = &problem, .condition = solved.condition, .angle_rad = solved.angle_rad};
+  there.identified = solved.identified;
+  const std::vector<double> x = problem.x;
+  for (const FlatPoint& f : flat) problem.x[f.parameter] = f.off_point(problem.x[f.parameter]);
+  if (problem.x == x || !problem.apply()) return there;
+  const std::vector<Eigen::MatrixXd> normals = problem.normals();
+  there.identified =
+      identify(information_of(problem, normals, solved.scores, solved.noise_factor).matrix, solved.reference);
+  return there;
+}
+
+void report_mtf(FitProblem& problem, const Solved& solved, std::span<const FlatPoint> flat, FitResult& result) {
   for (int i = 0; i < kCurveSamples; ++i) result.frequency_cy_px.push_back(i * kCurveStep_cy_px);
   const std::vector<Functional> h = mtf_of(solved, result.frequency_cy_px);
-  for (const Functional& m : h) {
-    result.mtf.push_back(m.value);
-    result.mtf_sd.push_back(sd_of(solved, m));
-  }
-  const Functional variance = equivalent_variance(solved);
+  for (const Functional& m : h) result.mtf.push_back(m.value);
+  const double variance = equivalent_variance(solved).value;
   // The difference from another polynomial estimates the error of the extraction.
-  const double numerical = std::abs(variance.value - equivalent_variance(solved, 6).value);
-  result.equivalent_variance_px2 = {variance.value, std::hypot(sd_of(solved, variance), numerical)};
-  for (std::size_t k = 1; k < h.size(); ++k) {
+  const double numerical = std::abs(variance - equivalent_variance(solved, 6).value);
+  std::optional<double> half;
+  double slope = 0.0;
+  for (std::size_t k = 1; k < h.size() && !half; ++k) {
     if (!(h[k - 1].value >= 0.5 && h[k].value < 0.5)) continue;
     // The secant, refined on the curve itself.
     double lo = result.frequency_cy_px[k - 1], hi = result.frequency_cy_px[k];
     for (int i = 0; i < 40; ++i) {
       const double middle = 0.5 * (lo + hi);
       const std::vector<PixelFreq> at = along(solved.angle_rad, {&middle, 1});
-      (solved.problem->sensors->modulus(solved.condition, at).front() >= 0.5 ? lo : hi) = middle;
+      (problem.sensors->modulus(solved.condition, at).front() >= 0.5 ? lo : hi) = middle;
     }
-    const Functional at = mtf_of(solved, {&lo, 1}).front();
-    const double slope = (h[k].value - h[k - 1].value) / kCurveStep_cy_px;
-    result.mtf50 = {lo, sd_of(solved, at) / std::abs(slope)};
-    return;
+    half = lo;
+    slope = std::abs(h[k].value - h[k - 1].value) / kCurveStep_cy_px;
   }
+  const std::vector<double> x = problem.x;
+  const Solved there = where_it_acts(problem, solved, flat);
+  for (const Functional& m : mtf_of(there, result.frequency_cy_px)) result.mtf_sd.push_back(sd_of(there, m));
+  result.equivalent_variance_px2 = {variance, std::hypot(sd_of(there, equivalent_variance(there)), numerical)};
+  if (half) result.mtf50 = {*half, sd_of(there, mtf_of(there, {&*half, 1}).front()) / slope};
+  problem.x = x;
+  problem.apply();
 }
 
 std::string name_of(const FitParameter& parameter) { return parameter.name.empty() ? parameter.path : parameter.name; }
@@ -73,6 +93,9 @@ void report_obstacles(const Solved& solved, FitResult& result) {
       held = "the " + std::string(p.limit_is_upper ? "lower" : "upper") + " bound of " + name_of(p.parameter) +
              " keeps the fit from its minimum: the data want " + (p.limit_is_upper ? "less" : "more") +
              "; move it, or look for what the model lacks";
+    if (p.knowledge == Knowledge::interval && p.pressed_sd > kClearly_sd)
+      held = name_of(p.parameter) + " is 0, where it does nothing, and the data want less by " + rounded(p.pressed_sd) +
+             " sd; look for what the model lacks";
     if (p.parameter.prior && p.knowledge != Knowledge::not_determined) {
       const auto [mean, width] = *p.parameter.prior;
       // The variance of value - mean: v_prior - v, or v_prior - 2 v / ratio + v where pixels share their noise.
@@ -95,6 +118,21 @@ void report_obstacles(const Solved& solved, FitResult& result) {
   result.reason = "the starting values blur everything, so that nothing leads away from them; start closer";
 }
 
+/// How much chi-square falls by the last parameter, in units of the noise. A structure that tables and rounding may
+/// have is no gain.
+double gain_of_last(FitProblem& problem, const Solved& solved, double cost) {
+  const std::size_t last = problem.variables.size() - 1;
+  const double noise = noise_factor_of(problem, solved) * solved.variance_ratio[last];
+  const double root = rise_at(problem, last, problem.variables[last].x_of(0.0), cost, noise, {}, {});
+  double contrasts = 0.0;  // in sd of the noise, their squares summed over the pixels
+  for (std::size_t b = 0; b < problem.blocks.size(); ++b)
+    if (const auto* edge = std::get_if<EdgeBlock>(&problem.blocks[b])) {
+      const double contrast_sd = problem.own[b][edge->contrast_index()] / edge->middle_sd();
+      contrasts += contrast_sd * contrast_sd * static_cast<double>(edge->pixels());
+    }
+  return root > kStructureMatters * std::sqrt(contrasts) ? root * root : 0.0;
+}
+
 /// Where no minimum was found there is no value with an error.
 void withdraw_values(FitResult& result) {
   for (FittedParameter& p : result.parameters) {
@@ -102,14 +140,20 @@ void withdraw_values(FitResult& result) {
     p.stderr_value = p.limit95 = std::nullopt;
     p.interval68 = p.interval95 = std::nullopt;
     p.interval.reset();
+    p.others.clear();
   }
+  result.alternatives.clear();
 }
+
+/// Where `plain` is given, the edges have the gradients that they have there, and `gain` is that of the last parameter.
+FitResult fit_one(const FitData& data, std::span<const FitParameter> parameters, const FitOptions& options,
+                  const FitResult* plain = nullptr, double* gain = nullptr);
 
 }  // namespace
 
 std::string_view knowledge_name(Knowledge knowledge) {
-  constexpr std::array<std::string_view, 5> kNames{"determined", "at_bound", "prior_only", "not_determined",
-                                                   "interval"};
+  constexpr std::array<std::string_view, 6> kNames{"determined",     "at_bound", "prior_only",
+                                                   "not_determined", "interval", "ambiguous"};
   return kNames[static_cast<std::size_t>(knowledge)];
 }
 std::string_view status_name(FitStatus status) {
@@ -119,8 +163,22 @@ std::string_view status_name(FitStatus status) {
 }
 
 FitResult fit(const FitData& data, std::span<const FitParameter> parameters, const FitOptions& options) {
+  FitResult result = fit_one(data, parameters, options);
+  const auto fit_richer = [](const FitData& richer, std::span<const FitParameter> more, const FitOptions& plain_options,
+                             const FitResult& plain,
+                             double& gain) { return fit_one(richer, more, plain_options, &plain, &gain); };
+  if (options.richer_models) add_richer_models(data, parameters, options, fit_richer, result);
+  return result;
+}
+
+namespace {
+
+FitResult fit_one(const FitData& data, std::span<const FitParameter> parameters, const FitOptions& options,
+                  const FitResult* plain, double* gain) {
   FitSetup setup = make_setup(data, parameters, options);
   FitProblem& problem = setup.problem;
+  for (std::size_t i = 0; plain != nullptr && i < data.edges.size(); ++i)
+    if (plain->data[i].gradients && setup.block_of[i]) add_gradients(problem, *setup.block_of[i]);
   FitResult result;
   result.warnings = setup.warnings;
   if (problem.blocks.empty()) {
@@ -140,12 +198,13 @@ FitResult fit(const FitData& data, std::span<const FitParameter> parameters, con
   const MinimiseOptions how{options.robust, starts, progress.asks()};
   Solution solution = minimise(problem, solved, how);
   judge(solved, parameters);
-  std::vector<FlatBound> flat;
-  if (solution.converged) flat = flat_bounds(problem, solved);
-  if (leave_flat_bounds(problem, solved, flat, solution, how)) {
-    judge(solved, parameters);
-    flat = flat_bounds(problem, solved);
-  }
+  std::vector<FlatPoint> flat;
+  std::vector<Mirror> mirrors;
+  if (solution.converged) flat = flat_points(problem, solved);
+  const std::vector<double> found = problem.x;
+  if (leave_flat_points(problem, solved, flat, solution, how)) judge(solved, parameters);
+  if (solution.converged) mirrors = mirrored_minima(problem, solved, solution, parameters, how);
+  if (problem.x != found) flat = flat_points(problem, solved);
   set_apart(solved, flat);
   result.iterations = solution.iterations;
   result.starts_agreeing = solution.agreeing;
@@ -168,7 +227,7 @@ FitResult fit(const FitData& data, std::span<const FitParameter> parameters, con
   result.not_separable = null_directions(problem, solved, parameters);
   result.parameters = fitted_parameters(solved, parameters, setup.start);
   result.correlation = correlations(solved);
-  report_mtf(solved, result);
+  report_mtf(problem, solved, flat, result);
   if (options.residual_otf) result.residual_otf.assign(result.frequency_cy_px.size(), 0.0);
   report_data(data, setup.block_of, solved, result);
   if (solution.converged) {
@@ -176,6 +235,8 @@ FitResult fit(const FitData& data, std::span<const FitParameter> parameters, con
     const bool judge = bent || !flat.empty();
     if (options.profile || judge)
       report_intervals(problem, solved, flat, judge, solution.cost, progress.asks(), result);
+    report_mirrors(problem, solved, mirrors, flat, result);
+    if (gain != nullptr) *gain = gain_of_last(problem, solved, solution.cost);
   }
   report_obstacles(solved, result);
   if (progress.stopped() && result.status != FitStatus::stopped) {
@@ -193,4 +254,5 @@ FitResult fit(const FitData& data, std::span<const FitParameter> parameters, con
   return result;
 }
 
+}  // namespace
 }  // namespace calib

@@ -12,6 +12,8 @@
 // Parameters whose effect vanishes with their square (rms of a jitter, width of a footprint) are fitted as squares: the
 // likelihood is flat at zero in the parameter, not in its square. What the data do not determine is found from the
 // singular values of the scaled Jacobian after the edges' own unknowns are projected out, and is reported in words.
+// Where another set of values describes the data alike, as a defocus of the other sign, both are given. Every error
+// holds for the model: what one more unknown of the sensor would make of the values is computed on request.
 
 #include <array>
 #include <functional>
@@ -31,8 +33,8 @@ struct FitParameter {
   std::string path;  ///< "presample[1].rms", "frame.focal_length", "optics.f_number", "presample[0].zernike[3]"
   std::string name;  ///< what reports call it: "jitter.rms"
   std::string unit;  ///< "" for plain numbers
-  std::optional<double> min, max;              ///< bounds in addition to those of the field
-  std::optional<std::array<double, 2>> prior;  ///< mean, sd
+  std::optional<double> min{}, max{};            ///< bounds in addition to those of the field
+  std::optional<std::array<double, 2>> prior{};  ///< mean, sd
 };
 
 /// One edge of an image.
@@ -76,8 +78,9 @@ struct FitOptions {
   bool robust = true;    ///< Huber loss at 3 sd: outliers count less
   int starts = 1;        ///< number of runs from starting values spread over the bounds; the best one counts
   bool profile = false;  ///< computes profile-likelihood intervals of every parameter, also where they are not needed
-  bool residual_otf = false;  ///< computes the shrunk OTF of the residuals, an estimate of the systematic error
-  int threads = 0;            ///< 0 = all cores
+  bool residual_otf = false;   ///< computes the shrunk OTF of the residuals, an estimate of the systematic error
+  bool richer_models = false;  ///< fits also sensors with one more unknown, which the sensor lacks (FitResult)
+  int threads = 0;             ///< 0 = all cores
   /// The fit calls it now and then with the share of the work done; returning false stops the fit.
   std::function<bool(double share)> progress{};
 };
@@ -95,18 +98,27 @@ enum class Knowledge {
   at_bound,        ///< a one-sided limit: `limit95`
   prior_only,      ///< the data add nothing to the prior
   not_determined,  ///< part of a direction that the data do not determine, or no minimum was found: no value is given
-  interval         ///< a value whose error is no standard deviation: `interval` holds, about a bound
+  interval,        ///< a value whose error is no standard deviation: `interval` holds, about a bound or a centre
+  ambiguous        ///< one of several values that describe the data alike; `others` holds the rest
 };
 std::string_view knowledge_name(Knowledge knowledge);
+
+/// Another value of an ambiguous parameter.
+struct OtherValue {
+  double value = 0.0;
+  std::optional<double> stderr_value{};               ///< one standard deviation about it ...
+  std::optional<std::array<double, 2>> interval95{};  ///< ... or where that does not describe it
+  double chi2_rise = 0.0;  ///< chi-square there, above that of the best fit, in units of the noise
+};
 
 struct FittedParameter {
   FitParameter parameter;
   Knowledge knowledge = Knowledge::not_determined;
   double start = 0.0;
-  double value = 0.0;                    ///< best fit; to be shown when determined, at_bound or interval
-  std::optional<double> stderr_value{};  ///< one standard deviation, when determined
+  double value = 0.0;                    ///< best fit; to be shown unless prior_only or not_determined
+  std::optional<double> stderr_value{};  ///< one standard deviation, when determined, and of most that are ambiguous
   double linear_sd = 0.0;  ///< from the covariance; where not determined it shows only how little is known
-  /// Intervals by profile likelihood, when asked for, or where a flat bound is near (flat_bounds.h); an end may be a
+  /// Intervals by profile likelihood, when asked for, or where a flat point is near (flat_points.h); an end may be a
   /// bound up to which chi-square does not rise enough, which `interval` states. For a size that is fitted as its
   /// square and known to a tenth or worse, also without a profile: from the standard deviation of the square.
   std::optional<std::array<double, 2>> interval68{}, interval95{};
@@ -115,7 +127,25 @@ struct FittedParameter {
   /// With a profile it is that end of `interval95`.
   std::optional<double> limit95{};
   bool limit_is_upper = true;
-  double pressed_sd = 0.0;  ///< at a bound: how many sd of the data the minimum lies beyond it
+  double pressed_sd = 0.0;           ///< at a bound: how many sd of the data the minimum lies beyond it
+  std::vector<OtherValue> others{};  ///< when ambiguous
+};
+
+/// Parameters that have other values together at another minimum, which the data do not tell from the best fit.
+struct Alternative {
+  std::vector<std::size_t> parameters;  ///< those whose values differ
+  std::vector<double> values;
+  double chi2_rise = 0.0;  ///< as of OtherValue
+  std::string text;        ///< in words
+};
+
+/// The fit of a sensor that has one more unknown.
+struct RicherModel {
+  std::string unknown;                      ///< "defocus", "jitter", "motion along x"
+  std::vector<FittedParameter> parameters;  ///< those of the fit in their order, then the unknown
+  std::optional<Estimate> mtf50;
+  double chi2_gain = 0.0;  ///< how much lower chi-square is, in units of the noise
+  double p = 1.0;          ///< probability of so large a gain by chance, where the sensor is right without it
 };
 
 /// A combination of parameters that the data do not determine.
@@ -134,13 +164,14 @@ struct FitResiduals {
   double whiteness_p = 1.0;    ///< probability of residuals at least as structured along d, were they noise
   EdgeCurve curve;             ///< edges: geometry as fitted
   Estimate contrast;           ///< edges: bright - dark
+  bool gradients = false;      ///< edges: the plateaus have gradients, which the data ask for
   mtf::Image residual;         ///< edges and spots: (pixel - model) / sd, NaN where not used; of a large spot region
                                ///< the part around the peak
 };
 
 enum class FitStatus {
   converged,
-  converged_model_wrong,  ///< converged, but the residuals have structure beyond the noise
+  converged_model_wrong,  ///< converged, but the residuals have structure beyond the noise, or a richer model is better
   not_converged,
   no_data,
   stopped
@@ -155,6 +186,8 @@ struct FitResult {
   std::vector<std::vector<double>> correlation;  ///< of the parameters in their order; NaN where the data
                                                  ///< do not depend on one at all, or one is at a flat bound
   std::vector<NullDirection> not_separable;
+  std::vector<Alternative> alternatives;
+  std::vector<RicherModel> richer_models;  ///< when asked for, of the unknowns that the sensor lacks
   /// Second moment of the blur along x and y in px^2, what one edge always determines: -H''(0) / (4 pi^2) beyond the
   /// linear term of diffraction (what a lens adds by it is not in here), with its standard deviation, which holds the
   /// numerical error of the extraction.

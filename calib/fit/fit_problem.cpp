@@ -267,13 +267,18 @@ Solution solve_holding(FitProblem& problem, const SolveOptions& asked, const std
   ceres::Solver::Summary summary;
   ceres::Solve(options, &ceres_problem, &summary);
   unknowns.give_back();
+  bool cut_off = false;
   for (std::size_t i = 0; i < n; ++i)  // back from rounds
-    if (const Variable& v = problem.variables[i]; v.period > 0.0) problem.x[i] = v.value(problem.x[i]) / v.step;
+    if (const Variable& v = problem.variables[i]; v.period > 0.0) {
+      cut_off = cut_off || problem.x[i] <= v.lo || problem.x[i] >= v.hi;
+      problem.x[i] = v.value(problem.x[i]) / v.step;
+    }
   problem.apply();
   return {.converged = summary.termination_type == ceres::CONVERGENCE,
           .stopped = summary.termination_type == ceres::USER_FAILURE,
           .cost = summary.final_cost,
-          .iterations = static_cast<int>(summary.iterations.size())};
+          .iterations = static_cast<int>(summary.iterations.size()),
+          .cut_off = cut_off};
 }
 
 }  // namespace calib

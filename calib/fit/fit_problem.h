@@ -44,7 +44,8 @@ struct Solution {
   bool stopped = false;
   double cost = 0.0;  ///< at x
   int iterations = 0;
-  int agreeing = 1;  ///< number of runs that ended at this minimum
+  int agreeing = 1;      ///< number of runs that ended at this minimum
+  bool cut_off = false;  ///< a direction has gone round as often as it may, and stands where that ends
 };
 
 /// Minimises from the present values and leaves the minimum in x and own, with the sensors set to it. The variable

@@ -167,9 +167,27 @@ std::vector<FittedParameter> fitted_parameters(const Solved& solved, std::span<c
   return all;
 }
 
+double allowed_rise(double z, double from_bound_sd) {
+  const auto below = [](double x) { return 0.5 * std::erfc(-x / std::numbers::sqrt2); };
+  if (from_bound_sd >= z) return z;
+  const double wanted = 2.0 * below(z) - 1.0, mu = std::max(from_bound_sd, 1e-9);
+  double lo = 0.0, hi = z;
+  for (int i = 0; i < 60; ++i) {
+    const double t = 0.5 * (lo + hi);
+    // Estimates of mu beyond the bound are at it: the rise from there is mu^2 - 2 mu x.
+    (below(t) - below(-0.5 * (mu + t * t / mu)) < wanted ? lo : hi) = t;
+  }
+  return 0.5 * (lo + hi);
+}
+
 BoundLimit limit_at_bound(double sd, double inward_gradient) {
-  const double push = std::max(0.0, inward_gradient), variance = sd * sd;
-  return {variance * (std::sqrt(push * push + k95_sd * k95_sd / variance) - push), push * sd};
+  const double pressed_sd = std::max(0.0, inward_gradient) * sd;
+  double lo = 0.0, hi = k95_sd;
+  for (int i = 0; i < 60; ++i) {
+    const double t = 0.5 * (lo + hi);
+    (std::sqrt(t * (t + 2.0 * pressed_sd)) < allowed_rise(k95_sd, t) ? lo : hi) = t;
+  }
+  return {0.5 * (lo + hi) * sd, pressed_sd};
 }
 
 std::vector<std::vector<double>> correlations_of(const Eigen::MatrixXd& c) {

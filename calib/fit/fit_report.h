@@ -9,10 +9,20 @@
 
 namespace calib {
 
-/// Half of a 95 % interval, in standard deviations. A limit at a bound is the far end of such an interval, whose near
-/// end is the bound: that of one side only (1.645) would fail too often, as the data themselves choose between limit
-/// and interval. (Feldman and Cousins, Phys. Rev. D 57, 3873 (1998).)
+/// Probability below which residuals, or what a richer model gains, are not taken for noise.
+inline constexpr double kWrongModel_p = 1e-4;
+/// Structure in the residuals that matters: rms over the region, of the contrast. Below, tables and rounding show.
+inline constexpr double kStructureMatters = 1e-5;
+
+/// Half of a 95 % interval, in standard deviations.
 inline constexpr double k95_sd = 1.959963984540054;
+
+/// The root of the rise of chi-square up to which a value belongs to the interval of +- `z` sd, for a value that lies
+/// `from_bound_sd` from the bound of its range. Far from the bound it is z. Near it estimates pile up on the bound, and
+/// the z of a range without an end would hold too often: a value at the bound is left out from 1.645 on at 95 %.
+/// Interval and limit are one construction, as the data themselves choose between them. (Feldman and Cousins, Phys.
+/// Rev. D 57, 3873 (1998).)
+double allowed_rise(double z, double from_bound_sd);
 
 /// A function of the shared variables at the solution, with its derivatives by x.
 struct Functional {
@@ -87,7 +97,7 @@ std::vector<FittedParameter> fitted_parameters(const Solved& solved, std::span<c
 /// Where a variable is at its bound or within one sd of it: the distance from it of the far end of the 95 % interval
 /// that begins there, and how many sd beyond the bound the minimum lies. The gradient of chi-square / 2 into the
 /// allowed range, the other variables at their best, is the first term of the profile g t + t^2 / (2 sd^2), which is at
-/// the 95 % point at t.
+/// the 95 % point (allowed_rise) at t.
 struct BoundLimit {
   double distance = 0.0, pressed_sd = 0.0;
 };

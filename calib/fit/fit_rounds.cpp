@@ -172,6 +172,21 @@ std::vector<std::size_t> counts_of(const FitProblem& problem) {
   return counts;
 }
 
+void add_gradients(FitProblem& problem, std::size_t edge) {
+  std::get<EdgeBlock>(problem.blocks[edge]).use_gradients();
+  problem.own[edge].resize(problem.own[edge].size() + 4, 0.0);
+}
+
+double noise_factor_of(const FitProblem& problem, const Solved& solved) {
+  double factor = 0.0, weight = 0.0;
+  const std::vector<std::size_t> counts = counts_of(problem);
+  for (std::size_t b = 0; b < counts.size(); ++b) {
+    factor += trusted_noise(solved.noise_factor[b]) * static_cast<double>(counts[b]);
+    weight += static_cast<double>(counts[b]);
+  }
+  return factor / weight;
+}
+
 Solution finish(FitProblem& problem, Solved& solved, const Solution& first, const MinimiseOptions& options) {
   Solution solution = first;
   const std::vector<std::size_t> counts = counts_of(problem);
@@ -180,10 +195,7 @@ Solution finish(FitProblem& problem, Solved& solved, const Solution& first, cons
     if (!solution.converged || round == kMostRounds) break;
     const bool weights = round < 2 && update_weights(problem, solved.noise_factor);
     if (gradients.empty() && !weights) break;
-    for (const std::size_t b : gradients) {
-      std::get<EdgeBlock>(problem.blocks[b]).use_gradients();
-      problem.own[b].resize(problem.own[b].size() + 4, 0.0);
-    }
+    for (const std::size_t b : gradients) add_gradients(problem, b);
     const Solution again = solve(problem, {.go_on = options.go_on});
     solution = {again.converged, again.stopped, again.cost, solution.iterations + again.iterations, solution.agreeing};
   }

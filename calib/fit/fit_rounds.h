@@ -22,7 +22,13 @@ Solution minimise(FitProblem& problem, Solved& solved, const MinimiseOptions& op
 /// The fits that follow a first minimum, whose count of iterations they continue; results as above.
 Solution finish(FitProblem& problem, Solved& solved, const Solution& first, const MinimiseOptions& options);
 
+/// Gives the plateaus of an edge gradients, 0 so far.
+void add_gradients(FitProblem& problem, std::size_t edge);
+
 /// The number of pixels or samples of every block.
 std::vector<std::size_t> counts_of(const FitProblem& problem);
+
+/// Chi-square per degree of freedom of all data, by which rises of chi-square are divided.
+double noise_factor_of(const FitProblem& problem, const Solved& solved);
 
 }  // namespace calib

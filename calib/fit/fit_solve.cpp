@@ -13,7 +13,8 @@ namespace calib {
 namespace {
 
 bool at_bound(const FitProblem& problem, std::size_t i) {
-  return problem.x[i] <= problem.variables[i].lo || problem.x[i] >= problem.variables[i].hi;
+  const Variable& v = problem.variables[i];
+  return v.period == 0.0 && (problem.x[i] <= v.lo || problem.x[i] >= v.hi);
 }
 
 /// Whether the cost falls away from the bound of one of these variables, by more than rounding.
@@ -50,13 +51,16 @@ Solution solve(FitProblem& problem, const SolveOptions& asked) {
       if (i != asked.fixed && at_bound(problem, i)) all.push_back(static_cast<int>(i));
     return all;
   };
-  Solution solution = solve_holding(problem, asked, fixed);
+  Solution solution;
   const auto go_on_holding = [&](std::vector<int> held) {
     held.insert(held.end(), fixed.begin(), fixed.end());
-    const int before = solution.iterations;
-    solution = solve_holding(problem, asked, held);
-    solution.iterations += before;
+    for (int round = 0; round == 0 || (solution.cut_off && round < 3); ++round) {
+      const int before = solution.iterations;
+      solution = solve_holding(problem, asked, held);
+      solution.iterations += before;
+    }
   };
+  go_on_holding({});
   for (int round = 0; round < 2 && solution.converged; ++round) {
     const std::vector<int> held = at_bounds();
     if (held.empty()) break;

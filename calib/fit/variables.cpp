@@ -58,6 +58,24 @@ struct Prober {
   }
 };
 
+/// The starting values, those of signed parameters that would do nothing there moved to where they act: beside a
+/// spherical aberration of 0 a defocus acts by its square, beside another it does not.
+std::vector<double> acting_values(const Prober& prober, std::span<const mtf::FieldInfo* const> infos) {
+  constexpr double kSeen = 0.02, kNothing = 1e-3;
+  std::vector<double> values(prober.start.begin(), prober.start.end());
+  if (infos.size() < 2) return values;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    if (!(infos[i]->lo < 0.0 && infos[i]->hi > 0.0)) continue;
+    const Response none = prober.at(i, 0.0);
+    const auto effect = [&](double value) { return largest_difference(prober.at(i, value).h, none.h); };
+    if (effect(values[i]) > kNothing) continue;
+    double value = std::max(std::abs(values[i]), 1e-6);
+    while (4.0 * value < infos[i]->hi && effect(value) < kSeen) value *= 4.0;
+    values[i] = value;
+  }
+  return values;
+}
+
 /// A value of parameter i at which an even effect is small and yet well above rounding; 0 when there is none, or when
 /// the effect is not that of a square.
 double square_at(const Prober& prober, std::size_t i, const mtf::FieldInfo& info) {
@@ -116,10 +134,11 @@ std::vector<Variable> make_variables(Sensors& sensors, std::span<const FitParame
                                      std::span<const double> start, std::span<const mtf::FieldInfo* const> infos,
                                      std::span<const Probe> probes) {
   const Prober prober{sensors, probes, start};
+  for (std::size_t i = 0; i < parameters.size(); ++i) check_numbers(parameters[i], *infos[i], start[i]);
+  const std::vector<double> acting = acting_values(prober, infos);
   std::vector<Variable> all;
   for (std::size_t i = 0; i < parameters.size(); ++i) {
     const mtf::FieldInfo& info = *infos[i];
-    check_numbers(parameters[i], info, start[i]);
     // Open ends of a range are not allowed themselves.
     const double inside = 1e-9 * std::max(1.0, std::abs(start[i]));
     const double field_lo = info.lo_open ? info.lo + inside : info.lo,
@@ -131,10 +150,14 @@ std::vector<Variable> make_variables(Sensors& sensors, std::span<const FitParame
     Variable v;
     v.positive = info.lo >= 0.0;
     const bool reaches_zero = info.lo <= 0.0 && !info.lo_open && info.hi > 0.0;
-    const double small = reaches_zero ? square_at(prober, i, info) : 0.0;
+    const bool signs_differ = lo < 0.0 && hi > 0.0 && parameters[i].prior && (*parameters[i].prior)[0] != 0.0;
+    v.direction = is_direction(info);
+    const bool may_be_square = reaches_zero && !signs_differ && !v.direction;
+    const double small = may_be_square ? square_at({sensors, probes, acting}, i, info) : 0.0;
     v.squared = small > 0.0 && (info.lo >= 0.0 || (lo <= 0.0 && hi >= 0.0) || lo > 0.0);
-    v.sign = v.squared && (value < 0.0 || hi <= 0.0) ? -1.0 : 1.0;
     if (v.squared) {
+      v.sign = -lo > hi || (-lo == hi && value < 0.0) ? -1.0 : 1.0;
+      v.other_side = std::max(0.0, std::min(-lo, hi));
       v.positive = true;
       // By the square: dH/d(value^2) = dH/dvalue / (2 value). A large start may have left the range of its effect.
       const double here = std::max(std::abs(value), small);
@@ -150,7 +173,7 @@ std::vector<Variable> make_variables(Sensors& sensors, std::span<const FitParame
       v.step = std::min(v.step, 1e3 * std::max(1.0, std::abs(value)));
       v.lo = lo / v.step;
       v.hi = hi / v.step;
-      if (is_direction(info) && !parameters[i].min && !parameters[i].max && !parameters[i].prior) {
+      if (v.direction && !parameters[i].min && !parameters[i].max && !parameters[i].prior) {
         const Response here = prober.at(i, 0.0), across = prober.at(i, 90.0), turned = prober.at(i, 180.0);
         const bool seen = largest_difference(here.h, across.h) > 1e-6;
         v.period = seen && largest_difference(here.h, turned.h) < 1e-9 ? 180.0 : 360.0;

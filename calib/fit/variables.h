@@ -7,6 +7,8 @@
 //   value = step x modulo the period      of a direction, which has no bounds then
 // `step` is such that x = 1 changes the OTF by about 0.05, so that sizes, trust regions and directions are comparable.
 // Squares are used because the likelihood of an rms, a width or a defocus is flat at zero, but not that of its square.
+// A square knows no sign: that of the value is the side of 0 with the larger range, or that of the start. A prior that
+// tells the signs apart leaves the parameter itself as the variable.
 
 #include <span>
 #include <vector>
@@ -26,7 +28,12 @@ struct Variable {
   double lo = 0.0, hi = 0.0;  ///< bounds of x
   double start = 0.0;         ///< x
   double period = 0.0;        ///< period of a direction's value, which is given within half of it from 0; 0 = none
+  bool direction = false;     ///< an angle over whole turns, whether its range is bounded or not
   bool positive = false;      ///< the parameter cannot be negative: its size is its own scale
+  double other_side = 0.0;    ///< of a square: how far values of the other sign, which do the same, are in the range
+
+  /// Values on both sides of 0 are in the range, and are values of x.
+  bool has_sign() const { return !squared && !direction && lo < 0.0 && hi > 0.0; }
 
   double value(double x) const;
   /// d value / dx, finite at x = 0.

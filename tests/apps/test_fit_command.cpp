@@ -135,7 +135,9 @@ TEST(FitCommand, AFlatBoundGivesIntervals) {
   const std::string fit_both =
       "rms = { value = \"3 um\", fit = true }\n"
       "[[presample]]\nkind = \"diffusion\"\nabsorption_length = \"10 um\"\ndepletion_depth = \"3 um\"\n"
-      "diffusion_length = { value = \"3 um\", fit = true }";
+      "diffusion_length = { value = \"3 um\", fit = true }\n"
+      // With these no further unknown is tried, which would take ten times as long.
+      "[[presample]]\nkind = \"linear_motion\"\ntravel = \"0 um\"\n[[presample]]\nkind = \"rms_wavefront\"\nrms = 0.0";
   write_file(scratch / "fit.toml", replaced(read_file(scratch / "sensor.toml"), "rms = \"2 um\"", fit_both));
   const made::Camera camera{.s = 4.0 * 2.0 / 15.0, .pixel = 1.0, .variance = 0.028};  // 2.5 um
   const mtf::Image edge = made::make(made::camera_step(camera, 5.0), {.noise_sd = 0.002, .seed = 4});
@@ -204,6 +206,71 @@ TEST(FitCommand, AModelThatDoesNotDescribeTheDataIsAFailedCheck) {
   EXPECT_EQ(allowed.status, 0) << allowed.err;
   EXPECT_EQ(Json::parse(allowed.out).at("status"), "converged_model_wrong");
   all_written();
+}
+
+/// f/8 out of focus, in visible light, pitch 4.73 um, and what the sensor file gives of it.
+struct OutOfFocus {
+  std::string text =
+      "schema = 1\n[frame]\nfocal_length = \"50 mm\"\npitch = \"4.73 um\"\n[optics]\nf_number = 8.0\n"
+      "wavelength = \"0.55 um\"\n[[presample]]\nkind = \"PUPIL\"\n[[presample]]\nkind = \"footprint\"\n"
+      "width = \"4.73 um\"\n";
+  OutOfFocus(const Scratch& scratch, double waves, double noise_sd) {
+    made::Camera camera = made::camera_of(8.0);
+    camera.w020 = waves;
+    const mtf::Image edge = made::make(made::camera_step(camera, 5.0), {.noise_sd = noise_sd, .seed = 3});
+    mtf::io::write_exr((scratch / "edge.exr").string(), {{"Y", edge.view()}}, {});
+  }
+};
+
+// Defocus has no sign: the fit gives both, in the table, in JSON and above the fitted file, which has no stderr then.
+TEST(FitCommand, BothSignsOfADefocus) {
+  const Scratch scratch;
+  const OutOfFocus made(scratch, 0.35, 0.01);
+  write_file(scratch / "fit.toml",
+             replaced(made.text, "\"PUPIL\"", "\"defocus\"\nwaves = { value = -0.2, fit = true }"));
+  const Result fit = scratch.run("mtf fit fit.toml edge.exr -o fitted.toml --format json");
+  ASSERT_EQ(fit.status, 0) << fit.err;
+  const Json json = Json::parse(fit.out), waves = json.at("parameters")[0];
+  EXPECT_EQ(waves.at("knowledge"), "ambiguous");
+  EXPECT_NEAR(waves.at("value").get<double>(), -0.35, 4.0 * waves.at("stderr").get<double>());
+  ASSERT_EQ(waves.at("other_values").size(), 1U);
+  EXPECT_EQ(waves.at("other_values")[0].at("value").get<double>(), -waves.at("value").get<double>());
+  EXPECT_EQ(waves.at("other_values")[0].at("chi2_rise"), 0.0);
+  EXPECT_EQ(json.at("alternatives")[0].at("parameters")[0], "defocus.waves");
+  const std::string fitted = read_file(scratch / "fitted.toml");
+  EXPECT_NE(fitted.find("# defocus.waves: ambiguous, -0.3"), std::string::npos) << fitted;
+  EXPECT_EQ(fitted.find("stderr"), std::string::npos) << fitted;
+  const std::string table = scratch.run("mtf fit fit.toml edge.exr").out;
+  EXPECT_NE(table.find(" or 0.3"), std::string::npos) << table;
+  EXPECT_NE(table.find("the data do not tell -0.3"), std::string::npos) << table;
+}
+
+// The lens of f/8 fitted without its defocus: residuals that look right, and yet not what the data say.
+TEST(FitCommand, WhatOneMoreUnknownMakesOfAValue) {
+  const Scratch scratch;
+  const OutOfFocus made(scratch, 0.4, 0.02);
+  write_file(scratch / "fit.toml", replaced(replaced(made.text, "PUPIL", "diffraction"), "f_number = 8.0",
+                                            "f_number = { value = 6.0, fit = true }"));
+  const Result fit = scratch.run("mtf fit fit.toml edge.exr -o fitted.toml --format json");
+  EXPECT_EQ(fit.status, 3) << fit.err;
+  const Json json = Json::parse(fit.out), f_number = json.at("parameters")[0];
+  EXPECT_EQ(json.at("status"), "converged_model_wrong");
+  EXPECT_NE(json.at("reason").get<std::string>().find("with defocus unknown it describes them better"),
+            std::string::npos)
+      << json.at("reason");
+  EXPECT_GT(json.at("whiteness_p").get<double>(), 1e-4);
+  const Json& model = json.at("richer_models")[0];
+  EXPECT_EQ(model.at("unknown"), "defocus");
+  EXPECT_LT(model.at("p").get<double>(), 1e-6);
+  const Json& then = f_number.at("model_sensitivity")[0];
+  EXPECT_EQ(then.at("unknown"), "defocus");
+  EXPECT_NEAR(then.at("value").get<double>(), 8.0, 4.0 * then.at("stderr").get<double>());
+  EXPECT_NEAR(then.at("moves_by").get<double>(), then.at("value").get<double>() - f_number.at("value").get<double>(),
+              1e-9);
+  EXPECT_NE(read_file(scratch / "fitted.toml").find("# optics.f_number with unknown defocus: "), std::string::npos);
+  const Result table = scratch.run("mtf fit fit.toml edge.exr --allow-misfit");
+  EXPECT_EQ(table.status, 0);
+  EXPECT_NE(table.out.find("   with unknown defocus: "), std::string::npos) << table.out;
 }
 
 TEST(FitCommand, BadRequests) {

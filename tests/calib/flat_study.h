@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Monte-Carlo study of fits in which the effect of a parameter vanishes at a bound: how often the statements of it and
-// of its partners hold the truth. Images come from the sensor's own OTF by the quadrature of made_edges.h. The
-// statement of a parameter is its 95 % interval, else value +- 1.96 standard errors, else its limit.
+// Monte-Carlo study of fits in which the effect of a parameter vanishes at a bound, or at a centre about which it is
+// mirrored: how often the statements of it and of its partners hold the truth. Images come from the sensor's own OTF by
+// the quadrature of made_edges.h, those of a motion as means over the places. The statement of a parameter is its 95 %
+// interval, else value +- 1.96 standard errors, else its limit; of an ambiguous one that of each of its values.
 
 #include <cstdint>
 #include <optional>
@@ -18,7 +19,7 @@ namespace flat_study {
 struct Truth {
   std::string path;
   double value = 0.0, start = 0.0;
-  std::optional<double> min{};  ///< bound given by the user
+  std::optional<double> min{}, max{};  ///< bounds given by the user
 };
 
 /// A camera with diffraction, and one edge.
@@ -28,6 +29,8 @@ struct Case {
   std::vector<Truth> fitted;
   double angle_deg = 5.0;
   double cnr = 60.0;
+  mtf::System<double> at_rest{};    ///< where there are places: the sensor but for the motion
+  std::vector<double> places_px{};  ///< along the normal, where the image has been
 };
 
 /// Visible light, f/8, pitch 4.73 um: a jitter of 2.5 um and a diffusion of charge (absorption in 10 um, a depletion
@@ -41,8 +44,19 @@ Case lens_out_of_focus(double waves);
 /// order only.
 Case two_footprints(double width_um);
 
+/// An image that moves along x at 200 um/s for 10 ms, with this acceleration, the only unknown.
+Case accelerated(double um_s2);
+/// A defocus as the only unknown.
+Case out_of_focus(double waves);
+/// The same beside a spherical aberration of 0.3 waves that is known: mirrored about another centre, nearly.
+Case out_of_focus_aberrated(double waves);
+/// Defocus and spherical aberration, both unknown: mirrored together.
+Case two_aberrations(double w020, double w040);
+
 struct Held {
   int inside = 0;      ///< the statement holds the truth
+  int zero = 0;        ///< it holds 0
+  int determined = 0;  ///< it is one value with a standard error
   int silent = 0;      ///< nothing is stated
   int unbounded = 0;   ///< an interval without an end on one side
   double width = 0.0;  ///< mean; of an open interval up to the bound

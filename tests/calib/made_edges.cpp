@@ -75,7 +75,19 @@ Step Step::gaussian(double mtf50_cy_px) {
   return step;
 }
 
+Step Step::moved(std::vector<double> places_px) const {
+  Step step = *this;
+  step.places_px_ = std::move(places_px);
+  return step;
+}
+
 double Step::at(double d_px) const {
+  double sum = 0.0;
+  for (const double place : places_px_) sum += at_rest(d_px - place);
+  return sum / static_cast<double>(places_px_.size());
+}
+
+double Step::at_rest(double d_px) const {
   if (sigma_px_ > 0.0) return 0.5 * std::erfc(-d_px / (std::numbers::sqrt2 * sigma_px_));
   const double a = std::min(std::abs(d_px), range_px_) * kTableSteps;
   const auto i = static_cast<std::size_t>(a);

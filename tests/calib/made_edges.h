@@ -25,6 +25,9 @@ class Step {
   /// exp(-2 pi^2 sigma^2 f^2), in closed form.
   static Step gaussian(double mtf50_cy_px);
 
+  /// The same seen by a sensor that moves along the normal: the mean over the places where it has been, px.
+  Step moved(std::vector<double> places_px) const;
+
   double mtf(double f_cy_px) const { return mtf_(f_cy_px); }
   double at(double d_px) const;
   /// Frequency at which the MTF first falls to `contrast`.
@@ -32,11 +35,13 @@ class Step {
 
  private:
   Step() = default;
+  double at_rest(double d_px) const;
   Mtf mtf_;
   double sigma_px_ = 0.0;
   double range_px_ = 0.0;
   double top_cy_px_ = 0.0;
   std::vector<double> value_, slope_;  // at i / kTableSteps, E - 1/2 and the line spread
+  std::vector<double> places_px_{0.0};
 };
 
 /// A camera: circular pupil, square pixel, four-dot low-pass filter, Gaussian. Lengths in pixels.

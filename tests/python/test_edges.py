@@ -136,6 +136,19 @@ def test_curves_and_spots_join_a_fit(truth):
         guess.fit(edges=np.zeros((8, 8)), free=["jitter.rms"])
 
 
+def test_values_that_describe_the_data_alike_are_given_and_what_the_errors_leave_out(truth, images):
+    guess = truth.replace({"defocus.distance": "-15 um"})
+    fit = guess.fit(edges=images, free={"defocus.distance": None})
+    distance = fit["defocus.distance"]
+    assert distance.verdict.startswith("ambiguous: defocus.distance: the data do not tell")
+    assert distance.value < 0 and distance.others == (-distance.value,)
+    assert abs(abs(distance.value) - 20) < 4 * distance.sd  # micrometres
+    # There is a jitter; a motion along either axis is what the sensor lacks.
+    assert [name for name, _, _ in distance.sensitivity] == ["motion along x", "motion along y"]
+    for _, value, sd in distance.sensitivity:
+        assert sd >= distance.sd and abs(abs(value) - 20) < 4 * sd
+
+
 def test_what_the_data_cannot_tell_is_said(images):
     twins = mk.Sensor(frame=dict(focal_length="100 mm", pitch="15 um"), optics=dict(f_number=2.0, wavelength="4 um"),
                       presample=["diffraction", mk.Jitter(rms="30 urad"), mk.Gaussian(sigma="3 um")])

@@ -50,8 +50,10 @@ class Parameter(results.ByValue):
     """A fitted number of the sensor.
 
     `value` is NaN where the data do not determine it, `sd` where there is no standard deviation. `verdict` says how well
-    it is known: "determined", "at bound", "prior only", "not determined", "interval", with what it cannot be told from.
-    `low` and `high` are the ends of a 95 % interval where one was made.
+    it is known: "determined", "at bound", "prior only", "not determined", "interval", "ambiguous", with what it cannot be
+    told from. `low` and `high` are the ends of a 95 % interval where one was made. `others` are further values that
+    describe the data alike, as the other sign of a defocus. `sd` holds for the sensor as it is: `sensitivity` tells what
+    value and standard deviation become with one more unknown of it, as ("defocus", value, sd), NaN where nothing is known.
     """
 
     name: str
@@ -62,6 +64,8 @@ class Parameter(results.ByValue):
     low: float
     high: float
     verdict: str
+    others: tuple[float, ...] = ()
+    sensitivity: tuple[tuple[str, float, float], ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -119,8 +123,8 @@ class Fit(results.ByValue):
     @property
     def parameters(self) -> tuple[Parameter, ...]:
         """The fitted numbers."""
-        words = {name: direction["text"] for direction in self.report["not_separable"]
-                 for name in direction["parameters"]}
+        words = {name: found["text"] for found in [*self.report["alternatives"], *self.report["not_separable"]]
+                 for name in found["parameters"]}
         return tuple(_parameter(entry, words.get(entry["name"], "")) for entry in self.report["parameters"])
 
     def __getitem__(self, name: str) -> Parameter:
@@ -206,7 +210,9 @@ def _parameter(entry: Mapping[str, Any], word: str) -> Parameter:
     if entry["limit95"] is not None:
         verdict += f"; 95 %: {'at most' if entry['limit_is'] == 'upper' else 'at least'} {entry['limit95']:.4g}"
     return Parameter(entry["name"], number(entry["value"]), number(entry["stderr"]), entry["unit"], entry["start"], low,
-                     high, verdict)
+                     high, verdict, tuple(other["value"] for other in entry["other_values"]),
+                     tuple((model["unknown"], number(model["value"]), number(model["stderr"]))
+                           for model in entry["model_sensitivity"]))
 
 
 def _bounds(name: str, given: Any) -> dict[str, Any]:

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "calib/fit/confidence/flat_interval.h"
 #include "calib/fit/confidence/profile.h"
 #include "mtf/units.h"
 
@@ -14,35 +15,57 @@ namespace {
 constexpr double kLikeNormal = 0.1;  // of a half interval: to within this the standard error agrees with it
 constexpr double kOwnSd = 3.0;       // a first step of the profile, in sd of the parameter with the others fixed
 
-/// Chi-square per degree of freedom of all data.
-double noise_factor_of(const FitProblem& problem, const Solved& solved) {
-  double factor = 0.0, weight = 0.0;
-  const std::vector<std::size_t> counts = counts_of(problem);
-  for (std::size_t b = 0; b < counts.size(); ++b) {
-    factor += trusted_noise(solved.noise_factor[b]) * static_cast<double>(counts[b]);
-    weight += static_cast<double>(counts[b]);
-  }
-  return factor / weight;
+const FlatPoint* flat_of(std::size_t i, std::span<const FlatPoint> flat) {
+  const auto point = std::find_if(flat.begin(), flat.end(), [&](const FlatPoint& f) { return f.parameter == i; });
+  return point == flat.end() ? nullptr : &*point;
 }
 
-/// sd of x to begin the profile with. About a flat bound the covariance may be of any size.
-double first_step(const Solved& solved, std::size_t i, std::span<const FlatBound> flat) {
+/// sd of x to begin the profile with. About a flat point the covariance may be of any size.
+double first_step(const Solved& solved, std::size_t i, std::span<const FlatPoint> flat) {
   const auto index = static_cast<Eigen::Index>(i);
   const double sd = std::sqrt(solved.identified.covariance(index, index));
   if (flat.empty()) return sd;
   const double own = std::min(sd, kOwnSd / std::sqrt(solved.information.matrix(index, index)));
-  const auto bound = std::find_if(flat.begin(), flat.end(), [&](const FlatBound& f) { return f.parameter == i; });
-  return bound == flat.end() ? own : std::min(own, bound->off);
+  const FlatPoint* const point = flat_of(i, flat);
+  return point == nullptr ? own : std::min(own, point->off);
 }
 
-ProfiledInterval interval_of(const ProfileEnds& ends, const Variable& v, const FitParameter& parameter) {
+/// Ends of intervals, in values. Open: that of `interval95` is a bound up to which chi-square does not rise enough.
+struct Ends {
+  std::array<double, 2> interval68{}, interval95{};
+  bool low_open = false, high_open = false;
+};
+
+/// `at`: the x of the fit, from which a direction is counted on beyond its half turn.
+Ends ends_of(const XEnds& x, const Variable& v, double at) {
+  const auto value = [&](double to) {
+    if (v.period > 0.0) return v.value(at) + v.step * (to - at);
+    return v.squared ? v.sign * v.step * std::sqrt(std::max(0.0, to)) : v.value(to);
+  };
+  bool from_low = x.x95[0] <= v.lo, from_high = x.x95[1] >= v.hi;
+  const bool from_zero = v.squared && v.lo == 0.0 && from_low;
+  // Of the values on both sides of 0, those of the other one have the same square.
+  const auto both = [&](const std::array<double, 2>& to) {
+    double a = value(to[0]), b = value(to[1]);
+    if (v.other_side > 0.0 && to[0] <= 0.0) a = -v.sign * std::min(std::abs(b), v.other_side);
+    return std::array{std::min(a, b), std::max(a, b)};
+  };
+  Ends ends{both(x.x68), both(x.x95)};
+  if (from_zero) from_low = v.other_side > 0.0 && std::abs(value(x.x95[1])) >= v.other_side;
+  const bool rises = v.sign > 0.0;
+  ends.low_open = rises ? from_low : from_high;
+  ends.high_open = rises ? from_high : from_low;
+  return ends;
+}
+
+ProfiledInterval interval_of(const Ends& ends, const Variable& v, const FitParameter& parameter) {
   const auto open = [&](const char* side, double bound) {
     return "the data do not bound it from " + std::string(side) + ": chi-square rises too little up to the bound of " +
            mtf::format_double(bound) + (parameter.unit.empty() ? "" : " " + parameter.unit);
   };
   ProfiledInterval interval{ends.interval95[0], ends.interval95[1], ""};
   const bool size_from_zero = v.positive && !(parameter.min && *parameter.min > 0.0);
-  if (ends.low_open && !size_from_zero) {
+  if (ends.low_open && !(size_from_zero && ends.interval95[0] >= 0.0)) {
     interval.low.reset();
     interval.reason = open("below", ends.interval95[0]);
   }
@@ -53,65 +76,91 @@ ProfiledInterval interval_of(const ProfileEnds& ends, const Variable& v, const F
   return interval;
 }
 
+void set_intervals(FittedParameter& p, const Ends& ends, const Variable& v) {
+  p.interval68 = ends.interval68;
+  p.interval95 = ends.interval95;
+  p.interval = interval_of(ends, v, p.parameter);
+}
+
 bool same_as(const std::array<double, 2>& interval, double value, double half) {
   return std::abs(interval[0] - (value - half)) < kLikeNormal * half &&
          std::abs(interval[1] - (value + half)) < kLikeNormal * half;
 }
 
-/// Whether chi-square is the parabola of the covariance as far as the ends, in the variable of the fit.
-bool like_normal(const ProfileEnds& ends, const Variable& v, double x, double sd) {
-  const auto [low, high] = std::minmax({v.x_of(ends.interval95[0]), v.x_of(ends.interval95[1])});
-  return same_as({low, high}, x, k95_sd * sd);
-}
-
-/// The interval of the parameter, from intervals of its square that may extend beyond its range: such an end is open.
-ProfileEnds ends_of_square(const Variable& v, double x, double sd) {
-  const auto within = [&](double half) {
-    const double at_low = x - half > v.lo ? v.value(x - half) : v.sign * v.step * std::sqrt(v.lo);
-    const double at_high = v.value(std::min(v.hi, x + half));
-    return std::array{std::min(at_low, at_high), std::max(at_low, at_high)};
+/// The interval of a square by its standard deviation, near its bound as allowed_rise.
+XEnds ends_of_square(const Variable& v, double x, double sd) {
+  const double away_sd = (x - v.lo) / sd;
+  const auto within = [&](double z) {
+    double lo = 0.0, hi = away_sd;
+    if (away_sd > allowed_rise(z, 0.0))
+      for (int i = 0; i < 60; ++i) {
+        const double middle = 0.5 * (lo + hi);
+        (away_sd - middle > allowed_rise(z, middle) ? lo : hi) = middle;
+      }
+    return std::array{v.lo + lo * sd, std::min(v.hi, x + z * sd)};
   };
-  const bool from_low = x - k95_sd * sd <= v.lo, from_high = x + k95_sd * sd >= v.hi, rises = v.sign > 0.0;
-  return {.interval68 = within(sd),
-          .interval95 = within(k95_sd * sd),
-          .low_open = rises ? from_low : from_high,
-          .high_open = rises ? from_high : from_low};
+  return {within(1.0), within(k95_sd)};
 }
 
-/// The verdict on a parameter that has a profile, a flat bound being near to it or to a partner.
-void judge_by_profile(FittedParameter& p, const Variable& v, double best, bool normal, const FlatBound* own,
-                      const ProfileEnds& ends) {
-  if (own != nullptr && own->at_bound) {
-    const bool from_low = own->inward > 0.0;
+/// First derivatives tell nothing of the correlation at a flat point, and at a square that may have either sign.
+void forget_correlation(std::size_t i, FitResult& result) {
+  for (std::size_t k = 0; k < result.correlation.size(); ++k)
+    result.correlation[i][k] = result.correlation[k][i] = std::numeric_limits<double>::quiet_NaN();
+}
+
+/// The interval about a flat point: the part that the minimum is in, the others as `others` of the parameter. Nothing
+/// where the values tried are too far apart for it.
+std::optional<XEnds> split(const FlatInterval& found, const Variable& v, double x, FittedParameter& p) {
+  const auto own = [&](const std::vector<IntervalPart>& parts) {
+    return std::find_if(parts.begin(), parts.end(), [&](auto& part) { return part.low <= x && x <= part.high; });
+  };
+  const auto most = own(found.parts68), all = own(found.parts95);
+  if (most == found.parts68.end() || all == found.parts95.end()) return std::nullopt;
+  for (auto part = found.parts95.begin(); part != found.parts95.end(); ++part) {
+    if (part == all) continue;
+    const Ends ends = ends_of({{}, {part->low, part->high}}, v, x);
+    p.others.push_back({v.value(part->best), std::nullopt, ends.interval95, part->rise});
+  }
+  return XEnds{{most->low, most->high}, {all->low, all->high}};
+}
+
+/// The verdict on a parameter whose interval comes from the likelihood, a flat point being near to it or to a partner.
+void judge_by_likelihood(FittedParameter& p, const Variable& v, double best, bool normal, const FlatPoint* own,
+                         const Ends& ends) {
+  if (own != nullptr && own->here && !own->inside && v.other_side == 0.0) {
+    const bool from_low = own->side > 0.0;
     const bool has_limit = from_low ? !ends.high_open : !ends.low_open;
     p.knowledge = has_limit ? Knowledge::at_bound : Knowledge::not_determined;
     p.limit95 = has_limit ? std::optional(ends.interval95[from_low ? 1 : 0]) : std::nullopt;
     p.limit_is_upper = from_low;
-    p.value = v.squared && own->bound <= 1e-8 ? 0.0 : v.value(own->bound);
+    p.value = v.squared && own->at <= 1e-8 ? 0.0 : v.value(own->at);
     p.stderr_value.reset();
     p.pressed_sd = 0.0;
     return;
   }
   const bool held = p.knowledge == Knowledge::at_bound;
   const bool still_held = held && own == nullptr && (p.limit_is_upper ? ends.low_open : ends.high_open);
-  if ((held && !still_held) || (p.knowledge == Knowledge::determined && !normal)) {
+  const bool about_centre = own != nullptr && (own->inside || v.other_side > 0.0) && !(ends.low_open && ends.high_open);
+  if ((held && !still_held) || (p.knowledge == Knowledge::determined && !normal) ||
+      (about_centre && p.knowledge != Knowledge::determined)) {
     p.knowledge = Knowledge::interval;
     p.value = best;
     p.stderr_value.reset();
     p.limit95.reset();
     p.pressed_sd = 0.0;
   }
+  if (!p.others.empty()) p.knowledge = Knowledge::ambiguous;
 }
 
 }  // namespace
 
-bool leave_flat_bounds(FitProblem& problem, Solved& solved, std::span<const FlatBound> flat, Solution& solution,
+bool leave_flat_points(FitProblem& problem, Solved& solved, std::span<const FlatPoint> flat, Solution& solution,
                        const MinimiseOptions& options) {
   constexpr double kLower = 0.005;  // half of chi-square: minima within a tenth of a standard deviation are the same
-  if (std::none_of(flat.begin(), flat.end(), [](const FlatBound& f) { return f.at_bound; })) return false;
+  if (std::none_of(flat.begin(), flat.end(), [](const FlatPoint& f) { return f.here; })) return false;
   const std::vector<double> x = problem.x;
   const std::vector<std::vector<double>> own = problem.own;
-  for (const FlatBound& f : flat) problem.x[f.parameter] = f.off_bound(problem.x[f.parameter]);
+  for (const FlatPoint& f : flat) problem.x[f.parameter] = f.off_point(problem.x[f.parameter]);
   Solution again = solve(problem, {.go_on = options.go_on});
   solution.stopped = solution.stopped || again.stopped;
   if (!again.converged || !(again.cost < solution.cost - kLower)) {
@@ -136,54 +185,60 @@ bool report_squares(FitProblem& problem, const Solved& solved, double cost, cons
     if (!v.squared || (p.knowledge != Knowledge::determined && p.knowledge != Knowledge::at_bound)) continue;
     const auto index = static_cast<Eigen::Index>(i);
     const double x = problem.x[i], sd = std::sqrt(solved.identified.covariance(index, index));
-    const ProfileEnds ends = ends_of_square(v, x, sd);
-    const bool holds_bound = x - v.lo < k95_sd * sd, determined = p.knowledge == Knowledge::determined;
-    if (determined && (holds_bound || !same_as(ends.interval95, p.value, k95_sd * *p.stderr_value))) {
-      p.interval68 = ends.interval68;
-      p.interval95 = ends.interval95;
-      p.interval = interval_of(ends, v, p.parameter);
-    }
+    XEnds to = ends_of_square(v, x, sd);
+    const bool holds_bound = to.x95[0] <= v.lo, determined = p.knowledge == Knowledge::determined;
+    const Ends ends = ends_of(to, v, x);
+    if (determined && (holds_bound || !same_as(ends.interval95, p.value, k95_sd * *p.stderr_value)))
+      set_intervals(p, ends, v);
     if (!holds_bound) continue;
+    const double far = std::min(v.hi, p.limit95 ? v.x_of(*p.limit95) : to.x95[1]);
+    if (v.other_side > 0.0) forget_correlation(i, result);
     if (determined) {
       p.knowledge = Knowledge::interval;
       p.stderr_value.reset();
+    } else if (v.other_side > 0.0 && v.lo == 0.0) {  // 0 is no bound of the parameter
+      to.x95[1] = far;
+      set_intervals(p, ends_of(to, v, x), v);
+      p.knowledge = Knowledge::interval;
+      p.value = v.sign * v.step * std::sqrt(std::max(0.0, x));
+      p.limit95.reset();
     }
-    const double far = std::min(v.hi, p.limit95 ? v.x_of(*p.limit95) : x + k95_sd * sd);
     const double rise = rise_at(problem, i, far, cost, factor * solved.variance_ratio[i], {}, go_on);
     bent = bent || std::abs(rise - k95_sd) > kLikeNormal * k95_sd;
   }
   return bent;
 }
 
-void report_intervals(FitProblem& problem, const Solved& solved, std::span<const FlatBound> flat, bool judge,
+void report_intervals(FitProblem& problem, const Solved& solved, std::span<const FlatPoint> flat, bool judge,
                       double cost, const std::function<bool()>& go_on, FitResult& result) {
   const double factor = noise_factor_of(problem, solved);
   for (std::size_t i = 0; i < result.parameters.size(); ++i) {
     FittedParameter& p = result.parameters[i];
     const Variable& v = problem.variables[i];
-    if (p.knowledge == Knowledge::not_determined && (flat.empty() || v.period > 0.0)) continue;
-    const auto ends =
-        profile(problem, i, first_step(solved, i, flat), cost, factor * solved.variance_ratio[i], flat, go_on);
-    if (!ends) return;
-    p.interval68 = ends->interval68;
-    p.interval95 = ends->interval95;
-    p.interval = interval_of(*ends, v, p.parameter);
-    if (p.limit95) p.limit95 = ends->interval95[p.limit_is_upper ? 1 : 0];
-    if (!judge) continue;
-    const auto own = std::find_if(flat.begin(), flat.end(), [&](const FlatBound& f) { return f.parameter == i; });
+    const FlatPoint* const own = flat_of(i, flat);
+    if (p.knowledge == Knowledge::not_determined && own == nullptr && (flat.empty() || v.period > 0.0)) continue;
     const auto index = static_cast<Eigen::Index>(i);
     const double x = problem.x[i], sd = std::sqrt(solved.identified.covariance(index, index));
-    judge_by_profile(p, v, v.value(x), like_normal(*ends, v, x, sd), own == flat.end() ? nullptr : &*own, *ends);
+    const double step = first_step(solved, i, flat), noise = factor * solved.variance_ratio[i];
+    std::optional<XEnds> to;
+    if (own != nullptr) {
+      const auto found = flat_interval(problem, *own, step, cost, noise, flat, go_on);
+      if (!found) return;
+      to = split(*found, v, x, p);
+    }
+    if (!to) to = profile(problem, i, step, cost, noise, flat, go_on);
+    if (!to) return;
+    const Ends ends = ends_of(*to, v, x);
+    set_intervals(p, ends, v);
+    if (p.limit95) p.limit95 = ends.interval95[p.limit_is_upper ? 1 : 0];
+    if (judge) judge_by_likelihood(p, v, v.value(x), same_as(to->x95, x, k95_sd * sd), own, ends);
   }
-  for (const FlatBound& f : flat) {
-    if (!f.at_bound) continue;
-    for (std::size_t k = 0; k < result.correlation.size(); ++k)
-      result.correlation[f.parameter][k] = result.correlation[k][f.parameter] =
-          std::numeric_limits<double>::quiet_NaN();
-    if (result.parameters[f.parameter].knowledge != Knowledge::at_bound) continue;
-    std::erase_if(result.not_separable,
-                  [&](const NullDirection& direction) { return direction.parameters == std::vector{f.parameter}; });
-  }
+  for (const FlatPoint& f : flat)
+    if (f.here) forget_correlation(f.parameter, result);
+  const auto known = [&](std::size_t i) { return result.parameters[i].knowledge != Knowledge::not_determined; };
+  std::erase_if(result.not_separable, [&](const NullDirection& direction) {
+    return std::all_of(direction.parameters.begin(), direction.parameters.end(), known);
+  });
 }
 
 }  // namespace calib

@@ -1,32 +1,33 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Intervals by profile likelihood, where they were asked for and where a flat bound makes standard errors wrong, and
+// Intervals from the likelihood, where they were asked for and where a flat point makes standard errors wrong, and
 // what then is known of each parameter.
 
 #include <functional>
 
-#include "calib/fit/confidence/flat_bounds.h"
+#include "calib/fit/confidence/flat_points.h"
 #include "calib/fit/fit_rounds.h"
 
 namespace calib {
 
-/// Where the minimiser has ended at a flat bound it is started once more where the parameters act; a lower minimum is
+/// Where the minimiser has ended at a flat point it is started once more where the parameters act; a lower minimum is
 /// taken and `solved` updated. Returns true when there was one.
-bool leave_flat_bounds(FitProblem& problem, Solved& solved, std::span<const FlatBound> flat, Solution& solution,
+bool leave_flat_points(FitProblem& problem, Solved& solved, std::span<const FlatPoint> flat, Solution& solution,
                        const MinimiseOptions& options);
 
 /// Intervals of parameters that are fitted as squares and known to a tenth or worse: that of the square, cut to its
-/// range, as value +- 1.96 stderr never holds 0. Where the interval holds the bound, chi-square at its far end is
-/// computed; true when that is not what the covariance foretells, so that only profiles can be trusted.
+/// range, as value +- 1.96 stderr never holds 0; where 0 is no bound of the parameter it extends to both sides. Where
+/// the interval holds the bound of the square, chi-square at its far end is computed; true when that is not what the
+/// covariance foretells, so that only profiles can be trusted.
 bool report_squares(FitProblem& problem, const Solved& solved, double cost, const std::function<bool()>& go_on,
                     FitResult& result);
 
 /// Sets intervals, limits, knowledge; takes back correlations and directions that stand for no more than the missing
 /// derivative. `cost`: at the minimum, where the problem stands. `judge`: standard errors that the profile contradicts
-/// are taken back, as about flat bounds. Parameters on which the data do not depend are left out unless a flat bound is
+/// are taken back, as about flat points. Parameters on which the data do not depend are left out unless a flat point is
 /// near.
-void report_intervals(FitProblem& problem, const Solved& solved, std::span<const FlatBound> flat, bool judge,
+void report_intervals(FitProblem& problem, const Solved& solved, std::span<const FlatPoint> flat, bool judge,
                       double cost, const std::function<bool()>& go_on, FitResult& result);
 
 }  // namespace calib

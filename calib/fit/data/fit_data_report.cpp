@@ -13,9 +13,6 @@
 namespace calib {
 namespace {
 
-constexpr double kWrongModel_p = 1e-4;
-/// Structure in the residuals that matters: rms over the region, of the contrast. Below, tables and rounding show.
-constexpr double kStructureMatters = 1e-5;
 constexpr double kNoiseDoubt = 1.5;  // residuals / noise
 /// Residuals of curves and spots far below the noise that was given are those of tables and rounding.
 constexpr double kBelowNoiseChi2 = 0.04;
@@ -85,6 +82,7 @@ void report_data(const FitData& data, std::span<const std::optional<std::size_t>
     double matters = 0.0;
     if (const auto* edge = std::get_if<EdgeBlock>(&problem.blocks[b])) {
       out.curve = edge->curve(problem.own[b]);
+      out.gradients = edge->gradients();
       out.contrast = {problem.own[b][edge->contrast_index()], contrast_sd(solved, b, *edge)};
       matters = kStructureMatters * std::abs(out.contrast.value) / edge->middle_sd();
       if (!result.residual_otf.empty() && b == 0)

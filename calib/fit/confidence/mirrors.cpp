@@ -1,0 +1,286 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "calib/fit/confidence/mirrors.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace calib {
+namespace {
+
+constexpr double kDiffers_sd = 0.5;
+constexpr double kNearZero_sd = 5.0;
+constexpr std::size_t kFollowed = 4;       // of the changes that promise most
+constexpr std::size_t kSomePixels = 2000;  // of an edge, to see where a change leads
+
+/// Variables and their new values.
+using Change = std::vector<std::pair<std::size_t, double>>;
+
+double difference(const Variable& v, double a, double b) {
+  const double period = v.period / v.step;
+  return period > 0.0 ? std::remainder(a - b, period) : a - b;
+}
+
+std::vector<double> sd_of_x(const Solved& solved) {
+  std::vector<double> all;
+  for (Eigen::Index i = 0; i < solved.identified.covariance.rows(); ++i)
+    all.push_back(std::sqrt(solved.identified.covariance(i, i)));
+  return all;
+}
+
+bool differs(const FitProblem& problem, std::span<const double> sd, const std::vector<double>& a,
+             const std::vector<double>& b) {
+  for (std::size_t i = 0; i < a.size(); ++i)
+    if (std::abs(difference(problem.variables[i], a[i], b[i])) > kDiffers_sd * sd[i]) return true;
+  return false;
+}
+
+/// C^T C of all blocks and the priors (normal_matrix.h), their own unknowns projected out.
+Eigen::MatrixXd shared_normal(const FitProblem& problem) {
+  const std::size_t n = problem.variables.size();
+  const auto last = static_cast<Eigen::Index>(n);
+  Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(last + 1, last + 1);
+  const std::vector<Eigen::MatrixXd> normals = problem.normals();
+  for (std::size_t b = 0; b < normals.size(); ++b) sum += project_out(normals[b], problem.own[b].size(), n + 1);
+  for (std::size_t i = 0; i < n; ++i) {
+    const Variable& v = problem.variables[i];
+    const auto& prior = problem.priors[i];
+    if (!prior) continue;
+    Eigen::VectorXd row = Eigen::VectorXd::Zero(last + 1);
+    row[static_cast<Eigen::Index>(i)] = v.slope(problem.x[i]) / (*prior)[1];
+    row[last] = (v.value(problem.x[i]) - (*prior)[0]) / (*prior)[1];
+    sum += row * row.transpose();
+  }
+  return sum;
+}
+
+/// Chi-square that one step from the present values promises, all unknowns fitted.
+double promised_chi2(const FitProblem& problem) {
+  const Eigen::MatrixXd normal = shared_normal(problem);
+  if (!normal.allFinite()) return std::numeric_limits<double>::infinity();
+  const double left = triangular_factor(normal)(normal.rows() - 1, normal.rows() - 1);
+  return left * left;
+}
+
+/// Two squares with each other's effect, by what they do where both are small.
+Change exchanged(FitProblem& problem, std::size_t i, std::size_t k) {
+  const std::vector<double> x = problem.x;
+  problem.x[i] = problem.x[k] = 0.0;
+  Change change{{i, x[k]}, {k, x[i]}};
+  if (problem.apply()) {
+    const Eigen::VectorXd information = shared_normal(problem).diagonal();
+    const double ratio =
+        std::sqrt(information[static_cast<Eigen::Index>(k)] / information[static_cast<Eigen::Index>(i)]);
+    if (std::isfinite(ratio) && ratio > 0.0) change = {{i, ratio * x[k]}, {k, x[i] / ratio}};
+  }
+  problem.x = x;
+  problem.apply();
+  return change;
+}
+
+std::vector<Change> single_changes(FitProblem& problem, const Solved& solved) {
+  const std::vector<double> x = problem.x;
+  std::vector<Change> all;
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    const Variable& v = problem.variables[i];
+    for (const double centre : possible_centres(problem, solved, i)) all.push_back({{i, 2.0 * centre - x[i]}});
+    if (v.direction)
+      for (const double turn_deg : {90.0, 180.0}) all.push_back({{i, x[i] + turn_deg / v.step}});
+    for (std::size_t k = 0; k < i; ++k)
+      if (v.squared && problem.variables[k].squared) all.push_back(exchanged(problem, i, k));
+  }
+  return all;
+}
+
+std::vector<Change> changes(FitProblem& problem, const Solved& solved) {
+  std::vector<Change> all = single_changes(problem, solved);
+  const std::size_t single = all.size();
+  const auto of_others = [](const Change& a, const Change& b) {
+    return std::none_of(a.begin(), a.end(), [&](const auto& one) {
+      return std::any_of(b.begin(), b.end(), [&](const auto& other) { return one.first == other.first; });
+    });
+  };
+  for (std::size_t i = 0; i < single; ++i)
+    for (std::size_t k = 0; k < i; ++k) {
+      if (!of_others(all[i], all[k])) continue;
+      Change both = all[i];
+      both.insert(both.end(), all[k].begin(), all[k].end());
+      all.push_back(std::move(both));
+    }
+  Change signs;
+  for (std::size_t i = 0; i < problem.x.size(); ++i)
+    if (problem.variables[i].has_sign()) signs.emplace_back(i, -problem.x[i]);
+  if (signs.size() > 2) all.push_back(std::move(signs));
+  return all;
+}
+
+void thin_out(FitProblem& problem, std::size_t pixels) {
+  for (Block& block : problem.blocks)
+    if (auto* edge = std::get_if<EdgeBlock>(&block)) edge->thin_out(std::max<std::size_t>(1, edge->pixels() / pixels));
+}
+
+/// Where the changes that promise most lead, by some of the pixels: minima about as low as the present one.
+std::vector<std::vector<double>> places_to_try(FitProblem& problem, const Solved& solved,
+                                               const std::function<bool()>& go_on) {
+  constexpr double kAsLow = 10.0, kCoarse = 1e-6;  // half of chi-square, of some of the pixels
+  const std::vector<double> x = problem.x, sd = sd_of_x(solved);
+  const std::vector<std::vector<double>> own = problem.own;
+  std::vector<std::pair<double, std::vector<double>>> promises;
+  const std::vector<Change> all = changes(problem, solved);
+  thin_out(problem, kSomePixels);
+  for (const Change& change : all) {
+    problem.x = x;
+    bool allowed = true;
+    for (const auto& [i, to] : change) {
+      const Variable& v = problem.variables[i];
+      problem.x[i] = to;
+      allowed = allowed && (v.period > 0.0 || (to >= v.lo && to <= v.hi));
+    }
+    if (!allowed || !differs(problem, sd, x, problem.x) || !problem.apply()) continue;
+    if (const double chi2 = promised_chi2(problem); std::isfinite(chi2)) promises.emplace_back(chi2, problem.x);
+  }
+  std::stable_sort(promises.begin(), promises.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  promises.resize(std::min(kFollowed, promises.size()));
+  const auto minimum_from = [&](const std::vector<double>& start) {
+    problem.x = start;
+    problem.own = own;
+    return promises.empty() ? Solution{} : solve(problem, {.go_on = go_on, .tolerance = kCoarse});
+  };
+  const double best = minimum_from(x).cost;
+  std::vector<std::vector<double>> places;
+  for (const auto& [chi2, start] : promises) {
+    const Solution there = minimum_from(start);
+    if (there.converged && there.cost < best + kAsLow && differs(problem, sd, x, problem.x))
+      places.push_back(problem.x);
+  }
+  thin_out(problem, std::numeric_limits<std::size_t>::max());
+  problem.x = x;
+  problem.own = own;
+  problem.apply();
+  return places;
+}
+
+std::string value_text(const FitParameter& parameter, double value, double sd) {
+  const int digits = sd > 0.0 ? static_cast<int>(std::log10(std::max(1.0, std::abs(value) / sd))) + 2 : 4;
+  return short_text(value, std::min(digits, 8)) + (parameter.unit.empty() ? "" : " " + parameter.unit);
+}
+
+}  // namespace
+
+std::vector<Mirror> mirrored_minima(FitProblem& problem, Solved& solved, Solution& solution,
+                                    std::span<const FitParameter> parameters, const MinimiseOptions& options) {
+  constexpr double kLower = 0.005;  // half of chi-square
+  constexpr int kMostLower = 3;
+  for (int lower = 0; lower < kMostLower; ++lower) {
+    std::vector<Mirror> found;
+    const std::vector<double> x = problem.x, sd = sd_of_x(solved);
+    const std::vector<std::vector<double>> own = problem.own;
+    bool left = false;
+    for (const std::vector<double>& place : places_to_try(problem, solved, options.go_on)) {
+      problem.x = place;
+      problem.own = own;
+      Solution there = solve(problem, {.go_on = options.go_on});
+      solution.stopped = solution.stopped || there.stopped;
+      if (!there.converged || !differs(problem, sd, x, problem.x)) continue;
+      left = there.cost < solution.cost - kLower;
+      if (left) {
+        there.iterations += solution.iterations;
+        solution = finish(problem, solved, there, options);
+        judge(solved, parameters);
+        break;
+      }
+      const double rise = 2.0 * std::max(0.0, there.cost - solution.cost) / noise_factor_of(problem, solved);
+      const bool known = std::any_of(found.begin(), found.end(),
+                                     [&](const Mirror& other) { return !differs(problem, sd, other.x, problem.x); });
+      if (rise < kToldApart_chi2 && !known) found.push_back({problem.x, problem.own, rise});
+    }
+    if (left) continue;
+    problem.x = x;
+    problem.own = own;
+    problem.apply();
+    std::stable_sort(found.begin(), found.end(), [](const Mirror& a, const Mirror& b) { return a.rise < b.rise; });
+    return found;
+  }
+  return {};
+}
+
+void report_mirrors(FitProblem& problem, const Solved& solved, std::span<const Mirror> mirrors,
+                    std::span<const FlatPoint> flat, FitResult& result) {
+  const std::vector<double> x = problem.x, sd = sd_of_x(solved);
+  const std::vector<std::vector<double>> own = problem.own;
+  // True where the value is one of those of an ambiguous parameter.
+  const auto add = [&](std::size_t i, const OtherValue& other) {
+    FittedParameter& p = result.parameters[i];
+    const auto within = [&](const std::optional<std::array<double, 2>>& interval) {
+      return interval && other.value >= (*interval)[0] && other.value <= (*interval)[1];
+    };
+    if (within(p.interval95)) return false;
+    for (const OtherValue& one : p.others)
+      if (within(one.interval95) || std::abs(one.value - other.value) <= kDiffers_sd * p.linear_sd) return true;
+    // Of an interval about a flat point all parts are there already.
+    const bool whole = std::any_of(flat.begin(), flat.end(), [&](const FlatPoint& f) { return f.parameter == i; });
+    const bool stated = p.knowledge == Knowledge::determined || p.knowledge == Knowledge::interval ||
+                        p.knowledge == Knowledge::ambiguous;
+    if (whole || !stated) return false;
+    p.others.push_back(other);
+    p.knowledge = Knowledge::ambiguous;
+    return true;
+  };
+  const auto name_of = [&](std::size_t i) {
+    const FitParameter& parameter = result.parameters[i].parameter;
+    return parameter.name.empty() ? parameter.path : parameter.name;
+  };
+  const auto tell = [&](Alternative one) {
+    std::string names, values, best;
+    for (std::size_t k = 0; k < one.parameters.size(); ++k) {
+      const FittedParameter& p = result.parameters[one.parameters[k]];
+      const char* const comma = k == 0 ? "" : k + 1 == one.parameters.size() ? " and " : ", ";
+      names += comma + name_of(one.parameters[k]);
+      best += comma + value_text(p.parameter, p.value, p.linear_sd);
+      values += comma + value_text(p.parameter, one.values[k], p.linear_sd);
+    }
+    one.text = names + ": the data do not tell " + best + " from " + values;
+    if (one.chi2_rise >= 0.05) one.text += ", where chi-square is higher by " + short_text(one.chi2_rise, 2);
+    result.alternatives.push_back(std::move(one));
+  };
+  for (const Mirror& mirror : mirrors) {
+    problem.x = mirror.x;
+    problem.own = mirror.own;
+    if (!problem.apply()) continue;
+    const std::vector<Eigen::MatrixXd> normals = problem.normals();
+    const Identified there =
+        identify(information_of(problem, normals, solved.scores, solved.noise_factor).matrix, solved.reference);
+    Alternative one{.parameters = {}, .values = {}, .chi2_rise = mirror.rise, .text = {}};
+    for (std::size_t i = 0; i < x.size(); ++i) {
+      const Variable& v = problem.variables[i];
+      if (!(std::abs(difference(v, mirror.x[i], x[i])) > kDiffers_sd * sd[i])) continue;
+      const auto index = static_cast<Eigen::Index>(i);
+      const double at = mirror.x[i], sd_there = std::sqrt(there.covariance(index, index));
+      OtherValue other{
+          .value = v.value(at), .stderr_value = sd_there * std::abs(v.slope(at)), .chi2_rise = mirror.rise};
+      if (v.squared && at < kNearZero_sd * sd_there) {  // the root of its square
+        other.stderr_value.reset();
+        const double a = v.value(at - k95_sd * sd_there), b = v.value(at + k95_sd * sd_there);
+        other.interval95 = {std::min(a, b), std::max(a, b)};
+      }
+      if (!add(i, other)) continue;
+      one.parameters.push_back(i);
+      one.values.push_back(other.value);
+    }
+    if (!one.parameters.empty()) tell(std::move(one));
+  }
+  problem.x = x;
+  problem.own = own;
+  problem.apply();
+  // A square that does not hold 0 has the same on the other side.
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    const Variable& v = problem.variables[i];
+    const FittedParameter& p = result.parameters[i];
+    const double other = -p.value;
+    if (!v.squared || p.value == 0.0 || std::abs(p.value) > v.other_side) continue;
+    OtherValue there{.value = other, .stderr_value = p.stderr_value, .interval95 = p.interval95};
+    if (there.interval95) there.interval95 = {-(*p.interval95)[1], -(*p.interval95)[0]};
+    if (add(i, there)) tell({.parameters = {i}, .values = {other}, .chi2_rise = 0.0, .text = {}});
+  }
+}
+
+}  // namespace calib
