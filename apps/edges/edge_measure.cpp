@@ -26,8 +26,9 @@ calib::EdgeMeasurement as_measurement(const calib::Iso12233Result& result, const
   edge.curve.angle_rad = result.angle_deg * std::numbers::pi / 180.0;
   edge.angle_deg = {result.angle_deg, kUnknown};
   for (double* unknown : {&edge.length_px, &edge.sagitta_px, &edge.dark, &edge.bright, &edge.noise_sd, &edge.noise_gain,
-                          &edge.cnr, &edge.oversampling, &edge.chi2_per_dof, &edge.clipped_share})
+                          &edge.cnr, &edge.oversampling, &edge.chi2_per_dof})
     *unknown = kUnknown;
+  edge.clipped_share = result.clipped_share;
   edge.frequency_cy_px = result.frequency_cy_px;
   edge.mtf = result.sfr;
   const auto figure = [&](const char* name, const std::optional<double>& value, const char* why) {
@@ -52,7 +53,7 @@ calib::EdgeMeasurement as_measurement(const calib::Iso12233Result& result, const
 }
 
 calib::Iso12233Result measure_by_standard(const EdgePlane& plane, const calib::Roi& roi, const EdgeMethod& method) {
-  return calib::measure_iso12233(plane.plane.view(), roi, {.order = method.order.value_or(5)});
+  return calib::measure_iso12233(plane.plane.view(), roi, {.order = method.order.value_or(5), .image = plane.options});
 }
 
 calib::EdgeMeasurement measure(const EdgePlane& plane, const calib::Roi& roi, const EdgeMethod& method) {

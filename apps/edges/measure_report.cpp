@@ -96,6 +96,7 @@ Json as_json(const MeasuredEdge& measured, const std::vector<std::string>& names
   json["reason"] = reason.empty() ? Json() : Json(reason);
   json["warnings"] = edge.warnings;
   const bool measured_it = edge.trouble == calib::Trouble::none;
+  json["clipped_share"] = edge.clipped_share;
   json["angle_deg"] = measured_it ? Json(edge.angle_deg.value) : Json();
   const std::vector<std::optional<Estimate>> merits = merits_of(measured);
   for (std::size_t i = 0; i < merits.size(); ++i) json[names[i]] = as_json(merits[i]);
@@ -123,7 +124,6 @@ Json as_json(const MeasuredEdge& measured, const std::vector<std::string>& names
   json["cnr"] = edge.cnr;
   json["oversampling"] = edge.oversampling;
   json["chi2_per_dof"] = edge.chi2_per_dof;
-  json["clipped_share"] = edge.clipped_share;
   json["missing_pixels"] = edge.missing;
   json["mtf"] = {
       {"frequency", in_unit(edge.frequency_cy_px, measured.scale)}, {"value", edge.mtf}, {"sd", edge.mtf_sd}};

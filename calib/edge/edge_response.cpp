@@ -20,10 +20,10 @@ EdgeResponse::EdgeResponse(const EdgeModel& model, const JointFit& joint)
     shapes_.push_back(static_cast<std::size_t>(joint.unknowns[i] - kFirstShape));
     from.push_back(static_cast<Eigen::Index>(i));
   }
-  const auto add = [&](bool odd) {
-    for (std::size_t j = 0; j < joint.splines.size(); ++j) {
-      if (joint.splines[j].odd != odd) continue;
-      splines_.push_back(joint.splines[j]);
+  const auto add = [&](bool real) {
+    for (std::size_t j = 0; j < joint.changes.size(); ++j) {
+      if ((joint.changes[j].kind != StepChange::Kind::even) != real) continue;
+      changes_.push_back(joint.changes[j]);
       from.push_back(static_cast<Eigen::Index>(joint.unknowns.size() + j));
     }
   };
@@ -45,19 +45,26 @@ EdgeResponse::EdgeResponse(const EdgeModel& model, const JointFit& joint)
   shift_variance_ = shift_covariance_.dot(shift_row_);
 }
 
+Eigen::Index EdgeResponse::place_of(std::size_t change) const {
+  const auto at = static_cast<Eigen::Index>(shapes_.size() + change);
+  return at < real_ ? at : at + 1;
+}
+
 void EdgeResponse::find_runs() {
-  const auto shapes = static_cast<Eigen::Index>(shapes_.size());
-  for (std::size_t j = 0; j < splines_.size(); ++j) {
-    const SplinePair& pair = splines_[j];
+  for (std::size_t j = 0; j < changes_.size(); ++j) {
+    const StepChange& pair = changes_[j];
+    if (pair.wide()) continue;
+    const Eigen::Index at = place_of(j);
     if (!runs_.empty()) {
       Run& run = runs_.back();
       const double next = run.first.x_px + static_cast<double>(run.count) * run.first.h_px;
-      if (run.first.odd == pair.odd && run.first.h_px == pair.h_px && std::abs(next - pair.x_px) < 1e-9) {
+      if (run.first.kind == pair.kind && run.first.h_px == pair.h_px && std::abs(next - pair.x_px) < 1e-9 &&
+          run.at + run.count == at) {
         ++run.count;
         continue;
       }
     }
-    runs_.push_back({.first = pair, .at = shapes + static_cast<Eigen::Index>(j) + (pair.odd ? 0 : 1), .count = 1});
+    runs_.push_back({.first = pair, .at = at, .count = 1});
   }
 }
 
@@ -88,6 +95,8 @@ void EdgeResponse::add_up(double f_cy_px, const ReferenceOtf& reference, const P
   }
   const auto shapes = static_cast<Eigen::Index>(shapes_.size());
   for (Eigen::Index i = 0; i < shapes; ++i) parts.slope[i] = reference.slope[shapes_[static_cast<std::size_t>(i)]];
+  for (std::size_t j = 0; j < changes_.size(); ++j)
+    if (changes_[j].wide()) parts.slope[place_of(j)] = wide_otf(changes_[j], f_cy_px);
   parts.slope[real_] = -2.0 * kPi * f_cy_px * reference.value;
   parts.re = reference.value + parts.slope.head(real_).dot(value_.head(real_));
   parts.im = parts.slope.tail(rest).dot(value_.tail(rest));
@@ -238,14 +247,10 @@ double EdgeResponse::at_knots(const std::array<double, kSideBins + 1>& values, d
 EdgeResponse::Row EdgeResponse::change_row(double d_px) const {
   Row row(value_.size());
   const double sign = d_px < 0.0 ? -1.0 : 1.0;
-  const auto shapes = static_cast<Eigen::Index>(shapes_.size());
-  for (Eigen::Index i = 0; i < shapes; ++i)
-    row[i] = sign * at_knots(table_.slope[shapes_[static_cast<std::size_t>(i)]], d_px);
-  for (Eigen::Index i = shapes; i < real_; ++i)
-    row[i] = sign * pair_value(splines_[static_cast<std::size_t>(i - shapes)], std::abs(d_px));
+  for (std::size_t i = 0; i < shapes_.size(); ++i)
+    row[static_cast<Eigen::Index>(i)] = sign * at_knots(table_.slope[shapes_[i]], d_px);
   row[real_] = -at_knots(table_.lsf, d_px);
-  for (Eigen::Index i = real_ + 1; i < row.size(); ++i)
-    row[i] = pair_value(splines_[static_cast<std::size_t>(i - 1 - shapes)], std::abs(d_px));
+  for (std::size_t j = 0; j < changes_.size(); ++j) row[place_of(j)] = change_value(changes_[j], d_px);
   return row;
 }
 
@@ -257,14 +262,10 @@ EdgeResponse::Row EdgeResponse::slope_row(double d_px) const {
     return ((odd && above < 0.0 ? -a : a) - (odd && below < 0.0 ? -b : b)) / (2.0 * kStep_px);
   };
   Row row(value_.size());
-  const double sign = d_px < 0.0 ? -1.0 : 1.0;
-  const auto shapes = static_cast<Eigen::Index>(shapes_.size());
-  for (Eigen::Index i = 0; i < shapes; ++i) row[i] = slope_of(table_.slope[shapes_[static_cast<std::size_t>(i)]], true);
-  for (Eigen::Index i = shapes; i < real_; ++i)
-    row[i] = pair_slope(splines_[static_cast<std::size_t>(i - shapes)], std::abs(d_px));
+  for (std::size_t i = 0; i < shapes_.size(); ++i)
+    row[static_cast<Eigen::Index>(i)] = slope_of(table_.slope[shapes_[i]], true);
   row[real_] = -slope_of(table_.lsf, false);
-  for (Eigen::Index i = real_ + 1; i < row.size(); ++i)
-    row[i] = sign * pair_slope(splines_[static_cast<std::size_t>(i - 1 - shapes)], std::abs(d_px));
+  for (std::size_t j = 0; j < changes_.size(); ++j) row[place_of(j)] = change_slope(changes_[j], d_px);
   return row;
 }
 

@@ -16,7 +16,7 @@
 #include <cmath>
 #include <vector>
 
-#include "calib/measure/esf_correction.h"
+#include "calib/measure/correction/esf_correction.h"
 
 namespace calib {
 
@@ -66,9 +66,10 @@ class EdgeResponse {
   };
   // Splines of one kind, evenly spaced by their knots' distance.
   struct Run {
-    SplinePair first;
+    StepChange first;
     Eigen::Index at = 0, count = 0;  // among the unknowns
   };
+  Eigen::Index place_of(std::size_t change) const;  // among the unknowns
   void find_runs();
   // cos and sin of 2 pi f x, of each spline.
   struct Phases {
@@ -91,7 +92,7 @@ class EdgeResponse {
   Point normal_;
   ReferenceTable table_;
   std::vector<std::size_t> shapes_;  // which of S, v, q are free
-  std::vector<SplinePair> splines_;
+  std::vector<StepChange> changes_;  // of the real part, then of the imaginary one
   std::vector<Run> runs_;
   Eigen::Index real_ = 0;  // so many unknowns make the real part; the offset follows, then even splines
   Eigen::VectorXd value_;

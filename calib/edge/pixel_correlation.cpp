@@ -102,6 +102,37 @@ PixelCorrelation correlation_of(const PixelGrid& grid, Point normal) {
   return found;
 }
 
+PixelGrid::Pairs PixelGrid::pairs_in_lines(bool columns) const {
+  Pairs pairs;
+  const std::size_t lines = columns ? this->columns() : rows(), length = columns ? rows() : this->columns();
+  for (std::size_t line = 0; line < lines; ++line) {
+    double sum = 0.0, squares = 0.0, count = 0.0;
+    for (std::size_t k = 0; k < length; ++k) {
+      const std::size_t at = columns ? k * stride_ + line : line * stride_ + k;
+      const auto value = static_cast<double>(value_[at]);
+      sum += value;
+      squares += value * value;
+      count += static_cast<double>(known_[at]);
+    }
+    pairs.products += 0.5 * (sum * sum - squares);
+    pairs.count += 0.5 * count * (count - 1.0);
+  }
+  return pairs;
+}
+
+double shared_in_lines(const PixelGrid& grid, Point normal, bool columns, int rings) {
+  constexpr double kSure = 5.0;  // standard deviations
+  PixelGrid::Pairs pairs = grid.pairs_in_lines(columns);
+  for (int k = 1; k <= rings; ++k) {
+    pairs.products -= grid.products(columns ? 0 : k, columns ? k : 0);
+    pairs.count -= grid.value_pairs(columns ? 0 : k, columns ? k : 0);
+  }
+  if (pairs.count < 1.0 || !(grid.mean_square() > 0.0)) return 0.0;
+  const double structure = std::max(0.0, far_correlation(grid, normal));
+  const double shared = pairs.products / (pairs.count * grid.mean_square()) - structure;
+  return shared * std::sqrt(pairs.count) > kSure ? shared : 0.0;
+}
+
 double NoiseCorrelation::sum() const {
   double all = 1.0;
   for (const PixelLag& lag : lags) all += 2.0 * margin * lag.correlation;

@@ -37,6 +37,13 @@ class PixelGrid {
   double value_pairs(int x, int y) const { return sum_over_lag(known_, x, y); }
   /// Pairs of pixels that are there.
   double pixel_pairs(int x, int y) const { return sum_over_lag(present_, x, y); }
+  std::size_t columns() const { return stride_ - kFarthest_px; }
+  std::size_t rows() const { return size_ / stride_; }
+  /// Over all pairs of values in a column, or in a row: the sum of the products, and how many there are.
+  struct Pairs {
+    double products = 0.0, count = 0.0;
+  };
+  Pairs pairs_in_lines(bool columns) const;
 
  private:
   double sum_over_lag(const std::vector<float>& values, int x, int y) const;
@@ -57,14 +64,20 @@ struct PixelCorrelation {
 /// `normal` is that of the edge.
 PixelCorrelation correlation_of(const PixelGrid& grid, Point normal);
 
+/// What the pixels of a column, or of a row, share further from each other than `rings` and besides what pixels at one
+/// distance from the edge do, as a part of their variance: stripes, where each line has an offset of its own. 0 where
+/// noise alone shows as much.
+double shared_in_lines(const PixelGrid& grid, Point normal, bool columns, int rings);
+
 /// Variance of a pixel, in squared steps between its values and with that of rounding, below which neighbouring pixels
 /// round alike: their residuals are then correlated though the noise is not.
 inline constexpr double kRoundsAlike_steps2 = 0.25;
 
 /// What neighbouring pixels share of their noise.
 struct NoiseCorrelation {
-  std::vector<PixelLag> lags;  ///< of one half plane; none: the noise of the pixels is independent
-  double margin = 1.0;         ///< by which the correlations count more, as they are estimates
+  std::vector<PixelLag> lags;        ///< of one half plane; none: the noise of the pixels is independent
+  double margin = 1.0;               ///< by which the correlations count more, as they are estimates
+  double columns = 0.0, rows = 0.0;  ///< part of the variance that the pixels of a whole column, of a row share
   bool white() const { return lags.empty(); }
   /// The variance of a mean of many pixels is so many times that of as many independent ones.
   double sum() const;

@@ -68,9 +68,11 @@ MTFKIT_CLONES void halfway(const std::array<double, kSideBins + 1>& values, BinR
 
 }  // namespace
 
-StepProfile::StepProfile(const ReferenceTable& table) : rows_(kCubic + kShapes) {
+StepProfile::StepProfile(const ReferenceTable& table) : rows_(kReference + 2) {
   fit_cubics(table, rows_.data());
   for (std::size_t k = 0; k < kShapes; ++k) halfway(table.slope[k], rows_[kCubic + k]);
+  rows_[kReference] = esf();
+  rows_[kReference + 1] = lsf();
   find_bend_bins();
 }
 
@@ -92,9 +94,11 @@ void StepProfile::add_per_s(const BinRow& per_s, double s_px) {
     rows_[1][i] += s_px * (per_s[after] - per_s[before]) / apart;
     rows_[kCubic][i] += per_s[i];
   }
+  rows_[kReference] = esf();
+  rows_[kReference + 1] = lsf();
 }
 
-void StepProfile::set_slopes(const StepProfile& other) {
+void StepProfile::set_reference(const StepProfile& other) {
   std::copy(other.rows_.begin() + kCubic, other.rows_.end(), rows_.begin() + kCubic);
 }
 

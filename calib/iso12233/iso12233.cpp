@@ -72,6 +72,20 @@ double normal_angle_deg(double slope, bool turned) {
   return degrees > 90.0 ? degrees - 180.0 : degrees;
 }
 
+// The method has no means against clipping: what the default method sees of it is said.
+void note_clipping(mtf::ImageView<const float> image, const Roi& roi, const MeasureOptions& how,
+                   Iso12233Result& result) {
+  const EdgeMeasurement seen = measure_edge(image, roi, how);
+  result.clipped_share = seen.clipped_share;
+  constexpr const char* kTooHigh = "; this method takes clipped values as they are, and its curve is too high";
+  if (seen.trouble == Trouble::clipped)
+    result.warnings.push_back("clipped: " + seen.reason + kTooHigh);
+  else if (seen.clipped_share > 0.0)
+    result.warnings.push_back(text("%.2g %% of the pixels are clipped", 100.0 * seen.clipped_share) + kTooHigh);
+  else if (seen.ends_abruptly)
+    result.warnings.push_back(std::string(kEndsAbruptly));
+}
+
 bool leaves(const iso::RowPolynomial& curve, const iso::Region& region) {
   for (std::int64_t row = 0; row < region.rows(); ++row) {
     const double column = curve(static_cast<double>(row));
@@ -100,6 +114,7 @@ Iso12233Result measure_iso12233(mtf::ImageView<const float> image, const Roi& ro
                                           ") is no number; ISO 12233 has no masks, use the default method");
   if (std::min(roi.width, roi.height) < kMinSide_px)
     return fail(Trouble::too_short, "fewer than 10 pixels a side; take a larger region");
+  note_clipping(image, roi, options.image, result);
 
   const iso::Region region = iso::turn_upright(image, roi);
   const double left = side_mean(region, 0), right = side_mean(region, region.columns() - kSideColumns);

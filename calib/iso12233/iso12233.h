@@ -11,7 +11,8 @@
 //    divided by its value at 0 and by the response of the differences. Frequencies are scaled to the edge's normal by
 //    1 / cos of the slope's angle.
 // Known biases, left in on purpose: the average over quarter-pixel bins is not divided out (up to -2 % in MTF50), the
-// result depends on the width of the region, noise is not smoothed. measure.h has none of them.
+// result depends on the width of the region, noise is not smoothed. measure.h has none of them. Clipped pixels count
+// with the values that they have, which makes the edge too sharp: a warning says so where measure.h sees clipping.
 // Source: the standard's fourth edition as its reference program computes it; tests/calib/test_iso12233.cpp compares.
 
 #include <optional>
@@ -23,8 +24,9 @@
 namespace calib {
 
 struct Iso12233Options {
-  int order = 5;      ///< of the polynomial edge, 1 to 5
-  bool tukey = true;  ///< Tukey window (alpha = 1); otherwise Hamming
+  int order = 5;           ///< of the polynomial edge, 1 to 5
+  bool tukey = true;       ///< Tukey window (alpha = 1); otherwise Hamming
+  MeasureOptions image{};  ///< saturation, floor and steps of its values: measure_edge tells clipping by them
 };
 
 struct Iso12233Result {
@@ -35,6 +37,7 @@ struct Iso12233Result {
   double angle_deg = 0.0;               ///< of the normal at the straight fit, in (-90, 90]
   double contrast = 0.0;                ///< |bright - dark| / (bright + dark) of the columns at the sides
   double edge_rms_px = 0.0;             ///< of the rows' edge positions about the polynomial
+  double clipped_share = 0.0;           ///< of the region's pixels
   std::vector<double> frequency_cy_px;  ///< along the normal, 0 to about 1
   std::vector<double> sfr;
   std::vector<double> esf;  ///< image's unit, 4 bins a pixel along rows

@@ -52,30 +52,37 @@ MTFKIT_CLONES void multiply(const BinRow& a, const BinRow& b, BinRow& product, R
 int order_of(const Unknowns& unknowns) {
   int order = kHighestOrder;
   while (order > 1 && !unknowns[static_cast<std::size_t>(kFirstShift + order)]) --order;
-  return order;
+  return has_curvature(unknowns) ? std::max(2, order) : order;
 }
 
 int basis_power(int a) {
-  if (a < kFirstShift) return a / 4;
+  if (a < kFirstShift) return plateau_powers(a).t;
   return a < kFirstShape ? a - kFirstShift : 0;
 }
 
 Basis::Basis(const StepProfile& profile, double contrast, const Unknowns& unknowns)
     : profile_(profile), contrast_(contrast) {
-  for (std::size_t i = 0; i < kBins; ++i) dark_[i] = 1.0 - profile.esf()[i];
-  if (!unknowns[2] && !unknowns[3]) return;
-  const BinRow& centre = DistanceBins::get().centres();
   for (std::size_t i = 0; i < kBins; ++i) {
-    dark_d_[i] = dark_[i] * centre[i];
-    bright_d_[i] = profile.esf()[i] * centre[i];
+    reference_dark_[i] = 1.0 - profile.reference_esf()[i];
+    dark_[0][i] = 1.0 - profile.esf()[i];
+    bright_[0][i] = profile.esf()[i];
   }
+  const BinRow& centre = DistanceBins::get().centres();
+  const std::size_t most = has_curvature(unknowns) ? 2 : unknowns[2] || unknowns[3] ? 1 : 0;
+  for (std::size_t power = 1; power <= most; ++power)
+    for (std::size_t i = 0; i < kBins; ++i) {
+      dark_[power][i] = dark_[power - 1][i] * centre[i];
+      bright_[power][i] = bright_[power - 1][i] * centre[i];
+    }
 }
 
 const BinRow& Basis::row(int a) const {
   if (a >= kFirstShape) return profile_.slope(static_cast<std::size_t>(a - kFirstShape));
-  if (a >= kFirstShift) return profile_.lsf();
-  if (a == 2 || a == 3) return a == 2 ? dark_d_ : bright_d_;
-  return a % 2 == 0 ? dark_ : profile_.esf();
+  // The response is made of the reference and its changes; what turns, bends or shades the edge acts on the step as it
+  // is.
+  if (a >= kFirstShift) return a == kFirstShift ? profile_.reference_lsf() : profile_.lsf();
+  if (a < 2) return a == 0 ? reference_dark_ : profile_.reference_esf();
+  return (a % 2 == 0 ? dark_ : bright_)[static_cast<std::size_t>(plateau_powers(a).d)];
 }
 
 double Basis::scale(int a) const {

@@ -21,13 +21,6 @@ inline constexpr double kFewDistances = 3.0;
 /// Widths of the blur, 1 / (largest line spread), below which a side is short.
 inline constexpr double kShortSide = 4.4;
 
-/// Equivalent width of the line spread above which the reference may miss the shape of a blur: that of a Gaussian of
-/// MTF50 0.285.
-inline constexpr double kDoubtfulShape_px = 1.65;
-
-/// Equivalent width of the line spread above which a blur is wide: that of a Gaussian of MTF50 0.21.
-inline constexpr double kWideBlur_px = 2.2;
-
 struct EdgeFacts {
   double length_px = 0.0;                               ///< of the edge inside the region
   double width_px = 0.0;                                ///< equivalent width of the line spread function
@@ -50,17 +43,13 @@ struct EdgeFacts {
   bool large_errors = false;         ///< the response is not linear in the errors of its shape
   bool unclear_diffraction = false;  ///< noise hides how much of the blur is diffraction
   double shared_noise = 0.0;         ///< largest correlation of the noise of two neighbours; 0 = independent
+  double stripes = 0.0;              ///< standard deviation of the offsets of columns or rows, in that of a pixel
   double neighbour_px = 0.0;         ///< distance of another edge, beside the region; 0 = none
   double oversampling = 0.0;         ///< distinct distances a pixel, near the edge
-  double narrowed_px = 0.0;     ///< pixels further from the edge were left out, as shading is curved there; 0 = none
-  bool curved_shading = false;  ///< shading is curved near the edge too
+  double far_light = 0.0, gradient = 0.0, curvature = 0.0;  ///< probabilities that the sides show these
 
   /// Sides so short that tails of the blur may count as their plateaus.
   bool short_sides() const { return std::min(extent_dark_px, extent_bright_px) < kShortSide * width_px; }
-  /// A blur in which a lens out of focus can hide in the noise.
-  bool doubtful_shape() const { return width_px > kDoubtfulShape_px; }
-  /// A blur so wide that its MTF has all but vanished at frequencies that are reported.
-  bool wide_blur() const { return width_px > kWideBlur_px; }
   /// With fewer distances a pixel than three, a correction of the reference cannot be told from aliases.
   bool few_distances() const { return oversampling < kFewDistances; }
 };

@@ -324,31 +324,11 @@ void add_difference(const EdgeMeasurement& other, EdgeMeasurement& out) {
   combine(other, out, [](double sd, double difference, double) { return std::hypot(sd, difference); });
 }
 
-void take_larger_deviations(const EdgeMeasurement& other, EdgeMeasurement& out) {
-  combine(other, out, [](double sd, double, double others) { return std::max(sd, others); });
-}
-
 void widen_to_end(const EdgeMeasurement& end, EdgeMeasurement& out) {
   constexpr double k95_sd = 1.96;
   combine(end, out, [](double sd, double difference, double others) {
     return std::max({sd, others, std::abs(difference) / k95_sd});
   });
-}
-
-void take_deviations_from_curve(const EdgeMeasurement& least, EdgeMeasurement& out) {
-  const auto take = [&](std::optional<Estimate> EdgeMeasurement::*figure, const std::optional<Estimate>& found) {
-    if (!(out.*figure) || !found || !(found->sd > 0.0)) return;
-    (out.*figure)->sd = std::max(found->sd, least.*figure ? (least.*figure)->sd : 0.0);
-  };
-  for (const auto& [contrast, figure] : {std::pair{0.1, &EdgeMeasurement::mtf10},
-                                         {0.2, &EdgeMeasurement::mtf20},
-                                         {0.3, &EdgeMeasurement::mtf30},
-                                         {0.5, &EdgeMeasurement::mtf50}})
-    take(figure, frequency_at(out, contrast));
-  const auto peak = std::max_element(out.mtf.begin(), out.mtf.end());
-  take(&EdgeMeasurement::mtf50p,
-       crossing(MtfOfCurve{out}, out, 0.5 * *peak, static_cast<std::size_t>(peak - out.mtf.begin())));
-  if (out.mtf10) take(&EdgeMeasurement::sampling_efficiency, Estimate{0.0, 2.0 * out.mtf10->sd});
 }
 
 void describe_geometry(const EdgeModel& model, const JointFit& joint, const RegionFacts& facts, EdgeMeasurement& out) {

@@ -16,15 +16,9 @@ void describe(const EdgeResponse& response, EdgeMeasurement& measurement);
 /// Adds the difference from the result of another shape that fits as well to the standard deviations.
 void add_difference(const EdgeMeasurement& other, EdgeMeasurement& measurement);
 
-/// Gives every figure the larger of its standard deviation and the one of another result.
-void take_larger_deviations(const EdgeMeasurement& other, EdgeMeasurement& measurement);
-
-/// The same, and no smaller than the distance from a result at the end of a 95 % interval allows.
+/// Gives every figure the larger of its standard deviation and the one of another result, and no smaller than the
+/// distance from that result, at the end of a 95 % interval, allows.
 void widen_to_end(const EdgeMeasurement& end, EdgeMeasurement& measurement);
-
-/// Gives the frequencies of the contrasts the deviations that follow from those of the sampled curve, where these hold
-/// more than the noise of the response; no smaller than those of `least`.
-void take_deviations_from_curve(const EdgeMeasurement& least, EdgeMeasurement& measurement);
 
 /// The edge's curve, length, sagitta and angle.
 void describe_geometry(const EdgeModel& model, const JointFit& joint, const RegionFacts& region,

@@ -131,8 +131,15 @@ NoiseModel noise_of(const EdgeSums& sums, const StepProfile& profile, const FitS
   return estimate_noise(sums, profile, settings.least_variance, settings.rounding);
 }
 
+bool has_curvature(const Unknowns& unknowns) {
+  for (std::size_t a = kFirstCurvature; a < kPlateauTerms; ++a)
+    if (unknowns[a]) return true;
+  return false;
+}
+
 StepProfile profile_of(const EdgeModel& model, const FitSettings& settings) {
   StepProfile profile(tabulate(model.shape, model.curve.angle_rad));
+  if (has_curvature(settings.unknowns)) profile.bend_everywhere();
   if (settings.tails.empty()) return profile;
   BinRow per_s;
   for (std::size_t i = 0; i < kBins; ++i) per_s[i] = settings.tails[i] / model.contrast();

@@ -44,7 +44,8 @@ class Basis {
  private:
   const StepProfile& profile_;
   double contrast_;
-  BinRow dark_, dark_d_, bright_d_;  // 1 - E; that and E, times d
+  BinRow reference_dark_;                // 1 - E of the reference
+  std::array<BinRow, 3> dark_, bright_;  // 1 - E and E times 1, d, d^2
 };
 int basis_power(int a);
 inline bool is_bend(int a) { return a >= kFirstShift + 2 && a < kFirstShape; }
@@ -66,6 +67,8 @@ struct FitSettings {
 };
 /// The reference step of a model, with the tails that extend into the region.
 StepProfile profile_of(const EdgeModel& model, const FitSettings& settings);
+/// Whether the unknowns have square terms of the plateaus: sums of powers above t are needed in all bins then.
+bool has_curvature(const Unknowns& unknowns);
 /// The highest power of t that the unknowns' derivatives have, at least 1.
 int order_of(const Unknowns& unknowns);
 NoiseModel noise_of(const EdgeSums& sums, const StepProfile& profile, const FitSettings& settings);

@@ -56,10 +56,6 @@ Outcome judge_edge(const EdgeFacts& facts) {
                                     number(kLeastLength_px) + " are needed: take a region along the edge"};
   const double shorter = std::min(facts.extent_dark_px, facts.extent_bright_px);
   const char* side = facts.extent_dark_px < facts.extent_bright_px ? "dark" : "bright";
-  if (structure_share(facts) > kOtherEdge)
-    return {Trouble::several_edges, "beside the strongest edge the region has structure of " +
-                                        number(100.0 * structure_share(facts)) +
-                                        " % of its contrast: draw the region around one edge"};
   const double needed = std::max(2.0, 1.25 * facts.width_px);
   if (facts.width_px > 48.0 || facts.width_px > 0.7 * (facts.extent_dark_px + facts.extent_bright_px))
     return {Trouble::no_edge,
@@ -68,6 +64,14 @@ Outcome judge_edge(const EdgeFacts& facts) {
   if (shorter < needed)
     return {Trouble::off_region, "only " + number(shorter) + " px of the " + side + " side are inside the region, " +
                                      number(needed) + " are needed for its plateau: centre the region on the edge"};
+  return {};
+}
+
+Outcome judge_structure(const EdgeFacts& facts) {
+  if (structure_share(facts) > kOtherEdge)
+    return {Trouble::several_edges, "beside the strongest edge the region has structure of " +
+                                        number(100.0 * structure_share(facts)) +
+                                        " % of its contrast: draw the region around one edge"};
   if (structure_share(facts) > kStructure)
     return {Trouble::contaminated,
             "structure of " + number(100.0 * structure_share(facts)) +
@@ -130,6 +134,8 @@ std::vector<std::string> warnings_of(const EdgeFacts& facts, const EdgeMeasureme
                        " distances a pixel occur: fine structure of the MTF cannot be seen, tilt the edge by 2 to 10 "
                        "degrees");
   constexpr double kVisibleMisfit = 3e-3;  // of the contrast
+  constexpr double kLikely = 0.5, kPossible = 0.2, kCertain = 0.95;
+  constexpr double kShown = 0.99;  // before the pixels are seen, far light has the probability 0.9
   if (out.chi2_per_dof > 2.0 && std::sqrt(out.chi2_per_dof) > kVisibleMisfit * out.cnr)
     warnings.push_back("the pixels lie " + number(std::sqrt(out.chi2_per_dof)) +
                        " times further from the model than their noise: something else is in the region");
@@ -143,14 +149,6 @@ std::vector<std::string> warnings_of(const EdgeFacts& facts, const EdgeMeasureme
     warnings.push_back("the contrast is only " + number(out.cnr) +
                        " times the noise of a pixel: the MTF is not linear in errors so large, and the intervals allow "
                        "for a sharper edge; average frames");
-  if (facts.narrowed_px > 0.0)
-    warnings.push_back(
-        "the sides change nonlinearly with the distance from the edge, as under uneven light: pixels further than " +
-        number(facts.narrowed_px) + " px from it are left out");
-  if (facts.curved_shading)
-    warnings.emplace_back(
-        "the sides change nonlinearly next to the edge too: the MTF at low frequencies may be off by more than its "
-        "standard deviation");
   if (facts.neighbour_px > 0.0)
     warnings.push_back(
         "another edge or other structure lies " + number(facts.neighbour_px, "%.0f") +
@@ -166,10 +164,27 @@ std::vector<std::string> warnings_of(const EdgeFacts& facts, const EdgeMeasureme
                        number(100.0 * facts.shared_noise, "%.2g") +
                        " % of it, as after demosaicing, denoising, resampling or JPEG, and the intervals are wider by "
                        "that; take the MTF from the raw image for narrower ones");
-  if (facts.ends_abruptly)
+  if (facts.curvature > kLikely)
     warnings.emplace_back(
-        "many pixels have exactly the smallest and many exactly the largest value, and few lie next to these: if both "
-        "sides are clipped the MTF is too high");
+        "the sides change nonlinearly with the distance from the edge, as under uneven light, which is taken out");
+  if (facts.far_light > kShown)
+    warnings.emplace_back(
+        "the sides approach their plateaus slowly, as where light is scattered far: this is part of the MTF, of which "
+        "what is scattered beyond the region is an extrapolation");
+  else if (facts.far_light > kLikely)
+    warnings.emplace_back(
+        "the noise hides whether a part of the light is scattered far, which lowers the MTF at low frequencies: the "
+        "intervals allow for it, take a larger region or average frames for narrower ones");
+  if (std::min(facts.far_light, facts.gradient) > kPossible && std::max(facts.far_light, facts.gradient) < kCertain)
+    warnings.emplace_back(
+        "light that is scattered far and a gradient of the illumination cannot be told apart in this region: the "
+        "intervals allow for either, take a wider region for narrower ones");
+  if (facts.stripes > 0.0)
+    warnings.push_back(
+        "the columns or rows of the image have offsets of their own, of " + number(100.0 * facts.stripes, "%.2g") +
+        " % of the noise of a pixel, as fixed-pattern noise is: the intervals are wider by that; correct "
+        "the offsets for narrower ones");
+  if (out.ends_abruptly) warnings.emplace_back(kEndsAbruptly);
   const double finite = std::max(1.0, static_cast<double>(out.roi.width * out.roi.height - out.missing));
   const auto percent = [&](double count) { return number(100.0 * count / finite, "%.2g") + " %"; };
   if (facts.outliers > 0)

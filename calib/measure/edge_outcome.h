@@ -20,8 +20,10 @@ struct Outcome {
 
 /// Before anything is fitted: enough pixels with data, few of them clipped, any contrast at all.
 Outcome judge_region(const RegionFacts& facts, const Roi& roi, const MeasureOptions& options);
-/// After the fit: one edge with enough contrast, length and plateau.
+/// After the fit: an edge with enough contrast, length and plateau.
 Outcome judge_edge(const EdgeFacts& facts);
+/// After the correction, which describes uneven light and light that is scattered far: one edge, neither side clipped.
+Outcome judge_structure(const EdgeFacts& facts);
 /// Of the curves: whether they can be those of a step.
 Outcome judge_response(const EdgeMeasurement& measurement);
 

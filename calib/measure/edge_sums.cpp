@@ -79,10 +79,11 @@ MTFKIT_CLONES void interpolate(const StepProfile& profile, const DistanceBins& b
 MTFKIT_CLONES void subtract_model(const std::array<double, kPlateauTerms>& plateau, const double* __restrict distance,
                                   const double* __restrict along, const double* __restrict esf,
                                   double* __restrict residual, std::size_t size) {
-  const double a0 = plateau[0], b0 = plateau[1], a_d = plateau[2], b_d = plateau[3], a_t = plateau[4], b_t = plateau[5];
+  const std::array<double, kPlateauTerms> p = plateau;
   for (std::size_t k = 0; k < size; ++k) {
     const double d = distance[k], t = along[k];
-    const double dark = a0 + a_d * d + a_t * t, bright = b0 + b_d * d + b_t * t;
+    const double dark = p[0] + d * (p[2] + p[6] * d + p[8] * t) + t * (p[4] + p[10] * t);
+    const double bright = p[1] + d * (p[3] + p[7] * d + p[9] * t) + t * (p[5] + p[11] * t);
     residual[k] -= dark + (bright - dark) * esf[k];
   }
 }

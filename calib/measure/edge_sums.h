@@ -3,7 +3,9 @@
 
 // The model of an edge, and the residuals of its pixels, summed by distance in one pass.
 // A pixel at distance d and t = s / half_length along the edge is
-//   D + (B - D) E(d),  D = plateau[0] + plateau[2] d + plateau[4] t,  B = plateau[1] + plateau[3] d + plateau[5] t.
+//   D + (B - D) E(d),  D = plateau[0] + plateau[2] d + plateau[4] t + plateau[6] d^2 + plateau[8] d t + plateau[10]
+//   t^2,
+// and B the same of the odd ones.
 // Every derivative of it is a function of d times a power of t, so that the normal equations of any set of unknowns
 // follow from sums of t^k and r t^k over bins of d. Residuals are those of the pixels, at their own distances; only the
 // derivatives are taken at the middle of the bin, which changes the steps to the solution but not the solution.
@@ -20,8 +22,18 @@
 
 namespace calib {
 
-inline constexpr int kPlateauTerms = 6;
+inline constexpr int kPlateauTerms = 12;
+inline constexpr int kFirstCurvature = 6;  ///< the terms from here on are square
 inline constexpr int kHighestOrder = 5;
+
+/// The powers of d and t in the term of a plateau.
+struct PlateauPowers {
+  int d, t;
+};
+constexpr PlateauPowers plateau_powers(int term) {
+  constexpr std::array<PlateauPowers, kPlateauTerms / 2> kPowers{{{0, 0}, {1, 0}, {0, 1}, {2, 0}, {1, 1}, {0, 2}}};
+  return kPowers[static_cast<std::size_t>(term / 2)];
+}
 
 struct EdgeModel {
   EdgeCurve curve;  ///< in the coordinates of EdgePixels

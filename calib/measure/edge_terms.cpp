@@ -104,7 +104,12 @@ Unknowns with_order(Unknowns unknowns, int order) {
 }
 
 Unknowns with_gradients(Unknowns unknowns) {
-  for (std::size_t a = 2; a < kPlateauTerms; ++a) unknowns.set(a);
+  for (std::size_t a = 2; a < kFirstCurvature; ++a) unknowns.set(a);
+  return unknowns;
+}
+
+Unknowns with_shading(Unknowns unknowns) {
+  for (std::size_t a = 0; a < kPlateauTerms; ++a) unknowns.set(a);
   return unknowns;
 }
 
@@ -152,40 +157,6 @@ Terms choose_terms(const FitState& state, const EdgeModel& model, double extent_
     explained = bent;
   }
   return terms;
-}
-
-bool shading_is_curved(const FitState& state, const EdgeModel& model, double width_px, double extent_px) {
-  constexpr double kSure = 15.0;     // chi2: once in 10^4 straight sides
-  constexpr double kLeast = 1.5e-3;  // of the contrast: height of the curvature over the tested part
-  const DistanceBins& bins = DistanceBins::get();
-  const double from = std::max(3.0 * width_px, 0.3 * extent_px);
-  for (const int sign : {-1, 1}) {
-    Eigen::Matrix3d matrix = Eigen::Matrix3d::Zero();
-    Eigen::Vector3d right = Eigen::Vector3d::Zero();
-    double end = 0.0;
-    std::array<ScoreColumn, 3> powers;
-    for (int i = 0; i < kBins; ++i) {
-      const double d = sign * bins.centre(i), n = state.sums.count(i);
-      if (d < from || n == 0.0) continue;
-      const double weight = state.weight[static_cast<std::size_t>(i)], x = d / extent_px;
-      const Eigen::Vector3d row(1.0, x, x * x);
-      for (std::size_t k = 0; k < powers.size(); ++k)
-        powers[k].row[static_cast<std::size_t>(i)] = row[static_cast<Eigen::Index>(k)];
-      matrix += weight * n * row * row.transpose();
-      right += weight * state.sums.residual(0)[static_cast<std::size_t>(i)] * row;
-      end = std::max(end, x);
-    }
-    const Eigen::LDLT<Eigen::Matrix3d> factor(matrix);
-    if (!(matrix(2, 2) > 0.0) || factor.rcond() < 1e-12) continue;
-    const double bend = factor.solve(right)[2];
-    const Eigen::Vector3d column = factor.solve(Eigen::Vector3d::Unit(2));
-    double variance = column[2];
-    if (!state.correlation.white())
-      variance = std::max(variance, column.dot(score_covariance(state, model, powers) * column));
-    const double half = 0.5 * (end - from / extent_px);
-    if (bend * bend > kSure * variance && std::abs(bend) * half * half > kLeast * model.contrast()) return true;
-  }
-  return false;
 }
 
 Diffraction diffraction_in(const FitState& state, const EdgeModel& model, const Unknowns& unknowns) {

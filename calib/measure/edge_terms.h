@@ -14,6 +14,8 @@ Unknowns basic_unknowns();
 /// Adds the shifts t^2 .. t^order.
 Unknowns with_order(Unknowns unknowns, int order);
 Unknowns with_gradients(Unknowns unknowns);
+/// All terms of the plateaus.
+Unknowns with_shading(Unknowns unknowns);
 /// Leaves out the unknowns of the shape that are on their bounds.
 Unknowns without_bounds(Unknowns unknowns, const EdgeModel& model);
 
@@ -25,11 +27,6 @@ struct Terms {
 /// only when the options leave it open.
 Terms choose_terms(const FitState& state, const EdgeModel& model, double extent_px, const MeasureOptions& options,
                    int least_order = 1);
-
-/// Whether the value of a side changes nonlinearly with the distance from the edge, as under uneven light. This is
-/// tested on the outer part of the pixels, where the tails of a blur are nearly straight; neither gradients nor the
-/// correction of the edge spread function could describe it.
-bool shading_is_curved(const FitState& state, const EdgeModel& model, double width_px, double extent_px);
 
 /// Whether the data show the cusp of diffraction, S > 0, significantly. Where they do not, it is left out: with S >= 0
 /// as the only condition, noise would make blurs without diffraction seem sharper on average than they are. But where S

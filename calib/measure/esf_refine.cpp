@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "calib/edge/edge_response.h"
+#include "calib/measure/defects/correlated_noise.h"
 #include "calib/measure/edge_terms.h"
 
 namespace calib {
@@ -33,14 +34,12 @@ Change change_of(const StepProfile& reference, const JointFit& joint, const Vect
                         (bins.centre(static_cast<int>(after)) - bins.centre(static_cast<int>(before)));
     }
   }
-  for (std::size_t j = 0; j < joint.splines.size(); ++j) {
-    const SplinePair& pair = joint.splines[j];
+  for (std::size_t j = 0; j < joint.changes.size(); ++j) {
     const double value = joint.contrast_ratio * joint.value[static_cast<Eigen::Index>(joint.unknowns.size() + j)];
-    for (int b = 0; b < kBins; ++b) {
-      const double d = bins.centre(b), sign = d < 0.0 ? -1.0 : 1.0;
-      const double e = pair_value(pair, std::abs(d)), slope = pair_slope(pair, std::abs(d));
-      change.esf[static_cast<std::size_t>(b)] += value * (pair.odd ? sign * e : e);
-      change.lsf[static_cast<std::size_t>(b)] += value * (pair.odd ? slope : sign * slope);
+    for (std::size_t b = 0; b < kBins; ++b) {
+      const double d = bins.centre(static_cast<int>(b));
+      change.esf[b] += value * change_value(joint.changes[j], d);
+      change.lsf[b] += value * change_slope(joint.changes[j], d);
     }
   }
   return change;
@@ -84,41 +83,55 @@ FitState refine(const EdgePixels& pixels, EdgeModel& model, StepProfile& referen
                 const FitSettings& settings) {
   Vector step = movement(joint, EdgeResponse(model, joint).shift_px());
   step.tail<kShapes>() *= trusted_part(model.shape, step.tail<kShapes>());
-  move(model, step);
+  const ReferenceShape before = model.shape;
+  move(model, step);  // stays within the bounds of the shape
+  step.tail<kShapes>() << model.shape.s_px - before.s_px, model.shape.v_px2 - before.v_px2,
+      model.shape.q_px2 - before.q_px2;
   FitState next;
   next.profile = corrected_profile(reference, joint, step);
+  next.profile.bend_everywhere();
   next.sums = accumulate(pixels, model, next.profile, order_of(settings.unknowns));
   next.noise = noise_of(next.sums, next.profile, settings);
   reference = profile_of(model, settings);
   BinRow change;
   for (std::size_t i = 0; i < kBins; ++i) change[i] = model.contrast() * (reference.esf()[i] - next.profile.esf()[i]);
   next.sums.take_from_residual(change, next.profile);
-  next.profile.set_slopes(reference);
+  next.profile.set_reference(reference);
   assemble(next, model, settings);
   return next;
 }
 
+NoiseCorrelation residual_correlation(const EdgePixels& pixels, const CorrectedFit& corrected,
+                                      const FitSettings& settings) {
+  EdgeModel model = corrected.fit.model;
+  StepProfile reference = profile_of(model, settings);
+  FitSettings all = settings;
+  all.unknowns = with_shading(corrected.fit.unknowns).set(kFirstShape);
+  const FitState state = refine(pixels, model, reference, corrected.joint, all);
+  return noise_correlation(pixels, model, state, settings.rounding);
+}
+
 CorrectedFit correct(const EdgePixels& pixels, EdgeFit fit, const EdgeFacts& facts, FitSettings settings) {
-  constexpr int kMostRefinements = 4;
-  constexpr double kFar_px = 0.1, kMisfit = 0.2;
-  settings.unknowns = fit.unknowns;
+  constexpr int kMostRefinements = 4, kAlways = 2;
+  constexpr double kMoved_px = 0.1, kMisfit = 0.2, kLikely = 0.5;
+  settings.unknowns = with_shading(fit.unknowns).set(kFirstShape);
   const double extent_px = std::min(facts.extent_dark_px, facts.extent_bright_px);
   const auto solve = [&](const EdgeFit& at, Detail detail) {
-    // Noise that hides diffraction or is correlated is larger than the weights say at low frequencies: a fit that ends
-    // at a bound does not show then that the shape lies there.
-    const bool open = at.diffraction == Diffraction::unclear || !at.state.correlation.white();
-    const Unknowns free = open ? at.unknowns : without_bounds(at.unknowns, at.model);
+    const Unknowns free = without_bounds(settings.unknowns, at.model).set(kFirstShape);
     return solve_jointly(at.state, at.model, free, facts.few_distances() ? Detail::none : detail, facts.width_px,
                          extent_px);
   };
   CorrectedFit best{.fit = std::move(fit), .joint = {}};
+  best.fit.state = evaluate(pixels, best.fit.model, settings);
   best.joint = solve(best.fit, Detail::coarse);
   StepProfile reference = best.fit.state.profile;
-  for (int i = 0; i < kMostRefinements && best.joint.tau_odd + best.joint.tau_even > 0.0; ++i) {
-    const bool noise_is_off = std::abs(best.joint.chi2_per_dof - 1.0) > kMisfit;
+  for (int i = 0; i < kMostRefinements; ++i) {
+    const auto& probability = best.joint.probability;
+    const double most = std::max({probability[kReal], probability[kFarLight], probability[kGradient]});
+    const bool noise_is_off = probability[kReal] > kLikely && std::abs(best.joint.chi2_per_dof - 1.0) > kMisfit;
     const bool edge_moved =
-        best.joint.tau_even > 0.0 && std::abs(EdgeResponse(best.fit.model, best.joint).shift_px()) > kFar_px;
-    if (!noise_is_off && !edge_moved) break;
+        probability[kImaginary] > kLikely && std::abs(EdgeResponse(best.fit.model, best.joint).shift_px()) > kMoved_px;
+    if (!noise_is_off && !edge_moved && !(most > kLikely && i < kAlways)) break;
     CorrectedFit next = best;
     next.fit.state = refine(pixels, next.fit.model, reference, best.joint, settings);
     next.joint = solve(next.fit, noise_is_off ? Detail::fine : Detail::coarse);

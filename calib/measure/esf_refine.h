@@ -5,7 +5,7 @@
 // and the line spread are taken there, so that a reference far from the truth (a blur with contrast reversal, a
 // sharpened image) is not mistaken for noise and does not turn the edge.
 
-#include "calib/measure/esf_correction.h"
+#include "calib/measure/correction/esf_correction.h"
 #include "calib/measure/region_fit.h"
 
 namespace calib {
@@ -30,6 +30,9 @@ struct CorrectedFit {
   /// Variance of the pixels about the model, half way up the step.
   double misfit() const { return joint.chi2_per_dof * fit.state.noise.at(0.5); }
 };
+/// Of the residuals about the corrected step.
+NoiseCorrelation residual_correlation(const EdgePixels& pixels, const CorrectedFit& corrected,
+                                      const FitSettings& settings);
 /// The joint solution, refined as long as that brings the model nearer to the pixels and either residuals and noise
 /// disagree or the correction moved the edge.
 CorrectedFit correct(const EdgePixels& pixels, EdgeFit fit, const EdgeFacts& facts, FitSettings settings);

@@ -87,10 +87,21 @@ EdgeMeasurement measure_edge(mtf::ImageView<const float> image, const Roi& roi, 
   RegionFit fitted = fit_region(*std::move(data), options);
   describe_plateaus(fitted.fit.model, fitted.fit.state.noise, region, known);
   known.oversampling = fitted.facts.oversampling;
+  known.ends_abruptly = fitted.facts.ends_abruptly;
   if (const Outcome outcome = judge_edge(fitted.facts); outcome.refused()) return refused(known, outcome);
 
-  const CorrectedFit corrected = correct(fitted.pixels, std::move(fitted.fit), fitted.facts, fitted.settings);
+  CorrectedFit corrected = correct(fitted.pixels, fitted.fit, fitted.facts, fitted.settings);
+  const NoiseCorrelation shared = residual_correlation(fitted.pixels, corrected, fitted.settings);
+  if (!shared.white()) {
+    fit_again(fitted, shared, options);
+    corrected = correct(fitted.pixels, fitted.fit, fitted.facts, fitted.settings);
+  }
   const auto& [fit, joint] = corrected;
+  fitted.facts.plateau_sd = std::sqrt(corrected.misfit());
+  fitted.facts.far_light = joint.probability[kFarLight];
+  fitted.facts.gradient = joint.probability[kGradient];
+  fitted.facts.curvature = joint.probability[kCurvature];
+  if (const Outcome outcome = judge_structure(fitted.facts); outcome.refused()) return refused(known, outcome);
   const EdgeResponse response(fit.model, joint);
   describe_plateaus(fit.model, fit.state.noise, region, known);
   EdgeMeasurement out = known;
@@ -98,18 +109,6 @@ EdgeMeasurement measure_edge(mtf::ImageView<const float> image, const Roi& roi, 
   fitted.facts.large_errors = has_large_errors(out);
   if (fitted.facts.large_errors) add_sharper_end(fitted.pixels, corrected, fitted.facts, fitted.settings, out);
   if (fitted.facts.few_distances()) add_other_shapes(fitted.pixels, fit, fitted.facts, fitted.settings, out);
-  const bool short_sides = fitted.facts.short_sides(), wide = fitted.facts.wide_blur();
-  const bool may_miss_shape = fitted.facts.doubtful_shape() && joint.shape_in_doubt;
-  if (short_sides || may_miss_shape || wide) {
-    const EdgeMeasurement before = out, with_largest = with_largest_correction(corrected, fitted.facts);
-    // Noise hides the error of one tail from another until the correction is used.
-    if (short_sides || (may_miss_shape && joint.tau_odd > 0.0))
-      add_other_tail(fitted.pixels, corrected, fitted.facts, fitted.settings, out);
-    if (short_sides || may_miss_shape) add_missed_shape(with_largest, out);
-    // Short sides need the other tail by themselves: what it adds to the figures stays.
-    if (may_miss_shape) take_deviations_from_curve(short_sides ? out : before, out);
-    if (wide) add_unseen_frequencies(with_largest, out);
-  }
   if (const Outcome outcome = judge_response(out); outcome.refused()) return refused(known, outcome);
 
   EdgeModel found = fit.model;

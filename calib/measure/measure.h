@@ -35,6 +35,11 @@ struct Estimate {
 inline constexpr int kCurveSamples = 201;
 inline constexpr double kCurveStep_cy_px = 0.005;
 
+/// The warning that comes with EdgeMeasurement::ends_abruptly.
+inline constexpr std::string_view kEndsAbruptly =
+    "many pixels have exactly the smallest and many exactly the largest value, and few lie next to these: if both "
+    "sides are clipped the MTF is too high";
+
 struct MeasureOptions {
   std::optional<int> order{};        ///< of the edge curve, 1 to 5; chosen by an F-test when not given
   bool circle = false;               ///< a circle instead of polynomials
@@ -80,6 +85,7 @@ struct EdgeMeasurement {
   double oversampling = 0.0;        ///< effective: distinct distances a pixel, at most 8 are counted
   double chi2_per_dof = 0.0;        ///< of the pixels about the model
   double clipped_share = 0.0;       ///< of the region's pixels
+  bool ends_abruptly = false;       ///< the values end as those of clipped sides do, though no limit is known
   std::int64_t missing = 0;         ///< pixels of the region without data: NaN or infinite
 
   std::vector<double> frequency_cy_px;   ///< kCurveSamples

@@ -6,9 +6,9 @@
 #include <cmath>
 
 #include "calib/edge/edge_response.h"
+#include "calib/measure/correction/esf_correction.h"
 #include "calib/measure/edge_figures.h"
 #include "calib/measure/edge_terms.h"
-#include "calib/measure/esf_correction.h"
 
 namespace calib {
 
@@ -32,52 +32,6 @@ void add_other_shapes(const EdgePixels& pixels, const EdgeFit& fit, const EdgeFa
     describe(EdgeResponse(other.model, joint), described);
     add_difference(described, measurement);
   }
-}
-
-void add_other_tail(const EdgePixels& pixels, const CorrectedFit& corrected, const EdgeFacts& facts,
-                    FitSettings settings, EdgeMeasurement& measurement) {
-  settings.max_iterations = 8;
-  settings.tolerance = 0.3;
-  EdgeFit other = corrected.fit;
-  ReferenceShape& shape = other.model.shape;
-  const double blur_px2 = shape.blur_px2();
-  // A tail of unknown size between none and that of the fit, or of a blur that is all diffraction: the rms difference
-  // from either end is 1 / sqrt(3) of what lies between them.
-  constexpr double kRms = 0.57735;
-  shape.s_px = other.unknowns[kFirstShape] ? (1.0 - kRms) * shape.s_px : kRms * std::sqrt(blur_px2);
-  shape.v_px2 = std::max(2.0 * kLeastVariance_px2, blur_px2 - shape.q_px2 / 12.0 - 0.1 * shape.s_px * shape.s_px);
-  other.unknowns.reset(kFirstShape);
-  other.diffraction = Diffraction::absent;
-  settings.unknowns = other.unknowns;
-  other.state = fit_reference(pixels, other.model, settings);
-  const CorrectedFit found = correct(pixels, std::move(other), facts, settings);
-  EdgeMeasurement described;
-  describe(EdgeResponse(found.fit.model, found.joint), described);
-  take_larger_deviations(described, measurement);
-  add_difference(described, measurement);
-}
-
-EdgeMeasurement with_largest_correction(const CorrectedFit& corrected, const EdgeFacts& facts) {
-  const EdgeFit& own = corrected.fit;
-  const double extent_px = std::min(facts.extent_dark_px, facts.extent_bright_px);
-  EdgeMeasurement described;
-  describe(EdgeResponse(own.model, solve_jointly(own.state, own.model, own.unknowns, Detail::coarse, facts.width_px,
-                                                 extent_px, Smoothing::least)),
-           described);
-  return described;
-}
-
-void add_missed_shape(const EdgeMeasurement& with_largest, EdgeMeasurement& measurement) {
-  take_larger_deviations(with_largest, measurement);
-  add_difference(with_largest, measurement);
-}
-
-void add_unseen_frequencies(const EdgeMeasurement& with_largest, EdgeMeasurement& measurement) {
-  constexpr double kVanished = 0.03;
-  for (std::size_t i = 0; i < measurement.mtf.size(); ++i)
-    if (measurement.mtf[i] < kVanished) measurement.mtf_sd[i] = std::max(measurement.mtf_sd[i], with_largest.mtf_sd[i]);
-  if (measurement.nyquist && measurement.nyquist->value < kVanished)
-    measurement.nyquist->sd = std::max(measurement.nyquist->sd, with_largest.nyquist->sd);
 }
 
 void add_sharper_end(const EdgePixels& pixels, const CorrectedFit& corrected, const EdgeFacts& facts,

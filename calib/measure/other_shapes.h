@@ -15,23 +15,6 @@ namespace calib {
 void add_other_shapes(const EdgePixels& pixels, const EdgeFit& fit, const EdgeFacts& facts, FitSettings settings,
                       EdgeMeasurement& measurement);
 
-/// Where the sides are short against the blur, what of its tails lies beyond the pixels follows from the shape of the
-/// reference alone. The difference from the result with a smaller tail of diffraction, or with one where the pixels do
-/// not show it, is then part of the standard deviations.
-void add_other_tail(const EdgePixels& pixels, const CorrectedFit& corrected, const EdgeFacts& facts,
-                    FitSettings settings, EdgeMeasurement& measurement);
-
-/// The result with the largest correction of the reference that the pixels allow.
-EdgeMeasurement with_largest_correction(const CorrectedFit& corrected, const EdgeFacts& facts);
-
-/// Where the reference may miss the shape: the standard deviations become no smaller than with the largest correction,
-/// and the difference from that result is part of them.
-void add_missed_shape(const EdgeMeasurement& with_largest, EdgeMeasurement& measurement);
-
-/// Where the MTF of a wide blur has vanished, what is stated follows from the shape of the reference alone: the
-/// standard deviations there are no smaller than with the largest correction.
-void add_unseen_frequencies(const EdgeMeasurement& with_largest, EdgeMeasurement& measurement);
-
 /// Much noise in few pixels leaves errors for which the response is not linear in its shape: an edge that comes out too
 /// blurred has too small a standard deviation, as the MTF depends little on a wide blur. The standard deviations become
 /// no smaller than those at the upper end of the interval of the MTF at Nyquist, the end being that from which the

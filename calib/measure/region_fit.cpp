@@ -5,7 +5,6 @@
 #include <cmath>
 #include <utility>
 
-#include "calib/measure/defects/correlated_noise.h"
 #include "calib/measure/defects/edge_outliers.h"
 
 namespace calib {
@@ -91,104 +90,85 @@ EdgeFit fit_edge(const EdgePixels& pixels, EdgeModel start, FitSettings settings
   return fit;
 }
 
-// The pixels within a distance of the curve.
-EdgePixels within(const EdgePixels& pixels, const EdgeCurve& curve, double extent_px) {
-  EdgePixels kept(pixels.size());
-  for (std::size_t i = 0; i < pixels.size(); ++i) {
-    const Point at{pixels.x()[i], pixels.y()[i]};
-    if (std::abs(locate(curve, at).distance_px) <= extent_px) kept.add(pixels.x()[i], pixels.y()[i], pixels.value()[i]);
-  }
-  return kept;
-}
-
-double smaller_extent_px(const EdgeFacts& facts) { return std::min(facts.extent_dark_px, facts.extent_bright_px); }
-
-bool curved_shading(const RegionFit& region) {
-  return shading_is_curved(region.fit.state, region.fit.model, region.facts.width_px, smaller_extent_px(region.facts));
-}
-
-// Adds the pixels whose noise is cut off and continues the fit with them; returns how many. The noise, which lacks the
-// cut tail at first, approaches its value by a factor of two or more a round.
-std::size_t fit_cut(RegionFit& region, const EdgeRegion& data) {
+// Adds the pixels whose noise is cut off and continues the fit with them. The noise, which lacks the cut tail at first,
+// approaches its value by a factor of two or more a round.
+void fit_cut(RegionFit& region) {
   constexpr int kMostRounds = 8;
   constexpr double kSame = 2e-3;  // relative change of the variances
-  if (data.cut.pixels.size() == 0) return 0;
+  const CutPixels& limits = region.data.cut;
   EdgeFit& fit = region.fit;
-  const std::size_t cut = add_cut(region.pixels, data.cut, fit.model, fit.state);
-  if (cut == 0) return 0;
-  FitSettings settings = data.settings;
+  if (region.cut == 0) region.cut = add_cut(region.pixels, limits, fit.model, fit.state);
+  if (region.cut == 0) return;
+  FitSettings settings = region.settings;
   settings.unknowns = fit.unknowns;
   for (int round = 0; round < kMostRounds; ++round) {
     const NoiseModel before = fit.state.noise;
-    expect_cut(region.pixels, data.cut, fit.model, fit.state);
+    expect_cut(region.pixels, limits, fit.model, fit.state);
     fit.state = fit_reference(region.pixels, fit.model, settings);
     const NoiseModel& after = fit.state.noise;
     if (std::abs(after.dark - before.dark) < kSame * after.dark &&
         std::abs(after.bright - before.bright) < kSame * after.bright)
       break;
   }
-  region.facts = facts_of(region.pixels, fit.state, fit.model, data.local_noise_sd);
-  return cut;
+}
+
+// What follows the fit of the pixels between the limits of the values, and its facts.
+void finish(RegionFit& region) {
+  const auto facts = [&] {
+    return facts_of(region.pixels, region.fit.state, region.fit.model, region.data.local_noise_sd);
+  };
+  region.facts = facts();
+  const bool rounds = region.settings.rounding.dark > 0.0 && region.settings.rounding.bright > 0.0;
+  if (rounds && region.facts.few_distances()) {
+    region.settings.few_distances = true;
+    FitSettings settings = region.settings;
+    settings.unknowns = region.fit.unknowns;
+    region.fit.state = evaluate(region.pixels, region.fit.model, settings);
+    converge(region.pixels, region.fit, settings);
+    region.facts = facts();
+  }
+  if (region.data.cut.pixels.size() > 0) fit_cut(region);
+  if (region.cut > 0) region.facts = facts();
+  region.facts.unclear_diffraction = region.fit.diffraction == Diffraction::unclear;
+  region.facts.neighbour_px =
+      region.fit.unknowns[kFirstShape] ? region.data.neighbour_px : 0.0;  // its tail is proportional to S
+  region.facts.outliers = region.outliers;
+  region.facts.cut = region.cut;
+  region.facts.clipped = region.data.cut.pixels.size() - region.cut;
+  const NoiseCorrelation& noise = region.settings.correlation;
+  for (const PixelLag& lag : noise.lags)
+    if (std::max(std::abs(lag.x), std::abs(lag.y)) == 1)
+      region.facts.shared_noise = std::max(region.facts.shared_noise, std::abs(lag.correlation));
+  region.facts.stripes = std::sqrt(std::max(noise.columns, noise.rows));
 }
 
 }  // namespace
 
 RegionFit fit_region(EdgeRegion data, const MeasureOptions& options) {
-  RegionFit region{.pixels = std::move(data.pixels), .fit = {}, .facts = {}, .settings = {}};
-  const auto fit_again = [&](double extent_px) {
-    region.fit = fit_edge(region.pixels, data.start, data.settings, options, extent_px);
-    region.facts = facts_of(region.pixels, region.fit.state, region.fit.model, data.local_noise_sd);
+  RegionFit region{.data = std::move(data)};
+  region.pixels = std::move(region.data.pixels);
+  region.settings = region.data.settings;
+  const auto fit = [&] {
+    region.fit = fit_edge(region.pixels, region.data.start, region.settings, options, region.data.extent_px);
   };
-  fit_again(data.extent_px);
+  fit();
   // Outliers hide others from the first fit, and it moves towards them.
   constexpr int kMostRounds = 3;
-  std::size_t outliers = 0;
   for (int round = 0; round < kMostRounds; ++round) {
     const std::size_t removed =
-        remove_outliers(region.pixels, region.fit.model, region.fit.state, data.settings.rounding);
+        remove_outliers(region.pixels, region.fit.model, region.fit.state, region.settings.rounding);
     if (removed == 0) break;
-    outliers += removed;
-    fit_again(data.extent_px);
+    region.outliers += removed;
+    fit();
   }
-  data.settings.correlation =
-      noise_correlation(region.pixels, region.fit.model, region.fit.state, data.settings.rounding);
-  if (!data.settings.correlation.white()) fit_again(data.extent_px);
-  const bool rounds = data.settings.rounding.dark > 0.0 && data.settings.rounding.bright > 0.0;
-  if (rounds && region.facts.few_distances()) {
-    data.settings.few_distances = true;
-    FitSettings settings = data.settings;
-    settings.unknowns = region.fit.unknowns;
-    region.fit.state = evaluate(region.pixels, region.fit.model, settings);
-    converge(region.pixels, region.fit, settings);
-    region.facts = facts_of(region.pixels, region.fit.state, region.fit.model, data.local_noise_sd);
-  }
-  const std::size_t cut = fit_cut(region, data);
-
-  // Near the edge a gradient describes curved shading: the pixels are narrowed down to those.
-  constexpr double kLeast_px = 8.0, kLeastWidths = 5.0;
-  double extent_px = smaller_extent_px(region.facts), narrowed_px = 0.0;
-  bool curved = curved_shading(region);
-  while (curved) {
-    extent_px *= 0.6;
-    if (extent_px < std::max(kLeast_px, kLeastWidths * region.facts.width_px)) break;
-    region.pixels = within(region.pixels, region.fit.model.curve, extent_px);
-    narrowed_px = extent_px;
-    fit_again(extent_px);
-    curved = curved_shading(region);
-  }
-  region.facts.unclear_diffraction = region.fit.diffraction == Diffraction::unclear;
-  region.facts.neighbour_px =
-      region.fit.unknowns[kFirstShape] ? data.neighbour_px : 0.0;  // its tail is proportional to S
-  region.facts.outliers = outliers;
-  region.facts.cut = cut;
-  region.facts.clipped = data.cut.pixels.size() - cut;
-  region.facts.narrowed_px = narrowed_px;
-  region.facts.curved_shading = curved;
-  for (const PixelLag& lag : data.settings.correlation.lags)
-    if (std::max(std::abs(lag.x), std::abs(lag.y)) == 1)
-      region.facts.shared_noise = std::max(region.facts.shared_noise, std::abs(lag.correlation));
-  region.settings = std::move(data.settings);
+  finish(region);
   return region;
+}
+
+void fit_again(RegionFit& region, const NoiseCorrelation& correlation, const MeasureOptions& options) {
+  region.settings.correlation = correlation;
+  region.fit = fit_edge(region.pixels, region.data.start, region.settings, options, region.data.extent_px);
+  finish(region);
 }
 
 }  // namespace calib

@@ -2,7 +2,7 @@
 #pragma once
 
 // The reference step fitted to the pixels of a region: the stages from a first model to the converged one, without
-// single bad pixels, and without those so far from the edge that shading is curved there.
+// single bad pixels.
 
 #include "calib/edge/edge_pixels.h"
 #include "calib/measure/edge_facts.h"
@@ -21,11 +21,16 @@ struct EdgeFit {
 };
 
 struct RegionFit {
-  EdgePixels pixels;  ///< those that were fitted
-  EdgeFit fit;
-  EdgeFacts facts;
-  FitSettings settings;  ///< with what the fit found out about the noise
+  EdgeRegion data;       ///< less the pixels
+  EdgePixels pixels{0};  ///< those that were fitted
+  EdgeFit fit{};
+  EdgeFacts facts{};
+  FitSettings settings{};    ///< with what is found out about the noise
+  std::size_t outliers = 0;  ///< left out
+  std::size_t cut = 0;       ///< pixels at a limit of the values that count as values beyond it
 };
 RegionFit fit_region(EdgeRegion data, const MeasureOptions& options);
+/// The same with noise that the pixels share.
+void fit_again(RegionFit& region, const NoiseCorrelation& correlation, const MeasureOptions& options);
 
 }  // namespace calib

@@ -101,6 +101,22 @@ TEST(Measure, Iso12233IsLowAndSaysSo) {
   // sfrmat5 measures 0.29837 on the public edge of this kind (edges of MTF50 0.3 at 5 degrees).
   EXPECT_NEAR(value(edge, "mtf50"), 0.2984, 5e-4);
   EXPECT_FALSE(edge.at("warnings").empty());
+  EXPECT_EQ(edge.at("clipped_share").get<double>(), 0.0);
+}
+
+// Its curve is then too high. The share is known where the other method refuses the edge, too.
+TEST(Measure, Iso12233SaysThatValuesAreClipped) {
+  const Scratch scratch;
+  add_edge(scratch, "edge.exr", {});
+  for (const bool standard : {true, false}) {
+    const Json edge =
+        measure(scratch, std::string("edge.exr --saturation 0.5 --method ") + (standard ? "iso12233" : "regression"),
+                standard ? 0 : 1)
+            .at("edges")[0];
+    EXPECT_NEAR(edge.at("clipped_share").get<double>(), 0.5, 0.05);
+    EXPECT_EQ(edge.at("outcome"), standard ? "measured" : "clipped");
+    EXPECT_NE(edge.dump().find("of the pixels are clipped"), std::string::npos);
+  }
 }
 
 /// 16 bits through the curve of IEC 61966-2-1, or 1 / 2.2.

@@ -81,6 +81,14 @@ Step Step::moved(std::vector<double> places_px) const {
   return step;
 }
 
+Step Step::closed(std::function<double(double)> esf, Mtf mtf) {
+  Step step;
+  step.esf_ = std::move(esf);
+  step.mtf_ = std::move(mtf);
+  step.top_cy_px_ = 4.0;
+  return step;
+}
+
 double Step::at(double d_px) const {
   double sum = 0.0;
   for (const double place : places_px_) sum += at_rest(d_px - place);
@@ -88,6 +96,7 @@ double Step::at(double d_px) const {
 }
 
 double Step::at_rest(double d_px) const {
+  if (esf_) return esf_(d_px);
   if (sigma_px_ > 0.0) return 0.5 * std::erfc(-d_px / (std::numbers::sqrt2 * sigma_px_));
   const double a = std::min(std::abs(d_px), range_px_) * kTableSteps;
   const auto i = static_cast<std::size_t>(a);

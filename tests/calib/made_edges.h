@@ -24,6 +24,8 @@ class Step {
   Step(Mtf mtf, double top_cy_px, double range_px);
   /// exp(-2 pi^2 sigma^2 f^2), in closed form.
   static Step gaussian(double mtf50_cy_px);
+  /// Both in closed form; E is about the edge's location, and `mtf` falls to 0.1 below 4 cycles per pixel.
+  static Step closed(std::function<double(double d_px)> esf, Mtf mtf);
 
   /// The same seen by a sensor that moves along the normal: the mean over the places where it has been, px.
   Step moved(std::vector<double> places_px) const;
@@ -37,6 +39,7 @@ class Step {
   Step() = default;
   double at_rest(double d_px) const;
   Mtf mtf_;
+  std::function<double(double)> esf_;
   double sigma_px_ = 0.0;
   double range_px_ = 0.0;
   double top_cy_px_ = 0.0;

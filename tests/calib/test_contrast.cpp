@@ -8,7 +8,6 @@
 #include <string>
 #include <vector>
 
-#include "calib/measure/edge_figures.h"
 #include "calib/measure/measure.h"
 #include "mtf/error.h"
 #include "tests/calib/made_edges.h"
@@ -80,36 +79,6 @@ TEST(Contrast, HalfOfThePeak) {
   EXPECT_LT(edge.mtf50p->value, edge.mtf50->value - 0.005);
   const EdgeMeasurement soft = measured(made::Step::gaussian(0.3), {});
   EXPECT_NEAR(soft.mtf50p.value().value, soft.mtf50.value().value, 1e-4);
-}
-
-TEST(Contrast, DeviationsFromTheCurveAreNoSmallerThanBefore) {
-  const auto figures = {&EdgeMeasurement::mtf10, &EdgeMeasurement::mtf20,  &EdgeMeasurement::mtf30,
-                        &EdgeMeasurement::mtf50, &EdgeMeasurement::mtf50p, &EdgeMeasurement::sampling_efficiency};
-  for (const made::Step& step : {made::Step::gaussian(0.15), sharpened()}) {
-    const EdgeMeasurement edge = measured(step, {.noise_sd = 0.01});
-    ASSERT_EQ(edge.trouble, calib::Trouble::none) << edge.reason;
-    EdgeMeasurement wide = edge;
-    for (const auto figure : figures) (wide.*figure).value().sd *= 2.0;
-    const EdgeMeasurement before = wide;
-    calib::take_deviations_from_curve(before, wide);
-    for (const auto figure : figures) EXPECT_EQ((wide.*figure)->sd, 2.0 * (edge.*figure)->sd);
-
-    EdgeMeasurement uncertain = edge;
-    for (double& sd : uncertain.mtf_sd) sd *= 4.0;
-    calib::take_deviations_from_curve(edge, uncertain);
-    for (const auto figure : figures) EXPECT_GT((uncertain.*figure)->sd, 1.5 * (edge.*figure)->sd);
-  }
-}
-
-// Where the sampled MTF does not fall at its crossing, nothing follows from it.
-TEST(Contrast, ACurveThatDoesNotFallLeavesTheDeviation) {
-  EdgeMeasurement edge = measured(made::Step::gaussian(0.15), {.noise_sd = 0.01});
-  ASSERT_EQ(edge.trouble, calib::Trouble::none) << edge.reason;
-  const EdgeMeasurement before = edge;
-  // It falls to 0.5 at one sample and rises further than it fell.
-  for (std::size_t i = 0; i < edge.mtf.size(); ++i) edge.mtf[i] = i == 40 ? 0.5 : i > 40 ? 0.9 : 0.6;
-  calib::take_deviations_from_curve(before, edge);
-  EXPECT_EQ(edge.mtf50->sd, before.mtf50->sd);
 }
 
 TEST(Contrast, DeviationsOfANoisyWideBlurAreNoSmallerThanThoseOfTheCurve) {

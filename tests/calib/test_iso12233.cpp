@@ -147,6 +147,34 @@ TEST(Iso12233, WarnsOfLowContrastAndEmptyBins) {
   EXPECT_TRUE(warns(diagonal, "bins"));
 }
 
+// What the default method sees of clipping: a limit that is stated, both sides cut off in noise, sides that end
+// abruptly.
+TEST(Iso12233, WarnsOfClipping) {
+  const mtf::Image clear = made_edge(120, 110, 5.0, 0.1, 0.9);
+  EXPECT_FALSE(warns(whole(clear), "clipped"));
+  EXPECT_EQ(whole(clear).clipped_share, 0.0);
+  const auto cut = [](mtf::Image image, float low, float high, bool noise) {
+    std::uint32_t bits = 1;
+    for (std::int64_t i = 0; i < image.size(); ++i) {
+      bits = 1664525U * bits + 1013904223U;
+      const float more = noise ? 0.02F * (static_cast<float>(bits >> 8U) / 8388608.0F - 1.0F) : 0.0F;
+      image.data()[i] = std::clamp(image.data()[i] + more, low, high);
+    }
+    return image;
+  };
+  const Iso12233Options stated{.image = {.saturation = 0.7, .floor = 0.3}};
+  const Iso12233Result hard = whole(cut(clear.clone(), 0.3F, 0.7F, false), stated);
+  ASSERT_EQ(hard.trouble, Trouble::none) << hard.reason;
+  EXPECT_TRUE(warns(hard, "are clipped"));
+  EXPECT_GT(hard.clipped_share, 0.9);
+  EXPECT_GT(*hard.mtf50, 1.2 * *whole(clear).mtf50);
+  const Iso12233Result few = whole(cut(clear.clone(), 0.0F, 0.91F, true), {.image = {.saturation = 0.91}});
+  EXPECT_TRUE(warns(few, "are clipped"));
+  EXPECT_GT(few.clipped_share, 0.05);
+  EXPECT_TRUE(warns(whole(cut(clear.clone(), 0.3F, 0.7F, true)), "clipped"));
+  EXPECT_TRUE(warns(whole(cut(made_edge(120, 110, 5.0, 0.2, 0.8), 0.28F, 0.72F, false)), "clipped"));
+}
+
 TEST(Iso12233, NamesWhatCannotBeMeasured) {
   const auto outcome = [](const mtf::Image& image, const Iso12233Options& options = {}) {
     const Iso12233Result result = whole(image, options);

