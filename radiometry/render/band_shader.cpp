@@ -223,6 +223,42 @@ std::size_t BandShader::shade(const VisibleSides& sides, const Point& camera, in
   return count;
 }
 
+double BandShader::reflected_error_k(const VisibleSides& sides, const VisibleSides::OtherViews& other,
+                                     const Point& camera) const {
+  using scene::operator-;
+  double squares = 0.0, variance = 0.0, count = 0.0;  // of sides that reflect
+  for (std::size_t k = 0; k < other.number.size(); ++k) {
+    const std::size_t number = other.number[k];
+    const std::uint32_t finish = scene_.finish_of[sides.side(number)];
+    if (!tables_->reflects(finish)) continue;
+    count += 1.0;
+    const scene::Point& centre = sides.facet(number).centre;
+    const double root = std::sqrt(scene::length(centre - camera));
+    const PathGrid::Cell cell = grid_.cell_at(root, centre[2]);
+    const auto light_of = [&](std::uint32_t source) {
+      SixValues all{};
+      tables_->add_reflected(finish, source, 1.0, grid_.index(cell), all);
+      return grid_.between(cell, root, centre[2], all);
+    };
+    const auto [source, share] = sides.light(number);
+    double mean = 0.0, square = 0.0, again = 0.0;
+    for (std::size_t i = 0; i < source.size(); ++i) {
+      const double light = light_of(source[i]), part = static_cast<double>(share[i]) * light;
+      mean += part;
+      square += part * light;
+    }
+    for (std::size_t i = other.first[k]; i < other.first[k + 1]; ++i)
+      again += static_cast<double>(other.share[i]) * light_of(other.source[i]);
+    squares += 0.5 * (again - mean) * (again - mean);  // each set has half of the variance
+    if (again != mean) variance += std::max(0.0, square - mean * mean) / sides.rays();
+  }
+  if (count == 0.0) return 0.0;
+  constexpr double kAt_k = 300.0, kStep_k = 0.5;
+  const auto black = [&](double kelvin) { return integral(nodes_, blackbody_at(nodes_, kelvin)); };
+  const double per_k = (black(kAt_k + kStep_k) - black(kAt_k - kStep_k)) / (2.0 * kStep_k);
+  return std::sqrt(squares / count + variance / (count * count)) / per_k;
+}
+
 double BandShader::emissivity(std::size_t finish, double temperature_k) const {
   const std::vector<double> black = blackbody_at(nodes_, std::max(temperature_k, 50.0));
   double sum = 0.0;

@@ -24,6 +24,7 @@ inline constexpr double kBetweenHeights = 1e-4;
 struct RenderBand {
   std::string name{};
   SpectralCamera curves{};
+  double noise_k = 0.05;  ///< NETD of the camera at 300 K: what reflected light may err by follows from it
 };
 
 class BandShader {
@@ -48,6 +49,11 @@ class BandShader {
   /// any; all sides that they show are among `sides`.
   void radiance(const VisibleParts& parts, const VisibleSides& sides, const MirrorRays& mirrors, bool shadows,
                 mtf::Image& out, int threads) const;
+
+  /// The rms error of the light that sides reflect, by rays, in K of a blackbody of 300 K, from a second set of them.
+  /// Two sets of few sides may agree by chance: the variance of independent
+  /// rays, over the number of sides, is added to the squares.
+  double reflected_error_k(const VisibleSides& sides, const VisibleSides::OtherViews& other, const Point& camera) const;
 
   const RenderBand& band() const { return band_; }
   const BandNodes& nodes() const { return nodes_; }

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 
 #include "mtf/error.h"
 #include "radiometry/render/frame_layers.h"
@@ -72,9 +73,13 @@ struct Renderer::Parts {
   VisibleParts parts{}, middles{};                      ///< of the frame, and of its layers
   double camera_height_m = 0.0, height_before_m = 0.0;  ///< of the last two frames
   bool angles = false;                                  ///< some finish depends on the angle, or is glossy
+  std::vector<double> reflected_k{};                    ///< RenderedFrame::reflected_k
+  std::size_t measured = 0;                             ///< sides that were shown then; 0: not yet in this light
+  bool rays_chosen = false;                             ///< as many as the first frame asked for
 
   void make(std::vector<RenderBand> bands, const Known* known);
   bool shadows_matter() const;
+  void measure_reflected(const Point& camera);
   void find_sides_in_sun();
   std::size_t shadows_on(VisibleParts& of);
   MirrorRays mirrors_of(const Camera& camera, const VisibleParts& of);
@@ -89,6 +94,7 @@ struct Renderer::Known {
   RenderScene scene;                        ///< of `sides`, with its sun alone
   std::optional<VisibleSides> sides{};
   std::optional<SidesInSun> in_sun{};
+  bool rays_chosen;
 };
 
 void Renderer::Parts::make(std::vector<RenderBand> bands, const Known* known) {
@@ -111,6 +117,8 @@ void Renderer::Parts::make(std::vector<RenderBand> bands, const Known* known) {
       surface.emplace_back(band, scene, patches, patch_views, options.tolerance, false);
   for (RenderBand& band : bands)
     shader.emplace_back(std::move(band), scene, patches, patch_views, options.tolerance, true);
+  reflected_k.assign(shader.size(), 0.0);
+  rays_chosen = known != nullptr && known->rays_chosen;
   if (known != nullptr)
     sides = std::make_unique<VisibleSides>(scene, patches, *known->sides);
   else
@@ -140,6 +148,30 @@ void Renderer::Parts::find_sides_in_sun() {
 std::size_t Renderer::Parts::shadows_on(VisibleParts& of) {
   if (!options.ray_shadows) find_sides_in_sun();
   return find_shadows(scene, *sides, options.ray_shadows ? nullptr : &*in_sun, of, options.threads);
+}
+
+/// The error of the light that sides reflect, in each light anew; the first time with as many rays as bring it below
+/// half of the noise.
+void Renderer::Parts::measure_reflected(const Point& camera) {
+  constexpr std::size_t kChecked = 256;
+  constexpr double kOfNoise = 0.5, kPower = 1.5;  // rays for an error that falls as rays^-0.65 (views.h)
+  const std::size_t shown = sides->shown_now();
+  if (shown == 0 || !reflects(scene) || shown < 2 * measured) return;
+  while (true) {
+    const VisibleSides::OtherViews other = sides->other_views(kChecked);
+    double worst = 0.0;
+    for (std::size_t b = 0; b < shader.size(); ++b) {
+      reflected_k[b] = shader[b].reflected_error_k(*sides, other, camera);
+      worst = std::max(worst, reflected_k[b] / (kOfNoise * shader[b].band().noise_k));
+    }
+    int rays = sides->rays();
+    const double wanted = std::min(rays * std::pow(worst, kPower), static_cast<double>(options.most_view_rays));
+    while (2 * rays <= options.most_view_rays && rays < wanted) rays *= 2;
+    if (rays_chosen || worst <= 1.0 || rays == sides->rays()) break;
+    sides->trace_again(rays);
+  }
+  measured = shown;
+  rays_chosen = true;
 }
 
 /// Where the sun adds next to nothing, as in the long-wave window, the share of each side in the sun will do.
@@ -181,7 +213,8 @@ std::shared_ptr<const Renderer::Known> Renderer::known() const {
                                                   .extent = my.parts.extent,
                                                   .camera_height_m = my.camera_height_m,
                                                   .height_before_m = my.height_before_m,
-                                                  .scene = {.rays = my.scene.rays, .sun = my.scene.sun}});
+                                                  .scene = {.rays = my.scene.rays, .sun = my.scene.sun},
+                                                  .rays_chosen = my.rays_chosen});
   copy->sides.emplace(copy->scene, copy->patches, *my.sides);
   copy->in_sun = my.in_sun;
   return copy;
@@ -190,7 +223,7 @@ std::shared_ptr<const Renderer::Known> Renderer::known() const {
 void Renderer::learn(const Known& other) {
   const RenderScene& mine = parts_->scene;
   if (other.scene.rays != mine.rays || !same_direction(other.scene.sun, mine.sun) ||
-      other.patches.patch_of != parts_->patches.patch_of)
+      other.patches.patch_of != parts_->patches.patch_of || other.sides->rays() != parts_->sides->rays())
     return;
   parts_->sides->take_over(*other.sides);
 }
@@ -235,6 +268,10 @@ RenderedFrame Renderer::render(const Camera& camera, std::optional<int> points) 
     frame.promised.push_back(one.promised());
   }
   laps.lap("tables of the air");
+  my.measure_reflected(camera.position);
+  frame.reflected_k = my.reflected_k;
+  frame.view_rays = my.sides->rays();
+  laps.lap("error of reflected light");
   const bool shadows = my.shadows_matter();
   if (shadows) {
     frame.shadow_rays = my.shadows_on(my.parts);

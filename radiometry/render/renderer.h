@@ -3,9 +3,11 @@
 
 // Pictures of a scene in the bands of cameras: radiance at the aperture of every sample,
 //   L = tau [eps B(T) + (1 - eps) (light of sky, ground and other surfaces + sun)] + L_path
-// in one sum over the band (band_nodes.h, band_tables.h). Light is diffuse and constant over a side. Shadows of the sun
-// are traced where the sun adds more than 1e-3 of what a blackbody of the air gives; else a side is lit by the share of
-// it that is in the sun. A sample is the mean of n x n points (visibility/screen.h).
+// in one sum over the band (band_nodes.h, band_tables.h). Light is diffuse and constant over a side; the rays that tell
+// it are so many that their error is below half of the noise of each camera at the first frame, as far as RenderOptions
+// allows; that of later frames is told. Shadows of
+// the sun are traced where the sun adds more than 1e-3 of what a blackbody of the air gives; else a side is lit by the
+// share of it that is in the sun. A sample is the mean of n x n points (visibility/screen.h).
 
 #include <memory>
 #include <optional>
@@ -49,10 +51,11 @@ struct RenderOptions {
   int points = 2;            ///< n x n of a sample: 1, 2 or 4
   bool ray_shadows = false;  ///< by a ray for everything that faces the sun: slower, to check SidesInSun by
   double tolerance = 5e-6;   ///< of the tables of the air, relative; kBetweenHeights once the camera changes its height
-  int view_rays = 64;        ///< of each visible side that reflects
-  int patch_rays = 256;      ///< of each patch
-  int rings = 9;             ///< of the sky
-  bool empty_views = false;  ///< pictures of sky and ground alone are made; else refused
+  int view_rays = 64;        ///< of each visible side that reflects, at least
+  int most_view_rays = 4096;  ///< the first frame decides how many are taken, a power of two times view_rays
+  int patch_rays = 256;       ///< of each patch
+  int rings = 9;              ///< of the sky
+  bool empty_views = false;   ///< pictures of sky and ground alone are made; else refused
   LayerChoice layers{};
   int threads = 0;  ///< 0: all cores; pictures do not depend on it
 };
@@ -67,7 +70,11 @@ struct RenderedFrame {
   std::vector<mtf::Image> radiance{};  ///< of each band: W or photons s^-1, m^-2 sr^-1
   std::vector<NamedLayer> layers{};    ///< as chosen, with the names of OpenEXR channels
   std::vector<double> promised{};      ///< of each band: relative error of tables and quadrature
-  std::size_t divided = 0;             ///< samples that show more than one side
+  /// Of each band: rms error of the light that sides reflect, K of a blackbody of 300 K, as of the last measurement: at
+  /// the first frame in a light, and whenever twice as many sides are shown.
+  std::vector<double> reflected_k{};
+  int view_rays = 0;
+  std::size_t divided = 0;  ///< samples that show more than one side
   std::size_t shadow_rays = 0;
   std::size_t sides = 0, shaded = 0;  ///< sides seen so far; worked out for this frame
   std::vector<std::pair<std::string, double>> timing_ms{};
@@ -91,7 +98,7 @@ class Renderer {
   Renderer(const RenderScene& scene, std::vector<RenderBand> bands, const Known& known);
 
   /// Takes over the views of sides that another renderer has seen, so that frames do not wait for them; pictures are
-  /// the same without. Does nothing where facets, patches or the sun are others.
+  /// the same without. Does nothing where facets, patches, the sun or the number of rays are others.
   void learn(const Known& other);
 
   /// To be called when `temperature_k` of the scene has changed. What surfaces reflect stays that of the temperatures

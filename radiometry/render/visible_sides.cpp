@@ -74,11 +74,9 @@ std::size_t VisibleSides::add(std::vector<std::uint32_t> fresh) {
     side_.push_back(side);
   }
   shown_.resize(side_.size(), 1);
-  std::vector<scene::Side> sides;
-  for (const std::uint32_t side : fresh) sides.push_back({side / 2, side % 2 == 1});
   set_sun(side_.size() - fresh.size());
   if (options_.views)
-    add_views(sides);
+    trace(fresh, 0, first_, source_, share_);
   else
     first_.resize(side_.size() + 1, 0);
   return fresh.size();
@@ -124,24 +122,54 @@ void VisibleSides::set_sun(std::size_t first) {
   });
 }
 
-void VisibleSides::add_views(std::span<const scene::Side> fresh) {
-  if (fresh.empty()) return;
-  const scene::Views views = scene::views(
-      *scene_.rays, scene::single_sides(std::vector(fresh.begin(), fresh.end())), patches_.patch_of, patches_.size(),
-      {.rings = options_.rings, .rays = options_.rays, .threads = options_.threads, .rays_of_side = true});
+void VisibleSides::trace(std::span<const std::uint32_t> of, std::uint64_t seed, std::vector<std::size_t>& first,
+                         std::vector<std::uint32_t>& source, std::vector<float>& share) const {
+  if (of.empty()) return;
+  std::vector<scene::Side> sides;
+  for (const std::uint32_t side : of) sides.push_back({side / 2, side % 2 == 1});
+  const scene::Views views =
+      scene::views(*scene_.rays, scene::single_sides(std::move(sides)), patches_.patch_of, patches_.size(),
+                   {.rings = options_.rings,
+                    .rays = options_.rays,
+                    .seed = seed,
+                    .threads = options_.threads,
+                    .rays_of_side = true});
   const auto rings = static_cast<std::size_t>(options_.rings);
-  const auto add = [&](std::size_t source, double share) {
-    if (share == 0.0) return;
-    source_.push_back(static_cast<std::uint32_t>(source));
-    share_.push_back(static_cast<float>(share));
+  const auto add = [&](std::size_t from, double part) {
+    if (part == 0.0) return;
+    source.push_back(static_cast<std::uint32_t>(from));
+    share.push_back(static_cast<float>(part));
   };
   for (std::size_t i = 0; i < views.size(); ++i) {
     for (std::size_t r = 0; r < rings; ++r) add(r, views.sky[i * rings + r]);
     add(rings, views.ground[i]);
     for (std::uint64_t e = views.patches.first[i]; e < views.patches.first[i + 1]; ++e)
       add(rings + 1 + views.patches.column[e], views.patches.value[e]);
-    first_.push_back(source_.size());
+    first.push_back(source.size());
   }
+}
+
+void VisibleSides::trace_again(int rays) {
+  options_.rays = rays;
+  first_.assign(1, 0), source_.clear(), share_.clear();
+  trace(side_, 0, first_, source_, share_);
+}
+
+VisibleSides::OtherViews VisibleSides::other_views(std::size_t count) const {
+  constexpr std::uint64_t kOtherRays = 0x9e3779b97f4a7c15;
+  std::vector<std::size_t> shown;
+  for (std::size_t n = 0; n < size(); ++n)
+    if (shown_[n] != 0) shown.push_back(n);
+  // Whatever order they were numbered in.
+  std::sort(shown.begin(), shown.end(), [&](std::size_t a, std::size_t b) { return side_[a] < side_[b]; });
+  OtherViews other;
+  std::vector<std::uint32_t> sides;
+  for (std::size_t k = 0; k < std::min(count, shown.size()); ++k) {
+    other.number.push_back(shown[k * shown.size() / std::min(count, shown.size())]);
+    sides.push_back(side_[other.number.back()]);
+  }
+  trace(sides, kOtherRays, other.first, other.source, other.share);
+  return other;
 }
 
 }  // namespace radiometry::render

@@ -27,9 +27,24 @@ class VisibleSides {
   /// The same of single sides (kNone: none), which are shown beside them.
   std::size_t add(std::vector<std::uint32_t> sides);
 
-  /// Numbers the sides that `other` has and these lack, with their views: of the same facets, patches and sun. They are
-  /// not shown.
+  /// Numbers the sides that `other` has and these lack, with their views: of the same facets, patches, sun and number
+  /// of rays. They are not shown.
   void take_over(const VisibleSides& other);
+
+  std::size_t shown_now() const { return static_cast<std::size_t>(std::count(shown_.begin(), shown_.end(), 1)); }
+
+  /// Of each side.
+  int rays() const { return options_.rays; }
+  /// Traces the views of all sides anew, and those of sides to come, with so many rays.
+  void trace_again(int rays);
+  /// At most `count` of the sides that are shown, evenly, as other rays see them.
+  struct OtherViews {
+    std::vector<std::size_t> number;
+    std::vector<std::size_t> first{0};
+    std::vector<std::uint32_t> source;
+    std::vector<float> share;
+  };
+  OtherViews other_views(std::size_t count) const;
 
   std::size_t size() const { return side_.size(); }
   /// Of a side that was added.
@@ -58,7 +73,9 @@ class VisibleSides {
   std::vector<std::uint32_t> unknown(const VisibleParts& parts);
   /// The sun on the sides from number `first` on.
   void set_sun(std::size_t first);
-  void add_views(std::span<const scene::Side> fresh);
+  /// The views of sides: appends to `first`, `source` and `share`.
+  void trace(std::span<const std::uint32_t> of, std::uint64_t seed, std::vector<std::size_t>& first,
+             std::vector<std::uint32_t>& source, std::vector<float>& share) const;
 
   const RenderScene& scene_;
   const Patches& patches_;

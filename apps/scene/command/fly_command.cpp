@@ -200,6 +200,8 @@ nlohmann::json json_of(const StageTimes& times, std::size_t frames, double first
   }
   for (const auto& [name, words] : flight.closures()) json["closures"][name] = words;
   json["promised_error"] = last.promised;
+  json["reflected_error_K"] = last.reflected_k;
+  json["view_rays"] = last.view_rays;
   json["left_out"] = left;
   return json;
 }
@@ -342,7 +344,9 @@ int run_fly(const FlyCommandOptions& options, const Global& global) {
             significant(first_ms * 1e-3, 3) + " s" +
             (heat_ms > 0.0 ? ", of which the heat balance took " + significant(heat_ms * 1e-3, 3) + " s" : "") + "\n";
     text += "left out: " + left[0] + "; " + left[1] + "; " + left[2] + "\n";
-    text += "error of the radiance: tables within " + significant(frame.promised, 2) + ", relative\n";
+    text += "error of the radiance: tables within " + significant(frame.promised, 2) +
+            ", relative; light that surfaces reflect " + significant(1e3 * frame.reflected_k, 2) +
+            " mK rms at 300 K, by " + std::to_string(frame.view_rays) + " rays a side\n";
     if (values.samples > 0) text += words(values, options, scale);
     if (names) text += "written to " + names->name(first) + " to " + names->name(course.frames[done - 1]) + "\n";
     print(text);

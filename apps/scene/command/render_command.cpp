@@ -217,6 +217,9 @@ std::string render_pictures(const RenderCommandOptions& options, const Global& g
   for (const PictureSensor& sensor : sensors)
     if (std::string text = sampling_warning(sensor, options.sampling.samples_per_pitch); !text.empty())
       scene.warnings.push_back(std::move(text));
+  for (std::size_t b = 0; b < frame.reflected_k.size(); ++b)
+    if (std::string text = reflected_warning(sensors[b], frame.reflected_k[b], frame.view_rays); !text.empty())
+      scene.warnings.push_back(std::move(text));
   for (const std::string& warning : scene.warnings) note(global, "warning: " + warning);
   std::vector<mtf::io::Metadata> metadata;
   for (std::size_t b = 0; b < sensors.size(); ++b)

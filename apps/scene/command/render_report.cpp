@@ -26,6 +26,10 @@ nlohmann::json render_json(const RenderOutputs& made, const std::vector<std::str
                                 {"sensor", metadata[b].text.at("mtf:sensor")},
                                 {"quantity", metadata[b].text.at("mtf:quantity")},
                                 {"promised_error", frame.promised[b]}});
+  if (frame.view_rays > 0) {
+    json["view_rays"] = frame.view_rays;
+    for (std::size_t b = 0; b < outputs.size(); ++b) json["pictures"][b]["reflected_error_K"] = frame.reflected_k[b];
+  }
   json["timing_ms"] = nlohmann::json::object();
   for (const auto& times : {scene.timing_ms, frame.timing_ms})
     for (const auto& [name, ms] : times) json["timing_ms"][name] = json["timing_ms"].value(name, 0.0) + ms;
@@ -48,6 +52,9 @@ std::string render_summary(const RenderCommandOptions& options, const RenderOutp
     table.add({of + text.at("mtf:quantity") + " [" + text.at("mtf:units") + "]",
                significant(s.min, 4) + " to " + significant(s.max, 4) + ", mean " + significant(s.mean, 4)});
     table.add({of + "error of tables", "at most " + significant(frame.promised[b], 2) + ", relative"});
+    if (frame.view_rays > 0)
+      table.add({of + "error of reflected light", significant(1e3 * frame.reflected_k[b], 2) + " mK rms at 300 K, by " +
+                                                      std::to_string(frame.view_rays) + " rays a side"});
     const scene::FinestDetail finest = scene::finest_detail(sensors[b], options.sampling.samples_per_pitch);
     table.add({of + "finest detail of samples", significant(finest.frequency_cy_mm, 3) +
                                                     " cy/mm, where the sensor's MTF is " + significant(finest.mtf, 2)});

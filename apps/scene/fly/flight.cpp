@@ -27,7 +27,8 @@ struct SeenPicture {
   std::size_t light = 0;  ///< number of the light
   double temperatures_utc_s = 0.0;
   mtf::Image radiance{};
-  std::vector<double> promised{};
+  std::vector<double> promised{}, reflected_k{};
+  int view_rays = 0;
   std::size_t sides = 0;
 };
 
@@ -229,6 +230,8 @@ render::RenderedFrame Flight::State::rendered(const render::Camera& camera, int 
     render::RenderedFrame frame;
     frame.radiance.push_back(seen->radiance.clone());
     frame.promised = seen->promised;
+    frame.reflected_k = seen->reflected_k;
+    frame.view_rays = seen->view_rays;
     frame.sides = seen->sides;
     return frame;
   }
@@ -241,6 +244,8 @@ render::RenderedFrame Flight::State::rendered(const render::Camera& camera, int 
                      .temperatures_utc_s = light->temperatures_utc_s,
                      .radiance = frame.radiance.front().clone(),
                      .promised = frame.promised,
+                     .reflected_k = frame.reflected_k,
+                     .view_rays = frame.view_rays,
                      .sides = frame.sides};
   return frame;
 }
@@ -298,6 +303,8 @@ FlightFrame Flight::frame(const Sensor& sensor, const CameraPlace& place, double
   render::RenderedFrame frame = state.rendered(camera, how.points);
   out.timing_ms.insert(out.timing_ms.end(), frame.timing_ms.begin(), frame.timing_ms.end());
   out.promised = frame.promised.front();
+  out.reflected_k = frame.reflected_k.front();
+  out.view_rays = frame.view_rays;
   out.sides = frame.sides;
   out.shaded = frame.shaded;
   const Stopwatch imaging;

@@ -50,7 +50,9 @@ struct FlightFrame {
   SimulatedImage image;
   std::vector<std::string> warnings{};
   std::vector<std::pair<std::string, double>> timing_ms{};
-  double promised = 0.0;                     ///< relative error of the radiance (RenderedFrame)
+  double promised = 0.0;     ///< relative error of the radiance (RenderedFrame)
+  double reflected_k = 0.0;  ///< error of the light that surfaces reflect (RenderedFrame)
+  int view_rays = 0;
   double tolerance = 0.0;                    ///< of the filters, which the image keeps
   std::size_t sides = 0, shaded = 0;         ///< seen so far; worked out for this frame
   bool new_light = false, late = false;      ///< light was made anew; and not ready before the frame

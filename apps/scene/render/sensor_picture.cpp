@@ -29,6 +29,16 @@ std::string words_of(const std::array<double, 3>& v) {
   return mtf::format_double(v[0]) + " " + mtf::format_double(v[1]) + " " + mtf::format_double(v[2]);
 }
 
+/// NETD at 300 K; 0 where the sensor has none.
+double netd_k(const mtf::io::SensorConfig& config) {
+  constexpr double kScene_k = 300.0;
+  try {
+    return budget_of(config.system, load_chain(config).sensor, kScene_k).netd_k;
+  } catch (const mtf::UsageError&) {  // a budget that needs more than the light of a picture
+    return 0.0;
+  }
+}
+
 }  // namespace
 
 PictureSensor picture_sensor(const mtf::io::SensorConfig& config, PictureQuantity quantity) {
@@ -49,6 +59,7 @@ PictureSensor picture_sensor(const mtf::io::SensorConfig& config, PictureQuantit
                             ": has no [detector], whose response weights the radiance; add it, or write --quantity "
                             "radiance");
     sensor.response = response_sha256(sensor.band.curves);
+    if (const double netd = netd_k(config); netd > 0.0 && netd < mtf::kInfinity) sensor.band.noise_k = netd;
   }
   sensor.has_path = settings.path || settings.atmosphere;
   if (settings.atmosphere) sensor.air = at_its_place(config, [&] { return read_air(*settings.atmosphere); });
@@ -108,6 +119,14 @@ std::string sampling_warning(const PictureSensor& sensor, double samples_per_pit
          significant(2.0 * samples_per_pitch, 3);
 }
 
+std::string reflected_warning(const PictureSensor& sensor, double error_k, int rays) {
+  if (error_k <= sensor.band.noise_k) return "";
+  const std::string name = sensor.config.system.name.empty() ? sensor.config.file : sensor.config.system.name;
+  return one_line(name) + ": the light that surfaces reflect errs by " + significant(1e3 * error_k, 2) +
+         " mK rms at 300 K, by " + std::to_string(rays) + " rays a side, more than the noise of " +
+         significant(1e3 * sensor.band.noise_k, 2) + " mK";
+}
+
 radiometry::render::Pose pose_of(const SceneFile& file) {
   if (!file.camera)
     throw mtf::UsageError(one_line(file.file) +
@@ -155,6 +174,7 @@ mtf::io::Metadata picture_metadata(const SceneFile& file, const PictureScene& sc
   m.text["mtf:cameraAhead"] = words_of(camera.ahead);
   m.text["mtf:version"] = std::string(mtf::version) + " " + mtf::git_commit;
   m.text["mtf:promisedError"] = mtf::format_double(frame.promised[band]);
+  if (frame.view_rays > 0) m.text["mtf:reflectedError_K"] = mtf::format_double(frame.reflected_k[band]);
   for (const auto& [name, words] : scene.closures) m.text["mtf:" + name] = words;
   const mtf::Frame<double>& lens = sensor.config.system.frame;
   const double step_x = camera.step_x * lens.focal_length_mm * 1e-3,

@@ -55,6 +55,9 @@ FinestDetail finest_detail(const PictureSensor& sensor, double samples_per_pitch
 /// Empty, or what to do where the sensor sees more of it than it should.
 std::string sampling_warning(const PictureSensor& sensor, double samples_per_pitch);
 
+/// Empty, or that the light which surfaces reflect errs by more than the noise of the sensor.
+std::string reflected_warning(const PictureSensor& sensor, double error_k, int rays);
+
 /// The pose that [camera] of a scene file states. Throws UsageError where it has none.
 radiometry::render::Pose pose_of(const SceneFile& file);
 

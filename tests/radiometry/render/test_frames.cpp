@@ -137,15 +137,16 @@ TEST(Renderer, TakesOverViewsForAnotherTimeBandAndAir) {
   after.scene.rays = before.scene.rays;  // the same facets
   after.scene.sun->to_sun = {-0.6, 0.2, 0.4};
   after.scene.air->haze.visibility_m = 9e3;
-  Renderer first(before.scene, {lwir()});
+  const RenderOptions same{.view_rays = 256, .most_view_rays = 256};
+  Renderer first(before.scene, {lwir()}, same);
   first.render(over(20.0));
-  Renderer second(after.scene, {mwir()}, *first.known()), fresh(after.scene, {mwir()});
+  Renderer second(after.scene, {mwir()}, *first.known()), fresh(after.scene, {mwir()}, same);
   const RenderedFrame seen = second.render(over(20.0)), there = fresh.render(over(20.0));
   EXPECT_LT(largest_difference(seen.radiance[0], there.radiance[0]), seen.promised[0] + there.promised[0]);
   // Far from the temperatures that patches were put together by, they are put together anew.
   for (std::size_t s = 0; s < after.scene.temperature_k.size(); ++s)
     after.scene.temperature_k[s] += s % 2 == 0 ? 9.0F : -9.0F;
-  Renderer third(after.scene, {mwir()}, *second.known()), anew(after.scene, {mwir()});
+  Renderer third(after.scene, {mwir()}, *second.known()), anew(after.scene, {mwir()}, same);
   const RenderedFrame far = third.render(over(20.0)), far_there = anew.render(over(20.0));
   EXPECT_LT(largest_difference(far.radiance[0], far_there.radiance[0]), far.promised[0] + far_there.promised[0]);
 }
