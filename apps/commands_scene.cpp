@@ -244,7 +244,7 @@ Command heat_command() {
              if (options.tolerance_k < 1e-4)
                throw mtf::UsageError("--tolerance: " + text + " is below 0.0001 K, which rounding does not allow");
            });
-  add_word(app, "--rays", "N", "for the view of each side of a facet; default 128",
+  add_word(app, "--rays", "N", "for the view of each side of a facet; default 128, more in a scene of few",
            [&](const std::string& text) { options.rays = whole_number("--rays", text, 16, 65536); });
   add_word(app, "--sun-directions", "N", "of the table of shadows, a day; default 36",
            [&](const std::string& text) { options.directions = whole_number("--sun-directions", text, 4, 1440); });

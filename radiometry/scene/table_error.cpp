@@ -27,7 +27,9 @@ std::vector<std::size_t> picked(std::size_t size, std::size_t count, std::uint64
   return numbers;
 }
 
-TableError error_of(std::vector<double> differences, std::size_t count) {
+}  // namespace
+
+TableError error_of(std::vector<double> differences, double variance, std::size_t count) {
   if (differences.empty()) return {.count = count};
   double squares = 0.0;
   for (double& difference : differences) {
@@ -37,10 +39,23 @@ TableError error_of(std::vector<double> differences, std::size_t count) {
   const std::size_t rank = ((differences.size() - 1) * 95 + 99) / 100;
   const auto at = differences.begin() + static_cast<std::ptrdiff_t>(rank);
   std::nth_element(differences.begin(), at, differences.end());
-  return {std::sqrt(squares / static_cast<double>(differences.size())), *at, count};
+  const double chance = variance / (static_cast<double>(count) * static_cast<double>(count));
+  return {std::sqrt(squares / static_cast<double>(differences.size()) + chance), std::sqrt(*at * *at + chance), count};
 }
 
-}  // namespace
+std::vector<ViewOptions> other_sets(const ViewOptions& options) {
+  constexpr int kEnough = 2048, kSets = 8;
+  ViewOptions other = options;
+  other.rays_of = {};
+  const int sets = options.rays < kEnough ? 1 : kSets;
+  other.rays = 2 * options.rays / sets;
+  std::vector<ViewOptions> all;
+  for (int s = 0; s < sets; ++s) {
+    other.seed += kOtherSet;
+    all.push_back(other);
+  }
+  return all;
+}
 
 ViewError view_error(const Rays& rays, const Receivers& receivers, const Views& made, const ViewOptions& options,
                      std::size_t count, std::span<const std::uint32_t> among) {
@@ -52,17 +67,25 @@ ViewError view_error(const Rays& rays, const Receivers& receivers, const Views& 
     some.sides.insert(some.sides.end(), receivers[i].begin(), receivers[i].end());
     some.first.push_back(some.sides.size());
   }
-  ViewOptions twice = options;
-  twice.rays *= 2;
-  twice.rays_of = {};
-  twice.seed += kOtherSet;
-  const Views again = views(rays, some, twice);
-  std::vector<double> sky, surfaces;
-  for (std::size_t k = 0; k < numbers.size(); ++k) {
-    sky.push_back(again.sky_share(k) - made.sky_share(numbers[k]));
-    surfaces.push_back(again.surfaces[k] - made.surfaces[numbers[k]]);
+  std::vector<OtherSets> sky(numbers.size()), surfaces(numbers.size());
+  for (const ViewOptions& set : other_sets(options)) {
+    const Views again = views(rays, some, set);
+    for (std::size_t k = 0; k < numbers.size(); ++k) {
+      sky[k].add(again.sky_share(k));
+      surfaces[k].add(again.surfaces[k]);
+    }
   }
-  return {error_of(std::move(sky), numbers.size()), error_of(std::move(surfaces), numbers.size())};
+  const auto error = [&](const std::vector<OtherSets>& others, const auto& share) {
+    std::vector<double> differences;
+    double variance = 0.0;
+    for (std::size_t k = 0; k < numbers.size(); ++k) {
+      differences.push_back(others[k].mean - share(numbers[k]));
+      variance += others[k].variance();
+    }
+    return error_of(std::move(differences), variance, numbers.size());
+  };
+  return {error(sky, [&](std::size_t i) { return made.sky_share(i); }),
+          error(surfaces, [&](std::size_t i) { return made.surfaces[i]; })};
 }
 
 SunError sun_error(const Rays& rays, std::span<const Side> sides, std::span<const SunCheck> checks,
@@ -91,7 +114,7 @@ SunError sun_error(const Rays& rays, std::span<const Side> sides, std::span<cons
       largest[k] = std::max(largest[k], std::abs(differences.back()));
     }
   }
-  return {error_of(std::move(differences), numbers.size()), error_of(std::move(largest), numbers.size())};
+  return {error_of(std::move(differences), 0.0, numbers.size()), error_of(std::move(largest), 0.0, numbers.size())};
 }
 
 }  // namespace radiometry::scene

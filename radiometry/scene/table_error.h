@@ -3,10 +3,13 @@
 
 // The sampling error of tables of views and of visibility, from a second independent set with twice the rays (and, of
 // the sun, at other directions too) on facets picked at random. The difference of two sets has the variance of both; it
-// is reported as it is, so that the error of the first one is overstated by a factor of 1.1 to 1.2.
+// is reported as it is, so that the error of the first one is overstated by a factor of 1.1 to 1.2. Two sets of few
+// sides may agree by chance. A scene of few sides has many rays of each (2048 or more): the second set of views is then
+// eight independent ones, and the variance of their mean, over the number of sides, is added to the squares.
 
 #include <cstdint>
 #include <span>
+#include <vector>
 
 #include "radiometry/scene/sun_visibility.h"
 #include "radiometry/scene/views.h"
@@ -20,9 +23,27 @@ struct TableError {
   std::size_t count = 0;
 };
 
+/// Of `count` sides from differences of one or more of each; `variance`: of what they were compared with, summed over
+/// sides.
+TableError error_of(std::vector<double> differences, double variance, std::size_t count);
+
 /// Of the view of the whole sky, and of other surfaces.
 struct ViewError {
   TableError sky, surfaces;
+};
+
+/// The options of the second set, as one or eight.
+std::vector<ViewOptions> other_sets(const ViewOptions& options);
+/// A value by each of them.
+struct OtherSets {
+  int count = 0;
+  double mean = 0.0, squares = 0.0;  ///< of differences from the mean
+  void add(double value) {
+    const double from = value - mean;
+    mean += from / ++count;
+    squares += from * (value - mean);
+  }
+  double variance() const { return count < 2 ? 0.0 : squares / (count * (count - 1.0)); }  ///< of the mean
 };
 
 /// `views` was made of `receivers` with `options`; of those among the receivers, where they are named.

@@ -138,7 +138,7 @@ std::string heat_json(const HeatScene& scene, const HeatReport& report, const He
                        {"sun_points", options.sun_points},
                        {"sun_share_error", error_json(report.sun_error.of_directions)},
                        {"sun_share_error_of_facets", error_json(report.sun_error.of_sides)},
-                       {"view_rays", options.rays},
+                       {"view_rays", options.rays_of(report.facets)},
                        {"sky_share_error", error_json(report.view_error.sky)},
                        {"surfaces_share_error", error_json(report.view_error.surfaces)},
                        {"view_of_facets_against_classes_K",

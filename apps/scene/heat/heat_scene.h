@@ -4,6 +4,7 @@
 // A scene that is ready for its heat balance: its weather over time, its surfaces, and the tree that rays are traced
 // in.
 
+#include <algorithm>
 #include <functional>
 #include <string>
 #include <utility>
@@ -21,7 +22,7 @@ struct Checkpoint;
 struct HeatOptions {
   double tolerance_k = 0.1;  ///< of the worst facet at any output, with the tables of shadows, views and exchange given
   int directions = 36;       ///< of the table of shadows, a day
-  int rays = 128;            ///< of each side of a facet
+  int rays = 128;            ///< of each side of a facet, at least (rays_of)
   int sun_points = 4;        ///< of each facet
   std::uint64_t sun_seed = 0;  ///< another one gives other points
   std::size_t patches = 500;   ///< that surfaces exchange radiation by, at most
@@ -33,6 +34,12 @@ struct HeatOptions {
   int threads = 0;      ///< 0: all cores; results do not depend on it
   /// On how many of `all` facets the errors of tables are measured.
   std::size_t measured(std::size_t all) const { return verify ? all : 2000; }
+  /// A scene of few facets has more of them, half a million in all: they cost a tenth of a second, and nothing averages
+  /// the errors of two facets that see each other.
+  int rays_of(std::size_t facets) const {
+    constexpr std::size_t kAll = 1U << 19, kMost = 1U << 16;
+    return std::max(rays, static_cast<int>(std::min(kMost, kAll / std::max<std::size_t>(facets, 1))));
+  }
   /// Asked after each day; false ends the run with the outputs that are finished.
   std::function<bool()> go_on{};
   /// Gets what a run that is killed can go on from, after a day where `keep_every_s` have passed since the last time.

@@ -156,7 +156,7 @@ void add_seen_kinds(const HeatScene& scene, const std::vector<Side>& sides, cons
                     double tolerance_w_m2, const HeatOptions& options, std::vector<geometry::SideFinish>& finish) {
   constexpr std::size_t kKinds = 24;
   const geometry::Classes kinds = patches_of(scene, sides, finish, seen, sun, amplitudes, kKinds, options.threads);
-  const double resolved = 0.25 / std::sqrt(static_cast<double>(options.rays));
+  const double resolved = 0.25 / std::sqrt(static_cast<double>(options.rays_of(scene.facets().size())));
   const double step = std::max(tolerance_w_m2 / std::max(amplitudes.surfaces_longwave, 1.0), resolved);
   std::vector<std::vector<std::uint32_t>> key(finish.size());
   mtf::parallel_for(static_cast<std::int64_t>(finish.size()), 4096, options.threads,
@@ -255,8 +255,9 @@ Units units_of(const HeatScene& scene, const HeatOptions& options, double tolera
   const Sides all = sides_of(scene);
   require_room(scene, all);
   std::vector<geometry::SideFinish> finish = finishes_of(scene, all.sides);
-  const std::vector<int> rays_of_side = rays_of(scene, all, options.rays);
-  const geometry::ViewOptions view_options{.rays = options.rays, .rays_of = rays_of_side, .threads = options.threads};
+  const int rays = options.rays_of(facets.size());
+  const std::vector<int> rays_of_side = rays_of(scene, all, rays);
+  const geometry::ViewOptions view_options{.rays = rays, .rays_of = rays_of_side, .threads = options.threads};
   const geometry::Receivers single = geometry::single_sides(all.sides);
   std::vector<std::uint32_t> own(all.sides.size());
   std::iota(own.begin(), own.end(), 0U);

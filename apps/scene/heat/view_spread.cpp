@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "radiometry/heat/weather/sky.h"
 
@@ -41,28 +42,33 @@ ViewSpread view_spread(const HeatScene& scene, const Units& units, const GroundL
   if (facets.empty()) return {};
   std::vector<geometry::Side> sides;
   for (const std::uint32_t f : facets) sides.push_back({f, false});
-  const geometry::Views own =
-      views(scene.rays, geometry::single_sides(std::move(sides)), units.patch_of_side, units.exchange.patches(),
-            {.rays = options.rays, .seed = 1, .threads = options.threads});
-  std::vector<double> largest(facets.size(), 0.0);
+  const geometry::Receivers receivers = geometry::single_sides(std::move(sides));
+  std::vector<geometry::Views> own;
+  for (const geometry::ViewOptions& set :
+       geometry::other_sets({.rays = options.rays_of(scene.facets().size()), .threads = options.threads}))
+    own.push_back(views(scene.rays, receivers, units.patch_of_side, units.exchange.patches(), set));
+  std::vector<double> largest(facets.size(), 0.0), variance(facets.size(), 0.0);
   for (std::size_t node = window.first; node <= window.last; node += kEvery) {
     const std::vector<double> radiosity = batches.patch_radiosity(node);
     const double sky = s.sky_longwave_w_m2[node], below = ground.longwave_w_m2[node];
     for (std::size_t i = 0; i < facets.size(); ++i) {
       const Unit& unit = units.unit[units.unit_of[facets[i]]];
-      const double of_facet = own.sky_share(i) * sky + own.ground[i] * below + from_patches(own.patches, i, radiosity);
+      geometry::OtherSets of_facet;
+      for (const geometry::Views& seen : own)
+        of_facet.add(seen.sky_share(i) * sky + seen.ground[i] * below + from_patches(seen.patches, i, radiosity));
       const double of_unit = unit.front.sky * sky + unit.front.ground * below +
                              from_patches(units.views.patches, unit.receiver, radiosity);
-      largest[i] = std::max(largest[i], unit.front.emissivity * std::abs(of_facet - of_unit) / loss_w_m2_k);
+      const double kelvin = unit.front.emissivity / loss_w_m2_k;
+      largest[i] = std::max(largest[i], kelvin * std::abs(of_facet.mean - of_unit));
+      variance[i] = std::max(variance[i], kelvin * kelvin * of_facet.variance());
     }
   }
   ViewSpread spread;
-  for (const double kelvin : largest) spread.error_k.rms += kelvin * kelvin / static_cast<double>(largest.size());
-  spread.error_k.rms = std::sqrt(spread.error_k.rms);
-  std::sort(largest.begin(), largest.end());
-  spread.error_k.percentile_95 = largest[(largest.size() - 1) * 95 / 100];
-  spread.error_k.count = largest.size();
-  spread.largest_k = largest.back();
+  const double all = std::accumulate(variance.begin(), variance.end(), 0.0);
+  spread.largest_k = std::hypot(*std::max_element(largest.begin(), largest.end()),
+                                std::sqrt(all) / static_cast<double>(largest.size()));
+  const std::size_t compared = largest.size();
+  spread.error_k = geometry::error_of(std::move(largest), all, compared);
   return spread;
 }
 

@@ -228,5 +228,24 @@ TEST_F(HeatRun, RefusesWhatItCannotSolve) {
             std::string::npos);
 }
 
+// F = 0.199824895698 of facing unit squares (closed form); the rest of the hemisphere is as warm as the air. What the
+// views err by is stated, and holds.
+TEST_F(HeatRun, TwoFacetsThatSeeEachOtherStateTheErrorOfTheirView) {
+  constexpr double kFactor = 0.19982489569839, kAir_k = 178.15, kHot_k = 500.0;
+  std::string above = plate(1.0, 5, "cold");
+  above.replace(above.find("f 5 6 7 8"), 9, "f 8 7 6 5");
+  const Outcome outcome =
+      run(kSky + kDay + weather(kAir_k, 0.0, 0.0, 0.0, kSigma * std::pow(kAir_k, 4)) +
+              material("black", 1.0, 1.0, "\"none\"") + kMesh +
+              region("hot", "material = \"black\"\ntemperature = \"500 K\"") + region("cold", "material = \"black\""),
+          plate(0.0, 1, "hot") + above);
+  const double right =
+      std::pow(kFactor * std::pow(kHot_k, 4) + (1.0 - kFactor) * std::pow(kAir_k, 4), 0.25);  // 339.565 K
+  const double error = std::abs(outcome.front.back()[1] - right);
+  EXPECT_LT(error, 0.3);
+  EXPECT_GT(outcome.report.view_spread.largest_k, error);
+  EXPECT_GT(outcome.report.view_error.surfaces.rms, 1e-6);
+}
+
 }  // namespace
 }  // namespace apps::scene
