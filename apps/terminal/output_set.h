@@ -3,8 +3,8 @@
 
 // All that a command writes, as one: the files of a folder, and single files. They are written beside their place and
 // put into it together (mtf/io/stage.h), so that a full disk, an error or a signal leaves what was there before, and no
-// half of a new set. No file that the command reads is replaced, by whatever name. Two commands cannot write one folder
-// or one file at the same time.
+// half of a new set. No file that the command reads is replaced, by whatever name. Two commands that write one folder,
+// or single files of which the first is the same, are told apart.
 
 #include <filesystem>
 #include <memory>

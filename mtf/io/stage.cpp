@@ -41,11 +41,15 @@ void make_folders(const std::string& root, const std::string& name) {
 /// Files and empty folders below a folder, sorted; folders end with a slash.
 std::vector<std::string> names_below(const std::string& root) {
   std::vector<std::string> names;
-  std::error_code error;
-  for (fs::recursive_directory_iterator it(root, error), end; !error && it != end; it.increment(error)) {
-    const bool folder = it->is_directory(error) && !it->is_symlink(error);
-    if (folder && !fs::is_empty(it->path(), error)) continue;
-    names.push_back(it->path().string().substr(root.size() + 1) + (folder ? "/" : ""));
+  if (!is_there(root)) return names;
+  try {
+    for (const fs::directory_entry& entry : fs::recursive_directory_iterator(root)) {
+      const bool folder = entry.is_directory() && !entry.is_symlink();
+      if (folder && !fs::is_empty(entry.path())) continue;
+      names.push_back(entry.path().string().substr(root.size() + 1) + (folder ? "/" : ""));
+    }
+  } catch (const fs::filesystem_error& failed) {  // half of the names would be half of the files
+    throw RuntimeError("cannot read " + root + ": " + failed.code().message());
   }
   std::sort(names.begin(), names.end());
   return names;
@@ -151,6 +155,7 @@ void Stage::close() noexcept {
 }
 
 std::string Stage::at(const std::string& name) const {
+  make_folder(stage_ + "/new", folder_);
   if (name.empty()) return stage_ + "/new";
   make_folders(stage_ + "/new", name);
   return in("new", name);
@@ -230,20 +235,19 @@ void Stage::undo() noexcept {
     const Step& step = steps_.back();
     const std::string target = folder_ + "/" + step.name;
     if (step.placed) ::rename(target.c_str(), in("ready", step.name).c_str());
-    if (step.replaced) ::rename(in("old", step.name).c_str(), target.c_str());
+    if (step.replaced && ::rename(in("old", step.name).c_str(), target.c_str()) != 0) stuck_ = true;
   }
-  if (committing_ && ::rename((stage_ + "/ready").c_str(), (stage_ + "/new").c_str()) == 0)
+  if (committing_ && !stuck_ && ::rename((stage_ + "/ready").c_str(), (stage_ + "/new").c_str()) == 0)
     listed_.emplace(stage_, fresh_);
   committing_ = false;
   sync_folder(folder_);
 }
 
-void Stage::finish() {
+void Stage::finish() noexcept {
   const Unstopped finishing;
   committing_ = false;
   steps_.clear();
   for (const char* part : {"old", "gone", "ready"}) remove_tree((stage_ + "/" + part).c_str());
-  make_folder(stage_ + "/new", folder_);
   fresh_ = false;
   listed_.emplace(stage_);
 }

@@ -40,12 +40,13 @@ class Stage {
   std::vector<std::string> names() const;
 
   // A commit. Of several stages all are made ready, then all moved, then all finished; when one throws, undo() of all
-  // brings back what was there. `gone`: names of files and folders that leave their place where they are there and not
+  // brings back what was there; where that fails the stage stays, and the next one of that place puts the new files
+  // in place. `gone`: names of files and folders that leave their place where they are there and not
   // written anew.
   void make_ready(const std::vector<std::string>& gone);
   void move();
   void undo() noexcept;
-  void finish();  ///< after which more files may be written, for another commit
+  void finish() noexcept;  ///< after which more files may be written, for another commit
 
  private:
   struct Step {
@@ -61,6 +62,7 @@ class Stage {
 
   std::string folder_, stage_;
   bool fresh_, committing_ = false;
+  bool stuck_ = false;  ///< a file could not be brought back: the stage stays as a killed process leaves it
   int lock_ = -1;
   std::vector<Step> steps_;
   std::optional<ListedTemporary> listed_;

@@ -199,18 +199,27 @@ ListedTemporary::~ListedTemporary() {
   if (slot_ >= 0) slots()[static_cast<std::size_t>(slot_)].state = slot_free;
 }
 
+namespace {
+/// Guards that this thread holds: one inside another is part of its work.
+int& held() {
+  static thread_local constinit int count = 0;
+  return count;
+}
+}  // namespace
+
 Unstopped::Unstopped() {
   sigset_t stops;
   sigemptyset(&stops);
   for (const int signal : {SIGINT, SIGTERM, SIGHUP}) sigaddset(&stops, signal);
   pthread_sigmask(SIG_BLOCK, &stops, &before_);
   ++at_work();
-  if (!stopping()) return;
+  if (held()++ > 0 || !stopping()) return;
   --at_work();
   for (;;) ::pause();
 }
 
 Unstopped::~Unstopped() {
+  --held();
   --at_work();
   pthread_sigmask(SIG_SETMASK, &before_, nullptr);
 }

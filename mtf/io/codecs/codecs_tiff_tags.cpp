@@ -5,6 +5,7 @@
 #include <charconv>
 #include <cmath>
 #include <cstring>
+#include <limits>
 #include <optional>
 #include <span>
 #include <string_view>
@@ -91,10 +92,12 @@ void read_no_data(TIFF* tiff, RasterHeader& header) {
   const std::size_t begin = text.find_first_not_of(' ');
   if (begin == std::string::npos) return;
   const char* const end = text.data() + text.find_last_not_of(' ') + 1;
-  float value = 0.0F;
+  double value = 0.0;
   const auto [after, error] = std::from_chars(text.data() + begin, end, value);
-  if (error == std::errc() && after == end)
-    header.no_data = {value, text + " (GDAL_NODATA)"};
+  constexpr double kMost = std::numeric_limits<float>::max();
+  if (error == std::errc() && after == end)  // the usual one of double pixels is infinite in single precision, as they
+    header.no_data = {static_cast<float>(std::abs(value) > kMost ? std::copysign(HUGE_VAL, value) : value),
+                      text + " (GDAL_NODATA)"};
   else
     header.notes.push_back("its GDAL_NODATA \"" + printable(text, 40) + "\" is no number and not applied");
 }
@@ -157,6 +160,12 @@ void require_main_image(const std::string& path, TIFF* tiff, const TiffOthers& o
       throw RuntimeError(path + ": its page " + std::to_string(i + 2) +
                          " is a mask of the pixels that hold data, which is not applied; write the pixels without data "
                          "as NaN, or with a value that GDAL_NODATA names, and leave the mask out");
+  for (const TiffImage& below : others.below)
+    if ((below.kind & FILETYPE_MASK) != 0 && (first.kind & kNotMain) == 0)
+      throw RuntimeError(
+          path +
+          ": an image in its SubIFDs is a mask of the pixels that hold data, which is not applied; write "
+          "the pixels without data as NaN, or with a value that GDAL_NODATA names, and leave the mask out");
   if ((first.kind & kNotMain) == 0) return;
   const TiffImage *const page = largest(others.pages), *const below = largest(others.below);
   const bool in_page = page != nullptr && (below == nullptr || page->width > below->width);

@@ -63,7 +63,8 @@ std::uint64_t whole_of(const Json& json, const GltfObject& owner, const std::str
   if (json.is_number_unsigned()) return json.get<std::uint64_t>();
   const double value = json.is_number_float() ? json.get<double>() : -1.0;
   if (value >= 0.0 && value < 0x1p53 && value == std::floor(value)) return static_cast<std::uint64_t>(value);
-  owner.refuse(key + " is " + json.dump().substr(0, 40) + ", where a whole number from 0 belongs");
+  const std::string is = json.is_primitive() ? json.dump(-1, ' ', true).substr(0, 40) : "a list or an object";
+  owner.refuse(key + " is " + is + ", where a whole number from 0 belongs");
 }
 
 }  // namespace
@@ -186,6 +187,7 @@ std::vector<double> GltfBuffers::values(const GltfObject& accessor, std::string_
   if (accessor.text("type") != type)
     accessor.refuse("its type is \"" + accessor.text("type") + "\", where " + std::string(type) + " belongs");
   const std::uint64_t width = type == "VEC3" ? 3 : 1, count = accessor.whole("count");
+  if (count > 0xffffffff) accessor.refuse("it announces more elements than an index can name");
   const std::uint64_t component = accessor.whole("componentType");
   const bool normalized = accessor.flag("normalized");
   std::vector<double> values;

@@ -50,6 +50,8 @@ class TextStl {
         std::string_view name = left_.substr(0, left_.find('\n'));
         left_.remove_prefix(name.size());
         if (open_) builder_.set_group(next_word(name));
+      } else if (in_loop_ && (word == "facet" || word == "outer" || word == "endfacet")) {
+        refuse("the loop before it has no end");
       } else if (word == "facet") {  // normal x y z
         for (int i = 0; i < 4; ++i) static_cast<void>(next_word(left_));
       } else if (word == "outer") {  // loop
