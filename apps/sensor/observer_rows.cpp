@@ -17,6 +17,7 @@ namespace {
 std::string gap_of(const mtf::System<double>& system, const radiometry::Sensor& sensor,
                    const radiometry::Budget<double>& budget) {
   if (const std::string refused = refusal_of(budget, budget.netd_k); !refused.empty()) return refused;
+  if (!budget.dither.dithered()) return words(budget.dither);
   constexpr double kMost_k = 1e6;  // of MrtdInput
   if (!(budget.netd_k <= kMost_k && budget.spatial_netd_k <= kMost_k))
     return "the noise is no temperature difference: an NETD of " + mtf::three_digits(budget.netd_k) +
@@ -47,19 +48,18 @@ std::vector<radiometry::BudgetRow> observer_rows(const mtf::System<double>& syst
     mtf::ResolutionNeeds needs;
     needs.curves = true;
     needs.tolerance = 1e-6;
-    const mtf::Resolution<double> resolution = mtf::ResolutionMeter<double>(needs).measure(system);
+    const auto resolution =
+        std::make_shared<const mtf::Resolution<double>>(mtf::ResolutionMeter<double>(needs).measure(system));
     const radiometry::BarObserver<double> observer(system, {}, frame_time_s(system, sensor.settings));
-    const radiometry::SensorAtRange<double> seen{
-        .netd_k = budget.netd_k, .spatial_netd_k = budget.spatial_netd_k, .mtf = [&](mtf::Axis axis, double f) {
-          return (axis == mtf::Axis::x ? resolution.curve_x : resolution.curve_y)
-              .modulus(system.frame.cy_mm_from_mrad(f));
-        }};
+    const radiometry::SensorAtRange<double> seen{.netd_k = budget.netd_k,
+                                                 .spatial_netd_k = budget.spatial_netd_k,
+                                                 .otf = radiometry::seen_otf(resolution, system.frame)};
     const double nyquist = observer.nyquist_cy_mrad();
     mrtd.value = 1e3 * observer.mrtd_k(seen, 0.5 * nyquist);
     mdtd.value =
-        1e3 * observer.mdtd_k(seen, 1.0 / nyquist, radiometry::counted_cy_mrad(system, resolution.cutoff_cy_mm));
+        1e3 * observer.mdtd_k(seen, 1.0 / nyquist, radiometry::counted_cy_mrad(system, resolution->cutoff_cy_mm));
     for (radiometry::BudgetRow* row : {&mrtd, &mdtd})
-      if (!std::isfinite(row->value)) row->refused = "the MTF is 0 at that frequency";
+      if (!std::isfinite(row->value)) row->refused = "the MTF is 0 there, or the OTF has changed its sign before";
   } catch (const mtf::Error& error) {
     mrtd.refused = mdtd.refused = error.what();
   }

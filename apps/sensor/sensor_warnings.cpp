@@ -38,8 +38,8 @@ std::vector<mtf::io::Diagnostic> fill_factor_warnings(const mtf::System<double>&
   for (const FootprintArea& other : footprint_areas(system))
     if (std::abs(other.of_pitch - fill_factor) > 1e-6 * fill_factor)
       warnings.push_back(warning_at("detector.fill_factor",
-                                    mtf::three_digits(fill_factor) + " here, " +
-                                        mtf::three_digits(other.of_pitch) + " in \"" + other.label +
+                                    mtf::three_digits(fill_factor) + " here, " + mtf::three_digits(other.of_pitch) +
+                                        " in \"" + other.label +
                                         "\" of [[presample]]: both are the active area of a pixel over that of the "
                                         "pitch, here for its light, there for its MTF; give both the same value"));
   return warnings;
@@ -55,12 +55,11 @@ std::vector<mtf::io::Diagnostic> light_area_notes(const mtf::System<double>& sys
   const std::string key = detector.width_um ? "detector.width" : detector.height_um ? "detector.height" : "detector";
   for (const FootprintArea& other : footprint_areas(system)) {
     if (std::abs(other.of_pitch - of_pitch) <= 1e-6 * of_pitch) continue;
-    mtf::io::Diagnostic note =
-        warning_at(key, "light is counted on " + mtf::three_digits(of_pitch) +
-                            " of the area of the pitch, and blurred by " + mtf::three_digits(other.of_pitch) +
-                            " of it, \"" + other.label +
-                            "\" of [[presample]]; give [detector] width and height and the footprint one size, unless "
-                            "microlenses or the quantum efficiency make up for the difference");
+    mtf::io::Diagnostic note = warning_at(
+        key, "light is counted on " + mtf::three_digits(of_pitch) + " of the area of the pitch, and blurred by " +
+                 mtf::three_digits(other.of_pitch) + " of it, \"" + other.label +
+                 "\" of [[presample]]; give [detector] width and height and the footprint one size, unless "
+                 "microlenses or the quantum efficiency make up for the difference");
     note.remark = true;
     notes.push_back(std::move(note));
   }

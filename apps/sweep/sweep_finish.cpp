@@ -13,6 +13,7 @@
 #include "apps/terminal/text_table.h"
 #include "apps/text/json_document.h"
 #include "mtf/error.h"
+#include "mtf/io/stage.h"
 #include "mtf/parallel.h"
 
 namespace apps {
@@ -172,10 +173,10 @@ int finish_sweep(const SweepStudy& sweep, const SweepRun& run, const SweepOption
     }
   }
   report.finish_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  const std::string json = json_document(to_json(report));
+  const std::string json = mtf::io::without_stages(json_document(to_json(report)));
   emit(run.outputs->in("sweep.json"), json);
   run.outputs->commit();
-  print(options.format == Format::json ? json : sweep_summary(report));
+  print(options.format == Format::json ? json : mtf::io::without_stages(sweep_summary(report)));
   int status = 0;
   if (none_valid(report)) {
     complain(

@@ -16,7 +16,7 @@ namespace apps {
 struct ChosenFile {
   std::int64_t design = 0;
   std::string file, why;
-  std::string caution{};  ///< how far its signal and noise are wrong, close to saturation; "" where they are not
+  std::string caution{};  ///< Evaluator::last_caution
 };
 
 struct SweepReport {

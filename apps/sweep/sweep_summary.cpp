@@ -146,7 +146,7 @@ std::string sweep_summary(const SweepReport& report) {
   text += best_table(report);
   for (const ChosenFile& chosen : report.chosen)
     if (!chosen.caution.empty())
-      text += "design " + std::to_string(chosen.design) + " (" + one_line(chosen.why) + ") is " + chosen.caution + "\n";
+      text += "design " + std::to_string(chosen.design) + " (" + one_line(chosen.why) + "): " + chosen.caution + "\n";
   if (study.objectives.size() > 1)
     text += "Pareto front: " + plural(std::ssize(report.front.designs), "design") + "\n" +
             (report.front.size() > 0 ? front_table(report) : "");
@@ -165,7 +165,7 @@ std::string sweep_summary(const SweepReport& report) {
   text += "error at most " + (std::isnan(tally.worst_error()) ? "unknown" : significant(tally.worst_error(), 2)) +
           " (tolerance " + mtf::format_double(study.tolerance) + ")" +
           (tally.worst_error() > 1.01 * study.tolerance
-               ? ": the column error shows the designs above it, whose OTF cannot be resolved further\n"
+               ? ": the column error shows the designs above it, whose OTF, or whose table of air, allows no better\n"
                : "\n");
   if (run.tally.made > 0)
     text += "time " + fixed(run.seconds, 2) + " s, " +

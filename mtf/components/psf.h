@@ -135,13 +135,13 @@ struct Psf {
                    " at half a cycle per sample, beyond which it is taken to be 0; sample the PSF more finely"});
     const double beyond = light_beyond(), bound = 2.0 * beyond / (1.0 + beyond);
     if (bound > 1e-3)
-      problems.push_back(
-          {.error = beyond > kMostBeyond,
-           .field = "samples",
-           .text = "they end before the PSF does: about " + three_digits(100.0 * beyond) +
-                   " % of their light lies beyond them, by the fall of the outermost ones, and makes the "
-                   "MTF wrong by up to " +
-                   three_digits(std::min(1.0, bound)) + "; give samples further out"});
+      problems.push_back({.error = beyond > kMostBeyond,
+                          .field = "samples",
+                          .text = "they end before the PSF does: beyond them lies about " +
+                                  three_digits(100.0 * beyond) +
+                                  " % of the light that they hold, by the fall of the outermost ones, and makes the "
+                                  "MTF wrong by up to " +
+                                  three_digits(std::min(1.0, bound)) + "; give samples further out"});
     return problems;
   }
 

@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <span>
 #include <type_traits>
 #include <vector>
@@ -169,7 +170,7 @@ double tail(const ComplexSeries<S>& series) {
   return series_tail(series.re) + (series.im.empty() ? 0.0 : series_tail(series.im));
 }
 
-/// The modulus of an OTF along an axis, from its series.
+/// An OTF along an axis, from its series.
 template <class S>
 class OtfCurve {
  public:
@@ -199,27 +200,44 @@ class OtfCurve {
   /// The modulus at |f|, with the derivatives of f as well; 0 beyond the last panel.
   S modulus(const S& f_cy_mm) const {
     using std::sqrt;
-    const double f = std::abs(value_of(f_cy_mm));
-    const auto part = std::find_if(parts_.begin(), parts_.end(), [f](const Part& p) { return f <= p.map.hi; });
-    if (part == parts_.end()) return S(0);
-    const double t = part->map.t(f);
-    const Complex<S> h = part->series.at(t);
+    const Complex<S> h = at(f_cy_mm);
     const S square = h.re * h.re + h.im * h.im;
-    if (!(value_of(square) > 0.0)) return S(0);
-    const S here = sqrt(square);
-    if constexpr (requires { f_cy_mm.a; }) {
-      const auto value = [&](double at) {
-        const Complex<S> near = part->series.at(at);
-        return std::hypot(value_of(near.re), value_of(near.im));
-      };
-      constexpr double d = 1e-3;  // the formula is of fourth order, and a series is smooth on the scale of 1
-      const double by_t = (8.0 * (value(t + d) - value(t - d)) - (value(t + 2 * d) - value(t - 2 * d))) / (12.0 * d);
-      const double slope = part->map.slope(t);
-      const double by_f = slope > 0.0 ? by_t / slope : 0.0;  // the ends of a panel, where t turns
-      return here + S(by_f) * (f_cy_mm - S(value_of(f_cy_mm)));
-    } else {
-      return here;
+    return value_of(square) > 0.0 ? S(sqrt(square)) : S(0);
+  }
+  /// The real part about the centroid of the point spread, where a shift has no part in it: below 0 where detail has
+  /// the wrong contrast. With the derivatives of f; 0 beyond the last panel.
+  S centred(const S& f_cy_mm) const {
+    using std::atan2;
+    using std::cos;
+    using std::sin;
+    const Complex<S> h = at(f_cy_mm);
+    if (value_of(h.im) == 0.0) return h.re;
+    constexpr double kNearZero = 1e-4;  // of the first panel: shifts of 1000 px turn the phase there by less than pi
+    const S near(kNearZero * parts_.front().map.hi);
+    const Complex<S> low = at(near);
+    const S turn = atan2(low.im, low.re) * f_cy_mm / near;
+    return h.re * cos(turn) + h.im * sin(turn);
+  }
+  /// Where the OTF first passes through 0 and changes its sign; infinite where it does not.
+  double reversal_cy_mm() const {
+    constexpr double kZero = 1e-3;  // a phase that turns by half a wave at some contrast is no reversal of it
+    double before = 0.0;
+    for (const Part& part : parts_) {
+      const auto value = [&](double f) { return value_of(centred(S(f))); };
+      const int steps = static_cast<int>(part.series.re.size());
+      for (int i = 1; i <= steps; ++i) {
+        double lo = before, hi = i == steps ? part.map.hi : part.map.f(2.0 * i / steps - 1.0);
+        before = hi;
+        if (!(value(hi) < 0.0) || value(lo) < 0.0) continue;
+        while (true) {
+          const double middle = 0.5 * (lo + hi);
+          if (!(middle > lo && middle < hi)) break;
+          (value(middle) < 0.0 ? hi : lo) = middle;
+        }
+        if (value_of(modulus(S(hi))) < kZero) return hi;
+      }
     }
+    return std::numeric_limits<double>::infinity();
   }
 
  private:
@@ -227,6 +245,26 @@ class OtfCurve {
     PanelMap map;
     ComplexSeries<S> series;
   };
+  Complex<S> at(const S& f_cy_mm) const {
+    const double f = std::abs(value_of(f_cy_mm));
+    const auto part = std::find_if(parts_.begin(), parts_.end(), [f](const Part& p) { return f <= p.map.hi; });
+    if (part == parts_.end()) return {};
+    const double t = part->map.t(f);
+    Complex<S> h = part->series.at(t);
+    if constexpr (requires { f_cy_mm.a; }) {
+      const double slope = part->map.slope(t);
+      if (!(slope > 0.0)) return h;  // the ends of a panel, where t turns
+      constexpr double d = 1e-3;     // the formula is of fourth order, and a series is smooth on the scale of 1
+      const S step = (f_cy_mm - S(value_of(f_cy_mm))) / S(slope);
+      const auto moved = [&](const std::vector<S>& series) {
+        const auto value = [&](double at) { return value_of(chebyshev(series, at)); };
+        return S((8.0 * (value(t + d) - value(t - d)) - (value(t + 2 * d) - value(t - 2 * d))) / (12.0 * d)) * step;
+      };
+      h.re += moved(part->series.re);
+      if (!part->series.im.empty()) h.im += moved(part->series.im);
+    }
+    return h;
+  }
   std::vector<Part> parts_;
 };
 

@@ -19,6 +19,7 @@
 #include "mtf/error.h"
 #include "mtf/units.h"
 #include "radiometry/performance/implicit_root.h"
+#include "radiometry/rows.h"
 
 namespace radiometry {
 

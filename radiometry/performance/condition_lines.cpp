@@ -31,8 +31,8 @@ std::vector<std::string> condition_lines(const FiguresOfObservers& figures, cons
                     format_double(kAlphaNvThermIp) + "), eye time " + format_double(c.eye_time_s) + " s; display of " +
                     format_double(c.luminance_cd_m2) + " cd/m^2, " + format_double(c.scene_contrast_k) +
                     " K from dark to mean, " +
-                    (viewing ? "magnification " + three_digits(viewing->magnification) + ", picture of " +
-                                   three_digits(viewing->field_deg) + " deg" +
+                    (viewing ? "magnification " + mtf::three_digits(viewing->magnification) + ", picture of " +
+                                   mtf::three_digits(viewing->field_deg) + " deg" +
                                    (c.magnification ? "" : " with the field of view of the sensor file")
                              : "magnification not given"));
   }

@@ -79,9 +79,6 @@ struct Conditions {
         Field{above_zero("v50_recognise", none, "", 1e6, "7.5", "the same of recognition"), &C::v50_recognise},
         Field{above_zero("v50_identify", none, "", 1e6, "13.0", "the same of identification"), &C::v50_identify}};
   }
-
-  /// They say at which angle the observer sees the picture: by a magnification, or by a display and its distance.
-  bool has_viewing() const { return magnification || display_height_m; }
 };
 
 inline constexpr std::array<double, 3> kN50{0.75, 3.0, 6.0};  ///< to detect, recognise, identify by the 2-D MRTD

@@ -8,20 +8,21 @@
 //   N = (tvh^2 E_t + vh^2) E_x E_y + (th^2 E_t + h^2) E_x + (tv^2 E_t + v^2) E_y
 // with E_t, E_x and E_y of mrtd.h for w = W along both axes. I is the mean, over the square, of its blurred image, 1
 // for a large one; a square far smaller than the blur is a point source, whose MDTD rises with 1/W^2. Noise of rows and
-// of columns counts, as a square resembles neither. (Lloyd, Thermal Imaging Systems, ch. 5, gives the definition, the
-// mean image and the spatial and temporal integration; the components of the noise are those of FLIR92.) H is taken as
-// separable. Sampling is not in it: a square of a few pixels falls between them now and then.
+// of columns counts, as a square resembles neither. H is the OTF about the centroid of the point spread, with its sign:
+// where it is below 0, its part of the image darkens the square. (Lloyd, Thermal Imaging Systems, ch. 5, gives the
+// definition, the mean image and the spatial and temporal integration; the components of the noise are those of
+// FLIR92.) H is taken as separable. Sampling is not in it: a square of a few pixels falls between them now and then.
 
 #include "radiometry/performance/mrtd.h"
 
 namespace radiometry {
 
-/// In K, for W in mrad, above 0. The MTFs are callables double -> S of cycles/mrad; those of the system count up to
-/// `band_cy_mrad`. 0 without noise, infinite where no light of the square comes through. Throws UsageError for values
-/// out of range. `bar_aspect` has no part in it.
-template <class S, class SystemMtfX, class SystemMtfY, class NoiseMtfX, class NoiseMtfY>
-S mdtd_k(const MrtdInput<S>& in, double w_mrad, const S& band_cy_mrad, const SystemMtfX& system_x,
-         const SystemMtfY& system_y, const NoiseMtfX& noise_x, const NoiseMtfY& noise_y) {
+/// In K, for W in mrad, above 0. The OTF of the system and the MTFs that filter noise are callables double -> S of
+/// cycles/mrad; the system's counts up to `band_cy_mrad`. 0 without noise, infinite where no light of the square comes
+/// through. Throws UsageError for values out of range. `bar_aspect` has no part in it.
+template <class S, class SystemX, class SystemY, class NoiseX, class NoiseY>
+S mdtd_k(const MrtdInput<S>& in, double w_mrad, const S& band_cy_mrad, const SystemX& system_x, const SystemY& system_y,
+         const NoiseX& noise_x, const NoiseY& noise_y) {
   using std::sqrt;
   require_valid("mdtd", in);
   if (!(w_mrad > 0.0 && w_mrad < mtf::kInfinity))

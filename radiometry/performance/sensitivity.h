@@ -4,8 +4,7 @@
 // Noise of a pixel and the figures of its sensitivity, in closed form. Temporal terms, electrons rms:
 //   shot       sqrt(electrons), of scene and path, of the background (optics, stop), of the dark current
 //   read, kTC  as given; kTC = sqrt(k T C) / q for a capacitance that is reset
-//   quantisation   rounding to counts of one step: step / sqrt(12) where the noise before it dithers, from 0.4 steps
-//   on;
+//   quantisation   rounding to counts of one step: step / sqrt(12) where the noise before it dithers (0.4 steps),
 //                  below, the mean over all signals (rounding_noise.h), and the rest of step^2 / 12 is spatial
 // Spatial terms: responsivity (PRNU x electrons of light), offset (DSNU), both after correction (correction_residual.h
 // says what a two-point correction leaves), the noise of the flat frames that it was made from, and the error of
@@ -155,9 +154,8 @@ void refuse_saturated(Budget<S>& b) {
   const S none(std::numeric_limits<double>::quiet_NaN());
   for (S Budget<S>::*figure :
        {&Budget<S>::signal_per_k, &Budget<S>::scene_shot_e, &Budget<S>::background_shot_e, &Budget<S>::dark_shot_e,
-        &Budget<S>::temporal_e, &Budget<S>::prnu_e,
-        &Budget<S>::spatial_e, &Budget<S>::snr, &Budget<S>::shot_netd_k, &Budget<S>::netd_k, &Budget<S>::spatial_netd_k,
-        &Budget<S>::nei_ph, &Budget<S>::nep_w})
+        &Budget<S>::temporal_e, &Budget<S>::prnu_e, &Budget<S>::spatial_e, &Budget<S>::snr, &Budget<S>::shot_netd_k,
+        &Budget<S>::netd_k, &Budget<S>::spatial_netd_k, &Budget<S>::nei_ph, &Budget<S>::nep_w})
     b.*figure = none;
   if (b.dither.noise_steps < mtf::kInfinity) b.quantisation_e = b.rounding_e = none;
   // The dark current alone may saturate the pixel.

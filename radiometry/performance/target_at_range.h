@@ -16,17 +16,18 @@
 //                    succeed where MRTD(N R/h) < dT. Up to the Nyquist frequency. (Johnson, Image Intensifier
 //                    Symposium, 249 (1958); Ratches, Opt. Eng. 15, 525 (1976); Kennedy, Proc. SPIE 1488 (1991),
 //                    doi 10.1117/12.45802)
-//   TR-230, TTP      C = dT/(2 S_tmp) against the threshold of the eye before the display (contrast_threshold.h,
-//   ttp.h),
+//   TR-230, TTP      C = dT/(2 S_tmp) against the threshold of the eye before the display (ttp.h),
 //                    V = TTP(C) sqrt(A)/R. S_tmp is the apparent difference from dark to mean luminance of the display,
 //                    which stays what it is when contrast is lost: nobody turns the gain up. Up to the optical cutoff.
 //                    Fixed noise is not averaged over the frames that the eye adds up.
 // Aliasing counts in neither.
 
+#include <array>
 #include <functional>
+#include <memory>
 #include <vector>
 
-#include "mtf/otf/otf_series.h"
+#include "mtf/metrics/resolution.h"
 #include "mtf/system.h"
 #include "radiometry/performance/acquisition.h"
 #include "radiometry/performance/conditions.h"
@@ -37,12 +38,34 @@
 
 namespace radiometry {
 
+/// The OTF of air, sensor and display along the axes, the eye excluded; f in cycles/mrad.
+template <class S>
+struct SeenOtf {
+  std::function<S(mtf::Axis, double)> mtf{};
+  std::function<S(mtf::Axis, double)> centred{};  ///< with its sign (OtfCurve::centred), for squares
+  std::array<double, 2> reversal_cy_mrad{mtf::kInfinity, mtf::kInfinity};  ///< from there on bars are not resolved
+};
+
+/// Of curves that hold the frame's focal length.
+template <class S>
+SeenOtf<S> seen_otf(std::shared_ptr<const mtf::Resolution<S>> curves, const mtf::Frame<S>& frame) {
+  const auto of = [curves](mtf::Axis axis) -> const mtf::OtfCurve<S>& {
+    return axis == mtf::Axis::x ? curves->curve_x : curves->curve_y;
+  };
+  const auto reversal = [&](mtf::Axis axis) {
+    return mtf::value_of(frame.cy_per_mrad(S(1))) * of(axis).reversal_cy_mm();
+  };
+  return {.mtf = [of, frame](mtf::Axis axis, double f) { return of(axis).modulus(frame.cy_mm_from_mrad(S(f))); },
+          .centred = [of, frame](mtf::Axis axis, double f) { return of(axis).centred(frame.cy_mm_from_mrad(S(f))); },
+          .reversal_cy_mrad = {reversal(mtf::Axis::x), reversal(mtf::Axis::y)}};
+}
+
 /// A sensor behind the air of one range.
 template <class S>
 struct SensorAtRange {
   S netd_k{}, spatial_netd_k{};  ///< at the aperture
   S contrast_share{1};           ///< what arrives there of a small temperature difference at the target
-  std::function<S(mtf::Axis, double f_cy_mrad)> mtf{};  ///< of air, sensor and display; the eye excluded
+  SeenOtf<S> otf{};
 };
 
 /// True when something follows the sampling, which filters noise.
@@ -87,11 +110,11 @@ class BarObserver {
     return filters_noise(*system_) ? mrtd_k(sensor, f_cy_mrad, noise(mtf::Axis::x), noise(mtf::Axis::y))
                                    : mrtd_k(sensor, f_cy_mrad, Unfiltered{}, Unfiltered{});
   }
-  /// Of a square of that width; the MTF counts up to `cutoff`.
+  /// Of a square of that width; the OTF counts up to `cutoff`.
   S mdtd_k(const SensorAtRange<S>& sensor, double width_mrad, double cutoff_cy_mrad) const {
-    const auto whole = [&](mtf::Axis axis) { return [&, axis](double f) { return sensor.mtf(axis, f); }; };
-    return radiometry::mdtd_k(with_noise(sensor), width_mrad, S(cutoff_cy_mrad), whole(mtf::Axis::x),
-                              whole(mtf::Axis::y), noise(mtf::Axis::x), noise(mtf::Axis::y));
+    const auto along = [&](mtf::Axis axis) { return [&, axis](double f) { return sensor.otf.centred(axis, f); }; };
+    return radiometry::mdtd_k(with_noise(sensor), width_mrad, S(cutoff_cy_mrad), along(mtf::Axis::x),
+                              along(mtf::Axis::y), noise(mtf::Axis::x), noise(mtf::Axis::y));
   }
   /// ln(dT / MRTD) of bars of that frequency; -infinity where they are not resolved at any contrast.
   S log_visibility(const SensorAtRange<S>& sensor, const S& contrast_k, double f_cy_mrad) const {
@@ -106,8 +129,9 @@ class BarObserver {
     const MrtdInput<S> in = with_noise(sensor);
     const auto along = [&](mtf::Axis axis) {
       return [&, axis](double f) {
+        const double reversal = sensor.otf.reversal_cy_mrad[static_cast<std::size_t>(axis)];
         return radiometry::mrtd_k(
-            in, axis, f, [&](double g) { return sensor.mtf(axis, g); }, noise_x, noise_y);
+            in, axis, f, [&](double g) { return g < reversal ? sensor.otf.mtf(axis, g) : S(0); }, noise_x, noise_y);
       };
     };
     return mrtd_2d_k<S>(f_cy_mrad, along(mtf::Axis::x), along(mtf::Axis::y));
@@ -184,7 +208,7 @@ class DisplayObserver {
     const auto along = [&](mtf::Axis axis, const Channel& channel) {
       const auto sensitivity = [&](double f) {
         const S factor = noise_factor(S(kAlphaNvThermIp), density, channel.along(f), channel.across, scene_k_);
-        return system_sensitivity(observer_, f, sensor.mtf(axis, f), factor);
+        return system_sensitivity(observer_, f, sensor.otf.mtf(axis, f), factor);
       };
       return axis_ttp(sensitivity_course(sensitivity, cutoff_), sensitivity, contrast);
     };

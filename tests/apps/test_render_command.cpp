@@ -307,7 +307,8 @@ TEST_F(RenderCommand, TheBenchSaysErrorAgainstTime) {
 
 #if MTFKIT_HAVE_CALIB
 // The blur that samples have from their points is what mtf:aperture says and mtf simulate takes off: the MTF of the
-// edge of a plate is that of the sensor. At an edge a sample is one of 1, 5 or 17 values, which counts as noise.
+// edge of a plate is that of the sensor. At an edge a sample is one of 1, 5 or 17 values, which counts as noise; the
+// last bar is two of the deviations that the measurement states, which allow for light that is scattered far.
 TEST_F(RenderCommand, TheEdgeOfAPlateHasTheMtfOfTheSensor) {
   const double slope = std::tan(5.0 * std::numbers::pi / 180.0);
   std::ostringstream plates;
@@ -324,7 +325,7 @@ TEST_F(RenderCommand, TheEdgeOfAPlateHasTheMtfOfTheSensor) {
   const Result curve = scratch_.run("mtf curve sensor.toml --unit cy/px --freq 0.1,0.25,0.5 --angle 5 --format json");
   ASSERT_EQ(curve.status, 0) << curve.err;
   const nlohmann::json system = nlohmann::json::parse(curve.out).at("system");
-  for (const auto& [points, most] : {std::pair{1, 0.004}, {4, 0.008}, {16, 0.001}}) {
+  for (const auto& [points, most] : {std::pair{1, 0.004}, {4, 0.008}, {16, 0.003}}) {
     const Result made =
         scratch_.run("mtf render scene.toml sensor.toml --points " + std::to_string(points) +
                      " -o scene.exr && mtf simulate sensor.toml scene.exr --tolerance 1e-5 -o image.exr");

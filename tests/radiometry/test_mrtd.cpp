@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "radiometry/performance/johnson.h"
+#include "radiometry/performance/acquisition.h"
 #include "tests/radiometry/expect_refused.h"
 #include "tests/radiometry/performance_cases.h"
 
@@ -149,50 +149,40 @@ TEST(Mrtd2d, cutoffs_and_silence) {
   EXPECT_EQ(mrtd_2d_k<double>(1.0, cut_at(2.0), [](double) { return kInfinite; }), kInfinite);
 }
 
+/// Bars of N cycles on a target of the size h behind air of that extinction.
+template <class Mrtd>
+AcquisitionRange range_of_bars(const Mrtd& mrtd, double size_m, double contrast_k, double extinction_per_km, double n) {
+  const auto margin = [&](double range_m) {
+    return std::log(contrast_k) - 1e-3 * extinction_per_km * range_m - std::log(mrtd(1e-3 * n * range_m / size_m));
+  };
+  return longest_range(margin, 1e-6 * size_m, 1e8, 1e3);
+}
+
 // MRTD = m exp(f/g): ln(dT/m) = (N/(1e3 h g) + beta/1e3) R.
-TEST(Johnson, exponential_mrtd) {
+TEST(RangeOfBars, exponential_mrtd) {
   for (const double beta : {0.0, 0.1, 3.0})
-    for (const double probability : {0.2, 0.5, 0.95}) {
-      const JohnsonTask<double> task{
-          .size_m = 2.3, .contrast_k = 1.25, .extinction_per_km = beta, .n50 = 3.0, .probability = probability};
-      const auto r = johnson_range(
-          task, [](double f) { return 0.02 * std::exp(f / 0.7); }, 100.0);
-      const double n = 3.0 * ratio_for_probability(Psychometric::johnson, probability);
+    for (const double n : {1.0, 3.0, 8.0}) {
+      const AcquisitionRange r = range_of_bars([](double f) { return 0.02 * std::exp(f / 0.7); }, 2.3, 1.25, beta, n);
       const double expected = std::log(1.25 / 0.02) / (n / (1e3 * 2.3 * 0.7) + beta * 1e-3);
       EXPECT_EQ(r.reached, Reached::at_range);
       EXPECT_NEAR(r.range_m, expected, 1e-12 * expected);
     }
 }
 
-TEST(Johnson, outcomes) {
+TEST(RangeOfBars, outcomes) {
   const auto mrtd = [](double f) { return 0.02 * std::exp(f / 0.7); };
-  JohnsonTask<double> task{.size_m = 2.3, .contrast_k = 0.02, .n50 = 3.0};
-  EXPECT_EQ(johnson_range(task, mrtd, 5.0).reached, Reached::never);
-  task.contrast_k = 0.0;
-  EXPECT_EQ(johnson_range(task, mrtd, 5.0).reached, Reached::never);
-  EXPECT_EQ(johnson_range(task, mrtd, 5.0).range_m, 0.0);
-  task.contrast_k = 1e5;  // resolved at the highest frequency: 3 cycles on 2.3 m are 5 cycles/mrad at 3.83 km
-  const auto limited = johnson_range(task, mrtd, 5.0);
-  EXPECT_EQ(limited.reached, Reached::at_limit);
-  EXPECT_NEAR(limited.range_m, 5.0 * 2300.0 / 3.0, 1e-9);
-  task.probability = 0.0;
-  EXPECT_EQ(johnson_range(task, mrtd, 5.0).reached, Reached::always);
-  task.probability = 1.0;
-  EXPECT_EQ(johnson_range(task, mrtd, 5.0).reached, Reached::never);
-  expect_refused({"johnson.size", "johnson.n50", "johnson.probability"},
-                 [&] { johnson_range(JohnsonTask<double>{.contrast_k = 1.0, .probability = 2.0}, mrtd, 5.0); });
-  expect_refused({"highest frequency"}, [&] { johnson_range(JohnsonTask<double>{.size_m = 1, .n50 = 1}, mrtd, 0.0); });
+  for (const double contrast : {0.0, 0.02 * (1.0 - 1e-3)}) {
+    EXPECT_EQ(range_of_bars(mrtd, 2.3, contrast, 0.0, 3.0).reached, Reached::never);
+    EXPECT_EQ(range_of_bars(mrtd, 2.3, contrast, 0.0, 3.0).range_m, 0.0);
+  }
 }
 
-TEST(Johnson, range_of_a_camera_rises_with_contrast_and_falls_with_the_task) {
+TEST(RangeOfBars, range_of_a_camera_rises_with_contrast_and_falls_with_the_task) {
   const auto h = [](double f) { return gaussian_mtf(f, 3.0); };
   const auto x = [&](double f) { return mrtd_k(plain(), mtf::Axis::x, f, h, kFlat, kFlat); };
   const auto y = [&](double f) { return mrtd_k(plain(), mtf::Axis::y, f, h, kFlat, kFlat); };
-  const auto range = [&](double contrast, double n50) {
-    const JohnsonTask<double> task{.size_m = 2.3, .contrast_k = contrast, .extinction_per_km = 0.2, .n50 = n50};
-    return johnson_range(
-               task, [&](double f) { return mrtd_2d_k<double>(f, x, y); }, 5.0)
-        .range_m;
+  const auto range = [&](double contrast, double n) {
+    return range_of_bars([&](double f) { return mrtd_2d_k<double>(f, x, y); }, 2.3, contrast, 0.2, n).range_m;
   };
   EXPECT_GT(range(2.0, 3.0), range(1.0, 3.0));
   EXPECT_GT(range(2.0, 0.75), range(2.0, 3.0));

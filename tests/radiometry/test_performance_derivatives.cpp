@@ -5,9 +5,9 @@
 #include "radiometry/performance/acquisition.h"
 #include "radiometry/performance/giqe.h"
 #include "radiometry/performance/ground_resolution.h"
-#include "radiometry/performance/johnson.h"
 #include "radiometry/performance/mdtd.h"
 #include "radiometry/performance/thermal_detector.h"
+#include "radiometry/performance/ttp.h"
 #include "tests/radiometry/performance_cases.h"
 
 // One body for double and Jet: derivatives by every parameter against central differences, to 1e-6 of the largest
@@ -97,35 +97,34 @@ TEST(PerformanceJets, ttp_and_its_band) {
   expect_gradient(model, std::array{34.26, 10.0, 1.0, 0.9, 1.2, 4.0, 0.01});
 }
 
-TEST(PerformanceJets, ttp_range) {
-  const auto model = [](const auto& y) {
-    using S = std::decay_t<decltype(y[0])>;
-    const auto s = test::sensitivity_of<S>(std::array<S, 7>{S(0), S(34.26), S(15), y[0], S(1), y[1], y[2]});
-    const auto other = test::sensitivity_of<S>(std::array<S, 7>{S(0), S(34.26), S(15), y[0], S(1), y[1], S(3)});
-    const TtpTask<S> task{.size_m = y[3],
-                          .contrast = y[4],
-                          .extinction_per_km = y[5],
-                          .v50 = y[6],
-                          .probability = 0.7,
-                          .model = Psychometric::ttp_nvthermip};
-    return ttp_range(task, sensitivity_course(s, 100.0), s, sensitivity_course(other, 100.0), other).range_m;
-  };
-  expect_gradient(model, std::array{10.0, 1.2, 4.0, 3.1, 0.2, 0.2, 13.0});
-  expect_gradient(model, std::array{10.0, 1.2, 4.0, 3.1, 0.02, 5.0, 2.0});
+/// The root of a margin with its derivatives, as studies take them: solved with plain numbers, then one step of
+/// Newton's. `margin`: scalars and range -> ln of what is offered over what is needed.
+template <class S, std::size_t N, class Margin>
+S range_of(const std::array<S, N>& x, const Margin& margin) {
+  std::array<double, N> plain;
+  for (std::size_t i = 0; i < N; ++i) plain[i] = mtf::value_of(x[i]);
+  const auto of_range = [&](double range_m) { return margin(plain, range_m); };
+  const double range_m = longest_range(of_range, 1e-6, 1e8, 1e3).range_m;
+  const double slope = slope_at([&](double l) { return std::expm1(of_range(std::exp(l))); }, std::log(range_m), 1e-4);
+  return range_with_slopes(range_m, S(margin(x, range_m)), slope);
 }
 
-/// Extinction 0: no difference below it is asked for, the derivative is that from above.
-TEST(PerformanceJets, ttp_range_in_clear_air) {
-  const auto range = [](const auto& beta) {
-    using S = std::decay_t<decltype(beta)>;
-    const auto s = test::sensitivity_of<S>(std::array<S, 7>{S(2), S(34.26), S(15), S(10), S(1), S(1), S(4)});
-    const SensitivityCourse course = sensitivity_course(s, 100.0);
-    const TtpTask<S> task{.size_m = S(3.1), .contrast = S(0.2), .extinction_per_km = beta, .v50 = S(13)};
-    return ttp_range(task, course, s, course, s).range_m;
+TEST(PerformanceJets, ttp_range) {
+  const auto model = [](const auto& y) {
+    return range_of(y, [](const auto& x, double range_m) {
+      using std::exp;
+      using std::log;
+      using S = std::decay_t<decltype(x[0])>;
+      const auto s = test::sensitivity_of<S>(std::array<S, 7>{S(0), S(34.26), S(15), x[0], S(1), x[1], x[2]});
+      const auto other = test::sensitivity_of<S>(std::array<S, 7>{S(0), S(34.26), S(15), x[0], S(1), x[1], S(3)});
+      const S contrast = x[4] * exp(S(-1e-3 * range_m) * x[5]);
+      const S ttp = ttp_of(axis_ttp(sensitivity_course(s, 100.0), s, contrast),
+                           axis_ttp(sensitivity_course(other, 100.0), other, contrast));
+      return S(log(cycles_on_target(ttp, x[3], S(range_m)) / x[6]));
+    });
   };
-  const double h = 1e-5;
-  const double slope = (4.0 * range(h) - range(2 * h) - 3.0 * range(0.0)) / (2 * h);  // one-sided, of second order
-  EXPECT_NEAR(range(ceres::Jet<double, 1>(0.0, 0)).v[0], slope, 1e-6 * std::abs(slope));
+  expect_gradient(model, std::array{10.0, 1.2, 4.0, 3.1, 0.2, 0.2, 13.0});
+  expect_gradient(model, std::array{10.0, 1.2, 4.0, 3.1, 0.1, 1.0, 4.0});
 }
 
 TEST(PerformanceJets, mrtd) {
@@ -196,14 +195,15 @@ TEST(PerformanceJets, mrtd_2d_and_johnson) {
     return mrtd_2d_k<S>(1.5, along(x, mtf::Axis::x), along(x, mtf::Axis::y));
   };
   expect_gradient(two, std::array{0.05, 0.02, 0.1, 0.12, 2.0, 3.0});
-  const auto range = [along](const auto& x) {
-    using S = std::decay_t<decltype(x[0])>;
-    const auto x_axis = along(x, mtf::Axis::x), y_axis = along(x, mtf::Axis::y);
-    const JohnsonTask<S> task{
-        .size_m = x[6], .contrast_k = x[7], .extinction_per_km = x[8], .n50 = x[9], .probability = 0.8};
-    return johnson_range(
-               task, [&](double f) { return mrtd_2d_k<S>(f, x_axis, y_axis); }, S(20))
-        .range_m;
+  const auto range = [along](const auto& y) {
+    return range_of(y, [along](const auto& x, double range_m) {
+      using std::log;
+      using S = std::decay_t<decltype(x[0])>;
+      const S f = S(1e-3 * range_m) * x[9] / x[6];
+      const auto mrtd = [&](double at) { return mrtd_2d_k<S>(at, along(x, mtf::Axis::x), along(x, mtf::Axis::y)); };
+      const double middle = mtf::value_of(f);
+      return S(log(x[7] / continued(mrtd, middle, f, 1e-3 * middle)) - S(1e-3 * range_m) * x[8]);
+    });
   };
   expect_gradient(range, std::array{0.05, 0.02, 0.1, 0.12, 2.0, 3.0, 2.3, 1.25, 0.2, 3.0});
 }

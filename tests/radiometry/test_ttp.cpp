@@ -189,33 +189,36 @@ TEST(TaskProbability, ends_and_inverse) {
         << c.where;
 }
 
-TtpTask<double> task_of(const std::vector<double>& x) {
-  return {.size_m = x[7],
-          .contrast = x[8],
-          .extinction_per_km = x[9],
-          .v50 = x[10],
-          .probability = x[11],
-          .model = static_cast<Psychometric>(static_cast<int>(x[12]))};
+/// Behind air of that extinction: the margin that studies have, put together from the pieces of ttp.h.
+AcquisitionRange range_of(const std::vector<double>& x, double most_m = 1e8) {
+  const auto s = sensitivity_of<double>(x);
+  const SensitivityCourse course = sensitivity_course(s, 100.0);
+  const double needed = x[10] * ratio_for_probability(static_cast<Psychometric>(static_cast<int>(x[12])), x[11]);
+  const auto margin = [&](double range_m) {
+    const AxisTtp<double> ttp = axis_ttp(course, s, x[8] * std::exp(-1e-3 * x[9] * range_m));
+    return std::log(cycles_on_target(ttp_of(ttp, ttp), x[7], range_m) / needed);
+  };
+  return longest_range(margin, 1e-6 * x[7], most_m, 1e3);
+}
+
+const std::vector<double> kTask{2.0, 34.26, 15.0, 10.0, 1.0, 1.0, 4.0, 3.1, 0.2, 0.2, 13.0, 0.7, 0.0};
+std::vector<double> with(std::size_t which, double value) {
+  std::vector<double> x = kTask;
+  x[which] = value;
+  return x;
 }
 
 TEST(TtpRange, against_40_digits) {
   for (const auto& c : performance_cases("ttp_range")) {
-    const auto s = sensitivity_of<double>(c.x);
-    const SensitivityCourse course = sensitivity_course(s, 100.0);
-    const AcquisitionRange<double> r = ttp_range(task_of(c.x), course, s, course, s);
+    const AcquisitionRange r = range_of(c.x);
     EXPECT_EQ(r.reached, Reached::at_range);
     EXPECT_NEAR(r.range_m, c.value, 1e-9 * c.value) << c.where;
   }
 }
 
 TEST(TtpRange, goes_the_right_way) {
-  const std::vector<double> base{2.0, 34.26, 15.0, 10.0, 1.0, 1.0, 4.0, 3.1, 0.2, 0.2, 13.0, 0.7, 0.0};
   const auto range = [&](std::size_t which, double factor) {
-    std::vector<double> x = base;
-    x[which] *= factor;
-    const auto s = sensitivity_of<double>(x);
-    const SensitivityCourse course = sensitivity_course(s, 100.0);
-    return ttp_range(task_of(x), course, s, course, s).range_m;
+    return range_of(with(which, factor * kTask[which])).range_m;
   };
   const double here = range(6, 1.0);
   EXPECT_GT(range(6, 1.2), here);   // a sharper system
@@ -230,29 +233,21 @@ TEST(TtpRange, goes_the_right_way) {
 }
 
 TEST(TtpRange, outcomes) {
-  const std::vector<double> x{2.0, 34.26, 15.0, 10.0, 1.0, 1.0, 4.0, 3.1, 0.2, 0.2, 13.0, 0.7, 0.0};
-  const auto s = sensitivity_of<double>(x);
-  const SensitivityCourse course = sensitivity_course(s, 100.0);
-  TtpTask<double> task = task_of(x);
-  task.contrast = 0.0;
-  EXPECT_EQ(ttp_range(task, course, s, course, s).reached, Reached::never);
-  EXPECT_EQ(ttp_range(task, course, s, course, s).range_m, 0.0);
-  task.contrast = 0.2;
-  task.probability = 1.0;
-  EXPECT_EQ(ttp_range(task, course, s, course, s).reached, Reached::never);
-  task.probability = 0.0;
-  EXPECT_EQ(ttp_range(task, course, s, course, s).reached, Reached::always);
-  EXPECT_EQ(ttp_range(task, course, s, course, s).range_m, kInfinite);
-  expect_refused({"ttp.size", "ttp.v50", "ttp.probability"},
-                 [&] { ttp_range(TtpTask<double>{.contrast = 0.1, .probability = -0.1}, course, s, course, s); });
+  for (const AcquisitionRange& none : {range_of(with(8, 0.0)), range_of(with(11, 1.0))}) {
+    EXPECT_EQ(none.reached, Reached::never);
+    EXPECT_EQ(none.range_m, 0.0);
+  }
+  const double here = range_of(kTask).range_m;
+  EXPECT_EQ(range_of(kTask, 0.9 * here).reached, Reached::beyond);
+  EXPECT_EQ(range_of(kTask, 0.9 * here).range_m, 0.9 * here);
+  EXPECT_EQ(range_of(kTask, 1.1 * here).reached, Reached::at_range);
 }
 
 // Fog in which everything ends within a centimetre: still a root, no loop without end.
 TEST(TtpRange, stiff_extinction) {
-  const std::vector<double> x{2.0, 34.26, 15.0, 10.0, 1.0, 1.0, 4.0, 3.1, 0.2, 1e6, 13.0, 0.5, 0.0};
-  const auto s = sensitivity_of<double>(x);
-  const SensitivityCourse course = sensitivity_course(s, 100.0);
-  const AcquisitionRange<double> r = ttp_range(task_of(x), course, s, course, s);
+  std::vector<double> x = with(9, 1e6);
+  x[11] = 0.5;
+  const AcquisitionRange r = range_of(x);
   EXPECT_EQ(r.reached, Reached::at_range);
   EXPECT_GT(r.range_m, 0.0);
   EXPECT_LT(r.range_m, 0.01);

@@ -93,7 +93,11 @@ class DesignModel {
     design_.observed = {};
     if (roots == nullptr) roots_ = {};
     refusal_.clear();
-    caution_ = design_.budget && !saturated ? words(design_.budget->saturation) : "";
+    caution_.clear();
+    if (design_.budget && !saturated) {
+      caution(words(design_.budget->saturation));
+      caution(words(design_.budget->dither));
+    }
     if (design_.budget && plan_->spatial)
       refusal_ = radiometry::spatial_gap(variant_->loaded->sensor.settings, *design_.budget);
     const bool spatial = refusal_.empty();
@@ -126,7 +130,8 @@ class DesignModel {
   const RangeRoots& roots() const { return roots_; }
   /// Why a metric of the last design has no number, "" where no model refused it.
   const std::string& refusal() const { return refusal_; }
-  /// How far signal and noise of the last design are wrong because it is close to saturation; "" where they are not.
+  /// How far numbers of the last design are wrong, or what they rest on (close to saturation, no dither, a range at
+  /// Nyquist); "" without.
   const std::string& caution() const { return caution_; }
   double error() const {
     double worst = plan_->resolution ? design_.resolution.error : 0.0;
@@ -138,6 +143,10 @@ class DesignModel {
   void put(S& number, const S& value) {
     same_otf_ = same_otf_ && mtf::value_of(number) == mtf::value_of(value);
     number = value;
+  }
+
+  void caution(const std::string& said) {
+    if (!said.empty()) caution_ += (caution_.empty() ? "" : "; ") + said;
   }
 
   /// To the target: that of [conditions], else of the sensor's air; NaN where neither says it.
@@ -174,9 +183,8 @@ class DesignModel {
       design_.observed.range_m[i] = moved ? range_of(tasks[i], root, model) : S(root.found.range_m);
       if (root.at_nyquist) at_nyquist += (at_nyquist.empty() ? "" : ", ") + std::string(row_of(tasks[i].metric).name);
     }
+    if (!at_nyquist.empty()) caution("limited by the Nyquist frequency in " + at_nyquist);
     if (plan_->ttp) design_.observed.ttp_cy_mrad = model.ttp_cy_mrad(model.at(0.0));
-    if (!at_nyquist.empty())
-      caution_ += (caution_.empty() ? "" : "; ") + ("limited by the Nyquist frequency in " + at_nyquist);
   }
 
   radiometry::Budget<S> budget(const radiometry::SpectralNumbers<S>& spectral) const {

@@ -60,7 +60,7 @@ class RangeModel {
   /// With the light and the OTF of that range; 0 m: without air.
   Sensor at(double range_m) {
     const auto curves = std::make_shared<const mtf::Resolution<S>>(measured(course_->colour_at(range_m), *meter_));
-    return behind(course_->at(range_m), range_m, mtf_of(curves));
+    return behind(course_->at(range_m), range_m, seen(curves));
   }
   /// ln(what the target offers / what the task needs).
   S margin(const RangeTask& task, const Sensor& sensor, double range_m) {
@@ -87,17 +87,16 @@ class RangeModel {
     system_->air = own_air;
     return resolution;
   }
-  std::function<S(mtf::Axis, double)> mtf_of(std::shared_ptr<const mtf::Resolution<S>> curves) const {
-    return [this, curves](mtf::Axis axis, double f_cy_mrad) {
-      return (axis == mtf::Axis::x ? curves->curve_x : curves->curve_y).modulus(cy_mm(f_cy_mrad));
-    };
+  radiometry::SeenOtf<S> seen(std::shared_ptr<const mtf::Resolution<S>> curves) const {
+    return radiometry::seen_otf(std::move(curves), system_->frame);
   }
   S cy_mm(double f_cy_mrad) const { return system_->frame.cy_mm_from_mrad(S(f_cy_mrad)); }
-  Sensor behind(const LightAtRange& light, double range_m, std::function<S(mtf::Axis, double)> mtf) const {
+  Sensor behind(const LightAtRange& light, double range_m, radiometry::SeenOtf<S> otf) const {
     const radiometry::Budget<S> budget = budget_(course_->numbers(light));
     if (budget.saturation.saturated())
       throw mtf::UsageError("with the light at " + mtf::format_double(range_m) + " m: " + words(budget.saturation));
-    return {budget.netd_k, budget.spatial_netd_k, S(light.contrast_share), std::move(mtf)};
+    if (!budget.dither.dithered()) throw mtf::UsageError(words(budget.dither));
+    return {budget.netd_k, budget.spatial_netd_k, S(light.contrast_share), std::move(otf)};
   }
   const Conditions& conditions() const { return *conditions_; }
   LightCourse& course() { return *course_; }
@@ -120,15 +119,17 @@ class RangeModel {
   double cutoff_cy_mm_ = mtf::kInfinity;
 };
 
-/// MRTD and MDTD of a design behind its own air, at the scene; it has a budget and the curves of its OTF.
+/// MRTD and MDTD of a design behind its own air, at the scene; it has a budget and the curves of its OTF. Throws
+/// UsageError for rounding that no noise dithers.
 template <class S>
 void observe_bars(Design<S>& design) {
+  if (!design.budget->dither.dithered()) throw mtf::UsageError(words(design.budget->dither));
   const mtf::System<S>& system = *design.system;
   const radiometry::BarObserver<S> bars(system, *design.conditions, design.frame_time_s);
   const radiometry::SensorAtRange<S> sensor{
       .netd_k = design.budget->netd_k,
       .spatial_netd_k = design.budget->spatial_netd_k,
-      .mtf = [&](mtf::Axis axis, double f) { return detail::mtf_at_mrad(design, axis, f); }};
+      .otf = radiometry::seen_otf(std::make_shared<const mtf::Resolution<S>>(design.resolution), system.frame)};
   // At half of Nyquist, and of a square as wide as a bar there; both move with pitch and focal length.
   const S nyquist = bars.nyquist_cy_mrad(), width = S(1) / nyquist;
   const double middle = 0.5 * mtf::value_of(nyquist), square = mtf::value_of(width);

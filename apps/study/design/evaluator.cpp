@@ -69,7 +69,8 @@ struct Evaluator::Impl {
   std::vector<int> levels{};
   std::uint64_t uses = 0;
   bool valid = false;
-  std::string problem{}, refusal{}, caution{}, first_problem{}, first_refusal{};
+  const DesignModel<double>* worked_out = nullptr;  ///< that of the last design, where it is a sensor
+  std::string problem{}, refusal{}, first_problem{}, first_refusal{};
 
   explicit Impl(std::shared_ptr<const Study> s) : study(std::move(s)), plan(plan_metrics(*study, study->tolerance)) {
     axis_values.resize(study->axes.size());
@@ -180,7 +181,7 @@ void Evaluator::Impl::evaluate_at(std::span<const double> values, std::span<doub
                                   std::span<const double> shift) {
   problem.clear();
   refusal.clear();
-  caution.clear();
+  worked_out = nullptr;
   Ready& variant = ready(values);
   std::fill(metrics.begin(), metrics.end(), kNan);
   std::fill(parameters.begin(), parameters.end(), kNan);
@@ -202,7 +203,7 @@ void Evaluator::Impl::evaluate_at(std::span<const double> values, std::span<doub
       const radiometry::Overrides<double> overrides(variant.model->overrides());
       if (no_air && plan.resolution && overrides.any(radiometry::changes_color)) error = kNan;
       refusal = variant.model->refusal();
-      caution = variant.model->caution();
+      worked_out = variant.model.get();
       if (first_refusal.empty()) first_refusal = refusal;
     } catch (const mtf::UsageError& refused) {
       problem = refused.what();
@@ -257,7 +258,14 @@ void Evaluator::evaluate_at(std::span<const double> axis_values, std::span<doubl
 const std::string& Evaluator::last_problem() const { return impl_->problem; }
 bool Evaluator::last_valid() const { return impl_->valid; }
 const std::string& Evaluator::last_refusal() const { return impl_->refusal; }
-const std::string& Evaluator::last_caution() const { return impl_->caution; }
+std::string Evaluator::last_caution() const {
+  if (impl_->worked_out == nullptr) return "";
+  std::string text = impl_->worked_out->caution();
+  for (const auto& [where, problem] : impl_->worked_out->system().check())
+    text +=
+        (text.empty() ? "" : "; ") + where + (problem.field.empty() ? "" : "." + problem.field) + ": " + problem.text;
+  return text;
+}
 std::span<const double> Evaluator::last_objectives() const { return impl_->objectives; }
 std::span<const ConstraintValues> Evaluator::last_sides() const { return impl_->sides; }
 

@@ -63,8 +63,9 @@ class Evaluator {
   bool last_valid() const;
   /// Why a metric of the last design has no number where others have theirs (it is saturated, a model refuses it).
   const std::string& last_refusal() const;
-  /// How far signal and noise of the last design are wrong because it is close to saturation; "" where they are not.
-  const std::string& last_caution() const;
+  /// How far numbers of the last design are wrong, or what they rest on: close to saturation, rounding without dither,
+  /// a range at Nyquist, components beyond their stated validity; "" without.
+  std::string last_caution() const;
   /// The values of the last design that was evaluated: all objectives as shown, and the sides of the constraints.
   std::span<const double> last_objectives() const;
   std::span<const ConstraintValues> last_sides() const;

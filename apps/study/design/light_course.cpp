@@ -155,14 +155,16 @@ LightAtRange LightCourse::between(double range_m) {
   return {number[0], number[1], number[2]};
 }
 
-double LightCourse::table_error(double range_m) const {
-  if (!air_.coarser) return 0.0;
+double LightCourse::error(double range_m) {
+  if (!air_.path) return 0.0;
+  const double of_panel = panel(range_m, false).error;
+  if (!air_.coarser) return of_panel;
   const auto fine = numbers_of(behind(air_.path(range_m), range_m)),
              coarse = numbers_of(behind(air_.coarser(range_m), range_m));
   double worst = 0.0;
   for (std::size_t n = 0; n < fine.size(); ++n)
     if (fine[n] > 0.0) worst = std::max(worst, std::abs(coarse[n] / fine[n] - 1.0));
-  return worst;
+  return of_panel + worst;
 }
 
 }  // namespace study

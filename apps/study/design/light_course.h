@@ -69,8 +69,9 @@ class LightCourse {
   const RangePanel& panel(double range_m, bool colours);
   /// As at(), between the points of the panel.
   LightAtRange between(double range_m);
-  /// How far two tables differ there of which one lacks the nearest range, relative; 0 where the air is no table.
-  double table_error(double range_m) const;
+  /// Of between(), relative: what the panel leaves, and how far two tables differ there of which one lacks the nearest
+  /// range.
+  double error(double range_m);
 
  private:
   LightAtRange behind(const radiometry::Path& path, double range_m) const;

@@ -36,7 +36,12 @@ std::string metric_gap(const MetricChoice& choice, const Study& study, const Var
     if (!sensor.no_ranges.empty()) return sensor.no_ranges;
   }
   const auto& list = sensor.system.list(mtf::Stage::presample);
-  const bool pupil = effort == Effort::light || metric == Metric::cutoff || metric == Metric::q;
+  const mtf::Context<double> middle = sensor.system.context();
+  if (metric == Metric::cutoff && std::none_of(list.begin(), list.end(), [&](const auto& e) {
+        return e.component.cutoff_cy_mm(middle) < mtf::kInfinity;
+      }))
+    return "no pupil (diffraction, defocus or wavefront), and no curve that ends at 0";
+  const bool pupil = effort == Effort::light || metric == Metric::q;
   if (pupil && std::none_of(list.begin(), list.end(), [](const auto& e) { return e.component.is_pupil(); }))
     return "no pupil: diffraction, defocus or wavefront";
   if (metric == Metric::fov && (sensor.system.frame.columns <= 0 || sensor.system.frame.rows <= 0))

@@ -89,18 +89,21 @@ S q_of(const Design<S>& d, mtf::Axis axis) {
   return not_there<S>();
 }
 
-/// The optical cutoff at the shortest wavelength that gets there.
+/// The optical cutoff at the shortest wavelength that gets there, or where a curve is 0 before.
 template <class S>
 S cutoff_cy_mm(const Design<S>& d) {
-  if (!(d.resolution.cutoff_cy_mm < mtf::kInfinity)) return not_there<S>();
+  const double end = d.resolution.cutoff_cy_mm;
+  if (!(end < mtf::kInfinity)) return not_there<S>();
   for (const mtf::Entry<S>& entry : d.system->list(mtf::Stage::presample))
     if (entry.component.is_pupil()) {
       const mtf::System<S>& system = *d.system;
       const auto context = system.band ? system.context(S(system.band->lo_um)) : system.context();
       const mtf::PupilNumbers<S> pupil = mtf::pupil_numbers(entry.component, context);
-      return S(1e3) / (pupil.wavelength_um * pupil.f_number);
+      const S cutoff = S(1e3) / (pupil.wavelength_um * pupil.f_number);
+      constexpr double kSame = 1.0 - 1e-9;
+      return end < kSame * mtf::value_of(cutoff) ? S(end) : cutoff;
     }
-  return not_there<S>();
+  return S(end);
 }
 
 template <class S>
@@ -167,7 +170,14 @@ template <class S>
 S target_snr(const Design<S>& d) {
   if (!d.budget) return not_there<S>();
   const radiometry::Budget<S>& b = *d.budget;
-  if (d.conditions->contrast_k) return b.contrast_e / b.temporal_e;
+  if (d.conditions->contrast_k) {
+    const double all = mtf::value_of(b.signal.total_e()), target = all + mtf::value_of(b.contrast_e);
+    const double fill = all > 0.0 ? mtf::value_of(b.well_fill) * target / all : 0.0;
+    if (fill >= 1.0)
+      throw mtf::UsageError("saturated: the target, warmer by [conditions] contrast, makes " + mtf::three_digits(fill) +
+                            " of the full well; shorten the integration time");
+    return b.contrast_e / b.temporal_e;
+  }
   if (d.conditions->signal_contrast) return S(*d.conditions->signal_contrast) * b.signal.scene_e / b.temporal_e;
   return not_there<S>();
 }
@@ -224,6 +234,17 @@ S budget_value(Metric metric, const radiometry::Budget<S>& b) {
   }
 }
 
+/// A rating; the scale goes from 0 to 9, and the equations go on outside of it.
+template <class S>
+S rated(const S& niirs) {
+  const double value = mtf::value_of(niirs);
+  if (value < 0.0 || value > 9.0)
+    throw mtf::UsageError("NIIRS of " + mtf::three_digits(value) + ": the scale goes from 0 to 9, and the equation " +
+                          "(a regression on ratings) says nothing of images " + (value < 0.0 ? "below" : "above") +
+                          " it");
+  return niirs;
+}
+
 template <class S>
 S niirs(Metric metric, const Design<S>& d) {
   const S gsd = geometric_mean(gsd_m(d, mtf::Axis::x), gsd_m(d, mtf::Axis::y)), snr = target_snr(d);
@@ -262,7 +283,10 @@ S grd_m(const Design<S>& d) {
     const S grd = radiometry::ground_resolved_distance(in, [&](double f) { return mtf_at_mrad(d, axis, f); }).grd_m;
     if (mtf::value_of(grd) > mtf::value_of(worst)) worst = grd;
   }
-  return mtf::value_of(worst) < mtf::kInfinity ? worst : not_there<S>();
+  if (!(mtf::value_of(worst) < mtf::kInfinity))
+    throw mtf::UsageError("grd: the MTF is nowhere 3 / the signal-to-noise ratio of the target, " +
+                          mtf::three_digits(mtf::value_of(snr)));
+  return worst;
 }
 
 template <class S>
@@ -310,12 +334,14 @@ S metric_value(const MetricChoice& choice, const Design<S>& d, std::size_t at) {
     case Metric::niirs_giqe3:
     case Metric::niirs_giqe4:
     case Metric::niirs_giqe5:
-      return finite(niirs(row.metric, d));
+      return rated(finite(niirs(row.metric, d)));
     case Metric::grd:
       return grd_m(d);
     default:
       break;
   }
+  if (row.effort == Effort::bars && std::isinf(mtf::value_of(observed_value(row.metric, d.observed))))
+    throw mtf::UsageError(std::string(row.name) + ": the MTF is 0 there, or the OTF has changed its sign before");
   if (row.effort == Effort::bars || row.effort == Effort::air) return finite(observed_value(row.metric, d.observed));
   return d.budget ? finite(budget_value(row.metric, *d.budget)) : not_there<S>();
 }

@@ -30,8 +30,10 @@ RangeRoots RangeSolver::solve(RangeModel<double>& model, const std::shared_ptr<L
   RangeRoots roots = roots_of(model, asked, refused);
   double worst = 0.0;
   for (const RangeRoot& root : roots) worst = std::max(worst, root.error);
-  if (worst > tolerance && std::isfinite(worst)) {
-    half_decades_ = std::clamp(half_decades_ + level(kShare * tolerance / worst), half_decades_, kTightest);
+  if (worst > tolerance) {  // infinite where the OTF at the root is below what it may err by
+    half_decades_ = std::isfinite(worst)
+                        ? std::clamp(half_decades_ + level(kShare * tolerance / worst), half_decades_, kTightest)
+                        : kTightest;
     refused.clear();
     roots = roots_of(model, asked, refused);
   }
@@ -79,32 +81,41 @@ RangeRoot RangeSolver::root_of(const RangeTask& task, RangeModel<double>& model,
   if (root.found.reached == Reached::beyond)
     throw mtf::UsageError("the task still succeeds at " + mtf::format_double(std::round(most)) + " m, where " +
                           reach.end);
-  constexpr double kStep = 1e-3;
-  const double range = root.found.range_m, up = std::min(range * std::exp(kStep), most),
-               down = std::max(range * std::exp(-kStep), least);
-  root.slope = (margin(up) - margin(down)) / std::log(up / down);
+  // Of the ratio itself, 1 at the root: a little farther the target may offer nothing, whose logarithm has no slope.
+  constexpr double kStep = 1e-4;
+  const double range = root.found.range_m,
+               step = std::min({kStep, 0.49 * std::log(most / range), 0.49 * std::log(range / least)});
+  root.slope = radiometry::slope_at([&](double l) { return std::expm1(margin(std::exp(l))); }, std::log(range), step);
   root.error = error_of(task, model, root);
   return root;
 }
 
 RangeSolver::Sensor RangeSolver::frozen(RangeModel<double>& model, double range_m) {
-  return model.behind(course_->between(range_m), range_m, model.mtf_of(curves_at(model, nullptr, 0)));
+  return model.behind(course_->between(range_m), range_m, model.seen(curves_at(model, nullptr, 0)));
 }
 
-/// An OTF is linear in the electrons of each wavelength, and so are those between the points of a panel.
+/// An OTF is nearly linear in the electrons of each wavelength, as those between the points of a panel are; what is
+/// left is in error_between().
 RangeSolver::Sensor RangeSolver::followed(RangeModel<double>& model, double range_m) {
   if (!course_->moves_otf()) return frozen(model, range_m);
   const RangePanel& panel = course_->panel(range_m, true);
   const std::vector<Curves> curves = curves_of(model, panel);
   const std::vector<double> weight = panel.weights(range_m);
   const LightAtRange light = course_->between(range_m);
-  if (const Curves one = between(curves, weight)) return model.behind(light, range_m, model.mtf_of(one));
-  return model.behind(light, range_m, [&model, curves, weight](mtf::Axis axis, double f_cy_mrad) {
+  if (const Curves one = between(curves, weight)) return model.behind(light, range_m, model.seen(one));
+  radiometry::SeenOtf<double> otf;
+  otf.mtf = [&model, curves, weight](mtf::Axis axis, double f_cy_mrad) {
     double sum = 0.0;
     for (std::size_t k = 0; k < weight.size(); ++k)
       sum += weight[k] * modulus(*curves[k], axis, model.cy_mm(f_cy_mrad));
     return std::max(sum, 0.0);
-  });
+  };
+  for (const Curves& one : curves) {
+    const radiometry::SeenOtf<double> seen = model.seen(one);
+    for (std::size_t axis = 0; axis < 2; ++axis)
+      otf.reversal_cy_mrad[axis] = std::min(otf.reversal_cy_mrad[axis], seen.reversal_cy_mrad[axis]);
+  }
+  return model.behind(light, range_m, std::move(otf));
 }
 
 RangeSolver::Curves RangeSolver::between(const std::vector<Curves>& curves, const std::vector<double>& weight) {
@@ -141,10 +152,10 @@ std::vector<RangeSolver::Curves> RangeSolver::curves_of(RangeModel<double>& mode
 double RangeSolver::error_of(const RangeTask& task, RangeModel<double>& model, const RangeRoot& root) {
   const double range = root.found.range_m;
   Sensor sensor = followed(model, range);
-  double light = course_->table_error(range), otf = curves_at(model, nullptr, 0)->error;
+  const double light = course_->error(range);
+  double otf = curves_at(model, nullptr, 0)->error;
   if (course_->moves_otf()) {
     const RangePanel& panel = course_->panel(range, true);
-    light += panel.error;
     const std::vector<Curves> curves = curves_of(model, panel);
     for (const Curves& one : curves) otf = std::max(otf, one->error);
     otf += error_between(curves, model.cy_mm(model.counted_cy_mrad()));
@@ -152,7 +163,7 @@ double RangeSolver::error_of(const RangeTask& task, RangeModel<double>& model, c
   sensor.contrast_share *= 1.0 - light;
   sensor.netd_k *= 1.0 + light;
   sensor.spatial_netd_k *= 1.0 + light;
-  sensor.mtf = [mtf = sensor.mtf, otf](mtf::Axis axis, double f) { return std::max(0.0, mtf(axis, f) - otf); };
+  sensor.otf.mtf = [mtf = sensor.otf.mtf, otf](mtf::Axis axis, double f) { return std::max(0.0, mtf(axis, f) - otf); };
   return std::abs(model.margin(task, sensor, range) / root.slope);
 }
 

@@ -75,7 +75,7 @@ std::vector<std::string> sentences(const Study& study, const OptimizeOptions& op
     lines.push_back("no design could be worked out: " + outcome.problem);
     return lines;
   }
-  if (!best.caution.empty()) lines.push_back("the best design is " + best.caution);
+  if (!best.caution.empty()) lines.push_back("of the best design: " + best.caution);
   if (outcome.status == Status::infeasible) {
     lines.push_back("no design found that meets every constraint; this is the nearest");
     for (const Violation& v : best.violations)

@@ -167,6 +167,9 @@ std::optional<FlatInterval> flat_interval(FitProblem& problem, const FlatPoint& 
   at_minimum();
   problem.apply();
   if (profiler.stopped) return std::nullopt;
+  // Values that the model refuses end the range.
+  std::erase_if(nodes, [](const Node& node) { return !std::isfinite(node.rise); });
+  if (nodes.size() < 3) return std::nullopt;
 
   const Eigen::MatrixXd place = places(nodes);
   const Eigen::MatrixXd curve = fine_curve(place, nodes.front().x > v.lo, nodes.back().x < v.hi);

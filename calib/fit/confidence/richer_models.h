@@ -4,9 +4,9 @@
 // What the errors of a fit leave out: they hold for the sensor as it was given. A lens of f/8 out of focus by 0.4 waves
 // is fitted by f/14 in focus, known to 1.5 %, and the residuals do not show it where there is noise. So the fit is made
 // again with one more unknown of those that sensors have and files leave out:
-//   defocus   in a sensor with diffraction and no other aberration, but for point sources in a band, which take minutes
-//   jitter    where there is none
-//   motion    along x or y, whichever the data look along, where there is no motion but jitter
+//   defocus   in a sensor with diffraction and no focus term or random wavefront, but for point sources in a band,
+//   which take minutes jitter    where there is none motion    along x or y, whichever the data look along, where there
+//   is no motion but jitter
 // What becomes of each parameter is what the data say of it where that is not known to be 0. Where chi-square falls by
 // more than chance explains, the sensor does not describe the data. A fitted blur that is known by its size alone, as a
 // `gaussian`, stands for all causes, and needs none of this.

@@ -82,18 +82,20 @@ std::string words(const Saturation& s) {
               ", or raise detector.full_well";
       break;
     case RangeEnd::most_count:
-      text += "the largest count of [adc], which stands for " + mtf::three_digits(s.end_e) + unit + "," + mean + "; raise " +
+      text += "the largest count of [adc], which stands for " + mtf::three_digits(s.end_e) + unit + "," + mean +
+              "; raise " +
               (s.volts ? "adc.volts_per_count or adc.bits, or lower adc.offset"
                        : "adc.electrons_per_count or adc.bits, lower adc.offset, or " + shorter(s));
       break;
     default:
-      text += "count 0 of [adc], which stands for " + mtf::three_digits(s.end_e) + unit + "," + mean + "; raise adc.offset";
+      text +=
+          "count 0 of [adc], which stands for " + mtf::three_digits(s.end_e) + unit + "," + mean + "; raise adc.offset";
       break;
   }
   if (s.saturated()) return text;
   const HeldScatter left = held_scatter(s.sigmas);
-  return text + "; slope, noise and NETD are " + mtf::three_digits(left.slope) + ", " + mtf::three_digits(left.sd) + " and " +
-         mtf::three_digits(left.sd / left.slope) + " of the figures, at worst";
+  return text + "; slope, noise and NETD are " + mtf::three_digits(left.slope) + ", " + mtf::three_digits(left.sd) +
+         " and " + mtf::three_digits(left.sd / left.slope) + " of the figures, at worst";
 }
 
 double HeldPixels::share() const {

@@ -43,19 +43,20 @@ inline std::string with_metrics(const std::string& list, const std::string& rest
 
 /// Central differences of fourth order on the whole chain against autodiff; relative to value / parameter where a
 /// derivative is far below that, the value being counted as 1e-3 at least: errors of ratios are absolute.
-inline void expect_gradient(const Folder& folder, const std::string& text, std::int64_t design, double bar) {
+inline void expect_gradient(const Folder& folder, const std::string& text, std::int64_t design, double bar,
+                            double reference_tolerance = 1e-11, double step = 1e-3) {
   Evaluated e = evaluated(folder, text);
   std::vector<double> axes(e.study->axes.size());
   study::design_at(*e.study, design, axes);
   const study::Gradient gradient = e.evaluator->gradient_at(axes);
   auto tight = std::make_shared<study::Study>(*e.study);
-  tight->tolerance = 1e-11;
+  tight->tolerance = reference_tolerance;
   study::Evaluator reference(tight);
   const std::size_t width = e.columns.size();
   std::size_t parameter = 0;
   for (std::size_t a = 0; a < axes.size(); ++a) {
     if (e.study->axes[a].discrete()) continue;
-    const double h = 1e-3 * axes[a];
+    const double h = step * axes[a];
     const auto at = [&](double steps) {
       std::vector<double> moved = axes, row(width);
       moved[a] += steps * h;

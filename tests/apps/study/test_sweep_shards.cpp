@@ -154,7 +154,7 @@ TEST(SweepShards, AStoppedMergeGoesOn) {
   ASSERT_EQ(scratch.run("mtf sweep submit plan --engine local --submit").status, 0);
   const Result stopped = scratch.run(
       "mtf sweep merge plan -o merged --accuracy & pid=$!\n"
-      "for i in $(seq 3000); do [ -e merged/designs.csv ] && break; sleep 0.01; done\n"
+      "for i in $(seq 3000); do [ -e merged/.mtf-new/new/designs.csv ] && break; sleep 0.01; done\n"
       "kill -KILL $pid; wait $pid");
   EXPECT_EQ(stopped.status, 137);
   ASSERT_TRUE(fs::exists(scratch / "merged/parts/key")) << "it was faster than the signal";

@@ -371,7 +371,7 @@ TEST(ConfigRoundTrip, RandomDoubles) {
         if (auto* const* v = std::get_if<Taps<double>*>(&field.value))
           **v = info.name == "vertices"
                     ? Taps<double>{{1.0 + draw(0.0, 1e5), 3.0}, {-draw(0.0, 1e6), 5.0}, {0.25, -draw(0.0, 1e6)}}
-                : kind == "psf" ? Taps<double>{{draw(0.0, 1e6), 3.0, draw(0.0, 1e6)}}
+                : kind == "psf" ? Taps<double>{{draw(0.0, 1e-6), draw(1.0, 1e6), draw(0.0, 1e-6)}}
                                 : Taps<double>{{draw(-1e6, 1e6), 3.0, -draw(0.0, 1e6)}};
       }
       const Stages stages = component.stages();
