@@ -35,6 +35,18 @@ class Unknowns {
       place += own.size();
     }
     x_ = place;
+    // Gradients of plateaus are in the unit of these, and 0 to begin with.
+    constexpr std::ptrdiff_t kGradients = 4;
+    for (std::size_t b = 0; b < problem.blocks.size(); ++b) {
+      const auto* edge = std::get_if<EdgeBlock>(&problem.blocks[b]);
+      if (edge == nullptr || !edge->gradients()) continue;
+      const auto first = scale_.begin() + (own_[b] - all_.data()), end = first + std::ssize(problem.own[b]);
+      const double unit = *std::max_element(first, end - kGradients);
+      for (auto scale = end - kGradients; scale != end; ++scale) {
+        all_[static_cast<std::size_t>(scale - scale_.begin())] *= *scale / unit;
+        *scale = unit;
+      }
+    }
   }
   double* own(std::size_t block) const { return own_[block]; }
   double* x() const { return x_; }

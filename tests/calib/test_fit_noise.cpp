@@ -280,5 +280,27 @@ TEST(FitNoise, TheSandwichIsNeverNarrowerThanIndependentPixels) {
   EXPECT_EQ(sandwich_information(wider, 4.0 * wider)(2, 2), 0.0);
 }
 
+// Photon radiances have values of 1e18. Absolute limits of the solver held back unknowns in such units: the gradients
+// of the plateaus were lost, and the blur took their place.
+TEST(FitNoise, LargeUnitsOfTheImageDoNotMatter) {
+  made::Scene scene;
+  scene.gradient_dark = scene.gradient_bright = 5e-4;
+  scene.noise_sd = 0.003;
+  const mtf::Image image = made::make(made::Step::gaussian(0.21), scene);
+  const std::vector<FitParameter> sigma{fit_cases::parameter("presample[0].sigma", "gaussian.sigma")};
+  const auto fitted = [&](float unit) {
+    mtf::Image scaled = image.clone();
+    for (std::int64_t i = 0; i < scaled.size(); ++i) scaled.data()[i] *= unit;
+    made::Scene start;
+    for (double* value : {&start.dark, &start.bright}) *value *= static_cast<double>(unit);
+    return fit(fit_cases::data_of(fit_cases::gaussian(0.5), fit_cases::edge_of(scaled, start)), sigma);
+  };
+  const FitResult plain = fitted(1.0F), large = fitted(0x1p60F);
+  ASSERT_EQ(plain.status, FitStatus::converged);
+  EXPECT_EQ(large.status, FitStatus::converged);
+  EXPECT_NEAR(large.parameters[0].value, plain.parameters[0].value, 1e-6);
+  EXPECT_NEAR(plain.parameters[0].value, fit_cases::sigma_of(0.21), 0.02);
+}
+
 }  // namespace
 }  // namespace calib
