@@ -10,8 +10,8 @@
 
 namespace apps::python {
 
-/// The name of a file. In C++ it is bytes, in Python a text in which os.fsdecode has put what is no UTF-8 as lone
-/// surrogates (PEP 383): as a text it would be refused, or come back as an error.
+/// The name of a file: bytes in C++. In Python it is a text, in which os.fsdecode writes each byte that is not UTF-8 as
+/// a lone surrogate (PEP 383). Ordinary text conversion refuses such texts; this type converts them.
 struct FileName {
   std::string bytes;
   operator const std::string&() const { return bytes; }  // NOLINT: a name is a name

@@ -59,7 +59,7 @@ std::vector<radiometry::BudgetRow> observer_rows(const mtf::System<double>& syst
     mdtd.value =
         1e3 * observer.mdtd_k(seen, 1.0 / nyquist, radiometry::counted_cy_mrad(system, resolution->cutoff_cy_mm));
     for (radiometry::BudgetRow* row : {&mrtd, &mdtd})
-      if (!std::isfinite(row->value)) row->refused = "the MTF is 0 there, or the OTF has changed its sign before";
+      if (!std::isfinite(row->value)) row->refused = radiometry::kNotResolved;
   } catch (const mtf::Error& error) {
     mrtd.refused = mdtd.refused = error.what();
   }

@@ -32,20 +32,13 @@ std::string name_of(const Convection& convection) {
 
 std::optional<Validity> wind_validity(const Convection& convection) {
   constexpr double kStrongest_m_s = 30.0;
+  const auto below = [](std::string_view closure, std::string_view beyond) {
+    return Validity{closure, "wind", "m/s", 0.0, kStrongest_m_s, beyond};
+  };
   if (std::holds_alternative<McAdams>(convection))
-    return Validity{"convection mcadams",
-                    "wind",
-                    "m/s",
-                    0.0,
-                    kStrongest_m_s,
-                    "it was fitted below 5 m/s, and its film is some 20 % too large at 30 m/s"};
+    return below("convection mcadams", "it was fitted below 5 m/s, and its film is some 20 % too large at 30 m/s");
   if (std::holds_alternative<Tarp>(convection))
-    return Validity{"convection tarp",
-                    "wind",
-                    "m/s",
-                    0.0,
-                    kStrongest_m_s,
-                    "it comes from plates in winds of some m/s, and nothing is known of its film"};
+    return below("convection tarp", "it comes from plates in winds of some m/s, and nothing is known of its film");
   return std::nullopt;
 }
 

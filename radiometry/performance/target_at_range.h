@@ -60,6 +60,9 @@ SeenOtf<S> seen_otf(std::shared_ptr<const mtf::Resolution<S>> curves, const mtf:
           .reversal_cy_mrad = {reversal(mtf::Axis::x), reversal(mtf::Axis::y)}};
 }
 
+/// Why bars or a square are seen at no contrast.
+inline constexpr const char* kNotResolved = "the MTF is 0 there, or the OTF has changed its sign before";
+
 /// A sensor behind the air of one range.
 template <class S>
 struct SensorAtRange {

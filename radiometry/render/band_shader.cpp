@@ -4,8 +4,10 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <numbers>
 
 #include "mtf/parallel.h"
+#include "radiometry/scene/table_error.h"
 
 namespace radiometry::render {
 namespace {
@@ -226,12 +228,12 @@ std::size_t BandShader::shade(const VisibleSides& sides, const Point& camera, in
 double BandShader::reflected_error_k(const VisibleSides& sides, const VisibleSides::OtherViews& other,
                                      const Point& camera) const {
   using scene::operator-;
-  double squares = 0.0, variance = 0.0, count = 0.0;  // of sides that reflect
+  std::vector<double> differences;  // of sides that reflect
+  double variance = 0.0;
   for (std::size_t k = 0; k < other.number.size(); ++k) {
     const std::size_t number = other.number[k];
     const std::uint32_t finish = scene_.finish_of[sides.side(number)];
     if (!tables_->reflects(finish)) continue;
-    count += 1.0;
     const scene::Point& centre = sides.facet(number).centre;
     const double root = std::sqrt(scene::length(centre - camera));
     const PathGrid::Cell cell = grid_.cell_at(root, centre[2]);
@@ -249,14 +251,14 @@ double BandShader::reflected_error_k(const VisibleSides& sides, const VisibleSid
     }
     for (std::size_t i = other.first[k]; i < other.first[k + 1]; ++i)
       again += static_cast<double>(other.share[i]) * light_of(other.source[i]);
-    squares += 0.5 * (again - mean) * (again - mean);  // each set has half of the variance
+    differences.push_back(std::numbers::sqrt2 / 2.0 * (again - mean));  // each set has half of the variance
     if (again != mean) variance += std::max(0.0, square - mean * mean) / sides.rays();
   }
-  if (count == 0.0) return 0.0;
   constexpr double kAt_k = 300.0, kStep_k = 0.5;
   const auto black = [&](double kelvin) { return integral(nodes_, blackbody_at(nodes_, kelvin)); };
   const double per_k = (black(kAt_k + kStep_k) - black(kAt_k - kStep_k)) / (2.0 * kStep_k);
-  return std::sqrt(squares / count + variance / (count * count)) / per_k;
+  const std::size_t count = differences.size();
+  return scene::error_of(std::move(differences), variance, count).rms / per_k;
 }
 
 double BandShader::emissivity(std::size_t finish, double temperature_k) const {

@@ -50,9 +50,8 @@ class BandShader {
   void radiance(const VisibleParts& parts, const VisibleSides& sides, const MirrorRays& mirrors, bool shadows,
                 mtf::Image& out, int threads) const;
 
-  /// The rms error of the light that sides reflect, by rays, in K of a blackbody of 300 K, from a second set of them.
-  /// Two sets of few sides may agree by chance: the variance of independent
-  /// rays, over the number of sides, is added to the squares.
+  /// The rms error of the light that sides reflect, by rays, in K of a blackbody of 300 K, from a second set of them
+  /// (scene/table_error.h, with the variance of independent rays).
   double reflected_error_k(const VisibleSides& sides, const VisibleSides::OtherViews& other, const Point& camera) const;
 
   const RenderBand& band() const { return band_; }

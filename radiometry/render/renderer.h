@@ -3,11 +3,11 @@
 
 // Pictures of a scene in the bands of cameras: radiance at the aperture of every sample,
 //   L = tau [eps B(T) + (1 - eps) (light of sky, ground and other surfaces + sun)] + L_path
-// in one sum over the band (band_nodes.h, band_tables.h). Light is diffuse and constant over a side; the rays that tell
-// it are so many that their error is below half of the noise of each camera at the first frame, as far as RenderOptions
-// allows; that of later frames is told. Shadows of
-// the sun are traced where the sun adds more than 1e-3 of what a blackbody of the air gives; else a side is lit by the
-// share of it that is in the sun. A sample is the mean of n x n points (visibility/screen.h).
+// in one sum over the band (band_nodes.h, band_tables.h). Light is diffuse and constant over a side; the first frame
+// takes as many rays for it as bring their error below half of the noise of each camera, as far as RenderOptions
+// allows, and the error is told. Shadows of the sun are traced where the sun adds more than 1e-3 of what a blackbody of
+// the air gives; else a side is lit by the share of it that is in the sun. A sample is the mean of n x n points
+// (visibility/screen.h).
 
 #include <memory>
 #include <optional>

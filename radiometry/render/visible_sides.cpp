@@ -8,6 +8,7 @@
 
 #include "mtf/parallel.h"
 #include "radiometry/scene/sun_visibility.h"
+#include "radiometry/scene/table_error.h"
 
 namespace radiometry::render {
 
@@ -156,7 +157,6 @@ void VisibleSides::trace_again(int rays) {
 }
 
 VisibleSides::OtherViews VisibleSides::other_views(std::size_t count) const {
-  constexpr std::uint64_t kOtherRays = 0x9e3779b97f4a7c15;
   std::vector<std::size_t> shown;
   for (std::size_t n = 0; n < size(); ++n)
     if (shown_[n] != 0) shown.push_back(n);
@@ -168,7 +168,7 @@ VisibleSides::OtherViews VisibleSides::other_views(std::size_t count) const {
     other.number.push_back(shown[k * shown.size() / std::min(count, shown.size())]);
     sides.push_back(side_[other.number.back()]);
   }
-  trace(sides, kOtherRays, other.first, other.source, other.share);
+  trace(sides, scene::kOtherSet, other.first, other.source, other.share);
   return other;
 }
 

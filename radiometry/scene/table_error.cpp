@@ -10,8 +10,6 @@
 namespace radiometry::scene {
 namespace {
 
-constexpr std::uint64_t kOtherSet = 0x9e3779b97f4a7c15;  // added to the seed
-
 /// `count` of the numbers below `size` at random, rising; all where there are no more.
 std::vector<std::size_t> picked(std::size_t size, std::size_t count, std::uint64_t seed) {
   std::vector<std::size_t> numbers(size);

@@ -32,6 +32,9 @@ struct ViewError {
   TableError sky, surfaces;
 };
 
+/// What is added to the seed of a set for another one.
+inline constexpr std::uint64_t kOtherSet = 0x9e3779b97f4a7c15;
+
 /// The options of the second set, as one or eight.
 std::vector<ViewOptions> other_sets(const ViewOptions& options);
 /// A value by each of them.

@@ -171,7 +171,7 @@ TEST_F(Outputs, TheCurrentFolderAndLinksToFoldersAreOutputsToo) {
   EXPECT_TRUE(read_file(scratch_ / "real.csv").starts_with("frequency"));
 }
 
-// What is no ordinary file is refused at once: opening a pipe would wait for ever.
+// A pipe or a device in place of a file is refused at once: opening a pipe would wait for ever.
 TEST_F(Outputs, NoInputIsAPipeOrADevice) {
   write_file(scratch_ / "study.toml",
              "schema = 1\nsensor = \"pipe\"\nobjectives = [\"maximize mtf_nyquist\"]\n[[axis]]\nparameter = "

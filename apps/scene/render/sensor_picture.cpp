@@ -29,11 +29,11 @@ std::string words_of(const std::array<double, 3>& v) {
   return mtf::format_double(v[0]) + " " + mtf::format_double(v[1]) + " " + mtf::format_double(v[2]);
 }
 
-/// NETD at 300 K; 0 where the sensor has none.
+/// NETD at 300 K, without air, which is in the picture; 0 where the sensor has none.
 double netd_k(const mtf::io::SensorConfig& config) {
   constexpr double kScene_k = 300.0;
   try {
-    return budget_of(config.system, load_chain(config).sensor, kScene_k).netd_k;
+    return budget_of(config.system, load_chain(without_path(config)).sensor, kScene_k).netd_k;
   } catch (const mtf::UsageError&) {  // a budget that needs more than the light of a picture
     return 0.0;
   }

@@ -13,6 +13,7 @@
 #include "radiometry/performance/giqe.h"
 #include "radiometry/performance/ground_resolution.h"
 #include "radiometry/performance/sensitivity.h"
+#include "radiometry/performance/target_at_range.h"
 
 namespace study {
 
@@ -341,7 +342,7 @@ S metric_value(const MetricChoice& choice, const Design<S>& d, std::size_t at) {
       break;
   }
   if (row.effort == Effort::bars && std::isinf(mtf::value_of(observed_value(row.metric, d.observed))))
-    throw mtf::UsageError(std::string(row.name) + ": the MTF is 0 there, or the OTF has changed its sign before");
+    throw mtf::UsageError(std::string(row.name) + ": " + radiometry::kNotResolved);
   if (row.effort == Effort::bars || row.effort == Effort::air) return finite(observed_value(row.metric, d.observed));
   return d.budget ? finite(budget_value(row.metric, *d.budget)) : not_there<S>();
 }

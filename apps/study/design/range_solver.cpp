@@ -91,7 +91,7 @@ RangeRoot RangeSolver::root_of(const RangeTask& task, RangeModel<double>& model,
 }
 
 RangeSolver::Sensor RangeSolver::frozen(RangeModel<double>& model, double range_m) {
-  return model.behind(course_->between(range_m), range_m, model.seen(curves_at(model, nullptr, 0)));
+  return model.behind(course_->between(range_m), range_m, point_at(model, nullptr, 0).seen);
 }
 
 /// An OTF is nearly linear in the electrons of each wavelength, as those between the points of a panel are; what is
@@ -127,24 +127,27 @@ RangeSolver::Curves RangeSolver::between(const std::vector<Curves>& curves, cons
 }
 
 /// `panel`: null for the OTF without air.
-RangeSolver::Curves RangeSolver::curves_at(RangeModel<double>& model, const RangePanel* panel, std::size_t k) {
+const RangeSolver::Point& RangeSolver::point_at(RangeModel<double>& model, const RangePanel* panel, std::size_t k) {
   const std::tuple place(half_decades_, panel, k);
   auto found = points_.find(place);
   if (found == points_.end())
     found = points_
                 .emplace(place, Point{mtf::ResolutionMeter<double>(curves_alone(std::pow(10.0, -0.5 * half_decades_))),
-                                      nullptr})
+                                      nullptr,
+                                      {}})
                 .first;
   Point& point = found->second;
-  if (!point.curves)
+  if (!point.curves) {
     point.curves = std::make_shared<const mtf::Resolution<double>>(
         model.measured(panel != nullptr ? panel->colour[k] : course_->colour_at(0.0), point.meter));
-  return point.curves;
+    point.seen = model.seen(point.curves);
+  }
+  return point;
 }
 
 std::vector<RangeSolver::Curves> RangeSolver::curves_of(RangeModel<double>& model, const RangePanel& panel) {
   std::vector<Curves> curves;
-  for (std::size_t k = 0; k < panel.colour.size(); ++k) curves.push_back(curves_at(model, &panel, k));
+  for (std::size_t k = 0; k < panel.colour.size(); ++k) curves.push_back(point_at(model, &panel, k).curves);
   return curves;
 }
 
@@ -153,7 +156,7 @@ double RangeSolver::error_of(const RangeTask& task, RangeModel<double>& model, c
   const double range = root.found.range_m;
   Sensor sensor = followed(model, range);
   const double light = course_->error(range);
-  double otf = curves_at(model, nullptr, 0)->error;
+  double otf = point_at(model, nullptr, 0).curves->error;
   if (course_->moves_otf()) {
     const RangePanel& panel = course_->panel(range, true);
     const std::vector<Curves> curves = curves_of(model, panel);

@@ -31,7 +31,8 @@ class RangeSolver {
   Sensor followed(RangeModel<double>& model, double range_m);
   /// The OTF of a range between those at the points of the panel; null where these have panels of their own.
   static Curves between(const std::vector<Curves>& curves, const std::vector<double>& weight);
-  Curves curves_at(RangeModel<double>& model, const RangePanel* panel, std::size_t k);
+  struct Point;
+  const Point& point_at(RangeModel<double>& model, const RangePanel* panel, std::size_t k);
   std::vector<Curves> curves_of(RangeModel<double>& model, const RangePanel& panel);
   static double error_between(const std::vector<Curves>& curves, double end_cy_mm);
   double error_of(const RangeTask& task, RangeModel<double>& model, const RangeRoot& root);
@@ -42,6 +43,7 @@ class RangeSolver {
   struct Point {
     mtf::ResolutionMeter<double> meter;
     Curves curves{};
+    radiometry::SeenOtf<double> seen{};  ///< of the curves
   };
   /// By half decades, panel (null: without air) and point.
   std::map<std::tuple<int, const RangePanel*, std::size_t>, Point> points_{};

@@ -155,17 +155,15 @@ TiffOthers other_images(TIFF* tiff) {
 
 void require_main_image(const std::string& path, TIFF* tiff, const TiffOthers& others) {
   const TiffImage first = image_of(tiff);
-  for (std::size_t i = 0; i < others.pages.size(); ++i)
-    if ((others.pages[i].kind & FILETYPE_MASK) != 0 && (first.kind & kNotMain) == 0)
-      throw RuntimeError(path + ": its page " + std::to_string(i + 2) +
+  const auto refuse_mask = [&](const TiffImage& other, const std::string& name) {
+    if ((other.kind & FILETYPE_MASK) != 0 && (first.kind & kNotMain) == 0)
+      throw RuntimeError(path + ": " + name +
                          " is a mask of the pixels that hold data, which is not applied; write the pixels without data "
                          "as NaN, or with a value that GDAL_NODATA names, and leave the mask out");
-  for (const TiffImage& below : others.below)
-    if ((below.kind & FILETYPE_MASK) != 0 && (first.kind & kNotMain) == 0)
-      throw RuntimeError(
-          path +
-          ": an image in its SubIFDs is a mask of the pixels that hold data, which is not applied; write "
-          "the pixels without data as NaN, or with a value that GDAL_NODATA names, and leave the mask out");
+  };
+  for (std::size_t i = 0; i < others.pages.size(); ++i)
+    refuse_mask(others.pages[i], "its page " + std::to_string(i + 2));
+  for (const TiffImage& below : others.below) refuse_mask(below, "an image in its SubIFDs");
   if ((first.kind & kNotMain) == 0) return;
   const TiffImage *const page = largest(others.pages), *const below = largest(others.below);
   const bool in_page = page != nullptr && (below == nullptr || page->width > below->width);

@@ -11,24 +11,15 @@
 #include "radiometry/heat/weather/instant.h"
 #include "radiometry/heat/weather/schedule.h"
 #include "radiometry/heat/weather/weather_series.h"
+#include "tests/radiometry/heat/weather_cases.h"
 
 namespace radiometry::heat {
 namespace {
 
 using enum WeatherQuantity;
+using namespace test;
 
-constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr double kMissing = std::numeric_limits<double>::quiet_NaN();
-const Place kAlamosa{37.70 * kDegree, -105.92 * kDegree, 2317.0};
-const double kBegin = instant_of({2016, 1, 1});
-
-Weather hourly(Stamp stamp, std::vector<double> temperature, double step = 3600.0) {
-  Weather weather{.source = "test.csv", .stamp = stamp, .time_s = {}, .values = {}};
-  for (std::size_t i = 0; i < temperature.size(); ++i)
-    weather.time_s.push_back(kBegin + (static_cast<double>(i) + (stamp == Stamp::end ? 1.0 : 0.0)) * step);
-  weather[air_temperature] = std::move(temperature);
-  return weather;
-}
 
 std::string message(const std::function<void()>& action) {
   try {
@@ -38,8 +29,6 @@ std::string message(const std::function<void()>& action) {
   }
   return "nothing was thrown";
 }
-
-bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
 TEST(WeatherSeries, InstantsAreLinear) {
   const auto series = make_series(hourly(Stamp::instant, {280.0, 290.0, 285.0}), kAlamosa);
