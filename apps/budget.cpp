@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <nlohmann/json.hpp>
 
 #include "apps/budget_table.h"
 #include "apps/options.h"
@@ -13,12 +12,11 @@
 #include "apps/simulate/output_files.h"
 #include "apps/terminal/output.h"
 #include "apps/terminal/text_table.h"
-#include "apps/text/json_document.h"
+#include "apps/text/json.h"
 
 namespace apps {
 namespace {
 
-using Json = nlohmann::ordered_json;
 using Rows = std::vector<radiometry::BudgetRow>;
 
 /// Why figures have no value, but for saturation: each reason once, after the names of its rows.

@@ -3,21 +3,19 @@
 // `mtf check`: the promised accuracy of all numbers, compared with references on this machine and build.
 
 #include "apps/check/check.h"
-#include "apps/text/json_document.h"
 
 #include <chrono>
-#include <nlohmann/json.hpp>
 
 #include "apps/options.h"
 #include "apps/terminal/output.h"
 #include "apps/terminal/text_table.h"
+#include "apps/text/json.h"
 #include "mtf/units.h"
 
 namespace apps {
 namespace {
 
 using check::CheckResult;
-using Json = nlohmann::ordered_json;
 
 std::string_view verdict(const CheckResult& result) { return result.passed ? "PASS" : "FAIL"; }
 
@@ -47,10 +45,10 @@ std::string as_json(const std::vector<CheckResult>& results, std::size_t failed)
   json["failed"] = failed;
   json["checks"] = Json::array();
   for (const CheckResult& r : results) {
-    Json& item = json["checks"].emplace_back();
-    item = {{"component", r.component}, {"case", r.name},       {"values", r.count}, {"worst_abs", r.worst_abs},
-            {"worst_rel", r.worst_rel}, {"promise", r.promise}, {"passed", r.passed}};
+    Json item{{"component", r.component}, {"case", r.name},       {"values", r.count}, {"worst_abs", r.worst_abs},
+              {"worst_rel", r.worst_rel}, {"promise", r.promise}, {"passed", r.passed}};
     if (!r.passed) item["failure"] = one_line(r.failure);
+    json["checks"].push_back(std::move(item));
   }
   return json_document(json);
 }

@@ -4,8 +4,6 @@
 
 #include <sys/stat.h>
 
-#include <nlohmann/json.hpp>
-
 #include "apps/kinds.h"
 #include "apps/schema/schemas.h"
 #include "apps/sensor/sensor_air.h"
@@ -16,7 +14,7 @@
 #include "apps/sweep/study_file.h"
 #include "apps/terminal/output.h"
 #include "apps/terminal/text_table.h"
-#include "apps/text/json_document.h"
+#include "apps/text/json.h"
 #include "mtf/error.h"
 #include "mtf/io/config/config.h"
 #include "mtf/io/config/config_reader.h"
@@ -26,8 +24,6 @@
 
 namespace apps {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 int init(const ConfigOptions& options, const Global& global) {
   const bool to_stdout = options.file.empty() || options.file == "-";

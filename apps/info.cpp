@@ -4,21 +4,18 @@
 
 #include <algorithm>
 #include <cctype>
-#include <nlohmann/json.hpp>
 
 #include "apps/image/image_facts.h"
 #include "apps/sensor/sensor_file.h"
 #include "apps/sweep/study_file.h"
 #include "apps/terminal/output.h"
 #include "apps/terminal/text_table.h"
-#include "apps/text/json_document.h"
+#include "apps/text/json.h"
 #include "mtf/io/file_checks.h"
 #include "mtf/units.h"
 
 namespace apps {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 std::string format_name(mtf::io::Format format) {
   constexpr std::array names{"OpenEXR", "PNG", "TIFF", "JPEG"};

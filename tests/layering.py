@@ -32,6 +32,7 @@ RULES = [
     (r"(png|tiff|tiffio)\.h$", r"mtf/io/codecs/codecs_|tests/mtf/io/", "image codecs are private to the codec module"),
     (r"toml\+\+|toml\.hpp$", r"mtf/io/", "toml++ is private to mtf/io"),
     (r"ceres/", r"calib/|tests/|apps/study/", "Ceres is private to calib and apps/study"),
+    (r"nlohmann/", r"apps/text/json\.cpp|apps/scene/import/helper/|tests/", "nlohmann/json is private to apps/text/json.cpp"),
     (r"CLI/", r"apps/main\.cpp$", "CLI11 is private to apps/main.cpp"),
     (r"pybind11/", r"apps/python/", "pybind11 is private to apps/python"),
     (r"httplib\.h$", r"apps/live/server\.cpp$", "cpp-httplib is private to apps/live/server.cpp"),

@@ -3,17 +3,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <nlohmann/json.hpp>
 #include <numbers>
 
 #include "apps/terminal/text_table.h"
-#include "apps/text/json_document.h"
+#include "apps/text/json.h"
 #include "mtf/units.h"
 
 namespace apps {
 
 namespace air = radiometry::atmosphere;
-using Json = nlohmann::ordered_json;
 
 namespace {
 

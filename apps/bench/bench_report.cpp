@@ -3,21 +3,18 @@
 
 #include <algorithm>
 #include <map>
-#include <nlohmann/json.hpp>
 
 #include "apps/bench/bench_rivals.h"
 #include "apps/bench/machine.h"
 #include "apps/terminal/output.h"
 #include "apps/terminal/text_table.h"
-#include "apps/text/json_document.h"
+#include "apps/text/json.h"
 #include "mtf/engines/fft/fftw.h"
 #include "mtf/units.h"
 #include "mtf/version.h"
 
 namespace apps {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 std::string digits(const std::optional<double>& value, int count) { return value ? significant(*value, count) : ""; }
 

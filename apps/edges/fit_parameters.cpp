@@ -16,7 +16,6 @@ namespace {
 using calib::FittedParameter;
 using calib::Knowledge;
 using calib::RicherModel;
-using Json = nlohmann::ordered_json;
 using Correlation = std::vector<std::vector<double>>;
 
 bool has_value(const FittedParameter& p) {

@@ -3,11 +3,11 @@
 
 // Fitted numbers as a table, as JSON and as lines above a fitted file: what all fits of the command have in common.
 
-#include <nlohmann/json.hpp>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "apps/text/json.h"
 #include "calib/fit/fit.h"
 
 namespace apps {
@@ -28,11 +28,11 @@ std::string parameters_table(std::span<const calib::FittedParameter> parameters,
                              std::span<const calib::RicherModel> richer_models = {});
 
 /// "parameters", "correlation", "not_separable".
-void add_parameters(nlohmann::ordered_json& json, std::span<const calib::FittedParameter> parameters,
+void add_parameters(Json& json, std::span<const calib::FittedParameter> parameters,
                     std::span<const calib::NullDirection> not_separable,
                     const std::vector<std::vector<double>>& correlation);
 /// One of "parameters".
-nlohmann::ordered_json parameter_json(const calib::FittedParameter& parameter);
+Json parameter_json(const calib::FittedParameter& parameter);
 
 /// The file whose numbers were fitted.
 struct FitOrigin {

@@ -3,13 +3,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <nlohmann/json.hpp>
 #include <numbers>
 
 #include "apps/edges/fit_parameters.h"
 #include "apps/terminal/output.h"
 #include "apps/terminal/text_table.h"
-#include "apps/text/json_document.h"
+#include "apps/text/json.h"
 #include "mtf/io/sha256.h"
 #include "mtf/units.h"
 #include "mtf/version.h"
@@ -20,7 +19,6 @@ namespace {
 using calib::FitResult;
 using calib::FittedParameter;
 using calib::Knowledge;
-using Json = nlohmann::ordered_json;
 
 std::string shown(const calib::Estimate& e) { return shown_with_error(e.value, e.sd) + " +- " + significant(e.sd, 2); }
 

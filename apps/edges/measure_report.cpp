@@ -3,14 +3,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <nlohmann/json.hpp>
 
 #include "apps/edges/edge_merits.h"
 #include "apps/edges/lateral_shift.h"
 #include "apps/edges/method_report.h"
 #include "apps/terminal/output.h"
 #include "apps/terminal/text_table.h"
-#include "apps/text/json_document.h"
+#include "apps/text/json.h"
 #include "mtf/units.h"
 #include "mtf/version.h"
 
@@ -19,7 +18,6 @@ namespace {
 
 using calib::EdgeMeasurement;
 using calib::Estimate;
-using Json = nlohmann::ordered_json;
 
 /// "0.3021 +- 0.0017", as many digits as the deviation has.
 std::string shown(const std::optional<Estimate>& estimate) {

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/edges/method_report.h"
 
-#include <nlohmann/json.hpp>
-
 #include "apps/terminal/text_table.h"
+#include "apps/text/json.h"
 
 namespace apps {
 namespace {
@@ -21,10 +20,8 @@ FigureChange figures_of(const calib::EdgeMeasurement& edge) {
           edge.nyquist ? std::optional(edge.nyquist->value) : std::nullopt};
 }
 
-nlohmann::ordered_json comparison_figures(const FigureChange& figures, const FrequencyScale& scale) {
-  const auto or_null = [](const std::optional<double>& value) {
-    return value ? nlohmann::ordered_json(*value) : nlohmann::ordered_json();
-  };
+Json comparison_figures(const FigureChange& figures, const FrequencyScale& scale) {
+  const auto or_null = [](const std::optional<double>& value) { return value ? Json(*value) : Json(); };
   return {{"mtf50", or_null(mtf50_in_unit(figures, scale))}, {"nyquist", or_null(figures.nyquist)}};
 }
 
@@ -88,17 +85,17 @@ std::string comparison_columns(const MeasuredEdge& edge) {
   return cell(mtf50_in_unit(figures, edge.scale)) + cell(figures.nyquist);
 }
 
-nlohmann::ordered_json comparison_json(const MeasuredEdge& edge) {
+Json comparison_json(const MeasuredEdge& edge) {
   if (!edge.standard) return {};
   const calib::Iso12233Result& standard = edge.standard->result;
-  nlohmann::ordered_json json = comparison_figures(figures_of(standard), edge.scale);
-  json["reason"] = standard.reason.empty() ? nlohmann::ordered_json() : nlohmann::ordered_json(standard.reason);
+  Json json = comparison_figures(figures_of(standard), edge.scale);
+  json["reason"] = standard.reason.empty() ? Json() : Json(standard.reason);
   if (!edge.standard->difference) return json;
   const calib::Iso12233Difference& difference = *edge.standard->difference;
   json["difference"] = comparison_figures(difference.total, edge.scale);
-  json["reasons"] = nlohmann::ordered_json::array();
+  json["reasons"] = Json::array();
   for (const calib::Iso12233Reason& reason : difference.reasons) {
-    nlohmann::ordered_json one{{"reason", reason.reason}};
+    Json one{{"reason", reason.reason}};
     one.update(comparison_figures(reason.change, edge.scale));
     json["reasons"].push_back(std::move(one));
   }

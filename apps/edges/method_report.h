@@ -3,10 +3,10 @@
 
 // The response of ISO 12233 beside the MTF of the same edges, and why they differ.
 
-#include <nlohmann/json_fwd.hpp>
 #include <string>
 
 #include "apps/edges/measure_report.h"
+#include "apps/text/json.h"
 
 namespace apps {
 
@@ -19,6 +19,6 @@ std::string comparison_header(const MeasureReport& report);
 std::string comparison_columns(const MeasuredEdge& edge);
 
 /// Figures of ISO 12233, the reasons of the difference with their sizes, and what is left; null without a comparison.
-nlohmann::ordered_json comparison_json(const MeasuredEdge& edge);
+Json comparison_json(const MeasuredEdge& edge);
 
 }  // namespace apps

@@ -7,7 +7,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <nlohmann/json.hpp>
 #include <numbers>
 
 #include "apps/arguments.h"
@@ -20,14 +19,13 @@
 #include "apps/terminal/output.h"
 #include "apps/terminal/output_set.h"
 #include "apps/terminal/text_table.h"
-#include "apps/text/json_document.h"
+#include "apps/text/json.h"
 #include "mtf/io/config/config.h"
 
 namespace apps {
 namespace {
 
 using mtf::Complex;
-using Json = nlohmann::ordered_json;
 
 std::string as_table(const OtfCurves& curves) {
   const auto columns = curves.columns();

@@ -3,8 +3,6 @@
 
 namespace apps {
 
-using Json = nlohmann::ordered_json;
-
 namespace {
 
 void add_parts(Json& json, const OtfColumn& column) {

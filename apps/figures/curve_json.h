@@ -3,14 +3,13 @@
 
 // Curves as JSON: what `mtf curve --format json` prints, and what the live view sends to its page.
 
-#include <nlohmann/json.hpp>
-
 #include "apps/sensor/otf_curves.h"
+#include "apps/text/json.h"
 
 namespace apps {
 
 /// {"name", "unit", "angle_deg", "nyquist", "cutoff", "q", "frequency", "components", one member a list, "system"};
 /// OTFs have real and imaginary parts.
-nlohmann::ordered_json curves_json(const OtfCurves& curves);
+Json curves_json(const OtfCurves& curves);
 
 }  // namespace apps

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/live/answers.h"
 
-#include "apps/text/json_document.h"
+#include "apps/text/json.h"
 
 namespace apps::live {
 
 std::string error_of(const Answer& answer) {
-  const nlohmann::json json = nlohmann::json::parse(*answer.body, nullptr, false);
-  return json.is_object() && json.contains("error") ? json["error"].get<std::string>() : "";
+  const std::optional<Json> json = parsed_json(*answer.body);
+  return json && json->contains("error") ? json->at("error").get<std::string>() : "";
 }
 
 Answer json_answer(const Json& json, int status) {

@@ -4,11 +4,11 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
-#include <nlohmann/json.hpp>
 
 #include "apps/live/model.h"
 #include "apps/live/toml_blocks.h"
 #include "apps/sensor/sensor_chain.h"
+#include "apps/text/json.h"
 #include "apps/text/words.h"
 #include "mtf/error.h"
 #include "mtf/io/config/config_edit.h"
@@ -230,20 +230,20 @@ SensorConfig add_table(const SensorConfig& sensor, const std::string& name, cons
 
 }  // namespace
 
-std::vector<Edit> read_edits(const std::string& json) {
+std::vector<Edit> read_edits(const Json& list) {
   const auto fail = [](const char* what) { return UsageError(std::string("edits: ") + what); };
-  const nlohmann::json list = nlohmann::json::parse(json, nullptr, false);
   if (!list.is_array()) throw fail("a list belongs here");
   if (list.size() > kMostEdits) throw fail("more than 1000; save the sensor file and start from it");
   std::vector<Edit> edits;
-  for (const auto& item : list) {
-    const bool words = item.is_array() && item.size() >= 2 && item.size() <= 3 &&
-                       std::all_of(item.begin(), item.end(), [](const auto& word) { return word.is_string(); });
+  for (const Json& item : list.elements()) {
+    const bool words =
+        item.is_array() && item.size() >= 2 && item.size() <= 3 &&
+        std::all_of(item.elements().begin(), item.elements().end(), [](const Json& word) { return word.is_string(); });
     if (!words) throw fail("each is a list of two or three texts");
-    const auto kind = std::find(kKindNames.begin(), kKindNames.end(), item[0].template get<std::string>());
+    const auto kind = std::find(kKindNames.begin(), kKindNames.end(), item[0].get<std::string>());
     if (kind == kKindNames.end()) throw fail("set, unset, remove, off, on or add");
-    Edit edit{.kind = static_cast<Edit::Kind>(kind - kKindNames.begin()), .name = item[1].template get<std::string>()};
-    if (item.size() == 3) edit.value = item[2].template get<std::string>();
+    Edit edit{.kind = static_cast<Edit::Kind>(kind - kKindNames.begin()), .name = item[1].get<std::string>()};
+    if (item.size() == 3) edit.value = item[2].get<std::string>();
     if (edit.name.size() > kLongestName || edit.value.size() > kLongestValue) throw fail("a name or value is too long");
     const auto control = [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; };
     if (std::any_of(edit.name.begin(), edit.name.end(), control) ||

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "apps/sensor/sensor_kinds.h"
+#include "apps/text/json.h"
 #include "mtf/error.h"
 #include "mtf/io/config/config.h"
 
@@ -45,7 +46,7 @@ class RefusedEdit : public mtf::UsageError {
 };
 
 /// From JSON: [["set", "jitter.rms", "20 urad"], ...]. Throws UsageError.
-std::vector<Edit> read_edits(const std::string& json);
+std::vector<Edit> read_edits(const Json& list);
 
 /// The sensor with these edits. Throws RefusedEdit of the list "edits" for one that cannot be made, with the message of
 /// the reader, whose file name is that of the start.

@@ -21,7 +21,6 @@
 #include "apps/live/page_files.h"
 #include "apps/live/server.h"
 #include "apps/live/session.h"
-#include "apps/text/json_document.h"
 #ifdef MTFKIT_HAVE_SCENE
 #include "apps/live/space/scene_view.h"
 #include "apps/scene/render/sensor_picture.h"
@@ -32,6 +31,7 @@
 #include "apps/simulate/frames/frame_names.h"
 #include "apps/terminal/interrupt.h"
 #include "apps/terminal/output.h"
+#include "apps/text/json.h"
 #include "mtf/error.h"
 #include "mtf/io/config/config_reader.h"
 #include "mtf/io/file_checks.h"

@@ -84,7 +84,7 @@ Json row_json(const Parameter& parameter, const std::string& owner, const std::s
     row["words"] = Json::array();
     for (const std::string_view word : parameter.words) row["words"].push_back(std::string(word));
   }
-  if (!is_numeric(parameter.type) || row["control"] == "file") return row;
+  if (!is_numeric(parameter.type) || row["control"].get<std::string>() == "file") return row;
   // Without a value the slider begins at the example, which shows what is usual.
   const auto number = number_in(text.empty() ? example : text, parameter.dimension);
   if (!number) return row;

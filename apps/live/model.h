@@ -4,15 +4,12 @@
 // The sensor as the page shows it: every component and table with its rows, the values as written, and for each number
 // the ends of a slider. Rows come from the field tables (apps/sensor/sensor_kinds.h), values from the text of the file.
 
-#include <nlohmann/json.hpp>
-
 #include "apps/sensor/sensor_kinds.h"
+#include "apps/text/json.h"
 #include "mtf/io/config/config.h"
 #include "mtf/io/config/config_tree.h"
 
 namespace apps::live {
-
-using Json = nlohmann::ordered_json;
 
 /// {"name", "components": [{"label", "kind", "list", "doc", "rows": [...]}], "tables": [{"name", ...}],
 /// "off": [{"number", "title"}], "kinds": what may be added}.

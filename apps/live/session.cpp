@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <nlohmann/json.hpp>
 
 #include "apps/budget_table.h"
 #include "apps/figures/curve_json.h"
@@ -19,6 +18,7 @@
 #include "apps/sensor/sensor_warnings.h"
 #include "apps/simulate/radiometric_chain.h"
 #include "apps/simulate/sensor_image.h"
+#include "apps/text/json.h"
 #include "mtf/error.h"
 #include "mtf/io/config/config_reader.h"
 #include "mtf/io/csv/curve_csv.h"
@@ -116,7 +116,7 @@ std::shared_ptr<const KeptFrame> Session::kept(const RequestBody& request) {
 
 Answer Session::answer(const std::string& place, const std::string& body) {
   try {
-    RequestBody request{nlohmann::json::parse(body, nullptr, false)};
+    const RequestBody request{parsed_json(body).value_or(Json())};
     if (!request.json.is_object()) return refusal("the body of a request is a JSON object", 400);
     if (place == "start") return start();
     if (place == "model") return model(request);

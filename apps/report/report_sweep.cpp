@@ -4,10 +4,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <nlohmann/json.hpp>
 #include <system_error>
 
 #include "apps/terminal/output.h"
+#include "apps/text/json.h"
 #include "mtf/error.h"
 #include "mtf/io/csv/csv_numbers.h"
 #include "mtf/io/sha256.h"
@@ -17,7 +17,6 @@ namespace apps {
 namespace {
 
 namespace fs = std::filesystem;
-using Json = nlohmann::json;
 
 /// A value of sweep.json with its place, for messages.
 class Node {
@@ -213,17 +212,10 @@ Sweep read_sweep(const fs::path& folder) {
   require_sweep(folder);
   const std::string file = (folder / "sweep.json").string();
   const std::string text = mtf::io::read_table_text(file);
-  // Only the text is kept while parsing, and deep nesting would use up the stack when freed.
-  const auto shallow = [](int depth, Json::parse_event_t, Json&) {
-    if (depth > 32) throw mtf::UsageError("nested too deeply");
-    return true;
-  };
   Json json;
   try {
-    json = Json::parse(text, shallow);
+    json = parse_json(text);
   } catch (const mtf::UsageError& error) {
-    throw mtf::UsageError(one_line(file) + ": " + error.what() + "; run `mtf sweep` again");
-  } catch (const Json::exception& error) {
     throw mtf::UsageError(one_line(file) + ": is no JSON, or incomplete; run `mtf sweep` again (" +
                           one_line(error.what()) + ")");
   }

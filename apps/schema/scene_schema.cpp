@@ -8,7 +8,7 @@
 #include "apps/scene/scene_file/scene_fields.h"
 #include "apps/schema/schema_values.h"
 #include "apps/schema/schemas.h"
-#include "apps/text/json_document.h"
+#include "apps/text/json.h"
 #include "mtf/units.h"
 
 namespace apps {

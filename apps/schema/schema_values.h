@@ -4,13 +4,10 @@
 // Values of TOML files as JSON Schema (draft-07): a number with its unit is a string of a pattern, a plain number has
 // its range. A schema cannot compare "15 um" with a range in mm: that is left to `mtf config check`.
 
-#include <nlohmann/json.hpp>
-
 #include "apps/sensor/sensor_kinds.h"
+#include "apps/text/json.h"
 
 namespace apps {
-
-using Json = nlohmann::ordered_json;
 
 /// One number, in a unit of its dimension. `lo`, `hi`: of plain ones.
 Json number_schema(const Parameter& parameter);

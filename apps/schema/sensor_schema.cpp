@@ -6,7 +6,7 @@
 
 #include "apps/schema/schema_values.h"
 #include "apps/schema/schemas.h"
-#include "apps/text/json_document.h"
+#include "apps/text/json.h"
 #include "mtf/io/config/config_schema.h"
 
 namespace apps {
@@ -59,7 +59,7 @@ Json table_schema(std::string_view name, const SensorKinds& kinds) {
     add_parameters(shared, table);
     return table;
   }
-  return variants.size() == 1 ? variants.front() : Json{{"anyOf", std::move(variants)}};
+  return variants.size() == 1 ? variants[0] : Json{{"anyOf", std::move(variants)}};
 }
 
 }  // namespace

@@ -8,7 +8,7 @@
 #include "apps/schema/schema_values.h"
 #include "apps/schema/schemas.h"
 #include "apps/study/study_shape.h"
-#include "apps/text/json_document.h"
+#include "apps/text/json.h"
 
 namespace apps {
 namespace {

@@ -3,16 +3,12 @@
 
 #include <sys/resource.h>
 
-#include <nlohmann/json.hpp>
-
-#include "apps/text/json_document.h"
+#include "apps/text/json.h"
 #include "mtf/engines/fft/fftw.h"
 #include "mtf/version.h"
 
 namespace apps {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 Json plan_json(const mtf::Plan& plan) {
   const mtf::PlanReport& r = plan.report();
@@ -183,7 +179,7 @@ std::string to_json(const RunReport& r) {
     json["post_plan"] = plan_json(*r.plan->post);
     const double post = r.plan->post->report().predicted.total();
     const double gain = (r.plan->predicted_error - post) / plan.predicted.total();
-    for (auto& part : json["plan"]["predicted_parts"]) part = part.get<double>() * gain;
+    for (Json& part : json["plan"]["predicted_parts"].elements()) part = part.get<double>() * gain;
     json["plan"]["predicted_parts"]["after_sampling"] = post;
   }
   json["plan"]["tolerance"] = r.tolerance;

@@ -2,13 +2,12 @@
 #include "apps/sweep/optimize_report.h"
 
 #include <cmath>
-#include <nlohmann/json.hpp>
 
 #include "apps/study/study_conditions.h"
 #include "apps/sweep/sweep_report.h"
 #include "apps/terminal/output.h"
 #include "apps/terminal/text_table.h"
-#include "apps/text/json_document.h"
+#include "apps/text/json.h"
 #include "mtf/version.h"
 
 namespace apps {
@@ -19,7 +18,6 @@ using study::Limit;
 using study::OptimizeOutcome;
 using study::Optimum;
 using study::Study;
-using Json = nlohmann::ordered_json;
 using Status = OptimizeOutcome::Status;
 
 constexpr int kDigits = 8;

@@ -4,14 +4,13 @@
 
 #include <algorithm>
 #include <chrono>
-#include <nlohmann/json.hpp>
 
 #include "apps/study/result_columns.h"
 #include "apps/sweep/sweep_report.h"
 #include "apps/terminal/output.h"
 #include "apps/terminal/progress_line.h"
 #include "apps/terminal/text_table.h"
-#include "apps/text/json_document.h"
+#include "apps/text/json.h"
 #include "mtf/error.h"
 #include "mtf/io/stage.h"
 #include "mtf/parallel.h"

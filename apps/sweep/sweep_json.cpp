@@ -5,19 +5,17 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <nlohmann/json.hpp>
 
 #include "apps/bench/machine.h"
 #include "apps/study/result_columns.h"
 #include "apps/study/rows/sweep_rows.h"
 #include "apps/study/study_conditions.h"
 #include "apps/sweep/sweep_report.h"
+#include "apps/text/json.h"
 #include "mtf/version.h"
 
 namespace apps {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 constexpr std::size_t kMostFront = 10'000;  // designs of the front that are listed
 constexpr std::array kRoles{"axis", "link", "metric", "objective", "feasible", "yield", "error", "pareto"};

@@ -3,12 +3,11 @@
 
 // What is known of a finished sweep: for sweep.json and for standard output.
 
-#include <nlohmann/json_fwd.hpp>
-
 #include "apps/study/statistics/accuracy.h"
 #include "apps/study/statistics/sensitivity.h"
 #include "apps/study/statistics/tally.h"
 #include "apps/sweep/sweep_parts.h"
+#include "apps/text/json.h"
 
 namespace apps {
 
@@ -47,10 +46,10 @@ std::vector<std::size_t> active_constraints(const SweepReport& report, std::span
 std::vector<std::size_t> violated_constraints(const SweepReport& report, std::span<const double> row);
 
 /// A number in JSON; null where it is not finite.
-nlohmann::ordered_json number_or_null(double value);
+Json number_or_null(double value);
 
 /// sweep.json.
-nlohmann::ordered_json to_json(const SweepReport& report);
+Json to_json(const SweepReport& report);
 
 /// What the command says, for people.
 std::string sweep_summary(const SweepReport& report);

@@ -11,9 +11,9 @@ namespace {
 constexpr double kFarthest_m = 1e6;
 constexpr double kNearest_m = 1e-3;
 
-std::array<double, 3> point_of(const nlohmann::json& request, const char* key, const std::array<double, 3>& otherwise) {
-  const auto found = request.find(key);
-  if (found == request.end() || found->is_null()) return otherwise;
+std::array<double, 3> point_of(const Json& request, const char* key, const std::array<double, 3>& otherwise) {
+  const Json* found = request.find(key);
+  if (!found || found->is_null()) return otherwise;
   std::array<double, 3> point{};
   bool good = found->is_array() && found->size() == 3;
   for (std::size_t i = 0; good && i < 3; ++i) {
@@ -27,15 +27,15 @@ std::array<double, 3> point_of(const nlohmann::json& request, const char* key, c
 
 }  // namespace
 
-Viewpoint viewpoint_of(const nlohmann::json& request, const Space& space) {
+Viewpoint viewpoint_of(const Json& request, const Space& space) {
   Viewpoint from{.position_m = point_of(request, "position", space.start.position_m),
                  .look_at_m = point_of(request, "look_at", space.start.look_at_m),
                  .utc_s = space.start.utc_s};
   const double range = std::hypot(from.position_m[0] - from.look_at_m[0], from.position_m[1] - from.look_at_m[1],
                                   from.position_m[2] - from.look_at_m[2]);
   if (!(range >= kNearest_m)) throw mtf::UsageError("position: the camera looks at its own position");
-  const auto time = request.find("utc_s");
-  if (time == request.end() || time->is_null()) return from;
+  const Json* time = request.find("utc_s");
+  if (!time || time->is_null()) return from;
   if (!time->is_number() || !(time->get<double>() >= space.begin_s && time->get<double>() <= space.end_s))
     throw mtf::UsageError("utc_s: a time that the temperatures have belongs here, from " +
                           std::to_string(std::llround(space.begin_s)) + " to " +

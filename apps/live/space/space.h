@@ -31,6 +31,6 @@ struct Space {
 
 /// "position", "look_at" and "utc_s" of a request; what is missing is that of the start. Whole seconds. Throws
 /// UsageError for what is no number, out of range, or a camera that looks at its own position.
-Viewpoint viewpoint_of(const nlohmann::json& request, const Space& space);
+Viewpoint viewpoint_of(const Json& request, const Space& space);
 
 }  // namespace apps::live

@@ -3,7 +3,6 @@
 // `mtf bench scene.toml -o DIR`: what each tolerance of the temperatures costs: promised and realised error, and time.
 
 #include <algorithm>
-#include <nlohmann/json.hpp>
 
 #include "apps/bench/machine.h"
 #include "apps/figures/plot.h"
@@ -14,7 +13,7 @@
 #include "apps/terminal/output_set.h"
 #include "apps/terminal/progress_line.h"
 #include "apps/terminal/text_table.h"
-#include "apps/text/json_document.h"
+#include "apps/text/json.h"
 #include "mtf/error.h"
 #include "mtf/version.h"
 
@@ -22,7 +21,6 @@ namespace apps {
 namespace {
 
 using namespace scene;
-using Json = nlohmann::ordered_json;
 
 struct Rung {
   double tolerance_k = 0.0;

@@ -12,7 +12,6 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <nlohmann/json.hpp>
 
 #include "apps/bench/machine.h"
 #include "apps/figures/plot.h"
@@ -25,7 +24,7 @@
 #include "apps/terminal/output_set.h"
 #include "apps/terminal/progress_line.h"
 #include "apps/terminal/text_table.h"
-#include "apps/text/json_document.h"
+#include "apps/text/json.h"
 #include "mtf/error.h"
 #include "mtf/survey/statistics.h"
 #include "mtf/version.h"
@@ -37,7 +36,6 @@ namespace {
 namespace fs = std::filesystem;
 namespace render = radiometry::render;
 using namespace scene;
-using Json = nlohmann::ordered_json;
 
 struct PictureRung {
   int points = 1;  ///< n x n of a sample

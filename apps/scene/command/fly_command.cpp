@@ -7,7 +7,6 @@
 #include <filesystem>
 #include <future>
 #include <limits>
-#include <nlohmann/json.hpp>
 #include <set>
 
 #include "apps/scene/command/fly_options.h"
@@ -24,7 +23,7 @@
 #include "apps/terminal/output.h"
 #include "apps/terminal/progress_line.h"
 #include "apps/terminal/text_table.h"
-#include "apps/text/json_document.h"
+#include "apps/text/json.h"
 #include "mtf/error.h"
 #include "mtf/io/config/schedule.h"
 #include "mtf/survey/statistics.h"
@@ -187,13 +186,13 @@ std::string words(const WrittenValues& values, const FlyCommandOptions& options,
   return text + "\n";
 }
 
-nlohmann::json json_of(const StageTimes& times, std::size_t frames, double first_ms, const Flight& flight,
-                       const FlightFrame& last, const std::vector<std::string>& left) {
-  nlohmann::json json;
+Json json_of(const StageTimes& times, std::size_t frames, double first_ms, const Flight& flight,
+             const FlightFrame& last, const std::vector<std::string>& left) {
+  Json json;
   json["frames"] = frames;
   json["first_frame_ms"] = first_ms;
-  json["fps"] = nlohmann::json::object();
-  json["stage_ms"] = nlohmann::json::object();
+  json["fps"] = Json::object();
+  json["stage_ms"] = Json::object();
   for (const StageTimes::Row& row : times.rows(frames - 1)) {
     json["stage_ms"][row.name] = {{"min", row.least}, {"median", row.median}, {"most", row.most}};
     if (row.name == "frame") json["fps"] = {{"median", 1e3 / row.median}, {"least", 1e3 / row.most}};
@@ -327,9 +326,10 @@ int run_fly(const FlyCommandOptions& options, const Global& global) {
   if (writing.valid()) values.take(writing.get());
   const double fps = done > 1 ? 1e3 * static_cast<double>(done - 1) / running.ms() : 0.0;
   const std::vector<std::string> left = left_out(source, flight, frame, lights, late);
-  nlohmann::json json = json_of(times, done, first_ms, flight, frame, left);
-  json["tolerance"] = {{"asked", options.image.tolerance ? nlohmann::json(*options.image.tolerance) : nullptr},
+  Json json = json_of(times, done, first_ms, flight, frame, left);
+  json["tolerance"] = {{"asked", options.image.tolerance ? Json(*options.image.tolerance) : nullptr},
                        {"largest", loosest}};
+  json.sort();
   if (!options.report.empty()) emit(options.report, json_document(json));
   if (options.json) {
     print(json_document(json));

@@ -6,7 +6,6 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
-#include <nlohmann/json.hpp>
 
 #include "apps/figures/plot.h"
 #include "apps/options.h"
@@ -21,6 +20,7 @@
 #include "apps/terminal/output_set.h"
 #include "apps/terminal/progress_line.h"
 #include "apps/terminal/text_table.h"
+#include "apps/text/json.h"
 #include "mtf/error.h"
 #include "radiometry/heat/weather/instant.h"
 
@@ -147,8 +147,10 @@ std::string summary_text(const HeatScene& scene, const HeatReport& report, const
 /// The results so far of a run that was interrupted.
 bool holds_part(const std::string& folder) {
   std::ifstream file(folder + "/heat.json");
-  const nlohmann::json json = file ? nlohmann::json::parse(file, nullptr, false) : nlohmann::json();
-  return json.is_object() && json.contains("closures") && json.value("finished", true) == false;
+  const std::optional<Json> json = parsed_json(std::string{std::istreambuf_iterator<char>(file), {}});
+  if (!json || !json->contains("closures")) return false;
+  const Json* finished = json->find("finished");
+  return finished && finished->is_boolean() && !finished->get<bool>();
 }
 
 }  // namespace

@@ -2,20 +2,17 @@
 #include "apps/scene/command/heat_fit_report.h"
 
 #include <cmath>
-#include <nlohmann/json.hpp>
 
 #include "apps/edges/fit_parameters.h"
 #include "apps/terminal/output.h"
 #include "apps/terminal/text_table.h"
-#include "apps/text/json_document.h"
+#include "apps/text/json.h"
 #include "mtf/io/sha256.h"
 #include "mtf/version.h"
 #include "radiometry/heat/weather/instant.h"
 
 namespace apps::scene {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 /// What the standard errors rest on.
 std::string errors_text(const HeatFit& fit) {

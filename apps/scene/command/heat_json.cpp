@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <nlohmann/json.hpp>
 
 #include "apps/scene/command/heat_files.h"
-#include "apps/text/json_document.h"
+#include "apps/text/json.h"
 #include "mtf/version.h"
 #include "radiometry/heat/weather/instant.h"
 
@@ -10,7 +9,6 @@ namespace apps::scene {
 namespace {
 
 namespace heat = radiometry::heat;
-using Json = nlohmann::ordered_json;
 
 constexpr const char* kEvaporation = "bulk, w h / gamma (e_s(T) - e), h of the wind, FAO-56 gamma, Magnus over water";
 

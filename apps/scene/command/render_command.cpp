@@ -20,7 +20,7 @@
 #include "apps/terminal/output.h"
 #include "apps/terminal/output_set.h"
 #include "apps/terminal/progress_line.h"
-#include "apps/text/json_document.h"
+#include "apps/text/json.h"
 #include "mtf/error.h"
 #include "radiometry/heat/weather/instant.h"
 
@@ -242,9 +242,10 @@ std::string render_pictures(const RenderCommandOptions& options, const Global& g
   }
   outputs.commit();
   if (!options.json) return render_summary(options, {scene, sensors, frame, metadata}, names);
-  nlohmann::json json = render_json({scene, sensors, frame, metadata}, names);
+  Json json = render_json({scene, sensors, frame, metadata}, names);
   json["timing_ms"]["write"] = writing.ms();
   json["timing_ms"]["all"] = all.ms();
+  json.sort();
   return json_document(json);
 }
 

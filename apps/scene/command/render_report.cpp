@@ -12,9 +12,9 @@ namespace apps {
 
 namespace fs = std::filesystem;
 
-nlohmann::json render_json(const RenderOutputs& made, const std::vector<std::string>& outputs) {
+Json render_json(const RenderOutputs& made, const std::vector<std::string>& outputs) {
   const auto& [scene, sensors, frame, metadata] = made;
-  nlohmann::json json;
+  Json json;
   for (const auto& [name, text] : metadata.front().text) json["attributes"][name] = text;
   for (const auto& [name, text] : scene.closures) json["closures"][name] = text;
   json["divided_samples"] = frame.divided;
@@ -30,9 +30,12 @@ nlohmann::json render_json(const RenderOutputs& made, const std::vector<std::str
     json["view_rays"] = frame.view_rays;
     for (std::size_t b = 0; b < outputs.size(); ++b) json["pictures"][b]["reflected_error_K"] = frame.reflected_k[b];
   }
-  json["timing_ms"] = nlohmann::json::object();
+  json["timing_ms"] = Json::object();
   for (const auto& times : {scene.timing_ms, frame.timing_ms})
-    for (const auto& [name, ms] : times) json["timing_ms"][name] = json["timing_ms"].value(name, 0.0) + ms;
+    for (const auto& [name, ms] : times) {
+      Json& time = json["timing_ms"][name];
+      time = (time.is_null() ? 0.0 : time.get<double>()) + ms;
+    }
   return json;
 }
 

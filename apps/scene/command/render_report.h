@@ -3,12 +3,12 @@
 
 // What `mtf render` prints of the pictures that it made.
 
-#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
 #include "apps/scene/command/render_options.h"
 #include "apps/scene/render/sensor_picture.h"
+#include "apps/text/json.h"
 
 namespace apps {
 
@@ -20,7 +20,7 @@ struct RenderOutputs {
   const std::vector<mtf::io::Metadata>& metadata;
 };
 
-nlohmann::json render_json(const RenderOutputs& made, const std::vector<std::string>& outputs);
+Json render_json(const RenderOutputs& made, const std::vector<std::string>& outputs);
 
 /// What was made, and the commands that come next.
 std::string render_summary(const RenderCommandOptions& options, const RenderOutputs& made,

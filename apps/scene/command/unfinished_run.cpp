@@ -6,10 +6,9 @@
 #include <fstream>
 #include <iterator>
 #include <limits>
-#include <nlohmann/json.hpp>
 
 #include "apps/terminal/output.h"
-#include "apps/text/json_document.h"
+#include "apps/text/json.h"
 #include "mtf/error.h"
 #include "mtf/io/atomic_file.h"
 #include "mtf/io/sha256.h"
@@ -17,7 +16,6 @@
 namespace apps::scene {
 namespace {
 
-using Json = nlohmann::json;
 constexpr std::string_view kMagic = "mtf heat, unfinished\n";
 
 [[noreturn]] void refuse(const std::string& folder, const std::string& why) {
@@ -53,10 +51,11 @@ void remove_unfinished(const std::string& folder) {
 
 // A line that says what it is, the hash of all that follows, a line of JSON, the checkpoint.
 void write_unfinished(const std::string& folder, const UnfinishedRun& run) {
-  Json regions = Json::array();
+  Json fingerprints = Json::array(), regions = Json::array();
+  for (const auto& [what, print] : run.fingerprints) fingerprints.push_back({what, print});
   for (const auto& output : run.outputs.regions)
     for (const RegionTemperature& region : output) regions.push_back({region.least_k, region.mean_k, region.most_k});
-  const Json head = {{"fingerprints", run.fingerprints}, {"times_s", run.outputs.times_s}, {"regions", regions}};
+  const Json head = {{"fingerprints", fingerprints}, {"times_s", run.outputs.times_s}, {"regions", regions}};
   const std::string all = json_document(head, -1) + bytes_of(run.checkpoint);
   mtf::io::write_text_file(unfinished_path(folder), std::string(kMagic) + mtf::io::sha256_hex(all) + all);
 }
@@ -70,26 +69,30 @@ UnfinishedRun read_unfinished(const std::string& folder, const Fingerprints& now
   if (end == std::string::npos || mtf::io::sha256_hex(bytes) != read.substr(kMagic.size(), kHash))
     refuse(folder, "but its unfinished.bin is damaged");
   UnfinishedRun run;
+  std::size_t outputs = 0;
   try {
-    const Json head = Json::parse(bytes.substr(0, end));
-    head.at("fingerprints").get_to(run.fingerprints);
-    head.at("times_s").get_to(run.outputs.times_s);
-    const std::size_t outputs = run.outputs.times_s.size();
-    if (outputs == 0 || head.at("regions").size() != outputs * regions) throw mtf::RuntimeError("regions");
+    const Json head = parse_json(bytes.substr(0, end));
+    for (const Json& one : head.at("fingerprints").elements())
+      run.fingerprints.emplace_back(one[0].get<std::string>(), one[1].get<std::string>());
+    for (const Json& time : head.at("times_s").elements()) run.outputs.times_s.push_back(time.get<double>());
+    outputs = run.outputs.times_s.size();
+    if (outputs == 0 || head.at("regions").size() != outputs * regions) throw mtf::UsageError("regions");
     for (std::size_t i = 0; i < outputs; ++i) {
       run.outputs.regions.emplace_back();
       for (std::size_t r = 0; r < regions; ++r) {
-        const Json& one = head.at("regions").at(i * regions + r);
-        run.outputs.regions.back().push_back({kelvin_of(one.at(0)), kelvin_of(one.at(1)), kelvin_of(one.at(2))});
+        const Json& one = head.at("regions")[i * regions + r];
+        run.outputs.regions.back().push_back({kelvin_of(one[0]), kelvin_of(one[1]), kelvin_of(one[2])});
       }
     }
-    for (std::size_t i = 0; i < now.size(); ++i)
-      if (i >= run.fingerprints.size() || run.fingerprints[i] != now[i])
-        refuse(folder, "and " + now[i].first + " is not what it was then");
+  } catch (const mtf::UsageError&) {
+    refuse(folder, "but its unfinished.bin is damaged");
+  }
+  for (std::size_t i = 0; i < now.size(); ++i)
+    if (i >= run.fingerprints.size() || run.fingerprints[i] != now[i])
+      refuse(folder, "and " + now[i].first + " is not what it was then");
+  try {
     run.checkpoint = checkpoint_of(bytes.substr(end + 1));
     if (run.checkpoint.outputs != outputs) throw mtf::RuntimeError("outputs");
-  } catch (const Json::exception&) {
-    refuse(folder, "but its unfinished.bin is damaged");
   } catch (const mtf::RuntimeError&) {
     refuse(folder, "but its unfinished.bin is damaged");
   }

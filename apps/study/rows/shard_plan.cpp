@@ -4,10 +4,9 @@
 #include <algorithm>
 #include <fstream>
 #include <iterator>
-#include <nlohmann/json.hpp>
 #include <set>
 
-#include "apps/text/json_document.h"
+#include "apps/text/json.h"
 #include "mtf/error.h"
 #include "mtf/io/atomic_file.h"
 #include "mtf/io/file_checks.h"
@@ -17,8 +16,8 @@
 namespace study {
 namespace {
 
+using apps::Json;
 namespace fs = std::filesystem;
-using Json = nlohmann::ordered_json;
 
 constexpr std::size_t kShownHash = 12;  // digits of a hash in a file's name
 constexpr int kNamedShards = 20;        // that a message names one by one
@@ -32,7 +31,7 @@ Json read_json(const fs::path& folder) {
     throw mtf::UsageError(shown(folder) + ": holds no plan.json; make a plan with `mtf sweep plan STUDY -o " +
                           shown(folder) + " --shards N`");
   std::ifstream in(plan_file(folder), std::ios::binary);
-  return Json::parse(in, nullptr, false);
+  return apps::parsed_json(std::string{std::istreambuf_iterator<char>(in), {}}).value_or(Json());
 }
 
 void check_copies(const ShardPlan& plan, const fs::path& folder) {
@@ -91,16 +90,18 @@ ShardPlan read_plan(const fs::path& folder) {
   const Json json = read_json(folder);
   ShardPlan plan;
   try {
-    if (json.at("schema") != 1 || json.at("kind") != "sweep plan") throw mtf::UsageError("");
-    plan.version = json.at("version");
-    plan.commit = json.at("commit");
-    plan.name = json.at("study").at("name");
-    plan.study_sha256 = json.at("study").at("sha256");
-    plan.tolerance = json.at("tolerance");
-    plan.designs = json.at("designs");
-    plan.shards = json.at("shards");
-    plan.layout = {json.at("key"), json.at("columns")};
-    for (const Json& copy : json.at("files")) plan.files.push_back({copy.at("file"), copy.at("sha256")});
+    if (json.at("schema").get<int>() != 1 || json.at("kind").get<std::string>() != "sweep plan")
+      throw mtf::UsageError("");
+    plan.version = json.at("version").get<std::string>();
+    plan.commit = json.at("commit").get<std::string>();
+    plan.name = json.at("study").at("name").get<std::string>();
+    plan.study_sha256 = json.at("study").at("sha256").get<std::string>();
+    plan.tolerance = json.at("tolerance").get<double>();
+    plan.designs = json.at("designs").get<std::int64_t>();
+    plan.shards = json.at("shards").get<int>();
+    plan.layout = {json.at("key").get<std::string>(), json.at("columns").get<int>()};
+    for (const Json& copy : json.at("files").elements())
+      plan.files.push_back({copy.at("file").get<std::string>(), copy.at("sha256").get<std::string>()});
     for (const PlanFile& copy : plan.files) {  // nothing outside of the folder
       const fs::path name = fs::path(copy.file).lexically_normal();
       if (name.empty() || name.is_absolute() || *name.begin() == "..") throw mtf::UsageError("");

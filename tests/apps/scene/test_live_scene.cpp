@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <nlohmann/json.hpp>
 #include <thread>
 
 #include "apps/live/space/scene_rows.h"
@@ -41,9 +42,11 @@ std::string refusal_of(const SceneFolder& folder, const Values& values, std::siz
   return "";
 }
 
-Json row_named(const Json& model, const std::string& name) {
-  for (const Json& table : model["tables"])
-    for (const Json& row : table["rows"])
+nlohmann::json read(const Json& json) { return nlohmann::json::parse(json_document(json)); }
+
+nlohmann::json row_named(const nlohmann::json& model, const std::string& name) {
+  for (const auto& table : model["tables"])
+    for (const auto& row : table["rows"])
       if (row["name"] == name) return row;
   return {};
 }
@@ -98,26 +101,26 @@ TEST(LiveScene, WhatIsRefused) {
 }
 
 TEST(LiveScene, RowsHaveSlidersInTheUnitOfTheFile) {
-  const Json model = scene_json(scene_text());
-  const Json wind = row_named(model, "weather.wind_speed_factor");
+  const auto model = read(scene_json(scene_text()));
+  const auto wind = row_named(model, "weather.wind_speed_factor");
   EXPECT_FALSE(wind["given"]);
   EXPECT_EQ(wind["number"], 1.0);
-  const Json thickness = row_named(model, "material.armour.layers[0].thickness");
+  const auto thickness = row_named(model, "material.armour.layers[0].thickness");
   EXPECT_EQ(thickness["text"], "20 mm");
   EXPECT_EQ(thickness["unit"], "mm");
   EXPECT_EQ(thickness["number"], 20.0);
   EXPECT_NEAR(thickness["max"].get<double>(), 1e5, 1e-6);
   EXPECT_TRUE(thickness["log"]);
-  const Json engine = row_named(model, "material.armour.inside.temperature");
+  const auto engine = row_named(model, "material.armour.inside.temperature");
   EXPECT_EQ(engine["text"], "engine.csv");
   EXPECT_EQ(engine["unit"], "degC");
   EXPECT_NEAR(engine["min"].get<double>(), -273.15, 1e-9);
   EXPECT_LT(engine["low"].get<double>(), engine["number"].get<double>());
   // A constant keeps its keys in place of changes.
-  const Json constant = scene_json("[weather]\nwind_speed = \"3 m/s\"\n");
+  const auto constant = read(scene_json("[weather]\nwind_speed = \"3 m/s\"\n"));
   EXPECT_EQ(row_named(constant, "weather.wind_speed")["number"], 3.0);
   EXPECT_TRUE(row_named(constant, "weather.wind_speed_factor").is_null());
-  EXPECT_TRUE(scene_json("this is no TOML")["tables"].empty());
+  EXPECT_TRUE(scene_json("this is no TOML").at("tables").empty());
 }
 
 /// Finds until the scene is there.
