@@ -17,18 +17,19 @@ Command demo_command();
 Command simulate_command();
 Command bench_command();
 Command report_command();
-// Where cpp-httplib and esbuild are there.
 Command live_command();
+Command scene_command();
+Command heat_command();
+Command render_command();
+Command fly_command();
 // Where calib is built.
 Command measure_command();
 Command fit_command();
 // Where apps/study is built.
 Command sweep_command();
 Command optimize_command();
-// Where scenes are built.
-Command scene_command();
-Command heat_command();
-Command render_command();
-Command fly_command();
+
+/// The command `mtf` with these words: what it is called by comes first. Returns the exit code; never throws.
+int run_command(int argc, char** argv);
 
 }  // namespace apps

@@ -4,6 +4,7 @@
 
 #include "apps/command_line.h"
 #include "apps/commands.h"
+#include "apps/modules/modules.h"
 
 namespace apps {
 namespace {
@@ -191,7 +192,7 @@ Command fit_command() {
   add_text(app, "--residuals", "FOLDER", "residual images in standard deviations, an OpenEXR file an edge",
            options.residuals);
   add_force(app, options.force);
-  app.run = [shared](const Global& global) { return run_fit(*shared, global); };
+  app.run = [shared](const Global& global) { return fits_module().fit(*shared, global); };
   return app;
 }
 

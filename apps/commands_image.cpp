@@ -4,6 +4,7 @@
 
 #include "apps/command_line.h"
 #include "apps/commands.h"
+#include "apps/modules/modules.h"
 
 namespace apps {
 namespace {
@@ -154,22 +155,14 @@ Command bench_command() {
     const bool pictures = shared->scene.ends_with(".toml");
     if (!pictures && (!shared->temperatures.empty() || shared->position || shared->look_at))
       throw mtf::UsageError("--temperatures, --position and --look-at belong to a scene file with a sensor file");
-#ifdef MTFKIT_HAVE_SCENE
-    if (pictures) return run_bench_render(*shared, global);
-#else
-    if (pictures) throw mtf::UsageError("pictures of scene files are not part of this build");
-#endif
+    if (pictures) return scenes_module().bench_render(*shared, global);
     if (!shared->scene.empty()) {
       if (!shared->tolerances_k.empty()) throw mtf::UsageError("--tolerance belongs to a scene file without an image");
       return run_bench(*shared, global);
     }
     if (shared->channel || shared->layer || shared->part || shared->measure)
       throw mtf::UsageError("name the image of the scene; --channel, --layer, --part and --rigor belong to images");
-#ifdef MTFKIT_HAVE_SCENE
-    return run_bench_heat(*shared, global);
-#else
-    throw mtf::UsageError("name the image of the scene (scene files are not part of this build)");
-#endif
+    return scenes_module().bench_heat(*shared, global);
   };
   return app;
 }

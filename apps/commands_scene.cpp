@@ -7,6 +7,7 @@
 #include "apps/arguments.h"
 #include "apps/command_line.h"
 #include "apps/commands.h"
+#include "apps/modules/modules.h"
 #include "apps/scene/command/fly_options.h"
 #include "apps/scene/command/render_options.h"
 #include "apps/scene/render/layer_file.h"
@@ -26,7 +27,7 @@ Command scene_verb(const char* name, SceneOptions::Action action, const char* do
   } else {
     add_file(verb, "scene", "scene file (TOML)", shared->file);
   }
-  verb.run = [shared](const Global& global) { return run_scene(*shared, global); };
+  verb.run = [shared](const Global& global) { return scenes_module().scene(*shared, global); };
   return verb;
 }
 
@@ -143,7 +144,7 @@ Command render_command() {
   add_word(app, "--format", "FORMAT", "of standard output: table (default) or json",
            [&](const std::string& text) { options.json = choice("--format", text, kTableOrJson) == Format::json; });
   add_force(app, options.force);
-  app.run = [shared](const Global& global) { return run_render(*shared, global); };
+  app.run = [shared](const Global& global) { return scenes_module().render(*shared, global); };
   return app;
 }
 
@@ -215,7 +216,7 @@ Command fly_command() {
            [&](const std::string& text) { options.image.range = number_range("--range", text); });
   add_word(app, "--format", "FORMAT", "of standard output: table (default) or json",
            [&](const std::string& text) { options.json = choice("--format", text, kTableOrJson) == Format::json; });
-  app.run = [shared](const Global& global) { return run_fly(*shared, global); };
+  app.run = [shared](const Global& global) { return scenes_module().fly(*shared, global); };
   return app;
 }
 
@@ -282,11 +283,11 @@ Command heat_command() {
   add_force(app, options.force);
   app.run = [shared](const Global& global) {
 #ifdef MTFKIT_HAVE_CALIB
-    if (shared->fit) return run_heat_fit(*shared, global);
+    if (shared->fit) return scenes_module().heat_fit(*shared, global);
     if (!shared->fit_report.empty() || !shared->fit_plot.empty() || shared->allow_misfit)
       throw mtf::UsageError("--report, --plot and --allow-misfit belong to --fit");
 #endif
-    return run_heat(*shared, global);
+    return scenes_module().heat(*shared, global);
   };
   return app;
 }

@@ -4,7 +4,7 @@
 
 #include "apps/command_line.h"
 #include "apps/commands.h"
-#include "apps/schema/schemas.h"
+#include "apps/modules/modules.h"
 #include "apps/terminal/output.h"
 #include "mtf/error.h"
 #include "radiometry/sensor_settings.h"
@@ -152,12 +152,8 @@ Command config_command() {
   add_text(schema, "-o,--out", "FILE", "file to write; default: standard output", options.file);
   schema.run = [shared, of_file, other = action(ConfigOptions::Action::schema)](const Global& global) {
     if (*of_file != FileKind::scene) return other(global);
-#ifdef MTFKIT_HAVE_SCENE
-    emit(shared->file, scene_file_schema());
+    emit(shared->file, scenes_module().schema());
     return 0;
-#else
-    throw mtf::UsageError("scenes are not part of this build");
-#endif
   };
   app.commands = {init, check, explain, kinds, schema};
   return app;

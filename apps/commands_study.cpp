@@ -4,6 +4,7 @@
 
 #include "apps/command_line.h"
 #include "apps/commands.h"
+#include "apps/modules/modules.h"
 #include "apps/study/rows/shard_plan.h"
 
 namespace apps {
@@ -90,7 +91,7 @@ Command optimize_command() {
            "sensor file of the best design; with --each a folder, with best-1.toml, best-2.toml, ...", options.out);
   add_text(app, "--report", "FILE", "everything that was found, as JSON", options.report);
   add_force(app, options.force);
-  app.run = [shared](const Global& global) { return run_optimize(*shared, global); };
+  app.run = [shared](const Global& global) { return fits_module().optimize(*shared, global); };
   return app;
 }
 

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 
-// The command `mtf`: reads the command line (the only file that sees CLI11), calls one subcommand, and turns exceptions
-// into messages and exit codes: 0 ok, 1 run-time or I/O, 2 usage or config, 3 a check failed, 130 interrupted.
+// The command `mtf`, in the core library: reads the command line (the only file that sees CLI11), calls one subcommand,
+// and turns exceptions into messages and exit codes: 0 ok, 1 run-time or I/O, 2 usage or config, 3 a check failed, 130
+// interrupted.
 
 #include <CLI/App.hpp>
 #include <CLI/Config.hpp>
@@ -12,6 +13,7 @@
 #include <new>
 
 #include "apps/commands.h"
+#include "apps/modules/modules.h"
 #include "apps/terminal/interrupt.h"
 #include "apps/terminal/output.h"
 #include "apps/terminal/usage_errors.h"
@@ -80,7 +82,7 @@ std::string version_text() {
   const std::string number = fft.starts_with("fftw-") ? fft.substr(5, fft.find('-', 5) - 5) : fft;
   return std::string("mtf ") + mtf::version + "\ncommit: " + mtf::git_commit + "\ncompiler: " + mtf::compiler +
          "\nFFT: fftw " + number +
-         " (GPL)\nlicence: Apache-2.0; a binary that contains FFTW is passed on under the GPL";
+         " (GPL)\nlicence: Apache-2.0; a binary that contains FFTW is passed on under the GPL\n" + modules_text();
 }
 
 /// What CLI11 complains about, with the word that was probably meant.
@@ -105,32 +107,28 @@ std::string parse_complaint(const CLI::App& root, const CLI::ParseError& error) 
   return usage_complaint(command, root.remaining(true), options, commands, error.what());
 }
 
-int run(int argc, char** argv) {
+int parse_and_run(int argc, char** argv) {
   Global global;
   std::function<int(const Global&)> chosen;
   CLI::App root("OTF models of electro-optical and infrared sensors: curves, sensor images, error against run time.",
                 "mtf");
   root.get_formatter()->column_width(28);
   root.require_subcommand(1, 1);
-  root.set_version_flag("--version", version_text, "version, commit, compiler and FFT library");
+  root.set_version_flag("--version", version_text,
+                        "version, commit, compiler, FFT library, and which modules are there");
   root.footer(
       "Exit code: 0 ok, 1 run time or files, 2 usage or config, 3 a check failed, 130 interrupted.\n\n"
       "Examples:\n  mtf demo\n  mtf curve sensor.toml --plot ascii");
   for (const OptionSpec& option : global_options(global).options) add_option(root, option);
   for (const Command& command :
        {demo_command(), info_command(), config_command(), curve_command(), budget_command(), atmosphere_command(),
-        simulate_command(), bench_command(), check_command(), report_command()})
+        simulate_command(), bench_command(), check_command(), report_command(), live_command()})
     add_command(root, command, chosen);
-#ifdef MTFKIT_HAVE_LIVE
-  add_command(root, live_command(), chosen);
-#endif
 #ifdef MTFKIT_HAVE_CALIB
   for (const Command& command : {measure_command(), fit_command()}) add_command(root, command, chosen);
 #endif
-#ifdef MTFKIT_HAVE_SCENE
   for (const Command& command : {scene_command(), heat_command(), render_command(), fly_command()})
     add_command(root, command, chosen);
-#endif
 #ifdef MTFKIT_HAVE_STUDY
   for (const Command& command : {sweep_command(), optimize_command()}) add_command(root, command, chosen);
 #endif
@@ -149,21 +147,20 @@ int run(int argc, char** argv) {
 }
 
 }  // namespace
-}  // namespace apps
 
-int main(int argc, char** argv) {
-  apps::prepare_process();
+int run_command(int argc, char** argv) {
+  prepare_process();
   const auto failed = [&](const char* what, int status) {
-    apps::complain(apps::error_lines(mtf::io::without_stages(what), {argv + 1, argv + argc}));
+    complain(error_lines(mtf::io::without_stages(what), {argv + 1, argv + argc}));
     return status;
   };
   try {
-    const int status = apps::run(argc, argv);
+    const int status = parse_and_run(argc, argv);
     std::cout.flush();
-    apps::print("");  // reports a failure of anything printed before
+    print("");  // reports a failure of anything printed before
     return std::cout.good() ? status : 1;
   } catch (const mtf::io::BrokenPipe&) {
-    apps::end_by_broken_pipe();
+    end_by_broken_pipe();
   } catch (const mtf::UsageError& error) {
     return failed(error.what(), 2);
   } catch (const std::bad_alloc&) {
@@ -180,3 +177,5 @@ int main(int argc, char** argv) {
     return failed("unexpected failure of unknown kind", 1);
   }
 }
+
+}  // namespace apps

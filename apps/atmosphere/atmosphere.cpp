@@ -10,10 +10,7 @@
 #include "apps/atmosphere/atmosphere_options.h"
 #include "apps/atmosphere/atmosphere_report.h"
 #include "apps/atmosphere/spectrum_text.h"
-#ifdef MTFKIT_HAVE_SCENE
-#include "apps/scene/scene_file/clear_sky_flux.h"
-#include "apps/scene/scene_file/scene_file.h"
-#endif
+#include "apps/modules/modules.h"
 #include "apps/sensor/sensor_air.h"
 #include "apps/sensor/sensor_file.h"
 #include "apps/terminal/output.h"
@@ -44,18 +41,14 @@ struct Given {
   std::vector<std::string> files;
 };
 
-#ifdef MTFKIT_HAVE_SCENE
 /// Of a scene, whose weather gives the temperature and humidity at its place, the air above that.
 air::Air<double> air_in(const Given& given) {
   if (!given.place_m) return read_air(given.settings);
   radiometry::AtmosphereSettings alone = given.settings;
   alone.sensor_altitude_m = 0.0;
   alone.target_altitude_m = alone.zenith_deg = alone.range_m = std::nullopt;
-  return scene::air_above(alone, *given.place_m);
+  return scenes_module().air_above(alone, *given.place_m);
 }
-#else
-air::Air<double> air_in(const Given& given) { return read_air(given.settings); }
-#endif
 
 /// True for a scene file: sensor files have no [place].
 bool is_scene_file(const std::string& file) {
@@ -63,31 +56,13 @@ bool is_scene_file(const std::string& file) {
   return !tree.error && tree.root.find("place") != nullptr;
 }
 
-/// The air of a scene, seen from its camera or, without one, from its place.
-#ifdef MTFKIT_HAVE_SCENE
-void take_scene(const AtmosphereOptions& options, Given& given, const Global& global) {
-  std::vector<mtf::io::Diagnostic> warnings;
-  const scene::SceneFile scene = scene::load_scene(options.file, &warnings);
-  for (const mtf::io::Diagnostic& warning : warnings)
-    note(global, one_line(mtf::io::format_diagnostic(warning, options.file)));
-  if (!scene.atmosphere)
-    throw mtf::UsageError(options.file +
-                          ": has no [atmosphere]; add one (mtf config kinds atmosphere), or say all by options");
-  given.settings = *scene.atmosphere;
-  given.place_m = scene.place.altitude_m;
-  given.settings.sensor_altitude_m = scene.place.altitude_m + (scene.camera ? scene.camera->position_m[2] : 0.0);
-  given.files = files_of(scene);
-}
-#else
-void take_scene(const AtmosphereOptions& options, Given&, const Global&) {
-  throw mtf::UsageError(options.file + ": this build has no 3-D scenes; name a sensor file");
-}
-#endif
-
 Given given_by(const AtmosphereOptions& options, const Global& global) {
   Given given;
   if (!options.file.empty() && is_scene_file(options.file)) {
-    take_scene(options, given, global);
+    SceneAir scene = scenes_module().air(options.file, global);
+    given.settings = std::move(scene.settings);
+    given.place_m = scene.place_m;
+    given.files = std::move(scene.files);
   } else if (!options.file.empty()) {
     const mtf::io::SensorConfig config = read_sensor(options.file, global);
     const mtf::SettingsTable* table = find_table(config.tables, "atmosphere");

@@ -15,6 +15,7 @@
 #include "apps/figures/curve_figure.h"
 #include "apps/figures/picture.h"
 #include "apps/figures/plot.h"
+#include "apps/modules/modules.h"
 #include "apps/options.h"
 #include "apps/simulate/sensor_image.h"
 #include "apps/terminal/output.h"
@@ -186,10 +187,9 @@ DemoResult make_demo(const DemoOptions& options, OutputSet& outputs, const Globa
   const auto place = [&](const char* name) { return (folder / name).string(); };
   text += "\nnext: edit " + one_line(place("sensor.toml")) + ", then  mtf simulate " +
           shell_word(place("sensor.toml")) + " " + shell_word(place("scene.exr")) + " -o out.exr\n";
-#ifdef MTFKIT_HAVE_LIVE
-  text += "      or  mtf live " + shell_word(place("camera.toml")) + " " + shell_word(place("thermal.exr")) +
-          "  to turn every parameter in the browser\n";
-#endif
+  if (has_live_module())
+    text += "      or  mtf live " + shell_word(place("camera.toml")) + " " + shell_word(place("thermal.exr")) +
+            "  to turn every parameter in the browser\n";
 #ifdef MTFKIT_HAVE_CALIB
   text += "      or  mtf measure " + shell_word(place("edge.exr")) + "  and  mtf fit " + shell_word(place("fit.toml")) +
           " " + shell_word(place("edge.exr")) + " -o fitted.toml\n";

@@ -4,6 +4,7 @@
 
 #include "apps/command_line.h"
 #include "apps/commands.h"
+#include "apps/modules/modules.h"
 #include "mtf/error.h"
 
 namespace apps {
@@ -53,7 +54,7 @@ Command live_command() {
     if (!(options.linger_s >= 1.0 && options.linger_s <= 1e6))
       throw mtf::UsageError("--linger: " + text + " is outside 1 to 1e6");
   });
-  app.run = [shared](const Global& global) { return run_live(*shared, global); };
+  app.run = [shared](const Global& global) { return live_module().live(*shared, global); };
   return app;
 }
 

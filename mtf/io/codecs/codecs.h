@@ -76,4 +76,7 @@ inline constexpr const char* codecs_symbol = "mtfkit_codecs";
 /// Throws RuntimeError that names the places searched.
 const Codecs& codecs();
 
+/// Whether the module lies in one of these places; opens nothing.
+bool has_codecs();
+
 }  // namespace mtf::io

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <dlfcn.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <filesystem>
 #include <string>
@@ -77,6 +78,14 @@ const Codecs* load() {
 const Codecs& codecs() {
   static const Codecs* const table = load();
   return *table;
+}
+
+bool has_codecs() {
+  const std::vector<fs::path> paths = candidates();
+  return std::any_of(paths.begin(), paths.end(), [](const fs::path& path) {
+    std::error_code error;
+    return fs::is_regular_file(path, error);
+  });
 }
 
 OpenCvFilter opencv_filter(const OpenCvJob& job) { return codecs().opencv_filter(job); }

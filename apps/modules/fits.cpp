@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: Apache-2.0
+
+// The module of fits and optima.
+
+#include "apps/modules/modules.h"
+#include "mtf/version.h"
+
+namespace apps {
+
+extern "C" const FitsModule* mtfkit_fits() {
+  static constexpr FitsModule table{.build = {mtf::version, mtf::git_commit}, .fit = run_fit, .optimize = run_optimize};
+  return &table;
+}
+
+}  // namespace apps
