@@ -47,6 +47,7 @@ struct EdgeFacts {
   double neighbour_px = 0.0;         ///< distance of another edge, beside the region; 0 = none
   double oversampling = 0.0;         ///< distinct distances a pixel, near the edge
   double far_light = 0.0, gradient = 0.0, curvature = 0.0;  ///< probabilities that the sides show these
+  double far_reach_px = 0.0;                                ///< half width of the widest halo that the fit allows for
 
   /// Sides so short that tails of the blur may count as their plateaus.
   bool short_sides() const { return std::min(extent_dark_px, extent_bright_px) < kShortSide * width_px; }

@@ -167,14 +167,18 @@ std::vector<std::string> warnings_of(const EdgeFacts& facts, const EdgeMeasureme
   if (facts.curvature > kLikely)
     warnings.emplace_back(
         "the sides change nonlinearly with the distance from the edge, as under uneven light, which is taken out");
+  const std::string held =
+      facts.far_reach_px > shorter
+          ? "the intervals allow for what is scattered over " + number(shorter, "%.0f") +
+                " px, as far as the shorter side extends; those of all but FWHM do not cover what is scattered "
+                "further, for which take at least " +
+                number(facts.far_reach_px) + " px on each side"
+          : "the intervals allow for it, take a larger region or average frames for narrower ones";
   if (facts.far_light > kShown)
-    warnings.emplace_back(
-        "the sides approach their plateaus slowly, as where light is scattered far: this is part of the MTF, of which "
-        "what is scattered beyond the region is an extrapolation");
+    warnings.push_back(
+        "the sides approach their plateaus slowly, as where light is scattered far, which is part of the MTF: " + held);
   else if (facts.far_light > kLikely)
-    warnings.emplace_back(
-        "the noise hides whether a part of the light is scattered far, which lowers the MTF at low frequencies: the "
-        "intervals allow for it, take a larger region or average frames for narrower ones");
+    warnings.push_back("the noise hides whether a part of the light is scattered far, which lowers the MTF: " + held);
   if (std::min(facts.far_light, facts.gradient) > kPossible && std::max(facts.far_light, facts.gradient) < kCertain)
     warnings.emplace_back(
         "light that is scattered far and a gradient of the illumination cannot be told apart in this region: the "

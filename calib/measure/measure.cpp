@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "calib/measure/measure.h"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -77,6 +78,8 @@ EdgeMeasurement measure_edge(mtf::ImageView<const float> image, const Roi& roi, 
     return region.finite > 0 ? static_cast<double>(region.clipped) / static_cast<double>(region.finite) : 0.0;
   };
   known.clipped_share = clipped_share();
+  if (const std::string reason = region.finite == 0 ? why_infinite(image, roi) : ""; !reason.empty())
+    return refused(known, {Trouble::no_data, reason});
   if (const Outcome outcome = judge_region(region, roi, options); outcome.refused()) return refused(known, outcome);
 
   std::optional<EdgeRegion> data = gather_edge(image, roi, region, options);
@@ -99,6 +102,8 @@ EdgeMeasurement measure_edge(mtf::ImageView<const float> image, const Roi& roi, 
   const auto& [fit, joint] = corrected;
   fitted.facts.plateau_sd = std::sqrt(corrected.misfit());
   fitted.facts.far_light = joint.probability[kFarLight];
+  for (const StepChange& change : joint.changes)
+    if (change.wide()) fitted.facts.far_reach_px = std::max(fitted.facts.far_reach_px, change.h_px);
   fitted.facts.gradient = joint.probability[kGradient];
   fitted.facts.curvature = joint.probability[kCurvature];
   if (const Outcome outcome = judge_structure(fitted.facts); outcome.refused()) return refused(known, outcome);

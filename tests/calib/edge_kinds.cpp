@@ -174,7 +174,7 @@ std::vector<Kind> edge_kinds(std::string_view part) {
       for (const double cnr : {20.0, 60.0, 200.0}) {
         add("clean" + of, core, size, cnr);
         for (const double share : {0.01, 0.03, 0.1})
-          for (const double px : {6.0, 12.0, 20.0}) {
+          for (const double px : {6.0, 12.0, 20.0, 40.0}) {
             const std::string how =
                 std::to_string(std::lround(100.0 * share)) + " % " + std::to_string(std::lround(px)) + " px" + of;
             add(

@@ -53,6 +53,13 @@ TEST(EdgeKinds, LightScatteredFar) {
   expect_coverage(60, {{"short halo 3 % 20 px Airy 128x100 CNR 60", {kMtf005, kMtf01, kMtf025, kMtf50}, "slowly"}});
 }
 
+// As far as the sides extend, where the noise hides it: the warning says what the intervals do not hold, and how long
+// the sides would have to be.
+TEST(EdgeKinds, LightScatteredAsFarAsTheSides) {
+  expect_coverage(100, {{"halo 3 % 20 px Airy 40x60 CNR 20", {}, "do not cover"},
+                        {"halo 1 % 12 px Gauss 40x60 CNR 60", {kMtf005, kMtf01, kMtf50}, "px on each side"}});
+}
+
 TEST(EdgeKinds, StripesAlongTheEdge) {
   expect_coverage(60, {{"columns 0.25 Airy 128x100 CNR 60", {kMtf005, kMtf01, kMtf025, kMtf50}, "columns or rows"}});
 }

@@ -14,9 +14,11 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-// Sizes that parts may have: shading and far light in parts of the contrast. Each has half of the prior probability to
-// be absent. A blur that the reference lacks has an imaginary part seldom without a real one of the same size. Wide
-// blurs, and those that come with light that is scattered far, are seldom what the reference describes.
+// Sizes that parts may have: shading and far light in parts of the contrast. Shading has half of the prior probability
+// to be absent, far light a tenth, as every lens scatters some. (A twentieth brings 3 % of the light over 20 px in
+// 40 x 60 pixels at a contrast / noise of 20 from 78 to 86 and 94 %, and makes the intervals of clean edges 1.35 times
+// as wide at 0.05 cycles/pixel.) A blur that the reference lacks has an imaginary part seldom without a real one of the
+// same size. Wide blurs, and those that come with light that is scattered far, are seldom what the reference describes.
 struct Shading {
   double gradient, curvature;
 };
