@@ -34,11 +34,12 @@ void read_conditions(StudyReader& s) {
   radiometry::for_each_field(given, [&](const FieldInfo& info, auto& member) {
     if (const auto value = cfg::read_number(section, info, info.name)) member = *value;
   });
-  if (given.display_height_m.has_value() != given.viewing_distance_m.has_value())
-    section.error(given.display_height_m ? "display_height" : "viewing_distance",
-                  std::string("needs ") + (given.display_height_m ? "viewing_distance" : "display_height") +
+  const bool height = section.find("display_height") != nullptr, distance = section.find("viewing_distance") != nullptr;
+  if (height != distance)
+    section.error(height ? "display_height" : "viewing_distance",
+                  std::string("needs ") + (height ? "viewing_distance" : "display_height") +
                       " beside it: both say at which angle the observer sees the picture");
-  else if (given.magnification && given.display_height_m)
+  else if (height && section.find("magnification") != nullptr)
     section.error("magnification", "given together with display_height, from which it follows; remove one of them");
 }
 

@@ -143,6 +143,16 @@ RegionFacts survey(mtf::ImageView<const float> image, const Roi& roi, const Valu
   return facts;
 }
 
+std::string why_infinite(mtf::ImageView<const float> image, const Roi& roi) {
+  std::int64_t count = 0;
+  for (std::int64_t j = roi.y; j < roi.y + roi.height; ++j)
+    for (const float value : std::span(image.row(j) + roi.x, static_cast<std::size_t>(roi.width)))
+      count += std::isinf(value) ? 1 : 0;
+  if (count == 0) return "";
+  return "no pixel holds a finite value, and " + std::to_string(count) +
+         " are infinite or beyond 3.4e38, the largest value that is kept: divide the values by a constant";
+}
+
 EdgePixels gather_blocks(mtf::ImageView<const float> image, const Roi& roi, const RegionFacts& facts,
                          const ValueLimits& limits, std::int64_t& block_px) {
   constexpr std::int64_t kMostBlocks = 48;

@@ -53,6 +53,9 @@ struct RegionFacts {
   bool holds(double value) const { return value >= low && value <= high; }  ///< neither wild nor NaN
 };
 
+/// Why no pixel of a region without finite values has data: "" unless some are infinite.
+std::string why_infinite(mtf::ImageView<const float> image, const Roi& roi);
+
 /// Limits beyond which values are clipped. Clipped and wild values, NaN and infinite ones are left out of the lists.
 struct ValueLimits {
   std::optional<double> saturation, floor;

@@ -8,6 +8,7 @@
 #include <map>
 #include <optional>
 
+#include "calib/edge/edge_pixels.h"
 #include "calib/find/find_parts.h"
 #include "mtf/error.h"
 
@@ -197,7 +198,10 @@ FoundEdges find_edges(mtf::ImageView<const float> image, const FindOptions& opti
   const auto none = [](std::string reason) { return FoundEdges{{}, std::move(reason)}; };
   if (image.width < 1 || image.height < 1) return none("the image is empty");
   Search search{image, options, find::make_cells(image), {}, {}, 0, {}};
-  if (search.cells.valid == 0.0) return none("all pixels are masked or no numbers; use another mask or channel");
+  if (search.cells.valid == 0.0) {
+    const std::string reason = why_infinite(image, {0, 0, image.width, image.height});
+    return none(reason.empty() ? "all pixels are masked or no numbers; use another mask or channel" : reason);
+  }
   if (search.cells.range == 0.0) return none("all pixels have the same value; is it the right file and channel?");
 
   search.gradients = find::make_gradients(search.cells);

@@ -183,6 +183,7 @@ FitResult fit_one(const FitData& data, std::span<const FitParameter> parameters,
   result.warnings = setup.warnings;
   if (problem.blocks.empty()) {
     result.status = FitStatus::no_data;
+    result.chi2_per_dof = result.whiteness_p = NAN;
     result.reason = setup.warnings.empty() ? "no edges, curves or spots were given" : setup.warnings.front();
     for (std::size_t i = 0; i < parameters.size(); ++i)
       result.parameters.push_back({.parameter = parameters[i], .start = setup.start[i], .value = setup.start[i]});

@@ -192,7 +192,7 @@ struct FitResult {
   /// linear term of diffraction (what a lens adds by it is not in here), with its standard deviation, which holds the
   /// numerical error of the extraction.
   std::optional<Estimate> equivalent_variance_px2;
-  double chi2_per_dof = 0.0;
+  double chi2_per_dof = 0.0;  ///< NaN, as is the next, where there are no data
   double whiteness_p = 1.0;
   /// The MTF of the fitted system along the first edge's normal (or x), with the error band that the covariance gives,
   /// at the frequencies of measure.h.

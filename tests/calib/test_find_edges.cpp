@@ -231,6 +231,11 @@ TEST(FindEdges, NothingToFindIsSaid) {
   mtf::Image masked(40, 30);
   std::fill_n(masked.data(), masked.size(), kNone);
   EXPECT_NE(reason(masked).find("masked"), std::string::npos);
+  // As float64 values of 1e302 arrive.
+  mtf::Image beyond(40, 30);
+  std::fill_n(beyond.data(), beyond.size(), INFINITY);
+  EXPECT_NE(reason(beyond).find("1200 are infinite or beyond 3.4e38"), std::string::npos) << reason(beyond);
+  EXPECT_NE(measure_edge(beyond.view(), {0, 0, 40, 30}).reason.find("beyond 3.4e38"), std::string::npos);
   masked.at(3, 3) = 1.0F;
   reason(masked);
   std::fill_n(masked.data(), masked.size(), std::numeric_limits<float>::infinity());

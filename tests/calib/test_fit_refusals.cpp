@@ -140,6 +140,7 @@ TEST(FitRefusals, EdgesWithTroubleAreLeftOut) {
   const FitResult none = fit(data, kSigma);
   EXPECT_EQ(none.status, FitStatus::no_data);
   EXPECT_FALSE(none.reason.empty());
+  EXPECT_TRUE(std::isnan(none.whiteness_p) && std::isnan(none.chi2_per_dof));  // nothing was tested
   EXPECT_EQ(none.parameters.at(0).knowledge, Knowledge::not_determined);
   data.edges.clear();
   EXPECT_EQ(fit(data, kSigma).status, FitStatus::no_data);

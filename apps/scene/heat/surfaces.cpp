@@ -199,10 +199,18 @@ Surfaces read_surfaces(const SceneFile& scene) {
     surfaces.region.push_back(regions[facet.mesh][facet.face]);
     used[surfaces.region.back()] = true;
   }
-  for (std::size_t r = 0; r < used.size(); ++r)
-    if (!used[r])
-      throw mtf::UsageError(one_line(scene.file) + ": region '" + one_line(scene.regions[r].name) +
-                            "' has no face; remove it, or name a group that has faces");
+  for (std::size_t r = 0; r < used.size(); ++r) {
+    if (used[r]) continue;
+    std::string reason = "; remove it, or name a group that has faces";
+    for (std::size_t m = 0; m < regions.size(); ++m)
+      if (std::find(regions[m].begin(), regions[m].end(), r) != regions[m].end()) {
+        reason = ": those of its groups were left out";
+        for (const std::string& warning : surfaces.facets.warnings)
+          if (warning.starts_with("mesh `" + scene.meshes[m].name + "`")) reason += "; " + warning;
+      }
+    throw mtf::UsageError(one_line(scene.file) + ": region '" + one_line(scene.regions[r].name) + "' has no face" +
+                          one_line(reason));
+  }
   surfaces.warnings = surfaces.facets.warnings;
   return surfaces;
 }

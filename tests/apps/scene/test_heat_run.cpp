@@ -248,4 +248,21 @@ TEST_F(HeatRun, TwoFacetsThatSeeEachOtherStateTheErrorOfTheirView) {
 }
 
 }  // namespace
+
+// The faces of the second group are copies of the first's and are left out: that is said, not that there are none.
+TEST_F(HeatRun, ARegionOfSecondCopiesSaysThatTheyAreLeftOut) {
+  const std::string scene = kDay + weather(280.0, 1.0, 0.0, 0.0, 300.0) + kSky +
+                            material("paint", 0.5, 0.9, "\"mcadams\"", "inside = { kind = \"sheet\" }\n") + kMesh +
+                            region("one", "material = \"paint\"") +
+                            region("two", "name = \"lid\"\nmaterial = \"paint\"");
+  try {
+    prepare(scene, plate(1.0, 1, "one") + "g two\nf 1 2 3 4\n");
+    FAIL();
+  } catch (const mtf::UsageError& error) {
+    const std::string text = error.what();
+    EXPECT_NE(text.find("region 'lid' has no face: those of its groups were left out"), std::string::npos) << text;
+    EXPECT_NE(text.find("second copy of a face: 1"), std::string::npos) << text;
+  }
+}
+
 }  // namespace apps::scene

@@ -132,6 +132,13 @@ TEST(Ranges, ConditionsThatContradictTheSensorOrEachOtherAreErrors) {
          {"conditions.magnification", "remove one"});
   expect(folder.lines(study_of(kTime, "[conditions]\ndisplay_height = \"0.2 m\"\n")),
          {"conditions.display_height", "needs viewing_distance"});
+  // One that is wrong is there: it alone is told.
+  for (const char* wrong : {"display_height = \"-1 mm\"\nviewing_distance = \"0.6 m\"\n",
+                            "display_height = \"0.2 m\"\nviewing_distance = \"-1 m\"\n"}) {
+    const std::string lines = folder.lines(study_of(kTime, std::string("[conditions]\n") + wrong));
+    EXPECT_NE(lines.find("is outside"), std::string::npos) << lines;
+    EXPECT_EQ(lines.find("needs"), std::string::npos) << lines;
+  }
 }
 
 // Without [conditions] range the ground sample is that at the end of the air, design by design.
