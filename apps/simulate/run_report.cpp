@@ -179,7 +179,7 @@ std::string to_json(const RunReport& r) {
     json["post_plan"] = plan_json(*r.plan->post);
     const double post = r.plan->post->report().predicted.total();
     const double gain = (r.plan->predicted_error - post) / plan.predicted.total();
-    for (Json& part : json["plan"]["predicted_parts"].elements()) part = part.get<double>() * gain;
+    for (auto& [name, part] : json["plan"]["predicted_parts"].items()) part = part.get<double>() * gain;
     json["plan"]["predicted_parts"]["after_sampling"] = post;
   }
   json["plan"]["tolerance"] = r.tolerance;

@@ -183,6 +183,11 @@ const Json::Members& Json::items() const {
   return std::get<Members>(value_);
 }
 
+Json::Members& Json::items() {
+  if (!is_object()) fail("an object");
+  return std::get<Members>(value_);
+}
+
 const Json* Json::find(std::string_view name) const noexcept {
   const auto* members = std::get_if<Members>(&value_);
   if (!members) return nullptr;

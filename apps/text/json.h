@@ -102,6 +102,7 @@ class Json {
   const Json& at(std::string_view name) const;             ///< throws mtf::UsageError where there is none
   const Json& operator[](std::string_view name) const { return at(name); }
   const Members& items() const;  ///< of an object; throws mtf::UsageError of anything else
+  Members& items();
   /// Adds the members of `other`, in place of those of the same names.
   void update(const Json& other);
   /// Members in the order of their names, here and below.
