@@ -106,7 +106,7 @@ bool accepts(Dimension expected, Dimension given) {
   return expected == given;
 }
 
-std::string quoted(std::string_view text) { return "\"" + std::string(text) + "\""; }
+std::string in_quotes(std::string_view text) { return "\"" + std::string(text) + "\""; }
 
 }  // namespace
 
@@ -127,7 +127,7 @@ std::vector<std::string_view> units_of(Dimension expected) {
 Quantity parse_quantity(std::string_view text, Dimension expected) {
   const std::string_view whole = text;
   const auto fail = [&](const std::string& why) -> UsageError {
-    return UsageError(quoted(whole) + ": " + why + "; expected " + std::string(describe(expected)));
+    return UsageError(in_quotes(whole) + ": " + why + "; expected " + std::string(describe(expected)));
   };
   const auto skip_blanks = [&] {
     while (!text.empty() && (text.front() == ' ' || text.front() == '\t')) text.remove_prefix(1);
@@ -156,16 +156,16 @@ Quantity parse_quantity(std::string_view text, Dimension expected) {
     // Units are short: where half of the letters differ, as of "kg" and "km", another one may have been meant.
     auto guess = nearest(text, units_of(expected));
     if (guess && (text.size() < 3 || 2 * edit_distance(text, *guess) > static_cast<int>(text.size()))) guess.reset();
-    throw fail("unknown unit " + quoted(text) + (guess ? ", did you mean " + quoted(*guess) + "?" : ""));
+    throw fail("unknown unit " + in_quotes(text) + (guess ? ", did you mean " + in_quotes(*guess) + "?" : ""));
   }
-  if (!accepts(expected, result.unit->dimension)) throw fail("unit " + quoted(text) + " does not fit");
+  if (!accepts(expected, result.unit->dimension)) throw fail("unit " + in_quotes(text) + " does not fit");
   return result;
 }
 
 Quantity quantity_of(double value, std::string_view unit, Dimension dimension) {
   const Unit* found = find_unit(unit);
   if (found == nullptr || found->dimension != dimension)
-    throw UsageError(quoted(unit) + " is no unit here; expected " + std::string(describe(dimension)));
+    throw UsageError(in_quotes(unit) + " is no unit here; expected " + std::string(describe(dimension)));
   return {value, found};
 }
 

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "calib/fit/fit_report.h"
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
+
+#include "calib/dense.h"
 
 namespace calib {
 namespace {
@@ -108,7 +109,7 @@ Functional equivalent_variance(const Solved& solved, int nodes) {
     f.push_back(top * 0.5 * (1.0 - std::cos(std::numbers::pi * (k + 1.0) / nodes)));
     for (int p = 0; p < nodes; ++p) powers(k, p) = std::pow(f.back() / top, p + 1);
   }
-  const Eigen::VectorXd weight = powers.transpose().fullPivLu().solve(Eigen::VectorXd::Unit(nodes, 1));
+  const Eigen::VectorXd weight = solution_of(powers.transpose(), Eigen::VectorXd::Unit(nodes, 1));
   const std::vector<Functional> h = mtf_of(solved, f);
   const double scale = -2.0 / (4.0 * std::numbers::pi * std::numbers::pi * top * top);
   Functional v{0.0, Eigen::VectorXd::Zero(h[0].gradient.size())};

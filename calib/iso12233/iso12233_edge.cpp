@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
 
+#include "calib/dense.h"
 #include "calib/iso12233/iso12233_parts.h"
 
 namespace calib::iso {
@@ -93,8 +93,8 @@ RowPolynomial::RowPolynomial(const std::vector<double>& column, int order) {
     double power = 1.0;
     for (Eigen::Index k = 0; k <= order; ++k, power *= (static_cast<double>(i) - mean_) / sd_) powers(i, k) = power;
   }
-  const Eigen::Map<const Eigen::VectorXd> positions(column.data(), powers.rows());
-  const Eigen::VectorXd solution = powers.colPivHouseholderQr().solve(positions);
+  const Eigen::VectorXd positions = Eigen::Map<const Eigen::VectorXd>(column.data(), powers.rows());
+  const Eigen::VectorXd solution = least_squares(powers, positions);
   std::copy(solution.begin(), solution.end(), coefficient_.begin());
 }
 

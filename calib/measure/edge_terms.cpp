@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "calib/measure/edge_terms.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <vector>
 
+#include "calib/dense.h"
 #include "calib/measure/defects/score_covariance.h"
 
 namespace calib {
@@ -65,7 +65,7 @@ struct Equations {
 // The linear step in some unknowns and how much it lowers chi2.
 Gain gain_of(const Equations& equations, const Unknowns& unknowns) {
   const Selection all = select(equations.normal, unknowns);
-  const Eigen::LDLT<Eigen::MatrixXd> factor = all.matrix.ldlt();
+  const SymmetricFactor factor(all.matrix);
   const Eigen::VectorXd x = factor.solve(all.gradient);
   Gain gain{.chi2 = x.dot(all.gradient), .by_noise = static_cast<double>(all.list.size())};
   if (!equations.independent) gain.by_noise = factor.solve(selected(equations.scores, all)).trace();
@@ -169,7 +169,8 @@ Diffraction diffraction_in(const FitState& state, const EdgeModel& model, const 
   for (std::size_t i = 0; i < all.list.size(); ++i) {
     if (all.list[i] != kFirstShape) continue;
     const auto k = static_cast<Eigen::Index>(i);
-    const Eigen::VectorXd column = all.matrix.ldlt().solve(Eigen::VectorXd::Unit(all.matrix.rows(), k));
+    const Eigen::VectorXd unit = Eigen::VectorXd::Unit(all.matrix.rows(), k);
+    const Eigen::VectorXd column = SymmetricFactor(all.matrix).solve(unit);
     double by_score = column[k];
     if (!state.correlation.white()) {
       const Eigen::MatrixXd more = selected(score_covariance(state, model, unknowns) - state.normal.matrix, all);

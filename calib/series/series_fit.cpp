@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "calib/series/series_fit.h"
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
+#include "calib/dense.h"
 #include "calib/fit/confidence/identifiability.h"
 #include "calib/fit/fit_report.h"
 #include "calib/series/series_minimum.h"
@@ -88,12 +88,11 @@ double reference_of(const SeriesParameter& p, double x, double lo, double hi) {
 /// degenerate, and solved to a tolerance, is seen to be.
 Eigen::MatrixXd resolved_information(const Eigen::MatrixXd& j, const Eigen::MatrixXd& wide) {
   const Eigen::MatrixXd difference = wide - j;
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(j.transpose() * j);
-  Eigen::VectorXd values = eigen.eigenvalues();
+  auto [values, vectors] = eigenpairs(j.transpose() * j);
   const double least = 1e-14 * std::max(values.maxCoeff(), 1e-300);
   for (Eigen::Index i = 0; i < values.size(); ++i)
-    values[i] = std::max(values[i] - (difference * eigen.eigenvectors().col(i)).squaredNorm(), least);
-  return eigen.eigenvectors() * values.asDiagonal() * eigen.eigenvectors().transpose();
+    values[i] = std::max(values[i] - (difference * vectors.col(i)).squaredNorm(), least);
+  return vectors * values.asDiagonal() * vectors.transpose();
 }
 
 std::optional<Judged> judge(SeriesProblem& problem, const Series& series, std::span<const SeriesParameter> parameters) {

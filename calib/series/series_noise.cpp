@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "calib/series/series_noise.h"
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+
+#include "calib/dense.h"
 
 namespace calib {
 namespace {
@@ -51,8 +52,7 @@ Expected expected_sums(double phi, const std::vector<std::size_t>& place, const 
 
 SeriesNoise series_noise(const MatrixXd& jacobian, const Eigen::VectorXd& residual,
                          const std::vector<std::size_t>& place) {
-  Eigen::ColPivHouseholderQR<MatrixXd> qr(jacobian);
-  const MatrixXd basis = MatrixXd(qr.householderQ() * MatrixXd::Identity(jacobian.rows(), qr.rank()));
+  const MatrixXd basis = orthonormal_basis(jacobian);
   double squares = 0.0, neighbours = 0.0;
   for (Index i = 0; i < residual.size(); ++i) {
     squares += residual[i] * residual[i];

@@ -7,6 +7,9 @@ if(NOT CMAKE_BUILD_TYPE AND NOT multi_config)
   set(CMAKE_BUILD_TYPE Release CACHE STRING "Build type" FORCE)
 endif()
 
+# Allows sqrt and selections in vector loops; errno and trap handlers are not used, values stay IEEE.
+add_compile_options(-fno-math-errno -fno-trapping-math)
+
 set(CMAKE_CXX_STANDARD 20)
 set(CMAKE_CXX_STANDARD_REQUIRED ON)
 set(CMAKE_CXX_EXTENSIONS OFF)

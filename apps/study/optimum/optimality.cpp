@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/study/optimum/optimality.h"
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+
+#include "calib/dense.h"
 
 namespace study {
 namespace {
@@ -23,7 +24,7 @@ VectorXd non_negative(const MatrixXd& a, const VectorXd& b) {
       if (free[static_cast<std::size_t>(k)]) columns.push_back(k);
     MatrixXd part(a.rows(), static_cast<Index>(columns.size()));
     for (std::size_t k = 0; k < columns.size(); ++k) part.col(static_cast<Index>(k)) = a.col(columns[k]);
-    const VectorXd s = part.completeOrthogonalDecomposition().solve(b);
+    const VectorXd s = calib::least_squares(part, b);
     VectorXd whole = VectorXd::Zero(m);
     for (std::size_t k = 0; k < columns.size(); ++k) whole[columns[k]] = s[static_cast<Index>(k)];
     return whole;
@@ -82,9 +83,7 @@ void hold(Optimality& result, const VectorXd& b, const DesignSlopes& slopes, con
   VectorXd left = b;
   if (a.cols() > 0) {
     left -= a * multipliers;
-    Eigen::ColPivHouseholderQR<MatrixXd> columns(a);
-    columns.setThreshold(1e-9);
-    result.shared = columns.rank() < a.cols();
+    result.shared = calib::rank_of(a, 1e-9) < a.cols();
   }
   for (std::size_t k = 0; k < result.limits.size(); ++k)
     result.limits[k].multiplier = multipliers[static_cast<Index>(k)];

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "calib/fit/confidence/flat_interval.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <random>
 
+#include "calib/dense.h"
 #include "calib/fit/confidence/profile.h"
 
 namespace calib {
@@ -51,10 +51,10 @@ Eigen::MatrixXd places(std::span<const Node> nodes) {
   Eigen::MatrixXd all(n, size);
   for (Eigen::Index k = 0; k < n; ++k)
     all.row(k) = (nodes[static_cast<std::size_t>(k)].residuals - nodes.front().residuals);
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(all * all.transpose());
+  const auto [values, vectors] = eigenpairs(all * all.transpose());
   Eigen::Index kept = 1;
-  while (kept < n && eigen.eigenvalues()[n - 1 - kept] > kSmall_sd * kSmall_sd) ++kept;
-  return eigen.eigenvectors().rightCols(kept) * eigen.eigenvalues().tail(kept).cwiseMax(0.0).cwiseSqrt().asDiagonal();
+  while (kept < n && values[n - 1 - kept] > kSmall_sd * kSmall_sd) ++kept;
+  return vectors.rightCols(kept) * values.tail(kept).cwiseMax(0.0).cwiseSqrt().asDiagonal();
 }
 
 /// The curve that the nodes are on, finer, and some way beyond its open ends.

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "calib/fit/confidence/identifiability.h"
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 
+#include "calib/dense.h"
 #include "calib/fit/normal_matrix.h"
 
 namespace calib {
@@ -29,8 +29,7 @@ Eigen::MatrixXd project_scores(const Eigen::MatrixXd& normal, const Eigen::Matri
   const Eigen::VectorXd scale = normal.diagonal().head(o).cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
   const Eigen::MatrixXd unit = scale.asDiagonal() * normal.topLeftCorner(o, o) * scale.asDiagonal();
   Eigen::MatrixXd keep(n, o + n);
-  keep << -(scale.asDiagonal() *
-            unit.completeOrthogonalDecomposition().solve(scale.asDiagonal() * normal.block(0, o, o, n)))
+  keep << -(scale.asDiagonal() * least_squares(unit, Eigen::MatrixXd(scale.asDiagonal() * normal.block(0, o, o, n))))
                .transpose(),
       Eigen::MatrixXd::Identity(n, n);
   return keep * scores * keep.transpose();
@@ -43,21 +42,20 @@ Eigen::MatrixXd sandwich_information(const Eigen::MatrixXd& information, const E
   const Eigen::MatrixXd unit = inverse.asDiagonal() * information * inverse.asDiagonal();
   Eigen::MatrixXd regular = unit;
   regular.diagonal().array() += kRidge;
-  const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> eigen(
-      inverse.asDiagonal() * scores * inverse.asDiagonal(), regular);
-  if (eigen.info() != Eigen::Success) return information;
-  const Eigen::MatrixXd parts = scale.asDiagonal() * unit * eigen.eigenvectors();
-  return parts * eigen.eigenvalues().cwiseMax(1.0).cwiseInverse().asDiagonal() * parts.transpose();
+  const auto pairs = eigenpairs(inverse.asDiagonal() * scores * inverse.asDiagonal(), regular);
+  if (!pairs) return information;
+  const Eigen::MatrixXd parts = scale.asDiagonal() * unit * pairs->vectors;
+  return parts * pairs->values.cwiseMax(1.0).cwiseInverse().asDiagonal() * parts.transpose();
 }
 
 Identified identify(const Eigen::MatrixXd& information, std::span<const double> reference) {
   const Eigen::Index n = information.rows();
   const Eigen::Map<const Eigen::VectorXd> scale(reference.data(), n);
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scale.asDiagonal() * information * scale.asDiagonal());
+  const Eigenpairs eigen = eigenpairs(scale.asDiagonal() * information * scale.asDiagonal());
   // What is below rounding of the largest is no information.
-  const double least = std::max(1e-14 * eigen.eigenvalues().maxCoeff(), 1e-24);
-  const Eigen::VectorXd step = eigen.eigenvalues().cwiseMax(least).cwiseSqrt().cwiseInverse();
-  const Eigen::MatrixXd moves = eigen.eigenvectors() * step.asDiagonal();
+  const double least = std::max(1e-14 * eigen.values.maxCoeff(), 1e-24);
+  const Eigen::VectorXd step = eigen.values.cwiseMax(least).cwiseSqrt().cwiseInverse();
+  const Eigen::MatrixXd moves = eigen.vectors * step.asDiagonal();
 
   Identified result{.covariance = scale.asDiagonal() * (moves * moves.transpose()) * scale.asDiagonal(),
                     .weak = {},
@@ -68,10 +66,10 @@ Identified identify(const Eigen::MatrixXd& information, std::span<const double> 
     for (Eigen::Index i = 0; i < n; ++i)
       // A vast step moves everything a little; only what the direction is made of belongs to it, and what it alone
       // leaves open.
-      if (const double share = std::abs(eigen.eigenvectors()(i, d)), move = std::abs(moves(i, d));
+      if (const double share = std::abs(eigen.vectors(i, d)), move = std::abs(moves(i, d));
           (move > kPartOfDirection && share > 0.02) || (move > kUndetermined && share > kRounding))
         weak.members.push_back(static_cast<std::size_t>(i));
-    const auto strength = [&](std::size_t i) { return eigen.eigenvectors()(static_cast<Eigen::Index>(i), d); };
+    const auto strength = [&](std::size_t i) { return eigen.vectors(static_cast<Eigen::Index>(i), d); };
     std::sort(weak.members.begin(), weak.members.end(),
               [&](std::size_t a, std::size_t b) { return std::abs(strength(a)) > std::abs(strength(b)); });
     for (const std::size_t i : weak.members) {

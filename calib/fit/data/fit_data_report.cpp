@@ -2,11 +2,11 @@
 
 // Residuals set by set, and the verdict on the model.
 
-#include <Eigen/LU>
 #include <array>
 #include <cmath>
 #include <cstdio>
 
+#include "calib/dense.h"
 #include "calib/fit/fit_report.h"
 #include "mtf/units.h"
 
@@ -33,7 +33,7 @@ std::string rounded(double value) { return mtf::format_double(std::round(10.0 * 
 double contrast_sd(const Solved& solved, std::size_t b, const EdgeBlock& edge) {
   const auto k = static_cast<Eigen::Index>(edge.contrast_index());
   const auto own = static_cast<Eigen::Index>(solved.problem->own[b].size());
-  const Eigen::MatrixXd inverse = solved.normals[b].topLeftCorner(own, own).inverse();
+  const Eigen::MatrixXd inverse = inverse_of(solved.normals[b].topLeftCorner(own, own));
   double variance = inverse(k, k);
   if (solved.scores[b].size() > 0) {
     const Eigen::MatrixXd sandwich = inverse * solved.scores[b].topLeftCorner(own, own) * inverse;

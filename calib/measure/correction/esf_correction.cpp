@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "calib/measure/correction/esf_correction.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <optional>
 
+#include "calib/dense.h"
 #include "calib/measure/defects/score_covariance.h"
 #include "mtf/engines/clones.h"
 
@@ -145,7 +145,7 @@ void allow_for_shared_noise(const FitState& state, const EdgeModel& model, const
       information, MatrixXd(scale.asDiagonal() * score_covariance(state, model, columns) * scale.asDiagonal()));
   MatrixXd ridged = scores;
   ridged.diagonal().array() += 1e-11;
-  const Eigen::LDLT<MatrixXd> factor(ridged);
+  const SymmetricFactor factor(ridged);
   const VectorXd per_scale = scale.cwiseInverse();
   const MatrixXd weighed = information * factor.solve(information);
   equations.score =

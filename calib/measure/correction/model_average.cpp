@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "calib/measure/correction/model_average.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <map>
 #include <utility>
+
+#include "calib/dense.h"
 
 namespace calib {
 namespace {
@@ -158,16 +159,15 @@ class Hypotheses {
     const std::vector<Index> list = unknowns(sizes);
     double sum = log_prior(sizes);
     if (!list.empty()) {
-      const Eigen::LLT<MatrixXd> factor(matrix(sizes, list));
-      if (factor.info() != Eigen::Success) return weights_[sizes] = -INFINITY;
-      const VectorXd v = factor.matrixL().solve(right(sizes, list)), at = factor.matrixU().solve(v);
-      sum += 0.5 * v.squaredNorm() - factor.matrixLLT().diagonal().array().log().sum();
+      const auto solution = cholesky_solution(matrix(sizes, list), right(sizes, list));
+      if (!solution) return weights_[sizes] = -INFINITY;
+      sum += 0.5 * solution->half.squaredNorm() - solution->log_root;
       // Far light and shading of opposite signs can hide in each other, many times larger than either is in fact.
       constexpr double kMost = 4.0;  // standard deviations of the prior
       for (std::size_t i = 0; i < list.size(); ++i) {
         const Part part = part_[static_cast<std::size_t>(list[i])];
         const bool surrounding = part == kFarLight || part == kGradient || part == kCurvature;
-        if (surrounding && std::abs(at[static_cast<Index>(i)]) > kMost) return weights_[sizes] = -INFINITY;
+        if (surrounding && std::abs(solution->x[static_cast<Index>(i)]) > kMost) return weights_[sizes] = -INFINITY;
       }
     }
     return weights_[sizes] = sum;
@@ -250,8 +250,8 @@ ModelAverage average_over_parts(const LinearModel& model) {
   const VectorXd scale = model.information.diagonal().head(fixed).cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
   MatrixXd n = scale.asDiagonal() * model.information.topLeftCorner(fixed, fixed) * scale.asDiagonal();
   n.diagonal().array() += 1e-15;
-  const Eigen::LDLT<MatrixXd> factor(n);
-  const MatrixXd inverse = scale.asDiagonal() * factor.solve(MatrixXd::Identity(fixed, fixed)) * scale.asDiagonal();
+  const MatrixXd one = MatrixXd::Identity(fixed, fixed);
+  const MatrixXd inverse = scale.asDiagonal() * SymmetricFactor(n).solve(one) * scale.asDiagonal();
   const VectorXd alone = inverse * model.score.head(fixed);
   ModelAverage average{.mean = VectorXd::Zero(all), .covariance = MatrixXd::Zero(all, all)};
   average.mean.head(fixed) = alone;
@@ -280,13 +280,13 @@ ModelAverage average_over_parts(const LinearModel& model) {
       average.probability[part] += sizes[part] > 0.0 ? probability : 0.0;
     std::vector<Index> list = hypotheses.unknowns(sizes);
     const auto size = static_cast<Index>(list.size());
-    const Eigen::LDLT<MatrixXd> own(hypotheses.matrix(sizes, list));
+    const SymmetricFactor own(hypotheses.matrix(sizes, list));
     VectorXd sd(size), at = VectorXd::Zero(free);
     for (Index i = 0; i < size; ++i) sd[i] = hypotheses.size_of(sizes, list[static_cast<std::size_t>(i)]);
     at(list) = sd.cwiseProduct(own.solve(hypotheses.right(sizes, list)));
     mean += probability * at;
     nodes.push_back({probability, sizes[kReal], std::move(list), at,
-                     sd.asDiagonal() * own.solve(MatrixXd::Identity(size, size)) * sd.asDiagonal()});
+                     sd.asDiagonal() * own.solve(MatrixXd(MatrixXd::Identity(size, size))) * sd.asDiagonal()});
   }
   // A correction that the noise hides shrinks to a part of itself. What wide blurs and sharpened steps lack of the
   // reference is seldom small: their deviations are those with the largest correction that the pixels allow, and the

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "calib/measure/defects/score_covariance.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <vector>
 
+#include "calib/dense.h"
 #include "mtf/engines/clones.h"
 
 namespace calib {
@@ -114,10 +114,10 @@ Eigen::MatrixXd no_less_than(const Eigen::MatrixXd& least, const Eigen::MatrixXd
   Eigen::MatrixXd unit = inverse.asDiagonal() * least * inverse.asDiagonal();
   unit.diagonal().array() += kRidge;
   const Eigen::MatrixXd other = inverse.asDiagonal() * covariance * inverse.asDiagonal();
-  const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> eigen(other, unit);
-  if (eigen.info() != Eigen::Success) return least;
-  const Eigen::MatrixXd vectors = scale.asDiagonal() * unit * eigen.eigenvectors();
-  return vectors * eigen.eigenvalues().cwiseMax(1.0).asDiagonal() * vectors.transpose();
+  const auto pairs = eigenpairs(other, unit);
+  if (!pairs) return least;
+  const Eigen::MatrixXd vectors = scale.asDiagonal() * unit * pairs->vectors;
+  return vectors * pairs->values.cwiseMax(1.0).asDiagonal() * vectors.transpose();
 }
 
 }  // namespace calib

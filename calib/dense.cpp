@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "calib/dense.h"
+
+#include <Eigen/Dense>
+
+namespace calib {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+SymmetricFactor::SymmetricFactor(const MatrixXd& a) : factor_(a) {}
+VectorXd SymmetricFactor::solve(const VectorXd& b) const { return factor_.solve(b); }
+MatrixXd SymmetricFactor::solve(const MatrixXd& b) const { return factor_.solve(b); }
+
+std::optional<CholeskySolution> cholesky_solution(const MatrixXd& a, const VectorXd& b) {
+  const Eigen::LLT<MatrixXd> factor(a);
+  if (factor.info() != Eigen::Success) return std::nullopt;
+  CholeskySolution solution;
+  solution.half = factor.matrixL().solve(b);
+  solution.x = factor.matrixU().solve(solution.half);
+  solution.log_root = factor.matrixLLT().diagonal().array().log().sum();
+  return solution;
+}
+
+Eigenpairs eigenpairs(const MatrixXd& a) {
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(a);
+  return {eigen.eigenvalues(), eigen.eigenvectors()};
+}
+
+std::optional<Eigenpairs> eigenpairs(const MatrixXd& a, const MatrixXd& b) {
+  const Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd> eigen(a, b);
+  if (eigen.info() != Eigen::Success) return std::nullopt;
+  return Eigenpairs{eigen.eigenvalues(), eigen.eigenvectors()};
+}
+
+VectorXd solution_of(const MatrixXd& a, const VectorXd& b) { return a.fullPivLu().solve(b); }
+MatrixXd inverse_of(const MatrixXd& a) { return a.inverse(); }
+
+}  // namespace calib
