@@ -28,7 +28,7 @@ SCRIPT_NAMES = re.compile(r"(CMakeLists\.txt|packages\.txt|\.cmake(\.in)?|\.py|\
 RULES = [
     (r"fftw3\.h$", r"mtf/engines/fft/fftw\.cpp|tests/bench/", "FFTW is private to the FFT engine"),
     (r"(OpenEXR|Imath)/|Imf\w*\.h$|openexr\w*\.h$", r"mtf/io/|tests/mtf/io/", "OpenEXR is private to mtf/io"),
-    (r"opencv2?/", r"mtf/io/codecs/codecs_|calib/|tests/bench/", "OpenCV is private to the codec module and calib"),
+    (r"opencv2?/", r"mtf/io/codecs/opencv_filters\.cpp|tests/bench/", "OpenCV is private to its module"),
     (r"(png|tiff|tiffio)\.h$", r"mtf/io/codecs/codecs_|tests/mtf/io/", "image codecs are private to the codec module"),
     (r"toml\+\+|toml\.hpp$", r"mtf/io/", "toml++ is private to mtf/io"),
     (r"ceres/", r"calib/|tests/|apps/study/", "Ceres is private to calib and apps/study"),

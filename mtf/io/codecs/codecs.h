@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// The interface to PNG, TIFF and JPEG. OpenCV's codecs load GDAL and much more, so the functions of this table are in a
+// The interface to PNG, TIFF and JPEG. Their libraries load a dozen others, so the functions of this table are in a
 // separately loaded module (CMake target `mtfkit_codecs`), opened on first use: a command that reads no PNG never pays.
 // Both sides are built together from this header; `codecs_version` refuses a module of another build.
 
@@ -13,13 +13,11 @@
 #include <vector>
 
 #include "mtf/image.h"
-#include "mtf/io/codecs/drawing.h"
-#include "mtf/io/codecs/opencv_filters.h"
 #include "mtf/io/codecs/stated_encoding.h"
 
 namespace mtf::io {
 
-inline constexpr int codecs_version = 6;
+inline constexpr int codecs_version = 7;
 
 /// A stored value that means that a pixel has none: such pixels are NaN in the planes.
 struct NoData {
@@ -33,7 +31,6 @@ struct RasterHeader {
   int colours = 1;     ///< 1 grey, 3 R,G,B
   bool alpha = false;  ///< one more channel, never read
   std::string type;    ///< "uint8", "uint16", "float", "double"
-  int scale = 1;       ///< decoded values are this many times the stored counts (PNG of 1, 2 or 4 bits)
   std::string storage;
   std::map<std::string, std::string> attributes;
   StatedEncoding encoding;
@@ -52,6 +49,11 @@ struct RasterData {
   std::vector<std::pair<std::string, std::string>> text;
 };
 
+struct Drawing;
+
+/// The picture, enlarged and drawn upon; `data` has 3 colours of 8 bits, all three the grey value for false colours.
+RasterData drawn(const RasterData& data, const Drawing& drawing);
+
 /// Functions of the module. Reading throws RuntimeError naming `path`; writing goes to a descriptor at position 0 and
 /// returns 0 or the error number of the write that failed.
 struct Codecs {
@@ -63,9 +65,6 @@ struct Codecs {
   std::vector<Image> (*decode_jpeg)(const std::string& path, const RasterHeader& header);
   int (*encode_png)(int descriptor, const RasterData& data);
   int (*encode_tiff)(int descriptor, const RasterData& data);
-  OpenCvFilter (*opencv_filter)(const OpenCvJob& job);
-  /// The picture, enlarged and drawn upon; `data` has 3 colours of 8 bits.
-  RasterData (*draw)(const RasterData& data, const Drawing& drawing);
 };
 
 /// Name of the function that the module exports: `const Codecs* mtfkit_codecs()`.

@@ -10,84 +10,96 @@
 #include "mtf/error.h"
 #include "mtf/io/code_folder.h"
 #include "mtf/io/codecs/codecs.h"
+#include "mtf/io/codecs/opencv_filters.h"
 #include "mtf/io/csv/number_text.h"
 #include "mtf/io/file_checks.h"
-
-#ifndef MTFKIT_LIBDIR
-#define MTFKIT_LIBDIR "lib"  // the build system gives the real one, e.g. lib/x86_64-linux-gnu
-#endif
 
 namespace mtf::io {
 namespace {
 
 namespace fs = std::filesystem;
-constexpr const char* module_name = "libmtfkit_codecs.so";
 
-std::vector<fs::path> candidates() {
-  if (const char* chosen = std::getenv("MTFKIT_CODECS"); chosen != nullptr && *chosen != '\0') return {chosen};
+/// A part of the toolkit in a file of its own.
+struct Module {
+  const char* file;
+  const char* variable;  ///< of the environment, names the file
+  const char* what;      ///< "the PNG and TIFF codecs"
+  const char* package;   ///< of Debian, that has it
+};
+
+constexpr Module kCodecs{"libmtfkit_codecs.so", "MTFKIT_CODECS", "the PNG and TIFF codecs", "mtfkit"};
+constexpr Module kOpenCv{"libmtfkit_opencv.so", "MTFKIT_OPENCV", "OpenCV", "mtfkit-codecs"};
+
+bool is_chosen(const Module& module) {
+  const char* chosen = std::getenv(module.variable);
+  return chosen != nullptr && *chosen != '\0';
+}
+
+std::vector<fs::path> candidates(const Module& module) {
+  if (is_chosen(module)) return {std::getenv(module.variable)};
   const fs::path here = code_folder(reinterpret_cast<const void*>(&codecs));
-  std::vector<fs::path> paths{here / module_name, here / "mtfkit" / module_name,
-                              here.parent_path() / MTFKIT_LIBDIR / "mtfkit" / module_name,
-                              here.parent_path() / "lib" / "mtfkit" / module_name};
-  // Build folder and prefix have the same shape; test programs lie a few folders deeper than the command.
-  fs::path up = here.parent_path();
-  for (int folder = 0; folder < 3; ++folder) {
+  std::vector<fs::path> paths{here / module.file, here / "mtfkit" / module.file};
+  // Build folder and prefix have the same shape; test programs and Python's modules lie deeper than the command.
+  constexpr int depth = 4;
+  fs::path up = here;
+  for (int folder = 0; folder < depth && up != up.root_path(); ++folder) {
     up = up.parent_path();
-    paths.push_back(up / "lib" / "mtfkit" / module_name);
+    for (const char* libraries : {MTFKIT_LIBDIR, "lib"}) paths.push_back(up / libraries / "mtfkit" / module.file);
   }
   return paths;
 }
 
-const Codecs* table_of(void* module, const std::string& path, const std::string& remedy) {
-  const auto factory = reinterpret_cast<const Codecs* (*)()>(::dlsym(module, codecs_symbol));
-  const Codecs* table = factory != nullptr ? factory() : nullptr;
-  if (table == nullptr || table->version != codecs_version)
-    throw RuntimeError("cannot use the PNG and TIFF codecs in " + path +
-                       ": they belong to another version of mtfkit; rebuild or reinstall" + remedy);
+/// What the function of the module's table of this name gives; `version` is that of its header.
+template <class Table>
+const Table* table_of(const Module& module, void* handle, const char* symbol, int version, const std::string& path) {
+  const auto factory = reinterpret_cast<const Table* (*)()>(::dlsym(handle, symbol));
+  const Table* table = factory != nullptr ? factory() : nullptr;
+  if (table == nullptr || table->version != version)
+    throw RuntimeError("cannot use " + std::string(module.what) + " in " + path +
+                       ": the file belongs to another version of mtfkit; rebuild, or install " + module.package +
+                       " again");
   return table;
 }
 
-const Codecs* load() {
-  const std::string remedy =
-      "; install mtfkit with its codecs module, or name the module in the environment variable MTFKIT_CODECS "
-      "(OpenEXR files need no module)";
+template <class Table>
+const Table* load(const Module& module, const char* symbol, int version) {
+  const std::string what = module.what, remedy = std::string("; install ") + module.package +
+                                                 ", or name the file in the environment variable " + module.variable;
   std::string tried;
-  for (const fs::path& path : candidates()) {
+  for (const fs::path& path : candidates(module)) {
     std::error_code error;
     if (!fs::is_regular_file(path, error)) {
       append_word(tried, path.string());
       continue;
     }
-    void* module = ::dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL);
-    if (module == nullptr)
-      throw RuntimeError("cannot open the PNG and TIFF codecs: " + printable(::dlerror(), 400) + remedy);
-    return table_of(module, path.string(), remedy);
+    void* handle = ::dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL);
+    if (handle == nullptr) throw RuntimeError("cannot open " + what + ": " + printable(::dlerror(), 400) + remedy);
+    return table_of<Table>(module, handle, symbol, version, path.string());
   }
   // A program that links the installed static library lies anywhere; its run path leads to the module.
-  void* module = std::getenv("MTFKIT_CODECS") == nullptr ? ::dlopen(module_name, RTLD_NOW | RTLD_LOCAL) : nullptr;
-  if (module != nullptr) return table_of(module, module_name, remedy);
-#ifndef MTFKIT_HAVE_CODECS
-  if (std::getenv("MTFKIT_CODECS") == nullptr)
-    throw RuntimeError("this build reads and writes OpenEXR only; build with MTFKIT_WITH_OPENCV=ON for PNG and TIFF");
-#endif
-  throw RuntimeError("cannot find the PNG and TIFF codecs (looked for " + tried + ")" + remedy);
+  if (void* handle = is_chosen(module) ? nullptr : ::dlopen(module.file, RTLD_NOW | RTLD_LOCAL); handle != nullptr)
+    return table_of<Table>(module, handle, symbol, version, module.file);
+  throw RuntimeError("cannot find " + what + " (looked for " + tried + ")" + remedy);
 }
 
 }  // namespace
 
 const Codecs& codecs() {
-  static const Codecs* const table = load();
+  static const Codecs* const table = load<Codecs>(kCodecs, codecs_symbol, codecs_version);
   return *table;
 }
 
 bool has_codecs() {
-  const std::vector<fs::path> paths = candidates();
+  const std::vector<fs::path> paths = candidates(kCodecs);
   return std::any_of(paths.begin(), paths.end(), [](const fs::path& path) {
     std::error_code error;
     return fs::is_regular_file(path, error);
   });
 }
 
-OpenCvFilter opencv_filter(const OpenCvJob& job) { return codecs().opencv_filter(job); }
+OpenCvFilter opencv_filter(const OpenCvJob& job) {
+  static const OpenCv* const table = load<OpenCv>(kOpenCv, opencv_symbol, opencv_version);
+  return table->filter(job);
+}
 
 }  // namespace mtf::io

@@ -27,7 +27,7 @@ extern "C" __attribute__((visibility("default"))) const mtf::io::Codecs* mtfkit_
   namespace module = mtf::io::module;
   static const mtf::io::Codecs table{mtf::io::codecs_version, module::tiff_header, module::decode_png,
                                      module::decode_tiff,     module::decode_jpeg, module::encode_png,
-                                     module::encode_tiff,     module::make_filter, module::draw};
+                                     module::encode_tiff};
   module::silence_tiff();
   return &table;
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// The functions in the table of codecs.h; only sources of the module include this.
+// The functions in the table of codecs.h and what they share; only sources of the module include this.
 
 #include <string>
 #include <vector>
@@ -11,21 +11,35 @@
 namespace mtf::io::module {
 
 RasterHeader tiff_header(const std::string& path, std::int64_t file_bytes);
-/// Decodes every strip or tile and drops it. OpenCV prints to stderr when decoding fails and may fill in zeros: damaged
-/// files are found here first. Throws RuntimeError.
-void verify_tiff(const std::string& path);
 std::vector<Image> decode_png(const std::string& path, const RasterHeader& header);
 std::vector<Image> decode_tiff(const std::string& path, const RasterHeader& header);
 std::vector<Image> decode_jpeg(const std::string& path, const RasterHeader& header);
 int encode_png(int descriptor, const RasterData& data);
 int encode_tiff(int descriptor, const RasterData& data);
-OpenCvFilter make_filter(const OpenCvJob& job);
-RasterData draw(const RasterData& data, const Drawing& drawing);
 
 /// Stops libtiff from writing to stderr; its messages are replaced by ours.
 void silence_tiff();
 
 /// Writes all bytes; returns 0 or the error number.
 int write_all(int descriptor, const void* data, std::size_t size);
+
+/// Planes of the size that the header announces, one a colour.
+std::vector<Image> empty_planes(const RasterHeader& header);
+
+/// Decoded samples of a rectangle, of the header's type; colours are the first samples of each pixel.
+struct Piece {
+  const void* samples;
+  std::int64_t x, y, width, height;
+  std::int64_t row_samples;  ///< from row to row
+  int pixel_samples;         ///< from pixel to pixel
+};
+
+/// Copies the part of the piece that lies in the image.
+void place(const Piece& piece, const RasterHeader& header, std::vector<Image>& planes);
+
+/// Pixels without data become NaN.
+void mark_no_data(const RasterHeader& header, std::vector<Image>& planes);
+
+[[noreturn]] void undecodable(const std::string& path, const std::string& format, const std::string& why);
 
 }  // namespace mtf::io::module

@@ -6,8 +6,10 @@
 #include <cerrno>
 #include <csetjmp>
 #include <cstdlib>
+#include <cstring>
 
 #include "mtf/io/codecs/codecs_parts.h"
+#include "mtf/io/codecs/png_scan.h"
 
 namespace mtf::io::module {
 namespace {
@@ -88,7 +90,62 @@ bool encode(png_structp png, png_infop info, const RasterData& data, png_text* c
   return true;
 }
 
+struct Input {
+  const unsigned char* next;
+  std::size_t left;
+};
+
+void read_bytes(png_structp png, png_bytep bytes, png_size_t size) {
+  auto& input = *static_cast<Input*>(png_get_io_ptr(png));
+  if (size > input.left) png_error(png, "it ends early");
+  std::memcpy(bytes, input.next, size);
+  input.next += size;
+  input.left -= size;
+}
+
+// Counts as they are stored, palettes as their colours, without alpha. As above, nothing in here has a destructor.
+bool decode(png_structp png, png_infop info, std::size_t row_bytes, png_bytepp rows) {
+  if (setjmp(png_jmpbuf(png)) != 0) return false;
+  png_set_user_limits(png, 1U << 20U, 1U << 20U);
+  png_read_info(png, info);
+  png_set_packing(png);
+  if (png_get_color_type(png, info) == PNG_COLOR_TYPE_PALETTE) png_set_palette_to_rgb(png);
+  png_set_strip_alpha(png);
+  png_set_swap(png);  // to the order of this machine, an x86
+  static_cast<void>(png_set_interlace_handling(png));
+  png_read_update_info(png, info);
+  if (png_get_rowbytes(png, info) != row_bytes) return false;
+  png_read_image(png, rows);
+  png_read_end(png, nullptr);
+  return true;
+}
+
 }  // namespace
+
+std::vector<Image> decode_png(const std::string& path, const RasterHeader& header) {
+  std::vector<unsigned char> file;
+  const RasterHeader now = scan_png(path, &file);
+  if (now.width != header.width || now.height != header.height || now.colours != header.colours ||
+      now.type != header.type)
+    undecodable(path, "PNG", "pixels do not match the header");
+  const std::int64_t row_samples = header.width * header.colours;
+  const auto row_bytes = static_cast<std::size_t>(row_samples * (header.type == "uint16" ? 2 : 1));
+  std::vector<unsigned char> pixels(row_bytes * static_cast<std::size_t>(header.height));
+  std::vector<png_bytep> rows;
+  for (std::size_t y = 0; y < static_cast<std::size_t>(header.height); ++y)
+    rows.push_back(pixels.data() + y * row_bytes);
+  Input input{file.data(), file.size()};
+  png_structp png = png_create_read_struct(PNG_LIBPNG_VER_STRING, nullptr, on_error, on_warning);
+  png_infop info = png != nullptr ? png_create_info_struct(png) : nullptr;
+  if (info != nullptr) png_set_read_fn(png, &input, read_bytes);
+  const bool ok = info != nullptr && decode(png, info, row_bytes, rows.data());
+  png_destroy_read_struct(&png, &info, nullptr);
+  if (!ok) undecodable(path, "PNG", "");
+  std::vector<Image> planes = empty_planes(header);
+  place({pixels.data(), 0, 0, header.width, header.height, row_samples, header.colours}, header, planes);
+  mark_no_data(header, planes);
+  return planes;
+}
 
 int encode_png(int descriptor, const RasterData& data) {
   Output output{descriptor, 0};

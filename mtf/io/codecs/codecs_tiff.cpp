@@ -70,7 +70,7 @@ int colours_of(const std::string& path, int samples, int photometric, bool& alph
   unsupported(path, what);
 }
 
-// OpenCV fills missing strips with zeros for some layouts; here a file that is cut short is refused.
+// A file that is cut short is refused before it is decoded.
 void check_pieces(const std::string& path, TIFF* tiff, std::int64_t file_bytes) {
   const std::uint32_t count = TIFFIsTiled(tiff) ? TIFFNumberOfTiles(tiff) : TIFFNumberOfStrips(tiff);
   if (count == 0 || static_cast<std::int64_t>(count) > file_bytes) damaged(path, "its pixels are missing");
@@ -114,6 +114,32 @@ StatedEncoding read_encoding(TIFF* tiff, int bits, bool integer) {
   const unsigned char* profile = nullptr;
   if (TIFFGetField(tiff, TIFFTAG_ICCPROFILE, &size, &profile) != 1 || profile == nullptr) size = 0;
   return stated_by_tiff(tables, {profile, size});
+}
+
+/// Red, green and blue of each value of 8 bits; none where the image has no palette. Some writers state colours of 8
+/// bits where 16 belong.
+using Palette = std::vector<std::array<unsigned char, 3>>;
+
+Palette read_palette(TIFF* tiff, int bits) {
+  std::array<std::uint16_t*, 3> maps{};
+  if (field<std::uint16_t>(tiff, TIFFTAG_PHOTOMETRIC, 0xffff) != PHOTOMETRIC_PALETTE || bits != 8 ||
+      TIFFGetField(tiff, TIFFTAG_COLORMAP, &maps[0], &maps[1], &maps[2]) != 1)
+    return {};
+  Palette palette(256);
+  const bool bytes = std::all_of(maps.begin(), maps.end(), [](const std::uint16_t* map) {
+    return std::all_of(map, map + 256, [](std::uint16_t value) { return value < 256; });
+  });
+  for (std::size_t i = 0; i < palette.size(); ++i)
+    for (std::size_t c = 0; c < 3; ++c)
+      palette[i][c] = static_cast<unsigned char>(bytes ? maps[c][i] : maps[c][i] >> 8U);
+  return palette;
+}
+
+std::vector<unsigned char> coloured(const std::vector<unsigned char>& values, const Palette& palette) {
+  std::vector<unsigned char> colours;
+  colours.reserve(3 * values.size());
+  for (const unsigned char value : values) colours.insert(colours.end(), palette[value].begin(), palette[value].end());
+  return colours;
 }
 
 struct Output {
@@ -198,13 +224,6 @@ RasterHeader tiff_header(const std::string& path, std::int64_t file_bytes) {
   header.colours = colours_of(path, samples, field<std::uint16_t>(tiff, TIFFTAG_PHOTOMETRIC, 0xffff), header.alpha);
   if (samples > 1 && field<std::uint16_t>(tiff, TIFFTAG_PLANARCONFIG, PLANARCONFIG_CONTIG) != PLANARCONFIG_CONTIG)
     unsupported(path, "colours in separate planes");
-  // OpenCV refuses the first and multiplies alpha into the second: not the values as stored.
-  std::uint16_t extra_count = 0;
-  const std::uint16_t* extra = nullptr;
-  const bool separate_alpha = TIFFGetField(tiff, TIFFTAG_EXTRASAMPLES, &extra_count, &extra) == 1 && extra_count > 0 &&
-                              extra[0] == EXTRASAMPLE_UNASSALPHA;
-  if (header.alpha && (bits == 8 ? separate_alpha : header.colours == 1))
-    unsupported(path, std::to_string(bits) + "-bit samples and an alpha channel of this kind");
   if (field<std::uint16_t>(tiff, TIFFTAG_ORIENTATION, ORIENTATION_TOPLEFT) != ORIENTATION_TOPLEFT)
     unsupported(path, "a rotated or mirrored orientation");
   constexpr std::int64_t max_side = 1 << 20;
@@ -229,26 +248,48 @@ RasterHeader tiff_header(const std::string& path, std::int64_t file_bytes) {
   return header;
 }
 
-void verify_tiff(const std::string& path) {
+// Strips lie as tiles of the width of the image. A piece that cannot be decoded is an error: some decoders would fill
+// in zeros.
+std::vector<Image> decode_tiff(const std::string& path, const RasterHeader& header) {
+  silence_tiff();
   const TiffHandle handle(TIFFOpen(path.c_str(), "rm"));
   TIFF* tiff = handle.get();
   if (tiff == nullptr) damaged(path, "its directory cannot be read");
   const bool tiled = TIFFIsTiled(tiff) != 0;
-  const tmsize_t size = tiled ? TIFFTileSize(tiff) : TIFFStripSize(tiff);
-  const std::uint32_t count = tiled ? TIFFNumberOfTiles(tiff) : TIFFNumberOfStrips(tiff);
+  const auto width = field<std::uint32_t>(tiff, TIFFTAG_IMAGEWIDTH, 0);
   const auto rows = field<std::uint32_t>(tiff, TIFFTAG_IMAGELENGTH, 0);
-  const auto strip_rows = std::min(field<std::uint32_t>(tiff, TIFFTAG_ROWSPERSTRIP, rows), rows);
-  if (size <= 0 || (!tiled && strip_rows == 0)) damaged(path, "its pieces have no size");
-  const std::uint32_t strips_a_plane = tiled ? 1 : (rows - 1) / strip_rows + 1;
+  const int bits = field<std::uint16_t>(tiff, TIFFTAG_BITSPERSAMPLE, 1);
+  const int samples = field<std::uint16_t>(tiff, TIFFTAG_SAMPLESPERPIXEL, 1);
+  const Palette palette = read_palette(tiff, bits);
+  if (width != header.width || rows != header.height ||
+      sample_type(path, bits, field<std::uint16_t>(tiff, TIFFTAG_SAMPLEFORMAT, SAMPLEFORMAT_UINT)) != header.type ||
+      (palette.empty() ? samples : 3) < header.colours)
+    undecodable(path, "TIFF", "pixels do not match the header");
+  const auto across = tiled ? field<std::uint32_t>(tiff, TIFFTAG_TILEWIDTH, 0) : width;
+  const auto down = tiled ? field<std::uint32_t>(tiff, TIFFTAG_TILELENGTH, 0)
+                          : std::min(field<std::uint32_t>(tiff, TIFFTAG_ROWSPERSTRIP, rows), rows);
+  const tmsize_t size = tiled ? TIFFTileSize(tiff) : TIFFStripSize(tiff);
+  const std::int64_t row_bytes = static_cast<std::int64_t>(across) * samples * bits / 8;
+  if (across == 0 || down == 0 || size < row_bytes * down) damaged(path, "its pieces have no size");
+  std::vector<Image> planes = empty_planes(header);
   std::vector<unsigned char> piece(static_cast<std::size_t>(size));
+  const std::uint32_t a_row = (width - 1) / across + 1, count = a_row * ((rows - 1) / down + 1);
   for (std::uint32_t i = 0; i < count; ++i) {
-    tmsize_t expected = size;
-    if (!tiled) expected = TIFFVStripSize(tiff, std::min(strip_rows, rows - i % strips_a_plane * strip_rows));
+    const std::uint32_t x = i % a_row * across, y = i / a_row * down;
+    const std::uint32_t high = tiled ? down : std::min(down, rows - y);
     const tmsize_t read =
         tiled ? TIFFReadEncodedTile(tiff, i, piece.data(), size) : TIFFReadEncodedStrip(tiff, i, piece.data(), size);
-    if (read < expected)
+    if (read < row_bytes * high)
       damaged(path, "piece " + std::to_string(i) + " of " + std::to_string(count) + " of its pixels cannot be decoded");
+    if (palette.empty()) {
+      place({piece.data(), x, y, across, high, std::int64_t{across} * samples, samples}, header, planes);
+    } else {
+      const std::vector<unsigned char> colours = coloured(piece, palette);
+      place({colours.data(), x, y, across, high, std::int64_t{across} * 3, 3}, header, planes);
+    }
   }
+  mark_no_data(header, planes);
+  return planes;
 }
 
 int encode_tiff(int descriptor, const RasterData& data) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// What is drawn over the preview of an image: lines and words, by OpenCV in the module of the codecs.
+// What is drawn over the preview of an image: lines and words.
 
 #include <array>
 #include <cstdint>

@@ -6,6 +6,7 @@
 #include "mtf/error.h"
 #include "mtf/io/atomic_file.h"
 #include "mtf/io/codecs/codecs.h"
+#include "mtf/io/codecs/drawing.h"
 #include "mtf/io/csv/number_text.h"
 #include "mtf/io/file_checks.h"
 #include "mtf/io/image_io.h"
@@ -153,7 +154,7 @@ void write_annotated_png(const std::string& path, ImageView<const float> plane, 
     throw UsageError(path + ": " + std::to_string(plane.width) + " x " + std::to_string(plane.height) +
                      " pixels are too many to draw upon; choose a region");
   const std::vector<NamedPlane> grey(3, NamedPlane{"", plane});
-  write_raster(path, Format::png, codecs().draw(preview(path, grey, low, high), drawing));
+  write_raster(path, Format::png, drawn(preview(path, grey, low, high), drawing));
 }
 
 }  // namespace mtf::io

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Plain OpenCV doing the work of a plan, as its users write it: what benchmarks compare with. Lives in the module of
-// the codecs (codecs.h), because loading OpenCV takes longer than many a filter.
+// Plain OpenCV doing the work of a plan, as its users write it: what benchmarks compare with. Lives in a module of its
+// own (CMake target `mtfkit_opencv`), opened on first use as that of the codecs (codecs.h): nothing else needs OpenCV.
 
 #include <cstdint>
 #include <functional>
@@ -31,8 +31,16 @@ struct OpenCvJob {
 /// Filters one plane of the job's size into one of as many samples as are wanted. One thread.
 using OpenCvFilter = std::function<void(ImageView<const float> in, ImageView<float> out)>;
 
-/// Ready to run, kernels and their spectra prepared. Throws RuntimeError when OpenCV refuses, or is not there
-/// (codecs.h).
+/// Ready to run, kernels and their spectra prepared. Throws RuntimeError when OpenCV refuses, or when the module is not
+/// there: it is searched as that of the codecs is, by the environment variable MTFKIT_OPENCV.
 OpenCvFilter opencv_filter(const OpenCvJob& job);
+
+/// What the module's function of this name returns: `const OpenCv* mtfkit_opencv()`.
+struct OpenCv {
+  int version;
+  OpenCvFilter (*filter)(const OpenCvJob& job);
+};
+inline constexpr const char* opencv_symbol = "mtfkit_opencv";
+inline constexpr int opencv_version = 1;
 
 }  // namespace mtf::io

@@ -64,7 +64,6 @@ void read_ihdr(const std::string& path, const unsigned char* data, std::size_t s
   header.colours = grey ? 1 : 3;
   header.alpha = colour == 4 || colour == 6;
   header.type = bits == 16 ? "uint16" : "uint8";
-  header.scale = grey && bits < 8 ? 255 / ((1 << bits) - 1) : 1;
   header.storage = std::to_string(bits) + "-bit" + (indexed ? " palette" : "") + (data[12] != 0 ? " interlaced" : "");
 }
 

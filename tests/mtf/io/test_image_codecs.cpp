@@ -214,6 +214,8 @@ TEST(Codecs, TiffKinds) {
   check("uint8", 1, true);
   write_tiff(path, 7, 5, 1, SAMPLEFORMAT_UINT, counting<std::uint16_t>(35));
   check("uint16", 1, true);
+  write_tiff(path, 7, 5, 2, SAMPLEFORMAT_UINT, counting<std::uint16_t>(70));
+  check("uint16", 1, true);
   write_tiff(path, 7, 5, 3, SAMPLEFORMAT_UINT, counting<std::uint16_t>(105));
   check("uint16", 3, true);
   write_tiff(path, 7, 5, 4, SAMPLEFORMAT_UINT, counting<std::uint16_t>(140));
@@ -224,6 +226,8 @@ TEST(Codecs, TiffKinds) {
   check("float", 3, false);
   write_tiff(path, 7, 5, 1, SAMPLEFORMAT_IEEEFP, counting<double>(35));
   check("double", 1, false);
+  write_tiff(path, 7, 5, 3, SAMPLEFORMAT_IEEEFP, counting<double>(105));
+  check("double", 3, false);
   write_tiff(path, 7, 5, 1, SAMPLEFORMAT_UINT, counting<std::uint16_t>(35), 3);
   check("uint16", 1, true);
   write_tiff(path, 16, 16, 1, SAMPLEFORMAT_IEEEFP, counting<float>(256), 1, 16);
@@ -236,8 +240,6 @@ TEST(Codecs, TiffKindsThatAreNotRead) {
   const auto message = [&] { return message_of<RuntimeError>([&] { mtf::io::read_image(path); }); };
   write_tiff(path, 7, 5, 1, SAMPLEFORMAT_INT, counting<std::int16_t>(35));
   EXPECT_NE(message().find("signed 16-bit"), std::string::npos) << message();
-  write_tiff(path, 7, 5, 2, SAMPLEFORMAT_UINT, counting<std::uint16_t>(70));
-  EXPECT_NE(message().find("alpha"), std::string::npos) << message();
   write_tiff(path, 7, 5, 1, SAMPLEFORMAT_UINT, counting<std::uint32_t>(35));
   EXPECT_NE(message().find("32-bit"), std::string::npos) << message();
   write_tiff(path, 7, 5, 1, SAMPLEFORMAT_UINT, counting<std::uint8_t>(35), 1, 0, PHOTOMETRIC_MINISWHITE);
@@ -252,6 +254,8 @@ void write_png(const std::string& path, int width, int height, int colour, int b
   png_init_io(png, file);
   png_set_IHDR(png, info, static_cast<png_uint_32>(width), static_cast<png_uint_32>(height), bits, colour,
                PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+  const png_color palette[] = {{1, 2, 3}, {40, 50, 60}};
+  if (colour == PNG_COLOR_TYPE_PALETTE) png_set_PLTE(png, info, palette, 2);
   png_write_info(png, info);
   const std::size_t bytes = rows.size() / static_cast<std::size_t>(height);
   for (int y = 0; y < height; ++y) png_write_row(png, rows.data() + static_cast<std::size_t>(y) * bytes);
@@ -279,6 +283,22 @@ TEST(Codecs, PngKinds) {
   read = mtf::io::read_image(path);
   EXPECT_EQ(read.info.storage, "2-bit");
   for (std::int64_t x = 0; x < 4; ++x) EXPECT_EQ(read.planes[0].at(x, 0), static_cast<float>(x));
+}
+
+TEST(Codecs, PngPalettesAndBothBytes) {
+  const TempFolder folder;
+  const std::string path = folder / "a.png";
+  write_png(path, 3, 1, PNG_COLOR_TYPE_PALETTE, 1, {0x40});  // entries 0 1 0
+  ImageFile read = mtf::io::read_image(path);
+  ASSERT_EQ(read.names, (std::vector<std::string>{"R", "G", "B"}));
+  for (std::size_t c = 0; c < 3; ++c) {
+    EXPECT_EQ(read.planes[c].at(0, 0), 1.0F + float(c));
+    EXPECT_EQ(read.planes[c].at(1, 0), 40.0F + 10.0F * float(c));
+  }
+  write_png(path, 2, 1, PNG_COLOR_TYPE_GRAY_ALPHA, 16, {1, 2, 0, 0, 3, 4, 0, 0});
+  read = mtf::io::read_image(path);
+  EXPECT_EQ(read.planes[0].at(0, 0), 258.0F);
+  EXPECT_EQ(read.planes[0].at(1, 0), 772.0F);
 }
 
 // Every byte of a PNG is covered by a length, a checksum or the signature.

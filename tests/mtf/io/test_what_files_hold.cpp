@@ -226,6 +226,25 @@ TEST_F(TiffHolds, OtherTags) {
             "may lose fine structure"));
 }
 
+// Colours of 16 bits belong into a palette; some writers fill in their upper half alone, or write those of 8 bits.
+TEST_F(TiffHolds, AnyPalette) {
+  for (const int factor : {257, 256, 1}) {
+    const auto palette = [&](TIFF* tiff) {
+      std::vector<std::uint16_t> falling(256), dark(256, 0);
+      for (int i = 0; i < 256; ++i)
+        falling[static_cast<std::size_t>(i)] = static_cast<std::uint16_t>(factor * (255 - i));
+      TIFFSetField(tiff, TIFFTAG_COLORMAP, falling.data(), dark.data(), falling.data());
+    };
+    read<std::uint8_t>({.photometric = PHOTOMETRIC_PALETTE, .more = palette});
+    ASSERT_EQ(file.names, (std::vector<std::string>{"R", "G", "B"}));
+    for (int i = 0; i < 12; ++i) {
+      EXPECT_EQ(file.planes[0].data()[i], 255.0F - float(i)) << factor;
+      EXPECT_EQ(file.planes[1].data()[i], 0.0F);
+      EXPECT_EQ(file.planes[2].data()[i], 255.0F - float(i));
+    }
+  }
+}
+
 class PngHolds : public testing::Test {
  protected:
   ImageFile read(std::initializer_list<io_test::PngChunk> chunks, int bits = 16) {

@@ -5,9 +5,9 @@
 #include <opencv2/imgproc.hpp>
 
 #include "mtf/error.h"
-#include "mtf/io/codecs/codecs_parts.h"
+#include "mtf/io/codecs/opencv_filters.h"
 
-namespace mtf::io::module {
+namespace mtf::io {
 namespace {
 
 int border_type(Border border) {
@@ -114,8 +114,6 @@ auto guarded(const Work& work) {
   }
 }
 
-}  // namespace
-
 OpenCvFilter make_filter(const OpenCvJob& job) {
   return guarded([&]() -> OpenCvFilter {
     cv::setNumThreads(1);
@@ -124,4 +122,10 @@ OpenCvFilter make_filter(const OpenCvJob& job) {
   });
 }
 
-}  // namespace mtf::io::module
+}  // namespace
+}  // namespace mtf::io
+
+extern "C" __attribute__((visibility("default"))) const mtf::io::OpenCv* mtfkit_opencv() {
+  static const mtf::io::OpenCv table{mtf::io::opencv_version, mtf::io::make_filter};
+  return &table;
+}
