@@ -18,6 +18,9 @@ namespace apps {
 
 using Setter = std::function<void(const std::string&)>;
 
+/// What a value may be, for completion (help/completion.h), after the words of a command line; "" stands for any file.
+using Candidates = std::function<std::vector<std::string>(const std::vector<std::string>& line)>;
+
 /// An option ("--freq", "-o,--out") or an argument ("sensor").
 struct OptionSpec {
   std::string names, type, doc;
@@ -25,7 +28,11 @@ struct OptionSpec {
   bool required = false;
   bool repeats = false;  ///< may be given more than once, or as several words for an argument
   bool flag = false;
+  Candidates candidates{};  ///< none: any file
 };
+
+/// "-o", "--out" of "-o,--out".
+std::vector<std::string> names_of(const OptionSpec& option);
 
 struct Command {
   std::string name, doc, details, examples;
@@ -49,12 +56,22 @@ OptionSpec& add_file(Command& command, const std::string& name, const std::strin
 
 void add_flag(Command& command, const std::string& names, const std::string& doc, bool& target);
 
+/// Always the same words.
+Candidates one_of(std::vector<std::string> words);
+template <class T, std::size_t N>
+Candidates one_of(const std::array<std::pair<std::string_view, T>, N>& words) {
+  std::vector<std::string> names;
+  for (const auto& [name, value] : words) names.emplace_back(name);
+  return one_of(std::move(names));
+}
+
 template <class T, std::size_t N>
 void add_choice(Command& command, const std::string& names, const std::string& type, const std::string& doc,
                 const std::array<std::pair<std::string_view, T>, N>& words, T& target) {
   const std::string name = names.substr(0, names.find(','));
-  add_word(command, names, type, doc,
-           [&words, &target, name](const std::string& text) { target = choice(name, text, words); });
+  add_word(command, names, type, doc, [&words, &target, name](const std::string& text) {
+    target = choice(name, text, words);
+  }).candidates = one_of(words);
 }
 
 // Options that several commands have.

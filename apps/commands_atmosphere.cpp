@@ -20,14 +20,13 @@ std::string option_of(std::string_view key) {
 }
 
 template <class T>
-std::string words_of(const T&) {
-  std::string text;
-  if constexpr (std::is_enum_v<T>)
-    for (const std::string_view word : words(T{})) text += (text.empty() ? ": " : ", ") + std::string(word);
-  return text;
+std::vector<std::string> words_of(const T&) {
+  std::vector<std::string> found;
+  if constexpr (std::is_enum_v<T>) found.assign(words(T{}).begin(), words(T{}).end());
+  return found;
 }
 template <class T>
-std::string words_of(const std::optional<T>&) {
+std::vector<std::string> words_of(const std::optional<T>&) {
   return words_of(T{});
 }
 
@@ -37,9 +36,12 @@ void add_keys(Command& app, AtmosphereOptions& options) {
     const std::string key(info.name), option = option_of(info.name);
     std::string example(info.example);
     std::erase(example, '"');
-    add_text(app, option, example.find(' ') == std::string::npos ? example : "'" + example + "'",
-             std::string(info.doc) + words_of(member),
-             [&options, key](const std::string& text) { options.given.emplace_back(key, text); });
+    std::string doc(info.doc);
+    const std::vector<std::string> words = words_of(member);
+    for (const std::string& word : words) doc += (&word == &words.front() ? ": " : ", ") + word;
+    add_text(app, option, example.find(' ') == std::string::npos ? example : "'" + example + "'", doc,
+             [&options, key](const std::string& text) { options.given.emplace_back(key, text); })
+        .candidates = one_of(words);
   });
 }
 

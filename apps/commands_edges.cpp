@@ -81,12 +81,15 @@ void add_edge_input(Command& app, EdgeInput& input) {
   add_text(app, "--encoding", "CODE",
            "of stored values: linear, srgb, gamma (2.2), gamma:G, or a CSV file with stored and\nlinear values (OECF); "
            "default: what the file says, else linear",
-           input.encoding);
+           input.encoding)
+      .candidates = one_of({"", "linear", "srgb", "gamma"});
   add_channel_choice(app, input.channel, input.layer, input.part);
   add_word(app, "--bayer", "COLOUR", "of a mosaic, without interpolation: r, gr, gb, b, g (both greens) or all",
-           [&](const std::string& text) { input.bayer = kBayer[choice("--bayer", text, kBayer)].first; });
+           [&](const std::string& text) { input.bayer = kBayer[choice("--bayer", text, kBayer)].first; })
+      .candidates = one_of(kBayer);
   add_word(app, "--cfa-pattern", "PATTERN", "of the mosaic's first four pixels: rggb (default), grbg, gbrg or bggr",
-           [&](const std::string& text) { input.pattern = kPatterns[choice("--cfa-pattern", text, kPatterns)].first; });
+           [&](const std::string& text) { input.pattern = kPatterns[choice("--cfa-pattern", text, kPatterns)].first; })
+      .candidates = one_of(kPatterns);
   add_text(app, "--mask", "FILE", "image of the same size that is 0 where there are no data", input.mask);
   add_word(app, "--noise", "SD", "of a pixel, in linear units (counts of an integer image); default: estimated",
            [&](const std::string& text) { input.noise_sd = positive("--noise", text); });
@@ -168,7 +171,8 @@ Command fit_command() {
   add_word(app, "--curve-unit", "UNIT", "of the frequencies of mtf curve --format csv: cy/mm, cy/mrad or cy/px",
            [&](const std::string& text) {
              options.curve_unit = kCurveUnits[choice("--curve-unit", text, kCurveUnits)].first;
-           });
+           })
+      .candidates = one_of(kCurveUnits);
   add_word(app, "--curve-sd", "SD", "of the values of curves that have no column sd; default 0.01",
            [&](const std::string& text) { options.curve_sd = positive("--curve-sd", text); });
   add_text(app, "--spot", "IMAGE", "image of a point source, the whole of it; may be given again",

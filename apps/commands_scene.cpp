@@ -107,7 +107,8 @@ Command render_command() {
              constexpr std::array words{std::pair{std::string_view("weighted"), false},
                                         std::pair{std::string_view("radiance"), true}};
              options.plain = choice("--quantity", text, words);
-           });
+           })
+      .candidates = one_of({"weighted", "radiance"});
   add_text(app, "--from", "FILE",
            "layers of another renderer in place of the meshes: OpenEXR with depth, material and temperature",
            options.from);
@@ -121,7 +122,8 @@ Command render_command() {
         constexpr std::array words{std::pair{std::string_view("planar"), true},
                                    std::pair{std::string_view("range"), false}};
         options.planar_depth = choice("--depth", text, words);
-      });
+      })
+      .candidates = one_of({"planar", "range"});
   OptionSpec& channel =
       add_word(app, "--channel", "ROLE=NAME",
                "with --from: a channel by name, of depth, material, temperature, normal.X, normal.Y, normal.Z, sunlit",
@@ -134,6 +136,9 @@ Command render_command() {
                  options.channels.emplace_back(role, text.substr(split + 1));
                });
   channel.repeats = true;
+  std::vector<std::string> roles;
+  for (const std::string_view role : scene::kLayerRoles) roles.push_back(std::string(role) + "=");
+  channel.candidates = one_of(roles);
   add_flag(app, "--no-air", "surfaces alone, for sensors that bring a path of their own", options.no_air);
   OptionSpec& layer = add_word(
       app, "--layer", "NAME",
@@ -141,8 +146,11 @@ Command render_command() {
       "transmittance",
       [&](const std::string& text) { options.layers.push_back(text); });
   layer.repeats = true;
-  add_word(app, "--format", "FORMAT", "of standard output: table (default) or json",
-           [&](const std::string& text) { options.json = choice("--format", text, kTableOrJson) == Format::json; });
+  layer.candidates =
+      one_of({"temperature", "emissivity", "Z", "facet", "material", "normal", "surface", "transmittance"});
+  add_word(app, "--format", "FORMAT", "of standard output: table (default) or json", [&](const std::string& text) {
+    options.json = choice("--format", text, kTableOrJson) == Format::json;
+  }).candidates = one_of(kTableOrJson);
   add_force(app, options.force);
   app.run = [shared](const Global& global) { return scenes_module().render(*shared, global); };
   return app;
@@ -214,8 +222,9 @@ Command fly_command() {
            });
   add_word(app, "--range", "LOW:HIGH", "values that are black and white in PNG and TIFF",
            [&](const std::string& text) { options.image.range = number_range("--range", text); });
-  add_word(app, "--format", "FORMAT", "of standard output: table (default) or json",
-           [&](const std::string& text) { options.json = choice("--format", text, kTableOrJson) == Format::json; });
+  add_word(app, "--format", "FORMAT", "of standard output: table (default) or json", [&](const std::string& text) {
+    options.json = choice("--format", text, kTableOrJson) == Format::json;
+  }).candidates = one_of(kTableOrJson);
   app.run = [shared](const Global& global) { return scenes_module().fly(*shared, global); };
   return app;
 }

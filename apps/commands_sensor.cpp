@@ -4,6 +4,7 @@
 
 #include "apps/command_line.h"
 #include "apps/commands.h"
+#include "apps/kinds.h"
 #include "apps/modules/modules.h"
 #include "apps/terminal/output.h"
 #include "mtf/error.h"
@@ -39,13 +40,15 @@ Command curve_command() {
   add_text(app, "--freq", "LIST", "START:STOP:COUNT (both ends) or a comma list; default: 61 up to the cutoff",
            options.frequencies);
   add_word(app, "--unit", "UNIT", "of the frequencies: cy/mm (default), cy/mrad or cy/px",
-           [&](const std::string& text) { options.unit = kUnits[choice("--unit", text, kUnits)].first; });
+           [&](const std::string& text) { options.unit = kUnits[choice("--unit", text, kUnits)].first; })
+      .candidates = one_of(kUnits);
   add_word(app, "--angle", "DEG",
            "direction in the focal plane, from +x (right) to +y (down); default 0.\n"
            "With cy/px the vector is in pixels of each axis: 0.5 is Nyquist along both",
            [&](const std::string& text) { options.angle_deg = number("--angle", text); });
   add_format(app, "table (default), csv or json", options.format);
-  add_text(app, "--plot", "FILE", "figure: a .svg, .pdf or .png file, or ascii for the terminal", options.plot);
+  add_text(app, "--plot", "FILE", "figure: a .svg, .pdf or .png file, or ascii for the terminal", options.plot)
+      .candidates = one_of({"", "ascii"});
   add_text(app, "-o,--out", "FILE", "write the values here instead of standard output", options.out);
   app.run = [shared](const Global& global) { return run_curve(*shared, global); };
   return app;
@@ -134,7 +137,8 @@ Command config_command() {
       "  mtf config kinds jitter\n"
       "  mtf config kinds detector"};
   add_text(kinds, "kind", "KIND", "one component, or one table of the sensor file; default: all components",
-           options.file);
+           options.file)
+      .candidates = [](const std::vector<std::string>&) { return names_of_kinds(); };
   add_choice(kinds, "--format", "FORMAT", "table (default), markdown or json", kLayouts, options.layout);
   kinds.run = action(ConfigOptions::Action::kinds);
 
@@ -145,10 +149,13 @@ Command config_command() {
       "  mtf config schema sensor -o sensor.schema.json\n"
       "  mtf config schema study -o study.schema.json"};
   const auto of_file = std::make_shared<FileKind>();
-  add_word(schema, "file", "FILE", "sensor, study or scene", [&options, of_file](const std::string& text) {
-    *of_file = choice("file", text, kFiles);
-    options.of_study = *of_file == FileKind::study;
-  }).required = true;
+  OptionSpec& file =
+      add_word(schema, "file", "FILE", "sensor, study or scene", [&options, of_file](const std::string& text) {
+        *of_file = choice("file", text, kFiles);
+        options.of_study = *of_file == FileKind::study;
+      });
+  file.required = true;
+  file.candidates = one_of(kFiles);
   add_text(schema, "-o,--out", "FILE", "file to write; default: standard output", options.file);
   schema.run = [shared, of_file, other = action(ConfigOptions::Action::schema)](const Global& global) {
     if (*of_file != FileKind::scene) return other(global);

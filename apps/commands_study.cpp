@@ -41,6 +41,7 @@ Command sweep_command() {
                                [&](const std::string& text) { options.words.push_back(text); });
   words.required = true;
   words.repeats = true;
+  words.candidates = one_of({"", "plan", "run", "submit", "merge"});
   add_text(app, "-o,--out", "FOLDER", "folder to create: of results, or the plan", options.out);
   add_word(app, "--tolerance", "X", "error allowed to each metric, in place of the study's",
            [&](const std::string& text) {
@@ -57,7 +58,8 @@ Command sweep_command() {
   add_word(app, "--shard", "I/N", "run: which one, such as 2/8",
            [&](const std::string& text) { options.shard = part_of("--shard", text); });
   add_word(app, "--engine", "NAME", "submit: slurm (a job array), parallel (GNU parallel) or local (one by one)",
-           [&](const std::string& text) { options.engine = choice("--engine", text, kEngines); });
+           [&](const std::string& text) { options.engine = choice("--engine", text, kEngines); })
+      .candidates = one_of(kEngines);
   add_flag(app, "--submit", "submit: run the script too", options.submit);
   app.run = [shared](const Global& global) { return run_sweep(*shared, global); };
   return app;

@@ -106,6 +106,17 @@ std::string_view presence_of(const Parameter& parameter) {
                                                          : "or from [optics]";
 }
 
+std::vector<std::string> names_of_kinds() {
+  const SensorKinds kinds = sensor_kinds();
+  std::vector<std::string> names;
+  for (const auto* tables : {&kinds.own_tables, &kinds.tables})
+    for (const TableKind& table : *tables) names.emplace_back(table.name);
+  for (const ComponentKind& component : kinds.components) names.emplace_back(component.kind);
+  std::ranges::sort(names);
+  names.erase(std::unique(names.begin(), names.end()), names.end());
+  return names;
+}
+
 std::string describe_kinds(const std::string& kind) {
   const SensorKinds kinds = sensor_kinds();
   std::string text;

@@ -15,6 +15,9 @@ namespace apps {
 /// UsageError for an unknown name.
 std::string describe_kinds(const std::string& kind);
 
+/// All that describe_kinds takes.
+std::vector<std::string> names_of_kinds();
+
 /// The same as Markdown, one section a kind; for every kind with an introduction and a table of contents: the whole of
 /// mtf/components/README.md.
 std::string kinds_markdown(const std::string& kind);

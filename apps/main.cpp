@@ -13,6 +13,8 @@
 #include <new>
 
 #include "apps/commands.h"
+#include "apps/help/completion.h"
+#include "apps/help/man_pages.h"
 #include "apps/modules/modules.h"
 #include "apps/terminal/interrupt.h"
 #include "apps/terminal/output.h"
@@ -67,22 +69,41 @@ void add_command(CLI::App& parent, const Command& command, std::function<int(con
   if (command.run) app.callback([run = command.run, &chosen] { chosen = run; });
 }
 
-Command global_options(Global& global) {
-  Command command{};
-  add_word(command, "--threads", "N", "threads to use; 0 = all cores (default)",
-           [&](const std::string& text) { global.threads = whole_number("--threads", text, 0, 4096); });
-  add_flag(command, "--quiet", "no notes and warnings on standard error, errors only", global.quiet);
-  add_choice(command, "--progress", "MODE", "auto (default: on a terminal only), plain, json or none", kProgress,
-             global.progress);
-  return command;
-}
-
 std::string version_text() {
   const std::string fft = mtf::fft::version();  // "fftw-3.3.10-sse2-avx"
   const std::string number = fft.starts_with("fftw-") ? fft.substr(5, fft.find('-', 5) - 5) : fft;
   return std::string("mtf ") + mtf::version + "\ncommit: " + mtf::git_commit + "\ncompiler: " + mtf::compiler +
          "\nFFT: fftw " + number +
          " (GPL)\nlicence: Apache-2.0; a binary that contains FFTW is passed on under the GPL\n" + modules_text();
+}
+
+/// The whole command: help, manual pages and completion are made from it.
+Command root_command(Global& global) {
+  Command command{"mtf",
+                  "OTF models of electro-optical and infrared sensors: curves, sensor images, error against run time.",
+                  "", "  mtf demo\n  mtf curve sensor.toml --plot ascii"};
+  add_word(command, "--version", "", "version, commit, compiler, FFT library, and which modules are there",
+           [](const std::string&) { throw CLI::CallForVersion(version_text(), 0); })
+      .flag = true;
+  add_word(command, "--threads", "N", "threads to use; 0 = all cores (default)",
+           [&](const std::string& text) { global.threads = whole_number("--threads", text, 0, 4096); });
+  add_flag(command, "--quiet", "no notes and warnings on standard error, errors only", global.quiet);
+  add_choice(command, "--progress", "MODE", "auto (default: on a terminal only), plain, json or none", kProgress,
+             global.progress);
+  command.commands = {demo_command(),   info_command(),       config_command(),   curve_command(),
+                      budget_command(), atmosphere_command(), simulate_command(), bench_command(),
+                      check_command(),  report_command(),     live_command()};
+  const auto add = [&](const std::initializer_list<Command>& more) {
+    command.commands.insert(command.commands.end(), more);
+  };
+#ifdef MTFKIT_HAVE_CALIB
+  add({measure_command(), fit_command()});
+#endif
+  add({scene_command(), heat_command(), render_command(), fly_command()});
+#ifdef MTFKIT_HAVE_STUDY
+  add({sweep_command(), optimize_command()});
+#endif
+  return command;
 }
 
 /// What CLI11 complains about, with the word that was probably meant.
@@ -110,28 +131,22 @@ std::string parse_complaint(const CLI::App& root, const CLI::ParseError& error) 
 int parse_and_run(int argc, char** argv) {
   Global global;
   std::function<int(const Global&)> chosen;
-  CLI::App root("OTF models of electro-optical and infrared sensors: curves, sensor images, error against run time.",
-                "mtf");
+  const Command command = root_command(global);
+  // For the shell and the build, not for people: no help lists them.
+  if (argc > 1 && argv[1] == std::string_view("--complete")) {
+    print(completion(command, {argv + 2, argv + argc}));
+    return 0;
+  }
+  if (argc == 3 && argv[1] == std::string_view("--man")) {
+    write_man_pages(command, argv[2]);
+    return 0;
+  }
+  CLI::App root(command.doc, command.name);
   root.get_formatter()->column_width(28);
   root.require_subcommand(1, 1);
-  root.set_version_flag("--version", version_text,
-                        "version, commit, compiler, FFT library, and which modules are there");
-  root.footer(
-      "Exit code: 0 ok, 1 run time or files, 2 usage or config, 3 a check failed, 130 interrupted.\n\n"
-      "Examples:\n  mtf demo\n  mtf curve sensor.toml --plot ascii");
-  for (const OptionSpec& option : global_options(global).options) add_option(root, option);
-  for (const Command& command :
-       {demo_command(), info_command(), config_command(), curve_command(), budget_command(), atmosphere_command(),
-        simulate_command(), bench_command(), check_command(), report_command(), live_command()})
-    add_command(root, command, chosen);
-#ifdef MTFKIT_HAVE_CALIB
-  for (const Command& command : {measure_command(), fit_command()}) add_command(root, command, chosen);
-#endif
-  for (const Command& command : {scene_command(), heat_command(), render_command(), fly_command()})
-    add_command(root, command, chosen);
-#ifdef MTFKIT_HAVE_STUDY
-  for (const Command& command : {sweep_command(), optimize_command()}) add_command(root, command, chosen);
-#endif
+  root.footer("Exit code: " + std::string(kExitCodes) + "\n\nExamples:\n" + command.examples);
+  for (const OptionSpec& option : command.options) add_option(root, option);
+  for (const Command& inner : command.commands) add_command(root, inner, chosen);
   try {
     root.parse(argc, argv);
   } catch (const CLI::CallForVersion& version) {
