@@ -2,7 +2,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Tests of the checking scripts: each must refuse what it is there to refuse."""
 
+import datetime
 import json
+import sys
 import tempfile
 import unittest
 from pathlib import Path
@@ -10,6 +12,9 @@ from pathlib import Path
 import layering
 import readme_blocks
 import type_names
+
+sys.path.append(str(Path(__file__).resolve().parent.parent / "mtf" / "cmake"))
+import package_papers  # noqa: E402
 
 SPDX = "// SPDX-License-Identifier: Apache-2.0\n"
 
@@ -24,8 +29,8 @@ class Layering(unittest.TestCase):
             ("<fftw3.h>", "mtf/engines/fft/fftw.cpp", "mtf/plan/plan.cpp"),
             ("<OpenEXR/ImfInputFile.h>", "mtf/io/exr/exr_read.cpp", "apps/simulate/simulate.cpp"),
             ("<ImfHeader.h>", "mtf/io/exr/exr_read.cpp", "mtf/image.h"),
-            ("<opencv2/core.hpp>", "mtf/io/codecs/codecs_png.cpp", "mtf/io/image_io.cpp"),
-            ("<opencv2/core.hpp>", "calib/edge_roi.cpp", "apps/main.cpp"),
+            ("<opencv2/core.hpp>", "mtf/io/codecs/opencv_filters.cpp", "mtf/io/image_io.cpp"),
+            ("<png.h>", "mtf/io/codecs/codecs_png.cpp", "apps/main.cpp"),
             ("<toml++/toml.h>", "mtf/io/config/config.cpp", "calib/fit/fit.cpp"),
             ("<ceres/jet.h>", "calib/fit/system_jet.cpp", "mtf/system.h"),
             ("<CLI/CLI.hpp>", "apps/main.cpp", "apps/simulate/simulate.cpp"),
@@ -175,6 +180,40 @@ class ReportPackages(unittest.TestCase):
         wanted = json.loads((readme_blocks.ROOT / "apps/report/page/package.json").read_text(encoding="utf-8"))
         for name, version in (wanted["dependencies"] | wanted["devDependencies"]).items():
             self.assertEqual(packages[f"node_modules/{name}"]["version"], version)
+
+
+class PackagePapers(unittest.TestCase):
+    root = Path(__file__).resolve().parent.parent
+
+    def test_every_part_is_listed_once(self):
+        when = datetime.datetime(2026, 1, 2, tzinfo=datetime.timezone.utc)
+        said = package_papers.spdx(self.root, "1.2.3", when, "0123abcd")
+        packages = {entry["SPDXID"]: entry for entry in said["packages"]}
+        self.assertEqual(len(packages), len(said["packages"]))
+        lock = json.loads((self.root / "apps/report/page/package-lock.json").read_text(encoding="utf-8"))["packages"]
+        for path, part in lock.items():
+            name = path.split("node_modules/")[-1]
+            found = [entry for entry in packages.values() if (entry["name"], entry["versionInfo"]) == (name, part.get("version"))]
+            self.assertEqual(len(found), 1 if path else 0, path)
+            if found:
+                self.assertEqual(len(found[0]["checksums"][0]["checksumValue"]), 128)
+        related = {one for relation in said["relationships"] for one in (relation["spdxElementId"], relation["relatedSpdxElement"])}
+        self.assertEqual(related, {*packages, "SPDXRef-DOCUMENT"})
+        self.assertEqual(said["creationInfo"]["created"], "2026-01-02T00:00:00Z")
+
+    def test_papers_are_those_of_debian_policy(self):
+        when = datetime.datetime(2026, 1, 2, tzinfo=datetime.timezone.utc)
+        with tempfile.TemporaryDirectory() as folder:
+            build = Path(folder)
+            notices = build / "apps/report/page/npm/notices.txt"
+            notices.parent.mkdir(parents=True)
+            notices.write_text("ISC\nsome-part 1.0\n\nPermission is granted", encoding="utf-8")
+            package_papers.write_documents(build, "1.2.3", "A B <a@b.c>", when)
+            text = (build / "papers/mtfkit/doc/mtfkit/copyright").read_text(encoding="utf-8")
+            self.assertIn(" some-part 1.0\n .\n Permission is granted\n", text)
+            self.assertIn("GNU General Public License", text)
+            for line in text.splitlines():  # a blank line ends a paragraph: the next begins with a field
+                self.assertRegex(line, r"^( \S.*| \.|[A-Z][A-Za-z-]+:.*|)$")
 
 
 if __name__ == "__main__":

@@ -34,7 +34,7 @@ function(mtfkit_precompile target)
     return()
   endif()
   target_precompile_headers(${target} PRIVATE <algorithm> <array> <charconv> <chrono> <cmath> <complex> <cstdint>
-    <filesystem> <fstream> <functional> <limits> <map> <memory> <mutex> <numbers> <numeric> <optional> <set> <span>
+    <fstream> <functional> <limits> <map> <memory> <mutex> <numbers> <numeric> <optional> <set> <span>
     <sstream> <string> <string_view> <tuple> <utility> <variant> <vector>)
 endfunction()
 

@@ -10,4 +10,5 @@ write_basic_package_version_file("${PROJECT_BINARY_DIR}/mtfkitConfigVersion.cmak
 install(FILES "${PROJECT_BINARY_DIR}/mtfkitConfig.cmake" "${PROJECT_BINARY_DIR}/mtfkitConfigVersion.cmake"
   DESTINATION "${package_dir}")
 install(EXPORT mtfkitTargets NAMESPACE mtfkit:: DESTINATION "${package_dir}")
-install(FILES "${PROJECT_SOURCE_DIR}/LICENSE" DESTINATION "${CMAKE_INSTALL_DOCDIR}")
+install(FILES "${PROJECT_SOURCE_DIR}/LICENSE" DESTINATION "${CMAKE_INSTALL_DOCDIR}" COMPONENT license)
+include(PackageDebian)

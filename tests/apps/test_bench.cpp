@@ -184,9 +184,10 @@ TEST(Bench, WithoutOpenCvThePlansAreTimed) {
   scratch.add_sensor();
   write_bench_scene(scratch / "scene.exr", 32, 32);
   const Result result =
-      scratch.run("MTFKIT_CODECS=/nonexistent mtf bench sensor.toml scene.exr -o b --format csv" + kQuick);
+      scratch.run("MTFKIT_OPENCV=/nonexistent mtf bench sensor.toml scene.exr -o b --format csv" + kQuick);
   EXPECT_EQ(result.status, 0) << result.err;
-  EXPECT_NE(result.err.find("no rows for OpenCV"), std::string::npos) << result.err;
+  for (const char* part : {"no rows for OpenCV", "/nonexistent", "install mtfkit-codecs"})
+    EXPECT_NE(result.err.find(part), std::string::npos) << result.err;
   EXPECT_EQ(result.out.find("opencv_"), std::string::npos);
   check_rows(read_rows(result.out));
 }

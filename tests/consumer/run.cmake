@@ -16,7 +16,7 @@ execute_process(COMMAND "${CMAKE_COMMAND}" -S "${SOURCE_DIR}" -B "${WORK_DIR}/bu
   COMMAND_ERROR_IS_FATAL ANY)
 execute_process(COMMAND "${CMAKE_COMMAND}" --build "${WORK_DIR}/build" --config "${CONFIG}"
   COMMAND_ERROR_IS_FATAL ANY)
-execute_process(COMMAND "${WORK_DIR}/build/consumer" "${WITH_CODECS}"
+execute_process(COMMAND "${WORK_DIR}/build/consumer"
   WORKING_DIRECTORY "${WORK_DIR}" COMMAND_ERROR_IS_FATAL ANY)
 foreach(more IN ITEMS consumer_own_component consumer_radiometry consumer_simulate consumer_study far/away/consumer_meshes)
   if(EXISTS "${WORK_DIR}/build/${more}")
