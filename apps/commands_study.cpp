@@ -41,7 +41,9 @@ Command sweep_command() {
                                [&](const std::string& text) { options.words.push_back(text); });
   words.required = true;
   words.repeats = true;
-  words.candidates = one_of({"", "plan", "run", "submit", "merge"});
+  std::vector<std::string> first{""};  // a study file
+  first.insert(first.end(), kSweepVerbs.begin(), kSweepVerbs.end());
+  words.candidates = one_of(first);
   add_text(app, "-o,--out", "FOLDER", "folder to create: of results, or the plan", options.out);
   add_word(app, "--tolerance", "X", "error allowed to each metric, in place of the study's",
            [&](const std::string& text) {

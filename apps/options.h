@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "apps/edges/frequency_unit.h"
@@ -179,6 +180,9 @@ struct ReportOptions {
   std::string scene;  ///< of the images of the chosen designs; "" = a computed one
   std::string out;    ///< "" = report.html in the folder
 };
+
+/// What may stand before a name, in place of a study.
+inline constexpr std::array<std::string_view, 4> kSweepVerbs{"plan", "run", "merge", "submit"};
 
 /// `mtf sweep` and its verbs.
 struct SweepOptions {

@@ -121,8 +121,7 @@ int run_sweep(const SweepOptions& options, const Global& global) {
   const std::string command = "mtf sweep" + (is_verb ? " " + std::string(verb->name) : "");
   if (options.words.size() > (is_verb ? 2U : 1U)) {
     if (is_verb) throw mtf::UsageError(command + ": takes one name, not " + one_line(options.words[2]) + " too");
-    const auto meant =
-        mtf::nearest(options.words[0], std::array<std::string_view, 4>{"plan", "run", "merge", "submit"});
+    const auto meant = mtf::nearest(options.words[0], kSweepVerbs);
     throw mtf::UsageError("mtf sweep: takes one study; '" + one_line(options.words[0]) + "' is no verb" +
                           (meant ? "; did you mean " + *meant + "?" : " (plan, run, merge or submit)"));
   }

@@ -171,10 +171,7 @@ const Json::List& Json::elements() const {
   return std::get<List>(value_);
 }
 
-Json::List& Json::elements() {
-  if (!is_array()) fail("a list");
-  return std::get<List>(value_);
-}
+Json::List& Json::elements() { return const_cast<List&>(std::as_const(*this).elements()); }
 
 Json& Json::back() { return elements().back(); }
 
@@ -183,10 +180,7 @@ const Json::Members& Json::items() const {
   return std::get<Members>(value_);
 }
 
-Json::Members& Json::items() {
-  if (!is_object()) fail("an object");
-  return std::get<Members>(value_);
-}
+Json::Members& Json::items() { return const_cast<Members&>(std::as_const(*this).items()); }
 
 const Json* Json::find(std::string_view name) const noexcept {
   const auto* members = std::get_if<Members>(&value_);
@@ -203,8 +197,7 @@ const Json& Json::at(std::string_view name) const {
 Json& Json::operator[](std::string_view name) {
   if (is_null()) value_ = Members();
   if (const Json* member = find(name)) return const_cast<Json&>(*member);
-  if (!is_object()) fail("an object");
-  return std::get<Members>(value_).emplace_back(name, Json()).second;
+  return items().emplace_back(name, Json()).second;
 }
 
 void Json::update(const Json& other) {
