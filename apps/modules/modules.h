@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "apps/options.h"
+#include "mtf/io/module.h"
 #include "radiometry/atmosphere/atmosphere_settings.h"
 
 namespace apps {
@@ -21,13 +22,8 @@ namespace apps {
 struct RenderCommandOptions;
 struct FlyCommandOptions;
 
-/// The build that a module is of: it is used only with a core library of the same.
-struct ModuleBuild {
-  const char *version, *commit;
-};
-
 struct FitsModule {
-  ModuleBuild build;
+  mtf::io::ModuleBuild build;
   int (*fit)(const FitOptions&, const Global&);
   int (*optimize)(const OptimizeCommandOptions&, const Global&);
 };
@@ -40,7 +36,7 @@ struct SceneAir {
 };
 
 struct ScenesModule {
-  ModuleBuild build;
+  mtf::io::ModuleBuild build;
   int (*scene)(const SceneOptions&, const Global&);
   int (*heat)(const HeatCommandOptions&, const Global&);
   int (*heat_fit)(const HeatCommandOptions&, const Global&);  ///< nullptr in a build without calib
@@ -55,12 +51,11 @@ struct ScenesModule {
 };
 
 struct LiveModule {
-  ModuleBuild build;
+  mtf::io::ModuleBuild build;
   int (*live)(const LiveOptions&, const Global&);
 };
 
-/// The table of the module, which is opened where it is not yet. Throw RuntimeError for one that is not there, cannot
-/// be opened or is of another build: what it is for, the file, how to get it.
+/// The table of the module, which is opened where it is not yet. Throw as mtf::io::open_module does.
 const FitsModule& fits_module();
 const ScenesModule& scenes_module();
 const LiveModule& live_module();

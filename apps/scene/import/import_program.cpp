@@ -7,7 +7,7 @@
 
 #include "apps/scene/import/import_process.h"
 #include "mtf/error.h"
-#include "mtf/io/code_folder.h"
+#include "mtf/io/module.h"
 
 namespace apps::scene {
 namespace {

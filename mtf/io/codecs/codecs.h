@@ -2,8 +2,7 @@
 #pragma once
 
 // The interface to PNG, TIFF and JPEG. Their libraries load a dozen others, so the functions of this table are in a
-// separately loaded module (CMake target `mtfkit_codecs`), opened on first use: a command that reads no PNG never pays.
-// Both sides are built together from this header; `codecs_version` refuses a module of another build.
+// module (mtf/io/module.h, CMake target `mtfkit_codecs`), opened on first use: a command that reads no PNG never pays.
 
 #include <cstdint>
 #include <map>
@@ -14,10 +13,9 @@
 
 #include "mtf/image.h"
 #include "mtf/io/codecs/stated_encoding.h"
+#include "mtf/io/module.h"
 
 namespace mtf::io {
-
-inline constexpr int codecs_version = 7;
 
 /// A stored value that means that a pixel has none: such pixels are NaN in the planes.
 struct NoData {
@@ -57,7 +55,7 @@ RasterData drawn(const RasterData& data, const Drawing& drawing);
 /// Functions of the module. Reading throws RuntimeError naming `path`; writing goes to a descriptor at position 0 and
 /// returns 0 or the error number of the write that failed.
 struct Codecs {
-  int version;
+  ModuleBuild build;
   RasterHeader (*tiff_header)(const std::string& path, std::int64_t file_bytes);
   /// First page, planes in the order R,G,B or Y, values as stored.
   std::vector<Image> (*decode_png)(const std::string& path, const RasterHeader& header);
@@ -67,15 +65,10 @@ struct Codecs {
   int (*encode_tiff)(int descriptor, const RasterData& data);
 };
 
-/// Name of the function that the module exports: `const Codecs* mtfkit_codecs()`.
-inline constexpr const char* codecs_symbol = "mtfkit_codecs";
-
-/// The module, loaded on first use. Searched at the path in the environment variable MTFKIT_CODECS, else next to the
-/// running library or executable, in the build tree around it, in `lib/mtfkit` of the installation. Thread-safe.
-/// Throws RuntimeError that names the places searched.
+/// The module's table, opened on first use. Thread-safe. Throws as open_module does.
 const Codecs& codecs();
 
-/// Whether the module lies in one of these places; opens nothing.
+/// Whether the module is there; opens nothing.
 bool has_codecs();
 
 }  // namespace mtf::io

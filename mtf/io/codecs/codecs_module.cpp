@@ -5,6 +5,7 @@
 
 #include "mtf/io/codecs/codecs.h"
 #include "mtf/io/codecs/codecs_parts.h"
+#include "mtf/version.h"
 
 namespace mtf::io::module {
 
@@ -25,8 +26,12 @@ int write_all(int descriptor, const void* data, std::size_t size) {
 
 extern "C" __attribute__((visibility("default"))) const mtf::io::Codecs* mtfkit_codecs() {
   namespace module = mtf::io::module;
-  static const mtf::io::Codecs table{mtf::io::codecs_version, module::tiff_header, module::decode_png,
-                                     module::decode_tiff,     module::decode_jpeg, module::encode_png,
+  static const mtf::io::Codecs table{{mtf::version, mtf::git_commit},
+                                     module::tiff_header,
+                                     module::decode_png,
+                                     module::decode_tiff,
+                                     module::decode_jpeg,
+                                     module::encode_png,
                                      module::encode_tiff};
   module::silence_tiff();
   return &table;

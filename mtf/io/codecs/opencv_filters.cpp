@@ -6,6 +6,7 @@
 
 #include "mtf/error.h"
 #include "mtf/io/codecs/opencv_filters.h"
+#include "mtf/version.h"
 
 namespace mtf::io {
 namespace {
@@ -126,6 +127,6 @@ OpenCvFilter make_filter(const OpenCvJob& job) {
 }  // namespace mtf::io
 
 extern "C" __attribute__((visibility("default"))) const mtf::io::OpenCv* mtfkit_opencv() {
-  static const mtf::io::OpenCv table{mtf::io::opencv_version, mtf::io::make_filter};
+  static const mtf::io::OpenCv table{{mtf::version, mtf::git_commit}, mtf::io::make_filter};
   return &table;
 }

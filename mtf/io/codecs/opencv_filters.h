@@ -2,13 +2,14 @@
 #pragma once
 
 // Plain OpenCV doing the work of a plan, as its users write it: what benchmarks compare with. Lives in a module of its
-// own (CMake target `mtfkit_opencv`), opened on first use as that of the codecs (codecs.h): nothing else needs OpenCV.
+// own (CMake target `mtfkit_opencv`), opened on first use (mtf/io/module.h): nothing else needs OpenCV.
 
 #include <cstdint>
 #include <functional>
 #include <vector>
 
 #include "mtf/image.h"
+#include "mtf/io/module.h"
 #include "mtf/plan/border.h"
 
 namespace mtf::io {
@@ -31,16 +32,14 @@ struct OpenCvJob {
 /// Filters one plane of the job's size into one of as many samples as are wanted. One thread.
 using OpenCvFilter = std::function<void(ImageView<const float> in, ImageView<float> out)>;
 
-/// Ready to run, kernels and their spectra prepared. Throws RuntimeError when OpenCV refuses, or when the module is not
-/// there: it is searched as that of the codecs is, by the environment variable MTFKIT_OPENCV.
+/// Ready to run, kernels and their spectra prepared. Throws RuntimeError when OpenCV refuses, or when the module cannot
+/// be opened (mtf/io/module.h).
 OpenCvFilter opencv_filter(const OpenCvJob& job);
 
-/// What the module's function of this name returns: `const OpenCv* mtfkit_opencv()`.
+/// The table of the module mtfkit_opencv.
 struct OpenCv {
-  int version;
+  ModuleBuild build;
   OpenCvFilter (*filter)(const OpenCvJob& job);
 };
-inline constexpr const char* opencv_symbol = "mtfkit_opencv";
-inline constexpr int opencv_version = 1;
 
 }  // namespace mtf::io
