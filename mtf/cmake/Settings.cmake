@@ -15,11 +15,13 @@ set(CMAKE_CXX_STANDARD_REQUIRED ON)
 set(CMAKE_CXX_EXTENSIONS OFF)
 set(CMAKE_POSITION_INDEPENDENT_CODE ON)
 
-# Executables of the build tree look for the codec module below lib/mtfkit, as in an installation; installed ones get
-# their own run path (apps/CMakeLists.txt, mtf/io/CMakeLists.txt).
+# Files of the build tree look for modules below lib/mtfkit, as in an installation; installed ones get run paths of their
+# own (apps/CMakeLists.txt, mtf/io/CMakeLists.txt). No folder of this machine is in them, so that the same files come out
+# wherever they are built.
 set(CMAKE_ARCHIVE_OUTPUT_DIRECTORY "${PROJECT_BINARY_DIR}/lib")
 set(CMAKE_LIBRARY_OUTPUT_DIRECTORY "${PROJECT_BINARY_DIR}/lib")
-set(CMAKE_BUILD_RPATH "${PROJECT_BINARY_DIR}/lib/mtfkit")
+set(CMAKE_BUILD_RPATH "\$ORIGIN;\$ORIGIN/../lib/mtfkit;\$ORIGIN/../../lib/mtfkit")
+set(CMAKE_BUILD_RPATH_USE_ORIGIN ON)
 
 find_program(MTFKIT_CCACHE ccache DOC "Compiler cache, used when found")
 if(MTFKIT_CCACHE AND NOT DEFINED CMAKE_CXX_COMPILER_LAUNCHER)
