@@ -6,9 +6,9 @@
 #include <cmath>
 
 #include "apps/budget_table.h"
+#include "apps/config.h"
 #include "apps/options.h"
 #include "apps/sensor/sensor_chain.h"
-#include "apps/sensor/sensor_file.h"
 #include "apps/simulate/output_files.h"
 #include "apps/terminal/output.h"
 #include "apps/terminal/text_table.h"

@@ -3,7 +3,7 @@
 
 #include "apps/sensor/observer_rows.h"
 #include "apps/sensor/sensor_place.h"
-#include "radiometry/performance/sensor_budget.h"
+#include "radiometry/chain/sensor_budget.h"
 
 namespace apps {
 namespace {

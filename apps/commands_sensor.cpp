@@ -8,7 +8,7 @@
 #include "apps/modules/modules.h"
 #include "apps/terminal/output.h"
 #include "mtf/error.h"
-#include "radiometry/sensor_settings.h"
+#include "radiometry/chain/sensor_settings.h"
 
 namespace apps {
 namespace {

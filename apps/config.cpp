@@ -4,11 +4,11 @@
 
 #include <sys/stat.h>
 
+#include "apps/config.h"
 #include "apps/kinds.h"
 #include "apps/schema/schemas.h"
 #include "apps/sensor/sensor_air.h"
 #include "apps/sensor/sensor_chain.h"
-#include "apps/sensor/sensor_file.h"
 #include "apps/sensor/sensor_place.h"
 #include "apps/sensor/sensor_warnings.h"
 #include "apps/sweep/study_file.h"
@@ -20,7 +20,7 @@
 #include "mtf/io/config/config_reader.h"
 #include "mtf/io/config/config_tree.h"
 #include "mtf/io/csv/curve_csv.h"
-#include "radiometry/sensor_settings.h"
+#include "radiometry/chain/sensor_settings.h"
 
 namespace apps {
 namespace {

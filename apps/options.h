@@ -11,8 +11,8 @@
 #include <string_view>
 #include <vector>
 
-#include "apps/edges/frequency_unit.h"
 #include "apps/simulate/simulate_options.h"
+#include "apps/text/frequency_unit.h"
 
 namespace apps {
 

@@ -9,7 +9,7 @@
 
 #include "mtf/components/double_counting.h"
 #include "mtf/error.h"
-#include "mtf/system_impl.h"
+#include "mtf/otf/system_impl.h"
 
 namespace mtf {
 namespace {

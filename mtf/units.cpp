@@ -9,7 +9,7 @@
 #include <numbers>
 #include <vector>
 
-#include "mtf/component_docs.h"
+#include "mtf/components/component_docs.h"
 #include "mtf/error.h"
 #include "mtf/quantity.h"
 

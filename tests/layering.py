@@ -4,7 +4,7 @@
 that folders stay small and are described.
 Usage: layering.py [ROOT]
 
-Dependencies point one way, and each outside library is seen by the few files that wrap it (RULES). A folder holds at
+Dependencies point one way, between libraries (DIRECTIONS) and between the folders of one (FLOORS), and each outside library is seen by the few files that wrap it (RULES). A folder holds at
 most 30 files (flat lists of components and of tests are exempt), no two headers of a library have the same name, and
 every folder has a README or a row in its parent's.
 """
@@ -37,20 +37,51 @@ RULES = [
     (r"pybind11/", r"apps/python/", "pybind11 is private to apps/python"),
     (r"httplib\.h$", r"apps/live/server\.cpp$", "cpp-httplib is private to apps/live/server.cpp"),
     (r"embree3/", r"radiometry/scene/|tests/radiometry/scene/", "Embree is private to radiometry/scene"),
-    (r"erfa\.h$", r"radiometry/heat/weather/", "ERFA is private to radiometry/heat/weather"),
+    (r"erfa\.h$", r"radiometry/weather/", "ERFA is private to radiometry/weather"),
     (r"draco/", r"apps/scene/import/", "Draco is private to the import process of apps/scene"),
     (r"(sundials|cvode|nvector|sunmatrix|sunlinsol)/", r"tests/", "SUNDIALS is the oracle of tests"),
-    (r"mtf/components/all\.h$", r"mtf/component_impl\.h$|tests/", "all.h is for mtf/component_impl.h and tests"),
+    (r"mtf/components/all\.h$", r"mtf/components/component_impl\.h$|tests/", "all.h is for mtf/components/component_impl.h and tests"),
 ]
 
 # Files, what they must not include.
 DIRECTIONS = [
-    (r"mtf/(?!io/)", r"(mtf/io|radiometry|calib|apps|tests)/"),
+    (r"mtf/(?!io/)", r"(radiometry|calib|apps|tests)/"),
     (r"mtf/io/", r"(calib|apps|tests)/"),
     (r"radiometry/", r"(mtf/io|calib|apps|tests)/"),
     (r"calib/", r"(apps|tests)/"),
     (r"apps/", r"tests/"),
 ]
+
+# The rooms of each library (its folders, with all below them), from the ground up: what is in a room includes its own room
+# and those before it. "" is the library's own folder; its sources, unlike its headers, include what they like.
+FLOORS = {
+    "mtf": ["", "math", "work", "engines", "components", "otf", "metrics", "plan", "survey", "tiles", "io"],
+    "radiometry": ["", "light", "stages", "atmosphere", "performance", "chain", "scene", "weather", "heat", "render"],
+    "calib": ["", "edge", "find", "measure", "iso12233", "fit", "series"],
+    "apps": ["text", "sensor", "simulate", "", "check", "study", "terminal", "help", "figures", "edges", "bench", "sweep",
+             "scene", "schema", "modules", "demo", "report", "live", "image", "atmosphere", "python"],
+}
+
+
+def room(path):
+    """("mtf", "engines") of mtf/engines/fft/axis.h, ("mtf", "") of mtf/image.h."""
+    parts = path.split("/")
+    return parts[0], parts[1] if len(parts) > 2 else ""
+
+
+def climbs(path, header):
+    """What an include that climbs is told, or None."""
+    library, mine = room(path)
+    other, its = room(header)
+    if library != other or library not in FLOORS or its == mine or (mine == "" and path.endswith(".cpp")):
+        return None
+    floors = FLOORS[library]
+    for folder in (mine, its):
+        if folder not in floors:
+            return f"{library}/{folder} has no place in FLOORS of tests/layering.py"
+    if floors.index(its) < floors.index(mine):
+        return None
+    return f"{library}/{its} stands above {library}/{mine} (FLOORS of tests/layering.py)"
 
 
 def problems_of_source(path, text):
@@ -65,6 +96,8 @@ def problems_of_source(path, text):
         for what, allowed, reason in RULES:
             if re.search(f"(^|/)({what})", header) and not re.match(allowed, path):
                 yield f"{where}: includes {header}: {reason}"
+        if climb := climbs(path, header):
+            yield f"{where}: includes {header}: {climb}"
         for files, forbidden in DIRECTIONS:
             if re.match(files, path) and re.match(forbidden, header):
                 yield f"{where}: includes {header}: dependencies point apps -> calib, radiometry, io -> mtf"

@@ -34,7 +34,7 @@ class Layering(unittest.TestCase):
             ("<toml++/toml.h>", "mtf/io/config/config.cpp", "calib/fit/fit.cpp"),
             ("<ceres/jet.h>", "calib/fit/system_jet.cpp", "mtf/system.h"),
             ("<CLI/CLI.hpp>", "apps/main.cpp", "apps/simulate/simulate.cpp"),
-            ('"mtf/components/all.h"', "mtf/component_impl.h", "mtf/plan/plan.cpp"),
+            ('"mtf/components/all.h"', "mtf/components/component_impl.h", "mtf/plan/plan.cpp"),
         ]
         for header, allowed, refused in cases:
             text = f"{SPDX}#include {header}\n"
@@ -46,6 +46,14 @@ class Layering(unittest.TestCase):
                              ("calib/fit/fit.cpp", "apps/run.h"), ("radiometry/stages/detector/adc.h", "calib/fit/fit.h")]:
             self.assertEqual(len(found_in(path, f'{SPDX}#include "{header}"\n')), 1, path)
         self.assertEqual(found_in("calib/fit/fit.cpp", f'{SPDX}#include "mtf/io/config/config.h"\n'), [])
+
+    def test_folders_of_a_library_include_only_those_below(self):
+        for path, header in [("mtf/engines/fft/a.h", "mtf/plan/plan.h"), ("mtf/image.h", "mtf/math/special.h"),
+                             ("calib/edge/a.cpp", "calib/measure/a.h"), ("mtf/nowhere/a.h", "mtf/image.h")]:
+            self.assertEqual(len(found_in(path, f'{SPDX}#include "{header}"\n')), 1, path)
+        for path, header in [("mtf/plan/plan.h", "mtf/engines/fft/a.h"), ("mtf/system.cpp", "mtf/otf/a.h"),
+                             ("mtf/engines/a.cpp", "mtf/engines/fft/a.h")]:
+            self.assertEqual(found_in(path, f'{SPDX}#include "{header}"\n'), [], path)
 
     def test_length_and_licence_line(self):
         self.assertEqual(found_in("mtf/a.h", SPDX + "\n" * (layering.MAX_LINES - 1)), [])

@@ -5,9 +5,9 @@
 #include <cmath>
 
 #include "apps/bench/machine.h"
+#include "mtf/engines/fft/scene_spectrum.h"
+#include "mtf/engines/statistics.h"
 #include "mtf/error.h"
-#include "mtf/survey/scene_spectrum.h"
-#include "mtf/survey/statistics.h"
 
 namespace apps {
 namespace {

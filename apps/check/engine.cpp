@@ -11,8 +11,8 @@
 #include <optional>
 
 #include "apps/check/families.h"
+#include "mtf/engines/statistics.h"
 #include "mtf/plan/plan.h"
-#include "mtf/survey/statistics.h"
 
 namespace apps::check {
 namespace {

@@ -10,9 +10,9 @@
 #include <functional>
 #include <vector>
 
+#include "mtf/border.h"
 #include "mtf/grid.h"
 #include "mtf/image.h"
-#include "mtf/plan/border.h"
 #include "mtf/system.h"
 
 namespace apps::check {

@@ -4,7 +4,7 @@
 #include <limits>
 
 #include "apps/check/families.h"
-#include "mtf/components/bessel.h"
+#include "mtf/math/bessel.h"
 
 namespace apps::check {
 namespace {

@@ -21,10 +21,10 @@
 #include "apps/terminal/output.h"
 #include "apps/terminal/output_set.h"
 #include "apps/terminal/text_table.h"
+#include "mtf/engines/fft/scene_spectrum.h"
+#include "mtf/engines/statistics.h"
 #include "mtf/error.h"
 #include "mtf/io/atomic_file.h"
-#include "mtf/survey/scene_spectrum.h"
-#include "mtf/survey/statistics.h"
 
 namespace apps {
 namespace {

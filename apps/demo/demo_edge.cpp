@@ -5,9 +5,9 @@
 #include <numbers>
 #include <random>
 
+#include "mtf/engines/statistics.h"
 #include "mtf/io/scene.h"
 #include "mtf/plan/sensor_plan.h"
-#include "mtf/survey/statistics.h"
 
 namespace apps {
 namespace {

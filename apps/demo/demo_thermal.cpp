@@ -8,9 +8,9 @@
 
 #include "apps/simulate/simulate.h"
 #include "apps/terminal/text_table.h"
+#include "mtf/engines/statistics.h"
 #include "mtf/io/atomic_file.h"
 #include "mtf/io/image_io.h"
-#include "mtf/survey/statistics.h"
 
 namespace apps {
 namespace {

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "apps/edges/edge_input.h"
-#include "apps/edges/frequency_unit.h"
 #include "apps/figures/plot.h"
+#include "apps/text/frequency_unit.h"
 #include "calib/iso12233/iso12233_difference.h"
 #include "calib/measure/measure.h"
 

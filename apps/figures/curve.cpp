@@ -10,11 +10,11 @@
 #include <numbers>
 
 #include "apps/arguments.h"
+#include "apps/config.h"
 #include "apps/figures/curve_figure.h"
 #include "apps/figures/curve_json.h"
 #include "apps/figures/plot.h"
 #include "apps/sensor/otf_curves.h"
-#include "apps/sensor/sensor_file.h"
 #include "apps/simulate/output_files.h"
 #include "apps/terminal/output.h"
 #include "apps/terminal/output_set.h"

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "apps/options.h"
+#include "mtf/engines/statistics.h"
 #include "mtf/io/image_io.h"
-#include "mtf/survey/statistics.h"
 
 namespace apps {
 

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cctype>
 
+#include "apps/config.h"
 #include "apps/image/image_facts.h"
-#include "apps/sensor/sensor_file.h"
 #include "apps/sweep/study_file.h"
 #include "apps/terminal/output.h"
 #include "apps/terminal/text_table.h"

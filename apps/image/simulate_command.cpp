@@ -5,10 +5,10 @@
 
 #include <optional>
 
+#include "apps/config.h"
+#include "apps/image/measured_file.h"
 #include "apps/image/simulate_summary.h"
-#include "apps/measured_file.h"
 #include "apps/sensor/sensor_air.h"
-#include "apps/sensor/sensor_file.h"
 #include "apps/simulate/output_files.h"
 #include "apps/simulate/simulate.h"
 #include "apps/terminal/interrupt.h"

@@ -7,9 +7,9 @@
 
 #include "apps/simulate/frames/scene_input.h"
 #include "apps/simulate/radiometric_chain.h"
+#include "mtf/engines/statistics.h"
 #include "mtf/error.h"
 #include "mtf/parallel.h"
-#include "mtf/survey/statistics.h"
 
 namespace apps::live {
 namespace {

@@ -25,9 +25,9 @@
 #include "apps/live/space/scene_view.h"
 #include "apps/scene/render/sensor_picture.h"
 #endif
+#include "apps/config.h"
 #include "apps/options.h"
 #include "apps/sensor/sensor_air.h"
-#include "apps/sensor/sensor_file.h"
 #include "apps/simulate/frames/frame_names.h"
 #include "apps/terminal/interrupt.h"
 #include "apps/terminal/output.h"

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "apps/live/toml_blocks.h"
-#include "mtf/component_docs.h"
+#include "mtf/components/component_docs.h"
 #include "mtf/error.h"
 #include "mtf/io/config/config_tree.h"
 #include "mtf/units.h"

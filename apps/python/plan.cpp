@@ -11,7 +11,6 @@
 #include "apps/python/job.h"
 #include "apps/python/light_filter.h"
 #include "apps/python/sensor.h"
-#include "apps/python/steps.h"
 #include "apps/python/topics.h"
 #include "apps/simulate/live_simulation.h"
 #include "apps/simulate/simulate_parts.h"

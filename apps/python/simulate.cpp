@@ -15,7 +15,6 @@
 #include "apps/python/job.h"
 #include "apps/python/light_filter.h"
 #include "apps/python/sensor.h"
-#include "apps/python/steps.h"
 #include "apps/python/topics.h"
 #include "apps/simulate/radiometric_chain.h"
 #include "mtf/error.h"

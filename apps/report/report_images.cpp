@@ -14,9 +14,9 @@
 #include "apps/simulate/simulate.h"
 #include "apps/terminal/output.h"
 #include "apps/terminal/text_table.h"
+#include "mtf/engines/statistics.h"
 #include "mtf/error.h"
 #include "mtf/io/codecs/codecs.h"
-#include "mtf/survey/statistics.h"
 #include "radiometry/light/blackbody.h"
 
 namespace apps {

@@ -7,7 +7,7 @@
 #include "apps/schema/schema_values.h"
 #include "apps/schema/schemas.h"
 #include "apps/text/json.h"
-#include "mtf/component_docs.h"
+#include "mtf/components/component_docs.h"
 
 namespace apps {
 namespace {

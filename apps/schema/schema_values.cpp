@@ -4,7 +4,7 @@
 #include <cctype>
 #include <cmath>
 
-#include "mtf/component_docs.h"
+#include "mtf/components/component_docs.h"
 
 namespace apps {
 namespace {

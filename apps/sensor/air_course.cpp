@@ -5,7 +5,7 @@
 
 #include "mtf/components/path_air.h"
 #include "mtf/error.h"
-#include "radiometry/performance/sensor_budget.h"
+#include "radiometry/chain/sensor_budget.h"
 
 namespace apps {
 

@@ -6,8 +6,8 @@
 #include "apps/sensor/air_course.h"
 #include "mtf/error.h"
 #include "mtf/metrics/resolution.h"
+#include "radiometry/chain/sensor_numbers.h"
 #include "radiometry/performance/condition_lines.h"
-#include "radiometry/performance/sensor_numbers.h"
 #include "radiometry/performance/target_at_range.h"
 
 namespace apps {

@@ -8,7 +8,7 @@
 
 #include <vector>
 
-#include "radiometry/chain.h"
+#include "radiometry/chain/chain.h"
 
 namespace apps {
 

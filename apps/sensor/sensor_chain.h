@@ -6,7 +6,7 @@
 #include <functional>
 
 #include "mtf/io/config/config.h"
-#include "radiometry/chain.h"
+#include "radiometry/chain/chain.h"
 #include "radiometry/light/path.h"
 #include "radiometry/performance/acquisition.h"
 

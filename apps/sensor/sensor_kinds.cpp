@@ -4,10 +4,10 @@
 #include <algorithm>
 #include <utility>
 
-#include "mtf/component_docs.h"
+#include "mtf/border.h"
+#include "mtf/components/component_docs.h"
 #include "mtf/io/config/config_reader.h"
-#include "mtf/plan/border.h"
-#include "radiometry/sensor_settings.h"
+#include "radiometry/chain/sensor_settings.h"
 
 namespace apps {
 namespace {

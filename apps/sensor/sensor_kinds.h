@@ -35,7 +35,7 @@ struct Parameter {
   std::string_view name;
   Type type = Type::number;
   std::string_view unit{};     ///< that range and numbers are in, "" for plain ones; "um, urad or px" where any will do
-  mtf::Dimension dimension{};  ///< of numbers: the units that they may be written in (mtf/component_docs.h)
+  mtf::Dimension dimension{};  ///< of numbers: the units that they may be written in (mtf/components/component_docs.h)
   double lo = 0.0, hi = 0.0;   ///< the range of numbers; both 0 where other values decide it
   bool lo_open = false, hi_open = false;  ///< lo or hi itself is not allowed
   std::vector<std::string_view> words{};

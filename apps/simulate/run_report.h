@@ -12,7 +12,7 @@
 #include "mtf/io/scene.h"
 #include "mtf/plan/sensor_plan.h"
 #include "mtf/tiles/tiles.h"
-#include "radiometry/chain.h"
+#include "radiometry/chain/chain.h"
 
 namespace apps {
 

@@ -6,9 +6,9 @@
 #include "apps/sensor/response.h"
 #include "mtf/error.h"
 #include "radiometry/light/path_planes.h"
+#include "radiometry/light/pixel_rules.h"
 #include "radiometry/light/scene_radiance.h"
 #include "radiometry/light/temperature_paths.h"
-#include "radiometry/stages/detector/pixel_rules.h"
 
 namespace apps {
 namespace {

@@ -14,8 +14,8 @@
 #include "apps/sensor/sensor_chain.h"
 #include "apps/simulate/range_weights.h"
 #include "apps/simulate/scene_source.h"
+#include "mtf/engines/statistics.h"
 #include "mtf/io/scene.h"
-#include "mtf/survey/statistics.h"
 
 namespace apps {
 

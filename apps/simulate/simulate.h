@@ -3,7 +3,7 @@
 
 // A scene through a sensor, as one call:
 //   scene (radiance, temperature, counts) -> presample OTF, sampling at the pitch -> readout and postsample filters,
-// or, for a sensor file with [detector], -> the whole chain of radiometry/chain.h: electrons, counts, display.
+// or, for a sensor file with [detector], -> the whole chain of radiometry/chain/chain.h: electrons, counts, display.
 // One image, a sequence of frames and an image in tiles are the same call; the options and the scene say which.
 //
 //   const mtf::io::SensorConfig sensor = apps::read_sensor_file("sensor.toml");
@@ -21,9 +21,9 @@
 #include "apps/simulate/run_report.h"
 #include "apps/simulate/scene_source.h"
 #include "apps/simulate/simulate_options.h"
+#include "mtf/engines/statistics.h"
 #include "mtf/error.h"
 #include "mtf/io/image_io.h"
-#include "mtf/survey/statistics.h"
 
 namespace apps {
 

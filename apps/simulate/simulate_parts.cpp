@@ -4,10 +4,10 @@
 #include <algorithm>
 
 #include "apps/text/words.h"
+#include "mtf/engines/fft/scene_spectrum.h"
+#include "mtf/engines/statistics.h"
 #include "mtf/error.h"
 #include "mtf/survey/bad_pixels.h"
-#include "mtf/survey/scene_spectrum.h"
-#include "mtf/survey/statistics.h"
 
 namespace apps {
 

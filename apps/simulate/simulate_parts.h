@@ -64,8 +64,8 @@ auto compile_reachable(bool asked, double unseen, mtf::PlanOptions& options, std
 std::optional<mtf::SceneSummary> summarise_all(const mtf::io::Scene& scene, const mtf::io::SceneDefaults& defaults,
                                                double error, std::vector<std::string>& warnings);
 
-/// One spectrum for all channels that have contrast, where the border has one (mtf/survey/scene_spectrum.h) and the
-/// planes are not huge.
+/// One spectrum for all channels that have contrast, where the border has one (mtf/engines/fft/scene_spectrum.h) and
+/// the planes are not huge.
 std::shared_ptr<const mtf::SceneSpectrum> spectrum_of_all(const mtf::io::Scene& scene, mtf::Border border, int threads);
 
 }  // namespace apps

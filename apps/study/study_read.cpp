@@ -12,7 +12,7 @@
 #include "mtf/error.h"
 #include "mtf/io/csv/curve_csv.h"
 #include "mtf/io/file_checks.h"
-#include "radiometry/sensor_settings.h"
+#include "radiometry/chain/sensor_settings.h"
 
 namespace study {
 namespace {

@@ -4,7 +4,7 @@
 
 #include "apps/sweep/study_file.h"
 
-#include "apps/sensor/sensor_file.h"
+#include "apps/config.h"
 #include "mtf/error.h"
 #include "mtf/io/config/config_tree.h"
 #include "mtf/io/csv/curve_csv.h"

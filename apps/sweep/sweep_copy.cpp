@@ -7,7 +7,7 @@
 #include <fstream>
 #include <iterator>
 
-#include "apps/sensor/sensor_file.h"
+#include "apps/config.h"
 #include "apps/sweep/sweep_parts.h"
 #include "apps/terminal/output.h"
 #include "mtf/error.h"

@@ -5,7 +5,7 @@
 #include <array>
 #include <cmath>
 
-#include "mtf/engines/clones.h"
+#include "mtf/math/clones.h"
 
 namespace calib {
 namespace {

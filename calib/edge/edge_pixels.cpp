@@ -9,7 +9,7 @@
 #include <span>
 #include <vector>
 
-#include "mtf/engines/clones.h"
+#include "mtf/math/clones.h"
 
 namespace calib {
 

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numeric>
 
-#include "mtf/engines/clones.h"
+#include "mtf/math/clones.h"
 
 namespace calib {
 namespace {

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "calib/edge/exponential.h"
-#include "mtf/engines/clones.h"
+#include "mtf/math/clones.h"
 #include "mtf/math/quadrature.h"
 #include "mtf/math/special.h"
 #include "mtf/math/turns.h"

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "mtf/engines/clones.h"
+#include "mtf/math/clones.h"
 
 namespace calib {
 namespace {

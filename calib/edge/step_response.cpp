@@ -8,8 +8,8 @@
 #include <numbers>
 #include <string>
 
-#include "mtf/engines/clones.h"
 #include "mtf/error.h"
+#include "mtf/math/clones.h"
 #include "mtf/math/quadrature.h"
 
 namespace calib {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "calib/fit/system_jet.h"
-#include "mtf/component_impl.h"
+#include "mtf/components/component_impl.h"
 
 namespace mtf {
 

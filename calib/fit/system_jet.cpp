@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "calib/fit/system_jet.h"
 
-#include "mtf/system_impl.h"
+#include "mtf/otf/system_impl.h"
 
 namespace mtf {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "calib/measure/edge_fit.h"
-#include "mtf/engines/clones.h"
+#include "mtf/math/clones.h"
 
 namespace calib {
 namespace {

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "calib/edge/median.h"
-#include "mtf/engines/clones.h"
+#include "mtf/math/clones.h"
 
 namespace calib {
 namespace {

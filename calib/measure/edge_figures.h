@@ -4,7 +4,7 @@
 // Curves and figures of merit of an edge's response, each with its standard deviation.
 
 #include "calib/edge/edge_pixels.h"
-#include "calib/edge/edge_response.h"
+#include "calib/measure/correction/edge_response.h"
 #include "calib/measure/measure.h"
 
 namespace calib {

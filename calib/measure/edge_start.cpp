@@ -7,7 +7,7 @@
 #include <numbers>
 
 #include "calib/measure/edge_fit.h"
-#include "mtf/engines/clones.h"
+#include "mtf/math/clones.h"
 
 namespace calib {
 namespace {

@@ -7,7 +7,7 @@
 #include <cstring>
 
 #include "calib/edge/edge_distances.h"
-#include "mtf/engines/clones.h"
+#include "mtf/math/clones.h"
 
 namespace calib {
 namespace {

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "calib/edge/edge_response.h"
+#include "calib/measure/correction/edge_response.h"
 #include "calib/measure/defects/correlated_noise.h"
 #include "calib/measure/edge_terms.h"
 

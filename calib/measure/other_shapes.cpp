@@ -5,7 +5,7 @@
 #include <array>
 #include <cmath>
 
-#include "calib/edge/edge_response.h"
+#include "calib/measure/correction/edge_response.h"
 #include "calib/measure/correction/esf_correction.h"
 #include "calib/measure/edge_figures.h"
 #include "calib/measure/edge_terms.h"

@@ -23,7 +23,7 @@ foreach(header IN LISTS headers)
 endforeach()
 
 file(WRITE "${OUT}" "// Generated from the comments of mtf/components/*.h.
-#include \"mtf/component_docs.h\"
+#include \"mtf/components/component_docs.h\"
 
 namespace mtf {
 

@@ -7,8 +7,8 @@
 // Radial when the diameters are equal. (Boreman, Modulation Transfer Function in Optical and Electro-Optical Systems,
 // ch. 2.)
 
-#include "mtf/components/bessel.h"
 #include "mtf/components/field.h"
+#include "mtf/math/bessel.h"
 
 namespace mtf {
 

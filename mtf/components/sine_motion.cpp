@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "mtf/components/bessel.h"
+#include "mtf/math/bessel.h"
 #include "mtf/math/fresnel.h"
 #include "mtf/math/quadrature.h"
 

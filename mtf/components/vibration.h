@@ -14,9 +14,9 @@
 // Kopeika, A System Engineering Approach to Imaging, ch. 14; Boreman, Modulation Transfer Function in Optical and
 // Electro-Optical Systems, ch. 6.)
 
-#include "mtf/components/bessel.h"
 #include "mtf/components/field.h"
 #include "mtf/components/sine_motion.h"
+#include "mtf/math/bessel.h"
 
 namespace mtf {
 

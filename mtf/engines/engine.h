@@ -7,8 +7,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "mtf/engines/uniform_runs.h"
 #include "mtf/image.h"
-#include "mtf/survey/uniform_runs.h"
 
 namespace mtf {
 

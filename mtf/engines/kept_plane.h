@@ -9,8 +9,8 @@
 
 #include "mtf/engines/fft/line_groups.h"
 #include "mtf/engines/mean_and_deviation.h"
+#include "mtf/engines/uniform_runs.h"
 #include "mtf/image.h"
-#include "mtf/survey/uniform_runs.h"
 
 namespace mtf {
 

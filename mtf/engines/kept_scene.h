@@ -13,7 +13,7 @@
 // that it has without this. Not to be used by two runs at once.
 //
 // Memory: a plan of an FFT method keeps the spectrum, which is about as large as the planes, twice that in double
-// precision, and up to nine times as large on the canvas of a border other than reflect (mtf/plan/border.h). Other
+// precision, and up to nine times as large on the canvas of a border other than reflect (mtf/border.h). Other
 // methods keep a byte for every 16 samples at most.
 
 #include <cstdint>

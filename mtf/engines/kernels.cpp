@@ -8,8 +8,8 @@
 #include <cstring>
 #include <numeric>
 
-#include "mtf/engines/clones.h"
-#include "mtf/engines/simd.h"
+#include "mtf/math/clones.h"
+#include "mtf/math/simd.h"
 
 namespace mtf::kernels {
 

@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
+#include "mtf/engines/statistics.h"
 #include "mtf/error.h"
 #include "mtf/parallel.h"
-#include "mtf/survey/statistics.h"
 
 namespace mtf {
 namespace {

@@ -8,10 +8,10 @@
 
 #include <optional>
 
+#include "mtf/border.h"
 #include "mtf/engines/engine.h"
 #include "mtf/engines/kernels.h"
-#include "mtf/plan/border.h"
-#include "mtf/survey/uniform_runs.h"
+#include "mtf/engines/uniform_runs.h"
 
 namespace mtf {
 

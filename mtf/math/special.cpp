@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mtf/math/special.h"
 
-#include "mtf/engines/clones.h"
+#include "mtf/math/clones.h"
 
 namespace mtf {
 namespace {

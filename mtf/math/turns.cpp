@@ -4,7 +4,7 @@
 #include <cassert>
 #include <cmath>
 
-#include "mtf/engines/clones.h"
+#include "mtf/math/clones.h"
 
 namespace mtf {
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mtf/metrics/edge_sums.h"
 
-#include "mtf/engines/simd.h"
+#include "mtf/math/simd.h"
 
 namespace mtf::detail {
 namespace {

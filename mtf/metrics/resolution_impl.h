@@ -9,6 +9,7 @@
 #include "mtf/error.h"
 #include "mtf/metrics/edge_sums.h"
 #include "mtf/metrics/pupil_light.h"
+#include "mtf/metrics/resolution.h"
 #include "mtf/metrics/resolution_parts.h"
 #include "mtf/otf/otf_parts.h"
 #include "mtf/otf/otf_series.h"

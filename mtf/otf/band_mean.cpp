@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "mtf/engines/clones.h"
+#include "mtf/math/clones.h"
 
 namespace mtf {
 namespace {

@@ -18,13 +18,13 @@
 #include <string>
 #include <vector>
 
+#include "mtf/border.h"
+#include "mtf/engines/fft/scene_spectrum.h"
 #include "mtf/otf/band_mean.h"
 #include "mtf/otf/polar_table.h"
 #include "mtf/otf/radial_table.h"
-#include "mtf/plan/border.h"
-#include "mtf/survey/scene_spectrum.h"
+#include "mtf/otf/split.h"
 #include "mtf/system.h"
-#include "mtf/tiles/split.h"
 
 namespace mtf {
 

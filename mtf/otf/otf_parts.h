@@ -13,7 +13,6 @@
 #include <vector>
 
 #include "mtf/components/field.h"
-#include "mtf/metrics/resolution.h"
 #include "mtf/otf/split_mean.h"
 
 namespace mtf {

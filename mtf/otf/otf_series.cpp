@@ -5,7 +5,7 @@
 #include <memory>
 #include <mutex>
 
-#include "mtf/engines/simd.h"
+#include "mtf/math/simd.h"
 #include "mtf/math/turns.h"
 
 namespace mtf {

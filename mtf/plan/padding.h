@@ -38,7 +38,7 @@ struct TailLimit {
 std::vector<double> kernel_tails(const FactoredOtf& sampler, const CanvasRequest& request, std::int64_t length,
                                  double noise = 0.0, const TailLimit& limit = {});
 
-/// The defined canvas (mtf/plan/border.h) or, where the tails of the point spread beyond it fit the budget, a shorter
+/// The defined canvas (mtf/border.h) or, where the tails of the point spread beyond it fit the budget, a shorter
 /// smooth one. The tails are those of the OTF itself: for fourteen frequencies of the other axis the kernel along this
 /// axis is summed from outside, the largest sum counts; for outputs that stand between two samples the kernel is the
 /// one shifted by half a sample, whose tails are longer. A canvas longer than the longest of use is not sought: the

@@ -5,10 +5,10 @@
 #include <cmath>
 #include <vector>
 
+#include "mtf/engines/row_moments.h"
 #include "mtf/error.h"
 #include "mtf/plan/plan_impl.h"
 #include "mtf/plan/plan_parts.h"
-#include "mtf/survey/row_moments.h"
 
 namespace mtf {
 namespace {

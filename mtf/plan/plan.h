@@ -9,7 +9,7 @@
 //   plan.run(scene.view(), sampled.view());
 //
 // The tolerance is the rms error over the output pixels, before noise, relative to the scene's standard deviation. The
-// reference is the exact OTF applied to the periodic canvas of mtf/plan/border.h and evaluated at the detector centres.
+// reference is the exact OTF applied to the periodic canvas of mtf/border.h and evaluated at the detector centres.
 
 #include <array>
 #include <memory>
@@ -19,14 +19,14 @@
 #include <string_view>
 #include <vector>
 
+#include "mtf/border.h"
 #include "mtf/engines/kept_scene.h"
 #include "mtf/error.h"
 #include "mtf/grid.h"
 #include "mtf/image.h"
 #include "mtf/otf/factored_otf.h"
-#include "mtf/plan/border.h"
-#include "mtf/plan/rigor.h"
 #include "mtf/plan/scene_view.h"
+#include "mtf/rigor.h"
 #include "mtf/system.h"
 
 namespace mtf {
@@ -35,7 +35,7 @@ namespace mtf {
 struct SceneSummary {
   double std = 1.0;           ///< > 0
   double largest = 1.0;       ///< largest |value|, also of a constant border: the float32 storage error
-  double canvas_norm = 2.0;   ///< canvas_norm of mtf/survey/statistics.h, in units of value
+  double canvas_norm = 2.0;   ///< canvas_norm of mtf/engines/statistics.h, in units of value
   double flat_rows = 0.0;     ///< share of the rows that are uniform
   double flat_columns = 0.0;  ///< share of the columns, counted in groups of 16 that are all uniform
   double error = 0.0;         ///< of the values as they come, at most: a table they were made with

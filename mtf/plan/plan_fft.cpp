@@ -4,11 +4,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "mtf/engines/fft/scene_spectrum.h"
 #include "mtf/engines/fft/spectral.h"
 #include "mtf/plan/plan_cost.h"
 #include "mtf/plan/plan_parts.h"
 #include "mtf/plan/plan_spectral.h"
-#include "mtf/survey/scene_spectrum.h"
 
 namespace mtf {
 namespace {

@@ -16,7 +16,7 @@ namespace mtf {
 // How the tolerance is shared out; what is left over is for arithmetic.
 inline constexpr double kDropShare = 0.05, kTableShare = 0.02, kWrapShare = 0.25, kBandShare = 0.05;
 
-/// Compiles one part of the presample OTF by scale, for tiles (mtf/tiles/split.h). Errors as compile().
+/// Compiles one part of the presample OTF by scale, for tiles (mtf/otf/split.h). Errors as compile().
 Plan compile_part(const System<double>& system, const SampleGrid& scene, const SampleGrid& detector,
                   const PlanOptions& options, const ScaleSplit& split);
 
@@ -27,7 +27,7 @@ struct PlanTask {
   const PlanOptions& options;
   ScaleSplit split;
   double canvas_norm =
-      1.0;             ///< of the defined canvas (canvas_norm of mtf/survey/statistics.h), in units of the scene's std
+      1.0;             ///< of the defined canvas (canvas_norm of mtf/engines/statistics.h), in units of the scene's std
   double norm = 1.0;   ///< the same, where all of it lies in the part of the scene that the detector sees
   double alias = 1.0;  ///< sqrt(frequencies that may alias onto one)
   double spectrum_gain = 1.0;  ///< largest factor between the rms_error of the scene's spectrum and the image's

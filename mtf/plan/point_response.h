@@ -4,17 +4,17 @@
 // The response of an OTF to a point, as taps on the scene's samples about the centre of a detector sample, for whole
 // ratios of pitch to sample. The tap at x weighs the sample x to the right of (below) the centre, so it is the point
 // spread at -x:
-//   K(x, y) = 1/M^2 sum over the corners of mtf/survey/scene_spectrum.h of H(fx, fy) exp(-2 pi i (fx x + fy y)), M = 2
-//   kCells
+//   K(x, y) = 1/M^2 sum over the corners of mtf/engines/fft/scene_spectrum.h of H(fx, fy) exp(-2 pi i (fx x + fy y)), M
+//   = 2 kCells
 // and taps let through sum K exp(2 pi i f.x), whose distance from H at the corners is their error. Positions are whole
 // samples, or half ones where the ratio is even and centres lie between two samples.
 
 #include <array>
 #include <vector>
 
+#include "mtf/engines/fft/scene_spectrum.h"
 #include "mtf/grid.h"
 #include "mtf/otf/factored_otf.h"
-#include "mtf/survey/scene_spectrum.h"
 
 namespace mtf {
 

@@ -7,11 +7,11 @@
 #include <cmath>
 #include <cstring>
 
+#include "mtf/engines/row_moments.h"
+#include "mtf/engines/uniform_runs.h"
 #include "mtf/error.h"
 #include "mtf/math/word_hash.h"
 #include "mtf/parallel.h"
-#include "mtf/survey/row_moments.h"
-#include "mtf/survey/uniform_runs.h"
 
 namespace mtf {
 namespace {

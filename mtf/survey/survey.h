@@ -6,9 +6,9 @@
 #include <functional>
 #include <optional>
 
+#include "mtf/engines/statistics.h"
 #include "mtf/plan/plan.h"
-#include "mtf/survey/statistics.h"
-#include "mtf/tiles/coarse.h"
+#include "mtf/survey/coarse.h"
 
 namespace mtf {
 
@@ -30,7 +30,7 @@ struct SurveyOptions {
 
 struct Survey {
   Statistics statistics;
-  double canvas_norm = 0.0;       ///< as canvas_norm of mtf/survey/statistics.h
+  double canvas_norm = 0.0;       ///< as canvas_norm of mtf/engines/statistics.h
   double shift = 0.0;             ///< value that was subtracted from the samples of the coarse image
   std::uint64_t fingerprint = 0;  ///< of all samples in their order: tells one scene from another
   Image coarse;                   ///< on coarse_grid(); empty when not asked for or where pixels are not finite
@@ -39,7 +39,7 @@ struct Survey {
   std::optional<SceneSummary> summary(Border border, double border_value) const;
 };
 
-/// The same numbers for any number of threads and rows a band, up to rounding those of mtf/survey/statistics.h.
+/// The same numbers for any number of threads and rows a band, up to rounding those of mtf/engines/statistics.h.
 Survey survey(const ReadWindow& read, std::size_t channel, const SampleGrid& scene, const SurveyOptions& options);
 
 /// The same for the channels first .. first + count - 1 in one pass: a file is decoded once for all of them. Each needs

@@ -7,10 +7,10 @@
 //   TiledSensorPlan plan = compile_tiled(system, scene_grid, options, {.memory = 1 << 30});
 //   TileTally tally = plan.run(read, surveys, write, {});
 //
-// A tile takes the samples of its pixels and of a halo around them from the scene's canvas (mtf/plan/border.h), filters
+// A tile takes the samples of its pixels and of a halo around them from the scene's canvas (mtf/border.h), filters
 // them by one plan shared by all tiles, and keeps the middle. The promise is that of a SensorPlan: the rms error over
 // all output pixels is at most tolerance x std of the scene. Where the halo of the whole OTF would be too long the OTF
-// is split (mtf/tiles/split.h): tiles do the near part, a coarse image of the whole scene the far part. Where even that
+// is split (mtf/otf/split.h): tiles do the near part, a coarse image of the whole scene the far part. Where even that
 // does not help (an OTF with a step or kink at the scene's Nyquist frequency, a ratio of pitch to sample that is not
 // p/q) the scene is one tile, if memory allows.
 

@@ -5,9 +5,9 @@
 #include <cstring>
 #include <mutex>
 
+#include "mtf/engines/statistics.h"
 #include "mtf/error.h"
 #include "mtf/parallel.h"
-#include "mtf/survey/statistics.h"
 #include "mtf/tiles/tile_queue.h"
 #include "mtf/tiles/tiles.h"
 

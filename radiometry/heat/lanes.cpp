@@ -6,7 +6,7 @@
 #include <cmath>
 #include <cstdint>
 
-#include "mtf/engines/simd.h"
+#include "mtf/math/simd.h"
 #include "radiometry/heat/surface_loss.h"
 
 // Plain loops over the lanes, which the compiler turns into vectors of the widest kind of the machine (simd::run).

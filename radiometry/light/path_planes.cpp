@@ -6,7 +6,7 @@
 #include <numeric>
 #include <span>
 
-#include "radiometry/stages/detector/pixel_rules.h"
+#include "radiometry/light/pixel_rules.h"
 
 namespace radiometry {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "radiometry/stages/detector/pixel_rules.h"
+#include "radiometry/light/pixel_rules.h"
 
 namespace radiometry {
 

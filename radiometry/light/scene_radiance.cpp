@@ -8,8 +8,8 @@
 #include <mutex>
 
 #include "radiometry/light/constants.h"
+#include "radiometry/light/pixel_rules.h"
 #include "radiometry/light/radiance_table.h"
-#include "radiometry/stages/detector/pixel_rules.h"
 
 namespace radiometry {
 namespace {

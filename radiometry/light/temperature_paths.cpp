@@ -6,10 +6,10 @@
 #include <limits>
 #include <numbers>
 
+#include "mtf/engines/statistics.h"
 #include "mtf/parallel.h"
-#include "mtf/survey/statistics.h"
+#include "radiometry/light/pixel_rules.h"
 #include "radiometry/light/radiance_table.h"
-#include "radiometry/stages/detector/pixel_rules.h"
 
 namespace radiometry {
 namespace {

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <limits>
 
-#include "mtf/engines/clones.h"
+#include "mtf/math/clones.h"
 #include "mtf/parallel.h"
 #include "radiometry/render/band_shader.h"
 

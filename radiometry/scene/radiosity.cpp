@@ -5,8 +5,8 @@
 #include <tuple>
 #include <utility>
 
-#include "mtf/engines/simd.h"
 #include "mtf/error.h"
+#include "mtf/math/simd.h"
 #include "radiometry/scene/exchange.h"
 
 namespace radiometry::scene {

@@ -9,7 +9,7 @@
 #include "apps/sensor/sensor_kinds.h"
 #include "mtf/error.h"
 #include "mtf/io/config/config.h"
-#include "radiometry/sensor_settings.h"
+#include "radiometry/chain/sensor_settings.h"
 #include "tests/apps/command.h"
 
 namespace apps {

@@ -13,8 +13,8 @@
 
 #include "apps/simulate/live_simulation.h"
 #include "apps/simulate/simulate.h"
+#include "mtf/engines/statistics.h"
 #include "mtf/io/config/schedule.h"
-#include "mtf/survey/statistics.h"
 #include "tests/apps/chain_sensor.h"
 
 namespace apps_test {

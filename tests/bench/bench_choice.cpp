@@ -21,7 +21,7 @@
 #include <vector>
 
 #include "mtf/engines/fft/fftw.h"
-#include "mtf/survey/scene_spectrum.h"
+#include "mtf/engines/fft/scene_spectrum.h"
 #include "mtf/version.h"
 #include "tests/mtf/sweep_cases.h"
 

@@ -10,9 +10,9 @@
 #include <string>
 #include <vector>
 
+#include "mtf/engines/statistics.h"
 #include "mtf/error.h"
 #include "mtf/plan/plan.h"
-#include "mtf/survey/statistics.h"
 #include "tests/mtf/builders.h"
 #include "tests/mtf/reference.h"
 

@@ -8,8 +8,8 @@
 #include <filesystem>
 #include <numbers>
 
+#include "mtf/engines/statistics.h"
 #include "mtf/io/image_io.h"
-#include "mtf/survey/statistics.h"
 #include "tests/mtf/builders.h"
 #include "tests/mtf/random_systems.h"
 

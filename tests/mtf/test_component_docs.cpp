@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "mtf/component.h"
-#include "mtf/component_docs.h"
+#include "mtf/components/component_docs.h"
 
 namespace mtf {
 namespace {

@@ -5,7 +5,7 @@
 
 #include <string>
 
-#include "mtf/plan/border.h"
+#include "mtf/border.h"
 
 namespace mtf::test {
 namespace {

@@ -5,9 +5,9 @@
 
 #include "apps/check/reference_fft.h"
 #include "mtf/engines/fft/line_groups.h"
+#include "mtf/engines/fft/scene_spectrum.h"
 #include "mtf/engines/mean_and_deviation.h"
-#include "mtf/survey/scene_spectrum.h"
-#include "mtf/survey/uniform_runs.h"
+#include "mtf/engines/uniform_runs.h"
 #include "tests/mtf/plan_support.h"
 
 namespace mtf::test {

@@ -3,8 +3,8 @@
 // And what a plan says when a method is impossible.
 #include <random>
 
+#include "mtf/engines/fft/scene_spectrum.h"
 #include "mtf/plan/low_rank.h"
-#include "mtf/survey/scene_spectrum.h"
 #include "tests/mtf/plan_support.h"
 
 namespace mtf::test {

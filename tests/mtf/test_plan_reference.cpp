@@ -3,8 +3,8 @@
 
 #include <cmath>
 
+#include "mtf/engines/statistics.h"
 #include "mtf/plan/plan.h"
-#include "mtf/survey/statistics.h"
 #include "tests/mtf/builders.h"
 #include "tests/mtf/reference.h"
 

@@ -2,7 +2,7 @@
 // Plans that know their scene's spectrum: what is left out is charged to the frequencies where this scene has its
 // power, at the places where a bound could be lost: aliases, alias zones inside of a cell, padded canvases, filters
 // after the sampling, other scenes.
-#include "mtf/survey/scene_spectrum.h"
+#include "mtf/engines/fft/scene_spectrum.h"
 
 #include "mtf/plan/sensor_plan.h"
 #include "tests/mtf/plan_support.h"

@@ -14,8 +14,8 @@
 #include <optional>
 
 #include "apps/check/reference_fft.h"
-#include "mtf/survey/scene_spectrum.h"
-#include "mtf/survey/statistics.h"
+#include "mtf/engines/fft/scene_spectrum.h"
+#include "mtf/engines/statistics.h"
 #include "tests/mtf/sweep_cases.h"
 
 namespace mtf::test {

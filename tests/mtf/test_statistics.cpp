@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mtf/survey/statistics.h"
+#include "mtf/engines/statistics.h"
 
 #include "tests/mtf/plan_support.h"
 

@@ -5,7 +5,7 @@
 
 #include "mtf/components/pupil/pupil.h"
 #include "mtf/error.h"
-#include "mtf/system_impl.h"
+#include "mtf/otf/system_impl.h"
 #include "tests/mtf/builders.h"
 
 namespace mtf::test {

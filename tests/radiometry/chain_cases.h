@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "radiometry/chain.h"
+#include "radiometry/chain/chain.h"
 #include "tests/mtf/builders.h"
 #include "tests/radiometry/frames.h"
 

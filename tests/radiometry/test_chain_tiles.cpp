@@ -2,7 +2,7 @@
 
 // The chain in tiles against the chain of the whole image, from the same sampled radiance: the same bits.
 
-#include "radiometry/chain_tiles.h"
+#include "radiometry/chain/chain_tiles.h"
 
 #include <gtest/gtest.h>
 

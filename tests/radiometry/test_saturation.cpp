@@ -6,8 +6,8 @@
 #include <cmath>
 #include <set>
 
+#include "radiometry/chain/sensor_numbers.h"
 #include "radiometry/light/blackbody.h"
-#include "radiometry/performance/sensor_numbers.h"
 #include "tests/radiometry/chain_cases.h"
 #include "tests/radiometry/expect_refused.h"
 #include "tests/radiometry/statistics.h"

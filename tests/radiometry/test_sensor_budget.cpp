@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "radiometry/performance/sensor_budget.h"
+#include "radiometry/chain/sensor_budget.h"
 
 #include <gtest/gtest.h>
 

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <map>
 
+#include "radiometry/chain/sensor_budget.h"
 #include "radiometry/light/constants.h"
-#include "radiometry/performance/sensor_budget.h"
 #include "radiometry/performance/thermal_detector.h"
 #include "tests/radiometry/expect_refused.h"
 #include "tests/radiometry/thermal_cases.h"

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <map>
 
-#include "radiometry/performance/sensor_budget.h"
+#include "radiometry/chain/sensor_budget.h"
 #include "tests/radiometry/expect_refused.h"
 #include "tests/radiometry/statistics.h"
 #include "tests/radiometry/thermal_cases.h"

@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "mtf/io/config/config.h"
-#include "radiometry/sensor_settings.h"
+#include "radiometry/chain/sensor_settings.h"
 #include "tests/radiometry/expect_refused.h"
 
 // [detector] kind = "thermal" in a sensor file: volts where a photon detector has electrons, and keys of its own.

@@ -14,19 +14,19 @@
 #include <filesystem>
 
 #include "apps/bench/machine.h"
+#include "apps/config.h"
 #include "apps/figures/plot.h"
 #include "apps/options.h"
 #include "apps/scene/command/render_options.h"
 #include "apps/scene/heat/stopwatch.h"
 #include "apps/scene/render/sensor_picture.h"
-#include "apps/sensor/sensor_file.h"
 #include "apps/terminal/output.h"
 #include "apps/terminal/output_set.h"
 #include "apps/terminal/progress_line.h"
 #include "apps/terminal/text_table.h"
 #include "apps/text/json.h"
+#include "mtf/engines/statistics.h"
 #include "mtf/error.h"
-#include "mtf/survey/statistics.h"
 #include "mtf/version.h"
 #include "radiometry/light/scene_radiance.h"
 

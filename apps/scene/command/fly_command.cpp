@@ -9,13 +9,13 @@
 #include <limits>
 #include <set>
 
+#include "apps/config.h"
 #include "apps/scene/command/fly_options.h"
 #include "apps/scene/command/read_scene.h"
 #include "apps/scene/fly/flight.h"
 #include "apps/scene/fly/stage_times.h"
 #include "apps/scene/heat/stopwatch.h"
 #include "apps/scene/render/solved_rows.h"
-#include "apps/sensor/sensor_file.h"
 #include "apps/simulate/frames/frame_names.h"
 #include "apps/simulate/image_output.h"
 #include "apps/simulate/output_files.h"
@@ -24,10 +24,10 @@
 #include "apps/terminal/progress_line.h"
 #include "apps/terminal/text_table.h"
 #include "apps/text/json.h"
+#include "mtf/engines/statistics.h"
 #include "mtf/error.h"
 #include "mtf/io/config/schedule.h"
-#include "mtf/survey/statistics.h"
-#include "radiometry/heat/weather/instant.h"
+#include "radiometry/weather/instant.h"
 
 namespace apps {
 namespace {

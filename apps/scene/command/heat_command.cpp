@@ -22,7 +22,7 @@
 #include "apps/terminal/text_table.h"
 #include "apps/text/json.h"
 #include "mtf/error.h"
-#include "radiometry/heat/weather/instant.h"
+#include "radiometry/weather/instant.h"
 
 namespace apps {
 namespace {

@@ -7,7 +7,7 @@
 
 #include "apps/terminal/output.h"
 #include "apps/terminal/text_table.h"
-#include "radiometry/heat/weather/instant.h"
+#include "radiometry/weather/instant.h"
 
 namespace apps::scene {
 

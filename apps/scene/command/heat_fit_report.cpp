@@ -9,7 +9,7 @@
 #include "apps/text/json.h"
 #include "mtf/io/sha256.h"
 #include "mtf/version.h"
-#include "radiometry/heat/weather/instant.h"
+#include "radiometry/weather/instant.h"
 
 namespace apps::scene {
 namespace {

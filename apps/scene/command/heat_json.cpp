@@ -3,7 +3,7 @@
 #include "apps/scene/command/heat_files.h"
 #include "apps/text/json.h"
 #include "mtf/version.h"
-#include "radiometry/heat/weather/instant.h"
+#include "radiometry/weather/instant.h"
 
 namespace apps::scene {
 namespace {

@@ -11,7 +11,7 @@
 #include "apps/terminal/output.h"
 #include "apps/text/words.h"
 #include "mtf/error.h"
-#include "radiometry/heat/weather/instant.h"
+#include "radiometry/weather/instant.h"
 
 namespace apps {
 

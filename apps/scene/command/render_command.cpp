@@ -7,6 +7,7 @@
 #include <array>
 #include <filesystem>
 
+#include "apps/config.h"
 #include "apps/scene/command/read_scene.h"
 #include "apps/scene/command/render_figure.h"
 #include "apps/scene/command/render_options.h"
@@ -16,13 +17,12 @@
 #include "apps/scene/render/sensor_picture.h"
 #include "apps/scene/render/solved_rows.h"
 #include "apps/sensor/sensor_air.h"
-#include "apps/sensor/sensor_file.h"
 #include "apps/terminal/output.h"
 #include "apps/terminal/output_set.h"
 #include "apps/terminal/progress_line.h"
 #include "apps/text/json.h"
 #include "mtf/error.h"
-#include "radiometry/heat/weather/instant.h"
+#include "radiometry/weather/instant.h"
 
 namespace apps {
 namespace {

@@ -5,8 +5,8 @@
 
 #include "apps/terminal/output.h"
 #include "apps/terminal/text_table.h"
-#include "mtf/survey/statistics.h"
-#include "radiometry/heat/weather/instant.h"
+#include "mtf/engines/statistics.h"
+#include "radiometry/weather/instant.h"
 
 namespace apps {
 

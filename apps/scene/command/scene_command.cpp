@@ -15,8 +15,8 @@
 #include "apps/terminal/output.h"
 #include "apps/terminal/output_set.h"
 #include "apps/terminal/text_table.h"
-#include "radiometry/heat/weather/instant.h"
 #include "radiometry/light/constants.h"
+#include "radiometry/weather/instant.h"
 
 namespace apps {
 namespace {

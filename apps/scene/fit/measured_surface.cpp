@@ -8,8 +8,8 @@
 
 #include "apps/text/words.h"
 #include "mtf/error.h"
-#include "radiometry/heat/weather/instant.h"
 #include "radiometry/light/constants.h"
+#include "radiometry/weather/instant.h"
 
 namespace apps::scene {
 namespace {

@@ -13,7 +13,7 @@
 #include "apps/scene/heat/stopwatch.h"
 #include "apps/sensor/sensor_air.h"
 #include "mtf/error.h"
-#include "radiometry/heat/weather/instant.h"
+#include "radiometry/weather/instant.h"
 
 namespace apps::scene {
 namespace {

@@ -6,8 +6,8 @@
 #include "apps/text/words.h"
 #include "mtf/error.h"
 #include "radiometry/heat/solve.h"
-#include "radiometry/heat/weather/instant.h"
-#include "radiometry/heat/weather/sky.h"
+#include "radiometry/weather/instant.h"
+#include "radiometry/weather/sky.h"
 
 namespace apps::scene {
 namespace {

@@ -9,8 +9,8 @@
 #include "mtf/parallel.h"
 #include "radiometry/heat/lanes.h"
 #include "radiometry/heat/solve.h"
-#include "radiometry/heat/weather/instant.h"
 #include "radiometry/light/constants.h"
+#include "radiometry/weather/instant.h"
 
 namespace apps::scene {
 namespace {

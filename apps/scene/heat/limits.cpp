@@ -8,7 +8,7 @@
 #include "apps/text/words.h"
 #include "radiometry/atmosphere/spectral_path.h"
 #include "radiometry/heat/evaporation.h"
-#include "radiometry/heat/weather/instant.h"
+#include "radiometry/weather/instant.h"
 
 namespace apps::scene {
 namespace {

@@ -7,7 +7,7 @@
 #include <numeric>
 
 #include "apps/scene/heat/unit_flux.h"
-#include "mtf/engines/simd.h"
+#include "mtf/math/simd.h"
 #include "mtf/parallel.h"
 
 namespace apps::scene {

@@ -8,8 +8,8 @@
 #include "apps/text/words.h"
 #include "mtf/error.h"
 #include "radiometry/heat/layer_sources.h"
-#include "radiometry/heat/weather/clear_sky.h"
 #include "radiometry/light/constants.h"
+#include "radiometry/weather/clear_sky.h"
 
 namespace apps::scene {
 namespace {

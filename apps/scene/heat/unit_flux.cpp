@@ -5,7 +5,7 @@
 #include <cmath>
 #include <memory>
 
-#include "mtf/engines/simd.h"
+#include "mtf/math/simd.h"
 
 namespace apps::scene {
 namespace {

@@ -13,7 +13,7 @@
 #include "apps/text/words.h"
 #include "mtf/error.h"
 #include "mtf/parallel.h"
-#include "radiometry/heat/weather/sky.h"
+#include "radiometry/weather/sky.h"
 
 namespace apps::scene {
 namespace {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numeric>
 
-#include "radiometry/heat/weather/sky.h"
+#include "radiometry/weather/sky.h"
 
 namespace apps::scene {
 namespace {

@@ -12,7 +12,7 @@
 #include "mtf/io/file_checks.h"
 #include "mtf/version.h"
 #include "mtf/work/usable_memory.h"
-#include "radiometry/heat/weather/instant.h"
+#include "radiometry/weather/instant.h"
 
 namespace apps::scene {
 namespace {

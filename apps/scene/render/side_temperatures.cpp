@@ -10,7 +10,7 @@
 #include "apps/scene/heat/tables/npy_rows.h"
 #include "apps/text/words.h"
 #include "mtf/error.h"
-#include "radiometry/heat/weather/instant.h"
+#include "radiometry/weather/instant.h"
 
 namespace apps::scene {
 namespace {

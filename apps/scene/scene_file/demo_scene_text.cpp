@@ -5,8 +5,8 @@
 #include <numbers>
 
 #include "apps/scene/weather/weather_csv.h"
-#include "radiometry/heat/weather/demo_weather.h"
-#include "radiometry/heat/weather/instant.h"
+#include "radiometry/weather/demo_weather.h"
+#include "radiometry/weather/instant.h"
 
 namespace apps::scene {
 namespace {

@@ -10,7 +10,7 @@
 
 #include "apps/scene/scene_file/scene_file.h"
 #include "mtf/component.h"
-#include "radiometry/heat/weather/instant.h"
+#include "radiometry/weather/instant.h"
 
 namespace apps::scene {
 

@@ -17,17 +17,17 @@
 #include "apps/scene/scene_file/clear_sky_flux.h"
 #include "apps/scene/weather/weather_file.h"
 #include "mtf/io/config/config.h"
-#include "radiometry/heat/weather/schedule.h"
-#include "radiometry/heat/weather/sky.h"
-#include "radiometry/heat/weather/sun.h"
-#include "radiometry/heat/weather/weather.h"
-#include "radiometry/heat/weather/weather_series.h"
 #include "radiometry/light/angular_emissivity.h"
 #include "radiometry/light/spectrum.h"
+#include "radiometry/weather/schedule.h"
+#include "radiometry/weather/sky.h"
+#include "radiometry/weather/sun.h"
+#include "radiometry/weather/weather.h"
+#include "radiometry/weather/weather_series.h"
 
 namespace apps::scene {
 
-/// [time]: UTC, seconds of radiometry/heat/weather/instant.h.
+/// [time]: UTC, seconds of radiometry/weather/instant.h.
 struct TimeSection {
   double start_s = 0.0, end_s = 0.0;
   double step_s = 600.0;  ///< between outputs; a divisor of the span

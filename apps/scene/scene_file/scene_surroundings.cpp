@@ -9,7 +9,7 @@
 #include "apps/scene/scene_file/scene_fields.h"
 #include "apps/scene/scene_file/scene_reader.h"
 #include "mtf/io/file_checks.h"
-#include "radiometry/heat/weather/instant.h"
+#include "radiometry/weather/instant.h"
 
 namespace apps::scene {
 namespace {

@@ -11,8 +11,8 @@
 #include "apps/scene/weather/weather_formats.h"
 #include "mtf/io/csv/csv_cells.h"
 #include "mtf/units.h"
-#include "radiometry/heat/weather/instant.h"
-#include "radiometry/heat/weather/sky.h"
+#include "radiometry/weather/instant.h"
+#include "radiometry/weather/sky.h"
 
 namespace apps::scene {
 namespace {

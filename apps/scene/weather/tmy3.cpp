@@ -12,8 +12,8 @@
 #include "mtf/io/csv/csv_cells.h"
 #include "mtf/io/file_checks.h"
 #include "mtf/units.h"
-#include "radiometry/heat/weather/instant.h"
-#include "radiometry/heat/weather/sky.h"
+#include "radiometry/weather/instant.h"
+#include "radiometry/weather/sky.h"
 
 namespace apps::scene {
 namespace {

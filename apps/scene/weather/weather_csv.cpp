@@ -10,8 +10,8 @@
 #include "mtf/io/csv/number_text.h"
 #include "mtf/io/file_checks.h"
 #include "mtf/units.h"
-#include "radiometry/heat/weather/instant.h"
-#include "radiometry/heat/weather/sky.h"
+#include "radiometry/weather/instant.h"
+#include "radiometry/weather/sky.h"
 
 namespace apps::scene {
 namespace {

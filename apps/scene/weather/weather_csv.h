@@ -16,7 +16,7 @@
 #include <vector>
 
 #include "apps/scene/weather/weather_file.h"
-#include "radiometry/heat/weather/schedule.h"
+#include "radiometry/weather/schedule.h"
 
 namespace apps::scene {
 

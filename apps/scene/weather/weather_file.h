@@ -3,15 +3,15 @@
 
 // Weather files: our own CSV (weather_csv.h), EnergyPlus' EPW, NREL's TMY3 and NOAA's SURFRAD. What a file is is seen
 // from its text, not from its name. Every reader gives SI values with times in UTC and the place that the file states;
-// wrong values are refused by check_weather (radiometry/heat/weather/weather.h) with file and line.
+// wrong values are refused by check_weather (radiometry/weather/weather.h) with file and line.
 
 #include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include "radiometry/heat/weather/sun.h"
-#include "radiometry/heat/weather/weather.h"
+#include "radiometry/weather/sun.h"
+#include "radiometry/weather/weather.h"
 
 namespace apps::scene {
 

@@ -9,7 +9,7 @@
 #include <optional>
 
 #include "mtf/io/config/schedule.h"
-#include "radiometry/sensor_settings.h"
+#include "radiometry/chain/sensor_settings.h"
 
 namespace apps {
 

@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// The chain of a sensor with [detector] in a run in tiles (radiometry/chain_tiles.h): which sensors and scenes can go
-// through it, the scene's windows as light, and each tile from light to the output stage, with one report for all.
+// The chain of a sensor with [detector] in a run in tiles (radiometry/chain/chain_tiles.h): which sensors and scenes
+// can go through it, the scene's windows as light, and each tile from light to the output stage, with one report for
+// all.
 
 #include <mutex>
 
 #include "apps/simulate/radiometric_chain.h"
 #include "apps/simulate/tiles/tile_scene.h"
 #include "mtf/io/tile_store.h"
-#include "radiometry/chain_tiles.h"
+#include "radiometry/chain/chain_tiles.h"
 
 namespace apps {
 

@@ -11,7 +11,7 @@
 
 #include "apps/sensor/sensor_chain.h"
 #include "apps/study/study.h"
-#include "radiometry/performance/sensor_budget.h"
+#include "radiometry/chain/sensor_budget.h"
 
 namespace study {
 
@@ -30,7 +30,7 @@ struct VariantSensor {
 /// Reads the variant, its curves and tables. Throws RuntimeError for files that cannot be read.
 VariantSensor load_variant(const Study& study, std::span<const int> levels);
 
-/// The study's surface and target behind a path, see radiometry/performance/sensor_budget.h.
+/// The study's surface and target behind a path, see radiometry/chain/sensor_budget.h.
 radiometry::SpectralNumbers<double> spectral_numbers(const Conditions& conditions, const radiometry::Sensor& sensor,
                                                      const radiometry::Path& path,
                                                      const radiometry::Overrides<double>& numbers = {});

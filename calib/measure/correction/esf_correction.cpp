@@ -8,7 +8,7 @@
 
 #include "calib/dense.h"
 #include "calib/measure/defects/score_covariance.h"
-#include "mtf/engines/clones.h"
+#include "mtf/math/clones.h"
 
 namespace calib {
 namespace {

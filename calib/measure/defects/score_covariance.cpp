@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "calib/dense.h"
-#include "mtf/engines/clones.h"
+#include "mtf/math/clones.h"
 
 namespace calib {
 namespace {

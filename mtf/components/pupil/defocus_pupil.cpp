@@ -5,9 +5,9 @@
 #include <cmath>
 #include <complex>
 
-#include "mtf/components/bessel.h"
 #include "mtf/components/pupil/pupil.h"
 #include "mtf/components/pupil/pupil_circles.h"
+#include "mtf/math/bessel.h"
 #include "mtf/math/quadrature.h"
 
 namespace mtf {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mtf/components/pupil/pupil_turns.h"
 
-#include "mtf/engines/clones.h"
+#include "mtf/math/clones.h"
 #include "mtf/math/turns.h"
 
 namespace mtf {

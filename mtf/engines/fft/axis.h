@@ -10,10 +10,10 @@
 #include <cstdint>
 #include <vector>
 
+#include "mtf/border.h"
 #include "mtf/engines/fft/batched_fft.h"
 #include "mtf/grid.h"
 #include "mtf/image.h"
-#include "mtf/plan/border.h"
 
 namespace mtf {
 

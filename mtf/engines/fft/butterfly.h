@@ -4,7 +4,7 @@
 // Discrete Fourier transforms of a few points, sign -1, in registers: z[k] <- sum_j z[j] exp(-2 pi i j k / R).
 // Products of two lengths by the Cooley-Tukey step, odd primes by pairing j with R - j.
 
-#include "mtf/engines/simd.h"
+#include "mtf/math/simd.h"
 
 namespace mtf::simd {
 

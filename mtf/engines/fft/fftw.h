@@ -12,7 +12,7 @@
 
 #include "mtf/frame.h"
 #include "mtf/image.h"
-#include "mtf/plan/rigor.h"
+#include "mtf/rigor.h"
 
 namespace mtf::fft {
 

@@ -3,7 +3,7 @@
 
 #include <utility>
 
-#include "mtf/engines/simd.h"
+#include "mtf/math/simd.h"
 
 namespace mtf::lanes {
 namespace {

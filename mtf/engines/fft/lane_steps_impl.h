@@ -9,7 +9,7 @@
 
 #include "mtf/engines/fft/butterfly.h"
 #include "mtf/engines/fft/lane_steps.h"
-#include "mtf/engines/simd.h"
+#include "mtf/math/simd.h"
 
 namespace mtf::lanes {
 

@@ -9,9 +9,9 @@
 
 #include <vector>
 
+#include "mtf/border.h"
 #include "mtf/engines/buffer_pool.h"
 #include "mtf/engines/engine.h"
-#include "mtf/plan/border.h"
 
 namespace mtf {
 namespace taps {

@@ -3,7 +3,7 @@
 
 #include <cstring>
 
-#include "mtf/engines/clones.h"
+#include "mtf/math/clones.h"
 #include "mtf/parallel.h"
 
 namespace mtf::taps {

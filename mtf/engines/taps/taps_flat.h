@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "mtf/engines/taps/taps_tile.h"
-#include "mtf/survey/uniform_runs.h"
+#include "mtf/engines/uniform_runs.h"
 
 namespace mtf::taps {
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mtf/engines/taps/taps_tile.h"
 
-#include "mtf/engines/clones.h"
 #include "mtf/engines/kernels.h"
+#include "mtf/math/clones.h"
 
 namespace mtf::taps {
 namespace {

@@ -8,9 +8,9 @@
 #include <functional>
 #include <vector>
 
+#include "mtf/border.h"
 #include "mtf/image.h"
 #include "mtf/io/module.h"
-#include "mtf/plan/border.h"
 
 namespace mtf::io {
 

@@ -13,8 +13,8 @@
 #include <string_view>
 #include <vector>
 
+#include "mtf/border.h"
 #include "mtf/io/codecs/encoding.h"
-#include "mtf/plan/border.h"
 #include "mtf/settings.h"
 #include "mtf/system.h"
 

@@ -8,7 +8,7 @@
 #include <numbers>
 #include <sstream>
 
-#include "mtf/component_docs.h"
+#include "mtf/components/component_docs.h"
 #include "mtf/io/config/config_reader.h"
 
 namespace mtf::io {

@@ -6,7 +6,7 @@
 #include <limits>
 #include <utility>
 
-#include "mtf/engines/simd.h"
+#include "mtf/math/simd.h"
 #include "mtf/parallel.h"
 
 namespace radiometry::render {

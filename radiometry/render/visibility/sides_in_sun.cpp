@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "mtf/engines/simd.h"
+#include "mtf/math/simd.h"
 #include "mtf/parallel.h"
 
 namespace radiometry::render {

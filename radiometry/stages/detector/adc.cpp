@@ -6,7 +6,7 @@
 #include <cmath>
 #include <type_traits>
 
-#include "mtf/engines/clones.h"
+#include "mtf/math/clones.h"
 #include "mtf/parallel.h"
 
 namespace radiometry {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <vector>
 
-#include "mtf/engines/clones.h"
+#include "mtf/math/clones.h"
 #include "mtf/parallel.h"
 
 namespace radiometry {

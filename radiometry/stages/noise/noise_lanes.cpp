@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "mtf/engines/clones.h"
+#include "mtf/math/clones.h"
 #include "radiometry/stages/noise/lane_words.h"
 
 namespace radiometry {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <bit>
 
-#include "mtf/engines/simd.h"
+#include "mtf/math/simd.h"
 #include "radiometry/stages/noise/lane_words.h"
 
 namespace radiometry {

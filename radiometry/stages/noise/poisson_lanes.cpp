@@ -6,7 +6,7 @@
 #include <bit>
 #include <cmath>
 
-#include "mtf/engines/clones.h"
+#include "mtf/math/clones.h"
 #include "radiometry/stages/noise/lane_words.h"
 #include "radiometry/stages/noise/poisson.h"
 

@@ -14,8 +14,8 @@
 
 #include <vector>
 
+#include "mtf/border.h"
 #include "mtf/image.h"
-#include "mtf/plan/border.h"
 #include "radiometry/stages/optics/focal_plane.h"
 
 namespace radiometry {

@@ -6,7 +6,7 @@
 #include <limits>
 #include <mutex>
 
-#include "mtf/engines/clones.h"
+#include "mtf/math/clones.h"
 #include "mtf/parallel.h"
 
 namespace radiometry {

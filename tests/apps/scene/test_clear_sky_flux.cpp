@@ -12,8 +12,8 @@
 #include "apps/scene/weather/weather_file.h"
 #include "mtf/error.h"
 #include "radiometry/atmosphere/sky_radiance.h"
-#include "radiometry/heat/weather/sky.h"
 #include "radiometry/light/constants.h"
+#include "radiometry/weather/sky.h"
 #include "tests/apps/scene/weather_texts.h"
 
 namespace apps::scene {

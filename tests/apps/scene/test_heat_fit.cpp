@@ -11,7 +11,7 @@
 
 #include "apps/scene/fit/heat_fit.h"
 #include "mtf/error.h"
-#include "radiometry/heat/weather/instant.h"
+#include "radiometry/weather/instant.h"
 #include "tests/apps/scene/weather_texts.h"
 #include "tests/apps/study/temp_folder.h"
 

@@ -15,7 +15,7 @@
 #include "apps/sensor/sensor_chain.h"
 #include "apps/simulate/simulate.h"
 #include "mtf/error.h"
-#include "radiometry/heat/weather/instant.h"
+#include "radiometry/weather/instant.h"
 
 namespace apps::scene {
 namespace {

@@ -6,9 +6,9 @@
 #include "apps/scene/scene_file/demo_scene_text.h"
 #include "apps/scene/scene_file/scene_file.h"
 #include "apps/scene/weather/weather_csv.h"
-#include "radiometry/heat/weather/instant.h"
 #include "radiometry/light/blackbody.h"
 #include "radiometry/light/constants.h"
+#include "radiometry/weather/instant.h"
 #include "tests/apps/scene/scene_folder.h"
 
 namespace apps::scene {

@@ -5,10 +5,10 @@
 
 #include "apps/scene/weather/weather_csv.h"
 #include "apps/scene/weather/weather_file.h"
-#include "radiometry/heat/weather/demo_weather.h"
-#include "radiometry/heat/weather/instant.h"
-#include "radiometry/heat/weather/sky.h"
-#include "radiometry/heat/weather/weather_series.h"
+#include "radiometry/weather/demo_weather.h"
+#include "radiometry/weather/instant.h"
+#include "radiometry/weather/sky.h"
+#include "radiometry/weather/weather_series.h"
 #include "tests/apps/scene/weather_texts.h"
 
 namespace apps::scene {

@@ -5,7 +5,7 @@
 #include "apps/sensor/sensor_chain.h"
 #include "apps/study/design/metric_rows.h"
 #include "mtf/io/image_io.h"
-#include "radiometry/chain.h"
+#include "radiometry/chain/chain.h"
 #include "tests/apps/study/evaluated.h"
 
 namespace {

@@ -4,7 +4,7 @@
 #include <ctime>
 #include <random>
 
-#include "radiometry/heat/weather/instant.h"
+#include "radiometry/weather/instant.h"
 
 namespace radiometry::heat {
 namespace {

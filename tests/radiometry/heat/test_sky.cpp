@@ -11,9 +11,9 @@
 
 #include "mtf/error.h"
 #include "mtf/io/csv/csv_cells.h"
-#include "radiometry/heat/weather/clear_sky.h"
-#include "radiometry/heat/weather/sky.h"
-#include "radiometry/heat/weather/sun.h"
+#include "radiometry/weather/clear_sky.h"
+#include "radiometry/weather/sky.h"
+#include "radiometry/weather/sun.h"
 
 namespace radiometry::heat {
 namespace {

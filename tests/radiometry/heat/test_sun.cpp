@@ -6,8 +6,8 @@
 #include <random>
 
 #include "mtf/error.h"
-#include "radiometry/heat/weather/instant.h"
-#include "radiometry/heat/weather/sun.h"
+#include "radiometry/weather/instant.h"
+#include "radiometry/weather/sun.h"
 
 namespace radiometry::heat {
 namespace {

@@ -8,10 +8,10 @@
 #include <numbers>
 #include <random>
 
-#include "radiometry/heat/weather/demo_weather.h"
-#include "radiometry/heat/weather/instant.h"
-#include "radiometry/heat/weather/schedule.h"
-#include "radiometry/heat/weather/weather_series.h"
+#include "radiometry/weather/demo_weather.h"
+#include "radiometry/weather/instant.h"
+#include "radiometry/weather/schedule.h"
+#include "radiometry/weather/weather_series.h"
 #include "tests/radiometry/heat/weather_cases.h"
 
 namespace radiometry::heat {

@@ -8,8 +8,8 @@
 #include <utility>
 #include <vector>
 
-#include "radiometry/heat/weather/instant.h"
-#include "radiometry/heat/weather/weather_series.h"
+#include "radiometry/weather/instant.h"
+#include "radiometry/weather/weather_series.h"
 
 namespace radiometry::heat::test {
 

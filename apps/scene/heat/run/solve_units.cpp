@@ -12,8 +12,8 @@
 #include "mtf/error.h"
 #include "mtf/parallel.h"
 #include "mtf/work/usable_memory.h"
-#include "radiometry/heat/weather/sky.h"
 #include "radiometry/light/constants.h"
+#include "radiometry/weather/sky.h"
 
 namespace apps::scene {
 namespace {

@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: Apache-2.0
+
+// What differs from pixel to pixel in a chain, for the pixels of an image or of a tile: maps from files are cut, random
+// ones are made from the numbers of each pixel's place on the detector.
+
+#include <algorithm>
+#include <limits>
+
+#include "mtf/engines/statistics.h"
+#include "mtf/parallel.h"
+#include "radiometry/chain/chain_impl.h"
+#include "radiometry/chain/chain_tiles.h"
+
+namespace radiometry {
+namespace {
+
+void require_size(const mtf::Image& map, const char* key, std::int64_t columns, std::int64_t rows) {
+  if (map.width() == columns && map.height() == rows) return;
+  throw mtf::UsageError(std::string(key) + ": the map has " + std::to_string(map.width()) + "x" +
+                        std::to_string(map.height()) + " pixels, the detector " + std::to_string(columns) + "x" +
+                        std::to_string(rows) + "; give a map of the whole detector");
+}
+
+/// The part of a map of the whole detector that an image has; empty where there is no map.
+mtf::Image part_of(const std::shared_ptr<const mtf::Image>& whole, const char* key, const DetectorSource& source) {
+  if (!whole) return {};
+  require_size(*whole, key, source.plane.columns, source.plane.rows);
+  mtf::Image part(source.width, source.height);
+  for (std::int64_t y = 0; y < source.height; ++y)
+    std::copy_n(whole->data() + (source.origin.y + y) * whole->width() + source.origin.x, source.width,
+                part.data() + y * source.width);
+  return part;
+}
+
+SharedMap shared(mtf::Image map) {
+  return map.size() > 0 ? std::make_shared<const mtf::Image>(std::move(map)) : nullptr;
+}
+
+double mean(const SharedMap& map, int threads) { return map ? mtf::statistics(map->view(), threads).mean : 1.0; }
+
+SharedMap product(const SharedMap& a, const SharedMap& b, int threads) {
+  if (!a || !b) return a ? a : b;
+  mtf::Image both = a->clone();
+  multiply_add(both, {1.0, b}, {0.0}, threads);
+  return shared(std::move(both));
+}
+
+DetectorSource detector_source(const CompiledChain& chain, const Sensor& sensor, Origin origin, std::int64_t width,
+                               std::int64_t height) {
+  const SensorSettings& s = chain.settings;
+  return {.nonuniformity = s.nonuniformity,
+          .narcissus = s.narcissus,
+          .defects = s.defects,
+          .blinking = s.blinking,
+          .responsivity = sensor.responsivity,
+          .offset = sensor.offset,
+          .plane = chain.detector,
+          .origin = origin,
+          .width = width,
+          .height = height,
+          .seed = chain.seed};
+}
+
+DetectorMaps detector_maps(const DetectorSource& source, int threads) {
+  const std::int64_t width = source.width, height = source.height;
+  DetectorMaps maps;
+  if (const auto& unequal = source.nonuniformity) {
+    mtf::Image responsivity = part_of(source.responsivity, "nonuniformity.responsivity", source);
+    if (responsivity.size() == 0 && unequal->prnu > 0.0) {
+      responsivity = mtf::Image(width, height);
+      responsivity_map(responsivity.view(), unequal->prnu, source.seed, source.origin, threads);
+    }
+    maps.responsivity = shared(std::move(responsivity));
+    maps.offset = part_of(source.offset, "nonuniformity.offset", source);
+    if (maps.offset.size() == 0 && unequal->dsnu_e > 0.0) {
+      maps.offset = mtf::Image(width, height);
+      offset_map(maps.offset.view(), unequal->dsnu_e, source.seed, source.origin, threads);
+    }
+  }
+  maps.own_light = maps.responsivity;
+  if (source.narcissus) {
+    mtf::Image left(width, height);
+    narcissus_map(left.view(), *source.narcissus, source.plane, source.origin);
+    multiply_add(left, {-1.0}, {1.0}, threads);
+    maps.own_light = product(shared(std::move(left)), maps.responsivity, threads);
+  }
+  if (source.defects) maps.defects = find_defects(width, height, *source.defects, source.seed, source.origin, threads);
+  if (source.blinking) maps.blinking = find_blinking(width, height, *source.blinking, source.seed, source.origin);
+  return maps;
+}
+
+/// The vignetting of the settings.
+SharedMap corners_of(const MapSource& source, int threads) {
+  if (!source.vignetting) return nullptr;
+  const DetectorSource& d = source.detector;
+  const mtf::Image given = part_of(source.given_vignetting, "vignetting.map", d);
+  mtf::Image corners(d.width, d.height);
+  vignetting_map(corners.view(), *source.vignetting, d.plane, source.focal_length_mm, d.origin, given.view(), threads);
+  return shared(std::move(corners));
+}
+
+}  // namespace
+
+void require_maps(const Sensor& sensor, std::int64_t columns, std::int64_t rows) {
+  const auto check = [&](const std::shared_ptr<const mtf::Image>& map, const char* key, const std::string& file,
+                         float least) {
+    if (!map) return;
+    require_size(*map, key, columns, rows);
+    require_numbers(std::string(key) + ": " + (file.empty() ? "the map" : file), map->view(), least);
+  };
+  if (const auto& corners = sensor.settings.vignetting) check(sensor.vignetting, "vignetting.map", corners->map, 0.0F);
+  if (const auto& unequal = sensor.settings.nonuniformity) {
+    check(sensor.responsivity, "nonuniformity.responsivity", unequal->responsivity, 0.0F);
+    check(sensor.offset, "nonuniformity.offset", unequal->offset, std::numeric_limits<float>::lowest());
+  }
+}
+
+MapSource map_source(const CompiledChain& chain, const Sensor& sensor, Origin origin, std::int64_t width,
+                     std::int64_t height) {
+  const SensorSettings& s = chain.settings;
+  return {.detector = detector_source(chain, sensor, origin, width, height),
+          .vignetting = s.vignetting,
+          .given_vignetting = sensor.vignetting,
+          .focal_length_mm = chain.focal_length_mm,
+          .gain = chain.gain,
+          .dark_e = chain.dark_e,
+          .warm = chain.warm,
+          .cone_sr = cone_sr(chain.camera),
+          .around_sr = around_cone_sr(chain.camera),
+          .shutter = s.thermal && s.thermal->shutter_k,
+          .closes = chain.events.has_value()};
+}
+
+PixelMaps pixel_maps(const CompiledChain& chain, const MapSource& source, int threads, const PixelMaps* before) {
+  const int cores = mtf::threads_of(threads);
+  const DetectorSource& d = source.detector;
+  require_on_detector(d.origin, d.width, d.height);
+  require_region(d.plane, d.origin, d.width, d.height);
+  PixelMaps maps{.made_from = source};
+  const bool same_detector = before != nullptr && before->made_from.detector == d;
+  maps.detector = same_detector ? before->detector : std::make_shared<const DetectorMaps>(detector_maps(d, cores));
+  const bool same_corners = same_detector && !before->made_from.shading && same_shading(before->made_from, source);
+  maps.corners = {1.0, same_corners ? before->corners.map : corners_of(source, cores)};
+  if (source.shading) {
+    const SharedMap& kept = source.shading->corners.map;
+    maps.corners = {mean(maps.corners.map, cores) / mean(kept, cores), kept};
+  }
+  maps.light = {chain.gain * maps.corners.number, same_detector && before->corners.map == maps.corners.map
+                                                      ? before->light.map
+                                                      : product(maps.corners.map, maps.detector->responsivity, cores)};
+  maps.glow = glow_of(chain, chain.warm, maps.corners, maps.detector->own_light, chain.dark_e, cores);
+  return maps;
+}
+
+}  // namespace radiometry

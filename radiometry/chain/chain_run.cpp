@@ -1,0 +1,181 @@
+// SPDX-License-Identifier: Apache-2.0
+
+// One frame through the chain: which parts of the table of stages run for an output, at which positions, and for the
+// flat frames of the two-point correction.
+
+#include <algorithm>
+#include <utility>
+
+#include "mtf/parallel.h"
+#include "radiometry/chain/chain_impl.h"
+
+namespace radiometry {
+namespace {
+
+using Part = StageRow::Part;
+
+/// Turns the radiance of the detector's samples into the irradiance on them.
+void cast_on_detector(FrameRun& run, mtf::Image& image) {
+  const CompiledChain& chain = run.chain;
+  const Linear& corners = run.maps.corners;
+  multiply_add(image, {irradiance(chain.camera, 1.0) * corners.number, corners.map}, {0.0}, run.threads,
+               chain.plan.samples_a_pitch);
+  run.lap("irradiance");
+}
+
+/// Turns the radiance of the detector's samples into the power that its pixels absorb, less that of the shutter.
+void absorb(FrameRun& run, mtf::Image& image) {
+  const CompiledChain& chain = run.chain;
+  cast_on_detector(run, image);
+  std::vector<Directions<double>> light{chain.warm};
+  if (chain.events) {
+    light.push_back(warming_of(chain, run.number));
+    const Directions<double> closed = last_closed(chain, run.number, run.state);
+    light.push_back({-closed.cone_e, -closed.around_e});
+  }
+  double area_m2 = chain.pixel.area_m2() * chain.pixel.quantum_efficiency;
+  for (const Directions<double>& volts : light) {
+    const Directions<double> watts{volts.cone_e / chain.pixel.volts_per_watt,
+                                   volts.around_e / chain.pixel.volts_per_watt};
+    multiply_add(image, {std::exchange(area_m2, 1.0)}, glow_of(chain, watts, run.maps.corners, {}, 0.0, run.threads),
+                 run.threads, chain.plan.samples_a_pitch);
+  }
+  run.lap("watts");
+}
+
+/// Takes one frame of the detector from radiance to an output stage.
+void run_detector(FrameRun& run, mtf::Image& image, OutputStage stage) {
+  run.counter.begin(image);
+  run.run(Part::detector, image);
+  run.counter.count(run.frame.held, run.frame.held_defects);
+  for (const Part part : {Part::conversion, Part::correction})
+    if (goes_through(part, stage)) run.run(part, image);
+}
+
+/// Runs the frames of the positions of [microscan] and puts them together.
+void run_positions(FrameRun& run, mtf::Image& image, const Microscan& scan, OutputStage stage) {
+  const double border = run.border;
+  const NoiseKey key = run.key;
+  std::vector<mtf::Image> frames;
+  for (int k = 0; k < scan.positions(); ++k) {
+    frames.push_back(microscan_frame(image.view(), scan, k));
+    run.border = border;
+    run.key = microscan_key(key, scan, k);
+    run.lap("microscan");
+    run_detector(run, frames.back(), stage);
+  }
+  image = microscan_interlace(frames, scan);
+  run.lap("microscan");
+}
+
+/// Whether a row without noise changes no other one: nothing between the noise and the output takes anything from other
+/// pixels, but for what replaces bad ones.
+bool rows_stand_alone(const CompiledChain& chain, OutputStage output) {
+  if (chain.settings.microscan) return false;
+  return std::ranges::all_of(chain.stages, [&](const StageRow& stage) {
+    return stage.whole_image.empty() || stage.part == Part::optics || stage.part == Part::correction ||
+           !goes_through(stage.part, output);
+  });
+}
+
+}  // namespace
+
+void FrameRun::lap(std::string_view stage) {
+  const auto now = std::chrono::steady_clock::now();
+  const double ms = std::chrono::duration<double, std::milli>(now - last).count();
+  last = now;
+  add_time(frame.timing_ms, stage, ms);
+}
+
+void FrameRun::run(Part part, mtf::Image& image) {
+  for (const StageRow& stage : chain.stages) {
+    if (stage.part != part || (stage.in_sequence && state == nullptr)) continue;
+    stage.step(*this, image);
+    lap(stage.timing);
+  }
+}
+
+void FrameRun::run_to(OutputStage stage) {
+  frame.held.volts = frame.held_defects.volts = chain.pixel.thermal();
+  if (stage == OutputStage::radiance) return;
+  if (stage == OutputStage::irradiance) {
+    cast_on_detector(*this, frame.image);
+    return;
+  }
+  if (stage == OutputStage::watts) {
+    absorb(*this, frame.image);
+    return;
+  }
+  if (const auto& scan = chain.settings.microscan)
+    run_positions(*this, frame.image, *scan, stage);
+  else
+    run_detector(*this, frame.image, stage);
+  if (goes_through(Part::display, stage)) run(Part::display, frame.image);
+}
+
+ChainFrame Chain::run(mtf::Image radiance, std::uint32_t number, OutputStage stage, double border_value, int threads,
+                      ChainState* state) const {
+  return run_scene(std::move(radiance), nullptr, number, stage, border_value, threads, state, 1);
+}
+
+ChainFrame Chain::run(mtf::KeptScene& radiance, std::uint32_t number, OutputStage stage, double border_value,
+                      int threads, ChainState* state, std::int64_t noise_rows) const {
+  if (radiance.planes().size() != 1)
+    throw mtf::UsageError("the chain of a sensor takes one plane, not " + std::to_string(radiance.planes().size()));
+  return run_scene({}, &radiance, number, stage, border_value, threads, state, noise_rows);
+}
+
+ChainFrame Chain::run_scene(mtf::Image radiance, mtf::KeptScene* kept, std::uint32_t number, OutputStage stage,
+                            double border_value, int threads, ChainState* state, std::int64_t noise_rows) const {
+  require_output_stage(stage, compiled_->last, compiled_->adc.has_value(), compiled_->settings.thermal.has_value());
+  FrameRun run{.chain = *compiled_,
+               .maps = *compiled_->maps,
+               .threads = mtf::threads_of(threads),
+               .key = {compiled_->seed, number},
+               .number = number,
+               .kept = kept,
+               .border = border_value};
+  run.frame.image = std::move(radiance);
+  if (rows_stand_alone(*compiled_, stage)) run.noise_rows = std::max<std::int64_t>(1, noise_rows);
+  run.run(Part::optics, run.frame.image);
+  if (state != nullptr && stage >= OutputStage::watts && !compiled_->settings.microscan) {
+    run.state = state;
+    if (state->last && number > *state->last) run.frames_passed = number - *state->last;
+    state->last = number;
+  }
+  run.run_to(stage);
+  return std::move(run.frame);
+}
+
+void Chain::prepare(OutputStage stage, int threads) const {
+  if (stage == OutputStage::display && compiled_->settings.correction) compiled_->correction(mtf::threads_of(threads));
+}
+
+const TwoPoint& CompiledChain::correction(int threads) const {
+  const CompiledChain& owner = corrected_by ? *corrected_by : *this;
+  std::call_once(owner.measured_once, [&] { owner.measured = owner.measure(threads); });
+  return owner.measured;
+}
+
+TwoPoint CompiledChain::measure(int threads) const {
+  const std::int64_t steps = plan.samples_a_pitch;
+  CorrectionSettings flats = *settings.correction;
+  if (settings.thermal) flats.low = 0.0, flats.high = 1.0;
+  const auto radiance_of = [&](double fill) {
+    if (settings.thermal)
+      return scene_radiance(curves, {.temperature_k = fill == flats.low ? *flats.cold_k : *flats.hot_k}, {});
+    require_reachable(flats, fill, glow_e(), pixel.full_well_e);
+    return (fill * pixel.full_well_e - glow_e()) / gain;
+  };
+  const auto flat = [&](double fill, std::uint32_t number, mtf::ImageView<float> out) {
+    FrameRun run{.chain = *this, .maps = *maps, .threads = threads, .key = {seed, number}, .border = radiance_of(fill)};
+    mtf::Image image(out.width, out.height);
+    std::fill_n(image.data(), image.size(), static_cast<float>(run.border));
+    run_detector(run, image, OutputStage::dn);
+    require_unsaturated(flats, fill, run.frame.held);
+    for (std::int64_t y = 0; y < out.height; ++y) std::copy_n(image.data() + y * out.width, out.width, out.row(y));
+  };
+  return measure_correction(plan.out().width / steps, plan.out().height / steps, flats, flat);
+}
+
+}  // namespace radiometry

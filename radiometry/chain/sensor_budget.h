@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// The budget of a sensor file in two steps: integrals over the band as plain numbers, then the camera equation and the
+// noise in any scalar, so that studies differentiate through it.
+
+#include "radiometry/chain/chain.h"
+#include "radiometry/chain/sensor_numbers.h"
+#include "radiometry/performance/correction_residual.h"
+
+namespace radiometry {
+
+/// Integrals over the band that a budget takes, all through the camera's curves.
+template <class S>
+struct SpectralNumbers {
+  BandRadiances<S> radiances{};
+  S per_k{};                ///< derivative of the scene's radiance by its temperature
+  S contrast{};             ///< scene_difference of a target
+  S quantum_efficiency{1};  ///< mean_quantum_efficiency
+  ThermalReference<S> thermal{};
+  S cold_flat{}, hot_flat{};  ///< radiance of the blackbodies of [correction], of a thermal detector
+
+  std::array<S*, 13> all() {
+    return {&radiances.scene,          &radiances.path, &radiances.optics, &radiances.stop,     &radiances.shutter,
+            &radiances.shutter_around, &per_k,          &contrast,         &quantum_efficiency, &thermal.per_k,
+            &thermal.middle,           &cold_flat,      &hot_flat};
+  }
+};
+
+/// [atmosphere] of the sensor with numbers of it overridden.
+AtmosphereSettings atmosphere_with(const Sensor& sensor, const Overrides<double>& numbers);
+
+/// The path of the sensor with numbers of [path] or [atmosphere] overridden. Throws UsageError as Sensor::air.
+Path path_with(const Sensor& sensor, const Overrides<double>& numbers);
+
+/// For a surface of that temperature behind the path and a target `warmer_k` above it, with numbers of [scene] and
+/// [optics] overridden; overrides that have no part in the integrals are ignored. Throws UsageError as band_radiances.
+SpectralNumbers<double> spectral_numbers(const Sensor& sensor, const Path& path, double temperature_k,
+                                         double warmer_k = 0.0, const Overrides<double>& numbers = {});
+
+/// The numbers of a sensor behind another path: `own` with radiances.scene, radiances.path and per_k worked out anew.
+SpectralNumbers<double> behind_path(SpectralNumbers<double> own, const Sensor& sensor, const Path& path,
+                                    double temperature_k, const Overrides<double>& numbers = {});
+
+/// True for a number that only path_with and spectral_numbers read.
+bool is_spectral(std::string_view path);
+/// True for a number that changes which wavelengths the path lets through, and so how much each counts in the OTF of a
+/// band.
+bool changes_color(std::string_view path);
+
+/// The part of the variance of a pixel's 1/f noise that the mean of so many successive frames keeps; 0 without it.
+double kept_of_flicker(const SensorSettings& settings, int frames);
+
+/// The flat frames of [correction] that a thermal detector takes of two blackbodies, the hot ones right before the
+/// cold ones. Their means keep more of its 1/f noise, of that variance, than of white noise, and share some of it.
+template <class S>
+FlatFrames<S> blackbody_flats(const SensorSettings& settings, const SpectralNumbers<S>& spectral, const S& gain,
+                              const Budget<S>& budget, const S& slow_variance, const Overrides<S>& numbers) {
+  const Signal<S>& s = budget.signal;
+  const S own = s.optics_e + s.stop_e + s.shutter_e;
+  const S frame_wide = numbers("noise_3d.t", settings.noise_3d.value_or(Noise3d{}).t);
+  const int frames = settings.correction->frames;
+  const double one = kept_of_flicker(settings, frames), both = kept_of_flicker(settings, 2 * frames);
+  return {.low_e = gain * spectral.cold_flat + own,
+          .high_e = gain * spectral.hot_flat + own,
+          .full_well_e = S(mtf::kInfinity),
+          .variance = budget.floor_e * budget.floor_e - frame_wide * frame_wide + slow_variance * S(frames * one - 1.0),
+          .frames = static_cast<double>(frames),
+          .shared = slow_variance * S(2.0 * both - one),
+          .shot = false};
+}
+
+/// The flat frames of [correction]; nothing where the background alone has more electrons than the cold one, so that no
+/// scene is dark enough for it. `lost_e`: the part of the background that narcissus takes.
+template <class S>
+std::optional<FlatFrames<S>> flat_frames(const SensorSettings& settings, const Pixel<S>& pixel,
+                                         const Signal<S>& electrons, const S& lost_e, const Budget<S>& budget,
+                                         const Overrides<S>& numbers) {
+  const CorrectionSettings& correction = *settings.correction;
+  const S frame_wide = numbers("noise_3d.t", settings.noise_3d.value_or(Noise3d{}).t);
+  FlatFrames<S> flats{.low_e = S(correction.low) * pixel.full_well_e - lost_e,
+                      .high_e = S(correction.high) * pixel.full_well_e - lost_e,
+                      .dark_e = electrons.dark_e,
+                      .full_well_e = pixel.full_well_e,
+                      .variance = budget.floor_e * budget.floor_e - electrons.dark_e - frame_wide * frame_wide,
+                      .frames = static_cast<double>(correction.frames),
+                      .response = settings.nonlinearity.value_or(Nonlinearity{})};
+  const S background = electrons.optics_e + electrons.stop_e + electrons.dark_e;
+  if (mtf::value_of(flats.low_e) < mtf::value_of(background)) return std::nullopt;
+  return flats;
+}
+
+/// The curve of the absorptance at the reference of the noise; of a photon detector nothing.
+ThermalReference<double> thermal_reference(const Sensor& sensor);
+
+/// The budget, and in it the electrons of the target. Spatial terms are NaN where no flat frame of [correction] can be
+/// made, see spatial_gap. Throws UsageError as cone_sr.
+template <class S>
+Budget<S> sensor_budget(const mtf::System<S>& system, const SensorSettings& settings,
+                        const SpectralNumbers<S>& spectral, double flicker_e, const Overrides<S>& numbers = {}) {
+  const Camera<S> camera = camera_numbers(system, settings, numbers);
+  Pixel<S> pixel = pixel_numbers(system, settings, numbers, spectral.thermal);
+  const S gain = electrons_per_radiance(camera, pixel);
+  Signal<S> electrons = signal(camera, pixel, spectral.radiances);
+  S lost(0);
+  if (settings.narcissus) {
+    const S depth = numbers("narcissus.depth", settings.narcissus->depth);
+    lost = depth * (electrons.optics_e + electrons.stop_e);
+    electrons.optics_e = electrons.optics_e * (S(1) - depth);
+    electrons.stop_e = electrons.stop_e * (S(1) - depth);
+  }
+  const NoiseTerms<S> noise = noise_numbers(settings, pixel, flicker_e, numbers, spectral.thermal);
+  const S middle = pixel.quantum_efficiency * spectral.thermal.middle;
+  pixel.quantum_efficiency = pixel.quantum_efficiency * spectral.quantum_efficiency;
+  Budget<S> budget =
+      make_budget(pixel, electrons, noise, S(gain * spectral.per_k), range_numbers(settings, pixel, numbers));
+  budget.contrast_e = gain * spectral.contrast;
+  if (pixel.thermal()) budget.nep_w = budget.temporal_e / (pixel.volts_per_watt * middle);
+  if (settings.correction && settings.thermal) {
+    const S slow = pixel.volts_per_watt * thermal_noise_of(settings, pixel, spectral.thermal, numbers).flicker_w;
+    apply_correction(budget, noise.prnu, blackbody_flats(settings, spectral, gain, budget, S(slow * slow), numbers));
+  } else if (settings.correction) {
+    if (const auto flats = flat_frames(settings, pixel, electrons, lost, budget, numbers)) {
+      apply_correction(budget, noise.prnu, *flats);
+    } else {
+      budget.prnu_e = budget.dsnu_e = budget.correction_e = S(std::numeric_limits<double>::quiet_NaN());
+      set_spatial(budget);
+    }
+  }
+  if (settings.correction && budget.saturation.saturated()) {  // the residual is that at a charge of the scene
+    refuse_saturated(budget);
+    budget.dsnu_e = budget.correction_e = S(std::numeric_limits<double>::quiet_NaN());
+  }
+  return budget;
+}
+
+/// The settings that the budget of a sensor counts: its maps in place of prnu and dsnu, by their standard deviation.
+SensorSettings budget_settings(const Sensor& sensor);
+
+/// Sentences that say where simulated frames differ from that budget; none where they agree.
+std::vector<std::string> budget_notes(const Sensor& sensor, const Budget<double>& budget);
+
+/// Why the spatial terms of that budget have no number, "" where they have.
+template <class S>
+std::string spatial_gap(const SensorSettings& settings, const Budget<S>& budget) {
+  if (!settings.correction || budget.saturation.saturated() || !std::isnan(mtf::value_of(budget.spatial_e))) return "";
+  const Signal<S>& electrons = budget.signal;
+  return "[correction]: no flat frame at " + mtf::format_double(settings.correction->low) +
+         " of full well can be made: the background alone has " +
+         mtf::format_double(std::round(mtf::value_of(S(electrons.optics_e + electrons.stop_e + electrons.dark_e)))) +
+         " e-; raise correction.low, or shorten the integration time";
+}
+
+}  // namespace radiometry

@@ -1,0 +1,212 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// What the camera equation and the budget take from a sensor file, as numbers of any scalar, so that studies
+// differentiate through detector and converter as they do through the OTF.
+
+#include <algorithm>
+#include <array>
+#include <span>
+#include <string_view>
+
+#include "radiometry/chain/sensor_settings.h"
+#include "radiometry/chain/thermal_numbers.h"
+#include "radiometry/performance/overrides.h"
+
+namespace radiometry {
+
+/// The numbers that the functions below read from overrides.
+inline constexpr std::array<std::string_view, 32> kBudgetNumbers{"optics.transmission",
+                                                                 "optics.cold_transmission",
+                                                                 "optics.emissivity",
+                                                                 "optics.obscuration_emissivity",
+                                                                 "optics.stop_emissivity",
+                                                                 "detector.width",
+                                                                 "detector.height",
+                                                                 "detector.dark_current",
+                                                                 "detector.full_well",
+                                                                 "detector.quantum_efficiency",
+                                                                 "detector.capacitance",
+                                                                 "detector.temperature",
+                                                                 "detector.reset_noise",
+                                                                 "detector.read_noise",
+                                                                 "detector.other_noise",
+                                                                 "adc.electrons_per_count",
+                                                                 "adc.volts_per_count",
+                                                                 "adc.offset",
+                                                                 "noise.row",
+                                                                 "noise.column",
+                                                                 "noise.fixed_row",
+                                                                 "noise.fixed_column",
+                                                                 "noise_3d.t",
+                                                                 "noise_3d.tv",
+                                                                 "noise_3d.th",
+                                                                 "noise_3d.tvh",
+                                                                 "noise_3d.v",
+                                                                 "noise_3d.h",
+                                                                 "noise_3d.vh",
+                                                                 "nonuniformity.prnu",
+                                                                 "nonuniformity.dsnu",
+                                                                 "narcissus.depth"};
+
+/// The f-number is 0 where the sensor has none; factors that are given as curves are 1.
+template <class S>
+Camera<S> camera_numbers(const mtf::System<S>& system, const SensorSettings& settings,
+                         const Overrides<S>& numbers = {}) {
+  const mtf::Context<S> context = system.context();
+  Camera<S> camera{.f_number = mtf::f_number_of<S>({}, context), .obscuration = mtf::obscuration_of<S>({}, context)};
+  const OpticsSettings optics = settings.optics.value_or(OpticsSettings{});
+  const auto factor = [&](std::string_view path, const NumberOrFile& given) {
+    return given.file.empty() ? numbers(path, given.number) : S(1);
+  };
+  camera.transmission = factor("optics.transmission", optics.transmission);
+  camera.cold_transmission = factor("optics.cold_transmission", optics.cold_transmission);
+  camera.optics_emissivity = numbers("optics.emissivity", optics.emissivity);
+  camera.obscuration_emissivity = numbers("optics.obscuration_emissivity", optics.obscuration_emissivity);
+  camera.stop_emissivity = numbers("optics.stop_emissivity", optics.stop_emissivity);
+  camera.cone = optics.cone;
+  if (settings.thermal) camera.shutter_place = settings.thermal->shutter_place;
+  return camera;
+}
+
+/// From a frame to the next: as given, else the integration time.
+template <class S>
+S frame_time_s(const mtf::System<S>& system, const SensorSettings& settings) {
+  return settings.frame && settings.frame->frame_time_s ? S(*settings.frame->frame_time_s)
+                                                        : system.frame.integration_time_s;
+}
+
+/// Electrons (volts of a thermal detector) of one count: as given, or the full well over the counts that the offset
+/// leaves. It is 0 without [adc].
+template <class S>
+S electrons_per_count(const SensorSettings& settings, const S& full_well_e, const Overrides<S>& numbers = {}) {
+  if (!settings.adc) return S(0);
+  const AdcSettings& adc = *settings.adc;
+  const std::string_view path = settings.thermal ? "adc.volts_per_count" : "adc.electrons_per_count";
+  if (adc.electrons_per_count || numbers.find(path) != nullptr)
+    return numbers(path, adc.electrons_per_count.value_or(0.0));
+  const double most = Adc{.bits = adc.bits}.most_counts();
+  return full_well_e / (S(most) - numbers("adc.offset", adc.offset_counts));
+}
+
+/// The active area is the pitch unless [detector] gives its size. `reference`: of a thermal detector.
+template <class S>
+Pixel<S> pixel_numbers(const mtf::System<S>& system, const SensorSettings& settings, const Overrides<S>& numbers = {},
+                       const ThermalReference<S>& reference = {}) {
+  const DetectorSettings detector = settings.detector.value_or(DetectorSettings{});
+  const auto size = [&](std::string_view path, const std::optional<double>& given, const S& pitch_um) {
+    return given || numbers.find(path) != nullptr ? numbers(path, given.value_or(0.0)) : pitch_um;
+  };
+  Pixel<S> pixel{.width_um = size("detector.width", detector.width_um, system.frame.pitch_x_um),
+                 .height_um = size("detector.height", detector.height_um, system.frame.pitch_y_um),
+                 .integration_s = system.frame.integration_time_s,
+                 .dark_e_s = numbers("detector.dark_current", detector.dark_e_s),
+                 .full_well_e = numbers("detector.full_well", detector.full_well_e)};
+  if (settings.thermal && settings.thermal->fill_factor) {
+    const S side = detail::root(numbers("detector.fill_factor", *settings.thermal->fill_factor));
+    pixel.width_um = system.frame.pitch_x_um * side;
+    pixel.height_um = system.frame.pitch_y_um * side;
+  }
+  if (detector.quantum_efficiency.file.empty())
+    pixel.quantum_efficiency = numbers(settings.thermal ? "detector.absorptance" : "detector.quantum_efficiency",
+                                       detector.quantum_efficiency.number);
+  if (settings.thermal) {
+    const S absorptance = pixel.quantum_efficiency * reference.middle;
+    if (settings.thermal->physics() && !numbers.empty())
+      require_physics(*settings.thermal, absorptance, S(pixel.area_m2()), numbers);
+    pixel.flux = flux_of(settings);
+    const Cone cone = settings.optics.value_or(OpticsSettings{}).cone;
+    const S watts_per_k = settings.thermal->counts_per_k
+                              ? reference_watts_per_k(*settings.thermal, S(pixel.area_m2()), pixel.quantum_efficiency,
+                                                      cone, reference, numbers)
+                              : S(0);
+    pixel.volts_per_watt = volts_per_watt(*settings.thermal, absorptance, watts_per_k,
+                                          electrons_per_count(settings, pixel.full_well_e, numbers), numbers);
+    pixel.integration_s = S(1);  // the signal follows the power, not its sum over a time
+  }
+  return pixel;
+}
+
+/// The ends of the converter as electrons of the well, where they are held by adc.h.
+template <class S>
+PixelRange range_numbers(const SensorSettings& settings, const Pixel<S>& pixel, const Overrides<S>& numbers = {}) {
+  PixelRange range;
+  if (!settings.adc) return range;
+  const AdcSettings& adc = *settings.adc;
+  const double step_e = mtf::value_of(electrons_per_count(settings, pixel.full_well_e, numbers));
+  const double zero =
+      mtf::value_of(numbers("adc.offset", adc.offset_counts)) + (adc.rounding == Rounding::nearest ? 0.5 : 0.0);
+  range.least_e = -zero * step_e;
+  range.most_e = (Adc{.bits = adc.bits}.most_counts() + 1.0 - zero) * step_e;
+  const double well_e = mtf::value_of(pixel.full_well_e);
+  if (settings.nonlinearity && std::isfinite(well_e)) {
+    const Response response(*settings.nonlinearity, well_e);
+    range.least_e = response.inverse(range.least_e);
+    range.most_e = response.inverse(range.most_e);
+  }
+  return range;
+}
+
+/// The noise of a thermal pixel as absorbed power.
+template <class S>
+ThermalNoise<S> thermal_noise_of(const SensorSettings& settings, const Pixel<S>& pixel,
+                                 const ThermalReference<S>& reference, const Overrides<S>& numbers = {}) {
+  const Cone cone = settings.optics.value_or(OpticsSettings{}).cone;
+  return thermal_noise(*settings.thermal, pixel.area_m2(), pixel.quantum_efficiency, pixel.volts_per_watt, cone,
+                       reference, numbers);
+}
+
+/// Rms volts of a thermal pixel and its readout. An NETD of the camera has the rounding to counts in it already; it is
+/// taken off here, since the budget and the converter of simulated frames add it.
+template <class S>
+S thermal_volts(const SensorSettings& settings, const Pixel<S>& pixel, const ThermalReference<S>& reference,
+                const Overrides<S>& numbers = {}) {
+  const S volts = pixel.volts_per_watt * thermal_noise_of(settings, pixel, reference, numbers).total_w();
+  if (settings.thermal->netd_of == NetdOf::focal_plane) return volts;
+  const S step = electrons_per_count(settings, pixel.full_well_e, numbers);
+  // Rounding does not follow the bandwidth: its part of the NETD is taken off before the rest is scaled.
+  const auto& stated_hz = settings.thermal->netd_bandwidth_hz;
+  const S scale =
+      stated_hz ? S(numbers("detector.noise_bandwidth", settings.thermal->bandwidth_hz.value_or(0.0)) / S(*stated_hz))
+                : S(1);
+  if (!(mtf::value_of(step) > 0.0)) return volts;
+  const S whole2 = volts * volts / (scale * step * step);
+  return detail::root(scale) * step * mtf::lift(noise_before_rounding(mtf::value_of(whole2)), whole2);
+}
+
+/// All temporal and spatial terms. `flicker_e`: rms of the 1/f noise over the detector. `reference`: of a thermal
+/// detector.
+template <class S>
+NoiseTerms<S> noise_numbers(const SensorSettings& settings, const Pixel<S>& pixel, double flicker_e,
+                            const Overrides<S>& numbers = {}, const ThermalReference<S>& reference = {}) {
+  const DetectorSettings detector = settings.detector.value_or(DetectorSettings{});
+  const NoiseSettings lines = settings.noise.value_or(NoiseSettings{});
+  const Noise3d cube = settings.noise_3d.value_or(Noise3d{});
+  const NonuniformitySettings unequal = settings.nonuniformity.value_or(NonuniformitySettings{});
+  const auto root_sum = [](std::initializer_list<S> rms) {
+    S sum{};
+    for (const S& value : rms) sum += value * value;
+    return detail::root(sum);
+  };
+  const S* capacitance = numbers.find("detector.capacitance");
+  const S* temperature = numbers.find("detector.temperature");
+  const bool reset = detector.capacitance_f && detector.temperature_k;
+  const S reset_e = reset ? reset_noise_e(capacitance != nullptr ? *capacitance : S(*detector.capacitance_f),
+                                          temperature != nullptr ? *temperature : S(*detector.temperature_k))
+                          : numbers("detector.reset_noise", detector.reset_e);
+  return {
+      .read_e = settings.thermal ? thermal_volts(settings, pixel, reference, numbers)
+                                 : numbers("detector.read_noise", detector.read_e),
+      .reset_e = reset_e,
+      .other_e = root_sum({numbers("detector.other_noise", detector.other_e), S(flicker_e),
+                           numbers("noise.row", lines.row_e), numbers("noise.column", lines.column_e),
+                           numbers("noise_3d.t", cube.t), numbers("noise_3d.tv", cube.tv),
+                           numbers("noise_3d.th", cube.th), numbers("noise_3d.tvh", cube.tvh)}),
+      .step_e = electrons_per_count(settings, pixel.full_well_e, numbers),
+      .prnu = numbers("nonuniformity.prnu", unequal.prnu),
+      .dsnu_e = root_sum({numbers("nonuniformity.dsnu", unequal.dsnu_e), numbers("noise.fixed_row", lines.fixed_row_e),
+                          numbers("noise.fixed_column", lines.fixed_column_e), numbers("noise_3d.v", cube.v),
+                          numbers("noise_3d.h", cube.h), numbers("noise_3d.vh", cube.vh)})};
+}
+
+}  // namespace radiometry

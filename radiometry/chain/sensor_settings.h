@@ -1,0 +1,320 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// What a sensor file says of everything but the OTF: one value type for each of its tables, in the order of the chain.
+// A stage whose table is missing is left out. The signal of a thermal detector is in volts: its tables have volts where
+// those of a photon detector have electrons, and hold them in the same members, whose names end in _e.
+
+#include <optional>
+#include <vector>
+
+#include "radiometry/atmosphere/atmosphere_settings.h"
+#include "radiometry/chain/thermal_settings.h"
+#include "radiometry/light/raw_counts.h"
+#include "radiometry/light/scene_radiance.h"
+#include "radiometry/light/signal.h"
+#include "radiometry/light/spectral_signal.h"
+#include "radiometry/performance/sensitivity.h"
+#include "radiometry/stages/detector/adc.h"
+#include "radiometry/stages/detector/blooming.h"
+#include "radiometry/stages/detector/lag.h"
+#include "radiometry/stages/detector/microscan.h"
+#include "radiometry/stages/detector/nonlinearity.h"
+#include "radiometry/stages/detector/shutter.h"
+#include "radiometry/stages/detector/shutter_events.h"
+#include "radiometry/stages/noise/blinking.h"
+#include "radiometry/stages/noise/fixed_pattern.h"
+#include "radiometry/stages/noise/flicker.h"
+#include "radiometry/stages/noise/noise_3d.h"
+#include "radiometry/stages/optics/distortion.h"
+#include "radiometry/stages/optics/narcissus.h"
+#include "radiometry/stages/optics/veiling_glare.h"
+#include "radiometry/stages/optics/vignetting.h"
+#include "radiometry/stages/processing/agc.h"
+#include "radiometry/stages/processing/measure_correction.h"
+
+namespace radiometry {
+
+/// The largest temperature that a sensor file may give.
+inline constexpr double kMostTemperature_k = 1e9;
+
+/// Rows added to [frame].
+struct FrameSettings {
+  std::optional<double> frame_time_s{};  ///< from a frame to the next; else the integration time
+
+  static constexpr auto fields() {
+    return std::tuple{Field{optional_row("frame_time", mtf::Dimension::time, "s", 1e-12, 1e9, "\"20 ms\"",
+                                         "from one frame of a sequence to the next; else the integration time"),
+                            &FrameSettings::frame_time_s}};
+  }
+};
+
+/// Rows added to [scene]: what its values stand for.
+struct SceneSettings {
+  NumberOrFile emissivity{1.0};
+  std::optional<double> surroundings_k{};  ///< reflected by what does not emit
+  std::optional<double>
+      source_temperature_k{};  ///< whose spectrum a scene given in a band has; else constant in photons
+  ChannelName emissivity_channel{}, depth_channel{};
+  Negative negative = Negative::refuse;
+
+  static constexpr auto fields() {
+    using enum mtf::Dimension;
+    return std::tuple{
+        Field{optional_row("emissivity", 0.0, 1.0, "0.95",
+                           "emissivity of a scene in K: a number or the CSV file of a curve"),
+              &SceneSettings::emissivity},
+        Field{optional_row("surroundings", temperature, "K", 0.0, kMostTemperature_k, "\"293 K\"",
+                           "what a scene in K reflects where it does not emit"),
+              &SceneSettings::surroundings_k},
+        Field{optional_row("source_temperature", temperature, "K", 0.0, kMostTemperature_k, "\"300 K\"",
+                           "whose spectrum a radiance in the band has; else even in photons"),
+              &SceneSettings::source_temperature_k},
+        Field{optional_row("emissivity_channel", "\"emissivity\"",
+                           "channel of the scene with the emissivity of each pixel"),
+              &SceneSettings::emissivity_channel},
+        Field{optional_row("depth_channel", "\"Z\"", "channel of the scene with the range of each pixel in m"),
+              &SceneSettings::depth_channel},
+        Field{optional_row("negative", "\"clamp\"", "values below 0: refuse, or clamp to 0"),
+              &SceneSettings::negative}};
+  }
+};
+
+/// The path between scene and aperture: numbers, curves of the wavelength, or a table over the range.
+struct PathSettings {
+  NumberOrFile transmission{1.0};
+  NumberOrFile radiance{0.0};                 ///< W m^-2 sr^-1 um^-1
+  std::optional<double> air_temperature_k{};  ///< of air that only absorbs: it emits what it takes
+  std::string table{};                        ///< over range and wavelength
+  std::optional<double> range_m{};            ///< of the whole scene
+
+  static constexpr auto fields() {
+    using enum mtf::Dimension;
+    return std::tuple{
+        Field{optional_row("transmission", 0.0, 1.0, "0.8", "of the path: a number or the CSV file of a curve"),
+              &PathSettings::transmission},
+        Field{optional_row("radiance", 0.0, 1e30, "0.02",
+                           "of the path, W m^-2 sr^-1 um^-1: a number or the CSV file of a curve"),
+              &PathSettings::radiance},
+        Field{optional_row("air_temperature", temperature, "K", 0.0, kMostTemperature_k, "\"288 K\"",
+                           "of air that absorbs: it emits 1 - transmission of a blackbody"),
+              &PathSettings::air_temperature_k},
+        Field{optional_row("table", "\"path.csv\"",
+                           "CSV file of transmission and radiance over range and wavelength, or a tape7"),
+              &PathSettings::table},
+        Field{
+            optional_row("range", length, "m", 0.0, 1e9, "\"2 km\"", "of the whole scene, where its table has several"),
+            &PathSettings::range_m}};
+  }
+};
+
+/// Rows added to [optics].
+struct OpticsSettings {
+  NumberOrFile transmission{1.0};
+  NumberOrFile cold_transmission{1.0};  ///< of what lies between cold stop and detector
+  double emissivity = 0.0;              ///< of the warm optics
+  double obscuration_emissivity = 0.0;
+  double temperature_k = 0.0;
+  double stop_emissivity = 1.0;
+  double stop_temperature_k = 0.0;
+  StopBand stop_band = StopBand::band;
+  Cone cone = Cone::tangent;
+
+  static constexpr auto fields() {
+    using enum mtf::Dimension;
+    return std::tuple{
+        Field{optional_row("transmission", 0.0, 1.0, "0.85", "of the warm optics: a number or the CSV file of a curve"),
+              &OpticsSettings::transmission},
+        Field{optional_row("cold_transmission", 0.0, 1.0, "0.9",
+                           "of the cold filter: a number or the CSV file of a curve"),
+              &OpticsSettings::cold_transmission},
+        Field{optional_row("emissivity", 0.0, 1.0, "0.1", "of the warm optics"), &OpticsSettings::emissivity},
+        Field{optional_row("obscuration_emissivity", 0.0, 1.0, "0.9", "of the back of the obscuration"),
+              &OpticsSettings::obscuration_emissivity},
+        Field{optional_row("temperature", temperature, "K", 0.0, kMostTemperature_k, "\"293 K\"",
+                           "of the warm optics; without it they do not glow"),
+              &OpticsSettings::temperature_k},
+        Field{optional_row("stop_emissivity", 0.0, 1.0, "1.0", "of what surrounds the cone of light"),
+              &OpticsSettings::stop_emissivity},
+        Field{optional_row("stop_temperature", temperature, "K", 0.0, kMostTemperature_k, "\"77 K\"",
+                           "of what surrounds the cone of light"),
+              &OpticsSettings::stop_temperature_k},
+        Field{optional_row("stop_band", "\"response\"",
+                           "where its emission counts: in the band (band), or over the whole curve of the quantum "
+                           "efficiency (response)"),
+              &OpticsSettings::stop_band},
+        Field{
+            optional_row("cone", "\"sine\"",
+                         "half angle of the cone of light: its tangent is 1/(2 N) (cold stop), or its sine (aplanat)"),
+            &OpticsSettings::cone}};
+  }
+};
+
+struct DetectorSettings {
+  DetectorKind kind = DetectorKind::photon;
+  std::optional<double> width_um{}, height_um{};  ///< of the active area; else the pitch
+  NumberOrFile quantum_efficiency{1.0};
+  double full_well_e = std::numeric_limits<double>::infinity();
+  double dark_e_s = 0.0;
+  double read_e = 0.0;
+  double reset_e = 0.0;
+  double other_e = 0.0;
+  std::optional<double> capacitance_f{}, temperature_k{};  ///< that are reset, in place of reset_e
+
+  static constexpr auto fields() {
+    using enum mtf::Dimension;
+    return std::tuple{
+        Field{optional_row("kind", "\"photon\"", "photon: electrons; thermal: a pixel that warms"),
+              &DetectorSettings::kind},
+        Field{optional_row("width", length, "um", 1e-3, 1e6, "\"14 um\"", "of the active area; else the pitch"),
+              &DetectorSettings::width_um},
+        Field{optional_row("height", length, "um", 1e-3, 1e6, "\"14 um\"", "of the active area; else the pitch"),
+              &DetectorSettings::height_um},
+        Field{optional_row("quantum_efficiency", 0.0, 1.0, "0.75",
+                           "electrons per photon: a number or the CSV file of a curve"),
+              &DetectorSettings::quantum_efficiency},
+        Field{optional_row("full_well", electrons, "e-", 1e-3, mtf::kInfinity, "\"7 Me-\"",
+                           "electrons that a pixel can hold"),
+              &DetectorSettings::full_well_e},
+        Field{optional_row("dark_current", current, "e-/s", 0.0, 1e30, "\"1e5 e-/s\"", "of a pixel"),
+              &DetectorSettings::dark_e_s},
+        Field{optional_row("read_noise", electrons, "e-", 0.0, 1e15, "\"300 e-\"", "rms"), &DetectorSettings::read_e},
+        Field{optional_row("reset_noise", electrons, "e-", 0.0, 1e15, "\"100 e-\"", "kTC noise, rms"),
+              &DetectorSettings::reset_e},
+        Field{optional_row("other_noise", electrons, "e-", 0.0, 1e15, "\"50 e-\"", "further temporal noise, rms"),
+              &DetectorSettings::other_e},
+        Field{optional_row("capacitance", capacitance, "F", 0.0, 1.0, "\"100 fF\"",
+                           "that is reset, in place of reset_noise"),
+              &DetectorSettings::capacitance_f},
+        Field{optional_row("temperature", temperature, "K", 0.0, 1e6, "\"77 K\"", "of that capacitance"),
+              &DetectorSettings::temperature_k}};
+  }
+};
+
+/// Rms of the reset noise, as given or of what is reset.
+inline double reset_e_of(const DetectorSettings& detector) {
+  return detector.capacitance_f && detector.temperature_k
+             ? ResetNoise{*detector.capacitance_f, *detector.temperature_k}.rms_e()
+             : detector.reset_e;
+}
+
+struct NonuniformitySettings {
+  double prnu = 0.0;
+  double dsnu_e = 0.0;
+  std::string responsivity{};  ///< map of factors
+  std::string offset{};        ///< map of offsets
+
+  static constexpr auto fields() {
+    using enum mtf::Dimension;
+    return std::tuple{
+        Field{optional_row("prnu", 0.0, 1.0, "0.01", "responsivity from pixel to pixel, rms fraction"),
+              &NonuniformitySettings::prnu},
+        Field{optional_row("dsnu", electrons, "e-", 0.0, 1e15, "\"200 e-\"", "offset from pixel to pixel, rms"),
+              &NonuniformitySettings::dsnu_e},
+        Field{optional_row("responsivity", "\"gain.exr\"", "map of factors in place of prnu"),
+              &NonuniformitySettings::responsivity},
+        Field{
+            optional_row("offset", "\"offset.exr\"", "map of offsets in place of dsnu, in electrons or volts as that"),
+            &NonuniformitySettings::offset}};
+  }
+
+  bool operator==(const NonuniformitySettings&) const = default;
+};
+
+struct NoiseSettings {
+  int seed = 0;
+  bool shot = true;
+  double row_e = 0.0, column_e = 0.0, fixed_row_e = 0.0, fixed_column_e = 0.0;
+
+  static constexpr auto fields() {
+    using enum mtf::Dimension;
+    return std::tuple{
+        Field{optional_row("seed", 0.0, 2147483647.0, "1", "of all random numbers"), &NoiseSettings::seed},
+        Field{optional_row("shot", "true", "shot noise of light and dark current"), &NoiseSettings::shot},
+        Field{optional_row("row", electrons, "e-", 0.0, 1e15, "\"20 e-\"", "of whole rows, new in every frame, rms"),
+              &NoiseSettings::row_e},
+        Field{optional_row("column", electrons, "e-", 0.0, 1e15, "\"20 e-\"",
+                           "of whole columns, new in every frame, rms"),
+              &NoiseSettings::column_e},
+        Field{optional_row("fixed_row", electrons, "e-", 0.0, 1e15, "\"20 e-\"",
+                           "of whole rows, the same in all frames, rms"),
+              &NoiseSettings::fixed_row_e},
+        Field{optional_row("fixed_column", electrons, "e-", 0.0, 1e15, "\"20 e-\"",
+                           "of whole columns, the same in all frames, rms"),
+              &NoiseSettings::fixed_column_e}};
+  }
+};
+
+struct AdcSettings {
+  int bits = 14;
+  std::optional<double> electrons_per_count{};  ///< else the full well fills the range
+  double offset_counts = 0.0;
+  Rounding rounding = Rounding::nearest;
+
+  static constexpr auto fields() {
+    using enum mtf::Dimension;
+    return std::tuple{
+        Field{FieldInfo{.name = "bits", .lo = 1, .hi = 32, .example = "14", .doc = "bits of a count"},
+              &AdcSettings::bits},
+        Field{optional_row("electrons_per_count", electrons, "e-", 1e-30, 1e30, "\"420 e-\"",
+                           "else the full well fills the range"),
+              &AdcSettings::electrons_per_count},
+        Field{optional_row("offset", -1e10, 1e10, "200.0", "counts without signal"), &AdcSettings::offset_counts},
+        Field{optional_row("rounding", "\"down\"", "nearest (halves upwards), or down"), &AdcSettings::rounding}};
+  }
+};
+
+/// In the order in which the physics takes them.
+struct SensorSettings {
+  std::optional<FrameSettings> frame;
+  std::optional<SceneSettings> scene;
+  std::optional<CountCamera> counts;
+  std::optional<PathSettings> path;
+  std::optional<AtmosphereSettings> atmosphere;  ///< in place of path
+  std::optional<OpticsSettings> optics;
+  std::optional<OpticalAxis> axis;
+  std::optional<Distortion> distortion;
+  std::optional<VeilingGlare> glare;
+  std::optional<Ghost> ghost;
+  std::optional<Vignetting> vignetting;
+  std::optional<Narcissus> narcissus;
+  std::optional<DetectorSettings> detector;
+  std::optional<ThermalSettings> thermal;  ///< beside detector = pixel_settings(thermal)
+  std::optional<Microscan> microscan;
+  std::optional<Shutter> shutter;
+  std::optional<Lag> lag;
+  std::optional<NonuniformitySettings> nonuniformity;
+  std::optional<Defects> defects;
+  std::optional<Blinking> blinking;
+  std::optional<Blooming> blooming;
+  std::optional<NoiseSettings> noise;
+  std::optional<Flicker> flicker;
+  std::optional<Noise3d> noise_3d;
+  std::optional<Nonlinearity> nonlinearity;
+  std::optional<AdcSettings> adc;
+  std::optional<CorrectionSettings> correction;
+  std::optional<AutomaticGain> agc;
+};
+
+/// What a thermal detector has in common with a photon detector: its active area and, as quantum efficiency, its
+/// absorptance.
+DetectorSettings pixel_settings(const ThermalSettings& thermal);
+
+/// What the detector answers to. This alone decides whether a sensor is a thermal one: its curves
+/// (SpectralCamera::flux) and its pixel (Pixel::flux) take it from here.
+inline Flux flux_of(const SensorSettings& settings) { return settings.thermal ? Flux::watts : Flux::photons; }
+
+/// What [optics] and [detector] say of the camera's own emission.
+CameraEmission emission_of(const SensorSettings& settings);
+
+/// Of a thermal camera with frame_time whose shutter closes now and then.
+ShutterEvents shutter_events(const SensorSettings& settings);
+
+/// The tables that a sensor file may hold, for mtf::io::load_config. Those of a thermal detector have a condition.
+std::vector<mtf::TableInfo> sensor_tables();
+
+/// The settings of the tables that a sensor file holds. Throws UsageError for a [lag] of a thermal detector whose time
+/// constant is given twice or not at all.
+SensorSettings sensor_settings(const std::vector<mtf::SettingsTable>& tables);
+
+}  // namespace radiometry
