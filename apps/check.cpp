@@ -4,13 +4,12 @@
 
 #include "apps/check/check.h"
 
-#include <chrono>
-
 #include "apps/options.h"
 #include "apps/terminal/output.h"
 #include "apps/terminal/text_table.h"
 #include "apps/text/json.h"
 #include "mtf/units.h"
+#include "mtf/work/stopwatch.h"
 
 namespace apps {
 namespace {
@@ -56,7 +55,7 @@ std::string as_json(const std::vector<CheckResult>& results, std::size_t failed)
 }  // namespace
 
 int run_check(const CheckOptions& options, const Global& global) {
-  const auto start = std::chrono::steady_clock::now();
+  const mtf::Stopwatch watch;
   const check::Tables tables = options.reference.empty() ? check::Tables() : check::Tables(options.reference);
   std::vector<CheckResult> results;
   std::size_t failed = 0;
@@ -66,11 +65,11 @@ int run_check(const CheckOptions& options, const Global& global) {
     failed += results.back().passed ? 0U : 1U;
     values += results.back().count;
   }
-  const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
+  const double seconds = watch.seconds();
   const std::string summary =
       (failed == 0 ? "all " + std::to_string(results.size()) + " checks passed"
                    : std::to_string(failed) + " of " + std::to_string(results.size()) + " checks FAILED") +
-      ": " + std::to_string(values) + " values in " + fixed(elapsed.count(), 1) + " s";
+      ": " + std::to_string(values) + " values in " + fixed(seconds, 1) + " s";
   const bool table = options.format == Format::table;
   emit(options.out, table                           ? as_table(results) + summary + "\n"
                     : options.format == Format::csv ? as_csv(results)

@@ -4,7 +4,6 @@
 // that keeps it, with bare FFTW and plain OpenCV in the same interleaved rounds.
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <limits>
 
@@ -19,16 +18,14 @@
 #include "apps/terminal/text_table.h"
 #include "mtf/engines/fft/fftw.h"
 #include "mtf/error.h"
+#include "mtf/work/stopwatch.h"
 
 namespace apps {
 namespace {
 
-using Clock = std::chrono::steady_clock;
 using Size = std::array<std::int64_t, 2>;
 
 constexpr int kRounds = 15;
-
-double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
 /// The sizes that bare FFTW is timed at: the image's first.
 std::vector<Size> floor_sizes(const BenchJob& job, const std::vector<Contender>& contenders) {
@@ -132,7 +129,7 @@ int count_broken(const BenchReport& report) {
 int run_bench(const BenchOptions& given, const Global& global) {
   BenchOptions options = given;
   options.rounds = given.rounds.value_or(kRounds);
-  const Clock::time_point start = Clock::now();
+  const mtf::Stopwatch watch;
   if (options.out.empty()) throw mtf::UsageError("-o, --out is missing: name the folder for the results");
   const mtf::io::SensorConfig config = load_sensor(options.sensor, global);
   std::vector<std::string> inputs = files_of(config);
@@ -177,7 +174,7 @@ int run_bench(const BenchOptions& given, const Global& global) {
     const ToleranceRuns results = run_tolerances(job, out.view(), 1e3 * options.seconds / 60.0, progress);
     report.notes.insert(report.notes.end(), results.notes.begin(), results.notes.end());
     // What remains of the time asked for, at least half of it.
-    const double seconds = std::max(0.5 * options.seconds, options.seconds - seconds_since(start));
+    const double seconds = std::max(0.5 * options.seconds, options.seconds - watch.seconds());
     time_all(results, options, seconds, progress, report);
   }
   for (const std::string& text : report.notes) note(global, "note: " + one_line(text));

@@ -2,11 +2,11 @@
 #include "apps/bench/bench_rivals.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 
 #include "apps/bench/machine.h"
 #include "apps/check/reference_fft.h"
+#include "mtf/work/stopwatch.h"
 
 namespace apps {
 namespace {
@@ -160,11 +160,11 @@ Rivals::Trial Rivals::make(Method method, std::int64_t extent) const {
   contender.run = [filter = mtf::io::opencv_filter(job), scene = job_->scene.view(), out = out_] {
     filter(scene, out);
   };
-  const auto start = std::chrono::steady_clock::now();
+  const mtf::Stopwatch watch;
   contender.run();
-  const std::chrono::duration<double, std::milli> elapsed = std::chrono::steady_clock::now() - start;
+  const double ms = watch.ms();
   contender.error = realised_error(*job_, out_);
-  return {std::move(contender), elapsed.count()};
+  return {std::move(contender), ms};
 }
 
 bool Rivals::fits(Method method, std::int64_t extent, double tolerance) {

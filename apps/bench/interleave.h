@@ -5,12 +5,13 @@
 // all alike; ratios of minima within one run are what counts.
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <functional>
 #include <limits>
 #include <numeric>
 #include <vector>
+
+#include "mtf/work/stopwatch.h"
 
 namespace apps {
 
@@ -31,9 +32,9 @@ struct InterleaveOptions {
 namespace detail {
 
 inline double run_ms(const std::function<void()>& work) {
-  const auto start = std::chrono::steady_clock::now();
+  const mtf::Stopwatch watch;
   work();
-  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+  return watch.ms();
 }
 
 // Runs that fit: the quick ones take what they need, the others share the rest alike.

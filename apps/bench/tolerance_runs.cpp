@@ -2,7 +2,6 @@
 #include "apps/bench/tolerance_runs.h"
 
 #include <algorithm>
-#include <chrono>
 #include <memory>
 #include <set>
 
@@ -11,15 +10,10 @@
 #include "apps/terminal/output.h"
 #include "apps/terminal/text_table.h"
 #include "mtf/error.h"
+#include "mtf/work/stopwatch.h"
 
 namespace apps {
 namespace {
-
-using Clock = std::chrono::steady_clock;
-
-double ms_since(Clock::time_point start) {
-  return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
-}
 
 class Climber {
  public:
@@ -29,7 +23,7 @@ class Climber {
   void plans(double tolerance) {
     mtf::PlanOptions options = job_.options;
     options.tolerance = tolerance;
-    const auto start = Clock::now();
+    const mtf::Stopwatch watch;
     std::optional<mtf::SensorPlan> chosen;
     try {
       chosen = mtf::compile_sensor(job_.system, job_.in, options);
@@ -40,7 +34,7 @@ class Climber {
       results.runs.push_back(run);
       return;
     }
-    add(tolerance, *chosen, ms_since(start), true);
+    add(tolerance, *chosen, watch.ms(), true);
     const mtf::PlanReport& report = chosen->presample.report();
     std::set<mtf::Method> seen;
     for (const mtf::Candidate& candidate : report.candidates) {
@@ -102,10 +96,10 @@ class Climber {
   void another_way(double tolerance, const mtf::SensorPlan& chosen, mtf::Method method, mtf::PlanOptions options) {
     options.tolerance = chosen.presample.report().tolerance;
     options.method = method;
-    const auto start = Clock::now();
+    const mtf::Stopwatch watch;
     mtf::SensorPlan plan = chosen;
     plan.presample = mtf::compile(job_.system, job_.in, job_.out, options);
-    const double ms = ms_since(start);
+    const double ms = watch.ms();
     double predicted = plan.presample.report().predicted.total();
     if (chosen.post) {
       const mtf::PlanReport& post = chosen.post->report();

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <cmath>
 #include <filesystem>
 
@@ -25,6 +24,7 @@
 #include "mtf/engines/statistics.h"
 #include "mtf/error.h"
 #include "mtf/io/atomic_file.h"
+#include "mtf/work/stopwatch.h"
 
 namespace apps {
 namespace {
@@ -137,13 +137,13 @@ DemoResult make_demo(const DemoOptions& options, OutputSet& outputs, const Globa
   mtf::io::write_text_file(path("sensor.toml"), mtf::io::starter_config());
   mtf::io::write_exr(path("scene.exr"), {{"Y", landscape.view()}}, scene_metadata(grid));
   mtf::io::write_exr(path("targets.exr"), {{"Y", targets.view()}}, scene_metadata(grid));
-  const auto start = std::chrono::steady_clock::now();
+  const mtf::Stopwatch watch;
   std::vector<mtf::Image> images;
   for (const auto& [image_plan, image] : {std::pair{&plan, &landscape}, std::pair{&targets_plan, &targets}}) {
     const mtf::ImageView<const float> view = image->view();
     images.push_back(std::move(image_plan->run(std::span(&view, 1), 0.0, global.threads).front()));
   }
-  const std::chrono::duration<double, std::milli> elapsed = std::chrono::steady_clock::now() - start;
+  const double elapsed_ms = watch.ms();
 
   mtf::io::Scene scene;
   scene.quantity = mtf::io::Quantity::radiance;
@@ -176,7 +176,7 @@ DemoResult make_demo(const DemoOptions& options, OutputSet& outputs, const Globa
   std::string text = "sensor    " + one_line(system.name) + "\n" + curve_footer(system, curves);
   text += "image     " + std::to_string(kSize) + "x" + std::to_string(kSize) + " samples -> " +
           std::to_string(plan.out().width) + "x" + std::to_string(plan.out().height) + " pixels, two scenes in " +
-          fixed(elapsed.count(), 1) + " ms\n";
+          fixed(elapsed_ms, 1) + " ms\n";
   text += "\nsine targets in the simulated image against the analytic system MTF\n";
   text += target_table(results, curves.figures.nyquist, worst);
   const double allowed = std::max(kPass, plan_options.tolerance);

@@ -2,14 +2,13 @@
 #include "apps/live/frames.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 
 #include "apps/simulate/frames/scene_input.h"
-#include "apps/simulate/radiometric_chain.h"
 #include "mtf/engines/statistics.h"
 #include "mtf/error.h"
 #include "mtf/parallel.h"
+#include "mtf/work/stopwatch.h"
 
 namespace apps::live {
 namespace {
@@ -123,9 +122,9 @@ std::shared_ptr<const KeptFrame> FrameMaker::frame(const Sensor& sensor, const F
     last.may_lag = asked.may_lag, last.tab = asked.tab;
     if (last == asked) return kept_.back();
   }
-  const auto begin = std::chrono::steady_clock::now();
+  const mtf::Stopwatch watch;
   const auto frame = std::make_shared<KeptFrame>(draw_ ? draw_(sensor, request) : of_image(sensor, request));
-  frame->ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
+  frame->ms = watch.ms();
   frame->id = ++count_;
   last_sensor_ = sensor;
   last_request_ = asked;

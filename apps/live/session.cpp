@@ -16,8 +16,8 @@
 #include "apps/sensor/sensor_chain.h"
 #include "apps/sensor/sensor_place.h"
 #include "apps/sensor/sensor_warnings.h"
-#include "apps/simulate/radiometric_chain.h"
 #include "apps/simulate/sensor_image.h"
+#include "apps/simulate/sensor_run.h"
 #include "apps/text/json.h"
 #include "mtf/error.h"
 #include "mtf/io/config/config_reader.h"
@@ -213,7 +213,8 @@ Answer Session::model(const RequestBody& request) {
   json["stages"] = Json::array();
   // A chain that cannot be is said by its frame; the forms and the text are those of the present values all the same.
   if (has_chain(*sensor)) try {
-      const auto chain = radiometric_chain_of(*sensor, std::nullopt);
+      const SensorRun run(sensor, std::nullopt);
+      const RadiometricChain* chain = run.chain();
       for (const radiometry::OutputStage stage : kStages) {
         const bool thermal = chain->loaded.sensor.settings.thermal.has_value();
         const bool photon_only = stage == radiometry::OutputStage::electrons;

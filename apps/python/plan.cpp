@@ -13,7 +13,6 @@
 #include "apps/python/sensor.h"
 #include "apps/python/topics.h"
 #include "apps/simulate/live_simulation.h"
-#include "apps/simulate/simulate_parts.h"
 #include "mtf/error.h"
 #include "mtf/plan/sensor_plan.h"
 

@@ -16,7 +16,7 @@
 #include "apps/python/light_filter.h"
 #include "apps/python/sensor.h"
 #include "apps/python/topics.h"
-#include "apps/simulate/radiometric_chain.h"
+#include "apps/simulate/sensor_run.h"
 #include "mtf/error.h"
 #include "mtf/work/stop.h"
 #include "radiometry/stages/optics/distortion.h"
@@ -198,14 +198,11 @@ void save_image(const SensorHandle& sensor, const std::optional<std::string>& st
     images.push_back(
         image_of(plane_of(py::reinterpret_borrow<py::object>(array), "plane '" + names.back() + "'").view));
   }
-  SimulateOptions options;
-  if (stage) options.stage = output_stage(*stage);
-  options.range = range;
   const auto& [text, pairs, lists, history] = parts;
   const mtf::io::Metadata metadata{.text = text, .pairs = pairs, .lists = lists, .history = history};
   const py::gil_scoped_release free;
-  const auto chain = radiometric_chain_of(*sensor.config, options.stage);
-  write_sensor_image(path, names, images, metadata, integer_range(chain.get(), options));
+  const SensorRun run(sensor.config, stage ? std::optional(output_stage(*stage)) : std::nullopt);
+  write_sensor_image(path, names, images, metadata, run.integer_range(range));
 }
 
 }  // namespace

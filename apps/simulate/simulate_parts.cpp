@@ -11,13 +11,16 @@
 
 namespace apps {
 
-mtf::PlanOptions plan_options_of(const SimulateOptions& options, const mtf::io::SensorConfig& config,
-                                 const mtf::io::Scene& scene) {
+mtf::PlanOptions plan_options_of(const SimulateOptions& options, const SensorRun& sensor, const mtf::io::Scene& scene,
+                                 const std::optional<mtf::SceneSummary>& summary) {
+  const mtf::io::SceneDefaults& defaults = sensor.config().scene;
   mtf::PlanOptions plan;
-  plan.tolerance = options.tolerance.value_or(plan.tolerance);
-  plan.border = config.scene.border;
+  plan.tolerance = sensor.tolerance(options.tolerance, summary ? std::optional(summary->std) : std::nullopt);
+  plan.border = defaults.border;
   plan.rigor = options.measure ? mtf::Rigor::measure : mtf::Rigor::estimate;
-  plan.aperture = aperture_of(config.scene, scene);
+  plan.aperture = aperture_of(defaults, scene);
+  plan.scene = summary;
+  plan.separate_readout = !sensor.is_linear();
   plan.threads = options.threads;
   return plan;
 }
@@ -46,11 +49,6 @@ void describe_integers(RunReport& report, const Written& written) {
   report.scaling = *written.scaling;
   report.clamped = written.clamped;
   report.integer_scaling = "value = gain x file + offset, in " + report.unit();
-}
-
-void refuse_overflow(const std::string& channel) {
-  throw mtf::RuntimeError("channel " + one_line(channel) +
-                          ": filtered values exceed what float32 holds (3.4e38); scale the scene with scene.gain");
 }
 
 std::vector<mtf::Image> treat_bad_pixels(mtf::io::Scene& scene, NanPolicy policy, std::string& summary) {
@@ -86,11 +84,11 @@ std::optional<mtf::SceneSummary> harder_of(std::optional<mtf::SceneSummary> a,
   return a;
 }
 
-std::optional<mtf::SceneSummary> summarise_all(const mtf::io::Scene& scene, const mtf::io::SceneDefaults& defaults,
+std::optional<mtf::SceneSummary> summarise_all(const mtf::io::Scene& scene, mtf::Border border, double border_value,
                                                double error, std::vector<std::string>& warnings) {
   std::optional<mtf::SceneSummary> worst;
   for (const mtf::Image& plane : scene.planes)
-    worst = harder_of(worst, mtf::summarise(plane.view(), defaults.border, defaults.border_value));
+    worst = harder_of(worst, mtf::summarise(plane.view(), border, border_value));
   // Less contrast than the rounding of float32 is none: such a scene has no std that a tolerance could be a share of.
   constexpr double kRounding = 0x1p-23;
   if (worst && worst->std <= kRounding * worst->largest) {
@@ -103,9 +101,9 @@ std::optional<mtf::SceneSummary> summarise_all(const mtf::io::Scene& scene, cons
   return worst;
 }
 
-void loosen_default(const mtf::UnreachableTolerance& refusal, double unseen, mtf::PlanOptions& options,
+void loosen_default(const mtf::UnreachableTolerance& refusal, const SensorRun& sensor, mtf::PlanOptions& options,
                     std::vector<std::string>& warnings) {
-  if (refusal.reachable() > unseen)
+  if (refusal.reachable() > sensor.unseen_tolerance(options.tolerance))
     warnings.push_back("the default tolerance " + significant(options.tolerance, 2) +
                        " cannot be kept for this scene; " + significant(refusal.reachable(), 2) + " is used");
   options.tolerance = refusal.reachable();

@@ -10,14 +10,16 @@
 #include "apps/simulate/run_report.h"
 #include "apps/simulate/scene_source.h"
 #include "apps/simulate/sensor_image.h"
+#include "apps/simulate/sensor_run.h"
 #include "apps/simulate/simulate_options.h"
 #include "mtf/io/scene.h"
 
 namespace apps {
 
-/// Tolerance, border, rigor, threads and the blur of the samples, as the caller and the sensor file say.
-mtf::PlanOptions plan_options_of(const SimulateOptions& options, const mtf::io::SensorConfig& config,
-                                 const mtf::io::Scene& scene);
+/// Tolerance, border, rigor, threads and the blur of the samples, as the caller, the sensor file and the scene with
+/// that summary say.
+mtf::PlanOptions plan_options_of(const SimulateOptions& options, const SensorRun& sensor, const mtf::io::Scene& scene,
+                                 const std::optional<mtf::SceneSummary>& summary);
 
 /// The blur of the samples: what the file says (attribute mtf:aperture, "point" or "box" of one sample), else [scene].
 mtf::SceneAperture aperture_of(const mtf::io::SceneDefaults& defaults, const mtf::io::Scene& scene);
@@ -32,28 +34,24 @@ void describe_integers(RunReport& report, const Written& written);
 /// RuntimeError when the policy is to refuse, UsageError when an encoding table does not cover them.
 std::vector<mtf::Image> treat_bad_pixels(mtf::io::Scene& scene, NanPolicy policy, std::string& summary);
 
-/// Throws RuntimeError: a channel of this name has filtered values beyond what float32 holds.
-[[noreturn]] void refuse_overflow(const std::string& channel);
-
 /// The parts of two channels that make the promise harder to keep, on the scale of the first; a flat one has none.
 std::optional<mtf::SceneSummary> harder_of(std::optional<mtf::SceneSummary> a,
                                            const std::optional<mtf::SceneSummary>& b);
 
-/// Takes what can be kept for the tolerance, with a warning where that is above `unseen`
-/// (RadiometricChain::unseen_tolerance).
-void loosen_default(const mtf::UnreachableTolerance& refusal, double unseen, mtf::PlanOptions& options,
+/// Takes what can be kept for the tolerance, with a warning where that is above SensorRun::unseen_tolerance().
+void loosen_default(const mtf::UnreachableTolerance& refusal, const SensorRun& sensor, mtf::PlanOptions& options,
                     std::vector<std::string>& warnings);
 
 /// compile() for the tolerance asked for; without one, for the default or, where that cannot be kept, for what can be
 /// kept. `compile` uses `options`.
 template <class Compile>
-auto compile_reachable(bool asked, double unseen, mtf::PlanOptions& options, std::vector<std::string>& warnings,
-                       const Compile& compile) {
+auto compile_reachable(bool asked, const SensorRun& sensor, mtf::PlanOptions& options,
+                       std::vector<std::string>& warnings, const Compile& compile) {
   try {
     return compile();
   } catch (const mtf::UnreachableTolerance& refusal) {
     if (asked || !(refusal.reachable() < 1.0)) throw;
-    loosen_default(refusal, unseen, options, warnings);
+    loosen_default(refusal, sensor, options, warnings);
   }
   return compile();
 }
@@ -61,7 +59,7 @@ auto compile_reachable(bool asked, double unseen, mtf::PlanOptions& options, std
 /// One summary for all channels: the parts that make the promise hardest to keep, on the scale of one of them. Nothing
 /// when all are flat, or have less contrast than the rounding of their values, of which `warnings` hears. `error`: of a
 /// value, at most, as it comes (SceneLight::error).
-std::optional<mtf::SceneSummary> summarise_all(const mtf::io::Scene& scene, const mtf::io::SceneDefaults& defaults,
+std::optional<mtf::SceneSummary> summarise_all(const mtf::io::Scene& scene, mtf::Border border, double border_value,
                                                double error, std::vector<std::string>& warnings);
 
 /// One spectrum for all channels that have contrast, where the border has one (mtf/engines/fft/scene_spectrum.h) and

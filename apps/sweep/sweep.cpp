@@ -3,7 +3,6 @@
 // `mtf sweep STUDY -o DIR`, and the choice among its verbs.
 
 #include <algorithm>
-#include <chrono>
 
 #include "apps/study/result_columns.h"
 #include "apps/study/rows/sweep_rows.h"
@@ -13,12 +12,12 @@
 #include "apps/terminal/progress_line.h"
 #include "apps/terminal/text_table.h"
 #include "mtf/error.h"
+#include "mtf/work/stopwatch.h"
 
 namespace apps {
 namespace {
 
 namespace fs = std::filesystem;
-using Clock = std::chrono::steady_clock;
 
 /// The options that only some verbs take.
 struct Verb {
@@ -102,15 +101,14 @@ study::RowRun row_run(const SweepStudy& sweep, study::RowRange range, const fs::
 study::RowTally make_rows(const SweepStudy& sweep, study::RowRange range, const fs::path& folder, const Global& global,
                           double& seconds) {
   ProgressLine progress(global);
-  const Clock::time_point start = Clock::now();
-  const auto elapsed = [&] { return std::chrono::duration<double>(Clock::now() - start).count(); };
+  const mtf::Stopwatch watch;
   study::RowRun run = row_run(sweep, range, folder, global);
   run.done = [&](std::int64_t done) {
     progress.update("designs", static_cast<double>(done) / static_cast<double>(range.count),
-                    significant(static_cast<double>(done) / std::max(1e-3, elapsed()), 3) + " designs/s");
+                    significant(static_cast<double>(done) / std::max(1e-3, watch.seconds()), 3) + " designs/s");
   };
   const study::RowTally tally = study::run_rows(run);
-  seconds = elapsed();
+  seconds = watch.seconds();
   return tally;
 }
 

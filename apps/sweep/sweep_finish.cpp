@@ -3,7 +3,6 @@
 // From rows to a folder of results.
 
 #include <algorithm>
-#include <chrono>
 
 #include "apps/study/result_columns.h"
 #include "apps/sweep/sweep_report.h"
@@ -14,6 +13,7 @@
 #include "mtf/error.h"
 #include "mtf/io/stage.h"
 #include "mtf/parallel.h"
+#include "mtf/work/stopwatch.h"
 
 namespace apps {
 namespace {
@@ -137,7 +137,7 @@ std::vector<std::size_t> violated_constraints(const SweepReport& report, std::sp
 }
 
 int finish_sweep(const SweepStudy& sweep, const SweepRun& run, const SweepOptions& options, const Global& global) {
-  const auto start = std::chrono::steady_clock::now();
+  const mtf::Stopwatch watch;
   study::Tally tally(study::tally_job(sweep.study, sweep.columns));
   SweepReport report;
   report.sweep = &sweep;
@@ -171,7 +171,7 @@ int finish_sweep(const SweepStudy& sweep, const SweepRun& run, const SweepOption
       report.accuracy = study::accuracy_table(*sweep.study, kAccuracySeconds);
     }
   }
-  report.finish_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  report.finish_seconds = watch.seconds();
   const std::string json = mtf::io::without_stages(json_document(to_json(report)));
   emit(run.outputs->in("sweep.json"), json);
   run.outputs->commit();

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <charconv>
-#include <chrono>
 #include <map>
 #include <mutex>
 #include <string_view>
@@ -11,6 +10,7 @@
 #include "mtf/engines/fft/fftw.h"
 #include "mtf/error.h"
 #include "mtf/math/word_hash.h"
+#include "mtf/work/stopwatch.h"
 
 namespace mtf {
 namespace {
@@ -48,15 +48,14 @@ void remember_ms(const std::string& work, double ms) {
 }
 
 double time_ms(const std::function<void()>& run) {
-  using Clock = std::chrono::steady_clock;
   constexpr double kEnough = 30.0;
   constexpr int kMostRuns = 7;
   double best = 0.0, spent = 0.0;
   run();
   for (int i = 0; i < kMostRuns && (i == 0 || spent < kEnough); ++i) {
-    const Clock::time_point start = Clock::now();
+    const Stopwatch watch;
     run();
-    const double ms = std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+    const double ms = watch.ms();
     best = i == 0 ? ms : std::min(best, ms);
     spent += ms;
   }

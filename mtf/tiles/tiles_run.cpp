@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstring>
 #include <mutex>
@@ -10,6 +9,7 @@
 #include "mtf/parallel.h"
 #include "mtf/tiles/tile_queue.h"
 #include "mtf/tiles/tiles.h"
+#include "mtf/work/stopwatch.h"
 
 namespace mtf {
 namespace {
@@ -225,7 +225,7 @@ TileTally TiledSensorPlan::run(const ReadWindow& read, std::span<const Survey> s
   std::int64_t finished = 0;
   const auto work = [&](Workspace& memory, std::int64_t index) {
     const bool there = options.done && options.done(index);
-    const auto start = std::chrono::steady_clock::now();
+    const Stopwatch watch;
     bool flat = true;
     std::vector<Image> planes(there ? 0 : surveys.size());
     std::vector<ImageView<const float>> views;
@@ -239,7 +239,7 @@ TileTally TiledSensorPlan::run(const ReadWindow& read, std::span<const Survey> s
     }
     if (planes.empty()) queue.was_read();
     if (!there) write(tile(index), views);
-    const double ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+    const double ms = watch.ms();
     const std::scoped_lock guard(lock);
     tally.resumed += there ? 1 : 0;
     tally.flat += !there && flat ? 1 : 0;

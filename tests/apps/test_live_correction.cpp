@@ -2,7 +2,7 @@
 
 // Whose correction an image of a live view has.
 
-#include "apps/simulate/radiometric_chain.h"
+#include "apps/simulate/sensor_run.h"
 #include "tests/apps/live_images.h"
 
 namespace apps_test {

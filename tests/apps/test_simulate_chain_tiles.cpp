@@ -303,8 +303,8 @@ TEST_F(SimulateChainTiles, AMicroscanIsRefusedAtEveryStage) {
 TEST_F(SimulateChainTiles, AreChosenOnlyWhereTheyCanMakeTheImage) {
   const auto chosen = [&](const mtf::io::SensorConfig& config, const SimulateOptions& options = {},
                           const std::string& scene = "scene.exr", double machine_bytes = 1.0) {
-    return apps::wants_tiles(config, {.file = (scratch / scene).string()}, options,
-                             apps::radiometric_chain_of(config, options.stage).get(), machine_bytes);
+    return apps::wants_tiles(apps::SensorRun(config, options.stage), {.file = (scratch / scene).string()}, options,
+                             machine_bytes);
   };
   EXPECT_TRUE(chosen(sensor(kConverter)));
   EXPECT_FALSE(chosen(sensor(kConverter), {}, "scene.exr", 1e12));

@@ -25,7 +25,7 @@
 #include "apps/scene/render/sensor_picture.h"
 #include "apps/scene/scene_file/demo_scene_text.h"
 #include "apps/scene/vehicle/vehicle.h"
-#include "apps/simulate/radiometric_chain.h"
+#include "apps/simulate/sensor_run.h"
 #include "mtf/io/scene.h"
 #include "mtf/parallel.h"
 #include "mtf/version.h"
@@ -114,7 +114,8 @@ void run(const SceneFile& file, const std::string& temperatures, const std::stri
   for (const auto& times : {scene.timing_ms, renderer.timing_ms(), frame.timing_ms})
     for (const auto& [name, ms] : times) std::printf("  %-34s %8.1f\n", name.c_str(), ms);
 
-  const auto radiometric = apps::radiometric_chain_of(config, std::nullopt);
+  const apps::SensorRun run(config, std::nullopt);
+  const apps::RadiometricChain* radiometric = run.chain();
   const render::Camera camera = camera_at(sensor, 0);
   const mtf::Frame<double>& lens = config.system.frame;
   const mtf::SampleGrid grid{camera.width, camera.height, 0.5 * lens.pitch_x_um, 0.5 * lens.pitch_y_um};
@@ -123,7 +124,7 @@ void run(const SceneFile& file, const std::string& temperatures, const std::stri
   options.border = config.scene.border;
   options.separate_readout = true;
   options.threads = threads;
-  const mtf::SensorPlan plan = mtf::compile_sensor(radiometric->system, grid, options, radiometric->samples_a_pitch());
+  const mtf::SensorPlan plan = mtf::compile_sensor(radiometric->system, grid, options, run.samples_a_pitch());
   const radiometry::Chain chain(plan, radiometric->system, radiometric->loaded.sensor, {}, threads);
   chain.prepare(radiometric->stage, threads);
 

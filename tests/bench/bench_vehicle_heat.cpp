@@ -17,11 +17,11 @@
 #include <string_view>
 
 #include "apps/scene/heat/run/heat_run.h"
-#include "apps/scene/heat/stopwatch.h"
 #include "apps/scene/outputs/mesh_files.h"
 #include "apps/scene/scene_file/demo_scene_text.h"
 #include "apps/scene/vehicle/vehicle.h"
 #include "mtf/version.h"
+#include "mtf/work/stopwatch.h"
 
 namespace {
 
@@ -53,7 +53,7 @@ void print(const char* name, const RealisedError& error) {
 }
 
 void run(const SceneFile& file, double tolerance_k, bool verify, bool seen) {
-  const Stopwatch clock;
+  const mtf::Stopwatch clock;
   const double begin_s = processor_s();
   const HeatOptions options{.tolerance_k = tolerance_k, .seen = seen, .verify = verify};
   const HeatScene scene = prepare_heat(file, options);

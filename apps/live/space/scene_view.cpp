@@ -13,13 +13,12 @@
 #include "apps/live/toml_blocks.h"
 #include "apps/scene/command/read_scene.h"
 #include "apps/scene/fly/flight.h"
-#include "apps/scene/heat/stopwatch.h"
 #include "apps/scene/render/solved_rows.h"
-#include "apps/simulate/radiometric_chain.h"
 #include "apps/terminal/progress_line.h"
 #include "mtf/error.h"
 #include "mtf/io/config/config_text.h"
 #include "mtf/io/config/config_tree.h"
+#include "mtf/work/stopwatch.h"
 
 namespace apps::live {
 namespace {

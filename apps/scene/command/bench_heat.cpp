@@ -8,7 +8,6 @@
 #include "apps/figures/plot.h"
 #include "apps/options.h"
 #include "apps/scene/heat/run/heat_run.h"
-#include "apps/scene/heat/stopwatch.h"
 #include "apps/terminal/output.h"
 #include "apps/terminal/output_set.h"
 #include "apps/terminal/progress_line.h"
@@ -16,6 +15,7 @@
 #include "apps/text/json.h"
 #include "mtf/error.h"
 #include "mtf/version.h"
+#include "mtf/work/stopwatch.h"
 
 namespace apps {
 namespace {
@@ -41,7 +41,7 @@ Rung rung_of(const SceneFile& file, double tolerance_k, int rounds, const Global
   const auto say = [&](const std::string& step, double share) { progress.update(name + step, share); };
   HeatOptions options{.tolerance_k = tolerance_k, .threads = global.threads};
   for (int round = 0; round < rounds; ++round) {
-    const Stopwatch watch;
+    const mtf::Stopwatch watch;
     const HeatScene scene = prepare_heat(file, options);
     run_heat(
         scene, options, [](const HeatOutput&) {}, say);

@@ -18,7 +18,6 @@
 #include "apps/figures/plot.h"
 #include "apps/options.h"
 #include "apps/scene/command/render_options.h"
-#include "apps/scene/heat/stopwatch.h"
 #include "apps/scene/render/sensor_picture.h"
 #include "apps/terminal/output.h"
 #include "apps/terminal/output_set.h"
@@ -28,6 +27,7 @@
 #include "mtf/engines/statistics.h"
 #include "mtf/error.h"
 #include "mtf/version.h"
+#include "mtf/work/stopwatch.h"
 #include "radiometry/light/scene_radiance.h"
 
 namespace apps {
@@ -151,12 +151,12 @@ void measure_tables(const Subject& subject, const std::vector<Seen>& seen, Pictu
 }
 
 void measure_picture(const Subject& subject, const mtf::Image& reference, int rounds, PictureRung& rung) {
-  const Stopwatch first;
+  const mtf::Stopwatch first;
   render::Renderer renderer(subject.scene.scene, {subject.band}, how(subject, rung.points, rung.tolerance));
   render::RenderedFrame frame = renderer.render(subject.camera);
   rung.first_ms = first.ms();
   for (int round = 0; round < rounds; ++round) {
-    const Stopwatch watch;
+    const mtf::Stopwatch watch;
     frame = renderer.render(subject.camera);
     rung.ms.push_back(watch.ms());
   }

@@ -14,7 +14,6 @@
 #include "apps/scene/command/read_scene.h"
 #include "apps/scene/fly/flight.h"
 #include "apps/scene/fly/stage_times.h"
-#include "apps/scene/heat/stopwatch.h"
 #include "apps/scene/render/solved_rows.h"
 #include "apps/simulate/frames/frame_names.h"
 #include "apps/simulate/image_output.h"
@@ -27,6 +26,7 @@
 #include "mtf/engines/statistics.h"
 #include "mtf/error.h"
 #include "mtf/io/config/schedule.h"
+#include "mtf/work/stopwatch.h"
 #include "radiometry/weather/instant.h"
 
 namespace apps {
@@ -208,7 +208,7 @@ Json json_of(const StageTimes& times, std::size_t frames, double first_ms, const
 }  // namespace
 
 int run_fly(const FlyCommandOptions& options, const Global& global) {
-  const Stopwatch all;
+  const mtf::Stopwatch all;
   const SceneFile file = read_scene(options.scene, global);
   if (!file.camera)
     throw mtf::UsageError(one_line(file.file) +
@@ -242,7 +242,7 @@ int run_fly(const FlyCommandOptions& options, const Global& global) {
   const PictureOptions air{.temperatures = options.temperatures, .utc_s = course.utc_of(first), .air = !options.no_air};
   double heat_ms = 0.0;
   if (options.temperatures.empty() && !regions_to_solve(file).empty()) {
-    const Stopwatch heat;
+    const mtf::Stopwatch heat;
     rows = solved_rows(file, course.utc_of(first), course.utc_of(last),
                        {.tolerance_k = options.heat_tolerance_k, .threads = global.threads},
                        [&](const std::string& step, double share) { progress.update(step, share); });
@@ -276,11 +276,11 @@ int run_fly(const FlyCommandOptions& options, const Global& global) {
   IntegerRange scale;
   FlightFrame frame;
   double first_ms = 0.0, loosest = 0.0;
-  Stopwatch running;
+  mtf::Stopwatch running;
   std::size_t done = 0, lights = 0, late = 0;
   for (std::size_t i = 0; i < course.frames.size() && !interrupt.asked(); ++i) {
     const std::int64_t number = course.frames[i];
-    const Stopwatch whole;
+    const mtf::Stopwatch whole;
     advance(now, number, sensor);
     if (i > 0) {
       const std::int64_t later =
@@ -298,7 +298,7 @@ int run_fly(const FlyCommandOptions& options, const Global& global) {
       const std::string rule = warning.substr(0, warning.find(';'));  // what breaks it changes from frame to frame
       if (said.insert(rule).second) note(global, "warning: frame " + std::to_string(number) + ": " + warning);
     }
-    const Stopwatch waiting;
+    const mtf::Stopwatch waiting;
     if (writing.valid()) values.take(writing.get());
     scale = flight.integer_range();
     if (names)
@@ -314,7 +314,7 @@ int run_fly(const FlyCommandOptions& options, const Global& global) {
       if (writing.valid()) values.take(writing.get());
       interrupt.keep();
       require_places(course, flight, interrupt);
-      running = Stopwatch();
+      running = mtf::Stopwatch();
       continue;
     }
     late += frame.late ? 1 : 0;

@@ -12,7 +12,6 @@
 #include "apps/scene/command/render_figure.h"
 #include "apps/scene/command/render_options.h"
 #include "apps/scene/command/render_report.h"
-#include "apps/scene/heat/stopwatch.h"
 #include "apps/scene/render/layer_file.h"
 #include "apps/scene/render/sensor_picture.h"
 #include "apps/scene/render/solved_rows.h"
@@ -22,6 +21,7 @@
 #include "apps/terminal/progress_line.h"
 #include "apps/text/json.h"
 #include "mtf/error.h"
+#include "mtf/work/stopwatch.h"
 #include "radiometry/weather/instant.h"
 
 namespace apps {
@@ -143,12 +143,12 @@ render::RenderedFrame frame_of_layers(const RenderCommandOptions& options, const
   LayerFile from{.file = options.from, .materials = options.materials, .planar = options.planar_depth};
   for (const auto& [role, name] : options.channels) from.channels[role] = name;
   render::RenderedFrame frame;
-  const Stopwatch reading;
+  const mtf::Stopwatch reading;
   const render::SurfaceLayers layers = read_layers(from, file, camera);
   for (const std::string& text : mtf::io::read_info(options.from).notes)
     note(global, "warning: " + one_line(options.from) + ": " + one_line(text));
   frame.timing_ms.emplace_back("layers", reading.ms());
-  const Stopwatch rendering;
+  const mtf::Stopwatch rendering;
   render::LayerFrame made =
       render_layers(scene.scene, bands, camera, layers, {.tolerance = options.tolerance, .threads = global.threads});
   frame.timing_ms.emplace_back("pixels", rendering.ms());
@@ -163,7 +163,7 @@ render::RenderedFrame frame_of_layers(const RenderCommandOptions& options, const
 }  // namespace
 
 std::string render_pictures(const RenderCommandOptions& options, const Global& global) {
-  const Stopwatch all;
+  const mtf::Stopwatch all;
   if (options.from.empty())
     for (const auto& [name, given] : {std::pair{"--materials", !options.materials.empty()},
                                       {"--depth", options.planar_depth.has_value()},
@@ -224,7 +224,7 @@ std::string render_pictures(const RenderCommandOptions& options, const Global& g
   std::vector<mtf::io::Metadata> metadata;
   for (std::size_t b = 0; b < sensors.size(); ++b)
     metadata.push_back(picture_metadata(file, scene, sensors[b], cameras[b], how, frame, b));
-  const Stopwatch writing;
+  const mtf::Stopwatch writing;
   std::vector<std::string> staged;
   for (std::size_t b = 0; b < sensors.size(); ++b) {
     staged.push_back(folder ? outputs.in(names[b]) : outputs.at(options.out));

@@ -10,9 +10,9 @@
 
 #include "apps/scene/fly/flight_light.h"
 #include "apps/scene/fly/look_ahead.h"
-#include "apps/scene/heat/stopwatch.h"
 #include "apps/sensor/sensor_air.h"
 #include "mtf/error.h"
+#include "mtf/work/stopwatch.h"
 #include "radiometry/weather/instant.h"
 
 namespace apps::scene {
@@ -281,13 +281,13 @@ FlightFrame Flight::frame(const Sensor& sensor, const CameraPlace& place, double
   state.ahead.enough();
   if (state.light) state.ahead.take(*state.light->renderer);
   FlightFrame out;
-  const Stopwatch preparing;
+  const mtf::Stopwatch preparing;
   if (!state.last_sensor || state.last_sensor->sensor != sensor) state.last_sensor = KnownSensor(state.known(sensor));
   const KnownSensor& known = *state.last_sensor;
   state.set_light(known, utc_s, choice.light_may_lag, out);
   out.timing_ms.emplace_back("light", preparing.ms());
   Light& light = *state.light;
-  const Stopwatch temperatures;
+  const mtf::Stopwatch temperatures;
   if (state.source.temperatures_change() &&
       std::abs(utc_s - light.temperatures_utc_s) >= state.options.temperatures_every_s) {
     state.source.temperatures(utc_s, light.scene.scene.temperature_k);
@@ -307,7 +307,7 @@ FlightFrame Flight::frame(const Sensor& sensor, const CameraPlace& place, double
   out.view_rays = frame.view_rays;
   out.sides = frame.sides;
   out.shaded = frame.shaded;
-  const Stopwatch imaging;
+  const mtf::Stopwatch imaging;
   light.scene.utc_s = utc_s;  // that of the picture
   const mtf::io::Metadata metadata = picture_metadata(state.file, light.scene, known.picture, camera, how, frame);
   const bool has_air = light.scene.scene.air.has_value();

@@ -7,9 +7,9 @@
 #include "apps/scene/heat/limits.h"
 #include "apps/scene/heat/opposite_walls.h"
 #include "apps/scene/heat/seen/seen_facets.h"
-#include "apps/scene/heat/stopwatch.h"
 #include "apps/text/words.h"
 #include "mtf/error.h"
+#include "mtf/work/stopwatch.h"
 #include "radiometry/scene/views.h"
 
 namespace apps::scene {
@@ -60,7 +60,7 @@ void read_tables(HeatScene& scene) {
 }
 
 void find_seen(HeatScene& scene, int threads) {
-  const Stopwatch watch;
+  const mtf::Stopwatch watch;
   const std::string where = one_line(scene.file.file) + ": what the camera sees is asked for, ";
   if (!scene.file.camera) throw mtf::UsageError(where + "and there is no [camera]");
   scene.seen = seen_facets(scene, scene.file.camera->position_m, threads);
@@ -94,13 +94,13 @@ std::size_t HeatScene::material_of(std::uint32_t facet) const {
 
 HeatScene prepare_heat(const SceneFile& file, const HeatOptions& options) {
   require_files(file);
-  const Stopwatch weather;
+  const mtf::Stopwatch weather;
   Surroundings surroundings = surroundings_of(file, options.directions, options.tolerance_k);
   const double weather_ms = weather.ms();
-  const Stopwatch read;
+  const mtf::Stopwatch read;
   Surfaces surfaces = read_surfaces(file);
   const double read_ms = read.ms();
-  const Stopwatch tree;
+  const mtf::Stopwatch tree;
   radiometry::scene::Rays rays(std::move(surfaces.facets));
   std::vector<std::string> warnings = surroundings.warnings;
   for (std::string& text : weather_limits(file, surfaces.material, surroundings)) warnings.push_back(std::move(text));

@@ -8,11 +8,11 @@
 #include <set>
 
 #include "apps/scene/heat/sides.h"
-#include "apps/scene/heat/stopwatch.h"
 #include "apps/scene/heat/unit_flux.h"
 #include "apps/text/words.h"
 #include "mtf/error.h"
 #include "mtf/parallel.h"
+#include "mtf/work/stopwatch.h"
 #include "radiometry/weather/sky.h"
 
 namespace apps::scene {
@@ -249,7 +249,7 @@ UnitSide side_of(const HeatScene& scene, const Unit& unit, std::uint32_t facet, 
 }  // namespace
 
 Units units_of(const HeatScene& scene, const HeatOptions& options, double tolerance_w_m2, const Units* like) {
-  const Stopwatch watch;
+  const mtf::Stopwatch watch;
   const geometry::Facets& facets = scene.facets();
   const std::vector<geometry::Vector>& to_sun = scene.surroundings.shadow_to_sun;
   const Sides all = sides_of(scene);
@@ -269,7 +269,7 @@ Units units_of(const HeatScene& scene, const HeatOptions& options, double tolera
   units.sun = sun_of(scene, all, seen, sun_options);
   units.rays_ms = watch.ms();
 
-  const Stopwatch classing;
+  const mtf::Stopwatch classing;
   const geometry::FluxAmplitudes amplitudes = amplitudes_of(scene, view_options.rings);
   const std::vector<bool> covered = covered_sides(seen);
   // Neither units nor patches hold both what is seen and what is not.
@@ -347,7 +347,7 @@ Units units_of(const HeatScene& scene, const HeatOptions& options, double tolera
   }
   units.classes_ms = classing.ms();
 
-  const Stopwatch errors;
+  const mtf::Stopwatch errors;
   const std::size_t checked = options.measured(all.sides.size());
   std::vector<std::uint32_t> asked_for;
   for (std::uint32_t i = 0; i < leaders.size(); ++i)

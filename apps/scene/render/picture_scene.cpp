@@ -5,10 +5,10 @@
 #include <cmath>
 
 #include "apps/scene/heat/ground.h"
-#include "apps/scene/heat/stopwatch.h"
 #include "apps/scene/render/picture_surroundings.h"
 #include "apps/text/words.h"
 #include "mtf/error.h"
+#include "mtf/work/stopwatch.h"
 #include "radiometry/atmosphere/spectral_path.h"
 
 namespace apps::scene {
@@ -97,17 +97,17 @@ PictureScene read_layer_scene(const SceneFile& file, const PictureOptions& optio
 PictureSource::PictureSource(const SceneFile& file, PictureOptions options, std::optional<HeatRows> rows)
     : file_(file), options_(std::move(options)) {
   require_files(file_);
-  const Stopwatch read;
+  const mtf::Stopwatch read;
   surfaces_ = read_surfaces(file_);
   timing_ms_.emplace_back("meshes", read.ms());
-  const Stopwatch opened;
+  const mtf::Stopwatch opened;
   if (rows)
     temperatures_.emplace(file_, surfaces_, std::move(*rows));
   else
     temperatures_.emplace(file_, surfaces_, options_.temperatures);
   set_finishes(file_, surfaces_, finishes_);
   timing_ms_.emplace_back("temperatures", opened.ms());
-  const Stopwatch tree;
+  const mtf::Stopwatch tree;
   rays_ = std::make_shared<const radiometry::scene::Rays>(std::move(surfaces_.facets));
   finishes_.rays = rays_.get();
   timing_ms_.emplace_back("tree", tree.ms());
@@ -120,7 +120,7 @@ PictureScene PictureSource::at(std::optional<double> utc_s, const PictureOptions
   out.warnings = surfaces_.warnings;
   out.timing_ms = timing_ms_;
   out.utc_s = utc_s ? *utc_s : options_.utc_s ? *options_.utc_s : temperatures_->default_utc_s();
-  const Stopwatch reading;
+  const mtf::Stopwatch reading;
   temperatures(out.utc_s, out.scene.temperature_k);
   constexpr float kCold_k = 150.0F;
   if (const auto cold = std::count_if(out.scene.temperature_k.begin(), out.scene.temperature_k.end(),
@@ -134,7 +134,7 @@ PictureScene PictureSource::at(std::optional<double> utc_s, const PictureOptions
                     3) +
         " K: are the temperatures in degrees Celsius? Tables are in kelvin");
   out.timing_ms[1].second += reading.ms();
-  const Stopwatch weather;
+  const mtf::Stopwatch weather;
   {
     const std::scoped_lock guard(reading_);
     set_surroundings(file_, surfaces_, air, ground_, out);

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// One frame on its way through the sensor, of a sequence or of a live view.
+// One frame on its way through the sensor: the only one of a run, or one of a sequence or of a live view.
 
+#include <array>
 #include <exception>
 #include <memory>
 #include <optional>
@@ -10,21 +11,25 @@
 #include <vector>
 
 #include "apps/simulate/frames/scene_input.h"
-#include "apps/simulate/frames/sequence_plan.h"
 #include "apps/simulate/simulate.h"
+#include "mtf/tiles/tiles.h"
+#include "radiometry/chain/chain.h"
 
 namespace apps {
 
 struct Frame {
   std::int64_t number = 0;
-  std::shared_ptr<const mtf::io::SensorConfig> sensor;  ///< as it is at this frame
-  std::string settings;                                 ///< what the schedule has changed so far
-  std::shared_ptr<const RadiometricChain> radiometric;  ///< of a sensor with a chain
+  SensorRun sensor;      ///< as it is at this frame
+  std::string settings;  ///< what the schedule has changed so far
   std::shared_ptr<const SceneInput> input;
-  mtf::KeptScene* kept = nullptr;  ///< of a scene that comes again: the planes of `input`
-  std::int64_t noise_rows = 1;     ///< of a kept scene: see radiometry::Chain::run
+  SceneInput* own = nullptr;                          ///< `input`, where no other frame has it: its planes are used up
+  mtf::KeptScene* kept = nullptr;                     ///< of a scene that comes again: the planes of `input`
+  std::int64_t noise_rows = 1;                        ///< of a kept scene: see radiometry::Chain::run
+  std::optional<std::array<std::int64_t, 4>> region;  ///< of the image that is wanted, where it is not all of it
   std::shared_ptr<const mtf::SensorPlan> plan;
-  std::shared_ptr<const radiometry::Chain> chain;
+  std::optional<mtf::TiledSensorPlan> tiles;          ///< takes less time than `plan`, of which it is made
+  mtf::TileTally tally;                               ///< of these tiles
+  std::shared_ptr<const radiometry::Chain> chain;     ///< chain_of()
   std::optional<radiometry::ShutterClosing> closing;  ///< the last one, of a shutter that closes now and then
   radiometry::ChainFrame counted;                     ///< what the chain says of it, without its image
   std::vector<std::string> warnings;
@@ -33,11 +38,22 @@ struct Frame {
   std::exception_ptr error;
 };
 
-/// The planes of a frame that has its input, its plan and, with [detector], its chain. `state`: of the sequence, for a
-/// sensor whose frames leave something to the next, else null.
+/// What is to be said of the sensor and the scene of a frame before it is planned.
+std::vector<std::string> warnings_of(const Frame& frame);
+
+/// Takes the scene of `source` for this frame alone. Arguments and errors as load_input().
+void load_own(Frame& frame, SceneSource source, NanPolicy nan, int threads, RunWatch* watch = nullptr);
+
+/// The chain with that plan; null of a linear sensor. Further arguments as those of radiometry::Chain, whose errors get
+/// their place in the sensor file.
+std::shared_ptr<const radiometry::Chain> chain_of(const SensorRun& sensor, const mtf::SensorPlan& plan, int threads,
+                                                  const radiometry::Chain* before = nullptr, bool keep_shading = false);
+
+/// The planes of a frame that has its input, its plan and its chain. `state`: of the sequence, for a sensor whose
+/// frames leave something to the next, else null. Throws RuntimeError for values that float32 does not hold.
 std::vector<mtf::Image> run_planes(Frame& frame, radiometry::ChainState* state, int threads);
 
-/// What is stored with the image of a frame.
+/// What is stored with the image of one frame of several.
 mtf::io::Metadata metadata_of(const Frame& frame);
 
 }  // namespace apps

@@ -8,8 +8,9 @@
 #include <string>
 #include <vector>
 
-#include "apps/simulate/radiometric_chain.h"
+#include "apps/simulate/run_watch.h"
 #include "apps/simulate/scene_source.h"
+#include "apps/simulate/sensor_run.h"
 #include "mtf/plan/plan.h"
 
 namespace apps {
@@ -22,12 +23,16 @@ struct SceneInput {
   double border_value = 0.0;  ///< in the unit of the planes
   /// Of the band's OTF, where the scene says how far away its pixels are; else that of the sensor holds.
   std::shared_ptr<const mtf::ElectronRate> rate{};
+  std::vector<std::string> warnings{};  ///< of the light and of its contrast; `scene` has those of reading it
 };
 
-/// Takes the scene out of `source`. `radiometric`: of a sensor with a chain, else null. Throws as take_scene,
-/// treat_bad_pixels and to_light.
-SceneInput load_input(SceneSource source, const mtf::io::SensorConfig& sensor, const RadiometricChain* radiometric,
-                      NanPolicy nan, int threads);
+/// Takes the scene out of `source`; `watch` hears of the steps "read" and "light" of a run of one image. Throws as
+/// take_scene, treat_bad_pixels and SensorRun::light.
+SceneInput load_input(SceneSource source, const SensorRun& sensor, NanPolicy nan, int threads,
+                      RunWatch* watch = nullptr);
+
+/// What filters that scene: the system of the sensor, with the `rate` of the scene.
+mtf::System<double> system_for(const SensorRun& sensor, const SceneInput& input);
 
 /// True when [scene] of both gives samples the same spacing.
 bool same_spacing(const mtf::io::SceneDefaults& a, const mtf::io::SceneDefaults& b);
@@ -47,16 +52,14 @@ class StillScene {
   }
 
   /// Errors as load_input.
-  std::shared_ptr<const SceneInput> of(const std::shared_ptr<const mtf::io::SensorConfig>& sensor,
-                                       const RadiometricChain* radiometric);
+  std::shared_ptr<const SceneInput> of(const SensorRun& sensor);
   const SceneSource& source() const { return source_; }
 
  private:
   SceneSource source_;
   NanPolicy nan_;
   int threads_;
-  std::shared_ptr<const mtf::io::SensorConfig> sensor_;  ///< that `input_` serves
-  bool light_ = false;                                   ///< `input_` is the light for a sensor with a chain
+  SensorRun sensor_;  ///< that `input_` serves
   std::shared_ptr<const SceneInput> input_;
 };
 

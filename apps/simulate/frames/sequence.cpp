@@ -6,7 +6,6 @@
 #include <tbb/task_arena.h>
 
 #include <algorithm>
-#include <chrono>
 #include <filesystem>
 #include <set>
 
@@ -17,6 +16,7 @@
 #include "apps/simulate/simulate_parts.h"
 #include "apps/text/words.h"
 #include "mtf/error.h"
+#include "mtf/work/stopwatch.h"
 #include "mtf/work/usable_memory.h"
 
 namespace apps {
@@ -177,30 +177,29 @@ SimulateResult simulate_sequence(const mtf::io::SensorConfig& sensor, SceneSourc
   std::vector<std::string> inputs = files_of(sensor);
   inputs.insert(inputs.end(), schedule.files.begin(), schedule.files.end());
   check_files(options, scene, names, std::move(inputs));
-  const std::shared_ptr<const RadiometricChain> radiometric = radiometric_chain_of(sensor, options.stage);
+  const SensorRun run(sensor, options.stage);
   if (names.out && mtf::io::format_from_extension(options.out) != mtf::io::Format::exr &&
-      !integer_range(radiometric.get(), options).ends)
+      !run.integer_range(options.range).ends)
     throw mtf::UsageError("16-bit frames need one scale for all of them; give --range LOW:HIGH, or write .exr");
   if (!schedule.settings.empty() && schedule.settings.back().frame > names.frames.back())
     watch.note(options.schedule + " goes on to frame " + std::to_string(schedule.settings.back().frame) +
                ", the sequence ends with " + std::to_string(names.frames.back()));
 
-  if (radiometric)
-    if (const std::string slow = lag_warning(*radiometric, names.frames.back() - names.frames.front()); !slow.empty())
-      watch.warn(slow);
+  if (const std::string slow = run.lag_warning(names.frames.back() - names.frames.front()); !slow.empty())
+    watch.warn(slow);
 
   const std::string schedule_sha256 = schedule.sha256, scene_path = scene.file;
   const int threads = options.threads > 0 ? options.threads : tbb::info::default_concurrency();
-  SequenceFrames frames(options, sensor, radiometric, std::move(schedule), names, std::move(scene), threads);
-  const auto start = std::chrono::steady_clock::now();
+  SequenceFrames frames(options, run, std::move(schedule), names, std::move(scene), threads);
+  const mtf::Stopwatch clock;
   const std::int64_t in_flight = run_frames(frames, threads, watch);
-  const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
+  const double seconds = clock.seconds();
 
   SequenceReport facts = frames.report();
   facts.schedule = options.schedule;
   facts.schedule_sha256 = schedule_sha256;
   facts.in_flight = in_flight;
-  facts.seconds = elapsed.count();
+  facts.seconds = seconds;
   facts.fps = static_cast<double>(facts.frames) / facts.seconds;
   facts.first_plan = frames.first_plan();
   describe_run(report, sensor, facts_of(frames.first_scene()), scene_path, options,

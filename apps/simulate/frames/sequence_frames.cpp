@@ -2,29 +2,23 @@
 #include "apps/simulate/frames/sequence_frames.h"
 
 #include <algorithm>
-#include <chrono>
 
 #include "apps/simulate/image_output.h"
-#include "apps/simulate/simulate_parts.h"
 #include "apps/text/words.h"
 #include "mtf/error.h"
+#include "mtf/work/stopwatch.h"
 
 namespace apps {
 namespace {
-
-template <class Work>
-void timed(double& ms, const Work& work) {
-  const auto start = std::chrono::steady_clock::now();
-  work();
-  ms += std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
-}
 
 /// Does the work of a step unless an earlier one has failed.
 template <class Work>
 void attempt(Frame& frame, double& ms, const Work& work) {
   if (frame.error) return;
+  const mtf::Stopwatch watch;
   try {
-    timed(ms, work);
+    work();
+    ms += watch.ms();
   } catch (...) {
     frame.error = std::current_exception();
   }
@@ -59,22 +53,20 @@ std::string joined(const std::vector<std::string>& names) {
 
 }  // namespace
 
-SequenceFrames::SequenceFrames(const SimulateOptions& options, const mtf::io::SensorConfig& sensor,
-                               std::shared_ptr<const RadiometricChain> radiometric, mtf::io::Schedule schedule,
+SequenceFrames::SequenceFrames(const SimulateOptions& options, const SensorRun& sensor, mtf::io::Schedule schedule,
                                const SequenceNames& names, SceneSource scene, int threads)
     : options_(options),
       names_(names),
       read_(scene.read),
       threads_(threads),
-      closings_(sensor, schedule),
-      schedule_(sensor, std::move(schedule)),
+      closings_(sensor.config(), schedule),
+      schedule_(sensor.config(), std::move(schedule)),
       planner_(options, threads),
       still_(std::move(scene), options.nan, threads),
-      sensor_(std::make_shared<const mtf::io::SensorConfig>(sensor)),
-      radiometric_(std::move(radiometric)) {
+      sensor_(sensor) {
   report_.first = names.frames.front();
   report_.last = names.frames.back();
-  if (radiometric_ && (names.frames.front() < 0 || names.frames.back() > kLastNoiseFrame))
+  if (!sensor.is_linear() && (names.frames.front() < 0 || names.frames.back() > kLastNoiseFrame))
     throw mtf::UsageError("frames " + std::to_string(names.frames.front()) + " to " +
                           std::to_string(names.frames.back()) + ": noise is numbered from 0 to " +
                           std::to_string(kLastNoiseFrame));
@@ -87,24 +79,22 @@ void SequenceFrames::prepare() {
   if (frame->error) rethrow(*frame);
   prepared_ = frame;
   first_plan_ = frame->plan;
-  first_radiometric_ = frame->radiometric;
-  if (first_radiometric_) chain_report_ = report_of(*first_radiometric_);
-  if (frame->chain) frame->chain->prepare(frame->radiometric->stage, threads_);
+  first_sensor_ = frame->sensor;
+  chain_report_ = first_sensor_.report();
+  if (frame->chain) frame->chain->prepare(first_sensor_.chain()->stage, threads_);
   const mtf::io::Scene& scene = frame->input->scene;
   first_scene_.names = scene.names;
   first_scene_.grid = scene.grid;
   first_scene_.quantity = scene.quantity;
   first_scene_.info = scene.info;
-  for (const std::string& text : scene.warnings) warnings_.push_back(text);
-  for (const std::string& text : mtf::io::sampling_warnings(frame->sensor->system, scene.grid))
-    warnings_.push_back(text);
+  warnings_ = warnings_of(*frame);
   for (const std::string& text : frame->plan->presample.report().notes) warnings_.push_back(text);
   if (options_.measure)
     notes_.push_back("--rigor measure chose FFT plans by timing; the last bits may differ between runs");
 }
 
 // A schedule may switch a shutter to rolling later on.
-bool SequenceFrames::remembers() const { return first_radiometric_ && apps::remembers(*first_radiometric_); }
+bool SequenceFrames::remembers() const { return first_sensor_.remembers(); }
 
 double SequenceFrames::bytes_a_frame() const {
   const mtf::SensorPlan& plan = *first_plan_;
@@ -126,28 +116,22 @@ std::shared_ptr<Frame> SequenceFrames::next() {
   attempt(*frame, frame->plan_ms, [&] {
     if (schedule_.advance(frame->number)) {
       ++report_.schedule_changes;
-      sensor_ = std::make_shared<const mtf::io::SensorConfig>(schedule_.sensor());
-      radiometric_ = radiometric_chain_of(*sensor_, options_.stage);
+      sensor_ = SensorRun(schedule_.sensor(), options_.stage);
     }
-    if (radiometric_)
-      frame->closing =
-          closings_.before(static_cast<std::uint32_t>(frame->number), radiometric_->loaded.sensor.settings);
+    if (const RadiometricChain* chain = sensor_.chain())
+      frame->closing = closings_.before(static_cast<std::uint32_t>(frame->number), chain->loaded.sensor.settings);
   });
   frame->sensor = sensor_;
-  frame->radiometric = radiometric_;
   frame->settings = schedule_.in_force();
   if (names_.scenes) return frame;
-  attempt(*frame, frame->read_ms, [&] { frame->input = still_.of(sensor_, radiometric_.get()); });
+  attempt(*frame, frame->read_ms, [&] { frame->input = still_.of(sensor_); });
   return frame;
 }
 
 void SequenceFrames::read(Frame& frame) {
   if (frame.input) return;
-  attempt(frame, frame.read_ms, [&] {
-    frame.input =
-        std::make_shared<const SceneInput>(load_input({.file = names_.scenes->name(frame.number), .read = read_},
-                                                      *frame.sensor, frame.radiometric.get(), options_.nan, threads_));
-  });
+  attempt(frame, frame.read_ms,
+          [&] { load_own(frame, {.file = names_.scenes->name(frame.number), .read = read_}, options_.nan, threads_); });
 }
 
 // Frames of another kind are a mistake in the sequence, whatever could be made of them.
@@ -165,7 +149,7 @@ void SequenceFrames::require_like_first(const Frame& frame) {
     if (scene.quantity != first.quantity)
       fail("quantity", std::string(mtf::io::quantity_name(scene.quantity)),
            std::string(mtf::io::quantity_name(first.quantity)));
-    if (same_spacing(spacing_sensor_->scene, frame.sensor->scene) && scene.grid != spacing_)
+    if (same_spacing(spacing_sensor_.config().scene, frame.sensor.config().scene) && scene.grid != spacing_)
       fail("samples of", step_text(scene.grid), step_text(spacing_));
   }
   spacing_sensor_ = frame.sensor;
@@ -176,8 +160,8 @@ void SequenceFrames::plan(Frame& frame) {
   if (frame.plan) return;
   attempt(frame, frame.plan_ms, [&] {
     if (names_.scenes) require_like_first(frame);
-    frame.plan = planner_.plan_for(*frame.sensor, frame.radiometric.get(), *frame.input, frame.warnings);
-    if (frame.radiometric) frame.chain = planner_.chain_for(*frame.sensor, frame.radiometric, frame.plan);
+    planner_.plan(frame);
+    planner_.chain(frame);
   });
 }
 
@@ -192,7 +176,7 @@ void SequenceFrames::run(Frame& frame) {
   attempt(frame, frame.write_ms, [&] {
     frame.image.metadata = metadata_of(frame);
     deliver(options_, names_.out ? names_.out->name(frame.number) : "", output_names(frame.input->scene.names),
-            frame.image, integer_range(frame.radiometric.get(), options_));
+            frame.image, frame.sensor.integer_range(options_.range));
   });
 }
 

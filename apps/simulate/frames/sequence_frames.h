@@ -13,6 +13,7 @@
 
 #include "apps/simulate/frames/frame.h"
 #include "apps/simulate/frames/frame_names.h"
+#include "apps/simulate/frames/sequence_plan.h"
 #include "apps/simulate/frames/shutter_closings.h"
 #include "mtf/io/config/schedule.h"
 
@@ -26,10 +27,8 @@ struct SequenceNames {
 
 class SequenceFrames {
  public:
-  /// `radiometric`: of the sensor, radiometric_chain_of(). `scene` is one for every frame, or what numbered files
-  /// share.
-  SequenceFrames(const SimulateOptions& options, const mtf::io::SensorConfig& sensor,
-                 std::shared_ptr<const RadiometricChain> radiometric, mtf::io::Schedule schedule,
+  /// `scene` is one for every frame, or what numbered files share.
+  SequenceFrames(const SimulateOptions& options, const SensorRun& sensor, mtf::io::Schedule schedule,
                  const SequenceNames& names, SceneSource scene, int threads);
 
   /// Reads the first frame and compiles its plan, on all threads: what the others are judged by. Throws.
@@ -78,13 +77,12 @@ class SequenceFrames {
   mtf::io::ScheduledSensor schedule_;
   SequencePlanner planner_;
   StillScene still_;
-  std::shared_ptr<const mtf::io::SensorConfig> sensor_;
-  std::shared_ptr<const RadiometricChain> radiometric_, first_radiometric_;
+  SensorRun sensor_, first_sensor_;
   radiometry::ChainState state_;
   std::shared_ptr<Frame> prepared_;  ///< the first frame, until it goes its way
   mtf::io::Scene first_scene_;
   std::shared_ptr<const mtf::SensorPlan> first_plan_, last_plan_;
-  std::shared_ptr<const mtf::io::SensorConfig> spacing_sensor_;  ///< that `spacing_` belongs to
+  SensorRun spacing_sensor_;  ///< that `spacing_` belongs to
   mtf::SampleGrid spacing_;
   std::size_t at_ = 0;  ///< of the next frame
   std::vector<std::string> warnings_, notes_;

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <numeric>
 
-#include "apps/sensor/sensor_place.h"
 #include "apps/simulate/simulate_parts.h"
 #include "apps/text/words.h"
 #include "mtf/same_list.h"
@@ -68,10 +67,6 @@ bool same_filters(const mtf::PlanOptions& a, const mtf::PlanOptions& b) {
   return a.border == b.border && a.separate_readout == b.separate_readout && same_aperture(a.aperture, b.aperture);
 }
 
-const mtf::System<double>& system_of(const mtf::io::SensorConfig& sensor, const RadiometricChain* radiometric) {
-  return radiometric != nullptr ? radiometric->system : sensor.system;
-}
-
 mtf::System<double> with_rate(mtf::System<double> system, std::shared_ptr<const mtf::ElectronRate> rate) {
   if (system.band) system.band->rate = std::move(rate);
   return system;
@@ -82,53 +77,35 @@ bool same_but_for_rate(const mtf::System<double>& a, const mtf::System<double>& 
   return same_system(a, b) || same_system(with_rate(a, nullptr), with_rate(b, nullptr));
 }
 
-int steps_of(const RadiometricChain* radiometric) {
-  return radiometric != nullptr ? radiometric->samples_a_pitch() : 1;
-}
-
 }  // namespace
 
 SequencePlanner::SequencePlanner(const SimulateOptions& options, int threads)
-    : asked_(options.tolerance.has_value()), may_loosen_(!asked_ || options.loosen) {
-  base_.tolerance = options.tolerance.value_or(base_.tolerance);
-  base_.rigor = options.measure ? mtf::Rigor::measure : mtf::Rigor::estimate;
-  base_.threads = threads;
+    : asked_{.tolerance = options.tolerance, .loosen = options.loosen, .measure = options.measure, .threads = threads} {
 }
 
-mtf::PlanOptions SequencePlanner::options_for(const mtf::io::SensorConfig& sensor, const RadiometricChain* radiometric,
-                                              const SceneInput& input) const {
-  mtf::PlanOptions options = base_;
-  options.border = sensor.scene.border;
-  options.separate_readout = radiometric != nullptr;
-  options.aperture = aperture_of(sensor.scene, input.scene);
-  if (radiometric != nullptr && !asked_ && input.summary)
-    options.tolerance = radiometric->tolerance(base_.tolerance, input.summary->std);
-  return options;
-}
-
-double SequencePlanner::roomy_tolerance(const RadiometricChain* radiometric, const SceneInput& input,
-                                        double tolerance) const {
-  if (radiometric == nullptr || asked_ || !input.summary || !plan_ || !plan_->options.scene) return tolerance;
-  const auto wanted = [&](double std) { return radiometric->tolerance(base_.tolerance, std); };
+double SequencePlanner::roomy_tolerance(const Frame& frame, double tolerance) const {
+  const std::optional<mtf::SceneSummary>& scene = frame.input->summary;
+  if (frame.sensor.is_linear() || asked_.tolerance || !scene || !plan_ || !plan_->options.scene) return tolerance;
+  const auto wanted = [&](double std) { return frame.sensor.tolerance({}, std); };
   const bool served_before =
       plan_->options.tolerance <= std::max(wanted(plan_->options.scene->std), loosened_) * kRounding;
   if (!served_before || plan_->options.tolerance <= tolerance * kRounding) return tolerance;
-  return std::max(wanted(kRoomContrast * input.summary->std), loosened_);
+  return std::max(wanted(kRoomContrast * scene->std), loosened_);
 }
 
-std::shared_ptr<const mtf::SensorPlan> SequencePlanner::compile(const mtf::System<double>& system,
-                                                                const RadiometricChain* radiometric,
-                                                                const SceneInput& input, mtf::PlanOptions options,
-                                                                std::vector<std::string>& warnings) {
+std::shared_ptr<const mtf::SensorPlan> SequencePlanner::compile(const mtf::System<double>& system, Frame& frame,
+                                                                mtf::PlanOptions options) {
   ++compiled_;
+  const SceneInput& input = *frame.input;
+  const bool asked = asked_.tolerance.has_value();
   const SceneDifficulty met = input.summary ? harder(met_, difficulty(*input.summary)) : met_;
   const double own = options.tolerance;
-  const double roomy = roomy_tolerance(radiometric, input, own);
+  const double roomy = roomy_tolerance(frame, own);
   const auto attempt = [&](const std::optional<mtf::SceneSummary>& summary, double tolerance) {
     options.scene = summary;
     options.tolerance = tolerance;
     return std::make_shared<const mtf::SensorPlan>(
-        mtf::compile_sensor(system, input.scene.grid, options, steps_of(radiometric)));
+        mtf::compile_sensor(system, input.scene.grid, options, frame.sensor.samples_a_pitch()));
   };
   const auto kept = [&](std::shared_ptr<const mtf::SensorPlan> plan) {
     met_ = met;
@@ -147,13 +124,12 @@ std::shared_ptr<const mtf::SensorPlan> SequencePlanner::compile(const mtf::Syste
     return kept(attempt(input.summary, own));
   } catch (const mtf::UnreachableTolerance& e) {
     // What was asked for gives way to single frames, not to all of them.
-    if (!may_loosen_ || (asked_ && plan_ == nullptr) || !(e.reachable() < 1.0)) throw;
+    if ((asked && (!asked_.loosen || plan_ == nullptr)) || !(e.reachable() < 1.0)) throw;
     loosened_for_ = difficulty(*input.summary);
     // Room for contrast that fades on.
     loosened_ = std::min(kRoomStorage * e.reachable(), std::midpoint(e.reachable(), 1.0));
-    if (const double unseen = radiometric != nullptr && !asked_ ? radiometric->unseen_tolerance(own) : 0.0;
-        e.reachable() <= unseen)
-      loosened_ = std::min(loosened_, unseen);
+    const double unseen = asked ? 0.0 : frame.sensor.unseen_tolerance(own);
+    if (e.reachable() <= unseen) loosened_ = std::min(loosened_, unseen);
     const SceneDifficulty fading{loosened_for_.storage * kRoomStorage, loosened_for_.canvas};
     std::shared_ptr<const mtf::SensorPlan> plan;
     try {
@@ -162,56 +138,52 @@ std::shared_ptr<const mtf::SensorPlan> SequencePlanner::compile(const mtf::Syste
       loosened_ = e.reachable();
       plan = attempt(input.summary, loosened_);
     }
-    if (asked_ || radiometric == nullptr || loosened_ > radiometric->unseen_tolerance(own))
-      warnings.push_back("the " + std::string(asked_ ? "" : "default ") + "tolerance " + mtf::format_double(own) +
-                         " cannot be kept for this scene; " + significant(loosened_, 2) +
-                         " is used until one has twice the contrast");
+    if (loosened_ > unseen)
+      frame.warnings.push_back("the " + std::string(asked ? "" : "default ") + "tolerance " + mtf::format_double(own) +
+                               " cannot be kept for this scene; " + significant(loosened_, 2) +
+                               " is used until one has twice the contrast");
     return plan;
   }
 }
 
-std::shared_ptr<const mtf::SensorPlan> SequencePlanner::plan_for(const mtf::io::SensorConfig& sensor,
-                                                                 const RadiometricChain* radiometric,
-                                                                 const SceneInput& input,
-                                                                 std::vector<std::string>& warnings) {
+void SequencePlanner::plan(Frame& frame) {
+  const SceneInput& input = *frame.input;
+  const mtf::io::SceneDefaults& scene = frame.sensor.config().scene;
   std::optional<mtf::System<double>> own;  // of an image whose pixels have ranges
-  if (input.rate) own = with_rate(system_of(sensor, radiometric), input.rate);
-  const mtf::System<double>& system = own ? *own : system_of(sensor, radiometric);
-  mtf::PlanOptions options = options_for(sensor, radiometric, input);
+  if (input.rate) own = system_for(frame.sensor, input);
+  const mtf::System<double>& system = own ? *own : frame.sensor.system();
+  mtf::PlanOptions options = plan_options_of(asked_, frame.sensor, input.scene, input.summary);
   const bool filters_alike = plan_ && same_filters(plan_->options, options);
   const bool unchanged = filters_alike && same_system(plan_->system, system);
   const bool same_sensor = filters_alike && same_but_for_rate(plan_->system, system);
-  if (!same_sensor || !same_values(scene_, sensor.scene)) loosened_ = 0.0;  // another sensor may keep its default
+  if (!same_sensor || !same_values(scene_, scene)) loosened_ = 0.0;  // another sensor may keep its default
   if (loosened_ > 0.0 && input.summary && easier_by_half(difficulty(*input.summary), loosened_for_)) loosened_ = 0.0;
-  scene_ = sensor.scene;
+  scene_ = scene;
   options.tolerance = std::max(options.tolerance, loosened_);
   // A uniform frame asks for no tolerance; equal ones may differ by rounding.
   const bool tight = filters_alike && (!input.summary || plan_->options.tolerance <= options.tolerance * kRounding);
   const bool fits = tight && plan_->in() == input.scene.grid && serves(plan_->options.scene, input.summary) &&
-                    mtf::sensor_grid(system, input.scene.grid, steps_of(radiometric)) == plan_->out();
-  if (!fits) return plan_ = compile(system, radiometric, input, options, warnings);
-  if (unchanged) return plan_;
-  try {
-    plan_ = std::make_shared<const mtf::SensorPlan>(plan_->with(system));
-    ++(plan_->updated ? updated_ : compiled_);
-  } catch (const mtf::UnreachableTolerance&) {
-    plan_ = compile(system, radiometric, input, options, warnings);
-  }
-  return plan_;
+                    mtf::sensor_grid(system, input.scene.grid, frame.sensor.samples_a_pitch()) == plan_->out();
+  if (!fits) {
+    plan_ = compile(system, frame, options);
+  } else if (!unchanged)
+    try {
+      plan_ = std::make_shared<const mtf::SensorPlan>(plan_->with(system));
+      ++(plan_->updated ? updated_ : compiled_);
+    } catch (const mtf::UnreachableTolerance&) {
+      plan_ = compile(system, frame, options);
+    }
+  frame.plan = plan_;
 }
 
-std::shared_ptr<const radiometry::Chain> SequencePlanner::chain_for(
-    const mtf::io::SensorConfig& sensor, const std::shared_ptr<const RadiometricChain>& radiometric,
-    const std::shared_ptr<const mtf::SensorPlan>& plan, bool keep_shading) {
-  if (chain_radiometric_ != radiometric || chain_plan_ != plan || chain_keeps_shading_ != keep_shading)
-    chain_ = at_its_place(sensor, [&] {
-      return std::make_shared<const radiometry::Chain>(*plan, radiometric->system, radiometric->loaded.sensor,
-                                                       radiometry::Origin{}, base_.threads, chain_.get(), keep_shading);
-    });
-  chain_radiometric_ = radiometric;
-  chain_plan_ = plan;
+void SequencePlanner::chain(Frame& frame, bool keep_shading) {
+  if (frame.sensor.is_linear()) return;
+  if (!frame.sensor.has_chain_of(chain_sensor_) || chain_plan_ != frame.plan || chain_keeps_shading_ != keep_shading)
+    chain_ = chain_of(frame.sensor, *frame.plan, asked_.threads, chain_.get(), keep_shading);
+  chain_sensor_ = frame.sensor;
+  chain_plan_ = frame.plan;
   chain_keeps_shading_ = keep_shading;
-  return chain_;
+  frame.chain = chain_;
 }
 
 }  // namespace apps

@@ -14,7 +14,7 @@
 #include <string>
 #include <vector>
 
-#include "apps/simulate/frames/scene_input.h"
+#include "apps/simulate/frames/frame.h"
 #include "apps/simulate/simulate_options.h"
 #include "mtf/plan/sensor_plan.h"
 
@@ -32,18 +32,12 @@ class SequencePlanner {
   /// warning, until the sensor changes or a frame is easier by a factor of 2.
   SequencePlanner(const SimulateOptions& options, int threads);
 
-  /// The plan of a frame; frames come in order. `radiometric`: of a sensor with a chain, else null. `warnings` gets
-  /// what should be said. Throws as compile_sensor.
-  std::shared_ptr<const mtf::SensorPlan> plan_for(const mtf::io::SensorConfig& sensor,
-                                                  const RadiometricChain* radiometric, const SceneInput& input,
-                                                  std::vector<std::string>& warnings);
+  /// Gives a frame its plan; frames come in order. Its warnings get what should be said. Throws as compile_sensor.
+  void plan(Frame& frame);
 
-  /// The chain of a frame with that plan; the one of the frame before where nothing of it has changed. `keep_shading`
-  /// and errors as those of radiometry::Chain.
-  std::shared_ptr<const radiometry::Chain> chain_for(const mtf::io::SensorConfig& sensor,
-                                                     const std::shared_ptr<const RadiometricChain>& radiometric,
-                                                     const std::shared_ptr<const mtf::SensorPlan>& plan,
-                                                     bool keep_shading = false);
+  /// And its chain, the one of the frame before where nothing of it has changed. `keep_shading` and errors as those of
+  /// chain_of().
+  void chain(Frame& frame, bool keep_shading = false);
 
   /// The next chain measures its correction itself, instead of taking that of the first one.
   void forget_correction() { chain_.reset(), chain_plan_.reset(); }
@@ -52,26 +46,21 @@ class SequencePlanner {
   int updated() const { return updated_; }
 
  private:
-  std::shared_ptr<const mtf::SensorPlan> compile(const mtf::System<double>& system, const RadiometricChain* radiometric,
-                                                 const SceneInput& input, mtf::PlanOptions options,
-                                                 std::vector<std::string>& warnings);
+  std::shared_ptr<const mtf::SensorPlan> compile(const mtf::System<double>& system, Frame& frame,
+                                                 mtf::PlanOptions options);
   /// The tolerance of a plan with room for frames of more contrast, where the present plan kept the tolerance of the
   /// contrast before and does not keep that of this frame; else the tolerance of the frame.
-  double roomy_tolerance(const RadiometricChain* radiometric, const SceneInput& input, double tolerance) const;
-  /// What a frame wants of its plan, whatever the frames before it wanted.
-  mtf::PlanOptions options_for(const mtf::io::SensorConfig& sensor, const RadiometricChain* radiometric,
-                               const SceneInput& input) const;
+  double roomy_tolerance(const Frame& frame, double tolerance) const;
 
-  mtf::PlanOptions base_;  ///< the same for all frames; its tolerance is the one asked for, or the default
-  bool asked_ = false, may_loosen_ = true;
+  SimulateOptions asked_;  ///< tolerance, loosen, measure and threads
   double loosened_ = 0.0;  ///< least tolerance that the sensor of plan_ keeps, where that is not its default; else 0
   mtf::io::SceneDefaults scene_;  ///< [scene] of that sensor
   SceneDifficulty loosened_for_;  ///< the frame that needed it
   SceneDifficulty met_;           ///< the hardest of all frames so far that kept their tolerance
   std::shared_ptr<const mtf::SensorPlan> plan_;
   std::shared_ptr<const radiometry::Chain> chain_;
-  std::shared_ptr<const RadiometricChain> chain_radiometric_;  ///< that chain_ was made of,
-  std::shared_ptr<const mtf::SensorPlan> chain_plan_;          ///< and this
+  SensorRun chain_sensor_;                             ///< that chain_ was made of,
+  std::shared_ptr<const mtf::SensorPlan> chain_plan_;  ///< and this
   bool chain_keeps_shading_ = false;
   int compiled_ = 0, updated_ = 0;
 };

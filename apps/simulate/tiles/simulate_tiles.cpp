@@ -25,14 +25,13 @@ void return_freed_memory() {
 #endif
 }
 
-using Planes = std::span<const mtf::ImageView<const float>>;
+using Planes = ChainOfTiles::Planes;
 
 /// The summary that makes the promise hardest to keep, of all channels.
-std::optional<mtf::SceneSummary> worst_of(const std::vector<mtf::Survey>& surveys,
-                                          const mtf::io::SceneDefaults& defaults) {
+std::optional<mtf::SceneSummary> worst_of(const std::vector<mtf::Survey>& surveys, mtf::Border border,
+                                          double border_value) {
   std::optional<mtf::SceneSummary> worst;
-  for (const mtf::Survey& survey : surveys)
-    worst = harder_of(worst, survey.summary(defaults.border, defaults.border_value));
+  for (const mtf::Survey& survey : surveys) worst = harder_of(worst, survey.summary(border, border_value));
   return worst;
 }
 
@@ -42,13 +41,6 @@ std::array<std::int64_t, 2> whole_pixels(const mtf::io::SensorConfig& config, co
   system.frame.columns = system.frame.rows = 0;
   const mtf::SampleGrid detector = mtf::detector_grid(system, scene);
   return {detector.width, detector.height};
-}
-
-// The first channel with values beyond float32.
-std::optional<std::size_t> overflowing(Planes planes) {
-  for (std::size_t c = 0; c < planes.size(); ++c)
-    if (!mtf::all_finite(planes[c])) return c;
-  return std::nullopt;
 }
 
 // Pixels that are NaN because bad samples blur into them need the whole image and its plan.
@@ -65,15 +57,20 @@ std::vector<mtf::Image> run_whole(const mtf::io::SensorConfig& config, TileScene
   return images;
 }
 
+struct SurveyedPlan {
+  std::vector<mtf::Survey> surveys;
+  mtf::PlanOptions options;  ///< with the tolerance that the plan keeps
+  mtf::TiledSensorPlan plan;
+};
+
 /// A run in tiles that is ready: read, surveyed, compiled.
 struct TileRun {
-  const mtf::io::SensorConfig& config;
+  const SensorRun& sensor;
   const SceneSource& file;
   const SimulateOptions& options;
   TileScene& source;
-  const std::vector<mtf::Survey>& surveys;
-  const mtf::TiledSensorPlan& plan;
-  ChainOfTiles* chain;  ///< null: none
+  const SurveyedPlan& planned;
+  ChainOfTiles& chain;
   mtf::TileRunOptions run;
   RunWatch& watch;
   SimulateResult& result;
@@ -86,61 +83,61 @@ void copy_rows(Planes planes, const mtf::Region& region, std::vector<mtf::Image>
                   static_cast<std::size_t>(region.width) * sizeof(float));
 }
 
-/// Takes a finished tile and what its chain has counted in it. Called from several threads at once.
-using TakeTile = std::function<void(const mtf::Tile& tile, Planes planes, const mtf::io::TileCounts& counts)>;
-
-void run_tiles(TileRun& all, const TakeTile& take) {
-  const auto write = [&](const mtf::Tile& tile, Planes planes) {
-    if (all.chain == nullptr) return take(tile, planes, {});
-    const ChainOfTiles::Result done = all.chain->run(tile, planes.front());
-    const mtf::ImageView<const float> image = done.image.view();
-    take(tile, {&image, 1}, done.counts);
+void run_tiles(
+    TileRun& all, const ChainOfTiles::Take& take, const std::function<void()>& before_refusal = [] {}) {
+  const auto finite = [&](const mtf::Tile& tile, Planes planes, const mtf::io::TileCounts& counts) {
+    for (std::size_t c = 0; c < planes.size(); ++c) {
+      if (mtf::all_finite(planes[c])) continue;
+      before_refusal();
+      refuse_overflow(all.source.scene.names[c]);
+    }
+    take(tile, planes, counts);
   };
   RunReport& report = all.result.report;
-  report.tiles->tally = all.plan.run(all.source.read, all.surveys, write, all.run);
+  report.tiles->tally = all.planned.plan.run(
+      all.source.read, all.planned.surveys,
+      [&](const mtf::Tile& tile, Planes planes) { all.chain.run(tile, planes, finite); }, all.run);
   if (report.chain && report.chain->held.any()) all.watch.warn(words(report.chain->held));
 }
 
-void run_to_memory(TileRun& all, std::vector<mtf::Image>& images) {
-  for (std::size_t c = 0; c < all.surveys.size(); ++c) images.emplace_back(all.plan.out().width, all.plan.out().height);
+std::vector<mtf::Image> run_to_memory(TileRun& all) {
+  const mtf::SampleGrid& out = all.planned.plan.out();
+  std::vector<mtf::Image> images;
+  for (std::size_t c = 0; c < all.planned.surveys.size(); ++c) images.emplace_back(out.width, out.height);
   run_tiles(all, [&](const mtf::Tile& tile, Planes planes, const mtf::io::TileCounts&) {
-    if (const auto c = overflowing(planes)) refuse_overflow(all.source.scene.names[*c]);
     copy_rows(planes, tile.region, images);
   });
+  return images;
 }
 
 void run_to_sink(TileRun& all, const mtf::io::Metadata& metadata) {
   run_tiles(all, [&](const mtf::Tile& tile, Planes planes, const mtf::io::TileCounts&) {
-    if (const auto c = overflowing(planes)) refuse_overflow(all.source.scene.names[*c]);
     all.options.sink({0, tile.region, all.result.names, planes, metadata});
   });
 }
 
 /// Finished tiles are kept beside the file until all are there, and the image is written from them.
 void run_to_file(TileRun& all, const mtf::io::Metadata& metadata) {
-  const mtf::TiledSensorPlan& plan = all.plan;
+  const mtf::TiledSensorPlan& plan = all.planned.plan;
   const std::vector<std::string>& names = all.result.names;
-  mtf::io::TileStore store(
-      all.options.out,
-      {key_of(all.options, all.config, all.file.file, all.source, all.surveys, plan,
-              all.result.report.chain ? all.result.report.chain->stage : ""),
-       plan.out().width, plan.out().height, names.size(), plan.report().count,
-       all.chain != nullptr ? ChainOfTiles::counts_a_tile() : 0, [&](std::int64_t i) { return plan.tile(i).region; }},
-      all.options.resume);
+  mtf::io::TileStore store(all.options.out,
+                           {key_of(all.options, all.sensor.config(), all.file.file, all.source, all.planned.surveys,
+                                   plan, all.result.report.chain ? all.result.report.chain->stage : ""),
+                            plan.out().width, plan.out().height, names.size(), plan.report().count,
+                            all.chain.counts_a_tile(), [&](std::int64_t i) { return plan.tile(i).region; }},
+                           all.options.resume);
   if (!store.note().empty()) all.watch.note(store.note());
   if (store.resumed() > 0)
     all.watch.note(std::to_string(store.resumed()) + " of " + std::to_string(plan.report().count) +
                    " tiles are there from a stopped run");
-  if (all.chain != nullptr)
-    for (const mtf::io::TileCounts& counts : store.resumed_counts()) all.chain->add(counts);
+  for (const mtf::io::TileCounts& counts : store.resumed_counts()) all.chain.add(counts);
   all.run.done = [&](std::int64_t i) { return store.done(i); };
-  run_tiles(all, [&](const mtf::Tile& tile, Planes planes, const mtf::io::TileCounts& counts) {
-    if (const auto c = overflowing(planes)) {
-      store.remove();  // the same run will not do better
-      refuse_overflow(all.source.scene.names[*c]);
-    }
-    store.write(tile.index, planes, counts);
-  });
+  run_tiles(
+      all,
+      [&](const mtf::Tile& tile, Planes planes, const mtf::io::TileCounts& counts) {
+        store.write(tile.index, planes, counts);
+      },
+      [&] { store.remove(); });  // the same run will not do better
   all.watch.lap("run");
   mtf::io::write_tiled_exr(
       all.options.out, names, plan.out().width, plan.out().height,
@@ -182,8 +179,7 @@ mtf::Region region_of(const SimulateOptions& options) {
   return {x, y, width, height};
 }
 
-mtf::TileOptions tile_options_of(const SimulateOptions& options, const TileScene& source,
-                                 const RadiometricChain* radiometric) {
+mtf::TileOptions tile_options_of(const SimulateOptions& options, const TileScene& source, const SensorRun& sensor) {
   mtf::TileOptions tiles;
   tiles.memory = options.memory.value_or(0);
   tiles.threads = options.threads;
@@ -193,40 +189,31 @@ mtf::TileOptions tile_options_of(const SimulateOptions& options, const TileScene
   }
   tiles.channels = static_cast<std::int64_t>(source.scene.names.size());
   if (options.region) tiles.region = region_of(options);
-  if (radiometric != nullptr) count_memory(*radiometric, tiles);
+  count_memory(sensor, tiles);
   return tiles;
 }
 
-struct SurveyedPlan {
-  std::vector<mtf::Survey> surveys;
-  mtf::PlanOptions options;  ///< with the tolerance that the plan keeps
-  mtf::TiledSensorPlan plan;
-};
-
 /// Surveys the samples that are filtered, and compiles the plan of their tiles.
-SurveyedPlan survey_and_plan(const mtf::io::SensorConfig& config, const SimulateOptions& options,
-                             const RadiometricChain* radiometric, const mtf::io::SceneDefaults& defaults,
+SurveyedPlan survey_and_plan(const SensorRun& sensor, const SimulateOptions& options, double border_value,
                              TileScene& source, RunReport& report, RunWatch& watch) {
   const mtf::SampleGrid& grid = source.scene.grid;
-  const mtf::TileOptions tiles = tile_options_of(options, source, radiometric);
-  mtf::PlanOptions plan_options = plan_options_of(options, config, source.scene);
-  plan_options.progress = watch.planning();
+  const mtf::TileOptions tiles = tile_options_of(options, source, sensor);
+  const mtf::Border border = sensor.config().scene.border;
   std::vector<mtf::Survey> surveys = survey_all(source,
-                                                {.border = defaults.border,
-                                                 .border_value = defaults.border_value,
-                                                 .every = mtf::coarse_every(grid, defaults.border, tiles.memory),
+                                                {.border = border,
+                                                 .border_value = border_value,
+                                                 .every = mtf::coarse_every(grid, border, tiles.memory),
                                                  .memory = tiles.memory,
                                                  .threads = options.threads,
-                                                 .computed = radiometric != nullptr},
+                                                 .computed = !sensor.is_linear()},
                                                 watch);
-  plan_options.scene = worst_of(surveys, defaults);
-  if (radiometric != nullptr && !options.tolerance && plan_options.scene)
-    plan_options.tolerance = radiometric->tolerance(plan_options.tolerance, plan_options.scene->std);
+  mtf::PlanOptions plan_options =
+      plan_options_of(options, sensor, source.scene, worst_of(surveys, border, border_value));
+  plan_options.progress = watch.planning();
   watch.lap("survey");
-  const mtf::System<double> system = radiometric != nullptr ? presample_of(*radiometric) : config.system;
-  const double unseen = radiometric != nullptr ? radiometric->unseen_tolerance(plan_options.tolerance) : 0.0;
-  mtf::TiledSensorPlan plan = compile_reachable(options.tolerance.has_value(), unseen, plan_options, report.warnings,
-                                                [&] { return mtf::compile_tiled(system, grid, plan_options, tiles); });
+  mtf::TiledSensorPlan plan =
+      compile_reachable(options.tolerance.has_value(), sensor, plan_options, report.warnings,
+                        [&] { return mtf::compile_tiled(tiled_system(sensor), grid, plan_options, tiles); });
   if (source.file)
     source.file->keep_rows(plan.report().whole ? source.file->more_rows() : plan.inner().presample.in().height);
   plan_options.progress = {};
@@ -235,11 +222,9 @@ SurveyedPlan survey_and_plan(const mtf::io::SensorConfig& config, const Simulate
   return {std::move(surveys), std::move(plan_options), std::move(plan)};
 }
 
-mtf::io::Metadata metadata_of(const mtf::io::SensorConfig& config, const SimulateOptions& options,
-                              const RadiometricChain* radiometric, const mtf::io::Scene& scene,
+mtf::io::Metadata metadata_of(const SensorRun& sensor, const SimulateOptions& options, const mtf::io::Scene& scene,
                               const SurveyedPlan& planned) {
-  mtf::io::Metadata metadata = provenance(config, scene, planned.plan.inner(), planned.options.tolerance);
-  if (radiometric != nullptr) add_chain(metadata, *radiometric, 0);
+  mtf::io::Metadata metadata = sensor.metadata(scene, planned.plan.inner(), planned.options.tolerance, 0);
   if (options.region) {
     const auto& [x, y, width, height] = *options.region;
     metadata.text["mtf:region"] = std::to_string(x) + " " + std::to_string(y) + " " + std::to_string(width) + " " +
@@ -249,11 +234,11 @@ mtf::io::Metadata metadata_of(const mtf::io::SensorConfig& config, const Simulat
 }
 
 /// Hands the planes of an image in memory over: to the file, to the sink, or in the result.
-void deliver_image(TileRun& all, SimulatedImage image, const RadiometricChain* radiometric) {
+void deliver_image(TileRun& all, SimulatedImage image) {
   SimulateResult& result = all.result;
   for (const mtf::Image& plane : image.planes) result.statistics.push_back(mtf::statistics(plane.view()));
   const Written written =
-      deliver(all.options, all.options.out, result.names, image, integer_range(radiometric, all.options));
+      deliver(all.options, all.options.out, result.names, image, all.sensor.integer_range(all.options.range));
   if (written.scaling) describe_integers(result.report, written);
   if (!image.planes.empty()) result.images.push_back(std::move(image));
 }
@@ -261,10 +246,7 @@ void deliver_image(TileRun& all, SimulatedImage image, const RadiometricChain* r
 }  // namespace
 
 std::optional<mtf::TiledSensorPlan> flat_tiles(const mtf::io::SensorConfig& config, const mtf::io::Scene& scene,
-                                               const std::vector<mtf::Image>& masks, const mtf::PlanOptions& options,
-                                               RunReport& report) try {
-  if (std::any_of(masks.begin(), masks.end(), [](const mtf::Image& mask) { return mask.size() > 0; }))
-    return std::nullopt;
+                                               const mtf::PlanOptions& options, RunReport& report) try {
   std::vector<mtf::ImageView<const float>> planes;
   for (const mtf::Image& plane : scene.planes) planes.push_back(plane.view());
   auto plan = mtf::worth_tiling(config.system, scene.grid, planes, config.scene.border_value, options);
@@ -275,59 +257,45 @@ std::optional<mtf::TiledSensorPlan> flat_tiles(const mtf::io::SensorConfig& conf
   return std::nullopt;  // the whole image may keep it, or says what it can
 }
 
-std::vector<mtf::Image> run_flat_tiles(const mtf::TiledSensorPlan& plan, const mtf::io::Scene& scene,
-                                       double border_value, RunReport& report) {
-  std::vector<mtf::ImageView<const float>> planes;
-  for (const mtf::Image& plane : scene.planes) planes.push_back(plane.view());
-  return plan.run(planes, border_value, &report.tiles->tally);
-}
-
-bool wants_tiles(const mtf::io::SensorConfig& config, const SceneSource& scene, const SimulateOptions& options,
-                 const RadiometricChain* radiometric, double usable) {
-  if (options.memory || (options.region && radiometric == nullptr)) return true;
+bool wants_tiles(const SensorRun& sensor, const SceneSource& scene, const SimulateOptions& options, double usable) {
+  if (options.memory || (options.region && sensor.is_linear())) return true;
   if (!refusal_of_windows(options, scene).empty()) return false;
   // Planes of three channels, transforms and OTF of one, about.
   const mtf::io::FileInfo info = mtf::io::read_info(scene.file);
   if (static_cast<double>(info.width) * static_cast<double>(info.height) * 20.0 <= usable) return false;
-  if (radiometric == nullptr) return true;
-  if (!stages_of_the_whole(*radiometric).empty()) return false;
+  if (sensor.is_linear()) return true;
+  if (!stages_of_the_whole(sensor).empty()) return false;
   TileScene source;
-  open_windows(options, config, scene, source);
-  return refusal_of_light(config, radiometric->loaded, source.scene).empty();
+  open_windows(options, sensor.config(), scene, source);
+  return refusal_of_light(sensor.config(), sensor.chain()->loaded, source.scene).empty();
 }
 
-SimulateResult simulate_tiles(const mtf::io::SensorConfig& config, SceneSource& file, const SimulateOptions& options,
-                              const RadiometricChain* radiometric) {
+SimulateResult simulate_tiles(const SensorRun& sensor, SceneSource& file, const SimulateOptions& options) {
+  const mtf::io::SensorConfig& config = sensor.config();
   SimulateResult result;
   RunReport& report = result.report;
   RunWatch watch(options, report);
-  const bool windows = options.memory || !options.region || radiometric != nullptr;
-  if (radiometric != nullptr) require_tileable(config, *radiometric);
+  const bool windows = options.memory || !options.region || !sensor.is_linear();
+  require_tileable(sensor);
   TileScene source;
   const std::vector<mtf::Image> masks = open_scene(config, file, options, windows, source, report, watch);
   const mtf::io::Scene& scene = source.scene;
-  mtf::io::SceneDefaults defaults = config.scene;
-  if (radiometric != nullptr)
-    defaults.border_value =
-        read_as_light(config, *radiometric, file.file, source, options.memory.value_or(0), options.threads, watch);
+  const double border_value =
+      read_as_light(sensor, file.file, source, options.memory.value_or(0), options.threads, watch);
   report.warnings = scene.warnings;
   for (std::string& warning : mtf::io::sampling_warnings(config.system, scene.grid))
     report.warnings.push_back(std::move(warning));
-  const SurveyedPlan planned = survey_and_plan(config, options, radiometric, defaults, source, report, watch);
+  const SurveyedPlan planned = survey_and_plan(sensor, options, border_value, source, report, watch);
   const mtf::TiledSensorPlan& plan = planned.plan;
 
   result.names = output_names(scene.names);
   describe_run(report, config, facts_of(scene), file.file, options, planned.options.tolerance);
   report.plan = std::make_shared<const mtf::SensorPlan>(plan.inner());
   report.tiles = TilesReport{plan.report(), {}, scene.grid, plan.out(), whole_pixels(config, scene.grid), false};
-  std::optional<ChainOfTiles> chain;
-  if (radiometric != nullptr) {
-    report.chain = report_of(*radiometric);
-    const mtf::Region region = region_of(options);
-    chain.emplace(config, *radiometric, plan, radiometry::Origin{region.x, region.y}, options.threads, *report.chain);
-  }
-  TileRun run{config, file, options, source, planned.surveys, plan, chain ? &*chain : nullptr, {}, watch, result};
-  run.run.border_value = defaults.border_value;
+  report.chain = sensor.report();
+  const mtf::Region region = region_of(options);
+  ChainOfTiles chain(sensor, plan, {region.x, region.y}, options.threads, report.chain);
+  TileRun run{sensor, file, options, source, planned, chain, {.border_value = border_value}, watch, result};
   run.run.progress = [&](std::int64_t done, std::int64_t of) {
     watch.share("tiles", static_cast<double>(done) / static_cast<double>(of));
   };
@@ -335,7 +303,7 @@ SimulateResult simulate_tiles(const mtf::io::SensorConfig& config, SceneSource& 
     watch.note("--rigor measure chose methods and FFT plans by timing; results may differ between runs");
 
   SimulatedImage image;
-  image.metadata = metadata_of(config, options, radiometric, scene, planned);
+  image.metadata = metadata_of(sensor, options, scene, planned);
   const bool any_bad = std::any_of(masks.begin(), masks.end(), [](const mtf::Image& mask) { return mask.size() > 0; });
   if (windows && !options.out.empty()) {
     run_to_file(run, image.metadata);
@@ -343,12 +311,9 @@ SimulateResult simulate_tiles(const mtf::io::SensorConfig& config, SceneSource& 
     run_to_sink(run, image.metadata);
     watch.lap("run");
   } else {
-    if (any_bad)
-      image.planes = run_whole(config, source, masks, planned.options, *options.region);
-    else
-      run_to_memory(run, image.planes);
+    image.planes = any_bad ? run_whole(config, source, masks, planned.options, *options.region) : run_to_memory(run);
     watch.lap("run");
-    deliver_image(run, std::move(image), radiometric);
+    deliver_image(run, std::move(image));
   }
   watch.lap("write");
   return result;

@@ -6,29 +6,23 @@
 
 #include <optional>
 
-#include "apps/simulate/radiometric_chain.h"
+#include "apps/simulate/sensor_run.h"
 #include "apps/simulate/simulate.h"
 #include "mtf/tiles/tiles.h"
 #include "mtf/work/usable_memory.h"
 
 namespace apps {
 
-/// A plan in tiles where so many of them are flat that it takes less time; not where pixels have been masked. Says so
-/// in the report.
+/// A plan in tiles where so many of them are flat that it takes less time. Says so in the report.
 std::optional<mtf::TiledSensorPlan> flat_tiles(const mtf::io::SensorConfig& config, const mtf::io::Scene& scene,
-                                               const std::vector<mtf::Image>& masks, const mtf::PlanOptions& options,
-                                               RunReport& report);
-std::vector<mtf::Image> run_flat_tiles(const mtf::TiledSensorPlan& plan, const mtf::io::Scene& scene,
-                                       double border_value, RunReport& report);
+                                               const mtf::PlanOptions& options, RunReport& report);
 
-/// True when a limit is given, or a region without a chain, or the whole image of a file would not fit `usable` and
+/// True when a limit is given, or a region of a linear sensor, or the whole image of a file would not fit `usable` and
 /// nothing of the scene, the chain, the output or the treatment of bad pixels needs the whole image.
-bool wants_tiles(const mtf::io::SensorConfig& config, const SceneSource& scene, const SimulateOptions& options,
-                 const RadiometricChain* radiometric, double usable = mtf::usable_bytes());
+bool wants_tiles(const SensorRun& sensor, const SceneSource& scene, const SimulateOptions& options,
+                 double usable = mtf::usable_bytes());
 
-/// simulate() of one image in tiles; `radiometric` is the chain of a sensor that has one. Throws UsageError for a chain
-/// that needs the whole image.
-SimulateResult simulate_tiles(const mtf::io::SensorConfig& config, SceneSource& scene, const SimulateOptions& options,
-                              const RadiometricChain* radiometric);
+/// simulate() of one image in tiles. Throws UsageError for a chain that needs the whole image.
+SimulateResult simulate_tiles(const SensorRun& sensor, SceneSource& scene, const SimulateOptions& options);
 
 }  // namespace apps

@@ -1,20 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/study/statistics/accuracy.h"
+#include "mtf/work/stopwatch.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <limits>
 
 namespace study {
 namespace {
 
-using Clock = std::chrono::steady_clock;
-
 constexpr std::int64_t kMostSampled = 64, kLeastSampled = 2;
 constexpr int kLoosest = 2, kTightest = 9;  // decades
-
-double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
 std::int64_t sample_design(const Study& study, std::int64_t count, std::int64_t i) {
   return count == 1 ? 0 : i * (study.designs - 1) / (count - 1);
@@ -35,11 +31,11 @@ std::vector<double> sample_rows(const Study& study, double tolerance, std::int64
     evaluator.evaluate(sample_design(study, count, i),
                        std::span(rows).subspan(static_cast<std::size_t>(i) * columns, columns));
   };
-  Clock::time_point start = Clock::now();
+  mtf::Stopwatch watch;
   row(0);
-  if (count > 1) start = Clock::now();  // what is made once is no cost of a design
+  if (count > 1) watch = mtf::Stopwatch();  // what is made once is no cost of a design
   for (std::int64_t i = 1; i < count; ++i) row(i);
-  us_per_design = 1e6 * seconds_since(start) / static_cast<double>(std::max<std::int64_t>(1, count - 1));
+  us_per_design = 1e6 * watch.seconds() / static_cast<double>(std::max<std::int64_t>(1, count - 1));
   return rows;
 }
 
@@ -64,15 +60,15 @@ AccuracyTable accuracy_table(const Study& study, double seconds) {
   const std::int64_t few = std::min(kLeastSampled, study.designs);
   // Wavefronts by quadrature take seconds a design at tight tolerances: those that take too long are left out.
   int tightest = kLoosest;
-  const Clock::time_point probing = Clock::now();
-  while (tightest < kTightest && seconds_since(probing) < 0.125 * seconds)
+  const mtf::Stopwatch probing;
+  while (tightest < kTightest && probing.seconds() < 0.125 * seconds)
     sample_rows(study, std::pow(10.0, -++tightest), 1, columns.size(), us);
   if (tightest < kTightest) table.reference = std::pow(10.0, -tightest);
   const int last = tightest < kTightest ? tightest - 1 : kTightest;
-  const Clock::time_point start = Clock::now();
+  const mtf::Stopwatch watch;
   sample_rows(study, table.reference, few, columns.size(), us);
   // All decades together cost some four times what the tightest does.
-  const double each = 4.0 * seconds_since(start) / static_cast<double>(few);
+  const double each = 4.0 * watch.seconds() / static_cast<double>(few);
   const auto fit = static_cast<std::int64_t>(std::min(seconds / each, static_cast<double>(kMostSampled)));
   table.designs = std::min(study.designs, std::max(kLeastSampled, fit));
   const std::vector<double> truth = sample_rows(study, table.reference, table.designs, columns.size(), us);

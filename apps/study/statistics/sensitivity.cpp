@@ -2,9 +2,9 @@
 #include "apps/study/statistics/sensitivity.h"
 
 #include <algorithm>
-#include <chrono>
 
 #include "mtf/parallel.h"
+#include "mtf/work/stopwatch.h"
 
 namespace study {
 
@@ -45,16 +45,15 @@ StudyIndices study_indices(const std::shared_ptr<const Study>& study, const std:
   EvaluatorPool pool(study);
   // Range models take a hundred milliseconds a design: then as many as some seconds allow.
   {
-    using Clock = std::chrono::steady_clock;
     const auto evaluator = pool.take();
     std::vector<double> values(study->axes.size()), row(columns.size());
     design_at(*study, study->designs / 2, values);
     evaluator->evaluate_at(values, row);  // reads what is read once
     constexpr double kElsewhere = 0.37;   // a design that shares little with the first
     design_at_quantiles(*study, std::vector<double>(values.size(), kElsewhere), values);
-    const Clock::time_point start = Clock::now();
+    const mtf::Stopwatch watch;
     evaluator->evaluate_at(values, row);
-    const double each = std::chrono::duration<double>(Clock::now() - start).count() / mtf::threads_of(threads);
+    const double each = watch.seconds() / mtf::threads_of(threads);
     const double points = kSeconds / each / static_cast<double>(study->axes.size() + 2);
     result.samples =
         std::min(result.samples, std::max(kLeastSamples, static_cast<std::int64_t>(std::min(points, 1e9))));

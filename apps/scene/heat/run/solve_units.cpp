@@ -7,10 +7,10 @@
 
 #include "apps/scene/heat/ground.h"
 #include "apps/scene/heat/seen/left_out.h"
-#include "apps/scene/heat/stopwatch.h"
 #include "apps/text/words.h"
 #include "mtf/error.h"
 #include "mtf/parallel.h"
+#include "mtf/work/stopwatch.h"
 #include "mtf/work/usable_memory.h"
 #include "radiometry/light/constants.h"
 #include "radiometry/weather/sky.h"
@@ -155,7 +155,7 @@ double units_tolerance_w_m2(const HeatScene& scene, double tolerance_k) {
 
 UnitsRun solve_units(const HeatScene& scene, const Units& units, const HeatOptions& options, const HeatOutputs& output,
                      const HeatProgress& progress) {
-  const Stopwatch watch;
+  const mtf::Stopwatch watch;
   const Surroundings& s = scene.surroundings;
   const double loss = least_loss_w_m2_k(scene);
   double warmest = warmest_air_k(scene);
@@ -208,7 +208,7 @@ UnitsRun solve_units(const HeatScene& scene, const Units& units, const HeatOptio
     return Checkpoint{w,       solved.outputs,    solved.promised.exchange_k, solved.left_out.value_or(LeftOut{}),
                       warmest, solved.iterations, solved.view_spread,         batches.save()};
   };
-  Stopwatch kept;
+  mtf::Stopwatch kept;
   auto next = s.outputs.begin() + static_cast<std::ptrdiff_t>(solved.outputs);
   for (std::size_t w = first; w < windows.size() && next != s.outputs.end(); ++w) {
     if (w > first && options.go_on && !options.go_on()) {
@@ -217,7 +217,7 @@ UnitsRun solve_units(const HeatScene& scene, const Units& units, const HeatOptio
     }
     if (w > first && options.keep && kept.ms() >= 1e3 * options.keep_every_s) {
       options.keep(checkpoint(w));
-      kept = Stopwatch();
+      kept = mtf::Stopwatch();
     }
     progress("heat", static_cast<double>(w) / static_cast<double>(windows.size()));
     const Relaxed relaxed = batches.solve(windows[w], w == 0, kExchangeShare * room_k, loss, ratio);

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "apps/scene/heat/sides.h"
-#include "apps/scene/heat/stopwatch.h"
+#include "mtf/work/stopwatch.h"
 
 namespace apps::scene {
 namespace {
@@ -117,7 +117,7 @@ void KeptOutputs::keep(const HeatOutput& output) {
 
 std::optional<Verification> verify_heat(const HeatScene& scene, const Units& units, const HeatOptions& options,
                                         const KeptOutputs& kept, const HeatProgress& progress) {
-  const Stopwatch watch;
+  const mtf::Stopwatch watch;
   HeatOptions finer = options;
   finer.tolerance_k *= kFiner;
   finer.keep = {};

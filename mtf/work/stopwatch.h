@@ -3,10 +3,12 @@
 
 #include <chrono>
 
-namespace apps::scene {
+namespace mtf {
 
+/// Time since it was made.
 class Stopwatch {
  public:
+  double seconds() const { return std::chrono::duration<double>(Clock::now() - start_).count(); }
   double ms() const { return std::chrono::duration<double, std::milli>(Clock::now() - start_).count(); }
 
  private:
@@ -14,4 +16,4 @@ class Stopwatch {
   Clock::time_point start_ = Clock::now();
 };
 
-}  // namespace apps::scene
+}  // namespace mtf

@@ -1,16 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "apps/simulate/radiometric_chain.h"
+#include "apps/simulate/sensor_run.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <filesystem>
 #include <system_error>
 
 #include "apps/sensor/sensor_air.h"
 #include "apps/sensor/sensor_place.h"
 #include "apps/simulate/range_weights.h"
-#include "apps/simulate/simulate_parts.h"
+#include "apps/text/words.h"
 #include "mtf/components/path_air.h"
 #include "mtf/error.h"
 #include "mtf/same_list.h"
@@ -71,61 +70,95 @@ FileStates file_states(const mtf::io::SensorConfig& config) {
   return states;
 }
 
-}  // namespace
-
-std::shared_ptr<const RadiometricChain> radiometric_chain_of(const mtf::io::SensorConfig& config,
-                                                             std::optional<radiometry::OutputStage> stage) {
-  return radiometric_chain_of(config, stage, nullptr, nullptr);
+std::string unit_of(const RadiometricChain& chain) {
+  return std::string(output_unit(chain.loaded.sensor, chain.stage));
 }
 
-std::shared_ptr<const RadiometricChain> radiometric_chain_of(const mtf::io::SensorConfig& config,
-                                                             std::optional<radiometry::OutputStage> stage,
-                                                             const mtf::io::SensorConfig* before,
-                                                             const RadiometricChain* chain) {
+/// The masks of bad pixels as one.
+std::vector<mtf::Image> merged(std::vector<mtf::Image> masks) {
+  std::vector<mtf::Image> one(1);
+  mtf::Image& bad = one.front();
+  for (mtf::Image& mask : masks) {
+    if (mask.size() == 0) continue;
+    if (bad.size() == 0)
+      bad = std::move(mask);
+    else
+      for (std::int64_t i = 0; i < bad.size(); ++i) bad.data()[i] = std::max(bad.data()[i], mask.data()[i]);
+  }
+  return one;
+}
+
+}  // namespace
+
+SensorRun::SensorRun(std::shared_ptr<const mtf::io::SensorConfig> shared, std::optional<radiometry::OutputStage> stage,
+                     const SensorRun* before)
+    : config_(std::move(shared)) {
+  const mtf::io::SensorConfig& config = *config_;
   if (!has_chain(config)) {
     if (stage)
       throw mtf::UsageError(config.file +
                             ": --stage is for sensors with [detector]; this one gives the filtered scene only");
     if (const std::string unused = unused_table(config); !unused.empty())
       throw mtf::UsageError(placed(config, config.file + ": " + unused));
-    return nullptr;
+    return;
   }
-  auto radiometric = std::make_shared<RadiometricChain>();
-  radiometric->files = file_states(config);
-  const bool known =
-      before != nullptr && chain != nullptr && chain->files == radiometric->files && same_loaded(*before, config);
-  radiometric->loaded = known ? chain->loaded : load_chain(config);
-  const radiometry::Sensor& sensor = radiometric->loaded.sensor;
-  radiometric->system = at_its_place(config, [&] { return with_electron_rate(config.system, radiometric->loaded); });
+  auto made = std::make_shared<RadiometricChain>();
+  made->files = file_states(config);
+  const bool known = before != nullptr && before->chain_ && before->chain_->files == made->files &&
+                     same_loaded(*before->config_, config);
+  made->loaded = known ? before->chain_->loaded : load_chain(config);
+  const radiometry::Sensor& sensor = made->loaded.sensor;
+  made->system = at_its_place(config, [&] { return with_electron_rate(config.system, made->loaded); });
   const radiometry::OutputStage last = last_output_stage(config.system, sensor);
-  radiometric->stage = stage.value_or(last);
+  made->stage = stage.value_or(last);
   try {
-    require_output_stage(radiometric->stage, last, sensor.settings.adc.has_value(),
-                         sensor.settings.thermal.has_value());
+    require_output_stage(made->stage, last, sensor.settings.adc.has_value(), sensor.settings.thermal.has_value());
     require_consistent(config.system, sensor);
   } catch (const mtf::UsageError& error) {
     throw mtf::UsageError(placed(config, config.file + ": " + error.what()));
   }
-  return radiometric;
+  chain_ = std::move(made);
 }
 
-double RadiometricChain::tolerance(double otherwise, double std) const {
-  return stage < radiometry::OutputStage::dn ? otherwise
-                                             : adc_tolerance(system, loaded.sensor, std).value_or(otherwise);
+SceneLight SensorRun::light(mtf::io::Scene& scene, std::vector<mtf::Image>& masks, const SceneSource& source,
+                            int threads) const {
+  if (!chain_) return {.border_value = config_->scene.border_value};
+  masks = merged(std::move(masks));
+  SceneLight light = at_its_place(*config_, [&] {
+    SceneLight made = to_light(*config_, chain_->loaded, scene, source, threads);
+    if (made.ranges) {
+      RangeWeights weights = range_weights(chain_->system, chain_->loaded, *made.ranges);
+      made.rate = std::move(weights.rate);
+      if (!weights.warning.empty()) made.warnings.push_back(std::move(weights.warning));
+    }
+    return made;
+  });
+  // The scene's own values are finite here: bad pixels have been filled or refused.
+  if (!mtf::all_finite(scene.planes.front().view())) refuse_overflow(scene.names.front());
+  return light;
 }
 
-double RadiometricChain::unseen_tolerance(double by_default) const {
-  const bool counts = stage >= radiometry::OutputStage::dn && loaded.sensor.settings.adc.has_value();
+double SensorRun::tolerance(const std::optional<double>& asked, std::optional<double> std) const {
+  const double by_default = mtf::PlanOptions().tolerance;
+  if (asked || !chain_ || !std || chain_->stage < radiometry::OutputStage::dn) return asked.value_or(by_default);
+  return adc_tolerance(chain_->system, chain_->loaded.sensor, *std).value_or(by_default);
+}
+
+double SensorRun::unseen_tolerance(double by_default) const {
+  const bool counts =
+      chain_ && chain_->stage >= radiometry::OutputStage::dn && chain_->loaded.sensor.settings.adc.has_value();
   return counts ? 10.0 / std::sqrt(12.0) * by_default : 0.0;
 }
 
-bool remembers(const RadiometricChain& radiometric) {
-  const radiometry::SensorSettings& s = radiometric.loaded.sensor.settings;
+bool SensorRun::remembers() const {
+  if (!chain_) return false;
+  const radiometry::SensorSettings& s = chain_->loaded.sensor.settings;
   return s.lag || s.shutter || (s.thermal && s.thermal->closes());
 }
 
-std::string lag_warning(const RadiometricChain& radiometric, std::int64_t steps) {
-  const radiometry::SensorSettings& s = radiometric.loaded.sensor.settings;
+std::string SensorRun::lag_warning(std::int64_t steps) const {
+  if (!chain_) return "";
+  const radiometry::SensorSettings& s = chain_->loaded.sensor.settings;
   if (!s.thermal || !s.lag || !s.frame || !s.frame->frame_time_s || steps == 0) return "";
   const double length_s = static_cast<double>(steps) * *s.frame->frame_time_s;
   if (s.lag->time_constant_s <= length_s) return "";
@@ -134,7 +167,48 @@ std::string lag_warning(const RadiometricChain& radiometric, std::int64_t steps)
          " s, so that its last frame still shows the first one, which is taken for a steady state; give more frames";
 }
 
-bool same_light(const mtf::io::SensorConfig& a, const mtf::io::SensorConfig& b) {
+std::optional<ChainReport> SensorRun::report() const {
+  if (!chain_) return std::nullopt;
+  const radiometry::Sensor& sensor = chain_->loaded.sensor;
+  ChainReport report;
+  report.stage = radiometry::output_stage_name(chain_->stage);
+  report.quantity = output_quantity(sensor, chain_->stage);
+  report.unit = unit_of(*chain_);
+  report.stages = chain_stages(chain_->system, sensor);
+  report.held.volts = sensor.settings.thermal.has_value();
+  return report;
+}
+
+mtf::io::Metadata SensorRun::metadata(const mtf::io::Scene& scene, const mtf::SensorPlan& plan, double tolerance,
+                                      std::int64_t frame) const {
+  mtf::io::Metadata metadata = provenance(*config_, scene, plan, tolerance);
+  if (!chain_) return metadata;
+  metadata.text["mtf:quantity"] = output_quantity(chain_->loaded.sensor, chain_->stage);
+  metadata.text["mtf:units"] = unit_of(*chain_);
+  metadata.text["mtf:tap"] = radiometry::output_stage_name(chain_->stage);
+  const auto& noise = chain_->loaded.sensor.settings.noise;
+  if (noise) metadata.text["mtf:noise"] = "seed " + std::to_string(noise->seed) + ", frame " + std::to_string(frame);
+  metadata.history.back() = "mtf simulate: chain to " + metadata.text["mtf:tap"];
+  return metadata;
+}
+
+IntegerRange SensorRun::integer_range(const std::optional<std::array<double, 2>>& asked) const {
+  IntegerRange range{.ends = asked};
+  if (!chain_) return range;
+  const radiometry::SensorSettings& settings = chain_->loaded.sensor.settings;
+  const bool levels = unit_of(*chain_) == "levels", counts = unit_of(*chain_) == "counts";
+  if (levels && settings.agc->most_level <= 255.0) range.bits = 8;
+  if (range.ends) return range;
+  if (levels) range.ends = std::array{0.0, settings.agc->most_level};
+  if (counts && settings.adc && settings.adc->bits <= 16) range.ends = std::array{0.0, 65535.0};
+  return range;
+}
+
+bool same_light(const SensorRun& one, const SensorRun& other) {
+  if (one.is_linear() || other.is_linear()) return one.is_linear() == other.is_linear();
+  const mtf::io::SensorConfig &a = one.config(), &b = other.config();
+  // The weights of the band at the ranges of the pixels are those of the presample OTF.
+  if (other.chain()->loaded.paths && !mtf::same_list(a.system, b.system, mtf::Stage::presample)) return false;
   const auto band = [](const mtf::io::SensorConfig& config) {
     return config.system.band ? std::pair{config.system.band->lo_um, config.system.band->hi_um} : std::pair{0.0, 0.0};
   };
@@ -160,62 +234,9 @@ bool nearly_same_correction(const mtf::io::SensorConfig& a, const mtf::io::Senso
          format_of(a) == format_of(b) && same_readout(a.system, b.system) && tables_of_pixels(a) == tables_of_pixels(b);
 }
 
-SceneLight to_light(const mtf::io::SensorConfig& config, const RadiometricChain& radiometric, mtf::io::Scene& scene,
-                    std::vector<mtf::Image>& masks, const SceneSource& source, int threads) {
-  mtf::Image bad;
-  for (mtf::Image& mask : masks) {
-    if (mask.size() == 0) continue;
-    if (bad.size() == 0)
-      bad = std::move(mask);
-    else
-      for (std::int64_t i = 0; i < bad.size(); ++i) bad.data()[i] = std::max(bad.data()[i], mask.data()[i]);
-  }
-  masks.clear();
-  masks.push_back(std::move(bad));
-  const SceneLight light = at_its_place(config, [&] {
-    SceneLight made = to_light(config, radiometric.loaded, scene, source, threads);
-    if (made.ranges) {
-      RangeWeights weights = range_weights(radiometric.system, radiometric.loaded, *made.ranges);
-      made.rate = std::move(weights.rate);
-      if (!weights.warning.empty()) made.warnings.push_back(std::move(weights.warning));
-    }
-    return made;
-  });
-  // The scene's own values are finite here: bad pixels have been filled or refused.
-  if (!mtf::all_finite(scene.planes.front().view())) refuse_overflow(scene.names.front());
-  return light;
-}
-
-ChainReport report_of(const RadiometricChain& radiometric) {
-  ChainReport report;
-  report.stage = radiometry::output_stage_name(radiometric.stage);
-  report.quantity = radiometric.quantity();
-  report.unit = radiometric.unit();
-  report.stages = chain_stages(radiometric.system, radiometric.loaded.sensor);
-  report.held.volts = radiometric.loaded.sensor.settings.thermal.has_value();
-  return report;
-}
-
-void add_chain(mtf::io::Metadata& metadata, const RadiometricChain& radiometric, std::uint32_t frame) {
-  metadata.text["mtf:quantity"] = radiometric.quantity();
-  metadata.text["mtf:units"] = radiometric.unit();
-  metadata.text["mtf:tap"] = radiometry::output_stage_name(radiometric.stage);
-  const auto& noise = radiometric.loaded.sensor.settings.noise;
-  if (noise) metadata.text["mtf:noise"] = "seed " + std::to_string(noise->seed) + ", frame " + std::to_string(frame);
-  metadata.history.back() = "mtf simulate: chain to " + metadata.text["mtf:tap"];
-}
-
-IntegerRange integer_range(const RadiometricChain* radiometric, const SimulateOptions& options) {
-  IntegerRange range{.ends = options.range};
-  if (radiometric == nullptr) return range;
-  const radiometry::SensorSettings& settings = radiometric->loaded.sensor.settings;
-  const bool levels = radiometric->unit() == "levels";
-  if (levels && settings.agc->most_level <= 255.0) range.bits = 8;
-  if (range.ends) return range;
-  if (levels) range.ends = std::array{0.0, settings.agc->most_level};
-  if (radiometric->unit() == "counts" && settings.adc && settings.adc->bits <= 16)
-    range.ends = std::array{0.0, 65535.0};
-  return range;
+void refuse_overflow(const std::string& channel) {
+  throw mtf::RuntimeError("channel " + one_line(channel) +
+                          ": filtered values exceed what float32 holds (3.4e38); scale the scene with scene.gain");
 }
 
 mtf::Image cropped(const mtf::Image& image, const std::array<std::int64_t, 4>& region) {
