@@ -32,7 +32,7 @@ std::string interval(const Parameter& parameter) {
          (parameter.hi_open ? ")" : "]");
 }
 
-std::string joined(const std::vector<std::string_view>& words, const std::string& between) {
+std::string joined(std::span<const std::string_view> words, const std::string& between) {
   std::string text;
   for (const std::string_view word : words) text += (text.empty() ? "" : between) + std::string(word);
   return text;
@@ -41,20 +41,20 @@ std::string joined(const std::vector<std::string_view>& words, const std::string
 /// Of a key of a table.
 std::string values_of(const Parameter& key) {
   switch (key.type) {
-    case Parameter::Type::number_or_file:
+    case mtf::FieldType::number_or_file:
       return mtf::with_unit(interval(key), key.unit) + ", or a file";
-    case Parameter::Type::whole:
+    case mtf::FieldType::whole:
       return "whole, " + interval(key);
-    case Parameter::Type::flag:
+    case mtf::FieldType::flag:
       return "true | false";
-    case Parameter::Type::text:
+    case mtf::FieldType::text:
       return "a name";
-    case Parameter::Type::word:
-    case Parameter::Type::file:
+    case mtf::FieldType::word:
+    case mtf::FieldType::file:
       return range_of(key);
     default:
       if (has_range(key)) return mtf::with_unit(interval(key), key.unit);
-      return std::string(key.type == Parameter::Type::pair ? "two numbers" : "a number") +
+      return std::string(key.type == mtf::FieldType::pair ? "two numbers" : "a number") +
              (key.unit.empty() ? "" : " in " + std::string(key.unit));
   }
 }
@@ -92,12 +92,12 @@ std::string join_stages(const mtf::Stages& stages, const std::string& before, co
 
 std::string written_name(const Parameter& parameter) {
   const std::string name(parameter.name);
-  return parameter.type == Parameter::Type::size ? name + " (or " + name + "_x, " + name + "_y)" : name;
+  return parameter.type == mtf::FieldType::size ? name + " (or " + name + "_x, " + name + "_y)" : name;
 }
 
 std::string range_of(const Parameter& parameter) {
-  if (parameter.type == Parameter::Type::word) return joined(parameter.words, " | ");
-  return parameter.type == Parameter::Type::file ? "a file" : interval(parameter);
+  if (parameter.type == mtf::FieldType::word) return joined(parameter.words, " | ");
+  return parameter.type == mtf::FieldType::file ? "a file" : interval(parameter);
 }
 
 std::string_view presence_of(const Parameter& parameter) {

@@ -81,7 +81,25 @@ enum class Presence {
   shared  ///< falls back to the field of the same name in [optics]
 };
 
-/// One row of a field table.
+/// How a value stands in a file.
+enum class FieldType {
+  number,          ///< in a unit
+  size,            ///< in the image: a length, an angle or pixels, for both axes or as NAME_x and NAME_y
+  frequency,       ///< cycles/mm, cycles/mrad, cycles/pixel; where `unit` names Hz, also in time
+  whole,           ///< a whole number
+  flag,            ///< true or false
+  word,            ///< one of `words`
+  numbers,         ///< a list of numbers
+  rows,            ///< a list of lists of numbers, as of filter taps
+  text,            ///< free text: a name
+  file,            ///< the name of a file
+  number_or_file,  ///< one number, or the file of a curve
+  pair,            ///< a list of two numbers, whole ones without `unit`
+  date             ///< a date and time
+};
+
+/// One row of a field table: all that a reader, a writer, a schema, a form or a fit has to know of a key of a file.
+/// Tables of types state rows beside the members that hold the values, and the type of a member is that of its row.
 struct FieldInfo {
   std::string_view name;
   Dimension dimension = Dimension::none;
@@ -92,8 +110,70 @@ struct FieldInfo {
   Presence presence = Presence::required;
   std::string_view example{};  ///< a typical value as written in a config
   std::string_view doc{};
+  FieldType type = FieldType::number;
+  std::span<const std::string_view> words{};
+  std::string_view excludes{};  ///< keys of the same table that it takes the place of, with blanks between them
+  std::string_view kinds{};     ///< words of the table's key `kind` with which it counts; "" with any
 };
 
+/// A row of a number from lo to hi in a unit of that dimension.
+constexpr FieldInfo required_row(std::string_view name, Dimension dimension, std::string_view unit, double lo,
+                                 double hi, std::string_view example, std::string_view doc) {
+  return {.name = name, .dimension = dimension, .unit = unit, .lo = lo, .hi = hi, .example = example, .doc = doc};
+}
+/// Of a plain number; of what has no range, such as a word or a file.
+constexpr FieldInfo required_row(std::string_view name, double lo, double hi, std::string_view example,
+                                 std::string_view doc) {
+  return required_row(name, Dimension::none, "", lo, hi, example, doc);
+}
+constexpr FieldInfo required_row(std::string_view name, std::string_view example, std::string_view doc) {
+  return required_row(name, 0.0, 0.0, example, doc);
+}
+
+// The same row, but for one thing.
+constexpr FieldInfo required(FieldInfo row) {
+  row.presence = Presence::required;
+  return row;
+}
+constexpr FieldInfo optional(FieldInfo row) {
+  row.presence = Presence::optional;
+  return row;
+}
+constexpr FieldInfo shared(FieldInfo row) {
+  row.presence = Presence::shared;
+  return row;
+}
+/// The same as required_row, of what need not be given.
+template <class... Cells>
+constexpr FieldInfo optional_row(std::string_view name, const Cells&... cells) {
+  return optional(required_row(name, cells...));
+}
+/// `lo` itself is not allowed; `hi`.
+constexpr FieldInfo above(FieldInfo row) {
+  row.lo_open = true;
+  return row;
+}
+constexpr FieldInfo below(FieldInfo row) {
+  row.hi_open = true;
+  return row;
+}
+constexpr FieldInfo of_type(FieldType type, FieldInfo row, std::span<const std::string_view> words = {}) {
+  row.type = type;
+  row.words = words;
+  return row;
+}
+constexpr FieldInfo excluding(std::string_view keys, FieldInfo row) {
+  row.excludes = keys;
+  return row;
+}
+
+constexpr FieldInfo of_kinds(std::string_view kinds, FieldInfo row) {
+  row.kinds = kinds;
+  return row;
+}
+
+/// The words of FieldInfo::excludes or FieldInfo::kinds.
+std::vector<std::string_view> words_in(std::string_view text);
 /// Whether a value is finite and within the bounds.
 bool in_range(const FieldInfo& info, double value);
 /// The bounds of a value in this unit: "[0, 1) um".

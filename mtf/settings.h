@@ -19,24 +19,8 @@
 
 namespace mtf {
 
-enum class SettingType {
-  number,         ///< with the unit of its row
-  whole,          ///< a whole number
-  flag,           ///< true or false
-  word,           ///< one of `words`
-  text,           ///< free text: the name of a channel
-  file,           ///< name of a file, read by whoever needs it
-  number_or_file  ///< one number, or the file of a curve
-};
-
-struct SettingInfo {
-  FieldInfo info;
-  SettingType type = SettingType::number;
-  std::span<const std::string_view> words{};
-};
-
-inline bool names_file(const SettingInfo& row) {
-  return row.type == SettingType::file || row.type == SettingType::number_or_file;
+inline bool names_file(const FieldInfo& row) {
+  return row.type == FieldType::file || row.type == FieldType::number_or_file;
 }
 
 /// A word that stands in the file: [table] key = "word".
@@ -54,7 +38,7 @@ struct SettingsTable;
 struct TableInfo {
   std::string_view name;  ///< "detector"; the name of a table of the System ("optics") adds rows to that one
   std::string_view doc{};
-  std::vector<SettingInfo> settings;
+  std::vector<FieldInfo> settings;  ///< numbers, whole ones, flags, words, texts, files, numbers or files
   /// These rows take the place of those of the same table without a condition where the file has that word.
   std::optional<GivenWord> where{};
   std::vector<AbsentKey> absent{};

@@ -25,6 +25,8 @@ namespace radiometry {
 
 using mtf::Field;
 using mtf::FieldInfo;
+using mtf::optional_row;
+using mtf::required_row;
 
 /// A number, or the file of a curve in its place.
 struct NumberOrFile {
@@ -37,26 +39,14 @@ struct ChannelName {
   std::string name{};
 };
 
-/// A row that need not be given, of a number from lo to hi in a unit of that dimension.
-constexpr FieldInfo optional_row(std::string_view name, mtf::Dimension dimension, std::string_view unit, double lo,
-                                 double hi, std::string_view example, std::string_view doc) {
-  return {.name = name,
-          .dimension = dimension,
-          .unit = unit,
-          .lo = lo,
-          .hi = hi,
-          .presence = mtf::Presence::optional,
-          .example = example,
-          .doc = doc};
-}
-constexpr FieldInfo optional_row(std::string_view name, double lo, double hi, std::string_view example,
-                                 std::string_view doc) {
-  return optional_row(name, mtf::Dimension::none, "", lo, hi, example, doc);
-}
-/// A row of a text or file that need not be given.
-constexpr FieldInfo optional_row(std::string_view name, std::string_view example, std::string_view doc) {
-  return optional_row(name, 0.0, 0.0, example, doc);
-}
+}  // namespace radiometry
+
+template <>
+inline constexpr mtf::FieldType mtf::kTypeOf<radiometry::NumberOrFile> = mtf::FieldType::number_or_file;
+template <>
+inline constexpr mtf::FieldType mtf::kTypeOf<radiometry::ChannelName> = mtf::FieldType::text;
+
+namespace radiometry {
 
 /// Calls visit(info, value) for every field.
 template <class T, class Visit>
@@ -89,27 +79,6 @@ std::optional<double> bounded(const T& field) {
 }
 
 template <class T>
-mtf::SettingInfo row_of(const FieldInfo& info) {
-  using mtf::SettingType;
-  if constexpr (is_optional<T>)
-    return row_of<typename T::value_type>(info);
-  else if constexpr (std::is_enum_v<T>)
-    return {info, SettingType::word, words(T{})};
-  else if constexpr (std::is_same_v<T, bool>)
-    return {info, SettingType::flag};
-  else if constexpr (std::is_same_v<T, int>)
-    return {info, SettingType::whole};
-  else if constexpr (std::is_same_v<T, std::string>)
-    return {info, SettingType::file};
-  else if constexpr (std::is_same_v<T, ChannelName>)
-    return {info, SettingType::text};
-  else if constexpr (std::is_same_v<T, NumberOrFile>)
-    return {info, SettingType::number_or_file};
-  else
-    return {info, SettingType::number};
-}
-
-template <class T>
 void assign(T& member, const mtf::SettingValue& value) {
   if constexpr (is_optional<T>) {
     assign(member.emplace(), value);
@@ -133,9 +102,7 @@ template <class T>
 mtf::TableInfo table_info(std::string_view name, std::string_view doc) {
   mtf::TableInfo table{.name = name, .doc = doc, .settings = {}};
   T prototype{};
-  for_each_field(prototype, [&](const FieldInfo& info, const auto& member) {
-    table.settings.push_back(detail::row_of<std::decay_t<decltype(member)>>(info));
-  });
+  for_each_field(prototype, [&](const FieldInfo& info, const auto&) { table.settings.push_back(info); });
   return table;
 }
 

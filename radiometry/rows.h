@@ -11,14 +11,14 @@ namespace radiometry {
 template <class Member>
 constexpr Field<Member> row_between(std::string_view name, std::string_view unit, double lo, double hi,
                                     std::string_view doc, Member member) {
-  return {FieldInfo{.name = name, .unit = unit, .lo = lo, .hi = hi, .doc = doc}, member};
+  return {required_row(name, mtf::Dimension::none, unit, lo, hi, "", doc), member};
 }
 
 /// Above 0, to hi.
 template <class Member>
 constexpr Field<Member> row_above_zero(std::string_view name, std::string_view unit, double hi, std::string_view doc,
                                        Member member) {
-  return {FieldInfo{.name = name, .unit = unit, .lo = 0.0, .hi = hi, .lo_open = true, .doc = doc}, member};
+  return {above(required_row(name, mtf::Dimension::none, unit, 0.0, hi, "", doc)), member};
 }
 
 }  // namespace radiometry

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 
 #include "apps/live/model.h"
 #include "apps/live/toml_blocks.h"
@@ -29,7 +28,7 @@ constexpr std::array<std::string_view, 6> kKindNames{"set", "unset", "remove", "
 const Parameter* find_parameter(const std::vector<Parameter>& parameters, std::string_view key) {
   const auto stem = cfg::pair_of_axis(key);
   for (const Parameter& parameter : parameters)
-    if (parameter.name == key || (stem && parameter.type == Parameter::Type::size && parameter.name == *stem))
+    if (parameter.name == key || (stem && parameter.type == mtf::FieldType::size && parameter.name == *stem))
       return &parameter;
   return nullptr;
 }
@@ -67,9 +66,9 @@ bool is_number(const Parameter& parameter, const std::string& value) {
 /// A text in such a place would be opened as a file.
 void require_no_file(const Parameter& parameter, const Edit& edit) {
   const bool encoding = parameter.name == "encoding" && edit.name.starts_with("scene.");
-  if (parameter.type == Parameter::Type::file)
+  if (parameter.type == mtf::FieldType::file)
     throw UsageError(edit.name + ": names a file, which the live view does not change; edit the sensor file");
-  if (parameter.type == Parameter::Type::number_or_file && !is_number(parameter, edit.value))
+  if (parameter.type == mtf::FieldType::number_or_file && !is_number(parameter, edit.value))
     throw UsageError(edit.name + ": \"" + edit.value +
                      "\" is no number here; files are named in the sensor file alone");
   if (encoding && edit.value != "linear" && edit.value != "srgb" && !edit.value.starts_with("gamma"))
@@ -93,7 +92,7 @@ const Parameter* row_of_table(const std::string& name, const SensorKinds& kinds)
     for (const TableKind& table : *tables)
       if (table.name == name.substr(0, dot))
         if (const Parameter* row = find_parameter(table.parameters, key))
-          return element && row->type != Parameter::Type::pair ? nullptr : row;
+          return element && row->type != mtf::FieldType::pair ? nullptr : row;
   return nullptr;
 }
 
@@ -106,35 +105,17 @@ const Parameter& row_named(const SensorConfig& sensor, const std::string& name, 
   throw UsageError(target ? name + ": is not changed by the live view" : cfg::unknown_parameter(targets, name));
 }
 
-/// The other keys of the same table or component of which a message says that they exclude `name`.
-std::vector<std::string> others_named(const SensorConfig& sensor, const std::string& name, const std::string& message) {
-  std::vector<std::string> names;
-  constexpr std::array<std::string_view, 4> kExclude{"either ", "together with", "exactly one", "already"};
-  if (std::none_of(kExclude.begin(), kExclude.end(),
-                   [&](std::string_view words) { return message.find(words) != std::string::npos; }))
-    return names;
-  const std::string owner = name.substr(0, name.rfind('.') + 1);
-  for (const auto& [other, target] : cfg::targets_of(sensor)) {
-    if (other == name || !other.starts_with(owner)) continue;
-    const std::size_t at = message.find(target.key);
-    const auto within = [&](std::size_t i) {
-      return i < message.size() && (std::isalnum(static_cast<unsigned char>(message[i])) != 0 || message[i] == '_');
-    };
-    if (at != std::string::npos && !within(at + target.key.size()) && (at == 0 || !within(at - 1)))
-      names.push_back(other);
-  }
-  return names;
-}
-
 SensorConfig set(const SensorConfig& sensor, const Edit& edit, const SensorKinds& kinds) {
-  require_no_file(row_named(sensor, edit.name, kinds), edit);
+  const Parameter& row = row_named(sensor, edit.name, kinds);
+  require_no_file(row, edit);
   try {
     return mtf::io::replaced(sensor, edit.name, edit.value);
-  } catch (const UsageError& error) {
+  } catch (const UsageError&) {
     if (!mtf::io::stated_value(sensor, edit.name).empty()) throw;
-    for (const std::string& other : others_named(sensor, edit.name, error.what())) try {
+    const std::string owner = edit.name.substr(0, edit.name.rfind('.') + 1);
+    for (const std::string_view other : mtf::words_in(row.excludes)) try {
         SensorConfig without = sensor;
-        without.text = mtf::io::without_value(sensor, other);
+        without.text = mtf::io::without_value(sensor, owner + std::string(other));
         return parsed(sensor, mtf::io::replace_value(without, edit.name, edit.value));
       } catch (const UsageError&) {  // that one does not exclude it
       }
@@ -180,7 +161,7 @@ SensorConfig add_component(const SensorConfig& sensor, const Edit& edit, const S
   for (const ComponentKind& kind : kinds.components) {
     if (kind.kind != edit.value) continue;
     for (const Parameter& parameter : kind.parameters)
-      if (parameter.type == Parameter::Type::file && parameter.presence == mtf::Presence::required)
+      if (parameter.type == mtf::FieldType::file && parameter.presence == mtf::Presence::required)
         throw UsageError(edit.value +
                          " needs a file, which the live view does not name; write it into the sensor file");
     for (const mtf::Stage stage : mtf::kStages)
@@ -216,7 +197,7 @@ SensorConfig add_table(const SensorConfig& sensor, const std::string& name, cons
     std::optional<SensorConfig> best = attempt(block);
     for (const Parameter& parameter : table.parameters) {
       if (parameter.presence == mtf::Presence::required || parameter.example.empty()) continue;
-      if (parameter.type == Parameter::Type::file || parameter.type == Parameter::Type::text) continue;
+      if (parameter.type == mtf::FieldType::file || parameter.type == mtf::FieldType::text) continue;
       const std::string longer = block + std::string(parameter.name) + " = " + std::string(parameter.example) + "\n";
       if (auto made = attempt(longer)) {
         best = std::move(made);

@@ -14,7 +14,7 @@ namespace apps::live {
 namespace {
 
 namespace cfg = mtf::io::cfg;
-using Type = Parameter::Type;
+using Type = mtf::FieldType;
 
 constexpr double kAround = 30.0;  ///< a logarithmic slider reaches so far to both sides of its value
 
@@ -66,14 +66,9 @@ Json finite(double value) { return std::isfinite(value) ? Json(value) : Json(); 
 
 /// `node`: what the file has there, null for nothing.
 Json row_json(const Parameter& parameter, const std::string& owner, const std::string& key, const cfg::Node* node) {
-  Json row{{"name", owner + "." + key}, {"key", key}, {"given", node != nullptr}, {"doc", parameter.doc}};
   const std::string example = unquoted(parameter.example);
   const std::string text = node != nullptr ? written(*node) : unquoted(parameter.default_value);
-  row["text"] = text;
-  row["example"] = example;
-  row["presence"] = parameter.presence == mtf::Presence::shared     ? "shared"
-                    : parameter.presence == mtf::Presence::required ? "required"
-                                                                    : "optional";
+  Json row = row_head(parameter, owner + "." + key, key, node != nullptr, text);
   row["control"] = "text";
   if (parameter.type == Type::flag) row["control"] = "flag";
   if (parameter.type == Type::file ||
@@ -231,7 +226,7 @@ bool holds(const TableKind& table, const mtf::io::cfg::Node& root) {
   return word != nullptr && word->text == text.substr(quote + 1, text.rfind('"') - quote - 1);
 }
 
-SliderRange slider_range(const Parameter& parameter, double value, double lo, double hi) {
+SliderRange slider_range(const mtf::FieldInfo& parameter, double value, double lo, double hi) {
   constexpr double kShort = 50.0;  // a range that one linear slider resolves
   SliderRange range;
   const bool bounded = std::isfinite(lo) && std::isfinite(hi);
@@ -247,7 +242,7 @@ SliderRange slider_range(const Parameter& parameter, double value, double lo, do
     const double reach = value != 0.0 ? 4.0 * std::abs(value) : 10.0;
     range = {std::max(lo, value - reach), std::min(hi, value + reach), false};
   }
-  if (parameter.type == Parameter::Type::whole) {
+  if (parameter.type == mtf::FieldType::whole) {
     range.low = std::max(lo, std::floor(std::min(range.low, value)));
     range.high = std::min(hi, std::ceil(std::max(range.high, value + 8.0)));
     range.log = false;
@@ -261,6 +256,17 @@ SliderRange slider_range(const Parameter& parameter, double value, double lo, do
 
 std::string written(const cfg::Node& node) {
   return node.kind == cfg::Node::Kind::string ? node.text : cfg::shown(node);
+}
+
+Json row_head(const mtf::FieldInfo& row, const std::string& name, const std::string& key, bool given,
+              const std::string& text) {
+  return {{"name", name},
+          {"key", key},
+          {"given", given},
+          {"doc", row.doc},
+          {"text", text},
+          {"example", unquoted(row.example)},
+          {"presence", presence_name(row.presence)}};
 }
 
 void add_number(Json& row, double number, const std::string& unit, double lo, double hi, const SliderRange& range) {

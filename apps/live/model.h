@@ -24,7 +24,11 @@ struct SliderRange {
   double low = 0.0, high = 1.0;
   bool log = false;
 };
-SliderRange slider_range(const Parameter& parameter, double value, double lo, double hi);
+SliderRange slider_range(const mtf::FieldInfo& parameter, double value, double lo, double hi);
+
+/// What every row of the page has; `text`: the value as written, or the one that counts where the file has none.
+Json row_head(const mtf::FieldInfo& row, const std::string& name, const std::string& key, bool given,
+              const std::string& text);
 
 /// A text as the file has it, without its quotes; any other value as TOML writes it.
 std::string written(const mtf::io::cfg::Node& node);

@@ -19,7 +19,7 @@ py::dict as_dict(const Parameter& parameter) {
   entry["type"] = type_name(parameter.type);
   entry["unit"] = parameter.unit;
   entry["range"] = range_of(parameter);
-  entry["words"] = parameter.words;
+  entry["words"] = std::vector(parameter.words.begin(), parameter.words.end());
   entry["presence"] = presence_of(parameter);
   entry["default"] = parameter.default_value;
   entry["example"] = parameter.example;

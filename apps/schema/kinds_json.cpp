@@ -12,10 +12,6 @@
 namespace apps {
 namespace {
 
-std::string_view presence_name(mtf::Presence presence) {
-  return presence == mtf::Presence::required ? "required" : presence == mtf::Presence::optional ? "optional" : "shared";
-}
-
 /// A bound; null where there is none.
 Json end_of_range(double value) { return std::isfinite(value) ? Json(value) : Json(); }
 

@@ -74,8 +74,8 @@ struct SubstrateSpread {
   mtf::AxisPair<S> length{};
 
   static constexpr auto fields() {
-    return std::tuple{mtf::Field{mtf::FieldInfo{.name = "length", .dimension = mtf::Dimension::extent, .hi = 1e6,
-                                                .example = "\"2 um\"", .doc = "1/e radius of the point spread"},
+    return std::tuple{mtf::Field{mtf::required_row("length", mtf::Dimension::extent, "", 0.0, 1e6, "\"2 um\"",
+                                                   "1/e radius of the point spread"),
                                  &SubstrateSpread::length}};
   }
   mtf::Traits traits(const mtf::Context<S>& ctx) const {

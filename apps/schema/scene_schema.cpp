@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 
-// `mtf config schema scene`: keys and ranges from apps/scene/scene_file/scene_fields.h.
+// `mtf config schema scene`, by the rows of apps/scene/scene_file/scene_sections.h.
 
 #include <cmath>
 #include <span>
 
-#include "apps/scene/scene_file/scene_fields.h"
+#include "apps/scene/scene_file/scene_file.h"
 #include "apps/schema/schema_values.h"
 #include "apps/schema/schemas.h"
 #include "apps/text/json.h"
@@ -15,19 +15,7 @@ namespace apps {
 namespace {
 
 using mtf::FieldInfo;
-
-Json text(std::string_view doc) {
-  Json schema{{"type", "string"}, {"minLength", 1}};
-  if (!doc.empty()) schema["description"] = std::string(doc);
-  return schema;
-}
-
-template <std::size_t N>
-Json words(const std::array<std::string_view, N>& names) {
-  Json list = Json::array();
-  for (const std::string_view name : names) list.push_back(std::string(name));
-  return {{"enum", std::move(list)}};
-}
+using mtf::FieldType;
 
 std::string doc_of(const FieldInfo& field) {
   std::string doc(field.doc);
@@ -53,83 +41,102 @@ Json plain(const FieldInfo& field) {
 /// The same, or a table { value, fit, min, max, prior, stderr }.
 Json number(const FieldInfo& field) {
   const Json value = plain(field);
-  Json table = closed_table("a number that mtf heat --fit may change");
-  for (const char* key : {"value", "min", "max", "stderr"}) table["properties"][key] = value;
-  table["properties"]["fit"] = {{"type", "boolean"}};
-  Json prior = closed_table("what is known beforehand");
-  prior["properties"] = {{"mean", value}, {"sd", value}};
-  prior["required"] = {"mean", "sd"};
-  table["properties"]["prior"] = std::move(prior);
-  table["required"] = {"value"};
-  return {{"anyOf", {value, std::move(table)}}, {"description", doc_of(field)}};
+  return {{"anyOf", {value, fit_schema("a number that mtf heat --fit may change", value)}},
+          {"description", doc_of(field)}};
 }
 
-/// A number, or the name of a table.
-Json number_or_file(const FieldInfo& field, std::string_view pattern = "\\.(csv|CSV)$") {
+/// A number, or the name of a file.
+Json number_or_file(const FieldInfo& field, std::string_view pattern) {
   Json either = number(field);
   either["anyOf"].push_back({{"type", "string"}, {"pattern", std::string(pattern)}});
   return either;
 }
 
-void add(Json& table, const FieldInfo& field) {
-  table["properties"][std::string(field.name)] = number(field);
-  if (field.presence == mtf::Presence::required) table["required"].push_back(std::string(field.name));
-}
-
 Json list_of(Json table) { return {{"type", "array"}, {"minItems", 1}, {"items", std::move(table)}}; }
 
-Json point(std::string_view doc) {
-  const FieldInfo length{.name = {}, .unit = "m", .example = "\"14 m\""};
+template <class T>
+Json table_of(std::string_view doc, std::string_view kind = {});
+
+// What stands after `key =`, by the type of its member.
+Json value_of(const FieldInfo& row, double) {
+  if (row.type != FieldType::date) return number(row);
+  // A TOML date, for which JSON has no type, or a text.
+  return {{"not", {{"type", {"number", "boolean", "array", "object", "null"}}}}, {"description", std::string(row.doc)}};
+}
+Json value_of(const FieldInfo& row, const std::optional<double>&) { return number(row); }
+Json value_of(const FieldInfo& row, const std::string&) { return text_schema(row.doc); }
+Json value_of(const FieldInfo& row, std::size_t) { return text_schema(row.doc); }
+Json value_of(const FieldInfo& row, const std::optional<std::size_t>&) { return text_schema(row.doc); }
+Json value_of(const FieldInfo& row, const std::optional<scene::CameraPath>&) { return text_schema(row.doc); }
+Json value_of(const FieldInfo& row, const std::array<double, 3>&) {
   return {{"type", "array"},
-          {"items", plain(length)},
+          {"items", plain(scene::number_row("", "m", 0.0, 0.0, "", ""))},
           {"minItems", 3},
           {"maxItems", 3},
-          {"description", std::string(doc) + ": x east, y north, z up"}};
+          {"description", std::string(row.doc) + ": x east, y north, z up"}};
+}
+Json value_of(const FieldInfo& row, const radiometry::heat::Schedule&) {
+  return row.type == FieldType::file ? text_schema(row.doc) : number_or_file(row, "\\.(csv|CSV)$");
+}
+Json value_of(const FieldInfo& row, const std::optional<scene::GivenTemperature>&) {
+  return number_or_file(row, "\\.(csv|CSV|npy)$");
+}
+Json value_of(const FieldInfo& row, const std::optional<scene::Emissivity>&) {
+  return number_or_file(row, "\\.[A-Za-z]+$");
+}
+Json value_of(const FieldInfo& row, const scene::Emissivity&) { return number_or_file(row, "\\.[A-Za-z]+$"); }
+Json value_of(const FieldInfo& row, scene::CloudSource) {
+  Json share = number(row);
+  share["anyOf"].push_back(words_schema(row.words));
+  return share;
+}
+Json value_of(const FieldInfo&, const scene::Convection&) {
+  return {{"anyOf", {words_schema(scene::kConvectionWords), table_of<scene::Convection>("h0 + h1 x wind speed")}}};
+}
+Json value_of(const FieldInfo&, const std::vector<scene::LayerSection>&) {
+  return list_of(table_of<scene::LayerSection>("from the outside inwards"));
+}
+Json value_of(const FieldInfo&, const scene::Inside&) {
+  Json variants = Json::array();
+  for (const std::string_view kind : scene::kInsideNames) {
+    variants.push_back(table_of<scene::Inside>("what is behind the last layer", kind));
+    variants[variants.size() - 1]["properties"]["kind"] = {{"const", std::string(kind)}};
+  }
+  return {{"oneOf", std::move(variants)}};
+}
+template <class Word>
+requires std::is_enum_v<Word> Json value_of(const FieldInfo& row, Word) { return words_schema(row.words); }
+template <class Word>
+requires std::is_enum_v<Word> Json value_of(const FieldInfo& row, const std::optional<Word>&) {
+  return words_schema(row.words);
 }
 
-/// An instant: a TOML date, for which JSON has no type, or a text.
-Json instant(std::string_view doc) {
-  return {{"not", {{"type", {"number", "boolean", "array", "object", "null"}}}}, {"description", std::string(doc)}};
+void add(Json& table, const FieldInfo& row, Json value) {
+  table["properties"][std::string(row.name)] = std::move(value);
+  if (row.presence == mtf::Presence::required) table["required"].push_back(std::string(row.name));
 }
 
-Json temperature() { return number_or_file(scene::kTemperature, "\\.(csv|CSV|npy)$"); }
-
-Json emissivity() { return number_or_file(scene::kEmissivity, "\\.[A-Za-z]+$"); }
-
-Json place() {
-  Json table = closed_table("where the scene is");
-  for (const FieldInfo& field : {scene::kLatitude, scene::kLongitude, scene::kAltitude, scene::kNorth})
-    add(table, field);
-  return table;
+/// The rows of a type; of those of kinds the ones that count with `kind`.
+template <class T>
+void add_rows(Json& table, std::string_view kind = {}) {
+  const T prototype{};
+  radiometry::for_each_field(prototype, [&](const FieldInfo& row, const auto& value) {
+    if (scene::counts_with(row, kind)) add(table, row, value_of(row, value));
+  });
 }
 
-Json time() {
-  Json table = closed_table("the run");
-  table["properties"]["start"] = instant("with its time zone, such as 2016-01-01T00:00:00Z");
-  table["properties"]["end"] = instant("after the start");
-  add(table, scene::kStep);
-  table["required"] = {"start", "end"};
+template <class T>
+Json table_of(std::string_view doc, std::string_view kind) {
+  Json table = closed_table(doc);
+  add_rows<T>(table, kind);
   return table;
 }
 
 Json weather() {
-  Json table = closed_table("a file, or constant values");
-  Json& keys = table["properties"];
-  keys["file"] = text("CSV, EPW, TMY3 or SURFRAD");
-  keys["stamp"] = words(radiometry::heat::kStampNames);
-  keys["repeat"] = words(radiometry::heat::kRepeatNames);
-  for (const FieldInfo& field : {scene::kBridge, scene::kAverage, scene::kHumidity}) add(table, field);
-  for (const FieldInfo& field : scene::kWeatherChanges) add(table, field);
-  for (const FieldInfo& field : scene::kConstants) add(table, field);
-  return table;
-}
-
-Json sky() {
-  Json table = closed_table("the long wave of the sky, and its clouds");
-  table["properties"]["longwave"] = words(scene::kLongwaveNames);
-  Json cloud = number(scene::kCloud);
-  cloud["anyOf"].push_back(words(scene::kCloudWords));
-  table["properties"]["cloud"] = std::move(cloud);
+  Json table = table_of<scene::WeatherSection>("a file, or constant values");
+  add(table, scene::kHumidity, number(scene::kHumidity));
+  add_rows<scene::WeatherChange>(table);
+  for (const FieldInfo& row : scene::kConstants) add(table, row, number(row));
   return table;
 }
 
@@ -143,110 +150,31 @@ Json atmosphere(const SensorKinds& kinds) {
   return closed_table("the air");
 }
 
-Json layer() {
-  Json table = closed_table("from the outside inwards");
-  for (const FieldInfo& field : {scene::kConductivity, scene::kDensity, scene::kHeatCapacity, scene::kThickness})
-    add(table, field);
-  table["properties"]["source"] = number_or_file(scene::kSource);
-  return table;
-}
-
-Json convection() {
-  Json linear = closed_table("h0 + h1 x wind speed");
-  for (const FieldInfo& field : {scene::kFilmStill, scene::kFilmWind}) add(linear, field);
-  return {{"anyOf", {words(scene::kConvectionWords), std::move(linear)}}};
-}
-
-Json inside_value(std::string_view key) {
-  if (key == "temperature") return number_or_file(scene::kTemperature);
-  if (key == "h") return number(scene::kFilm);
-  if (key == "flux") return number_or_file(scene::kFlux);
-  if (key == "thickness") return number(scene::kPairThickness);
-  if (key == "solar_absorptance") return number(scene::kSolarAbsorptance);
-  return emissivity();
-}
-
-Json inside() {
-  Json variants = Json::array();
-  for (std::size_t k = 0; k < scene::kInsideNames.size(); ++k) {
-    const auto kind = static_cast<scene::InsideKind>(k);
-    Json table = closed_table("what is behind the last layer");
-    for (const std::string_view key : scene::inside_keys(kind)) {
-      const bool optional = kind == scene::InsideKind::sheet || kind == scene::InsideKind::pair;
-      table["properties"][std::string(key)] =
-          key == "kind" ? Json{{"const", std::string(scene::kInsideNames[k])}} : inside_value(key);
-      if (key == "kind" || !optional) table["required"].push_back(std::string(key));
-    }
-    variants.push_back(std::move(table));
-  }
-  return {{"oneOf", std::move(variants)}};
-}
-
-Json material() {
-  Json table = closed_table("what a surface is made of");
-  Json& keys = table["properties"];
-  keys["name"] = text("which regions refer to");
-  keys["emissivity"] = emissivity();
-  keys["convection"] = convection();
-  keys["layers"] = list_of(layer());
-  keys["inside"] = inside();
-  keys["emissivity_angles"] = text("table of angle_deg,relative");
-  for (const FieldInfo& field :
-       {scene::kSolarAbsorptance, scene::kWetFraction, scene::kGloss, scene::kSchlick, scene::kIndex})
-    add(table, field);
-  for (const char* key : {"name", "emissivity", "layers"}) table["required"].push_back(key);
-  return list_of(std::move(table));
-}
-
-Json mesh() {
-  Json table = closed_table("a file of faces");
-  table["properties"] = {{"name", text("which regions refer to")}, {"file", text("OBJ, PLY, STL or glTF 2")}};
-  table["required"] = {"name", "file"};
-  add(table, scene::kMeshUnit);
-  return list_of(std::move(table));
-}
-
 /// Of a region or the ground: a material, a temperature, or both.
-Json surface(std::string_view doc, std::span<const std::string_view> keys) {
-  Json table = closed_table(doc);
-  for (const std::string_view key : keys)
-    table["properties"][std::string(key)] = key == "temperature" ? temperature() : text("");
+template <class T>
+Json surface(std::string_view doc) {
+  Json table = table_of<T>(doc);
   table["anyOf"] = {{{"required", {"material"}}}, {{"required", {"temperature"}}}};
   return table;
 }
 
-Json measured() {
-  Json table = closed_table("what the ground was, for a fit");
-  table["properties"]["temperature"] = text("a table of times");
-  add(table, scene::kMeasuredSd);
-  return table;
-}
-
 Json camera() {
-  Json table = closed_table("where pictures are taken from");
-  table["properties"] = {{"position", point("of the camera")},
-                         {"look_at", point("what it looks at")},
-                         {"up", point("what is up in the image")},
-                         {"path", text("CSV of both over time, in place of them")}};
+  Json table = table_of<scene::CameraSection>("where pictures are taken from");
   table["oneOf"] = {{{"required", {"position", "look_at"}}}, {{"required", {"path"}}}};
   return table;
 }
 
-Json table_of(std::string_view name, const SensorKinds& kinds) {
-  if (name == "place") return place();
-  if (name == "time") return time();
+Json table_named(std::string_view name, const SensorKinds& kinds) {
+  if (name == "place") return table_of<scene::PlaceSection>("where the scene is");
+  if (name == "time") return table_of<scene::TimeSection>("the run");
   if (name == "weather") return weather();
-  if (name == "sky") return sky();
+  if (name == "sky") return table_of<scene::SkySection>("the long wave of the sky, and its clouds");
   if (name == "atmosphere") return atmosphere(kinds);
-  if (name == "material") return material();
-  if (name == "mesh") return mesh();
-  if (name == "region") {
-    Json region = surface("faces of one material", scene::kRegionKeys);
-    region["required"] = {"mesh"};
-    return list_of(std::move(region));
-  }
-  if (name == "ground") return surface("what is beyond the facets", scene::kGroundKeys);
-  if (name == "measured") return measured();
+  if (name == "material") return list_of(table_of<scene::MaterialSection>("what a surface is made of"));
+  if (name == "mesh") return list_of(table_of<scene::MeshSection>("a file of faces"));
+  if (name == "region") return list_of(surface<scene::RegionSection>("faces of one material"));
+  if (name == "ground") return surface<scene::GroundSection>("what is beyond the facets");
+  if (name == "measured") return table_of<scene::MeasuredSection>("what the ground was, for a fit");
   return camera();
 }
 
@@ -256,7 +184,7 @@ std::string scene_file_schema() {
   const SensorKinds kinds = sensor_kinds();
   Json schema = schema_head("mtf scene file", "a 3-D scene: place, time, weather, surfaces, camera");
   for (const std::string_view name : scene::kTables)
-    if (name != "schema") schema["properties"][std::string(name)] = table_of(name, kinds);
+    if (name != "schema") schema["properties"][std::string(name)] = table_named(name, kinds);
   for (const char* name : {"place", "time", "weather"}) schema["required"].push_back(name);
   add_number_definitions(schema["definitions"]);
   return json_document(schema, 1);

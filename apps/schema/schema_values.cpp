@@ -9,6 +9,8 @@
 namespace apps {
 namespace {
 
+using mtf::FieldInfo;
+
 /// A regular expression for one of the units; "um" is read with the micro sign as well.
 std::string unit_pattern(mtf::Dimension dimension) {
   std::string pattern;
@@ -26,23 +28,10 @@ std::string unit_pattern(mtf::Dimension dimension) {
   return pattern;
 }
 
-void add_range(const Parameter& parameter, Json& schema) {
+void add_range(const FieldInfo& parameter, Json& schema) {
   if (!has_range(parameter)) return;
   if (std::isfinite(parameter.lo)) schema[parameter.lo_open ? "exclusiveMinimum" : "minimum"] = parameter.lo;
   if (std::isfinite(parameter.hi)) schema[parameter.hi_open ? "exclusiveMaximum" : "maximum"] = parameter.hi;
-}
-
-/// { value = ..., fit = true, min = ..., max = ..., prior = { mean, sd }, stderr = ... }
-Json fit_table(const Json& number) {
-  Json table = closed_table("a number that mtf fit may change");
-  for (const char* key : {"value", "min", "max", "stderr"}) table["properties"][key] = number;
-  table["properties"]["fit"] = {{"type", "boolean"}};
-  Json prior = closed_table("what is known beforehand");
-  prior["properties"] = {{"mean", number}, {"sd", number}};
-  prior["required"] = {"mean", "sd"};
-  table["properties"]["prior"] = std::move(prior);
-  table["required"] = {"value"};
-  return table;
 }
 
 /// Of the definition of numbers of that dimension.
@@ -58,22 +47,14 @@ std::string dimension_name(mtf::Dimension dimension) {
 Json reference(const std::string& name) { return {{"$ref", "#/definitions/" + name}}; }
 
 /// A number, or a table that lets it be fitted, which has no range of its own.
-Json fittable(const Parameter& parameter) {
+Json fittable(const FieldInfo& parameter) {
   const std::string name = dimension_name(parameter.dimension);
   const Json number = parameter.dimension == mtf::Dimension::none ? number_schema(parameter) : reference(name);
   return {{"anyOf", {number, reference("fit_" + name)}}};
 }
 
-Json list_of(Json items) { return {{"type", "array"}, {"items", std::move(items)}}; }
-
-Json words_schema(const Parameter& parameter) {
-  Json words = Json::array();
-  for (const std::string_view word : parameter.words) words.push_back(std::string(word));
-  return {{"enum", std::move(words)}};
-}
-
-Json bare_value(const Parameter& parameter) {
-  using Type = Parameter::Type;
+Json bare_value(const FieldInfo& parameter) {
+  using Type = mtf::FieldType;
   switch (parameter.type) {
     case Type::number:
     case Type::size:
@@ -87,21 +68,22 @@ Json bare_value(const Parameter& parameter) {
     case Type::flag:
       return {{"type", "boolean"}};
     case Type::word:
-      return words_schema(parameter);
+      return words_schema(parameter.words);
     case Type::numbers:
-      return list_of(fittable(parameter));
+      return list_schema(fittable(parameter));
     case Type::rows:
-      return list_of(list_of({{"type", "number"}}));
+      return list_schema(list_schema({{"type", "number"}}));
     case Type::text:
+    case Type::date:
     case Type::file:
-      return {{"type", "string"}, {"minLength", 1}};
+      return text_schema();
     case Type::number_or_file: {
       Json either = fittable(parameter);
-      either["anyOf"].push_back({{"type", "string"}, {"minLength", 1}});
+      either["anyOf"].push_back(text_schema());
       return either;
     }
     case Type::pair: {
-      Json pair = list_of(number_schema(parameter));
+      Json pair = list_schema(number_schema(parameter));
       if (parameter.dimension == mtf::Dimension::none) pair["items"]["type"] = "integer";
       pair["minItems"] = pair["maxItems"] = 2;
       return pair;
@@ -112,7 +94,7 @@ Json bare_value(const Parameter& parameter) {
 
 }  // namespace
 
-Json number_schema(const Parameter& parameter) {
+Json number_schema(const mtf::FieldInfo& parameter) {
   if (parameter.dimension == mtf::Dimension::none) {
     Json number{{"type", "number"}};
     add_range(parameter, number);
@@ -123,16 +105,7 @@ Json number_schema(const Parameter& parameter) {
                           unit_pattern(parameter.dimension) + ")[ \\t]*$"}};
 }
 
-Json number_schema(const mtf::FieldInfo& info) {
-  return number_schema(Parameter{.name = info.name,
-                                 .dimension = info.dimension,
-                                 .lo = info.lo,
-                                 .hi = info.hi,
-                                 .lo_open = info.lo_open,
-                                 .hi_open = info.hi_open});
-}
-
-Json value_schema(const Parameter& parameter) {
+Json value_schema(const mtf::FieldInfo& parameter) {
   Json schema = bare_value(parameter);
   std::string doc(parameter.doc);
   if (parameter.dimension != mtf::Dimension::none && has_range(parameter)) {
@@ -154,7 +127,7 @@ void add_parameters(const std::vector<Parameter>& parameters, Json& table) {
     const std::string name(parameter.name);
     properties[name] = value_schema(parameter);
     const bool needed = parameter.presence == mtf::Presence::required;
-    if (parameter.type == Parameter::Type::size) {
+    if (parameter.type == mtf::FieldType::size) {
       for (const char* axis : {"_x", "_y"}) properties[name + axis] = value_schema(parameter);
       if (needed) either.push_back({{"oneOf", {{{"required", {name}}}, {{"required", {name + "_x", name + "_y"}}}}}});
     } else if (needed) {
@@ -178,10 +151,36 @@ void add_number_definitions(Json& definitions) {
                                          capacitance,  voltage,
                                          power,        pressure,
                                          rain_rate}) {
-    const Json number = number_schema(Parameter{.name = {}, .dimension = dimension});
+    const Json number = number_schema({.name = {}, .dimension = dimension});
     definitions[dimension_name(dimension)] = number;
-    definitions["fit_" + dimension_name(dimension)] = fit_table(number);
+    definitions["fit_" + dimension_name(dimension)] = fit_schema("a number that mtf fit may change", number);
   }
+}
+
+Json text_schema(std::string_view doc) {
+  Json schema{{"type", "string"}, {"minLength", 1}};
+  if (!doc.empty()) schema["description"] = std::string(doc);
+  return schema;
+}
+
+Json words_schema(std::span<const std::string_view> words) {
+  Json list = Json::array();
+  for (const std::string_view word : words) list.push_back(std::string(word));
+  return {{"enum", std::move(list)}};
+}
+
+Json list_schema(Json items) { return {{"type", "array"}, {"items", std::move(items)}}; }
+
+Json fit_schema(std::string_view doc, const Json& number) {
+  Json table = closed_table(doc);
+  for (const char* key : {"value", "min", "max", "stderr"}) table["properties"][key] = number;
+  table["properties"]["fit"] = {{"type", "boolean"}};
+  Json prior = closed_table("what is known beforehand");
+  prior["properties"] = {{"mean", number}, {"sd", number}};
+  prior["required"] = {"mean", "sd"};
+  table["properties"]["prior"] = std::move(prior);
+  table["required"] = {"value"};
+  return table;
 }
 
 Json closed_table(std::string_view doc) {

@@ -10,18 +10,22 @@
 namespace apps {
 
 /// One number, in a unit of its dimension. `lo`, `hi`: of plain ones.
-Json number_schema(const Parameter& parameter);
-/// The same for a row of a field table.
-Json number_schema(const mtf::FieldInfo& info);
+Json number_schema(const mtf::FieldInfo& parameter);
 
 /// What value_schema() refers to: numbers of each dimension, and such numbers as tables of a fit.
 void add_number_definitions(Json& definitions);
 
 /// What stands after `name =`, with its documentation.
-Json value_schema(const Parameter& parameter);
+Json value_schema(const mtf::FieldInfo& parameter);
 
 /// The parameters into `properties` of a table, and what of them is required: a size also as NAME_x and NAME_y.
 void add_parameters(const std::vector<Parameter>& parameters, Json& table);
+
+Json text_schema(std::string_view doc = {});
+Json words_schema(std::span<const std::string_view> words);
+Json list_schema(Json items);
+/// { value = ..., fit = true, min = ..., max = ..., prior = { mean, sd }, stderr = ... } of such a number.
+Json fit_schema(std::string_view doc, const Json& number);
 
 /// A table without other keys than those that are added.
 Json closed_table(std::string_view doc);

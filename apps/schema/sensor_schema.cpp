@@ -7,7 +7,6 @@
 #include "apps/schema/schema_values.h"
 #include "apps/schema/schemas.h"
 #include "apps/text/json.h"
-#include "mtf/io/config/config_schema.h"
 
 namespace apps {
 namespace {
@@ -24,7 +23,7 @@ Json component_schema(const ComponentKind& kind) {
 
 /// [[presample]]: any of the kinds that may stand there. The kind is named first, so that a validator says which table
 /// it has judged by.
-Json list_schema(const std::vector<ComponentKind>& kinds, mtf::Stage stage) {
+Json stage_schema(const std::vector<ComponentKind>& kinds, mtf::Stage stage) {
   Json items{{"oneOf", Json::array()}};
   for (const ComponentKind& kind : kinds)
     if (kind.stages.allows(stage))
@@ -75,7 +74,7 @@ std::string sensor_file_schema() {
       if (!properties.contains(std::string(table.name)))
         properties[std::string(table.name)] = table_schema(table.name, kinds);
   for (const mtf::Stage stage : mtf::kStages)
-    properties[std::string(stage_name(stage))] = list_schema(kinds.components, stage);
+    properties[std::string(stage_name(stage))] = stage_schema(kinds.components, stage);
   schema["required"].push_back("frame");
   add_number_definitions(schema["definitions"]);
   for (const ComponentKind& kind : kinds.components)

@@ -13,17 +13,8 @@
 namespace apps {
 namespace {
 
-Json text() { return {{"type", "string"}, {"minLength", 1}}; }
-Json texts() { return {{"type", "array"}, {"items", text()}}; }
 /// A number, or a string that has a number with its unit.
 Json number_or_text() { return {{"type", {"number", "string"}}}; }
-
-template <std::size_t N>
-Json words(const std::array<std::string_view, N>& names) {
-  Json list = Json::array();
-  for (const std::string_view name : names) list.push_back(std::string(name));
-  return {{"enum", std::move(list)}};
-}
 
 Json whole(double least, double most) { return {{"type", "integer"}, {"minimum", least}, {"maximum", most}}; }
 
@@ -35,27 +26,25 @@ Json table_of(std::string_view doc, std::span<const std::string_view> keys,
   return table;
 }
 
-Json list_of(Json table) { return {{"type", "array"}, {"items", std::move(table)}}; }
-
 Json axis() {
   Json table = table_of("what varies, over which values", study::kAxisKeys, [](std::string_view key) -> Json {
     if (key == "values") return {{"type", "array"}, {"minItems", 1}};
     if (key == "count") return whole(1, 1e9);
-    if (key == "scale") return words(study::kScales);
-    return key == "from" || key == "to" ? number_or_text() : text();
+    if (key == "scale") return words_schema(study::kScales);
+    return key == "from" || key == "to" ? number_or_text() : text_schema();
   });
   const Json named{{"oneOf", {{{"required", {"parameter"}}}, {{"required", {"name"}}}}}};
   const Json ranged{{"oneOf", {{{"required", {"values"}}}, {{"required", {"from", "to"}}}}}};
   table["allOf"] = {named, ranged};
-  return list_of(std::move(table));
+  return list_schema(std::move(table));
 }
 
 Json as_built() {
   Json table = table_of("a parameter that differs from copy to copy", study::kAsBuiltKeys,
-                        [](std::string_view key) { return key == "parameter" ? text() : number_or_text(); });
+                        [](std::string_view key) { return key == "parameter" ? text_schema() : number_or_text(); });
   table["required"] = {"parameter"};
   table["oneOf"] = {{{"required", {"sd"}}}, {{"required", {"plus_minus"}}}};
-  return list_of(std::move(table));
+  return list_schema(std::move(table));
 }
 
 Json conditions() {
@@ -71,20 +60,21 @@ Json conditions() {
 Json value_of(std::string_view key) {
   if (key == "tolerance") return number_schema(study::kTolerance);
   if (key == "seed") return {{"type", "integer"}, {"minimum", 0}};
-  if (key == "constraints" || key == "objectives") return texts();
+  if (key == "constraints" || key == "objectives") return list_schema(text_schema());
   if (key == "axis") return axis();
   if (key == "as_built") return as_built();
   if (key == "conditions") return conditions();
-  if (key == "links") return {{"type", "object"}, {"additionalProperties", text()}};
+  if (key == "links") return {{"type", "object"}, {"additionalProperties", text_schema()}};
   if (key == "sampling")
     return table_of("which designs", study::kSamplingKeys,
-                    [](std::string_view k) { return k == "method" ? words(study::kMethods) : whole(1, 1e9); });
+                    [](std::string_view k) { return k == "method" ? words_schema(study::kMethods) : whole(1, 1e9); });
   if (key == "yield")
     return table_of("how many copies of a design", study::kYieldKeys,
                     [](std::string_view) { return whole(study::kDraws.lo, study::kDraws.hi); });
   if (key == "metrics")
-    return table_of("what is computed", study::kMetricsKeys, [](std::string_view) { return texts(); });
-  return text();  // name, sensor
+    return table_of("what is computed", study::kMetricsKeys,
+                    [](std::string_view) { return list_schema(text_schema()); });
+  return text_schema();  // name, sensor
 }
 
 }  // namespace

@@ -17,34 +17,10 @@
 namespace apps {
 
 /// One parameter of a component, or one key of a table.
-struct Parameter {
-  enum class Type {
-    number,          ///< in `unit`
-    size,            ///< in the image: a length, an angle or pixels, for both axes or as NAME_x and NAME_y
-    frequency,       ///< cycles/mm, cycles/mrad, cycles/pixel; where `unit` names Hz, also in time
-    whole,           ///< a whole number
-    flag,            ///< true or false
-    word,            ///< one of `words`
-    numbers,         ///< a list of numbers
-    rows,            ///< a list of lists of numbers, as of filter taps
-    text,            ///< a name
-    file,            ///< the name of a file
-    number_or_file,  ///< a number in `unit`, or the file of a curve
-    pair             ///< a list of two numbers, whole ones without `unit`
-  };
-  std::string_view name;
-  Type type = Type::number;
-  std::string_view unit{};     ///< that range and numbers are in, "" for plain ones; "um, urad or px" where any will do
-  mtf::Dimension dimension{};  ///< of numbers: the units that they may be written in (mtf/components/component_docs.h)
-  double lo = 0.0, hi = 0.0;   ///< the range of numbers; both 0 where other values decide it
-  bool lo_open = false, hi_open = false;  ///< lo or hi itself is not allowed
-  std::vector<std::string_view> words{};
-  mtf::Presence presence = mtf::Presence::required;
+struct Parameter : mtf::FieldInfo {
   /// Of components, as a sensor file has it: the value that counts where none is given. "" where there is none, or
   /// where it depends on other values and `doc` tells it.
   std::string default_value{};
-  std::string_view example{};  ///< as a sensor file has it
-  std::string_view doc{};
 };
 
 /// A kind of component: what [[presample]], [[readout]] and [[postsample]] list.
@@ -69,11 +45,13 @@ struct TableKind {
 };
 
 /// "number", "size", ...: the name of the enumerator.
-std::string_view type_name(Parameter::Type type);
+std::string_view type_name(mtf::FieldType type);
+/// "required", "optional", "shared".
+std::string_view presence_name(mtf::Presence presence);
 /// True for a number whose range is known.
-bool has_range(const Parameter& parameter);
+bool has_range(const mtf::FieldInfo& row);
 /// True where a control should move on a logarithmic scale: the range spans more than a factor of 50.
-bool wants_log_scale(const Parameter& parameter);
+bool wants_log_scale(const mtf::FieldInfo& row);
 
 struct SensorKinds {
   std::vector<ComponentKind> components;  ///< in the order of mtf::component_kinds()

@@ -22,8 +22,8 @@ const Member* member_of(const Node& table, std::string_view key) {
 
 bool is_key(const mtf::io::SensorConfig& config, std::string_view table, std::string_view key) {
   return std::any_of(config.schema.begin(), config.schema.end(), [&](const mtf::TableInfo& info) {
-    return info.name == table && std::any_of(info.settings.begin(), info.settings.end(),
-                                             [&](const auto& row) { return row.info.name == key; });
+    return info.name == table &&
+           std::any_of(info.settings.begin(), info.settings.end(), [&](const auto& row) { return row.name == key; });
   });
 }
 

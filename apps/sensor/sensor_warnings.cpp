@@ -70,13 +70,13 @@ std::vector<mtf::io::Diagnostic> light_area_notes(const mtf::System<double>& sys
 std::vector<mtf::io::Diagnostic> invented_volts_warnings(const std::vector<mtf::SettingsTable>& tables) {
   std::vector<mtf::io::Diagnostic> warnings;
   for (const mtf::TableInfo& table : radiometry::sensor_tables())
-    for (const mtf::SettingInfo& row : table.settings) {
+    for (const mtf::FieldInfo& row : table.settings) {
       const mtf::SettingsTable* given = find_table(tables, table.name);
-      if (given == nullptr || row.info.dimension != mtf::Dimension::voltage) continue;
-      const mtf::SettingValue* value = given->find(row.info.name);
+      if (given == nullptr || row.dimension != mtf::Dimension::voltage) continue;
+      const mtf::SettingValue* value = given->find(row.name);
       const double* volts = value != nullptr ? std::get_if<double>(value) : nullptr;
       if (volts == nullptr || *volts == 0.0) continue;
-      warnings.push_back(warning_at(std::string(table.name) + "." + std::string(row.info.name),
+      warnings.push_back(warning_at(std::string(table.name) + "." + std::string(row.name),
                                     "in volts beside detector.counts_per_kelvin, which leaves open how many volts a "
                                     "count is and calls it 1 uV, so that this is taken for " +
                                         mtf::three_digits(1e6 * *volts) +

@@ -2,6 +2,7 @@
 #include "apps/study/addressing.h"
 
 #include <algorithm>
+#include <array>
 
 #include "apps/study/design/variant_sensor.h"
 #include "calib/fit/parameter_site.h"
@@ -14,6 +15,7 @@ namespace {
 namespace cfg = mtf::io::cfg;
 using cfg::Node;
 using cfg::Target;
+using mtf::FieldType;
 
 /// The table of the file that holds the target; null when it is not there.
 const Node* table_of(const SensorView& view, const Target& target) {
@@ -52,11 +54,17 @@ std::string not_given(const SensorView& view, const Target& target, const mtf::F
   return text;
 }
 
-const mtf::SettingInfo* row_of(const SensorView& view, const Target& target) {
+std::string value_words(FieldType type) {
+  constexpr std::array words{"a number", "a number", "a number", "a whole number", "true or false", "a word", "a list",
+                             "a list",   "a text",   "a file",   "a file",         "a list",        "a date"};
+  return words.at(static_cast<std::size_t>(type));
+}
+
+const mtf::FieldInfo* row_of(const SensorView& view, const Target& target) {
   for (const mtf::TableInfo& table : view.sensor.schema)
     if (table.name == target.table)
-      for (const mtf::SettingInfo& row : table.settings)
-        if (row.info.name == target.key) return &row;
+      for (const mtf::FieldInfo& row : table.settings)
+        if (row.name == target.key) return &row;
   return nullptr;
 }
 
@@ -79,16 +87,14 @@ std::string replaced_by_map(const SensorView& view, const Target& target) {
          target.table + "." + map + "\")";
 }
 
-Found of_setting(const SensorView& view, const Target& target, const mtf::SettingInfo& row) {
-  Place place{.target = target, .file = mtf::names_file(row), .info = row.info};
-  using enum mtf::SettingType;
-  constexpr std::array names{"a number", "a whole number", "true or false", "a word", "a text", "a file", "a file"};
-  place.what = names.at(static_cast<std::size_t>(row.type));
-  if (row.type != number && row.type != number_or_file) return {place};
+Found of_setting(const SensorView& view, const Target& target, const mtf::FieldInfo& row) {
+  Place place{.target = target, .file = mtf::names_file(row), .info = row};
+  place.what = value_words(row.type);
+  if (row.type != FieldType::number && row.type != FieldType::number_or_file) return {place};
   if (std::string problem = replaced_by_map(view, target); !problem.empty()) return {std::nullopt, std::move(problem)};
   const mtf::SettingsTable* table = mtf::find_table(view.sensor.tables, target.table);
   const mtf::SettingValue* value = table != nullptr ? table->find(target.key) : nullptr;
-  if (value == nullptr) return {std::nullopt, not_given(view, target, row.info)};
+  if (value == nullptr) return {std::nullopt, not_given(view, target, row)};
   const auto* number_value = std::get_if<double>(value);
   // What no budget reads is a sensor of its own for each value.
   if (number_value != nullptr && is_overridable(target.path())) {
@@ -106,38 +112,22 @@ const mtf::Unit* unit_written(const mtf::FieldRef<double>& field, std::string_vi
   return nullptr;
 }
 
-std::string kind_of_field(const mtf::FieldRef<double>& field) {
-  if (std::holds_alternative<int*>(field.value)) return "a whole number";
-  if (std::holds_alternative<mtf::Choice*>(field.value)) return "a word";
-  if (std::holds_alternative<std::shared_ptr<const mtf::Curve>*>(field.value)) return "a file";
-  return "a list";
-}
-
-bool is_list(const mtf::FieldRef<double>& field) {
-  return std::holds_alternative<mtf::Coefficients<double>*>(field.value) ||
-         std::holds_alternative<mtf::Taps<double>*>(field.value);
-}
-
 Found of_component(const SensorView& view, const Target& target) {
   mtf::System<double> system = view.sensor.system;  // sites are of a system that may be changed
   for (const mtf::Stage stage : mtf::kStages) {
     if (mtf::stage_name(stage) != target.table) continue;
     for (const mtf::FieldRef<double>& field : system.list(stage)[target.index].component.fields()) {
       const std::string name(field.info->name);
-      const bool axis = std::holds_alternative<mtf::AxisPair<double>*>(field.value);
-      if (target.key != name && !(axis && stem_of(target.key) == name)) continue;
-      Place place{.target = target,
-                  .what = kind_of_field(field),
-                  .file = std::holds_alternative<std::shared_ptr<const mtf::Curve>*>(field.value),
-                  .info = *field.info};
-      const bool whole_list = is_list(field) && !target.element;
-      if (whole_list || std::holds_alternative<int*>(field.value) ||
-          std::holds_alternative<mtf::Choice*>(field.value) || place.file)
+      const FieldType type = field.info->type;
+      if (target.key != name && !(type == FieldType::size && stem_of(target.key) == name)) continue;
+      Place place{.target = target, .what = value_words(type), .file = type == FieldType::file, .info = *field.info};
+      const bool list = type == FieldType::numbers || type == FieldType::rows;
+      if ((list && !target.element) || type == FieldType::whole || type == FieldType::word || place.file)
         return {place};
       if (!is_given(view, target)) return {std::nullopt, not_given(view, target, *field.info)};
       const mtf::Unit* unit = unit_written(field, target.key);
       const auto site = calib::parameter_site(system, target.path());
-      if (site.numbers.empty() && is_list(field))
+      if (site.numbers.empty() && list)
         return {std::nullopt, "the list in the sensor file has no such element; write a longer one (with zeros) there"};
       if (site.numbers.empty())
         return {std::nullopt, target.key == name ? "the sensor file gives " + name + "_x and " + name +
@@ -159,9 +149,8 @@ Found of_system(const SensorView& view, const Target& target) {
   Place place{.target = target, .what = "a list"};
   if (target.table == "band" || target.key == "format") return {place};
   const mtf::FieldInfo* row = nullptr;
-  for (const mtf::FieldInfo* info : {&cfg::kFocalLength, &cfg::kPitch, &cfg::kIntegrationTime, &cfg::kFNumber,
-                                     &cfg::kApertureDiameter, &cfg::kObscuration, &cfg::kWavelength})
-    if (info->name == stem_of(target.key)) row = info;
+  for (const mtf::FieldInfo& info : cfg::own_rows(target.table))
+    if (info.name == stem_of(target.key)) row = &info;
   mtf::System<double> system = view.sensor.system;
   const auto site = calib::parameter_site(system, target.path());
   if (row == nullptr || site.numbers.empty() || !is_given(view, target))
@@ -185,10 +174,10 @@ std::string missing_table(const SensorView& view, std::string_view name) {
                          key = dot == std::string_view::npos ? name : name.substr(dot + 1);
   for (const mtf::TableInfo& table : view.sensor.schema) {
     if (mtf::find_table(view.sensor.tables, table.name) != nullptr || (!owner.empty() && table.name != owner)) continue;
-    for (const mtf::SettingInfo& row : table.settings)
-      if (row.info.name == key)
+    for (const mtf::FieldInfo& row : table.settings)
+      if (row.name == key)
         return "the sensor file has no [" + std::string(table.name) + "]; write it there with " + std::string(key) +
-               " = " + std::string(row.info.example);
+               " = " + std::string(row.example);
   }
   return "";
 }
@@ -241,7 +230,7 @@ Found find_place(const SensorView& view, std::string_view name) {
     return {std::nullopt, cfg::unknown_parameter(view.targets, full), true};
   }
   if (target->component) return of_component(view, *target);
-  if (const mtf::SettingInfo* row = row_of(view, *target)) return of_setting(view, *target, *row);
+  if (const mtf::FieldInfo* row = row_of(view, *target)) return of_setting(view, *target, *row);
   return of_system(view, *target);
 }
 

@@ -4,7 +4,6 @@
 #include <sys/stat.h>
 
 #include <algorithm>
-#include <tuple>
 
 #include "apps/study/study_reader.h"
 #include "mtf/error.h"
@@ -17,13 +16,6 @@ namespace {
 
 namespace cfg = mtf::io::cfg;
 using mtf::io::Diagnostic;
-
-void sort_diagnostics(std::vector<Diagnostic>& diagnostics) {
-  std::stable_sort(diagnostics.begin(), diagnostics.end(), [](const Diagnostic& a, const Diagnostic& b) {
-    return std::tuple(!a.error, a.position.line, a.position.column) <
-           std::tuple(!b.error, b.position.line, b.position.column);
-  });
-}
 
 /// The parts that refer to the sensor, each after those that it needs.
 void read_on_sensor(StudyReader& s) {
@@ -100,7 +92,7 @@ StudyResult parse_study(const std::string& text, const std::string& file) {
     } catch (const mtf::Error& error) {
       result.diagnostics.push_back({.error = true, .position = {}, .path = {}, .text = error.what()});
     }
-  sort_diagnostics(result.diagnostics);
+  cfg::sort_diagnostics(result.diagnostics);
   for (const Diagnostic& diagnostic : result.diagnostics)
     if (!diagnostic.error) s.study.warnings.push_back(diagnostic);
   result.study = std::move(s.study);

@@ -256,7 +256,7 @@ void count_variants(StudyReader& s, mtf::io::Position position) {
 }  // namespace
 
 void read_axes(StudyReader& s) {
-  const Node* list = find_tables(s, "axis");
+  const Node* list = cfg::find_tables(s.root(), "axis");
   const auto stop = [&](mtf::io::Position position, const std::string& text) {
     if (!text.empty()) s.error(position, "axis", text);
     s.axes_good = false;

@@ -244,7 +244,7 @@ void read_link_expressions(StudyReader& s) {
 }
 
 void read_as_built(StudyReader& s) {
-  const Node* list = find_tables(s, "as_built");
+  const Node* list = cfg::find_tables(s.root(), "as_built");
   if (list == nullptr) {
     s.study.draws = 0;
     return;

@@ -60,9 +60,6 @@ struct StudyReader {
   void error_in(const Source& source, int column, std::string text);
 };
 
-/// The list of tables [[key]]; null when absent, or when it is none (reported).
-const mtf::io::cfg::Node* find_tables(StudyReader& s, const std::string& key);
-
 /// Unknown keys, as for sensor files; those of the top level below a table with where they belong.
 void check_study_keys(const mtf::io::cfg::Section& section, std::span<const std::string_view> known);
 

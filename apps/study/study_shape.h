@@ -23,13 +23,9 @@ inline constexpr std::array<std::string_view, 3> kAsBuiltKeys{"parameter", "sd",
 inline constexpr std::array<std::string_view, 1> kYieldKeys{"draws"};
 inline constexpr std::array<std::string_view, 1> kMetricsKeys{"list"};
 
-inline constexpr mtf::FieldInfo kTolerance{.name = "tolerance",
-                                           .lo = 1e-12,
-                                           .hi = 0.1,
-                                           .presence = mtf::Presence::optional,
-                                           .example = "1e-4",
-                                           .doc = "allowed error of every metric, relative"};
-inline constexpr mtf::FieldInfo kDraws{.name = "draws", .lo = 1.0, .hi = 1e6, .example = "200"};
+inline constexpr mtf::FieldInfo kTolerance =
+    mtf::optional_row("tolerance", 1e-12, 0.1, "1e-4", "allowed error of every metric, relative");
+inline constexpr mtf::FieldInfo kDraws = mtf::required_row("draws", 1.0, 1e6, "200", "");
 
 /// [conditions].
 std::vector<mtf::FieldInfo> condition_fields();

@@ -76,12 +76,7 @@ void read_head(StudyReader& s) {
 
 }  // namespace
 
-std::vector<FieldInfo> condition_fields() {
-  std::vector<FieldInfo> fields;
-  Conditions prototype;
-  radiometry::for_each_field(prototype, [&](const FieldInfo& info, const auto&) { fields.push_back(info); });
-  return fields;
-}
+std::vector<FieldInfo> condition_fields() { return radiometry::table_info<Conditions>("conditions", "").settings; }
 
 void check_study_keys(const Section& section, std::span<const std::string_view> known) {
   // What follows a table belongs to it: TOML cannot return to the top level.
@@ -95,16 +90,6 @@ void check_study_keys(const Section& section, std::span<const std::string_view> 
     return true;
   });
   cfg::check_keys({section.reader, rest, section.path, section.title}, known);
-}
-
-const Node* find_tables(StudyReader& s, const std::string& key) {
-  const Node* list = s.tree.find(key);
-  if (list == nullptr) return nullptr;
-  s.reader.positions[key] = list->position;
-  const auto is_table = [](const Node& item) { return item.kind == Node::Kind::table; };
-  if (list->kind == Node::Kind::array && std::all_of(list->items.begin(), list->items.end(), is_table)) return list;
-  s.error(list->position, key, "has to be a list of tables; write [[" + key + "]] with double brackets");
-  return nullptr;
 }
 
 void check_conditions(StudyReader& s) {

@@ -25,18 +25,10 @@ struct Binning {
 
   static constexpr auto fields() {
     return std::tuple{
-        Field{FieldInfo{
-                  .name = "columns", .lo = 1.0, .hi = 1000.0, .example = "2", .doc = "native pixels summed along x"},
-              &Binning::columns},
-        Field{FieldInfo{.name = "rows", .lo = 1.0, .hi = 1000.0, .example = "2", .doc = "native pixels summed along y"},
-              &Binning::rows},
-        Field{FieldInfo{.name = "spacing",
-                        .dimension = Dimension::extent,
-                        .lo = 0.0,
-                        .hi = 1e9,
-                        .presence = Presence::optional,
-                        .example = "\"2.5 um\"",
-                        .doc = "pitch of the native pixels; frame.pitch / columns and / rows when absent"},
+        Field{required_row("columns", 1.0, 1000.0, "2", "native pixels summed along x"), &Binning::columns},
+        Field{required_row("rows", 1.0, 1000.0, "2", "native pixels summed along y"), &Binning::rows},
+        Field{optional_row("spacing", Dimension::extent, "", 0.0, 1e9, "\"2.5 um\"",
+                           "pitch of the native pixels; frame.pitch / columns and / rows when absent"),
               &Binning::spacing}};
   }
   int count(Axis axis) const { return axis == Axis::x ? columns : rows; }

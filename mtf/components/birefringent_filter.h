@@ -22,12 +22,8 @@ struct BirefringentFilter {
   AxisPair<S> separation{};
 
   static constexpr auto fields() {
-    return std::tuple{Field{FieldInfo{.name = "separation",
-                                      .dimension = Dimension::extent,
-                                      .lo = 0.0,
-                                      .hi = 1e9,
-                                      .example = "\"0.5 px\"",
-                                      .doc = "distance between the spots, per axis"},
+    return std::tuple{Field{required_row("separation", Dimension::extent, "", 0.0, 1e9, "\"0.5 px\"",
+                                         "distance between the spots, per axis"),
                             &BirefringentFilter::separation}};
   }
   S separation_mm(Axis axis, const Context<S>& ctx) const {

@@ -26,33 +26,16 @@ struct Bolometer {
   Choice axis{0, kAxisNames};
 
   static constexpr auto fields() {
-    return std::tuple{Field{FieldInfo{.name = "time_constant",
-                                      .dimension = Dimension::time,
-                                      .unit = "s",
-                                      .lo = 0.0,
-                                      .hi = 1e3,
-                                      .example = "\"10 ms\"",
-                                      .doc = "thermal time constant"},
-                            &Bolometer::time_constant_s},
-                      Field{FieldInfo{.name = "velocity",
-                                      .dimension = Dimension::velocity,
-                                      .unit = "um/s",
-                                      .lo = -1e12,
-                                      .hi = 1e12,
-                                      .presence = Presence::optional,
-                                      .example = "\"0.5 mm/s\"",
-                                      .doc = "velocity of the image on the focal plane towards +axis"},
-                            &Bolometer::velocity_um_s},
-                      Field{FieldInfo{.name = "rate",
-                                      .dimension = Dimension::rate,
-                                      .unit = "urad/s",
-                                      .lo = -1e12,
-                                      .hi = 1e12,
-                                      .presence = Presence::optional,
-                                      .example = "\"20 mrad/s\"",
-                                      .doc = "object angle per second towards +axis, instead of velocity"},
-                            &Bolometer::rate_urad_s},
-                      Field{kAxisInfo, &Bolometer::axis}};
+    return std::tuple{
+        Field{required_row("time_constant", Dimension::time, "s", 0.0, 1e3, "\"10 ms\"", "thermal time constant"),
+              &Bolometer::time_constant_s},
+        Field{excluding("rate", optional_row("velocity", Dimension::velocity, "um/s", -1e12, 1e12, "\"0.5 mm/s\"",
+                                             "velocity of the image on the focal plane towards +axis")),
+              &Bolometer::velocity_um_s},
+        Field{excluding("velocity", optional_row("rate", Dimension::rate, "urad/s", -1e12, 1e12, "\"20 mrad/s\"",
+                                                 "object angle per second towards +axis, instead of velocity")),
+              &Bolometer::rate_urad_s},
+        Field{kAxisInfo, &Bolometer::axis}};
   }
   Traits traits(const Context<S>&) const {
     const bool x = axis.index == 0;

@@ -23,17 +23,11 @@ struct Boost {
   Choice axis{0, kAxisNames};
 
   static constexpr auto fields() {
-    return std::tuple{
-        Field{FieldInfo{.name = "gain", .lo = 1.0, .hi = 100.0, .example = "2.0", .doc = "otf at the peak frequency"},
-              &Boost::gain},
-        Field{FieldInfo{.name = "peak",
-                        .dimension = Dimension::frequency,
-                        .lo = 1e-9,
-                        .hi = 1e9,
-                        .example = "\"0.5 cy/px\"",
-                        .doc = "frequency of the largest gain"},
-              &Boost::peak},
-        Field{kAxisInfo, &Boost::axis}};
+    return std::tuple{Field{required_row("gain", 1.0, 100.0, "2.0", "otf at the peak frequency"), &Boost::gain},
+                      Field{required_row("peak", Dimension::frequency, "", 1e-9, 1e9, "\"0.5 cy/px\"",
+                                         "frequency of the largest gain"),
+                            &Boost::peak},
+                      Field{kAxisInfo, &Boost::axis}};
   }
   Traits traits(const Context<S>&) const {
     const bool x = axis.index == 0;

@@ -26,19 +26,13 @@ struct ChargeTransfer {
   Choice axis{0, kAxisNames};
 
   static constexpr auto fields() {
-    return std::tuple{Field{FieldInfo{.name = "inefficiency",
-                                      .lo = 0.0,
-                                      .hi = 0.1,
-                                      .example = "1e-5",
-                                      .doc = "fraction of the charge left behind by one transfer, 1 - CTE"},
-                            &ChargeTransfer::inefficiency},
-                      Field{FieldInfo{.name = "transfers",
-                                      .lo = 0.0,
-                                      .hi = 1e6,
-                                      .example = "1000",
-                                      .doc = "number of transfers to the output: pixels x clock phases"},
-                            &ChargeTransfer::transfers},
-                      Field{kAxisInfo, &ChargeTransfer::axis}};
+    return std::tuple{
+        Field{required_row("inefficiency", 0.0, 0.1, "1e-5",
+                           "fraction of the charge left behind by one transfer, 1 - CTE"),
+              &ChargeTransfer::inefficiency},
+        Field{required_row("transfers", 0.0, 1e6, "1000", "number of transfers to the output: pixels x clock phases"),
+              &ChargeTransfer::transfers},
+        Field{kAxisInfo, &ChargeTransfer::axis}};
   }
   Traits traits(const Context<S>&) const {
     const bool x = axis.index == 0;

@@ -23,13 +23,9 @@ struct CircularFootprint {
   AxisPair<S> diameter{};
 
   static constexpr auto fields() {
-    return std::tuple{Field{FieldInfo{.name = "diameter",
-                                      .dimension = Dimension::extent,
-                                      .lo = 0.0,
-                                      .hi = 1e9,
-                                      .example = "\"15 um\"",
-                                      .doc = "diameter of the active area, per axis"},
-                            &CircularFootprint::diameter}};
+    return std::tuple{Field{
+        required_row("diameter", Dimension::extent, "", 0.0, 1e9, "\"15 um\"", "diameter of the active area, per axis"),
+        &CircularFootprint::diameter}};
   }
   Traits traits(const Context<S>& ctx) const {
     return {.radial = diameter.isotropic(ctx.frame), .even_x = true, .even_y = true};

@@ -23,19 +23,12 @@ struct Crosstalk {
   std::optional<S> corner{};
 
   static constexpr auto fields() {
-    return std::tuple{Field{FieldInfo{.name = "side",
-                                      .lo = 0.0,
-                                      .hi = 0.125,
-                                      .example = "0.03",
-                                      .doc = "fraction that reaches each of the four side neighbours"},
-                            &Crosstalk::side},
-                      Field{FieldInfo{.name = "corner",
-                                      .lo = 0.0,
-                                      .hi = 0.125,
-                                      .presence = Presence::optional,
-                                      .example = "0.005",
-                                      .doc = "fraction that reaches each of the four corner neighbours; 0 when absent"},
-                            &Crosstalk::corner}};
+    return std::tuple{
+        Field{required_row("side", 0.0, 0.125, "0.03", "fraction that reaches each of the four side neighbours"),
+              &Crosstalk::side},
+        Field{optional_row("corner", 0.0, 0.125, "0.005",
+                           "fraction that reaches each of the four corner neighbours; 0 when absent"),
+              &Crosstalk::corner}};
   }
   Traits traits(const Context<S>& ctx) const { return {.even_x = true, .even_y = true, .square = ctx.frame.square()}; }
   /// sin^2(pi f p), the only form in which the frequency enters: no cancellation at small f.

@@ -31,17 +31,11 @@ struct CurveOtf {
 
   static constexpr auto fields() {
     return std::tuple{
-        Field{
-            FieldInfo{.name = "file",
-                      .example = "\"lens.csv\"",
-                      .doc = "CSV with two columns, frequency and MTF, the unit in the header: frequency_cy_mm,mtf; or "
-                             "its lines themselves, in a text of several lines"},
-            &CurveOtf::curve},
-        Field{FieldInfo{.name = "axis",
-                        .presence = Presence::optional,
-                        .example = "\"radial\"",
-                        .doc = "radial, or the one axis it acts along"},
-              &CurveOtf::axis},
+        Field{required_row("file", "\"lens.csv\"",
+                           "CSV with two columns, frequency and MTF, the unit in the header: frequency_cy_mm,mtf; or "
+                           "its lines themselves, in a text of several lines"),
+              &CurveOtf::curve},
+        Field{optional_row("axis", "\"radial\"", "radial, or the one axis it acts along"), &CurveOtf::axis},
         Field{kPartInfo, &CurveOtf::part}};
   }
   Traits traits(const Context<S>& ctx) const {

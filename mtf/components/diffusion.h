@@ -25,29 +25,14 @@ struct Diffusion {
   OptionalIn<S, micrometres> diffusion_length_um{};
 
   static constexpr auto fields() {
-    return std::tuple{Field{FieldInfo{.name = "absorption_length",
-                                      .dimension = Dimension::length,
-                                      .unit = "um",
-                                      .lo = 1e-3,
-                                      .hi = 1e6,
-                                      .example = "\"10 um\"",
-                                      .doc = "depth in which 1/e of the light is left, 1 / absorption coefficient"},
+    return std::tuple{Field{required_row("absorption_length", Dimension::length, "um", 1e-3, 1e6, "\"10 um\"",
+                                         "depth in which 1/e of the light is left, 1 / absorption coefficient"),
                             &Diffusion::absorption_length_um},
-                      Field{FieldInfo{.name = "depletion_depth",
-                                      .dimension = Dimension::length,
-                                      .unit = "um",
-                                      .lo = 0.0,
-                                      .hi = 1e6,
-                                      .example = "\"3 um\"",
-                                      .doc = "depth of the depletion layer"},
+                      Field{required_row("depletion_depth", Dimension::length, "um", 0.0, 1e6, "\"3 um\"",
+                                         "depth of the depletion layer"),
                             &Diffusion::depletion_depth_um},
-                      Field{FieldInfo{.name = "diffusion_length",
-                                      .dimension = Dimension::length,
-                                      .unit = "um",
-                                      .lo = 1e-6,
-                                      .hi = 1e6,
-                                      .example = "\"20 um\"",
-                                      .doc = "diffusion length of the carriers"},
+                      Field{required_row("diffusion_length", Dimension::length, "um", 1e-6, 1e6, "\"20 um\"",
+                                         "diffusion length of the carriers"),
                             &Diffusion::diffusion_length_um}};
   }
   Traits traits(const Context<S>&) const { return {.radial = true, .even_x = true, .even_y = true}; }

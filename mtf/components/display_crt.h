@@ -22,12 +22,8 @@ struct DisplayCrt {
   AxisPair<S> sigma{};
 
   static constexpr auto fields() {
-    return std::tuple{Field{FieldInfo{.name = "sigma",
-                                      .dimension = Dimension::extent,
-                                      .lo = 0.0,
-                                      .hi = 1e9,
-                                      .example = "\"0.4 px\"",
-                                      .doc = "standard deviation of the spot, per axis; px are those of the image"},
+    return std::tuple{Field{required_row("sigma", Dimension::extent, "", 0.0, 1e9, "\"0.4 px\"",
+                                         "standard deviation of the spot, per axis; px are those of the image"),
                             &DisplayCrt::sigma}};
   }
   Traits traits(const Context<S>& ctx) const { return GaussianOtf<S>::traits(sigma, ctx); }

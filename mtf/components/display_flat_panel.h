@@ -27,22 +27,13 @@ struct DisplayFlatPanel {
   AxisPair<S> lcd_pitch{};
 
   static constexpr auto fields() {
-    return std::tuple{Field{FieldInfo{.name = "width",
-                                      .dimension = Dimension::extent,
-                                      .lo = 0.0,
-                                      .hi = 1e9,
-                                      .presence = Presence::optional,
-                                      .example = "\"0.9 px\"",
-                                      .doc = "active width of an element, per axis; px are those of the image"},
-                            &DisplayFlatPanel::width},
-                      Field{FieldInfo{.name = "lcd_pitch",
-                                      .dimension = Dimension::extent,
-                                      .lo = 0.0,
-                                      .hi = 1e9,
-                                      .presence = Presence::optional,
-                                      .example = "\"1 px\"",
-                                      .doc = "pitch of a colour LCD with vertical stripes, instead of width"},
-                            &DisplayFlatPanel::lcd_pitch}};
+    return std::tuple{
+        Field{excluding("lcd_pitch", optional_row("width", Dimension::extent, "", 0.0, 1e9, "\"0.9 px\"",
+                                                  "active width of an element, per axis; px are those of the image")),
+              &DisplayFlatPanel::width},
+        Field{excluding("width", optional_row("lcd_pitch", Dimension::extent, "", 0.0, 1e9, "\"1 px\"",
+                                              "pitch of a colour LCD with vertical stripes, instead of width")),
+              &DisplayFlatPanel::lcd_pitch}};
   }
   Traits traits(const Context<S>&) const { return {.separable = true, .even_x = true, .even_y = true}; }
   Complex<S> otf(const Freq<S>& f, const Context<S>& ctx) const {

@@ -21,42 +21,22 @@ struct ElectronicFilter {
   Choice axis{0, kAxisNames};
 
   static constexpr auto fields() {
-    return std::tuple{Field{FieldInfo{.name = "cutoff",
-                                      .dimension = Dimension::cutoff,
-                                      .lo = 1e-9,
-                                      .hi = 1e9,
-                                      .example = "\"40 cy/mm\"",
-                                      .doc = "frequency where the modulus is 1/sqrt(2); in time (\"400 kHz\") with one "
-                                             "of scan_velocity, scan_rate, pixel_clock"},
-                            &ElectronicFilter::cutoff},
-                      Field{FieldInfo{.name = "scan_velocity",
-                                      .dimension = Dimension::velocity,
-                                      .unit = "um/s",
-                                      .lo = 1e-3,
-                                      .hi = 1e15,
-                                      .presence = Presence::optional,
-                                      .example = "\"10 m/s\"",
-                                      .doc = "speed of the scan over the focal plane"},
-                            &ElectronicFilter::scan_velocity_um_s},
-                      Field{FieldInfo{.name = "scan_rate",
-                                      .dimension = Dimension::rate,
-                                      .unit = "urad/s",
-                                      .lo = 1e-3,
-                                      .hi = 1e15,
-                                      .presence = Presence::optional,
-                                      .example = "\"100 rad/s\"",
-                                      .doc = "object angle scanned per second"},
-                            &ElectronicFilter::scan_rate_urad_s},
-                      Field{FieldInfo{.name = "pixel_clock",
-                                      .dimension = Dimension::temporal,
-                                      .unit = "Hz",
-                                      .lo = 1e-3,
-                                      .hi = 1e15,
-                                      .presence = Presence::optional,
-                                      .example = "\"10 MHz\"",
-                                      .doc = "pixels read per second along the axis, one after the other"},
-                            &ElectronicFilter::pixel_clock_hz},
-                      Field{kAxisInfo, &ElectronicFilter::axis}};
+    return std::tuple{
+        Field{required_row("cutoff", Dimension::cutoff, "", 1e-9, 1e9, "\"40 cy/mm\"",
+                           "frequency where the modulus is 1/sqrt(2); in time (\"400 kHz\") with one "
+                           "of scan_velocity, scan_rate, pixel_clock"),
+              &ElectronicFilter::cutoff},
+        Field{excluding("scan_rate pixel_clock", optional_row("scan_velocity", Dimension::velocity, "um/s", 1e-3, 1e15,
+                                                              "\"10 m/s\"", "speed of the scan over the focal plane")),
+              &ElectronicFilter::scan_velocity_um_s},
+        Field{excluding("scan_velocity pixel_clock", optional_row("scan_rate", Dimension::rate, "urad/s", 1e-3, 1e15,
+                                                                  "\"100 rad/s\"", "object angle scanned per second")),
+              &ElectronicFilter::scan_rate_urad_s},
+        Field{excluding("scan_velocity scan_rate",
+                        optional_row("pixel_clock", Dimension::temporal, "Hz", 1e-3, 1e15, "\"10 MHz\"",
+                                     "pixels read per second along the axis, one after the other")),
+              &ElectronicFilter::pixel_clock_hz},
+        Field{kAxisInfo, &ElectronicFilter::axis}};
   }
 
   /// Frequency along the axis, and f0 there, both in cy/mm.

@@ -15,66 +15,78 @@
 
 namespace mtf {
 
-/// FieldInfo plus where the value lives.
+/// The type of the row of a member; libraries add those of their own types of members.
+template <class T>
+inline constexpr FieldType kTypeOf = std::is_enum_v<T> ? FieldType::word : FieldType::number;
+template <class T>
+inline constexpr FieldType kTypeOf<std::optional<T>> = kTypeOf<T>;
+template <class S>
+inline constexpr FieldType kTypeOf<AxisPair<S>> = FieldType::size;
+template <class S>
+inline constexpr FieldType kTypeOf<SpatialFrequency<S>> = FieldType::frequency;
+template <class S>
+inline constexpr FieldType kTypeOf<std::vector<S>> = FieldType::numbers;
+template <class S>
+inline constexpr FieldType kTypeOf<std::vector<std::vector<S>>> = FieldType::rows;
+template <>
+inline constexpr FieldType kTypeOf<int> = FieldType::whole;
+template <>
+inline constexpr FieldType kTypeOf<bool> = FieldType::flag;
+template <>
+inline constexpr FieldType kTypeOf<Choice> = FieldType::word;
+template <>
+inline constexpr FieldType kTypeOf<std::string> = FieldType::file;
+template <>
+inline constexpr FieldType kTypeOf<std::shared_ptr<const Curve>> = FieldType::file;
+
+/// FieldInfo plus where the value lives, whose type gives the row its type where it states none, and for an enum E
+/// words(E).
 template <class Member>
 struct Field {
   FieldInfo info;
   Member member;
+
+  constexpr Field(FieldInfo row, Member where) : info(row), member(where) { set_type(where); }
+
+ private:
+  template <class Owner, class Value>
+  constexpr void set_type(Value Owner::*) {
+    if (info.type == FieldType::number) info.type = kTypeOf<Value>;
+    set_words(static_cast<const Value*>(nullptr));
+  }
+  template <class Value>
+  constexpr void set_words(const Value*) {
+    if constexpr (requires { words(Value{}); }) info.words = words(Value{});
+  }
+  template <class Value>
+  constexpr void set_words(const std::optional<Value>*) {
+    set_words(static_cast<const Value*>(nullptr));
+  }
 };
-template <class Member>
-Field(FieldInfo, Member) -> Field<Member>;
 
 inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// Rows that several tables share, word for word.
-inline constexpr FieldInfo kFNumberInfo{.name = "f_number",
-                                        .lo = 0.1,
-                                        .hi = 1e4,
-                                        .presence = Presence::shared,
-                                        .example = "2.0",
-                                        .doc = "focal length / aperture"};
-inline constexpr FieldInfo kWavelengthInfo{.name = "wavelength",
-                                           .dimension = Dimension::length,
-                                           .unit = "um",
-                                           .lo = 0.01,
-                                           .hi = 1e5,
-                                           .presence = Presence::shared,
-                                           .example = "\"4.0 um\"",
-                                           .doc = "fixed wavelength instead of the band"};
+inline constexpr FieldInfo kFNumberInfo = shared(required_row("f_number", 0.1, 1e4, "2.0", "focal length / aperture"));
+inline constexpr FieldInfo kWavelengthInfo = shared(required_row("wavelength", Dimension::length, "um", 0.01, 1e5,
+                                                                 "\"4.0 um\"", "fixed wavelength instead of the band"));
 
-inline constexpr FieldInfo kObscurationInfo{.name = "obscuration",
-                                            .lo = 0.0,
-                                            .hi = 1.0,
-                                            .hi_open = true,
-                                            .presence = Presence::shared,
-                                            .example = "0.3",
-                                            .doc = "central obscuration, inner / outer diameter"};
+inline constexpr FieldInfo kObscurationInfo =
+    below(shared(required_row("obscuration", 0.0, 1.0, "0.3", "central obscuration, inner / outer diameter")));
 /// Overlaps of a narrower ring by quadrature would be differences without digits.
 inline constexpr double kLargestObscuration = 0.999;
-inline constexpr FieldInfo kQuadratureObscurationInfo{.name = "obscuration",
-                                                      .lo = 0.0,
-                                                      .hi = kLargestObscuration,
-                                                      .presence = Presence::shared,
-                                                      .example = "0.3",
-                                                      .doc = "central obscuration, inner / outer diameter"};
-inline constexpr FieldInfo kWavelengthReferenceInfo{
-    .name = "wavelength_reference",
-    .dimension = Dimension::length,
-    .unit = "um",
-    .lo = 0.01,
-    .hi = 1e5,
-    .presence = Presence::optional,
-    .example = "\"0.6328 um\"",
-    .doc = "wavelength at which the waves are stated; without it they hold at every wavelength"};
+inline constexpr FieldInfo kQuadratureObscurationInfo =
+    shared(required_row("obscuration", 0.0, kLargestObscuration, "0.3", "central obscuration, inner / outer diameter"));
+inline constexpr FieldInfo kWavelengthReferenceInfo =
+    optional_row("wavelength_reference", Dimension::length, "um", 0.01, 1e5, "\"0.6328 um\"",
+                 "wavelength at which the waves are stated; without it they hold at every wavelength");
 
 /// For a component of which the user alone knows the part of the sensor: blur by its size, a measured curve.
 inline constexpr std::array<std::string_view, 7> kSensorPartNames{"unspecified", "optics",      "path",   "detector",
                                                                   "motion",      "electronics", "display"};
-inline constexpr FieldInfo kPartInfo{
-    .name = "part",
-    .presence = Presence::optional,
-    .example = "\"optics\"",
-    .doc = "part of the sensor whose blur this is: figures of the optics or the detector alone count it there"};
+inline constexpr FieldInfo kPartInfo =
+    optional_row("part", "\"optics\"",
+                 "part of the sensor whose blur this is: figures of the optics or the detector alone count it there");
 
 /// The shared optics of a field marked Presence::shared; a component's own value wins. Evaluated only after check().
 template <class S>
@@ -122,8 +134,7 @@ S waves_at(const S& waves, const std::optional<S>& wavelength_reference_um, cons
 }
 
 inline constexpr std::array<std::string_view, 2> kAxisNames{"x", "y"};
-inline constexpr FieldInfo kAxisInfo{
-    .name = "axis", .presence = Presence::optional, .example = "\"x\"", .doc = "axis of the scan or readout"};
+inline constexpr FieldInfo kAxisInfo = optional_row("axis", "\"x\"", "axis of the scan or readout");
 inline Axis axis_of(const Choice& choice) { return choice.index == 0 ? Axis::x : Axis::y; }
 
 /// Component of f along an axis.
@@ -132,14 +143,8 @@ const S& along(const Freq<S>& f, Axis axis) {
   return axis == Axis::x ? f.x : f.y;
 }
 
-inline constexpr FieldInfo kDirectionInfo{.name = "direction",
-                                          .dimension = Dimension::angle,
-                                          .unit = "deg",
-                                          .lo = -360.0,
-                                          .hi = 360.0,
-                                          .presence = Presence::optional,
-                                          .example = "\"30 deg\"",
-                                          .doc = "from +x (right) to +y (down)"};
+inline constexpr FieldInfo kDirectionInfo =
+    optional_row("direction", Dimension::angle, "deg", -360.0, 360.0, "\"30 deg\"", "from +x (right) to +y (down)");
 
 /// (cos, sin) of a direction, exact at multiples of 90 degrees. The angle is divided in double: rounded to float after
 /// the division, it would turn the frequencies by up to pi x 2^-24, which costs the phase of a motion over n cycles an

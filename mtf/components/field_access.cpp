@@ -1,10 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mtf/components/field_access.h"
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 
 namespace mtf {
+
+std::vector<std::string_view> words_in(std::string_view text) {
+  std::vector<std::string_view> names;
+  while (!text.empty()) {
+    names.push_back(text.substr(0, text.find(' ')));
+    text.remove_prefix(std::min(names.back().size() + 1, text.size()));
+  }
+  return names;
+}
 
 bool in_range(const FieldInfo& info, double value) {
   return std::isfinite(value) && (info.lo_open ? value > info.lo : value >= info.lo) &&

@@ -22,11 +22,8 @@ struct Fir {
   Taps<S> taps{};
 
   static constexpr auto fields() {
-    return std::tuple{Field{FieldInfo{.name = "taps",
-                                      .lo = -1e6,
-                                      .hi = 1e6,
-                                      .example = "[[0, -0.25, 0], [-0.25, 2.0, -0.25], [0, -0.25, 0]]",
-                                      .doc = "rows of an odd by odd kernel; the response to one bright pixel"},
+    return std::tuple{Field{required_row("taps", -1e6, 1e6, "[[0, -0.25, 0], [-0.25, 2.0, -0.25], [0, -0.25, 0]]",
+                                         "rows of an odd by odd kernel; the response to one bright pixel"),
                             &Fir::taps}};
   }
   bool mirrored(bool in_x, bool in_y) const { return mirrored_taps(taps, in_x, in_y); }

@@ -23,20 +23,11 @@ struct Footprint {
   std::optional<S> fill_factor{};
 
   static constexpr auto fields() {
-    return std::tuple{Field{FieldInfo{.name = "width",
-                                      .dimension = Dimension::extent,
-                                      .lo = 0.0,
-                                      .hi = 1e9,
-                                      .presence = Presence::optional,
-                                      .example = "\"15 um\"",
-                                      .doc = "active width, per axis"},
+    return std::tuple{Field{excluding("fill_factor", optional_row("width", Dimension::extent, "", 0.0, 1e9, "\"15 um\"",
+                                                                  "active width, per axis")),
                             &Footprint::width},
-                      Field{FieldInfo{.name = "fill_factor",
-                                      .lo = 1e-9,
-                                      .hi = 1.0,
-                                      .presence = Presence::optional,
-                                      .example = "0.9",
-                                      .doc = "active area / cell area, instead of width"},
+                      Field{excluding("width", optional_row("fill_factor", 1e-9, 1.0, "0.9",
+                                                            "active area / cell area, instead of width")),
                             &Footprint::fill_factor}};
   }
   S width_mm(Axis axis, const Context<S>& ctx) const {

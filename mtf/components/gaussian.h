@@ -38,12 +38,8 @@ struct Gaussian {
   Choice part{0, kSensorPartNames};
 
   static constexpr auto fields() {
-    return std::tuple{Field{FieldInfo{.name = "sigma",
-                                      .dimension = Dimension::extent,
-                                      .lo = 0.0,
-                                      .hi = 1e9,
-                                      .example = "\"3 um\"",
-                                      .doc = "standard deviation of the point spread, per axis"},
+    return std::tuple{Field{required_row("sigma", Dimension::extent, "", 0.0, 1e9, "\"3 um\"",
+                                         "standard deviation of the point spread, per axis"),
                             &Gaussian::sigma},
                       Field{kPartInfo, &Gaussian::part}};
   }

@@ -31,21 +31,10 @@ struct Halo {
 
   static constexpr auto fields() {
     return std::tuple{
-        Field{FieldInfo{
-                  .name = "fraction", .lo = 0.0, .hi = 1.0, .example = "0.05", .doc = "part of the light in the halo"},
-              &Halo::fraction},
-        Field{FieldInfo{.name = "width",
-                        .dimension = Dimension::extent,
-                        .lo = 1e-6,
-                        .hi = 1e9,
-                        .example = "\"200 um\"",
-                        .doc = "width w of the halo, per axis"},
+        Field{required_row("fraction", 0.0, 1.0, "0.05", "part of the light in the halo"), &Halo::fraction},
+        Field{required_row("width", Dimension::extent, "", 1e-6, 1e9, "\"200 um\"", "width w of the halo, per axis"),
               &Halo::width},
-        Field{FieldInfo{.name = "profile",
-                        .presence = Presence::optional,
-                        .example = "\"lorentz\"",
-                        .doc = "gaussian, exponential or lorentz"},
-              &Halo::profile}};
+        Field{optional_row("profile", "\"lorentz\"", "gaussian, exponential or lorentz"), &Halo::profile}};
   }
   Traits traits(const Context<S>& ctx) const {
     return {.radial = width.isotropic(ctx.frame), .even_x = true, .even_y = true};

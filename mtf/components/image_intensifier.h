@@ -24,18 +24,10 @@ struct ImageIntensifier {
   S index{1};
 
   static constexpr auto fields() {
-    return std::tuple{Field{FieldInfo{.name = "frequency",
-                                      .dimension = Dimension::frequency,
-                                      .lo = 1e-9,
-                                      .hi = 1e9,
-                                      .example = "\"30 cy/mm\"",
-                                      .doc = "frequency f0 at which the MTF is 1/e"},
+    return std::tuple{Field{required_row("frequency", Dimension::frequency, "", 1e-9, 1e9, "\"30 cy/mm\"",
+                                         "frequency f0 at which the MTF is 1/e"),
                             &ImageIntensifier::frequency},
-                      Field{FieldInfo{.name = "index",
-                                      .lo = 1.0,
-                                      .hi = 4.0,
-                                      .example = "1.4",
-                                      .doc = "device index n, 1.0 to 2.0 in Johnson's tables"},
+                      Field{required_row("index", 1.0, 4.0, "1.4", "device index n, 1.0 to 2.0 in Johnson's tables"),
                             &ImageIntensifier::index}};
   }
   /// Cycles per pixel of pixels that are not square make circles into ellipses.

@@ -108,18 +108,11 @@ struct Interpolation {
   std::optional<S> a{};
 
   static constexpr auto fields() {
-    return std::tuple{
-        Field{
-            FieldInfo{
-                .name = "kernel", .example = "\"cubic\"", .doc = "nearest, linear, cubic, bspline or six_coefficient"},
-            &Interpolation::kernel},
-        Field{FieldInfo{.name = "a",
-                        .lo = -2.0,
-                        .hi = 0.0,
-                        .presence = Presence::optional,
-                        .example = "-0.5",
-                        .doc = "parameter of the cubic kernel, its slope at one pixel; -0.5 unless given"},
-              &Interpolation::a}};
+    return std::tuple{Field{required_row("kernel", "\"cubic\"", "nearest, linear, cubic, bspline or six_coefficient"),
+                            &Interpolation::kernel},
+                      Field{optional_row("a", -2.0, 0.0, "-0.5",
+                                         "parameter of the cubic kernel, its slope at one pixel; -0.5 unless given"),
+                            &Interpolation::a}};
   }
   double cubic_a() const { return a ? value_of(*a) : -0.5; }
   Traits traits(const Context<S>& ctx) const {

@@ -21,13 +21,9 @@ struct Jitter {
   AxisPair<S> rms{};
 
   static constexpr auto fields() {
-    return std::tuple{Field{FieldInfo{.name = "rms",
-                                      .dimension = Dimension::extent,
-                                      .lo = 0.0,
-                                      .hi = 1e9,
-                                      .example = "\"8 urad\"",
-                                      .doc = "rms displacement of one axis, one sigma"},
-                            &Jitter::rms}};
+    return std::tuple{Field{
+        required_row("rms", Dimension::extent, "", 0.0, 1e9, "\"8 urad\"", "rms displacement of one axis, one sigma"),
+        &Jitter::rms}};
   }
   Traits traits(const Context<S>& ctx) const { return GaussianOtf<S>::traits(rms, ctx); }
   Complex<S> otf(const Freq<S>& f, const Context<S>& ctx) const { return GaussianOtf<S>::otf(rms, f, ctx); }

@@ -55,8 +55,7 @@ struct Butterworth : ElectronicFilter<S> {
   static constexpr auto fields() {
     return std::tuple_cat(
         ElectronicFilter<S>::fields(),
-        std::tuple{Field{FieldInfo{.name = "poles", .lo = 1.0, .hi = 20.0, .example = "3", .doc = "number of poles"},
-                         &Butterworth::poles}});
+        std::tuple{Field{required_row("poles", 1.0, 20.0, "3", "number of poles"), &Butterworth::poles}});
   }
   Traits traits(const Context<S>&) const {
     const bool x = this->axis.index == 0;

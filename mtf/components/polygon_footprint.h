@@ -26,20 +26,13 @@ struct PolygonFootprint {
   AxisPair<S> unit_length{};
 
   static constexpr auto fields() {
-    return std::tuple{
-        Field{FieldInfo{.name = "vertices",
-                        .lo = -1e6,
-                        .hi = 1e6,
-                        .example = "[[-0.5, -0.5], [0.5, -0.5], [0.5, 0.1], [0.1, 0.1], [0.1, 0.5], [-0.5, 0.5]]",
-                        .doc = "corners [x, y] in order, in units of unit_length"},
-              &PolygonFootprint::vertices},
-        Field{FieldInfo{.name = "unit_length",
-                        .dimension = Dimension::extent,
-                        .lo = 0.0,
-                        .hi = 1e9,
-                        .example = "\"15 um\"",
-                        .doc = "length that 1 stands for in vertices, per axis"},
-              &PolygonFootprint::unit_length}};
+    return std::tuple{Field{required_row("vertices", -1e6, 1e6,
+                                         "[[-0.5, -0.5], [0.5, -0.5], [0.5, 0.1], [0.1, 0.1], [0.1, 0.5], [-0.5, 0.5]]",
+                                         "corners [x, y] in order, in units of unit_length"),
+                            &PolygonFootprint::vertices},
+                      Field{required_row("unit_length", Dimension::extent, "", 0.0, 1e9, "\"15 um\"",
+                                         "length that 1 stands for in vertices, per axis"),
+                            &PolygonFootprint::unit_length}};
   }
   std::vector<Point> points() const {
     std::vector<Point> all;

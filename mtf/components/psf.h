@@ -32,19 +32,12 @@ struct Psf {
 
   static constexpr auto fields() {
     return std::tuple{
-        Field{FieldInfo{.name = "samples",
-                        .lo = -1e12,
-                        .hi = 1e12,
-                        .example = "[[0, 0, 0.01, 0, 0], [0, 0.05, 0.15, 0.04, 0], [0.01, 0.15, 0.6, 0.16, 0.02], "
-                                   "[0, 0.04, 0.15, 0.05, 0], [0, 0, 0.01, 0, 0]]",
-                        .doc = "rows of the PSF, odd by odd, in any unit; the middle one is its origin"},
+        Field{required_row("samples", -1e12, 1e12,
+                           "[[0, 0, 0.01, 0, 0], [0, 0.05, 0.15, 0.04, 0], [0.01, 0.15, 0.6, 0.16, 0.02], "
+                           "[0, 0.04, 0.15, 0.05, 0], [0, 0, 0.01, 0, 0]]",
+                           "rows of the PSF, odd by odd, in any unit; the middle one is its origin"),
               &Psf::samples},
-        Field{FieldInfo{.name = "step",
-                        .dimension = Dimension::extent,
-                        .lo = 1e-6,
-                        .hi = 1e9,
-                        .example = "\"2 um\"",
-                        .doc = "spacing of the samples, per axis"},
+        Field{required_row("step", Dimension::extent, "", 1e-6, 1e9, "\"2 um\"", "spacing of the samples, per axis"),
               &Psf::step},
         Field{kPartInfo, &Psf::part}};
   }

@@ -27,11 +27,9 @@ struct RcHighpass : ElectronicFilter<S> {
 
   static constexpr auto fields() {
     return std::tuple_cat(ElectronicFilter<S>::fields(),
-                          std::tuple{Field{FieldInfo{.name = "dc",
-                                                     .presence = Presence::optional,
-                                                     .example = "\"keep\"",
-                                                     .doc = "mean of each line along the axis: keep (DC restoration) "
-                                                            "or remove"},
+                          std::tuple{Field{optional_row("dc", "\"keep\"",
+                                                        "mean of each line along the axis: keep (DC restoration) "
+                                                        "or remove"),
                                            &RcHighpass::dc}});
   }
   bool keeps_mean() const { return dc.index == 0; }

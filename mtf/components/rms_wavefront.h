@@ -27,16 +27,10 @@ struct RmsWavefront {
   OptionalIn<S, micrometres> wavelength_um{};
 
   static constexpr auto fields() {
-    return std::tuple{Field{FieldInfo{.name = "rms",
-                                      .unit = "",
-                                      .lo = 0.0,
-                                      .hi = 1.0,
-                                      .example = "0.07",
-                                      .doc = "rms wavefront error in waves"},
-                            &RmsWavefront::rms_waves},
-                      Field{kWavelengthReferenceInfo, &RmsWavefront::wavelength_reference_um},
-                      Field{kFNumberInfo, &RmsWavefront::f_number},
-                      Field{kWavelengthInfo, &RmsWavefront::wavelength_um}};
+    return std::tuple{
+        Field{required_row("rms", 0.0, 1.0, "0.07", "rms wavefront error in waves"), &RmsWavefront::rms_waves},
+        Field{kWavelengthReferenceInfo, &RmsWavefront::wavelength_reference_um},
+        Field{kFNumberInfo, &RmsWavefront::f_number}, Field{kWavelengthInfo, &RmsWavefront::wavelength_um}};
   }
   Traits traits(const Context<S>&) const {
     return {.radial = true, .even_x = true, .even_y = true, .chromatic = !wavelength_um};

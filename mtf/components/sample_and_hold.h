@@ -23,12 +23,8 @@ struct SampleAndHold {
   Choice axis{0, kAxisNames};
 
   static constexpr auto fields() {
-    return std::tuple{Field{FieldInfo{.name = "width",
-                                      .dimension = Dimension::extent,
-                                      .lo = 0.0,
-                                      .hi = 1e9,
-                                      .example = "\"1 px\"",
-                                      .doc = "width of the hold, at the focal plane"},
+    return std::tuple{Field{required_row("width", Dimension::extent, "", 0.0, 1e9, "\"1 px\"",
+                                         "width of the hold, at the focal plane"),
                             &SampleAndHold::width},
                       Field{kAxisInfo, &SampleAndHold::axis}};
   }

@@ -25,24 +25,14 @@ struct Tdi {
   Choice axis{0, kAxisNames};
 
   static constexpr auto fields() {
-    return std::tuple{
-        Field{FieldInfo{.name = "stages", .lo = 1.0, .hi = 1e5, .example = "32", .doc = "number of stages"},
-              &Tdi::stage_count},
-        Field{FieldInfo{.name = "slip",
-                        .dimension = Dimension::extent,
-                        .lo = 0.0,
-                        .hi = 1e9,
-                        .example = "\"0.34 um\"",
-                        .doc = "displacement of the image against the charge per stage"},
-              &Tdi::slip},
-        Field{FieldInfo{.name = "clock_phases",
-                        .lo = 0.0,
-                        .hi = 100.0,
-                        .presence = Presence::optional,
-                        .example = "3",
-                        .doc = "charge steps per pitch; 0: motion of the charge taken as even"},
-              &Tdi::clock_phases},
-        Field{kAxisInfo, &Tdi::axis}};
+    return std::tuple{Field{required_row("stages", 1.0, 1e5, "32", "number of stages"), &Tdi::stage_count},
+                      Field{required_row("slip", Dimension::extent, "", 0.0, 1e9, "\"0.34 um\"",
+                                         "displacement of the image against the charge per stage"),
+                            &Tdi::slip},
+                      Field{optional_row("clock_phases", 0.0, 100.0, "3",
+                                         "charge steps per pitch; 0: motion of the charge taken as even"),
+                            &Tdi::clock_phases},
+                      Field{kAxisInfo, &Tdi::axis}};
   }
   S slip_mm(const Context<S>& ctx) const {
     return (axis.index == 0 ? slip.x_um(ctx.frame) : slip.y_um(ctx.frame)) * S(1e-3);

@@ -60,28 +60,15 @@ struct Unsharp {
   OptionalIn<S, pixels> sigma_px{};
 
   static constexpr auto fields() {
-    return std::tuple{Field{FieldInfo{.name = "amount",
-                                      .lo = 0.0,
-                                      .hi = 100.0,
-                                      .example = "0.8",
-                                      .doc = "weight of the difference between the image and its blurred copy"},
-                            &Unsharp::amount},
-                      Field{FieldInfo{.name = "size",
-                                      .lo = 1.0,
-                                      .hi = 1001.0,
-                                      .presence = Presence::optional,
-                                      .example = "3",
-                                      .doc = "side of the box that blurs, in pixels; odd"},
-                            &Unsharp::size},
-                      Field{FieldInfo{.name = "sigma",
-                                      .dimension = Dimension::pixel,
-                                      .unit = "px",
-                                      .lo = 0.05,
-                                      .hi = 1000.0,
-                                      .presence = Presence::optional,
-                                      .example = "\"1.5 px\"",
-                                      .doc = "standard deviation of Gaussian taps that blur, instead of the box"},
-                            &Unsharp::sigma_px}};
+    return std::tuple{
+        Field{required_row("amount", 0.0, 100.0, "0.8",
+                           "weight of the difference between the image and its blurred copy"),
+              &Unsharp::amount},
+        Field{excluding("sigma", optional_row("size", 1.0, 1001.0, "3", "side of the box that blurs, in pixels; odd")),
+              &Unsharp::size},
+        Field{excluding("size", optional_row("sigma", Dimension::pixel, "px", 0.05, 1000.0, "\"1.5 px\"",
+                                             "standard deviation of Gaussian taps that blur, instead of the box")),
+              &Unsharp::sigma_px}};
   }
   Traits traits(const Context<S>& ctx) const {
     return {.even_x = true, .even_y = true, .square = ctx.frame.square(), .gain = true};

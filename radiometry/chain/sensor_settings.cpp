@@ -44,8 +44,7 @@ constexpr mtf::GivenWord kThermal{"detector", "kind", "thermal"};
 mtf::TableInfo in_volts(mtf::TableInfo table) {
   using mtf::Dimension;
   table.where = kThermal;
-  for (mtf::SettingInfo& row : table.settings) {
-    FieldInfo& info = row.info;
+  for (FieldInfo& info : table.settings) {
     if (info.dimension != Dimension::electrons) continue;
     info.dimension = Dimension::voltage;
     info.unit = "V";
@@ -62,14 +61,13 @@ mtf::TableInfo in_volts(mtf::TableInfo table) {
 }
 
 void drop_row(mtf::TableInfo& table, std::string_view name) {
-  std::erase_if(table.settings, [&](const mtf::SettingInfo& row) { return row.info.name == name; });
+  std::erase_if(table.settings, [&](const FieldInfo& row) { return row.name == name; });
 }
 
 /// Flat frames of a thermal detector are those of two blackbodies.
 void set_blackbodies(mtf::TableInfo& table) {
   const auto blackbody = [](std::string_view name, std::string_view example, std::string_view doc) {
-    return mtf::SettingInfo{
-        optional_row(name, mtf::Dimension::temperature, "K", 1.0, kMostTemperature_k, example, doc)};
+    return optional_row(name, mtf::Dimension::temperature, "K", 1.0, kMostTemperature_k, example, doc);
   };
   for (const auto& [key, row] :
        {std::pair{"low", blackbody("cold", "\"10 degC\"", "of the blackbody that the cold flat frame shows")},
@@ -101,9 +99,8 @@ mtf::TableInfo thermal_detector_table() {
 std::vector<mtf::TableInfo> thermal_tables(const std::vector<mtf::TableInfo>& photon) {
   std::vector<mtf::TableInfo> tables{thermal_detector_table()};
   for (const mtf::TableInfo& table : photon) {
-    const bool electrons = std::any_of(table.settings.begin(), table.settings.end(), [](const mtf::SettingInfo& row) {
-      return row.info.dimension == mtf::Dimension::electrons;
-    });
+    const bool electrons = std::any_of(table.settings.begin(), table.settings.end(),
+                                       [](const FieldInfo& row) { return row.dimension == mtf::Dimension::electrons; });
     if (table.name == "detector" || !(electrons || table.name == "lag" || table.name == "correction")) continue;
     tables.push_back(in_volts(table));
     mtf::TableInfo& added = tables.back();
@@ -113,7 +110,7 @@ std::vector<mtf::TableInfo> thermal_tables(const std::vector<mtf::TableInfo>& ph
     }
     if (table.name == "correction") set_blackbodies(added);
     if (table.name == "lag")
-      added.settings.front().info.presence = mtf::Presence::optional;  // or heat_capacity / conductance
+      added.settings.front().presence = mtf::Presence::optional;  // or heat_capacity / conductance
   }
   return tables;
 }

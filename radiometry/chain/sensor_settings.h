@@ -254,8 +254,7 @@ struct AdcSettings {
   static constexpr auto fields() {
     using enum mtf::Dimension;
     return std::tuple{
-        Field{FieldInfo{.name = "bits", .lo = 1, .hi = 32, .example = "14", .doc = "bits of a count"},
-              &AdcSettings::bits},
+        Field{required_row("bits", 1, 32, "14", "bits of a count"), &AdcSettings::bits},
         Field{optional_row("electrons_per_count", electrons, "e-", 1e-30, 1e30, "\"420 e-\"",
                            "else the full well fills the range"),
               &AdcSettings::electrons_per_count},

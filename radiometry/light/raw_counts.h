@@ -27,7 +27,7 @@ struct CountCamera {
   static constexpr auto fields() {
     constexpr auto row = [](std::string_view name, std::string_view unit, double lo, double hi, std::string_view doc,
                             auto member) {
-      return Field{FieldInfo{.name = name, .unit = unit, .lo = lo, .hi = hi, .lo_open = true, .doc = doc}, member};
+      return Field{above(required_row(name, mtf::Dimension::none, unit, lo, hi, "", doc)), member};
     };
     return std::tuple{row("R1", "", 0.0, 1e12, "scale of the counts", &CountCamera::r1),
                       row("B", "K", 0.0, 1e9, "c2 over the mean wavelength", &CountCamera::b_k),

@@ -60,19 +60,11 @@ struct Camera {
 
   static constexpr auto fields() {
     constexpr auto fraction = [](std::string_view name, std::string_view doc, auto member) {
-      return Field{FieldInfo{.name = name, .lo = 0.0, .hi = 1.0, .presence = mtf::Presence::optional, .doc = doc},
-                   member};
+      return Field{optional_row(name, 0.0, 1.0, "", doc), member};
     };
     return std::tuple{
-        Field{FieldInfo{.name = "f_number", .lo = 0.1, .hi = 1e4, .example = "2.0", .doc = "f-number at the image"},
-              &Camera::f_number},
-        Field{FieldInfo{.name = "obscuration",
-                        .lo = 0.0,
-                        .hi = 1.0,
-                        .hi_open = true,
-                        .presence = mtf::Presence::optional,
-                        .doc = "linear obscuration"},
-              &Camera::obscuration},
+        Field{required_row("f_number", 0.1, 1e4, "2.0", "f-number at the image"), &Camera::f_number},
+        Field{below(optional_row("obscuration", 0.0, 1.0, "", "linear obscuration")), &Camera::obscuration},
         fraction("transmission", "transmission of the warm optics", &Camera::transmission),
         fraction("cold_transmission", "transmission of the cold filter", &Camera::cold_transmission),
         fraction("optics_emissivity", "emissivity of the warm optics", &Camera::optics_emissivity),
@@ -101,37 +93,16 @@ struct Pixel {
   static constexpr auto fields() {
     constexpr auto positive = [](std::string_view name, mtf::Dimension dimension, std::string_view unit, double hi,
                                  std::string_view example, std::string_view doc, auto member) {
-      return Field{FieldInfo{.name = name,
-                             .dimension = dimension,
-                             .unit = unit,
-                             .lo = 0.0,
-                             .hi = hi,
-                             .lo_open = true,
-                             .example = example,
-                             .doc = doc},
-                   member};
+      return Field{above(required_row(name, dimension, unit, 0.0, hi, example, doc)), member};
     };
     return std::tuple{
         positive("width", mtf::Dimension::length, "um", 1e6, "\"15 um\"", "width of the active area", &Pixel::width_um),
         positive("height", mtf::Dimension::length, "um", 1e6, "\"15 um\"", "height of the active area",
                  &Pixel::height_um),
-        Field{FieldInfo{.name = "quantum_efficiency",
-                        .lo = 0.0,
-                        .hi = 1.0,
-                        .presence = mtf::Presence::optional,
-                        .example = "0.75",
-                        .doc = "electrons per photon"},
-              &Pixel::quantum_efficiency},
+        Field{optional_row("quantum_efficiency", 0.0, 1.0, "0.75", "electrons per photon"), &Pixel::quantum_efficiency},
         positive("integration_time", mtf::Dimension::time, "s", 1e9, "\"10 ms\"", "integration time",
                  &Pixel::integration_s),
-        Field{FieldInfo{.name = "dark_current",
-                        .dimension = mtf::Dimension::current,
-                        .unit = "e-/s",
-                        .lo = 0.0,
-                        .hi = 1e30,
-                        .presence = mtf::Presence::optional,
-                        .example = "\"1e5 e-/s\"",
-                        .doc = "dark current"},
+        Field{optional_row("dark_current", mtf::Dimension::current, "e-/s", 0.0, 1e30, "\"1e5 e-/s\"", "dark current"),
               &Pixel::dark_e_s},
         positive("full_well", mtf::Dimension::electrons, "e-", std::numeric_limits<double>::infinity(), "\"1e7 e-\"",
                  "electrons a pixel can hold", &Pixel::full_well_e)};

@@ -43,28 +43,15 @@ struct NoiseTerms {
 
   static constexpr auto fields() {
     constexpr auto electrons = [](std::string_view name, std::string_view doc, auto member) {
-      return Field{FieldInfo{.name = name,
-                             .dimension = mtf::Dimension::electrons,
-                             .unit = "e-",
-                             .lo = 0.0,
-                             .hi = 1e15,
-                             .presence = mtf::Presence::optional,
-                             .example = "\"30 e-\"",
-                             .doc = doc},
-                   member};
+      return Field{optional_row(name, mtf::Dimension::electrons, "e-", 0.0, 1e15, "\"30 e-\"", doc), member};
     };
-    return std::tuple{electrons("read", "read noise, rms", &NoiseTerms::read_e),
-                      electrons("reset", "kTC noise, rms", &NoiseTerms::reset_e),
-                      electrons("other", "further temporal noise, rms", &NoiseTerms::other_e),
-                      electrons("step", "electrons per count", &NoiseTerms::step_e),
-                      Field{FieldInfo{.name = "prnu",
-                                      .lo = 0.0,
-                                      .hi = 1.0,
-                                      .presence = mtf::Presence::optional,
-                                      .example = "0.01",
-                                      .doc = "responsivity non-uniformity, rms fraction"},
-                            &NoiseTerms::prnu},
-                      electrons("dsnu", "offset non-uniformity, rms", &NoiseTerms::dsnu_e)};
+    return std::tuple{
+        electrons("read", "read noise, rms", &NoiseTerms::read_e),
+        electrons("reset", "kTC noise, rms", &NoiseTerms::reset_e),
+        electrons("other", "further temporal noise, rms", &NoiseTerms::other_e),
+        electrons("step", "electrons per count", &NoiseTerms::step_e),
+        Field{optional_row("prnu", 0.0, 1.0, "0.01", "responsivity non-uniformity, rms fraction"), &NoiseTerms::prnu},
+        electrons("dsnu", "offset non-uniformity, rms", &NoiseTerms::dsnu_e)};
   }
 };
 
@@ -92,10 +79,7 @@ struct ResetNoise {
   static constexpr auto fields() {
     constexpr auto row = [](std::string_view name, mtf::Dimension dimension, std::string_view unit,
                             std::string_view example, std::string_view doc, double ResetNoise::*member) {
-      return Field{
-          FieldInfo{
-              .name = name, .dimension = dimension, .unit = unit, .lo = 0.0, .hi = 1e6, .example = example, .doc = doc},
-          member};
+      return Field{required_row(name, dimension, unit, 0.0, 1e6, example, doc), member};
     };
     return std::tuple{row("capacitance", mtf::Dimension::capacitance, "F", "\"50 fF\"",
                           "capacitance that is reset before each integration", &ResetNoise::capacitance_f),

@@ -75,6 +75,14 @@ TEST(LiveEdits, OfKeysThatExcludeEachOtherTheNewOneCounts) {
   const std::string text = text_after({{Edit::Kind::set, "optics.aperture", "40 mm"}});
   EXPECT_NE(text.find("aperture = \"40 mm\""), std::string::npos);
   EXPECT_EQ(text.find("f_number"), std::string::npos);
+  const std::string motion = text_after(
+      {{Edit::Kind::add, "presample", "linear_motion"}, {Edit::Kind::set, "linear_motion.rate", "20 mrad/s"}});
+  EXPECT_NE(motion.find("rate = \"20 mrad/s\""), std::string::npos);
+  EXPECT_EQ(motion.find("travel"), std::string::npos);
+  auto sampled = mtf::io::parse_config(kText + "[scene]\nsample = \"15 um\"\n", "camera.toml", sensor_schema());
+  const auto scene = EditedSensor(std::make_shared<const mtf::io::SensorConfig>(std::move(sampled.config)))
+                         .with(std::vector<Edit>{{Edit::Kind::set, "scene.ifov", "100 urad"}});
+  EXPECT_NE(scene->text.find("[scene]\nifov = \"100 urad\"\n"), std::string::npos) << scene->text;
   // A value that is wrong by itself takes nothing away.
   EXPECT_NE(refusal_of({Edit::Kind::set, "optics.aperture", "-40 mm"}).find("aperture"), std::string::npos);
 }

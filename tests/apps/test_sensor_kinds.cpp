@@ -37,7 +37,7 @@ TEST(SensorKinds, ComponentsAreThoseOfTheList) {
     EXPECT_EQ(kind.parameters.size(), mtf::Component<double>::make(names[i]).fields().size());
     for (const Parameter& parameter : kind.parameters) {
       EXPECT_FALSE(parameter.doc.empty() || parameter.example.empty()) << kind.kind << "." << parameter.name;
-      EXPECT_EQ(parameter.type == Parameter::Type::word, !parameter.words.empty()) << kind.kind << parameter.name;
+      EXPECT_EQ(parameter.type == mtf::FieldType::word, !parameter.words.empty()) << kind.kind << parameter.name;
     }
   }
 }
@@ -47,7 +47,7 @@ TEST(SensorKinds, RowsAreThoseOfTheFieldTable) {
   EXPECT_TRUE(jitter.stages.presample && !jitter.stages.readout);
   EXPECT_EQ(jitter.part, mtf::SensorPart::motion);
   const Parameter& rms = named(jitter.parameters, "rms");
-  EXPECT_EQ(rms.type, Parameter::Type::size);
+  EXPECT_EQ(rms.type, mtf::FieldType::size);
   EXPECT_EQ(rms.unit, "um, urad or px");
   EXPECT_EQ(rms.hi, 1e9);
   EXPECT_EQ(rms.presence, mtf::Presence::required);
@@ -55,9 +55,9 @@ TEST(SensorKinds, RowsAreThoseOfTheFieldTable) {
   EXPECT_EQ(named(component_kind("gaussian").parameters, "part").default_value, "\"unspecified\"");
   EXPECT_EQ(named(component_kind("unsharp").parameters, "size").default_value, "3");
   EXPECT_EQ(named(component_kind("vibration").parameters, "phase").default_value, "\"0 deg\"");
-  EXPECT_EQ(named(component_kind("rc_highpass").parameters, "cutoff").type, Parameter::Type::frequency);
-  EXPECT_EQ(named(component_kind("fir").parameters, "taps").type, Parameter::Type::rows);
-  EXPECT_EQ(named(component_kind("curve").parameters, "file").type, Parameter::Type::file);
+  EXPECT_EQ(named(component_kind("rc_highpass").parameters, "cutoff").type, mtf::FieldType::frequency);
+  EXPECT_EQ(named(component_kind("fir").parameters, "taps").type, mtf::FieldType::rows);
+  EXPECT_EQ(named(component_kind("curve").parameters, "file").type, mtf::FieldType::file);
   EXPECT_EQ(named(component_kind("diffraction").parameters, "f_number").presence, mtf::Presence::shared);
 }
 
@@ -84,6 +84,37 @@ TEST(SensorKinds, DefaultsSayWhatCountsWhereNothingIsGiven) {
   EXPECT_GE(compared, 20);
 }
 
+/// Keys that take each other's place say so of each other, and the reader refuses both of them.
+TEST(SensorKinds, KeysThatExcludeEachOtherDoNotStandTogether) {
+  int pairs = 0;
+  const auto check = [&](const std::vector<Parameter>& rows, const std::string& owner, const std::string& head) {
+    for (const Parameter& row : rows)
+      for (const std::string_view key : mtf::words_in(row.excludes)) {
+        const Parameter& other = named(rows, key);
+        const auto back = mtf::words_in(other.excludes);
+        EXPECT_NE(std::find(back.begin(), back.end(), row.name), back.end()) << owner << "." << row.name;
+        std::string text = head;
+        for (const Parameter& each : rows)
+          if (each.presence == mtf::Presence::required || &each == &row || &each == &other)
+            text += std::string(each.name) + " = " + std::string(each.example) + "\n";
+        if (row.name == "gsd" || key == "gsd") text += "range = \"5 km\"\n";
+        EXPECT_FALSE(mtf::io::parse_config(text, "").ok()) << text;
+        ++pairs;
+      }
+  };
+  const SensorKinds kinds = sensor_kinds();
+  for (const ComponentKind& kind : kinds.components) {
+    const std::string list = kind.stages.presample ? "presample" : kind.stages.readout ? "readout" : "postsample";
+    check(kind.parameters, std::string(kind.kind),
+          kSensor + "[[" + list + "]]\nkind = \"" + std::string(kind.kind) + "\"\n");
+  }
+  const std::string frame = "schema = 1\n[frame]\nfocal_length = \"100 mm\"\npitch = \"15 um\"\n";
+  for (const TableKind& table : kinds.own_tables)
+    if (table.name != "frame")
+      check(table.parameters, std::string(table.name), frame + "[" + std::string(table.name) + "]\n");
+  EXPECT_GE(pairs, 30);
+}
+
 TEST(SensorKinds, TablesAreThoseOfTheChain) {
   const SensorKinds kinds = sensor_kinds();
   const auto tables = radiometry::sensor_tables();
@@ -93,11 +124,11 @@ TEST(SensorKinds, TablesAreThoseOfTheChain) {
     ASSERT_EQ(kinds.tables[i].parameters.size(), tables[i].settings.size());
     for (std::size_t k = 0; k < tables[i].settings.size(); ++k) {
       const Parameter& parameter = kinds.tables[i].parameters[k];
-      const mtf::SettingInfo& row = tables[i].settings[k];
-      EXPECT_EQ(parameter.name, row.info.name);
-      EXPECT_EQ(parameter.hi, row.info.hi);
-      EXPECT_EQ(parameter.unit, row.info.unit);
-      EXPECT_EQ(parameter.type == Parameter::Type::flag, row.type == mtf::SettingType::flag);
+      const mtf::FieldInfo& row = tables[i].settings[k];
+      EXPECT_EQ(parameter.name, row.name);
+      EXPECT_EQ(parameter.hi, row.hi);
+      EXPECT_EQ(parameter.unit, row.unit);
+      EXPECT_EQ(parameter.type == mtf::FieldType::flag, row.type == mtf::FieldType::flag);
       EXPECT_EQ(parameter.words.size(), row.words.size());
     }
   }

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "apps/scene/scene_file/scene_fields.h"
 #include "apps/scene/weather/si_units.h"
 #include "apps/text/words.h"
 #include "mtf/error.h"
@@ -27,83 +26,6 @@ std::string example_of(const FieldInfo& field) {
   return text;
 }
 
-/// Collects the rows of one table.
-class Rows {
- public:
-  Rows(std::string owner, const Node& table) : owner_(std::move(owner)), table_(&table) {}
-
-  /// A key that is in the file.
-  void stated(const FieldInfo& field) {
-    if (const Node* node = table_->find(field.name)) add(*table_, field, std::string(field.name), node, "");
-  }
-  /// A key that the file may leave out; `otherwise` counts then.
-  void optional(const FieldInfo& field, const std::string& otherwise) {
-    add(*table_, field, std::string(field.name), table_->find(field.name), otherwise);
-  }
-  /// Keys of a table within this one, that are in the file: "inside", "layers[0]".
-  void within(const std::string& part, const Node& table, std::span<const FieldInfo> fields) {
-    for (const FieldInfo& field : fields)
-      if (const Node* node = table.find(field.name)) add(table, field, part + "." + std::string(field.name), node, "");
-  }
-  SceneTable table(std::string title, std::string doc) && {
-    return {std::move(title), std::move(doc), std::move(rows_)};
-  }
-
- private:
-  void add(const Node& table, const FieldInfo& field, const std::string& path, const Node* node,
-           const std::string& otherwise) {
-    std::string key = path;
-    std::replace(key.begin(), key.end(), '.', ' ');
-    rows_.push_back({owner_ + "." + path, key, field, &table, cfg::number_of(node), otherwise});
-  }
-
-  std::string owner_;
-  const Node* table_;
-  std::vector<SceneRow> rows_{};
-};
-
-SceneTable weather_table(const Node& weather) {
-  Rows rows("weather", weather);
-  if (weather.find("file") == nullptr) {
-    for (const FieldInfo& field : scene::kConstants) rows.stated(field);
-    rows.stated(scene::kHumidity);
-    return std::move(rows).table("weather", "constant weather");
-  }
-  for (const FieldInfo& field : scene::kWeatherChanges)
-    rows.optional(field, field.unit.empty() ? "1.0" : "0 " + std::string(field.unit));
-  return std::move(rows).table("weather", "changes of the weather that the scene's file names");
-}
-
-SceneTable material_table(const Node& material, const std::string& name) {
-  const std::array layer_fields{scene::kThickness, scene::kConductivity, scene::kDensity, scene::kHeatCapacity,
-                                scene::kSource};
-  // Of the kinds of insides each has some of these.
-  const std::array inside_fields{scene::kTemperature,      scene::kFilm,       scene::kFlux,
-                                 scene::kSolarAbsorptance, scene::kEmissivity, scene::kPairThickness};
-  Rows rows("material." + name, material);
-  if (const Node* inside = material.find("inside")) rows.within("inside", *inside, inside_fields);
-  rows.stated(scene::kSolarAbsorptance);
-  rows.stated(scene::kEmissivity);
-  if (const Node* layers = material.find("layers"))
-    for (std::size_t i = 0; i < layers->items.size(); ++i)
-      rows.within("layers[" + std::to_string(i) + "]", layers->items[i], layer_fields);
-  rows.optional(scene::kWetFraction, "0.0");
-  rows.optional(scene::kGloss, "0.0");
-  return std::move(rows).table("material " + name,
-                               "what surfaces of this material are made of, from the outside inwards");
-}
-
-/// The part of `list` that is called `name` is item i of it.
-template <class Visit>
-void for_items(const Node& root, std::string_view list, const Visit& visit) {
-  const Node* found = root.find(list);
-  if (found == nullptr) return;
-  for (std::size_t i = 0; i < found->items.size(); ++i) {
-    const Node* name = found->items[i].find("name");
-    visit(found->items[i], name != nullptr ? name->text : std::to_string(i + 1));
-  }
-}
-
 struct Written {
   double number = 0.0;
   std::string unit;
@@ -122,6 +44,97 @@ std::optional<Written> quantity_in(const std::string& text, const FieldInfo& fie
   return Written{number, rest};
 }
 
+/// The numbers of one table of the file, by the rows of its type.
+class Rows {
+ public:
+  Rows(std::string owner, const Node& table) : owner_(std::move(owner)), table_(&table) {}
+
+  template <class T>
+  Rows& of() {
+    const T prototype{};
+    radiometry::for_each_field(prototype, [this](const FieldInfo& row, const auto& value) { add(row, value); });
+    return *this;
+  }
+  /// A number that the file states; where it does not, `otherwise` counts, unless that is empty.
+  void number(const FieldInfo& row, const std::string& otherwise = "") {
+    const Node* node = table_->find(row.name);
+    if (node == nullptr && otherwise.empty()) return;
+    const std::string path = part_ + std::string(row.name);
+    std::string key = path;
+    std::replace(key.begin(), key.end(), '.', ' ');
+    rows_.push_back({owner_ + "." + path, key, row, table_, cfg::number_of(node), otherwise});
+  }
+  SceneTable table(std::string title, std::string doc) && {
+    return {std::move(title), std::move(doc), std::move(rows_)};
+  }
+
+ private:
+  // Texts, words and points have no slider; what may be a number or the name of a file has one.
+  template <class Other>
+  void add(const FieldInfo&, const Other&) {}
+  void add(const FieldInfo& row, double value) {
+    number(row, row.presence == mtf::Presence::required ? ""
+                : row.unit.empty()                      ? cfg::toml_number(value)
+                                                        : mtf::with_unit(mtf::format_double(value), row.unit));
+  }
+  void add(const FieldInfo& row, const std::optional<double>&) { number(row); }
+  void add(const FieldInfo& row, const radiometry::heat::Schedule&) { number(row); }
+  void add(const FieldInfo& row, const std::optional<scene::GivenTemperature>&) { number(row); }
+  void add(const FieldInfo& row, const scene::Emissivity&) { number(row); }
+  void add(const FieldInfo& row, const std::optional<scene::Emissivity>&) { number(row); }
+  void add(const FieldInfo& row, scene::CloudSource) {
+    const Node* cloud = table_->find(row.name);
+    if (cloud != nullptr && quantity_in(written(*cloud), row)) number(row);
+  }
+  void add(const FieldInfo& row, const scene::Inside&) { within<scene::Inside>(row.name, table_->find(row.name)); }
+  void add(const FieldInfo& row, const scene::Convection&) {
+    within<scene::Convection>(row.name, table_->find(row.name));
+  }
+  void add(const FieldInfo& row, const std::vector<scene::LayerSection>&) {
+    const Node* layers = table_->find(row.name);
+    for (std::size_t i = 0; layers != nullptr && i < layers->items.size(); ++i)
+      within<scene::LayerSection>(std::string(row.name) + "[" + std::to_string(i) + "]", &layers->items[i]);
+  }
+  /// Of a table within this one, what the file states: "inside", "layers[0]".
+  template <class T>
+  void within(std::string_view part, const Node* table) {
+    if (table == nullptr || table->kind != Node::Kind::table) return;
+    const T prototype{};
+    Rows rows(owner_, *table);
+    rows.part_ = part_ + std::string(part) + ".";
+    radiometry::for_each_field(prototype, [&](const FieldInfo& row, const auto& value) {
+      if (table->find(row.name) != nullptr) rows.add(row, value);
+    });
+    rows_.insert(rows_.end(), rows.rows_.begin(), rows.rows_.end());
+  }
+
+  std::string owner_, part_{};
+  const Node* table_;
+  std::vector<SceneRow> rows_{};
+};
+
+/// Constant weather has the values that the file states, weather of a file what changes its records.
+SceneTable weather_table(const Node& weather) {
+  Rows rows("weather", weather);
+  if (weather.find("file") != nullptr)
+    return std::move(rows.of<scene::WeatherChange>())
+        .table("weather", "changes of the weather that the scene's file names");
+  for (const FieldInfo& row : scene::kConstants) rows.number(row);
+  rows.number(scene::kHumidity);
+  return std::move(rows).table("weather", "constant weather");
+}
+
+/// The part of `list` that is called `name` is item i of it.
+template <class Visit>
+void for_items(const Node& root, std::string_view list, const Visit& visit) {
+  const Node* found = root.find(list);
+  if (found == nullptr) return;
+  for (std::size_t i = 0; i < found->items.size(); ++i) {
+    const Node* name = found->items[i].find("name");
+    visit(found->items[i], name != nullptr ? name->text : std::to_string(i + 1));
+  }
+}
+
 /// A value in SI in that unit: units of scene files are linear.
 double in_unit(double si, const std::string& unit, const FieldInfo& field) {
   const double zero = scene::parse_si("0 " + unit, field.unit, example_of(field));
@@ -132,26 +145,15 @@ double in_unit(double si, const std::string& unit, const FieldInfo& field) {
 SliderRange range_of(const FieldInfo& field, double number, double lo, double hi) {
   constexpr double kLargestOffset = 300.0;  // of weather: an offset to either side
   if (field.lo == -field.hi && field.hi <= kLargestOffset) return {lo, hi, false};
-  const Parameter row{.name = field.name,
-                      .unit = field.unit,
-                      .dimension = field.unit == "K" ? mtf::Dimension::temperature : mtf::Dimension::none,
-                      .lo = field.lo,
-                      .hi = field.hi,
-                      .lo_open = field.lo_open,
-                      .hi_open = field.hi_open};
+  FieldInfo row = field;
+  if (field.unit == "K") row.dimension = mtf::Dimension::temperature;
   return slider_range(row, number, lo, hi);
 }
 
 Json row_json(const SceneRow& row) {
   const FieldInfo& field = row.field;
   const std::string text = row.node != nullptr ? written(*row.node) : row.otherwise, example = example_of(field);
-  Json json{{"name", row.name},
-            {"key", row.key},
-            {"given", row.node != nullptr},
-            {"doc", field.doc},
-            {"text", text},
-            {"example", example},
-            {"presence", field.presence == mtf::Presence::required ? "required" : "optional"}};
+  Json json = row_head(field, row.name, row.key, row.node != nullptr, text);
   // In place of a schedule the slider begins at the example, which shows what is usual.
   const auto stated = quantity_in(text, field);
   const Written now = stated ? *stated : quantity_in(example, field).value();
@@ -220,26 +222,22 @@ std::string with_value(const std::string& text, const std::string& start, const 
 std::vector<SceneTable> scene_tables(const Node& root) {
   std::vector<SceneTable> tables;
   if (const Node* weather = root.find("weather")) tables.push_back(weather_table(*weather));
-  if (const Node* sky = root.find("sky")) {
-    Rows rows("sky", *sky);
-    if (const Node* cloud = sky->find("cloud"); cloud != nullptr && quantity_in(written(*cloud), scene::kCloud))
-      rows.stated(scene::kCloud);
-    tables.push_back(std::move(rows).table("sky", "clouds"));
-  }
-  for_items(root, "material",
-            [&](const Node& material, const std::string& name) { tables.push_back(material_table(material, name)); });
-  for_items(root, "region", [&](const Node& region, const std::string& name) {
-    Rows rows("region." + name, region);
-    rows.stated(scene::kTemperature);
-    const Node* group = region.find("group");
-    tables.push_back(
-        std::move(rows).table("region " + (group != nullptr ? group->text : name), "a temperature that is given"));
+  const auto add = [&]<class T>(T, const std::string& owner, const Node& node, const std::string& title,
+                                const std::string& doc) {
+    tables.push_back(std::move(Rows(owner, node).of<T>()).table(title, doc));
+  };
+  if (const Node* sky = root.find("sky")) add(scene::SkySection{}, "sky", *sky, "sky", "clouds");
+  for_items(root, "material", [&](const Node& material, const std::string& name) {
+    add(scene::MaterialSection{}, "material." + name, material, "material " + name,
+        "what surfaces of this material are made of, from the outside inwards");
   });
-  if (const Node* ground = root.find("ground")) {
-    Rows rows("ground", *ground);
-    rows.stated(scene::kTemperature);
-    tables.push_back(std::move(rows).table("ground", "beyond the meshes"));
-  }
+  for_items(root, "region", [&](const Node& region, const std::string& name) {
+    const Node* group = region.find("group");
+    add(scene::RegionSection{}, "region." + name, region, "region " + (group != nullptr ? group->text : name),
+        "a temperature that is given");
+  });
+  if (const Node* ground = root.find("ground"))
+    add(scene::GroundSection{}, "ground", *ground, "ground", "beyond the meshes");
   std::erase_if(tables, [](const SceneTable& table) { return table.rows.empty(); });
   return tables;
 }

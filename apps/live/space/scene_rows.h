@@ -2,8 +2,7 @@
 #pragma once
 
 // The numbers of a 3-D scene's file that the page changes: weather, cloud, materials, what is inside of them (an engine
-// bay), given temperatures. Units, ranges and words come from the tables that the reader of scene files has
-// (apps/scene/scene_file/scene_fields.h).
+// bay), given temperatures: every row of apps/scene/scene_file/scene_sections.h whose value may be a number.
 
 #include <optional>
 #include <span>

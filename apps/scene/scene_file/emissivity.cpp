@@ -82,28 +82,25 @@ double planck_mean(const Spectrum& emissivity, double temperature_k) {
   return sum * std::numbers::pi / (radiometry::kStefanBoltzmann_w_m2_k4 * std::pow(temperature_k, 4));
 }
 
-std::optional<Emissivity> read_emissivity(const cfg::Section& section, std::string_view key) {
-  const cfg::Node* node = section.find(key);
-  if (node == nullptr) return std::nullopt;
-  const auto fail = [&](const std::string& text) {
-    section.error(key, mtf::io::printable(text, 600));
-    return std::nullopt;
-  };
+void read_value(SceneReader& s, const Section& section, const FieldInfo& row, std::optional<Emissivity>& value) {
+  const cfg::Node* node = section.find(row.name);
+  if (node == nullptr) return;
+  const auto fail = [&](const std::string& text) { section.error(row.name, mtf::io::printable(text, 600)); };
   if (node->kind != cfg::Node::Kind::string) {
-    const mtf::FieldInfo field{.name = key, .lo = 0.0, .hi = 1.0, .example = "0.9"};
-    const auto value = read_si(section, field);
-    return value ? std::optional(Emissivity{.value = *value, .spectrum = {}, .along_normal = *value}) : std::nullopt;
+    if (const auto number = read_si(section, row)) value = {.value = *number, .spectrum = {}, .along_normal = *number};
+    return;
   }
   if (mtf::io::cell_number(node->text))
     return fail(cfg::shown(*node) + " is a string; write the number without quotes");
-  const auto path = read_path(section, key);
-  if (!path) return std::nullopt;
+  std::string path;
+  read_value(s, section, of_type(FieldType::file, row), path);
+  if (path.empty()) return;
   try {
-    Spectrum spectrum = read_table(*path);
+    Spectrum spectrum = read_table(path);
     const double mean = planck_mean(spectrum, kMeanTemperature_k);
-    return Emissivity{.value = std::min(mean, 1.0), .spectrum = std::move(spectrum), .along_normal = mean};
+    value = {.value = std::min(mean, 1.0), .spectrum = std::move(spectrum), .along_normal = mean};
   } catch (const mtf::Error& error) {
-    return fail(error.what());
+    fail(error.what());
   }
 }
 

@@ -5,9 +5,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
-#include <tuple>
 
-#include "apps/scene/scene_file/scene_fields.h"
 #include "apps/scene/scene_file/scene_reader.h"
 #include "mtf/error.h"
 #include "mtf/io/csv/curve_csv.h"
@@ -132,11 +130,7 @@ SceneResult parse_scene(const std::string& text, const std::string& file) {
     if (is_ground_alone(s)) add_open_facet(s.scene);
     if (s.reader.failed.empty()) note_unused(s);
   }
-  std::stable_sort(s.reader.diagnostics.begin(), s.reader.diagnostics.end(),
-                   [](const Diagnostic& a, const Diagnostic& b) {
-                     return std::tuple(!a.error, a.position.line, a.position.column) <
-                            std::tuple(!b.error, b.position.line, b.position.column);
-                   });
+  cfg::sort_diagnostics(s.reader.diagnostics);
   s.scene.fits = std::move(s.reader.fits);
   s.scene.files = std::move(s.reader.files);
   return {.scene = std::move(s.scene), .diagnostics = std::move(s.reader.diagnostics)};

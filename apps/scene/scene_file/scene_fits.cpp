@@ -17,11 +17,7 @@ namespace {
 
 namespace cfg = mtf::io::cfg;
 using cfg::Node;
-using cfg::Section;
-using mtf::FieldInfo;
 
-constexpr std::array<std::string_view, 6> kKeys{"value", "fit", "min", "max", "prior", "stderr"};
-constexpr std::array<std::string_view, 2> kPriorKeys{"mean", "sd"};
 constexpr double kOpenShare = 1e-3;  ///< of the value: how near a fit comes to a bound that is not allowed
 
 /// A standard error or deviation: 0 or more, and no point on a scale of temperature.
@@ -73,65 +69,27 @@ void to_written_unit(const FieldInfo& field, mtf::io::FitSpec& spec) {
   }
 }
 
-void read_prior(const Section& table, const FieldInfo& field, mtf::io::FitSpec& spec) {
-  const Node* node = table.find("prior");
-  if (node == nullptr) return;
-  if (node->kind != Node::Kind::table) {
-    table.error("prior", std::string(cfg::kind_word(node->kind)) + " where { mean = …, sd = … } belongs");
-    return;
-  }
-  const Section prior{table.reader, *node, table.at("prior"), "prior"};
-  cfg::check_keys(prior, kPriorKeys);
-  for (const std::string_view key : kPriorKeys)
-    if (prior.find(key) == nullptr) prior.error(key, "missing; a prior is { mean = …, sd = … }");
-  const auto mean = read_like(prior, field, "mean"), sd = read_spread(prior, field, "sd");
-  if (sd && !(*sd > 0.0))
-    prior.error("sd", "has to be above 0");
-  else if (mean && sd)
-    spec.prior = {*mean, *sd};
-}
-
 }  // namespace
 
 std::optional<double> read_marked(const Section& outer, const Node& table, const FieldInfo& field,
                                   const std::string& path) {
   const Section section{outer.reader, table, path, "the table of " + std::string(field.name)};
-  cfg::check_keys(section, kKeys);
-  const Node* value_node = section.find("value");
-  if (value_node == nullptr) {
-    if (!section.reader.has_failed(path))
-      section.reader.error(table.position, path,
-                           "has no value; write { value = " + std::string(field.example) + ", fit = true }");
-    return std::nullopt;
-  }
-  const auto value = read_plain_si(section, *value_node, field, path + ".value");
+  const Node* node = cfg::find_value(section, field);
+  if (node == nullptr) return std::nullopt;
+  const auto value = read_plain_si(section, *node, field, path + ".value");
   if (!value) {
     section.reader.failed.insert(path);
     return std::nullopt;
   }
   mtf::io::FitSpec spec;
   spec.path = path;
-  spec.unit = written_unit(*value_node);
+  spec.unit = written_unit(*node);
   spec.value = *value;
-  spec.value_at = value_node->position;
-  if (const Node* fit = section.find("fit")) {
-    if (fit->kind != Node::Kind::boolean)
-      section.error("fit", std::string(cfg::kind_word(fit->kind)) + " where true or false belongs");
-    spec.fit = fit->boolean;
-  }
-  spec.min = read_like(section, field, "min");
-  spec.max = read_like(section, field, "max");
-  spec.stderr_value = read_spread(section, field, "stderr");
-  if (const Node* node = section.find("stderr")) spec.stderr_at = node->position;
-  if (spec.min && spec.max && *spec.min > *spec.max)
-    section.error("max", cfg::shown(*section.find("max")) + " is below min " + cfg::shown(*section.find("min")));
-  else if (spec.min && *value < *spec.min)
-    section.error("min", cfg::shown(*section.find("min")) + " is above the value " + cfg::shown(*value_node));
-  else if (spec.max && *value > *spec.max)
-    section.error("max", cfg::shown(*section.find("max")) + " is below the value " + cfg::shown(*value_node));
+  cfg::read_beside_value(
+      section, spec, [&](const Section& from, std::string_view key) { return read_like(from, field, key); },
+      [&](const Section& from, std::string_view key) { return read_spread(from, field, key); });
   if (!spec.min) spec.min = field.lo_open ? field.lo + kOpenShare * (*value - field.lo) : field.lo;
   if (!spec.max) spec.max = field.hi;
-  read_prior(section, field, spec);
   to_written_unit(field, spec);
   section.reader.fits.push_back(std::move(spec));
   return value;

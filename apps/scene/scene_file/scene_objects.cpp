@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "apps/scene/scene_file/scene_fields.h"
 #include "apps/scene/scene_file/scene_reader.h"
 #include "mtf/io/file_checks.h"
 
@@ -14,18 +13,12 @@ namespace {
 
 namespace cfg = mtf::io::cfg;
 using cfg::Node;
-using cfg::Section;
 
-/// Either a material or a given temperature, or both: then the material is the surface's alone.
-void read_surface(SceneReader& s, const Section& section, std::optional<std::size_t>& material,
-                  std::optional<GivenTemperature>& temperature) {
-  material = read_reference(section, "material", s.material_names, "material");
-  if (material) s.used_materials.insert(std::string(s.material_names[*material]));
-  temperature = read_given_temperature(s, section);
-  if (section.find("material") == nullptr && section.find("temperature") == nullptr &&
-      !s.reader.has_failed(section.at("material")) && !s.reader.has_failed(section.at("temperature")))
-    section.error("material",
-                  "missing; write the name of a [[material]], or temperature = \"300 K\" instead of solving");
+/// Of a region or the ground: a material, a temperature, or both; then the material is the surface's alone.
+void require_surface(const Section& section) {
+  for (const char* key : {"material", "temperature"})
+    if (section.find(key) != nullptr || section.reader.has_failed(section.at(key))) return;
+  section.error("material", "missing; write the name of a [[material]], or temperature = \"300 K\" instead of solving");
 }
 
 bool same_faces(const RegionSection& a, const RegionSection& b) {
@@ -43,57 +36,33 @@ bool is_ground_alone(const SceneReader& s) {
 }
 
 void read_meshes(SceneReader& s) {
-  const Node* list = find_tables(s, "mesh");
-  if (list == nullptr) {
-    if (s.tree.find("mesh") == nullptr && !s.reader.has_failed("mesh") && !is_ground_alone(s))
-      s.reader.error({}, "mesh",
-                     "missing; write [[mesh]] with name = \"vehicle\" and file = \"vehicle.obj\"; a scene of one open "
-                     "facet has [ground], no mesh and no region");
-    return;
-  }
-  for (std::size_t i = 0; i < list->items.size(); ++i) {
-    const Node& node = list->items[i];
-    const Section section{s.reader, node, "mesh[" + std::to_string(i) + "]", "[[mesh]]"};
-    cfg::check_keys(section, kMeshKeys);
-    MeshSection mesh;
-    mesh.name = read_name(section, s.mesh_names, "vehicle");
-    if (section.find("file") == nullptr && !s.reader.has_failed(section.at("file")))
-      section.error("file", "missing; write file = \"vehicle.obj\" (OBJ, PLY, STL or glTF 2)");
-    mesh.file = read_path(section, "file").value_or("");
+  if (s.tree.find("mesh") == nullptr && !s.reader.has_failed("mesh") && !is_ground_alone(s))
+    s.reader.error({}, "mesh",
+                   "missing; write [[mesh]] with name = \"vehicle\" and file = \"vehicle.obj\"; a scene of one open "
+                   "facet has [ground], no mesh and no region");
+  for (const Section& section : find_sections(s, "mesh")) {
+    MeshSection& mesh = s.scene.meshes.emplace_back();
+    read_table(s, section, mesh);
+    add_name(section, s.mesh_names);
     if (const Node* file = section.find("file")) mesh.file_at = file->position;
-    mesh.unit_m = read_si(section, kMeshUnit).value_or(1.0);
-    s.scene.meshes.push_back(std::move(mesh));
   }
 }
 
 void read_regions(SceneReader& s) {
-  const Node* list = find_tables(s, "region");
-  if (list == nullptr) {
-    if (s.tree.find("region") == nullptr && !s.reader.has_failed("region") && !is_ground_alone(s))
-      s.reader.error({}, "region", "missing; write [[region]] with mesh = \"vehicle\" and material = \"armour\"");
-    return;
-  }
-  for (std::size_t i = 0; i < list->items.size(); ++i) {
-    const Node& node = list->items[i];
-    const Section section{s.reader, node, "region[" + std::to_string(i) + "]", "[[region]]"};
-    cfg::check_keys(section, kRegionKeys);
+  if (s.tree.find("region") == nullptr && !s.reader.has_failed("region") && !is_ground_alone(s))
+    s.reader.error({}, "region", "missing; write [[region]] with mesh = \"vehicle\" and material = \"armour\"");
+  for (const Section& section : find_sections(s, "region")) {
     RegionSection region;
-    region.group = cfg::read_string(section, "group").value_or("");
-    region.mesh_material = cfg::read_string(section, "mesh_material").value_or("");
-    if (section.find("mesh") == nullptr && !s.reader.has_failed(section.at("mesh")))
-      section.error("mesh", "missing; write the name of a [[mesh]]");
-    const auto mesh = read_reference(section, "mesh", s.mesh_names, "mesh");
-    if (mesh) s.used_meshes.insert(std::string(s.mesh_names[*mesh]));
-    region.mesh = mesh.value_or(0);
-    read_surface(s, section, region.material, region.temperature);
-    region.name = cfg::read_string(section, "name").value_or("");
+    read_table(s, section, region);
+    require_surface(section);
+    const bool on_mesh = !s.reader.has_failed(section.at("mesh"));
     if (region.name.empty())
       region.name = !region.group.empty()           ? region.group
                     : !region.mesh_material.empty() ? region.mesh_material
-                    : mesh                          ? std::string(s.mesh_names[*mesh])
+                    : on_mesh                       ? std::string(s.mesh_names[region.mesh])
                                                     : std::string();
     const auto& regions = s.scene.regions;
-    if (mesh &&
+    if (on_mesh &&
         std::any_of(regions.begin(), regions.end(), [&](const auto& other) { return same_faces(other, region); }))
       section.error("mesh", "there is a region of the same faces already");
     if (std::any_of(regions.begin(), regions.end(), [&](const auto& other) { return other.name == region.name; }))
@@ -104,58 +73,52 @@ void read_regions(SceneReader& s) {
 }
 
 void read_ground(SceneReader& s) {
-  const Node* table = find_section(s, "ground", "");
-  if (table == nullptr) return;
-  const Section section{s.reader, *table, "ground", "[ground]"};
-  cfg::check_keys(section, kGroundKeys);
-  GroundSection& ground = s.scene.ground.emplace();
-  read_surface(s, section, ground.material, ground.temperature);
+  const auto section = find_section(s, "ground", "");
+  if (!section) return;
+  read_table(s, *section, s.scene.ground.emplace());
+  require_surface(*section);
 }
 
 void read_measured(SceneReader& s) {
-  const Node* table = find_section(s, "measured", "");
-  if (table == nullptr) return;
-  const Section section{s.reader, *table, "measured", "[measured]"};
-  cfg::check_keys(section, kMeasuredKeys);
+  const auto section = find_section(s, "measured", "");
+  if (!section) return;
   MeasuredSection& measured = s.scene.measured.emplace();
-  measured.temperature = read_schedule_value(s, section, kTemperature).value_or(radiometry::heat::Schedule{});
+  read_table(s, *section, measured);
   if (measured.temperature.constant())
-    section.error("temperature", "a measured day is a table of times; write the name of a CSV file");
-  measured.sd_k = read_si(section, kMeasuredSd);
+    section->error("temperature", "a measured day is a table of times; write the name of a CSV file");
+}
+
+void read_value(SceneReader& s, const Section& section, const FieldInfo& row, std::optional<CameraPath>& value) {
+  std::string file;
+  read_value(s, section, of_type(FieldType::file, row), file);
+  if (!file.empty()) try {
+      value = read_camera_path(file);
+    } catch (const mtf::Error& error) {
+      section.error(row.name, mtf::io::printable(error.what(), 400));
+    }
 }
 
 void read_camera(SceneReader& s) {
-  const Node* table = find_section(s, "camera", "");
-  if (table == nullptr) return;
-  const Section section{s.reader, *table, "camera", "[camera]"};
-  cfg::check_keys(section, kCameraKeys);
-  const auto up = read_point(section, "up");
-  if (up && distance(*up, {}) == 0.0) section.error("up", "a direction of length 0");
+  const auto found = find_section(s, "camera", "");
+  if (!found) return;
+  const Section& section = *found;
   CameraSection camera;
+  read_table(s, section, camera);
+  if (distance(camera.up, {}) == 0.0) section.error("up", "a direction of length 0");
   if (section.find("path") != nullptr) {
     for (const std::string_view key : {"position", "look_at"})
       if (section.find(key) != nullptr) section.error(key, "the camera has a path already; leave out one of them");
-    const auto file = read_path(section, "path");
-    if (!file) return;
-    try {
-      camera.path = read_camera_path(*file);
-    } catch (const mtf::Error& error) {
-      return section.error("path", mtf::io::printable(error.what(), 400));
-    }
+    if (!camera.path) return;
     camera.position_m = camera.path->place.front().position_m;
     camera.look_at_m = camera.path->place.front().look_at_m;
   } else {
-    for (const std::string_view key : {"position", "look_at"})
-      if (section.find(key) == nullptr && !s.reader.has_failed(section.at(key)))
-        section.error(key, "missing; write " + std::string(key) + " = [\"14 m\", \"-12 m\", \"5 m\"]");
-    const auto position = read_point(section, "position"), look_at = read_point(section, "look_at");
-    if (!position || !look_at) return;
-    if (distance(*position, *look_at) == 0.0) section.error("look_at", "the camera looks at its own position");
-    camera.position_m = *position;
-    camera.look_at_m = *look_at;
+    for (const FieldInfo& row : rows_of<CameraSection>())
+      if (row.name == "position" || row.name == "look_at") require_value(section, required(row));
+    if (s.reader.has_failed("camera.position") || s.reader.has_failed("camera.look_at")) return;
+    if (distance(camera.position_m, camera.look_at_m) == 0.0)
+      section.error("look_at", "the camera looks at its own position");
   }
-  if (up) camera.up = *up;
-  s.scene.camera = camera;
+  s.scene.camera = std::move(camera);
 }
 
 }  // namespace apps::scene

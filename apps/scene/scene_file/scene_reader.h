@@ -1,17 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Reading a scene file, part by part: what the parts share. As with sensor files nothing throws for what is in the
-// text; everything wrong is collected with its place.
+// Reading a scene file, part by part: what the parts share. Tables are read by the rows of their types
+// (scene_sections.h); what no row says follows by hand. As with sensor files nothing throws for what is in the text;
+// everything wrong is collected with its place.
 
 #include <map>
 #include <optional>
 #include <set>
 #include <string>
 #include <string_view>
+#include <type_traits>
 #include <vector>
 
-#include "apps/scene/scene_file/scene_fields.h"
 #include "apps/scene/scene_file/scene_file.h"
 #include "mtf/io/config/config_reader.h"
 
@@ -39,33 +40,82 @@ std::optional<double> read_marked(const mtf::io::cfg::Section& section, const mt
 std::optional<double> read_plain_si(const mtf::io::cfg::Section& section, const mtf::io::cfg::Node& node,
                                     const mtf::FieldInfo& field, const std::string& path);
 
-/// A table `key` of the file, which has to be there if `remedy` is not empty; reports what is wrong.
-const mtf::io::cfg::Node* find_section(SceneReader& s, std::string_view key, std::string_view remedy);
-/// The list of tables [[key]]; null when absent, and when it is none (reported).
-const mtf::io::cfg::Node* find_tables(SceneReader& s, std::string_view key);
+/// The table [key] of the file, which has to be there if `remedy` is not empty; reports what is wrong.
+std::optional<mtf::io::cfg::Section> find_section(SceneReader& s, std::string_view key, std::string_view remedy);
+/// The tables of the list [[key]]; none when absent, and when it is none (reported). `what` is added to the titles of
+/// those that have a name.
+std::vector<mtf::io::cfg::Section> find_sections(SceneReader& s, std::string_view key);
 
-/// The name of a table that others refer to by it, such as `example`; joins `names`, "" where it is missing or wrong.
-std::string read_name(const mtf::io::cfg::Section& section, std::vector<std::string_view>& names,
-                      std::string_view example);
-
-/// The path of a file that `key` names, against the folder of the scene file; null when absent or reported.
-std::optional<std::string> read_path(const mtf::io::cfg::Section& section, std::string_view key);
-
-/// A constant "80 degC" or the name of a schedule "engine.csv" (a name that ends in .csv), in the range of `field`.
-std::optional<radiometry::heat::Schedule> read_schedule_value(SceneReader& s, const mtf::io::cfg::Section& section,
-                                                              const mtf::FieldInfo& field);
+// The value of a row by the type of its member: unchanged where the file has none or a wrong one, which is reported.
+using mtf::io::cfg::Section;
+void read_value(SceneReader& s, const Section& section, const FieldInfo& row, double& value);
+void read_value(SceneReader& s, const Section& section, const FieldInfo& row, std::optional<double>& value);
+/// A text, or the path of a file.
+void read_value(SceneReader& s, const Section& section, const FieldInfo& row, std::string& value);
+/// A constant "80 degC" or the name of a schedule "engine.csv" (a name that ends in .csv), in the range of the row.
+void read_value(SceneReader& s, const Section& section, const FieldInfo& row, radiometry::heat::Schedule& value);
 /// The same, or the path of a table of facets.
-std::optional<GivenTemperature> read_given_temperature(SceneReader& s, const mtf::io::cfg::Section& section);
-
-/// A number, or the name of a file with bands or a spectrum.
-std::optional<Emissivity> read_emissivity(const mtf::io::cfg::Section& section, std::string_view key);
-
+void read_value(SceneReader& s, const Section& section, const FieldInfo& row, std::optional<GivenTemperature>& value);
+/// A number, or the name of a file with bands or a spectrum. In emissivity.cpp.
+void read_value(SceneReader& s, const Section& section, const FieldInfo& row, std::optional<Emissivity>& value);
+void read_value(SceneReader& s, const Section& section, const FieldInfo& row, Emissivity& value);
 /// A list of three lengths.
-std::optional<std::array<double, 3>> read_point(const mtf::io::cfg::Section& section, std::string_view key);
+void read_value(SceneReader& s, const Section& section, const FieldInfo& row, std::array<double, 3>& value);
+/// The place of a name among the meshes or materials; reports an unknown one with the nearest.
+void read_value(SceneReader& s, const Section& section, const FieldInfo& row, std::optional<std::size_t>& value);
+void read_value(SceneReader& s, const Section& section, const FieldInfo& row, std::size_t& value);
+/// In scene_objects.cpp, and in scene_surroundings.cpp what the cloud is besides a word.
+void read_value(SceneReader& s, const Section& section, const FieldInfo& row, std::optional<CameraPath>& value);
+void read_value(SceneReader& s, const Section& section, const FieldInfo& row, CloudSource& value);
+/// In scene_materials.cpp.
+void read_value(SceneReader& s, const Section& section, const FieldInfo& row, Convection& value);
+void read_value(SceneReader& s, const Section& section, const FieldInfo& row, std::vector<LayerSection>& value);
+void read_value(SceneReader& s, const Section& section, const FieldInfo& row, Inside& value);
+template <class Word>
+requires std::is_enum_v<Word>
+void read_value(SceneReader&, const Section& section, const FieldInfo& row, Word& value) {
+  if (const auto word = mtf::io::cfg::read_word(section, row.name, row.words)) value = static_cast<Word>(*word);
+}
+template <class Word>
+requires std::is_enum_v<Word>
+void read_value(SceneReader& s, const Section& section, const FieldInfo& row, std::optional<Word>& value) {
+  Word word{};
+  read_value(s, section, row, word);
+  if (section.find(row.name) != nullptr && !section.reader.has_failed(section.at(row.name))) value = word;
+}
 
-/// Index of a name among those defined; reports an unknown one with the nearest.
-std::optional<std::size_t> read_reference(const mtf::io::cfg::Section& section, std::string_view key,
-                                          const std::vector<std::string_view>& names, std::string_view what);
+/// The rows of a type, in order; `kind`: see counts_with.
+template <class T>
+std::vector<FieldInfo> rows_of(std::string_view kind = {}) {
+  std::vector<FieldInfo> rows;
+  const T prototype{};
+  radiometry::for_each_field(prototype, [&](const FieldInfo& row, const auto&) {
+    if (counts_with(row, kind)) rows.push_back(row);
+  });
+  return rows;
+}
+/// Reports keys without a row.
+void check_rows(const Section& section, const std::vector<FieldInfo>& rows);
+void require_value(const Section& section, const FieldInfo& row);
+
+/// The values of a table, those of `kind` where it has kinds.
+template <class T>
+void read_rows(SceneReader& s, const Section& section, T& values, std::string_view kind = {}) {
+  radiometry::for_each_field(values, [&](const FieldInfo& row, auto& value) {
+    if (!counts_with(row, kind)) return;
+    read_value(s, section, row, value);
+    require_value(section, row);
+  });
+}
+/// A table that has no other keys.
+template <class T>
+void read_table(SceneReader& s, const Section& section, T& values) {
+  check_rows(section, rows_of<T>());
+  read_rows(s, section, values);
+}
+
+/// A name that others refer to: not empty, not that of another; it joins `names`, "" where it is missing or wrong.
+void add_name(const Section& section, std::vector<std::string_view>& names);
 
 /// [place], [time], [weather], [sky].
 void read_place(SceneReader& s);
@@ -82,9 +132,5 @@ void read_regions(SceneReader& s);
 void read_ground(SceneReader& s);
 void read_measured(SceneReader& s);
 void read_camera(SceneReader& s);
-
-/// A schedule has to stay within the range of a field; the value that does not, in words.
-std::optional<std::string> out_of_range(const radiometry::heat::Schedule& schedule, const mtf::FieldInfo& field,
-                                        double origin_s);
 
 }  // namespace apps::scene

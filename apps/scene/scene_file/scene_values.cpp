@@ -21,8 +21,6 @@ namespace {
 
 namespace cfg = mtf::io::cfg;
 using cfg::Node;
-using cfg::Section;
-using mtf::FieldInfo;
 using mtf::io::printable;
 using radiometry::heat::Schedule;
 
@@ -98,33 +96,67 @@ std::optional<double> read_si(const Section& section, const FieldInfo& field) {
   return std::nullopt;
 }
 
-const Node* find_section(SceneReader& s, std::string_view key, std::string_view remedy) {
+std::optional<Section> find_section(SceneReader& s, std::string_view key, std::string_view remedy) {
   const Node* node = cfg::find_table(s.root(), key);
-  if (node == nullptr && !remedy.empty() && !s.reader.has_failed(key))
+  if (node != nullptr) return Section{s.reader, *node, std::string(key), "[" + std::string(key) + "]"};
+  if (!remedy.empty() && !s.reader.has_failed(key))
     s.reader.error({}, std::string(key), "missing; " + std::string(remedy));
-  return node;
+  return std::nullopt;
 }
 
-const Node* find_tables(SceneReader& s, std::string_view key) {
-  const Node* node = s.tree.find(key);
-  if (node == nullptr) return nullptr;
-  const auto is_table = [](const Node& item) { return item.kind == Node::Kind::table; };
-  if (node->kind == Node::Kind::array && std::all_of(node->items.begin(), node->items.end(), is_table)) return node;
-  s.reader.error(node->position, std::string(key),
-                 std::string(cfg::kind_word(node->kind)) + " where a list of tables belongs; write [[" +
-                     std::string(key) + "]] on a line of its own and its keys below it");
-  return nullptr;
+std::vector<Section> find_sections(SceneReader& s, std::string_view key) {
+  const Node* node = cfg::find_tables(s.root(), key);
+  if (node == nullptr) return {};
+  std::vector<Section> sections;
+  for (const Node& item : node->items)
+    sections.push_back({s.reader, item, std::string(key) + "[" + std::to_string(sections.size()) + "]",
+                        "[[" + std::string(key) + "]]"});
+  return sections;
 }
 
-std::string read_name(const Section& section, std::vector<std::string_view>& names, std::string_view example) {
-  const auto name = cfg::read_string(section, "name");
-  if (section.find("name") == nullptr && !section.reader.has_failed(section.at("name")))
-    section.error("name", "missing; write name = \"" + std::string(example) + "\", which others refer to");
-  if (name && name->empty()) section.error("name", "an empty name");
-  if (name && !name->empty() && std::find(names.begin(), names.end(), *name) != names.end())
+bool counts_with(const FieldInfo& row, std::string_view kind) {
+  const auto kinds = mtf::words_in(row.kinds);
+  return kinds.empty() || std::find(kinds.begin(), kinds.end(), kind) != kinds.end();
+}
+
+void check_rows(const Section& section, const std::vector<FieldInfo>& rows) {
+  std::vector<std::string_view> known;
+  for (const FieldInfo& row : rows) known.push_back(row.name);
+  cfg::check_keys(section, known);
+}
+
+void require_value(const Section& section, const FieldInfo& row) {
+  if (row.presence == mtf::Presence::required && section.find(row.name) == nullptr &&
+      !section.reader.has_failed(section.at(row.name)))
+    section.error(row.name, cfg::missing_text(row));
+}
+
+void add_name(const Section& section, std::vector<std::string_view>& names) {
+  const Node* node = section.find("name");
+  const bool good = node != nullptr && !section.reader.has_failed(section.at("name"));
+  const std::string_view name = good ? node->text : std::string_view();
+  if (good && name.empty()) section.error("name", "an empty name");
+  if (!name.empty() && std::find(names.begin(), names.end(), name) != names.end())
     section.error("name", "the name stands twice");
-  names.push_back(name ? std::string_view(section.find("name")->text) : std::string_view());
-  return name.value_or("");
+  names.push_back(name);
+}
+
+namespace {
+
+/// An instant as a TOML date and time, or the same in quotes.
+std::optional<double> read_instant(const Section& section, const FieldInfo& row) {
+  const Node* node = section.find(row.name);
+  if (node == nullptr) return std::nullopt;
+  if (node->kind != Node::Kind::date && node->kind != Node::Kind::string) {
+    section.error(row.name, std::string(cfg::kind_word(node->kind)) +
+                                " where a date and time belongs; write for example " + std::string(row.name) + " = " +
+                                std::string(row.example));
+    return std::nullopt;
+  }
+  radiometry::heat::InstantError error;
+  const auto instant = radiometry::heat::parse_instant(node->text, error);
+  if (!instant) section.error(row.name, printable(node->text, 60) + ": " + error.text);
+  return instant;
 }
 
 std::optional<std::string> read_path(const Section& section, std::string_view key) {
@@ -135,6 +167,7 @@ std::optional<std::string> read_path(const Section& section, std::string_view ke
   return std::nullopt;
 }
 
+/// A schedule has to stay within the range of a field; the value that does not, in words.
 std::optional<std::string> out_of_range(const Schedule& schedule, const FieldInfo& field, double origin_s) {
   for (std::size_t i = 0; i < schedule.value.size(); ++i) {
     if (mtf::in_range(field, schedule.value[i])) continue;
@@ -146,82 +179,117 @@ std::optional<std::string> out_of_range(const Schedule& schedule, const FieldInf
   return std::nullopt;
 }
 
-std::optional<Schedule> read_schedule_value(SceneReader& s, const Section& section, const FieldInfo& field) {
-  const Node* node = section.find(field.name);
+template <class T>
+void assign(T& value, std::optional<T>&& read) {
+  if (read) value = *std::move(read);
+}
+
+}  // namespace
+
+void read_value(SceneReader&, const Section& section, const FieldInfo& row, double& value) {
+  assign(value, row.type == mtf::FieldType::date ? read_instant(section, row) : read_si(section, row));
+}
+
+void read_value(SceneReader&, const Section& section, const FieldInfo& row, std::optional<double>& value) {
+  value = read_si(section, row);
+}
+
+void read_value(SceneReader&, const Section& section, const FieldInfo& row, std::string& value) {
+  assign(value, row.type == mtf::FieldType::file ? read_path(section, row.name) : cfg::read_string(section, row.name));
+}
+
+void read_value(SceneReader& s, const Section& section, const FieldInfo& row, Schedule& value) {
+  const Node* node = section.find(row.name);
   if (node == nullptr || node->kind != Node::Kind::string || !names_table(node->text)) {
-    const auto value = read_si(section, field);
-    return value ? std::optional(radiometry::heat::constant_schedule(*value)) : std::nullopt;
+    if (const auto constant = read_si(section, row)) value = radiometry::heat::constant_schedule(*constant);
+    return;
   }
-  const auto path = read_path(section, field.name);
-  if (!path) return std::nullopt;
-  const auto fail = [&](const std::string& text) {
-    section.error(field.name, printable(text, 600));
-    return std::nullopt;
-  };
+  const auto path = read_path(section, row.name);
+  if (!path) return;
   try {
-    Schedule schedule = read_schedule(*path, field.unit, s.scene.time.start_s);
-    if (const auto problem = out_of_range(schedule, field, s.scene.time.start_s)) return fail(*problem);
-    return schedule;
+    Schedule schedule = read_schedule(*path, row.unit, s.scene.time.start_s);
+    if (const auto problem = out_of_range(schedule, row, s.scene.time.start_s))
+      return section.error(row.name, printable(*problem, 600));
+    value = std::move(schedule);
   } catch (const mtf::Error& error) {
-    return fail(error.what());
+    section.error(row.name, printable(error.what(), 600));
   }
 }
 
-std::optional<GivenTemperature> read_given_temperature(SceneReader& s, const Section& section) {
-  const Node* node = section.find(kTemperature.name);
-  if (node == nullptr) return std::nullopt;
+void read_value(SceneReader& s, const Section& section, const FieldInfo& row, std::optional<GivenTemperature>& value) {
+  const Node* node = section.find(row.name);
+  if (node == nullptr) return;
   const bool text = node->kind == Node::Kind::string;
   if (text && node->text.ends_with(".npy")) {
-    auto path = read_path(section, kTemperature.name);
-    if (path) section.reader.file((std::filesystem::path(node->text).parent_path() / "times.csv").string());
-    return path ? std::optional(GivenTemperature{.schedule = {}, .table = std::move(*path)}) : std::nullopt;
+    auto path = read_path(section, row.name);
+    if (!path) return;
+    section.reader.file((std::filesystem::path(node->text).parent_path() / "times.csv").string());
+    value = {.schedule = {}, .table = *std::move(path)};
+    return;
   }
   if (text && names_table(node->text)) try {
-      const std::string path = section.reader.file(node->text);
-      if (first_cell(mtf::io::read_table_text(path)) == "facet") return GivenTemperature{.schedule = {}, .table = path};
+      std::string path = section.reader.file(node->text);
+      if (first_cell(mtf::io::read_table_text(path)) == "facet") {
+        value = {.schedule = {}, .table = std::move(path)};
+        return;
+      }
     } catch (const mtf::Error& error) {
-      section.error(kTemperature.name, printable(error.what(), 600));
-      return std::nullopt;
+      return section.error(row.name, printable(error.what(), 600));
     }
-  auto schedule = read_schedule_value(s, section, kTemperature);
-  return schedule ? std::optional(GivenTemperature{.schedule = std::move(*schedule), .table = {}}) : std::nullopt;
+  GivenTemperature given;
+  read_value(s, section, row, given.schedule);
+  if (!given.schedule.value.empty()) value = std::move(given);
 }
 
-std::optional<std::array<double, 3>> read_point(const Section& section, std::string_view key) {
+void read_value(SceneReader&, const Section& section, const FieldInfo& row, std::array<double, 3>& value) {
   constexpr double kFarthest_m = 1e6;
-  const Node* node = section.find(key);
-  if (node == nullptr) return std::nullopt;
-  const FieldInfo field{.name = key, .unit = "m", .lo = -kFarthest_m, .hi = kFarthest_m, .example = "\"14 m\""};
-  if (node->kind != Node::Kind::array || node->items.size() != 3) {
-    section.error(
-        key, "a list of three lengths belongs here: x east, y north, z up, such as [\"14 m\", \"-12 m\", \"5 m\"]");
-    return std::nullopt;
-  }
-  std::array<double, 3> point{};
-  bool good = true;
+  const Node* node = section.find(row.name);
+  if (node == nullptr) return;
+  const FieldInfo length = number_row(row.name, "m", -kFarthest_m, kFarthest_m, "\"14 m\"", "");
+  if (node->kind != Node::Kind::array || node->items.size() != 3)
+    return section.error(
+        row.name,
+        "a list of three lengths belongs here: x east, y north, z up, such as [\"14 m\", \"-12 m\", \"5 m\"]");
   for (std::size_t i = 0; i < 3; ++i) {
-    const auto value = read_plain_si(section, node->items[i], field, section.at(key) + "[" + std::to_string(i) + "]");
-    good = good && value;
-    point[i] = value.value_or(0.0);
+    const std::string path = section.at(row.name) + "[" + std::to_string(i) + "]";
+    assign(value[i], read_plain_si(section, node->items[i], length, path));
+    if (section.reader.has_failed(path)) section.reader.failed.insert(section.at(row.name));
   }
-  return good ? std::optional(point) : std::nullopt;
 }
 
-std::optional<std::size_t> read_reference(const Section& section, std::string_view key,
-                                          const std::vector<std::string_view>& names, std::string_view what) {
-  const auto name = cfg::read_string(section, key);
-  if (!name) return std::nullopt;
+void read_value(SceneReader& s, const Section& section, const FieldInfo& row, std::optional<std::size_t>& value) {
+  const bool mesh = row.name == "mesh";
+  const auto& names = mesh ? s.mesh_names : s.material_names;
+  const auto name = cfg::read_string(section, row.name);
+  if (!name) return;
   const auto found = std::find(names.begin(), names.end(), *name);
-  if (found != names.end() && !name->empty()) return static_cast<std::size_t>(found - names.begin());
+  if (found != names.end() && !name->empty()) {
+    (mesh ? s.used_meshes : s.used_materials).insert(*name);
+    value = static_cast<std::size_t>(found - names.begin());
+    return;
+  }
   // A table whose name is missing, which was reported, may be the one that is meant.
   if (std::find(names.begin(), names.end(), "") != names.end()) {
-    section.reader.failed.insert(section.at(key));
-    return std::nullopt;
+    section.reader.failed.insert(section.at(row.name));
+    return;
   }
-  section.error(key,
-                "there is no " + std::string(what) + " \"" + printable(*name, 60) + "\"" +
-                    (names.empty() ? "; define it as [[" + std::string(what) + "]]" : cfg::suggestion(*name, names)));
-  return std::nullopt;
+  const std::string what(row.name);
+  section.error(row.name, "there is no " + what + " \"" + printable(*name, 60) + "\"" +
+                              (names.empty() ? "; define it as [[" + what + "]]" : cfg::suggestion(*name, names)));
+}
+
+void read_value(SceneReader& s, const Section& section, const FieldInfo& row, std::size_t& value) {
+  std::optional<std::size_t> place;
+  read_value(s, section, row, place);
+  if (section.find(row.name) == nullptr && !section.reader.has_failed(section.at(row.name)))
+    section.error(row.name, "missing; write the name of a [[" + std::string(row.name) + "]]");
+  assign(value, std::move(place));
+}
+
+void read_value(SceneReader& s, const Section& section, const FieldInfo& row, Emissivity& value) {
+  std::optional<Emissivity> emissivity;
+  read_value(s, section, row, emissivity);
+  assign(value, std::move(emissivity));
 }
 
 }  // namespace apps::scene

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <iterator>
-#include <tuple>
 
 #include "mtf/components/path_air.h"
 #include "mtf/error.h"
@@ -55,13 +54,6 @@ void note_what_is_missing(cfg::Reader& reader, const System<double>& system) {
                 "no detector footprint: the pitch adds none by itself; add [[presample]] with "
                 "kind = \"footprint\" unless the pixels are meant to be points",
                 true);
-}
-
-void sort_diagnostics(std::vector<Diagnostic>& diagnostics) {
-  std::stable_sort(diagnostics.begin(), diagnostics.end(), [](const Diagnostic& a, const Diagnostic& b) {
-    return std::tuple(!a.error, a.position.line, a.position.column) <
-           std::tuple(!b.error, b.position.line, b.position.column);
-  });
 }
 
 }  // namespace
@@ -136,7 +128,7 @@ void interpret(const Node& tree, ConfigResult& result) {
   result.config.fits = std::move(reader.fits);
   result.config.files = std::move(reader.files);
   result.diagnostics = std::move(reader.diagnostics);
-  sort_diagnostics(result.diagnostics);
+  cfg::sort_diagnostics(result.diagnostics);
 }
 
 }  // namespace cfg

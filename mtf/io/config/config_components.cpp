@@ -73,13 +73,9 @@ std::optional<Component<double>> make_component(const Section& section) {
 
 void read_fields(const Section& section, std::span<const FieldRef<double>> fields) {
   std::vector<std::string> known{"kind", "label"};
-  for (const auto& field : fields) {
-    known.emplace_back(field.info->name);
-    if (std::holds_alternative<AxisPair<double>*>(field.value))
-      for (const char* axis : {"_x", "_y"}) known.push_back(std::string(field.info->name) + axis);
-  }
-  const std::vector<std::string_view> views(known.begin(), known.end());
-  check_keys(section, views);
+  for (const auto& field : fields)
+    for (std::string& key : keys_of(*field.info)) known.push_back(std::move(key));
+  check_keys(section, known);
   for (const auto& field : fields) {
     const std::string path = section.at(field.info->name);
     if (read_value(section, field) || field.info->presence != Presence::required) continue;

@@ -15,27 +15,21 @@ Targets targets_of(const SensorConfig& sensor) {
     target.key = key;
     targets.try_emplace(owner + "." + target.key, std::move(target));
   };
-  const Target frame{.table = "frame", .key = {}, .element = {}}, optics{.table = "optics", .key = {}, .element = {}};
-  for (const std::string_view key : kFrameKeys)
-    if (key != "format") add("frame", frame, key);
-  for (const std::string_view key : kOpticsKeys) add("optics", optics, key);
-  if (system.band) add("band", {.table = "band", .key = {}, .element = {}}, "wavelength");
+  for (const std::string table : {"frame", "optics", "band"})
+    for (const FieldInfo& row : own_rows(table))
+      if (table == "band" ? system.band.has_value() : row.type != FieldType::pair)
+        for (const std::string& key : keys_of(row)) add(table, {.table = table, .key = {}, .element = {}}, key);
   for (const TableInfo& info : sensor.schema)
     if (const std::string name(info.name); find_table(sensor.tables, name) != nullptr)
-      for (const SettingInfo& row : info.settings) add(name, {.table = name, .key = {}, .element = {}}, row.info.name);
+      for (const FieldInfo& row : info.settings) add(name, {.table = name, .key = {}, .element = {}}, row.name);
   for (const Stage stage : kStages)
     for (std::size_t i = 0; i < system.list(stage).size(); ++i) {
       const Entry<double>& entry = system.list(stage)[i];
       const std::string list(stage_name(stage));
       const Target target{.table = list, .index = i, .component = true, .key = {}, .element = {}};
       for (const FieldRef<double>& field : entry.component.fields())
-        for (const std::string& owner : {entry.label, list + "[" + std::to_string(i) + "]"}) {
-          const std::string name(field.info->name);
-          add(owner, target, name);
-          if (!std::holds_alternative<AxisPair<double>*>(field.value)) continue;
-          add(owner, target, name + "_x");
-          add(owner, target, name + "_y");
-        }
+        for (const std::string& owner : {entry.label, list + "[" + std::to_string(i) + "]"})
+          for (const std::string& key : keys_of(*field.info)) add(owner, target, key);
     }
   return targets;
 }

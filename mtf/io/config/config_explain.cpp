@@ -139,22 +139,21 @@ void explain_scene(Table& table, const SceneDefaults& scene, const Frame<double>
   table.row("scene.aperture_gain_limit", node, {"aperture_gain_limit"}, rounded(scene.aperture_gain_limit), "default");
 }
 
-std::string shown(const SettingInfo& row, const SettingValue& value) {
-  if (const auto* number = std::get_if<double>(&value)) return with_unit(*number, row.info.unit);
+std::string shown(const FieldInfo& row, const SettingValue& value) {
+  if (const auto* number = std::get_if<double>(&value)) return with_unit(*number, row.unit);
   if (const auto* flag = std::get_if<bool>(&value)) return *flag ? "true" : "false";
   if (const auto* text = std::get_if<std::string>(&value)) return *text;
   const int whole = std::get<int>(value);
-  return row.type == SettingType::word ? std::string(row.words[static_cast<std::size_t>(whole)])
-                                       : std::to_string(whole);
+  return row.type == FieldType::word ? std::string(row.words[static_cast<std::size_t>(whole)]) : std::to_string(whole);
 }
 
 void explain_settings(Table& table, const SensorConfig& config) {
   for (const SettingsTable& given : config.tables)
     for (const TableInfo& info : config.schema)
-      for (const SettingInfo& row : info.settings) {
-        const SettingValue* value = info.name == given.name ? given.find(row.info.name) : nullptr;
+      for (const FieldInfo& row : info.settings) {
+        const SettingValue* value = info.name == given.name ? given.find(row.name) : nullptr;
         if (value == nullptr) continue;
-        const std::string key(row.info.name);
+        const std::string key(row.name);
         table.row(std::string(given.name) + "." + key, table.section(given.name), {key}, shown(row, *value),
                   "set by program");
       }

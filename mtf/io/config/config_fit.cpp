@@ -30,56 +30,67 @@ std::optional<double> read_like(const Section& section, const FieldInfo& info, s
 
 }  // namespace
 
-std::optional<Scalar> read_fit(Reader& reader, const Node& table, const FieldInfo& info, const std::string& path) {
-  const Section section{reader, table, path, "the table of " + std::string(info.name)};
-  reader.positions[path] = table.position;
-  check_keys(section, kFitKeys);
-  const Node* value_node = section.find("value");
-  if (value_node == nullptr) {
-    reader.error(table.position, path, "has no value; write { value = " + std::string(info.example) + ", fit = true }");
-    return std::nullopt;
-  }
-  const auto value = read_plain(reader, *value_node, info, path + ".value");
-  reader.positions[path] = value_node->position;
-  if (!value) {
-    reader.failed.insert(path);
-    return std::nullopt;
-  }
-  FitSpec spec{.path = path, .fit = false, .min = {}, .max = {}, .stderr_value = {}, .prior = {}};
-  if (value->unit != nullptr) spec.unit = value->unit->name;
-  spec.value = value->value;
+const Node* find_value(const Section& table, const FieldInfo& info) {
+  table.reader.positions[table.path] = table.table.position;
+  check_keys(table, kFitKeys);
+  const Node* value = table.find("value");
+  if (value == nullptr)
+    table.reader.error(table.table.position, table.path,
+                       "has no value; write { value = " + std::string(info.example) + ", fit = true }");
+  else
+    table.reader.positions[table.path] = value->position;
+  return value;
+}
+
+void read_beside_value(const Section& section, FitSpec& spec, const ReadNumber& like, const ReadNumber& spread) {
+  const auto shown_at = [](const Section& table, std::string_view key) { return shown(*table.find(key)); };
   if (const Node* fit = section.find("fit")) {
     if (fit->kind != Node::Kind::boolean)
       section.error("fit", std::string(kind_word(fit->kind)) + " where true or false belongs");
     spec.fit = fit->boolean;
   }
-  spec.min = read_like(section, info, "min", *value);
-  spec.max = read_like(section, info, "max", *value);
-  spec.stderr_value = read_like(section, info, "stderr", *value);
-  spec.value_at = value_node->position;
+  spec.min = like(section, "min");
+  spec.max = like(section, "max");
+  spec.stderr_value = spread(section, "stderr");
+  spec.value_at = section.find("value")->position;
   if (const Node* node = section.find("stderr")) spec.stderr_at = node->position;
   if (spec.min && spec.max && *spec.min > *spec.max)
-    section.error("max", shown(*section.find("max")) + " is below min " + shown(*section.find("min")));
-  else if (spec.min && value->value < *spec.min)
-    section.error("min", shown(*section.find("min")) + " is above the value " + shown(*value_node));
-  else if (spec.max && value->value > *spec.max)
-    section.error("max", shown(*section.find("max")) + " is below the value " + shown(*value_node));
+    section.error("max", shown_at(section, "max") + " is below min " + shown_at(section, "min"));
+  else if (spec.min && spec.value < *spec.min)
+    section.error("min", shown_at(section, "min") + " is above the value " + shown_at(section, "value"));
+  else if (spec.max && spec.value > *spec.max)
+    section.error("max", shown_at(section, "max") + " is below the value " + shown_at(section, "value"));
   if (spec.stderr_value && *spec.stderr_value < 0.0) section.error("stderr", "has to be 0 or more");
 
-  if (const Node* node = section.find("prior")) {
-    if (node->kind != Node::Kind::table) {
-      section.error("prior", std::string(kind_word(node->kind)) + " where { mean = …, sd = … } belongs");
-    } else {
-      const Section prior{reader, *node, section.at("prior"), "prior"};
-      check_keys(prior, kPriorKeys);
-      for (const std::string_view key : kPriorKeys)
-        if (prior.find(key) == nullptr && !reader.has_failed(prior.at(key)))
-          prior.error(key, "missing; a prior is { mean = …, sd = … }");
-      const auto mean = read_like(prior, info, "mean", *value), sd = read_like(prior, info, "sd", *value);
-      if (sd && !(*sd > 0.0)) prior.error("sd", shown(*prior.find("sd")) + " has to be above 0");
-      if (mean && sd) spec.prior = {*mean, *sd};
-    }
+  const Node* node = section.find("prior");
+  if (node == nullptr) return;
+  if (node->kind != Node::Kind::table)
+    return section.error("prior", std::string(kind_word(node->kind)) + " where { mean = …, sd = … } belongs");
+  const Section prior{section.reader, *node, section.at("prior"), "prior"};
+  check_keys(prior, kPriorKeys);
+  for (const std::string_view key : kPriorKeys)
+    if (prior.find(key) == nullptr && !section.reader.has_failed(prior.at(key)))
+      prior.error(key, "missing; a prior is { mean = …, sd = … }");
+  const auto mean = like(prior, "mean"), sd = spread(prior, "sd");
+  if (sd && !(*sd > 0.0)) prior.error("sd", shown_at(prior, "sd") + " has to be above 0");
+  if (mean && sd) spec.prior = {*mean, *sd};
+}
+
+std::optional<Scalar> read_fit(Reader& reader, const Node& table, const FieldInfo& info, const std::string& path) {
+  const Section section{reader, table, path, "the table of " + std::string(info.name)};
+  const Node* node = find_value(section, info);
+  if (node == nullptr) return std::nullopt;
+  const auto value = read_plain(reader, *node, info, path + ".value");
+  if (!value) {
+    reader.failed.insert(path);
+    return std::nullopt;
   }
+  FitSpec spec;
+  spec.path = path;
+  if (value->unit != nullptr) spec.unit = value->unit->name;
+  spec.value = value->value;
+  const ReadNumber like = [&](const Section& from, std::string_view key) { return read_like(from, info, key, *value); };
+  read_beside_value(section, spec, like, like);
   reader.fits.push_back(std::move(spec));
   return value;
 }

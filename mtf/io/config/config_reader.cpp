@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <tuple>
 
 #include "mtf/error.h"
 #include "mtf/io/file_checks.h"
@@ -81,6 +82,10 @@ void check_keys(const Section& section, std::span<const std::string_view> known)
   }
 }
 
+void check_keys(const Section& section, const std::vector<std::string>& known) {
+  check_keys(section, std::vector<std::string_view>(known.begin(), known.end()));
+}
+
 const Node* find_table(const Section& parent, std::string_view key) {
   const Node* node = parent.find(key);
   if (node == nullptr) return nullptr;
@@ -93,9 +98,19 @@ const Node* find_table(const Section& parent, std::string_view key) {
   return nullptr;
 }
 
+const Node* find_tables(const Section& parent, std::string_view key) {
+  const Node* list = parent.find(key);
+  if (list == nullptr) return nullptr;
+  parent.reader.positions[parent.at(key)] = list->position;
+  const auto is_table = [](const Node& item) { return item.kind == Node::Kind::table; };
+  if (list->kind == Node::Kind::array && std::all_of(list->items.begin(), list->items.end(), is_table)) return list;
+  parent.error(key, "has to be a list of tables; write [[" + std::string(key) + "]] with double brackets");
+  return nullptr;
+}
+
 std::string missing_text(const FieldInfo& info) {
-  return "missing; write for example " + std::string(info.name) + " = " + std::string(info.example) + " (" +
-         std::string(info.doc) + ")";
+  return "missing; write for example " + std::string(info.name) + " = " + std::string(info.example) +
+         (info.doc.empty() ? "" : " (" + std::string(info.doc) + ")");
 }
 
 std::string folder_of(const std::string& file) {
@@ -124,6 +139,13 @@ std::string another_kind(const std::vector<Diagnostic>& diagnostics, const std::
   for (const auto& [mark, kind] : kKinds)
     if (root.find(mark) != nullptr) return std::string(kind);
   return {};
+}
+
+void sort_diagnostics(std::vector<Diagnostic>& diagnostics) {
+  std::stable_sort(diagnostics.begin(), diagnostics.end(), [](const Diagnostic& a, const Diagnostic& b) {
+    return std::tuple(!a.error, a.position.line, a.position.column) <
+           std::tuple(!b.error, b.position.line, b.position.column);
+  });
 }
 
 void require_no_errors(const std::vector<Diagnostic>& diagnostics, const std::string& file) {

@@ -5,6 +5,7 @@
 // and a function per type of value turns keys into numbers. Nothing here throws for what is in the file: a value that
 // cannot be read is reported, its path is marked as failed, and reading continues.
 
+#include <functional>
 #include <map>
 #include <set>
 #include <span>
@@ -48,9 +49,13 @@ struct Section {
 
 /// Reports every key that is not known, with the nearest and the known ones.
 void check_keys(const Section& section, std::span<const std::string_view> known);
+void check_keys(const Section& section, const std::vector<std::string>& known);
 
 /// The table under `key` of `parent`; null when absent, and when it is no table (reported).
 const Node* find_table(const Section& parent, std::string_view key);
+
+/// The list of tables [[key]] of `parent`; null when absent, and when it is none (reported).
+const Node* find_tables(const Section& parent, std::string_view key);
 
 /// A number in `unit`; unit is null for plain numbers.
 struct Scalar {
@@ -85,6 +90,9 @@ std::shared_ptr<const Curve> read_curve(const Section& section, std::string_view
 /// sensor, "mesh" of a 3-D scene, "sensor" of a study), and not the key `ours`. "" when it is not.
 std::string another_kind(const std::vector<Diagnostic>& diagnostics, const std::string& text, std::string_view ours);
 
+/// Errors by their place, then warnings.
+void sort_diagnostics(std::vector<Diagnostic>& diagnostics);
+
 /// Throws UsageError with every error of a file, a line each, where there is one.
 void require_no_errors(const std::vector<Diagnostic>& diagnostics, const std::string& file);
 
@@ -93,6 +101,15 @@ std::string write_fields(std::span<const FieldRef<double>> fields);
 
 /// A number as sensor files have it: 8.0, or "8 urad". In config_write.cpp.
 std::string toml_scalar(const Scalar& scalar);
+
+/// A number that stands under `key`, read as the value of the same table is.
+using ReadNumber = std::function<std::optional<double>(const Section& section, std::string_view key)>;
+
+// A table { value, fit, min, max, prior, stderr }, whose value its reader knows. In config_fit.cpp.
+/// The value; null when there is none (reported). Checks the keys.
+const Node* find_value(const Section& table, const FieldInfo& info);
+/// All other keys, into a spec whose value is there. `spread`: of standard errors and deviations.
+void read_beside_value(const Section& table, FitSpec& spec, const ReadNumber& like, const ReadNumber& spread);
 
 /// A fit table; the value of it when usable. In config_fit.cpp.
 std::optional<Scalar> read_fit(Reader& reader, const Node& table, const FieldInfo& info, const std::string& path);
@@ -119,10 +136,9 @@ Origin read_components(const Section& root, System<double>& system);
 /// file's name has to be there already. In config.cpp.
 void interpret(const Node& tree, ConfigResult& result);
 
-/// Names of all tables; `keys` with the rows that the schema adds to a table. In config_settings.cpp.
+/// Names of all tables; the keys of one, with those that the schema adds to it. In config_settings.cpp.
 std::vector<std::string_view> known_tables(std::span<const TableInfo> schema);
-std::vector<std::string_view> with_rows(std::span<const std::string_view> keys, std::span<const TableInfo> schema,
-                                        std::string_view table);
+std::vector<std::string> known_keys(std::span<const TableInfo> schema, std::string_view table);
 
 /// The tables that hold for this file: of those of one name the one whose condition the file fulfils. In
 /// config_settings.cpp.

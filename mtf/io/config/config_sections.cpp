@@ -8,18 +8,10 @@ namespace mtf::io::cfg {
 namespace {
 
 void read_pitch(const Section& section, Frame<double>& frame) {
-  const bool both = section.find("pitch") != nullptr, x = section.find("pitch_x") != nullptr,
-             y = section.find("pitch_y") != nullptr;
-  if (both && (x || y))
-    return section.error(x ? "pitch_x" : "pitch_y", "given together with pitch; remove one of them");
-  if (x != y)
-    return section.error(x ? "pitch_x" : "pitch_y",
-                         std::string("given without ") + (x ? "pitch_y" : "pitch_x") + "; give both, or only pitch");
-  if (both) {
-    if (const auto pitch = read_scalar(section, kPitch, "pitch")) frame.pitch_x_um = frame.pitch_y_um = pitch->value;
-  } else if (x) {
-    if (const auto pitch = read_scalar(section, kPitch, "pitch_x")) frame.pitch_x_um = pitch->value;
-    if (const auto pitch = read_scalar(section, kPitch, "pitch_y")) frame.pitch_y_um = pitch->value;
+  AxisPair<double> pitch;
+  if (read_axis_pair(section, kPitch, pitch, true)) {
+    frame.pitch_x_um = pitch.x.value;
+    frame.pitch_y_um = (pitch.split ? pitch.y : pitch.x).value;
   } else if (!section.reader.has_failed("frame.pitch") && !section.reader.has_failed("frame.pitch_x")) {
     section.error("pitch", missing_text(kPitch));
   }
@@ -49,7 +41,7 @@ void read_frame(const Section& root, Frame<double>& frame) {
     return;
   }
   const Section section{root.reader, *table, "frame", "[frame]"};
-  check_keys(section, with_rows(kFrameKeys, root.reader.schema, "frame"));
+  check_keys(section, known_keys(root.reader.schema, "frame"));
   if (const auto focal_length = read_scalar(section, kFocalLength, "focal_length"))
     frame.focal_length_mm = focal_length->value;
   else if (!root.reader.has_failed("frame.focal_length"))
@@ -64,7 +56,7 @@ void read_optics(const Section& root, Optics<double>& optics) {
   const Node* table = find_table(root, "optics");
   if (table == nullptr) return;
   const Section section{root.reader, *table, "optics", "[optics]"};
-  check_keys(section, with_rows(kOpticsKeys, root.reader.schema, "optics"));
+  check_keys(section, known_keys(root.reader.schema, "optics"));
   const auto read = [&](const FieldInfo& info, std::optional<double>& value) {
     if (const auto scalar = read_scalar(section, info, info.name)) value = scalar->value;
   };
@@ -78,7 +70,7 @@ void read_band(const Section& root, std::optional<Band>& band) {
   const Node* table = find_table(root, "band");
   if (table == nullptr) return;
   const Section section{root.reader, *table, "band", "[band]"};
-  check_keys(section, kBandKeys);
+  check_keys(section, known_keys({}, "band"));
   constexpr std::string_view remedy = "write wavelength = [\"3.4 um\", \"4.8 um\"], shortest and longest";
   const Node* node = section.find("wavelength");
   if (node == nullptr) {
@@ -169,7 +161,7 @@ void read_scene(const Section& root, const Frame<double>& frame, SceneDefaults& 
   const Node* table = find_table(root, "scene");
   if (table == nullptr) return;
   const Section section{root.reader, *table, "scene", "[scene]"};
-  check_keys(section, with_rows(kSceneKeys, root.reader.schema, "scene"));
+  check_keys(section, known_keys(root.reader.schema, "scene"));
   read_sample(section, frame, scene);
   if (const auto word = read_word(section, "quantity", kQuantityNames)) scene.quantity = static_cast<Quantity>(*word);
   scene.gain = read_number(section, kGain, "gain");

@@ -54,24 +54,21 @@ std::optional<SettingValue> as_value(const std::optional<T>& value) {
   return value ? std::optional<SettingValue>(*value) : std::nullopt;
 }
 
-std::optional<SettingValue> read_setting(const Section& section, const SettingInfo& row) {
-  const FieldInfo& info = row.info;
+std::optional<SettingValue> read_setting(const Section& section, const FieldInfo& info) {
   const Node* node = section.find(info.name);
   if (node == nullptr) return std::nullopt;
-  switch (row.type) {
-    case SettingType::number:
+  switch (info.type) {
+    case FieldType::number:
       return read_bounded(section, info);
-    case SettingType::whole:
+    case FieldType::whole:
       return as_value(read_whole(section, info));
-    case SettingType::flag:
+    case FieldType::flag:
       return read_flag(section, info.name);
-    case SettingType::word:
-      return as_value(read_word(section, info.name, row.words));
-    case SettingType::text:
-      return as_value(read_string(section, info.name));
-    case SettingType::file:
+    case FieldType::word:
+      return as_value(read_word(section, info.name, info.words));
+    case FieldType::file:
       return read_file(section, info.name);
-    case SettingType::number_or_file:
+    case FieldType::number_or_file:
       // A text that is no number of this unit is the name of a file.
       if (node->kind != Node::Kind::string) return read_bounded(section, info);
       if (info.dimension == Dimension::none) return read_file(section, info.name);
@@ -81,22 +78,47 @@ std::optional<SettingValue> read_setting(const Section& section, const SettingIn
         return read_file(section, info.name);
       }
       return read_bounded(section, info);
+    default:
+      return as_value(read_string(section, info.name));
   }
-  return std::nullopt;
 }
 
 SettingsTable read_table(const Section& section, const TableInfo& info) {
   SettingsTable table{info.name, {}};
-  for (const SettingInfo& row : info.settings) {
+  for (const FieldInfo& row : info.settings) {
     if (auto value = read_setting(section, row))
-      table.settings.push_back({row.info.name, *std::move(value)});
-    else if (row.info.presence == Presence::required && !section.reader.has_failed(section.at(row.info.name)))
-      section.error(row.info.name, missing_text(row.info));
+      table.settings.push_back({row.name, *std::move(value)});
+    else if (row.presence == Presence::required && !section.reader.has_failed(section.at(row.name)))
+      section.error(row.name, missing_text(row));
   }
   return table;
 }
 
 }  // namespace
+
+const std::vector<TableInfo>& own_tables() {
+  static const std::vector<TableInfo> tables{
+      {.name = "frame", .doc = "the focal plane", .settings = {kFocalLength, kPitch, kFormat, kIntegrationTime}},
+      {.name = "scene",
+       .doc = "what a scene file does not say itself",
+       .settings = {kSample, kIfov, kGsd, kRange, kQuantity, kGain, kOffset, kEncoding, kBorder, kBorderValue,
+                    kAperture, kApertureSize, kApertureFile, kApertureGainLimit}},
+      {.name = "optics",
+       .doc = "shared by every component that has the key and does not give it",
+       .settings = {kFNumber, kApertureDiameter, kObscuration, kWavelength}},
+      {.name = "band", .doc = "the spectral band", .settings = {kBand}}};
+  return tables;
+}
+
+const std::vector<FieldInfo>& own_rows(std::string_view table) {
+  return std::find_if(own_tables().begin(), own_tables().end(), [&](const TableInfo& t) { return t.name == table; })
+      ->settings;
+}
+
+std::vector<std::string> keys_of(const FieldInfo& row) {
+  const std::string name(row.name);
+  return row.type == FieldType::size ? std::vector{name, name + "_x", name + "_y"} : std::vector{name};
+}
 
 std::vector<TableInfo> schema_of(const Node& root, std::vector<TableInfo> schema) {
   const auto holds = [&](const GivenWord& given) {
@@ -121,12 +143,13 @@ std::vector<std::string_view> known_tables(std::span<const TableInfo> schema) {
   return known;
 }
 
-std::vector<std::string_view> with_rows(std::span<const std::string_view> keys, std::span<const TableInfo> schema,
-                                        std::string_view table) {
-  std::vector<std::string_view> known(keys.begin(), keys.end());
-  for (const TableInfo& info : schema)
-    if (info.name == table)
-      for (const SettingInfo& row : info.settings) known.push_back(row.info.name);
+std::vector<std::string> known_keys(std::span<const TableInfo> schema, std::string_view table) {
+  std::vector<std::string> known;
+  for (const std::span<const TableInfo> tables : {std::span<const TableInfo>(own_tables()), schema})
+    for (const TableInfo& info : tables)
+      if (info.name == table)
+        for (const FieldInfo& row : info.settings)
+          for (std::string& key : keys_of(row)) known.push_back(std::move(key));
   return known;
 }
 
@@ -141,10 +164,10 @@ std::vector<SettingsTable> read_settings(const Section& root) {
     const std::string name(info.name);
     const Section section{root.reader, *node, name, "[" + name + "]"};
     if (!own) {
-      std::vector<std::string_view> known = with_rows({}, root.reader.schema, info.name);
+      std::vector<std::string> known = known_keys(root.reader.schema, info.name);
       for (const AbsentKey& absent : info.absent) {
         if (section.find(absent.name) == nullptr) continue;
-        known.push_back(absent.name);
+        known.emplace_back(absent.name);
         section.error(absent.name, std::string(absent.remedy));
       }
       check_keys(section, known);

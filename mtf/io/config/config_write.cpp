@@ -133,18 +133,18 @@ void Writer::settings(std::string_view table) {
   const SettingsTable* given = find_table(config_.tables, table);
   if (given == nullptr) return;
   for (const TableInfo& info : config_.schema)
-    for (const SettingInfo& row : info.settings) {
-      const SettingValue* value = info.name == table ? given->find(row.info.name) : nullptr;
+    for (const FieldInfo& row : info.settings) {
+      const SettingValue* value = info.name == table ? given->find(row.name) : nullptr;
       if (value == nullptr) continue;
       if (const auto* number_value = std::get_if<double>(value))
-        number(row.info, *number_value);
+        number(row, *number_value);
       else if (const auto* whole = std::get_if<int>(value))
-        raw(row.info.name, row.type == SettingType::word ? toml_string(row.words[static_cast<std::size_t>(*whole)])
-                                                         : std::to_string(*whole));
+        raw(row.name, row.type == FieldType::word ? toml_string(row.words[static_cast<std::size_t>(*whole)])
+                                                  : std::to_string(*whole));
       else if (const auto* flag = std::get_if<bool>(value))
-        raw(row.info.name, *flag ? "true" : "false");
+        raw(row.name, *flag ? "true" : "false");
       else
-        raw(row.info.name,
+        raw(row.name,
             toml_string(names_file(row) ? path_of(std::get<std::string>(*value)) : std::get<std::string>(*value)));
     }
 }

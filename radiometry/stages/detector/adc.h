@@ -33,27 +33,12 @@ struct Adc {
 
   static constexpr auto fields() {
     return std::tuple{
-        Field{FieldInfo{.name = "electrons_per_count",
-                        .dimension = mtf::Dimension::electrons,
-                        .unit = "e-",
-                        .lo = 1e-30,
-                        .hi = 1e30,
-                        .example = "\"420 e-\"",
-                        .doc = "electrons of one count"},
+        Field{required_row("electrons_per_count", mtf::Dimension::electrons, "e-", 1e-30, 1e30, "\"420 e-\"",
+                           "electrons of one count"),
               &Adc::electrons_per_count},
-        Field{FieldInfo{.name = "offset",
-                        .lo = -1e10,
-                        .hi = 1e10,
-                        .presence = mtf::Presence::optional,
-                        .example = "200",
-                        .doc = "counts without electrons"},
-              &Adc::offset_counts},
-        Field{FieldInfo{.name = "bits", .lo = 1, .hi = 32, .example = "14", .doc = "bits of a count"}, &Adc::bits},
-        Field{FieldInfo{.name = "rounding",
-                        .presence = mtf::Presence::optional,
-                        .example = "\"down\"",
-                        .doc = "nearest (halves upwards), or down"},
-              &Adc::rounding}};
+        Field{optional_row("offset", -1e10, 1e10, "200", "counts without electrons"), &Adc::offset_counts},
+        Field{required_row("bits", 1, 32, "14", "bits of a count"), &Adc::bits},
+        Field{optional_row("rounding", "\"down\"", "nearest (halves upwards), or down"), &Adc::rounding}};
   }
 };
 

@@ -27,17 +27,10 @@ struct Blooming {
 
   static constexpr auto fields() {
     return std::tuple{
-        Field{FieldInfo{.name = "direction",
-                        .presence = mtf::Presence::optional,
-                        .example = "\"both\"",
-                        .doc = "along which lines charge spills: columns, rows or both"},
+        Field{optional_row("direction", "\"both\"", "along which lines charge spills: columns, rows or both"),
               &Blooming::direction},
-        Field{FieldInfo{.name = "drain",
-                        .lo = 0.0,
-                        .hi = 1.0,
-                        .presence = mtf::Presence::optional,
-                        .example = "0.9",
-                        .doc = "part of the charge above the full well that an anti-blooming drain takes"},
+        Field{optional_row("drain", 0.0, 1.0, "0.9",
+                           "part of the charge above the full well that an anti-blooming drain takes"),
               &Blooming::drain}};
   }
 };

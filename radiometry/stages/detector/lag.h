@@ -21,14 +21,8 @@ struct Lag {
   double time_constant_s = 0.01;
 
   static constexpr auto fields() {
-    return std::tuple{Field{FieldInfo{.name = "time_constant",
-                                      .dimension = mtf::Dimension::time,
-                                      .unit = "s",
-                                      .lo = 0.0,
-                                      .hi = 1e6,
-                                      .lo_open = true,
-                                      .example = "\"10 ms\"",
-                                      .doc = "thermal time constant of a pixel"},
+    return std::tuple{Field{above(required_row("time_constant", mtf::Dimension::time, "s", 0.0, 1e6, "\"10 ms\"",
+                                               "thermal time constant of a pixel")),
                             &Lag::time_constant_s}};
   }
 };

@@ -28,18 +28,11 @@ struct Microscan {
   int positions() const { return pattern == MicroscanPattern::diagonal ? 2 : steps * steps; }
 
   static constexpr auto fields() {
-    return std::tuple{Field{FieldInfo{.name = "steps",
-                                      .lo = 1,
-                                      .hi = 16,
-                                      .presence = mtf::Presence::optional,
-                                      .example = "3",
-                                      .doc = "positions in a pitch, per axis; 2 for the diagonal pattern"},
-                            &Microscan::steps},
-                      Field{FieldInfo{.name = "pattern",
-                                      .presence = mtf::Presence::optional,
-                                      .example = "\"diagonal\"",
-                                      .doc = "square (steps x steps positions), or diagonal (2 of 2 x 2)"},
-                            &Microscan::pattern}};
+    return std::tuple{
+        Field{optional_row("steps", 1, 16, "3", "positions in a pitch, per axis; 2 for the diagonal pattern"),
+              &Microscan::steps},
+        Field{optional_row("pattern", "\"diagonal\"", "square (steps x steps positions), or diagonal (2 of 2 x 2)"),
+              &Microscan::pattern}};
   }
 };
 

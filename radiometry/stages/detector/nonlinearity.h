@@ -17,13 +17,7 @@ struct Nonlinearity {
 
   static constexpr auto fields() {
     constexpr auto row = [](std::string_view name, std::string_view doc, double Nonlinearity::*member) {
-      return Field{FieldInfo{.name = name,
-                             .lo = -10.0,
-                             .hi = 10.0,
-                             .presence = mtf::Presence::optional,
-                             .example = "-0.02",
-                             .doc = doc},
-                   member};
+      return Field{optional_row(name, -10.0, 10.0, "-0.02", doc), member};
     };
     return std::tuple{
         row("a2", "relative change of the response at full well, growing with the charge", &Nonlinearity::a2),

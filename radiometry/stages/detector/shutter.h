@@ -22,17 +22,10 @@ struct Shutter {
   double line_time_s = 0.0;
 
   static constexpr auto fields() {
-    return std::tuple{
-        Field{FieldInfo{.name = "kind", .example = "\"rolling\"", .doc = "global, or rolling"}, &Shutter::kind},
-        Field{FieldInfo{.name = "line_time",
-                        .dimension = mtf::Dimension::time,
-                        .unit = "s",
-                        .lo = 0.0,
-                        .hi = 1e6,
-                        .presence = mtf::Presence::optional,
-                        .example = "\"30 us\"",
-                        .doc = "rolling: from a row to the next"},
-              &Shutter::line_time_s}};
+    return std::tuple{Field{required_row("kind", "\"rolling\"", "global, or rolling"), &Shutter::kind},
+                      Field{optional_row("line_time", mtf::Dimension::time, "s", 0.0, 1e6, "\"30 us\"",
+                                         "rolling: from a row to the next"),
+                            &Shutter::line_time_s}};
   }
 };
 

@@ -25,24 +25,11 @@ struct Blinking {
 
   static constexpr auto fields() {
     return std::tuple{
-        Field{FieldInfo{
-                  .name = "fraction", .lo = 0.0, .hi = 1.0, .example = "0.001", .doc = "part of the pixels that blink"},
-              &Blinking::fraction},
-        Field{FieldInfo{.name = "excess",
-                        .dimension = mtf::Dimension::electrons,
-                        .unit = "e-",
-                        .lo = 0.0,
-                        .hi = 1e30,
-                        .example = "\"2000 e-\"",
-                        .doc = "mean over the blinking pixels of the excess in the high state"},
+        Field{required_row("fraction", 0.0, 1.0, "0.001", "part of the pixels that blink"), &Blinking::fraction},
+        Field{required_row("excess", mtf::Dimension::electrons, "e-", 0.0, 1e30, "\"2000 e-\"",
+                           "mean over the blinking pixels of the excess in the high state"),
               &Blinking::excess_e},
-        Field{FieldInfo{.name = "dwell",
-                        .lo = 1.0,
-                        .hi = 1e9,
-                        .presence = mtf::Presence::optional,
-                        .example = "250",
-                        .doc = "mean time in a state, in frames"},
-              &Blinking::dwell_frames}};
+        Field{optional_row("dwell", 1.0, 1e9, "250", "mean time in a state, in frames"), &Blinking::dwell_frames}};
   }
 
   bool operator==(const Blinking&) const = default;

@@ -40,21 +40,12 @@ struct Defects {
 
   static constexpr auto fields() {
     constexpr auto part = [](std::string_view name, std::string_view doc, auto member) {
-      return Field{
-          FieldInfo{
-              .name = name, .lo = 0.0, .hi = 1.0, .presence = mtf::Presence::optional, .example = "0.001", .doc = doc},
-          member};
+      return Field{optional_row(name, 0.0, 1.0, "0.001", doc), member};
     };
     return std::tuple{part("dead_fraction", "part of the pixels that are dead", &Defects::dead_fraction),
                       part("hot_fraction", "part of the pixels that are hot", &Defects::hot_fraction),
-                      Field{FieldInfo{.name = "hot",
-                                      .dimension = mtf::Dimension::electrons,
-                                      .unit = "e-",
-                                      .lo = 0.0,
-                                      .hi = 1e30,
-                                      .presence = mtf::Presence::optional,
-                                      .example = "\"5000 e-\"",
-                                      .doc = "mean excess of a hot pixel in a frame"},
+                      Field{optional_row("hot", mtf::Dimension::electrons, "e-", 0.0, 1e30, "\"5000 e-\"",
+                                         "mean excess of a hot pixel in a frame"),
                             &Defects::hot_e}};
   }
 

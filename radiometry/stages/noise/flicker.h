@@ -28,26 +28,15 @@ struct Flicker {
   ReadoutOrder order = ReadoutOrder::rows;
 
   static constexpr auto fields() {
-    return std::tuple{Field{FieldInfo{.name = "white",
-                                      .dimension = mtf::Dimension::electrons,
-                                      .unit = "e-",
-                                      .lo = 0.0,
-                                      .hi = 1e15,
-                                      .example = "\"30 e-\"",
-                                      .doc = "rms of the white noise that the corner refers to; not added here"},
-                            &Flicker::white_e},
-                      Field{FieldInfo{.name = "corner",
-                                      .lo = 0.0,
-                                      .hi = 1e6,
-                                      .example = "0.01",
-                                      .doc = "frequency at which 1/f and white noise are equal, in cycles per pixel: "
-                                             "in units of the pixel clock"},
-                            &Flicker::corner_cy_px},
-                      Field{FieldInfo{.name = "order",
-                                      .presence = mtf::Presence::optional,
-                                      .example = "\"columns\"",
-                                      .doc = "whether pixels are read along rows or columns"},
-                            &Flicker::order}};
+    return std::tuple{
+        Field{required_row("white", mtf::Dimension::electrons, "e-", 0.0, 1e15, "\"30 e-\"",
+                           "rms of the white noise that the corner refers to; not added here"),
+              &Flicker::white_e},
+        Field{required_row("corner", 0.0, 1e6, "0.01",
+                           "frequency at which 1/f and white noise are equal, in cycles per pixel: "
+                           "in units of the pixel clock"),
+              &Flicker::corner_cy_px},
+        Field{optional_row("order", "\"columns\"", "whether pixels are read along rows or columns"), &Flicker::order}};
   }
 };
 

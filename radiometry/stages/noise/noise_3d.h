@@ -23,15 +23,7 @@ struct Noise3d {
 
   static constexpr auto fields() {
     constexpr auto row = [](std::string_view name, std::string_view doc, double Noise3d::*member) {
-      return Field{FieldInfo{.name = name,
-                             .dimension = mtf::Dimension::electrons,
-                             .unit = "e-",
-                             .lo = 0.0,
-                             .hi = 1e30,
-                             .presence = mtf::Presence::optional,
-                             .example = "\"20 e-\"",
-                             .doc = doc},
-                   member};
+      return Field{optional_row(name, mtf::Dimension::electrons, "e-", 0.0, 1e30, "\"20 e-\"", doc), member};
     };
     return std::tuple{row("t", "flicker of whole frames, rms", &Noise3d::t),
                       row("v", "fixed noise of rows, rms", &Noise3d::v),

@@ -25,13 +25,7 @@ struct Distortion {
 
   static constexpr auto fields() {
     constexpr auto row = [](std::string_view name, std::string_view doc, double Distortion::*member) {
-      return Field{FieldInfo{.name = name,
-                             .lo = -100.0,
-                             .hi = 100.0,
-                             .presence = mtf::Presence::optional,
-                             .example = "-0.05",
-                             .doc = doc},
-                   member};
+      return Field{optional_row(name, -100.0, 100.0, "-0.05", doc), member};
     };
     return std::tuple{row("k1", "coefficient of r^2, r = 1 at half the diagonal; barrel below 0", &Distortion::k1),
                       row("k2", "coefficient of r^4", &Distortion::k2),

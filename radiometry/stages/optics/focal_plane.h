@@ -19,15 +19,7 @@ struct OpticalAxis {
 
   static constexpr auto fields() {
     constexpr auto row = [](std::string_view name, std::string_view doc, double OpticalAxis::*member) {
-      return Field{FieldInfo{.name = name,
-                             .dimension = mtf::Dimension::pixel,
-                             .unit = "px",
-                             .lo = -1e6,
-                             .hi = 1e6,
-                             .presence = mtf::Presence::optional,
-                             .example = "\"12 px\"",
-                             .doc = doc},
-                   member};
+      return Field{optional_row(name, mtf::Dimension::pixel, "px", -1e6, 1e6, "\"12 px\"", doc), member};
     };
     return std::tuple{row("x", "place of the optical axis, to the right of the detector's middle", &OpticalAxis::x_px),
                       row("y", "place of the optical axis, below the detector's middle", &OpticalAxis::y_px)};

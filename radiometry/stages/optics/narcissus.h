@@ -23,24 +23,12 @@ struct Narcissus {
   NarcissusProfile profile = NarcissusProfile::gaussian;
 
   static constexpr auto fields() {
-    return std::tuple{Field{FieldInfo{.name = "depth",
-                                      .lo = 0.0,
-                                      .hi = 1.0,
-                                      .example = "0.02",
-                                      .doc = "part of the background that is missing on the axis"},
-                            &Narcissus::depth},
-                      Field{FieldInfo{.name = "radius",
-                                      .lo = 1e-6,
-                                      .hi = 1e6,
-                                      .presence = mtf::Presence::optional,
-                                      .example = "0.3",
-                                      .doc = "radius of half the depth, in half diagonals of the detector"},
-                            &Narcissus::radius},
-                      Field{FieldInfo{.name = "profile",
-                                      .presence = mtf::Presence::optional,
-                                      .example = "\"flat_top\"",
-                                      .doc = "gaussian, or flat_top"},
-                            &Narcissus::profile}};
+    return std::tuple{
+        Field{required_row("depth", 0.0, 1.0, "0.02", "part of the background that is missing on the axis"),
+              &Narcissus::depth},
+        Field{optional_row("radius", 1e-6, 1e6, "0.3", "radius of half the depth, in half diagonals of the detector"),
+              &Narcissus::radius},
+        Field{optional_row("profile", "\"flat_top\"", "gaussian, or flat_top"), &Narcissus::profile}};
   }
 
   bool operator==(const Narcissus&) const = default;

@@ -21,19 +21,11 @@ struct VeilingGlare {
   double offset = 0.0;
 
   static constexpr auto fields() {
-    return std::tuple{Field{FieldInfo{.name = "fraction",
-                                      .lo = 0.0,
-                                      .hi = 1.0,
-                                      .example = "0.03",
-                                      .doc = "part of the light that is spread evenly over the image"},
-                            &VeilingGlare::fraction},
-                      Field{FieldInfo{.name = "offset",
-                                      .lo = 0.0,
-                                      .hi = 100.0,
-                                      .presence = mtf::Presence::optional,
-                                      .example = "0.01",
-                                      .doc = "light on top of the image's own, as a part of its mean"},
-                            &VeilingGlare::offset}};
+    return std::tuple{
+        Field{required_row("fraction", 0.0, 1.0, "0.03", "part of the light that is spread evenly over the image"),
+              &VeilingGlare::fraction},
+        Field{optional_row("offset", 0.0, 100.0, "0.01", "light on top of the image's own, as a part of its mean"),
+              &VeilingGlare::offset}};
   }
 };
 
@@ -42,22 +34,12 @@ struct Ghost {
   double width_px = 1.0;
 
   static constexpr auto fields() {
-    return std::tuple{Field{FieldInfo{.name = "fraction",
-                                      .lo = 0.0,
-                                      .hi = 1.0,
-                                      .example = "0.001",
-                                      .doc = "part of the light in the ghost image"},
-                            &Ghost::fraction},
-                      Field{FieldInfo{.name = "width",
-                                      .dimension = mtf::Dimension::pixel,
-                                      .unit = "px",
-                                      .lo = 1.0,
-                                      .hi = 1e6,
-                                      .presence = mtf::Presence::optional,
-                                      .example = "\"40 px\"",
-                                      .doc = "side of the square that a point of the ghost image is spread over, to "
-                                             "the nearest odd number of pixels"},
-                            &Ghost::width_px}};
+    return std::tuple{
+        Field{required_row("fraction", 0.0, 1.0, "0.001", "part of the light in the ghost image"), &Ghost::fraction},
+        Field{optional_row("width", mtf::Dimension::pixel, "px", 1.0, 1e6, "\"40 px\"",
+                           "side of the square that a point of the ghost image is spread over, to "
+                           "the nearest odd number of pixels"),
+              &Ghost::width_px}};
   }
 };
 

@@ -22,28 +22,15 @@ struct Vignetting {
 
   static constexpr auto fields() {
     constexpr auto coefficient = [](std::string_view name, std::string_view doc, double Vignetting::*member) {
-      return Field{FieldInfo{.name = name,
-                             .lo = -100.0,
-                             .hi = 100.0,
-                             .presence = mtf::Presence::optional,
-                             .example = "-0.15",
-                             .doc = doc},
-                   member};
+      return Field{optional_row(name, -100.0, 100.0, "-0.15", doc), member};
     };
-    constexpr auto optional = mtf::Presence::optional;
     return std::tuple{
-        Field{FieldInfo{.name = "cos4",
-                        .presence = optional,
-                        .example = "false",
-                        .doc = "whether the irradiance falls with cos^4 of the field angle"},
+        Field{optional_row("cos4", "false", "whether the irradiance falls with cos^4 of the field angle"),
               &Vignetting::cos4},
         coefficient("a2", "coefficient of r^2 in the vignetting, r = 1 at half the diagonal", &Vignetting::a2),
         coefficient("a4", "coefficient of r^4", &Vignetting::a4),
         coefficient("a6", "coefficient of r^6", &Vignetting::a6),
-        Field{FieldInfo{.name = "map",
-                        .presence = optional,
-                        .example = "\"flat.exr\"",
-                        .doc = "image of factors, one a pixel, instead of a2, a4, a6"},
+        Field{optional_row("map", "\"flat.exr\"", "image of factors, one a pixel, instead of a2, a4, a6"),
               &Vignetting::map}};
   }
 

@@ -44,8 +44,7 @@ struct AutomaticGain {
           member};
     };
     constexpr auto choice = [](std::string_view name, std::string_view example, std::string_view doc, auto member) {
-      return Field{FieldInfo{.name = name, .presence = mtf::Presence::optional, .example = example, .doc = doc},
-                   member};
+      return Field{optional_row(name, example, doc), member};
     };
     return std::tuple{choice("method", "\"plateau\"", "linear, or plateau (histogram)", &AutomaticGain::method),
                       row("clip", 0.0, 0.49, false, "part of the pixels cut at each end", &AutomaticGain::clip),

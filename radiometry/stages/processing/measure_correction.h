@@ -43,10 +43,7 @@ struct CorrectionSettings {
         row("limit", 0.0, 1.0, true, "0.5",
             "a pixel is bad when its response differs from the median one by more than this part of it",
             &CorrectionSettings::limit),
-        Field{FieldInfo{.name = "replace_bad",
-                        .presence = mtf::Presence::optional,
-                        .example = "false",
-                        .doc = "whether bad pixels take the mean of their good neighbours"},
+        Field{optional_row("replace_bad", "false", "whether bad pixels take the mean of their good neighbours"),
               &CorrectionSettings::replace_bad}};
   }
 };

@@ -116,6 +116,12 @@ TEST(LiveScene, RowsHaveSlidersInTheUnitOfTheFile) {
   EXPECT_EQ(engine["unit"], "degC");
   EXPECT_NEAR(engine["min"].get<double>(), -273.15, 1e-9);
   EXPECT_LT(engine["low"].get<double>(), engine["number"].get<double>());
+  const auto film =
+      read(scene_json("[[material]]\nname = \"a\"\nconvection = { h0 = \"5 W/m2/K\", h1 = \"3.8 W/m2/K/(m/s)\" }\n"
+                      "refractive_index = 1.5\n"));
+  EXPECT_EQ(row_named(film, "material.a.convection.h0")["number"], 5.0);
+  EXPECT_EQ(row_named(film, "material.a.convection.h1")["unit"], "W/m2/K/(m/s)");
+  EXPECT_EQ(row_named(film, "material.a.refractive_index")["number"], 1.5);
   // A constant keeps its keys in place of changes.
   const auto constant = read(scene_json("[weather]\nwind_speed = \"3 m/s\"\n"));
   EXPECT_EQ(row_named(constant, "weather.wind_speed")["number"], 3.0);

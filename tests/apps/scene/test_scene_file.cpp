@@ -150,6 +150,15 @@ TEST(SceneFile, EmissivityByAngle) {
   EXPECT_NE(all_of(soil_with("emissivity_angles = \"angles.csv\"\n")).find("above 1"), std::string::npos);
 }
 
+/// The day that a fit compares with may be the weather's own long wave.
+TEST(SceneFile, TheNoiseOfAMeasuredDayMayStandAlone) {
+  const SceneFolder folder;
+  const SceneResult result = folder.parse(scene_text() + "[measured]\nsd = \"0.3 K\"\n");
+  ASSERT_TRUE(result.ok()) << all_of(result);
+  EXPECT_EQ(result.scene.measured->sd_k, 0.3);
+  EXPECT_TRUE(result.scene.measured->temperature.value.empty());
+}
+
 TEST(SceneFile, TimesMayHaveZonesAndQuotes) {
   const SceneFolder folder;
   for (const char* start : {"2016-01-01T01:00:00+01:00", "2015-12-31 19:00:00-05:00", "\"2016-01-01T00:00Z\""}) {

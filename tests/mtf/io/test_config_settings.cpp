@@ -21,19 +21,18 @@ std::vector<TableInfo> schema() {
                        .hi = 1e6,
                        .example = "\"5 ke-\"",
                        .doc = "a charge"};
-  const auto row = [](std::string_view name, double hi) {
-    return FieldInfo{.name = name, .lo = 0.0, .hi = hi, .presence = Presence::optional, .example = "1", .doc = "a row"};
+  const auto row = [](std::string_view name, double hi, FieldType type) {
+    FieldInfo info = optional_row(name, 0.0, hi, "1", "a row");
+    info.type = type;
+    if (type == FieldType::word) info.words = kWords;
+    return info;
   };
-  return {{"optics", "more optics", {{row("transmission", 1.0), SettingType::number_or_file}}},
+  return {{"optics", "more optics", {row("transmission", 1.0, FieldType::number_or_file)}},
           {"widget",
            "a widget",
-           {{mass, SettingType::number},
-            {row("count", 9.0), SettingType::whole},
-            {row("on", 0.0), SettingType::flag},
-            {row("speed", 0.0), SettingType::word, kWords},
-            {row("plane", 0.0), SettingType::text},
-            {row("map", 0.0), SettingType::file},
-            {row("gain", 2.0), SettingType::number_or_file}}}};
+           {mass, row("count", 9.0, FieldType::whole), row("on", 0.0, FieldType::flag),
+            row("speed", 0.0, FieldType::word), row("plane", 0.0, FieldType::text), row("map", 0.0, FieldType::file),
+            row("gain", 2.0, FieldType::number_or_file)}}};
 }
 
 const std::string kWidget =
@@ -105,7 +104,7 @@ TEST(ConfigSettings, ATableMayDependOnAWordOfTheFile) {
   std::vector<TableInfo> tables = schema();
   const FieldInfo weight{.name = "weight", .hi = 9.0, .presence = Presence::optional, .example = "1", .doc = "a row"};
   tables.push_back({.name = "widget",
-                    .settings = {tables[1].settings[3], {weight, SettingType::number}},
+                    .settings = {tables[1].settings[3], weight},
                     .where = GivenWord{"widget", "speed", "slow"},
                     .absent = {{"charge", "a slow widget has none; write weight"}}});
   const auto error = [&](const std::string& body) {
