@@ -4,9 +4,9 @@
 that folders stay small and are described.
 Usage: layering.py [ROOT]
 
-Dependencies point one way, between libraries (DIRECTIONS) and between the folders of one (FLOORS), and each outside library is seen by the few files that wrap it (RULES). A folder holds at
-most 30 files (flat lists of components and of tests are exempt), no two headers of a library have the same name, and
-every folder has a README or a row in its parent's.
+Dependencies point one way, between libraries (DIRECTIONS) and between the folders of one (FLOORS), and each outside
+library is seen by the few files that wrap it (RULES). A folder holds at most 30 files (flat lists of components and of tests are exempt), no
+two headers of a library have the same name, and every folder has a README or a row in its parent's.
 """
 
 import re
@@ -22,14 +22,15 @@ LIBRARIES = ("mtf", "radiometry", "calib", "apps")
 MAX_FILES = 30
 FLAT_LISTS = {"mtf/components"}
 INCLUDE = re.compile(r"^\s*#\s*include\s*[<\"]([^>\"]+)[>\"]", re.MULTILINE)
-SCRIPT_NAMES = re.compile(r"(CMakeLists\.txt|packages\.txt|\.cmake(\.in)?|\.py|\.sh|/setup|/quickstart|tests/run)$")
+SCRIPT_NAMES = re.compile(r"(CMakeLists\.txt|packages\.txt|\.cmake(\.in)?|\.py|\.sh|/setup|/quickstart|apps/package|tests/run|"
+                          r"help/(mtf\.(ba|fi)sh|_mtf))$")
 
 # What is included, the files that may, the reason a reader needs.
 RULES = [
     (r"fftw3\.h$", r"mtf/engines/fft/fftw\.cpp|tests/bench/", "FFTW is private to the FFT engine"),
     (r"(OpenEXR|Imath)/|Imf\w*\.h$|openexr\w*\.h$", r"mtf/io/|tests/mtf/io/", "OpenEXR is private to mtf/io"),
     (r"opencv2?/", r"mtf/io/codecs/opencv_filters\.cpp|tests/bench/", "OpenCV is private to its module"),
-    (r"(png|tiff|tiffio)\.h$", r"mtf/io/codecs/codecs_|tests/mtf/io/", "image codecs are private to the codec module"),
+    (r"(png|tiff|tiffio|turbojpeg)\.h$", r"mtf/io/codecs/codecs_|tests/mtf/io/", "image codecs are private to the codec module"),
     (r"toml\+\+|toml\.hpp$", r"mtf/io/", "toml++ is private to mtf/io"),
     (r"ceres/", r"calib/|tests/|apps/study/", "Ceres is private to calib and apps/study"),
     (r"nlohmann/", r"apps/text/json\.cpp|apps/scene/import/helper/|tests/", "nlohmann/json is private to apps/text/json.cpp"),

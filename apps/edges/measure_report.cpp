@@ -10,6 +10,7 @@
 #include "apps/terminal/output.h"
 #include "apps/terminal/text_table.h"
 #include "apps/text/json.h"
+#include "apps/text/words.h"
 #include "mtf/units.h"
 #include "mtf/version.h"
 
@@ -131,12 +132,6 @@ Json as_json(const MeasuredEdge& measured, const std::vector<std::string>& names
   return json;
 }
 
-std::string joined(const std::vector<std::string>& warnings) {
-  std::string text;
-  for (const std::string& warning : warnings) text += (text.empty() ? "" : "; ") + warning;
-  return text;
-}
-
 }  // namespace
 
 FieldPlace field_place(const EdgeMeasurement& edge, std::int64_t width, std::int64_t height) {
@@ -233,7 +228,7 @@ std::string measure_csv(const MeasureReport& report) {
     else
       text += ",,,,,,,,,,";
     text += "," + measured.place.direction + "," + csv_field(measured.linearisation.encoding) + "," +
-            csv_field(reason_of(edge)) + "," + csv_field(joined(edge.warnings)) + "," +
+            csv_field(reason_of(edge)) + "," + csv_field(joined(edge.warnings, "; ")) + "," +
             std::string(unit_symbol(report.unit)) + comparison_columns(measured) +
             (shift_header.empty() ? "" : lateral_shift_columns(measured)) + "\n";
   }

@@ -2,10 +2,12 @@
 #include "apps/help/man_pages.h"
 
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <cstdlib>
 #include <ctime>
 #include <sstream>
+#include <utility>
 
 #include "apps/terminal/output.h"
 #include "mtf/version.h"

@@ -7,7 +7,7 @@
 
 namespace apps {
 
-extern "C" const FitsModule* mtfkit_fits() {
+extern "C" const FitsModule* mtfkit_fits_table() {
   static constexpr FitsModule table{.build = {mtf::version, mtf::git_commit}, .fit = run_fit, .optimize = run_optimize};
   return &table;
 }

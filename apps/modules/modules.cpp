@@ -2,6 +2,7 @@
 #include "apps/modules/modules.h"
 
 #include "mtf/io/codecs/codecs.h"
+#include "mtf/io/codecs/opencv_filters.h"
 
 namespace apps {
 namespace {
@@ -41,6 +42,7 @@ std::string modules_text() {
     list += (list.empty() ? "" : "; ") + what;
   };
   tell(mtf::io::has_codecs(), "PNG, TIFF and JPEG");
+  tell(mtf::io::has_opencv(), "OpenCV as the rival of mtf bench");
   for (const mtf::io::Module& module : {kFits, kScenes, kLive}) tell(has_module(module), module.what);
   return "present: " + (here.empty() ? "the core only" : here) +
          "\nmissing: " + (missing.empty() ? "nothing" : missing);

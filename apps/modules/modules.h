@@ -3,8 +3,8 @@
 
 // What the command keeps in files of their own, beside the library of everything else (libmtfkit_core.so): work whose
 // libraries take long to load, and most commands do without, and work that a build may leave out. A module is opened
-// when a command asks for its table of functions; help and options of all commands are in the core library, which does
-// not depend on what else is built.
+// when a command asks for its table of functions; help and options of its commands are in the core library, which stays
+// as it is when scenes or the live view are added to a build.
 //
 //   libmtfkit_fits.so     fits and optima: Ceres with SuiteSparse and LAPACK, NLopt
 //   libmtfkit_scenes.so   3-D scenes and surface temperatures: Embree, ERFA

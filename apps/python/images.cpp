@@ -11,6 +11,7 @@
 #include "apps/python/topics.h"
 #include "apps/simulate/scene_source.h"
 #include "apps/simulate/sensor_image.h"
+#include "apps/text/words.h"
 #include "mtf/error.h"
 #include "mtf/io/file_checks.h"
 
@@ -43,9 +44,8 @@ py::array plane(const ImageHandle& image, const std::string& name) {
     array.attr("setflags")(py::arg("write") = false);
     return array;
   }
-  std::string names;
-  for (const std::string& other : file.names) names += (names.empty() ? "" : ", ") + other;
-  throw mtf::UsageError(image.path + ": has no plane '" + mtf::io::printable(name, 60) + "'; it has " + names);
+  throw mtf::UsageError(image.path + ": has no plane '" + mtf::io::printable(name, 60) + "'; it has " +
+                        joined(file.names));
 }
 
 /// Everything of a file in memory as Python's values, for pickle.

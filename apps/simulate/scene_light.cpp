@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "apps/sensor/response.h"
+#include "apps/text/words.h"
 #include "mtf/error.h"
 #include "radiometry/light/path_planes.h"
 #include "radiometry/light/pixel_rules.h"
@@ -241,10 +242,9 @@ mtf::Image channel_of(const SceneSource& source, const std::string& name, const 
 
 void require_one_channel(const mtf::io::Scene& scene, const std::string& file) {
   if (scene.names.size() == 1) return;
-  std::string names;
-  for (const std::string& name : scene.names) names += (names.empty() ? "" : ", ") + name;
   throw mtf::UsageError(file + ": the sensor makes one image of one channel, the scene has " +
-                        std::to_string(scene.names.size()) + " (" + names + "); choose one with --channel");
+                        std::to_string(scene.names.size()) + " (" + joined(scene.names) +
+                        "); choose one with --channel");
 }
 
 /// Channels of a spectrum become their sum, weighted.

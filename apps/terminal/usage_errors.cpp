@@ -4,17 +4,12 @@
 #include <algorithm>
 
 #include "apps/terminal/output.h"
+#include "apps/text/words.h"
 #include "mtf/io/file_checks.h"
 #include "mtf/units.h"
 
 namespace apps {
 namespace {
-
-std::string joined(const std::vector<std::string>& words) {
-  std::string text;
-  for (const std::string& word : words) text += (text.empty() ? "" : ", ") + word;
-  return text;
-}
 
 std::string meant(const std::string& word, const std::vector<std::string>& candidates) {
   const auto nearest = mtf::nearest(word, candidates);

@@ -11,6 +11,25 @@ namespace {
 
 constexpr int kDeepest = 64;  // what is nested deeper would use up the stack
 
+/// How many lists and objects are open at once. Known before the text is parsed, as a parser that asks at each of them
+/// takes quadratic time.
+int deepest(std::string_view text) {
+  int open = 0, most = 0;
+  bool quoted = false;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
+    if (quoted && c == '\\')
+      ++i;
+    else if (c == '"')
+      quoted = !quoted;
+    else if (!quoted && (c == '[' || c == '{'))
+      most = std::max(most, ++open);
+    else if (!quoted && (c == ']' || c == '}'))
+      --open;
+  }
+  return most;
+}
+
 template <class... F>
 struct Overloaded : F... {
   using F::operator()...;
@@ -107,9 +126,10 @@ bool Json::is_object() const noexcept { return std::holds_alternative<Members>(v
 void Json::fail(const char* expected) const {
   std::string is = json_document(*this, -1);
   is.pop_back();
-  constexpr std::size_t kShown = 40;
+  std::size_t shown = 40;
+  while (shown < is.size() && (static_cast<unsigned char>(is[shown]) & 0xC0U) == 0x80U) ++shown;  // ends a character
   throw mtf::UsageError("expected " + std::string(expected) + ", there is " +
-                        (is.size() > kShown ? is.substr(0, kShown) + "..." : is));
+                        (is.size() > shown ? is.substr(0, shown) + "..." : is));
 }
 
 template <>
@@ -218,12 +238,9 @@ std::string json_document(const Json& json, int indent) {
 }
 
 Json parse_json(std::string_view text) {
-  const auto shallow = [](int depth, JsonText::Text::parse_event_t, JsonText::Text&) {
-    if (depth > kDeepest) throw mtf::UsageError("nested too deeply");
-    return true;
-  };
+  if (deepest(text) > kDeepest) throw mtf::UsageError("nested too deeply");
   try {
-    JsonText::Text parsed = JsonText::Text::parse(text, shallow);
+    JsonText::Text parsed = JsonText::Text::parse(text);
     return JsonText::value_of(parsed);
   } catch (const nlohmann::json::exception& error) {
     throw mtf::UsageError(error.what());

@@ -19,11 +19,14 @@ namespace apps {
 
 class Json;
 
+template <class Element, class T>
+concept different_from = !std::same_as<std::remove_cvref_t<Element>, T>;
+
 /// A list whose elements make values, but for text.
 template <class T>
 concept JsonList =
     !std::convertible_to<const T&, std::string_view> && !std::same_as<T, Json> && requires(const T& list) {
-  list.begin();
+  { *list.begin() } -> different_from<T>;  // a path is a list of paths
   list.end();
 };
 
@@ -125,6 +128,19 @@ class Json {
 
   friend struct JsonText;
 };
+
+template <>
+bool Json::get() const;
+template <>
+std::string Json::get() const;
+template <>
+double Json::get() const;
+template <>
+std::int64_t Json::get() const;
+template <>
+std::uint64_t Json::get() const;
+template <>
+int Json::get() const;
 
 /// The text with a new line at its end, indented by `indent`, on one line where that is -1. Numbers that are not finite
 /// are null; the others read back as the same double. JSON is UTF-8 and names of files are any bytes: those that are no

@@ -10,7 +10,7 @@ foreach(pair IN ITEMS man:share/man completion/bash:share/bash-completion/comple
   list(GET pair 1 to)
   install(DIRECTORY "${PROJECT_BINARY_DIR}/${from}/" DESTINATION "${to}" COMPONENT command OPTIONAL)
 endforeach()
-if(NOT CMAKE_INSTALL_PREFIX STREQUAL "/usr")
+if(NOT CMAKE_INSTALL_PREFIX STREQUAL "/usr" OR NOT PROJECT_IS_TOP_LEVEL)
   return()
 endif()
 
@@ -32,16 +32,19 @@ set(dev_package libmtfkit-dev)
 set(dev_section libdevel)
 set(dev_words "OTF models of electro-optical and infrared sensors - development files
 Static libraries, headers and the CMake package of mtfkit.")
-set(CPACK_DEBIAN_DEV_PACKAGE_DEPENDS "mtfkit ${this_version}, libfftw3-dev, libtbb-dev, libopenexr-dev, libtomlplusplus-dev")
+set(CPACK_DEBIAN_DEV_PACKAGE_DEPENDS "mtfkit ${this_version}, libfftw3-dev, libtbb-dev, libopenexr-dev, libtomlplusplus-dev, pkg-config")
 # For some of its libraries only.
-set(CPACK_DEBIAN_DEV_PACKAGE_RECOMMENDS "libceres-dev, libnlopt-dev, libnlopt-cxx-dev, liberfa-dev, libembree-dev, nlohmann-json3-dev, pkg-config")
+set(CPACK_DEBIAN_DEV_PACKAGE_RECOMMENDS "libceres-dev, libnlopt-dev, libnlopt-cxx-dev, liberfa-dev, libembree-dev")
 set(python_package python3-mtfkit)
 set(python_section python)
 set(python_words "OTF models of electro-optical and infrared sensors - Python
 The Python package mtfkit: sensors, curves, images, edges, fits and studies
 as in the command mtf.")
 set(CPACK_DEBIAN_PYTHON_PACKAGE_CONTROL_EXTRA "${PROJECT_BINARY_DIR}/papers/postinst;${PROJECT_BINARY_DIR}/papers/prerm")
-set(components command opencv dev)
+set(components command dev)
+if(TARGET mtfkit_opencv)
+  list(APPEND components opencv)
+endif()
 if(TARGET mtfkit_python)
   math(EXPR next "${Python3_VERSION_MINOR} + 1")
   set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS "mtfkit ${this_version}, python3 (>= 3.${Python3_VERSION_MINOR}), python3 (<< 3.${next}), python3-numpy")

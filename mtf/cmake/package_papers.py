@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
 """Writes what packages hold beside the toolkit: copyright, changelog, a list of all parts (SPDX).
-Usage: package_papers.py ROOT BUILD VERSION     with SOURCE_DATE_EPOCH in the environment; called by apps/package
+Usage: package_papers.py ROOT BUILD VERSION [PACKAGE...]     with SOURCE_DATE_EPOCH in the environment; called by
+apps/package with the Debian packages of the libraries that the command needs
 """
 
 import base64
@@ -72,19 +73,21 @@ def write_documents(build, version, maintainer, when):
         (build / "papers" / name).write_text(f"#!/bin/sh\nset -e\n{command}\n", encoding="utf-8")
 
 
-def debian_parts(root):
-    """Packages that are built with, and those of the toolkit's list that are used when it runs."""
-    section = ""
+def debian_parts(root, libraries):
+    """Packages that are built with, those of the toolkit's list that are used when it runs, and the libraries."""
+    wanted, section = dict.fromkeys(libraries, "run"), ""
     for line in (root / "apps/packages.txt").read_text(encoding="utf-8").splitlines():
         words = line.split("#")[0].split()
         if line.startswith("["):
             section = line.strip("[]")
-        elif words and section in ("build", "run"):
-            status = subprocess.run(["dpkg-query", "-W", "-f", "${Version} ${Architecture}", words[0]], capture_output=True,
-                                    text=True, check=False).stdout.split()
-            if len(status) == 2:
-                yield {"name": words[0], "versionInfo": status[0], "licenseDeclared": "NOASSERTION",
-                       "purl": f"pkg:deb/debian/{words[0]}@{status[0]}?arch={status[1]}", "how": section}
+        elif words and section in ("build", "all", "run"):
+            wanted.setdefault(words[0], "run" if section == "run" else "build")
+    for name, how in wanted.items():
+        status = subprocess.run(["dpkg-query", "-W", "-f", "${Version} ${Architecture}", name], capture_output=True,
+                                text=True, check=False).stdout.split()
+        if len(status) == 2:
+            yield {"name": name, "versionInfo": status[0], "licenseDeclared": "NOASSERTION",
+                   "purl": f"pkg:deb/debian/{name}@{status[0]}?arch={status[1]}", "how": how}
 
 
 def npm_parts(root):
@@ -97,13 +100,13 @@ def npm_parts(root):
                    "sha512": base64.b64decode(part["integrity"].removeprefix("sha512-")).hex()}
 
 
-def spdx(root, version, when, commit):
+def spdx(root, version, when, commit, libraries=()):
     def package(name, identifier, more):
         return {"name": name, "SPDXID": identifier, "downloadLocation": "NOASSERTION", "filesAnalyzed": False, **more}
 
     packages = [package("mtfkit", "SPDXRef-mtfkit", {"versionInfo": version, "licenseDeclared": "Apache-2.0"})]
     relations = [("SPDXRef-DOCUMENT", "DESCRIBES", "SPDXRef-mtfkit")]
-    for part in [*debian_parts(root), *npm_parts(root)]:
+    for part in [*debian_parts(root, libraries), *npm_parts(root)]:
         identifier = "SPDXRef-" + re.sub(r"[^A-Za-z0-9.-]+", "-", part["purl"].removeprefix("pkg:").split("?")[0])
         more = {key: part[key] for key in ("versionInfo", "licenseDeclared")}
         more["externalRefs"] = [{"referenceCategory": "PACKAGE-MANAGER", "referenceType": "purl", "referenceLocator": part["purl"]}]
@@ -124,7 +127,7 @@ def main():
     when = datetime.datetime.fromtimestamp(int(os.environ["SOURCE_DATE_EPOCH"]), datetime.timezone.utc)
     maintainer = run("git", "-C", str(root), "log", "-1", "--format=%an <%ae>")
     write_documents(build, version, maintainer, when)
-    text = json.dumps(spdx(root, version, when, run("git", "-C", str(root), "rev-parse", "HEAD")), indent=1) + "\n"
+    text = json.dumps(spdx(root, version, when, run("git", "-C", str(root), "rev-parse", "HEAD"), sys.argv[4:]), indent=1) + "\n"
     (build / "packages" / f"mtfkit-{version}.spdx.json").write_text(text, encoding="utf-8")
 
 

@@ -23,7 +23,7 @@ def main():
     contents = {name.replace("scripts/", f"mtfkit-{version}.data/scripts/", 1) if name.startswith("scripts/") else name:
                 (path.read_bytes(), 0o755 if os.access(path, os.X_OK) else 0o644) for name, path in files.items()}
     contents[f"{about}/METADATA"] = (
-        f"Metadata-Version: 2.1\nName: mtfkit\nVersion: {version}\nLicense: Apache-2.0\n"
+        f"Metadata-Version: 2.1\nName: mtfkit\nVersion: {version}\nLicense: Apache-2.0; a binary that contains FFTW is passed on under the GPL\n"
         "Summary: OTF models of electro-optical and infrared sensors\nRequires-Dist: numpy\n".encode(), 0o644)
     contents[f"{about}/WHEEL"] = (
         f"Wheel-Version: 1.0\nGenerator: apps/package\nRoot-Is-Purelib: false\nTag: {tag}\n".encode(), 0o644)

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <cstring>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -40,16 +41,20 @@ fs::path code_file(const void* code) {
   std::error_code error;
   Dl_info where{};
   fs::path file;
-  if (::dladdr(code, &where) != 0 && where.dli_fname != nullptr) file = fs::canonical(where.dli_fname, error);
-  // For an executable dladdr gives argv[0], which need not be a path.
+  // Of a program dladdr gives argv[0], which need not be a path: a name alone was found on PATH.
+  if (::dladdr(code, &where) != 0 && where.dli_fname != nullptr && std::strchr(where.dli_fname, '/') != nullptr)
+    file = fs::canonical(where.dli_fname, error);
   if (file.empty() || error) file = fs::canonical("/proc/self/exe", error);
   return file;
 }
 
 fs::path this_file() { return code_file(reinterpret_cast<const void*>(&module_table)); }
 
-/// Whether this code is in a module: all modules of an installation lie beside each other.
-bool is_in_module() { return this_file().filename().string().rfind("libmtfkit_", 0) == 0; }
+/// Whether this code is in a module: all modules of an installation lie beside each other, in a folder of their own.
+bool is_in_module() {
+  const fs::path file = this_file();
+  return file.filename().string().rfind("libmtfkit_", 0) == 0 && file.parent_path().filename() == "mtfkit";
+}
 
 /// The first place that has the file, or "".
 std::string found_file(const Module& module) {
@@ -57,11 +62,12 @@ std::string found_file(const Module& module) {
     std::error_code error;
     return fs::is_regular_file(path, error);
   };
-  if (const std::string chosen = chosen_file(module); !chosen.empty()) return is_file(chosen) ? chosen : "";
+  if (const std::string chosen = chosen_file(module); !chosen.empty())
+    return is_file(chosen) ? fs::absolute(chosen).string() : "";
   fs::path up = this_file().parent_path();
   std::vector<fs::path> places{up};
   if (!is_in_module()) {
-    places.push_back(up / "mtfkit");
+    places.insert(places.end(), {up / "mtfkit", up / "lib" / "mtfkit"});
     // Build folder and prefix have the same shape; test programs and Python's modules lie deeper than the command.
     constexpr int depth = 4;
     for (int folder = 0; folder < depth && up != up.root_path(); ++folder) {
@@ -93,7 +99,8 @@ const void* module_table(const Module& module) {
     refuse(module, "not part of this installation, which has no " +
                        printable((this_file().parent_path() / file).string(), kMostWords));
   if (handle == nullptr) refuse(module, "cannot open the module: " + printable(::dlerror(), kMostWords));
-  const auto table_of = reinterpret_cast<const void* (*)()>(::dlsym(handle, module.name));
+  const std::string function = std::string(module.name) + "_table";
+  const auto table_of = reinterpret_cast<const void* (*)()>(::dlsym(handle, function.c_str()));
   const void* const table = table_of != nullptr ? table_of() : nullptr;
   const ModuleBuild* const build = static_cast<const ModuleBuild*>(table);
   if (build == nullptr || std::string_view(build->version) != version || std::string_view(build->commit) != git_commit)

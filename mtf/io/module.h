@@ -3,7 +3,7 @@
 
 // Parts of the toolkit in shared libraries of their own, opened when they are needed: those whose libraries take long
 // to load and most work does without, and those that a build may leave out. The module `mtfkit_x` is the file
-// libmtfkit_x.so; its function `mtfkit_x` gives the address of a table of functions, a struct that begins with a
+// libmtfkit_x.so; its function `mtfkit_x_table` gives the address of a table of functions, a struct that begins with a
 // ModuleBuild. Both sides are built together from the header of the table; a module of another build is refused.
 
 #include <cstddef>

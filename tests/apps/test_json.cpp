@@ -67,7 +67,9 @@ TEST(Json, ReadsAndRefuses) {
   EXPECT_THROW(static_cast<void>(json.elements()), mtf::UsageError);
   for (const std::string wrong : {"", "{", "[1,]", "nan", "{\"a\" 1}", "[1] 2", "\"\xff\""})
     EXPECT_FALSE(parsed_json(wrong)) << wrong;
-  EXPECT_TRUE(parsed_json(std::string(60, '[') + std::string(60, ']')));
+  EXPECT_TRUE(
+      parsed_json(std::string(64, '[') + "\"[\\\"[{\"" + std::string(64, ']')));  // brackets of a text open nothing
+  EXPECT_FALSE(parsed_json(std::string(65, '[') + std::string(65, ']')));
   EXPECT_FALSE(parsed_json(std::string(1'000'000, '[')));
 }
 

@@ -105,7 +105,6 @@ class HeatBatches {
   };
 
   void set_window(const Window& window, bool first);
-  void choose_sample();
   void set_forcing(Group& group, const Batch& batch);
   /// The plan and the promise of the window, from the sample.
   void promise(Batch& batch, bool first);

@@ -45,12 +45,6 @@ std::string step_text(const mtf::SampleGrid& grid) {
   return mtf::format_double(grid.step_x_um) + " x " + mtf::format_double(grid.step_y_um) + " um";
 }
 
-std::string joined(const std::vector<std::string>& names) {
-  std::string text;
-  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + one_line(name);
-  return text;
-}
-
 }  // namespace
 
 SequenceFrames::SequenceFrames(const SimulateOptions& options, const SensorRun& sensor, mtf::io::Schedule schedule,
@@ -145,7 +139,7 @@ void SequenceFrames::require_like_first(const Frame& frame) {
     const mtf::io::Scene& first = first_scene_;
     if (scene.grid.width != first.grid.width || scene.grid.height != first.grid.height)
       fail("size", size_text(scene.grid), size_text(first.grid));
-    if (scene.names != first.names) fail("channels", joined(scene.names), joined(first.names));
+    if (scene.names != first.names) fail("channels", one_line(joined(scene.names)), one_line(joined(first.names)));
     if (scene.quantity != first.quantity)
       fail("quantity", std::string(mtf::io::quantity_name(scene.quantity)),
            std::string(mtf::io::quantity_name(first.quantity)));

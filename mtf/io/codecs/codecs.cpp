@@ -6,8 +6,10 @@
 namespace mtf::io {
 namespace {
 
-constexpr Module kCodecs{"mtfkit_codecs", "the PNG, TIFF and JPEG codecs", "install mtfkit again"};
-constexpr Module kOpenCv{"mtfkit_opencv", "OpenCV", "install mtfkit-codecs"};
+constexpr Module kCodecs{"mtfkit_codecs", "the PNG, TIFF and JPEG codecs",
+                         "build it with apps/quickstart, or install the Debian package mtfkit"};
+constexpr Module kOpenCv{"mtfkit_opencv", "OpenCV",
+                         "build it with apps/quickstart all, or install the Debian package mtfkit-codecs"};
 
 }  // namespace
 
@@ -17,6 +19,8 @@ const Codecs& codecs() {
 }
 
 bool has_codecs() { return has_module(kCodecs); }
+
+bool has_opencv() { return has_module(kOpenCv); }
 
 OpenCvFilter opencv_filter(const OpenCvJob& job) {
   static const OpenCv& table = open_module<OpenCv>(kOpenCv);

@@ -12,7 +12,7 @@ namespace mtf::io::module {
 // is an error.
 std::vector<Image> decode_jpeg(const std::string& path, const RasterHeader& header) {
   std::vector<unsigned char> file;
-  static_cast<void>(scan_jpeg(path, &file));
+  require_same(scan_jpeg(path, &file), header, path, "JPEG");
   const std::unique_ptr<void, int (*)(tjhandle)> decoder(tjInitDecompress(), &tjDestroy);
   std::vector<unsigned char> pixels(static_cast<std::size_t>(header.width * header.height));
   const int width = static_cast<int>(header.width), height = static_cast<int>(header.height);

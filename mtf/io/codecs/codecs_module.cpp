@@ -24,7 +24,7 @@ int write_all(int descriptor, const void* data, std::size_t size) {
 
 }  // namespace mtf::io::module
 
-extern "C" __attribute__((visibility("default"))) const mtf::io::Codecs* mtfkit_codecs() {
+extern "C" __attribute__((visibility("default"))) const mtf::io::Codecs* mtfkit_codecs_table() {
   namespace module = mtf::io::module;
   static const mtf::io::Codecs table{{mtf::version, mtf::git_commit},
                                      module::tiff_header,

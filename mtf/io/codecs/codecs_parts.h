@@ -40,6 +40,10 @@ void place(const Piece& piece, const RasterHeader& header, std::vector<Image>& p
 /// Pixels without data become NaN.
 void mark_no_data(const RasterHeader& header, std::vector<Image>& planes);
 
+/// Throws RuntimeError where a file is no longer the one whose header was read.
+void require_same(const RasterHeader& now, const RasterHeader& header, const std::string& path,
+                  const std::string& format);
+
 [[noreturn]] void undecodable(const std::string& path, const std::string& format, const std::string& why);
 
 }  // namespace mtf::io::module

@@ -44,6 +44,13 @@ void mark_no_data(const RasterHeader& header, std::vector<Image>& planes) {
                  std::numeric_limits<float>::quiet_NaN());
 }
 
+void require_same(const RasterHeader& now, const RasterHeader& header, const std::string& path,
+                  const std::string& format) {
+  if (now.width != header.width || now.height != header.height || now.colours != header.colours ||
+      now.type != header.type)
+    undecodable(path, format, "pixels do not match the header");
+}
+
 void undecodable(const std::string& path, const std::string& format, const std::string& why) {
   throw RuntimeError("cannot read " + path + ": damaged, incomplete or unsupported " + format + " file" +
                      (why.empty() ? "" : " (" + printable(why) + ")") + "; copy or export the file again");

@@ -124,10 +124,7 @@ bool decode(png_structp png, png_infop info, std::size_t row_bytes, png_bytepp r
 
 std::vector<Image> decode_png(const std::string& path, const RasterHeader& header) {
   std::vector<unsigned char> file;
-  const RasterHeader now = scan_png(path, &file);
-  if (now.width != header.width || now.height != header.height || now.colours != header.colours ||
-      now.type != header.type)
-    undecodable(path, "PNG", "pixels do not match the header");
+  require_same(scan_png(path, &file), header, path, "PNG");
   const std::int64_t row_samples = header.width * header.colours;
   const auto row_bytes = static_cast<std::size_t>(row_samples * (header.type == "uint16" ? 2 : 1));
   std::vector<unsigned char> pixels(row_bytes * static_cast<std::size_t>(header.height));

@@ -21,7 +21,8 @@ constexpr std::uint32_t kGdalMetadata = 42112, kGdalNoData = 42113, kPixelScale 
 constexpr std::uint32_t kDepthMap = 8;  // NewSubfileType of DNG
 constexpr std::uint32_t kNotMain = FILETYPE_REDUCEDIMAGE | FILETYPE_MASK | kDepthMap;
 
-/// Values of a tag that libtiff does not know, or learns from GDAL, which OpenCV loads: each counts them its own way.
+/// Values of a tag that libtiff does not know, or learns from GDAL where that is in the same process, as in Python:
+/// each counts them its own way.
 template <class T>
 std::span<const T> values_of(TIFF* tiff, std::uint32_t tag, TIFFDataType type) {
   const TIFFField* const field = TIFFFindField(tiff, tag, TIFF_ANY);

@@ -36,6 +36,9 @@ using OpenCvFilter = std::function<void(ImageView<const float> in, ImageView<flo
 /// be opened (mtf/io/module.h).
 OpenCvFilter opencv_filter(const OpenCvJob& job);
 
+/// Whether the module is there; opens nothing.
+bool has_opencv();
+
 /// The table of the module mtfkit_opencv.
 struct OpenCv {
   ModuleBuild build;

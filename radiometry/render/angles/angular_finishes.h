@@ -27,7 +27,6 @@ struct AngularFinishes {
 
   bool any() const { return !made.empty(); }
   std::size_t white() const { return finishes; }
-  bool glossy(std::size_t finish) const { return row[finish] < made.size(); }
   /// The table of `seen` in a mirror of `finish`, or a white one.
   std::size_t mirrored(std::size_t finish, std::size_t seen) const {
     return finishes + 1 + row[finish] * finishes + seen;
