@@ -13,6 +13,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "tests/expect_error.h"
+
 namespace apps_test {
 
 namespace fs = std::filesystem;
@@ -28,6 +30,12 @@ struct Result {
   int status = -1;  ///< exit code, or 128 + the signal that ended the shell
   std::string out, err;
 };
+
+/// Expects the exit code, and that the error says all the parts: its place and its remedy, in short (expect_error.h).
+inline void expect_error(const Result& result, int status, std::initializer_list<std::string_view> parts) {
+  EXPECT_EQ(result.status, status) << result.err;
+  mtf::test::expect_says(result.err, parts);
+}
 
 /// A scratch folder that goes away. Commands run in it through the shell, with `mtf` on PATH.
 class Scratch {

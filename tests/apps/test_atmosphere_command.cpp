@@ -250,7 +250,7 @@ TEST_F(AtmosphereCommand, clouds_of_the_sky) {
 }
 
 TEST_F(AtmosphereCommand, refusals_name_place_and_remedy) {
-  const auto refused = [&](const std::string& air, std::initializer_list<std::string> parts) {
+  const auto refused = [&](const std::string& air, std::initializer_list<std::string_view> parts) {
     sensor(air);
     for (const char* command :
          {"mtf budget s.toml", "mtf config check s.toml", "mtf simulate s.toml t300.exr -o out.exr"})

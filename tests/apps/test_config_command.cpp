@@ -27,8 +27,7 @@ TEST(Config, InitWritesTheStarterAndKeepsWhatIsThere) {
   EXPECT_EQ(apps_test::read_file(scratch / "s.toml"), mtf::io::starter_config());
   apps_test::write_file(scratch / "s.toml", "mine");
   const Result refused = scratch.run("mtf config init s.toml");
-  EXPECT_EQ(refused.status, 2);
-  EXPECT_NE(refused.err.find("--force"), std::string::npos);
+  expect_error(refused, 2, {"--force"});
   EXPECT_EQ(apps_test::read_file(scratch / "s.toml"), "mine");
   EXPECT_EQ(scratch.run("mtf config init s.toml --force").status, 0);
   EXPECT_EQ(apps_test::read_file(scratch / "s.toml"), mtf::io::starter_config());

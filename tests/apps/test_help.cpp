@@ -98,8 +98,7 @@ TEST(ManPages, AreValidAndOfTheDateThatIsAskedFor) {
 TEST(ManPages, AFolderThatIsNotThereIsAnError) {
   const Scratch scratch;
   const Result result = scratch.run("mtf --man nowhere");
-  EXPECT_EQ(result.status, 1);
-  EXPECT_NE(result.err.find("nowhere"), std::string::npos) << result.err;
+  expect_error(result, 1, {"nowhere"});
 }
 
 /// Files for completion: images with layers and without, and some that are not what they are called.

@@ -13,6 +13,7 @@
 #include "apps/live/toml_blocks.h"
 #include "apps/sensor/sensor_air.h"
 #include "mtf/error.h"
+#include "tests/expect_error.h"
 
 namespace apps::live {
 namespace {
@@ -54,12 +55,7 @@ std::shared_ptr<const mtf::io::SensorConfig> camera() {
 std::string text_after(const std::vector<Edit>& edits) { return EditedSensor(camera()).with(edits)->text; }
 
 std::string refusal_of(const Edit& edit) {
-  try {
-    EditedSensor(camera()).with(std::vector{edit});
-  } catch (const mtf::UsageError& error) {
-    return error.what();
-  }
-  return "";
+  return mtf::test::message_of<mtf::UsageError>([&] { EditedSensor(camera()).with(std::vector{edit}); });
 }
 
 TEST(LiveEdits, AKeyIsNoLongerGiven) {

@@ -282,8 +282,7 @@ TEST(Measure, ColourAsksForAChannel) {
   mtf::io::write_exr((scratch / "colour.exr").string(), {{"R", red.view()}, {"G", green.view()}, {"B", red.view()}},
                      {});
   const Result refused = scratch.run("mtf measure colour.exr");
-  EXPECT_EQ(refused.status, 2);
-  EXPECT_NE(refused.err.find("--channel"), std::string::npos) << refused.err;
+  expect_error(refused, 2, {"--channel"});
   EXPECT_EQ(measure(scratch, "colour.exr --channel all").at("edges").size(), 3U);
   EXPECT_EQ(measure(scratch, "colour.exr --channel luminance").at("edges")[0].at("channel"), "luminance");
   mtf::io::write_exr((scratch / "grey.exr").string(), {{"R", red.view()}, {"G", red.view()}, {"B", red.view()}}, {});
@@ -331,8 +330,7 @@ TEST(Measure, ABatchGoesOnWithTheOthers) {
   add_edge(scratch, "edge.exr", {});
   write_file(scratch / "broken.png", "no image");
   const Result result = scratch.run("mtf measure broken.png edge.exr --format json -o all.json");
-  EXPECT_EQ(result.status, 1);
-  EXPECT_NE(result.err.find("1 of 2"), std::string::npos) << result.err;
+  expect_error(result, 1, {"1 of 2"});
   const Json json = Json::parse(read_file(scratch / "all.json"));
   EXPECT_EQ(json.at("edges").size(), 1U);
   ASSERT_EQ(json.at("failed").size(), 1U);

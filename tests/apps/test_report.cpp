@@ -244,8 +244,7 @@ TEST(Report, NamesAFolderThatIsNone) {
   for (const char* name : {"nowhere", "file"}) {
     apps_test::write_file(scratch / "file", "text");
     const Result result = scratch.run(std::string("mtf report ") + name);
-    EXPECT_EQ(result.status, 2);
-    EXPECT_NE(result.err.find("is no folder; name the one that `mtf sweep"), std::string::npos) << result.err;
+    expect_error(result, 2, {"is no folder", "mtf sweep"});
   }
 }
 
@@ -317,8 +316,7 @@ TEST(Report, WritesWhereItIsTold) {
   apps_test::write_file(scratch / "sweep/columns.csv", "column,unit,definition\n");
   for (const std::string file : {"designs.csv", "columns.csv"}) {
     const Result input = scratch.run("mtf report sweep -o sweep/" + file);
-    EXPECT_EQ(input.status, 2);
-    EXPECT_NE(input.err.find("is the input"), std::string::npos);
+    expect_error(input, 2, {"is the input"});
   }
   EXPECT_EQ(scratch.run("mtf report sweep -o nowhere/report.html").status, 1);
 }

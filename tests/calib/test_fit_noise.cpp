@@ -161,17 +161,20 @@ TEST(FitNoise, SharedNoiseThatRoundingHidesIsAWarning) {
   EXPECT_EQ(rms.warned + rms.left_out, kDraws);
 }
 
-TEST(FitNoise, ErrorsOfParametersThatCompensateForEachOther) {
+void expect_stated_of_two_widths(const Noise& noise) {
   constexpr int kDraws = 200;
-  for (const Noise& noise : {Noise(blur_noise), Noise(made::interpolate_noise)})
-    expect_stated(deviations(two_widths(), noise, 400.0, kDraws), kDraws);
+  expect_stated(deviations(two_widths(), noise, 400.0, kDraws), kDraws);
+}
+TEST(FitNoise, ErrorsOfParametersThatCompensateForEachOther) { expect_stated_of_two_widths(blur_noise); }
+TEST(FitNoiseLong, ErrorsOfParametersThatCompensateForEachOther) {
+  expect_stated_of_two_widths(made::interpolate_noise);
 }
 
-TEST(FitNoise, RoundingAlongTheGridIsPartOfTheErrors) {
+void expect_rounding_in_the_errors(std::initializer_list<double> noises) {
   constexpr int kDraws = 100;
   constexpr double kStep = kContrast / 60.0;
   for (const double angle_deg : {0.0, 45.0, 90.0})
-    for (const double noise : {0.05, 0.125, 0.25}) {
+    for (const double noise : noises) {
       SCOPED_TRACE(testing::Message() << angle_deg << " degrees, noise " << noise);
       const Deviations rms = deviations(one_width(), leave, kContrast / (noise * kStep), kDraws, kStep, angle_deg);
       EXPECT_EQ(rms.known, kDraws);
@@ -182,6 +185,8 @@ TEST(FitNoise, RoundingAlongTheGridIsPartOfTheErrors) {
       }
     }
 }
+TEST(FitNoise, RoundingAlongTheGridIsPartOfTheErrors) { expect_rounding_in_the_errors({0.125}); }
+TEST(FitNoiseLong, RoundingAlongTheGridIsPartOfTheErrors) { expect_rounding_in_the_errors({0.05, 0.25}); }
 
 struct OneEdge {
   mtf::Image image;

@@ -27,10 +27,10 @@ JetPair pair_of(const Case& c) {
   return {mtf::test::subject_of(c, c.system), mtf::test::subject_of(c, mtf::cast<Jet4>(c.system))};
 }
 
-/// Every case has the property.
-void expect_of_all(void (*check)(const JetPair&, Outcome&)) {
+/// Every case has the property, or one in `step`.
+void expect_of_all(void (*check)(const JetPair&, Outcome&), std::size_t step = 1) {
   Outcome outcome;
-  for (const Case& c : conformance_cases()) check(pair_of(c), outcome);
+  for (std::size_t i = 0; i < conformance_cases().size(); i += step) check(pair_of(conformance_cases()[i]), outcome);
   EXPECT_EQ(conformance::describe_failures({outcome}), "");
   EXPECT_GT(outcome.compared, 0u);
 }
@@ -109,7 +109,8 @@ TEST(Jet, zero_frequency) { expect_of_all(conformance::gradient_at_zero_frequenc
 
 TEST(Jet, at_and_beyond_the_cutoff) { expect_of_all(conformance::gradient_at_and_beyond_the_cutoff); }
 
-TEST(Jet, finite_over_the_whole_range) { expect_of_all(conformance::gradient_is_never_nan); }
+TEST(Jet, finite_over_the_whole_range) { expect_of_all(conformance::gradient_is_never_nan, 5); }
+TEST(JetLong, finite_over_the_whole_range) { expect_of_all(conformance::gradient_is_never_nan); }
 
 TEST(Jet, finite_at_zero_and_the_smallest_frequencies) {
   expect_of_all(conformance::gradient_is_finite_at_and_near_zero);

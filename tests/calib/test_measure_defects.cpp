@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Edges in images with a defect: the stated 95 % intervals hold as often as they say, are no wider than without the
 // defect where it costs no information, and the words name it. tests/bench/bench_coverage.cpp prints the same for many
-// sizes and contrasts.
+// sizes and contrasts; MeasureDefectsLong draws what takes longer: further sizes, contrasts and kinds of noise.
 
 #include <gtest/gtest.h>
 
@@ -104,21 +104,63 @@ const made::Step& airy() {
   return step;
 }
 
-Defect hot_pixels(double more) {
-  return [more](mtf::Image& image, const made::Scene& scene) { made::heat_pixels(image, 0.002, more, scene.seed); };
+void nothing(mtf::Image&, const made::Scene&) {}
+
+void hidden_diffraction(std::int64_t width, std::int64_t height, double cnr) {
+  for (const made::Step& step : {made::Step::gaussian(0.3), airy()}) {
+    SCOPED_TRACE(std::to_string(width) + " px, contrast / noise " + std::to_string(cnr));
+    expect_coverage({step, scene_of(width, height, cnr), nothing, ""});
+  }
+}
+
+void few_pixels(std::int64_t width, std::int64_t height, double cnr) {
+  SCOPED_TRACE(std::to_string(width) + " px, contrast / noise " + std::to_string(cnr));
+  expect_coverage({airy(), scene_of(width, height, cnr), nothing, "times the noise of a pixel"});
+}
+
+const made::Step& out_of_focus() {
+  static const made::Step step = [] {
+    made::Camera camera = made::camera_of(8.0);
+    camera.w020 = 1.0;
+    return made::camera_step(camera, 5.0);
+  }();
+  return step;
+}
+
+void narrow_defocus(double cnr) {
+  expect_coverage({out_of_focus(), scene_of(40, 60, cnr), nothing, "tails of the blur"});
+}
+
+void hot_pixels(double more) {
+  SCOPED_TRACE(more);
+  const Defect hot = [more](mtf::Image& image, const made::Scene& scene) {
+    made::heat_pixels(image, 0.002, more, scene.seed);
+  };
+  expect_coverage({made::Step::gaussian(0.3), scene_of(64, 80, 40.0), hot, "as hot"});
+  expect_coverage({airy(), scene_of(64, 80, 12.0), hot, "as hot"});
+}
+
+/// A dark side 1.5 standard deviations above zero: one in fifteen of its values is cut off.
+void cut_off_at_zero(const made::Step& step, double cnr) {
+  const auto cut = [](mtf::Image& image, const made::Scene&) { made::cut_off_below(image, 0.0); };
+  for (const std::optional<double> floor : {std::optional<double>(0.0), std::optional<double>()}) {
+    made::Scene scene = scene_of(64, 80, cnr);
+    scene.dark = 1.5 * scene.noise_sd;
+    scene.bright = scene.dark + 0.6;
+    expect_coverage({step, scene, cut, "noise is cut off", {.floor = floor}});
+  }
+}
+
+void shared_noise(const Defect& defect, double cnr, double widest) {
+  expect_coverage({airy(), scene_of(64, 80, cnr), defect, "correlated between neighbouring pixels", {}, widest});
 }
 
 }  // namespace
 
 // Much noise, or few pixels: how much of the blur is diffraction is hidden, and with it the MTF at low frequencies.
 TEST(MeasureDefects, DiffractionThatNoiseHides) {
-  const auto nothing = [](mtf::Image&, const made::Scene&) {};
   const made::Step gaussian = made::Step::gaussian(0.3);
-  for (const auto& [width, height, cnr] : {std::tuple{24, 24, 12.0}, {64, 80, 4.0}, {64, 80, 6.0}})
-    for (const made::Step* step : {&gaussian, &airy()}) {
-      SCOPED_TRACE(std::to_string(width) + " px, contrast / noise " + std::to_string(cnr));
-      expect_coverage({*step, scene_of(width, height, cnr), nothing, ""});
-    }
+  hidden_diffraction(24, 24, 12.0);
   made::Scene scene = scene_of(24, 24, 12.0);
   const EdgeMeasurement hidden = calib::measure_edge(made::make(gaussian, scene).view(), {0, 0, 24, 24});
   EXPECT_TRUE(says(hidden, "how much of the blur is diffraction"));
@@ -126,47 +168,40 @@ TEST(MeasureDefects, DiffractionThatNoiseHides) {
   const EdgeMeasurement clear = calib::measure_edge(made::make(gaussian, scene).view(), {0, 0, 128, 100});
   EXPECT_TRUE(clear.warnings.empty());
 }
+TEST(MeasureDefectsLong, DiffractionThatNoiseHides) {
+  for (const double cnr : {4.0, 6.0}) hidden_diffraction(64, 80, cnr);
+}
 
 // Errors of a tenth and more: the MTF of an edge that comes out too blurred depends little on the blur, but that of the
 // true one does.
-TEST(MeasureDefects, FewPixelsOfLittleContrast) {
-  const auto nothing = [](mtf::Image&, const made::Scene&) {};
-  for (const auto& [width, height, cnr] : {std::tuple{24, 24, 4.0}, {24, 24, 6.0}, {40, 60, 4.0}}) {
-    SCOPED_TRACE(std::to_string(width) + " px, contrast / noise " + std::to_string(cnr));
-    expect_coverage({airy(), scene_of(width, height, cnr), nothing, "times the noise of a pixel"});
-  }
+TEST(MeasureDefects, FewPixelsOfLittleContrast) { few_pixels(24, 24, 4.0); }
+TEST(MeasureDefectsLong, FewPixelsOfLittleContrast) {
+  few_pixels(24, 24, 6.0);
+  few_pixels(40, 60, 4.0);
 }
 
 // The tails of a lens out of focus extend beyond short sides, where only the reference says how large they are.
 TEST(MeasureDefects, DefocusInNarrowRegions) {
-  const auto nothing = [](mtf::Image&, const made::Scene&) {};
-  made::Camera camera = made::camera_of(8.0);
-  camera.w020 = 1.0;
-  const made::Step defocused = made::camera_step(camera, 5.0);
-  for (const double cnr : {12.0, 30.0}) {
-    SCOPED_TRACE(cnr);
-    expect_coverage({defocused, scene_of(40, 60, cnr), nothing, "tails of the blur"});
-  }
+  narrow_defocus(12.0);
   for (const double y : {30.0, 30.3, 30.6}) {
     made::Scene scene = scene_of(40, 60, 1e12);
     scene.y = y;
-    const EdgeMeasurement found = calib::measure_edge(made::make(defocused, scene).view(), {0, 0, 40, 60});
+    const EdgeMeasurement found = calib::measure_edge(made::make(out_of_focus(), scene).view(), {0, 0, 40, 60});
     ASSERT_EQ(found.trouble, calib::Trouble::none) << found.reason;
     EXPECT_TRUE(says(found, "tails of the blur"));
     for (const double f : kFrequencies) {
-      const double truth = std::abs(defocused.mtf(f));
+      const double truth = std::abs(out_of_focus().mtf(f));
       EXPECT_NEAR(found.mtf[index_of(f)], truth, 1.96 * found.mtf_sd[index_of(f)]) << f;
       EXPECT_LT(found.mtf_sd[index_of(f)], 0.02) << f;
     }
   }
 }
 
-TEST(MeasureDefects, HotPixels) {
-  for (const double more : {0.3, 1.0, -2.0}) {
-    SCOPED_TRACE(more);
-    expect_coverage({made::Step::gaussian(0.3), scene_of(64, 80, 40.0), hot_pixels(more), "as hot"});
-    expect_coverage({airy(), scene_of(64, 80, 12.0), hot_pixels(more), "as hot"});
-  }
+TEST(MeasureDefectsLong, DefocusInNarrowRegions) { narrow_defocus(30.0); }
+
+TEST(MeasureDefects, HotPixels) { hot_pixels(0.3); }
+TEST(MeasureDefectsLong, HotPixels) {
+  for (const double more : {1.0, -2.0}) hot_pixels(more);
 }
 
 TEST(MeasureDefects, HotPixelsOnEdgesWithoutNoise) {
@@ -212,18 +247,8 @@ TEST(MeasureDefects, OneWildPixelHidesNoEdge) {
     }
 }
 
-// A dark side 1.5 standard deviations above zero: one in fifteen of its values is cut off.
-TEST(MeasureDefects, NoiseCutOffAtZero) {
-  const auto cut = [](mtf::Image& image, const made::Scene&) { made::cut_off_below(image, 0.0); };
-  for (const auto& [step, cnr] : {std::pair{made::Step::gaussian(0.3), 12.0}, {airy(), 30.0}})
-    for (const std::optional<double> floor : {std::optional<double>(0.0), std::optional<double>()}) {
-      SCOPED_TRACE(cnr);
-      made::Scene scene = scene_of(64, 80, cnr);
-      scene.dark = 1.5 * scene.noise_sd;
-      scene.bright = scene.dark + 0.6;
-      expect_coverage({step, scene, cut, "noise is cut off", {.floor = floor}});
-    }
-}
+TEST(MeasureDefects, NoiseCutOffAtZero) { cut_off_at_zero(airy(), 30.0); }
+TEST(MeasureDefectsLong, NoiseCutOffAtZero) { cut_off_at_zero(made::Step::gaussian(0.3), 12.0); }
 
 // The same on the bright side; reflections on the dark side are saturated too, but not by its noise, and are left out.
 TEST(MeasureDefects, NoiseCutOffAtSaturation) {
@@ -263,28 +288,13 @@ TEST(MeasureDefects, ASecondEdgeBesideTheRegion) {
 // Noise that neighbours share is larger at low frequencies than that of independent pixels of the same deviation: the
 // intervals are wider there.
 TEST(MeasureDefects, NoiseThatNeighboursShare) {
-  const auto blurred = [](mtf::Image& image, const made::Scene& scene) {
-    made::correlate_noise(image, scene, airy(), 0.8);
-  };
-  const auto demosaiced = [](mtf::Image& image, const made::Scene& scene) {
-    made::interpolate_noise(image, scene, airy());
-  };
-  const auto compressed = [](mtf::Image& image, const made::Scene& scene) {
-    made::compress_noise(image, scene, airy());
-  };
-  const std::string word = "correlated between neighbouring pixels";
-  {
-    SCOPED_TRACE("blurred");
-    expect_coverage({airy(), scene_of(64, 80, 60.0), blurred, word, {}, 3.0});
-  }
-  {
-    SCOPED_TRACE("demosaiced");
-    expect_coverage({airy(), scene_of(64, 80, 30.0), demosaiced, word, {}, 1.5});
-  }
-  {
-    SCOPED_TRACE("compressed");
-    expect_coverage({airy(), scene_of(64, 80, 30.0), compressed, word, {}, 1.3});
-  }
+  shared_noise([](auto& image, const auto& scene) { made::correlate_noise(image, scene, airy(), 0.8); }, 60.0, 3.0);
+}
+TEST(MeasureDefectsLong, NoiseOfDemosaicing) {
+  shared_noise([](auto& image, const auto& scene) { made::interpolate_noise(image, scene, airy()); }, 30.0, 1.5);
+}
+TEST(MeasureDefectsLong, NoiseOfCompression) {
+  shared_noise([](auto& image, const auto& scene) { made::compress_noise(image, scene, airy()); }, 30.0, 1.3);
 }
 
 // The noise of independent pixels has no correlation by chance, whatever its size.

@@ -6,6 +6,7 @@
 
 #include "mtf/component.h"
 #include "mtf/error.h"
+#include "tests/expect_error.h"
 #include "tests/mtf/builders.h"
 #include "tests/mtf/conformance.h"
 
@@ -109,12 +110,8 @@ TEST(Curve, ends_in_zero) {
 TEST(Curve, what_is_no_curve_is_refused) {
   const double nan = std::nan(""), inf = HUGE_VAL;
   const auto refusal = [](std::vector<double> f, std::vector<double> v, const char* unit = "cy/mm") -> std::string {
-    try {
-      make_curve("lens.csv", *find_unit(unit), std::move(f), std::move(v));
-    } catch (const UsageError& e) {
-      return e.what();
-    }
-    return "accepted";
+    return mtf::test::message_of<mtf::UsageError>(
+        [&] { make_curve("lens.csv", *find_unit(unit), std::move(f), std::move(v)); });
   };
   const auto expect = [](const std::string& message, const char* part) {
     EXPECT_NE(message.find(part), std::string::npos) << message;

@@ -13,12 +13,12 @@ namespace {
 
 constexpr int kSystems = 6'000, kParts = 10;
 
-/// The slower properties, a part of the systems each; some parts go with the suite, all of them with the long tests.
+/// The slower properties, a part of the systems each; one goes with the suite, the others with the long tests.
 constexpr int kCount = kSystems / kParts;
 class RandomSystemsPart : public testing::TestWithParam<int> {};
-INSTANTIATE_TEST_SUITE_P(Each, RandomSystemsPart, testing::Range(0, 4));
+INSTANTIATE_TEST_SUITE_P(Each, RandomSystemsPart, testing::Values(0));
 class RandomSystemsPartLong : public testing::TestWithParam<int> {};
-INSTANTIATE_TEST_SUITE_P(Each, RandomSystemsPartLong, testing::Range(4, kParts));
+INSTANTIATE_TEST_SUITE_P(Each, RandomSystemsPartLong, testing::Range(1, kParts));
 
 constexpr double kUlp = std::numeric_limits<double>::epsilon();
 

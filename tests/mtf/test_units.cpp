@@ -7,18 +7,14 @@
 #include <numbers>
 
 #include "mtf/error.h"
+#include "tests/expect_error.h"
 #include "tests/mtf/conformance.h"
 
 namespace mtf::test {
 namespace {
 
 std::string refusal(const char* text, Dimension expected) {
-  try {
-    parse_quantity(text, expected);
-  } catch (const UsageError& e) {
-    return e.what();
-  }
-  return "";
+  return mtf::test::message_of<mtf::UsageError>([&] { parse_quantity(text, expected); });
 }
 
 TEST(Units, quantities_are_a_number_and_a_unit) {

@@ -7,7 +7,7 @@
 
 #include "radiometry/stages/detector/adc.h"
 #include "radiometry/stages/noise/noise.h"
-#include "tests/radiometry/expect_refused.h"
+#include "tests/expect_error.h"
 #include "tests/radiometry/frames.h"
 #include "tests/radiometry/statistics.h"
 

@@ -9,7 +9,7 @@
 #include "mtf/math/quadrature.h"
 #include "radiometry/light/band_response.h"
 #include "radiometry/light/constants.h"
-#include "tests/radiometry/expect_refused.h"
+#include "tests/expect_error.h"
 
 namespace radiometry {
 namespace {

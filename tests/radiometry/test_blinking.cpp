@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "radiometry/stages/noise/blinking.h"
-#include "tests/radiometry/expect_refused.h"
+#include "tests/expect_error.h"
 #include "tests/radiometry/frames.h"
 #include "tests/radiometry/statistics.h"
 

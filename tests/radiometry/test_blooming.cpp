@@ -9,7 +9,7 @@
 #include "radiometry/stages/detector/adc.h"
 #include "radiometry/stages/detector/blooming.h"
 #include "radiometry/stages/noise/noise.h"
-#include "tests/radiometry/expect_refused.h"
+#include "tests/expect_error.h"
 #include "tests/radiometry/frames.h"
 
 namespace radiometry {

@@ -6,8 +6,8 @@
 
 #include "radiometry/light/blackbody.h"
 #include "radiometry/stages/noise/noise_3d.h"
+#include "tests/expect_error.h"
 #include "tests/radiometry/chain_cases.h"
-#include "tests/radiometry/expect_refused.h"
 #include "tests/radiometry/statistics.h"
 
 namespace radiometry {

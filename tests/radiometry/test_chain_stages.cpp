@@ -4,8 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/expect_error.h"
 #include "tests/radiometry/chain_cases.h"
-#include "tests/radiometry/expect_refused.h"
 
 namespace radiometry {
 namespace {

@@ -8,8 +8,8 @@
 
 #include <cmath>
 
+#include "tests/expect_error.h"
 #include "tests/radiometry/chain_cases.h"
-#include "tests/radiometry/expect_refused.h"
 #include "tests/radiometry/thermal_cases.h"
 
 namespace radiometry {

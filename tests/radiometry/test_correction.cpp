@@ -6,7 +6,7 @@
 
 #include "radiometry/stages/noise/fixed_pattern.h"
 #include "radiometry/stages/processing/correction.h"
-#include "tests/radiometry/expect_refused.h"
+#include "tests/expect_error.h"
 #include "tests/radiometry/frames.h"
 #include "tests/radiometry/statistics.h"
 

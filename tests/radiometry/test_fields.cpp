@@ -22,7 +22,7 @@
 #include "radiometry/stages/optics/vignetting.h"
 #include "radiometry/stages/processing/agc.h"
 #include "radiometry/stages/processing/measure_correction.h"
-#include "tests/radiometry/expect_refused.h"
+#include "tests/expect_error.h"
 
 namespace radiometry {
 namespace {

@@ -5,7 +5,7 @@
 #include <map>
 
 #include "radiometry/stages/noise/fixed_pattern.h"
-#include "tests/radiometry/expect_refused.h"
+#include "tests/expect_error.h"
 #include "tests/radiometry/frames.h"
 #include "tests/radiometry/statistics.h"
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "radiometry/stages/noise/flicker.h"
-#include "tests/radiometry/expect_refused.h"
+#include "tests/expect_error.h"
 #include "tests/radiometry/frames.h"
 #include "tests/radiometry/statistics.h"
 

@@ -6,7 +6,7 @@
 
 #include "mtf/math/special.h"
 #include "radiometry/stages/noise/frame_flicker.h"
-#include "tests/radiometry/expect_refused.h"
+#include "tests/expect_error.h"
 #include "tests/radiometry/frames.h"
 #include "tests/radiometry/statistics.h"
 

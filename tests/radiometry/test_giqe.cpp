@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "radiometry/performance/ground_resolution.h"
-#include "tests/radiometry/expect_refused.h"
+#include "tests/expect_error.h"
 #include "tests/radiometry/performance_cases.h"
 
 namespace radiometry {

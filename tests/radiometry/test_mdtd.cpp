@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/radiometry/expect_refused.h"
+#include "tests/expect_error.h"
 
 namespace radiometry {
 namespace {

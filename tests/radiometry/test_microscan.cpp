@@ -5,7 +5,7 @@
 
 #include "radiometry/stages/detector/microscan.h"
 #include "radiometry/stages/noise/noise.h"
-#include "tests/radiometry/expect_refused.h"
+#include "tests/expect_error.h"
 #include "tests/radiometry/frames.h"
 
 namespace radiometry {

@@ -8,7 +8,7 @@
 
 #include "radiometry/stages/noise/noise.h"
 #include "radiometry/stages/noise/poisson.h"
-#include "tests/radiometry/expect_refused.h"
+#include "tests/expect_error.h"
 #include "tests/radiometry/frames.h"
 #include "tests/radiometry/statistics.h"
 

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "radiometry/stages/noise/noise_3d.h"
-#include "tests/radiometry/expect_refused.h"
+#include "tests/expect_error.h"
 #include "tests/radiometry/frames.h"
 
 namespace radiometry {

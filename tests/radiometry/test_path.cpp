@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "radiometry/light/path.h"
-#include "tests/radiometry/expect_refused.h"
+#include "tests/expect_error.h"
 
 namespace radiometry {
 namespace {

@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "radiometry/light/path_planes.h"
-#include "tests/radiometry/expect_refused.h"
+#include "tests/expect_error.h"
 #include "tests/radiometry/frames.h"
 
 namespace radiometry {

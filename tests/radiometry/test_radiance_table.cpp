@@ -6,7 +6,7 @@
 #include <random>
 
 #include "radiometry/light/radiance_table.h"
-#include "tests/radiometry/expect_refused.h"
+#include "tests/expect_error.h"
 
 namespace radiometry {
 namespace {

@@ -8,8 +8,8 @@
 
 #include "mtf/io/image_io.h"
 #include "radiometry/light/raw_counts.h"
+#include "tests/expect_error.h"
 #include "tests/mtf/reference_table.h"
-#include "tests/radiometry/expect_refused.h"
 #include "tests/radiometry/frames.h"
 
 namespace radiometry {

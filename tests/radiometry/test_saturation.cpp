@@ -8,8 +8,8 @@
 
 #include "radiometry/chain/sensor_numbers.h"
 #include "radiometry/light/blackbody.h"
+#include "tests/expect_error.h"
 #include "tests/radiometry/chain_cases.h"
-#include "tests/radiometry/expect_refused.h"
 #include "tests/radiometry/statistics.h"
 
 namespace radiometry {

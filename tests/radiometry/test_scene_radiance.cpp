@@ -6,7 +6,7 @@
 
 #include "radiometry/light/constants.h"
 #include "radiometry/light/scene_radiance.h"
-#include "tests/radiometry/expect_refused.h"
+#include "tests/expect_error.h"
 #include "tests/radiometry/frames.h"
 
 namespace radiometry {

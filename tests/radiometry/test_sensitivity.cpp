@@ -5,7 +5,7 @@
 
 #include "radiometry/light/blackbody.h"
 #include "radiometry/performance/sensitivity.h"
-#include "tests/radiometry/expect_refused.h"
+#include "tests/expect_error.h"
 
 namespace radiometry {
 namespace {

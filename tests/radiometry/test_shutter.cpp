@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "radiometry/stages/detector/shutter.h"
-#include "tests/radiometry/expect_refused.h"
+#include "tests/expect_error.h"
 #include "tests/radiometry/frames.h"
 
 namespace radiometry {

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "radiometry/light/band_response.h"
-#include "tests/radiometry/expect_refused.h"
+#include "tests/expect_error.h"
 #include "tests/radiometry/thermal_cases.h"
 
 // The shutter of a thermal camera: where it stands, what filters and vignetting do to its light, and the false offset

@@ -7,7 +7,7 @@
 #include "radiometry/light/band_response.h"
 #include "radiometry/light/constants.h"
 #include "radiometry/light/spectral_signal.h"
-#include "tests/radiometry/expect_refused.h"
+#include "tests/expect_error.h"
 
 namespace radiometry {
 namespace {

@@ -5,7 +5,7 @@
 #include <random>
 
 #include "radiometry/light/spectrum.h"
-#include "tests/radiometry/expect_refused.h"
+#include "tests/expect_error.h"
 
 namespace radiometry {
 namespace {

@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "radiometry/light/temperature_paths.h"
-#include "tests/radiometry/expect_refused.h"
+#include "tests/expect_error.h"
 #include "tests/radiometry/frames.h"
 
 // Surfaces of any temperature behind paths of any length, against the integral over the band of each pixel by itself.

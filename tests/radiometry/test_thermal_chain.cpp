@@ -7,7 +7,7 @@
 #include "radiometry/chain/sensor_budget.h"
 #include "radiometry/light/constants.h"
 #include "radiometry/performance/thermal_detector.h"
-#include "tests/radiometry/expect_refused.h"
+#include "tests/expect_error.h"
 #include "tests/radiometry/thermal_cases.h"
 
 // The chain and the budget of [detector] kind = "thermal".

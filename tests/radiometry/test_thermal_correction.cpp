@@ -6,7 +6,7 @@
 #include <map>
 
 #include "radiometry/chain/sensor_budget.h"
-#include "tests/radiometry/expect_refused.h"
+#include "tests/expect_error.h"
 #include "tests/radiometry/statistics.h"
 #include "tests/radiometry/thermal_cases.h"
 

@@ -3,7 +3,7 @@
 
 #include "radiometry/light/blackbody.h"
 #include "radiometry/performance/thermal_detector.h"
-#include "tests/radiometry/expect_refused.h"
+#include "tests/expect_error.h"
 
 // References: mpmath with 40 digits from the constants of CODATA 2018, unless a test says otherwise.
 

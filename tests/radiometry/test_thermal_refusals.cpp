@@ -4,7 +4,7 @@
 #include "mtf/components/bolometer.h"
 #include "mtf/from_quantities.h"
 #include "mtf/literals.h"
-#include "tests/radiometry/expect_refused.h"
+#include "tests/expect_error.h"
 #include "tests/radiometry/thermal_cases.h"
 
 // What a thermal detector does not have, and noise that is given in no form, in two, or without its reference.

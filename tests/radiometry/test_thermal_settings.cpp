@@ -3,7 +3,7 @@
 
 #include "mtf/io/config/config.h"
 #include "radiometry/chain/sensor_settings.h"
-#include "tests/radiometry/expect_refused.h"
+#include "tests/expect_error.h"
 
 // [detector] kind = "thermal" in a sensor file: volts where a photon detector has electrons, and keys of its own.
 
@@ -25,12 +25,7 @@ std::string first_error(const std::string& body) {
   const mtf::io::ConfigResult result = parse(body);
   for (const mtf::io::Diagnostic& d : result.diagnostics)
     if (d.error) return d.path + ": " + d.text;
-  try {
-    sensor_settings(result.config.tables);
-  } catch (const mtf::UsageError& refused) {
-    return refused.what();
-  }
-  return "";
+  return mtf::test::message_of<mtf::UsageError>([&] { sensor_settings(result.config.tables); });
 }
 
 void expect_error(const std::string& body, const std::string& start) {

@@ -6,7 +6,7 @@
 
 #include "radiometry/stages/noise/noise.h"
 #include "radiometry/stages/optics/veiling_glare.h"
-#include "tests/radiometry/expect_refused.h"
+#include "tests/expect_error.h"
 #include "tests/radiometry/frames.h"
 
 namespace radiometry {

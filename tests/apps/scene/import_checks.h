@@ -12,6 +12,7 @@
 #include "apps/scene/import/import_mesh.h"
 #include "mesh_samples.h"
 #include "mtf/error.h"
+#include "tests/expect_error.h"
 
 namespace scene_test {
 
@@ -26,12 +27,7 @@ inline std::vector<Point> face(const Mesh& mesh, std::size_t i) {
 }
 
 inline std::string refusal(const fs::path& file) {
-  try {
-    static_cast<void>(import_mesh(file, 1.0));
-  } catch (const mtf::Error& error) {
-    return error.what();
-  }
-  return "";
+  return mtf::test::message_of([&] { static_cast<void>(import_mesh(file, 1.0)); });
 }
 
 inline void expect_refused(const fs::path& file, const std::string& why) {

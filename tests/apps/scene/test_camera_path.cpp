@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "mtf/error.h"
+#include "tests/expect_error.h"
 
 namespace apps::scene {
 namespace {
@@ -13,12 +14,7 @@ namespace {
 const std::string kHead = "time (s),x (m),y (m),z (m),look_x (m),look_y (m),look_z (m)\n";
 
 std::string refusal(const std::string& text) {
-  try {
-    parse_camera_path(text, "flight.csv");
-  } catch (const mtf::UsageError& error) {
-    return error.what();
-  }
-  return "";
+  return mtf::test::message_of<mtf::UsageError>([&] { parse_camera_path(text, "flight.csv"); });
 }
 
 TEST(CameraPath, GoesAlongStraightLines) {

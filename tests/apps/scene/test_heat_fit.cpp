@@ -14,6 +14,7 @@
 #include "radiometry/weather/instant.h"
 #include "tests/apps/scene/weather_texts.h"
 #include "tests/apps/study/temp_folder.h"
+#include "tests/expect_error.h"
 
 namespace apps::scene {
 namespace {
@@ -122,17 +123,14 @@ TEST_F(HeatFitTest, DescribesTheMeasuredDay) {
 
 TEST_F(HeatFitTest, RefusesWhatIsNoFit) {
   const auto refusal = [&](const std::string& conductivity, const std::string& rest) -> std::string {
-    try {
+    return mtf::test::message_of([&] {
       fit_heat(
           load(head("air_temperature = \"280 K\"\nwind_speed = \"1 m/s\"\ndirect_normal = \"0 W/m2\"\n"
                     "diffuse_horizontal = \"0 W/m2\"\nlongwave_down = \"250 W/m2\"\n") +
                "[[material]]\nname = \"soil\"\nsolar_absorptance = 0\nemissivity = 0.9\nlayers = [{ conductivity = " +
                conductivity + ", density = \"1600 kg/m3\", heat_capacity = \"800 J/kg/K\", thickness = \"1 m\" }]\n" +
                rest));
-    } catch (const mtf::Error& error) {
-      return error.what();
-    }
-    return "";
+    });
   };
   const std::string ground = "[ground]\nmaterial = \"soil\"\n";
   const std::string marked = fitted("0.3", " W/m/K", "0.05", "5");

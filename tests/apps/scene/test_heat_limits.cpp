@@ -4,10 +4,12 @@
 // refused.
 
 #include "tests/apps/scene/heat_run_case.h"
+#include "tests/expect_error.h"
 
 namespace apps::scene {
 namespace {
 
+using mtf::test::expect_says;
 using namespace test;
 
 class HeatLimits : public HeatRun {
@@ -75,14 +77,11 @@ TEST_F(HeatLimits, RefusesWhatHasNoMeaning) {
     return test::message_of([&] { prepare(kDay + weather_text + kSky + rest, plate(0.0)); });
   };
   const std::string humid = weather(290, 2, 0, 0, 330) + "vapour_pressure = \"1000 Pa\"\n";
-  EXPECT_NE(
-      refusal(humid, painted("\"none\"", "wet_fraction = 0.5\n")).find("material 'paint': wet_fraction without a film"),
-      std::string::npos);
-  EXPECT_NE(refusal(weather(283.15, 2, 0, 0, 330) + "vapour_pressure = \"7250 Pa\"\n", painted("\"mcadams\""))
-                .find("a relative humidity of 59"),
-            std::string::npos);
-  EXPECT_NE(refusal(weather(290, 2, 0, 1500, 330), painted("\"mcadams\"")).find("is this the global irradiance?"),
-            std::string::npos);
+  expect_says(refusal(humid, painted("\"none\"", "wet_fraction = 0.5\n")),
+              {"material 'paint': wet_fraction without a film"});
+  expect_says(refusal(weather(283.15, 2, 0, 0, 330) + "vapour_pressure = \"7250 Pa\"\n", painted("\"mcadams\"")),
+              {"a relative humidity of 59"});
+  expect_says(refusal(weather(290, 2, 0, 1500, 330), painted("\"mcadams\"")), {"is this the global irradiance?"});
 }
 
 }  // namespace

@@ -12,6 +12,7 @@
 #include "apps/scene/import/import_process.h"
 #include "mesh_samples.h"
 #include "mtf/error.h"
+#include "tests/expect_error.h"
 
 namespace {
 
@@ -21,12 +22,8 @@ using apps::scene::ImportLimits;
 using apps::scene::Up;
 
 std::string refusal(const fs::path& file, const ImportLimits& limits) {
-  try {
-    static_cast<void>(import_mesh(file, 1.0, Up::of_format, limits));
-  } catch (const mtf::RuntimeError& error) {
-    return error.what();
-  }
-  return "";
+  return mtf::test::message_of<mtf::RuntimeError>(
+      [&] { static_cast<void>(import_mesh(file, 1.0, Up::of_format, limits)); });
 }
 
 bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }

@@ -264,7 +264,7 @@ TEST(WeatherShared, SurfradFileIsReadWhole) {
 }
 
 // Damage of every kind ends in an error of ours or in numbers, never in anything else.
-TEST(WeatherDamaged, FlippedBytesAndCutFiles) {
+void expect_damage_read_or_refused(int rounds) {
   std::uint64_t state = 12345;
   const auto random = [&](std::size_t below) {
     state = state * 6364136223846793005u + 1442695040888963407u;
@@ -272,7 +272,7 @@ TEST(WeatherDamaged, FlippedBytesAndCutFiles) {
   };
   int refused = 0, read = 0;
   for (const std::string& good : {csv_text(12), epw_text(12), tmy3_text(12), surfrad_text(12)})
-    for (int round = 0; round < 1500; ++round) {
+    for (int round = 0; round < rounds; ++round) {
       std::string text = good;
       for (std::size_t k = 0; k <= random(3); ++k) text[random(text.size())] = static_cast<char>(random(256));
       if (round % 5 == 0) text.resize(random(text.size() + 1));
@@ -287,9 +287,11 @@ TEST(WeatherDamaged, FlippedBytesAndCutFiles) {
         ++refused;
       }
     }
-  EXPECT_GT(refused, 1000);
-  EXPECT_GT(read, 300);
+  EXPECT_GT(refused, 2 * rounds / 3);
+  EXPECT_GT(read, rounds / 5);
 }
+TEST(WeatherDamaged, FlippedBytesAndCutFiles) { expect_damage_read_or_refused(300); }
+TEST(WeatherDamagedLong, FlippedBytesAndCutFiles) { expect_damage_read_or_refused(1500); }
 
 /// The text without its cell `k` in every line of data.
 std::string without_column(const std::string& text, std::size_t k, char separator, int first_line) {
@@ -315,7 +317,7 @@ TEST(WeatherDamaged, EveryColumnMissingInTurn) {
   for (std::size_t k = 0; k < 9; ++k) {
     const std::string text = without_column(csv_text(), k, ',', 0);
     if (k <= 1) {  // time, and the temperature that the humidity needs
-      EXPECT_NE(refusal(text), "nothing was thrown");
+      EXPECT_NE(refusal(text), "");
       continue;
     }
     const Weather weather = parse_weather(text, "file").weather;
@@ -327,8 +329,7 @@ TEST(WeatherDamaged, EveryColumnMissingInTurn) {
         EXPECT_EQ(weather.values[q], full.values[q]);
     EXPECT_EQ(absent, 1) << k;
   }
-  for (std::size_t k = 0; k < 10; ++k)
-    EXPECT_NE(refusal(without_column(tmy3_text(), k, ',', 1)), "nothing was thrown") << k;
+  for (std::size_t k = 0; k < 10; ++k) EXPECT_NE(refusal(without_column(tmy3_text(), k, ',', 1)), "") << k;
   for (std::size_t k = 0; k < 35; ++k)
     EXPECT_TRUE(contains(refusal(without_column(epw_text(), k, ',', 8)), "34 cells in a record")) << k;
   // Blanks separate; every run of them is one separator.

@@ -12,6 +12,7 @@
 #include <string>
 
 #include "mtf/error.h"
+#include "tests/expect_error.h"
 
 namespace apps::scene::test {
 
@@ -79,14 +80,7 @@ inline std::string surfrad_text(int minutes = 60) {
   return text;
 }
 
-inline std::string message_of(const std::function<void()>& action) {
-  try {
-    action();
-  } catch (const mtf::Error& error) {
-    return error.what();
-  }
-  return "nothing was thrown";
-}
+using mtf::test::message_of;
 
 inline bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 

@@ -18,6 +18,7 @@
 #include "apps/study/rows/row_table.h"
 #include "mtf/error.h"
 #include "tests/apps/study/temp_folder.h"
+#include "tests/expect_error.h"
 
 namespace {
 
@@ -64,14 +65,7 @@ std::string table_of(const TempFolder& folder, const study::RowRun& run) {
   return table_of(folder, study::rows_of(run), run.threads);
 }
 
-std::string message_of(const std::function<void()>& work) {
-  try {
-    work();
-  } catch (const mtf::Error& error) {
-    return error.what();
-  }
-  return "no error";
-}
+using mtf::test::message_of;
 
 TEST(Rows, TheTableIsTheSameForAnyThreadsAndPieces) {
   const TempFolder first;

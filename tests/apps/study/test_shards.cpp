@@ -12,6 +12,7 @@
 #include "mtf/error.h"
 #include "mtf/io/sha256.h"
 #include "tests/apps/study/temp_folder.h"
+#include "tests/expect_error.h"
 
 namespace {
 
@@ -61,12 +62,7 @@ std::string csv_of(const TempFolder& folder, const std::vector<study::RowPiece>&
 }
 
 std::string merge_message(const study::ShardPlan& plan, const TempFolder& folder) {
-  try {
-    csv_of(folder, study::all_shards(plan, folder.root()));
-  } catch (const mtf::RuntimeError& error) {
-    return error.what();
-  }
-  return "no error";
+  return mtf::test::message_of<mtf::RuntimeError>([&] { csv_of(folder, study::all_shards(plan, folder.root())); });
 }
 
 void expect_says(const std::string& text, const std::string& part) {
@@ -149,7 +145,7 @@ TEST(Shards, AForeignShardIsNamed) {
   make_shard(plan, folder, 1, name);  // of this plan, but not this shard
   expect_says(merge_message(plan, folder), "shard 2: ");
   make_shard(plan, folder, 2);
-  EXPECT_EQ(merge_message(plan, folder), "no error");
+  EXPECT_EQ(merge_message(plan, folder), "");
   make_shard(other, folder, 2, "part-2-0123456789ab");
   expect_says(merge_message(plan, folder), "part-2-0123456789ab: foreign");
 }

@@ -16,6 +16,8 @@
 #include <string>
 #include <vector>
 
+#include "tests/expect_error.h"
+
 namespace io_test {
 
 namespace fs = std::filesystem;
@@ -89,15 +91,6 @@ inline void write_scanline(const std::string& path, Imf::Header header, const st
   file.writePixels(header.dataWindow().max.y - header.dataWindow().min.y + 1);
 }
 
-/// Message of the exception of type E that `action` throws; "" when it throws nothing.
-template <class E, class Action>
-std::string message_of(Action&& action) {
-  try {
-    action();
-  } catch (const E& error) {
-    return error.what();
-  }
-  return "";
-}
+using mtf::test::message_of;
 
 }  // namespace io_test

@@ -7,6 +7,7 @@
 
 #include "mtf/error.h"
 #include "mtf/io/config/config.h"
+#include "tests/expect_error.h"
 
 namespace mtf::io {
 namespace {
@@ -364,12 +365,7 @@ TEST(ConfigErrors, LoadThrowsAllOfThem) {
   // Files in each other's place.
   const auto error_of = [&](const std::string& text) -> std::string {
     std::ofstream(path, std::ios::binary) << text;
-    try {
-      load_config(path);
-    } catch (const Error& error) {
-      return error.what();
-    }
-    return "";
+    return mtf::test::message_of([&] { load_config(path); });
   };
   EXPECT_EQ(error_of("schema = 1\n[[mesh]]\nname = \"hull\"\n"),
             path + ": the file of a 3-D scene, for it has [[mesh]]; a sensor file belongs here");

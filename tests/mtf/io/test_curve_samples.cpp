@@ -7,18 +7,14 @@
 
 #include "mtf/error.h"
 #include "mtf/io/csv/curve_samples.h"
+#include "tests/expect_error.h"
 
 namespace {
 
 using mtf::io::parse_curve_samples;
 
 std::string refusal(const std::string& text) {
-  try {
-    parse_curve_samples(text, "c.csv");
-  } catch (const mtf::UsageError& error) {
-    return error.what();
-  }
-  return "";
+  return mtf::test::message_of<mtf::UsageError>([&] { parse_curve_samples(text, "c.csv"); });
 }
 
 }  // namespace

@@ -7,22 +7,12 @@
 #include <limits>
 
 #include "io_test_files.h"
-#include "mtf/error.h"
+#include "tests/expect_error.h"
 
 namespace mtf::io {
 namespace {
 
-/// The refusal speaks of all words.
-template <class Error = UsageError, class Function>
-void expect_refused(const Function& function, std::initializer_list<std::string> words) {
-  try {
-    function();
-    FAIL() << "accepted";
-  } catch (const Error& error) {
-    for (const std::string& word : words)
-      EXPECT_NE(std::string(error.what()).find(word), std::string::npos) << error.what() << "\nlacks " << word;
-  }
-}
+using mtf::test::expect_refused;
 
 TEST(Encoding, SrgbIsThatOfIec61966) {
   const Encoding srgb = parse_encoding("srgb");
@@ -119,23 +109,23 @@ TEST(Encoding, FullScaleComesFromTheFile) {
 }
 
 TEST(Encoding, RefusesWhatItDoesNotKnow) {
-  expect_refused([] { static_cast<void>(parse_encoding("sRGB")); }, {"sRGB", "linear, srgb, gamma (2.2)"});
-  expect_refused([] { static_cast<void>(parse_encoding("")); }, {"linear, srgb"});
+  expect_refused({"sRGB", "linear, srgb, gamma (2.2)"}, [] { static_cast<void>(parse_encoding("sRGB")); });
+  expect_refused({"linear, srgb"}, [] { static_cast<void>(parse_encoding("")); });
   for (const char* wrong :
        {"gamma:", "gamma:x", "gamma:0", "gamma:-2", "gamma:nan", "gamma:inf", "gamma:2,2", "gamma:11"})
-    expect_refused([&] { static_cast<void>(parse_encoding(wrong)); }, {wrong, "gamma:2.2"});
-  expect_refused<RuntimeError>([] { static_cast<void>(parse_encoding("missing/oecf.csv")); }, {"missing/oecf.csv"});
+    expect_refused({wrong, "gamma:2.2"}, [&] { static_cast<void>(parse_encoding(wrong)); });
+  expect_refused<RuntimeError>({"missing/oecf.csv"}, [] { static_cast<void>(parse_encoding("missing/oecf.csv")); });
   const io_test::TempFolder folder;
-  expect_refused<RuntimeError>([&] { static_cast<void>(parse_encoding(folder / "")); }, {"folder"});
+  expect_refused<RuntimeError>({"folder"}, [&] { static_cast<void>(parse_encoding(folder / "")); });
   io_test::write_bytes(folder / "empty.csv", "");
-  expect_refused<RuntimeError>([&] { static_cast<void>(parse_encoding(folder / "empty.csv")); }, {"empty"});
+  expect_refused<RuntimeError>({"empty"}, [&] { static_cast<void>(parse_encoding(folder / "empty.csv")); });
   io_test::write_bytes(folder / "good.csv", "0,0\n255,1\n");
   EXPECT_EQ(parse_encoding(folder / "good.csv").stored.size(), 2U);
 }
 
 TEST(Encoding, TablesNameTheLineThatIsWrong) {
-  const auto refused = [](const char* text, std::initializer_list<std::string> words) {
-    expect_refused([&] { static_cast<void>(parse_oecf(text, "t.csv")); }, words);
+  const auto refused = [](const char* text, std::initializer_list<std::string_view> words) {
+    expect_refused(words, [&] { static_cast<void>(parse_oecf(text, "t.csv")); });
   };
   refused("", {"t.csv", "two rows"});
   refused("stored,linear\n0,0\n", {"t.csv", "two rows"});

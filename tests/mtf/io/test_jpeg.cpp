@@ -10,6 +10,7 @@
 #include "mtf/error.h"
 #include "mtf/io/codecs/dct_rounding.h"
 #include "mtf/io/image_io.h"
+#include "tests/expect_error.h"
 #include "tests/mtf/io/io_test_files.h"
 #include "tests/mtf/io/jpeg_file.h"
 
@@ -36,12 +37,7 @@ struct Jpeg : testing::Test {
 
   void write(const std::string& bytes) const { std::ofstream(path, std::ios::binary) << bytes; }
   std::string refusal() const {
-    try {
-      mtf::io::read_image(path);
-    } catch (const mtf::RuntimeError& error) {
-      return error.what();
-    }
-    return "";
+    return mtf::test::message_of<mtf::RuntimeError>([&] { mtf::io::read_image(path); });
   }
 };
 

@@ -6,6 +6,7 @@
 #include "mtf/error.h"
 #include "mtf/io/config/config_edit.h"
 #include "mtf/io/config/replace_value.h"
+#include "tests/expect_error.h"
 
 namespace {
 
@@ -32,12 +33,7 @@ std::string after(const std::string& rest, const std::string& parameter, const s
 }
 
 std::string refusal(const std::string& rest, const std::string& parameter, const std::string& value) {
-  try {
-    static_cast<void>(replaced(read(rest), parameter, value));
-  } catch (const mtf::UsageError& error) {
-    return error.what();
-  }
-  return "";
+  return mtf::test::message_of<mtf::UsageError>([&] { static_cast<void>(replaced(read(rest), parameter, value)); });
 }
 
 const std::string kJitter = "[[presample]]\n  kind = \"jitter\"\n  rms = \"20 urad\"  # mount\n";

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "mtf/error.h"
+#include "tests/expect_error.h"
 
 namespace mtf::io {
 namespace {
@@ -45,18 +45,12 @@ ScheduledSensor scheduled(const std::string& lines) {
   return {config, parse_schedule("frame,parameter,value\n" + lines, "s.csv", config)};
 }
 
-// The message of the refusal, which speaks of all words.
-void expect_refused(const std::string& text, std::initializer_list<std::string> words) {
-  try {
-    static_cast<void>(parse_schedule(text, "s.csv", sensor()));
-    FAIL() << "accepted: " << text;
-  } catch (const UsageError& error) {
-    for (const std::string& word : words)
-      EXPECT_NE(std::string(error.what()).find(word), std::string::npos) << error.what() << "\nlacks " << word;
-  }
+void expect_refused(const std::string& text, std::initializer_list<std::string_view> words) {
+  SCOPED_TRACE(text);
+  mtf::test::expect_refused(words, [&] { static_cast<void>(parse_schedule(text, "s.csv", sensor())); });
 }
 
-void expect_line_refused(const std::string& line, std::initializer_list<std::string> words) {
+void expect_line_refused(const std::string& line, std::initializer_list<std::string_view> words) {
   expect_refused("frame,parameter,value\n" + line + "\n", words);
 }
 

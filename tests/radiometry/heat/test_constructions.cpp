@@ -7,7 +7,7 @@
 
 #include "radiometry/heat/depth/grid.h"
 #include "radiometry/heat/solve.h"
-#include "tests/radiometry/expect_refused.h"
+#include "tests/expect_error.h"
 #include "tests/radiometry/heat/exact_cases.h"
 #include "tests/radiometry/heat/random_facets.h"
 

@@ -8,7 +8,7 @@
 
 #include <limits>
 
-#include "tests/radiometry/expect_refused.h"
+#include "tests/expect_error.h"
 #include "tests/radiometry/scene/scene_cases.h"
 
 namespace radiometry::scene {

@@ -7,7 +7,7 @@
 #include <limits>
 
 #include "radiometry/scene/opposite.h"
-#include "tests/radiometry/expect_refused.h"
+#include "tests/expect_error.h"
 #include "tests/radiometry/scene/scene_cases.h"
 
 namespace radiometry::scene {

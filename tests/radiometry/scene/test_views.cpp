@@ -10,7 +10,7 @@
 #include <map>
 
 #include "radiometry/scene/table_error.h"
-#include "tests/radiometry/expect_refused.h"
+#include "tests/expect_error.h"
 #include "tests/radiometry/scene/scene_cases.h"
 
 namespace radiometry::scene {
