@@ -13,6 +13,7 @@
 #include "apps/python/sensor.h"
 #include "apps/python/topics.h"
 #include "apps/simulate/live_simulation.h"
+#include "apps/simulate/simulate_parts.h"
 #include "mtf/error.h"
 #include "mtf/plan/sensor_plan.h"
 
@@ -39,7 +40,7 @@ class LinearPlan {
     run_job([&](JobControl& control) {
       options.progress = [&](std::int64_t) { control.check(); };
       if (plane) options.scene = mtf::summarise(plane->view, options.border, sensor_->scene.border_value);
-      mtf::SensorPlan made = compile_reachable(tolerance.has_value(), 0.0, options, warnings_,
+      mtf::SensorPlan made = compile_reachable(tolerance.has_value(), SensorRun{}, options, warnings_,
                                                [&] { return mtf::compile_sensor(sensor_->system, grid, options); });
       made.options.progress = {};
       plan_ = std::make_shared<const mtf::SensorPlan>(std::move(made));

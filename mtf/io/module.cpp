@@ -2,10 +2,12 @@
 #include "mtf/io/module.h"
 
 #include <dlfcn.h>
+#include <elf.h>
 
 #include <algorithm>
 #include <cstdlib>
 #include <cstring>
+#include <fstream>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -80,6 +82,24 @@ std::string found_file(const Module& module) {
   return place != places.end() ? (*place / name).string() : "";
 }
 
+/// Whether all of a shared library is there: the loader ends the process for one whose end is missing.
+bool is_complete(const std::string& file) {
+  std::ifstream in(file, std::ios::binary);
+  Elf64_Ehdr header{};
+  std::error_code error;
+  const std::uintmax_t size = fs::file_size(file, error);
+  if (error || !in.read(reinterpret_cast<char*>(&header), sizeof header) ||
+      std::memcmp(header.e_ident, ELFMAG, SELFMAG) != 0 || header.e_phentsize != sizeof(Elf64_Phdr))
+    return false;
+  in.seekg(static_cast<std::streamoff>(header.e_phoff));
+  Elf64_Phdr part{};
+  for (int k = 0; k < header.e_phnum; ++k)
+    if (!in.read(reinterpret_cast<char*>(&part), sizeof part) || part.p_offset > size ||
+        part.p_filesz > size - part.p_offset)
+      return false;
+  return true;
+}
+
 [[noreturn]] void refuse(const Module& module, const std::string& why) {
   throw RuntimeError(std::string(module.what) + ": " + why + "; " + module.remedy +
                      ", or name the file in the environment variable " + variable(module));
@@ -87,11 +107,16 @@ std::string found_file(const Module& module) {
 
 }  // namespace
 
-bool has_module(const Module& module) { return !found_file(module).empty(); }
+bool has_module(const Module& module) {
+  const std::string file = found_file(module);
+  return !file.empty() && is_complete(file);
+}
 
 const void* module_table(const Module& module) {
   const std::string chosen = chosen_file(module), found = found_file(module);
   if (found.empty() && !chosen.empty()) refuse(module, "there is no file " + printable(chosen, kMostWords));
+  if (!found.empty() && !is_complete(found))
+    refuse(module, "cannot open the module " + printable(found, kMostWords) + ", which is damaged");
   // A program that links the installed static library lies anywhere: its run path leads to the module.
   const std::string file = found.empty() ? file_name(module) : found;
   void* const handle = found.empty() && is_in_module() ? nullptr : ::dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);

@@ -23,7 +23,7 @@ struct Module {
   const char* remedy;  ///< for messages, what makes it be there: "install mtfkit"
 };
 
-/// Whether the module's file is there; opens nothing.
+/// Whether the module's file is there and complete; loads nothing.
 bool has_module(const Module& module);
 
 /// The table of the module. The file is the one that the environment variable names. Else it lies beside the module

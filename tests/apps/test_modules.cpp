@@ -69,6 +69,13 @@ TEST(Modules, OneThatIsMissingDamagedOrAnotherIsNamedWithTheRemedy) {
 
   apps_test::write_file(module, "no library");
   refused("heat scene.toml -o t", "cannot open");
+  for (const std::uintmax_t size : {std::uintmax_t{20000}, fs::file_size(kModules / "libmtfkit_scenes.so") / 2}) {
+    fs::copy_file(kModules / "libmtfkit_scenes.so", module, fs::copy_options::overwrite_existing);
+    fs::resize_file(module, size);
+    refused("heat scene.toml -o t", "damaged");
+    const std::string told = scratch.run(mtf + "--version").out;
+    EXPECT_LT(told.find("\nmissing: "), told.find("3-D scenes")) << told;
+  }
   fs::remove(module);
   fs::copy_file(kModules / "libmtfkit_core.so", module);  // opens, and has no table of scenes
   refused("heat scene.toml -o t", "another build");

@@ -290,10 +290,10 @@ TEST(MeasureDefects, ASecondEdgeBesideTheRegion) {
 TEST(MeasureDefects, NoiseThatNeighboursShare) {
   shared_noise([](auto& image, const auto& scene) { made::correlate_noise(image, scene, airy(), 0.8); }, 60.0, 3.0);
 }
-TEST(MeasureDefectsLong, NoiseOfDemosaicing) {
+TEST(MeasureDefects, NoiseOfDemosaicing) {
   shared_noise([](auto& image, const auto& scene) { made::interpolate_noise(image, scene, airy()); }, 30.0, 1.5);
 }
-TEST(MeasureDefectsLong, NoiseOfCompression) {
+TEST(MeasureDefects, NoiseOfCompression) {
   shared_noise([](auto& image, const auto& scene) { made::compress_noise(image, scene, airy()); }, 30.0, 1.3);
 }
 

@@ -76,11 +76,7 @@ void SequenceFrames::prepare() {
   first_sensor_ = frame->sensor;
   chain_report_ = first_sensor_.report();
   if (frame->chain) frame->chain->prepare(first_sensor_.chain()->stage, threads_);
-  const mtf::io::Scene& scene = frame->input->scene;
-  first_scene_.names = scene.names;
-  first_scene_.grid = scene.grid;
-  first_scene_.quantity = scene.quantity;
-  first_scene_.info = scene.info;
+  first_scene_ = facts_of(frame->input->scene);
   warnings_ = warnings_of(*frame);
   for (const std::string& text : frame->plan->presample.report().notes) warnings_.push_back(text);
   if (options_.measure)

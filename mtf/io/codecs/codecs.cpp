@@ -6,8 +6,9 @@
 namespace mtf::io {
 namespace {
 
-constexpr Module kCodecs{"mtfkit_codecs", "the PNG, TIFF and JPEG codecs",
-                         "build it with apps/quickstart, or install the Debian package mtfkit"};
+constexpr Module kCodecs{
+    "mtfkit_codecs", "the PNG, TIFF and JPEG codecs",
+    "build it with apps/quickstart, or install the Debian package mtfkit, the tarball or the wheel again"};
 constexpr Module kOpenCv{"mtfkit_opencv", "OpenCV",
                          "build it with apps/quickstart all, or install the Debian package mtfkit-codecs"};
 
