@@ -12,6 +12,7 @@
 #include "mtf/components/component_docs.h"
 #include "mtf/error.h"
 #include "mtf/quantity.h"
+#include "mtf/words.h"
 
 namespace mtf {
 namespace {
@@ -185,11 +186,7 @@ std::string format_double(double value) {
   return {buffer.data(), result.ptr};
 }
 
-std::string three_digits(double value) {
-  std::array<char, 32> buffer;
-  std::snprintf(buffer.data(), buffer.size(), "%.3g", value);
-  return buffer.data();
-}
+std::string three_digits(double value) { return significant(value, 3); }
 
 std::string with_unit(std::string number, std::string_view unit) {
   if (!unit.empty()) number.append(" ").append(unit);

@@ -15,7 +15,7 @@
 #include <system_error>
 
 #include "mtf/error.h"
-#include "mtf/io/file_checks.h"
+#include "mtf/words.h"
 
 namespace apps {
 namespace {
@@ -118,7 +118,7 @@ bool exchange(std::string_view script, Descriptor& in, Descriptor& out, Descript
 
 std::string last_line(std::string text) {
   while (!text.empty() && (text.back() == '\n' || text.back() == ' ')) text.pop_back();
-  return mtf::io::printable(text.substr(text.rfind('\n') + 1));
+  return mtf::printable(text.substr(text.rfind('\n') + 1));
 }
 
 }  // namespace

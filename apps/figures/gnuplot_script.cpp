@@ -7,8 +7,8 @@
 #include <string_view>
 
 #include "mtf/error.h"
-#include "mtf/io/file_checks.h"
 #include "mtf/units.h"
+#include "mtf/words.h"
 
 namespace apps {
 namespace {
@@ -23,7 +23,7 @@ constexpr std::array<std::string_view, 7> kColours{"#0072b2", "#d55e00", "#009e7
 /// A literal: nothing is special in single quotes but the quote itself.
 std::string gnuplot_string(std::string_view text) {
   std::string literal = "'";
-  for (const char c : mtf::io::printable(text, 120)) literal += c == '\'' ? std::string("''") : std::string(1, c);
+  for (const char c : mtf::printable(text, 120)) literal += c == '\'' ? std::string("''") : std::string(1, c);
   return literal + "'";
 }
 

@@ -11,8 +11,8 @@
 #include "apps/terminal/output.h"
 #include "apps/terminal/text_table.h"
 #include "apps/text/json.h"
-#include "mtf/io/file_checks.h"
 #include "mtf/units.h"
+#include "mtf/words.h"
 
 namespace apps {
 namespace {
@@ -76,7 +76,7 @@ std::string as_text(const ImageFacts& facts) {
       text += "  and " + std::to_string(info.attributes.size() - most_attributes) + " more: --format json shows all\n";
       break;
     }
-    text += "  " + line(one_line(name), mtf::io::printable(value, longest));
+    text += "  " + line(one_line(name), mtf::printable(value, longest));
   }
   return text + "\n" + (facts.next.empty() ? "" : "next: " + facts.next + "\n");
 }

@@ -13,7 +13,7 @@
 #include "apps/simulate/sensor_image.h"
 #include "apps/text/words.h"
 #include "mtf/error.h"
-#include "mtf/io/file_checks.h"
+#include "mtf/words.h"
 
 namespace apps::python {
 namespace {
@@ -44,8 +44,7 @@ py::array plane(const ImageHandle& image, const std::string& name) {
     array.attr("setflags")(py::arg("write") = false);
     return array;
   }
-  throw mtf::UsageError(image.path + ": has no plane '" + mtf::io::printable(name, 60) + "'; it has " +
-                        joined(file.names));
+  throw mtf::UsageError(image.path + ": has no plane '" + mtf::printable(name, 60) + "'; it has " + joined(file.names));
 }
 
 /// Everything of a file in memory as Python's values, for pickle.

@@ -7,7 +7,7 @@
 #include "apps/study/design/variant_sensor.h"
 #include "calib/fit/parameter_site.h"
 #include "mtf/io/config/config_reader.h"
-#include "mtf/io/file_checks.h"
+#include "mtf/words.h"
 
 namespace study {
 namespace {
@@ -81,7 +81,7 @@ std::string replaced_by_map(const SensorView& view, const Target& target) {
   const mtf::SettingValue* value = table != nullptr ? table->find(map) : nullptr;
   const std::string* file = value != nullptr ? std::get_if<std::string>(value) : nullptr;
   if (file == nullptr || file->empty()) return "";
-  return "the sensor has the map " + map + " = \"" + mtf::io::printable(*file) + "\", which frames take in place of " +
+  return "the sensor has the map " + map + " = \"" + mtf::printable(*file) + "\", which frames take in place of " +
          target.key + ": another " + target.key + " would change nothing; remove " + map +
          " from the sensor file, or name another parameter (an axis of files can vary the map: parameter = \"" +
          target.table + "." + map + "\")";

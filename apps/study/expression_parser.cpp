@@ -13,8 +13,8 @@
 #include <numbers>
 
 #include "apps/study/expression.h"
-#include "mtf/io/file_checks.h"
 #include "mtf/units.h"
+#include "mtf/words.h"
 
 namespace study {
 namespace {
@@ -116,7 +116,7 @@ class ExpressionParser {
     throw ExpressionError{static_cast<int>(at), std::move(text)};
   }
   std::string here() const {
-    return at_ < text_.size() ? "'" + mtf::io::printable(text_.substr(at_, 20)) + "'" : "the end";
+    return at_ < text_.size() ? "'" + mtf::printable(text_.substr(at_, 20)) + "'" : "the end";
   }
   char peek() const { return at_ < text_.size() ? text_[at_] : '\0'; }
   void skip_blanks() {
@@ -179,7 +179,7 @@ class ExpressionParser {
     std::string text(text_.substr(part.start, end - part.start));
     while (!text.empty() && std::string_view(" \t\n\r+-*/^<>,").find(text.back()) != std::string_view::npos)
       text.pop_back();
-    return mtf::io::printable(text, 60);
+    return mtf::printable(text, 60);
   }
 
   Part sum() {
@@ -295,7 +295,7 @@ class ExpressionParser {
     }
     if (peek() == '(') {
       const auto guess = mtf::nearest(name, kFunctions);
-      fail(start, "unknown function '" + mtf::io::printable(name, 60) + "'" +
+      fail(start, "unknown function '" + mtf::printable(name, 60) + "'" +
                       (guess ? "; did you mean " + *guess + "?" : "; there are min, max, sqrt, exp, log, log10, abs"));
     }
     std::optional<Symbol> symbol;
@@ -306,8 +306,7 @@ class ExpressionParser {
     }
     if (!symbol) {
       const auto guess = name.size() <= 64 ? mtf::nearest(name, names_) : std::nullopt;
-      fail(start,
-           "unknown name '" + mtf::io::printable(name, 60) + "'" + (guess ? "; did you mean " + *guess + "?" : ""));
+      fail(start, "unknown name '" + mtf::printable(name, 60) + "'" + (guess ? "; did you mean " + *guess + "?" : ""));
     }
     push({.op = Op::slot, .slot = symbol->slot}, start);
     out_.slots_.push_back(symbol->slot);

@@ -8,8 +8,8 @@
 #include "apps/study/study_reader.h"
 #include "mtf/error.h"
 #include "mtf/io/csv/curve_csv.h"
-#include "mtf/io/file_checks.h"
 #include "mtf/io/sha256.h"
+#include "mtf/words.h"
 
 namespace study {
 namespace {
@@ -104,7 +104,7 @@ void require_unchanged(const Study& study) {
     const ReadFile now = state_of(was.file);
     if (now.bytes == was.bytes && now.changed_ns == was.changed_ns) continue;
     if (now.changed_ns == 0 || mtf::io::sha256_file(was.file) != was.sha256)
-      throw mtf::RuntimeError(mtf::io::printable(was.file) +
+      throw mtf::RuntimeError(mtf::printable(was.file) +
                               ": is not what it was when the study was read; read the study again");
   }
 }

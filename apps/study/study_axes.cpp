@@ -10,7 +10,7 @@
 #include "apps/study/study_reader.h"
 #include "apps/study/study_shape.h"
 #include "mtf/error.h"
-#include "mtf/io/file_checks.h"
+#include "mtf/words.h"
 
 namespace study {
 namespace {
@@ -107,7 +107,7 @@ struct AxisReader {
 
   void identify_own(const std::string& name) {
     if (!is_identifier(name) || name == "sensor")
-      return fail("name", "\"" + mtf::io::printable(name, 60) +
+      return fail("name", "\"" + mtf::printable(name, 60) +
                               "\" is no name that an expression can have: letters, "
                               "digits and _, and none of its functions");
     if (find_metric(name)) return fail("name", name + " is a metric; take another name");

@@ -11,7 +11,7 @@
 #include "apps/study/study_reader.h"
 #include "apps/study/study_shape.h"
 #include "mtf/error.h"
-#include "mtf/io/file_checks.h"
+#include "mtf/words.h"
 
 namespace study {
 namespace {
@@ -149,7 +149,7 @@ std::string unknown_name(const StudyReader& s, const std::string& name) {
 std::string unknown_metric(const std::string& name) {
   const std::vector<std::string_view> known = names_of_metrics();
   const auto guess = name.size() <= 64 ? mtf::nearest(name, known) : std::nullopt;
-  const std::string unknown = "unknown metric \"" + mtf::io::printable(name, 60) + "\"; ";
+  const std::string unknown = "unknown metric \"" + mtf::printable(name, 60) + "\"; ";
   if (guess) return unknown + "did you mean \"" + *guess + "\"?";
   std::string all;
   for (const MetricRow& row : metric_rows()) all += std::string(row.name) + ", ";

@@ -8,7 +8,7 @@
 #include "apps/study/study_reader.h"
 #include "apps/study/study_shape.h"
 #include "mtf/error.h"
-#include "mtf/io/file_checks.h"
+#include "mtf/words.h"
 
 namespace study {
 namespace {
@@ -21,7 +21,7 @@ using cfg::Section;
 void collect(StudyReader& s, const Node& table, const std::string& before) {
   for (const cfg::Member& member : table.members) {
     const std::string name = before + member.key;
-    const std::string path = "links." + mtf::io::printable(name, 80);
+    const std::string path = "links." + mtf::printable(name, 80);
     if (member.value.kind == Node::Kind::table) {
       collect(s, member.value, name + ".");
     } else if (member.value.kind == Node::Kind::string) {
@@ -128,7 +128,7 @@ class LinkOrder {
     s_.error(s_.links[i].target_at, s_.links[i].source.path,
              first + 1 == path_.end()
                  ? "follows from itself; name another parameter in its expression"
-                 : "follows from itself: " + mtf::io::printable(cycle, 600) + s_.links[i].target + "; break the cycle");
+                 : "follows from itself: " + mtf::printable(cycle, 600) + s_.links[i].target + "; break the cycle");
   }
 
   StudyReader& s_;

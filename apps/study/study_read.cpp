@@ -11,7 +11,7 @@
 #include "apps/study/study_reader.h"
 #include "mtf/error.h"
 #include "mtf/io/csv/curve_csv.h"
-#include "mtf/io/file_checks.h"
+#include "mtf/words.h"
 #include "radiometry/chain/sensor_settings.h"
 
 namespace study {
@@ -60,18 +60,18 @@ std::optional<SensorView> read_sensor(StudyReader& s, const Node& node, const st
   mtf::io::ConfigResult result;
   try {
     const std::string text = mtf::io::read_text_file(file, cfg::kMaxBytes);
-    if (is_study(text)) return fail(mtf::io::printable(node.text) + " is a study itself; name a sensor file");
+    if (is_study(text)) return fail(mtf::printable(node.text) + " is a study itself; name a sensor file");
     result = mtf::io::parse_config(text, file, apps::sensor_schema());
   } catch (const mtf::Error& error) {
-    return fail(mtf::io::printable(error.what(), 600));
+    return fail(mtf::printable(error.what(), 600));
   }
   std::size_t errors = 0;
   for (const mtf::io::Diagnostic& diagnostic : result.diagnostics)
     if (diagnostic.error && ++errors <= kMostSensorErrors)
-      s.error(node.position, path, mtf::io::printable(mtf::io::format_diagnostic(diagnostic, file), 800));
+      s.error(node.position, path, mtf::printable(mtf::io::format_diagnostic(diagnostic, file), 800));
   if (errors == 0)
     if (const auto problem = apps::chain_problem(result.config))
-      return fail(mtf::io::printable(mtf::io::format_diagnostic(*problem, file), 800));
+      return fail(mtf::printable(mtf::io::format_diagnostic(*problem, file), 800));
   if (errors > kMostSensorErrors)
     fail(std::to_string(errors - kMostSensorErrors) + " more errors; see mtf config check " + file);
   return errors > 0 ? std::nullopt : std::optional(view_of(std::move(result.config)));

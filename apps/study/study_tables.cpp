@@ -9,7 +9,7 @@
 #include "apps/sensor/sensor_air.h"
 #include "apps/study/study_reader.h"
 #include "apps/study/study_shape.h"
-#include "mtf/io/file_checks.h"
+#include "mtf/words.h"
 
 namespace study {
 namespace {
@@ -108,7 +108,7 @@ void check_conditions(StudyReader& s) {
                : false;
   };
   for (const SensorView& view : s.views) {
-    const std::string file = mtf::io::printable(view.sensor.file);
+    const std::string file = mtf::printable(view.sensor.file);
     const char* air = find_table(view.sensor.tables, "atmosphere") ? "[atmosphere]" : "[path]";
     if (!find_table(view.sensor.tables, "atmosphere") && !find_table(view.sensor.tables, "path")) continue;
     if (given.extinction_per_km)

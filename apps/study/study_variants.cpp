@@ -10,7 +10,7 @@
 #include "apps/sensor/sensor_chain.h"
 #include "apps/study/study_reader.h"
 #include "mtf/error.h"
-#include "mtf/io/file_checks.h"
+#include "mtf/words.h"
 
 namespace study {
 namespace {
@@ -39,7 +39,7 @@ std::string described(const Study& study, std::span<const int> levels) {
   for (std::size_t a = 0; a < study.axes.size(); ++a)
     if (study.axes[a].discrete() && levels[a] >= 0)
       text += (text.empty() ? "" : ", ") + study.parameters[static_cast<std::size_t>(study.axes[a].parameter)].name +
-              " = " + mtf::io::printable(study.axes[a].levels[static_cast<std::size_t>(levels[a])], 80);
+              " = " + mtf::printable(study.axes[a].levels[static_cast<std::size_t>(levels[a])], 80);
   return text;
 }
 
@@ -52,19 +52,19 @@ bool is_sensor(const Study& study, std::size_t axis) { return parameter_of(study
 /// That a parameter is in each sensor what it is in the base: the same place and unit.
 void check_in_sensors(StudyReader& s, const Parameter& parameter, mtf::io::Position position, const std::string& path) {
   for (std::size_t i = 1; i < s.views.size(); ++i) {
-    const std::string file = mtf::io::printable(s.views[i].sensor.file);
+    const std::string file = mtf::printable(s.views[i].sensor.file);
     const Found found = find_place(s.views[i], parameter.name);
     if (!found.place) {
       s.error(position, path, parameter.name + " in " + file + ": " + found.problem);
     } else if (found.place->target.path() != parameter.path) {
       s.error(position, path,
-              parameter.name + " is " + parameter.path + " in " + mtf::io::printable(s.study.base.file) + ", but " +
+              parameter.name + " is " + parameter.path + " in " + mtf::printable(s.study.base.file) + ", but " +
                   found.place->target.path() + " in " + file + "; list the components in the same order");
     } else if (found.place->kind == Place::Kind::number && found.place->info.unit != parameter.unit &&
                !parameter.unit.empty()) {
       s.error(position, path,
-              parameter.name + " is in " + parameter.unit + " in " + mtf::io::printable(s.study.base.file) +
-                  ", but in " + std::string(found.place->info.unit) + " in " + file + "; write it in one unit");
+              parameter.name + " is in " + parameter.unit + " in " + mtf::printable(s.study.base.file) + ", but in " +
+                  std::string(found.place->info.unit) + " in " + file + "; write it in one unit");
     }
   }
 }

@@ -5,8 +5,8 @@
 
 #include "apps/terminal/output.h"
 #include "apps/text/words.h"
-#include "mtf/io/file_checks.h"
 #include "mtf/units.h"
+#include "mtf/words.h"
 
 namespace apps {
 namespace {
@@ -30,7 +30,7 @@ std::string usage_complaint(const std::string& command, const std::vector<std::s
   const std::string where = command == "mtf" ? "" : command + ": ";
   for (const std::string& word : remaining) {
     if (word == "--") continue;
-    const std::string shown = "'" + mtf::io::printable(word, 80) + "'";
+    const std::string shown = "'" + mtf::printable(word, 80) + "'";
     if (word.size() > 1 && word.front() == '-')
       return where + "unknown option " + shown + meant(word.substr(0, word.find('=')), options) + help;
     if (!commands.empty())

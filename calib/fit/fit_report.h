@@ -82,8 +82,6 @@ struct WeakWords {
   std::string advice = "give one of them a prior, or fix it";
   std::string single_advice = "fix it, or give it a prior";
 };
-/// In so many digits, as in printf's %g.
-std::string short_text(double value, int digits);
 std::string weak_direction_text(std::span<const std::string> names, const WeakWords& words);
 
 /// A sentence for each weak direction, with what would determine it.

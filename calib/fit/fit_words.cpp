@@ -4,12 +4,11 @@
 // them.
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstdio>
 #include <numbers>
 
 #include "calib/fit/fit_report.h"
+#include "mtf/words.h"
 
 namespace calib {
 namespace {
@@ -89,12 +88,6 @@ std::optional<Estimate> combined_moment(FitProblem& problem, const Solved& solve
 
 }  // namespace
 
-std::string short_text(double value, int digits) {
-  std::array<char, 32> text{};
-  std::snprintf(text.data(), text.size(), "%.*g", digits, value);
-  return text.data();
-}
-
 std::string weak_direction_text(std::span<const std::string> names, const WeakWords& words) {
   if (names.size() == 1)
     return names.front() + " is not determined: the data hardly depend on it; " + words.single_advice;
@@ -126,8 +119,8 @@ std::vector<NullDirection> null_directions(FitProblem& problem, const Solved& so
     if (helped) words.advice = words.single_advice = "add an edge across";
     if (names.size() > 1)
       if (const auto moment = combined_moment(problem, solved, weak.members))
-        words.known = "their combined second moment is known (" + short_text(moment->value, 3) + " +- " +
-                      short_text(moment->sd, 2) + " px^2)";
+        words.known = "their combined second moment is known (" + mtf::significant(moment->value, 3) + " +- " +
+                      mtf::significant(moment->sd, 2) + " px^2)";
     std::string text = weak_direction_text(names, words);
     all.push_back({weak.members, weak.weight, std::move(text)});
   }

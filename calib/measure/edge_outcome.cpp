@@ -2,10 +2,10 @@
 #include "calib/measure/edge_outcome.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdint>
-#include <cstdio>
+
+#include "mtf/words.h"
 
 namespace calib {
 namespace {
@@ -16,11 +16,7 @@ constexpr double kLeastLength_px = 8.0;
 constexpr double kLeastCnr = 1.5, kLeastSignificance = 8.0;
 constexpr double kOtherEdge = 0.25, kStructure = 0.10;  // of the contrast
 
-std::string number(double value, const char* form = "%.3g") {
-  std::array<char, 32> text{};
-  static_cast<void>(std::snprintf(text.data(), text.size(), form, value));
-  return text.data();
-}
+std::string number(double value, int digits = 3) { return mtf::significant(value, digits); }
 
 }  // namespace
 
@@ -151,7 +147,7 @@ std::vector<std::string> warnings_of(const EdgeFacts& facts, const EdgeMeasureme
                        "for a sharper edge; average frames");
   if (facts.neighbour_px > 0.0)
     warnings.push_back(
-        "another edge or other structure lies " + number(facts.neighbour_px, "%.0f") +
+        "another edge or other structure lies " + mtf::fixed(facts.neighbour_px, 0) +
         " px away, beside the region: the tail of its diffraction is part of the model, and sides that end before "
         "it make the intervals wider");
   if (facts.unclear_diffraction)
@@ -161,7 +157,7 @@ std::vector<std::string> warnings_of(const EdgeFacts& facts, const EdgeMeasureme
   constexpr double kVisibleShare = 0.08;  // less widens intervals by a few per cent
   if (facts.shared_noise > kVisibleShare)
     warnings.push_back("noise is correlated between neighbouring pixels: they share " +
-                       number(100.0 * facts.shared_noise, "%.2g") +
+                       number(100.0 * facts.shared_noise, 2) +
                        " % of it, as after demosaicing, denoising, resampling or JPEG, and the intervals are wider by "
                        "that; take the MTF from the raw image for narrower ones");
   if (facts.curvature > kLikely)
@@ -169,7 +165,7 @@ std::vector<std::string> warnings_of(const EdgeFacts& facts, const EdgeMeasureme
         "the sides change nonlinearly with the distance from the edge, as under uneven light, which is taken out");
   const std::string held =
       facts.far_reach_px > shorter
-          ? "the intervals allow for what is scattered over " + number(shorter, "%.0f") +
+          ? "the intervals allow for what is scattered over " + mtf::fixed(shorter, 0) +
                 " px, as far as the shorter side extends; those of all but FWHM do not cover what is scattered "
                 "further, for which take at least " +
                 number(facts.far_reach_px) + " px on each side"
@@ -185,12 +181,12 @@ std::vector<std::string> warnings_of(const EdgeFacts& facts, const EdgeMeasureme
         "intervals allow for either, take a wider region for narrower ones");
   if (facts.stripes > 0.0)
     warnings.push_back(
-        "the columns or rows of the image have offsets of their own, of " + number(100.0 * facts.stripes, "%.2g") +
+        "the columns or rows of the image have offsets of their own, of " + number(100.0 * facts.stripes, 2) +
         " % of the noise of a pixel, as fixed-pattern noise is: the intervals are wider by that; correct "
         "the offsets for narrower ones");
   if (out.ends_abruptly) warnings.emplace_back(kEndsAbruptly);
   const double finite = std::max(1.0, static_cast<double>(out.roi.width * out.roi.height - out.missing));
-  const auto percent = [&](double count) { return number(100.0 * count / finite, "%.2g") + " %"; };
+  const auto percent = [&](double count) { return number(100.0 * count / finite, 2) + " %"; };
   if (facts.outliers > 0)
     warnings.push_back(std::to_string(facts.outliers) +
                        (facts.outliers == 1 ? " pixel far from the others at its distance from the edge, as a hot or "

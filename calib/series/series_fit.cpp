@@ -12,6 +12,7 @@
 #include "calib/series/series_noise.h"
 #include "mtf/error.h"
 #include "mtf/units.h"
+#include "mtf/words.h"
 
 namespace calib {
 namespace {
@@ -168,8 +169,8 @@ void decide(const Series& series, SeriesFit& fit) {
   if (fit.chi2_per_dof <= 1.0 + spread && fit.phi <= structure) return;
   fit.status = FitStatus::converged_model_wrong;
   fit.reason = "the residuals are not those of independent values with the stated standard deviation of " +
-               short_text(*series.sd, 3) + ": they scatter by " + short_text(fit.sd, 3) +
-               ", and neighbours are correlated by " + short_text(fit.phi, 3);
+               mtf::significant(*series.sd, 3) + ": they scatter by " + mtf::significant(fit.sd, 3) +
+               ", and neighbours are correlated by " + mtf::significant(fit.phi, 3);
 }
 
 }  // namespace
@@ -207,7 +208,7 @@ SeriesFit fit_series(const Series& series, std::span<const SeriesParameter> para
     const FittedParameter& p = fit.parameters[i];
     const double room = std::min(problem.x[i] - problem.lo[i], problem.hi[i] - problem.x[i]);
     if (p.knowledge == Knowledge::not_determined && room < kOnBound * std::max(1.0, std::abs(problem.x[i])))
-      fit.warnings.push_back(p.parameter.name + " ran to its bound of " + short_text(p.value, 6) +
+      fit.warnings.push_back(p.parameter.name + " ran to its bound of " + mtf::significant(p.value, 6) +
                              (p.parameter.unit.empty() ? "" : " " + p.parameter.unit) +
                              ", and what it does is not separable from what others do");
   }

@@ -8,7 +8,7 @@
 
 #include "mtf/error.h"
 #include "mtf/io/exr/spectral_exr.h"
-#include "mtf/io/file_checks.h"
+#include "mtf/words.h"
 
 namespace mtf::io {
 namespace {

@@ -32,8 +32,4 @@ void check_compression(const std::string& path, double data_bytes, std::int64_t 
 /// "1.5 GiB": for messages.
 std::string shown_bytes(double bytes);
 
-/// The text on one line with control characters and broken UTF-8 replaced, cut to `limit` bytes: names from damaged
-/// files go into messages.
-std::string printable(std::string_view text, std::size_t limit = 200);
-
 }  // namespace mtf::io

@@ -13,8 +13,8 @@
 #include <vector>
 
 #include "mtf/error.h"
-#include "mtf/io/file_checks.h"
 #include "mtf/version.h"
+#include "mtf/words.h"
 
 namespace mtf::io {
 namespace {

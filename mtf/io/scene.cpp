@@ -10,7 +10,7 @@
 #include "mtf/error.h"
 #include "mtf/io/csv/csv_cells.h"
 #include "mtf/io/exr/spectral_exr.h"
-#include "mtf/io/file_checks.h"
+#include "mtf/words.h"
 
 namespace mtf::io {
 namespace {

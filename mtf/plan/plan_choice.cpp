@@ -7,17 +7,14 @@
 #include "mtf/plan/measured.h"
 #include "mtf/plan/plan_parts.h"
 #include "mtf/plan/plan_spectral.h"
+#include "mtf/words.h"
 
 namespace mtf {
 namespace {
 
 std::string_view name_of(Method method) { return kMethodNames[static_cast<std::size_t>(method)]; }
 
-std::string times_text(double ratio) {
-  std::array<char, 32> text;
-  std::snprintf(text.data(), text.size(), ratio < 10.0 ? "%.1f" : "%.0f", ratio);
-  return text.data();
-}
+std::string times_text(double ratio) { return fixed(ratio, ratio < 10.0 ? 1 : 0); }
 
 }  // namespace
 

@@ -1,16 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <cstdio>
 
 #include "mtf/plan/plan_impl.h"
+#include "mtf/words.h"
 
 namespace mtf {
 namespace {
 
-std::string short_number(double value) {
-  std::array<char, 32> text;
-  std::snprintf(text.data(), text.size(), "%.2g", value);
-  return text.data();
-}
+std::string short_number(double value) { return significant(value, 2); }
 
 std::string size_text(std::int64_t width, std::int64_t height) {
   return std::to_string(width) + "x" + std::to_string(height);

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mtf/tiles/tiles_refusal.h"
 
-#include <array>
 #include <cmath>
-#include <cstdio>
 
 #include "mtf/error.h"
+#include "mtf/words.h"
 
 namespace mtf {
 namespace {
@@ -60,9 +59,7 @@ void refuse_memory(const System<double>& system, const SampleGrid& scene, const 
                    const TileOptions& tiles, const std::string& reason, std::optional<double> share, double whole) {
   const auto text = [](double tolerance) {
     constexpr double kUp = 1.06;  // so that its two digits are not below it
-    std::array<char, 32> digits{};
-    static_cast<void>(std::snprintf(digits.data(), digits.size(), "%.2g", kUp * tolerance));
-    return "a tolerance of " + std::string(digits.data()) + " or more";
+    return "a tolerance of " + significant(kUp * tolerance, 2) + " or more";
   };
   const std::string limit = mib(static_cast<double>(tiles.memory));
   constexpr double kLeast = 1.1, kEnough = 1.25;  // a plan rounds a little more than its samples

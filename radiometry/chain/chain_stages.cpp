@@ -5,8 +5,8 @@
 // and the name of its time.
 
 #include <cmath>
-#include <cstdio>
 
+#include "mtf/words.h"
 #include "radiometry/chain/chain_steps.h"
 #include "radiometry/chain/sensor_budget.h"
 
@@ -21,11 +21,7 @@ StageWords said(std::string what, const std::string& otherwise) {
   return {true, std::move(what)};
 }
 
-std::string rounded(double value) {
-  std::array<char, 32> text{};
-  static_cast<void>(std::snprintf(text.data(), text.size(), "%.6g", value));
-  return text.data();
-}
+std::string rounded(double value) { return mtf::significant(value, 6); }
 
 /// The values above 0 with their names, "" where there are none.
 std::string terms(std::initializer_list<std::pair<const char*, double>> list, const char* unit) {

@@ -16,6 +16,7 @@
 #include "mtf/error.h"
 #include "mtf/io/csv/number_text.h"
 #include "mtf/io/file_checks.h"
+#include "mtf/words.h"
 #include "mtf/work/usable_memory.h"
 
 namespace apps::scene {
@@ -27,7 +28,7 @@ using radiometry::scene::Point;
 
 constexpr std::uint64_t mebibyte = std::uint64_t{1} << 20U;
 
-std::string shown(const fs::path& file) { return mtf::io::printable(file.string(), 1000); }
+std::string shown(const fs::path& file) { return mtf::printable(file.string(), 1000); }
 
 [[noreturn]] void refuse(const fs::path& file, const std::string& what, const std::string& remedy) {
   throw mtf::RuntimeError("cannot read the mesh " + shown(file) + ": " + what + "; " + remedy);
@@ -75,7 +76,7 @@ std::string extension_of(const fs::path& file) {
   for (const char* known : {".obj", ".ply", ".stl", ".gltf", ".glb"})
     if (extension == known) return extension;
   throw mtf::UsageError(
-      "cannot read the mesh " + shown(file) + ": the extension \"" + mtf::io::printable(extension, 20) +
+      "cannot read the mesh " + shown(file) + ": the extension \"" + mtf::printable(extension, 20) +
       "\" is not known; meshes are read from .obj, .ply, .stl, .gltf and .glb files: export it as one");
 }
 
@@ -146,7 +147,7 @@ Mesh import_mesh(const fs::path& file, double unit_m, Up up, const ImportLimits&
     case ImportOutcome::mesh:
       break;
     case ImportOutcome::damaged:
-      refuse(file, mtf::io::printable(decoded.text), "export it again");
+      refuse(file, mtf::printable(decoded.text), "export it again");
     case ImportOutcome::out_of_memory:
       refuse(file,
              "reading it needs more than " + mtf::io::shown_bytes(static_cast<double>(request.memory_bytes)) +

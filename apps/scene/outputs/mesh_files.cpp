@@ -10,7 +10,7 @@
 #include "mtf/error.h"
 #include "mtf/io/atomic_file.h"
 #include "mtf/io/csv/number_text.h"
-#include "mtf/io/file_checks.h"
+#include "mtf/words.h"
 
 namespace apps::scene {
 namespace {
@@ -20,7 +20,7 @@ using radiometry::scene::Mesh;
 using radiometry::scene::Point;
 
 [[noreturn]] void refuse(const fs::path& file, const std::string& what) {
-  throw mtf::UsageError("cannot write the mesh " + mtf::io::printable(file.string(), 1000) + ": " + what);
+  throw mtf::UsageError("cannot write the mesh " + mtf::printable(file.string(), 1000) + ": " + what);
 }
 
 std::span<const std::uint32_t> corners_of(const Mesh& mesh, std::size_t face) {
@@ -51,7 +51,7 @@ void check_obj_names(const fs::path& file, const std::vector<std::string>& names
     if (name.find_first_of("\r\n") != std::string::npos || name.ends_with('\\') ||
         (!name.empty() && (blanks.find(name.front()) != blanks.npos || blanks.find(name.back()) != blanks.npos)))
       refuse(file,
-             "OBJ cannot hold the name \"" + mtf::io::printable(name) +
+             "OBJ cannot hold the name \"" + mtf::printable(name) +
                  "\"; take one without line breaks, without blanks at its ends and without a backslash at its end");
 }
 
@@ -64,8 +64,7 @@ bool is_word(std::string_view name) {
 void check_values(const fs::path& file, const std::vector<MeshValues>& all, std::size_t count, const char* of) {
   for (const MeshValues& values : all) {
     if (!is_word(values.name))
-      refuse(file,
-             "values cannot have the name \"" + mtf::io::printable(values.name) + "\"; take letters, digits and _");
+      refuse(file, "values cannot have the name \"" + mtf::printable(values.name) + "\"; take letters, digits and _");
     if (values.values.size() != count)
       refuse(file, "there are " + mtf::io::number_text(values.values.size()) + " values of \"" + values.name +
                        "\" for " + mtf::io::number_text(count) + " " + of);
@@ -90,7 +89,7 @@ std::string ply_header(const Mesh& mesh, const std::vector<MeshValues>& of_verti
   std::string text = "ply\nformat binary_little_endian 1.0\ncomment written by mtfkit; metres, x east, y north, z up\n";
   const auto add_names = [&text](const char* kind, const std::vector<std::string>& names) {
     for (std::size_t i = 0; i < names.size(); ++i)
-      text += std::string("comment ") + kind + " " + std::to_string(i) + " " + mtf::io::printable(names[i]) + "\n";
+      text += std::string("comment ") + kind + " " + std::to_string(i) + " " + mtf::printable(names[i]) + "\n";
   };
   const auto add_values = [&text](const std::vector<MeshValues>& all) {
     for (const MeshValues& values : all) text += "property float " + values.name + "\n";

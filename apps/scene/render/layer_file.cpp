@@ -9,9 +9,9 @@
 #include "mtf/error.h"
 #include "mtf/io/csv/csv_cells.h"
 #include "mtf/io/csv/csv_numbers.h"
-#include "mtf/io/file_checks.h"
 #include "mtf/io/image_io.h"
 #include "mtf/io/scene.h"
+#include "mtf/words.h"
 
 namespace apps::scene {
 namespace {
@@ -80,7 +80,7 @@ std::map<int, MaterialEntry> read_materials_table(const std::string& path, const
     const auto found = std::find_if(scene.materials.begin(), scene.materials.end(),
                                     [&](const MaterialSection& material) { return material.name == cells[1]; });
     if (found == scene.materials.end())
-      fail(one_line(scene.file) + " has no [[material]] " + mtf::io::printable(std::string(cells[1]), 40));
+      fail(one_line(scene.file) + " has no [[material]] " + mtf::printable(std::string(cells[1]), 40));
     MaterialEntry entry{static_cast<float>(found - scene.materials.begin())};
     if (cells.size() > 2 && !cells[2].empty()) {
       const auto kelvin = mtf::io::cell_number(cells[2]);

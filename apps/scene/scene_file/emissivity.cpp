@@ -15,7 +15,7 @@
 #include "mtf/io/csv/csv_cells.h"
 #include "mtf/io/csv/csv_numbers.h"
 #include "mtf/io/csv/spectrum_csv.h"
-#include "mtf/io/file_checks.h"
+#include "mtf/words.h"
 #include "radiometry/light/blackbody.h"
 #include "radiometry/light/constants.h"
 
@@ -85,7 +85,7 @@ double planck_mean(const Spectrum& emissivity, double temperature_k) {
 void read_value(SceneReader& s, const Section& section, const FieldInfo& row, std::optional<Emissivity>& value) {
   const cfg::Node* node = section.find(row.name);
   if (node == nullptr) return;
-  const auto fail = [&](const std::string& text) { section.error(row.name, mtf::io::printable(text, 600)); };
+  const auto fail = [&](const std::string& text) { section.error(row.name, mtf::printable(text, 600)); };
   if (node->kind != cfg::Node::Kind::string) {
     if (const auto number = read_si(section, row)) value = {.value = *number, .spectrum = {}, .along_normal = *number};
     return;

@@ -9,8 +9,8 @@
 #include "apps/scene/scene_file/scene_reader.h"
 #include "mtf/error.h"
 #include "mtf/io/csv/curve_csv.h"
-#include "mtf/io/file_checks.h"
 #include "mtf/io/sha256.h"
+#include "mtf/words.h"
 
 namespace apps::scene {
 namespace {
@@ -160,7 +160,7 @@ void require_files(const SceneFile& scene) {
     missing +=
         (missing.empty() ? "" : "\n") +
         mtf::io::format_diagnostic(
-            {.error = true, .position = at, .path = path, .text = "there is no file " + mtf::io::printable(file, 400)},
+            {.error = true, .position = at, .path = path, .text = "there is no file " + mtf::printable(file, 400)},
             scene.file);
   };
   look(scene.weather.file, scene.weather.file_at, "weather.file");

@@ -7,8 +7,8 @@
 #include "apps/scene/scene_file/scene_reader.h"
 #include "mtf/error.h"
 #include "mtf/io/csv/csv_numbers.h"
-#include "mtf/io/file_checks.h"
 #include "mtf/units.h"
+#include "mtf/words.h"
 
 namespace apps::scene {
 namespace {
@@ -45,7 +45,7 @@ void apply_angles(const Section& material, MaterialSection& out) {
       out.by_angle = radiometry::angle_table(columns.column[0], columns.column[1]);
     }
   } catch (const mtf::Error& error) {
-    return material.error(key, mtf::io::printable(error.what(), 600));
+    return material.error(key, mtf::printable(error.what(), 600));
   }
   const double most = largest(out.by_angle) * largest_along_normal(out.emissivity);
   if (most > 1.0 + 1e-6)
@@ -114,7 +114,7 @@ void read_value(SceneReader& s, const Section& material, const FieldInfo& row, I
 void read_materials(SceneReader& s) {
   for (Section& section : find_sections(s, "material")) {
     const Node* name = section.find("name");
-    if (name != nullptr && name->kind == Node::Kind::string) section.title += " " + mtf::io::printable(name->text, 40);
+    if (name != nullptr && name->kind == Node::Kind::string) section.title += " " + mtf::printable(name->text, 40);
     MaterialSection& material = s.scene.materials.emplace_back();
     read_table(s, section, material);
     add_name(section, s.material_names);

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "apps/scene/scene_file/scene_reader.h"
-#include "mtf/io/file_checks.h"
+#include "mtf/words.h"
 
 namespace apps::scene {
 namespace {
@@ -66,7 +66,7 @@ void read_regions(SceneReader& s) {
         std::any_of(regions.begin(), regions.end(), [&](const auto& other) { return same_faces(other, region); }))
       section.error("mesh", "there is a region of the same faces already");
     if (std::any_of(regions.begin(), regions.end(), [&](const auto& other) { return other.name == region.name; }))
-      section.error("name", "there is a region \"" + mtf::io::printable(region.name, 40) +
+      section.error("name", "there is a region \"" + mtf::printable(region.name, 40) +
                                 "\" already; give this one a name of its own");
     s.scene.regions.push_back(std::move(region));
   }
@@ -94,7 +94,7 @@ void read_value(SceneReader& s, const Section& section, const FieldInfo& row, st
   if (!file.empty()) try {
       value = read_camera_path(file);
     } catch (const mtf::Error& error) {
-      section.error(row.name, mtf::io::printable(error.what(), 400));
+      section.error(row.name, mtf::printable(error.what(), 400));
     }
 }
 

@@ -14,14 +14,14 @@
 #include "mtf/error.h"
 #include "mtf/io/csv/csv_cells.h"
 #include "mtf/io/csv/csv_numbers.h"
-#include "mtf/io/file_checks.h"
+#include "mtf/words.h"
 
 namespace apps::scene {
 namespace {
 
 namespace cfg = mtf::io::cfg;
 using cfg::Node;
-using mtf::io::printable;
+using mtf::printable;
 using radiometry::heat::Schedule;
 
 constexpr std::size_t kLongestText = 1024;

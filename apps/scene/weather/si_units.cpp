@@ -8,8 +8,8 @@
 #include <utility>
 
 #include "mtf/error.h"
-#include "mtf/io/file_checks.h"
 #include "mtf/units.h"
+#include "mtf/words.h"
 
 namespace apps::scene {
 namespace {
@@ -151,7 +151,7 @@ bool same_dimension(const SiUnit& a, const SiUnit& b) { return a.powers == b.pow
 
 double parse_si(std::string_view text, std::string_view in_unit, std::string_view example) {
   const auto fail = [&](const std::string& why) {
-    return mtf::UsageError("\"" + mtf::io::printable(text, 60) + "\": " + why + "; write it like \"" +
+    return mtf::UsageError("\"" + mtf::printable(text, 60) + "\": " + why + "; write it like \"" +
                            std::string(example) + "\"");
   };
   std::string_view rest = trimmed(text);
@@ -166,8 +166,8 @@ double parse_si(std::string_view text, std::string_view in_unit, std::string_vie
   if (rest.empty() && in_unit.empty()) return value;
   if (rest.empty()) throw fail("no unit");
   const auto unit = parse_unit(rest);
-  if (!unit) throw fail("unknown unit \"" + mtf::io::printable(rest, 40) + "\"");
-  if (!same_dimension(*unit, wanted)) throw fail("the unit \"" + mtf::io::printable(rest, 40) + "\" does not fit");
+  if (!unit) throw fail("unknown unit \"" + mtf::printable(rest, 40) + "\"");
+  if (!same_dimension(*unit, wanted)) throw fail("the unit \"" + mtf::printable(rest, 40) + "\" does not fit");
   // A quotient of equal factors is 1, so that a value in the unit that is asked for stays what it is.
   const double result = value * (unit->factor / wanted.factor) + (unit->offset - wanted.offset) / wanted.factor;
   if (!std::isfinite(result)) throw fail("the number is out of range");

@@ -6,13 +6,13 @@
 
 #include "mtf/error.h"
 #include "mtf/io/csv/csv_cells.h"
-#include "mtf/io/file_checks.h"
+#include "mtf/words.h"
 #include "radiometry/weather/instant.h"
 
 namespace apps::scene {
 namespace {
 
-using mtf::io::printable;
+using mtf::printable;
 
 /// "air_temperature (degC)" or "air_temperature [degC]" in its two parts.
 struct HeaderCell {

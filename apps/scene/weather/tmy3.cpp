@@ -10,8 +10,8 @@
 
 #include "apps/scene/weather/weather_formats.h"
 #include "mtf/io/csv/csv_cells.h"
-#include "mtf/io/file_checks.h"
 #include "mtf/units.h"
+#include "mtf/words.h"
 #include "radiometry/weather/instant.h"
 #include "radiometry/weather/sky.h"
 
@@ -52,7 +52,7 @@ HourStamp stamp_of(const RecordCells& record) {
                     date[5] == '/' && time[2] == ':' && radiometry::heat::is_date({2000, *month, *day}) && *hour >= 0 &&
                     *minute >= 0 && *minute < 60 && 60 * *hour + *minute <= 24 * 60;
   if (!good)
-    record.fail("\"" + mtf::io::printable(date, 20) + " " + mtf::io::printable(time, 20) +
+    record.fail("\"" + mtf::printable(date, 20) + " " + mtf::printable(time, 20) +
                 "\" is no date and time; they are like 01/31/1988 and 24:00");
   return {*year, *month, *day, 3600.0 * *hour + 60.0 * *minute};
 }

@@ -8,8 +8,8 @@
 #include "mtf/error.h"
 #include "mtf/io/csv/csv_numbers.h"
 #include "mtf/io/csv/number_text.h"
-#include "mtf/io/file_checks.h"
 #include "mtf/units.h"
+#include "mtf/words.h"
 #include "radiometry/weather/instant.h"
 #include "radiometry/weather/sky.h"
 
@@ -80,7 +80,7 @@ WeatherFile parse_weather_csv(std::string_view text, const std::string& source, 
       std::string all;
       for (const std::string_view name : known) mtf::io::append_word(all, name);
       throw mtf::UsageError(error_at(source, table.header_line) + "unknown column \"" +
-                            mtf::io::printable(column.name, 40) + "\"" +
+                            mtf::printable(column.name, 40) + "\"" +
                             (guess ? "; did you mean \"" + *guess + "\"?" : "") + " (known: " + all + ")");
     }
     const auto q = static_cast<std::size_t>(found - kQuantityNames.begin());

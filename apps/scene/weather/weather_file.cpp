@@ -12,7 +12,7 @@
 #include "mtf/error.h"
 #include "mtf/io/csv/csv_cells.h"
 #include "mtf/io/csv/csv_numbers.h"
-#include "mtf/io/file_checks.h"
+#include "mtf/words.h"
 #include "radiometry/weather/instant.h"
 
 namespace apps::scene {
@@ -63,14 +63,14 @@ void RecordCells::fail(const std::string& text) const { throw mtf::UsageError(er
 double RecordCells::number(std::size_t i, std::string_view name) const {
   const auto value = mtf::io::cell_number(cells_[i]);
   if (!value || !std::isfinite(*value))
-    fail(std::string(name) + " \"" + mtf::io::printable(cells_[i], 40) + "\" is no number");
+    fail(std::string(name) + " \"" + mtf::printable(cells_[i], 40) + "\" is no number");
   return *value;
 }
 
 int RecordCells::whole(std::size_t i, std::string_view name) const {
   const double value = number(i, name);
   if (value != std::round(value) || std::abs(value) > 1e6)
-    fail(std::string(name) + " \"" + mtf::io::printable(cells_[i], 40) + "\" is no whole number");
+    fail(std::string(name) + " \"" + mtf::printable(cells_[i], 40) + "\" is no whole number");
   return static_cast<int>(value);
 }
 

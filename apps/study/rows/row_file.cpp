@@ -13,6 +13,7 @@
 #include "mtf/io/file_checks.h"
 #include "mtf/io/sha256.h"
 #include "mtf/math/word_hash.h"
+#include "mtf/words.h"
 
 namespace study {
 namespace {
@@ -103,7 +104,7 @@ bool take_hash(std::string_view& text, std::string_view word, std::string& hash)
 
 }  // namespace
 
-std::string shown(const fs::path& path) { return mtf::io::printable(path.string()); }
+std::string shown(const fs::path& path) { return mtf::printable(path.string()); }
 
 std::uint64_t RowPiece::bytes() const {
   const auto words_of_row = static_cast<std::uint64_t>(layout.columns) + 1;  // a checksum and the numbers

@@ -9,8 +9,8 @@
 #include <thread>
 
 #include "mtf/error.h"
-#include "mtf/io/file_checks.h"
 #include "mtf/parallel.h"
+#include "mtf/words.h"
 
 namespace study {
 namespace {
@@ -96,8 +96,7 @@ std::int64_t piece_size(std::int64_t designs) {
 RowTally run_rows(const RowRun& run) {
   std::error_code error;
   fs::create_directory(run.folder, error);
-  if (error)
-    throw mtf::RuntimeError("cannot create " + mtf::io::printable(run.folder.string()) + ": " + error.message());
+  if (error) throw mtf::RuntimeError("cannot create " + mtf::printable(run.folder.string()) + ": " + error.message());
   const std::int64_t size = size_of(run);
   Shared shared{.run = run, .pieces = (run.range.count + size - 1) / size};
   const auto threads = std::min<std::int64_t>(mtf::threads_of(run.threads), shared.pieces);

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "mtf/words.h"
+
 namespace calib {
 namespace {
 
@@ -161,7 +163,7 @@ std::vector<std::vector<double>> places_to_try(FitProblem& problem, const Solved
 
 std::string value_text(const FitParameter& parameter, double value, double sd) {
   const int digits = sd > 0.0 ? static_cast<int>(std::log10(std::max(1.0, std::abs(value) / sd))) + 2 : 4;
-  return short_text(value, std::min(digits, 8)) + (parameter.unit.empty() ? "" : " " + parameter.unit);
+  return mtf::significant(value, std::min(digits, 8)) + (parameter.unit.empty() ? "" : " " + parameter.unit);
 }
 
 }  // namespace
@@ -239,7 +241,7 @@ void report_mirrors(FitProblem& problem, const Solved& solved, std::span<const M
       values += comma + value_text(p.parameter, one.values[k], p.linear_sd);
     }
     one.text = names + ": the data do not tell " + best + " from " + values;
-    if (one.chi2_rise >= 0.05) one.text += ", where chi-square is higher by " + short_text(one.chi2_rise, 2);
+    if (one.chi2_rise >= 0.05) one.text += ", where chi-square is higher by " + mtf::significant(one.chi2_rise, 2);
     result.alternatives.push_back(std::move(one));
   };
   for (const Mirror& mirror : mirrors) {

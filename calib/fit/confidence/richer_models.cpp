@@ -11,6 +11,7 @@
 #include "mtf/components/jitter.h"
 #include "mtf/components/linear_motion.h"
 #include "mtf/components/wavefront.h"
+#include "mtf/words.h"
 
 namespace calib {
 namespace {
@@ -140,9 +141,11 @@ double chance_of(double gain, bool both_signs) {
 std::string told(const FittedParameter& p) {
   const std::string unit = p.parameter.unit.empty() ? "" : " " + p.parameter.unit;
   const std::string name = (p.parameter.name.empty() ? p.parameter.path : p.parameter.name);
-  if (p.stderr_value) return name + " " + short_text(p.value, 4) + " +- " + short_text(*p.stderr_value, 2) + unit;
+  if (p.stderr_value)
+    return name + " " + mtf::significant(p.value, 4) + " +- " + mtf::significant(*p.stderr_value, 2) + unit;
   if (p.interval95)
-    return name + " " + short_text((*p.interval95)[0], 3) + " to " + short_text((*p.interval95)[1], 3) + unit;
+    return name + " " + mtf::significant((*p.interval95)[0], 3) + " to " + mtf::significant((*p.interval95)[1], 3) +
+           unit;
   return name + " " + std::string(knowledge_name(p.knowledge));
 }
 
@@ -156,7 +159,8 @@ void judge(FitResult& result) {
   std::string values;
   for (const FittedParameter& one : best->parameters) values += (values.empty() ? "" : ", ") + told(one);
   const std::string found = "with " + best->unknown + " unknown it describes them better: chi-square falls by " +
-                            short_text(best->chi2_gain, 3) + " (p = " + short_text(p, 1) + "), with " + values;
+                            mtf::significant(best->chi2_gain, 3) + " (p = " + mtf::significant(p, 1) + "), with " +
+                            values;
   result.reason = result.status == FitStatus::converged ? "the sensor does not describe the data; " + found +
                                                               "; the errors given are those of the sensor without it"
                                                         : result.reason + "; " + found;

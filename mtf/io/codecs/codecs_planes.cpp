@@ -4,7 +4,7 @@
 
 #include "mtf/error.h"
 #include "mtf/io/codecs/codecs_parts.h"
-#include "mtf/io/file_checks.h"
+#include "mtf/words.h"
 
 namespace mtf::io::module {
 namespace {

@@ -12,7 +12,7 @@
 #include <utility>
 
 #include "mtf/error.h"
-#include "mtf/io/file_checks.h"
+#include "mtf/words.h"
 
 namespace mtf::io::module {
 namespace {

@@ -11,6 +11,7 @@
 #include "mtf/io/file_checks.h"
 #include "mtf/io/image_io.h"
 #include "mtf/io/plane_checks.h"
+#include "mtf/words.h"
 
 namespace mtf::io {
 namespace {

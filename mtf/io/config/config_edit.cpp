@@ -4,7 +4,7 @@
 #include <charconv>
 
 #include "mtf/io/config/config_schema.h"
-#include "mtf/io/file_checks.h"
+#include "mtf/words.h"
 
 namespace mtf::io::cfg {
 

@@ -9,7 +9,7 @@
 #include "mtf/error.h"
 #include "mtf/io/config/config_reader.h"
 #include "mtf/io/csv/curve_csv.h"
-#include "mtf/io/file_checks.h"
+#include "mtf/words.h"
 
 namespace mtf::io::cfg {
 namespace {

@@ -15,6 +15,7 @@
 #include "mtf/io/config/config_tree.h"
 #include "mtf/io/csv/csv_cells.h"
 #include "mtf/io/file_checks.h"
+#include "mtf/words.h"
 
 namespace mtf::io::cfg {
 namespace {

@@ -7,7 +7,7 @@
 #include <tuple>
 
 #include "mtf/error.h"
-#include "mtf/io/file_checks.h"
+#include "mtf/words.h"
 
 namespace mtf::io::cfg {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "mtf/io/file_checks.h"
+#include "mtf/words.h"
 
 namespace mtf::io::cfg {
 

@@ -10,7 +10,7 @@
 #include "mtf/io/config/config_edit.h"
 #include "mtf/io/config/config_reader.h"
 #include "mtf/io/config/config_text.h"
-#include "mtf/io/file_checks.h"
+#include "mtf/words.h"
 
 namespace mtf::io {
 namespace {

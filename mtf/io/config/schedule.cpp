@@ -9,8 +9,8 @@
 #include "mtf/io/config/config_reader.h"
 #include "mtf/io/config/schedule_csv.h"
 #include "mtf/io/csv/curve_csv.h"
-#include "mtf/io/file_checks.h"
 #include "mtf/io/sha256.h"
+#include "mtf/words.h"
 
 namespace mtf::io {
 namespace {

@@ -6,7 +6,7 @@
 #include <charconv>
 #include <optional>
 
-#include "mtf/io/file_checks.h"
+#include "mtf/words.h"
 
 namespace mtf::io {
 namespace {

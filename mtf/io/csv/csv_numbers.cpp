@@ -7,7 +7,7 @@
 #include "mtf/error.h"
 #include "mtf/io/csv/csv_cells.h"
 #include "mtf/io/csv/curve_csv.h"
-#include "mtf/io/file_checks.h"
+#include "mtf/words.h"
 
 namespace mtf::io {
 

@@ -17,6 +17,7 @@
 #include "mtf/io/csv/spectral_units.h"
 #include "mtf/io/file_checks.h"
 #include "mtf/io/image_io.h"
+#include "mtf/words.h"
 
 namespace mtf::io {
 namespace {

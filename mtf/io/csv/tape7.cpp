@@ -10,8 +10,8 @@
 #include "mtf/error.h"
 #include "mtf/io/csv/csv_cells.h"
 #include "mtf/io/csv/csv_numbers.h"
-#include "mtf/io/file_checks.h"
 #include "mtf/units.h"
+#include "mtf/words.h"
 
 namespace mtf::io {
 namespace {

@@ -20,6 +20,7 @@
 #include "mtf/io/exr/exr_scan.h"
 #include "mtf/io/file_checks.h"
 #include "mtf/io/image_io.h"
+#include "mtf/words.h"
 
 namespace mtf::io {
 

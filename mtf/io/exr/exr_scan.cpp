@@ -12,6 +12,7 @@
 
 #include "mtf/error.h"
 #include "mtf/io/file_checks.h"
+#include "mtf/words.h"
 
 namespace mtf::io {
 namespace {

@@ -22,6 +22,7 @@
 #include "mtf/io/file_checks.h"
 #include "mtf/io/image_io.h"
 #include "mtf/io/plane_checks.h"
+#include "mtf/words.h"
 #include "mtf/work/stop.h"
 
 namespace mtf::io {

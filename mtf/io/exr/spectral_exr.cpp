@@ -9,8 +9,8 @@
 #include "mtf/error.h"
 #include "mtf/io/channel_choice.h"
 #include "mtf/io/csv/csv_cells.h"
-#include "mtf/io/file_checks.h"
 #include "mtf/units.h"
+#include "mtf/words.h"
 
 namespace mtf::io {
 namespace {

@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 
 #include "mtf/math/special.h"
+#include "mtf/words.h"
 
 namespace radiometry {
 namespace {
@@ -17,12 +17,6 @@ constexpr double kFarAway = 3.2e-5;  // Q(4)
 double share_beyond(double distance, double sigma) {
   if (!(sigma > 0.0)) return distance <= 0.0 ? 1.0 : 0.0;
   return 0.5 * std::erfc(distance / (std::sqrt(2.0) * sigma));
-}
-
-std::string formatted(const char* format, double value) {
-  std::array<char, 32> text{};
-  static_cast<void>(std::snprintf(text.data(), text.size(), format, value));
-  return text.data();
 }
 
 std::string percent(double share) { return mtf::three_digits(100.0 * share) + " %"; }
@@ -68,7 +62,7 @@ Saturation saturation_of(const PixelScatter& pixel, const PixelRange& range, dou
 
 std::string at_most(double value) {
   const double unit = std::pow(10.0, std::floor(std::log10(value)) - 1.0);
-  return formatted("%.2g", std::floor(value / unit) * unit);
+  return mtf::significant(std::floor(value / unit) * unit, 2);
 }
 
 std::string words(const Saturation& s) {
