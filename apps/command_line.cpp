@@ -1,11 +1,56 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/command_line.h"
 
+#include <algorithm>
+#include <filesystem>
 #include <sstream>
+#include <string>
+#include <vector>
 
-#include "apps/help/image_words.h"
+#include "mtf/io/image_io.h"
 
 namespace apps {
+namespace {
+
+// Names in the OpenEXR files of a command line, for completion. Words that are no such file, and files that cannot be
+// read, have none; only headers are read.
+
+using Words = std::vector<std::string>;
+
+template <class Of>
+Words of_channels(const Words& line, Of of) {
+  Words found;
+  for (const std::string& word : line) {
+    std::error_code error;
+    if (!std::filesystem::is_regular_file(word, error)) continue;
+    try {
+      // Of other formats the headers tell no layers, and need the module of codecs.
+      if (mtf::io::detect_format(word) != mtf::io::Format::exr) continue;
+      for (const mtf::io::ChannelInfo& channel : mtf::io::read_info(word).channels) found.push_back(of(channel));
+    } catch (const std::exception&) {  // the command itself will say so
+    }
+  }
+  std::erase(found, "");
+  std::ranges::sort(found);
+  found.erase(std::unique(found.begin(), found.end()), found.end());
+  return found;
+}
+
+Words channels_on(const Words& line) {
+  return of_channels(line, [](const mtf::io::ChannelInfo& channel) { return channel.name; });
+}
+
+Words layers_on(const Words& line) {
+  return of_channels(line, [](const mtf::io::ChannelInfo& channel) {
+    return channel.layer.empty() ? channel.part_name : channel.layer;
+  });
+}
+
+Words parts_on(const Words& line) {
+  return of_channels(line, [](const mtf::io::ChannelInfo& channel) { return std::to_string(channel.part); });
+}
+
+}  // namespace
 
 std::vector<std::string> names_of(const OptionSpec& option) {
   std::vector<std::string> names;

@@ -17,7 +17,7 @@ from pathlib import Path
 import type_names
 
 FOLDERS = ("mtf", "radiometry", "calib", "apps", "tests")
-MAX_LINES = 400
+MAX_LINES = 600
 LIBRARIES = ("mtf", "radiometry", "calib", "apps")
 MAX_FILES = 30
 FLAT_LISTS = {"mtf/components"}

@@ -3,26 +3,82 @@
 // `mtf atmosphere`: spectrum, band averages, sky, and files of the air that other programs read.
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdio>
 #include <numbers>
+#include <string>
 
 #include "apps/arguments.h"
 #include "apps/atmosphere/atmosphere_options.h"
 #include "apps/atmosphere/atmosphere_report.h"
-#include "apps/atmosphere/spectrum_text.h"
 #include "apps/config.h"
 #include "apps/modules/modules.h"
 #include "apps/sensor/sensor_air.h"
 #include "apps/terminal/output.h"
 #include "apps/terminal/output_set.h"
+#include "apps/text/words.h"
 #include "mtf/error.h"
 #include "mtf/io/config/config_tree.h"
 #include "mtf/io/csv/curve_csv.h"
+#include "mtf/units.h"
 #include "radiometry/atmosphere/range_table.h"
+#include "radiometry/atmosphere/spectral_path.h"
+#include "radiometry/light/path.h"
 
 namespace apps {
-
 namespace {
+
+// Spectra of the air as files: CSV of `mtf atmosphere`, the table over ranges that path.table reads, and
+// columns as in MODTRAN's tape7 (mtf/io/csv/tape7.h says which), for programs that read those.
+
+namespace air = radiometry::atmosphere;
+
+/// wavenumber_cm-1,wavelength_um,transmittance,path_radiance_W_m-2_sr-1_per_cm-1, then one column a component. Without
+/// emission (above 3500 cm^-1) the radiance is an empty field.
+std::string spectrum_csv(const air::SpectralPath<double>& path) {
+  std::string text = "wavenumber_cm-1,wavelength_um,transmittance,path_radiance_W_m-2_sr-1_per_cm-1";
+  const bool components = !path.component.front().empty();
+  if (components)
+    for (const std::string_view name : air::kComponentNames) text += "," + std::string(name);
+  text += "\n";
+  for (std::size_t i = 0; i < path.wavenumber_cm.size(); ++i) {
+    text += mtf::format_double(path.wavenumber_cm[i]) + "," + mtf::format_double(1e4 / path.wavenumber_cm[i]) + "," +
+            mtf::format_double(path.transmission[i]) + "," +
+            (i < path.radiance.size() ? mtf::format_double(path.radiance[i]) : "");
+    if (components)
+      for (const auto& curve : path.component) text += "," + mtf::format_double(curve[i]);
+    text += "\n";
+  }
+  return text;
+}
+
+/// range_m,wavelength_um,transmission,radiance_w_m2_sr_um
+std::string path_table_csv(const radiometry::PathTable& table, const std::string& what) {
+  std::string text = "# " + one_line(what) + "\nrange_m,wavelength_um,transmission,radiance_w_m2_sr_um\n";
+  for (std::size_t r = 0; r < table.range_m().size(); ++r)
+    for (std::size_t i = 0; i < table.wavelength_um().size(); ++i)
+      text += mtf::format_double(table.range_m()[r]) + "," + mtf::format_double(table.wavelength_um()[i]) + "," +
+              mtf::format_double(table.transmission()[r][i]) + "," + mtf::format_double(table.radiance()[r][i]) + "\n";
+  return text;
+}
+
+/// One run with FREQ, TOT TRANS and PTH THRML; SOL SCAT is blank. Throws UsageError where the model has no emission.
+std::string tape7_text(const air::SpectralPath<double>& path, const std::string& what) {
+  if (path.radiance.size() != path.wavenumber_cm.size())
+    throw mtf::UsageError(
+        "--tape7: the model has no emission above 3500 cm^-1 (below 2.857 um), which those columns need; give --bands "
+        "above that wavelength, or take the transmission from --format csv");
+  std::string text = " " + one_line(what) + "\n    FREQ  TOT_TRANS  PTH_THRML   SOL_SCAT\n";
+  constexpr double kPerSquareCentimetre = 1e-4;
+  for (std::size_t i = 0; i < path.wavenumber_cm.size(); ++i) {
+    std::array<char, 64> line{};
+    std::snprintf(line.data(), line.size(), "%8.2f %10.8f %10.4E%11s\n", path.wavenumber_cm[i], path.transmission[i],
+                  kPerSquareCentimetre * path.radiance[i], "");
+    text += line.data();
+  }
+  return text + " -9999.\n";
+}
 
 namespace air = radiometry::atmosphere;
 using radiometry::Interval;

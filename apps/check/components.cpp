@@ -8,7 +8,10 @@
 #include <sstream>
 
 #include "apps/check/families.h"
+#include "mtf/components/chirp.h"
+#include "mtf/components/turbulence.h"
 #include "mtf/error.h"
+#include "mtf/math/fresnel.h"
 #include "mtf/system.h"
 
 namespace apps::check {
@@ -121,6 +124,73 @@ std::vector<Check> component_checks() {
     checks.push_back({kind, "golden values", "4 ulp of 1",
                       [kind](const Tables& tables, Tally& tally) { golden(tables, tally, kind); }});
   return checks;
+}
+
+// Fresnel integrals, and the OTF of accelerated motion that they give.
+
+namespace {
+
+void fresnel(const Tables& tables, Tally& tally) {
+  constexpr long double allowed = 5e-16L;
+  for (const Row& row : tables.rows("fresnel_integrals.csv"))
+    for (const double sign : {1.0, -1.0}) {
+      const mtf::FresnelIntegrals f = mtf::fresnel(sign * number(row, "u_hex"));
+      tally.compare(sign * f.c.value, precise(row, "c"), allowed, row.where);
+      tally.compare(sign * f.s.value, precise(row, "s"), allowed, row.where);
+    }
+}
+
+void chirp(const Tables& tables, Tally& tally) {
+  for (const Row& row : tables.rows("accelerated_motion.csv")) {
+    const mtf::ChirpMean h = mtf::chirp_mean(number(row, "d_hex"), number(row, "b_hex"));
+    const auto compare = [&](const mtf::Complex<double>& value, const std::string& by, long double allowed) {
+      const long double re = precise(row, "re" + by), im = precise(row, "im" + by);
+      tally.error(std::hypot(value.re - re, value.im - im), std::hypot(re, im), allowed, row.where);
+    };
+    compare(h.value, "", 5e-16L);
+    compare(h.by_d, "_by_d", 1e-15L);
+    compare(h.by_b, "_by_b", 1e-15L);
+  }
+}
+
+}  // namespace
+
+std::vector<Check> motion_checks() {
+  return {{"accelerated_motion", "Fresnel integrals", "5e-16", fresnel},
+          {"accelerated_motion", "mean phase and slopes", "5e-16, slopes 1e-15", chirp}};
+}
+
+namespace {
+
+// v, w rounded to double, the power and the bracket: a few units in the last place of the exponent.
+void compare(const Row& row, double v, double w, double alpha, Tally& tally) {
+  constexpr double kRounding = std::numeric_limits<double>::epsilon();
+  const mtf::KolmogorovExponent e = mtf::kolmogorov_exponent(v, w, alpha);
+  for (const auto& [column, c] :
+       {std::pair{"otf_coeff_exact", mtf::Turbulence<double>::kExact}, {"otf_coeff_3_44", 3.44}}) {
+    const auto exact = static_cast<double>(precise(row, column));
+    const double full = c * std::pow(v, 5.0 / 3.0);
+    tally.compare(std::exp(-c * e.value), exact, 4.0 * kRounding * exact * (1.0 + 2.0 * full) + 5e-324, row.where);
+  }
+}
+
+void long_exposure(const Tables& tables, Tally& tally) {
+  for (const Row& row : tables.rows("kolmogorov_long_exposure.csv")) compare(row, number(row, "u"), 0.0, 0.0, tally);
+}
+
+void short_exposure(const Tables& tables, Tally& tally) {
+  for (const Row& row : tables.rows("kolmogorov_short_exposure.csv")) {
+    const double nu = number(row, "nu");
+    compare(row, nu * number(row, "D_over_r0"), nu, number(row, "alpha"), tally);
+  }
+}
+
+}  // namespace
+
+std::vector<Check> turbulence_checks() {
+  const std::string promise = "4 ulp x (1 + 2 |exponent|)";
+  return {{"turbulence", "long exposure", promise, long_exposure},
+          {"turbulence", "short exposure", promise, short_exposure}};
 }
 
 }  // namespace apps::check

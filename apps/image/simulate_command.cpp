@@ -3,11 +3,15 @@
 // `mtf simulate SENSOR SCENE -o OUT`: the command line to one call of apps/simulate, its events to standard error, its
 // report to a file.
 
+#include <cstdlib>
+#include <filesystem>
 #include <optional>
+#include <string>
 
+#include "apps/bench/machine.h"
 #include "apps/config.h"
-#include "apps/image/measured_file.h"
 #include "apps/image/simulate_summary.h"
+#include "apps/options.h"
 #include "apps/sensor/sensor_air.h"
 #include "apps/simulate/output_files.h"
 #include "apps/simulate/simulate.h"
@@ -15,9 +19,79 @@
 #include "apps/terminal/output.h"
 #include "apps/terminal/progress_line.h"
 #include "mtf/error.h"
+#include "mtf/io/atomic_file.h"
+#include "mtf/io/csv/curve_csv.h"
+#include "mtf/plan/measured.h"
 
 namespace apps {
 namespace {
+
+// The run times that --rigor measure has measured, kept per host: in the file of --wisdom, else under
+// $XDG_CACHE_HOME/mtfkit (or ~/.cache/mtfkit) by the name of the processor.
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t kLargest = std::size_t{16} << 20;
+
+// The fastest method of one processor may be slow on another: home folders are shared between machines.
+std::string processor_name() {
+  std::string name = this_machine().cpu;
+  if (name.empty()) name = "unknown";
+  for (char& c : name)
+    if (std::isalnum(static_cast<unsigned char>(c)) == 0) c = '_';
+  return name;
+}
+
+fs::path cache_file() {
+  const auto folder = [](const char* variable) {
+    const char* value = std::getenv(variable);
+    return value == nullptr || *value != '/' ? fs::path() : fs::path(value);
+  };
+  fs::path base = folder("XDG_CACHE_HOME");
+  if (base.empty() && !folder("HOME").empty()) base = folder("HOME") / ".cache";
+  return base.empty() ? fs::path() : base / "mtfkit" / ("measured-" + processor_name());
+}
+
+/// Reads it where measuring is asked for or a file is named. A named file that is missing will be made; one that holds
+/// something else is a UsageError; a cache that cannot be read is started over, with a note.
+void read_measured(const SimulateCommandOptions& options, const Global& global) {
+  std::error_code error;
+  if (options.wisdom.empty()) {
+    const fs::path cache = cache_file();
+    if (!options.run.measure || !fs::is_regular_file(cache, error)) return;
+    bool known = false;
+    try {
+      known = mtf::import_measured(mtf::io::read_text_file(cache.string(), kLargest));
+    } catch (const mtf::Error&) {  // as good as none
+    }
+    if (!known) note(global, "note: " + one_line(cache.string()) + " is damaged; its run times are measured again");
+    return;
+  }
+  if (!fs::exists(options.wisdom, error)) {
+    note(global, "note: " + one_line(options.wisdom) + " is created for the run times that are measured now");
+    return;
+  }
+  if (!fs::is_regular_file(options.wisdom, error) ||
+      !mtf::import_measured(mtf::io::read_text_file(options.wisdom, kLargest)))
+    throw mtf::UsageError("--wisdom: " + one_line(options.wisdom) +
+                          " does not hold what measuring has learnt here; name another file");
+}
+
+/// Writes it back. A named file that cannot be written is a RuntimeError, the cache a note.
+void write_measured(const SimulateCommandOptions& options, const Global& global) {
+  if (!options.wisdom.empty()) {
+    mtf::io::write_text_file(options.wisdom, mtf::export_measured());
+    return;
+  }
+  const fs::path cache = cache_file();
+  if (!options.run.measure || cache.empty()) return;
+  try {
+    fs::create_directories(cache.parent_path());
+    mtf::io::write_text_file(cache.string(), mtf::export_measured());
+  } catch (const std::exception& e) {
+    note(global, "note: the measured run times are not kept: " + one_line(e.what()));
+  }
+}
 
 /// Says what a run tells, and that a stopped run in tiles can go on.
 class EventPrinter {

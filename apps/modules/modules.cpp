@@ -9,15 +9,10 @@ namespace {
 
 using mtf::io::has_module, mtf::io::open_module;
 
-constexpr mtf::io::Module kFits{
-    "mtfkit_fits", "fits and optima (mtf fit, mtf optimize)",
-    "build it with apps/quickstart, or install the Debian package mtfkit, the tarball or the wheel again"};
+constexpr mtf::io::Module kFits{"mtfkit_fits", "fits and optima (mtf fit, mtf optimize)"};
 constexpr mtf::io::Module kScenes{
-    "mtfkit_scenes", "3-D scenes (mtf scene, heat, render, fly)",
-    "build it with apps/quickstart all, or install the Debian package mtfkit, the tarball or the wheel again"};
-constexpr mtf::io::Module kLive{
-    "mtfkit_live", "the live view (mtf live)",
-    "build it with apps/quickstart all, or install the Debian package mtfkit, the tarball or the wheel again"};
+    .name = "mtfkit_scenes", .what = "3-D scenes (mtf scene, heat, render, fly)", .in_all = true};
+constexpr mtf::io::Module kLive{.name = "mtfkit_live", .what = "the live view (mtf live)", .in_all = true};
 
 }  // namespace
 

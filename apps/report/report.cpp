@@ -3,18 +3,163 @@
 // `mtf report DIR`: one page of HTML from the results of a sweep.
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
+#include <map>
+#include <stdexcept>
+#include <string>
+#include <vector>
 
 #include "apps/options.h"
+#include "apps/report/base64.h"
+#include "apps/report/report_designs.h"
 #include "apps/report/report_files.h"
-#include "apps/report/report_page.h"
+#include "apps/report/report_html.h"
+#include "apps/report/report_sections.h"
+#include "apps/report/report_sweep.h"
 #include "apps/simulate/output_files.h"
 #include "apps/terminal/output.h"
+#include "apps/terminal/text_table.h"
 #include "mtf/error.h"
 #include "mtf/io/file_checks.h"
+#include "mtf/io/sha256.h"
+#include "mtf/version.h"
 
 namespace apps {
 namespace {
+
+// The whole report as one page that needs nothing else: style, scripts, data and pictures are in it.
+
+/// A list of JSON values, each made by `make` of an element.
+template <class List, class Make>
+std::string json_list(const List& list, const Make& make) {
+  std::string text = "[";
+  for (const auto& element : list) {
+    if (text.size() > 1) text += ',';
+    text += make(element);
+  }
+  return text + "]";
+}
+
+std::string json_texts(const std::vector<std::string>& texts) { return json_list(texts, json_text); }
+
+/// Six digits: enough for curves that are drawn.
+std::string json_curve(const std::vector<double>& values) {
+  return json_list(values, [](double v) { return std::isfinite(v) ? significant(v, 6) : std::string("null"); });
+}
+
+std::string json_column(const SweepColumn& column) {
+  return "{\"name\":" + json_text(column.name) + ",\"unit\":" + json_text(column.unit) +
+         ",\"role\":" + json_text(column.role) + ",\"gap\":" + json_text(column.gap) +
+         ",\"levels\":" + json_texts(column.levels) + "}";
+}
+
+std::string json_curve_of(const ChosenCurve& curve) {
+  return "{\"label\":" + json_text(curve.label) + ",\"mtf\":" + json_curve(curve.mtf) + "}";
+}
+
+std::string json_chosen(const ChosenDesign& design) {
+  std::string text = "{\"design\":" + std::to_string(design.chosen.design) + ",\"why\":" + json_text(design.chosen.why);
+  if (design.problem.empty()) {
+    const mtf::Frame<double>& frame = design.config.system.frame;
+    text += ",\"pitch_um\":" + json_number(frame.pitch_x_um) + ",\"focal_mm\":" + json_number(frame.focal_length_mm) +
+            ",\"nyquist\":" + json_number(design.nyquist_cy_mm) +
+            ",\"frequency\":" + json_curve(design.frequency_cy_mm) + ",\"system\":" + json_curve(design.system.mtf) +
+            ",\"components\":" + json_list(design.components, json_curve_of) +
+            ",\"budget\":" + json_list(design.budget, [](const radiometry::BudgetRow& row) {
+              return "[" + json_text(row.name) + "," + json_number(row.value) + "]";
+            });
+  }
+  return text + "}";
+}
+
+/// SHA-256 in base 64, as policies name a script.
+std::string script_hash(std::string_view script) {
+  const std::string hex = mtf::io::sha256_hex(script);
+  std::string bytes;
+  for (std::size_t i = 0; i + 1 < hex.size(); i += 2)
+    bytes += static_cast<char>(std::stoi(hex.substr(i, 2), nullptr, 16));
+  return "'sha256-" + base64(bytes) + "'";
+}
+
+/// The template with every {{name}} replaced, once: names within the replacements stay as they are.
+std::string filled(std::string_view page, const std::map<std::string_view, std::string_view>& parts) {
+  std::string text;
+  for (;;) {
+    const std::size_t open = page.find("{{"), close = page.find("}}");
+    if (open == std::string_view::npos || close == std::string_view::npos) return text + std::string(page);
+    text += page.substr(0, open);
+    text += parts.at(page.substr(open + 2, close - open - 2));
+    page.remove_prefix(close + 2);
+  }
+}
+
+/// What the page's script reads: columns, designs with their cells as in designs.csv, curves. JSON in which no text
+/// ends a script element.
+std::string report_data(const Sweep& sweep, const DesignTable& table, const std::vector<ChosenDesign>& chosen) {
+  std::string text = "{\"columns\":" + json_list(sweep.columns, json_column);
+  text += ",\"method\":" + json_text(sweep.method) + ",\"designs\":" + std::to_string(sweep.designs) +
+          ",\"every\":" + std::to_string(table.every);
+  text += ",\"axes\":" + json_list(sweep.axes, [](const SweepAxis& axis) {
+            return "{\"column\":" + json_text(axis.column) + ",\"scale\":" + json_text(axis.scale) +
+                   ",\"values\":" + json_list(axis.values, json_cell) + "}";
+          });
+  text += ",\"objectives\":" + json_list(sweep.objectives, [](const SweepObjective& objective) {
+            return "{\"text\":" + json_text(objective.text) + ",\"column\":" + json_text(objective.column) +
+                   ",\"maximize\":" + (objective.maximize ? "true" : "false") + "}";
+          });
+  const auto number = [](std::int64_t n) { return std::to_string(n); };
+  text += ",\"best\":" + json_list(sweep.best, [&](const SweepBest& best) { return number(best.design); });
+  text += ",\"pareto\":" + json_list(sweep.pareto, number);
+  text += ",\"indices\":" + json_list(sweep.indices, [](const SensitivityIndex& one) {
+            return "[" + json_text(one.column) + "," + json_text(one.parameter) + "," + json_number(one.first) + "," +
+                   json_number(one.first_sd) + "," + json_number(one.total) + "," + json_number(one.total_sd) + "]";
+          });
+  text += ",\"accuracy\":" + json_list(sweep.accuracy, [](const AccuracyPoint& point) {
+            return "[" + json_number(point.tolerance) + "," + json_number(point.promised) + "," +
+                   json_number(point.realised) + "," + json_number(point.us_per_design) + "]";
+          });
+  text += ",\"chosen\":" + json_list(chosen, json_chosen);
+  text += ",\n\"design\":" + json_list(table.design, number) + ",\n\"cells\":[";
+  for (std::size_t c = 0; c < sweep.columns.size(); ++c) {
+    if (c > 0) text += ",\n";
+    text += json_list(table.cells, [c](const std::vector<std::string>& cells) { return json_cell(cells[c]); });
+  }
+  return text + "]}\n";
+}
+
+/// `scene`: the file of the images, "" for the built-in one. Its policy allows the page's own scripts only, by their
+/// hashes.
+std::string report_page(const Sweep& sweep, const DesignTable& table, const std::vector<ChosenDesign>& chosen,
+                        const std::string& scene) {
+  const ReportFiles& files = report_files();
+  const std::string title = sweep.name.empty() ? "Trade study" : html(sweep.name);
+  const bool interactive = !files.library.empty();
+  const std::string_view script = interactive ? files.script : std::string_view();
+  // Styles are in the page and in its charts; nothing is loaded from elsewhere.
+  const std::string policy =
+      "default-src 'none'; img-src data:; style-src 'unsafe-inline'; base-uri 'none'; "
+      "form-action 'none'; script-src " +
+      (interactive ? script_hash(files.library) + " " + script_hash(script) : "'none'");
+  const std::string about = std::to_string(sweep.designs) + " designs &middot; mtf " + html(mtf::version) + " " +
+                            html(mtf::git_commit) + " &middot; sweep by mtf " + html(sweep.version) + " " +
+                            html(sweep.commit);
+  const std::string sections = summary_section(sweep, table) + trade_section(sweep, table) + map_section(sweep, table) +
+                               chosen_section(sweep, table, chosen, scene) + sensitivity_section(sweep, table) +
+                               run_section(sweep) + columns_section(sweep) + files_section(sweep, table, chosen);
+  const std::string data = report_data(sweep, table, chosen);
+  const std::string notices =
+      interactive ? html_lines(files.notices) : "This build has no chart libraries: its charts are static.";
+  return filled(files.page, {{"title", title},
+                             {"policy", policy},
+                             {"style", files.style},
+                             {"about", about},
+                             {"sections", sections},
+                             {"notices", notices},
+                             {"data", data},
+                             {"library", files.library},
+                             {"script", script}});
+}
 
 void require_no_input(const Sweep& sweep, const ReportOptions& options, const std::string& out) {
   std::vector<std::string> inputs{"sweep.json", "designs.csv", "designs.npy", "columns.csv", sweep.study.file};

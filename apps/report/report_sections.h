@@ -6,7 +6,6 @@
 #include <string>
 #include <vector>
 
-#include "apps/report/report_chosen.h"
 #include "apps/report/report_designs.h"
 #include "apps/report/report_sweep.h"
 

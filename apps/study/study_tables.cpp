@@ -4,11 +4,15 @@
 
 #include <algorithm>
 #include <array>
+#include <cassert>
 #include <cmath>
+#include <filesystem>
 
 #include "apps/sensor/sensor_air.h"
+#include "apps/sensor/sensor_chain.h"
 #include "apps/study/study_reader.h"
 #include "apps/study/study_shape.h"
+#include "mtf/error.h"
 #include "mtf/words.h"
 
 namespace study {
@@ -133,6 +137,179 @@ void read_settings(StudyReader& s) {
   read_head(s);
   read_yield(s);
   read_conditions(s);
+}
+
+// Sensors with the levels of discrete axes: the values replace those in the tree of the sensor file, which is then read
+// like any other.
+
+namespace {
+
+namespace cfg = mtf::io::cfg;
+using cfg::Node;
+using mtf::io::ConfigResult;
+
+/// Names of files in a study are relative to its folder; the reader of the sensor takes them relative to the sensor's.
+void find_file(Node& node, const Place& place, const std::string& study_file, const std::string& sensor_file) {
+  if (!place.file || node.kind != Node::Kind::string) return;
+  if (place.info.dimension != mtf::Dimension::none) try {
+      static_cast<void>(mtf::parse_quantity(node.text, place.info.dimension));
+      return;  // a number in place of a file
+    } catch (const mtf::UsageError&) {
+    }
+  const std::string folder = cfg::folder_of(study_file);
+  if (folder == cfg::folder_of(sensor_file) || node.text.empty() || node.text.find('\0') != std::string::npos) return;
+  std::error_code none;
+  const auto path = std::filesystem::absolute(cfg::beside(folder, node.text), none);
+  if (!none) node.text = path.string();
+}
+
+std::string described(const Study& study, std::span<const int> levels) {
+  std::string text;
+  for (std::size_t a = 0; a < study.axes.size(); ++a)
+    if (study.axes[a].discrete() && levels[a] >= 0)
+      text += (text.empty() ? "" : ", ") + study.parameters[static_cast<std::size_t>(study.axes[a].parameter)].name +
+              " = " + mtf::printable(study.axes[a].levels[static_cast<std::size_t>(levels[a])], 80);
+  return text;
+}
+
+const Parameter& parameter_of(const Study& study, std::size_t axis) {
+  return study.parameters[static_cast<std::size_t>(study.axes[axis].parameter)];
+}
+
+bool is_sensor(const Study& study, std::size_t axis) { return parameter_of(study, axis).path == "sensor"; }
+
+/// That a parameter is in each sensor what it is in the base: the same place and unit.
+void check_in_sensors(StudyReader& s, const Parameter& parameter, mtf::io::Position position, const std::string& path) {
+  for (std::size_t i = 1; i < s.views.size(); ++i) {
+    const std::string file = mtf::printable(s.views[i].sensor.file);
+    const Found found = find_place(s.views[i], parameter.name);
+    if (!found.place) {
+      s.error(position, path, parameter.name + " in " + file + ": " + found.problem);
+    } else if (found.place->target.path() != parameter.path) {
+      s.error(position, path,
+              parameter.name + " is " + parameter.path + " in " + mtf::printable(s.study.base.file) + ", but " +
+                  found.place->target.path() + " in " + file + "; list the components in the same order");
+    } else if (found.place->kind == Place::Kind::number && found.place->info.unit != parameter.unit &&
+               !parameter.unit.empty()) {
+      s.error(position, path,
+              parameter.name + " is in " + parameter.unit + " in " + mtf::printable(s.study.base.file) + ", but in " +
+                  std::string(found.place->info.unit) + " in " + file + "; write it in one unit");
+    }
+  }
+}
+
+}  // namespace
+
+std::vector<StudyFile> files_of(const Study& study) {
+  const Node tree = cfg::read_tree(study.text).root;
+  std::vector<StudyFile> files;
+  const auto append = [&](const mtf::io::SensorConfig& sensor, const Node& named, const std::string& path) {
+    for (std::string& file : apps::files_of(sensor)) files.push_back({std::move(file), named.position, path});
+  };
+  const auto values_of = [&](std::size_t axis) { return tree.find("axis")->items.at(axis).find("values"); };
+  const auto path_of = [](std::size_t axis) { return "axis[" + std::to_string(axis) + "].values"; };
+  if (const Node* named = tree.find("sensor")) append(study.base, *named, "sensor");
+  std::vector<int> levels(study.axes.size(), 0);
+  for (std::size_t a = 0; a < study.axes.size(); ++a) {
+    for (std::size_t level = 0; level < study.axes[a].levels.size(); ++level) {
+      const Node& value = values_of(a)->items.at(level);
+      if (is_sensor(study, a)) append(study.sensors.at(level), value, path_of(a));
+      levels[a] = static_cast<int>(level);
+      try {
+        append(variant(study, levels), value, path_of(a));
+      } catch (const mtf::UsageError&) {
+        continue;
+      }
+    }
+    levels[a] = 0;
+  }
+  const auto by_name = [](const StudyFile& x, const StudyFile& y) { return x.file < y.file; };
+  const auto same = [](const StudyFile& x, const StudyFile& y) { return x.file == y.file; };
+  std::stable_sort(files.begin(), files.end(), by_name);
+  files.erase(std::unique(files.begin(), files.end(), same), files.end());
+  return files;
+}
+
+std::string level_text(const Node& node) {
+  if (node.kind == Node::Kind::string) return node.text;
+  if (node.kind != Node::Kind::array) return cfg::shown(node);
+  std::string text = "[";
+  for (std::size_t i = 0; i < node.items.size(); ++i)
+    text += (i > 0 ? ", " : "") +
+            (node.items[i].kind == Node::Kind::string ? "\"" + node.items[i].text + "\"" : level_text(node.items[i]));
+  return text + "]";
+}
+
+ConfigResult with_levels(const Study& study, const Node& tree, const SensorView& view, std::span<const int> levels) {
+  ConfigResult result;
+  result.config.file = view.sensor.file;
+  result.config.text = view.sensor.text;
+  result.config.schema = view.sensor.schema;
+  result.config.sha256 = view.sensor.sha256;
+  Node root = view.tree;
+  std::vector<mtf::io::Diagnostic> problems;
+  for (std::size_t a = 0; a < study.axes.size(); ++a) {
+    if (!study.axes[a].discrete() || levels[a] < 0 || is_sensor(study, a)) continue;
+    const std::string& path = parameter_of(study, a).path;
+    const Found found = find_place(view, path);
+    std::string problem = found.problem;
+    if (found.place) {
+      Node node = tree.find("axis")->items.at(a).find("values")->items.at(static_cast<std::size_t>(levels[a]));
+      find_file(node, *found.place, study.file, view.sensor.file);
+      problem = cfg::put(root, found.place->target, std::move(node));
+    }
+    if (!problem.empty()) problems.push_back({.error = true, .position = {}, .path = path, .text = problem});
+  }
+  cfg::interpret(root, result);
+  result.diagnostics.insert(result.diagnostics.begin(), problems.begin(), problems.end());
+  return result;
+}
+
+void check_levels(StudyReader& s) {
+  constexpr int kMostChains = 200;  // they read files
+  const Study& study = s.study;
+  int chains = 0;
+  for (std::size_t a = 0; a < study.axes.size(); ++a) {
+    const Axis& axis = study.axes[a];
+    if (is_sensor(study, a) || parameter_of(study, a).path.empty()) continue;  // no sensor has the study's own numbers
+    const Node& table = s.tree.find("axis")->items.at(a);
+    const std::string path = "axis[" + std::to_string(a) + "]";
+    check_in_sensors(s, parameter_of(study, a), table.position, path);
+    if (!axis.discrete()) continue;
+    std::vector<int> levels(study.axes.size(), -1);
+    for (std::size_t i = 0; i < axis.levels.size(); ++i) {
+      levels[a] = static_cast<int>(i);
+      ConfigResult result = with_levels(study, s.tree, s.views.front(), levels);
+      if (result.ok() && ++chains <= kMostChains)
+        if (auto problem = apps::chain_problem(result.config)) {
+          if (problem->path.empty()) problem->path = parameter_of(study, a).path;
+          result.diagnostics.push_back(std::move(*problem));
+        }
+      for (const mtf::io::Diagnostic& diagnostic : result.diagnostics)
+        if (diagnostic.error)
+          s.error(table.find("values")->items.at(i).position, path + ".values",
+                  diagnostic.path + ": " + diagnostic.text);
+    }
+  }
+  for (const Parameter& parameter : study.parameters)
+    if (parameter.role != Parameter::Role::axis && !parameter.path.empty())
+      check_in_sensors(s, parameter, {}, parameter.name);
+}
+
+mtf::io::SensorConfig variant(const Study& study, std::span<const int> levels) {
+  assert(levels.size() == study.axes.size());
+  const mtf::io::SensorConfig* sensor = &study.base;
+  for (std::size_t a = 0; a < study.axes.size(); ++a)
+    if (study.axes[a].discrete() && is_sensor(study, a))
+      sensor = &study.sensors.at(static_cast<std::size_t>(levels[a]));
+  ConfigResult result = with_levels(study, cfg::read_tree(study.text).root, view_of(*sensor), levels);
+  std::string errors;
+  for (const mtf::io::Diagnostic& diagnostic : result.diagnostics)
+    if (diagnostic.error)
+      errors += (errors.empty() ? "" : "\n") + sensor->file + " with " + described(study, levels) + ": " +
+                (diagnostic.path.empty() ? "" : diagnostic.path + ": ") + diagnostic.text;
+  if (!errors.empty()) throw mtf::UsageError(errors);
+  return std::move(result.config);
 }
 
 }  // namespace study

@@ -63,7 +63,7 @@ struct FitSettings {
   Rounding rounding{};
   bool few_distances = false;  ///< the pixels at each distance from the edge round alike
   NoiseCorrelation correlation{};
-  std::vector<double> tails{};  ///< of edges beside the region (neighbours.h); empty: none
+  std::vector<double> tails{};  ///< of edges beside the region (edge_region.cpp); empty: none
 };
 /// The reference step of a model, with the tails that extend into the region.
 StepProfile profile_of(const EdgeModel& model, const FitSettings& settings);

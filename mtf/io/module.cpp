@@ -101,7 +101,10 @@ bool is_complete(const std::string& file) {
 }
 
 [[noreturn]] void refuse(const Module& module, const std::string& why) {
-  throw RuntimeError(std::string(module.what) + ": " + why + "; " + module.remedy +
+  const std::string package = module.package;
+  throw RuntimeError(std::string(module.what) + ": " + why + "; build it with apps/quickstart" +
+                     (module.in_all ? " all" : "") + ", or install the Debian package " + package +
+                     (package == "mtfkit" ? ", the tarball or the wheel again" : "") +
                      ", or name the file in the environment variable " + variable(module));
 }
 

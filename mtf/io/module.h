@@ -18,9 +18,10 @@ struct ModuleBuild {
 };
 
 struct Module {
-  const char* name;    ///< "mtfkit_x"; the environment variable MTFKIT_X may name the file
-  const char* what;    ///< for messages: "the PNG and TIFF codecs"
-  const char* remedy;  ///< for messages, what makes it be there: "install mtfkit"
+  const char* name;                ///< "mtfkit_x"; the environment variable MTFKIT_X may name the file
+  const char* what;                ///< for messages: "the PNG and TIFF codecs"
+  bool in_all = false;             ///< whether only `apps/quickstart all` builds it
+  const char* package = "mtfkit";  ///< the Debian package that has it
 };
 
 /// Whether the module's file is there and complete; loads nothing.

@@ -3,14 +3,41 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
+#include <functional>
+#include <limits>
 #include <vector>
 
+#include "mtf/engines/kept_plane.h"
 #include "mtf/engines/row_moments.h"
 #include "mtf/error.h"
-#include "mtf/plan/plan_impl.h"
 #include "mtf/plan/plan_parts.h"
+#include "mtf/words.h"
 
 namespace mtf {
+
+struct Plan::Impl {
+  System<double> system;
+  std::vector<Stage> stages;
+  PlanOptions options;
+  ScaleSplit split;
+  PlanReport report;
+  std::shared_ptr<const FactoredOtf> sampler;  ///< whose tables the plan of a changed system shares
+  double dc = 1.0;
+  double cost_ms = 0.0;                  ///< predicted, of the chosen candidate
+  double family_choice_ms = 0.0;         ///< the same when all methods were last judged
+  std::shared_ptr<const Engine> engine;  ///< null for the identity
+};
+
+/// What compiling is besides its options: how it relates to a compilation before, and the part of the OTF that tiles
+/// ask for.
+struct Plan::Recompile {
+  const Plan::Impl* earlier = nullptr;  ///< whose transforms are shared
+  bool keep_family = false;             ///< only the family of methods of `earlier`
+  bool tables = true;  ///< false: radial factors at every frequency, for tolerances that leave no room for a table
+  ScaleSplit split = {};
+};
+
 namespace {
 
 constexpr std::int64_t kLargestSide = std::int64_t{1} << 29;
@@ -198,6 +225,134 @@ Plan Plan::with(const System<double>& system) const {
 Plan compile_post(const System<double>& system, const SampleGrid& detector, std::span<const Stage> stages,
                   const PlanOptions& options) {
   return compile_stages(system, stages, detector, detector, options, {});
+}
+
+namespace {
+
+void check_size(std::int64_t width, std::int64_t height, const SampleGrid& grid, const char* name) {
+  if (width == grid.width && height == grid.height) return;
+  throw UsageError(std::string(name) + " image is " + std::to_string(width) + "x" + std::to_string(height) +
+                   ", the plan was made for " + std::to_string(grid.width) + "x" + std::to_string(grid.height));
+}
+
+void fill(ImageView<float> out, float value) {
+  for (std::int64_t y = 0; y < out.height; ++y) std::fill_n(out.row(y), out.width, value);
+}
+
+bool share_memory(ImageView<const float> a, ImageView<const float> b) {
+  const std::less<const float*> before;
+  return before(a.data, b.row(b.height)) && before(b.data, a.row(a.height));
+}
+
+Image copy_of(ImageView<const float> plane) {
+  Image copy(plane.width, plane.height);
+  for (std::int64_t y = 0; y < plane.height; ++y) std::copy_n(plane.row(y), plane.width, copy.view().row(y));
+  return copy;
+}
+
+}  // namespace
+
+const PlanReport& Plan::report() const { return impl_->report; }
+double Plan::dc() const { return impl_->dc; }
+
+void Plan::run(ImageView<const float> in, ImageView<float> out, double border_value, int threads) const {
+  run(std::span(&in, 1), std::span(&out, 1), border_value, threads);
+}
+
+void Plan::run(std::span<const ImageView<const float>> in, std::span<const ImageView<float>> out, double border_value,
+               int threads) const {
+  run_planes(in, out, border_value, threads, {});
+}
+
+void Plan::run(KeptScene& scene, std::span<const ImageView<float>> out, double border_value, int threads) const {
+  std::vector<ImageView<const float>> in;
+  for (const Image& plane : scene.planes()) in.push_back(plane.view());
+  run_planes(in, out, border_value, threads, scene.kept());
+}
+
+void Plan::run_planes(std::span<const ImageView<const float>> in, std::span<const ImageView<float>> out,
+                      double border_value, int threads, std::span<KeptPlane> kept) const {
+  if (in.size() != out.size()) throw UsageError("as many output as input planes are needed");
+  const bool constant = impl_->options.border == Border::constant;
+  if (constant && !(std::abs(border_value) <= std::numeric_limits<float>::max()))
+    throw UsageError("the border value has to be a finite float");
+  std::vector<Channel> channels;
+  std::vector<Image> copies;
+  std::vector<KeptPlane> own(kept.empty() ? in.size() : 0);  // for this run alone
+  // FFT engines read all of an input before they write, and check by themselves that it is finite.
+  const bool transforms = impl_->report.method.starts_with("fft");
+  for (std::size_t c = 0; c < in.size(); ++c) {
+    check_size(in[c].width, in[c].height, impl_->report.in, "input");
+    check_size(out[c].width, out[c].height, impl_->report.out, "output");
+    const std::optional<MeanAndDeviation> sampled = transforms ? sampled_mean_and_deviation(in[c]) : std::nullopt;
+    KeptPlane& plane = kept.empty() ? own[c] : kept[c];
+    if (!sampled && !plane.all) plane.all = mean_and_deviation(in[c], threads, plane.flat);
+    const MeanAndDeviation about = sampled ? *sampled : *plane.all;
+    const double deviation = canvas_deviation(about, impl_->options.border, border_value);
+    if (deviation == 0.0) {
+      fill(out[c], static_cast<float>(impl_->dc * about.mean));
+    } else if (!impl_->engine) {
+      for (std::int64_t y = 0; y < out[c].height; ++y)
+        std::memmove(out[c].row(y), in[c].row(y), static_cast<std::size_t>(out[c].width) * sizeof(float));
+    } else {
+      ImageView<const float> from = in[c];
+      if (!transforms && share_memory(in[c], out[c])) from = copies.emplace_back(copy_of(in[c])).view();
+      channels.push_back({from, out[c], about.mean, scale_for(deviation), sampled.has_value(), impl_->dc, border_value,
+                          &plane.flat, impl_->report.predicted.flat, kept.empty() ? nullptr : &plane});
+    }
+  }
+  if (!channels.empty()) impl_->engine->run(channels, threads);
+}
+
+namespace {
+
+std::string short_number(double value) { return significant(value, 2); }
+
+std::string size_text(std::int64_t width, std::int64_t height) {
+  return std::to_string(width) + "x" + std::to_string(height);
+}
+
+}  // namespace
+
+std::string Plan::explain() const {
+  const PlanReport& r = impl_->report;
+  std::string text = "plan      " + r.method + ", " + size_text(r.in.width, r.in.height) + " samples of " +
+                     format_double(r.in.step_x_um) + " x " + format_double(r.in.step_y_um) + " um -> " +
+                     size_text(r.out.width, r.out.height) + " pixels of " + format_double(r.out.step_x_um) + " x " +
+                     format_double(r.out.step_y_um) + " um\n";
+  if (r.out.width < r.whole_pitches_x || r.out.height < r.whole_pitches_y)
+    text += "format    the scene holds " + size_text(r.whole_pitches_x, r.whole_pitches_y) + " whole pixels\n";
+  if (r.method.starts_with("fft")) {
+    text += "axes      x: " + r.axes[0] + "; y: " + r.axes[1] + "\n";
+    text += "kept      " + size_text(r.kept[0], r.kept[1]) + " of " + size_text(r.available[0], r.available[1]) +
+            " frequencies\n";
+  }
+  for (const std::string& line : r.merged) text += "merged    " + line + "\n";
+  if (r.wavelengths > 1) text += "band      " + std::to_string(r.wavelengths) + " wavelengths\n";
+  for (const Omission& o : r.omitted)
+    text += "left out  " + o.what + " (error at most " + short_number(o.bound) + ", saves about " +
+            short_number(o.saved_ms) + " ms)\n";
+  for (const std::string& note : r.notes) text += "note      " + note + "\n";
+  for (const Candidate& c : r.candidates) {
+    text += (c.reason.empty() ? "chosen    " : "other     ") +
+            std::string(kMethodNames[static_cast<std::size_t>(c.method)]);
+    if (!c.detail.empty()) text += ": " + c.detail;
+    if (c.cost_ms > 0.0)
+      text += "; predicted error " + short_number(c.predicted.total()) + ", " + short_number(c.cost_ms) +
+              (c.measured ? " ms measured" : " ms");
+    text += (c.reason.empty() ? "" : "; " + c.reason) + "\n";
+  }
+  if (impl_->options.spectrum) text += "for       this very scene: errors are weighed by its spectrum\n";
+  const PredictedError& e = r.predicted;
+  text += "error     predicted <= " + short_number(e.total()) + " of the scene's std, tolerance " +
+          short_number(r.tolerance) + " (dropped " + short_number(e.dropped) + ", table " + short_number(e.table) +
+          ", band " + short_number(e.band) + ", cut " + short_number(e.cut) + ", wrap " + short_number(e.wrap) +
+          ", kernel " + short_number(e.kernel) + ", flat lines " + short_number(e.flat) + ", float32 " +
+          short_number(e.arithmetic) + ")\n";
+  const double mib = 1.0 / (1024.0 * 1024.0);
+  text += "memory    OTF " + short_number(static_cast<double>(r.otf_bytes) * mib) + " MiB, buffers " +
+          short_number(static_cast<double>(r.run_bytes) * mib) + " MiB\n";
+  return text;
 }
 
 }  // namespace mtf

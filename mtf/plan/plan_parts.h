@@ -6,9 +6,12 @@
 
 #include <functional>
 #include <limits>
+#include <memory>
 
 #include "mtf/engines/engine.h"
 #include "mtf/engines/fft/axis.h"
+#include "mtf/engines/taps/taps.h"
+#include "mtf/otf/factored_otf.h"
 #include "mtf/plan/plan.h"
 
 namespace mtf {
@@ -106,5 +109,39 @@ void require_memory(double bytes, const SampleGrid& out);
 
 /// Bytes of OTF and buffers of an FFT method.
 double spectral_bytes(const AxisTransform& x, const AxisTransform& y, bool real_otf);
+
+// Predicted run times, for choosing between methods: one thread, one channel, on the kind of machine that the constants
+// were measured on. Only their ratios matter; Rigor::measure times the best few instead.
+
+/// Milliseconds of an FFT method.
+double fft_cost_ms(const AxisTransform& x, const AxisTransform& y, bool real_otf);
+
+/// Milliseconds of separable taps of a rank, and of `used` taps of a direct kernel.
+double separable_cost_ms(const TapAxis& x, const TapAxis& y, std::int64_t rank);
+double direct_cost_ms(const TapAxis& x, const TapAxis& y, std::int64_t used, bool mirrored);
+
+// The spectral engine with one OTF: what a plan of an FFT method runs.
+
+/// Of everything between the images, which are float32: in double_precision only their storage rounds.
+enum class Precision { single_precision, double_precision };
+
+class SpectralFilter : public Engine {
+ public:
+  /// Largest |H| over the frequencies in use.
+  virtual double largest_gain() const = 0;
+};
+
+/// What is to be done by transforms.
+struct SpectralWork {
+  AxisTransform x, y;
+  Precision precision = Precision::single_precision;
+  Lines lines = Lines::rows;  ///< columns: where both axes are in the same basis
+};
+
+/// The filter of a sampler's OTF, which for double_precision should have no tables (table_share = 0). x in the cosine
+/// basis needs y in it, and both `odd` where the OTF is not even along them. Shares the transforms of `earlier` (may
+/// be null) where that one has the same axes, lines and precision.
+std::shared_ptr<const SpectralFilter> make_spectral_filter(const FactoredOtf& sampler, const SpectralWork& work,
+                                                           fft::Rigor rigor, int threads, const Engine* earlier);
 
 }  // namespace mtf

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mtf/plan/plan_spectral.h"
+#include "mtf/plan/plan_parts.h"
 
 #include <algorithm>
 #include <array>

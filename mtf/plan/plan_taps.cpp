@@ -7,7 +7,6 @@
 
 #include "mtf/engines/taps/taps.h"
 #include "mtf/plan/low_rank.h"
-#include "mtf/plan/plan_cost.h"
 #include "mtf/plan/plan_parts.h"
 #include "mtf/plan/point_response.h"
 

@@ -67,8 +67,8 @@ struct Timeline {
   /// Further outputs, of Runs::one alone, at which steps need not end: within a step, the surface temperature is the
   /// parabola through both its ends and the stage between them. The error is of third order, as that of one step.
   std::vector<double> between_s{};
-  /// Outputs that follow a break sooner than this do not set the first size of the cells (survey.h); their errors count
-  /// as those of all others.
+  /// Outputs that follow a break sooner than this do not set the first size of the cells (solve.cpp); their errors
+  /// count as those of all others.
   double least_lag_s = 0.0;
 };
 

@@ -51,7 +51,7 @@ struct MultiplyRow {
   }
 };
 
-/// Conjugate gradients for all columns side by side, each with its own steps: as conjugate_gradients.h, with A x =
+/// Conjugate gradients for all columns side by side, each with its own steps: as in exchange.cpp, with A x =
 /// x - right F (left x).
 class Columns {
  public:

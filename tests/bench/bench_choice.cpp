@@ -3,8 +3,8 @@
 // Is the method that a plan takes the fastest of those that keep the tolerance? Over the random work of
 // tests/mtf/sweep_cases.h every possible candidate is insisted on and timed, all interleaved, on one thread; what
 // counts is the time of the chosen one over that of the fastest. Also the measured time over the predicted cost of
-// every candidate, by method and by what the cost model may have got wrong: the numbers that mtf/plan/plan_cost.cpp is
-// fitted to.
+// every candidate, by method and by what the cost model may have got wrong: the numbers that mtf/plan/plan_choice.cpp
+// is fitted to.
 //
 //   bench_choice [--cases N] [--seed S] [--largest SIDE] [--csv FILE]
 

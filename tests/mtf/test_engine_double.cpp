@@ -4,7 +4,7 @@
 
 #include <limits>
 
-#include "mtf/plan/plan_spectral.h"
+#include "mtf/plan/plan_parts.h"
 #include "tests/mtf/plan_support.h"
 
 namespace mtf::test {

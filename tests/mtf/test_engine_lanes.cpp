@@ -66,7 +66,7 @@ class EngineLanes : public testing::Test {};
 using Scalars = testing::Types<float, double>;
 TYPED_TEST_SUITE(EngineLanes, Scalars);
 
-// Plans count on 0.5 units a doubling and axis, and two for the ends (mtf/plan/plan_error.cpp); lengths with large
+// Plans count on 0.5 units a doubling and axis, and two for the ends (mtf/plan/plan_choice.cpp); lengths with large
 // primes are FFTW's.
 TYPED_TEST(EngineLanes, every_length_is_a_fourier_transform_and_rounds_less_than_plans_count_on) {
   for (std::int64_t n = 1; n <= 200; ++n) {

@@ -5,17 +5,185 @@
 
 #include <algorithm>
 #include <cstring>
+#include <mutex>
+#include <optional>
 
+#include "apps/sensor/sensor_place.h"
 #include "apps/simulate/image_output.h"
 #include "apps/simulate/run_watch.h"
+#include "apps/simulate/sensor_run.h"
 #include "apps/simulate/simulate_parts.h"
-#include "apps/simulate/tiles/tile_chain.h"
+#include "apps/simulate/tiles/tile_scene.h"
 #include "apps/text/words.h"
+#include "mtf/error.h"
 #include "mtf/io/tile_store.h"
+#include "mtf/parallel.h"
 #include "mtf/survey/bad_pixels.h"
+#include "radiometry/chain/chain_tiles.h"
 
 namespace apps {
 namespace {
+
+// A sensor in a run in tiles (radiometry/chain/chain_tiles.h): which sensors and scenes can go through it, the scene's
+// windows as light, and each tile from light to the output stage, with one report for all. Of a linear sensor the
+// windows are light as they are, and the filtered tile is the output.
+
+/// What comes after the filters of the tiles of one run, and what it has counted in all of them.
+class ChainOfTiles {
+ public:
+  using Planes = std::span<const mtf::ImageView<const float>>;
+  /// Takes a finished tile and what has been counted in it. Called from several threads at once.
+  using Take = std::function<void(const mtf::Tile& tile, Planes planes, const mtf::io::TileCounts& counts)>;
+
+  /// `first` is the pixel of the detector at which the output of `plan` starts. The counts go to `report`, that of the
+  /// sensor, which lives longer. Throws UsageError as TiledChain.
+  ChainOfTiles(const SensorRun& sensor, const mtf::TiledSensorPlan& plan, radiometry::Origin first, int threads,
+               std::optional<ChainReport>& report);
+
+  /// Filtered light to the output stage. From several threads at once.
+  void run(const mtf::Tile& tile, Planes filtered, const Take& take);
+  /// How many counts there are.
+  std::size_t counts_a_tile() const;
+  /// Adds what a stopped run counted in a tile.
+  void add(const mtf::io::TileCounts& counts);
+
+ private:
+  std::optional<radiometry::TiledChain> chain_;
+  radiometry::Origin first_;
+  int threads_;
+  std::mutex lock_;
+  std::optional<ChainReport>& report_;
+};
+
+/// The counts of a frame that reports sum up, in the order in which they are kept with a tile.
+template <class Frame>
+auto counts_in(Frame& frame) {
+  return std::array{&frame.well.low,
+                    &frame.well.high,
+                    &frame.adc.low,
+                    &frame.adc.high,
+                    &frame.held.pixels,
+                    &frame.held.full_well,
+                    &frame.held.most_count,
+                    &frame.held.least_count,
+                    &frame.held_defects.pixels,
+                    &frame.held_defects.full_well,
+                    &frame.held_defects.most_count,
+                    &frame.held_defects.least_count};
+}
+
+mtf::io::TileCounts counts_of(const radiometry::ChainFrame& frame) {
+  mtf::io::TileCounts counts;
+  for (const std::int64_t* count : counts_in(frame)) counts.push_back(*count);
+  return counts;
+}
+
+/// The last output stage before the one wanted whose image can be made in tiles.
+std::optional<radiometry::OutputStage> earlier_stage(const RadiometricChain& chain) {
+  using radiometry::OutputStage;
+  const radiometry::Sensor& sensor = chain.loaded.sensor;
+  for (int i = static_cast<int>(chain.stage) - 1; i >= 0; --i) {
+    const auto stage = static_cast<OutputStage>(i);
+    if (stage == OutputStage::dn && !sensor.settings.adc) continue;
+    if (!may_have_stage(stage, sensor.settings.thermal.has_value())) continue;
+    if (whole_image_stages(chain.system, sensor, stage).empty()) return stage;
+  }
+  return std::nullopt;
+}
+
+/// radiometry::whole_image_stages() up to the image that is wanted; "" of a linear sensor.
+std::string stages_of_the_whole(const SensorRun& sensor) {
+  const RadiometricChain* chain = sensor.chain();
+  return chain ? whole_image_stages(chain->system, chain->loaded.sensor, chain->stage) : std::string();
+}
+
+/// Throws UsageError for a sensor with such stages: it names them, and the last output stage before them.
+void require_tileable(const SensorRun& sensor) {
+  const std::string whole = stages_of_the_whole(sensor);
+  if (whole.empty()) return;
+  const auto stage = earlier_stage(*sensor.chain());
+  throw mtf::UsageError("--memory: the image goes through in tiles, and these stages of " +
+                        one_line(sensor.config().file) + " need all of it at once: " + whole +
+                        "; leave out --memory, or remove their tables" +
+                        (stage ? ", or take the image before them with --stage " + output_stage_name(*stage) : ""));
+}
+
+/// What of a sensor's filters tiles do themselves: all of a linear sensor, the presample OTF and the sampling before a
+/// chain.
+mtf::System<double> tiled_system(const SensorRun& sensor) {
+  mtf::System<double> system = sensor.system();
+  if (sensor.is_linear()) return system;
+  system.list(mtf::Stage::readout).clear();
+  system.list(mtf::Stage::postsample).clear();
+  return system;
+}
+
+/// From now on the windows of `source` are light. Reads the whole scene once, after the checks of the sensor's maps.
+/// Returns what a constant border is worth. Throws UsageError as require_light_of_windows, require_maps and
+/// light_of_windows.
+double read_as_light(const SensorRun& sensor, const std::string& file, TileScene& source, std::int64_t memory,
+                     int threads, RunWatch& watch) {
+  const mtf::io::SensorConfig& config = sensor.config();
+  if (sensor.is_linear()) return config.scene.border_value;
+  const LoadedSensor& loaded = sensor.chain()->loaded;
+  require_light_of_windows(config, loaded, source.scene, one_line(file));
+  const mtf::SampleGrid detector = mtf::detector_grid(config.system, source.scene.grid);
+  at_its_place(config, [&] { require_maps(loaded.sensor, detector.width, detector.height); });
+  const std::vector<mtf::Survey> values =
+      survey_all(source, {.every = 0, .memory = memory, .threads = threads, .step = "range"}, watch);
+  const LightOfWindows light =
+      at_its_place(config, [&] { return light_of_windows(config, loaded, source.scene, values.front().statistics); });
+  source.read = [values_of = std::move(source.read), convert = light.convert](
+                    std::size_t channel, std::int64_t x, std::int64_t y, mtf::ImageView<float> out) {
+    values_of(channel, x, y, out);
+    convert(out);
+  };
+  return light.border_value;
+}
+
+/// What the chain needs beside the plan of the tiles.
+void count_memory(const SensorRun& sensor, mtf::TileOptions& options) {
+  if (sensor.is_linear()) return;
+  options.receiver_bytes = tile_bytes_a_pixel(sensor.chain()->loaded.sensor);
+  options.held_bytes = map_bytes(sensor.chain()->loaded.sensor);
+}
+
+ChainOfTiles::ChainOfTiles(const SensorRun& sensor, const mtf::TiledSensorPlan& plan, radiometry::Origin first,
+                           int threads, std::optional<ChainReport>& report)
+    : first_(first), threads_(std::max(1, mtf::threads_of(threads) / plan.report().in_flight)), report_(report) {
+  const RadiometricChain* chain = sensor.chain();
+  if (chain == nullptr) return;
+  const mtf::SampleGrid whole = mtf::detector_grid(sensor.config().system, plan.in());
+  at_its_place(sensor.config(), [&] {
+    chain_.emplace(plan.inner(), chain->system, chain->loaded.sensor, whole.width, whole.height, chain->stage);
+  });
+}
+
+void ChainOfTiles::run(const mtf::Tile& tile, Planes filtered, const Take& take) {
+  if (!chain_) return take(tile, filtered, {});
+  const mtf::ImageView<const float>& light = filtered.front();
+  mtf::Image image(light.width, light.height);
+  for (std::int64_t y = 0; y < light.height; ++y) std::copy_n(light.row(y), light.width, image.view().row(y));
+  const radiometry::ChainFrame frame =
+      chain_->run(std::move(image), {first_.x + tile.region.x, first_.y + tile.region.y}, 0, threads_);
+  {
+    const std::scoped_lock guard(lock_);
+    report_->add(frame);
+    for (const auto& [stage, ms] : frame.timing_ms) radiometry::add_time(report_->timing_ms, stage, ms);
+  }
+  const mtf::ImageView<const float> output = frame.image.view();
+  take(tile, {&output, 1}, counts_of(frame));
+}
+
+std::size_t ChainOfTiles::counts_a_tile() const { return chain_ ? counts_of({}).size() : 0; }
+
+void ChainOfTiles::add(const mtf::io::TileCounts& counts) {
+  if (!chain_) return;
+  radiometry::ChainFrame frame;
+  const auto places = counts_in(frame);
+  for (std::size_t i = 0; i < counts.size(); ++i) *places[i] = counts[i];
+  report_->add(frame);
+}
 
 // The C library keeps freed blocks of tiles for later ones of other sizes, beyond what the limit allows.
 void return_freed_memory() {

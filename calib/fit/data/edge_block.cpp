@@ -2,17 +2,87 @@
 #include "calib/fit/data/edge_block.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
+#include <numeric>
+#include <span>
+#include <vector>
 
 #include "calib/edge/distance_bins.h"
 #include "calib/edge/edge_pixels.h"
+#include "calib/fit/data/data_block.h"
 #include "calib/fit/data/pixel_scores.h"
-#include "calib/fit/data/rounding_by_distance.h"
 #include "calib/measure/edge_facts.h"
 
 namespace calib {
 namespace {
+
+// Rounding along the pixels' grid. Where an edge shows few distances a pixel, all pixels at one distance have the same
+// value but for the noise. Noise that is small against the step between values does not break up their rounding errors:
+// the pixels round alike and share one error.
+
+struct RoundingByDistance {
+  /// Of each pixel: how many pixels are as far from the edge, to an eighth of a pixel.
+  std::vector<double> alike;
+  /// Variance of the noise before rounding, in squared steps. Pixels at one distance scatter by what their place
+  /// between two steps makes of the noise, from nothing to half a step; the mean over the places is the noise's and 1
+  /// / 12.
+  double noise_steps2 = 0.0;
+};
+
+constexpr double kNear_px = 0.125;
+
+// Of the deviations of pixels from their mean.
+struct Scatter {
+  double squares = 0.0, dof = 0.0;
+  void add(const Scatter& other) { squares += other.squares, dof += other.dof; }
+};
+
+/// `esf`: the edge spread function at each residual, whose plateaus are one place each; `quantum`: the step, above 0.
+RoundingByDistance rounding_by_distance(std::span<const Residual> residuals, std::span<const double> esf,
+                                        double quantum) {
+  constexpr double kPlateau = 0.08, kFewest = 4.0;
+  std::vector<std::size_t> order(residuals.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  const auto distance = [&](std::size_t i) { return residuals[order[i]].distance_px; };
+  std::sort(order.begin(), order.end(),
+            [&](std::size_t a, std::size_t b) { return residuals[a].distance_px < residuals[b].distance_px; });
+
+  RoundingByDistance found{.alike = std::vector<double>(residuals.size())};
+  for (std::size_t i = 0, first = 0, end = 0; i < order.size(); ++i) {
+    while (end < order.size() && distance(end) <= distance(i) + kNear_px) ++end;
+    while (distance(first) < distance(i) - kNear_px) ++first;
+    found.alike[order[i]] = static_cast<double>(end - first);
+  }
+
+  double sum = 0.0, places = 0.0;
+  const auto take = [&](const Scatter& place) {
+    if (place.dof < kFewest) return;
+    sum += place.squares / place.dof;
+    places += 1.0;
+  };
+  std::array<Scatter, 2> plateaus{};
+  for (std::size_t first = 0, end = 0; first < order.size(); first = end) {
+    double n = 0.0, mean = 0.0;
+    Scatter here{.squares = 0.0, .dof = -1.0};
+    for (; end < order.size() && distance(end) <= distance(first) + 2.0 * kNear_px; ++end) {
+      const Residual& r = residuals[order[end]];
+      const double steps = r.value * r.sd / quantum, change = steps - mean;
+      mean += change / (n += 1.0);
+      here.squares += change * (steps - mean);
+      here.dof += 1.0;
+    }
+    const double e = esf[order[first]];
+    if (e > kPlateau && e < 1.0 - kPlateau)
+      take(here);
+    else
+      plateaus[e < 0.5 ? 0 : 1].add(here);
+  }
+  for (const Scatter& plateau : plateaus) take(plateau);
+  if (places > 0.0) found.noise_steps2 = std::max(0.0, sum / places - 1.0 / 12.0);
+  return found;
+}
 
 /// |dH / d angle| from which the turn of the blur counts: an angle is known to a milliradian, and the step of a fit
 /// needs no more than that.
@@ -275,7 +345,7 @@ std::vector<Residual> EdgeBlock::residuals(const Sensors& sensors, std::span<con
 
 // Rounding errors of noise below half a step repeat among the pixels that round alike: those whose values differ by
 // less than a step, `run` of them along d. Together they hold no more information than one: a plateau is known to half
-// a step, however many pixels it has. Along the pixels' grid so do the pixels at one distance (rounding_by_distance.h).
+// a step, however many pixels it has. Along the pixels' grid so do the pixels at one distance.
 void EdgeBlock::update_noise(const Sensors& sensors, std::span<const double> own) {
   const std::vector<Residual> all = residuals(sensors, own);
   const StepResponse& step = response(sensors, curve(own));

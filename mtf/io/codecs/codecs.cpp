@@ -6,11 +6,8 @@
 namespace mtf::io {
 namespace {
 
-constexpr Module kCodecs{
-    "mtfkit_codecs", "the PNG, TIFF and JPEG codecs",
-    "build it with apps/quickstart, or install the Debian package mtfkit, the tarball or the wheel again"};
-constexpr Module kOpenCv{"mtfkit_opencv", "OpenCV",
-                         "build it with apps/quickstart all, or install the Debian package mtfkit-codecs"};
+constexpr Module kCodecs{"mtfkit_codecs", "the PNG, TIFF and JPEG codecs"};
+constexpr Module kOpenCv{.name = "mtfkit_opencv", .what = "OpenCV", .in_all = true, .package = "mtfkit-codecs"};
 
 }  // namespace
 

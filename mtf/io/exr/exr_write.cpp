@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+
 #include <OpenEXR/ImfChannelList.h>
 #include <OpenEXR/ImfFloatVectorAttribute.h>
 #include <OpenEXR/ImfFrameBuffer.h>
@@ -15,10 +16,10 @@
 #include <exception>
 #include <limits>
 #include <set>
+#include <thread>
 
 #include "mtf/error.h"
 #include "mtf/io/atomic_file.h"
-#include "mtf/io/exr/exr_threads.h"
 #include "mtf/io/file_checks.h"
 #include "mtf/io/image_io.h"
 #include "mtf/io/plane_checks.h"
@@ -27,6 +28,12 @@
 
 namespace mtf::io {
 namespace {
+
+/// The library's pool of threads is one for the whole process; it only grows here. 0 = all cores.
+inline void use_exr_threads(int threads) {
+  const int wanted = threads > 0 ? threads : static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
+  if (Imf::globalThreadCount() < wanted) Imf::setGlobalThreadCount(wanted);
+}
 
 // Every byte of the library goes through AtomicFile, which keeps the first failure: the library writes its chunk table
 // in a destructor and swallows what is thrown there.
