@@ -11,80 +11,6 @@
 namespace radiometry {
 namespace {
 
-void refuse(const char* where, const std::string& why) { throw mtf::UsageError(std::string(where) + ": " + why); }
-
-/// What a shutter needs, and what needs a shutter.
-void require_shutter(const SensorSettings& s) {
-  const ThermalSettings& thermal = *s.thermal;
-  const bool closes = thermal.closes();
-  const bool before_optics = thermal.shutter_place == ShutterPlace::optics;
-  for (const auto& [key, given] : {std::pair{"detector.shutter_place", before_optics},
-                                   std::pair{"detector.shutter_drift", thermal.drift_k_s != 0.0},
-                                   std::pair{"detector.shutter_interval", thermal.shutter_interval_s.has_value()},
-                                   std::pair{"detector.shutter_frames", thermal.shutter_frames > 0}})
-    if (given && !thermal.shutter_k)
-      refuse(key, "belongs to a shutter, which has no temperature; give detector.shutter_temperature, or remove it");
-  if (!thermal.shutter_k) return;
-  const double housing_k = s.optics.value_or(OpticsSettings{}).stop_temperature_k;
-  if (!before_optics && !(housing_k > 0.0))
-    refuse("detector.shutter_temperature",
-           "the signal is the difference to a shutter that fills the hemisphere of a pixel, and what the pixel sees "
-           "around the lens has no temperature; give optics.stop_temperature, that of the housing");
-  if (thermal.shutter_interval_s && thermal.shutter_frames > 0)
-    refuse("detector.shutter_frames", "given beside shutter_interval, which says the same in time; remove one of them");
-  if (thermal.drift_k_s != 0.0 && !closes)
-    refuse("detector.shutter_drift",
-           "the signal is the difference to the shutter when it closed last; give shutter_interval, for example "
-           "\"60 s\", or shutter_frames");
-  if (closes && !(s.frame && s.frame->frame_time_s))
-    refuse("frame.frame_time", "missing; a shutter that closes now and then needs it: for example \"20 ms\"");
-  if (thermal.shutter_interval_s && *thermal.shutter_interval_s < (1.0 - 1e-9) * *s.frame->frame_time_s)
-    refuse("detector.shutter_interval",
-           mtf::format_double(*thermal.shutter_interval_s) + " s is shorter than frame.frame_time, " +
-               mtf::format_double(*s.frame->frame_time_s) +
-               " s; give that at least, or remove it: without it every frame has an offset of its own");
-}
-
-/// The tables that a thermal detector does not have, and the time constant of its pixels, which is counted once.
-void require_thermal_tables(const mtf::System<double>& system, const SensorSettings& s) {
-  if (s.blooming) refuse("[blooming]", "of a thermal detector, which has no well whose charge could spill; remove it");
-  if (s.nonlinearity)
-    refuse("[nonlinearity]",
-           "its coefficients refer to a full well, which a thermal detector does not have; remove it");
-  if (s.correction && !(s.correction->cold_k && s.correction->hot_k && *s.correction->cold_k < *s.correction->hot_k))
-    refuse(
-        "[correction]",
-        "its flat frames are those of two blackbodies, the second warmer than the first; give cold = \"10 degC\" and "
-        "hot = \"40 degC\", or remove it and give in [nonuniformity] what the camera's own correction leaves");
-  if (s.narcissus)
-    refuse("[narcissus]", "the pixels of a thermal detector are as warm as what they see around the lens; remove it");
-  const ThermalSettings& thermal = *s.thermal;
-  require_shutter(s);
-  const std::optional<MovingBolometer> moving = moving_bolometer(system);
-  if (moving && thermal.heat_capacity_j_k && thermal.conductance_w_k) {
-    const double own_s = *thermal.heat_capacity_j_k / *thermal.conductance_w_k;
-    if (!(std::abs(moving->time_constant_s - own_s) <= 1e-6 * own_s))
-      refuse("[detector]", "heat_capacity / conductance is " + mtf::format_double(own_s) + " s, \"" + moving->label +
-                               "\" of [[presample]] has " + mtf::format_double(moving->time_constant_s) +
-                               " s; a pixel has one time constant: give the component the first");
-  }
-  const bool frames = s.frame && s.frame->frame_time_s;
-  if (thermal.corner_hz && !frames)
-    refuse("frame.frame_time", "missing; 1/f noise is correlated from frame to frame: for example \"20 ms\"");
-  if (thermal.corner_hz && s.microscan)
-    refuse("detector.corner", "1/f noise between the positions of [microscan] is not modelled; remove one of the two");
-  if (s.shutter && s.shutter->kind == ShutterKind::rolling && !frames)
-    refuse("frame.frame_time", "missing; a rolling readout needs the time from frame to frame: for example \"20 ms\"");
-  if (!s.lag) return;
-  if (moving)
-    refuse("[lag]", "counts the thermal time constant of the pixels, which \"" + moving->label +
-                        "\" of [[presample]] counts too; keep [lag] for sequences, the component for single images of "
-                        "steady motion");
-  if (!frames)
-    refuse("frame.frame_time",
-           "missing; the [lag] of a thermal detector goes from frame to frame: for example \"20 ms\"");
-}
-
 /// What a thermal pixel and its readout add anew to every frame, and the 1/f noise that goes on from frame to frame.
 void set_thermal_noise(CompiledChain& chain, const Sensor& sensor) {
   const ThermalSettings& thermal = *chain.settings.thermal;
@@ -123,37 +49,12 @@ void require_consistent(const mtf::System<double>& system, const Sensor& sensor)
   const SensorSettings& s = sensor.settings;
   if (!s.detector) return;
   camera_of(system, sensor);
-  const Pixel<double> pixel = pixel_of(system, sensor);
-  if (s.thermal) require_thermal_tables(system, s);
+  pixel_of(system, sensor);
   if (sensor.curves.flux != flux_of(s))
     refuse("[detector]", "the curves of the sensor are of another kind; set their flux to flux_of(settings)");
   stop_range(sensor.curves, s.optics.value_or(OpticsSettings{}).stop_band);
-  if (s.adc) adc_of(sensor);
-  if (s.nonlinearity && std::isfinite(pixel.full_well_e)) Response(*s.nonlinearity, pixel.full_well_e);
-  if (s.microscan) {
-    require_valid("microscan", *s.microscan);
-    if (!system.list(mtf::Stage::readout).empty())
-      refuse("[microscan]",
-             "together with [[readout]]: a readout filter acts on one frame, not on what is put together of several; "
-             "remove one of them");
-    if (s.lag || (s.shutter && s.shutter->kind == ShutterKind::rolling))
-      refuse("[microscan]",
-             "together with [lag] or a rolling [shutter], which follow one position; remove one of them");
-  }
-  if (s.vignetting && !s.vignetting->map.empty() &&
-      (s.vignetting->a2 != 0.0 || s.vignetting->a4 != 0.0 || s.vignetting->a6 != 0.0))
-    refuse("vignetting.map", "given beside a2, a4 or a6; remove one of them");
-  if (s.shutter && s.shutter->kind == ShutterKind::rolling && !(s.shutter->line_time_s > 0.0))
-    refuse("shutter.line_time", "missing; a rolling shutter needs it, for example \"30 us\"");
-  const bool well = std::isfinite(s.detector->full_well_e);
-  if (s.nonlinearity && !well) refuse("[nonlinearity]", "needs detector.full_well, which its coefficients refer to");
-  if (s.blooming && !well) refuse("[blooming]", "needs detector.full_well, above which charge spills");
-  if (s.correction && !s.thermal && !well)
-    refuse("[correction]", "needs detector.full_well, of which low and high are parts");
-  if (s.detector->capacitance_f.has_value() != s.detector->temperature_k.has_value())
-    refuse("[detector]", "capacitance and temperature go together; they give the reset noise");
-  if (s.detector->capacitance_f && s.detector->reset_e > 0.0)
-    refuse("detector.reset_noise", "given beside capacitance; remove one of them");
+  for (const StageRow& row : stage_table())
+    if (row.require != nullptr) row.require(system, sensor);
 }
 
 void require_response(const Sensor& sensor) {

@@ -1,22 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// The whole sensor, in the order of the physics (radiometry/README.md):
-//   scene radiance, photons s^-1 m^-2 sr^-1 at the aperture, weighted by the camera's curves (scene_radiance.h)
-//     -> distortion -> presample OTF, sampling at the pitch -> veiling glare, ghost          stage `radiance`
-//     -> cone of light, transmission, vignetting                                             stage `irradiance`
-//     -> shutter -> mean electrons of light + warm optics + stop (narcissus), x responsivity, + dark current -> lag
-//     -> offset of the last closing of a thermal camera's shutter
-//     -> defects, blinking -> shot noise -> full well or blooming -> nonlinearity -> readout OTF
-//     -> offsets, read, 1/f, row, column, 3-D noise                                           stage `electrons`
-//        (a thermal detector has watts for photons and volts for electrons, no dark current, shot noise and full well:
-//        stage `volts`; the power that it absorbs, before lag and noise, is stage `watts`)
-//     -> gain, offset, rounding, saturation                                                   stage `dn`
-//     -> two-point correction, bad pixels -> postsample filters -> automatic gain, polarity   stage `display`
-// Each stage is a free function on one frame, and a row of the table in chain_stages.cpp. A stage whose table is not in
-// the sensor file does not run, nor do the stages after the one whose output is wanted. With [microscan] the sampling
-// is finer than the pitch: the stages from `shutter` to the correction run for each position, and the frames are put
-// together.
+// The whole sensor, from the scene's radiance at the aperture, photons s^-1 m^-2 sr^-1 weighted by the camera's curves
+// (scene_radiance.h), to the display, by stages in the order of the physics. Outputs may be taken on the way:
+//   `radiance` after the optics and the sampling at the pitch, `irradiance` after the cone of light,
+//   `electrons` before the converter, `dn` after it, `display` after correction, postsample filters and gain
+//   (a thermal detector has watts for photons and volts for electrons, no dark current, shot noise and full well:
+//   `volts`; the power that it absorbs, before lag and noise, is `watts`)
+// Each stage is one row in chain/steps, in the order of the chain; chain_stages() lists them for a sensor. A stage whose
+// table is not in the sensor file does not run, nor do the stages after the one whose output is wanted. With [microscan]
+// the sampling is finer than the pitch: the stages from `shutter` to the correction run for each position, and the
+// frames are put together.
 
 #include <functional>
 #include <memory>

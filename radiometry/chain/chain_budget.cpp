@@ -133,6 +133,16 @@ bool has_mean(const mtf::Image& map, const mtf::Statistics& measured, double exp
   return std::abs(measured.mean - expected) <= std::max(1e-3 * scale, sampling);
 }
 
+/// Part of the pixels whose dark charge alone, log-normal (dark_nonuniformity.h), takes them beyond the full well.
+double filled_by_dark(const Sensor& sensor, const Budget<double>& budget) {
+  const auto& unequal = sensor.settings.nonuniformity;
+  const double dark_e = budget.signal.dark_e;
+  if (!unequal || !(unequal->dcnu > 0.0) || !(dark_e > 0.0)) return 0.0;
+  const double room_e = sensor.settings.detector->full_well_e - (budget.signal.total_e() - dark_e);
+  const double s2 = std::log1p(unequal->dcnu * unequal->dcnu);
+  return 0.5 * std::erfc((std::log(std::max(room_e, 0.0) / dark_e) + 0.5 * s2) / std::sqrt(2.0 * s2));
+}
+
 }  // namespace
 
 std::vector<std::string> budget_notes(const Sensor& sensor, const Budget<double>& budget) {
@@ -142,6 +152,10 @@ std::vector<std::string> budget_notes(const Sensor& sensor, const Budget<double>
     notes.emplace_back(
         "[noise] shot = false leaves shot noise out of simulated frames; the budget counts it, as light and dark "
         "current have it whatever is simulated");
+  if (const double share = filled_by_dark(sensor, budget); share > 3.2e-5 && !budget.saturation.saturated())
+    notes.push_back("nonuniformity.dcnu gives " + mtf::three_digits(1e2 * share) +
+                    " % of the pixels so much dark current that they fill the well; the figures are those of pixels "
+                    "that it leaves room");
   const auto& thermal = sensor.settings.thermal;
   if (thermal && thermal->counts_per_k)
     notes.emplace_back(

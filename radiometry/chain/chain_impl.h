@@ -6,6 +6,7 @@
 
 #include <array>
 #include <chrono>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <span>
@@ -15,6 +16,10 @@
 #include "radiometry/stages/noise/frame_flicker.h"
 
 namespace radiometry {
+
+[[noreturn]] inline void refuse(const char* where, const std::string& why) {
+  throw mtf::UsageError(std::string(where) + ": " + why);
+}
 
 /// A map of the pixels of a detector; null stands for 1 at each of them.
 using SharedMap = std::shared_ptr<const mtf::Image>;
@@ -30,6 +35,7 @@ struct Linear {
 void multiply_add(mtf::Image& image, const Linear& gain, const Linear& offset, int threads, std::int64_t steps = 1);
 
 struct FrameRun;
+struct DetectorSource;
 
 /// What a stage does with a sensor, or why the sensor leaves it out.
 struct StageWords {
@@ -37,7 +43,7 @@ struct StageWords {
   std::string what;
 };
 
-/// A row of the table of stages. A stage that its words leave out does not run.
+/// A row of the table of stages: all that a stage is. A stage that its words leave out does not run.
 struct StageRow {
   /// The stages that run together: a part ends where the output may be taken or the positions of [microscan] begin or
   /// end.
@@ -45,15 +51,23 @@ struct StageRow {
 
   std::string_view name;
   Part part = Part::optics;
-  /// Null for a step that is always needed and that the rows before it describe.
-  StageWords (*words)(const mtf::System<double>& system, const Sensor& sensor) = nullptr;
-  /// Acts on a frame. Null where a later row has the effect of this one too.
-  void (*step)(FrameRun& run, mtf::Image& image) = nullptr;
   std::string_view timing = name;  ///< name of its time in reports
   bool in_sequence = false;        ///< acts only on the frames of a sequence
   /// Why it needs more of an image than the pixels of a tile; empty for a stage that acts on each pixel for itself.
   std::string_view whole_image = {};
+  /// Throws UsageError for settings that it needs or excludes, of a sensor with [detector]; null for none.
+  void (*require)(const mtf::System<double>& system, const Sensor& sensor) = nullptr;
+  /// Makes a map of the pixels for the step (FrameRun::map), once for a sensor; an empty image where the source asks
+  /// for none. Null for a stage without one.
+  mtf::Image (*map)(const DetectorSource& source, int threads) = nullptr;
+  /// Null for a step that is always needed and that the rows before it describe.
+  StageWords (*words)(const mtf::System<double>& system, const Sensor& sensor) = nullptr;
+  /// Acts on a frame. Null where a later row has the effect of this one too.
+  void (*step)(FrameRun& run, mtf::Image& image) = nullptr;
 };
+
+/// Every row, in the order of the chain.
+std::vector<StageRow> stage_table();
 
 /// The rows that run for a sensor with [detector], in their order.
 std::vector<StageRow> stages_to_run(const mtf::System<double>& system, const Sensor& sensor);
@@ -93,6 +107,9 @@ struct MapSource {
   bool operator==(const MapSource&) const = default;
 };
 
+/// The part of a map of the whole detector that an image has; empty where there is no map.
+mtf::Image part_of(const SharedMap& whole, const char* key, const DetectorSource& source);
+
 inline bool same_shading(const MapSource& a, const MapSource& b) {
   return a.vignetting == b.vignetting && a.given_vignetting == b.given_vignetting &&
          a.focal_length_mm == b.focal_length_mm;
@@ -102,7 +119,7 @@ inline bool same_shading(const MapSource& a, const MapSource& b) {
 struct DetectorMaps {
   SharedMap responsivity{};
   SharedMap own_light{};  ///< what narcissus leaves of the camera's own light, times the responsivity
-  mtf::Image offset{};    ///< electrons added to every frame; empty: none
+  std::map<std::string_view, SharedMap> of_stages{};  ///< by StageRow::name, of the rows that have one
   std::vector<DefectivePixel> defects{};
   std::vector<BlinkingPixel> blinking{};
 };
@@ -192,6 +209,7 @@ struct FrameRun {
   std::int64_t noise_rows = 1;      ///< shot and read noise are wanted in the first row and each so-many-th after it
   ChainFrame frame{};
   HeldCounter counter{};
+  SharedMap map{};  ///< of the stage that runs
   std::chrono::steady_clock::time_point last = std::chrono::steady_clock::now();
 
   /// Notes the time since the last lap; times of a stage that runs for several positions add up.

@@ -21,17 +21,6 @@ void require_size(const mtf::Image& map, const char* key, std::int64_t columns, 
                         std::to_string(rows) + "; give a map of the whole detector");
 }
 
-/// The part of a map of the whole detector that an image has; empty where there is no map.
-mtf::Image part_of(const std::shared_ptr<const mtf::Image>& whole, const char* key, const DetectorSource& source) {
-  if (!whole) return {};
-  require_size(*whole, key, source.plane.columns, source.plane.rows);
-  mtf::Image part(source.width, source.height);
-  for (std::int64_t y = 0; y < source.height; ++y)
-    std::copy_n(whole->data() + (source.origin.y + y) * whole->width() + source.origin.x, source.width,
-                part.data() + y * source.width);
-  return part;
-}
-
 SharedMap shared(mtf::Image map) {
   return map.size() > 0 ? std::make_shared<const mtf::Image>(std::move(map)) : nullptr;
 }
@@ -71,12 +60,10 @@ DetectorMaps detector_maps(const DetectorSource& source, int threads) {
       responsivity_map(responsivity.view(), unequal->prnu, source.seed, source.origin, threads);
     }
     maps.responsivity = shared(std::move(responsivity));
-    maps.offset = part_of(source.offset, "nonuniformity.offset", source);
-    if (maps.offset.size() == 0 && unequal->dsnu_e > 0.0) {
-      maps.offset = mtf::Image(width, height);
-      offset_map(maps.offset.view(), unequal->dsnu_e, source.seed, source.origin, threads);
-    }
   }
+  for (const StageRow& row : stage_table())
+    if (SharedMap map = row.map != nullptr ? shared(row.map(source, threads)) : nullptr)
+      maps.of_stages.emplace(row.name, std::move(map));
   maps.own_light = maps.responsivity;
   if (source.narcissus) {
     mtf::Image left(width, height);
@@ -100,6 +87,16 @@ SharedMap corners_of(const MapSource& source, int threads) {
 }
 
 }  // namespace
+
+mtf::Image part_of(const SharedMap& whole, const char* key, const DetectorSource& source) {
+  if (!whole) return {};
+  require_size(*whole, key, source.plane.columns, source.plane.rows);
+  mtf::Image part(source.width, source.height);
+  for (std::int64_t y = 0; y < source.height; ++y)
+    std::copy_n(whole->data() + (source.origin.y + y) * whole->width() + source.origin.x, source.width,
+                part.data() + y * source.width);
+  return part;
+}
 
 void require_maps(const Sensor& sensor, std::int64_t columns, std::int64_t rows) {
   const auto check = [&](const std::shared_ptr<const mtf::Image>& map, const char* key, const std::string& file,

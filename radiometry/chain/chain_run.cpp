@@ -80,6 +80,37 @@ bool rows_stand_alone(const CompiledChain& chain, OutputStage output) {
 
 }  // namespace
 
+void multiply_add(mtf::Image& image, const Linear& gain, const Linear& offset, int threads, std::int64_t steps) {
+  constexpr std::int64_t kRowsAtOnce = 64;
+  const std::int64_t width = image.width();
+  for (const SharedMap& map : {gain.map, offset.map})
+    if (map && (map->width() * steps != width || map->height() * steps != image.height()))
+      throw mtf::UsageError("a map of " + std::to_string(map->width()) + " x " + std::to_string(map->height()) +
+                            " pixels for an image of " + std::to_string(width) + " x " +
+                            std::to_string(image.height()));
+  const std::vector<float> ones(static_cast<std::size_t>(width), 1.0F);
+  mtf::parallel_for(image.height(), kRowsAtOnce, threads, [&](std::int64_t begin, std::int64_t end) {
+    std::vector<float> wide_gains, wide_offsets;
+    // A row of a map, as wide as the image.
+    const auto row_of = [&](const SharedMap& map, std::int64_t y, std::vector<float>& wide) {
+      if (!map) return ones.data();
+      const float* row = map->data() + y / steps * map->width();
+      if (steps == 1) return row;
+      wide.resize(static_cast<std::size_t>(width));
+      for (std::int64_t x = 0; x < width; ++x) wide[static_cast<std::size_t>(x)] = row[x / steps];
+      return std::as_const(wide).data();
+    };
+    const auto g = static_cast<float>(gain.number), g0 = static_cast<float>(gain.added);
+    const auto o = static_cast<float>(offset.map ? offset.number : offset.number + offset.added),
+               o0 = static_cast<float>(offset.map ? offset.added : 0.0);
+    for (std::int64_t y = begin; y < end; ++y) {
+      const float *gains = row_of(gain.map, y, wide_gains), *offsets = row_of(offset.map, y, wide_offsets);
+      float* row = image.data() + y * width;
+      for (std::int64_t x = 0; x < width; ++x) row[x] = (g * gains[x] + g0) * row[x] + (o * offsets[x] + o0);
+    }
+  });
+}
+
 void FrameRun::lap(std::string_view stage) {
   const auto now = std::chrono::steady_clock::now();
   const double ms = std::chrono::duration<double, std::milli>(now - last).count();
@@ -90,6 +121,8 @@ void FrameRun::lap(std::string_view stage) {
 void FrameRun::run(Part part, mtf::Image& image) {
   for (const StageRow& stage : chain.stages) {
     if (stage.part != part || (stage.in_sequence && state == nullptr)) continue;
+    const auto own = maps.detector->of_stages.find(stage.name);
+    map = own != maps.detector->of_stages.end() ? own->second : nullptr;
     stage.step(*this, image);
     lap(stage.timing);
   }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "radiometry/chain/chain_tiles.h"
 
+#include <algorithm>
+
 #include "mtf/parallel.h"
 #include "radiometry/chain/chain_impl.h"
 
@@ -32,17 +34,19 @@ ChainFrame TiledChain::run(mtf::Image radiance, Origin origin, std::uint32_t fra
   return std::move(run.frame);
 }
 
-double tile_bytes_a_pixel(const Sensor& sensor) {
+double tile_bytes_a_pixel(const mtf::System<double>& system, const Sensor& sensor) {
   const SensorSettings& s = sensor.settings;
   const auto one = [](bool there) { return there ? 1.0 : 0.0; };
   const auto& unequal = s.nonuniformity;
   const bool corners = s.vignetting.has_value(), around = s.narcissus.has_value();
   const bool responsivity = unequal && (sensor.responsivity || unequal->prnu > 0.0);
-  const bool offset = unequal && (sensor.offset || unequal->dsnu_e > 0.0);
+  const std::vector<StageRow> stages = stages_to_run(system, sensor);
+  const auto own =
+      static_cast<double>(std::ranges::count_if(stages, [](const StageRow& row) { return row.map != nullptr; }));
   // The image, the map of a file that vignetting is cut from, the maps of pixel_maps(), and that of a shutter that
   // closes now and then.
   const bool shutter = s.thermal && s.thermal->shutter_k, closes = s.thermal && s.thermal->closes();
-  const double planes = 1.0 + 2.0 * one(corners) + one(offset) + one(responsivity) + one(corners && responsivity) +
+  const double planes = 1.0 + 2.0 * one(corners) + own + one(responsivity) + one(corners && responsivity) +
                         one(around) + one(around && responsivity) + one(shutter && corners) + one(closes);
   // Lists of single pixels grow by doubling; each pixel is in the list of those held apart too.
   const double listed = (s.defects ? s.defects->dead_fraction + s.defects->hot_fraction : 0.0) +

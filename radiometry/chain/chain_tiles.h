@@ -38,7 +38,7 @@ class TiledChain {
 void require_maps(const Sensor& sensor, std::int64_t columns, std::int64_t rows);
 
 /// The most memory that TiledChain::run takes for a pixel of a tile, its image included, in bytes.
-double tile_bytes_a_pixel(const Sensor& sensor);
+double tile_bytes_a_pixel(const mtf::System<double>& system, const Sensor& sensor);
 /// Memory of the maps of the whole detector that the sensor holds, in bytes.
 std::int64_t map_bytes(const Sensor& sensor);
 

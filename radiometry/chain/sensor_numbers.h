@@ -16,7 +16,7 @@
 namespace radiometry {
 
 /// The numbers that the functions below read from overrides.
-inline constexpr std::array<std::string_view, 32> kBudgetNumbers{"optics.transmission",
+inline constexpr std::array<std::string_view, 33> kBudgetNumbers{"optics.transmission",
                                                                  "optics.cold_transmission",
                                                                  "optics.emissivity",
                                                                  "optics.obscuration_emissivity",
@@ -47,6 +47,7 @@ inline constexpr std::array<std::string_view, 32> kBudgetNumbers{"optics.transmi
                                                                  "noise_3d.vh",
                                                                  "nonuniformity.prnu",
                                                                  "nonuniformity.dsnu",
+                                                                 "nonuniformity.dcnu",
                                                                  "narcissus.depth"};
 
 /// The f-number is 0 where the sensor has none; factors that are given as curves are 1.
@@ -206,7 +207,8 @@ NoiseTerms<S> noise_numbers(const SensorSettings& settings, const Pixel<S>& pixe
       .prnu = numbers("nonuniformity.prnu", unequal.prnu),
       .dsnu_e = root_sum({numbers("nonuniformity.dsnu", unequal.dsnu_e), numbers("noise.fixed_row", lines.fixed_row_e),
                           numbers("noise.fixed_column", lines.fixed_column_e), numbers("noise_3d.v", cube.v),
-                          numbers("noise_3d.h", cube.h), numbers("noise_3d.vh", cube.vh)})};
+                          numbers("noise_3d.h", cube.h), numbers("noise_3d.vh", cube.vh)}),
+      .dcnu_e = numbers("nonuniformity.dcnu", unequal.dcnu) * pixel.dark_e_s * pixel.integration_s};
 }
 
 }  // namespace radiometry

@@ -201,6 +201,7 @@ inline double reset_e_of(const DetectorSettings& detector) {
 struct NonuniformitySettings {
   double prnu = 0.0;
   double dsnu_e = 0.0;
+  double dcnu = 0.0;
   std::string responsivity{};  ///< map of factors
   std::string offset{};        ///< map of offsets
 
@@ -211,6 +212,8 @@ struct NonuniformitySettings {
               &NonuniformitySettings::prnu},
         Field{optional_row("dsnu", electrons, "e-", 0.0, 1e15, "\"200 e-\"", "offset from pixel to pixel, rms"),
               &NonuniformitySettings::dsnu_e},
+        Field{optional_row("dcnu", 0.0, 10.0, "0.2", "dark current from pixel to pixel, rms fraction"),
+              &NonuniformitySettings::dcnu},
         Field{optional_row("responsivity", "\"gain.exr\"", "map of factors in place of prnu"),
               &NonuniformitySettings::responsivity},
         Field{
@@ -263,7 +266,16 @@ struct AdcSettings {
   }
 };
 
-/// In the order in which the physics takes them.
+struct SensorSettings;
+
+/// A table of a sensor file: its name, what it is about, and where its values are kept.
+template <class T>
+struct SensorTable {
+  std::string_view name, doc;
+  std::optional<T> SensorSettings::*values;
+};
+
+/// In the order in which the physics takes them. A table is its member and its row in tables().
 struct SensorSettings {
   std::optional<FrameSettings> frame;
   std::optional<SceneSettings> scene;
@@ -293,7 +305,46 @@ struct SensorSettings {
   std::optional<AdcSettings> adc;
   std::optional<CorrectionSettings> correction;
   std::optional<AutomaticGain> agc;
+
+  /// Reading, schema, `config kinds`, the live page and tests follow from these rows.
+  static constexpr auto tables() {
+    return std::tuple{
+        SensorTable{"frame", "time from frame to frame", &SensorSettings::frame},
+        SensorTable{"scene", "what the values of a scene stand for", &SensorSettings::scene},
+        SensorTable{"camera_counts", "the camera that wrote a scene of raw counts", &SensorSettings::counts},
+        SensorTable{"path", "what lies between scene and aperture", &SensorSettings::path},
+        SensorTable{"atmosphere", "the air between scene and aperture, by a band model; in place of [path]",
+                    &SensorSettings::atmosphere},
+        SensorTable{"optics", "what the optics let through and emit", &SensorSettings::optics},
+        SensorTable{"optical_axis", "where the optical axis meets the detector", &SensorSettings::axis},
+        SensorTable{"distortion", "radial distortion of the scene", &SensorSettings::distortion},
+        SensorTable{"veiling_glare", "light scattered over the whole image", &SensorSettings::glare},
+        SensorTable{"ghost", "the image mirrored through the axis", &SensorSettings::ghost},
+        SensorTable{"vignetting", "fall of the light towards the corners", &SensorSettings::vignetting},
+        SensorTable{"narcissus", "the detector's own cold in the background", &SensorSettings::narcissus},
+        SensorTable{"detector", "from photons to electrons", &SensorSettings::detector},
+        SensorTable{"microscan", "frames between the pixels, put together", &SensorSettings::microscan},
+        SensorTable{"shutter", "when the rows of a frame are exposed", &SensorSettings::shutter},
+        SensorTable{"lag", "time constant of a bolometer over a sequence", &SensorSettings::lag},
+        SensorTable{"nonuniformity", "what differs from pixel to pixel", &SensorSettings::nonuniformity},
+        SensorTable{"defects", "dead and hot pixels", &SensorSettings::defects},
+        SensorTable{"blinking", "pixels that come and go", &SensorSettings::blinking},
+        SensorTable{"blooming", "where charge above the full well goes", &SensorSettings::blooming},
+        SensorTable{"noise", "seed, shot noise, noise of rows and columns", &SensorSettings::noise},
+        SensorTable{"flicker", "1/f noise of the readout", &SensorSettings::flicker},
+        SensorTable{"noise_3d", "the seven components of 3-D noise", &SensorSettings::noise_3d},
+        SensorTable{"nonlinearity", "response that is not proportional to the charge", &SensorSettings::nonlinearity},
+        SensorTable{"adc", "from electrons to counts", &SensorSettings::adc},
+        SensorTable{"correction", "two-point correction and replacement of bad pixels", &SensorSettings::correction},
+        SensorTable{"agc", "from counts to display levels", &SensorSettings::agc}};
+  }
 };
+
+/// Calls visit(table) for every SensorTable.
+template <class Visit>
+void for_each_table(Visit visit) {
+  std::apply([&](const auto&... table) { (visit(table), ...); }, SensorSettings::tables());
+}
 
 /// What a thermal detector has in common with a photon detector: its active area and, as quantum efficiency, its
 /// absorptance.

@@ -2,14 +2,14 @@
 #pragma once
 
 // What a two-point correction (correction.h) leaves of the spatial noise, in closed form. A pixel of responsivity 1 + p
-// with an offset o reads raw(e) = R(e + p (e - d)) + o for a mean charge e, d of it dark current, R being the response
-// of nonlinearity.h. Its flat frames at the charges c and h are means of n frames with noise n_c and n_h. Corrected,
-// less the mean of all pixels, it keeps
-//   p (D(e) - (1 - w) D(c) - w D(h)) - (1 - w) n_c - w n_h,
+// with an offset o and q more dark charge than the mean reads raw(e) = R(e + p (e - d) + q) + o for a mean charge e, d
+// of it dark current, R being the response of nonlinearity.h. Its flat frames at the charges c and h are means of n
+// frames with noise n_c and n_h. Corrected, less the mean of all pixels, it keeps
+//   p (D(e) - (1 - w) D(c) - w D(h)) + q (R'(e) - (1 - w) R'(c) - w R'(h)) - (1 - w) n_c - w n_h,
 //   D(x) = R'(x) (x - d),   w = (R(e) - R(c)) / (R(h) - R(c))
-// So an offset leaves nothing, PRNU only what the bow of the response makes of it (to first order in p, relative), and
-// the flat frames their own noise: sqrt(((1 - w)^2 v_c + w^2 v_h) / n), v the variance of one frame. All is divided by
-// R'(e), as charge like the rest of the budget.
+// So an offset leaves nothing, PRNU and dark charge only what the bow of the response makes of them (to first order),
+// and the flat frames their own noise: sqrt(((1 - w)^2 v_c + w^2 v_h) / n), v the variance of one frame. All is divided
+// by R'(e), as charge like the rest of the budget.
 
 #include "radiometry/performance/sensitivity.h"
 #include "radiometry/stages/detector/nonlinearity.h"
@@ -32,6 +32,7 @@ struct FlatFrames {
 template <class S>
 struct CorrectionResidual {
   S prnu{};     ///< e- per unit of p
+  S dcnu{};     ///< per unit of q
   S flats_e{};  ///< of the flat frames, rms
 };
 
@@ -64,6 +65,7 @@ CorrectionResidual<S> correction_residual(const FlatFrames<S>& flats, const S& c
   };
   const S flat2 = rest * rest * variance(low, flats.low_e) + w * w * variance(high, flats.high_e);
   return {(here.spread - rest * low.spread - w * high.spread) / slope,
+          (here.slope - rest * low.slope - w * high.slope) / slope,
           detail::root(S(flat2 / S(flats.frames) + S(2) * rest * w * flats.shared)) / slope};
 }
 
@@ -73,7 +75,7 @@ void apply_correction(Budget<S>& budget, const S& prnu, const FlatFrames<S>& fla
   using std::abs;
   const CorrectionResidual<S> left = correction_residual(flats, budget.signal.total_e());
   budget.prnu_e = abs(prnu * left.prnu);
-  budget.dsnu_e = S(0);
+  budget.dsnu_e = abs(budget.dcnu_e * left.dcnu);
   budget.correction_e = left.flats_e;
   set_spatial(budget);
 }

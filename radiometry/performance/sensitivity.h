@@ -6,9 +6,9 @@
 //   read, kTC  as given; kTC = sqrt(k T C) / q for a capacitance that is reset
 //   quantisation   rounding to counts of one step: step / sqrt(12) where the noise before it dithers (0.4 steps),
 //                  below, the mean over all signals (rounding_noise.h), and the rest of step^2 / 12 is spatial
-// Spatial terms: responsivity (PRNU x electrons of light), offset (DSNU), both after correction (correction_residual.h
-// says what a two-point correction leaves), the noise of the flat frames that it was made from, and the error of
-// rounding that no noise dithers.
+// Spatial terms: responsivity (PRNU x electrons of light), offset and dark charge (DSNU and DCNU), both after
+// correction (correction_residual.h says what a two-point correction leaves), the noise of the flat frames that it was
+// made from, and the error of rounding that no noise dithers.
 //   NETD  temporal noise / (d electrons / dT)
 //   NEI   noise / (QE A t), photons s^-1 m^-2 at the detector, of the spectrum that the scene has there; QE the mean
 //         over those photons
@@ -40,6 +40,7 @@ struct NoiseTerms {
   S step_e{};   ///< electrons per count of the ADC; 0: no quantisation
   S prnu{};     ///< residual, fraction of the electrons of light
   S dsnu_e{};   ///< residual offset
+  S dcnu_e{};   ///< spread of the dark charge from pixel to pixel, which fills the well as light does
 
   static constexpr auto fields() {
     constexpr auto electrons = [](std::string_view name, std::string_view doc, auto member) {
@@ -51,7 +52,8 @@ struct NoiseTerms {
         electrons("other", "further temporal noise, rms", &NoiseTerms::other_e),
         electrons("step", "electrons per count", &NoiseTerms::step_e),
         Field{optional_row("prnu", 0.0, 1.0, "0.01", "responsivity non-uniformity, rms fraction"), &NoiseTerms::prnu},
-        electrons("dsnu", "offset non-uniformity, rms", &NoiseTerms::dsnu_e)};
+        electrons("dsnu", "offset non-uniformity, rms", &NoiseTerms::dsnu_e),
+        electrons("dcnu", "dark-current non-uniformity, rms", &NoiseTerms::dcnu_e)};
   }
 };
 
@@ -112,6 +114,7 @@ struct Budget {
   S floor_e{};     ///< without light: dark, read, reset, other and all of the rounding, whose error is noise or stays
   // Spatial noise, e- rms.
   S prnu_e{}, dsnu_e{}, correction_e{}, rounding_e{}, spatial_e{};
+  S dcnu_e{};  ///< the part of dsnu_e that is charge, before any correction
   // Figures.
   S snr{};             ///< electrons of the scene / temporal noise
   S shot_netd_k{};     ///< from the shot noise of all light alone
@@ -154,8 +157,10 @@ PixelScatter scatter_of(const Budget<S>& b, bool shot) {
   const double total_e = mtf::value_of(b.signal.total_e());
   const double shot_e = shot ? std::sqrt(std::max(total_e, 0.0)) : 0.0;
   const double readout_e = std::hypot(mtf::value_of(b.read_e), mtf::value_of(b.reset_e), mtf::value_of(b.other_e));
-  const double well_e = std::hypot(shot_e, mtf::value_of(b.prnu_e));
-  return {.mean_e = total_e, .well_e = well_e, .converter_e = std::hypot(well_e, readout_e, mtf::value_of(b.dsnu_e))};
+  const double light_e = std::hypot(shot_e, mtf::value_of(b.prnu_e));
+  return {.mean_e = total_e,
+          .well_e = std::hypot(light_e, mtf::value_of(b.dcnu_e)),
+          .converter_e = std::hypot(light_e, readout_e, mtf::value_of(b.dsnu_e))};
 }
 
 /// `signal_per_k` in electrons per K: electrons_per_radiance x scene_derivative, or a difference of signals.
@@ -192,7 +197,8 @@ Budget<S> make_budget(const Pixel<S>& pixel, const Signal<S>& signal, const Nois
   b.temporal_e = root(S(before2 + b.quantisation_e * b.quantisation_e));
   const S light = scene + background;  // below 0 where a scene is colder than the shutter of a thermal detector
   b.prnu_e = noise.prnu * (mtf::value_of(light) < 0.0 ? S(-light) : light);
-  b.dsnu_e = noise.dsnu_e;
+  b.dcnu_e = noise.dcnu_e;
+  b.dsnu_e = root(S(noise.dsnu_e * noise.dsnu_e + noise.dcnu_e * noise.dcnu_e));
   b.snr = signal.scene_e / b.temporal_e;
   b.shot_netd_k = root(S(shot * (scene + background))) / signal_per_k;
   b.netd_k = b.temporal_e / signal_per_k;

@@ -7,11 +7,13 @@
 
 #include "mtf/math/quadrature.h"
 #include "tests/radiometry/chain_cases.h"
+#include "tests/radiometry/flat_scenes.h"
 #include "tests/radiometry/statistics.h"
 
 namespace radiometry {
 namespace {
 
+using test::flat_scenes;
 using test::make_chain;
 using test::mwir_system;
 using test::noisy_sensor;
@@ -112,32 +114,6 @@ TEST(SensorBudget, a_flat_scene_comes_out_as_the_budget_says_for_either_cone_and
   EXPECT_GT(totals[2], 1.001 * totals[0]);
 }
 
-/// The pattern that stays in flat scenes of the corrected chain, in electrons: rms over the pixels of a mean of frames,
-/// less what of their own noise is left in it.
-double pattern_e(const Sensor& sensor, double temperature_k) {
-  constexpr int kFrames = 40;
-  const SpectralNumbers<double> spectral = spectral_numbers(sensor, sensor.path, temperature_k);
-  const Chain chain = make_chain(mwir_system(), sensor, 128, 128, 15.0);
-  const auto light = static_cast<float>(spectral.radiances.scene + spectral.radiances.path);
-  std::vector<double> sum(128 * 128, 0.0), squares(128 * 128, 0.0);
-  for (std::uint32_t n = 0; n < kFrames; ++n) {
-    const mtf::Image frame = chain.run(test::flat(128, 128, light), n, OutputStage::display).image;
-    for (std::size_t i = 0; i < sum.size(); ++i) {
-      const double value = static_cast<double>(frame.data()[i]);
-      sum[i] += value;
-      squares[i] += value * value;
-    }
-  }
-  double mean = 0.0, mean2 = 0.0, temporal = 0.0;
-  for (std::size_t i = 0; i < sum.size(); ++i) {
-    const double pixel = sum[i] / kFrames;
-    mean += pixel / static_cast<double>(sum.size());
-    mean2 += pixel * pixel / static_cast<double>(sum.size());
-    temporal += (squares[i] / kFrames - pixel * pixel) / (kFrames - 1) / static_cast<double>(sum.size());
-  }
-  return std::sqrt(mean2 - mean * mean - temporal) * adc_of(sensor).electrons_per_count;
-}
-
 // What the correction of the simulated camera leaves against the closed form, between the signals of the flat frames,
 // below and beyond them. 16384 pixels: the rms is known to 1/sqrt(2 x 16384) = 0.6 %, and 40 frames' noise adds to
 // that.
@@ -151,7 +127,7 @@ TEST(SensorBudget, spatial_noise_is_what_the_corrected_chain_leaves) {
     EXPECT_EQ(budget.prnu_e, 0.0);
     EXPECT_EQ(budget.dsnu_e, 0.0);
     EXPECT_EQ(budget.spatial_e, budget.correction_e);
-    EXPECT_NEAR(pattern_e(sensor, temperature_k) / budget.spatial_e, 1.0, 0.03) << temperature_k;
+    EXPECT_NEAR(flat_scenes(sensor, temperature_k).pattern_e / budget.spatial_e, 1.0, 0.03) << temperature_k;
   }
 }
 
@@ -167,7 +143,7 @@ TEST(SensorBudget, prnu_after_correction_is_what_the_bow_of_the_response_makes_o
     const Budget<double> budget = budget_of(mwir_system(), sensor, temperature_k);
     EXPECT_GT(budget.prnu_e, 2.0 * budget.correction_e);
     const double u = budget.signal.total_e() / 7e6, slope = 1.0 - 2.0 * 0.12 * u + 3.0 * 0.03 * u * u;
-    EXPECT_NEAR(pattern_e(sensor, temperature_k) / (slope * budget.spatial_e), 1.0, 0.03) << temperature_k;
+    EXPECT_NEAR(flat_scenes(sensor, temperature_k).pattern_e / (slope * budget.spatial_e), 1.0, 0.03) << temperature_k;
   }
   // At the signals of the flat frames nothing is left of it.
   FlatFrames<double> flats{

@@ -144,8 +144,9 @@ double read_as_light(const SensorRun& sensor, const std::string& file, TileScene
 /// What the chain needs beside the plan of the tiles.
 void count_memory(const SensorRun& sensor, mtf::TileOptions& options) {
   if (sensor.is_linear()) return;
-  options.receiver_bytes = tile_bytes_a_pixel(sensor.chain()->loaded.sensor);
-  options.held_bytes = map_bytes(sensor.chain()->loaded.sensor);
+  const RadiometricChain& chain = *sensor.chain();
+  options.receiver_bytes = tile_bytes_a_pixel(chain.system, chain.loaded.sensor);
+  options.held_bytes = map_bytes(chain.loaded.sensor);
 }
 
 ChainOfTiles::ChainOfTiles(const SensorRun& sensor, const mtf::TiledSensorPlan& plan, radiometry::Origin first,

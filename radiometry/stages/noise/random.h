@@ -48,6 +48,7 @@ enum class Stream : std::uint32_t {
   cube_tv = 17,
   cube_th = 18,
   frame_flicker = 19,  ///< + 2^8 i: octave i
+  dcnu = 20,
 };
 
 /// A seed and the number of a frame. Fixed patterns take frame 0.
