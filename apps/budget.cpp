@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "apps/budget_table.h"
-#include "apps/config.h"
+#include "apps/config_command.h"
 #include "apps/options.h"
 #include "apps/sensor/sensor_chain.h"
 #include "apps/simulate/output_files.h"

@@ -6,7 +6,7 @@ Usage: layering.py [ROOT]
 
 Dependencies point one way, between libraries (DIRECTIONS) and between the folders of one (FLOORS), and each outside
 library is seen by the few files that wrap it (RULES). A folder holds at most 30 files (flat lists of components and of tests are exempt), no
-two headers of a library have the same name, and every folder has a README or a row in its parent's.
+two headers have the same name, and every folder has a README or a row in its parent's.
 """
 
 import re
@@ -41,6 +41,7 @@ RULES = [
     (r"erfa\.h$", r"radiometry/weather/", "ERFA is private to radiometry/weather"),
     (r"draco/", r"apps/scene/import/", "Draco is private to the import process of apps/scene"),
     (r"(sundials|cvode|nvector|sunmatrix|sunlinsol)/", r"tests/", "SUNDIALS is the oracle of tests"),
+    (r"(mtf/mtf|radiometry/radiometry|calib/calib|apps/apps|scene/scenes)\.h$", r"tests/consumer/", "umbrella headers are for users"),
     (r"mtf/components/all\.h$", r"mtf/components/component_impl\.h$|tests/", "all.h is for mtf/components/component_impl.h and tests"),
 ]
 
@@ -63,6 +64,10 @@ FLOORS = {
              "scene", "schema", "modules", "demo", "report", "live", "image", "atmosphere", "python"],
 }
 
+# What each library shows its users is what its umbrella header names; all else is internal.
+UMBRELLAS = ("mtf/mtf.h", "radiometry/radiometry.h", "calib/calib.h", "apps/apps.h", "apps/scene/scenes.h")
+MOST_PUBLIC = 130
+
 
 def room(path):
     """("mtf", "engines") of mtf/engines/fft/axis.h, ("mtf", "") of mtf/image.h."""
@@ -74,7 +79,7 @@ def climbs(path, header):
     """What an include that climbs is told, or None."""
     library, mine = room(path)
     other, its = room(header)
-    if library != other or library not in FLOORS or its == mine or (mine == "" and path.endswith(".cpp")):
+    if library != other or library not in FLOORS or its == mine or (mine == "" and path.endswith(".cpp")) or path in UMBRELLAS:
         return None
     floors = FLOORS[library]
     for folder in (mine, its):
@@ -132,30 +137,29 @@ def problems_of_folders(root, paths):
     headers = {}
     for path in paths:
         if path.suffix == ".h" and path.parts[0] in LIBRARIES:
-            headers.setdefault((path.parts[0], path.name), []).append(path.as_posix())
+            headers.setdefault(path.name, []).append(path.as_posix())
     for same in headers.values():
         if len(same) > 1:
             yield f"{same[0]}: a header of this name is also {', '.join(same[1:])}"
 
 
-INSTALL = re.compile(r"mtfkit_install_headers\((?P<folder>[\w/]+)(?:\s+INTERNAL\s+(?P<internal>[^)]*))?\)")
+CPP_BLOCK = re.compile(r"^```cpp.*?^```", re.MULTILINE | re.DOTALL)
 
 
-def problems_of_installed_headers(root, sources):
-    """A header that is installed includes none that stays behind (INTERNAL in the CMake lists)."""
-    internal, installed = set(), set()
-    headers = [path for path, _ in sources if path.endswith(".h") and path.split("/")[0] in LIBRARIES]
-    for cmake in sorted(root.rglob("CMakeLists.txt")):
-        for found in INSTALL.finditer(cmake.read_text(encoding="utf-8")):
-            names = set((found["internal"] or "").split())
-            for path in headers:
-                if path.startswith(found["folder"] + "/"):
-                    (internal if path.split("/")[-1] in names else installed).add(path)
-    for path, text in sources:
-        if path in installed:
-            for match in INCLUDE.finditer(text):
-                if match.group(1) in internal:
-                    yield f"{path}: is installed and includes {match.group(1)}, which is INTERNAL in its CMakeLists.txt"
+def problems_of_public_headers(root, sources):
+    """What users are shown, in the examples of READMEs and in tests/consumer, is public; so is little else."""
+    texts = dict(sources)
+    public = {header for umbrella in UMBRELLAS for header in INCLUDE.findall(texts.get(umbrella, ""))}
+    if len(public) > MOST_PUBLIC:
+        yield f"{', '.join(UMBRELLAS)} name {len(public)} public headers, at most {MOST_PUBLIC}"
+    shown = [(path, text) for path, text in sources if path.startswith("tests/consumer/")]
+    for readme in sorted(root.rglob("README.md")):
+        text = readme.read_text(encoding="utf-8") if "node_modules" not in readme.parts else ""
+        shown += [(readme.relative_to(root).as_posix(), block) for block in CPP_BLOCK.findall(text)]
+    for path, text in shown:
+        for header in INCLUDE.findall(text):
+            if header in texts and header not in public and header not in UMBRELLAS:
+                yield f"{path}: shows users {header}, which is internal: name it in the umbrella header of its library"
 
 
 def check(root):
@@ -172,7 +176,7 @@ def check(root):
             elif SCRIPT_NAMES.search(path):
                 found += problems_of_script(path, file.read_text(encoding="utf-8"))
     found += type_names.problems(sources)
-    found += problems_of_installed_headers(root, sources)
+    found += problems_of_public_headers(root, sources)
     found += problems_of_folders(root, [Path(path) for path, _ in sources])
     if not sources:
         found.append(f"{root}: no sources found, nothing was checked")

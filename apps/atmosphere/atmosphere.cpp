@@ -12,7 +12,7 @@
 #include "apps/arguments.h"
 #include "apps/atmosphere/atmosphere_options.h"
 #include "apps/atmosphere/atmosphere_report.h"
-#include "apps/config.h"
+#include "apps/config_command.h"
 #include "apps/modules/modules.h"
 #include "apps/sensor/sensor_air.h"
 #include "apps/terminal/output.h"

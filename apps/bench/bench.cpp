@@ -11,7 +11,7 @@
 #include "apps/bench/machine.h"
 #include "apps/bench/tolerance_runs.h"
 #include "apps/check/reference_fft.h"
-#include "apps/config.h"
+#include "apps/config_command.h"
 #include "apps/options.h"
 #include "apps/terminal/output.h"
 #include "apps/terminal/output_set.h"

@@ -4,9 +4,9 @@
 
 #include <cmath>
 
-#include "apps/config.h"
+#include "apps/config_command.h"
 #include "apps/edges/fit_data.h"
-#include "apps/edges/fit_report.h"
+#include "apps/edges/fit_outputs.h"
 #include "apps/terminal/output.h"
 #include "apps/terminal/output_set.h"
 #include "apps/terminal/progress_line.h"

@@ -10,7 +10,7 @@
 #include <numbers>
 
 #include "apps/arguments.h"
-#include "apps/config.h"
+#include "apps/config_command.h"
 #include "apps/figures/curve_figure.h"
 #include "apps/figures/curve_json.h"
 #include "apps/figures/plot.h"

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "apps/config.h"
+#include "apps/config_command.h"
 #include "apps/options.h"
 #include "apps/sweep/study_file.h"
 #include "apps/terminal/output.h"

@@ -9,7 +9,7 @@
 #include <string>
 
 #include "apps/bench/machine.h"
-#include "apps/config.h"
+#include "apps/config_command.h"
 #include "apps/image/simulate_summary.h"
 #include "apps/options.h"
 #include "apps/sensor/sensor_air.h"

@@ -22,10 +22,10 @@
 #include "apps/live/server.h"
 #include "apps/live/session.h"
 #ifdef MTFKIT_HAVE_SCENE
-#include "apps/live/space/scene_view.h"
+#include "apps/live/space/space_view.h"
 #include "apps/scene/render/sensor_picture.h"
 #endif
-#include "apps/config.h"
+#include "apps/config_command.h"
 #include "apps/options.h"
 #include "apps/sensor/sensor_air.h"
 #include "apps/simulate/frames/frame_names.h"

@@ -7,7 +7,7 @@
 #include <pybind11/stl.h>
 
 #include "apps/budget_table.h"
-#include "apps/config.h"
+#include "apps/config_command.h"
 #include "apps/python/topics.h"
 #include "apps/sensor/sensor_air.h"
 #include "apps/sensor/sensor_chain.h"

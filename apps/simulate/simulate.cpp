@@ -6,7 +6,7 @@
 
 #include <algorithm>
 
-#include "apps/simulate/frames/frame.h"
+#include "apps/simulate/frames/sensor_frame.h"
 #include "apps/simulate/frames/sequence.h"
 #include "apps/simulate/image_output.h"
 #include "apps/simulate/output_files.h"

@@ -4,7 +4,7 @@
 
 #include "apps/sweep/study_file.h"
 
-#include "apps/config.h"
+#include "apps/config_command.h"
 #include "mtf/error.h"
 #include "mtf/io/config/config_tree.h"
 #include "mtf/io/csv/curve_csv.h"

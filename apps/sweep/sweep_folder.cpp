@@ -10,7 +10,7 @@
 #include <fstream>
 #include <iterator>
 
-#include "apps/config.h"
+#include "apps/config_command.h"
 #include "apps/sweep/sweep_parts.h"
 #include "apps/terminal/output.h"
 #include "mtf/error.h"

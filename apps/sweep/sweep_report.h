@@ -4,7 +4,7 @@
 // What is known of a finished sweep: for sweep.json and for standard output.
 
 #include "apps/study/statistics/accuracy.h"
-#include "apps/study/statistics/sensitivity.h"
+#include "apps/study/statistics/design_sensitivity.h"
 #include "apps/study/statistics/tally.h"
 #include "apps/sweep/sweep_parts.h"
 #include "apps/text/json.h"

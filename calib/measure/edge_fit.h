@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "calib/measure/edge_noise.h"
-#include "calib/measure/edge_sums.h"
+#include "calib/measure/residual_sums.h"
 
 namespace calib {
 

@@ -11,8 +11,8 @@
 #include "calib/edge/edge_pixels.h"
 #include "calib/measure/edge_facts.h"
 #include "calib/measure/edge_start.h"
-#include "calib/measure/edge_sums.h"
 #include "calib/measure/edge_terms.h"
+#include "calib/measure/residual_sums.h"
 
 namespace calib {
 namespace {

@@ -5,7 +5,7 @@
 // directions, refined by fitting a Gaussian step. Blocks and whole lines average the noise, so that edges are found
 // whose contrast is a few times the noise of a pixel.
 
-#include "calib/measure/edge_sums.h"
+#include "calib/measure/residual_sums.h"
 
 namespace calib {
 

@@ -62,15 +62,21 @@ function(mtfkit_unity target)
   endif()
 endfunction()
 
-# mtfkit_install_headers(folder [INTERNAL files...]): the headers below the folder, under include/mtfkit, but for those that
-# only the toolkit's own sources include.
-function(mtfkit_install_headers folder)
-  cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "INTERNAL")
-  set(exclude "")
-  foreach(name IN LISTS arg_INTERNAL)
-    list(APPEND exclude PATTERN "${name}" EXCLUDE)
-  endforeach()
-  install(DIRECTORY "${PROJECT_SOURCE_DIR}/${folder}/"
-    DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/mtfkit/${folder}"
-    FILES_MATCHING PATTERN "*.h" ${exclude} PATTERN "cmake" EXCLUDE)
+# mtfkit_install_headers(umbrella): the public headers, which are those that the umbrella header names, and what they include
+# of any library, under include/mtfkit.
+function(mtfkit_install_headers umbrella)
+  set(queue "${umbrella}")
+  set(seen "")
+  while(queue)
+    list(POP_FRONT queue header)
+    if(NOT header IN_LIST seen AND EXISTS "${PROJECT_SOURCE_DIR}/${header}")
+      list(APPEND seen "${header}")
+      cmake_path(GET header PARENT_PATH place)
+      install(FILES "${PROJECT_SOURCE_DIR}/${header}" DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/mtfkit/${place}")
+      set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS "${PROJECT_SOURCE_DIR}/${header}")
+      file(STRINGS "${PROJECT_SOURCE_DIR}/${header}" includes REGEX "^#include \"[a-z]+/")
+      list(TRANSFORM includes REPLACE "^#include \"([^\"]+)\".*" "\\1")
+      list(APPEND queue ${includes})
+    endif()
+  endwhile()
 endfunction()

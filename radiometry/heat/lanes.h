@@ -8,8 +8,8 @@
 #include <cstddef>
 #include <vector>
 
+#include "radiometry/heat/depth/depth_grid.h"
 #include "radiometry/heat/depth/elimination.h"
-#include "radiometry/heat/depth/grid.h"
 
 namespace radiometry::heat {
 

@@ -17,7 +17,7 @@
 #include <span>
 #include <vector>
 
-#include "radiometry/heat/depth/grid.h"
+#include "radiometry/heat/depth/depth_grid.h"
 #include "radiometry/heat/forcing.h"
 
 namespace radiometry::heat {

@@ -5,7 +5,7 @@
 #include <sstream>
 
 #include "mtf/error.h"
-#include "radiometry/scene/repair/polygon.h"
+#include "radiometry/scene/repair/facet_polygon.h"
 #include "radiometry/scene/repair/repaired_mesh.h"
 #include "radiometry/scene/repair/shells.h"
 

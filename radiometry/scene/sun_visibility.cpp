@@ -7,7 +7,7 @@
 #include "mtf/error.h"
 #include "mtf/parallel.h"
 #include "radiometry/scene/tracing/embree_scene.h"
-#include "radiometry/scene/tracing/sampling.h"
+#include "radiometry/scene/tracing/ray_sampling.h"
 
 namespace radiometry::scene {
 namespace {

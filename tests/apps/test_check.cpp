@@ -12,7 +12,7 @@
 #include <sstream>
 
 #include "apps/check/check.h"
-#include "apps/check/engine.h"
+#include "apps/check/check_engine.h"
 #include "mtf/system.h"
 #include "tests/apps/command.h"
 #include "tests/mtf/components/own_test.h"

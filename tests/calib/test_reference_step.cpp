@@ -9,7 +9,7 @@
 #include "calib/edge/exponential.h"
 #include "calib/edge/reference_step.h"
 #include "calib/edge/step_profile.h"
-#include "calib/measure/edge_sums.h"
+#include "calib/measure/residual_sums.h"
 #include "tests/calib/made_edges.h"
 
 namespace {

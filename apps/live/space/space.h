@@ -2,7 +2,7 @@
 #pragma once
 
 // A 3-D scene, as the session sees it: what draws it, the times that it has, where its camera is at the start, what of
-// its file the page changes. Builds without scenes have none (scene_view.h makes it).
+// its file the page changes. Builds without scenes have none (space_view.h makes it).
 
 #include <functional>
 #include <span>

@@ -14,7 +14,7 @@
 #include <filesystem>
 
 #include "apps/bench/machine.h"
-#include "apps/config.h"
+#include "apps/config_command.h"
 #include "apps/figures/plot.h"
 #include "apps/options.h"
 #include "apps/scene/command/render_options.h"

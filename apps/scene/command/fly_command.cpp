@@ -9,7 +9,7 @@
 #include <limits>
 #include <set>
 
-#include "apps/config.h"
+#include "apps/config_command.h"
 #include "apps/scene/command/fly_options.h"
 #include "apps/scene/command/read_scene.h"
 #include "apps/scene/fly/flight.h"

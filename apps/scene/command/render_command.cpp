@@ -7,7 +7,7 @@
 #include <array>
 #include <filesystem>
 
-#include "apps/config.h"
+#include "apps/config_command.h"
 #include "apps/scene/command/read_scene.h"
 #include "apps/scene/command/render_figure.h"
 #include "apps/scene/command/render_options.h"

@@ -16,7 +16,7 @@
 #include <vector>
 
 #include "apps/scene/weather/weather_file.h"
-#include "radiometry/weather/schedule.h"
+#include "radiometry/weather/value_schedule.h"
 
 namespace apps::scene {
 

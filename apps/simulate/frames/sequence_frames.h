@@ -11,8 +11,8 @@
 #include <utility>
 #include <vector>
 
-#include "apps/simulate/frames/frame.h"
 #include "apps/simulate/frames/frame_names.h"
+#include "apps/simulate/frames/sensor_frame.h"
 #include "apps/simulate/frames/sequence_plan.h"
 #include "apps/simulate/frames/shutter_closings.h"
 #include "mtf/io/config/schedule.h"

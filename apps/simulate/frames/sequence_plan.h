@@ -14,7 +14,7 @@
 #include <string>
 #include <vector>
 
-#include "apps/simulate/frames/frame.h"
+#include "apps/simulate/frames/sensor_frame.h"
 #include "apps/simulate/simulate_options.h"
 #include "mtf/plan/sensor_plan.h"
 

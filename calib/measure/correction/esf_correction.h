@@ -3,7 +3,7 @@
 
 // The last, joint linear solution for plateaus, geometry, shape and what the reference step may lack: splines of the
 // edge spread function, light that is scattered far, uneven light on the sides (step_changes.h, the plateau terms of
-// edge_sums.h). Which of these parts there are and how large they are is averaged over (model_average.h): where the
+// residual_sums.h). Which of these parts there are and how large they are is averaged over (model_average.h): where the
 // residuals are noise, nothing is added to the reference; where two parts explain them equally well, as a gradient of
 // the light and a wide halo do in a narrow region, the covariance holds what differs between them. Uneven light is no
 // part of the edge spread function, far light is.

@@ -11,8 +11,8 @@
 // With derivatives: check<MyBlur, ceres::Jet<double, 4>>().
 // That values survive the sensor file: mtf/io/config/round_trip.h. Values against published ones remain for the author.
 
-#include "mtf/components/conformance/derivatives.h"
 #include "mtf/components/conformance/properties.h"
+#include "mtf/components/conformance/slope_checks.h"
 
 namespace mtf::conformance {
 

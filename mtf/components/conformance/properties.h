@@ -9,7 +9,7 @@
 //   |h - 1| <= deviation                                       the wavelength matters only where that is declared
 //   rows and evaluator give the OTF                            h(f) = h((f.u) u) for a motion along u
 //   float gives what double gives                              values outside the range of a field are refused by name
-// For double and float alike; allowances are multiples of the rounding of S. Derivatives: derivatives.h.
+// For double and float alike; allowances are multiples of the rounding of S. Derivatives: slope_checks.h.
 
 #include <cmath>
 #include <limits>

@@ -16,7 +16,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "radiometry/heat/depth/grid.h"
+#include "radiometry/heat/depth/depth_grid.h"
 
 namespace radiometry::heat {
 

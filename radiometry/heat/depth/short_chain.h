@@ -16,7 +16,7 @@
 //   (2 / pi) q integral |dY| / |Y|^2 dw / w,
 // twice the inverse Fourier transform of the moduli; what a surface gives off makes that smaller.
 
-#include "radiometry/heat/depth/grid.h"
+#include "radiometry/heat/depth/depth_grid.h"
 
 namespace radiometry::heat {
 

@@ -6,7 +6,7 @@
 
 #include "mtf/error.h"
 #include "mtf/math/word_hash.h"
-#include "radiometry/scene/repair/polygon.h"
+#include "radiometry/scene/repair/facet_polygon.h"
 
 namespace radiometry::scene {
 namespace {

@@ -5,7 +5,7 @@
 #include <limits>
 #include <numeric>
 
-#include "radiometry/heat/depth/grid.h"
+#include "radiometry/heat/depth/depth_grid.h"
 #include "radiometry/heat/solve.h"
 #include "tests/expect_error.h"
 #include "tests/radiometry/heat/exact_cases.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "apps/simulate/frames/frame.h"
+#include "apps/simulate/frames/sensor_frame.h"
 
 #include <utility>
 

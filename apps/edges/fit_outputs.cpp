@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "apps/edges/fit_report.h"
+#include "apps/edges/fit_outputs.h"
 
 #include <algorithm>
 #include <cmath>

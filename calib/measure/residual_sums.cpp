@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "calib/measure/edge_sums.h"
+#include "calib/measure/residual_sums.h"
 
 #include <algorithm>
 #include <array>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "apps/live/space/scene_view.h"
+#include "apps/live/space/space_view.h"
 
 #include <algorithm>
 #include <array>

@@ -4,7 +4,7 @@
 
 #include <sys/stat.h>
 
-#include "apps/config.h"
+#include "apps/config_command.h"
 #include "apps/kinds.h"
 #include "apps/schema/schemas.h"
 #include "apps/sensor/sensor_air.h"

@@ -3,7 +3,7 @@
 // Plans at their extremes, against slow sums in double. Errors are rms over the output pixels, relative to the standard
 // deviation of the scene; the error allowed is the one that the plan itself predicted.
 
-#include "apps/check/engine.h"
+#include "apps/check/check_engine.h"
 
 #include <array>
 #include <cmath>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "apps/study/statistics/sensitivity.h"
+#include "apps/study/statistics/design_sensitivity.h"
 
 #include <algorithm>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "radiometry/weather/schedule.h"
+#include "radiometry/weather/value_schedule.h"
 
 #include <algorithm>
 #include <cmath>

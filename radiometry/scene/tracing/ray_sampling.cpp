@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "radiometry/scene/tracing/sampling.h"
+#include "radiometry/scene/tracing/ray_sampling.h"
 
 #include <algorithm>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "radiometry/scene/repair/polygon.h"
+#include "radiometry/scene/repair/facet_polygon.h"
 
 #include <algorithm>
 
