@@ -3,28 +3,30 @@
 
 // What a test asks of a message: its kind (the type of the exception, or the exit code), its place (file:line:column,
 // key or option) and its remedy (a key, unit, value, or the word that tells what to do). The sentence around them may
-// change; so parts are short, and capitals do not matter.
+// change; so parts are short, four words at most. A failure is reported at the line of the test that asks. As gtest's
+// own EXPECT_ these stand in no namespace: tests of every library use them.
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cctype>
 #include <initializer_list>
+#include <span>
 #include <string>
 #include <string_view>
 
 #include "mtf/error.h"
 
-namespace mtf::test {
+inline bool says(std::string_view text, std::string_view part) { return text.find(part) != std::string_view::npos; }
 
-inline bool says(std::string_view message, std::string_view part) {
-  const auto same = [](unsigned char a, unsigned char b) { return std::tolower(a) == std::tolower(b); };
-  return std::search(message.begin(), message.end(), part.begin(), part.end(), same) != message.end();
+/// That one of the texts (warnings, notes) says it.
+inline bool says(std::span<const std::string> texts, std::string_view part) {
+  return std::any_of(texts.begin(), texts.end(), [&](const std::string& text) { return says(text, part); });
 }
 
-inline void expect_says(std::string_view message, std::initializer_list<std::string_view> parts) {
+inline void expect_says(std::string_view text, std::initializer_list<std::string_view> parts,
+                        const char* file = __builtin_FILE(), int line = __builtin_LINE()) {
   for (const std::string_view part : parts)
-    EXPECT_TRUE(says(message, part)) << "'" << part << "' is not in: " << message;
+    if (!says(text, part)) ADD_FAILURE_AT(file, line) << "'" << part << "' is not in: " << text;
 }
 
 /// Message of the Error that `work` throws; "" where it throws none.
@@ -40,16 +42,11 @@ std::string message_of(Work&& work) {
 
 /// Expects that `work` throws an Error (UsageError, RuntimeError) whose message says all the parts; returns the
 /// message.
-template <class Error = UsageError, class Work>
-std::string expect_refused(std::initializer_list<std::string_view> parts, Work work) {
+template <class Error = mtf::UsageError, class Work>
+std::string expect_refused(std::initializer_list<std::string_view> parts, Work work,
+                           const char* file = __builtin_FILE(), int line = __builtin_LINE()) {
   const std::string message = message_of<Error>(work);
-  EXPECT_NE(message, "") << "nothing was thrown";
-  expect_says(message, parts);
+  if (message.empty()) ADD_FAILURE_AT(file, line) << "nothing was thrown";
+  expect_says(message, parts, file, line);
   return message;
-}
-
-}  // namespace mtf::test
-
-namespace radiometry::test {
-using mtf::test::expect_refused;
 }

@@ -85,9 +85,6 @@ class FactoredOtf {
   bool is_separable() const { return !table_ && lines_.empty() && !has_general(); }
   /// True when some factor is evaluated at every frequency because no table or vector holds it.
   bool is_slow() const { return has_general(); }
-  bool is_identity() const {
-    return entries_.empty() && aperture_.kind == SceneAperture::Kind::point && options_.split.is_whole();
-  }
   const std::vector<Dropped>& dropped() const { return dropped_; }
   /// Sentences on what was merged: "jitter, footprint -> two vectors".
   const std::vector<std::string>& merged() const { return merged_; }

@@ -7,10 +7,10 @@
 //   `electrons` before the converter, `dn` after it, `display` after correction, postsample filters and gain
 //   (a thermal detector has watts for photons and volts for electrons, no dark current, shot noise and full well:
 //   `volts`; the power that it absorbs, before lag and noise, is `watts`)
-// Each stage is one row in chain/steps, in the order of the chain; chain_stages() lists them for a sensor. A stage whose
-// table is not in the sensor file does not run, nor do the stages after the one whose output is wanted. With [microscan]
-// the sampling is finer than the pitch: the stages from `shutter` to the correction run for each position, and the
-// frames are put together.
+// Each stage is one row in chain/steps, in the order of the chain; chain_stages() lists them for a sensor. A stage
+// whose table is not in the sensor file does not run, nor do the stages after the one whose output is wanted. With
+// [microscan] the sampling is finer than the pitch: the stages from `shutter` to the correction run for each position,
+// and the frames are put together.
 
 #include <functional>
 #include <memory>

@@ -50,7 +50,7 @@ struct StageRow {
   enum class Part { optics, detector, conversion, correction, display };
 
   std::string_view name;
-  Part part = Part::optics;
+  Part part = Part::detector;
   std::string_view timing = name;  ///< name of its time in reports
   bool in_sequence = false;        ///< acts only on the frames of a sequence
   /// Why it needs more of an image than the pixels of a tile; empty for a stage that acts on each pixel for itself.

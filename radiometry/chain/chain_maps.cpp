@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 
 // What differs from pixel to pixel in a chain, for the pixels of an image or of a tile: maps from files are cut, random
-// ones are made from the numbers of each pixel's place on the detector.
+// ones are made from the numbers of each pixel's place on the detector. With it the light of the camera itself: warm
+// optics and housing, and the closed shutter of a thermal camera over a sequence (stages/detector/shutter_events.h).
 
 #include <algorithm>
 #include <limits>
@@ -32,22 +33,6 @@ SharedMap product(const SharedMap& a, const SharedMap& b, int threads) {
   mtf::Image both = a->clone();
   multiply_add(both, {1.0, b}, {0.0}, threads);
   return shared(std::move(both));
-}
-
-DetectorSource detector_source(const CompiledChain& chain, const Sensor& sensor, Origin origin, std::int64_t width,
-                               std::int64_t height) {
-  const SensorSettings& s = chain.settings;
-  return {.nonuniformity = s.nonuniformity,
-          .narcissus = s.narcissus,
-          .defects = s.defects,
-          .blinking = s.blinking,
-          .responsivity = sensor.responsivity,
-          .offset = sensor.offset,
-          .plane = chain.detector,
-          .origin = origin,
-          .width = width,
-          .height = height,
-          .seed = chain.seed};
 }
 
 DetectorMaps detector_maps(const DetectorSource& source, int threads) {
@@ -86,6 +71,18 @@ SharedMap corners_of(const MapSource& source, int threads) {
   return shared(std::move(corners));
 }
 
+Directions<double> difference(const Directions<double>& a, const Directions<double>& b) {
+  return {a.cone_e - b.cone_e, a.around_e - b.around_e};
+}
+
+Directions<double> open_at(const CompiledChain& chain, const CameraEmission& camera) {
+  return own_light(chain.camera, chain.pixel, own_radiances(chain.curves, camera));
+}
+
+Directions<double> closed_at(const CompiledChain& chain, const CameraEmission& camera) {
+  return closed_shutter(chain.camera, chain.pixel, own_radiances(chain.curves, camera));
+}
+
 }  // namespace
 
 mtf::Image part_of(const SharedMap& whole, const char* key, const DetectorSource& source) {
@@ -115,7 +112,17 @@ void require_maps(const Sensor& sensor, std::int64_t columns, std::int64_t rows)
 MapSource map_source(const CompiledChain& chain, const Sensor& sensor, Origin origin, std::int64_t width,
                      std::int64_t height) {
   const SensorSettings& s = chain.settings;
-  return {.detector = detector_source(chain, sensor, origin, width, height),
+  return {.detector = {.nonuniformity = s.nonuniformity,
+                       .narcissus = s.narcissus,
+                       .defects = s.defects,
+                       .blinking = s.blinking,
+                       .responsivity = sensor.responsivity,
+                       .offset = sensor.offset,
+                       .plane = chain.detector,
+                       .origin = origin,
+                       .width = width,
+                       .height = height,
+                       .seed = chain.seed},
           .vignetting = s.vignetting,
           .given_vignetting = sensor.vignetting,
           .focal_length_mm = chain.focal_length_mm,
@@ -147,6 +154,34 @@ PixelMaps pixel_maps(const CompiledChain& chain, const MapSource& source, int th
                                                       : product(maps.corners.map, maps.detector->responsivity, cores)};
   maps.glow = glow_of(chain, chain.warm, maps.corners, maps.detector->own_light, chain.dark_e, cores);
   return maps;
+}
+
+Linear glow_of(const CompiledChain& chain, const Directions<double>& light, const Linear& corners,
+               const SharedMap& sensitivity, double added, int threads) {
+  const bool shutter = chain.settings.thermal && chain.settings.thermal->shutter_k;
+  if (!shutter || (!corners.map && corners.number == 1.0)) return {light.total_e(), sensitivity, added};
+  // v of the cone is left, and pi - v cone around it.
+  const double cone = cone_sr(chain.camera), around = around_cone_sr(chain.camera);
+  const double around_per_sr = around > 0.0 ? light.around_e / around : 0.0;
+  const double always = mtf::kPi * around_per_sr, by_cone = light.cone_e - cone * around_per_sr;
+  if (!corners.map) return {always + by_cone * corners.number, sensitivity, added};
+  mtf::Image seen = corners.map->clone();
+  multiply_add(seen, {by_cone * corners.number}, {always}, threads);
+  multiply_add(seen, {1.0, sensitivity}, {added}, threads);
+  return {1.0, std::make_shared<const mtf::Image>(std::move(seen))};
+}
+
+Directions<double> warming_of(const CompiledChain& chain, std::uint32_t frame) {
+  const double by_k = chain.events->warming_k(frame);
+  if (by_k == 0.0) return {};
+  return difference(open_at(chain, warmed(chain.emission, by_k)), open_at(chain, chain.emission));
+}
+
+Directions<double> last_closed(const CompiledChain& chain, std::uint32_t frame, ChainState* state) {
+  const std::uint32_t last = chain.events->closing_before(frame);
+  const ShutterClosing now{last, warmed(chain.emission, chain.events->warming_k(last))};
+  if (state != nullptr && (!state->closing || state->closing->frame != last)) state->closing = now;
+  return closed_at(chain, state != nullptr ? state->closing->camera : now.camera);
 }
 
 }  // namespace radiometry

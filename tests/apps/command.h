@@ -14,6 +14,7 @@
 #include <string>
 
 #include "tests/expect_error.h"
+#include "tests/replaced.h"
 
 namespace apps_test {
 
@@ -32,9 +33,10 @@ struct Result {
 };
 
 /// Expects the exit code, and that the error says all the parts: its place and its remedy, in short (expect_error.h).
-inline void expect_error(const Result& result, int status, std::initializer_list<std::string_view> parts) {
-  EXPECT_EQ(result.status, status) << result.err;
-  mtf::test::expect_says(result.err, parts);
+inline void expect_error(const Result& result, int status, std::initializer_list<std::string_view> parts,
+                         const char* file = __builtin_FILE(), int line = __builtin_LINE()) {
+  if (result.status != status) ADD_FAILURE_AT(file, line) << "exit code " << result.status << ": " << result.err;
+  expect_says(result.err, parts, file, line);
 }
 
 /// A scratch folder that goes away. Commands run in it through the shell, with `mtf` on PATH.

@@ -26,6 +26,22 @@ vapour_pressure = "10 hPa"
 )";
 }
 
+/// The mesh of the plates and its two regions; soil of 290 K, `soil` and `target`: further keys of each.
+inline std::string soil_and_target(const std::string& soil, const std::string& target) {
+  return R"([[mesh]]
+name = "plates"
+file = "plates.obj"
+[[region]]
+mesh = "plates"
+group = "soil"
+temperature = "290 K"
+)" + soil +
+         R"([[region]]
+mesh = "plates"
+group = "target"
+)" + target;
+}
+
 /// Groups `soil` and `target`.
 inline const std::string kGroundAndTarget =
     "v -4 -4 0\nv 4 -4 0\nv 4 4 0\nv -4 4 0\nv -0.5 0 0.2\nv 0.5 0 0.2\nv 0.5 0 1.2\nv -0.5 0 1.2\n"

@@ -4,6 +4,7 @@
 #include <set>
 
 #include "tests/apps/bench_csv.h"
+#include "tests/expect_error.h"
 
 namespace apps_test {
 namespace {
@@ -23,7 +24,7 @@ void check_rows(const std::vector<Row>& rows) {
     if (method == "refused") {
       refused.insert(tolerance);
       for (const char* name : {"promised", "rms_error", "max_error", "time_ms_min"}) EXPECT_EQ(row.at(name), "");
-      EXPECT_NE(row.at("detail").find("reachable: "), std::string::npos) << row.at("detail");
+      expect_says(row.at("detail"), {"reachable: "});
       continue;
     }
     EXPECT_GE(value(row, "max_error"), value(row, "rms_error")) << method;
@@ -79,7 +80,7 @@ TEST(Bench, StagesBehindTheSamplingAndABand) {
   write_file(scratch / "sensor.toml", text);
   const Result result = scratch.run("mtf bench sensor.toml scene.exr -o b" + kQuick);
   ASSERT_EQ(result.status, 0) << result.err;
-  EXPECT_NE(result.err.find("no rows for OpenCV"), std::string::npos) << result.err;
+  expect_says(result.err, {"no rows for OpenCV"});
   const auto rows = read_rows(read_file(scratch / "b/bench.csv"));
   check_rows(rows);
   for (const Row& row : rows) EXPECT_FALSE(is_rival(row));
@@ -138,13 +139,12 @@ TEST(Bench, FilesAndFormats) {
   for (const auto& row : json.at("rows")) EXPECT_EQ(row.at("time_ms_min").is_null(), row.at("method") == "refused");
   if (scratch.run("command -v gnuplot").status == 0) {
     const std::string svg = read_file(scratch / "b/bench.svg");
-    for (const char* text : {"chosen by the plan", "Pareto front", "FFTW 64x48", "fft_float"})
-      EXPECT_NE(svg.find(text), std::string::npos) << text;
+    expect_says(svg, {"chosen by the plan", "Pareto front", "FFTW 64x48", "fft_float"});
     EXPECT_TRUE(read_file(scratch / "b/bench.png").starts_with("\x89PNG"));
   }
   const Result table = scratch.run("mtf bench sensor.toml scene.exr -o b --force --progress plain" + kQuick);
-  EXPECT_NE(table.out.find("rms error"), std::string::npos);
-  EXPECT_NE(table.err.find("timing 100 %"), std::string::npos) << table.err;
+  expect_says(table.out, {"rms error"});
+  expect_says(table.err, {"timing 100 %"});
   const Result as_json = scratch.run("mtf bench sensor.toml scene.exr -o b --force --format json" + kQuick);
   EXPECT_TRUE(nlohmann::json::accept(as_json.out)) << as_json.out;
 }
@@ -186,7 +186,7 @@ TEST(Bench, WithoutGnuplotTheNumbersAreThere) {
   const Result result =
       scratch.run("m=$(command -v mtf); PATH=/nonexistent $m bench sensor.toml scene.exr -o b" + kQuick);
   EXPECT_EQ(result.status, 0) << result.err;
-  EXPECT_NE(result.err.find("gnuplot is not installed"), std::string::npos) << result.err;
+  expect_says(result.err, {"gnuplot is not installed"});
   EXPECT_EQ(scratch.run("ls b").out, "bench.csv\nbench.json\n");
 }
 
@@ -197,9 +197,8 @@ TEST(Bench, WithoutOpenCvThePlansAreTimed) {
   const Result result =
       scratch.run("MTFKIT_OPENCV=/nonexistent mtf bench sensor.toml scene.exr -o b --format csv" + kQuick);
   EXPECT_EQ(result.status, 0) << result.err;
-  for (const char* part : {"no rows for OpenCV", "/nonexistent", "Debian package mtfkit-codecs"})
-    EXPECT_NE(result.err.find(part), std::string::npos) << result.err;
-  EXPECT_EQ(result.out.find("opencv_"), std::string::npos);
+  expect_says(result.err, {"no rows for OpenCV", "/nonexistent", "Debian package mtfkit-codecs"});
+  EXPECT_FALSE(says(result.out, "opencv_")) << result.out;
   check_rows(read_rows(result.out));
 }
 

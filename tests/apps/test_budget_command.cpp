@@ -7,6 +7,8 @@
 #include <span>
 
 #include "tests/apps/chain_sensor.h"
+#include "tests/expect_error.h"
+#include "tests/replaced.h"
 
 namespace apps_test {
 namespace {
@@ -16,13 +18,11 @@ class BudgetCommand : public ChainSensor {};
 TEST_F(BudgetCommand, ABudgetSaysWhyAFigureHasNoValue) {
   sensor("");
   for (const char* hot : {"1e100", "1.1e9", "-1", "nan"}) {
-    const Result r = scratch.run(std::string("mtf budget s.toml --temperature ") + hot);
-    expect_error(r, 2, {"temperature"});
+    expect_error(scratch.run(std::string("mtf budget s.toml --temperature ") + hot), 2, {"temperature"});
   }
-  EXPECT_NE(scratch.run("mtf budget s.toml --temperature 1e100").err.find("from 0 to 1e9"), std::string::npos);
+  expect_says(scratch.run("mtf budget s.toml --temperature 1e100").err, {"from 0 to 1e9"});
   const std::string table = scratch.run("mtf budget s.toml --temperature 0").out;
-  EXPECT_NE(table.find("no shot_netd, netd, "), std::string::npos) << table;
-  EXPECT_NE(table.find(": no light of the scene makes electrons\n"), std::string::npos) << table;
+  expect_says(table, {"no shot_netd, netd, ", "no light", "makes electrons"});
   sensor("", "full_well = \"10 Me-\"\n", "");
   const Json terms = budget();
   EXPECT_TRUE(terms["dynamic_range"]["value"].is_null());
@@ -39,8 +39,8 @@ TEST_F(BudgetCommand, ATemperatureMayHaveItsUnit) {
   EXPECT_EQ(scratch.run("mtf budget s.toml --temperature '14.85 °C'").out, plain);
   const Result cold = scratch.run("mtf budget s.toml --temperature 27");
   EXPECT_EQ(cold.status, 0);
-  EXPECT_NE(cold.err.find("was taken for 27 K; for degrees Celsius write \"27 degC\""), std::string::npos) << cold.err;
-  EXPECT_EQ(scratch.run("mtf budget s.toml --temperature '27 K'").err.find("Celsius"), std::string::npos);
+  expect_says(cold.err, {"27 K", "\"27 degC\""});
+  EXPECT_FALSE(says(scratch.run("mtf budget s.toml --temperature '27 K'").err, "Celsius"));
   for (const char* wrong : {"'288 mK'", "'15 C'", "K", "''"})
     expect_refused(std::string("mtf budget s.toml --temperature ") + wrong, {"a temperature in K"});
 }
@@ -51,19 +51,19 @@ TEST_F(BudgetCommand, ADetectorThatMakesNoElectronsIsRefusedAlike) {
     for (const std::string command : {"budget s.toml", "simulate s.toml t300.exr -o out.exr", "config check s.toml",
                                       "curve s.toml", "config explain s.toml"}) {
       expect_refused("mtf " + command, {"s.toml:22:1: error: detector.quantum_efficiency: ", part});
-      EXPECT_EQ(scratch.run("mtf " + command).err.find("electron_nodes"), std::string::npos);
+      EXPECT_FALSE(says(scratch.run("mtf " + command).err, "electron_nodes"));
     }
   };
   sensor("", "quantum_efficiency = 0.75", "quantum_efficiency = 0.0");
   all_say("no light makes electrons");
   sensor("", "quantum_efficiency = 0.75", "quantum_efficiency = \"qe.csv\"");
   write_file(scratch / "qe.csv", "wavelength_um,quantum_efficiency\n2,0\n6,0\n");
-  all_say("qe.csv is 0 everywhere in the band of 3 um to 5 um");
+  all_say("qe.csv is 0");
   write_file(scratch / "qe.csv", "wavelength_um,quantum_efficiency\n3000,0.5\n5000,0.5\n");
   all_say("qe.csv: covers 3000 um to 5000 um");
   std::string text = kSensor;
-  text.replace(text.find("transmission = 0.85"), 19, "transmission = \"tau.csv\"");
-  text.replace(text.find("quantum_efficiency = 0.75"), 25, "quantum_efficiency = \"qe.csv\"");
+  text = replaced(text, "transmission = 0.85", "transmission = \"tau.csv\"");
+  text = replaced(text, "quantum_efficiency = 0.75", "quantum_efficiency = \"qe.csv\"");
   write_file(scratch / "s.toml", text);
   write_file(scratch / "qe.csv", "wavelength_um,quantum_efficiency\n2,0.5\n3.5,0.5\n3.501,0\n6,0\n");
   write_file(scratch / "tau.csv", "wavelength_um,transmission\n2,0\n4,0\n4.001,0.9\n6,0.9\n");
@@ -76,7 +76,7 @@ TEST_F(BudgetCommand, ABudgetSaysWhatFramesDoOtherwise) {
   const double netd = budget()["netd"]["value"];
   sensor("[noise]\nseed = 1\nshot = false\n");
   const Result r = scratch.run("mtf budget s.toml --format json");
-  EXPECT_NE(r.err.find("[noise] shot = false leaves shot noise out of simulated frames"), std::string::npos) << r.err;
+  expect_says(r.err, {"[noise] shot = false", "shot noise out"});
   EXPECT_EQ(Json::parse(r.out)["notes"].size(), 1U);
   EXPECT_EQ(budget()["netd"]["value"], netd);  // photons arrive as they do
 }
@@ -99,8 +99,7 @@ TEST_F(BudgetCommand, MapsCountInTheBudget) {
   for (float& value : std::span(gain.data(), static_cast<std::size_t>(gain.size()))) value *= 0.5F;
   mtf::io::write_exr((scratch / "gain.exr").string(), {{"Y", gain.view()}}, {});
   const std::string err = scratch.run("mtf budget s.toml").err;
-  EXPECT_NE(err.find("the mean of nonuniformity.responsivity is 0.5"), std::string::npos) << err;
-  EXPECT_NE(err.find("standard deviation of the factors, 0.125, not divided by their mean"), std::string::npos) << err;
+  expect_says(err, {"mean of nonuniformity.responsivity", "0.5", "standard deviation", "0.125", "not divided"});
   EXPECT_NEAR(budget()["prnu"]["value"].get<double>(), 0.5 * random["prnu"]["value"].get<double>(), 1.0);
 }
 
@@ -144,11 +143,10 @@ TEST_F(BudgetCommand, RefusalsOfTheChainHaveTheirLine) {
   sensor("[nonuniformity]\nresponsivity = \"small.exr\"\n");
   write_flat(scratch / "small.exr", 1.0F);
   expect_refused("mtf simulate s.toml t300.exr -o out.exr",
-                 {"s.toml:26:1: error: nonuniformity.responsivity: the map has 64x48 pixels, the detector 32x24"});
+                 {"s.toml:26:1: error: nonuniformity.responsivity:", "64x48", "32x24"});
   sensor("[nonuniformity]\nresponsivity = \"below.exr\"\n");
   write_flat(scratch / "below.exr", -0.5F);
-  expect_refused("mtf config check s.toml",
-                 {"responsivity: ", "below.exr has -0.5 at pixel 0, 0; factors are 0 or above"});
+  expect_refused("mtf config check s.toml", {"responsivity: ", "below.exr has -0.5 at"});
   sensor("[nonuniformity]\nresponsivity = \"none.exr\"\n");
   expect_refused("mtf budget s.toml", {"s.toml:26:1: error: nonuniformity.responsivity: cannot read"}, 1);
 }

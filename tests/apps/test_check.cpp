@@ -17,6 +17,7 @@
 #include "tests/apps/command.h"
 #include "tests/mtf/components/own_test.h"
 
+namespace apps_test {
 namespace {
 
 using apps::check::BuiltInTable;
@@ -24,8 +25,6 @@ using apps::check::Check;
 using apps::check::CheckResult;
 using apps::check::Tables;
 using apps::check::Tally;
-using apps_test::Result;
-using apps_test::Scratch;
 using Json = nlohmann::json;
 
 std::string built_in(std::string_view name) {
@@ -46,7 +45,7 @@ TEST(CheckCommand, PassesAndSaysSoInItsLastLine) {
   const Scratch scratch;
   const Result result = scratch.run("mtf check");
   EXPECT_EQ(result.status, 0) << result.out << result.err;
-  EXPECT_EQ(result.out.find("FAIL"), std::string::npos);
+  EXPECT_FALSE(says(result.out, "FAIL")) << result.out;
   const std::string last = result.out.substr(result.out.rfind('\n', result.out.size() - 2) + 1);
   EXPECT_TRUE(last.starts_with("all ") && last.find(" checks passed: ") != std::string::npos) << last;
   EXPECT_EQ(result.err, "");
@@ -57,7 +56,7 @@ TEST(CheckCommand, JsonHasEveryCheckWithItsErrors) {
   const Result result = scratch.run("mtf check --format json -o check.json");
   ASSERT_EQ(result.status, 0) << result.err;
   EXPECT_EQ(result.out, "");
-  const Json json = Json::parse(apps_test::read_file(scratch / "check.json"));
+  const Json json = Json::parse(read_file(scratch / "check.json"));
   EXPECT_TRUE(json["passed"]);
   EXPECT_EQ(json["checks"].size(), apps::check::all_checks().size());
   std::set<std::pair<std::string, std::string>> names;
@@ -73,40 +72,39 @@ TEST(CheckCommand, JsonHasEveryCheckWithItsErrors) {
 
 TEST(CheckCommand, AWrongValueFailsWithItsPlace) {
   const Scratch scratch;
-  apps_test::fs::create_directory(scratch / "tables");
+  fs::create_directory(scratch / "tables");
   // The first value 5e-15 off, where 4e-16 is promised.
-  apps_test::write_file(scratch / "tables/circular_mtf_extremes.csv",
-                        with_cell(built_in("circular_mtf_extremes.csv"), 1, 5, "0.03738607346850"));
+  write_file(scratch / "tables/circular_mtf_extremes.csv",
+             with_cell(built_in("circular_mtf_extremes.csv"), 1, 5, "0.03738607346850"));
   const Result result = scratch.run("mtf check --reference tables");
   EXPECT_EQ(result.status, 3);
-  EXPECT_NE(result.out.find("circular_mtf_extremes.csv:2: "), std::string::npos) << result.out;
+  expect_says(result.out, {"circular_mtf_extremes.csv:2: "});
   const Result quiet = scratch.run("mtf check --reference tables --format csv -o out.csv --quiet");
   EXPECT_EQ(quiet.status, 3);
   EXPECT_EQ(quiet.out + quiet.err, "");
-  EXPECT_NE(apps_test::read_file(scratch / "out.csv").find(",FAIL,"), std::string::npos);
+  expect_says(read_file(scratch / "out.csv"), {",FAIL,"});
 }
 
 TEST(CheckCommand, FoldersThatAreNotTablesAreRefused) {
   const Scratch scratch;
-  apps_test::fs::create_directory(scratch / "tables");
-  const auto refused = [&](const std::string& text) {
+  fs::create_directory(scratch / "tables");
+  const auto refused = [&](std::initializer_list<std::string_view> parts) {
     const Result result = scratch.run("mtf check --reference tables");
-    EXPECT_EQ(result.status, 2);
-    EXPECT_EQ(apps_test::lines(result.err), 1U) << result.err;
-    EXPECT_NE(result.err.find(text), std::string::npos) << result.err;
+    expect_error(result, 2, parts);
+    EXPECT_EQ(lines(result.err), 1U) << result.err;
   };
-  refused("no reference tables");
-  apps_test::write_file(scratch / "tables/sinc_extreme.csv", "x\n1\n");
-  refused("did you mean sinc_extremes.csv?");
-  apps_test::fs::remove(scratch / "tables/sinc_extreme.csv");
-  apps_test::write_file(scratch / "tables/sinc_extremes.csv", "x,sinc_pi_x\n1,0\n");
-  refused("sinc_extremes.csv:2: no column x_hex");
-  apps_test::write_file(scratch / "tables/sinc_extremes.csv", "x_hex,sinc_pi_x\n1,zero\n");
-  refused("sinc_extremes.csv:2: 'zero' in column sinc_pi_x is not a number");
-  apps_test::write_file(scratch / "tables/sinc_extremes.csv", "x_hex,sinc_pi_x\n1\n");
-  refused("sinc_extremes.csv:2: 1 cells under 2 columns");
-  apps_test::write_file(scratch / "tables/sinc_extremes.csv", "x_hex,sinc_pi_x\n");
-  refused("sinc_extremes.csv: no rows");
+  refused({"no reference tables"});
+  write_file(scratch / "tables/sinc_extreme.csv", "x\n1\n");
+  refused({"did you mean sinc_extremes.csv?"});
+  fs::remove(scratch / "tables/sinc_extreme.csv");
+  write_file(scratch / "tables/sinc_extremes.csv", "x,sinc_pi_x\n1,0\n");
+  refused({"sinc_extremes.csv:2: no column x_hex"});
+  write_file(scratch / "tables/sinc_extremes.csv", "x_hex,sinc_pi_x\n1,zero\n");
+  refused({"sinc_extremes.csv:2: 'zero'", "column sinc_pi_x"});
+  write_file(scratch / "tables/sinc_extremes.csv", "x_hex,sinc_pi_x\n1\n");
+  refused({"sinc_extremes.csv:2: 1 cells under 2 columns"});
+  write_file(scratch / "tables/sinc_extremes.csv", "x_hex,sinc_pi_x\n");
+  refused({"sinc_extremes.csv: no rows"});
   EXPECT_EQ(scratch.run("mtf check --reference nowhere").status, 2);
 }
 
@@ -134,10 +132,10 @@ std::string distorted(const BuiltInTable& table) {
 TEST(Check, NoTableCheckPassesOnWrongValues) {
   const Scratch scratch;
   const auto folder = scratch / "tables";
-  apps_test::fs::create_directory(folder);
+  fs::create_directory(folder);
   for (const BuiltInTable& table : apps::check::built_in_tables())
     if (table.name != "gradients.csv" && table.name != "kolmogorov.csv")  // of the test suite, refused in a folder
-      apps_test::write_file(folder / std::string(table.name), distorted(table));
+      write_file(folder / std::string(table.name), distorted(table));
   const Tables wrong(folder.string());
   int of_tables = 0;
   for (const Check& check : apps::check::all_checks()) {
@@ -178,7 +176,7 @@ TEST(Check, EngineIsHeldToItsPrediction) {
 
 TEST(Check, OwnTablesTakeThePlaceOfTheBuiltInOnes) {
   const Scratch scratch;
-  apps_test::write_file(scratch / "sinc_extremes.csv", "x_hex,sinc_pi_x\r\n0x1p-1,0.63661977236758134307553505349\r\n");
+  write_file(scratch / "sinc_extremes.csv", "x_hex,sinc_pi_x\r\n0x1p-1,0.63661977236758134307553505349\r\n");
   const Tables own((scratch / ".").string());
   EXPECT_EQ(own.rows("sinc_extremes.csv").size(), 1U);
   EXPECT_EQ(own.rows("gaussian_extremes.csv").size(), Tables().rows("gaussian_extremes.csv").size());
@@ -202,8 +200,9 @@ TEST(Check, ComparisonsFailBeyondTheirAllowance) {
   const CheckResult off = result(3.0, 2.0, 0.25);
   EXPECT_EQ(off.worst_abs, 1.0);
   EXPECT_EQ(off.worst_rel, 0.5);
-  EXPECT_EQ(off.failure, "here: 3 instead of 2, off by 1 where 0.25 is allowed");
+  expect_says(off.failure, {"here: ", "3 instead of 2", "off by 1", "0.25"});
   EXPECT_FALSE(apps::check::run({"a", "b", "c", [](const Tables&, Tally&) {}}, {}).passed) << "nothing compared";
 }
 
 }  // namespace
+}  // namespace apps_test

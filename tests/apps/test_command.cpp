@@ -10,10 +10,8 @@
 #include "tests/apps/command.h"
 #include "tests/apps/study/small_study.h"
 
+namespace apps_test {
 namespace {
-
-using apps_test::Result;
-using apps_test::Scratch;
 
 void add_scene(const Scratch& scratch) {
   mtf::Image scene(96, 64);
@@ -71,10 +69,9 @@ TEST_P(HelpOf, EndsWithTwoExamplesThatRun) {
   if (GetParam() == std::string("report")) add_sweep(scratch);
   if (GetParam() == std::string("sweep")) study_test::add_study(scratch);
   if (GetParam() == std::string("optimize"))
-    apps_test::write_file(
-        scratch / "study.toml",
-        "schema = 1\nsensor = \"sensor.toml\"\nobjectives = [\"maximize mtf_nyquist\", \"minimize pitch\"]\n"
-        "[[axis]]\nparameter = \"frame.pitch\"\nvalues = [\"8 um\", \"20 um\"]\n");
+    write_file(scratch / "study.toml",
+               "schema = 1\nsensor = \"sensor.toml\"\nobjectives = [\"maximize mtf_nyquist\", \"minimize pitch\"]\n"
+               "[[axis]]\nparameter = \"frame.pitch\"\nvalues = [\"8 um\", \"20 um\"]\n");
   const Result help = scratch.run(std::string("mtf ") + GetParam() + " --help");
   ASSERT_EQ(help.status, 0);
   EXPECT_EQ(help.err, "");
@@ -109,8 +106,7 @@ TEST(Command, VersionNamesTheFftLibraryAndItsLicence) {
   const Result result = scratch.run("mtf --version");
   EXPECT_EQ(result.status, 0);
   EXPECT_TRUE(result.out.starts_with("mtf 0.")) << result.out;
-  for (const char* text : {"\ncommit: ", "\ncompiler: ", "\nFFT: fftw 3.", " (GPL)\n"})
-    EXPECT_NE(result.out.find(text), std::string::npos) << text;
+  expect_says(result.out, {"\ncommit: ", "\ncompiler: ", "\nFFT: fftw 3.", " (GPL)\n"});
 }
 
 TEST(Command, GlobalOptionsWorkOnEitherSide) {
@@ -155,8 +151,8 @@ TEST(Command, UsageErrorsSayWhatWasMeant) {
     const Result result = scratch.run(std::string("mtf ") + c.arguments);
     EXPECT_EQ(result.status, 2) << c.arguments;
     EXPECT_EQ(result.out, "") << c.arguments;
-    EXPECT_EQ(apps_test::lines(result.err), 1U) << result.err;
-    EXPECT_NE(result.err.find(c.message), std::string::npos) << c.arguments << ": " << result.err;
+    EXPECT_EQ(lines(result.err), 1U) << result.err;
+    EXPECT_TRUE(says(result.err, c.message)) << c.arguments << ": " << result.err;
   }
 }
 
@@ -170,16 +166,15 @@ TEST(Command, FilesNamedLikeSubcommandsAreFiles) {
 TEST(Command, ControlCharactersInNamesDoNotBreakLines) {
   const Scratch scratch;
   scratch.add_sensor();
-  apps_test::write_file(scratch / "bad\nname\x1b[31m.toml",
-                        apps_test::read_file(scratch / "sensor.toml") + "foo = 1\n");
+  write_file(scratch / "bad\nname\x1b[31m.toml", read_file(scratch / "sensor.toml") + "foo = 1\n");
   const std::string name = "\"$(printf 'bad\\nname\\033[31m.toml')\"";
   for (const std::string command : {"curve ", "config check ", "info ", "config explain "}) {
     const Result result = scratch.run("mtf " + command + name);
     EXPECT_EQ(result.status, 2);
-    EXPECT_EQ(apps_test::lines(result.err), 1U) << command << result.err;
-    EXPECT_EQ(result.err.find('\x1b'), std::string::npos);
+    EXPECT_EQ(lines(result.err), 1U) << command << result.err;
+    EXPECT_FALSE(says(result.err, "\x1b")) << result.err;
   }
-  EXPECT_EQ(apps_test::lines(scratch.run("mtf info \"$(printf 'no\\nfile')\"").err), 1U);
+  EXPECT_EQ(lines(scratch.run("mtf info \"$(printf 'no\\nfile')\"").err), 1U);
 }
 
 TEST(Command, AnOutputThatCannotBeWrittenIsAnError) {
@@ -189,7 +184,7 @@ TEST(Command, AnOutputThatCannotBeWrittenIsAnError) {
                               "mtf curve sensor.toml >&-", "mtf config init >/dev/full"}) {
     const Result result = scratch.run(command);
     EXPECT_EQ(result.status, 1) << command;
-    EXPECT_EQ(apps_test::lines(result.err), 1U) << command << result.err;
+    EXPECT_EQ(lines(result.err), 1U) << command << result.err;
   }
   // The reader has gone before the writer starts.
   const Result pipe = scratch.run(
@@ -212,3 +207,4 @@ TEST(Command, SignalsEndItWith130AndLeaveNothing) {
 }
 
 }  // namespace
+}  // namespace apps_test

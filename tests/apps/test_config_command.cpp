@@ -13,10 +13,9 @@
 #include "mtf/io/image_io.h"
 #include "tests/apps/command.h"
 
+namespace apps_test {
 namespace {
 
-using apps_test::Result;
-using apps_test::Scratch;
 using Json = nlohmann::json;
 
 TEST(Config, InitWritesTheStarterAndKeepsWhatIsThere) {
@@ -24,13 +23,12 @@ TEST(Config, InitWritesTheStarterAndKeepsWhatIsThere) {
   EXPECT_EQ(scratch.run("mtf config init").out, mtf::io::starter_config());
   EXPECT_EQ(scratch.run("mtf config init -o -").out, mtf::io::starter_config());
   ASSERT_EQ(scratch.run("mtf config init -o s.toml").status, 0);
-  EXPECT_EQ(apps_test::read_file(scratch / "s.toml"), mtf::io::starter_config());
-  apps_test::write_file(scratch / "s.toml", "mine");
-  const Result refused = scratch.run("mtf config init s.toml");
-  expect_error(refused, 2, {"--force"});
-  EXPECT_EQ(apps_test::read_file(scratch / "s.toml"), "mine");
+  EXPECT_EQ(read_file(scratch / "s.toml"), mtf::io::starter_config());
+  write_file(scratch / "s.toml", "mine");
+  expect_error(scratch.run("mtf config init s.toml"), 2, {"--force"});
+  EXPECT_EQ(read_file(scratch / "s.toml"), "mine");
   EXPECT_EQ(scratch.run("mtf config init s.toml --force").status, 0);
-  EXPECT_EQ(apps_test::read_file(scratch / "s.toml"), mtf::io::starter_config());
+  EXPECT_EQ(read_file(scratch / "s.toml"), mtf::io::starter_config());
   EXPECT_EQ(scratch.run("mtf config init -o missing/s.toml").status, 1);
 }
 
@@ -42,13 +40,12 @@ TEST(Config, CheckSaysOkOrEveryErrorWithItsPlace) {
   EXPECT_TRUE(good.out.starts_with("ok: sensor.toml")) << good.out;
   EXPECT_EQ(good.err, "");
 
-  apps_test::write_file(scratch / "bad.toml",
-                        "schema = 1\n[frame]\nfocal_lenght = \"100 mm\"\nfocal_length = \"100 mm\"\npitch = 15\n");
+  write_file(scratch / "bad.toml",
+             "schema = 1\n[frame]\nfocal_lenght = \"100 mm\"\nfocal_length = \"100 mm\"\npitch = 15\n");
   const Result bad = scratch.run("mtf config check bad.toml");
   EXPECT_EQ(bad.status, 2);
   EXPECT_EQ(bad.out, "");
-  EXPECT_NE(bad.err.find("bad.toml:3:1: error: "), std::string::npos) << bad.err;
-  EXPECT_NE(bad.err.find("bad.toml:5:"), std::string::npos) << bad.err;
+  expect_says(bad.err, {"bad.toml:3:1: error: ", "bad.toml:5:"});
   const Result curve = scratch.run("mtf curve bad.toml");
   EXPECT_EQ(curve.status, 2);
   EXPECT_EQ(curve.err, bad.err);
@@ -65,14 +62,14 @@ TEST(Config, CheckSaysOkOrEveryErrorWithItsPlace) {
 
 TEST(Config, CheckShowsNotesWithOk) {
   const Scratch scratch;
-  apps_test::write_file(scratch / "s.toml", "schema = 1\n[frame]\nfocal_length = \"100 mm\"\npitch = \"15 um\"\n");
+  write_file(scratch / "s.toml", "schema = 1\n[frame]\nfocal_length = \"100 mm\"\npitch = \"15 um\"\n");
   const Result result = scratch.run("mtf config check s.toml");
   EXPECT_EQ(result.status, 0);
   EXPECT_TRUE(result.out.starts_with("ok: s.toml")) << result.out;
-  EXPECT_NE(result.out.find("note: "), std::string::npos) << result.out;
+  expect_says(result.out, {"note: "});
   const Result curve = scratch.run("mtf curve s.toml --freq 0,1");
   EXPECT_EQ(curve.status, 0);
-  EXPECT_NE(curve.err.find("note: "), std::string::npos);
+  expect_says(curve.err, {"note: "});
   EXPECT_EQ(scratch.run("mtf curve s.toml --freq 0,1 --quiet").err, "");
 }
 
@@ -81,8 +78,7 @@ TEST(Config, ExplainShowsWhatNumbersBecome) {
   scratch.add_sensor();
   const Result result = scratch.run("mtf config explain sensor.toml");
   EXPECT_EQ(result.status, 0);
-  for (const char* text : {"frame.focal_length", "\"100 mm\"", "sensor.toml:", "125 cy/mm", "0.5333333333"})
-    EXPECT_NE(result.out.find(text), std::string::npos) << text << "\n" << result.out;
+  expect_says(result.out, {"frame.focal_length", "\"100 mm\"", "sensor.toml:", "125 cy/mm", "0.5333333333"});
 }
 
 TEST(Config, KindsShowsEveryComponentFromItsFieldTable) {
@@ -90,10 +86,10 @@ TEST(Config, KindsShowsEveryComponentFromItsFieldTable) {
   const Result all = scratch.run("mtf config kinds");
   ASSERT_EQ(all.status, 0) << all.err;
   for (const std::string_view kind : mtf::component_kinds())
-    EXPECT_NE(("\n" + all.out).find("\n" + std::string(kind) + ": "), std::string::npos) << kind;
+    EXPECT_TRUE(says("\n" + all.out, "\n" + std::string(kind) + ": ")) << kind;
   const Result one = scratch.run("mtf config kinds jitter");
   EXPECT_TRUE(one.out.starts_with("jitter: ")) << one.out;
-  EXPECT_NE(one.out.find("\"8 urad\""), std::string::npos) << one.out;
+  expect_says(one.out, {"\"8 urad\""});
   EXPECT_EQ(scratch.run("mtf config kinds jiter").status, 2);
 }
 
@@ -102,25 +98,22 @@ TEST(Config, KindsDescribesTablesOfTheChain) {
   const Result table = scratch.run("mtf config kinds detector");
   EXPECT_EQ(table.status, 0) << table.err;
   EXPECT_TRUE(table.out.starts_with("[detector]: ")) << table.out;
-  for (const char* text : {"  quantum_efficiency ", "[0, 1], or a file", "  full_well "})
-    EXPECT_NE(table.out.find(text), std::string::npos) << text << "\n" << table.out;
-  EXPECT_NE(scratch.run("mtf config kinds shutter").out.find("global | rolling"), std::string::npos);
+  expect_says(table.out, {"  quantum_efficiency ", "[0, 1], or a file", "  full_well "});
+  expect_says(scratch.run("mtf config kinds shutter").out, {"global | rolling"});
   const std::string frame = scratch.run("mtf config kinds frame").out;  // its keys with and without a chain
-  for (const char* text : {"  focal_length ", "  pitch (or pitch_x", "  frame_time "})
-    EXPECT_NE(frame.find(text), std::string::npos) << text << "\n" << frame;
-  EXPECT_EQ(frame.find("[0, 0]"), std::string::npos) << frame;  // their ranges follow from other values
-  EXPECT_NE(scratch.run("mtf config kinds band").out.find("  wavelength "), std::string::npos);
-  EXPECT_NE(scratch.run("mtf config kinds bands").err.find("tables: frame, scene, optics, band, "), std::string::npos);
+  expect_says(frame, {"  focal_length ", "  pitch (or pitch_x", "  frame_time "});
+  EXPECT_FALSE(says(frame, "[0, 0]")) << frame;  // their ranges follow from other values
+  expect_says(scratch.run("mtf config kinds band").out, {"  wavelength "});
+  expect_says(scratch.run("mtf config kinds bands").err, {"frame, scene, optics, band,"});
 }
 
 TEST(Config, KindsTellsThePhysicsOfAComponent) {
   const Scratch scratch;
   const Result one = scratch.run("mtf config kinds footprint");
-  for (const char* text : {"  otf = sinc(wx fx) sinc(wy fy)", "(Boreman, ", "parameter"})
-    EXPECT_NE(one.out.find(text), std::string::npos) << text << "\n" << one.out;
+  expect_says(one.out, {"  otf = sinc(wx fx) sinc(wy fy)", "(Boreman, ", "parameter"});
   const Result section = scratch.run("mtf config kinds footprint --format markdown");
   EXPECT_TRUE(section.out.starts_with("## footprint\n")) << section.out;
-  EXPECT_NE(section.out.find("\n\n    otf = sinc(wx fx) sinc(wy fy)"), std::string::npos) << section.out;
+  expect_says(section.out, {"\n\n    otf = sinc(wx fx) sinc(wy fy)"});
   EXPECT_EQ(scratch.run("mtf config kinds --format csv").status, 2);
 }
 
@@ -128,7 +121,7 @@ TEST(Config, ComponentReadmeIsWhatKindsPrints) {
   const Scratch scratch;
   const Result result = scratch.run("mtf config kinds --format markdown");
   ASSERT_EQ(result.status, 0) << result.err;
-  EXPECT_TRUE(result.out == apps_test::read_file(apps_test::fs::path(MTFKIT_SOURCE_DIR) / "mtf/components/README.md"))
+  EXPECT_TRUE(result.out == read_file(fs::path(MTFKIT_SOURCE_DIR) / "mtf/components/README.md"))
       << "stale; run: mtf config kinds --format markdown > mtf/components/README.md";
 }
 
@@ -136,8 +129,7 @@ TEST(Config, ExplainListsFormulaAndSourceOfEachKindOnce) {
   const Scratch scratch;
   scratch.add_sensor();
   const std::string out = scratch.run("mtf config explain sensor.toml").out;
-  for (const char* text : {"\nfootprint\n  otf = sinc(wx fx)", "\ndiffraction\n  otf = M(nu, e)", "  source: Goodman"})
-    EXPECT_NE(out.find(text), std::string::npos) << text << "\n" << out;
+  expect_says(out, {"\nfootprint\n  otf = sinc(wx fx)", "\ndiffraction\n  otf = M(nu, e)", "  source: Goodman"});
   EXPECT_EQ(out.find("source: Goodman"), out.rfind("source: Goodman"));
 }
 
@@ -173,13 +165,12 @@ TEST(Info, DescribesAnImageAndSaysWhatToRun) {
   EXPECT_EQ(parsed.at("next"), "mtf simulate sensor.toml two.exr --layer a -o out.exr");
 
   const Result table = scratch.run("mtf info two.exr");
-  EXPECT_NE(table.out.find("radiance in W.m^-2.sr^-1 (stated in the file)"), std::string::npos) << table.out;
-  EXPECT_NE(table.out.find("next: mtf simulate sensor.toml two.exr --layer a -o out.exr\n"), std::string::npos);
+  expect_says(table.out, {"W.m^-2.sr^-1 (stated", "two.exr --layer a -o"});
   const Result csv = scratch.run("mtf info two.exr --format csv --layer a");
   EXPECT_TRUE(csv.out.starts_with(
       "channel,type,layer,part,min,max,mean,std,not_finite\na.Y,float,a,0,0,7,3.5,2.29128784747792"))
       << csv.out;
-  EXPECT_EQ(apps_test::lines(csv.out), 2U);
+  EXPECT_EQ(lines(csv.out), 2U);
 }
 
 TEST(Info, SensorFilesAndWhatItCannotRead) {
@@ -187,15 +178,14 @@ TEST(Info, SensorFilesAndWhatItCannotRead) {
   scratch.add_sensor();
   const Result sensor = scratch.run("mtf info sensor.toml");
   EXPECT_EQ(sensor.status, 0);
-  EXPECT_NE(sensor.out.find("next: mtf curve sensor.toml\n"), std::string::npos) << sensor.out;
-  apps_test::write_file(scratch / "bad.toml", "schema = 2\n");
+  expect_says(sensor.out, {"next: mtf curve sensor.toml\n"});
+  write_file(scratch / "bad.toml", "schema = 2\n");
   EXPECT_EQ(scratch.run("mtf info bad.toml").status, 2);
-  apps_test::write_file(scratch / "text.txt", "hello, world\n");
+  write_file(scratch / "text.txt", "hello, world\n");
   const Result unknown = scratch.run("mtf info text.txt");
   EXPECT_EQ(unknown.status, 1);
-  for (const char* format : {"OpenEXR", "PNG", "TIFF"})
-    EXPECT_NE(unknown.err.find(format), std::string::npos) << unknown.err;
-  apps_test::write_file(scratch / "empty.exr", "");
+  expect_says(unknown.err, {"OpenEXR", "PNG", "TIFF"});
+  write_file(scratch / "empty.exr", "");
   for (const char* file : {"missing.exr", "empty.exr", "."})
     EXPECT_EQ(scratch.run(std::string("mtf info ") + file).status, 1) << file;
 }
@@ -204,30 +194,28 @@ TEST(Info, SensorFilesAndWhatItCannotRead) {
 TEST(Config, SaysWhatAFileIsThatIsOfAnotherKind) {
   const Scratch scratch;
   scratch.add_sensor();
-  apps_test::write_file(scratch / "study.toml", "sensor = \"sensor.toml\"\n[[axis]]\nparameter = \"frame.pitch\"\n");
-  apps_test::write_file(scratch / "scene.toml",
-                        "schema = 1\n[place]\nlatitude = \"37 deg\"\n[[mesh]]\nfile = \"a.obj\"\n");
-  const auto expect_one_message = [&](const std::string& command, const std::string& text) {
+  write_file(scratch / "study.toml", "sensor = \"sensor.toml\"\n[[axis]]\nparameter = \"frame.pitch\"\n");
+  write_file(scratch / "scene.toml", "schema = 1\n[place]\nlatitude = \"37 deg\"\n[[mesh]]\nfile = \"a.obj\"\n");
+  const auto expect_one_message = [&](const std::string& command, std::initializer_list<std::string_view> parts) {
     const Result result = scratch.run(command);
-    EXPECT_EQ(result.status, 2) << command;
-    EXPECT_NE(result.err.find(text), std::string::npos) << command << ": " << result.err;
+    expect_error(result, 2, parts);
     EXPECT_EQ(std::ranges::count(result.err, '\n'), 1) << command << ": " << result.err;
   };
-  const std::string scene = "the file of a 3-D scene, for it has [[mesh]]; ";
   for (const char* command : {"config check", "info"})
-    expect_one_message("mtf " + std::string(command) + " scene.toml", scene + "`mtf scene check` reads it");
+    expect_one_message("mtf " + std::string(command) + " scene.toml", {"3-D scene", "[[mesh]]", "`mtf scene check`"});
   for (const char* command : {"config explain", "curve", "budget"})
-    expect_one_message("mtf " + std::string(command) + " scene.toml", scene + "a sensor file belongs here");
-  expect_one_message("mtf curve study.toml", "a study, for it names a sensor; a sensor file belongs here");
+    expect_one_message("mtf " + std::string(command) + " scene.toml",
+                       {"3-D scene", "[[mesh]]", "a sensor file belongs"});
+  expect_one_message("mtf curve study.toml", {"a study", "names a sensor", "a sensor file belongs"});
   const Json json = Json::parse(scratch.run("mtf config check scene.toml --format json").out);
   EXPECT_EQ(json.at("diagnostics").size(), 1U);
 #ifdef MTFKIT_HAVE_CALIB
-  expect_one_message("mtf sweep sensor.toml -o out", "a sensor file, for it has [frame]; a study belongs here");
-  expect_one_message("mtf sweep scene.toml -o out", scene + "a study belongs here");
+  expect_one_message("mtf sweep sensor.toml -o out", {"a sensor file", "[frame]", "a study belongs"});
+  expect_one_message("mtf sweep scene.toml -o out", {"3-D scene", "[[mesh]]", "a study belongs"});
 #endif
   // A key that another kind has too is an error of its own place.
-  apps_test::write_file(scratch / "named.toml", apps_test::read_file(scratch / "sensor.toml") + "[mesh]\n");
-  EXPECT_NE(scratch.run("mtf config check named.toml").err.find("mesh: unknown key"), std::string::npos);
+  write_file(scratch / "named.toml", read_file(scratch / "sensor.toml") + "[mesh]\n");
+  expect_says(scratch.run("mtf config check named.toml").err, {"mesh: unknown key"});
 }
 
 #ifdef MTFKIT_HAVE_CALIB
@@ -237,15 +225,15 @@ TEST(Config, CheckReadsStudiesToo) {
   const std::string study =
       "schema = 1\nname = \"pitch\"\nsensor = \"sensor.toml\"\n[[axis]]\nparameter = \"frame.pitch\"\n"
       "values = [\"10 um\", \"12 um\"]\n[metrics]\nlist = [\"mtf_nyquist\"]\n";
-  apps_test::write_file(scratch / "study.toml", study);
+  write_file(scratch / "study.toml", study);
   const Result good = scratch.run("mtf config check study.toml");
   EXPECT_EQ(good.status, 0) << good.err;
-  EXPECT_TRUE(good.out.starts_with("ok: study.toml: pitch, 2 designs (a grid), 1 axis, 1 metric")) << good.out;
+  expect_says(good.out, {"ok: study.toml: pitch", "2 designs (a grid)", "1 axis, 1 metric"});
   const Result info = scratch.run("mtf info study.toml");
   EXPECT_EQ(info.status, 0);
-  EXPECT_NE(info.out.find("next: mtf sweep study.toml"), std::string::npos) << info.out;
+  expect_says(info.out, {"next: mtf sweep study.toml"});
 
-  apps_test::write_file(scratch / "study.toml", study + "[links]\nfocal_length = \"3 * (2 + 1 s)\"\n");
+  write_file(scratch / "study.toml", study + "[links]\nfocal_length = \"3 * (2 + 1 s)\"\n");
   const Result bad = scratch.run("mtf config check study.toml");
   EXPECT_EQ(bad.status, 2);
   EXPECT_EQ(bad.out, "");
@@ -257,9 +245,10 @@ TEST(Config, CheckReadsStudiesToo) {
   EXPECT_EQ(parsed.at("name"), "pitch");
   EXPECT_EQ(parsed.at("diagnostics").at(0).at("column"), 22);
 
-  apps_test::write_file(scratch / "study.toml", "sensor = [\n");  // neither: the place of the first wrong character
+  write_file(scratch / "study.toml", "sensor = [\n");  // neither: the place of the first wrong character
   EXPECT_EQ(scratch.run("mtf config check study.toml").status, 2);
 }
 #endif
 
 }  // namespace
+}  // namespace apps_test

@@ -13,8 +13,7 @@ TEST(Demo, SaysPassWithTheNumbersToFollowByHand) {
   const Scratch scratch;
   const Result demo = scratch.run("mtf demo -o mtf-demo");
   ASSERT_EQ(demo.status, 0) << demo.err;
-  for (const char* figure : {"125.0 cy/mm", "33.33 cy/mm", "0.5333", "0.6645", "0.6366", "0.9160", "= 0.3875", "PASS"})
-    EXPECT_NE(demo.out.find(figure), std::string::npos) << figure << "\n" << demo.out;
+  expect_says(demo.out, {"125.0 cy/mm", "33.33 cy/mm", "0.5333", "0.6645", "0.6366", "0.9160", "= 0.3875", "PASS"});
   for (const char* name : {"sensor.toml", "scene.exr", "sensor.exr", "preview.png", "mtf.csv", "targets.exr"})
     EXPECT_GT(fs::file_size(scratch / "mtf-demo" / name), 0U) << name;
   const mtf::io::ImageFile scene = mtf::io::read_image((scratch / "mtf-demo/scene.exr").string());
@@ -41,8 +40,7 @@ TEST(Demo, KeepsWhatIsThere) {
   const Scratch scratch;
   fs::create_directory(scratch / "d");
   write_file(scratch / "d/mine", "precious");
-  const Result refused = scratch.run("mtf demo -o d");
-  expect_error(refused, 2, {"--force"});
+  expect_error(scratch.run("mtf demo -o d"), 2, {"--force"});
   EXPECT_EQ(scratch.run("mtf demo -o d --force").status, 0);
   EXPECT_EQ(read_file(scratch / "d/mine"), "precious");
   EXPECT_EQ(scratch.run("mtf demo -o no/such/folder").status, 1);
@@ -54,7 +52,7 @@ TEST(Demo, WhereTheDiskIsFullNothingIsLeft) {
   const Result fresh = scratch.run(full + "mtf demo -o d");
   EXPECT_EQ(fresh.status, 1);
   EXPECT_EQ(lines(fresh.err), 1U) << fresh.err;
-  EXPECT_NE(fresh.err.find("d/scene.exr"), std::string::npos) << fresh.err;
+  expect_says(fresh.err, {"d/scene.exr"});
   EXPECT_FALSE(fs::exists(scratch / "d"));
 
   fs::create_directory(scratch / "d");
@@ -68,7 +66,7 @@ TEST(Demo, WithoutGnuplotItNamesTheFilesThatAreThere) {
   const Scratch scratch;
   const Result demo = scratch.run("m=$(command -v mtf); PATH=/nonexistent $m demo -o d");
   ASSERT_EQ(demo.status, 0) << demo.err;
-  EXPECT_NE(demo.err.find("gnuplot is not installed"), std::string::npos) << demo.err;
+  expect_says(demo.err, {"gnuplot is not installed"});
   const std::size_t begin = demo.out.find("written to d/:"), end = demo.out.find('\n', begin);
   ASSERT_NE(end, std::string::npos) << demo.out;
   std::istringstream names(demo.out.substr(begin + 14, end - begin - 14));
@@ -80,8 +78,7 @@ TEST(Demo, WithoutGnuplotItNamesTheFilesThatAreThere) {
 
 TEST(Demo, AToleranceBelowFloatIsRefusedWithTheOneToUse) {
   const Scratch scratch;
-  const Result refused = scratch.run("mtf demo -o d --tolerance 1e-12");
-  expect_error(refused, 2, {"float32"});
+  expect_error(scratch.run("mtf demo -o d --tolerance 1e-12"), 2, {"float32"});
 }
 
 }  // namespace

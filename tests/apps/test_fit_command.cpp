@@ -13,20 +13,12 @@
 #include "tests/apps/command.h"
 #include "tests/calib/made_edges.h"
 #include "tests/mtf/io/png_chunks.h"
+#include "tests/replaced.h"
 
+namespace apps_test {
 namespace {
 
-using apps_test::read_file;
-using apps_test::Result;
-using apps_test::Scratch;
-using apps_test::write_file;
 using Json = nlohmann::json;
-
-std::string replaced(std::string text, const std::string& from, const std::string& to) {
-  const std::size_t at = text.find(from);
-  EXPECT_NE(at, std::string::npos) << from;
-  return at == std::string::npos ? text : text.replace(at, from.size(), to);
-}
 
 // The demo's edge went through the FFT plan; its jitter of 2 um is found again, and the fitted file gives the curve
 // that the sensor has.
@@ -52,7 +44,7 @@ TEST(FitCommand, FindsTheSensorOfTheDemo) {
   };
   EXPECT_NEAR(at_nyquist("fitted.toml"), at_nyquist("demo/sensor.toml"), 2e-3);
   EXPECT_EQ(scratch.run("mtf config check fitted.toml").status, 0);
-  EXPECT_NE(read_file(scratch / "fitted.toml").find("stderr = "), std::string::npos);
+  expect_says(read_file(scratch / "fitted.toml"), {"stderr = "});
   EXPECT_TRUE(read_file(scratch / "fitted.toml").starts_with("# demo/fit.toml"));
 
   const Json measured = Json::parse(scratch.run("mtf measure demo/edge.exr --format json").out).at("edges")[0];
@@ -80,8 +72,8 @@ TEST(FitCommand, TheCurveThatAFileStatesIsUndone) {
   // 16 bits through a curve: a hundredth of the standard error, which is the noise's.
   EXPECT_NEAR(jitter.at("value").get<double>(), exact.at("parameters")[0].at("value").get<double>(),
               0.02 * jitter.at("stderr").get<double>());
-  EXPECT_NE(stated.at("warnings").dump().find("gAMA chunk"), std::string::npos) << stated.at("warnings");
-  EXPECT_EQ(linear.at("warnings").dump().find("gAMA chunk"), std::string::npos) << linear.at("warnings");
+  EXPECT_TRUE(says(stated.at("warnings").dump(), "gAMA chunk")) << stated.at("warnings");
+  EXPECT_FALSE(says(linear.at("warnings").dump(), "gAMA chunk")) << linear.at("warnings");
   EXPECT_GT(std::abs(linear.at("parameters")[0].value("value", 0.0) - 2.0), 10.0 * jitter.at("stderr").get<double>());
 }
 
@@ -92,7 +84,7 @@ TEST(FitCommand, EveryOutputIsWritten) {
       "mtf fit demo/fit.toml demo/edge.exr -o fitted.toml --report fit.json --plot fit.svg --residuals residuals "
       "--profile --residual-otf");
   ASSERT_EQ(fit.status, 0) << fit.err;
-  EXPECT_NE(fit.out.find("jitter.rms"), std::string::npos);
+  expect_says(fit.out, {"jitter.rms"});
   const Json json = Json::parse(read_file(scratch / "fit.json"));
   EXPECT_TRUE(json.at("parameters")[0].at("interval95").is_array());
   EXPECT_EQ(json.at("residual_otf").at("value").size(), json.at("mtf").at("value").size());
@@ -118,12 +110,12 @@ TEST(FitCommand, SaysWhatOneEdgeCannotTell) {
   ASSERT_EQ(fit.status, 0) << fit.err;
   const Json json = Json::parse(fit.out);
   ASSERT_EQ(json.at("not_separable").size(), 1U) << json;
-  EXPECT_NE(json.at("not_separable")[0].at("text").get<std::string>().find("jitter.rms"), std::string::npos);
+  expect_says(json.at("not_separable")[0].at("text").get<std::string>(), {"jitter.rms"});
   for (const Json& parameter : json.at("parameters")) {
     EXPECT_TRUE(parameter.at("value").is_null()) << parameter;
     EXPECT_TRUE(parameter.at("stderr").is_null()) << parameter;
   }
-  EXPECT_EQ(read_file(scratch / "fitted.toml").find("stderr"), std::string::npos);
+  EXPECT_FALSE(says(read_file(scratch / "fitted.toml"), "stderr"));
   EXPECT_EQ(scratch.run("mtf config check fitted.toml").status, 0);
 }
 
@@ -160,12 +152,11 @@ TEST(FitCommand, AFlatBoundGivesIntervals) {
   EXPECT_TRUE(json.at("correlation")[1][0].is_null());
   EXPECT_TRUE(json.at("not_separable").empty());
   const std::string fitted = read_file(scratch / "fitted.toml");
-  EXPECT_NE(fitted.find("# jitter.rms: interval, 95 % "), std::string::npos) << fitted;
-  EXPECT_EQ(fitted.find("stderr"), std::string::npos);
+  expect_says(fitted, {"jitter.rms: interval, 95 %"});
+  EXPECT_FALSE(says(fitted, "stderr")) << fitted;
 
   const std::string table = scratch.run("mtf fit fit.toml edge.exr").out;
-  EXPECT_NE(table.find("um (95 %: "), std::string::npos) << table;
-  EXPECT_NE(table.find("not determined"), std::string::npos) << table;
+  expect_says(table, {"um (95 %: ", "not determined"});
 
   // Up to 1.5 um nothing speaks against a diffusion: its interval has no upper end, and says so.
   write_file(scratch / "short.toml",
@@ -175,9 +166,9 @@ TEST(FitCommand, AFlatBoundGivesIntervals) {
   const Json& end = open.at("parameters")[1].at("interval");
   ASSERT_TRUE(end.is_object()) << open.at("parameters");
   EXPECT_TRUE(end.at("high").is_null()) << end;
-  EXPECT_NE(end.at("reason").get<std::string>().find("do not bound it from above"), std::string::npos) << end;
+  EXPECT_TRUE(says(end.at("reason").get<std::string>(), "bound it from above")) << end;
   EXPECT_EQ(open.at("parameters")[1].at("knowledge"), "not_determined");
-  EXPECT_NE(scratch.run("mtf fit short.toml edge.exr").out.find("do not bound it from above"), std::string::npos);
+  expect_says(scratch.run("mtf fit short.toml edge.exr").out, {"bound it from above"});
 }
 
 // A sensor without the defocus that the edge has.
@@ -198,7 +189,7 @@ TEST(FitCommand, AModelThatDoesNotDescribeTheDataIsAFailedCheck) {
   const Result wrong = scratch.run(command);
   EXPECT_EQ(wrong.status, 3) << wrong.err;
   EXPECT_EQ(Json::parse(wrong.out).at("status"), "converged_model_wrong");
-  EXPECT_NE(wrong.err.find("--allow-misfit"), std::string::npos) << wrong.err;
+  expect_says(wrong.err, {"--allow-misfit"});
   all_written();
   for (const char* file : {"fitted.toml", "fit.json", "fit.svg.csv", "residuals"})
     std::filesystem::remove_all(scratch / file);
@@ -238,11 +229,10 @@ TEST(FitCommand, BothSignsOfADefocus) {
   EXPECT_EQ(waves.at("other_values")[0].at("chi2_rise"), 0.0);
   EXPECT_EQ(json.at("alternatives")[0].at("parameters")[0], "defocus.waves");
   const std::string fitted = read_file(scratch / "fitted.toml");
-  EXPECT_NE(fitted.find("# defocus.waves: ambiguous, -0.3"), std::string::npos) << fitted;
-  EXPECT_EQ(fitted.find("stderr"), std::string::npos) << fitted;
+  expect_says(fitted, {"# defocus.waves: ambiguous, -0.3"});
+  EXPECT_FALSE(says(fitted, "stderr")) << fitted;
   const std::string table = scratch.run("mtf fit fit.toml edge.exr").out;
-  EXPECT_NE(table.find(" or 0.3"), std::string::npos) << table;
-  EXPECT_NE(table.find("the data do not tell -0.3"), std::string::npos) << table;
+  expect_says(table, {" or 0.3", "do not tell -0.3"});
 }
 
 // The lens of f/8 fitted without its defocus: residuals that look right, and yet not what the data say.
@@ -255,9 +245,7 @@ TEST(FitCommand, WhatOneMoreUnknownMakesOfAValue) {
   EXPECT_EQ(fit.status, 3) << fit.err;
   const Json json = Json::parse(fit.out), f_number = json.at("parameters")[0];
   EXPECT_EQ(json.at("status"), "converged_model_wrong");
-  EXPECT_NE(json.at("reason").get<std::string>().find("with defocus unknown it describes them better"),
-            std::string::npos)
-      << json.at("reason");
+  EXPECT_TRUE(says(json.at("reason").get<std::string>(), "defocus unknown")) << json.at("reason");
   EXPECT_GT(json.at("whiteness_p").get<double>(), 1e-4);
   const Json& model = json.at("richer_models")[0];
   EXPECT_EQ(model.at("unknown"), "defocus");
@@ -267,10 +255,10 @@ TEST(FitCommand, WhatOneMoreUnknownMakesOfAValue) {
   EXPECT_NEAR(then.at("value").get<double>(), 8.0, 4.0 * then.at("stderr").get<double>());
   EXPECT_NEAR(then.at("moves_by").get<double>(), then.at("value").get<double>() - f_number.at("value").get<double>(),
               1e-9);
-  EXPECT_NE(read_file(scratch / "fitted.toml").find("# optics.f_number with unknown defocus: "), std::string::npos);
+  expect_says(read_file(scratch / "fitted.toml"), {"# optics.f_number with unknown"});
   const Result table = scratch.run("mtf fit fit.toml edge.exr --allow-misfit");
   EXPECT_EQ(table.status, 0);
-  EXPECT_NE(table.out.find("   with unknown defocus: "), std::string::npos) << table.out;
+  expect_says(table.out, {"   with unknown defocus: "});
 }
 
 TEST(FitCommand, BadRequests) {
@@ -280,7 +268,7 @@ TEST(FitCommand, BadRequests) {
   const auto refused = [&](const std::string& arguments, const std::string& word, int status = 2) {
     const Result result = scratch.run("mtf fit " + arguments);
     EXPECT_EQ(result.status, status) << arguments << result.out;
-    EXPECT_NE((result.err + result.out).find(word), std::string::npos) << result.err << result.out;
+    expect_says(result.err + result.out, {word});
     EXPECT_FALSE(std::filesystem::exists(scratch / "fitted.toml")) << arguments;
   };
   refused("sensor.toml demo/edge.exr -o fitted.toml", "nothing to fit");
@@ -292,3 +280,4 @@ TEST(FitCommand, BadRequests) {
 }
 
 }  // namespace
+}  // namespace apps_test

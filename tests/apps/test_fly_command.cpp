@@ -9,35 +9,26 @@
 #include "mtf/io/exr/spectral_exr.h"
 #include "mtf/io/image_io.h"
 #include "plates_case.h"
+#include "tests/expect_error.h"
+#include "tests/replaced.h"
 
+namespace apps_test {
 namespace {
 
-using apps_test::kGroundAndTarget, apps_test::read_file, apps_test::Result, apps_test::Scratch, apps_test::write_file;
-
 const std::string kScene =
-    apps_test::place_and_weather("start = 2026-06-21T12:00:00Z\nend = 2026-06-21T14:00:00Z\nstep = \"10 min\"\n") +
+    place_and_weather("start = 2026-06-21T12:00:00Z\nend = 2026-06-21T14:00:00Z\nstep = \"10 min\"\n") +
     R"([[material]]
 name = "steel"
 solar_absorptance = 0.7
 emissivity = 0.9
 layers = [{ conductivity = "45 W/m/K", density = "7800 kg/m3", heat_capacity = "480 J/kg/K", thickness = "2 mm" }]
-[[mesh]]
-name = "plates"
-file = "plates.obj"
-[[region]]
-mesh = "plates"
-group = "soil"
-temperature = "290 K"
-[[region]]
-mesh = "plates"
-group = "target"
-material = "steel"
-[camera]
+)" + soil_and_target("", "material = \"steel\"\n") +
+    R"([camera]
 path = "flight.csv"
 )";
 const std::string kFlight =
     "time (s),x (m),y (m),z (m),look_x (m),look_y (m),look_z (m)\n0,3,-40,6,0,0,0.6\n0.4,-3,-30,4,0,0,0.6\n";
-const std::string kSensor = apps_test::uncooled("[noise]\nseed = 1\n");
+const std::string kSensor = uncooled("[noise]\nseed = 1\n");
 
 class FlyCommand : public testing::Test {
  protected:
@@ -47,29 +38,25 @@ class FlyCommand : public testing::Test {
     write_file(scratch_ / "flight.csv", kFlight);
     write_file(scratch_ / "sensor.toml", kSensor);
   }
-  void refused(const std::string& command, const std::string& words) const {
-    const Result result = scratch_.run("mtf fly " + command);
-    EXPECT_EQ(result.status, 2) << command << result.err;
-    EXPECT_NE(result.err.find(words), std::string::npos) << command << "\n" << result.err;
+  void refused(const std::string& command, std::string_view part) const {
+    SCOPED_TRACE(command);
+    expect_error(scratch_.run("mtf fly " + command), 2, {part});
   }
   Scratch scratch_;
 };
 
 TEST_F(FlyCommand, SaysWhenWholeNumbersHardlyShowOrAreClamped) {
   const Result dark = scratch_.run("mtf fly scene.toml sensor.toml --frames 0:1 -o frame.%02d.png");
-  EXPECT_NE(dark.out.find("they hardly show: --range "), std::string::npos) << dark.out << dark.err;
+  expect_says(dark.out, {"hardly show", "--range "});
   const Result clamped = scratch_.run("mtf fly scene.toml sensor.toml --frames 0:1 --range 0:1 -o frame.%02d.png");
-  EXPECT_NE(clamped.out.find("100 % of the samples are clamped"), std::string::npos) << clamped.out << clamped.err;
+  expect_says(clamped.out, {"100 %", "clamped"});
 }
 
 TEST_F(FlyCommand, WritesTheFramesOfThePath) {
   const Result made = scratch_.run("mtf fly scene.toml sensor.toml -o frame.%02d.exr");
   ASSERT_EQ(made.status, 0) << made.err;
-  EXPECT_NE(made.out.find("11 frames"), std::string::npos) << made.out;
-  EXPECT_NE(made.out.find("the heat balance took"), std::string::npos) << made.out;
-  EXPECT_NE(made.out.find("left out: "), std::string::npos) << made.out;
-  EXPECT_NE(made.out.find("\nvalues "), std::string::npos) << made.out;
-  EXPECT_EQ(made.out.find("hardly show"), std::string::npos) << made.out;
+  expect_says(made.out, {"11 frames", "the heat balance took", "left out: ", "\nvalues "});
+  EXPECT_FALSE(says(made.out, "hardly show")) << made.out;
   for (const std::string name : {"frame.00.exr", "frame.10.exr"})
     EXPECT_EQ(mtf::io::read_info((scratch_ / name).string()).width, 64) << name;
   // A frame does not depend on those before it.
@@ -99,7 +86,7 @@ TEST_F(FlyCommand, FollowsAScheduleOfAirAndOptics) {
   const Result made =
       scratch_.run("mtf fly scene.toml airy.toml --schedule changes.csv --frames 0:7 -o frame.%02d.exr");
   ASSERT_EQ(made.status, 0) << made.err;
-  EXPECT_NE(made.out.find("light was made 2 times"), std::string::npos) << made.out;
+  expect_says(made.out, {"made 2 times"});
 }
 
 // A camera that turns from the scene into the sky and comes so near to a wall that it sees nothing else.
@@ -109,10 +96,10 @@ TEST_F(FlyCommand, DrawsViewsWithoutContrastAndWithoutFacets) {
              "0.2,0,-3,0.7,0,0,0.7\n0.3,0,-0.2,0.7,0,0,0.7\n");
   const Result made = scratch_.run("mtf fly scene.toml sensor.toml -o frame.%02d.exr");
   EXPECT_EQ(made.status, 0) << made.err;
-  EXPECT_NE(made.out.find("8 frames"), std::string::npos) << made.out;
+  expect_says(made.out, {"8 frames"});
   const Result asked = scratch_.run("mtf fly scene.toml sensor.toml --tolerance 1e-4");
   EXPECT_EQ(asked.status, 0) << asked.err;
-  EXPECT_NE(asked.out.find("8 frames"), std::string::npos) << asked.out;
+  expect_says(asked.out, {"8 frames"});
 }
 
 TEST_F(FlyCommand, FramesSayWhenAndWhereFrom) {
@@ -153,21 +140,21 @@ TEST_F(FlyCommand, RefusesWhatCannotFly) {
     refused("scene.toml sensor.toml --report " + std::string(input), "is the input");
     EXPECT_EQ(read_file(scratch_ / input), before);
   }
-  refused("scene.toml sensor.toml -o frame.%02d.exr --report frame.04.exr", "is one of the frames");
-  refused("scene.toml sensor.toml -o frame.%02d.txt", "frames are .exr, .png or .tif files");
+  refused("scene.toml sensor.toml -o frame.%02d.exr --report frame.04.exr", "one of the frames");
+  refused("scene.toml sensor.toml -o frame.%02d.txt", ".exr, .png or .tif");
   refused("scene.toml sensor.toml --light-every 1e-300", "--light-every");
   refused("scene.toml sensor.toml --heat-tolerance '1e-12 K'", "--heat-tolerance");
-  refused("scene.toml sensor.toml -o frame.png", "write a number into the name");
-  refused("scene.toml sensor.toml --frames 0:99", "there is no place at");
-  refused("scene.toml sensor.toml --frames 0:1 --seconds 2", "both say how many frames");
+  refused("scene.toml sensor.toml -o frame.png", "number into the name");
+  refused("scene.toml sensor.toml --frames 0:99", "no place at");
+  refused("scene.toml sensor.toml --frames 0:1 --seconds 2", "how many frames");
   refused("scene.toml sensor.toml --rate 0", "--rate");
-  refused("scene.toml sensor.toml --time 2027-01-01T00:00:00Z", "is outside of the run");
+  refused("scene.toml sensor.toml --time 2027-01-01T00:00:00Z", "outside of the run");
   write_file(scratch_ / "flight.csv",
              "time (s),x (m),y (m),z (m),look_x (m),look_y (m),look_z (m)\n0,3,-40,-9,0,0,1\n");
   refused("scene.toml sensor.toml", "below");
   std::string still = kScene;
-  still.replace(still.find("path = \"flight.csv\""), 19,
-                "position = [\"3 m\", \"-40 m\", \"4 m\"]\nlook_at = [\"0 m\", \"0 m\", \"1 m\"]");
+  still = replaced(still, "path = \"flight.csv\"",
+                   "position = [\"3 m\", \"-40 m\", \"4 m\"]\nlook_at = [\"0 m\", \"0 m\", \"1 m\"]");
   write_file(scratch_ / "scene.toml", still);
   refused("scene.toml sensor.toml", "stands still");
   still.resize(still.find("[camera]"));
@@ -181,11 +168,11 @@ TEST_F(FlyCommand, AnInterruptLeavesWholeFrames) {
       "while kill -0 $pid 2>/dev/null; do [ -e frame.00003.exr ] && kill -INT $pid && break; sleep 0.02; done\nwait "
       "$pid");
   EXPECT_EQ(made.status, 130) << made.err;
-  EXPECT_NE(made.err.find("frames are finished and whole"), std::string::npos) << made.err;
+  expect_says(made.err, {"frames are finished"});
   std::size_t frames = 0;
   for (const auto& entry : std::filesystem::directory_iterator(scratch_ / "")) {
     const std::string name = entry.path().filename().string();
-    EXPECT_EQ(name.find(".tmp."), std::string::npos) << name;
+    EXPECT_FALSE(says(name, ".tmp.")) << name;
     if (!name.starts_with("frame.")) continue;
     ++frames;
     EXPECT_EQ(mtf::io::read_plane(entry.path().string(), {"Y"}).width(), 64) << name;
@@ -194,3 +181,4 @@ TEST_F(FlyCommand, AnInterruptLeavesWholeFrames) {
 }
 
 }  // namespace
+}  // namespace apps_test

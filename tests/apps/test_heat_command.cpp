@@ -10,6 +10,8 @@
 #include <sstream>
 
 #include "tests/apps/heat_command_case.h"
+#include "tests/expect_error.h"
+#include "tests/replaced.h"
 
 namespace apps_test {
 namespace {
@@ -17,7 +19,7 @@ namespace {
 TEST_F(HeatCommand, WritesWhatItSays) {
   const Result result = scratch_.run("mtf heat scene.toml -o out --ply --tolerance '0.1 K'");
   ASSERT_EQ(result.status, 0) << result.err;
-  EXPECT_NE(result.out.find("2 facets as 2 classes, 13 outputs"), std::string::npos) << result.out;
+  expect_says(result.out, {"2 facets", "2 classes", "13 outputs"});
   const auto regions = lines_of(read_file(scratch_ / "out/regions.csv"));
   ASSERT_EQ(regions.size(), 14U);
   EXPECT_EQ(regions[0], "time,region,min_K,mean_K,max_K");
@@ -48,7 +50,7 @@ TEST_F(HeatCommand, WritesWhatItSays) {
 TEST_F(HeatCommand, VerifiesWhatItPromises) {
   const Result result = scratch_.run("mtf heat scene.toml -o out --verify --tolerance '0.3 K'");
   ASSERT_EQ(result.status, 0) << result.err;
-  EXPECT_NE(result.out.find("realised, against runs that promise"), std::string::npos) << result.out;
+  expect_says(result.out, {"against runs"});
   const auto json = nlohmann::json::parse(read_file(scratch_ / "out/heat.json"));
   const nlohmann::json& classes = json.at("realised").at("as_classes");
   EXPECT_LE(classes.at("largest_K"), json.at("promised_K"));
@@ -60,10 +62,6 @@ TEST_F(HeatCommand, VerifiesWhatItPromises) {
 
 // The camera looks down on a cube, whose top sees the sky alone and does not depend on the other sides.
 TEST_F(HeatCommand, LeavesOutWhatTheCameraDoesNotSee) {
-  const auto replaced = [](std::string text, const std::string& from, const std::string& to) {
-    EXPECT_NE(text.find(from), std::string::npos) << from;
-    return text.replace(text.find(from), from.size(), to);
-  };
   std::string text = replaced(kScene, "[\"4 m\", \"-3 m\", \"3 m\"]", "[\"0.4 m\", \"0.5 m\", \"9 m\"]");
   text = replaced(text, "[[region]]", "[[region]]\ngroup = \"low\"");
   text = replaced(text, "[camera]", "[[region]]\nmesh = \"plates\"\ngroup = \"high\"\nmaterial = \"steel\"\n[camera]");
@@ -73,8 +71,7 @@ TEST_F(HeatCommand, LeavesOutWhatTheCameraDoesNotSee) {
                  "g high\nf 5 6 7 8\ng low\nf 1 4 3 2\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n");
   const Result result = scratch_.run("mtf heat scene.toml -o out --seen --ply --vtk --sensitivity --tolerance '0.1 K'");
   ASSERT_EQ(result.status, 0) << result.err;
-  EXPECT_NE(result.out.find("the camera sees 1 facets"), std::string::npos) << result.out;
-  EXPECT_NE(result.out.find("not seen"), std::string::npos) << result.out;
+  expect_says(result.out, {"sees 1 facets", "not seen"});
   ASSERT_EQ(scratch_.run("mtf heat scene.toml -o all --tolerance '0.1 K'").status, 0);
   constexpr std::size_t kFacets = 6, kOutputs = 13;
   const auto kelvin_in = [&](const std::string& folder) {
@@ -101,13 +98,11 @@ TEST_F(HeatCommand, LeavesOutWhatTheCameraDoesNotSee) {
   // Where temperatures are taken from there, one that is missing is named.
   write_file(scratch_ / "table.toml",
              replaced(text, "group = \"low\"", "group = \"low\"\ntemperature = \"out/temperatures.npy\""));
-  const Result table = scratch_.run("mtf heat table.toml -o taken");
-  expect_error(table, 2, {"'low'", "temperature"});
+  expect_error(scratch_.run("mtf heat table.toml -o taken"), 2, {"'low'", "temperature"});
 
   EXPECT_EQ(scratch_.run("mtf heat scene.toml -o fit.toml --fit --seen").status, 2);
   write_file(scratch_ / "scene.toml", kScene.substr(0, kScene.find("[camera]")));
-  const Result blind = scratch_.run("mtf heat scene.toml -o none --seen");
-  expect_error(blind, 2, {"[camera]"});
+  expect_error(scratch_.run("mtf heat scene.toml -o none --seen"), 2, {"[camera]"});
   EXPECT_FALSE(fs::exists(scratch_ / "none"));
 }
 
@@ -138,7 +133,7 @@ TEST_F(HeatCommand, CheckAndExplain) {
   EXPECT_TRUE(
       std::regex_search(explained.out, std::regex("steel +5 +0\\.000111 +18\\.7 +0\\.7 +0\\.9 +13\\.3 +17 min")))
       << explained.out;
-  EXPECT_NE(explained.out.find("the sun rises at 2026-06-21T04:"), std::string::npos) << explained.out;
+  expect_says(explained.out, {"rises at 2026-06-21T04:"});
 }
 
 TEST_F(HeatCommand, TheDemoIsAScene) {
@@ -153,15 +148,15 @@ TEST_F(HeatCommand, RefusalsLeaveNothing) {
   const auto refused = [&](const std::string& command, const std::string& words) {
     const Result result = scratch_.run(command);
     EXPECT_NE(result.status, 0) << command;
-    EXPECT_NE(result.err.find(words), std::string::npos) << result.err;
+    expect_says(result.err, {words});
     EXPECT_FALSE(fs::exists(scratch_ / "out")) << command;
   };
   refused("mtf heat scene.toml -o out --tolerance 0.1", "\"0.1 K\"");
   refused("mtf heat scene.toml -o out --tolerance '0 K'", "above 0");
   refused("mtf heat missing.toml -o out", "missing.toml");
   std::string text = kScene;
-  text.replace(text.find("convection = \"mcadams\""), 22, "convection = \"none\"");
-  text.replace(text.find("[[mesh]]"), 8, "inside = { kind = \"flux\", flux = \"-600 W/m2\" }\n[[mesh]]");
+  text = replaced(text, "convection = \"mcadams\"", "convection = \"none\"");
+  text = replaced(text, "[[mesh]]", "inside = { kind = \"flux\", flux = \"-600 W/m2\" }\n[[mesh]]");
   write_file(scratch_ / "frozen.toml", text);
   refused("mtf heat frozen.toml -o out", "region 'plates' comes to");
   write_file(scratch_ / "times.csv",
@@ -172,32 +167,30 @@ TEST_F(HeatCommand, RefusalsLeaveNothing) {
   text.replace(values, text.find("[[material]]") - values, "file = \"times.csv\"\n");
   write_file(scratch_ / "once.toml", text);
   refused("mtf heat once.toml -o out", "it has one record");
-  const Result over = scratch_.run("mtf heat once.toml -o . --force");
-  expect_error(over, 2, {"which this run reads"});
+  expect_error(scratch_.run("mtf heat once.toml -o . --force"), 2, {"which this run reads"});
   write_file(scratch_ / "plates.obj", "v 0 0 0\n");
   refused("mtf heat scene.toml -o out", "plates.obj");
   write_file(scratch_ / "plates.obj", kPlates);
   text = kScene;
-  text.replace(text.find("2026-06-22T00:00:00Z"), 20, "2026-06-22T00:00:00");
+  text = replaced(text, "2026-06-22T00:00:00Z", "2026-06-22T00:00:00");
   write_file(scratch_ / "zoneless.toml", text);
   refused("mtf heat zoneless.toml -o out", "zoneless.toml:8:");
   text = kScene;
-  text.replace(text.find("longwave_down = \"320 W/m2\"\n"), 27, "");
+  text = replaced(text, "longwave_down = \"320 W/m2\"\n", "");
   write_file(scratch_ / "skyless.toml", text);
   refused("mtf heat skyless.toml -o out", "longwave_down");
 }
 
 TEST_F(HeatCommand, NamesMissingFilesWithTheirPlace) {
   std::filesystem::remove(scratch_ / "plates.obj");
-  const Result result = scratch_.run("mtf heat scene.toml -o out");
-  expect_error(result, 1, {"scene.toml:24:8", "mesh[0].file", "plates.obj"});
+  expect_error(scratch_.run("mtf heat scene.toml -o out"), 1, {"scene.toml:24:8", "mesh[0].file", "plates.obj"});
   EXPECT_FALSE(std::filesystem::exists(scratch_ / "out"));
 }
 
 TEST_F(HeatCommand, SaysWhatTheTemperaturesDependOn) {
   const Result result = scratch_.run("mtf heat scene.toml -o out --sensitivity --vtk --tolerance '0.1 K' --rays 64");
   ASSERT_EQ(result.status, 0) << result.err;
-  EXPECT_NE(result.out.find("convection +10 %"), std::string::npos) << result.out;
+  expect_says(result.out, {"convection +10 %"});
   const auto rows = lines_of(read_file(scratch_ / "out/sensitivity.csv"));
   ASSERT_EQ(rows.size(), 7U);
   EXPECT_EQ(rows[0], "change,region,mean_K,largest_K");
@@ -238,8 +231,7 @@ TEST(HeatFitCommand, FindsTheNumbersOfTheExample) {
 
   const std::string text = read_file(scratch / "fitted.toml");
   EXPECT_TRUE(text.starts_with("# ground.toml (sha256 ")) << text;
-  EXPECT_NE(text.find("# The first guess: dry sandy soil"), std::string::npos);
-  EXPECT_NE(text.find("stderr = "), std::string::npos);
+  expect_says(text, {"# The first guess:", "dry sandy soil", "stderr = "});
   const Result again = scratch.run("mtf heat fitted.toml -o day");
   ASSERT_EQ(again.status, 0) << again.err;
   EXPECT_EQ(lines_of(read_file(scratch / "day/facets.csv")).size(), 2U);

@@ -10,11 +10,8 @@
 #include "mtf/io/image_io.h"
 #include "tests/apps/command.h"
 
+namespace apps_test {
 namespace {
-
-namespace fs = std::filesystem;
-using apps_test::Result;
-using apps_test::Scratch;
 
 struct Help {
   std::vector<std::string> names;     ///< of options and arguments
@@ -67,16 +64,16 @@ TEST(ManPages, EveryCommandHasOneWithAllThatHelpLists) {
     EXPECT_FALSE(help.names.empty() || help.examples.empty()) << command;
     pages.insert(page_of(command));
     const std::string page = shown(scratch, page_of(command));
-    for (const std::string& name : help.names) EXPECT_NE(page.find(name), std::string::npos) << command << " " << name;
+    for (const std::string& name : help.names) EXPECT_TRUE(says(page, name)) << command << " " << name;
     for (const std::string& example : help.examples)
-      EXPECT_NE(page.find(example), std::string::npos) << command << "\n" << example << "\n" << page;
+      EXPECT_TRUE(says(page, example)) << command << "\n" << example << "\n" << page;
     for (const std::string& inner : help.commands) {
       commands.push_back(command + " " + inner);
       std::string name = page_of(commands.back());
-      EXPECT_NE(page.find(name.substr(0, name.size() - 2) + "(1)"), std::string::npos) << name;
+      EXPECT_TRUE(says(page, name.substr(0, name.size() - 2) + "(1)")) << name;
     }
     for (const char* heading : {" NAME ", " SYNOPSIS ", " DESCRIPTION ", " OPTIONS ", " EXIT STATUS ", " SEE ALSO "})
-      EXPECT_NE(page.find(heading), std::string::npos) << command << heading;
+      EXPECT_TRUE(says(page, heading)) << command << heading;
   }
   EXPECT_GE(commands.size(), 16U);
   std::set<std::string> written;
@@ -87,18 +84,17 @@ TEST(ManPages, EveryCommandHasOneWithAllThatHelpLists) {
 TEST(ManPages, AreValidAndOfTheDateThatIsAskedFor) {
   const Scratch scratch;
   ASSERT_EQ(scratch.run("SOURCE_DATE_EPOCH=86400 mtf --man .").status, 0);
-  EXPECT_NE(apps_test::read_file(scratch / "mtf-curve.1").find(" 1970-01-02 "), std::string::npos);
+  expect_says(read_file(scratch / "mtf-curve.1"), {" 1970-01-02 "});
   if (scratch.run("groff --version").status != 0) GTEST_SKIP() << "no groff";
   const Result checked = scratch.run("groff -man -ww -z *.1");
   EXPECT_EQ(checked.status, 0);
   EXPECT_EQ(checked.err, "");
-  EXPECT_NE(shown(scratch, "mtf-curve.1").find("Tables show MTF = |OTF|."), std::string::npos);
+  expect_says(shown(scratch, "mtf-curve.1"), {"MTF = |OTF|."});
 }
 
 TEST(ManPages, AFolderThatIsNotThereIsAnError) {
   const Scratch scratch;
-  const Result result = scratch.run("mtf --man nowhere");
-  expect_error(result, 1, {"nowhere"});
+  expect_error(scratch.run("mtf --man nowhere"), 1, {"nowhere"});
 }
 
 /// Files for completion: images with layers and without, and some that are not what they are called.
@@ -109,13 +105,13 @@ class Completion : public testing::Test {
     mtf::io::write_exr((scratch / "view.exr").string(),
                        {{"left.Y", plane.view()}, {"right.Y", plane.view()}, {"my layer.Y", plane.view()}}, {});
     mtf::io::write_exr((scratch / "my view.exr").string(), {{"up.Y", plane.view()}}, {});
-    apps_test::write_file(scratch / "broken.exr", "v/1\x01 and no more");
-    apps_test::write_file(scratch / "broken.toml", "[frame\n");
-    apps_test::write_file(scratch / "sensor.toml", "schema = 1\n");
-    apps_test::write_file(scratch / "driver", "source '" MTFKIT_SOURCE_DIR
-                                              "/apps/help/mtf.bash'\n"
-                                              "COMP_WORDS=(\"$@\")\nCOMP_CWORD=$(($# - 1))\n_mtf\n"
-                                              "for word in \"${COMPREPLY[@]}\"; do printf '%s|' \"$word\"; done\n");
+    write_file(scratch / "broken.exr", "v/1\x01 and no more");
+    write_file(scratch / "broken.toml", "[frame\n");
+    write_file(scratch / "sensor.toml", "schema = 1\n");
+    write_file(scratch / "driver", "source '" MTFKIT_SOURCE_DIR
+                                   "/apps/help/mtf.bash'\n"
+                                   "COMP_WORDS=(\"$@\")\nCOMP_CWORD=$(($# - 1))\n_mtf\n"
+                                   "for word in \"${COMPREPLY[@]}\"; do printf '%s|' \"$word\"; done\n");
   }
 
   /// What bash would offer for the last of the words, which are written for the shell.
@@ -195,8 +191,9 @@ TEST(Help, ListsNothingThatIsForTheShellAndTheBuildOnly) {
   const Scratch scratch;
   const std::string help = scratch.run("mtf --help").out;
   ASSERT_NE(help, "");
-  EXPECT_EQ(help.find("--complete"), std::string::npos);
-  EXPECT_EQ(help.find("--man"), std::string::npos);
+  EXPECT_FALSE(says(help, "--complete")) << help;
+  EXPECT_FALSE(says(help, "--man")) << help;
 }
 
 }  // namespace
+}  // namespace apps_test

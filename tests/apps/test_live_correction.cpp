@@ -4,6 +4,8 @@
 
 #include "apps/simulate/sensor_run.h"
 #include "tests/apps/live_images.h"
+#include "tests/expect_error.h"
+#include "tests/replaced.h"
 
 namespace apps_test {
 namespace {
@@ -60,7 +62,7 @@ TEST_F(LiveCorrection, AnEarlierCorrectionKeepsItsShading) {
     std::string text =
         kSensor + vignetting +
         "[nonuniformity]\nprnu = 0.02\n[adc]\nbits = 14\n[correction]\nframes = 2\nlow = 0.2\nhigh = 0.8\n";
-    text.replace(text.find("\"100 mm\""), 8, "\"" + focal_length + "\"");
+    text = replaced(text, "\"100 mm\"", "\"" + focal_length + "\"");
     return sensor(text);
   };
   const std::string dark = "[vignetting]\na2 = -0.3\n", bright = "[vignetting]\na2 = -0.1\n";
@@ -93,7 +95,7 @@ TEST_F(LiveCorrection, SensorsWhoseFlatFramesDifferHaveCorrectionsOfTheirOwn) {
                            "[correction]\nlow = 0.2\nhigh = 0.8\n";
   const auto with = [&](const std::string& from, const std::string& to) {
     std::string text = base;
-    EXPECT_NE(text.find(from), std::string::npos) << from;
+    EXPECT_TRUE(says(text, from)) << from;
     return sensor(text.replace(text.find(from), from.size(), to));
   };
   const SensorConfig first = sensor(base);

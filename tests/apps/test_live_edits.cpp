@@ -14,6 +14,7 @@
 #include "apps/sensor/sensor_air.h"
 #include "mtf/error.h"
 #include "tests/expect_error.h"
+#include "tests/replaced.h"
 
 namespace apps::live {
 namespace {
@@ -55,32 +56,32 @@ std::shared_ptr<const mtf::io::SensorConfig> camera() {
 std::string text_after(const std::vector<Edit>& edits) { return EditedSensor(camera()).with(edits)->text; }
 
 std::string refusal_of(const Edit& edit) {
-  return mtf::test::message_of<mtf::UsageError>([&] { EditedSensor(camera()).with(std::vector{edit}); });
+  return message_of<mtf::UsageError>([&] { EditedSensor(camera()).with(std::vector{edit}); });
 }
 
 TEST(LiveEdits, AKeyIsNoLongerGiven) {
   const std::string text = text_after(
       {{Edit::Kind::set, "diffraction.obscuration", "0.3"}, {Edit::Kind::unset, "diffraction.obscuration", ""}});
   EXPECT_EQ(text, kText);
-  EXPECT_EQ(text_after({{Edit::Kind::unset, "detector.full_well", ""}}).find("full_well"), std::string::npos);
+  EXPECT_FALSE(says(text_after({{Edit::Kind::unset, "detector.full_well", ""}}), "full_well"));
   EXPECT_NE(refusal_of({Edit::Kind::unset, "optics.f_number", ""}), "") << "something has to be given";
   EXPECT_NE(refusal_of({Edit::Kind::unset, "diffraction.obscuration", ""}), "") << "the file does not state it";
 }
 
 TEST(LiveEdits, OfKeysThatExcludeEachOtherTheNewOneCounts) {
   const std::string text = text_after({{Edit::Kind::set, "optics.aperture", "40 mm"}});
-  EXPECT_NE(text.find("aperture = \"40 mm\""), std::string::npos);
-  EXPECT_EQ(text.find("f_number"), std::string::npos);
+  expect_says(text, {"aperture = \"40 mm\""});
+  EXPECT_FALSE(says(text, "f_number")) << text;
   const std::string motion = text_after(
       {{Edit::Kind::add, "presample", "linear_motion"}, {Edit::Kind::set, "linear_motion.rate", "20 mrad/s"}});
-  EXPECT_NE(motion.find("rate = \"20 mrad/s\""), std::string::npos);
-  EXPECT_EQ(motion.find("travel"), std::string::npos);
+  expect_says(motion, {"rate = \"20 mrad/s\""});
+  EXPECT_FALSE(says(motion, "travel")) << motion;
   auto sampled = mtf::io::parse_config(kText + "[scene]\nsample = \"15 um\"\n", "camera.toml", sensor_schema());
   const auto scene = EditedSensor(std::make_shared<const mtf::io::SensorConfig>(std::move(sampled.config)))
                          .with(std::vector<Edit>{{Edit::Kind::set, "scene.ifov", "100 urad"}});
-  EXPECT_NE(scene->text.find("[scene]\nifov = \"100 urad\"\n"), std::string::npos) << scene->text;
+  expect_says(scene->text, {"[scene]\nifov = \"100 urad\"\n"});
   // A value that is wrong by itself takes nothing away.
-  EXPECT_NE(refusal_of({Edit::Kind::set, "optics.aperture", "-40 mm"}).find("aperture"), std::string::npos);
+  expect_says(refusal_of({Edit::Kind::set, "optics.aperture", "-40 mm"}), {"aperture"});
 }
 
 TEST(LiveEdits, TheOneThatCannotBeMadeIsNamed) {
@@ -97,7 +98,7 @@ TEST(LiveEdits, TheOneThatCannotBeMadeIsNamed) {
 
 TEST(LiveEdits, AValueChangesItsPlaceAndNothingElse) {
   std::string wanted = kText;
-  wanted.replace(wanted.find("20 urad"), 7, "35 urad");
+  wanted = replaced(wanted, "20 urad", "35 urad");
   EXPECT_EQ(text_after({{Edit::Kind::set, "jitter.rms", "35 urad"}}), wanted);
 }
 
@@ -112,12 +113,12 @@ TEST(LiveEdits, KeysThatNoScheduleReachesAreSetInTheirTable) {
 
 TEST(LiveEdits, PairsAreChangedNumberByNumber) {
   std::string wanted = kText;
-  wanted.replace(wanted.find("4.8 um"), 6, "4.2 um");
+  wanted = replaced(wanted, "4.8 um", "4.2 um");
   EXPECT_EQ(text_after({{Edit::Kind::set, "band.wavelength[1]", "4.2 um"}}), wanted);
   const std::string text =
       text_after({{Edit::Kind::set, "frame.format", "[640, 512]"}, {Edit::Kind::set, "frame.format[0]", "320"}});
-  EXPECT_NE(text.find("format = [320, 512]\n"), std::string::npos) << text;
-  EXPECT_NE(refusal_of({Edit::Kind::set, "frame.format[0]", "320"}).find("0 elements"), std::string::npos);
+  expect_says(text, {"format = [320, 512]\n"});
+  expect_says(refusal_of({Edit::Kind::set, "frame.format[0]", "320"}), {"0 elements"});
   EXPECT_FALSE(refusal_of({Edit::Kind::set, "frame.format", "\"/etc/passwd\""}).empty());
   EXPECT_FALSE(refusal_of({Edit::Kind::set, "scene.gain[0]", "1.0"}).empty());
 }
@@ -135,9 +136,7 @@ TEST(LiveModel, PairsHaveARowForEachNumber) {
 
 TEST(LiveEdits, OffIsACommentAndOnBringsItBack) {
   const std::string off = text_after({{Edit::Kind::off, "jitter"}});
-  EXPECT_NE(off.find("# the mount\n#- [[presample]]\n#- kind = \"jitter\"          # measured in May\n#- rms"),
-            std::string::npos)
-      << off;
+  expect_says(off, {"# the mount\n#- [[presample]]\n#- kind = \"jitter\"          # measured in May\n#- rms"});
   EXPECT_EQ(text_after({{Edit::Kind::off, "jitter"}, {Edit::Kind::on, "0"}}), kText);
   EXPECT_EQ(
       text_after(
@@ -149,9 +148,9 @@ TEST(LiveEdits, OffIsACommentAndOnBringsItBack) {
 
 TEST(LiveEdits, RemovedTablesTakeTheirLinesAlong) {
   const std::string text = text_after({{Edit::Kind::remove, "diffraction"}});
-  EXPECT_EQ(text.find("diffraction"), std::string::npos);
-  EXPECT_NE(text.find("# the mount\n[[presample]]\nkind = \"jitter\""), std::string::npos) << text;
-  EXPECT_EQ(text_after({{Edit::Kind::remove, "[noise]"}}).find("seed"), std::string::npos);
+  EXPECT_FALSE(says(text, "diffraction")) << text;
+  expect_says(text, {"# the mount\n[[presample]]\nkind = \"jitter\""});
+  EXPECT_FALSE(says(text_after({{Edit::Kind::remove, "[noise]"}}), "seed"));
 }
 
 TEST(LiveEdits, EveryKindAndTableWithoutAFileCanBeAdded) {
@@ -175,14 +174,13 @@ TEST(LiveEdits, EveryKindAndTableWithoutAFileCanBeAdded) {
 
 TEST(LiveEdits, ASecondPupilIsRefusedInTheReadersWords) {
   const std::string words = refusal_of({Edit::Kind::add, "presample", "defocus"});
-  EXPECT_NE(words.find("pupil"), std::string::npos) << words;
-  EXPECT_NE(refusal_of({Edit::Kind::set, "optics.f_number", "0.001"}).find("outside [0.1"), std::string::npos);
+  expect_says(words, {"pupil"});
+  expect_says(refusal_of({Edit::Kind::set, "optics.f_number", "0.001"}), {"outside [0.1"});
 }
 
 TEST(LiveEdits, NoEditNamesAFile) {
   for (const char* name : {"detector.quantum_efficiency", "optics.transmission", "scene.emissivity"})
-    EXPECT_NE(refusal_of({Edit::Kind::set, name, "/etc/passwd"}).find("files are named in the sensor file"),
-              std::string::npos)
+    EXPECT_TRUE(says(refusal_of({Edit::Kind::set, name, "/etc/passwd"}), "in the sensor file"))
         << name << refusal_of({Edit::Kind::set, name, "/etc/passwd"});
   EXPECT_FALSE(refusal_of({Edit::Kind::add, "presample", "curve"}).empty());
 }

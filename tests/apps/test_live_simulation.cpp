@@ -7,6 +7,7 @@
 
 #include "apps/simulate/simulate.h"
 #include "tests/apps/live_images.h"
+#include "tests/replaced.h"
 
 namespace apps_test {
 namespace {
@@ -261,7 +262,7 @@ TEST_F(LiveSimulation, AFailedImageLeavesNothingToTheNext) {
   // Its flat frames saturate the converter: refused after the lag, which remembers less light.
   std::string text =
       kSensor + lag + "[adc]\nbits = 8\nelectrons_per_count = \"10 e-\"\n[correction]\nlow = 0.2\nhigh = 0.8\n";
-  text.replace(text.find("transmission = 0.85"), 19, "transmission = 0.30");
+  text = replaced(text, "transmission = 0.85", "transmission = 0.30");
   const SensorConfig bad = sensor(text);
   apps::LiveSimulation live(temperatures()), undisturbed(temperatures());
   EXPECT_TRUE(same_pixels(image(live, good, 1), image(undisturbed, good, 1)));
@@ -285,7 +286,7 @@ TEST_F(LiveSimulation, PixelsOfAnotherGridRememberNothing) {
 TEST_F(LiveSimulation, ASensorThatStaysKeepsItsPlan) {
   const auto with_source = [&](const std::string& temperature) {
     std::string text = kSensor;
-    text.replace(text.find("sample ="), 8, "source_temperature = \"" + temperature + "\"\nsample =");
+    text = replaced(text, "sample =", "source_temperature = \"" + temperature + "\"\nsample =");
     return sensor(text);
   };
   const SensorConfig warm = with_source("300 K"), hot = with_source("900 K");
@@ -302,7 +303,7 @@ TEST_F(LiveSimulation, ASensorThatStaysKeepsItsPlan) {
 // first.
 TEST_F(LiveSimulation, AContrastThatRisesSlowlyTakesFewPlans) {
   std::string text = kSensor + "[adc]\nbits = 14\n";
-  text.replace(text.find("\"temperature\""), 13, "\"radiance\"");
+  text = replaced(text, "\"temperature\"", "\"radiance\"");
   SensorConfig shown = sensor(text);
   apps::LiveSimulation live(file());
   double gain = 0.01;

@@ -12,9 +12,9 @@
 #include "tests/apps/command.h"
 #include "tests/calib/made_edges.h"
 
+namespace apps_test {
 namespace {
 
-using apps_test::Scratch;
 using Json = nlohmann::json;
 
 constexpr double kAngle_deg = 5.0;
@@ -55,9 +55,9 @@ TEST(LateralColour, IsTheDisplacementOfThePlanes) {
   EXPECT_EQ(shifted, 2);
 
   const std::string table = scratch.run(measure).out;
-  EXPECT_NE(table.find("Lateral colour"), std::string::npos) << table;
+  expect_says(table, {"Lateral colour"});
   const std::string csv = scratch.run(measure + "--format csv").out;
-  EXPECT_NE(csv.find(",lateral_shift_px,lateral_shift_px_sd,lateral_shift_from\n"), std::string::npos) << csv;
+  expect_says(csv, {",lateral_shift_px,lateral_shift_px_sd,lateral_shift_from\n"});
 }
 
 TEST(LateralColour, NeedsTheSameEdgeInAnotherPlane) {
@@ -65,10 +65,11 @@ TEST(LateralColour, NeedsTheSameEdgeInAnotherPlane) {
   write_rgb(scratch, 74.0, 54.0);  // ten pixels away: another edge
   const auto far = scratch.run("mtf measure rgb.exr --channel all --roi 20,10,90,80");
   ASSERT_EQ(far.status, 0) << far.err;
-  EXPECT_EQ(far.out.find("Lateral colour"), std::string::npos) << far.out;
+  EXPECT_FALSE(says(far.out, "Lateral colour")) << far.out;
   const auto one = scratch.run("mtf measure rgb.exr --channel R --roi 20,10,90,80 --format csv");
   ASSERT_EQ(one.status, 0) << one.err;
-  EXPECT_EQ(one.out.find("lateral_shift"), std::string::npos) << one.out;
+  EXPECT_FALSE(says(one.out, "lateral_shift")) << one.out;
 }
 
 }  // namespace
+}  // namespace apps_test

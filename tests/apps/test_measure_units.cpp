@@ -12,11 +12,9 @@
 #include "tests/apps/command.h"
 #include "tests/calib/made_edges.h"
 
+namespace apps_test {
 namespace {
 
-using apps_test::read_file;
-using apps_test::Result;
-using apps_test::Scratch;
 using Json = nlohmann::json;
 
 /// An edge of MTF50 0.3 cycles/pixel in 100 rows.
@@ -75,8 +73,7 @@ TEST_F(UnitsOfMeasure, EveryFrequencyIsInTheUnitThatIsNamed) {
     EXPECT_EQ(edge.at("mtf").at("value"), plain.at("mtf").at("value"));
 
     const std::string table = scratch.run("mtf measure edge.exr " + options).out;
-    EXPECT_NE(table.find("MTF50 [" + std::string(unit.symbol) + "]"), std::string::npos) << table;
-    EXPECT_NE(table.find("in " + std::string(unit.name) + ";"), std::string::npos) << table;
+    expect_says(table, {"MTF50 [" + std::string(unit.symbol) + "]", "in " + std::string(unit.name) + ";"});
 
     ASSERT_EQ(
         scratch.run("mtf measure edge.exr --format csv -o e.csv --curves c.csv --map m.svg --plot p.svg " + options)
@@ -95,29 +92,24 @@ TEST_F(UnitsOfMeasure, EveryFrequencyIsInTheUnitThatIsNamed) {
     }
     const std::string curves = read_file(scratch / "c.csv");
     EXPECT_TRUE(curves.starts_with("edge,curve,x,value,sd,x_unit\n"));
-    EXPECT_NE(curves.find("\n1,mtf," + std::to_string(static_cast<int>(unit.per_cy_px)) + ","), std::string::npos);
-    EXPECT_NE(curves.find(",px\n"), std::string::npos);
-    EXPECT_NE(read_file(scratch / "p.svg.csv")
-                  .find("\"MTF over " + std::string(unit.symbol) + ", 2 sd\"," +
-                        std::to_string(static_cast<int>(unit.per_cy_px))),
-              std::string::npos);
+    expect_says(curves, {"\n1,mtf," + std::to_string(static_cast<int>(unit.per_cy_px)) + ",", ",px\n"});
+    expect_says(read_file(scratch / "p.svg.csv"), {"\"MTF over " + std::string(unit.symbol) + ", 2 sd\"," +
+                                                   std::to_string(static_cast<int>(unit.per_cy_px))});
   }
 }
 
 TEST_F(UnitsOfMeasure, AUnitThatLacksALengthIsRefused) {
-  EXPECT_NE(refusal("--unit cy/mm").find("--pitch"), std::string::npos);
-  EXPECT_NE(refusal("--unit lp/mm").find("--pitch"), std::string::npos);
-  EXPECT_NE(refusal("--unit cy/mrad --pitch 5um").find("--focal-length"), std::string::npos);
-  EXPECT_NE(refusal("--unit cy/mm --pitch 5").find("--pitch"), std::string::npos);
-  EXPECT_NE(refusal("--unit cy/mm --pitch 5urad").find("--pitch: "), std::string::npos);
-  EXPECT_NE(refusal("--pitch 5um").find("add --unit cy/mm"), std::string::npos);
-  EXPECT_NE(refusal("--unit lw/ph --focal-length 5mm").find("--focal-length: "), std::string::npos);
+  expect_says(refusal("--unit cy/mm"), {"--pitch"});
+  expect_says(refusal("--unit lp/mm"), {"--pitch"});
+  expect_says(refusal("--unit cy/mrad --pitch 5um"), {"--focal-length"});
+  expect_says(refusal("--unit cy/mm --pitch 5"), {"--pitch"});
+  expect_says(refusal("--unit cy/mm --pitch 5urad"), {"--pitch: "});
+  expect_says(refusal("--pitch 5um"), {"add --unit cy/mm"});
+  expect_says(refusal("--unit lw/ph --focal-length 5mm"), {"--focal-length: "});
   for (const char* pitch : {"1e300um", "1e-300um", "1e-308um"})
-    EXPECT_NE(refusal("--unit cy/mm --pitch " + std::string(pitch)).find("is outside [1e-06, 1e+06]"),
-              std::string::npos)
-        << pitch;
-  EXPECT_NE(refusal("--unit cy/mm --pitch -5um").find("length above 0"), std::string::npos);
-  EXPECT_NE(refusal("--unit lw/pw").find("lw/ph"), std::string::npos);
+    EXPECT_TRUE(says(refusal("--unit cy/mm --pitch " + std::string(pitch)), "is outside [1e-06, 1e+06]")) << pitch;
+  expect_says(refusal("--unit cy/mm --pitch -5um"), {"length above 0"});
+  expect_says(refusal("--unit lw/pw"), {"lw/ph"});
 }
 
 // A fit reads the unit from the file: the same result from curves in any of them.
@@ -135,8 +127,7 @@ TEST_F(UnitsOfMeasure, AFitReadsTheUnitOfCurves) {
   EXPECT_NEAR(jitter("--unit lp/mm --pitch 15um"), pixels, 1e-5);
   EXPECT_NEAR(jitter("--unit cy/mrad --pitch 15um --focal-length 100mm"), pixels, 1e-5);
   ASSERT_EQ(scratch.run("mtf measure demo/edge.exr -o table --curves c.csv --unit lw/ph").status, 0);
-  const Result refused = scratch.run("mtf fit demo/fit.toml --curve c.csv@-5");
-  expect_error(refused, 2, {"lw/ph"});
+  expect_error(scratch.run("mtf fit demo/fit.toml --curve c.csv@-5"), 2, {"lw/ph"});
 }
 
 TEST_F(UnitsOfMeasure, ContrastsThatWereAskedFor) {
@@ -148,14 +139,14 @@ TEST_F(UnitsOfMeasure, ContrastsThatWereAskedFor) {
     EXPECT_LT(sd, 0.02 * truth);
   }
   const Result table = scratch.run("mtf measure edge.exr --contrast-level 0.35 --unit lw/ph");
-  EXPECT_NE(table.out.find("MTF35 [lw/ph]"), std::string::npos) << table.out;
+  expect_says(table.out, {"MTF35 [lw/ph]"});
   const std::string csv = scratch.run("mtf measure edge.exr --contrast-level 0.35 --format csv").out;
-  EXPECT_NE(csv.find(",mtf35,mtf35_sd,"), std::string::npos) << csv;
+  expect_says(csv, {",mtf35,mtf35_sd,"});
   const Json standard = json("--method iso12233 --contrast-level 0.35").at("edges")[0];
   EXPECT_NEAR(standard.at("mtf35").at("value").get<double>(), 0.3 * std::sqrt(std::log2(1.0 / 0.35)), 0.01);
   EXPECT_TRUE(standard.at("mtf35").at("sd").is_null());
   for (const char* wrong : {"0", "1", "-0.2", "35"})
-    EXPECT_NE(refusal(std::string("--contrast-level ") + wrong).find("between 0 and 1"), std::string::npos) << wrong;
+    EXPECT_TRUE(says(refusal(std::string("--contrast-level ") + wrong), "between 0 and 1")) << wrong;
 }
 
 // A contrast that is a figure of every edge in JSON and CSV has its column in the tables too.
@@ -163,8 +154,7 @@ TEST_F(UnitsOfMeasure, AContrastThatEveryEdgeHasStandsInTheTables) {
   const Json edge = json("").at("edges")[0];
   const Result table =
       scratch.run("mtf measure edge.exr --contrast-level 0.2 --contrast-level 0.35 --contrast-level 0.5 --table t.csv");
-  EXPECT_NE(table.out.find("MTF50 [cy/px]"), std::string::npos);
-  EXPECT_NE(table.out.find("MTF20 [cy/px]"), std::string::npos) << table.out;
+  expect_says(table.out, {"MTF50 [cy/px]", "MTF20 [cy/px]"});
   EXPECT_EQ(table.out.find("MTF50 [cy/px]"), table.out.rfind("MTF50 [cy/px]")) << table.out;
   std::istringstream csv(read_file(scratch / "t.csv"));
   std::string head, line;
@@ -190,7 +180,7 @@ TEST_F(UnitsOfMeasure, APitchThatIsNotTheFilesIsRemarked) {
   const std::string measure = "mtf measure edge.exr --unit cy/mm --pitch ";
   EXPECT_EQ(scratch.run(measure + "15um").err, "");
   const Result other = scratch.run(measure + "5um");
-  EXPECT_NE(other.err.find("edge.exr states samples of 15 x 15 um, --pitch says 5 um"), std::string::npos) << other.err;
+  expect_says(other.err, {"edge.exr", "15 x 15 um", "--pitch says 5 um"});
 }
 
 TEST_F(UnitsOfMeasure, AContrastToWhichTheMtfDoesNotFallIsNull) {
@@ -199,7 +189,8 @@ TEST_F(UnitsOfMeasure, AContrastToWhichTheMtfDoesNotFallIsNull) {
   const Json edge = json("--contrast-level 0.15 --unit cy/mm --pitch 5um").at("edges")[0];
   EXPECT_TRUE(edge.at("mtf15").is_null());
   const std::string reason = edge.at("reason").get<std::string>();
-  EXPECT_NE(reason.find("mtf15: the MTF stays above 15 % up to 200 cycles/mm"), std::string::npos) << reason;
+  expect_says(reason, {"mtf15", "15 %", "200 cycles/mm"});
 }
 
 }  // namespace
+}  // namespace apps_test

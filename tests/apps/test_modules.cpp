@@ -8,11 +8,8 @@
 
 #include "tests/apps/command.h"
 
+namespace apps_test {
 namespace {
-
-namespace fs = std::filesystem;
-using apps_test::Result;
-using apps_test::Scratch;
 
 const fs::path kModules = fs::path(MTFKIT_COMMAND).parent_path().parent_path() / "lib" / "mtfkit";
 
@@ -24,7 +21,7 @@ TEST(Modules, AStartLoadsNoLibraryOfFewCommands) {
   ASSERT_NE(loaded.out.find("libmtfkit_core.so"), std::string::npos) << loaded.out;
   for (const char* library : {"ceres", "glog", "cholmod", "lapack", "blas", "nlopt", "embree", "erfa", "httplib",
                               "libssl", "libcrypto", "opencv", "libpng", "libtiff"})
-    EXPECT_EQ(loaded.out.find(library), std::string::npos) << library << "\n" << loaded.out;
+    EXPECT_FALSE(says(loaded.out, library)) << library << "\n" << loaded.out;
 }
 
 // Two copies of a function with state (files to remove on a signal, planners) would not know of one another.
@@ -48,17 +45,14 @@ TEST(Modules, OneThatIsMissingDamagedOrAnotherIsNamedWithTheRemedy) {
   const Scratch scratch;
   const fs::path here = fs::canonical(scratch / ".");
   fs::copy_file(kModules / "libmtfkit_core.so", here / "libmtfkit_core.so");
-  apps_test::write_file(here / "scene.toml", "schema = 1\n");
+  write_file(here / "scene.toml", "schema = 1\n");
   const std::string mtf = "LD_LIBRARY_PATH='" + here.string() + "' mtf ";
   const std::string module = (here / "libmtfkit_scenes.so").string();
   const auto refused = [&](const std::string& command, const std::string& why) {
     const Result result = scratch.run(mtf + command);
     EXPECT_EQ(result.status, 1) << command << "\n" << result.out;
     EXPECT_EQ(result.out, "");
-    EXPECT_NE(result.err.find(why), std::string::npos) << result.err;
-    EXPECT_NE(result.err.find(module), std::string::npos) << result.err;
-    for (const char* remedy : {"apps/quickstart all", "Debian package mtfkit"})
-      EXPECT_NE(result.err.find(remedy), std::string::npos) << result.err;
+    expect_says(result.err, {why, module, "apps/quickstart all", "Debian package mtfkit"});
   };
   for (const char* command :
        {"heat scene.toml -o t", "render scene.toml s.toml -o p.exr", "config schema scene", "bench scene.toml -o b"})
@@ -67,7 +61,7 @@ TEST(Modules, OneThatIsMissingDamagedOrAnotherIsNamedWithTheRemedy) {
   const std::string version = scratch.run(mtf + "--version").out;
   EXPECT_LT(version.find("\nmissing: "), version.find("3-D scenes")) << version;
 
-  apps_test::write_file(module, "no library");
+  write_file(module, "no library");
   refused("heat scene.toml -o t", "cannot open");
   for (const std::uintmax_t size : {std::uintmax_t{20000}, fs::file_size(kModules / "libmtfkit_scenes.so") / 2}) {
     fs::copy_file(kModules / "libmtfkit_scenes.so", module, fs::copy_options::overwrite_existing);
@@ -82,3 +76,4 @@ TEST(Modules, OneThatIsMissingDamagedOrAnotherIsNamedWithTheRemedy) {
 }
 
 }  // namespace
+}  // namespace apps_test

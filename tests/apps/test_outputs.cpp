@@ -10,6 +10,7 @@
 
 #include "tests/apps/command.h"
 #include "tests/apps/plates_case.h"
+#include "tests/replaced.h"
 
 namespace apps_test {
 namespace {
@@ -84,9 +85,8 @@ TEST_F(Outputs, NoInputIsReplaced) {
   fs::create_symlink("../lwir.toml", scratch_ / "b/bench.csv");
   fs::create_symlink("lwir.toml", scratch_ / "lwir.png");
   for (const std::string& command : commands) {
-    const Result refused = scratch_.run(command);
-    EXPECT_EQ(refused.status, 2) << command << refused.err;
-    EXPECT_NE(refused.err.find("which this run reads and would replace"), std::string::npos) << command << refused.err;
+    SCOPED_TRACE(command);
+    expect_error(scratch_.run(command), 2, {"this run reads"});
   }
   for (std::size_t i = 0; i < inputs.size(); ++i) EXPECT_EQ(read_file(scratch_ / inputs[i]), before[i]) << inputs[i];
   EXPECT_EQ(read_file(scratch_ / "scene.toml"), text);
@@ -115,7 +115,7 @@ TEST_F(Outputs, NamesThatAreNoUtf8LoseNoResult) {
   const Result made = scratch_.run("mtf heat '" + name + "/scene.toml' -o '" + name + "/t' --tolerance '1 K'");
   ASSERT_EQ(made.status, 0) << made.err;
   const std::string report = read_file(scratch_ / (name + "/t/heat.json"));
-  EXPECT_NE(report.find("d\xef\xbf\xbdt\xef\xbf\xbd/scene.toml"), std::string::npos) << report;
+  expect_says(report, {"d\xef\xbf\xbdt\xef\xbf\xbd/scene.toml"});
   EXPECT_TRUE(nlohmann::json::accept(report));
   for (const std::string command :
        {"mtf render 'D/scene.toml' 'D/lwir.toml' --temperatures 'D/t' -o 'D/x.exr' --format json",
@@ -142,8 +142,8 @@ TEST_F(Outputs, ForceThatFailsLeavesTheOldSet) {
   const std::string report = read_file(scratch_ / "disk/heat.json");
   const Result second =
       scratch_.run("head -c 1000000 /dev/zero >disk/full 2>/dev/null; mtf heat scene.toml -o disk --force");
-  expect_error(second, 1, {"No space left on device"});
-  EXPECT_EQ(second.err.find("mtf-new"), std::string::npos) << second.err;
+  expect_error(second, 1, {"No space left"});
+  EXPECT_FALSE(says(second.err, "mtf-new")) << second.err;
   fs::remove(scratch_ / "disk/full");
   EXPECT_EQ(names_in(scratch_ / "disk"), before);
   EXPECT_EQ(read_file(scratch_ / "disk/heat.json"), report);
@@ -178,7 +178,7 @@ TEST_F(Outputs, NoInputIsAPipeOrADevice) {
   write_file(scratch_ / "curve.toml", uncooled("[[presample]]\nkind = \"curve\"\nfile = \"pipe\"\n"));
   write_file(scratch_ / "efficiency.toml", [] {
     std::string text = uncooled("");
-    return text.replace(text.find("absorptance = 0.8"), 17, "absorptance = \"pipe\"");
+    return replaced(text, "absorptance = 0.8", "absorptance = \"pipe\"");
   }());
   std::string piped = read_file(scratch_ / "scene.toml");
   write_file(scratch_ / "mesh.toml", std::string(piped).replace(piped.find("plates.obj"), 10, "pipe.obj"));
@@ -205,18 +205,12 @@ TEST_F(Outputs, MemoryIsSaidBeforeItIsUsed) {
   write_file(scratch_ / "large.toml", std::string(text).replace(text.find("[64, 48]"), 8, "[8000, 8000]"));
   const std::string limit = "ulimit -v 4000000; ";
   for (const auto& [command, bytes] :
-       {std::pair{"mtf render scene.toml large.toml --temperatures t -o x.exr", "take about 6.68 GiB of memory"},
-        {"mtf fly scene.toml large.toml --temperatures t --frames 0:0", "take about 9.54 GiB of memory"}}) {
-    const Result refused = scratch_.run(limit + command);
-    EXPECT_EQ(refused.status, 2) << command << refused.err;
-    EXPECT_NE(refused.err.find("pictures of 16000 x 16000 samples " + std::string(bytes) + ", ulimit -v leaves 3."),
-              std::string::npos)
-        << command << refused.err;
-  }
+       {std::pair{"mtf render scene.toml large.toml --temperatures t -o x.exr", "6.68 GiB"},
+        {"mtf fly scene.toml large.toml --temperatures t --frames 0:0", "9.54 GiB"}})
+    expect_error(scratch_.run(limit + command), 2, {"16000 x 16000 samples", bytes, "ulimit -v leaves 3."});
   const Result said = scratch_.run("mtf render scene.toml large.toml --temperatures t --time never -o x.exr");
   if (said.err.find("note: pictures of") == std::string::npos) GTEST_SKIP() << "the machine has less than 7 GiB";
-  EXPECT_NE(said.err.find("note: pictures of 16000 x 16000 samples take about 6.68 GiB of memory, "), std::string::npos)
-      << said.err;
+  expect_says(said.err, {"note:", "16000 x 16000 samples", "6.68 GiB"});
 }
 
 // The limits of a container are files below /sys/fs/cgroup: others stand there in a view of the files of its own.
@@ -231,11 +225,9 @@ TEST_F(Outputs, TheLimitOfAContainerCounts) {
     return scratch_.run("unshare -m sh -c '" + inside + command + "'");
   };
   if (contained("true").status != 0) GTEST_SKIP() << "no right to mount";
-  const Result render = contained("mtf render scene.toml large.toml --temperatures t -o x.exr");
-  expect_error(render, 2, {"615 MiB", "512 MiB"});
+  expect_error(contained("mtf render scene.toml large.toml --temperatures t -o x.exr"), 2, {"615 MiB", "512 MiB"});
   const Result bench = contained("mtf bench scene.toml -o b --tolerance 1K");
-  EXPECT_NE(read_file(scratch_ / "b/heat_bench.json").find("\"memory_bytes\": 536870912"), std::string::npos)
-      << bench.err;
+  expect_says(read_file(scratch_ / "b/heat_bench.json"), {"\"memory_bytes\": 536870912"});
 }
 
 TEST_F(Outputs, AReaderThatGoesAwayEndsAnyCommandWithoutAWord) {

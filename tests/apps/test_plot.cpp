@@ -6,10 +6,8 @@
 
 #include "tests/apps/command.h"
 
+namespace apps_test {
 namespace {
-
-using apps_test::Result;
-using apps_test::Scratch;
 
 bool have_gnuplot(const Scratch& scratch) { return scratch.run("command -v gnuplot").status == 0; }
 
@@ -24,15 +22,14 @@ TEST(Plot, EveryFormatWithItsData) {
     const Result result = scratch.run(std::string("mtf curve sensor.toml --freq 0:60:31 --plot ") + c.name);
     ASSERT_EQ(result.status, 0) << result.err;
     EXPECT_NE(result.out, "") << "the table is still shown";
-    EXPECT_TRUE(apps_test::read_file(scratch / c.name).starts_with(c.start)) << c.name;
-    const std::string data = apps_test::read_file(scratch / (c.name + std::string(".csv")));
+    EXPECT_TRUE(read_file(scratch / c.name).starts_with(c.start)) << c.name;
+    const std::string data = read_file(scratch / (c.name + std::string(".csv")));
     EXPECT_TRUE(data.starts_with("spatial frequency [cy/mm],diffraction,footprint,jitter,system\n0,1,1,1,1\n")) << data;
-    EXPECT_EQ(apps_test::lines(data), 32U);
+    EXPECT_EQ(lines(data), 32U);
   }
   EXPECT_EQ(scratch.run("ls").out, "f.PDF\nf.PDF.csv\nf.png\nf.png.csv\nf.svg\nf.svg.csv\nsensor.toml\n");
-  const std::string svg = apps_test::read_file(scratch / "f.svg");
-  for (const char* text : {"Nyquist 33.33", "spatial frequency [cy/mm]", "MTF = |OTF|", "MWIR staring 640x512"})
-    EXPECT_NE(svg.find(text), std::string::npos) << text;
+  const std::string svg = read_file(scratch / "f.svg");
+  expect_says(svg, {"Nyquist 33.33", "spatial frequency [cy/mm]", "MTF = |OTF|", "MWIR staring 640x512"});
 }
 
 TEST(Plot, NoFileThatWasNotNamedIsReplaced) {
@@ -40,14 +37,14 @@ TEST(Plot, NoFileThatWasNotNamedIsReplaced) {
   ASSERT_EQ(scratch.run("mtf demo -o demo").status, 0);
   for (const char* command : {"mtf curve demo/sensor.toml --plot ", "mtf measure demo/edge.exr --plot ",
                               "mtf measure demo/edge.exr --map ", "mtf fit demo/fit.toml demo/edge.exr --plot "}) {
-    for (const char* name : {"x.csv", "x", "x.CSV", "x.svg.txt"}) apps_test::write_file(scratch / name, "mine");
+    for (const char* name : {"x.csv", "x", "x.CSV", "x.svg.txt"}) write_file(scratch / name, "mine");
     for (int again = 0; again < 2; ++again) {  // its own data are replaced
       const Result result = scratch.run(std::string(command) + "x.svg");
       EXPECT_EQ(result.status, 0) << command << result.err;
     }
     for (const char* name : {"x.csv", "x", "x.CSV", "x.svg.txt"})
-      EXPECT_EQ(apps_test::read_file(scratch / name), "mine") << command << name;
-    EXPECT_GT(apps_test::lines(apps_test::read_file(scratch / "x.svg.csv")), 1U) << command;
+      EXPECT_EQ(read_file(scratch / name), "mine") << command << name;
+    EXPECT_GT(lines(read_file(scratch / "x.svg.csv")), 1U) << command;
   }
 }
 
@@ -61,7 +58,7 @@ TEST(Plot, WhereTheDiskIsFullNeitherFigureNorDataAreLeft) {
   ASSERT_GT(std::filesystem::file_size(scratch / "whole.svg"), kLimit);
   const Result result = scratch.run("ulimit -f 16; mtf curve sensor.toml --plot f.svg");
   EXPECT_EQ(result.status, 1);
-  EXPECT_EQ(apps_test::lines(result.err), 1U) << result.err;
+  EXPECT_EQ(lines(result.err), 1U) << result.err;
   EXPECT_EQ(scratch.run("ls -A").out, "sensor.toml\nwhole.svg\nwhole.svg.csv\n");
 }
 
@@ -69,13 +66,13 @@ TEST(Plot, LabelsAreTakenLiterally) {
   const Scratch scratch;
   if (!have_gnuplot(scratch)) GTEST_SKIP() << "no gnuplot";
   scratch.add_sensor();
-  std::string text = apps_test::read_file(scratch / "sensor.toml");
+  std::string text = read_file(scratch / "sensor.toml");
   text.insert(text.find("kind = \"jitter\""), "label = '''a_b^{c}'\"`touch pwned`\\n$x <&> %d'''\n");
-  apps_test::write_file(scratch / "odd.toml", text);
+  write_file(scratch / "odd.toml", text);
   const Result result = scratch.run("mtf curve odd.toml --plot odd.svg");
   ASSERT_EQ(result.status, 0) << result.err;
-  const std::string svg = apps_test::read_file(scratch / "odd.svg");
-  EXPECT_NE(svg.find("a_b^{c}'\"`touch pwned`\\n$x &lt;&amp;"), std::string::npos);
+  const std::string svg = read_file(scratch / "odd.svg");
+  expect_says(svg, {"a_b^{c}'\"`touch pwned`\\n$x &lt;&amp;"});
   EXPECT_FALSE(std::filesystem::exists(scratch / "pwned"));
 }
 
@@ -85,11 +82,10 @@ TEST(Plot, Characters) {
   scratch.add_sensor();
   const Result result = scratch.run("mtf curve sensor.toml --plot ascii -o values.csv --format csv");
   ASSERT_EQ(result.status, 0) << result.err;
-  EXPECT_NE(result.out.find("Nyquist 33.33"), std::string::npos) << result.out;
-  EXPECT_NE(result.out.find("= 0.3875\n"), std::string::npos) << result.out;
+  expect_says(result.out, {"Nyquist 33.33", "= 0.3875\n"});
   for (std::size_t at = 0; at < result.out.size(); at = result.out.find('\n', at) + 1)
     EXPECT_LE(result.out.find('\n', at) - at, 100U);
-  EXPECT_EQ(apps_test::lines(apps_test::read_file(scratch / "values.csv")), 62U);
+  EXPECT_EQ(lines(read_file(scratch / "values.csv")), 62U);
 }
 
 TEST(Plot, WithoutGnuplotTheDataAreWritten) {
@@ -98,11 +94,12 @@ TEST(Plot, WithoutGnuplotTheDataAreWritten) {
   const std::string only_mtf = "m=$(command -v mtf); PATH=/nonexistent $m curve sensor.toml --plot ";
   const Result result = scratch.run(only_mtf + "f.svg");
   EXPECT_EQ(result.status, 0) << result.err;
-  EXPECT_NE(result.err.find("gnuplot is not installed"), std::string::npos) << result.err;
+  expect_says(result.err, {"gnuplot is not installed"});
   EXPECT_EQ(scratch.run("ls").out, "f.svg.csv\nsensor.toml\n");
   const Result characters = scratch.run(only_mtf + "ascii");
   EXPECT_EQ(characters.status, 0);
-  EXPECT_NE(characters.out.find("diffraction"), std::string::npos);
+  expect_says(characters.out, {"diffraction"});
 }
 
 }  // namespace
+}  // namespace apps_test

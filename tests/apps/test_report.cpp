@@ -16,10 +16,9 @@
 #include "mtf/io/image_io.h"
 #include "tests/apps/command.h"
 
+namespace apps_test {
 namespace {
 
-using apps_test::Result;
-using apps_test::Scratch;
 using Json = nlohmann::json;
 
 /// Folder `sweep` as `mtf sweep` leaves it.
@@ -32,7 +31,7 @@ void make_sweep(const Scratch& scratch, const std::string& options = "") {
 std::string page_of(const Scratch& scratch, const std::string& options = "") {
   const Result result = scratch.run("mtf report sweep " + options);
   EXPECT_EQ(result.status, 0) << result.err;
-  return apps_test::read_file(scratch / "sweep/report.html");
+  return read_file(scratch / "sweep/report.html");
 }
 
 Json data_of(const std::string& page) {
@@ -48,9 +47,9 @@ std::size_t count(const std::string& text, const std::string& what) {
 }
 
 void change_json(const Scratch& scratch, const std::function<void(Json&)>& change) {
-  Json json = Json::parse(apps_test::read_file(scratch / "sweep/sweep.json"));
+  Json json = Json::parse(read_file(scratch / "sweep/sweep.json"));
   change(json);
-  apps_test::write_file(scratch / "sweep/sweep.json", json.dump());
+  write_file(scratch / "sweep/sweep.json", json.dump());
 }
 
 /// Rows without quoted cells.
@@ -73,7 +72,7 @@ TEST(Report, HoldsEveryCellOfTheTableToTheLastBit) {
   const Scratch scratch;
   make_sweep(scratch);
   const Json data = data_of(page_of(scratch));
-  const auto rows = rows_of(apps_test::read_file(scratch / "sweep/designs.csv"));
+  const auto rows = rows_of(read_file(scratch / "sweep/designs.csv"));
   ASSERT_EQ(data["design"].size(), rows.size() - 1);
   for (std::size_t i = 1; i < rows.size(); ++i) {
     EXPECT_EQ(data["design"][i - 1], i - 1);
@@ -96,12 +95,11 @@ TEST(Report, HasItsSectionsAndStaticCharts) {
   EXPECT_GE(count(page, "<svg class=\"static\""), 6U);
   const std::size_t chosen = data_of(page)["chosen"].size();
   EXPECT_EQ(count(page, "src=\"data:image/png;base64,"), chosen);
-  for (const char* words : {"niirs_giqe5</strong> is not here: it needs [conditions] gsd", "mtf_nyquist &gt; 0.15",
-                            "shared with the design before", "Lloyd, Thermal Imaging Systems, ch. 5"})
-    EXPECT_NE(page.find(words), std::string::npos) << words;
+  expect_says(page, {"niirs_giqe5</strong> is not here:", "mtf_nyquist &gt; 0.15", "with the design before",
+                     "Lloyd, Thermal Imaging Systems, ch. 5"});
   // Nothing comes from elsewhere, and scripts are those of the page.
-  EXPECT_NE(page.find("default-src 'none'; img-src data:;"), std::string::npos);
-  EXPECT_EQ(page.find("script-src 'unsafe"), std::string::npos);
+  expect_says(page, {"default-src 'none'; img-src data:;"});
+  EXPECT_FALSE(says(page, "script-src 'unsafe")) << page;
   EXPECT_EQ(page.find("{{"), page.find("{{", page.find("id=\"data\""))) << "a name of the template is left";
 }
 
@@ -136,17 +134,16 @@ TEST(Report, TextOfFilesStaysText) {
     json["chosen"][0]["why"] = shown;
     json["best"][0]["active"] = {shown};
   });
-  apps_test::write_file(scratch / "sweep/study.toml", evil);
+  write_file(scratch / "sweep/study.toml", evil);
   const std::string page = page_of(scratch);
-  EXPECT_EQ(page.find("<img src=x"), std::string::npos);
-  EXPECT_EQ(page.find("<script>bad"), std::string::npos);
+  EXPECT_FALSE(says(page, "<img src=x")) << page;
+  EXPECT_FALSE(says(page, "<script>bad")) << page;
   EXPECT_EQ(count(page, "</script"), 3U);
-  EXPECT_EQ(page.find('\x01'), std::string::npos);
+  EXPECT_FALSE(says(page, "\x01")) << page;
   EXPECT_EQ(data_of(page)["chosen"][0]["why"], shown);
-  EXPECT_NE(
-      page.find(
-          "&lt;/script&gt;&lt;script&gt;bad()&lt;/script&gt;&lt;img src=x onerror=bad()&gt;&amp;&quot;&#39;??{{data}}"),
-      std::string::npos);
+  expect_says(
+      page,
+      {"&lt;/script&gt;&lt;script&gt;bad()&lt;/script&gt;&lt;img src=x onerror=bad()&gt;&amp;&quot;&#39;??{{data}}"});
 }
 
 TEST(Report, OfManyDesignsHoldsAStatedPart) {
@@ -155,7 +152,7 @@ TEST(Report, OfManyDesignsHoldsAStatedPart) {
   const std::string page = page_of(scratch);
   EXPECT_LT(page.size(), 2'000'000U);
   const Json data = data_of(page);
-  const Json sweep = Json::parse(apps_test::read_file(scratch / "sweep/sweep.json"));
+  const Json sweep = Json::parse(read_file(scratch / "sweep/sweep.json"));
   const auto designs = data["design"].get<std::vector<std::int64_t>>();
   const std::set<std::int64_t> here(designs.begin(), designs.end());
   ASSERT_EQ(here.size(), designs.size());
@@ -164,10 +161,9 @@ TEST(Report, OfManyDesignsHoldsAStatedPart) {
     for (const Json& one : sweep[list]) EXPECT_TRUE(here.contains(one["design"].get<std::int64_t>()));
   const auto every = data["every"].get<std::int64_t>();
   ASSERT_GT(every, 1);
-  EXPECT_NE(page.find("<span id=\"embedded\">" + std::to_string(designs.size()) + "</span> of " +
-                      std::to_string(sweep["designs"].get<int>()) + " designs are in this page"),
-            std::string::npos);
-  EXPECT_NE(page.find("one in " + std::to_string(every) + ","), std::string::npos);
+  expect_says(page, {"<span id=\"embedded\">" + std::to_string(designs.size()) + "</span> of " +
+                         std::to_string(sweep["designs"].get<int>()) + " designs are in",
+                     "one in " + std::to_string(every) + ","});
   // A fair draw: each tenth of the designs and each level of the last axis (here 158) has its share, within five
   // standard deviations of a binomial count.
   const double expected = 0.1 * sweep["designs"].get<double>() / static_cast<double>(every);
@@ -185,7 +181,7 @@ TEST(Report, OfManyDesignsHoldsAStatedPart) {
   // The same again, byte for byte.
   EXPECT_EQ(page_of(scratch), page);
   // Their cells are those of the file.
-  const auto rows = rows_of(apps_test::read_file(scratch / "sweep/designs.csv"));
+  const auto rows = rows_of(read_file(scratch / "sweep/designs.csv"));
   for (std::size_t i = 0; i < designs.size(); i += 37)
     EXPECT_EQ(data["cells"][3][i].get<double>(),
               std::strtod(rows[static_cast<std::size_t>(designs[i]) + 1][4].c_str(), nullptr));
@@ -200,72 +196,67 @@ class ReportOf : public testing::TestWithParam<Damage> {};
 TEST_P(ReportOf, IsOneClearErrorAndLeavesTheOldReport) {
   const Scratch scratch;
   make_sweep(scratch);
-  apps_test::write_file(scratch / "sweep/report.html", "old");
+  write_file(scratch / "sweep/report.html", "old");
   const Result damaged = scratch.run(std::string("cd sweep\n") + GetParam().shell);
   ASSERT_EQ(damaged.status, 0) << damaged.err;
   const Result result = scratch.run("mtf report sweep");
   EXPECT_EQ(result.status, 2) << result.err;
   EXPECT_EQ(result.out, "");
-  EXPECT_EQ(apps_test::lines(result.err), 1U) << result.err;
-  EXPECT_NE(result.err.find(GetParam().message), std::string::npos) << result.err;
-  EXPECT_EQ(apps_test::read_file(scratch / "sweep/report.html"), "old");
+  EXPECT_EQ(lines(result.err), 1U) << result.err;
+  expect_says(result.err, {GetParam().message});
+  EXPECT_EQ(read_file(scratch / "sweep/report.html"), "old");
 }
 
 INSTANTIATE_TEST_SUITE_P(
     Damaged, ReportOf,
     testing::Values(
         Damage{"NoSweep", "rm sweep.json designs.csv", "has no sweep.json"},
-        Damage{"Unfinished", "rm sweep.json && mkdir parts", "the sweep is not finished"},
+        Damage{"Unfinished", "rm sweep.json && mkdir parts", "not finished"},
         Damage{"NotEvaluated", "sed -i 's/\"evaluated\": 100/\"evaluated\": 7/' sweep.json", "7 of 100 designs"},
-        Damage{"ForeignSchema", "sed -i 's/\"schema\": 1/\"schema\": 9/' sweep.json", "schema 9 is of another version"},
+        Damage{"ForeignSchema", "sed -i 's/\"schema\": 1/\"schema\": 9/' sweep.json", "schema 9"},
         Damage{"ForeignKind", "sed -i 's/\"kind\": \"sweep\"/\"kind\": \"fit\"/' sweep.json",
-               "is not what `mtf sweep` writes"},
-        Damage{"HalfJson", "head -c 900 sweep.json >a && mv a sweep.json", "is no JSON, or incomplete"},
+               "what `mtf sweep` writes"},
+        Damage{"HalfJson", "head -c 900 sweep.json >a && mv a sweep.json", "is no JSON"},
         Damage{"DeepJson", "printf '%0100000d' 0 | tr 0 '[' >sweep.json", "nested too deeply"},
         Damage{"WrongType", "sed -i 's/\"feasible\": [0-9]*/\"feasible\": \"many\"/' sweep.json",
-               "sweep.json.feasible: is not a number"},
-        Damage{"DesignOutside", "sed -i 's/\"best\": \\[/\"best\": [{\"design\": 100},/' sweep.json",
-               "is no design: there are 100"},
-        Damage{"MissingKey", "sed -i 's/\"columns\"/\"colums\"/' sweep.json",
-               "sweep.json: a sweep has 1 to 1000 columns"},
+               "sweep.json.feasible: is not"},
+        Damage{"DesignOutside", "sed -i 's/\"best\": \\[/\"best\": [{\"design\": 100},/' sweep.json", "there are 100"},
+        Damage{"MissingKey", "sed -i 's/\"columns\"/\"colums\"/' sweep.json", "1 to 1000 columns"},
         Damage{"HalfTable", "head -c 4000 designs.csv >a && mv a designs.csv", "the file is incomplete"},
         Damage{"FewerRows", "sed -i '$d' designs.csv", "99 designs where sweep.json has 100"},
-        Damage{"MoreRows", "tail -n 1 designs.csv >>designs.csv", "more designs than the 100"},
+        Damage{"MoreRows", "tail -n 1 designs.csv >>designs.csv", "than the 100"},
         Damage{"OtherColumn", "sed -i '1s/mtf50/mtf51/' designs.csv", "column 'mtf51' where sweep.json has 'mtf50'"},
         Damage{"FewerCells", "sed -i '5s/,[^,]*$//' designs.csv", "designs.csv:5: "},
         Damage{"OutOfOrder", "sed -i '7s/^5,/6,/' designs.csv", "design '6' where 5 follows"},
-        Damage{"OtherGaps", "sed -i '9s/,[^,]*$/,/' designs.csv", "column 'pareto' has 1 empty cells"},
-        Damage{"OpenQuote", "printf '\"' >>designs.csv", "a quote is never closed"},
-        Damage{"HugeRow", "head -c 3000000 /dev/zero | tr '\\0' 7 >>designs.csv", "a row of more than"}),
+        Damage{"OtherGaps", "sed -i '9s/,[^,]*$/,/' designs.csv", "column 'pareto' has 1"},
+        Damage{"OpenQuote", "printf '\"' >>designs.csv", "never closed"},
+        Damage{"HugeRow", "head -c 3000000 /dev/zero | tr '\\0' 7 >>designs.csv", "a row of more"}),
     [](const auto& parameter) { return std::string(parameter.param.name); });
 
 TEST(Report, NamesAFolderThatIsNone) {
   const Scratch scratch;
   for (const char* name : {"nowhere", "file"}) {
-    apps_test::write_file(scratch / "file", "text");
-    const Result result = scratch.run(std::string("mtf report ") + name);
-    expect_error(result, 2, {"is no folder", "mtf sweep"});
+    write_file(scratch / "file", "text");
+    expect_error(scratch.run(std::string("mtf report ") + name), 2, {"is no folder", "mtf sweep"});
   }
 }
 
 TEST(Report, ShowsADesignWithoutItsFileAsAGap) {
   const Scratch scratch;
   make_sweep(scratch);
-  apps_test::write_file(scratch / "secret.toml", "name = \"hidden words\"\n");
-  const Json sweep = Json::parse(apps_test::read_file(scratch / "sweep/sweep.json"));
+  write_file(scratch / "secret.toml", "name = \"hidden words\"\n");
+  const Json sweep = Json::parse(read_file(scratch / "sweep/sweep.json"));
   ASSERT_GE(sweep["chosen"].size(), 3U);
   std::filesystem::remove(scratch / "sweep" / sweep["chosen"][0]["file"].get<std::string>());
-  apps_test::write_file(scratch / ("sweep/" + sweep["chosen"][2]["file"].get<std::string>()),
-                        "schema = 1\nnonsense = 2\n");
+  write_file(scratch / ("sweep/" + sweep["chosen"][2]["file"].get<std::string>()), "schema = 1\nnonsense = 2\n");
   change_json(scratch, [](Json& json) {
     json["chosen"][1]["file"] = "../secret.toml";
     json["sensors"][0]["file"] = "/etc/hostname";
   });
   const std::string page = page_of(scratch);
-  EXPECT_EQ(count(page, "</strong> has no curves, budget and image: "), 3U);
-  EXPECT_NE(page.find("../secret.toml: is not a file of the sweep&#39;s folder"), std::string::npos);
-  EXPECT_NE(page.find("/etc/hostname: is not a file of the sweep&#39;s folder"), std::string::npos);
-  EXPECT_EQ(page.find("hidden words"), std::string::npos);
+  EXPECT_EQ(count(page, "</strong> has no curves"), 3U);
+  expect_says(page, {"../secret.toml: is not", "/etc/hostname: is not"});
+  EXPECT_FALSE(says(page, "hidden words")) << page;
   EXPECT_EQ(count(page, "src=\"data:image/png"), sweep["chosen"].size() - 3);
 }
 
@@ -273,12 +264,12 @@ TEST(Report, NamesWhatASensorWithoutDetectorDoesNotHave) {
   const Scratch scratch;
   make_sweep(scratch);
   scratch.add_sensor();
-  const Json sweep = Json::parse(apps_test::read_file(scratch / "sweep/sweep.json"));
+  const Json sweep = Json::parse(read_file(scratch / "sweep/sweep.json"));
   std::filesystem::copy_file(scratch / "sensor.toml",
                              scratch / ("sweep/" + sweep["chosen"][0]["file"].get<std::string>()),
                              std::filesystem::copy_options::overwrite_existing);
   const std::string page = page_of(scratch);
-  EXPECT_EQ(count(page, "</strong> has no noise budget: its sensor file has no [detector]"), 1U);
+  EXPECT_EQ(count(page, "no [detector]"), 1U);
   EXPECT_EQ(count(page, "src=\"data:image/png"), sweep["chosen"].size());
 }
 
@@ -286,8 +277,7 @@ TEST(Report, OfNoFeasibleDesignNamesTheNearest) {
   const Scratch scratch;
   make_sweep(scratch, "--kind infeasible");
   const std::string page = page_of(scratch);
-  EXPECT_NE(page.find("No design meets every constraint. The nearest is design 0, which misses mtf_nyquist &gt; 0.9"),
-            std::string::npos);
+  expect_says(page, {"nearest is design 0", "misses mtf_nyquist &gt; 0.9"});
 }
 
 TEST(Report, ReadsQuotedLevels) {
@@ -301,11 +291,11 @@ TEST(Report, ReadsQuotedLevels) {
 TEST(Report, StaysSmallWhateverTheFiles) {
   const Scratch scratch;
   make_sweep(scratch, "--points 5000");
-  apps_test::write_file(scratch / "sweep/study.toml", std::string(5 << 20, '<'));
-  apps_test::write_file(scratch / "sweep/camera.toml", std::string(200 << 10, '<'));
+  write_file(scratch / "sweep/study.toml", std::string(5 << 20, '<'));
+  write_file(scratch / "sweep/camera.toml", std::string(200 << 10, '<'));
   const std::string page = page_of(scratch);
   EXPECT_LT(page.size(), 2'000'000U);
-  EXPECT_NE(page.find("The first 12000 of 204800 bytes"), std::string::npos);
+  expect_says(page, {"12000 of 204800 bytes"});
 }
 
 TEST(Report, WritesWhereItIsTold) {
@@ -313,10 +303,9 @@ TEST(Report, WritesWhereItIsTold) {
   make_sweep(scratch);
   const std::string page = page_of(scratch, "-o sweep/report.html");
   EXPECT_EQ(scratch.run("mtf report sweep -o -").out, page);
-  apps_test::write_file(scratch / "sweep/columns.csv", "column,unit,definition\n");
+  write_file(scratch / "sweep/columns.csv", "column,unit,definition\n");
   for (const std::string file : {"designs.csv", "columns.csv"}) {
-    const Result input = scratch.run("mtf report sweep -o sweep/" + file);
-    expect_error(input, 2, {"is the input"});
+    expect_error(scratch.run("mtf report sweep -o sweep/" + file), 2, {"is the input"});
   }
   EXPECT_EQ(scratch.run("mtf report sweep -o nowhere/report.html").status, 1);
 }
@@ -339,12 +328,12 @@ TEST(Report, LooksAtASceneOfOnesOwn) {
   make_sweep(scratch);
   write_board(scratch, 1.0F);
   const std::string own = page_of(scratch, "--scene board.exr");
-  EXPECT_NE(own.find("The scene <code>board.exr</code>"), std::string::npos);
+  expect_says(own, {"The scene <code>board.exr</code>"});
   EXPECT_EQ(count(own, "src=\"data:image/png"), data_of(own)["chosen"].size());
-  EXPECT_EQ(count(own, "cannot be kept for this scene"), 0U);
+  EXPECT_EQ(count(own, "cannot be kept"), 0U);
   const Result missing = scratch.run("mtf report sweep --scene nowhere.exr");
   EXPECT_EQ(missing.status, 1);
-  EXPECT_EQ(apps_test::lines(missing.err), 1U) << missing.err;
+  EXPECT_EQ(lines(missing.err), 1U) << missing.err;
 }
 
 // Float32 cannot keep the tolerance of the page for a scene of so little contrast; the image is shown, and says so.
@@ -354,7 +343,8 @@ TEST(Report, ShowsASceneOfLittleContrastAsWellAsItCan) {
   write_board(scratch, 1e-4F);
   const std::string page = page_of(scratch, "--scene board.exr");
   EXPECT_EQ(count(page, "src=\"data:image/png"), data_of(page)["chosen"].size());
-  EXPECT_EQ(count(page, "cannot be kept for this scene"), data_of(page)["chosen"].size());
+  EXPECT_EQ(count(page, "cannot be kept"), data_of(page)["chosen"].size());
 }
 
 }  // namespace
+}  // namespace apps_test

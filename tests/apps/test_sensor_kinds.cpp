@@ -140,9 +140,9 @@ TEST(SensorKinds, TheCommandPrintsThem) {
   const apps_test::Scratch scratch;
   const std::string text = scratch.run("mtf config kinds").out;
   for (const ComponentKind& kind : sensor_kinds().components) {
-    EXPECT_NE(text.find(std::string(kind.kind) + ": " + std::string(kind.doc)), std::string::npos) << kind.kind;
+    EXPECT_TRUE(says(text, std::string(kind.kind) + ": " + std::string(kind.doc))) << kind.kind;
     for (const Parameter& parameter : kind.parameters)
-      EXPECT_NE(text.find(std::string(parameter.doc)), std::string::npos) << kind.kind << "." << parameter.name;
+      EXPECT_TRUE(says(text, std::string(parameter.doc))) << kind.kind << "." << parameter.name;
   }
 }
 
@@ -151,7 +151,7 @@ TEST(SensorKinds, AnUnknownKindIsRefusedWithTheNearest) {
     component_kind("jiter");
     FAIL();
   } catch (const mtf::UsageError& error) {
-    EXPECT_NE(std::string(error.what()).find("did you mean \"jitter\""), std::string::npos) << error.what();
+    EXPECT_TRUE(says(error.what(), "did you mean \"jitter\"")) << error.what();
   }
 }
 

@@ -9,6 +9,7 @@
 
 #include "mtf/io/image_io.h"
 #include "tests/apps/command.h"
+#include "tests/replaced.h"
 
 namespace apps_test {
 namespace {
@@ -83,10 +84,10 @@ class Sequence : public testing::Test {
       count += entry.path().filename().string().starts_with("out") ? 1U : 0U;
     return count;
   }
-  void expect_refused(const std::string& command, int status, std::initializer_list<std::string> words) const {
+  void expect_refused(const std::string& command, int status, std::initializer_list<std::string_view> parts) const {
+    SCOPED_TRACE(command);
     const Result r = scratch.run("mtf --quiet simulate sensor.toml " + command);
-    EXPECT_EQ(r.status, status) << command << "\n" << r.err;
-    for (const std::string& word : words) EXPECT_NE(r.err.find(word), std::string::npos) << command << "\n" << r.err;
+    expect_error(r, status, parts);
     EXPECT_EQ(lines(r.err), 1U) << r.err;
   }
   nlohmann::json report(const std::string& command) const {
@@ -143,7 +144,7 @@ TEST_F(Sequence, ScheduleOverAStillScene) {
   EXPECT_EQ(json["sequence"]["plans_updated"], 1);
   EXPECT_EQ(outputs(), 2U);
   std::string text = kSensor;
-  text.replace(text.find("8 urad"), 6, "30 urad");
+  text = replaced(text, "8 urad", "30 urad");
   write_file(scratch / "sensor.toml", text);
   ASSERT_EQ(scratch.run("mtf simulate sensor.toml scene.exr -o alone.exr").status, 0);
   const auto a = mtf::io::read_image((scratch / "alone.exr").string());
@@ -155,7 +156,7 @@ TEST_F(Sequence, ScheduleOverAStillScene) {
 // Angular samples follow the focal length; another pitch is another detector grid.
 TEST_F(Sequence, ChangesOfTheGridCompileAnew) {
   std::string text = kSensor;
-  text.replace(text.find("sample = \"7.5 um\""), 17, "ifov = \"75 urad\"");
+  text = replaced(text, "sample = \"7.5 um\"", "ifov = \"75 urad\"");
   write_file(scratch / "sensor.toml", text);
   write_scene(scratch / "scene.exr", 64, 5.0, 0.0);
   add_frames(1, 3);
@@ -176,10 +177,10 @@ TEST_F(Sequence, ThePromiseIsKeptForEveryFrame) {
   write_scene(scratch / "frame.0003.exr", 64, 5e3, 0.0);
   const auto json = report("frame.%04d.exr -o out.%04d.exr --tolerance 1e-2");
   EXPECT_EQ(json["sequence"]["plans_compiled"], 2);
-  expect_refused("frame.%04d.exr -o out.%04d.exr --tolerance 1e-4", 2, {"frame 3: ", "below what can be kept"});
+  expect_refused("frame.%04d.exr -o out.%04d.exr --tolerance 1e-4", 2, {"frame 3: ", "can be kept"});
   const Result loosened = scratch.run("mtf simulate sensor.toml frame.%04d.exr -o out.%04d.exr");
   EXPECT_EQ(loosened.status, 0);
-  EXPECT_NE(loosened.err.find("frame 3: the default tolerance"), std::string::npos) << loosened.err;
+  expect_says(loosened.err, {"frame 3:", "default tolerance"});
   Image flat(64, 48);
   std::fill_n(flat.data(), flat.size(), 3.0F);
   for (const char* name : {"flat.0001.exr", "flat.0003.exr"})
@@ -220,7 +221,7 @@ TEST_F(Sequence, AFrameOfAnotherKindEndsItAndLeavesWholeOnes) {
       EXPECT_EQ(mtf::io::read_image((scratch / frame_name("out", frame)).string()).planes.size(), 1U) << other;
     EXPECT_FALSE(fs::exists(scratch / "out.0004.exr")) << other;
     for (const auto& entry : fs::directory_iterator(scratch / ""))
-      EXPECT_EQ(entry.path().string().find(".tmp"), std::string::npos) << entry.path();
+      EXPECT_FALSE(says(entry.path().string(), ".tmp")) << entry.path();
   }
 }
 
@@ -230,14 +231,14 @@ TEST_F(Sequence, MisuseIsSaidBeforeAnythingIsWritten) {
   write_file(scratch / "s.csv", "frame,parameter,value\n1,jitter.rms,9 urad\n");
   write_file(scratch / "bad.csv", "frame,parameter,value\n1,jiter.rms,9 urad\n");
   expect_refused("frame.%04d.exr -o out.exr", 2, {"needs a frame number", "out.%04d.exr"});
-  expect_refused("scene.exr -o out.%04d.exr", 2, {"the scene is one image"});
+  expect_refused("scene.exr -o out.%04d.exr", 2, {"one image"});
   expect_refused("scene.exr -o out.%04d.exr --frames 1:2", 2, {"--schedule"});
-  expect_refused("frame.%04d.%d.exr -o out.%04d.exr", 2, {"more than one frame number"});
+  expect_refused("frame.%04d.%d.exr -o out.%04d.exr", 2, {"one frame number"});
   expect_refused("%d/frame.exr -o out.%04d.exr", 2, {"not of a folder"});
   expect_refused("frame.%099d.exr -o out.%04d.exr", 2, {"digits"});
-  expect_refused("frame.%04d.exr -o frame.%04d.exr", 2, {"is a frame of the input"});
-  expect_refused("frame.%04d.exr -o ./frame.%04d.exr", 2, {"is a frame of the input"});
-  expect_refused("frame.%04d.exr -o out.%04d.exr --report out.0002.exr", 2, {"name of an output frame"});
+  expect_refused("frame.%04d.exr -o frame.%04d.exr", 2, {"frame of the input"});
+  expect_refused("frame.%04d.exr -o ./frame.%04d.exr", 2, {"frame of the input"});
+  expect_refused("frame.%04d.exr -o out.%04d.exr --report out.0002.exr", 2, {"an output frame"});
   expect_refused("frame.%04d.exr -o no/out.%04d.exr", 1, {"there is no folder"});
   expect_refused("frame.%04d.exr -o out.%04d.png", 2, {"--range"});
   expect_refused("frame.%04d.exr -o out.%04d.jpg", 2, {".exr"});
@@ -267,7 +268,7 @@ TEST_F(Sequence, StoppingItLeavesWholeFramesOnly) {
   EXPECT_GE(outputs(), 2U);
   for (const auto& entry : fs::directory_iterator(scratch / "")) {
     const std::string path = entry.path().string();
-    EXPECT_EQ(path.find(".tmp"), std::string::npos) << path;
+    EXPECT_FALSE(says(path, ".tmp")) << path;
     if (path.find("out.") != std::string::npos) {
       EXPECT_EQ(mtf::io::read_image(path).planes.size(), 1U);
     }

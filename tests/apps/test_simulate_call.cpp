@@ -16,6 +16,8 @@
 #include "mtf/engines/statistics.h"
 #include "mtf/io/config/schedule.h"
 #include "tests/apps/chain_sensor.h"
+#include "tests/expect_error.h"
+#include "tests/replaced.h"
 
 namespace apps_test {
 namespace {
@@ -49,7 +51,7 @@ class SimulateCall : public testing::Test {
   void SetUp() override {
     scratch.add_sensor();
     std::string text = read_file(scratch / "sensor.toml");
-    text.replace(text.find("format = [640, 512]"), 19, "# no format        ");
+    text = replaced(text, "format = [640, 512]", "# no format        ");
     write_file(scratch / "sensor.toml", text);
     write_file(scratch / "camera.toml",
                kSensor + "[nonuniformity]\nprnu = 0.02\n[noise]\nseed = 3\n[adc]\nbits = 14\n");
@@ -214,8 +216,8 @@ TEST_F(SimulateCall, WarningsAreTheSameInEventsAndReport) {
 
 TEST_F(SimulateCall, PlanesBesideASceneInMemory) {
   std::string text = read_file(scratch / "camera.toml");
-  text.replace(text.find("quantity = \"temperature\""), 24,
-               "quantity = \"temperature\"\nemissivity_channel = \"e\"\nsurroundings = \"280 K\"");
+  text = replaced(text, "quantity = \"temperature\"",
+                  "quantity = \"temperature\"\nemissivity_channel = \"e\"\nsurroundings = \"280 K\"");
   write_file(scratch / "surface.toml", text);
   const Image emissivity = pattern(0.7, 0.1);
   const Image temperature = pattern(300.0, 3.0);
@@ -241,18 +243,18 @@ TEST_F(SimulateCall, RefusesScenesThatAreNone) {
     }
     return "";
   };
-  EXPECT_NE(refusal(SceneSource{}).find("no scene"), std::string::npos);
-  EXPECT_NE(refusal(radiance()).find("sample spacing"), std::string::npos);
+  expect_says(refusal(SceneSource{}), {"no scene"});
+  expect_says(refusal(radiance()), {"sample spacing"});
   SceneSource none = radiance(), uneven = radiance(), limited = radiance();
   none.image->planes.clear();
   none.image->grid.step_x_um = none.image->grid.step_y_um = 3.75;
-  EXPECT_NE(refusal(std::move(none)).find("no planes"), std::string::npos);
+  expect_says(refusal(std::move(none)), {"no planes"});
   uneven.image->planes.push_back(Image(4, 4));
   uneven.image->grid.step_x_um = uneven.image->grid.step_y_um = 3.75;
-  EXPECT_NE(refusal(std::move(uneven)).find("4x4"), std::string::npos);
+  expect_says(refusal(std::move(uneven)), {"4x4"});
   limited.file = "made here";
-  EXPECT_NE(refusal(std::move(limited), {.memory = 1 << 30}).find("made here is in memory"), std::string::npos);
-  EXPECT_NE(refusal(radiance(), {.memory = 1 << 30}).find("--memory: scene in memory is"), std::string::npos);
+  expect_says(refusal(std::move(limited), {.memory = 1 << 30}), {"in memory"});
+  expect_says(refusal(radiance(), {.memory = 1 << 30}), {"--memory", "scene in memory"});
 }
 
 TEST_F(SimulateCall, RefusesFramesThatAreNone) {

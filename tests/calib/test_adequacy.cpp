@@ -7,6 +7,7 @@
 #include "calib/fit/confidence/adequacy.h"
 #include "tests/calib/fit_cases.h"
 #include "tests/calib/made_defects.h"
+#include "tests/expect_error.h"
 
 namespace calib {
 namespace {
@@ -32,7 +33,7 @@ TEST(Adequacy, AGaussianOnADiffractionEdgeIsFlagged) {
                                std::vector{parameter("presample[0].sigma")}, options);
   EXPECT_EQ(result.status, FitStatus::converged_model_wrong);
   EXPECT_LT(result.whiteness_p, 1e-6);
-  EXPECT_NE(result.reason.find("edge"), std::string::npos);
+  expect_says(result.reason, {"edge"});
   // The residuals show what the model lacks: low frequencies that diffraction has lost.
   double most = 0.0;
   for (std::size_t i = 0; i < 100; ++i) most = std::max(most, result.residual_otf[i]);

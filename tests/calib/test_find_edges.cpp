@@ -11,6 +11,7 @@
 #include "edge_truth.h"
 #include "made_scenes.h"
 #include "mtf/error.h"
+#include "tests/expect_error.h"
 
 namespace calib {
 namespace {
@@ -211,7 +212,7 @@ TEST(FindEdges, FaintEdgesNeedTheContrastAskedFor) {
   options.min_cnr = 20.0;
   const FoundEdges none = find_edges(image.view(), options);
   EXPECT_TRUE(none.edges.empty());
-  EXPECT_NE(none.reason.find("contrast/noise"), std::string::npos) << none.reason;
+  expect_says(none.reason, {"contrast/noise"});
 }
 
 TEST(FindEdges, NothingToFindIsSaid) {
@@ -221,30 +222,30 @@ TEST(FindEdges, NothingToFindIsSaid) {
     EXPECT_FALSE(found.reason.empty());
     return found.reason;
   };
-  EXPECT_NE(reason(made_scene(300, 200, {}, 0.05)).find("above the noise"), std::string::npos);
-  EXPECT_NE(reason(made_scene(300, 200, {})).find("same value"), std::string::npos);
-  EXPECT_NE(reason(made_scene(1, 1, {})).find("same value"), std::string::npos);
+  expect_says(reason(made_scene(300, 200, {}, 0.05)), {"above the noise"});
+  expect_says(reason(made_scene(300, 200, {})), {"same value"});
+  expect_says(reason(made_scene(1, 1, {})), {"same value"});
   for (const auto& [width, height] : {std::pair{1, 7}, {2, 2}, {3, 3}, {1000, 1}, {5, 4}}) {
     const mtf::Image small = made_scene(width, height, {}, 0.1);
     EXPECT_TRUE(find_edges(small.view()).edges.empty()) << width << " x " << height;
   }
   mtf::Image masked(40, 30);
   std::fill_n(masked.data(), masked.size(), kNone);
-  EXPECT_NE(reason(masked).find("masked"), std::string::npos);
+  expect_says(reason(masked), {"masked"});
   // As float64 values of 1e302 arrive.
   mtf::Image beyond(40, 30);
   std::fill_n(beyond.data(), beyond.size(), INFINITY);
-  EXPECT_NE(reason(beyond).find("1200 are infinite or beyond 3.4e38"), std::string::npos) << reason(beyond);
-  EXPECT_NE(measure_edge(beyond.view(), {0, 0, 40, 30}).reason.find("beyond 3.4e38"), std::string::npos);
+  expect_says(reason(beyond), {"1200", "3.4e38"});
+  expect_says(measure_edge(beyond.view(), {0, 0, 40, 30}).reason, {"beyond 3.4e38"});
   masked.at(3, 3) = 1.0F;
   reason(masked);
   std::fill_n(masked.data(), masked.size(), std::numeric_limits<float>::infinity());
   reason(masked);
-  EXPECT_NE(find_edges({}).reason.find("empty"), std::string::npos);
+  expect_says(find_edges({}).reason, {"empty"});
   // Stripes too close to each other for a plateau between them.
   mtf::Image stripes(200, 200);
   for (std::int64_t i = 0; i < stripes.size(); ++i) stripes.data()[i] = static_cast<float>((i % 200) / 6 % 2);
-  EXPECT_NE(reason(stripes).find("plateau on both sides"), std::string::npos);
+  expect_says(reason(stripes), {"plateau on both sides"});
 }
 
 TEST(FindEdges, ExtremeNumbersAreNoDanger) {

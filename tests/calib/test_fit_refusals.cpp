@@ -17,7 +17,6 @@ using fit_cases::edge_of;
 using fit_cases::parameter;
 using mtf::Stage;
 using mtf::System;
-using mtf::test::expect_says;
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 const std::vector<FitParameter> kSigma{parameter("presample[0].sigma")};
@@ -33,7 +32,7 @@ struct Made {
 };
 
 std::string refusal(const FitData& data, const std::vector<FitParameter>& parameters) {
-  return mtf::test::message_of<mtf::UsageError>([&] { fit(data, parameters); });
+  return message_of<mtf::UsageError>([&] { fit(data, parameters); });
 }
 
 TEST(FitRefusals, Parameters) {
@@ -111,7 +110,7 @@ TEST(FitRefusals, Curves) {
     if (fault == 4) curve.sd.clear();
     if (fault == 5) curve.angle_deg = kNan;
     if (fault == 6) curve.unit = nullptr;
-    EXPECT_NE(refusal(data, kSigma).find("bench.csv"), std::string::npos) << fault;
+    EXPECT_TRUE(says(refusal(data, kSigma), "bench.csv")) << fault;
   }
 }
 

@@ -110,11 +110,10 @@ TEST(Curve, ends_in_zero) {
 TEST(Curve, what_is_no_curve_is_refused) {
   const double nan = std::nan(""), inf = HUGE_VAL;
   const auto refusal = [](std::vector<double> f, std::vector<double> v, const char* unit = "cy/mm") -> std::string {
-    return mtf::test::message_of<mtf::UsageError>(
-        [&] { make_curve("lens.csv", *find_unit(unit), std::move(f), std::move(v)); });
+    return message_of<mtf::UsageError>([&] { make_curve("lens.csv", *find_unit(unit), std::move(f), std::move(v)); });
   };
   const auto expect = [](const std::string& message, const char* part) {
-    EXPECT_NE(message.find(part), std::string::npos) << message;
+    expect_says(message, {part});
     EXPECT_TRUE(message.starts_with("lens.csv: ")) << message;
   };
   expect(refusal({}, {}), "two samples");

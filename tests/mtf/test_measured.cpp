@@ -3,6 +3,7 @@
 #include "mtf/plan/measured.h"
 
 #include "mtf/math/word_hash.h"
+#include "tests/expect_error.h"
 #include "tests/mtf/plan_support.h"
 
 namespace mtf::test {
@@ -11,7 +12,7 @@ namespace {
 TEST(Measured, text_goes_out_and_back) {
   remember_ms("some work 3x4", 1.5);
   const std::string text = export_measured();
-  EXPECT_NE(text.find("1.5 some work 3x4\n"), std::string::npos);
+  expect_says(text, {"1.5 some work 3x4\n"});
   EXPECT_TRUE(import_measured(text));
   EXPECT_EQ(measured_ms("some work 3x4"), 1.5);
   EXPECT_FALSE(measured_ms("other work"));

@@ -2,6 +2,7 @@
 // Extremes of scale, contrast, size and request: finite and within the promise, or refused by name.
 #include <limits>
 
+#include "tests/expect_error.h"
 #include "tests/mtf/plan_support.h"
 
 namespace mtf::test {
@@ -157,14 +158,8 @@ TEST(PlanBadInput, pixels_that_are_not_finite_are_counted_and_placed) {
       Image scene = random_image(20, 10, 1);
       for (int i = 0; i < count; ++i) scene.at(17 - i, 4 + i) = bad;
       Image out(20, 10);
-      try {
-        plan.run(scene.view(), out.view());
-        FAIL() << "accepted";
-      } catch (const RuntimeError& error) {
-        const std::string text = error.what();
-        EXPECT_NE(text.find(std::to_string(count)), std::string::npos) << text;
-        EXPECT_NE(text.find("column 17, row 4"), std::string::npos) << text;
-      }
+      expect_refused<mtf::RuntimeError>({std::to_string(count), "column 17, row 4"},
+                                        [&] { plan.run(scene.view(), out.view()); });
     }
 }
 

@@ -5,6 +5,7 @@
 
 #include "mtf/engines/fft/scene_spectrum.h"
 #include "mtf/plan/low_rank.h"
+#include "tests/expect_error.h"
 #include "tests/mtf/plan_support.h"
 
 namespace mtf::test {
@@ -110,11 +111,9 @@ TEST(PlanMethods, a_method_that_cannot_says_why) {
     }
     return std::string("accepted");
   };
-  EXPECT_NE(message(Method::separable, 1.7).find("whole samples"), std::string::npos)
-      << message(Method::separable, 1.7);
-  EXPECT_NE(message(Method::low_rank, 1.0).find("factors exactly"), std::string::npos)
-      << message(Method::low_rank, 1.0);
-  EXPECT_NE(message(Method::identity, 1.0).find("identity"), std::string::npos) << message(Method::identity, 1.0);
+  expect_says(message(Method::separable, 1.7), {"whole samples"});
+  expect_says(message(Method::low_rank, 1.0), {"factors exactly"});
+  expect_says(message(Method::identity, 1.0), {"identity"});
   EXPECT_EQ(message(Method::separable, 1.0), "accepted");
 }
 

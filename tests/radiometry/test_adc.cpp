@@ -104,14 +104,13 @@ TEST(Well, holds_what_it_holds) {
 TEST(Adc, refusals) {
   mtf::Image image = flat(2, 2, 1.0F);
   for (const int bits : {0, -1, 33})
-    test::expect_refused({"adc.bits = " + std::to_string(bits), "1 to 32"},
-                         [&] { digitise(image.view(), {.bits = bits}); });
-  test::expect_refused({"electrons_per_count = 0 e-"}, [&] { digitise(image.view(), {.electrons_per_count = 0.0}); });
-  test::expect_refused({"adc.offset = nan"}, [&] { digitise(image.view(), {.offset_counts = std::nan("")}); });
-  test::expect_refused({"electrons_per_count"}, [] { adc_for_well(-5.0, 14); });
-  test::expect_refused({"full well of 0"}, [&] { fill_well(image.view(), 0.0); });
+    expect_refused({"adc.bits = " + std::to_string(bits), "1 to 32"}, [&] { digitise(image.view(), {.bits = bits}); });
+  expect_refused({"electrons_per_count = 0 e-"}, [&] { digitise(image.view(), {.electrons_per_count = 0.0}); });
+  expect_refused({"adc.offset = nan"}, [&] { digitise(image.view(), {.offset_counts = std::nan("")}); });
+  expect_refused({"electrons_per_count"}, [] { adc_for_well(-5.0, 14); });
+  expect_refused({"full well of 0"}, [&] { fill_well(image.view(), 0.0); });
   std::vector<std::uint32_t> counts(2);
-  test::expect_refused({"2 x 2", "2 x 1"}, [&] { digitise_to(image.view(), {}, {counts.data(), 2, 1, 2}); });
+  expect_refused({"2 x 2", "2 x 1"}, [&] { digitise_to(image.view(), {}, {counts.data(), 2, 1, 2}); });
 }
 
 }  // namespace

@@ -14,8 +14,6 @@
 namespace radiometry {
 namespace {
 
-using test::expect_refused;
-
 /// The integral by brute force: 64 panels of 32 nodes on every piece of the wavelength.
 template <class F>
 double slow_integral(const Interval& range, std::span<const Spectrum> curves, F f) {

@@ -15,7 +15,6 @@
 namespace radiometry {
 namespace {
 
-using test::expect_refused;
 using test::flat;
 
 double sum_of(const mtf::Image& image) {

@@ -155,7 +155,7 @@ TEST(Chain, TapsAreWhatTheySay) {
     EXPECT_EQ(counts.data()[i], std::floor(electrons.data()[i] / 450.0F + 100.0F + 0.5F));
   EXPECT_EQ(last_output_stage(mwir_system(), sensor), OutputStage::dn);
   EXPECT_EQ(output_unit(sensor, OutputStage::dn), "counts");
-  test::expect_refused({"display", "dn"}, [&] { at(OutputStage::display); });
+  expect_refused({"display", "dn"}, [&] { at(OutputStage::display); });
 }
 
 TEST(Chain, SameBitsForAnyThreadsAndSameNoiseForAnyRegion) {
@@ -353,7 +353,7 @@ TEST(Chain, TwoPointCorrectionTakesTheFixedPatternOut) {
   EXPECT_GT(before, 5.0 * noise);
   EXPECT_LT(after, 1.15 * noise);
   sensor.settings.adc->electrons_per_count = 100.0;  // 0.8 of full well does not fit into 14 bits
-  test::expect_refused({"[correction]", "0.8", "converter"}, scatter);
+  expect_refused({"[correction]", "0.8", "converter"}, scatter);
 }
 
 TEST(Chain, LagTakesFramesThatAreLeftOutAsTime) {
@@ -375,18 +375,18 @@ TEST(Chain, SaysWhatIsMissing) {
   };
   Sensor sensor = mwir_sensor();
   sensor.settings.detector.reset();
-  test::expect_refused({"[detector]"}, build(mwir_system(), sensor));
+  expect_refused({"[detector]"}, build(mwir_system(), sensor));
   mtf::System<double> system = mwir_system();
   system.frame.integration_time_s = 0.0;
-  test::expect_refused({"integration_time"}, build(system, mwir_sensor()));
+  expect_refused({"integration_time"}, build(system, mwir_sensor()));
   sensor = mwir_sensor();
   sensor.settings.detector->full_well_e = mtf::kInfinity;
   sensor.settings.adc = AdcSettings{};
-  test::expect_refused({"electrons_per_count", "full_well"}, build(mwir_system(), sensor));
+  expect_refused({"electrons_per_count", "full_well"}, build(mwir_system(), sensor));
   sensor = mwir_sensor();
   sensor.settings.nonuniformity = NonuniformitySettings{.responsivity = "map.exr"};
   sensor.responsivity = std::make_shared<const mtf::Image>(flat(15, 16, 1.0F));
-  test::expect_refused({"responsivity", "15x16", "16x16"}, build(mwir_system(), sensor));
+  expect_refused({"responsivity", "15x16", "16x16"}, build(mwir_system(), sensor));
 }
 
 }  // namespace

@@ -144,8 +144,7 @@ TEST(ChainStages, APlanForOtherFiltersIsRefused) {
   mtf::System<double> filtered = mwir_system();
   filtered.list(mtf::Stage::readout).push_back({mtf::test::gaussian(4.0), "gaussian"});
   const mtf::SensorPlan joint = mtf::compile_sensor(filtered, {16, 16, 15.0, 15.0}, {});
-  test::expect_refused({"plan", "separate_readout"},
-                       [&] { static_cast<void>(Chain(joint, filtered, noisy_sensor())); });
+  expect_refused({"plan", "separate_readout"}, [&] { static_cast<void>(Chain(joint, filtered, noisy_sensor())); });
 }
 
 TEST(ChainStages, ATableOfTheFileIsAStageInWords) {

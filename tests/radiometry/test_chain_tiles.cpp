@@ -15,7 +15,6 @@
 namespace radiometry {
 namespace {
 
-using test::expect_refused;
 using test::make_chain;
 using test::mwir_system;
 using test::noisy_sensor;
@@ -201,7 +200,7 @@ TEST(ChainTiles, StagesThatNeedTheWholeImageAreNamed) {
   for (const OutputStage stage : {OutputStage::radiance, OutputStage::irradiance, OutputStage::dn})
     EXPECT_EQ(named([](SensorSettings& s) { s.microscan = Microscan{.steps = 2}; }, stage).find("microscan"), 0U);
   EXPECT_EQ(named(two, OutputStage::dn).find("blooming"), 0U);
-  EXPECT_NE(named(two, OutputStage::display).find(", agc"), std::string::npos);
+  expect_says(named(two, OutputStage::display), {", agc"});
   expect_refused({"veiling glare"}, [&] {
     Sensor sensor = noisy_sensor();
     glare(sensor.settings);

@@ -62,7 +62,8 @@ TEST(DarkNonuniformity, factors_are_log_normal_of_mean_1) {
     EXPECT_LT(std::abs(l.mean + 0.5 * s2) / std::sqrt(s2 / n), kMostSigmas) << rms;
     EXPECT_LT(std::abs(l.variance / s2 - 1.0) / std::sqrt(2.0 / n), kMostSigmas) << rms;
   }
-  for (const float v : samples(factors(0.0, 3, 8, 8))) EXPECT_EQ(v, 1.0F);
+  const mtf::Image even = factors(0.0, 3, 8, 8);
+  for (const float v : samples(even)) EXPECT_EQ(v, 1.0F);
 }
 
 TEST(DarkNonuniformity, belongs_to_the_pixel_and_the_seed) {
@@ -79,7 +80,7 @@ TEST(DarkNonuniformity, belongs_to_the_pixel_and_the_seed) {
   test::expect_refused({"-0.1 rms", "from 0 to 10"}, [] { factors(-0.1, 1, 2, 2); });
 }
 
-// The charge of a pixel is dark current x time x its factor: twice the exposure is twice the pattern, pixel by pixel,
+// The charge of a pixel is dark current x time x its factor: thrice the exposure is thrice the pattern, pixel by pixel,
 // within the rounding of floats about the mean.
 TEST(DarkNonuniformity, grows_with_the_exposure) {
   const mtf::Image once = dark_frame(0.25, 4000.0, 1.0), thrice = dark_frame(0.25, 4000.0, 3.0);
@@ -159,8 +160,8 @@ TEST(DarkNonuniformity, fills_the_well) {
   EXPECT_NEAR(saturation.sigmas, 4e5 / spread_e, 0.01 * saturation.sigmas);  // shot noise adds 0.01 %
 }
 
-// A log-normal has more warm pixels than a Gaussian of its rms. 5e5 e- on the mean and room for 2e6 e-, four times that:
-// s = sqrt(ln 1.49) = 0.6315, Q((ln 4 + s^2 / 2) / s) = Q(2.511) = 6.0 permille.
+// A log-normal has more warm pixels than a Gaussian of its rms. 5e5 e- on the mean and room for 2e6 e-, four times
+// that: s = sqrt(ln 1.49) = 0.6315, Q((ln 4 + s^2 / 2) / s) = Q(2.511) = 6.0 permille.
 TEST(DarkNonuniformity, the_budget_says_how_many_pixels_it_fills) {
   Sensor sensor = noisy_sensor();
   sensor.settings.detector->dark_e_s = 2.5e8;

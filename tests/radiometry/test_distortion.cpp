@@ -11,7 +11,6 @@
 namespace radiometry {
 namespace {
 
-using test::expect_refused;
 using test::flat;
 
 mtf::Image noisy(std::int64_t width, std::int64_t height) {
@@ -138,7 +137,7 @@ TEST(Distortion, mtf_of_the_interpolation) {
 
 TEST(Distortion, refusals) {
   // r (1 - 0.2 r^2) turns at r = 1.29 and comes to 0.86: the corners of the image would see nothing.
-  expect_refused({"k1 = -0.2", "fold the field over at 0.86"}, [] { UndistortedRadius({.k1 = -0.2}, 1.0); });
+  expect_refused({"k1 = -0.2", "field over at 0.86"}, [] { UndistortedRadius({.k1 = -0.2}, 1.0); });
   EXPECT_NO_THROW(UndistortedRadius({.k1 = -0.148}, 1.0));  // 4/27 is the limit
   expect_refused({"fold"}, [] { UndistortedRadius({.k1 = -0.1482}, 1.0); });
   // Falls between two rises: slope 1 - 3 s + 2 s^2 is below 0 from s = 0.5 to 1.
@@ -146,9 +145,9 @@ TEST(Distortion, refusals) {
   EXPECT_NO_THROW(UndistortedRadius({.k1 = -1.0, .k2 = 0.4}, 0.4));
   // r (1 - r^4 / 20) turns at r = sqrt(2) and comes to 0.8 sqrt(2) = 1.1314; r (1 - r^6 / 56) 6/7 sqrt(2) = 1.2122.
   EXPECT_NO_THROW(UndistortedRadius({.k2 = -0.05}, 1.131));
-  expect_refused({"fold the field over at 1.131"}, [] { UndistortedRadius({.k2 = -0.05}, 1.132); });
+  expect_refused({"field over at 1.131"}, [] { UndistortedRadius({.k2 = -0.05}, 1.132); });
   EXPECT_NO_THROW(UndistortedRadius({.k3 = -1.0 / 56}, 1.212));
-  expect_refused({"fold the field over at 1.212"}, [] { UndistortedRadius({.k3 = -1.0 / 56}, 1.213); });
+  expect_refused({"field over at 1.212"}, [] { UndistortedRadius({.k3 = -1.0 / 56}, 1.213); });
   expect_refused({"distortion.k3 = inf"}, [] { UndistortedRadius({.k3 = INFINITY}, 1.0); });
   expect_refused({"reaches nan"}, [] { UndistortedRadius({}, std::nan("")); });
   mtf::Image scene = flat(4, 3, 1.0F), out = flat(4, 3, 1.0F);

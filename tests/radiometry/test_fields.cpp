@@ -20,19 +20,25 @@ void expect_whole_rows(std::string_view type) {
     using Value = std::decay_t<decltype(value)>;
     EXPECT_FALSE(info.doc.empty()) << info.name;
     EXPECT_TRUE(names.insert(info.name).second) << info.name;
-    if (info.presence == mtf::Presence::required) {
+    // The constants of a camera that wrote counts stand in its files.
+    if (info.presence == mtf::Presence::required && !std::is_same_v<T, CountCamera>) {
       EXPECT_FALSE(info.example.empty()) << info.name;
     }
     if (info.dimension != mtf::Dimension::none) {
       const mtf::Unit* unit = mtf::find_unit(info.unit);
       ASSERT_NE(unit, nullptr) << info.name;
-      EXPECT_EQ(unit->dimension, info.dimension) << info.name;
-      EXPECT_EQ(unit->factor, 1.0) << info.name;
+      const bool difference = info.dimension == mtf::Dimension::temperature_difference;  // in the same units
+      const mtf::Dimension dimension = difference ? mtf::Dimension::temperature : info.dimension;
+      EXPECT_EQ(unit->dimension, dimension) << info.name;
+      // The air has metres and degrees where the optics have um and urad.
+      if (dimension != mtf::Dimension::length && dimension != mtf::Dimension::angle) {
+        EXPECT_EQ(unit->factor, 1.0) << info.name;
+      }
       // An example is a string with a unit of that dimension.
       if (!info.example.empty()) {
         ASSERT_EQ(info.example.front(), '"') << info.name;
         const auto quantity = mtf::parse_quantity(info.example.substr(1, info.example.size() - 2), info.dimension);
-        EXPECT_EQ(quantity.unit->dimension, info.dimension) << info.name;
+        EXPECT_EQ(quantity.unit->dimension, dimension) << info.name;
       }
     }
     if constexpr (std::is_enum_v<Value>) {
@@ -77,7 +83,7 @@ TEST(ResetNoise, is_ktc) {
   const ResetNoise reset{.capacitance_f = 1e-13, .temperature_k = 300.0};
   EXPECT_NEAR(reset.rms_e(), 127.0257, 1e-3);
   EXPECT_EQ((ResetNoise{.capacitance_f = 1e-13, .temperature_k = 0.0}.rms_e()), 0.0);
-  test::expect_refused({"reset.temperature = -1 K"}, [] { require_valid("reset", ResetNoise{1e-13, -1.0}); });
+  expect_refused({"reset.temperature = -1 K"}, [] { require_valid("reset", ResetNoise{1e-13, -1.0}); });
 }
 
 }  // namespace

@@ -97,7 +97,7 @@ TEST(FrameFlicker, what_cannot_be_is_refused) {
   mtf::Image image = flat(2, 2, 0.0F);
   for (const FrameFlicker& wrong :
        {FrameFlicker{1.0, 0.0, 1.0}, FrameFlicker{1.0, 2.0, 1.0}, FrameFlicker{-1.0, 0.1, 1.0}})
-    test::expect_refused({"1/f noise of frames", "above 0 and rise"}, [&] {
+    expect_refused({"1/f noise of frames", "above 0 and rise"}, [&] {
       add_frame_flicker(image.view(), wrong, {1, 0});
     });
 }

@@ -10,7 +10,6 @@
 namespace radiometry {
 namespace {
 
-using test::expect_refused;
 using test::performance_cases;
 
 constexpr double kInfinite = std::numeric_limits<double>::infinity();

@@ -10,7 +10,6 @@
 namespace radiometry {
 namespace {
 
-using test::expect_refused;
 using test::flat;
 
 TEST(Lag, follows_a_step_as_an_exponential) {

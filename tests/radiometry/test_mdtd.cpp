@@ -68,9 +68,9 @@ TEST(Mdtd, limits) {
   EXPECT_EQ(mdtd_k(in, 1.0, 10.0, dark, kFlat, kFlat, kFlat), mtf::kInfinity);
   in.tvh_k = 0.0;
   EXPECT_EQ(mdtd_k(in, 1.0, 10.0, kFlat, kFlat, kFlat, kFlat), 0.0);
-  test::expect_refused({"mdtd: a target of 0 mrad"}, [&] { mdtd_k(in, 0.0, 10.0, kFlat, kFlat, kFlat, kFlat); });
+  expect_refused({"mdtd:", "target of 0 mrad"}, [&] { mdtd_k(in, 0.0, 10.0, kFlat, kFlat, kFlat, kFlat); });
   in.frame_rate_hz = 0.0;
-  test::expect_refused({"mdtd.frame_rate"}, [&] { mdtd_k(in, 1.0, 10.0, kFlat, kFlat, kFlat, kFlat); });
+  expect_refused({"mdtd.frame_rate"}, [&] { mdtd_k(in, 1.0, 10.0, kFlat, kFlat, kFlat, kFlat); });
 }
 
 }  // namespace

@@ -14,7 +14,6 @@
 namespace radiometry {
 namespace {
 
-using test::expect_refused;
 using test::flat;
 using test::samples;
 

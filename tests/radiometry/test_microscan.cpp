@@ -11,7 +11,6 @@
 namespace radiometry {
 namespace {
 
-using test::expect_refused;
 using test::flat;
 
 std::vector<mtf::Image> frames_of(const mtf::Image& fine, const Microscan& microscan) {

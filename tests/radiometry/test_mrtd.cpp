@@ -10,7 +10,6 @@
 namespace radiometry {
 namespace {
 
-using test::expect_refused;
 using test::gaussian_mtf;
 using test::performance_cases;
 

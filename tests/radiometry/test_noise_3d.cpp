@@ -88,13 +88,13 @@ TEST(Noise3d, fixed_parts_stay_temporal_ones_change) {
 }
 
 TEST(Noise3d, refusals) {
-  test::expect_refused({"1 x 5"}, [] { Noise3dEstimator(1, 5); });
-  test::expect_refused({"0 frames"}, [] { Noise3dEstimator(4, 5).variances(); });
+  expect_refused({"1 x 5"}, [] { Noise3dEstimator(1, 5); });
+  expect_refused({"0 frames"}, [] { Noise3dEstimator(4, 5).variances(); });
   Noise3dEstimator estimator(4, 3);
   mtf::Image image = flat(3, 4, 0.0F), bad = flat(4, 3, std::nanf(""));
-  test::expect_refused({"3 x 4", "4 x 3"}, [&] { estimator.add(image.view()); });
-  test::expect_refused({"frame 0", "NaN"}, [&] { estimator.add(bad.view()); });
-  test::expect_refused({"noise.tv = -1"}, [&] { add_noise_3d(image.view(), {.tv = -1.0}, {}); });
+  expect_refused({"3 x 4", "4 x 3"}, [&] { estimator.add(image.view()); });
+  expect_refused({"frame 0", "NaN"}, [&] { estimator.add(bad.view()); });
+  expect_refused({"noise.tv = -1"}, [&] { add_noise_3d(image.view(), {.tv = -1.0}, {}); });
 }
 
 }  // namespace

@@ -11,8 +11,6 @@
 namespace radiometry {
 namespace {
 
-using test::expect_refused;
-
 TEST(Nonlinearity, polynomial_and_its_inverse) {
   for (const double well : {1.0, 3e4, 1e12})
     for (const Nonlinearity& shape :

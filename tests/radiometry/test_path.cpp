@@ -9,8 +9,6 @@
 namespace radiometry {
 namespace {
 
-using test::expect_refused;
-
 TEST(Path, constants_and_absorbing_air) {
   const Path clear = Path{};
   EXPECT_EQ(evaluate(clear.transmission, 4.0), 1.0);

@@ -7,34 +7,18 @@
 #include "radiometry/light/path_planes.h"
 #include "tests/expect_error.h"
 #include "tests/radiometry/frames.h"
+#include "tests/radiometry/path_cases.h"
 
 namespace radiometry {
 namespace {
 
-using test::expect_refused;
+using test::cooled_camera;
 using test::flat;
-
-SpectralCamera camera() {
-  return {.band = {3.0, 5.0},
-          .optics = {},
-          .cold_filter = {make_spectrum("filter", {3.3, 3.5, 4.7, 4.9}, {0.0, 0.9, 0.88, 0.0}, 1.0)},
-          .quantum_efficiency = {make_spectrum("qe", {3.0, 3.4, 4.6, 5.2}, {0.1, 0.7, 0.8, 0.0}, 1.0)}};
-}
-
-/// A clear window, a strong line of exp(-30) and an opaque one.
-PathTable air() {
-  std::vector<double> range{100.0, 1000.0, 5000.0};
-  std::vector<std::vector<double>> tau, radiance;
-  for (const double r : range) {
-    tau.push_back({std::exp(-1e-5 * r), std::exp(-6e-3 * r), r < 500.0 ? 0.2 : 0.0, std::exp(-2e-4 * r)});
-    radiance.push_back({1e-5 * r, 1e-3 * (1.0 - std::exp(-6e-3 * r)), 2e-3, 1e-4 * std::sqrt(r)});
-  }
-  return {"air.csv", range, {3.0, 3.8, 4.3, 5.0}, tau, radiance};
-}
+using test::lines_of_air;
 
 TEST(RangeTable, is_the_camera_equation_at_every_range) {
-  const SpectralCamera mwir = camera();
-  const PathTable table = air();
+  const SpectralCamera mwir = cooled_camera();
+  const PathTable table = lines_of_air();
   const double t = 310.0;
   const RangeTable ranges(scene_band(mwir), table, t);
   const double near = band_radiances(mwir, Surface{t}, Path{}, {}).scene;
@@ -53,16 +37,16 @@ TEST(RangeTable, is_the_camera_equation_at_every_range) {
 }
 
 TEST(RangeTable, without_a_temperature_photons_are_spread_evenly) {
-  const SceneBand scene = scene_band(camera());
-  const RangeTable ranges(scene, air(), {});
+  const SceneBand scene = scene_band(cooled_camera());
+  const RangeTable ranges(scene, lines_of_air(), {});
   std::vector<Spectrum> curves = scene.curves;
   const double whole = BandResponse(scene.band, curves).integral();
-  curves.push_back(air().at(700.0).transmission);
+  curves.push_back(lines_of_air().at(700.0).transmission);
   EXPECT_NEAR(ranges.transmission(700.0), BandResponse(scene.band, curves).integral() / whole, 1e-7);
 }
 
 TEST(RangeTable, single_wavelengths_and_tables_that_cover_part_of_the_band) {
-  const SceneBand scene = scene_band(camera());
+  const SceneBand scene = scene_band(cooled_camera());
   const RangeTable grey(scene, {"grey", {1000.0}, {4.0}, {{0.5}}, {{1e-3}}}, 300.0);
   EXPECT_NEAR(grey.transmission(500.0), std::sqrt(0.5), 1e-7);
   const RangeTable part(scene, {"part", {1000.0}, {3.0, 4.0}, {{1.0, 1.0}}, {{0.0, 0.0}}}, 300.0);
@@ -71,11 +55,11 @@ TEST(RangeTable, single_wavelengths_and_tables_that_cover_part_of_the_band) {
   expect_refused({"spectral channels", "8 um to 9 um"}, [&] {
     RangeTable(scene, {"lwir", {1000.0}, {8.0, 9.0}, {{1.0, 1.0}}, {{0.0, 0.0}}}, 300.0);
   });
-  expect_refused({"air.csv", "1 K"}, [&] { RangeTable(scene, air(), 1.0); });
+  expect_refused({"air.csv", "1 K"}, [&] { RangeTable(scene, lines_of_air(), 1.0); });
 }
 
 TEST(RangeTable, pixel_by_pixel_and_both_terms) {
-  const RangeTable ranges(scene_band(camera()), air(), 300.0);
+  const RangeTable ranges(scene_band(cooled_camera()), lines_of_air(), 300.0);
   mtf::Image light = flat(40, 30, 2e19F), depth(40, 30);
   light.at(1, 0) = std::nanf("");
   light.at(2, 0) = std::numeric_limits<float>::infinity();
@@ -95,7 +79,7 @@ TEST(RangeTable, pixel_by_pixel_and_both_terms) {
 }
 
 TEST(RangeTable, depth_that_is_missing_or_impossible) {
-  const RangeTable ranges(scene_band(camera()), air(), 300.0);
+  const RangeTable ranges(scene_band(cooled_camera()), lines_of_air(), 300.0);
   mtf::Image light = flat(4, 3, 1.0F), depth = flat(4, 3, 10.0F);
   const auto apply = [&] { ranges.apply(light.view(), depth.view()); };
   for (const float bad : {0.0F, -1.0F, 5001.0F, std::nanf(""), std::numeric_limits<float>::infinity()}) {

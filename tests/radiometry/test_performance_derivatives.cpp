@@ -127,22 +127,28 @@ TEST(PerformanceJets, ttp_range) {
   expect_gradient(model, std::array{10.0, 1.2, 4.0, 3.1, 0.1, 1.0, 4.0});
 }
 
+/// The first eleven numbers.
+template <class S, std::size_t n>
+MrtdInput<S> mrtd_input(const std::array<S, n>& x) {
+  return {.tvh_k = x[0],
+          .vh_k = x[1],
+          .th_k = x[2],
+          .tv_k = x[3],
+          .h_k = x[4],
+          .v_k = x[5],
+          .spacing_x_mrad = x[6],
+          .spacing_y_mrad = x[7],
+          .snr_threshold = x[8],
+          .eye_time_s = x[9],
+          .frame_rate_hz = x[10]};
+}
+
 TEST(PerformanceJets, mrtd) {
   for (const mtf::Axis axis : {mtf::Axis::x, mtf::Axis::y})
     for (const double f : {0.05, 1.0, 3.0}) {
       const auto model = [&](const auto& x) {
         using S = std::decay_t<decltype(x[0])>;
-        const MrtdInput<S> in{.tvh_k = x[0],
-                              .vh_k = x[1],
-                              .th_k = x[2],
-                              .tv_k = x[3],
-                              .h_k = x[4],
-                              .v_k = x[5],
-                              .spacing_x_mrad = x[6],
-                              .spacing_y_mrad = x[7],
-                              .snr_threshold = x[8],
-                              .eye_time_s = x[9],
-                              .frame_rate_hz = x[10]};
+        const MrtdInput<S> in = mrtd_input(x);
         const auto noise = [&](double g) { return gaussian_mtf<S>(g, x[12]); };
         return mrtd_k(
             in, axis, f, [&](double g) { return gaussian_mtf<S>(g, x[11]); }, noise, noise);
@@ -155,17 +161,7 @@ TEST(PerformanceJets, mdtd) {
   for (const double w : {0.05, 0.3, 4.0}) {
     const auto model = [&](const auto& x) {
       using S = std::decay_t<decltype(x[0])>;
-      const MrtdInput<S> in{.tvh_k = x[0],
-                            .vh_k = x[1],
-                            .th_k = x[2],
-                            .tv_k = x[3],
-                            .h_k = x[4],
-                            .v_k = x[5],
-                            .spacing_x_mrad = x[6],
-                            .spacing_y_mrad = x[7],
-                            .snr_threshold = x[8],
-                            .eye_time_s = x[9],
-                            .frame_rate_hz = x[10]};
+      const MrtdInput<S> in = mrtd_input(x);
       const auto h = [&](double g) { return gaussian_mtf<S>(g, x[11]); };
       const auto noise = [&](double g) { return gaussian_mtf<S>(g, x[12]); };
       return mdtd_k(in, w, S(20), h, h, noise, noise);

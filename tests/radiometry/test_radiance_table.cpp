@@ -85,10 +85,10 @@ TEST(RadianceTable, cold_scenes_have_no_light) {
 
 TEST(RadianceTable, refusals) {
   const BandResponse response({3.0, 5.0}, {});
-  test::expect_refused({"from -1 K to 5 K"}, [&] { RadianceTable(response, -1.0, 5.0); });
-  test::expect_refused({"from 6 K to 5 K"}, [&] { RadianceTable(response, 6.0, 5.0); });
-  test::expect_refused({"inf K"}, [&] { RadianceTable(response, 6.0, HUGE_VAL); });
-  test::expect_refused({"nan K"}, [&] { RadianceTable(response, std::nan(""), 5.0); });
+  expect_refused({"from -1 K to 5 K"}, [&] { RadianceTable(response, -1.0, 5.0); });
+  expect_refused({"from 6 K to 5 K"}, [&] { RadianceTable(response, 6.0, 5.0); });
+  expect_refused({"inf K"}, [&] { RadianceTable(response, 6.0, HUGE_VAL); });
+  expect_refused({"nan K"}, [&] { RadianceTable(response, std::nan(""), 5.0); });
 }
 
 }  // namespace

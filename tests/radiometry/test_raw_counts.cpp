@@ -18,7 +18,6 @@ namespace {
 using mtf::test::number;
 using mtf::test::reference_table;
 using mtf::test::Row;
-using test::expect_refused;
 
 // Constants of a handheld camera, a FLIR E60.
 const CountCamera kCamera{

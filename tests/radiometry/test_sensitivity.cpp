@@ -105,8 +105,8 @@ TEST(Budget, nothing_at_all_is_zero_noise) {
 }
 
 TEST(Budget, refused_terms) {
-  test::expect_refused({"noise.read = -1 e-", "noise.prnu = 2"},
-                       [] { require_valid("noise", NoiseTerms<double>{.read_e = -1.0, .prnu = 2.0}); });
+  expect_refused({"noise.read = -1 e-", "noise.prnu = 2"},
+                 [] { require_valid("noise", NoiseTerms<double>{.read_e = -1.0, .prnu = 2.0}); });
 }
 
 }  // namespace

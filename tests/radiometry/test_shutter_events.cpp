@@ -15,7 +15,6 @@ namespace radiometry {
 namespace {
 
 using test::by_netd;
-using test::expect_refused;
 using test::lwir_system;
 using test::make_chain;
 using test::sensor_of;

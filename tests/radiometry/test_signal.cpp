@@ -12,8 +12,6 @@
 namespace radiometry {
 namespace {
 
-using test::expect_refused;
-
 Camera<double> mwir_camera() {
   return {.f_number = 2.5,
           .obscuration = 0.3,

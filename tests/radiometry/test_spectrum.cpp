@@ -10,8 +10,6 @@
 namespace radiometry {
 namespace {
 
-using test::expect_refused;
-
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 double trapezoid(const Spectrum& s, double lo, double hi) {

@@ -7,35 +7,19 @@
 #include "radiometry/light/temperature_paths.h"
 #include "tests/expect_error.h"
 #include "tests/radiometry/frames.h"
+#include "tests/radiometry/path_cases.h"
 
 // Surfaces of any temperature behind paths of any length, against the integral over the band of each pixel by itself.
 
 namespace radiometry {
 namespace {
 
-using test::expect_refused;
+using test::cooled_camera;
 using test::flat;
-
-SpectralCamera camera() {
-  return {.band = {3.0, 5.0},
-          .optics = {},
-          .cold_filter = {make_spectrum("filter", {3.3, 3.5, 4.7, 4.9}, {0.0, 0.9, 0.88, 0.0}, 1.0)},
-          .quantum_efficiency = {make_spectrum("qe", {3.0, 3.4, 4.6, 5.2}, {0.1, 0.7, 0.8, 0.0}, 1.0)}};
-}
-
-/// A window and a strong band beside it, so that a path takes more of one temperature's light than of another's.
-PathTable air() {
-  std::vector<double> range{100.0, 1000.0, 5000.0};
-  std::vector<std::vector<double>> tau, radiance;
-  for (const double r : range) {
-    tau.push_back({std::exp(-1e-5 * r), std::exp(-6e-3 * r), r < 500.0 ? 0.2 : 0.0, std::exp(-2e-4 * r)});
-    radiance.push_back({1e-5 * r, 1e-3 * (1.0 - std::exp(-6e-3 * r)), 2e-3, 1e-4 * std::sqrt(r)});
-  }
-  return {"air.csv", range, {3.0, 3.8, 4.3, 5.0}, tau, radiance};
-}
+using test::lines_of_air;
 
 double exact(const Surface& surface, double range_m) {
-  const BandRadiances<double> light = band_radiances(camera(), surface, air().at(range_m), {});
+  const BandRadiances<double> light = band_radiances(cooled_camera(), surface, lines_of_air().at(range_m), {});
   return light.scene + light.path;
 }
 
@@ -56,7 +40,8 @@ TEST(TemperaturePaths, are_the_camera_equation_for_every_pixel) {
     const SurfaceFinish finish{.emissivity = black ? constant_spectrum("blackbody", 1.0) : paint,
                                .plane = {},
                                .surroundings_k = black ? 0.0 : 270.0};
-    const double error = radiance_at_ranges(plane.view(), range.view(), scene_band(camera()), finish, air());
+    const double error =
+        radiance_at_ranges(plane.view(), range.view(), scene_band(cooled_camera()), finish, lines_of_air());
     EXPECT_LE(error, 1e-6);  // of 17 temperatures from 235 to 1100 K
     for (std::int64_t y = 0; y < height; ++y)
       for (std::int64_t x = 0; x < width; ++x) {
@@ -71,8 +56,8 @@ TEST(TemperaturePaths, are_the_camera_equation_for_every_pixel) {
 
 // The transmission of one spectrum for all temperatures would be off by this much; that is what the table is for.
 TEST(TemperaturePaths, differ_from_one_spectrum_for_all) {
-  const TemperatureRangeTable table(scene_band(camera()), air(), 250.0, 400.0);
-  const RangeTable one(scene_band(camera()), air(), 300.0);
+  const TemperatureRangeTable table(scene_band(cooled_camera()), lines_of_air(), 250.0, 400.0);
+  const RangeTable one(scene_band(cooled_camera()), lines_of_air(), 300.0);
   EXPECT_NEAR(table.transmission(300.0, 1000.0), one.transmission(1000.0), 1e-7);
   EXPECT_GT(std::abs(table.transmission(400.0, 1000.0) - one.transmission(1000.0)), 0.005);
 }
@@ -80,8 +65,8 @@ TEST(TemperaturePaths, differ_from_one_spectrum_for_all) {
 TEST(TemperaturePaths, take_the_emissivity_of_each_pixel) {
   mtf::Image plane = flat(2, 1, 310.0F), range = flat(2, 1, 1000.0F), emissivity = flat(2, 1, 0.25F);
   emissivity.at(1, 0) = 1.0F;
-  radiance_at_ranges(plane.view(), range.view(), scene_band(camera()),
-                     {.plane = emissivity.view(), .surroundings_k = 280.0}, air());
+  radiance_at_ranges(plane.view(), range.view(), scene_band(cooled_camera()),
+                     {.plane = emissivity.view(), .surroundings_k = 280.0}, lines_of_air());
   const double grey = exact(Surface{310.0, constant_spectrum("grey", 0.25), 280.0}, 1000.0),
                black = exact(Surface{310.0}, 1000.0);
   EXPECT_NEAR(static_cast<double>(plane.at(0, 0)), grey, 5e-7 * grey);
@@ -92,12 +77,12 @@ TEST(TemperaturePaths, take_the_emissivity_of_each_pixel) {
 TEST(TemperaturePaths, ends_of_what_there_is) {
   mtf::Image plane = flat(3, 1, 300.0F);
   const mtf::Image range = flat(3, 1, 420.0F);
-  EXPECT_EQ(radiance_at_ranges(plane.view(), range.view(), scene_band(camera()), {}, air()), 0.0);
+  EXPECT_EQ(radiance_at_ranges(plane.view(), range.view(), scene_band(cooled_camera()), {}, lines_of_air()), 0.0);
   EXPECT_NEAR(static_cast<double>(plane.at(1, 0)), exact(Surface{300.0}, 420.0), 5e-7 * exact(Surface{300.0}, 420.0));
   mtf::Image mixed = flat(3, 1, 300.0F);
   mixed.at(0, 0) = 0.0F;
   mixed.at(2, 0) = std::numeric_limits<float>::quiet_NaN();
-  EXPECT_LE(radiance_at_ranges(mixed.view(), range.view(), scene_band(camera()), {}, air()), 1e-6);
+  EXPECT_LE(radiance_at_ranges(mixed.view(), range.view(), scene_band(cooled_camera()), {}, lines_of_air()), 1e-6);
   const double path = exact(Surface{0.0}, 420.0);
   EXPECT_NEAR(static_cast<double>(mixed.at(0, 0)), path, 1e-6 * path);
   EXPECT_NEAR(static_cast<double>(mixed.at(1, 0)), static_cast<double>(plane.at(1, 0)),
@@ -110,18 +95,20 @@ TEST(TemperaturePaths, surfaces_that_emit_nothing) {
   const mtf::Image range = flat(2, 1, 420.0F);
   mtf::Image mirror = flat(2, 1, 300.0F), cold = flat(2, 1, 0.0F), cool = flat(2, 1, 4.0F);
   const SurfaceFinish finish{.emissivity = constant_spectrum("mirror", 0.0), .plane = {}, .surroundings_k = 310.0};
-  radiance_at_ranges(mirror.view(), range.view(), scene_band(camera()), finish, air());
+  radiance_at_ranges(mirror.view(), range.view(), scene_band(cooled_camera()), finish, lines_of_air());
   const double reflected = exact(Surface{310.0}, 420.0), path = exact(Surface{0.0}, 420.0);
   EXPECT_NEAR(static_cast<double>(mirror.at(0, 0)), reflected, 5e-7 * reflected);
   for (mtf::Image* plane : {&cold, &cool}) {
-    radiance_at_ranges(plane->view(), range.view(), scene_band(camera()), {}, air());
+    radiance_at_ranges(plane->view(), range.view(), scene_band(cooled_camera()), {}, lines_of_air());
     EXPECT_NEAR(static_cast<double>(plane->at(1, 0)), path, 1e-6 * path);
   }
 }
 
 TEST(TemperaturePaths, refusals_change_no_pixel) {
   mtf::Image plane = flat(2, 2, 300.0F), range = flat(2, 2, 420.0F);
-  const auto run = [&] { radiance_at_ranges(plane.view(), range.view(), scene_band(camera()), {}, air()); };
+  const auto run = [&] {
+    radiance_at_ranges(plane.view(), range.view(), scene_band(cooled_camera()), {}, lines_of_air());
+  };
   range.at(1, 0) = 0.0F;
   expect_refused({"depth: 1 pixel", "column 1, row 0", "air.csv"}, run);
   range.at(1, 0) = 6000.0F;
@@ -130,8 +117,8 @@ TEST(TemperaturePaths, refusals_change_no_pixel) {
   plane.at(0, 1) = -3.0F;
   expect_refused({"temperature: 1 pixel", "below 0 K"}, run);
   EXPECT_EQ(plane.at(0, 0), 300.0F);
-  const SceneBand scene = scene_band(camera());
-  expect_refused({"kelvin"}, [&] { TemperatureRangeTable(scene, air(), -1.0, 300.0); });
+  const SceneBand scene = scene_band(cooled_camera());
+  expect_refused({"kelvin"}, [&] { TemperatureRangeTable(scene, lines_of_air(), -1.0, 300.0); });
 }
 
 }  // namespace

@@ -17,7 +17,6 @@ namespace {
 
 using test::by_netd;
 using test::by_physics;
-using test::expect_refused;
 using test::lwir_system;
 using test::make_chain;
 using test::sensor_of;

@@ -18,7 +18,6 @@ namespace {
 
 using test::by_netd;
 using test::by_physics;
-using test::expect_refused;
 using test::lwir_system;
 using test::make_chain;
 using test::sensor_of;
@@ -119,14 +118,12 @@ TEST(ThermalCorrection, leaves_the_noise_of_its_flat_frames) {
 TEST(ThermalCorrection, what_cannot_be_is_refused) {
   Sensor sensor = corrected(by_netd(), 2);
   sensor.settings.correction->cold_k = kHot_k;
-  expect_refused({"[correction]: its flat frames are those of two blackbodies", "cold = "},
-                 [&] { require_consistent(lwir_system(), sensor); });
+  expect_refused({"[correction]", "two blackbodies", "cold = "}, [&] { require_consistent(lwir_system(), sensor); });
   sensor.settings.correction->cold_k = kCold_k;
   sensor.settings.adc->bits = 8;
   sensor.settings.adc->offset_counts = 0.0;
-  expect_refused(
-      {"[correction]: the flat frame at cold = 283.15 K is saturated", "raise adc.offset or correction.cold"},
-      [&] { Blackbody(sensor, 16).frame(300.0, 0, OutputStage::display); });
+  expect_refused({"[correction]", "cold = 283.15 K", "saturated", "raise adc.offset or correction.cold"},
+                 [&] { Blackbody(sensor, 16).frame(300.0, 0, OutputStage::display); });
   sensor.settings.correction->cold_k = kHot_k - 0.1;
   sensor.settings.adc->offset_counts = 255.0;
   expect_refused({"is saturated", "or lower detector.counts_per_kelvin, adc.offset or correction.hot"},
@@ -149,26 +146,22 @@ TEST(ThermalRange, the_scenes_that_the_converter_takes) {
   for (const BudgetRow& row : budget_rows(lwir_system(), sensor, budget_of(lwir_system(), sensor, 293.0))) {
     if (row.name != "hottest_scene") continue;
     EXPECT_TRUE(std::isnan(row.value));
-    EXPECT_EQ(row.refused, "no scene is so hot that it gives that count");
+    expect_says(row.refused, {"no scene"});
   }
 }
 
 TEST(ThermalNotes, say_what_of_a_budget_does_not_hold) {
-  const auto noted = [](const Sensor& sensor, std::string_view part) {
-    const std::vector<std::string> notes = budget_notes(sensor, {});
-    return std::any_of(notes.begin(), notes.end(), [&](const auto& note) { return note.find(part) != note.npos; });
-  };
   ThermalSettings thermal = by_physics();
-  EXPECT_FALSE(noted(corrected(thermal, 2), "detector.corner"));
+  EXPECT_FALSE(says(budget_notes(corrected(thermal, 2), {}), "detector.corner"));
   thermal.corner_hz = 1e3;
   thermal.lowest_hz = 0.01;
-  EXPECT_FALSE(noted(sensor_of(thermal), "detector.corner"));
-  EXPECT_TRUE(noted(corrected(thermal, 2), "detector.corner: the spatial noise is that of frames long after"));
+  EXPECT_FALSE(says(budget_notes(sensor_of(thermal), {}), "detector.corner"));
+  EXPECT_TRUE(says(budget_notes(corrected(thermal, 2), {}), "detector.corner: the spatial"));
   thermal = by_netd();
-  EXPECT_FALSE(noted(corrected(thermal, 2), "volts"));
+  EXPECT_FALSE(says(budget_notes(corrected(thermal, 2), {}), "volts"));
   thermal.responsivity_v_w.reset();
   thermal.counts_per_k = 30.0;
-  EXPECT_TRUE(noted(corrected(thermal, 2), "volts and V/W have no meaning of their own"));
+  EXPECT_TRUE(says(budget_notes(corrected(thermal, 2), {}), "volts and V/W"));
 }
 
 /// What a user does with 20 frames each of a blackbody at 10, 20 and 30 degC: the steps of from_nvtherm.md.

@@ -14,7 +14,6 @@ namespace {
 
 using test::by_netd;
 using test::by_physics;
-using test::expect_refused;
 using test::lwir_system;
 using test::make_chain;
 using test::sensor_of;
@@ -50,10 +49,9 @@ TEST(ThermalRefusals, what_a_thermal_detector_does_not_have_is_refused) {
   const Budget<double> budget = budget_of(system, small, 300.0);
   ASSERT_TRUE(budget.saturation.saturated());
   const std::string said = words(budget.saturation);
-  EXPECT_NE(said.find(" V"), std::string::npos) << said;
-  EXPECT_NE(said.find("raise adc.volts_per_count or adc.bits"), std::string::npos) << said;
-  EXPECT_EQ(said.find("e-"), std::string::npos) << said;
-  EXPECT_EQ(said.find("integration"), std::string::npos) << said;
+  expect_says(said, {" V", "raise adc.volts_per_count or adc.bits"});
+  EXPECT_FALSE(says(said, "e-")) << said;
+  EXPECT_FALSE(says(said, "integration")) << said;
 }
 
 TEST(ThermalRefusals, a_figure_taken_far_beyond_the_bandwidth_of_the_pixel_is_warned_about) {
@@ -61,9 +59,7 @@ TEST(ThermalRefusals, a_figure_taken_far_beyond_the_bandwidth_of_the_pixel_is_wa
   thermal.dstar_jones = 1e9;
   thermal.bandwidth_hz = 8e3;
   // 1/(4 x 10 ms) = 25 Hz
-  const std::string text = bandwidth_warning(thermal, 10e-3);
-  for (const std::string_view part : {"dstar is taken from 1 Hz to 8e+03 Hz", "1/(4 tau) = 25 Hz", "too large"})
-    EXPECT_NE(text.find(part), std::string::npos) << text;
+  expect_says(bandwidth_warning(thermal, 10e-3), {"from 1 Hz", "8e+03 Hz", "1/(4 tau) = 25 Hz", "too large"});
   EXPECT_EQ(bandwidth_warning(thermal, 0.0), "");  // no time constant is known
   thermal.bandwidth_hz = 240.0;
   EXPECT_EQ(bandwidth_warning(thermal, 10e-3), "");
@@ -73,8 +69,7 @@ TEST(ThermalRefusals, a_figure_taken_far_beyond_the_bandwidth_of_the_pixel_is_wa
   thermal.netd_bandwidth_hz = 8e3;
   EXPECT_EQ(bandwidth_warning(thermal, 10e-3), "");
   thermal.bandwidth_hz = 30.0;
-  EXPECT_NE(bandwidth_warning(thermal, 10e-3).find("netd is taken from 8e+03 Hz to 30 Hz"), std::string::npos);
-  EXPECT_NE(bandwidth_warning(thermal, 10e-3).find("too small"), std::string::npos);
+  expect_says(bandwidth_warning(thermal, 10e-3), {"netd", "8e+03 Hz", "30 Hz", "too small"});
 }
 
 TEST(ThermalRefusals, one_time_constant_is_counted_once) {
@@ -103,7 +98,7 @@ TEST(ThermalRefusals, noise_is_given_once_and_whole) {
   refused({"[detector]", "without its noise", "netd, nep, nep_density, dstar"}, thermal);
   thermal = by_netd();
   thermal.dstar_jones = 1e9;
-  refused({"the noise is given by netd and dstar; keep one"}, thermal);
+  refused({"netd and dstar", "keep one"}, thermal);
   thermal = by_netd();
   thermal.conductance_w_k = 1e-8;
   refused({"netd and the physics"}, thermal);
@@ -113,16 +108,16 @@ TEST(ThermalRefusals, noise_is_given_once_and_whole) {
   refused({"detector.netd: given without netd_f_number, netd_temperature; write netd_f_number = 1.0"}, thermal);
   thermal = by_netd();
   thermal.netd_shortest_um = 14.0;
-  refused({"detector.netd: its band has two ends"}, thermal);
+  refused({"detector.netd:", "two ends"}, thermal);
   thermal.netd_longest_um = 8.0;
-  refused({"detector.netd: its band has two ends"}, thermal);
+  refused({"detector.netd:", "two ends"}, thermal);
   thermal = by_netd();
   thermal.netd_bandwidth_hz = 30.0;
   refused({"detector.netd_bandwidth: given without noise_bandwidth"}, thermal);
   thermal = by_netd();
   thermal.netd_of = NetdOf::camera;
   thermal.readout_v = 1e-6;
-  refused({"detector.readout_noise", "in the NETD of the camera already"}, thermal);
+  refused({"detector.readout_noise", "NETD of the camera"}, thermal);
   thermal = by_netd();
   thermal.responsivity_v_w.reset();
   refused({"detector.responsivity: missing"}, thermal);
@@ -142,7 +137,7 @@ TEST(ThermalRefusals, noise_is_given_once_and_whole) {
   thermal = ThermalSettings{.responsivity_v_w = 1e5, .nep_w = 1e-11};
   thermal.netd_frame_rate_hz = 60.0;
   thermal.netd_bandwidth_hz = 30.0, thermal.bandwidth_hz = 25.0;  // what a frame rate of the file stands for
-  refused({"detector.netd_frame_rate: belongs to netd, which is not given; remove it"}, thermal);
+  refused({"detector.netd_frame_rate: belongs to netd", "remove"}, thermal);
   thermal = by_physics();
   thermal.responsivity_v_w = 1e5;
   refused({"detector.responsivity: given beside bias"}, thermal);

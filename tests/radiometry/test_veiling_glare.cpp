@@ -12,7 +12,6 @@
 namespace radiometry {
 namespace {
 
-using test::expect_refused;
 using test::flat;
 
 mtf::Image noisy(std::int64_t width, std::int64_t height) {

@@ -10,7 +10,6 @@
 namespace radiometry {
 namespace {
 
-using test::expect_refused;
 using test::flat;
 
 mtf::Image factors_of(const Vignetting& vignetting, const FocalPlane& detector, double focal_length_mm) {

@@ -18,91 +18,85 @@ const TwoPoint& correction_of(const FrameRun& run) {
   }
 }
 
-using enum StageRow::Part;
-
-constexpr StageRow kCountRows[] = {
-    {.name = "adc",
-     .part = conversion,
-     .require =
-         [](const System&, const Sensor& sensor) {
-           if (sensor.settings.adc) adc_of(sensor);
-         },
-     .words = [](const System&, const Sensor& sensor) -> StageWords {
-       if (!sensor.settings.adc) return {false, "no [adc]"};
-       const Adc adc = adc_of(sensor);
-       return {true, std::to_string(adc.bits) + " bits, " + rounded(adc.electrons_per_count) + " " +
-                         std::string(signal_unit(sensor)) + " a count"};
-     },
-     .step =
-         [](FrameRun& run, mtf::Image& electrons) {
-           const Adc& adc = *run.chain.adc;
-           const HeldCounter::Counts held = run.counter.run(
-               electrons, [&](mtf::ImageView<float> values) { return digitise(values, adc, run.threads); });
-           run.frame.adc.low += held.all.low;
-           run.frame.adc.high += held.all.high;
-           const auto add = [](HeldPixels& sum, const Clipped& clipped) {
-             sum.least_count += clipped.low;
-             sum.most_count += clipped.high;
-           };
-           add(run.frame.held, held.light());
-           add(run.frame.held_defects, held.stuck);
-           run.border = run.border / adc.electrons_per_count + adc.offset_counts;
-         }},
-    {.name = "correction",
-     .part = correction,
-     .whole_image = "refers to the mean of all pixels in flat frames",
-     .require =
-         [](const System&, const Sensor& sensor) {
-           const SensorSettings& s = sensor.settings;
-           const auto& flats = s.correction;
-           if (!flats) return;
-           if (s.thermal && !(flats->cold_k && flats->hot_k && *flats->cold_k < *flats->hot_k))
-             refuse("[correction]",
-                    "its flat frames are those of two blackbodies, the second warmer than the first; give cold = \"10 "
-                    "degC\" and hot = \"40 degC\", or remove it and give in [nonuniformity] what the camera's own "
-                    "correction leaves");
-           if (!s.thermal && !std::isfinite(s.detector->full_well_e))
-             refuse("[correction]", "needs detector.full_well, of which low and high are parts");
-         },
-     .words = [](const System&, const Sensor& sensor) -> StageWords {
-       const auto& flats = sensor.settings.correction;
-       if (!flats) return {false, "no [correction]"};
-       const std::string mean = ", mean of " + std::to_string(flats->frames);
-       if (flats->cold_k && flats->hot_k)
-         return {true, "two points, blackbodies at " + rounded(*flats->cold_k) + " K and " + rounded(*flats->hot_k) +
-                           " K" + mean};
-       return {true,
-               "two points, flats at " + rounded(flats->low) + " and " + rounded(flats->high) + " of full well" + mean};
-     },
-     .step =
-         [](FrameRun& run, mtf::Image& counts) {
-           const TwoPoint& maps = correction_of(run);
-           run.lap("flat frames");
-           correct(counts.view(), maps, run.threads);
-           if (run.chain.settings.correction->replace_bad && !maps.bad.empty()) replace_bad(counts.view(), maps.bad);
-         }},
-    {.name = "postsample",
-     .part = display,
-     .whole_image = "filters pixels together with their neighbours",
-     .words = filters<mtf::Stage::postsample>,
-     .step = [](FrameRun& run, mtf::Image& image) { filter(*run.chain.plan.post, run, image); }},
-    {.name = "agc",
-     .part = display,
-     .whole_image = "takes its curve from the histogram of all pixels",
-     .words =
-         [](const System&, const Sensor& sensor) {
-           const auto& agc = sensor.settings.agc;
-           return said(agc ? "to " + rounded(agc->most_level) + " levels" : "", "no [agc]");
-         },
-     .step =
-         [](FrameRun& run, mtf::Image& image) {
-           const AutomaticGain& agc = *run.chain.settings.agc;
-           apply(image.view(), tone_curve(image.view(), agc, run.threads), run.threads);
-           if (agc.polarity == Polarity::black_hot) invert_polarity(image.view(), agc.most_level);
-         }}};
-
 }  // namespace
 
-std::span<const StageRow> count_rows() { return kCountRows; }
+std::span<const StageRow> count_rows() {
+  using enum StageRow::Part;
+  static constexpr StageRow kRows[] = {
+      {.name = "adc",
+       .part = conversion,
+       .require = [](const System&, const Sensor& sensor) -> void {
+         if (sensor.settings.adc) adc_of(sensor);
+       },
+       .words = [](const System&, const Sensor& sensor) -> StageWords {
+         if (!sensor.settings.adc) return {false, "no [adc]"};
+         const Adc adc = adc_of(sensor);
+         return {true, std::to_string(adc.bits) + " bits, " + rounded(adc.electrons_per_count) + " " +
+                           std::string(signal_unit(sensor)) + " a count"};
+       },
+       .step = [](FrameRun& run, mtf::Image& electrons) -> void {
+         const Adc& adc = *run.chain.adc;
+         const HeldCounter::Counts held = run.counter.run(
+             electrons, [&](mtf::ImageView<float> values) { return digitise(values, adc, run.threads); });
+         run.frame.adc.low += held.all.low;
+         run.frame.adc.high += held.all.high;
+         const auto add = [](HeldPixels& sum, const Clipped& clipped) {
+           sum.least_count += clipped.low;
+           sum.most_count += clipped.high;
+         };
+         add(run.frame.held, held.light());
+         add(run.frame.held_defects, held.stuck);
+         run.border = run.border / adc.electrons_per_count + adc.offset_counts;
+       }},
+      {.name = "correction",
+       .part = correction,
+       .whole_image = "refers to the mean of all pixels in flat frames",
+       .require = [](const System&, const Sensor& sensor) -> void {
+         const SensorSettings& s = sensor.settings;
+         const auto& flats = s.correction;
+         if (!flats) return;
+         if (s.thermal && !(flats->cold_k && flats->hot_k && *flats->cold_k < *flats->hot_k))
+           refuse("[correction]",
+                  "its flat frames are those of two blackbodies, the second warmer than the first; give cold = \"10 "
+                  "degC\" and hot = \"40 degC\", or remove it and give in [nonuniformity] what the camera's own "
+                  "correction leaves");
+         if (!s.thermal && !std::isfinite(s.detector->full_well_e))
+           refuse("[correction]", "needs detector.full_well, of which low and high are parts");
+       },
+       .words = [](const System&, const Sensor& sensor) -> StageWords {
+         const auto& flats = sensor.settings.correction;
+         if (!flats) return {false, "no [correction]"};
+         const std::string mean = ", mean of " + std::to_string(flats->frames);
+         if (flats->cold_k && flats->hot_k)
+           return {true, "two points, blackbodies at " + rounded(*flats->cold_k) + " K and " + rounded(*flats->hot_k) +
+                             " K" + mean};
+         return {true, "two points, flats at " + rounded(flats->low) + " and " + rounded(flats->high) +
+                           " of full well" + mean};
+       },
+       .step = [](FrameRun& run, mtf::Image& counts) -> void {
+         const TwoPoint& maps = correction_of(run);
+         run.lap("flat frames");
+         correct(counts.view(), maps, run.threads);
+         if (run.chain.settings.correction->replace_bad && !maps.bad.empty()) replace_bad(counts.view(), maps.bad);
+       }},
+      {.name = "postsample",
+       .part = display,
+       .whole_image = "filters pixels together with their neighbours",
+       .words = filters<mtf::Stage::postsample>,
+       .step = [](FrameRun& run, mtf::Image& image) { filter(*run.chain.plan.post, run, image); }},
+      {.name = "agc",
+       .part = display,
+       .whole_image = "takes its curve from the histogram of all pixels",
+       .words = [](const System&, const Sensor& sensor) -> StageWords {
+         const auto& agc = sensor.settings.agc;
+         return said(agc ? "to " + rounded(agc->most_level) + " levels" : "", "no [agc]");
+       },
+       .step = [](FrameRun& run, mtf::Image& image) -> void {
+         const AutomaticGain& agc = *run.chain.settings.agc;
+         apply(image.view(), tone_curve(image.view(), agc, run.threads), run.threads);
+         if (agc.polarity == Polarity::black_hot) invert_polarity(image.view(), agc.most_level);
+       }}};
+  return kRows;
+}
 
 }  // namespace radiometry

@@ -77,177 +77,155 @@ void add_glow(FrameRun& run, mtf::Image& image, const Directions<double>& light)
   run.border += light.total_e();
 }
 
-using enum StageRow::Part;
-
-constexpr StageRow kLightRows[] = {
-    {.name = "light",
-     .part = detector,
-     .words = [](const System& system, const Sensor& sensor) -> StageWords {
-       const Camera<double> camera = camera_of(system, sensor);
-       const bool weighted = output_quantity(sensor, OutputStage::irradiance).starts_with("weighted");
-       const auto& thermal = sensor.settings.thermal;
-       std::string what = rounded(electrons_per_radiance(camera, pixel_of(system, sensor))) + " " +
-                          std::string(signal_unit(sensor)) + " for 1 " + (thermal ? "W" : "ph s^-1") + " m^-2 sr^-1" +
-                          (weighted ? ", weighted by the curves" : "") + "; cone of " + rounded(cone_sr(camera)) +
-                          " sr by the " + std::string(kConeNames[static_cast<std::size_t>(camera.cone)]);
-       if (thermal && thermal->shutter_k)
-         what += std::string("; less that of a shutter before the ") +
-                 (thermal->shutter_place == ShutterPlace::optics ? "optics" : "detector") + " at " +
-                 rounded(*thermal->shutter_k) + " K";
-       return {true, std::move(what)};
-     }},
-    {.name = "vignetting",
-     .part = detector,
-     .require =
-         [](const System&, const Sensor& sensor) {
-           const auto& corners = sensor.settings.vignetting;
-           if (corners && !corners->map.empty() && (corners->a2 != 0.0 || corners->a4 != 0.0 || corners->a6 != 0.0))
-             refuse("vignetting.map", "given beside a2, a4 or a6; remove one of them");
-         },
-     .words = [](const System&, const Sensor& sensor) -> StageWords {
-       const auto& corners = sensor.settings.vignetting;
-       if (!corners) return {false, "no [vignetting]"};
-       if (sensor.vignetting) return {true, map_words(corners->map)};
-       return {true, corners->cos4 ? "cos^4 of the field angle, and a polynomial" : "a polynomial"};
-     }},
-    // Its steps run in the detector's part; its finer sampling is in the image of every output stage.
-    {.name = "microscan",
-     .part = optics,
-     .whole_image = "samples between the pixels, where tiles sample at the pitch",
-     .require =
-         [](const System& system, const Sensor& sensor) {
-           const SensorSettings& s = sensor.settings;
-           if (!s.microscan) return;
-           require_valid("microscan", *s.microscan);
-           if (!system.list(mtf::Stage::readout).empty())
-             refuse("[microscan]",
-                    "together with [[readout]]: a readout filter acts on one frame, not on what is put together of "
-                    "several; remove one of them");
-           if (s.lag || rolls(s))
-             refuse("[microscan]",
-                    "together with [lag] or a rolling [shutter], which follow one position; remove one of them");
-         },
-     .words =
-         [](const System&, const Sensor& sensor) {
-           const auto& scan = sensor.settings.microscan;
-           return said(scan ? std::to_string(scan->positions()) + " positions" : "", "no [microscan]");
-         }},
-    {.name = "shutter",
-     .part = detector,
-     .in_sequence = true,
-     .require =
-         [](const System&, const Sensor& sensor) {
-           const SensorSettings& s = sensor.settings;
-           if (!rolls(s)) return;
-           if (s.thermal && !has_frame_time(s))
-             refuse("frame.frame_time",
-                    "missing; a rolling readout needs the time from frame to frame: for example \"20 ms\"");
-           if (!(s.shutter->line_time_s > 0.0))
-             refuse("shutter.line_time", "missing; a rolling shutter needs it, for example \"30 us\"");
-         },
-     .words = [](const System&, const Sensor& sensor) -> StageWords {
-       const auto& shutter = sensor.settings.shutter;
-       if (!shutter) return {false, "no [shutter]: global"};
-       if (!rolls(sensor.settings)) return {false, "global"};
-       return {true, "rolling, " + rounded(shutter->line_time_s) + " s a row, over a sequence"};
-     },
-     .step =
-         [](FrameRun& run, mtf::Image& radiance) {
-           const CompiledChain& chain = run.chain;
-           ShutterState& state = run.state->shutter;
-           if (run.frames_passed > 1) state = {};
-           apply_shutter(radiance.view(), *chain.settings.shutter, chain.frame_time_s, chain.detector.rows, state,
-                         run.maps.origin().y);
-         }},
-    {.name = "warm optics",
-     .part = detector,
-     .words =
-         [](const System&, const Sensor& sensor) {
-           const OpticsSettings warm = sensor.settings.optics.value_or(OpticsSettings{});
-           return said(terms({{"emit at", warm.emissivity > 0.0 ? warm.temperature_k : 0.0}}, "K"),
-                       "no temperature or emissivity in [optics]");
-         }},
-    {.name = "stop",
-     .part = detector,
-     .words = [](const System&, const Sensor& sensor) -> StageWords {
-       const OpticsSettings warm = sensor.settings.optics.value_or(OpticsSettings{});
-       const std::string emits = terms({{"emits at", warm.stop_emissivity > 0.0 ? warm.stop_temperature_k : 0.0}}, "K");
-       if (emits.empty()) return {false, "no stop_temperature in [optics]"};
-       return {true, emits + ", counted from " + describe(stop_range(sensor.curves, warm.stop_band)) +
-                         ", past the cold filter"};
-     }},
-    {.name = "narcissus",
-     .part = detector,
-     .require =
-         [](const System&, const Sensor& sensor) {
-           if (sensor.settings.thermal && sensor.settings.narcissus)
-             refuse("[narcissus]",
-                    "the pixels of a thermal detector are as warm as what they see around the lens; remove it");
-         },
-     .words =
-         [](const System&, const Sensor& sensor) {
-           const auto& dark = sensor.settings.narcissus;
-           return said(dark ? rounded(dark->depth) + " of the background" : "", "no [narcissus]");
-         }},
-    {.name = "responsivity",
-     .part = detector,
-     .words = [](const System&, const Sensor& sensor) -> StageWords {
-       const auto& unequal = sensor.settings.nonuniformity;
-       if (sensor.responsivity && unequal) return {true, map_words(unequal->responsivity)};
-       return said(terms({{"prnu", unequal ? unequal->prnu : 0.0}}, "rms"), "no prnu in [nonuniformity]");
-     }},
-    {.name = "dark current",
-     .part = detector,
-     .words = [](const System& system, const Sensor& sensor) -> StageWords {
-       const Pixel<double> pixel = pixel_of(system, sensor);
-       if (pixel.thermal()) return {false, kNotThermal};
-       return said(terms({{"mean", pixel.dark_e_s * pixel.integration_s}}, "e-"), "no dark_current in [detector]");
-     }},
-    {.name = "collect",
-     .part = detector,
-     .step =
-         [](FrameRun& run, mtf::Image& image) {
-           const CompiledChain& chain = run.chain;
-           multiply_add(image, run.maps.light, run.maps.glow, run.threads);
-           run.border = chain.gain * run.border + chain.glow_e();
-           if (chain.events) add_glow(run, image, warming_of(chain, run.number));
-         }},
-    {.name = "lag",
-     .part = detector,
-     .in_sequence = true,
-     .require = require_lag,
-     .words =
-         [](const System&, const Sensor& sensor) {
-           const auto& lag = sensor.settings.lag;
-           return said(lag ? rounded(lag->time_constant_s) + " s, over a sequence" : "", "no [lag]");
-         },
-     .step =
-         [](FrameRun& run, mtf::Image& electrons) {
-           const double passed_s = run.frames_passed * run.chain.frame_time_s;
-           apply_lag(electrons.view(), *run.chain.settings.lag, passed_s, run.state->lag);
-         }},
-    {.name = "shutter offset",
-     .part = detector,
-     .require = require_closing,
-     .words = [](const System&, const Sensor& sensor) -> StageWords {
-       const auto& thermal = sensor.settings.thermal;
-       if (!thermal) return {false, "of thermal detectors alone"};
-       const double drift = thermal->drift_k_s;
-       const std::string warming = drift == 0.0 ? "" : ", while the camera warms by " + rounded(drift) + " K/s";
-       if (thermal->shutter_frames > 0)
-         return {true, "new every " + std::to_string(thermal->shutter_frames) + " frames" + warming};
-       return said(
-           thermal->shutter_interval_s ? "new every " + rounded(*thermal->shutter_interval_s) + " s" + warming : "",
-           "no shutter_interval or shutter_frames in [detector]");
-     },
-     .step =
-         [](FrameRun& run, mtf::Image& volts) {
-           const Directions<double> closed = last_closed(run.chain, run.number, run.state);
-           add_glow(run, volts, {-closed.cone_e, -closed.around_e});
-         }}};
-
 }  // namespace
 
-std::span<const StageRow> light_rows() { return kLightRows; }
+std::span<const StageRow> light_rows() {
+  using enum StageRow::Part;
+  static constexpr StageRow kRows[] = {
+      {.name = "light",
+       .words = [](const System& system, const Sensor& sensor) -> StageWords {
+         const Camera<double> camera = camera_of(system, sensor);
+         const bool weighted = output_quantity(sensor, OutputStage::irradiance).starts_with("weighted");
+         const auto& thermal = sensor.settings.thermal;
+         std::string what = rounded(electrons_per_radiance(camera, pixel_of(system, sensor))) + " " +
+                            std::string(signal_unit(sensor)) + " for 1 " + (thermal ? "W" : "ph s^-1") + " m^-2 sr^-1" +
+                            (weighted ? ", weighted by the curves" : "") + "; cone of " + rounded(cone_sr(camera)) +
+                            " sr by the " + std::string(kConeNames[static_cast<std::size_t>(camera.cone)]);
+         if (thermal && thermal->shutter_k)
+           what += std::string("; less that of a shutter before the ") +
+                   (thermal->shutter_place == ShutterPlace::optics ? "optics" : "detector") + " at " +
+                   rounded(*thermal->shutter_k) + " K";
+         return {true, std::move(what)};
+       }},
+      {.name = "vignetting",
+       .require = [](const System&, const Sensor& sensor) -> void {
+         const auto& corners = sensor.settings.vignetting;
+         if (corners && !corners->map.empty() && (corners->a2 != 0.0 || corners->a4 != 0.0 || corners->a6 != 0.0))
+           refuse("vignetting.map", "given beside a2, a4 or a6; remove one of them");
+       },
+       .words = [](const System&, const Sensor& sensor) -> StageWords {
+         const auto& corners = sensor.settings.vignetting;
+         if (!corners) return {false, "no [vignetting]"};
+         if (sensor.vignetting) return {true, map_words(corners->map)};
+         return {true, corners->cos4 ? "cos^4 of the field angle, and a polynomial" : "a polynomial"};
+       }},
+      // Its steps run in the detector's part; its finer sampling is in the image of every output stage.
+      {.name = "microscan",
+       .part = optics,
+       .whole_image = "samples between the pixels, where tiles sample at the pitch",
+       .require = [](const System& system, const Sensor& sensor) -> void {
+         const SensorSettings& s = sensor.settings;
+         if (!s.microscan) return;
+         require_valid("microscan", *s.microscan);
+         if (!system.list(mtf::Stage::readout).empty())
+           refuse("[microscan]",
+                  "together with [[readout]]: a readout filter acts on one frame, not on what is put together of "
+                  "several; remove one of them");
+         if (s.lag || rolls(s))
+           refuse("[microscan]",
+                  "together with [lag] or a rolling [shutter], which follow one position; remove one of them");
+       },
+       .words = [](const System&, const Sensor& sensor) -> StageWords {
+         const auto& scan = sensor.settings.microscan;
+         return said(scan ? std::to_string(scan->positions()) + " positions" : "", "no [microscan]");
+       }},
+      {.name = "shutter",
+       .in_sequence = true,
+       .require = [](const System&, const Sensor& sensor) -> void {
+         const SensorSettings& s = sensor.settings;
+         if (!rolls(s)) return;
+         if (s.thermal && !has_frame_time(s))
+           refuse("frame.frame_time",
+                  "missing; a rolling readout needs the time from frame to frame: for example \"20 ms\"");
+         if (!(s.shutter->line_time_s > 0.0))
+           refuse("shutter.line_time", "missing; a rolling shutter needs it, for example \"30 us\"");
+       },
+       .words = [](const System&, const Sensor& sensor) -> StageWords {
+         const auto& shutter = sensor.settings.shutter;
+         if (!shutter) return {false, "no [shutter]: global"};
+         if (!rolls(sensor.settings)) return {false, "global"};
+         return {true, "rolling, " + rounded(shutter->line_time_s) + " s a row, over a sequence"};
+       },
+       .step = [](FrameRun& run, mtf::Image& radiance) -> void {
+         const CompiledChain& chain = run.chain;
+         ShutterState& state = run.state->shutter;
+         if (run.frames_passed > 1) state = {};
+         apply_shutter(radiance.view(), *chain.settings.shutter, chain.frame_time_s, chain.detector.rows, state,
+                       run.maps.origin().y);
+       }},
+      {.name = "warm optics",
+       .words = [](const System&, const Sensor& sensor) -> StageWords {
+         const OpticsSettings warm = sensor.settings.optics.value_or(OpticsSettings{});
+         return said(terms({{"emit at", warm.emissivity > 0.0 ? warm.temperature_k : 0.0}}, "K"),
+                     "no temperature or emissivity in [optics]");
+       }},
+      {.name = "stop",
+       .words = [](const System&, const Sensor& sensor) -> StageWords {
+         const OpticsSettings warm = sensor.settings.optics.value_or(OpticsSettings{});
+         const std::string emits =
+             terms({{"emits at", warm.stop_emissivity > 0.0 ? warm.stop_temperature_k : 0.0}}, "K");
+         if (emits.empty()) return {false, "no stop_temperature in [optics]"};
+         return {true, emits + ", counted from " + describe(stop_range(sensor.curves, warm.stop_band)) +
+                           ", past the cold filter"};
+       }},
+      {.name = "narcissus",
+       .require = [](const System&, const Sensor& sensor) -> void {
+         if (sensor.settings.thermal && sensor.settings.narcissus)
+           refuse("[narcissus]",
+                  "the pixels of a thermal detector are as warm as what they see around the lens; remove it");
+       },
+       .words = [](const System&, const Sensor& sensor) -> StageWords {
+         const auto& dark = sensor.settings.narcissus;
+         return said(dark ? rounded(dark->depth) + " of the background" : "", "no [narcissus]");
+       }},
+      {.name = "responsivity",
+       .words = [](const System&, const Sensor& sensor) -> StageWords {
+         const auto& unequal = sensor.settings.nonuniformity;
+         if (sensor.responsivity && unequal) return {true, map_words(unequal->responsivity)};
+         return said(terms({{"prnu", unequal ? unequal->prnu : 0.0}}, "rms"), "no prnu in [nonuniformity]");
+       }},
+      {.name = "dark current",
+       .words = [](const System& system, const Sensor& sensor) -> StageWords {
+         const Pixel<double> pixel = pixel_of(system, sensor);
+         if (pixel.thermal()) return {false, kNotThermal};
+         return said(terms({{"mean", pixel.dark_e_s * pixel.integration_s}}, "e-"), "no dark_current in [detector]");
+       }},
+      {.name = "collect",
+       .step = [](FrameRun& run, mtf::Image& image) -> void {
+         const CompiledChain& chain = run.chain;
+         multiply_add(image, run.maps.light, run.maps.glow, run.threads);
+         run.border = chain.gain * run.border + chain.glow_e();
+         if (chain.events) add_glow(run, image, warming_of(chain, run.number));
+       }},
+      {.name = "lag",
+       .in_sequence = true,
+       .require = require_lag,
+       .words = [](const System&, const Sensor& sensor) -> StageWords {
+         const auto& lag = sensor.settings.lag;
+         return said(lag ? rounded(lag->time_constant_s) + " s, over a sequence" : "", "no [lag]");
+       },
+       .step = [](FrameRun& run, mtf::Image& electrons) -> void {
+         const double passed_s = run.frames_passed * run.chain.frame_time_s;
+         apply_lag(electrons.view(), *run.chain.settings.lag, passed_s, run.state->lag);
+       }},
+      {.name = "shutter offset",
+       .require = require_closing,
+       .words = [](const System&, const Sensor& sensor) -> StageWords {
+         const auto& thermal = sensor.settings.thermal;
+         if (!thermal) return {false, "of thermal detectors alone"};
+         const double drift = thermal->drift_k_s;
+         const std::string warming = drift == 0.0 ? "" : ", while the camera warms by " + rounded(drift) + " K/s";
+         if (thermal->shutter_frames > 0)
+           return {true, "new every " + std::to_string(thermal->shutter_frames) + " frames" + warming};
+         return said(
+             thermal->shutter_interval_s ? "new every " + rounded(*thermal->shutter_interval_s) + " s" + warming : "",
+             "no shutter_interval or shutter_frames in [detector]");
+       },
+       .step = [](FrameRun& run, mtf::Image& volts) -> void {
+         const Directions<double> closed = last_closed(run.chain, run.number, run.state);
+         add_glow(run, volts, {-closed.cone_e, -closed.around_e});
+       }}};
+  return kRows;
+}
 
 }  // namespace radiometry

@@ -15,6 +15,8 @@
 #include "apps/simulate/simulate.h"
 #include "mtf/error.h"
 #include "mtf/io/config/schedule.h"
+#include "tests/apps/plates_case.h"
+#include "tests/replaced.h"
 
 namespace apps::scene {
 namespace {
@@ -22,41 +24,15 @@ namespace {
 namespace fs = std::filesystem;
 namespace render = radiometry::render;
 
-const std::string kScene = R"(schema = 1
-[place]
-latitude = "40 deg"
-longitude = "0 deg"
-altitude = "0 m"
-[time]
-start = 2026-06-21T12:00:00Z
-end = 2026-06-21T14:00:00Z
-step = "1 h"
-[weather]
-air_temperature = "288 K"
-wind_speed = "2 m/s"
-direct_normal = "700 W/m2"
-diffuse_horizontal = "80 W/m2"
-longwave_down = "320 W/m2"
-vapour_pressure = "10 hPa"
-[[material]]
+const std::string kScene =
+    apps_test::place_and_weather("start = 2026-06-21T12:00:00Z\nend = 2026-06-21T14:00:00Z\nstep = \"1 h\"\n") +
+    R"([[material]]
 name = "paint"
 solar_absorptance = 0.7
 emissivity = 0.8
 layers = [{ conductivity = "45 W/m/K", density = "7800 kg/m3", heat_capacity = "480 J/kg/K", thickness = "2 mm" }]
-[[mesh]]
-name = "plates"
-file = "plates.obj"
-[[region]]
-mesh = "plates"
-group = "soil"
-temperature = "290 K"
-material = "paint"
-[[region]]
-mesh = "plates"
-group = "target"
-temperature = "warming.csv"
-material = "paint"
-[camera]
+)" + apps_test::soil_and_target("material = \"paint\"\n", "temperature = \"warming.csv\"\nmaterial = \"paint\"\n") +
+    R"([camera]
 position = ["0 m", "-300 m", "40 m"]
 look_at = ["0 m", "0 m", "1 m"]
 )";
@@ -162,7 +138,7 @@ TEST_F(Flights, LightMadeBesideFramesIsThatMadeInThem) {
   const double begin_s = file.time.start_s;
   const Flight::Sensor before = sensor();
   std::string text = kSensor;
-  text.replace(text.find("4.8 um"), 6, "4.6 um");
+  text = replaced(text, "4.8 um", "4.6 um");
   const Flight::Sensor after = sensor(text);
   const FlightOptions options{.light_every_s = 20.0, .begin_s = begin_s, .end_s = begin_s + 60.0};
   const CameraPlace place{{0.0, -300.0, 40.0}, {0.0, 0.0, 1.0}};
@@ -184,7 +160,7 @@ TEST_F(Flights, LightMayLagUntilItIsThere) {
   const double begin_s = file.time.start_s;
   const Flight::Sensor camera = sensor();
   std::string text = kSensor;
-  text.replace(text.find("4.8 um"), 6, "4.6 um");
+  text = replaced(text, "4.8 um", "4.6 um");
   const Flight::Sensor other_band = sensor(text);
   const CameraPlace place{{0.0, -300.0, 40.0}, {0.0, 0.0, 1.0}};
   PictureSource source(file, {});
@@ -221,7 +197,7 @@ TEST_F(Flights, LightMayLagUntilItIsThere) {
   // A sensor that changes while the view does not takes the radiance again; the image is its own.
   flight.frame(other_band, place, begin_s + 80.5, 1);
   std::string shaking_text = kSensor;
-  shaking_text.replace(shaking_text.find("20 urad"), 7, "90 urad");
+  shaking_text = replaced(shaking_text, "20 urad", "90 urad");
   const Flight::Sensor shaking = sensor(shaking_text);
   flight.frame(camera, place, begin_s + 80.5, 1);
   const FlightFrame shaken = flight.frame(shaking, place, begin_s + 80.5, 1);

@@ -92,7 +92,7 @@ TEST_F(HeatFitTest, FindsTheConductivityOfAClosedForm) {
   EXPECT_DOUBLE_EQ(again.scene.materials[0].layers[0].conductivity_w_m_k, fit.series.parameters[0].value);
   ASSERT_EQ(again.scene.fits.size(), 1U);
   EXPECT_TRUE(again.scene.fits[0].stderr_value.has_value());
-  EXPECT_NE(again.scene.text.find("# looked up\n"), std::string::npos);
+  expect_says(again.scene.text, {"# looked up\n"});
 }
 
 // NOAA SURFRAD, Alamosa, bare soil of albedo 0.178. A study by another program came to 4.7 K with these first guesses
@@ -123,7 +123,7 @@ TEST_F(HeatFitTest, DescribesTheMeasuredDay) {
 
 TEST_F(HeatFitTest, RefusesWhatIsNoFit) {
   const auto refusal = [&](const std::string& conductivity, const std::string& rest) -> std::string {
-    return mtf::test::message_of([&] {
+    return message_of([&] {
       fit_heat(
           load(head("air_temperature = \"280 K\"\nwind_speed = \"1 m/s\"\ndirect_normal = \"0 W/m2\"\n"
                     "diffuse_horizontal = \"0 W/m2\"\nlongwave_down = \"250 W/m2\"\n") +
@@ -136,19 +136,17 @@ TEST_F(HeatFitTest, RefusesWhatIsNoFit) {
   const std::string marked = fitted("0.3", " W/m/K", "0.05", "5");
   std::ofstream(folder_ / "surface.csv") << "time (h),temperature (K)\n0,280\n6,281\n12,282\n18,281\n24,280\n";
   const std::string measured = "[measured]\ntemperature = \"surface.csv\"\n";
-  EXPECT_NE(refusal(marked, ground).find("tells no temperature of the ground"), std::string::npos);
-  EXPECT_NE(refusal("\"1 W/m/K\"", ground + measured).find("nothing to fit"), std::string::npos);
-  EXPECT_NE(refusal(marked, "[ground]\ntemperature = \"280 K\"\n" + measured).find("[ground] with a material"),
-            std::string::npos);
+  expect_says(refusal(marked, ground), {"temperature of the ground"});
+  expect_says(refusal("\"1 W/m/K\"", ground + measured), {"nothing to fit"});
+  expect_says(refusal(marked, "[ground]\ntemperature = \"280 K\"\n" + measured), {"[ground] with a material"});
   // Another material's number, with its place.
   const std::string other =
       "[[material]]\nname = \"sand\"\nsolar_absorptance = 0\nemissivity = 0.9\nlayers = [{ conductivity = " + marked +
       ", density = \"1600 kg/m3\", heat_capacity = \"800 J/kg/K\", thickness = \"1 m\" }]\n";
-  EXPECT_NE(refusal("\"1 W/m/K\"", other + ground + measured).find("scene.toml:"), std::string::npos);
-  EXPECT_NE(
-      refusal("{ value = \"9 W/m/K\", fit = true, max = \"5 W/m/K\" }", ground + measured).find("is below the value"),
-      std::string::npos);
-  EXPECT_NE(refusal("{ valu = \"9 W/m/K\" }", ground + measured).find("value"), std::string::npos);
+  expect_says(refusal("\"1 W/m/K\"", other + ground + measured), {"scene.toml:"});
+  expect_says(refusal("{ value = \"9 W/m/K\", fit = true, max = \"5 W/m/K\" }", ground + measured),
+              {"is below the value"});
+  expect_says(refusal("{ valu = \"9 W/m/K\" }", ground + measured), {"value"});
 }
 
 }  // namespace

@@ -9,7 +9,6 @@
 namespace apps::scene {
 namespace {
 
-using mtf::test::expect_says;
 using namespace test;
 
 class HeatLimits : public HeatRun {
@@ -36,10 +35,9 @@ TEST_F(HeatLimits, WindsBeyondAClosure) {
                                             "0,290,5,0,0,330\n6,290,20,0,0,330\n12,290,60,0,0,330\n24,290,5,0,0,330\n";
   const std::string file = "[weather]\nfile = \"weather.csv\"\nbridge = \"24 h\"\n";
   // From 20 to 60 m/s in 6 h, 30 m/s is passed after 7.5 h.
-  EXPECT_EQ(
-      with(warnings(file, painted("\"mcadams\"")), "convection"),
-      "convection mcadams: the wind is outside of 0 m/s ... 30 m/s, first at 2016-03-20T07:40:00Z, and comes to 60 "
-      "m/s: it was fitted below 5 m/s, and its film is some 20 % too large at 30 m/s");
+  expect_says(with(warnings(file, painted("\"mcadams\"")), "convection"),
+              {"convection mcadams: the wind", "0 m/s ... 30 m/s", "first at 2016-03-20T07:40:00Z", "comes to 60 m/s",
+               "fitted below 5 m/s", "some 20 %"});
   EXPECT_NE(with(warnings(file, painted("\"tarp\"")), "convection tarp: the wind"), "");
   EXPECT_EQ(with(warnings(file, painted("{ h0 = \"5 W/m2/K\", h1 = \"3 J/m3/K\" }")), "convection"), "");
   EXPECT_EQ(with(warnings(weather(290, 20, 0, 0, 330), painted("\"mcadams\"")), "convection"), "");
@@ -51,13 +49,9 @@ TEST_F(HeatLimits, WetSurfacesBeyondTheFormulaOfSaturation) {
                          painted("\"mcadams\"", "wet_fraction = 0.01\n")),
                 "evaporation");
   };
-  const std::string cold = wet(262.0, 0.0);
-  EXPECT_EQ(
-      cold.find("evaporation: region 'plates', facet 0: the surface temperature is outside of 273.15 K ... 333.15 "
-                "K, first at 2016-03-20T00:00:00Z, and comes to 26"),
-      0U)
-      << cold;
-  EXPECT_NE(wet(310.0, 1000.0).find("above 60 degC"), std::string::npos);
+  expect_says(wet(262.0, 0.0), {"evaporation:", "region 'plates', facet 0:", "273.15 K ... 333.15 K",
+                                "first at 2016-03-20T00:00:00Z", "comes to 26"});
+  expect_says(wet(310.0, 1000.0), {"above 60 degC"});
   EXPECT_EQ(wet(288.0, 0.0), "");
 }
 
@@ -66,7 +60,7 @@ TEST_F(HeatLimits, AirOfTheSkyBeyondWhatWasFitted) {
   const std::string hot =
       with(warnings(weather(335, 2, 0, 0, 330) + "vapour_pressure = \"115 hPa\"\n", painted("\"mcadams\""), sky),
            "[atmosphere], as the weather has it");
-  EXPECT_NE(hot.find("335 K at 0 m is warmer"), std::string::npos) << hot;
+  expect_says(hot, {"335 K", "at 0 m"});
   EXPECT_EQ(with(warnings(weather(290, 2, 0, 0, 330) + "vapour_pressure = \"10 hPa\"\n", painted("\"mcadams\""), sky),
                  "[atmosphere]"),
             "");
@@ -74,14 +68,13 @@ TEST_F(HeatLimits, AirOfTheSkyBeyondWhatWasFitted) {
 
 TEST_F(HeatLimits, RefusesWhatHasNoMeaning) {
   const auto refusal = [&](const std::string& weather_text, const std::string& rest) {
-    return test::message_of([&] { prepare(kDay + weather_text + kSky + rest, plate(0.0)); });
+    return message_of([&] { prepare(kDay + weather_text + kSky + rest, plate(0.0)); });
   };
   const std::string humid = weather(290, 2, 0, 0, 330) + "vapour_pressure = \"1000 Pa\"\n";
-  expect_says(refusal(humid, painted("\"none\"", "wet_fraction = 0.5\n")),
-              {"material 'paint': wet_fraction without a film"});
+  expect_says(refusal(humid, painted("\"none\"", "wet_fraction = 0.5\n")), {"material 'paint'", "wet_fraction"});
   expect_says(refusal(weather(283.15, 2, 0, 0, 330) + "vapour_pressure = \"7250 Pa\"\n", painted("\"mcadams\"")),
-              {"a relative humidity of 59"});
-  expect_says(refusal(weather(290, 2, 0, 1500, 330), painted("\"mcadams\"")), {"is this the global irradiance?"});
+              {"humidity of 59"});
+  expect_says(refusal(weather(290, 2, 0, 1500, 330), painted("\"mcadams\"")), {"global irradiance"});
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 
 #include "apps/scene/heat/seen/seen_facets.h"
 #include "tests/apps/scene/heat_run_case.h"
+#include "tests/expect_error.h"
 
 namespace apps::scene {
 namespace {
@@ -183,8 +184,7 @@ TEST_F(HeatSeen, TheSameForEveryNumberOfThreads) {
 }
 
 TEST_F(HeatSeen, AsksForACameraThatSeesSomething) {
-  EXPECT_NE(test::message_of([&] { prepare(kSunny, plate(0.0), {.seen = true}); }).find("there is no [camera]"),
-            std::string::npos);
+  expect_refused<mtf::Error>({"there is no [camera]"}, [&] { prepare(kSunny, plate(0.0), {.seen = true}); });
 }
 
 }  // namespace

@@ -9,6 +9,8 @@
 #include "apps/scene/import/mesh_stream.h"
 #include "mesh_samples.h"
 #include "mtf/error.h"
+#include "tests/expect_error.h"
+#include "tests/replaced.h"
 
 namespace {
 
@@ -27,8 +29,7 @@ bool imported(const fs::path& file) {
     EXPECT_TRUE(mesh) << file;
   } catch (const mtf::RuntimeError& error) {
     const std::string message = error.what();
-    EXPECT_NE(message.find(file.filename().string()), std::string::npos) << message;
-    EXPECT_NE(message.find("; "), std::string::npos) << message;
+    expect_says(message, {file.filename().string(), "; "});
   }
   EXPECT_LT(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(), patience_s) << file;
   return mesh;
@@ -92,7 +93,7 @@ TEST(ImportDamage, NumbersThatTheFileCannotHold) {
   EXPECT_FALSE(imported(folder.put("e.stl", stl_binary(4000000000U))));
   EXPECT_FALSE(imported(folder.put("f.obj", "v 0 0 0\nf 1 1 4000000000\nf 1 1 99999999999999999999\n")));
   std::string counts = gltf("data:application/octet-stream;base64," + base64(gltf_buffer()));
-  counts.replace(counts.find("\"count\":4"), 9, "\"count\":4000000000");
+  counts = replaced(counts, "\"count\":4", "\"count\":4000000000");
   EXPECT_FALSE(imported(folder.put("g.gltf", counts)));
 }
 

@@ -15,11 +15,11 @@
 #include "apps/live/space/solved_scenes.h"
 #include "mtf/work/stop.h"
 #include "tests/apps/scene/scene_folder.h"
+#include "tests/expect_error.h"
 
 namespace apps::live {
 namespace {
 
-using scene::test::contains;
 using scene::test::scene_text;
 using scene::test::SceneFolder;
 
@@ -71,7 +71,7 @@ TEST(LiveScene, WeatherOfAFileIsChangedByKeysThatAreAdded) {
   const SceneFolder folder;
   const std::string text =
       after(folder, {{"weather.wind_speed_factor", "0.5"}, {"weather.air_temperature_offset", "-5 K"}});
-  EXPECT_TRUE(contains(text, "wind_speed_factor = 0.5\nair_temperature_offset = \"-5 K\"\n")) << text;
+  expect_says(text, {"wind_speed_factor = 0.5\nair_temperature_offset = \"-5 K\"\n"});
   const scene::SceneFile file = folder.parse(text).scene;
   EXPECT_EQ(file.weather.change.wind_speed_factor, 0.5);
   EXPECT_EQ(file.weather.change.air_temperature_offset_k, -5.0);
@@ -91,11 +91,11 @@ TEST(LiveScene, WhatIsRefused) {
   for (const char* value : {"/etc/passwd", "other.csv", "../engine.csv", "", "hot", "90", "90 mm"})
     EXPECT_NE(refusal_of(folder, {{"material.armour.inside.temperature", value}}), "") << value;
   EXPECT_NE(refusal_of(folder, {{"material.armour.emissivity", "bands.csv"}}), "") << "another file";
-  EXPECT_TRUE(contains(after(folder, {{"material.armour.emissivity", "90 %"}}), "emissivity = 0.9\n")) << "no file";
+  EXPECT_TRUE(says(after(folder, {{"material.armour.emissivity", "90 %"}}), "emissivity = 0.9\n")) << "no file";
   EXPECT_NE(refusal_of(folder, {{"weather.file", "engine.csv"}}), "");
   EXPECT_NE(refusal_of(folder, {{"mesh.vehicle.file", "/etc/passwd"}}), "");
-  EXPECT_TRUE(contains(refusal_of(folder, {{"weather.wind_speed_factor", "2.0"}, {"weather.solar_factor", "-1"}}, 1),
-                       "outside [0, 1.5]"));
+  expect_says(refusal_of(folder, {{"weather.wind_speed_factor", "2.0"}, {"weather.solar_factor", "-1"}}, 1),
+              {"outside [0, 1.5]"});
   EXPECT_NE(refusal_of(folder, {{"weather.solar_factor", "nan"}}), "");
   EXPECT_NE(refusal_of(folder, {{"weather.solar_factor", "1.0\"\n[mesh]"}}), "");
 }
@@ -186,7 +186,7 @@ TEST(SolvedScenes, OneThatNobodyAsksForEnds) {
   });
   EXPECT_FALSE(scenes.find("long", "tab").scene);
   while (!begun) std::this_thread::sleep_for(std::chrono::milliseconds(1));
-  EXPECT_TRUE(contains(scenes.find("b", "other").waiting, "waits for another")) << "a page still asks for the first";
+  EXPECT_TRUE(says(scenes.find("b", "other").waiting, "waits for another")) << "a page still asks for the first";
   EXPECT_FALSE(stopped);
   EXPECT_TRUE(wait_for(scenes, "b")) << "that page wants another one";
   for (int i = 0; i < 1000 && !stopped; ++i) std::this_thread::sleep_for(std::chrono::milliseconds(1));

@@ -16,12 +16,12 @@
 #include "apps/simulate/simulate.h"
 #include "mtf/error.h"
 #include "radiometry/weather/instant.h"
+#include "tests/apps/plates_case.h"
 #include "tests/expect_error.h"
+#include "tests/replaced.h"
 
 namespace apps::scene {
 namespace {
-
-using mtf::test::expect_says;
 
 namespace fs = std::filesystem;
 namespace render = radiometry::render;
@@ -90,39 +90,10 @@ bits = 14
 [noise]
 seed = 1
 )";
-const std::string kUncooled = R"(schema = 1
-name = "uncooled"
-[frame]
-focal_length = "150 mm"
-pitch = "12 um"
-format = [128, 128]
-[optics]
-f_number = 1.2
-transmission = 0.85
-stop_temperature = "293 K"
-[band]
-wavelength = ["8 um", "13 um"]
-[[presample]]
-kind = "diffraction"
-[[presample]]
-kind = "footprint"
-fill_factor = 0.85
-[detector]
-kind = "thermal"
-absorptance = 0.8
-responsivity = 1e5
-shutter_temperature = "293 K"
-netd = "30 mK"
-netd_f_number = 1.0
-netd_transmission = 1.0
-netd_temperature = "300 K"
-[adc]
-bits = 14
-volts_per_count = "0.05 uV"
-offset = 4000
-[noise]
-seed = 1
-)";
+const std::string kUncooled =
+    replaced(replaced(replaced(apps_test::uncooled(""), "12.5 mm", "150 mm"), "[64, 48]", "[128, 128]"),
+             "f_number = 1.2", "f_number = 1.2\ntransmission = 0.85") +
+    "[noise]\nseed = 1\n";
 const std::string kAir = R"([atmosphere]
 pressure = "1013 hPa"
 temperature = "295 K"
@@ -208,17 +179,17 @@ TEST_P(Cameras, HaveTheNoiseThatTheBudgetSays) {
 }
 INSTANTIATE_TEST_SUITE_P(Kinds, Cameras, testing::Values(0, 1));
 
-std::string refusal(const auto& action) { return mtf::test::message_of(action); }
+std::string refusal(const auto& action) { return message_of(action); }
 
 TEST_F(Picture, BelongsToOneResponse) {
   const std::string scene = picture(kCooled + kAir);
   std::string other = kCooled;
-  other.replace(other.find("3.7 um"), 6, "3.6 um");
+  other = replaced(other, "3.7 um", "3.6 um");
   expect_says(refusal([&] { simulate(sensor(other), {.file = scene}); }), {"another response"});
   expect_says(refusal([&] { simulate(sensor(kUncooled), {.file = scene}); }), {"photon detectors"});
   // What is no curve may change.
   std::string faster = kCooled;
-  faster.replace(faster.find("f_number = 4.0"), 14, "f_number = 3.0");
+  faster = replaced(faster, "f_number = 4.0", "f_number = 3.0");
   EXPECT_EQ(refusal([&] { simulate(sensor(faster), {.file = scene}); }), "");
 }
 
@@ -262,7 +233,7 @@ layers = [{ conductivity = "45 W/m/K", density = "7800 kg/m3", heat_capacity = "
   write("scene.toml", text);
   const SceneFile file = load_scene(path("scene.toml"));
   const std::string said = refusal([&] { read_picture_scene(file, {}); });
-  EXPECT_NE(said.find("'left', 'right'"), std::string::npos) << said;
+  expect_says(said, {"'left', 'right'"});
 
   // A folder as `mtf heat` writes it.
   fs::create_directories(path("out"));
@@ -278,7 +249,7 @@ layers = [{ conductivity = "45 W/m/K", density = "7800 kg/m3", heat_capacity = "
   EXPECT_EQ(read_picture_scene(file, {.temperatures = path("out")}).utc_s, start + 7200.0);
   const std::string late =
       refusal([&] { read_picture_scene(file, {.temperatures = path("out"), .utc_s = start + 7201.0}); });
-  EXPECT_NE(late.find("outside of the temperatures"), std::string::npos) << late;
+  expect_says(late, {"outside of the temperatures"});
   NpyFile three(path("out") + "/temperatures.npy", 3);
   three.append(std::vector<float>{300.0F, 310.0F, 320.0F});
   three.append(std::vector<float>{300.0F, 310.0F, 320.0F});

@@ -10,6 +10,8 @@
 #include "radiometry/weather/sky.h"
 #include "radiometry/weather/weather_series.h"
 #include "tests/apps/scene/weather_texts.h"
+#include "tests/expect_error.h"
+#include "tests/replaced.h"
 
 namespace apps::scene {
 namespace {
@@ -67,39 +69,37 @@ TEST(WeatherCsv, WritesWhatItReads) {
 
 TEST(WeatherCsv, SaysWhatIsWrong) {
   const std::string good = csv_text();
-  EXPECT_TRUE(contains(refusal(replaced(good, "00:00:00Z", "00:00:00")),
-                       "file:3: error: time \"2016-01-01T00:00:00\": the time zone is missing"));
-  EXPECT_TRUE(contains(refusal(replaced(good, "wind_speed (m/s)", "wind_sped (m/s)")), "did you mean \"wind_speed\"?"));
-  EXPECT_TRUE(contains(refusal(replaced(good, "(degC)", "")), "has no unit"));
-  EXPECT_TRUE(contains(refusal(replaced(good, "(degC)", "(hPa)")), "unit that does not fit"));
-  EXPECT_TRUE(contains(refusal(replaced(good, "(degC)", "(degF)")), "unknown unit \"degF\""));
-  EXPECT_TRUE(contains(refusal(replaced(good, "air_temperature", "wind_speed")), "stands twice"));
-  EXPECT_TRUE(contains(refusal(replaced(good, "pressure (hPa)", "dew_point (hPa)")), "does not fit"));
-  EXPECT_TRUE(contains(refusal(replaced(good, "pressure (hPa)", "vapour_pressure (Pa)")), "more than once"));
-  EXPECT_TRUE(contains(refusal(replaced(good, "air_temperature (degC)", "longwave_up (W/m2)")),
-                       "needs the column air_temperature"));
-  EXPECT_TRUE(contains(refusal(replaced(good, "time,", "date,")), "it has to be time"));
-  EXPECT_TRUE(contains(refusal(replaced(good, "2016-01-01T05", "2016-01-01T04")),
-                       "file:8: error: the time 2016-01-01T04:00:00Z stands twice"));
-  EXPECT_TRUE(contains(refusal(replaced(good, "2016-01-01T05", "2016-01-01T03")), "sort the records"));
-  EXPECT_TRUE(contains(refusal(replaced(good, ",1013.2,", ",x,")), "\"x\" in the column pressure is no number"));
-  EXPECT_TRUE(
-      contains(refusal(replaced(good, ",1013.2,", ",1013,2,")), "file:3: error: 10 values where the header has 9"));
-  EXPECT_TRUE(contains(refusal(replaced(good, "14.5,79", "95.5,79")), "Fahrenheit"));
-  EXPECT_TRUE(contains(refusal(replaced(good, ",290,87,", ",1501,87,")), "file:32: error: direct_normal 1501 W/m2"));
-  EXPECT_TRUE(contains(refusal(""), "empty"));
-  EXPECT_TRUE(contains(refusal("time,wind_speed (m/s)\n"), "no records"));
-  EXPECT_TRUE(contains(refusal("time (kg),wind_speed (m/s)\n0,1\n"), "no unit of time"));
+  expect_says(refusal(replaced(good, "00:00:00Z", "00:00:00")), {"file:3: error:", "time zone"});
+  expect_says(refusal(replaced(good, "wind_speed (m/s)", "wind_sped (m/s)")), {"did you mean \"wind_speed\"?"});
+  expect_says(refusal(replaced(good, "(degC)", "")), {"has no unit"});
+  expect_says(refusal(replaced(good, "(degC)", "(hPa)")), {"does not fit"});
+  expect_says(refusal(replaced(good, "(degC)", "(degF)")), {"unknown unit \"degF\""});
+  expect_says(refusal(replaced(good, "air_temperature", "wind_speed")), {"stands twice"});
+  expect_says(refusal(replaced(good, "pressure (hPa)", "dew_point (hPa)")), {"does not fit"});
+  expect_says(refusal(replaced(good, "pressure (hPa)", "vapour_pressure (Pa)")), {"more than once"});
+  expect_says(refusal(replaced(good, "air_temperature (degC)", "longwave_up (W/m2)")),
+              {"needs the column air_temperature"});
+  expect_says(refusal(replaced(good, "time,", "date,")), {"to be time"});
+  expect_says(refusal(replaced(good, "2016-01-01T05", "2016-01-01T04")),
+              {"file:8: error:", "2016-01-01T04:00:00Z stands twice"});
+  expect_says(refusal(replaced(good, "2016-01-01T05", "2016-01-01T03")), {"sort the records"});
+  expect_says(refusal(replaced(good, ",1013.2,", ",x,")), {"\"x\"", "column pressure"});
+  expect_says(refusal(replaced(good, ",1013.2,", ",1013,2,")), {"file:3: error: 10 values", "header has 9"});
+  expect_says(refusal(replaced(good, "14.5,79", "95.5,79")), {"Fahrenheit"});
+  expect_says(refusal(replaced(good, ",290,87,", ",1501,87,")), {"file:32: error: direct_normal 1501 W/m2"});
+  expect_says(refusal(""), {"empty"});
+  expect_says(refusal("time,wind_speed (m/s)\n"), {"no records"});
+  expect_says(refusal("time (kg),wind_speed (m/s)\n0,1\n"), {"no unit of time"});
 }
 
 TEST(WeatherCsv, ReadsSchedules) {
   const auto engine = parse_schedule("time (h),temperature (degC)\n0,20\n6,80\n", "engine.csv", "K", 3600.0);
   EXPECT_DOUBLE_EQ(value_at(engine, 3600.0 * 4.0), 323.15);
   const auto fail = [](const char* text) { return message_of([&] { parse_schedule(text, "s", "W/m2", 0.0); }); };
-  EXPECT_TRUE(contains(fail("time (h),flux (K)\n0,20\n"), "does not fit"));
-  EXPECT_TRUE(contains(fail("time (h),flux (W/m2)\n0,20\n0,30\n"), "s:3: error: the time is not after"));
-  EXPECT_TRUE(contains(fail("time (h),flux (W/m2)\n0,\n"), "no missing values"));
-  EXPECT_TRUE(contains(fail("time (h),a (W/m2),b (W/m2)\n0,1,2\n"), "one column beside time, not 2"));
+  expect_says(fail("time (h),flux (K)\n0,20\n"), {"does not fit"});
+  expect_says(fail("time (h),flux (W/m2)\n0,20\n0,30\n"), {"s:3: error:", "not after"});
+  expect_says(fail("time (h),flux (W/m2)\n0,\n"), {"no missing values"});
+  expect_says(fail("time (h),a (W/m2),b (W/m2)\n0,1,2\n"), {"beside time, not 2"});
 }
 
 TEST(WeatherEpw, ReadsATypicalYear) {
@@ -126,10 +126,7 @@ TEST(WeatherEpw, ReadsATypicalYear) {
   // Real years stay what they are.
   EXPECT_EQ(parse_weather(epw_text(24, {2004, 2004}), "a.epw").weather.time_s[0],
             instant_of({2004, 2, 28}, 8.0 * 3600.0));
-  EXPECT_TRUE(contains(message_of([&] {
-                         parse_weather(epw_text(48, {2003, 2003}), "a.epw");
-                       }),
-                       "2003 has no such day"));
+  expect_says(message_of([&] { parse_weather(epw_text(48, {2003, 2003}), "a.epw"); }), {"no such day"});
   // Another stamp than the format's is taken, and said; what holds at the stamps does so in any case.
   for (const auto q : {air_temperature, vapour_pressure, pressure, wind_speed, cloud_cover})
     EXPECT_FALSE(weather.is_mean(static_cast<std::size_t>(q)));
@@ -138,8 +135,8 @@ TEST(WeatherEpw, ReadsATypicalYear) {
   const WeatherFile middle = parse_weather(epw_text(), "a.epw", {.stamp = Stamp::middle, .year = 2016});
   EXPECT_EQ(middle.weather.stamp, Stamp::middle);
   ASSERT_EQ(middle.warnings.size(), 1u);
-  EXPECT_TRUE(contains(middle.warnings[0], "the stamps of EPW are the end of the interval; stamp = \"middle\""));
-  EXPECT_TRUE(contains(refusal(replaced(epw_text(), ",13,60,", ",25,60,")), "file:21: error: no such date or hour"));
+  expect_says(middle.warnings[0], {"EPW", "end of the interval", "stamp = \"middle\""});
+  expect_says(refusal(replaced(epw_text(), ",13,60,", ",25,60,")), {"file:21: error:", "date or hour"});
   EXPECT_TRUE(std::isnan(
       parse_weather(replaced(epw_text(), ",120,144,36,", ",9999,9999,9999,"), "a").weather[direct_normal][12]));
 }
@@ -151,9 +148,8 @@ TEST(WeatherTmy3, ReadsTheEndOfTheDay) {
   // 31 January 24:00 UTC-5 is 1 February 05:00 UTC.
   EXPECT_EQ(file.weather.time_s[23], instant_of({2026, 2, 1}, 5.0 * 3600.0));
   EXPECT_EQ(file.weather.time_s[24] - file.weather.time_s[23], 3600.0);
-  EXPECT_TRUE(contains(refusal(replaced(tmy3_text(), ",24:00", ",24:30")), "no date and time"));
-  EXPECT_TRUE(
-      contains(refusal(replaced(tmy3_text(), "DNI (W/m^2)", "DNI (kJ/m^2)")), "the column \"DNI (W/m^2)\" is missing"));
+  expect_says(refusal(replaced(tmy3_text(), ",24:00", ",24:30")), {"no date and time"});
+  expect_says(refusal(replaced(tmy3_text(), "DNI (W/m^2)", "DNI (kJ/m^2)")), {"\"DNI (W/m^2)\" is missing"});
   EXPECT_TRUE(
       std::isnan(parse_weather(replaced(tmy3_text(), ",60,990,", ",-9900,990,"), "a").weather[vapour_pressure][0]));
 }
@@ -167,7 +163,7 @@ TEST(WeatherSurfrad, FlagsAndMarksAreMissingValues) {
   const auto flagged = parse_weather(replaced(surfrad_text(), " 807.0 0", " 807.0 2"), "a.dat");
   EXPECT_TRUE(std::isnan(flagged.weather[direct_normal][7]));
   ASSERT_EQ(flagged.warnings.size(), 1u);
-  EXPECT_TRUE(contains(flagged.warnings[0], "1 values with a quality flag"));
+  expect_says(flagged.warnings[0], {"1 values", "quality flag"});
   const auto missing = parse_weather(replaced(surfrad_text(), "   807.0 0", " -9999.9 0"), "a.dat");
   EXPECT_TRUE(std::isnan(missing.weather[direct_normal][7]));
 }
@@ -283,7 +279,7 @@ void expect_damage_read_or_refused(int rounds) {
         EXPECT_TRUE(std::is_sorted(series.node_s.begin(), series.node_s.end()));
         ++read;
       } catch (const mtf::UsageError& error) {
-        EXPECT_TRUE(contains(error.what(), "damaged")) << error.what();
+        expect_says(error.what(), {"damaged"});
         ++refused;
       }
     }
@@ -331,12 +327,12 @@ TEST(WeatherDamaged, EveryColumnMissingInTurn) {
   }
   for (std::size_t k = 0; k < 10; ++k) EXPECT_NE(refusal(without_column(tmy3_text(), k, ',', 1)), "") << k;
   for (std::size_t k = 0; k < 35; ++k)
-    EXPECT_TRUE(contains(refusal(without_column(epw_text(), k, ',', 8)), "34 cells in a record")) << k;
+    EXPECT_TRUE(says(refusal(without_column(epw_text(), k, ',', 8)), "34 cells")) << k;
   // Blanks separate; every run of them is one separator.
   std::string surfrad = surfrad_text(3);
   for (std::size_t at = 0; (at = surfrad.find("  ", at)) != std::string::npos;) surfrad.erase(at, 1);
   for (std::size_t k = 1; k <= 48; ++k)
-    EXPECT_TRUE(contains(refusal(without_column(surfrad, k, ' ', 2)), "47 numbers, 48 are needed")) << k;
+    EXPECT_TRUE(says(refusal(without_column(surfrad, k, ' ', 2)), "47 numbers, 48 are needed")) << k;
 }
 
 }  // namespace

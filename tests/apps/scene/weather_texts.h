@@ -80,14 +80,4 @@ inline std::string surfrad_text(int minutes = 60) {
   return text;
 }
 
-using mtf::test::message_of;
-
-inline bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
-
-/// The text with `from` in the place of the first `to`.
-inline std::string replaced(std::string text, const std::string& from, const std::string& to) {
-  const std::size_t at = text.find(from);
-  return at == std::string::npos ? "" : text.replace(at, from.size(), to);
-}
-
 }  // namespace apps::scene::test

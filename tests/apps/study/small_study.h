@@ -45,16 +45,6 @@ inline void add_study(const apps_test::Scratch& scratch, const std::string& text
   apps_test::write_file(scratch / "study.toml", text);
 }
 
-inline std::string replaced(std::string text, const std::string& what, const std::string& with) {
-  const std::size_t at = text.find(what);
-  if (at == std::string::npos) throw std::runtime_error("nothing to replace: " + what);
-  return text.replace(at, what.size(), with);
-}
-
-inline void expect_says(const std::string& text, const std::string& part) {
-  EXPECT_NE(text.find(part), std::string::npos) << text << "\nhas no: " << part;
-}
-
 /// The bytes of the tables of a sweep.
 inline std::string tables(const apps_test::Scratch& scratch, const std::string& folder) {
   return apps_test::read_file(scratch / (folder + "/designs.csv")) +

@@ -17,6 +17,7 @@
 #include "apps/study/rows/sweep_rows.h"
 #include "apps/study/statistics/tally.h"
 #include "tests/apps/study/temp_folder.h"
+#include "tests/expect_error.h"
 
 namespace {
 
@@ -220,7 +221,7 @@ TEST(StudyReadme, NamesEveryMetric) {
   for (const study::MetricInfo& metric : study::metric_catalogue()) {
     const bool axis = metric.name.ends_with("_x") || metric.name.ends_with("_y");
     const std::string stem = axis ? metric.name.substr(0, metric.name.size() - 2) : metric.name;
-    EXPECT_NE(text.find("`" + stem + (axis ? "`*" : "`")), std::string::npos) << metric.name;
+    EXPECT_TRUE(says(text, "`" + stem + (axis ? "`*" : "`"))) << metric.name;
   }
 }
 

@@ -8,6 +8,7 @@
 
 #include "apps/study/expression.h"
 #include "calib/fit/system_jet.h"
+#include "tests/expect_error.h"
 
 namespace study {
 namespace {
@@ -111,8 +112,8 @@ TEST(Expression, ErrorsHaveTheirColumn) {
            Case{"1 + 2)", 5, "')'"},
            Case{"2 pitch", 2, "write *"},
            Case{"pitch pitch", 6, "operator"},
-           Case{"pitch + f_number", 0, "cannot add m (pitch) and a plain number (f_number)"},
-           Case{"1 + (pitch - 2)", 5, "cannot subtract m (pitch) and a plain number (2)"},
+           Case{"pitch + f_number", 0, "add m (pitch)"},
+           Case{"1 + (pitch - 2)", 5, "subtract m (pitch)"},
            Case{"f_number + pich", 11, "did you mean pitch?"},
            Case{"focal_lenght * 2", 0, "did you mean focal_length?"},
            Case{"log(pitch)", 4, "plain number, not m"},
@@ -122,7 +123,7 @@ TEST(Expression, ErrorsHaveTheirColumn) {
            Case{"3 um ^ 2", 0, "(3 um)"},
            Case{"sqr(4)", 0, "did you mean sqrt?"},
            Case{"min(3)", 5, "two values"},
-           Case{"max(pitch, 3)", 4, "compare m (pitch) and a plain number (3)"},
+           Case{"max(pitch, 3)", 4, "compare m (pitch)"},
            Case{"abs 3", 4, "'('"},
            Case{"1 $ 2", 2, "'$ 2'"},
            Case{"1e999", 0, "range"},
@@ -130,7 +131,7 @@ TEST(Expression, ErrorsHaveTheirColumn) {
        }) {
     const ExpressionError error = failure(c.text);
     EXPECT_EQ(error.column, c.column) << c.text << ": " << error.text;
-    EXPECT_NE(error.text.find(c.says), std::string::npos) << c.text << ": " << error.text;
+    EXPECT_TRUE(says(error.text, c.says)) << c.text << ": " << error.text;
   }
 }
 
@@ -142,7 +143,7 @@ TEST(Expression, ConstantsThatAreNotFiniteAreErrorsWithTheirPlace) {
                                              {"-(1e300 m * 1e300 s)", 2, "'1e300 m * 1e300 s'"}}) {
     const study::ExpressionError error = failure(text);
     EXPECT_EQ(error.column, column) << text;
-    EXPECT_NE(error.text.find(std::string(quoted) + " is no finite number"), std::string::npos) << error.text;
+    expect_says(error.text, {std::string(quoted) + " is no finite number"});
   }
   EXPECT_EQ(value("1 / 3 * 3"), 1.0);
 }
@@ -154,11 +155,11 @@ TEST(Expression, DepthAndLengthAreBounded) {
     return result;
   };
   EXPECT_EQ(value(repeated("(", 40) + "7" + repeated(")", 40)), 7.0);
-  EXPECT_NE(failure(repeated("(", 70) + "7" + repeated(")", 70)).text.find("deeper"), std::string::npos);
-  EXPECT_NE(failure(repeated("-", 1000) + "7").text.find("deeper"), std::string::npos);
-  EXPECT_NE(failure(repeated("2^", 500) + "2").text.find("deeper"), std::string::npos);
-  EXPECT_NE(failure(repeated("abs(", 300) + "2").text.find("deeper"), std::string::npos);
-  EXPECT_NE(failure(repeated("1 + ", 5000) + "2").text.find("2000 characters"), std::string::npos);
+  expect_says(failure(repeated("(", 70) + "7" + repeated(")", 70)).text, {"deeper"});
+  expect_says(failure(repeated("-", 1000) + "7").text, {"deeper"});
+  expect_says(failure(repeated("2^", 500) + "2").text, {"deeper"});
+  expect_says(failure(repeated("abs(", 300) + "2").text, {"deeper"});
+  expect_says(failure(repeated("1 + ", 5000) + "2").text, {"2000 characters"});
   EXPECT_EQ(value(repeated("1+", 999) + "1"), 1000.0);
   // As many values wait as the stack holds, never more.
   EXPECT_EQ(value(repeated("1+1^(", 20) + "0" + repeated(")", 20)), 2.0);

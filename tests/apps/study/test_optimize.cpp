@@ -10,6 +10,7 @@
 #include "apps/study/optimum/optimize.h"
 #include "mtf/error.h"
 #include "tests/apps/study/study_files.h"
+#include "tests/expect_error.h"
 
 namespace {
 
@@ -61,9 +62,7 @@ TEST_F(Optimize, FocalLengthOfAGroundSampleDistance) {
   ASSERT_EQ(outcome.best.limits.size(), 1U);
   EXPECT_EQ(outcome.best.limits[0].text, "gsd < 0.5 m");
   EXPECT_NEAR(outcome.best.limits[0].gain, 16e3, 1e-2);
-  EXPECT_NE(words_.find("gsd < 0.5 m limits: relaxing it by 0.01 m would lower focal_length by 160 mm"),
-            std::string::npos)
-      << words_;
+  expect_says(words_, {"gsd < 0.5 m limits", "0.01 m", "focal_length by 160 mm"});
   EXPECT_EQ(outcome.best.starts, outcome.starts);
 }
 
@@ -79,7 +78,7 @@ TEST_F(Optimize, InsideOfAllLimitsThroughTheChainOfMetrics) {
   // The slope is right to some 1e-9, the place of the optimum so to its root's share of the curvature.
   EXPECT_NEAR(outcome.best.axis_values[0], 1e3 / (std::numbers::sqrt2 * std::numbers::pi * 50.0), 1e-5);
   EXPECT_TRUE(outcome.best.limits.empty());
-  EXPECT_NE(words_.find("nothing limits"), std::string::npos) << words_;
+  expect_says(words_, {"nothing limits"});
 }
 
 std::string rosenbrock(const std::string& squared_radius) {
@@ -124,7 +123,7 @@ TEST_F(Optimize, NearestDesignOfConstraintsThatContradict) {
   EXPECT_EQ(outcome.contradiction, (std::vector<std::string>{"x < 0.2", "x > 0.6"}));
   ASSERT_EQ(outcome.best.violations.size(), 2U);
   EXPECT_NEAR(outcome.best.violations[1].share, 0.6, 1e-5);
-  EXPECT_NE(words_.find("contradict each other: x < 0.2 and x > 0.6"), std::string::npos) << words_;
+  expect_says(words_, {"contradict", "x < 0.2", "x > 0.6"});
 }
 
 TEST_F(Optimize, OneConstraintAgainstTheBox) {
@@ -205,7 +204,7 @@ TEST_F(Optimize, DesignsThatCannotBe) {
                                     "optics.obscuration = \"x\"\n");
   EXPECT_EQ(edge.status, Status::stopped);
   EXPECT_NEAR(edge.best.axis_values[0], 0.999, 1e-6);  // the most that the sensor file takes
-  EXPECT_NE(words_.find("obscuration"), std::string::npos) << words_;
+  expect_says(words_, {"obscuration"});
 
   const OptimizeOutcome none = best(goals("\"minimize x + sqrt(y - 2)\"") + two_numbers(kUnit, kUnit));
   EXPECT_EQ(none.status, Status::impossible);
@@ -250,12 +249,7 @@ TEST_F(Optimize, Refusals) {
   const std::string axes = two_numbers(kUnit, kUnit);
   const auto refused = [&](const std::string& text, const OptimizeOptions& options, const std::string& word) {
     const auto study = read(text);
-    try {
-      static_cast<void>(optimize(*study, options));
-      ADD_FAILURE() << "nothing refused: " << word;
-    } catch (const mtf::UsageError& error) {
-      EXPECT_NE(std::string(error.what()).find(word), std::string::npos) << error.what();
-    }
+    expect_refused({word}, [&] { static_cast<void>(optimize(*study, options)); });
   };
   refused(study_test::kHead + axes + study_test::kMetrics, {.weights = {}}, "no objectives");
   refused(goals("\"minimize x\", \"minimize y\"") + axes, {.weights = {1.0}}, "1 weights for 2");

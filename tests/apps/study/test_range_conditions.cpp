@@ -6,6 +6,8 @@
 #include "mtf/error.h"
 #include "tests/apps/study/evaluated.h"
 #include "tests/apps/study/range_camera.h"
+#include "tests/expect_error.h"
+#include "tests/replaced.h"
 
 namespace {
 
@@ -23,7 +25,7 @@ std::string reason(const Folder& folder, const std::string& text) {
 
 void expect_reason(const Folder& folder, const std::string& text, const std::vector<std::string>& parts) {
   const std::string why = reason(folder, text);
-  for (const std::string& part : parts) EXPECT_NE(why.find(part), std::string::npos) << why << "\nhas no: " << part;
+  for (const std::string& part : parts) expect_says(why, {part});
 }
 
 TEST(Ranges, AirThatCannotBeFollowedIsRefusedWithTheRemedy) {
@@ -56,27 +58,26 @@ TEST(Ranges, ATaskThatSucceedsBeyondWhatIsKnownSaysWhereThatEnds) {
   e.at(0);
   EXPECT_TRUE(std::isnan(e["ttp_range_detect"]));
   EXPECT_TRUE(std::isfinite(e["johnson_range_identify"]));  // at Nyquist, 1.9 km
-  for (const char* part : {"johnson_range_detect", "still succeeds at 2000 m", "air.csv ends"})
-    EXPECT_NE(e.evaluator->last_refusal().find(part), std::string::npos) << e.evaluator->last_refusal();
-  EXPECT_EQ(e.evaluator->last_caution(), "limited by the Nyquist frequency in johnson_range_identify");
+  expect_says(e.evaluator->last_refusal(), {"johnson_range_detect", "still succeeds at 2000 m", "air.csv ends"});
+  expect_says(e.evaluator->last_caution(), {"Nyquist", "johnson_range_identify"});
   // A mast of 10 m sees the ground to 11.3 km: (2 x 6371 km x 10 m)^(1/2), and a little more by refraction.
   folder.write("camera.toml", camera("[atmosphere]\nmodel = \"us_standard_1976\"\nsensor_altitude = \"10 m\"\n"
                                      "target_altitude = \"0 m\"\nrange = \"1 km\"\n"));
   expect_reason(folder, study_of(kTime, kConditions, "1e-4", "\"johnson_range_detect\""),
-                {"still succeeds at 12", "the horizon hides the target"});
+                {"still succeeds at 12", "the horizon"});
 }
 
 TEST(Ranges, NeedToKnowAtWhichAngleTheObserverSeesThePicture) {
   const Folder folder;
   folder.write("camera.toml", camera(""));
   std::string blind = kConditions;
-  blind.replace(blind.find("magnification = 5.0\n"), 20, "");
+  blind = replaced(blind, "magnification = 5.0\n", "");
   Evaluated e =
       evaluated(folder, study_of(kTime, blind, "1e-4", R"("ttp", "ttp_range_detect", "johnson_range_detect")"));
   const auto gaps = e.evaluator->gaps();
   for (std::size_t c = 0; c < e.columns.size(); ++c)
     if (e.columns[c].name.starts_with("ttp")) {
-      EXPECT_EQ(gaps[c], "no [conditions] magnification, or display_height and viewing_distance");
+      expect_says(gaps[c], {"[conditions] magnification", "display_height and viewing_distance"});
     }
   e.at(0);
   EXPECT_TRUE(std::isnan(e["ttp_range_detect"]));
@@ -94,7 +95,7 @@ TEST(Ranges, NeedToKnowAtWhichAngleTheObserverSeesThePicture) {
   EXPECT_LT(display.at("ttp_range_detect") / given.at("ttp_range_detect"), 1.1);
   folder.write("camera.toml", [&] {
     std::string text = camera("");
-    return text.replace(text.find("format = [640, 512]\n"), 20, "");
+    return replaced(text, "format = [640, 512]\n", "");
   }());
   expect_reason(folder,
                 study_of(kTime, blind + "display_height = \"200 mm\"\nviewing_distance = \"600 mm\"\n", "1e-4",
@@ -110,7 +111,7 @@ TEST(Ranges, ConditionsThatContradictTheSensorOrEachOtherAreErrors) {
   };
   const std::string fog = kFog + "range = \"1 km\"\n";
   const auto expect = [](const std::string& text, const std::vector<std::string>& parts) {
-    for (const std::string& part : parts) EXPECT_NE(text.find(part), std::string::npos) << text << "\nhas no: " << part;
+    for (const std::string& part : parts) EXPECT_TRUE(says(text, part)) << text << "\nhas no: " << part;
   };
   EXPECT_EQ(told(fog, ""), "");
   EXPECT_EQ(told(fog, "range = \"1000 m\"\n"), "");
@@ -121,7 +122,7 @@ TEST(Ranges, ConditionsThatContradictTheSensorOrEachOtherAreErrors) {
   expect(told(fog, "range = \"5 km\"\n"), {"conditions.range", "is 5000 m", "1000 m long", "give both the same"});
   EXPECT_EQ(told("[path]\ntransmission = 0.8\n", "range = \"5 km\"\n"), "");
   expect(told(fog, "range = \"1 km\"\n", axis("atmosphere.range", R"("1 km", "2 km")")),
-         {"conditions.range", "the study changes the range", "remove it"});
+         {"conditions.range", "changes the range", "remove it"});
   // From space the air is shorter than the line of sight.
   const std::string down =
       "[atmosphere]\nmodel = \"us_standard_1976\"\nsensor_altitude = \"100 km\"\n"
@@ -136,8 +137,8 @@ TEST(Ranges, ConditionsThatContradictTheSensorOrEachOtherAreErrors) {
   for (const char* wrong : {"display_height = \"-1 mm\"\nviewing_distance = \"0.6 m\"\n",
                             "display_height = \"0.2 m\"\nviewing_distance = \"-1 m\"\n"}) {
     const std::string lines = folder.lines(study_of(kTime, std::string("[conditions]\n") + wrong));
-    EXPECT_NE(lines.find("is outside"), std::string::npos) << lines;
-    EXPECT_EQ(lines.find("needs"), std::string::npos) << lines;
+    expect_says(lines, {"is outside"});
+    EXPECT_FALSE(says(lines, "needs")) << lines;
   }
 }
 
@@ -161,17 +162,14 @@ TEST(Ranges, StudiesSayWhoseTheyAre) {
   const auto lines = [&](const std::string& text) { return study::condition_lines(*evaluated(folder, text).study); };
   const auto all = lines(study_of(kTime));
   ASSERT_EQ(all.size(), 6u);
-  EXPECT_EQ(all[0], "observer of bars: signal-to-noise ratio 2.5, eye time 0.1 s, 60 Hz");
-  for (const char* part :
-       {"barten_short_squared", "34.26 cd/m^2", "magnification 5", "picture of 10 deg", "5 K from dark"})
-    EXPECT_NE(all[1].find(part), std::string::npos) << all[1];
-  EXPECT_EQ(all[2], "target: 2.3 m, 1 K warmer than its background of 300 K");
-  EXPECT_NE(all[3].find("V50 2, 7.5, 13"), std::string::npos) << all[3];
-  EXPECT_NE(all[4].find("N50 0.75, 3, 6"), std::string::npos) << all[4];
-  EXPECT_EQ(
-      all[5],
-      "air: [atmosphere] model mid_latitude_summer, haze advection_fog, visibility 300 m, range 1000 m; ranges are "
-      "solved with the air up to each of them");
+  expect_says(all[0], {"observer of bars:", "ratio 2.5", "eye time 0.1 s", "60 Hz"});
+  expect_says(all[1],
+              {"barten_short_squared", "34.26 cd/m^2", "magnification 5", "picture of 10 deg", "5 K from dark"});
+  expect_says(all[2], {"target: 2.3 m", "1 K", "300 K"});
+  expect_says(all[3], {"V50 2, 7.5, 13"});
+  expect_says(all[4], {"N50 0.75, 3, 6"});
+  expect_says(all[5], {"air: [atmosphere] model mid_latitude_summer", "haze advection_fog", "visibility 300 m",
+                       "range 1000 m", "up to each"});
   EXPECT_TRUE(lines(study_of(kTime, kConditions, "1e-4", "\"netd\"")).empty());
   EXPECT_EQ(lines(study_of(kTime, kConditions, "1e-4", "\"mrtd\"")).size(), 2u);  // observer and air
 }

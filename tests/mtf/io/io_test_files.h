@@ -91,6 +91,4 @@ inline void write_scanline(const std::string& path, Imf::Header header, const st
   file.writePixels(header.dataWindow().max.y - header.dataWindow().min.y + 1);
 }
 
-using mtf::test::message_of;
-
 }  // namespace io_test

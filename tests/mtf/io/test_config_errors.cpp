@@ -8,6 +8,7 @@
 #include "mtf/error.h"
 #include "mtf/io/config/config.h"
 #include "tests/expect_error.h"
+#include "tests/replaced.h"
 
 namespace mtf::io {
 namespace {
@@ -35,8 +36,8 @@ void expect_one(const std::string& text, const std::string& start, const std::ve
   const auto lines = messages(text);
   ASSERT_EQ(lines.size(), 1u) << text << (lines.empty() ? "" : lines[0] + "\n" + lines.back());
   EXPECT_TRUE(lines[0].starts_with(start)) << lines[0] << "\nexpected " << start;
-  for (const auto& part : parts) EXPECT_NE(lines[0].find(part), std::string::npos) << lines[0] << "\nlacks " << part;
-  EXPECT_EQ(lines[0].find('\n'), std::string::npos) << lines[0];
+  for (const auto& part : parts) EXPECT_TRUE(says(lines[0], part)) << lines[0] << "\nlacks " << part;
+  EXPECT_FALSE(says(lines[0], "\n")) << lines[0];
 }
 
 std::string head_with(const std::string& from, const std::string& to) {
@@ -75,31 +76,29 @@ TEST(ConfigErrors, UnknownKeysAndKinds) {
              "s.toml:10:8: error: presample[0].kind: unknown kind \"jiter\"",
              {"did you mean \"jitter\"?", "footprint"});
   expect_one(kHead + "[[presample]]\nkind = \"diffraction\"\n[[presample]]\nkind = \"jitter\"\nrmz = \"1 um\"\n",
-             "s.toml:13:1: error: presample[1].rmz: unknown key in [[presample]] jitter",
-             {"did you mean \"rms\"?", "rms_x, rms_y"});
+             "s.toml:13:1: error: presample[1].rmz:",
+             {"unknown key", "[[presample]] jitter", "did you mean \"rms\"?", "rms_x, rms_y"});
   expect_one(kHead + "[[presample]]\nrms = \"1 um\"\n", "s.toml:9:1: error: presample[0].kind: missing", {"jitter"});
   expect_one(kHead + "[scene]\nborder = \"mirror\"\n", "s.toml:10:10: error: scene.border: unknown word \"mirror\"",
              {"reflect, replicate, constant, periodic"});
 }
 
 TEST(ConfigErrors, Units) {
-  expect_one(head_with("\"15 um\"", "15"), "s.toml:4:9: error: frame.pitch: 15 has no unit; write \"15 um\"");
+  expect_one(head_with("\"15 um\"", "15"), "s.toml:4:9: error: frame.pitch: 15", {"no unit", "\"15 um\""});
   expect_one(head_with("\"100 mm\"", "100.5"), "s.toml:3:16: error: frame.focal_length: 100.5 has no unit",
              {"\"100.5 mm\""});
   expect_one(head_with("15 um", "15 furlong"),
-             "s.toml:4:9: error: frame.pitch: \"15 furlong\": unknown unit \"furlong\"",
-             {"a length such as \"15 um\""});
+             "s.toml:4:9: error: frame.pitch:", {"unknown unit \"furlong\"", "\"15 um\""});
   expect_one(head_with("15 um", "15 umm"), "s.toml:4:9: error: ", {"did you mean \"um\"?"});
   expect_one(head_with("15 um", "15 urad"), "s.toml:4:9: error: frame.pitch: ", {"does not fit"});
   expect_one(head_with("15 um", "15"), "s.toml:4:9: error: frame.pitch: \"15\": no unit");
   expect_one(head_with("15 um", "1e400 um"), "s.toml:4:9: error: frame.pitch: ", {"out of range"});
   expect_one(head_with("15 um", "nan um"), "s.toml:4:9: error: frame.pitch: ", {"not finite"});
   expect_one(head_with("15 um", "1e305 km"), "s.toml:4:9: error: frame.pitch: ", {"out of range"});
-  expect_one(head_with("\"15 um\"", "true"), "s.toml:4:9: error: frame.pitch: true or false where a number with unit");
+  expect_one(head_with("\"15 um\"", "true"), "s.toml:4:9: error: frame.pitch:", {"number with unit"});
   expect_one(head_with("2.0", "\"2.0\""), "s.toml:6:12: error: optics.f_number: \"2.0\" is a string",
              {"f_number = 2.0 without quotes"});
-  expect_one(head_with("2.0", "\"2 um\""),
-             "s.toml:6:12: error: optics.f_number: \"2 um\" where a plain number belongs");
+  expect_one(head_with("2.0", "\"2 um\""), "s.toml:6:12: error: optics.f_number:", {"\"2 um\"", "plain number"});
   for (const std::string bad : {"nan", "inf", "-inf"})
     expect_one(head_with("2.0", bad), "s.toml:6:12: error: optics.f_number: ", {bad + " is not finite"});
   expect_one(head_with("2.0", "1e400"), "s.toml:6:", {"not valid TOML", "1e400"});
@@ -107,8 +106,7 @@ TEST(ConfigErrors, Units) {
 
 TEST(ConfigErrors, QuotesThatAreMissing) {
   const auto expect_hint = [](const std::string& written, const std::string& quoted) {
-    expect_one(head_with("\"15 um\"", written),
-               "s.toml:4:", {"not valid TOML", "; words and numbers with units stand in quotes: \"" + quoted + "\""});
+    expect_one(head_with("\"15 um\"", written), "s.toml:4:", {"not valid TOML", "stand in quotes: \"" + quoted + "\""});
   };
   expect_hint("15 um", "15 um");
   expect_hint("15um  # of the detector", "15um");
@@ -119,23 +117,22 @@ TEST(ConfigErrors, QuotesThatAreMissing) {
   expect_hint("+15 um", "+15 um");
   for (const std::string other : {"1e400", "15 um\"", "", "=", "1..5", "[1, 2", "1 2", "True", "15 b = 2", "#", "# um"})
     for (const std::string& line : messages(head_with("\"15 um\"", other)))
-      EXPECT_EQ(line.find("stand in quotes"), std::string::npos) << line;
+      EXPECT_FALSE(says(line, "stand in quotes")) << line;
   expect_one(kHead + "[a]\nb = true\nb = true", "s.toml:11:", {"not valid TOML"});
-  EXPECT_EQ(messages(kHead + "[a]\nb = true\nb = true")[0].find("stand in quotes"), std::string::npos);
-  EXPECT_EQ(messages(kHead + "[a]\nb = \"1 um\"\nb = \"1 um\"")[0].find("stand in quotes"), std::string::npos);
+  EXPECT_FALSE(says(messages(kHead + "[a]\nb = true\nb = true")[0], "stand in quotes"));
+  EXPECT_FALSE(says(messages(kHead + "[a]\nb = \"1 um\"\nb = \"1 um\"")[0], "stand in quotes"));
 }
 
 TEST(ConfigErrors, StructureOfTheFile) {
   expect_one("schema = 1\n[frame\n", "s.toml:2:", {"not valid TOML"});
   expect_one(kHead + "[scene]\ngain = 1\ngain = 2\n", "s.toml:11:", {"not valid TOML"});
-  expect_one(head_with("schema = 1", "schema = 2"), "s.toml:1:10: error: schema: 2 is not supported", {"schema = 1"});
+  expect_one(head_with("schema = 1", "schema = 2"), "s.toml:1:10: error: schema: 2", {"schema = 1"});
   expect_one(head_with("schema = 1", "schema = \"1\""), "s.toml:1:10: error: schema: ");
   expect_one(head_with("schema = 1", ""), "s.toml: error: schema: missing; write schema = 1");
   expect_one("schema = 1\n", "s.toml: error: frame: missing; write [frame]");
-  expect_one("schema = 1\nframe = 3\n", "s.toml:2:9: error: frame: a whole number where a table belongs");
+  expect_one("schema = 1\nframe = 3\n", "s.toml:2:9: error: frame:", {"a table"});
   expect_one(head_with("focal_length = \"100 mm\"\n", ""), "s.toml:2:1: error: frame.focal_length: missing");
-  expect_one(kHead + "[presample]\nkind = \"jitter\"\n", "s.toml:9:1: error: presample: has to be a list",
-             {"[[presample]]"});
+  expect_one(kHead + "[presample]\nkind = \"jitter\"\n", "s.toml:9:1: error: presample:", {"a list", "[[presample]]"});
   expect_one(std::string("x = ") + std::string(200, '['), "s.toml:1:37: error: nested too deep");
   std::string dots = "a";
   for (int i = 0; i < 300000; ++i) dots += ".a";
@@ -149,11 +146,10 @@ TEST(ConfigErrors, StructureOfTheFile) {
 TEST(ConfigErrors, Pairs) {
   expect_one(head_with("pitch", "pitch_x"), "s.toml:4:11: error: frame.pitch_x: given without pitch_y");
   expect_one(head_with("[optics]", "pitch_y = \"15 um\"\n[optics]"),
-             "s.toml:5:11: error: frame.pitch_y: given together with pitch");
+             "s.toml:5:11: error: frame.pitch_y:", {"with pitch"});
   const std::string jitter = kHead + "[[presample]]\nkind = \"jitter\"\n";
   expect_one(jitter + "rms_x = \"1 um\"\n", "s.toml:11:9: error: presample[0].rms_x: given without rms_y");
-  expect_one(jitter + "rms = \"1 um\"\nrms_y = \"1 um\"\n",
-             "s.toml:12:9: error: presample[0].rms_y: given together with rms");
+  expect_one(jitter + "rms = \"1 um\"\nrms_y = \"1 um\"\n", "s.toml:12:9: error: presample[0].rms_y:", {"with rms"});
   expect_one(jitter + "rms_x = \"1 um\"\nrms_y = \"-1 um\"\n",
              "s.toml:12:9: error: presample[0].rms_y: -1 um is outside [0, 1e+09]");
   expect_one(jitter, "s.toml:9:1: error: presample[0].rms: missing; write for example rms = \"8 urad\"");
@@ -163,7 +159,7 @@ TEST(ConfigErrors, Scene) {
   const std::string scene = kHead + "[scene]\n";
   expect_one(scene + "sample = \"0 um\"\n", "s.toml:10:10: error: scene.sample: 0 um is outside (0, 1e+06]");
   expect_one(scene + "sample = \"1 um\"\nifov = \"1 urad\"\n",
-             "s.toml:11:8: error: scene.ifov: the sample spacing is given already by sample");
+             "s.toml:11:8: error: scene.ifov:", {"already by sample"});
   expect_one(scene + "gsd = \"1 m\"\n", "s.toml:10:7: error: scene.gsd: given without range");
   expect_one(scene + "sample_y = \"1 um\"\n", "s.toml:10:12: error: scene.sample_y: given without sample_x");
   expect_one(scene + "gain = 0\n", "s.toml:10:8: error: scene.gain: 0 would");
@@ -178,12 +174,12 @@ TEST(ConfigErrors, Scene) {
 TEST(ConfigErrors, Band) {
   const std::string text = head_with("wavelength = \"4 um\"\n", "") + "[band]\n";
   expect_one(text + "wavelength = [\"4.8 um\", \"3.4 um\"]\n",
-             "s.toml:9:14: error: band.wavelength: has to be two increasing");
+             "s.toml:9:14: error: band.wavelength:", {"two increasing"});
   expect_one(text + "wavelength = [\"3.4 um\"]\n", "s.toml:9:14: error: band.wavelength: ", {"is no pair"});
   expect_one(text + "wavelength = [\"3.4 um\", 5]\n", "s.toml:9:25: error: band.wavelength: 5 has no unit");
   expect_one(text, "s.toml:8:1: error: band.wavelength: missing");
   expect_one(kHead + "[band]\nwavelength = [\"3.4 um\", \"4.8 um\"]\n",
-             "s.toml:7:14: error: optics.wavelength: the spectrum is given twice");
+             "s.toml:7:14: error: optics.wavelength:", {"twice"});
 }
 
 TEST(ConfigErrors, Components) {
@@ -191,39 +187,38 @@ TEST(ConfigErrors, Components) {
     return kHead + "[[" + name + "]]\n" + body;
   };
   expect_one(list("postsample", "kind = \"footprint\"\nwidth = \"15 um\"\n"),
-             "s.toml:10:8: error: postsample[0].kind: \"footprint\" cannot stand in [[postsample]]");
+             "s.toml:10:8: error: postsample[0].kind: \"footprint\"", {"[[postsample]]"});
   expect_one(list("presample", "kind = \"diffraction\"\n[[presample]]\nkind = \"diffraction\"\n"),
-             "s.toml:12:8: error: presample[1].kind: a second complete pupil OTF");
+             "s.toml:12:8: error: presample[1].kind:", {"second complete pupil"});
   expect_one(list("presample",
                   "kind = \"jitter\"\nlabel = \"a\"\nrms = \"1 um\"\n[[presample]]\nkind = \"jitter\"\n"
                   "rms = \"1 um\"\nlabel = \"a\"\n"),
-             "s.toml:16:9: error: presample[1].label: \"a\" is the label of another component");
+             "s.toml:16:9: error: presample[1].label: \"a\"", {"another component"});
   expect_one(list("readout", "kind = \"butterworth\"\ncutoff = \"40 cy/mm\"\npoles = 3.0\n"),
-             "s.toml:12:9: error: readout[0].poles: 3.0 where a whole number belongs");
+             "s.toml:12:9: error: readout[0].poles: 3.0", {"whole number"});
   expect_one(list("readout", "kind = \"butterworth\"\ncutoff = \"40 cy/mm\"\npoles = 21\n"),
              "s.toml:12:9: error: readout[0].poles: 21 is outside [1, 20]");
-  expect_one(list("readout", "kind = \"rc_lowpass\"\ncutoff = 40\n"),
-             "s.toml:11:10: error: readout[0].cutoff: 40 has no unit; write \"40 cy/mm\"");
+  expect_one(list("readout", "kind = \"rc_lowpass\"\ncutoff = 40\n"), "s.toml:11:10: error: readout[0].cutoff: 40",
+             {"no unit", "\"40 cy/mm\""});
   expect_one(list("readout", "kind = \"rc_lowpass\"\ncutoff = \"25 kHz\"\n"),
-             "s.toml:11:10: error: readout[0].cutoff: in kHz, a frequency in time; give also one of scan_velocity");
+             "s.toml:11:10: error: readout[0].cutoff:", {"kHz", "scan_velocity"});
   expect_one(list("readout", "kind = \"rc_lowpass\"\ncutoff = \"25 cy/mm\"\nscan_rate = \"1 rad/s\"\n"),
-             "s.toml:12:13: error: readout[0].scan_rate: without use, because the cutoff is a spatial frequency");
+             "s.toml:12:13: error: readout[0].scan_rate:", {"spatial frequency"});
   expect_one(
       list("readout", "kind = \"rc_lowpass\"\ncutoff = \"25 kHz\"\nscan_rate = \"1 rad/s\"\npixel_clock = \"1 MHz\"\n"),
-      "s.toml:12:13: error: readout[0].scan_rate: give exactly one of scan_velocity, scan_rate, pixel_clock");
+      "s.toml:12:13: error: readout[0].scan_rate:", {"one of", "scan_velocity, scan_rate, pixel_clock"});
   expect_one(list("readout", "kind = \"rc_lowpass\"\ncutoff = \"25 um\"\n"),
-             "s.toml:11:10: error: readout[0].cutoff: \"25 um\": unit \"um\" does not fit; expected a spatial "
-             "frequency such as \"40 cy/mm\" or \"0.6 cy/px\", or a frequency in time");
+             "s.toml:11:10: error: readout[0].cutoff: \"25 um\"", {"does not fit", "\"40 cy/mm\"", "\"0.6 cy/px\""});
   expect_one(list("postsample", "kind = \"fir\"\ntaps = [1, 2, 1]\n"),
              "s.toml:11:8: error: postsample[0].taps: has to be");
   expect_one(list("postsample", "kind = \"fir\"\ntaps = [[1, \"2\", 1]]\n"),
              "s.toml:11:13: error: postsample[0].taps: \"2\" is a string");
   expect_one(list("postsample", "kind = \"fir\"\ntaps = [[1, 1]]\n"),
-             "s.toml:11:8: error: postsample[0].taps: rows and columns have to be odd");
+             "s.toml:11:8: error: postsample[0].taps:", {"odd"});
   expect_one(list("presample", "kind = \"curve\"\nfile = \"no_such.csv\"\n"),
              "s.toml:11:8: error: presample[0].file: cannot read no_such.csv");
   expect_one(list("presample", "kind = \"curve\"\nfile = \"\"\"\nfrequency_cy_mm,mtf\n0,1\n9,x\n\"\"\"\n"),
-             "s.toml:11:8: error: presample[0].file: text:3: \"x\" is no finite number");
+             "s.toml:11:8: error: presample[0].file: text:3:", {"\"x\""});
   expect_one(list("presample", "kind = \"curve\"\nfile = \"\"\"\nlens\n.csv\"\"\"\n"),
              "s.toml:11:8: error: presample[0].file: text:1: one column only");
   expect_one(list("presample", "kind = \"linear_motion\"\ntravel = \"1 um\"\nvelocity = \"1 mm/s\"\n"),
@@ -245,11 +240,10 @@ TEST(ConfigErrors, FitTables) {
   expect_one(with("{ value = \"8 um\", max = \"7 um\" }"),
              "s.toml:11:31: error: presample[0].rms.max: \"7 um\" is below");
   expect_one(with("{ value = \"8 um\", min = \"1 urad\" }"),
-             "s.toml:11:31: error: presample[0].rms.min: \"1 urad\" does not go with the value in um");
-  expect_one(with("{ value = \"8 um\", fit = 1 }"),
-             "s.toml:11:31: error: presample[0].rms.fit: a whole number where true");
+             "s.toml:11:31: error: presample[0].rms.min:", {"\"1 urad\"", "in um"});
+  expect_one(with("{ value = \"8 um\", fit = 1 }"), "s.toml:11:31: error: presample[0].rms.fit:", {"true"});
   expect_one(with("{ value = \"8 um\", prior = { mean = \"8 um\", sd = \"0 um\" } }"),
-             "s.toml:11:55: error: presample[0].rms.prior.sd: \"0 um\" has to be above 0");
+             "s.toml:11:55: error: presample[0].rms.prior.sd:", {"\"0 um\"", "above 0"});
   expect_one(with("{ value = \"8 um\", prior = { mean = \"8 um\" } }"),
              "s.toml:11:33: error: presample[0].rms.prior.sd: missing");
   expect_one(with("{ value = \"-8 um\" }"), "s.toml:11:17: error: presample[0].rms: -8 um is outside [0, 1e+09]");
@@ -275,7 +269,7 @@ TEST(ConfigErrors, AllInOnePassInTheOrderOfTheFile) {
 TEST(ConfigErrors, NotesAndWarningsAreNoErrors) {
   const auto notes = messages(kHead, false);
   ASSERT_EQ(notes.size(), 2u);
-  EXPECT_TRUE(notes[0].starts_with("s.toml: note: presample: no diffraction")) << notes[0];
+  EXPECT_TRUE(says(notes[0], "presample: no diffraction")) << notes[0];
   EXPECT_TRUE(notes[1].starts_with("s.toml: note: presample: no detector footprint")) << notes[1];
   const auto warnings = messages(kHead + "[[presample]]\nkind = \"rms_wavefront\"\nrms = 0.15\n", false);
   ASSERT_EQ(warnings.size(), 3u);
@@ -285,7 +279,7 @@ TEST(ConfigErrors, NotesAndWarningsAreNoErrors) {
 TEST(ConfigErrors, ALensInAirHasAHalfAtLeast) {
   const auto lens = [](const std::string& f_number) {
     std::string text = kHead;
-    text.replace(text.find("f_number = 2.0"), 14, f_number);
+    text = replaced(text, "f_number = 2.0", f_number);
     for (const std::string& message : messages(text, false))
       if (message.find(": warning: ") != std::string::npos) return message;
     return std::string();
@@ -303,27 +297,24 @@ TEST(ConfigErrors, UnitsThatAreWrongByAThousandLeaveTheRangeOfQ) {
       if (message.find(": warning: ") != std::string::npos) lines.push_back(message);
     return lines;
   };
-  const auto expected = [](const std::string& pitch, const std::string& q) {
-    return Lines{
-        "s.toml:4:" + pitch + ": Q = lambda N / pitch = " + q +
-        ", where most cameras have 0.05 to 5; compare the units of the pitch, the wavelength, the focal length "
-        "and the aperture"};
+  const auto expect_q = [](const Lines& lines, std::string_view place, std::string_view q) {
+    ASSERT_EQ(lines.size(), 1u);
+    expect_says(lines[0], {place, q, "0.05 to 5"});
   };
   const std::string diffraction = "diffraction\"", both = "pitch = \"15 um\"";
   EXPECT_EQ(warnings("15 um", "15 um", diffraction), Lines{});
   EXPECT_EQ(warnings("15 um", "5 mm", diffraction), Lines{});  // Q = 0.0016, a scanner
   EXPECT_EQ(warnings("2.0", "100", diffraction), Lines{});     // Q = 27, a pinhole
-  EXPECT_EQ(warnings("15 um", "15 mm", diffraction), expected("9: warning: frame.pitch", "8 um / 15000 um = 0.000533"));
-  EXPECT_EQ(warnings("4 um", "4 mm", diffraction), expected("9: warning: frame.pitch", "8000 um / 15 um = 533"));
-  EXPECT_EQ(warnings("f_number = 2.0", "aperture = \"50 um\"", diffraction),
-            expected("9: warning: frame.pitch", "8000 um / 15 um = 533"));
-  const Lines y = warnings(both, "pitch_x = \"15 um\"\npitch_y = \"15 mm\"", diffraction);
-  ASSERT_EQ(y.size(), 1u);
-  EXPECT_TRUE(y[0].starts_with("s.toml:5:11: warning: frame.pitch_y: Q = lambda N / pitch = 8 um / 15000 um"));
+  expect_q(warnings("15 um", "15 mm", diffraction), "s.toml:4:9: warning: frame.pitch", "8 um / 15000 um = 0.000533");
+  expect_q(warnings("4 um", "4 mm", diffraction), "s.toml:4:9: warning: frame.pitch", "8000 um / 15 um = 533");
+  expect_q(warnings("f_number = 2.0", "aperture = \"50 um\"", diffraction), "s.toml:4:9: warning: frame.pitch",
+           "8000 um / 15 um = 533");
+  expect_q(warnings(both, "pitch_x = \"15 um\"\npitch_y = \"15 mm\"", diffraction),
+           "s.toml:5:11: warning: frame.pitch_y:", "8 um / 15000 um");
   // What counts is the pupil's own f-number and wavelength.
   EXPECT_EQ(warnings("4 um", "4 mm", diffraction + "\nwavelength = \"4 um\""), Lines{});
-  EXPECT_EQ(warnings("2.0", "2.0", diffraction + "\nf_number = 2000"),
-            expected("9: warning: frame.pitch", "8000 um / 15 um = 533"));
+  expect_q(warnings("2.0", "2.0", diffraction + "\nf_number = 2000"), "s.toml:4:9: warning: frame.pitch",
+           "8000 um / 15 um = 533");
 }
 
 TEST(ConfigErrors, EveryKindOfFootprintIsOne) {
@@ -333,7 +324,7 @@ TEST(ConfigErrors, EveryKindOfFootprintIsOne) {
         "unit_length = \"10 um\"\n"}) {
     const auto notes = messages(kHead + "[[presample]]\n" + footprint, false);
     ASSERT_EQ(notes.size(), 1u) << footprint << notes.back();
-    EXPECT_TRUE(notes[0].starts_with("s.toml: note: presample: no diffraction")) << notes[0];
+    EXPECT_TRUE(says(notes[0], "presample: no diffraction")) << notes[0];
   }
 }
 
@@ -343,11 +334,10 @@ TEST(ConfigErrors, ManyAndLongOnesStayBounded) {
   EXPECT_LE(messages(text).size(), 1000u);
   expect_one(kHead + std::string(300000, 'k') + " = 1\n", "s.toml:9:1: error: optics.kkk");
   EXPECT_LT(messages(kHead + std::string(300000, 'k') + " = 1\n")[0].size(), 1000u);
-  expect_one(head_with("15 um", "15 " + std::string(300000, 'u')),
-             "s.toml:4:9: error: frame.pitch: a text of this length");
+  expect_one(head_with("15 um", "15 " + std::string(300000, 'u')), "s.toml:4:9: error: frame.pitch:", {"this length"});
   std::string many = kHead;
   for (int i = 0; i < 300; ++i) many += "[[presample]]\nkind = \"diffraction\"\n";
-  expect_one(many, "s.toml:9:1: error: presample: more than 256 components");
+  expect_one(many, "s.toml:9:1: error: presample:", {"256 components"});
 }
 
 TEST(ConfigErrors, LoadThrowsAllOfThem) {
@@ -360,19 +350,18 @@ TEST(ConfigErrors, LoadThrowsAllOfThem) {
     const std::string what = error.what();
     EXPECT_EQ(std::count(what.begin(), what.end(), '\n'), 1);
     EXPECT_TRUE(what.starts_with(path + ":4:9: error: ")) << what;
-    EXPECT_NE(what.find("\n" + path + ":10:8: error: "), std::string::npos) << what;
+    expect_says(what, {"\n" + path + ":10:8: error: "});
   }
   // Files in each other's place.
   const auto error_of = [&](const std::string& text) -> std::string {
     std::ofstream(path, std::ios::binary) << text;
-    return mtf::test::message_of([&] { load_config(path); });
+    return message_of([&] { load_config(path); });
   };
-  EXPECT_EQ(error_of("schema = 1\n[[mesh]]\nname = \"hull\"\n"),
-            path + ": the file of a 3-D scene, for it has [[mesh]]; a sensor file belongs here");
-  const std::string image =
-      "cannot read " + path + ": it is an image, and a text file belongs here; are two files in each other's place?";
-  EXPECT_EQ(error_of("\x76\x2f\x31\x01 and so on"), image);
-  EXPECT_EQ(error_of("\x89PNG\r\n\x1a\n" + std::string(2 << 20, 'x')), image);
+  expect_says(error_of("schema = 1\n[[mesh]]\nname = \"hull\"\n"),
+              {path, "3-D scene", "[[mesh]]", "a sensor file belongs"});
+  for (const std::string& image :
+       {std::string("\x76\x2f\x31\x01 and so on"), "\x89PNG\r\n\x1a\n" + std::string(2 << 20, 'x')})
+    expect_says(error_of(image), {path, "it is an image", "a text file belongs"});
   static_cast<void>(std::remove(path.c_str()));
   EXPECT_THROW(load_config(path), RuntimeError);
   EXPECT_THROW(load_config(testing::TempDir()), RuntimeError);

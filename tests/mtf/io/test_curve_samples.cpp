@@ -14,7 +14,7 @@ namespace {
 using mtf::io::parse_curve_samples;
 
 std::string refusal(const std::string& text) {
-  return mtf::test::message_of<mtf::UsageError>([&] { parse_curve_samples(text, "c.csv"); });
+  return message_of<mtf::UsageError>([&] { parse_curve_samples(text, "c.csv"); });
 }
 
 }  // namespace
@@ -49,8 +49,7 @@ TEST(CurveSamples, OfMeasuredEdgesInTheirUnit) {
     EXPECT_EQ(curves[0].frequency, std::vector{40.0});
   }
   for (const char* word : {"lw/ph", "um", ""})
-    EXPECT_NE(refusal(head + "1,mtf,40,0.9,0.01," + word + "\n").find("c.csv:2: frequencies in"), std::string::npos)
-        << word;
+    EXPECT_TRUE(says(refusal(head + "1,mtf,40,0.9,0.01," + word + "\n"), "c.csv:2: frequencies in")) << word;
 }
 
 TEST(CurveSamples, OfMeasuredEdges) {
@@ -67,11 +66,11 @@ TEST(CurveSamples, OfMeasuredEdges) {
 }
 
 TEST(CurveSamples, WhatIsWrongIsSaid) {
-  EXPECT_NE(refusal("edge,curve,x,value,sd\n1,mtf,0,1,0\n").find("no sample"), std::string::npos);
-  EXPECT_NE(refusal("edge,curve,x,value,sd\n1,mtf,nan,1,0.1\n").find("c.csv:2: \"nan\""), std::string::npos);
-  EXPECT_NE(refusal("frequency_cy_mm,mtf,sd\n1,0.9,-1\n").find("negative"), std::string::npos);
-  EXPECT_NE(refusal("frequency_cy_mm,mtf,sd\n1,0.9\n").find("c.csv:2: 2 values"), std::string::npos);
-  EXPECT_NE(refusal("frequency_cy_mm,mtf\n1,nan\n").find("no finite number"), std::string::npos);
-  EXPECT_NE(refusal("frequency,system\n0,1\n").find("--curve-unit"), std::string::npos);
-  EXPECT_NE(refusal("").find("no header"), std::string::npos);
+  expect_says(refusal("edge,curve,x,value,sd\n1,mtf,0,1,0\n"), {"no sample"});
+  expect_says(refusal("edge,curve,x,value,sd\n1,mtf,nan,1,0.1\n"), {"c.csv:2: \"nan\""});
+  expect_says(refusal("frequency_cy_mm,mtf,sd\n1,0.9,-1\n"), {"negative"});
+  expect_says(refusal("frequency_cy_mm,mtf,sd\n1,0.9\n"), {"c.csv:2: 2 values"});
+  expect_says(refusal("frequency_cy_mm,mtf\n1,nan\n"), {"no finite number"});
+  expect_says(refusal("frequency,system\n0,1\n"), {"--curve-unit"});
+  expect_says(refusal(""), {"no header"});
 }

@@ -12,8 +12,6 @@
 namespace mtf::io {
 namespace {
 
-using mtf::test::expect_refused;
-
 TEST(Encoding, SrgbIsThatOfIec61966) {
   const Encoding srgb = parse_encoding("srgb");
   // 8-bit codes; linear values from the standard's formula in high precision.

@@ -37,7 +37,7 @@ struct Jpeg : testing::Test {
 
   void write(const std::string& bytes) const { std::ofstream(path, std::ios::binary) << bytes; }
   std::string refusal() const {
-    return mtf::test::message_of<mtf::RuntimeError>([&] { mtf::io::read_image(path); });
+    return message_of<mtf::RuntimeError>([&] { mtf::io::read_image(path); });
   }
 };
 
@@ -109,7 +109,7 @@ TEST_F(Jpeg, SegmentsOfApplications) {
   EXPECT_EQ(mtf::io::read_info(path).encoding.word, "srgb");
 
   io_test::write_jpeg(path, image.view(), jpeg_steps(95), true, JpegWriter::segment(0xee, "Adobe\0\x64\0\0\0\0\0"s));
-  EXPECT_NE(refusal().find("red, green and blue"), std::string::npos);
+  expect_says(refusal(), {"red, green and blue"});
 }
 
 // Whole by its segments, damaged inside: a decoder makes an image of that too.
@@ -122,7 +122,7 @@ TEST_F(Jpeg, DamagedPixelDataAreRefused) {
   for (std::size_t i = 0; i < 60; ++i) overwritten[good.size() / 2 + 10 + i] = static_cast<char>(0x5b + i % 7);
   for (const std::string& bytes : {taller, shorter, overwritten}) {
     write(bytes);
-    EXPECT_NE(refusal().find("damaged, incomplete or unsupported JPEG file"), std::string::npos);
+    expect_says(refusal(), {"damaged", "JPEG"});
   }
 }
 
@@ -131,7 +131,7 @@ TEST_F(Jpeg, BadFilesAreRefusedBeforeTheyAreDecoded) {
   for (const std::size_t length :
        {std::size_t{3}, std::size_t{30}, std::size_t{100}, good.size() / 2, good.size() - 1}) {
     write(good.substr(0, length));
-    EXPECT_NE(refusal().find(length == 3 ? "JPEG" : "damaged or incomplete JPEG"), std::string::npos) << length;
+    EXPECT_TRUE(says(refusal(), length == 3 ? "JPEG" : "damaged or incomplete JPEG")) << length;
   }
   const std::size_t frame = good.find("\xff\xc0");
   ASSERT_NE(frame, std::string::npos);
@@ -141,13 +141,13 @@ TEST_F(Jpeg, BadFilesAreRefusedBeforeTheyAreDecoded) {
     write(bytes);
     return refusal();
   };
-  EXPECT_NE(with(1, '\xc9').find("arithmetic"), std::string::npos);
-  EXPECT_NE(with(4, 12).find("12 bits"), std::string::npos);
-  EXPECT_NE(with(9, 4).find("JPEG"), std::string::npos);
+  expect_says(with(1, '\xc9'), {"arithmetic"});
+  expect_says(with(4, 12), {"12 bits"});
+  expect_says(with(9, 4), {"JPEG"});
   std::string flat = good;
   flat[flat.find("\xff\xdb") + 5] = '\0';
   write(flat);
-  EXPECT_NE(refusal().find("quantisation step of 0"), std::string::npos);
+  expect_says(refusal(), {"quantisation step of 0"});
   write(good);
   EXPECT_EQ(refusal(), "");
 }

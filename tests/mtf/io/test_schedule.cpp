@@ -45,13 +45,13 @@ ScheduledSensor scheduled(const std::string& lines) {
   return {config, parse_schedule("frame,parameter,value\n" + lines, "s.csv", config)};
 }
 
-void expect_refused(const std::string& text, std::initializer_list<std::string_view> words) {
+void expect_text_refused(const std::string& text, std::initializer_list<std::string_view> words) {
   SCOPED_TRACE(text);
-  mtf::test::expect_refused(words, [&] { static_cast<void>(parse_schedule(text, "s.csv", sensor())); });
+  expect_refused(words, [&] { static_cast<void>(parse_schedule(text, "s.csv", sensor())); });
 }
 
 void expect_line_refused(const std::string& line, std::initializer_list<std::string_view> words) {
-  expect_refused("frame,parameter,value\n" + line + "\n", words);
+  expect_text_refused("frame,parameter,value\n" + line + "\n", words);
 }
 
 double jitter_um(const SensorConfig& config) {
@@ -173,13 +173,13 @@ TEST(Schedule, NamesTheLineAndTheWayOut) {
 }
 
 TEST(Schedule, FilesThatAreNone) {
-  expect_refused("", {"s.csv:1: error:", "frame,parameter,value"});
-  expect_refused("\n\n# nothing\n", {"nothing is in it"});
-  expect_refused("frame,parameter,value\n", {"no line sets a parameter"});
-  expect_refused("1,jitter.rms,8 urad\n", {"the first line has to be frame,parameter,value"});
-  expect_refused(std::string("\x89PNG\r\n\x1a\n\0\0\0", 11), {"s.csv:"});
-  expect_refused("frame,parameter,value\n1,jitter.rms,\x01\n", {"s.csv:2:", "no text"});
-  expect_refused("frame,parameter,value,unit\n", {"found: frame,parameter,value,unit"});
+  expect_text_refused("", {"s.csv:1: error:", "frame,parameter,value"});
+  expect_text_refused("\n\n# nothing\n", {"nothing is in it"});
+  expect_text_refused("frame,parameter,value\n", {"sets a parameter"});
+  expect_text_refused("1,jitter.rms,8 urad\n", {"first line", "frame,parameter,value"});
+  expect_text_refused(std::string("\x89PNG\r\n\x1a\n\0\0\0", 11), {"s.csv:"});
+  expect_text_refused("frame,parameter,value\n1,jitter.rms,\x01\n", {"s.csv:2:", "no text"});
+  expect_text_refused("frame,parameter,value,unit\n", {"found: frame,parameter,value,unit"});
   EXPECT_THROW(read_schedule("no-such-file.csv", sensor()), RuntimeError);
 }
 

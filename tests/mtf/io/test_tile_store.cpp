@@ -7,6 +7,7 @@
 
 #include "mtf/error.h"
 #include "mtf/io/exr/exr_windows.h"
+#include "tests/expect_error.h"
 #include "tests/mtf/io/io_test_files.h"
 
 namespace {
@@ -54,7 +55,7 @@ TEST(ExrWindows, EqualTheWholeImage) {
       },
       {}, 2);
   const mtf::io::ImageFile back = mtf::io::read_image(folder / "tiles.exr");
-  EXPECT_NE(back.info.storage.find("tiled"), std::string::npos) << back.info.storage;
+  expect_says(back.info.storage, {"tiled"});
   for (std::int64_t i = 0; i < plane.size(); ++i) ASSERT_EQ(back.planes[0].data()[i], plane.data()[i]);
   expect_windows_of_the_image(folder / "tiles.exr");
 }
@@ -107,8 +108,7 @@ TEST_F(Store, KeepsTheCountsOfFinishedTiles) {
   }
   TileStore store(out, layout(), true);
   EXPECT_EQ(store.resumed_counts(), (std::vector<mtf::io::TileCounts>{{1, -2, 3}, {4, 0, 0}}));
-  EXPECT_NE(io_test::message_of<mtf::UsageError>([&] { store.write(0, std::span(&view, 1), {4}); }).find("1 counts"),
-            std::string::npos);
+  expect_refused({"1 counts"}, [&] { store.write(0, std::span(&view, 1), {4}); });
   store.remove();
 }
 
@@ -119,7 +119,7 @@ TEST_F(Store, StartsOverWhenAskedOrForAnotherRun) {
     stop_after_two();
     const TileStore other(out, another, true);
     EXPECT_EQ(other.resumed(), 0);
-    EXPECT_NE(other.note().find("another run or scene"), std::string::npos) << other.note();
+    expect_says(other.note(), {"another run or scene"});
   }
 }
 
@@ -135,7 +135,7 @@ TEST_F(Store, StartsOverWhenDamagedAndSaysSo) {
     io_test::write_bytes(path, bytes);
     TileStore store(out, layout(), true);
     EXPECT_EQ(store.resumed(), 0) << damage;
-    EXPECT_NE(store.note().find("starting over"), std::string::npos) << damage << store.note();
+    EXPECT_TRUE(says(store.note(), "starting over")) << damage << store.note();
     store.remove();
   }
 }
@@ -152,8 +152,7 @@ TEST_F(Store, ARecordCutShortIsATileToBeDoneAgain) {
 
 TEST_F(Store, TwoRunsDoNotShareAStore) {
   const TileStore first(out, layout(), true);
-  EXPECT_NE(io_test::message_of<mtf::RuntimeError>([&] { TileStore(out, layout(), true); }).find("another run"),
-            std::string::npos);
+  expect_refused<mtf::RuntimeError>({"another run"}, [&] { TileStore(out, layout(), true); });
   EXPECT_THROW(TileStore(folder / "no/such/out.exr", layout(), true), mtf::RuntimeError);
 }
 

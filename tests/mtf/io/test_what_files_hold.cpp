@@ -18,18 +18,13 @@
 #include "mtf/error.h"
 #include "mtf/io/image_io.h"
 #include "png_chunks.h"
+#include "tests/expect_error.h"
 
 namespace {
 
-using io_test::message_of;
 using io_test::TempFolder;
 using mtf::io::FileInfo;
 using mtf::io::ImageFile;
-
-bool notes(const FileInfo& info, const std::string& part) {
-  return std::any_of(info.notes.begin(), info.notes.end(),
-                     [&](const std::string& note) { return note.find(part) != std::string::npos; });
-}
 
 /// Values 0, 1, 2 ... row by row.
 struct TiffPage {
@@ -87,7 +82,7 @@ class TiffHolds : public testing::Test {
     return message_of<mtf::RuntimeError>([&] { static_cast<void>(mtf::io::read_info(path)); });
   }
   void expect_refused(std::initializer_list<const char*> parts) const {
-    for (const char* part : parts) EXPECT_NE(refusal().find(part), std::string::npos) << part << ": " << refusal();
+    for (const char* part : parts) EXPECT_TRUE(says(refusal(), part)) << part << ": " << refusal();
   }
 
   TempFolder folder;
@@ -110,7 +105,7 @@ TEST_F(TiffHolds, APreviewIsNotTheImage) {
   write_page<std::uint16_t>(tiff, {.width = 20, .height = 16, .photometric = PHOTOMETRIC_CFA});
   TIFFClose(tiff);
   expect_refused(
-      {"a.tif", "8 x 8 pixels", "preview", "20 x 16 pixels of a colour filter array", "SubIFD", "unprocessed_raw -T"});
+      {"a.tif", "8 x 8 pixels", "preview", "20 x 16 pixels", "filter array", "SubIFD", "unprocessed_raw -T"});
 }
 
 TEST_F(TiffHolds, TheMosaicOfACameraIsNoGreyImage) {
@@ -128,16 +123,15 @@ TEST_F(TiffHolds, PagesAreCountedAndPreviewsAndMasksRefused) {
   };
   const TiffPage full{.width = 16, .height = 12}, small{.width = 8, .height = 6, .kind = FILETYPE_REDUCEDIMAGE};
   write({full, small, full});
-  EXPECT_TRUE(
-      notes(mtf::io::read_info(path), "read as page 1 of 3: the others, of up to 16 x 12 pixels, are not read"));
+  EXPECT_TRUE(says(mtf::io::read_info(path).notes, "page 1 of 3") && says(mtf::io::read_info(path).notes, "16 x 12"));
   write({full, small});
-  EXPECT_TRUE(notes(mtf::io::read_info(path), "read as page 1 of 2: the others are not read"));
+  EXPECT_TRUE(says(mtf::io::read_info(path).notes, "page 1 of 2"));
   write({full});
   EXPECT_TRUE(mtf::io::read_info(path).notes.empty());
   write({small, full});
-  expect_refused({"8 x 6 pixels", "16 x 12 pixels of grey values in page 2", "tiffcp"});
+  expect_refused({"8 x 6 pixels", "16 x 12 pixels", "page 2", "tiffcp"});
   write({full, {.width = 16, .height = 12, .kind = FILETYPE_MASK}});
-  expect_refused({"page 2", "mask of the pixels that hold data", "NaN"});
+  expect_refused({"page 2", "mask of the pixels", "NaN"});
 }
 
 TEST_F(TiffHolds, ImagesBelowAreNoted) {
@@ -150,13 +144,14 @@ TEST_F(TiffHolds, ImagesBelowAreNoted) {
   write_page<std::uint16_t>(tiff, page);
   write_page<std::uint16_t>(tiff, {.width = 20, .height = 16});
   TIFFClose(tiff);
-  EXPECT_TRUE(notes(mtf::io::read_info(path), "its 1 images in SubIFDs, of up to 20 x 16 pixels, are not read"));
+  EXPECT_TRUE(says(mtf::io::read_info(path).notes, "1 images in SubIFDs") &&
+              says(mtf::io::read_info(path).notes, "20 x 16"));
 }
 
 TEST_F(TiffHolds, NoDataIsNaN) {
   const auto with = [](const char* text) { return [text](TIFF* tiff) { TIFFSetField(tiff, 42113, text); }; };
   EXPECT_EQ(read({.more = with("7")}).no_data, "7 (GDAL_NODATA)");
-  EXPECT_TRUE(notes(file.info, "pixels of the value 7 (GDAL_NODATA) are no data"));
+  EXPECT_TRUE(says(file.info.notes, "value 7 (GDAL_NODATA)"));
   EXPECT_TRUE(file.integer);
   for (int i = 0; i < 12; ++i)
     if (const float value = file.planes[0].data()[i]; i == 7)
@@ -172,7 +167,7 @@ TEST_F(TiffHolds, NoDataIsNaN) {
     read({.more = with(nothing)});
     for (int i = 0; i < 12; ++i) EXPECT_EQ(file.planes[0].data()[i], static_cast<float>(i)) << nothing;
   }
-  EXPECT_TRUE(notes(read({.more = with("none")}), "\"none\" is no number"));
+  EXPECT_TRUE(says(read({.more = with("none")}).notes, "\"none\" is no number"));
 }
 
 TEST_F(TiffHolds, ShapeOfPixels) {
@@ -200,30 +195,30 @@ TEST_F(TiffHolds, ScaleAndOffsetOfGdal) {
 }
 
 TEST_F(TiffHolds, OtherTags) {
-  EXPECT_TRUE(
-      notes(read_with([](TIFF* tiff) { TIFFSetField(tiff, TIFFTAG_MAXSAMPLEVALUE, 4095); }), "4095 (MaxSampleValue)"));
-  EXPECT_TRUE(notes(read_with([](TIFF* tiff) {
-                      TIFFSetField(tiff, TIFFTAG_IMAGEDESCRIPTION, "ImageJ=1.53t\nimages=40\nslices=40\n");
-                    }),
-                    "read as image 1 of the 40 that ImageJ"));
-  EXPECT_TRUE(notes(read({.samples = 4, .photometric = PHOTOMETRIC_RGB}), "further sample"));
+  EXPECT_TRUE(says(read_with([](TIFF* tiff) { TIFFSetField(tiff, TIFFTAG_MAXSAMPLEVALUE, 4095); }).notes,
+                   "4095 (MaxSampleValue)"));
+  EXPECT_TRUE(says(read_with([](TIFF* tiff) {
+                     TIFFSetField(tiff, TIFFTAG_IMAGEDESCRIPTION, "ImageJ=1.53t\nimages=40\nslices=40\n");
+                   }).notes,
+                   "1 of the 40"));
+  EXPECT_TRUE(says(read({.samples = 4, .photometric = PHOTOMETRIC_RGB}).notes, "further sample"));
   const auto alpha = [](TIFF* tiff) {
     const std::uint16_t kind = EXTRASAMPLE_UNASSALPHA;
     TIFFSetField(tiff, TIFFTAG_EXTRASAMPLES, 1, &kind);
   };
-  EXPECT_TRUE(
-      notes(read({.samples = 4, .photometric = PHOTOMETRIC_RGB, .more = alpha}), "alpha channel is not applied"));
+  EXPECT_TRUE(says(read({.samples = 4, .photometric = PHOTOMETRIC_RGB, .more = alpha}).notes, "alpha channel"));
   const auto palette = [](TIFF* tiff) {
     std::vector<std::uint16_t> ramp(256);
     for (std::size_t i = 0; i < ramp.size(); ++i) ramp[i] = static_cast<std::uint16_t>(257 * i);
     TIFFSetField(tiff, TIFFTAG_COLORMAP, ramp.data(), ramp.data(), ramp.data());
   };
-  EXPECT_TRUE(notes(read<std::uint8_t>({.photometric = PHOTOMETRIC_PALETTE, .more = palette}), "palette"));
+  EXPECT_TRUE(says(read<std::uint8_t>({.photometric = PHOTOMETRIC_PALETTE, .more = palette}).notes, "palette"));
   EXPECT_TRUE(
-      notes(read<std::uint8_t>({.width = 16,
-                                .height = 16,
-                                .more = [](TIFF* tiff) { TIFFSetField(tiff, TIFFTAG_COMPRESSION, COMPRESSION_JPEG); }}),
-            "may lose fine structure"));
+      says(read<std::uint8_t>({.width = 16,
+                               .height = 16,
+                               .more = [](TIFF* tiff) { TIFFSetField(tiff, TIFFTAG_COMPRESSION, COMPRESSION_JPEG); }})
+               .notes,
+           "may lose fine structure"));
 }
 
 // Colours of 16 bits belong into a palette; some writers fill in their upper half alone, or write those of 8 bits.
@@ -273,11 +268,10 @@ TEST_F(PngHolds, ShapeOfPixelsAndNotes) {
   };
   EXPECT_EQ(read({density(2000, 4000)}).info.pixel_aspect, 2.0);
   EXPECT_EQ(read({density(2835, 2834)}).info.pixel_aspect, 1.0);  // rounding
-  EXPECT_TRUE(notes(read({{"sBIT", "\x0c"}}).info, "12 bits of each value are significant"));
-  EXPECT_TRUE(
-      notes(read({{"acTL", io_test::big_endian(5) + io_test::big_endian(0)}}).info, "5 images of an animation"));
+  EXPECT_TRUE(says(read({{"sBIT", "\x0c"}}).info.notes, "12 bits of each"));
+  EXPECT_TRUE(says(read({{"acTL", io_test::big_endian(5) + io_test::big_endian(0)}}).info.notes, "5 images of"));
   const std::string exif("II*\0\x08\0\0\0\1\0\x12\x01\3\0\1\0\0\0\6\0\0\0\0\0\0\0", 26);
-  EXPECT_TRUE(notes(read({{"eXIf", exif}}).info, "Exif 6"));
+  EXPECT_TRUE(says(read({{"eXIf", exif}}).info.notes, "Exif 6"));
   EXPECT_TRUE(read({}).info.notes.empty());
 }
 
@@ -301,16 +295,16 @@ TEST_F(JpegHolds, ShapeOfPixels) {
 
 TEST_F(JpegHolds, OrientationRawCountsAndFurtherImages) {
   const std::string tiff("MM\0*\0\0\0\x08\0\1\x01\x12\0\3\0\0\0\1\0\3\0\0\0\0\0\0", 26);
-  EXPECT_TRUE(notes(read(segment(0xe1, std::string("Exif\0\0", 6) + tiff)), "Exif 3"));
+  EXPECT_TRUE(says(read(segment(0xe1, std::string("Exif\0\0", 6) + tiff)).notes, "Exif 3"));
   const FileInfo flir =
       read(segment(0xe1, std::string("FLIR\0\1\0\1", 8)) + segment(0xe1, std::string("FLIR\0\1\1\1", 8)));
-  EXPECT_TRUE(notes(flir, "raw counts of a FLIR camera"));
+  EXPECT_TRUE(says(flir.notes, "counts of a FLIR"));
   EXPECT_EQ(flir.notes.size(), 1U);
   const std::string index("II*\0\x08\0\0\0\1\0\x01\xb0\4\0\1\0\0\0\3\0\0\0\0\0\0\0", 26);
-  EXPECT_TRUE(notes(read(segment(0xe2, std::string("MPF\0", 4) + index)), "read as the first of 3 images (MPF)"));
-  EXPECT_TRUE(notes(read(segment(0xe3, std::string(50, 'r')) + segment(0xe3, std::string(40, 'r'))),
-                    "90 bytes in its segments APP3"));
-  EXPECT_TRUE(notes(read("", "another image"), "13 bytes after the end of the image"));
+  EXPECT_TRUE(says(read(segment(0xe2, std::string("MPF\0", 4) + index)).notes, "of 3 images (MPF)"));
+  EXPECT_TRUE(
+      says(read(segment(0xe3, std::string(50, 'r')) + segment(0xe3, std::string(40, 'r'))).notes, "90 bytes in"));
+  EXPECT_TRUE(says(read("", "another image").notes, "13 bytes after"));
   EXPECT_TRUE(read("", std::string(64, '\0')).notes.empty());
 }
 
@@ -330,15 +324,15 @@ TEST_F(ExrHolds, ShapeOfPixelsAndNotes) {
   header.pixelAspectRatio() = 2.0F;
   EXPECT_EQ(read(header).pixel_aspect, 2.0);
   header.insert("oiio:ColorSpace", Imf::StringAttribute("sRGB"));
-  EXPECT_TRUE(notes(read(header), "oiio:ColorSpace is sRGB"));
+  EXPECT_TRUE(says(read(header).notes, "oiio:ColorSpace is sRGB"));
   header.insert("oiio:ColorSpace", Imf::StringAttribute("Linear"));
   EXPECT_TRUE(read(header).notes.empty());
   Imf::addMultiView(header, {"left", "right"});
-  EXPECT_TRUE(notes(read(header, {"Y", "right.Y"}), "views left,right"));
+  EXPECT_TRUE(says(read(header, {"Y", "right.Y"}).notes, "views left,right"));
   Imf::addEnvmap(header, Imf::ENVMAP_LATLONG);
   Imf::addWhiteLuminance(header, 80.0F);
-  EXPECT_TRUE(notes(read(header), "envmap"));
-  EXPECT_TRUE(notes(read(header), "80 cd/m2"));
+  EXPECT_TRUE(says(read(header).notes, "envmap"));
+  EXPECT_TRUE(says(read(header).notes, "80 cd/m2"));
 }
 
 TEST_F(ExrHolds, CompressionWithALoss) {
@@ -348,7 +342,7 @@ TEST_F(ExrHolds, CompressionWithALoss) {
                                            {Imf::B44_COMPRESSION, false},  // of float it keeps all
                                            {Imf::PIZ_COMPRESSION, false}}) {
     header.compression() = compression;
-    EXPECT_EQ(notes(read(header), "compressed with a loss"), loses) << compression;
+    EXPECT_EQ(says(read(header).notes, "compressed with a loss"), loses) << compression;
   }
 }
 

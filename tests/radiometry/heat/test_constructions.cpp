@@ -14,8 +14,6 @@
 namespace radiometry::heat::test {
 namespace {
 
-using radiometry::test::expect_refused;
-
 const Layer kSteel{45.0, 7800.0, 480.0, 0.005};
 
 TEST(Construction, NamesTheValueThatIsNotPhysical) {

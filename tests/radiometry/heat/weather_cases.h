@@ -26,6 +26,4 @@ inline Weather hourly(Stamp stamp, std::vector<double> temperature, double step 
   return weather;
 }
 
-inline bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
-
 }  // namespace radiometry::heat::test

@@ -15,8 +15,6 @@
 namespace radiometry::scene {
 namespace {
 
-using radiometry::test::expect_refused;
-
 /// A scene, its receivers and how these exchange radiation; receiver i belongs to patch i / `of_a_patch`.
 struct Sampled {
   std::vector<double> area;
@@ -298,10 +296,10 @@ TEST(Exchange, Refusals) {
   const Sampled made = sampled(room(1), 16);
   const std::size_t n = made.exchange.patches();
   const std::vector<double> none(n, 0.0), mirror(n, 1.0), few(2, 0.0);
-  expect_refused({"reflectance of patch 0 is 1"}, [&] { (void)radiosity(made.exchange, none, mirror, none); });
+  expect_refused({"patch 0 is 1"}, [&] { (void)radiosity(made.exchange, none, mirror, none); });
   expect_refused({"2 values"}, [&] { (void)radiosity(made.exchange, few, none, none); });
   std::vector<std::uint32_t> patch_of(n, 0);
-  expect_refused({"patch 3 has no receiver"}, [&] {
+  expect_refused({"patch 3", "receiver"}, [&] {
     std::vector<std::uint32_t> other = made.exchange.patch_of;
     other[3] = 2;
     (void)exchange_of(made.seen, made.area, other, n);

@@ -14,7 +14,6 @@ namespace radiometry::scene {
 namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN(), kInf = std::numeric_limits<double>::infinity();
-using radiometry::test::expect_refused;
 
 double total_area(const Facets& facets) {
   double sum = 0.0;
@@ -87,7 +86,7 @@ TEST(Facets, MoebiusStripIsOpenAndOneSided) {
   EXPECT_EQ(facets.report[0].open_shells, 1U);
   EXPECT_EQ(facets.report[0].one_sided, 1U);
   ASSERT_EQ(facets.warnings.size(), 1U);
-  EXPECT_NE(facets.warnings[0].find("of 1 shells have a hole, 1 no consistent winding"), std::string::npos);
+  expect_says(facets.warnings[0], {"of 1 shells", "hole", "winding"});
 }
 
 TEST(Facets, HolesAreWarnedOfAndSheetsAreNot) {
@@ -102,7 +101,7 @@ TEST(Facets, HolesAreWarnedOfAndSheetsAreNot) {
   EXPECT_EQ(facets.report[0].open_shells, 2U);
   EXPECT_EQ(facets.report[0].with_hole, 1U);
   ASSERT_EQ(facets.warnings.size(), 1U);
-  EXPECT_NE(facets.warnings[0].find("mesh `made`: 1 of 2 shells have a hole"), std::string::npos);
+  expect_says(facets.warnings[0], {"mesh `made`", "1 of 2 shells", "hole"});
 }
 
 TEST(Facets, FlatPolygonsStayAndOthersAreDivided) {
@@ -158,7 +157,7 @@ TEST(Facets, BadFacesAreLeftOutAndCounted) {
   EXPECT_EQ(report.duplicate, 2U);
   EXPECT_EQ(report.bad_index, 1U);
   ASSERT_FALSE(facets.warnings.empty());
-  EXPECT_NE(facets.warnings[0].find("mesh `made`: 7 of 8 faces were left out"), std::string::npos);
+  expect_says(facets.warnings[0], {"mesh `made`", "7 of 8 faces"});
   const Rays rays(facets);
   EXPECT_EQ(rays.first_hit({{0.5, 0.5, 1}, {0, 0, -1}}).facet, 0U);
 }
@@ -169,7 +168,7 @@ TEST(Facets, ScenesWithoutFacesAreRefusedByName) {
   expect_refused({"no face"}, [] { facets_of({}); });
   Mesh bad = test::empty_mesh();
   test::add_face(bad, {{kNaN, 0, 0}, {1, 0, 0}, {1, 1, 0}});
-  expect_refused({"made", "1 of 1 faces were left out"}, [&] { test::facets(bad); });
+  expect_refused({"made", "1 of 1 faces"}, [&] { test::facets(bad); });
   Mesh torn = test::empty_mesh();
   test::add_plate(torn, {0, 0, 0}, {1, 0, 0}, {0, 1, 0});
   torn.first.back() = 77;
@@ -185,8 +184,7 @@ TEST(Facets, UnlikelySizesAreWarnedOfAndImpossibleOnesRefused) {
   test::add_box(large, {0, 0, 0}, {7000, 3000, 2500});
   const Facets facets = test::facets(large);
   ASSERT_EQ(facets.warnings.size(), 1U);
-  EXPECT_NE(facets.warnings[0].find("mesh `made`: it is 7000 m long"), std::string::npos);
-  EXPECT_NE(facets.warnings[0].find("unit"), std::string::npos);
+  expect_says(facets.warnings[0], {"mesh `made`", "7000 m", "unit"});
   Mesh huge = test::empty_mesh();
   test::add_plate(huge, {0, 0, 0}, {1, 0, 0}, {0, 1, 0});
   huge.vertices[2][0] = 1e30;

@@ -14,7 +14,6 @@ namespace radiometry::scene {
 namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN(), kInf = std::numeric_limits<double>::infinity();
-using radiometry::test::expect_refused;
 
 /// A scene with boxes, a sphere and tilted plates on a ground, some facets hidden behind others.
 Facets cluttered() {

@@ -15,8 +15,6 @@
 namespace radiometry::scene {
 namespace {
 
-using radiometry::test::expect_refused;
-
 /// A plate of 1 m x 1 m, 0.5 m above a ground of 20 x 20 squares of 0.2 m.
 Mesh plate_over_ground() {
   Mesh mesh = test::empty_mesh();
