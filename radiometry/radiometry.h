@@ -7,6 +7,7 @@
 // Light of bodies and bands.
 #include "radiometry/light/band_response.h"
 #include "radiometry/light/blackbody.h"
+#include "radiometry/light/constants.h"
 #include "radiometry/light/path.h"
 #include "radiometry/light/signal.h"
 #include "radiometry/light/spectral_signal.h"
@@ -43,6 +44,8 @@
 // Weather, sun and surface temperatures.
 #include "radiometry/heat/convection.h"
 #include "radiometry/heat/solve.h"
+#include "radiometry/thermal/run/heat_run.h"
+#include "radiometry/thermal/thermal_scene.h"
 #include "radiometry/weather/clear_sky.h"
 #include "radiometry/weather/instant.h"
 #include "radiometry/weather/sun.h"

@@ -58,7 +58,7 @@ DIRECTIONS = [
 # and those before it. "" is the library's own folder; its sources, unlike its headers, include what they like.
 FLOORS = {
     "mtf": ["", "math", "work", "engines", "components", "otf", "metrics", "plan", "survey", "tiles", "io"],
-    "radiometry": ["", "light", "stages", "atmosphere", "performance", "chain", "scene", "weather", "heat", "render"],
+    "radiometry": ["", "light", "stages", "atmosphere", "performance", "chain", "scene", "weather", "heat", "thermal", "render"],
     "calib": ["", "edge", "find", "measure", "iso12233", "fit", "series"],
     "apps": ["text", "sensor", "simulate", "", "check", "study", "terminal", "help", "figures", "edges", "bench", "sweep",
              "scene", "schema", "modules", "demo", "report", "live", "image", "atmosphere", "python"],

@@ -17,7 +17,7 @@
 #include "apps/sensor/sensor_air.h"
 #include "apps/terminal/output.h"
 #include "apps/terminal/output_set.h"
-#include "apps/text/words.h"
+#include "apps/text/message_words.h"
 #include "mtf/error.h"
 #include "mtf/io/config/config_tree.h"
 #include "mtf/io/csv/curve_csv.h"

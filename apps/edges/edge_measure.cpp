@@ -5,7 +5,7 @@
 #include <limits>
 #include <numbers>
 
-#include "apps/text/words.h"
+#include "apps/text/message_words.h"
 #include "calib/iso12233/iso12233_difference.h"
 #include "mtf/parallel.h"
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "apps/terminal/text_table.h"
-#include "apps/text/words.h"
+#include "apps/text/message_words.h"
 
 namespace apps {
 namespace {

@@ -10,7 +10,7 @@
 #include "apps/terminal/output.h"
 #include "apps/terminal/text_table.h"
 #include "apps/text/json.h"
-#include "apps/text/words.h"
+#include "apps/text/message_words.h"
 #include "mtf/units.h"
 #include "mtf/version.h"
 

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <vector>
 
-#include "apps/text/words.h"
+#include "apps/text/message_words.h"
 #include "mtf/io/image_io.h"
 
 namespace apps {

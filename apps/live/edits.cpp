@@ -8,7 +8,7 @@
 #include "apps/live/toml_blocks.h"
 #include "apps/sensor/sensor_chain.h"
 #include "apps/text/json.h"
-#include "apps/text/words.h"
+#include "apps/text/message_words.h"
 #include "mtf/error.h"
 #include "mtf/io/config/config_edit.h"
 #include "mtf/io/config/config_reader.h"

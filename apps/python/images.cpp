@@ -11,7 +11,7 @@
 #include "apps/python/topics.h"
 #include "apps/simulate/scene_source.h"
 #include "apps/simulate/sensor_image.h"
-#include "apps/text/words.h"
+#include "apps/text/message_words.h"
 #include "mtf/error.h"
 #include "mtf/words.h"
 

@@ -55,14 +55,14 @@ py::tuple heat(const FileName& file, const FileName& folder, double tolerance_k,
     const scene::HeatScene prepared = scene::prepare_heat(read, options);
     warnings.insert(warnings.end(), prepared.warnings.begin(), prepared.warnings.end());
     OutputSet outputs({.folder = folder, .names = scene::heat_names(), .inputs = files_of(read)});
-    scene::HeatFiles files(outputs.in(""), folder, prepared);
+    scene::HeatFiles files(outputs.in(""), folder, read, prepared);
     const scene::HeatReport made = scene::run_heat(
         prepared, options, [&](const scene::HeatOutput& output) { files.append(output); },
         [&](const std::string&, double share) { report(share); });
     control.check();
     files.write(made, options);
     outputs.commit();
-    json = scene::heat_json(prepared, made, options);
+    json = scene::heat_json(read, prepared, made, options);
   });
   return py::make_tuple(json, warnings);
 }

@@ -17,7 +17,7 @@
 #include "apps/study/rows/sweep_rows.h"
 #include "apps/sweep/optimize_report.h"
 #include "apps/sweep/sweep_parts.h"
-#include "apps/text/words.h"
+#include "apps/text/message_words.h"
 #include "mtf/error.h"
 #include "mtf/parallel.h"
 

@@ -5,7 +5,7 @@
 // here is internal (mtf/mtf.h).
 
 #include "apps/scene/fly/flight.h"
-#include "apps/scene/heat/run/heat_run.h"
+#include "apps/scene/heat/read_thermal_scene.h"
 #include "apps/scene/import/import_mesh.h"
 #include "apps/scene/render/picture_scene.h"
 #include "apps/scene/scene_file/scene_file.h"

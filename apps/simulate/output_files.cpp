@@ -6,7 +6,7 @@
 #include <cerrno>
 #include <system_error>
 
-#include "apps/text/words.h"
+#include "apps/text/message_words.h"
 #include "mtf/error.h"
 
 namespace apps {

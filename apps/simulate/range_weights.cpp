@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "apps/sensor/otf_curves.h"
-#include "apps/text/words.h"
+#include "apps/text/message_words.h"
 #include "mtf/error.h"
 
 namespace apps {

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "apps/sensor/response.h"
-#include "apps/text/words.h"
+#include "apps/text/message_words.h"
 #include "mtf/error.h"
 #include "radiometry/light/path_planes.h"
 #include "radiometry/light/pixel_rules.h"

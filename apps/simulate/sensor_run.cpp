@@ -9,7 +9,7 @@
 #include "apps/sensor/sensor_air.h"
 #include "apps/sensor/sensor_place.h"
 #include "apps/simulate/range_weights.h"
-#include "apps/text/words.h"
+#include "apps/text/message_words.h"
 #include "mtf/components/path_air.h"
 #include "mtf/error.h"
 #include "mtf/same_list.h"

@@ -13,7 +13,7 @@
 #include "apps/simulate/run_watch.h"
 #include "apps/simulate/simulate_parts.h"
 #include "apps/simulate/tiles/simulate_tiles.h"
-#include "apps/text/words.h"
+#include "apps/text/message_words.h"
 #include "mtf/io/image_io.h"
 
 namespace apps {

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "apps/text/words.h"
+#include "apps/text/message_words.h"
 #include "mtf/engines/fft/scene_spectrum.h"
 #include "mtf/engines/statistics.h"
 #include "mtf/error.h"

@@ -7,7 +7,7 @@
 #include <string_view>
 
 #include "apps/options.h"
-#include "apps/text/words.h"
+#include "apps/text/message_words.h"
 
 namespace apps {
 

@@ -9,7 +9,7 @@
 
 #include "apps/simulate/output_files.h"
 #include "apps/terminal/output.h"
-#include "apps/text/words.h"
+#include "apps/text/message_words.h"
 #include "mtf/error.h"
 #include "mtf/io/atomic_file.h"
 

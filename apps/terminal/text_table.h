@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "apps/text/words.h"
+#include "apps/text/message_words.h"
 
 namespace apps {
 

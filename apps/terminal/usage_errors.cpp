@@ -4,7 +4,7 @@
 #include <algorithm>
 
 #include "apps/terminal/output.h"
-#include "apps/text/words.h"
+#include "apps/text/message_words.h"
 #include "mtf/units.h"
 #include "mtf/words.h"
 

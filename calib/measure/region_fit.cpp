@@ -171,7 +171,7 @@ EdgeFit fit_edge(const EdgePixels& pixels, EdgeModel start, FitSettings settings
     return fit_reference(pixels, fit.model, settings);
   };
   constexpr double kRough = 4.0;  // chi2: less than another subset of the pixels would change
-  constexpr double kBent = 1.3;  // chi2
+  constexpr double kBent = 1.3;   // chi2
   const auto bend_by = [&](int order) {
     fit.unknowns = with_order(fit.unknowns, order);
     set_order(fit.model.curve, order, options.circle);

@@ -17,7 +17,7 @@ foreach(line IN LISTS readmes)
   # README path | yes when it has long blocks | its snippets
   string(REPLACE "|" ";" fields "${line}")
   list(POP_FRONT fields readme has_long)
-  if(readme MATCHES "^(apps/scene|radiometry/heat|radiometry/render|radiometry/scene)/" AND NOT TARGET mtfkit_scene_fly)
+  if(readme MATCHES "^(apps/scene|radiometry/heat|radiometry/render|radiometry/scene|radiometry/thermal)/" AND NOT TARGET mtfkit_scene_fly)
     continue()
   endif()
   if(readme STREQUAL "apps/python/README.md" AND NOT TARGET mtfkit_python)

@@ -19,7 +19,7 @@
 #include <fstream>
 
 #include "apps/scene/fly/stage_times.h"
-#include "apps/scene/heat/surfaces.h"
+#include "apps/scene/heat/read_thermal_scene.h"
 #include "apps/scene/outputs/mesh_files.h"
 #include "apps/scene/outputs/npy_file.h"
 #include "apps/scene/render/sensor_picture.h"
@@ -56,9 +56,10 @@ fs::path demo_scene() {
 
 /// One row for all time: warm where facets look up and to the south, with a pattern of some metres.
 std::string made_temperatures(const fs::path& folder, const SceneFile& file) {
-  const Surfaces surfaces = read_surfaces(file);
+  ThermalScene scene = values_of(file);
+  read_meshes(file, scene);
   std::vector<float> kelvin;
-  for (const auto& facet : surfaces.facets.facet)
+  for (const auto& facet : scene.facets.facet)
     kelvin.push_back(static_cast<float>(296.0 + 10.0 * facet.normal[2] - 6.0 * facet.normal[1] +
                                         2.0 * std::sin(2.0 * facet.centre[0]) * std::cos(3.0 * facet.centre[1])));
   const std::string path = (folder / "temperatures.npy").string();

@@ -16,7 +16,7 @@
 #include <fstream>
 #include <string_view>
 
-#include "apps/scene/heat/run/heat_run.h"
+#include "apps/scene/heat/read_thermal_scene.h"
 #include "apps/scene/outputs/mesh_files.h"
 #include "apps/scene/scene_file/demo_scene_text.h"
 #include "apps/scene/vehicle/vehicle.h"

@@ -6,7 +6,7 @@
 #include <cstdlib>
 
 #include "apps/scene/weather/si_units.h"
-#include "apps/text/words.h"
+#include "apps/text/message_words.h"
 #include "mtf/error.h"
 #include "mtf/io/config/config_edit.h"
 #include "mtf/io/config/config_reader.h"

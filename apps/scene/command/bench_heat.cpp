@@ -7,7 +7,7 @@
 #include "apps/bench/machine.h"
 #include "apps/figures/plot.h"
 #include "apps/options.h"
-#include "apps/scene/heat/run/heat_run.h"
+#include "apps/scene/heat/read_thermal_scene.h"
 #include "apps/terminal/output.h"
 #include "apps/terminal/output_set.h"
 #include "apps/terminal/progress_line.h"

@@ -105,7 +105,7 @@ std::string verification_text(const Verification& verified, bool with_left_out) 
 
 std::string summary_text(const HeatScene& scene, const HeatReport& report, const HeatFiles& files) {
   TextTable table({"region", "coldest", "mean", "warmest [K]"});
-  for (std::size_t r = 0; r < scene.file.regions.size(); ++r) {
+  for (std::size_t r = 0; r < scene.input.regions.size(); ++r) {
     double least = files.regions().front()[r].least_k, most = files.regions().front()[r].most_k, mean = 0.0;
     for (const auto& regions : files.regions()) {
       least = std::min(least, regions[r].least_k);
@@ -113,7 +113,7 @@ std::string summary_text(const HeatScene& scene, const HeatReport& report, const
       mean += regions[r].mean_k / static_cast<double>(files.regions().size());
     }
     const auto cell = [](double kelvin) { return std::isnan(kelvin) ? std::string("not seen") : fixed(kelvin, 2); };
-    table.add({one_line(scene.file.regions[r].name), cell(least), cell(mean), cell(most)});
+    table.add({one_line(scene.input.regions[r].name), cell(least), cell(mean), cell(most)});
   }
   const HeatPromise& p = report.promised;
   std::string text = table.aligned({Align::left, Align::right, Align::right, Align::right});
@@ -190,7 +190,7 @@ int run_heat(const HeatCommandOptions& options, const Global& global) {
           one_line(options.out) +
           " holds a run that was interrupted, and --verify and --sensitivity need one from its begin: "
           "--anew begins again, without them it goes on");
-    earlier = read_unfinished(options.out, fingerprints_of(scene, heat_options), file.regions.size());
+    earlier = read_unfinished(options.out, fingerprints_of(file, scene, heat_options), file.regions.size());
     heat_options.from = &earlier->checkpoint;
     note(global, "note: going on after " + std::to_string(earlier->checkpoint.outputs) + " outputs, at " +
                      radiometry::heat::instant_text(file.time.start_s + earlier->outputs.times_s.back()));
@@ -209,10 +209,10 @@ int run_heat(const HeatCommandOptions& options, const Global& global) {
   double promised_k = 0.0, spread_k = 0.0, left_out_k = 0.0;
   std::optional<Verification> verified;
   double until_s = 0.0;
-  HeatFiles files(outputs.in(""), options.out, scene);
+  HeatFiles files(outputs.in(""), options.out, file, scene);
   if (earlier) files.take_over(earlier->outputs);
   auto write_state = [&, fingerprints = Fingerprints()](const Checkpoint& state) mutable {
-    if (fingerprints.empty()) fingerprints = fingerprints_of(scene, heat_options);
+    if (fingerprints.empty()) fingerprints = fingerprints_of(file, scene, heat_options);
     write_unfinished(options.out, {fingerprints, {files.times_s(), files.regions()}, state});
   };
   heat_options.keep = [&](const Checkpoint& state) {
@@ -261,7 +261,7 @@ int run_heat(const HeatCommandOptions& options, const Global& global) {
     sensitivity = "\n" + sensitivity_table(scene, all);
   }
   outputs.commit();
-  text = options.format == Format::json ? heat_json(scene, report, heat_options)
+  text = options.format == Format::json ? heat_json(file, scene, report, heat_options)
                                         : summary_text(scene, report, files) + sensitivity;
   print(text);
   if (spread_k > options.tolerance_k)

@@ -11,13 +11,14 @@
 
 namespace apps::scene {
 
-HeatFiles::HeatFiles(std::string folder, std::string kept, const HeatScene& scene)
+HeatFiles::HeatFiles(std::string folder, std::string kept, const SceneFile& file, const HeatScene& scene)
     : folder_(std::move(folder)),
       kept_(std::move(kept)),
+      file_(file),
       scene_(scene),
-      region_area_m2_(scene.file.regions.size(), 0.0) {
-  for (std::uint32_t f = 0; f < scene.region.size(); ++f)
-    if (scene.is_seen(f)) region_area_m2_[scene.region[f]] += scene.facets().facet[f].area_m2;
+      region_area_m2_(file.regions.size(), 0.0) {
+  for (std::uint32_t f = 0; f < scene.facets().size(); ++f)
+    if (scene.is_seen(f)) region_area_m2_[scene.input.region_of[f]] += scene.facets().facet[f].area_m2;
   front_ = std::make_unique<NpyFile>(at("temperatures.npy"), scene.facets().size());
   for (std::uint32_t f = 0; f < scene.facets().size() && !back_; ++f)
     if (scene.is_sheet(f)) back_ = std::make_unique<NpyFile>(at("temperatures_back.npy"), scene.facets().size());
@@ -36,16 +37,16 @@ void HeatFiles::take_over(const EarlierOutputs& earlier) {
 }
 
 std::string HeatFiles::instant(double time_s) const {
-  return radiometry::heat::instant_text(scene_.file.time.start_s + time_s);
+  return radiometry::heat::instant_text(file_.time.start_s + time_s);
 }
 
 void HeatFiles::append(const HeatOutput& output) {
   front_->append(std::vector<float>(output.front_k.begin(), output.front_k.end()));
   if (back_) back_->append(std::vector<float>(output.back_k.begin(), output.back_k.end()));
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
-  std::vector<RegionTemperature> regions(scene_.file.regions.size(), {kInfinity, 0.0, -kInfinity});
+  std::vector<RegionTemperature> regions(file_.regions.size(), {kInfinity, 0.0, -kInfinity});
   for (std::size_t f = 0; f < output.front_k.size(); ++f) {
-    RegionTemperature& region = regions[scene_.region[f]];
+    RegionTemperature& region = regions[scene_.input.region_of[f]];
     const double kelvin = output.front_k[f], area = scene_.facets().facet[f].area_m2;
     if (std::isnan(kelvin)) continue;  // not asked for
     region.least_k = std::min(region.least_k, kelvin);
@@ -71,11 +72,11 @@ std::vector<std::string> heat_names() {
 }
 
 std::vector<std::pair<std::string, std::size_t>> covered_by_region(const HeatScene& scene, const HeatReport& report) {
-  std::vector<std::size_t> count(scene.file.regions.size(), 0);
-  for (const std::uint32_t facet : report.covered) ++count[scene.region[facet]];
+  std::vector<std::size_t> count(scene.input.regions.size(), 0);
+  for (const std::uint32_t facet : report.covered) ++count[scene.input.region_of[facet]];
   std::vector<std::pair<std::string, std::size_t>> named;
   for (std::size_t r = 0; r < count.size(); ++r)
-    if (count[r] > 0) named.emplace_back(scene.file.regions[r].name, count[r]);
+    if (count[r] > 0) named.emplace_back(scene.input.regions[r].name, count[r]);
   return named;
 }
 
@@ -83,10 +84,9 @@ std::string HeatFiles::facets_csv() const {
   std::string text = "facet,mesh,region,material,area_m2,centre_x_m,centre_y_m,centre_z_m,normal_x,normal_y,normal_z\n";
   const auto& facets = scene_.facets().facet;
   for (std::uint32_t f = 0; f < facets.size(); ++f) {
-    const RegionSection& region = scene_.region_of(f);
-    text += std::to_string(f) + "," + csv_field(scene_.file.meshes[facets[f].mesh].name) + "," +
-            csv_field(region.name) + "," +
-            (region.material ? csv_field(scene_.file.materials[*region.material].name) : "") + "," +
+    const Region& region = scene_.region_of(f);
+    text += std::to_string(f) + "," + csv_field(file_.meshes[facets[f].mesh].name) + "," + csv_field(region.name) +
+            "," + (region.material ? csv_field(file_.materials[*region.material].name) : "") + "," +
             significant(facets[f].area_m2, 9);
     for (const double value : facets[f].centre) text += "," + significant(value, 9);
     for (const double value : facets[f].normal) text += "," + significant(value, 9);
@@ -102,7 +102,7 @@ void HeatFiles::write(const HeatReport& report, const HeatOptions& options) {
     times += std::to_string(i) + "," + when + "," + csv_number(times_s_[i]) + "\n";
     for (std::size_t r = 0; r < regions_[i].size(); ++r) {
       const RegionTemperature& region = regions_[i][r];
-      regions += when + "," + csv_field(scene_.file.regions[r].name);
+      regions += when + "," + csv_field(file_.regions[r].name);
       for (const double kelvin : {region.least_k, region.mean_k, region.most_k})
         regions += "," + (std::isnan(kelvin) ? std::string() : fixed(kelvin, 4));
       regions += "\n";
@@ -113,7 +113,7 @@ void HeatFiles::write(const HeatReport& report, const HeatOptions& options) {
   emit(at("facets.csv"), facets_csv());
   emit(at("times.csv"), times);
   emit(at("regions.csv"), regions);
-  emit(at("heat.json"), heat_json(scene_, report, options));
+  emit(at("heat.json"), heat_json(file_, scene_, report, options));
 }
 
 }  // namespace apps::scene

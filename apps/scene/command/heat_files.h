@@ -17,7 +17,7 @@
 #include <utility>
 #include <vector>
 
-#include "apps/scene/heat/run/heat_run.h"
+#include "apps/scene/heat/read_thermal_scene.h"
 #include "apps/scene/outputs/npy_file.h"
 
 namespace apps::scene {
@@ -36,7 +36,7 @@ struct EarlierOutputs {
 class HeatFiles {
  public:
   /// Files are written into `folder`; what is kept of a run that is not finished stands in `kept`.
-  HeatFiles(std::string folder, std::string kept, const HeatScene& scene);
+  HeatFiles(std::string folder, std::string kept, const SceneFile& file, const HeatScene& scene);
 
   /// The outputs that stand in the folder, before others are appended. Throws RuntimeError where its tables are not
   /// those of that many outputs.
@@ -59,6 +59,7 @@ class HeatFiles {
   std::string facets_csv() const;
 
   std::string folder_, kept_;
+  const SceneFile& file_;
   const HeatScene& scene_;
   std::vector<double> region_area_m2_;
   std::unique_ptr<NpyFile> front_, back_;
@@ -73,6 +74,7 @@ std::vector<std::string> heat_names();
 std::vector<std::pair<std::string, std::size_t>> covered_by_region(const HeatScene& scene, const HeatReport& report);
 
 /// heat.json
-std::string heat_json(const HeatScene& scene, const HeatReport& report, const HeatOptions& options);
+std::string heat_json(const SceneFile& file, const HeatScene& scene, const HeatReport& report,
+                      const HeatOptions& options);
 
 }  // namespace apps::scene

@@ -12,22 +12,22 @@ namespace heat = radiometry::heat;
 
 constexpr const char* kEvaporation = "bulk, w h / gamma (e_s(T) - e), h of the wind, FAO-56 gamma, Magnus over water";
 
-Json closures(const HeatScene& scene) {
+Json closures(const SceneFile& file, const HeatScene& scene) {
   Json materials = Json::array();
-  for (std::size_t i = 0; i < scene.file.materials.size(); ++i) {
-    const Surface& material = scene.material[i];
+  for (std::size_t i = 0; i < file.materials.size(); ++i) {
+    const Material& material = scene.material[i];
     materials.push_back({{"material", material.name},
                          {"convection", name_of(material.construction.convection)},
-                         {"inside", kInsideNames.at(static_cast<std::size_t>(scene.file.materials[i].inside.kind))},
+                         {"inside", kInsideNames.at(static_cast<std::size_t>(file.materials[i].inside.kind))},
                          {"solar_absorptance", material.solar_absorptance},
                          {"emissivity", material.construction.emissivity},
                          {"evaporation", material.construction.is_wet() ? kEvaporation : "none"},
                          {"wet_fraction", material.construction.wet_fraction}});
   }
-  const std::optional<GroundSection>& ground = scene.file.ground;
+  const std::optional<GroundSection>& ground = file.ground;
   return {{"materials", materials},
-          {"sky_longwave", kLongwaveNames.at(static_cast<std::size_t>(scene.file.sky.longwave))},
-          {"cloud", kCloudNames.at(static_cast<std::size_t>(scene.file.sky.cloud))},
+          {"sky_longwave", kLongwaveNames.at(static_cast<std::size_t>(file.sky.longwave))},
+          {"cloud", kCloudNames.at(static_cast<std::size_t>(file.sky.cloud))},
           {"sky_radiance", "isotropic"},
           {"sun", "point, visibility linear in time between the directions of the table"},
           {"ground", !ground               ? "black, at the temperature of the air"
@@ -73,7 +73,7 @@ Json realised_json(const HeatScene& scene, const RealisedError& error) {
           {"percentile_99_9_K", error.percentile_999_k},
           {"largest_K", error.largest_k},
           {"facet", error.facet},
-          {"time", heat::instant_text(scene.file.time.start_s + error.time_s)},
+          {"time", heat::instant_text(scene.input.start_s + error.time_s)},
           {"count", error.count},
           {"truth_promises_K", error.promised_k}};
 }
@@ -87,7 +87,8 @@ Json verified_json(const HeatScene& scene, const HeatReport& report) {
 
 }  // namespace
 
-std::string heat_json(const HeatScene& scene, const HeatReport& report, const HeatOptions& options) {
+std::string heat_json(const SceneFile& file, const HeatScene& scene, const HeatReport& report,
+                      const HeatOptions& options) {
   Json materials = Json::array();
   double residual = 0.0;
   std::int64_t steps = 0;
@@ -106,12 +107,12 @@ std::string heat_json(const HeatScene& scene, const HeatReport& report, const He
   Json timing = Json::object();
   for (const auto& [name, ms] : report.timing_ms) timing[name] = ms;
   const HeatPromise& p = report.promised;
-  const Json json = {{"scene", scene.file.file},
-                     {"scene_sha256", scene.file.sha256},
+  const Json json = {{"scene", file.file},
+                     {"scene_sha256", file.sha256},
                      {"version", mtf::version},
                      {"commit", mtf::git_commit},
-                     {"start", heat::instant_text(scene.file.time.start_s)},
-                     {"end", heat::instant_text(scene.file.time.end_s)},
+                     {"start", heat::instant_text(file.time.start_s)},
+                     {"end", heat::instant_text(file.time.end_s)},
                      {"outputs", report.outputs},
                      {"finished", report.outputs == scene.surroundings.outputs.size()},
                      {"facets", report.facets},
@@ -144,7 +145,7 @@ std::string heat_json(const HeatScene& scene, const HeatReport& report, const He
                          {"percentile_95", report.view_spread.error_k.percentile_95},
                          {"largest", report.view_spread.largest_k},
                          {"count", report.view_spread.error_k.count}}}}},
-                     {"closures", closures(scene)},
+                     {"closures", closures(file, scene)},
                      {"materials", materials},
                      {"timing_ms", timing},
                      {"warnings", report.warnings}};

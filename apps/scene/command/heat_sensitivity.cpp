@@ -31,46 +31,46 @@ heat::Convection stronger(const heat::Convection& convection) {
 
 struct Change {
   std::string name;
-  std::function<void(Surface&)> of_material;
+  std::function<void(Material&)> of_material;
   double sky_w_m2 = 0.0;
 };
 
 std::vector<Change> changes() {
   const auto both = [](double value, double step) { return std::clamp(value + step, 0.0, 1.0); };
   return {{"convection +10 %",
-           [](Surface& s) {
+           [](Material& s) {
              s.construction.convection = stronger(s.construction.convection);
              if (auto* sheet = std::get_if<heat::Sheet>(&s.construction.inside))
                sheet->convection = stronger(sheet->convection);
            }},
           {"long wave of the sky +10 W/m2", {}, kSky_w_m2},
           {"solar absorptance +0.02",
-           [both](Surface& s) {
+           [both](Material& s) {
              s.solar_absorptance = both(s.solar_absorptance, kFinish);
              s.back_solar_absorptance = both(s.back_solar_absorptance, kFinish);
            }},
           {"emissivity -0.02",
-           [both](Surface& s) {
+           [both](Material& s) {
              s.construction.emissivity = both(s.construction.emissivity, -kFinish);
              if (auto* sheet = std::get_if<heat::Sheet>(&s.construction.inside))
                sheet->emissivity = both(sheet->emissivity, -kFinish);
            }},
           {"conductivity +10 %",
-           [](Surface& s) {
+           [](Material& s) {
              for (heat::Layer& layer : s.construction.layers) layer.conductivity_w_m_k *= kMore;
            }},
-          {"heat capacity +10 %", [](Surface& s) {
+          {"heat capacity +10 %", [](Material& s) {
              for (heat::Layer& layer : s.construction.layers) layer.heat_capacity_j_kg_k *= kMore;
            }}};
 }
 
 std::vector<double> means_of(const HeatScene& scene, std::span<const double> facet_k) {
-  std::vector<double> sum(scene.file.regions.size(), 0.0), area(sum.size(), 0.0);
+  std::vector<double> sum(scene.input.regions.size(), 0.0), area(sum.size(), 0.0);
   for (std::size_t f = 0; f < facet_k.size(); ++f) {
     if (std::isnan(facet_k[f])) continue;  // not asked for
     const double of_facet = scene.facets().facet[f].area_m2;
-    sum[scene.region[f]] += of_facet * facet_k[f];
-    area[scene.region[f]] += of_facet;
+    sum[scene.input.region_of[f]] += of_facet * facet_k[f];
+    area[scene.input.region_of[f]] += of_facet;
   }
   for (std::size_t r = 0; r < sum.size(); ++r) sum[r] /= area[r];
   return sum;
@@ -98,10 +98,10 @@ std::vector<Sensitivity> sensitivities(HeatScene& scene, const HeatOptions& opti
   std::vector<Sensitivity> all;
   for (const Change& change : changes()) {
     progress(change.name, static_cast<double>(all.size()) / 6.0);
-    const std::vector<Surface> materials = scene.material;
+    const std::vector<Material> materials = scene.material;
     const std::vector<double> sky = scene.surroundings.sky_longwave_w_m2;
     if (change.of_material)
-      for (Surface& material : scene.material) change.of_material(material);
+      for (Material& material : scene.material) change.of_material(material);
     for (double& longwave : scene.surroundings.sky_longwave_w_m2) longwave += change.sky_w_m2;
     RegionMeans means;
     run_heat(
@@ -118,7 +118,7 @@ std::vector<Sensitivity> sensitivities(HeatScene& scene, const HeatOptions& opti
 std::string sensitivity_table(const HeatScene& scene, const std::vector<Sensitivity>& all) {
   std::vector<std::string> header{"change of the mean [K], largest in brackets"};
   std::vector<Align> align{Align::left};
-  for (const RegionSection& region : scene.file.regions) {
+  for (const Region& region : scene.input.regions) {
     header.push_back(one_line(region.name));
     align.push_back(Align::right);
   }
@@ -136,7 +136,7 @@ std::string sensitivity_csv(const HeatScene& scene, const std::vector<Sensitivit
   std::string text = "change,region,mean_K,largest_K\n";
   for (const Sensitivity& one : all)
     for (std::size_t r = 0; r < one.regions.size(); ++r)
-      text += csv_field(one.change) + "," + csv_field(scene.file.regions[r].name) + "," +
+      text += csv_field(one.change) + "," + csv_field(scene.input.regions[r].name) + "," +
               csv_number(one.regions[r].mean_k) + "," + csv_number(one.regions[r].largest_k) + "\n";
   return text;
 }

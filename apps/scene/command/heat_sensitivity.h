@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "apps/scene/heat/run/heat_run.h"
+#include "apps/scene/heat/read_thermal_scene.h"
 
 namespace apps::scene {
 
@@ -24,7 +24,7 @@ struct RegionChange {
 
 struct Sensitivity {
   std::string change;                 ///< "convection +10 %"
-  std::vector<RegionChange> regions;  ///< as scene.file.regions
+  std::vector<RegionChange> regions;  ///< as ThermalScene::regions
 };
 
 /// Six runs: convection, long wave of the sky, solar absorptance, emissivity, conductivity, heat capacity. `base`: of

@@ -9,7 +9,7 @@
 #include "apps/options.h"
 #include "apps/scene/scene_file/scene_file.h"
 #include "apps/terminal/output.h"
-#include "apps/text/words.h"
+#include "apps/text/message_words.h"
 #include "mtf/error.h"
 #include "radiometry/weather/instant.h"
 

@@ -9,7 +9,7 @@
 
 #include "apps/figures/picture.h"
 #include "apps/simulate/simulate.h"
-#include "apps/text/words.h"
+#include "apps/text/message_words.h"
 
 namespace apps {
 namespace {

@@ -7,7 +7,7 @@
 #include <numbers>
 
 #include "apps/options.h"
-#include "apps/scene/heat/heat_scene.h"
+#include "apps/scene/heat/read_thermal_scene.h"
 #include "apps/scene/outputs/mesh_files.h"
 #include "apps/scene/render/picture_surroundings.h"
 #include "apps/scene/scene_file/demo_scene_text.h"
@@ -57,18 +57,18 @@ std::string meshes_text(const HeatScene& scene) {
 }
 
 std::string regions_text(const HeatScene& scene) {
-  std::vector<std::size_t> count(scene.file.regions.size(), 0);
+  std::vector<std::size_t> count(scene.input.regions.size(), 0);
   std::vector<double> area(count.size(), 0.0);
-  for (std::size_t f = 0; f < scene.region.size(); ++f) {
-    ++count[scene.region[f]];
-    area[scene.region[f]] += scene.facets().facet[f].area_m2;
+  for (std::size_t f = 0; f < scene.facets().size(); ++f) {
+    ++count[scene.input.region_of[f]];
+    area[scene.input.region_of[f]] += scene.facets().facet[f].area_m2;
   }
   TextTable table({"region", "facets", "area [m2]", "material", "temperature"});
   for (std::size_t r = 0; r < count.size(); ++r) {
-    const RegionSection& region = scene.file.regions[r];
+    const Region& region = scene.input.regions[r];
     table.add({one_line(region.name), std::to_string(count[r]), fixed(area[r], 2),
-               region.material ? one_line(scene.file.materials[*region.material].name) : "black",
-               region.temperature ? "given" : "solved"});
+               region.material ? one_line(scene.input.materials[*region.material].name) : "black",
+               region.is_given() ? "given" : "solved"});
   }
   using enum Align;
   return table.aligned({left, right, right, left, left});
@@ -85,7 +85,7 @@ std::string materials_text(const HeatScene& scene) {
   const double air = mean(s.air_k), wind = mean(s.wind_m_s);
   TextTable table({"material", "d [mm]", "R [m2 K/W]", "C [kJ/m2/K]", "absorptance", "emissivity", "h [W/m2/K]",
                    "time constant", "along the surface [m]"});
-  for (const Surface& material : scene.material) {
+  for (const Material& material : scene.material) {
     const auto& c = material.construction;
     double thickness = 0.0;
     for (const auto& layer : c.layers) thickness += layer.thickness_m;
@@ -110,14 +110,14 @@ std::string weather_text(const HeatScene& scene) {
     const auto [least, most] = std::minmax_element(values.begin(), values.end());
     return fixed(*least, decimals) + " to " + fixed(*most, decimals);
   };
-  std::string text = "from " + radiometry::heat::instant_text(scene.file.time.start_s) + " to " +
-                     radiometry::heat::instant_text(scene.file.time.end_s) + ", outputs every " +
-                     significant(scene.file.time.step_s, 6) + " s\n";
+  std::string text = "from " + radiometry::heat::instant_text(scene.input.start_s) + " to " +
+                     radiometry::heat::instant_text(scene.input.end_s) + ", outputs every " +
+                     significant(scene.input.step_s, 6) + " s\n";
   text += "air " + range(s.air_k, 1) + " K, wind " + range(s.wind_m_s, 1) + " m/s, direct sun " +
           range(s.direct_w_m2, 0) + " W/m2, diffuse " + range(s.diffuse_w_m2, 0) + " W/m2, long-wave sky " +
           range(s.sky_longwave_w_m2, 0) + " W/m2\n";
   for (const radiometry::heat::SunCrossing& crossing :
-       sun_crossings(scene.file.place, scene.file.time.start_s, scene.file.time.end_s))
+       sun_crossings(scene.input.place, scene.input.start_s, scene.input.end_s))
     text += std::string("the sun ") + (crossing.rises ? "rises" : "sets") + " at " +
             radiometry::heat::instant_text(std::round(crossing.utc_s)) + "\n";
   return text;
@@ -141,8 +141,8 @@ int run_scene(const SceneOptions& options, const Global& global) {
   for (const mtf::io::Diagnostic& finding : findings) note(global, mtf::io::format_diagnostic(finding, file.file));
   for (const std::string& warning : scene.warnings) note(global, "warning: " + warning);
   if (options.action == SceneOptions::Action::check) {
-    print(one_line(options.file) + ": ok, " + plural(static_cast<std::int64_t>(scene.region.size()), "facet") + " in " +
-          plural(static_cast<std::int64_t>(file.regions.size()), "region") + "\n");
+    print(one_line(options.file) + ": ok, " + plural(static_cast<std::int64_t>(scene.facets().size()), "facet") +
+          " in " + plural(static_cast<std::int64_t>(file.regions.size()), "region") + "\n");
     return 0;
   }
   print(meshes_text(scene) + "\n" + regions_text(scene) + "\n" + materials_text(scene) + "\n" + weather_text(scene) +

@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "apps/figures/picture.h"
-#include "apps/text/words.h"
+#include "apps/text/message_words.h"
 #include "mtf/error.h"
 #include "mtf/image.h"
 
@@ -24,12 +24,12 @@ Vector unit(const Vector& v) {
   return {v[0] / size, v[1] / size, v[2] / size};
 }
 
-std::vector<geometry::Ray> camera_rays(const SceneFile& file, const CameraSection& camera) {
+std::vector<geometry::Ray> camera_rays(const std::string& name, const CameraSection& camera) {
   using geometry::operator-, geometry::operator+, geometry::operator*;
   const Vector forward = camera.look_at_m - camera.position_m;
   const Vector across = geometry::cross(forward, camera.up);
   if (!(geometry::length(forward) > 0.0) || !(geometry::length(across) > 0.0))
-    throw mtf::UsageError(one_line(file.file) +
+    throw mtf::UsageError(one_line(name) +
                           ": [camera]: it looks at itself or along `up`; move look_at or choose another up");
   const Vector ahead = unit(forward), right = unit(across), up = geometry::cross(right, ahead);
   std::vector<geometry::Ray> rays;
@@ -45,7 +45,7 @@ std::vector<geometry::Ray> camera_rays(const SceneFile& file, const CameraSectio
 }  // namespace
 
 std::vector<geometry::Hit> camera_hits(const HeatScene& scene, const CameraSection& camera) {
-  const std::vector<geometry::Ray> rays = camera_rays(scene.file, camera);
+  const std::vector<geometry::Ray> rays = camera_rays(scene.input.name, camera);
   std::vector<geometry::Hit> hits(rays.size());
   scene.rays.first_hits(rays, hits);
   if (std::none_of(hits.begin(), hits.end(), [](const geometry::Hit& hit) { return geometry::hits(hit); })) return {};
@@ -54,13 +54,13 @@ std::vector<geometry::Hit> camera_hits(const HeatScene& scene, const CameraSecti
 
 std::optional<std::string> mesh_around_camera(const HeatScene& scene, std::span<const geometry::Hit> hits) {
   const geometry::Facets& facets = scene.facets();
-  std::vector<std::size_t> inside(scene.file.meshes.size(), 0);
+  std::vector<std::size_t> inside(facets.report.size(), 0);
   for (const geometry::Hit& hit : hits)
     if (geometry::hits(hit) && hit.back && facets.shells[facets.facet[hit.facet].shell].closed)
       ++inside[facets.facet[hit.facet].mesh];
   const auto most = std::max_element(inside.begin(), inside.end());
   if (most == inside.end() || 2 * *most <= hits.size()) return std::nullopt;
-  return scene.file.meshes[static_cast<std::size_t>(most - inside.begin())].name;
+  return facets.report[static_cast<std::size_t>(most - inside.begin())].name;
 }
 
 void write_scene_picture(const std::string& path, std::span<const geometry::Hit> hits, std::span<const double> facet_k,

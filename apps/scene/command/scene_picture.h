@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "apps/scene/heat/heat_scene.h"
+#include "apps/scene/heat/read_thermal_scene.h"
 
 namespace apps::scene {
 

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "apps/scene/command/heat_files.h"
+#include "apps/scene/heat/checkpoint_bytes.h"
 
 namespace apps::scene {
 

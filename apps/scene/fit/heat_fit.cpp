@@ -4,10 +4,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "apps/scene/heat/ground.h"
-#include "apps/scene/heat/heat_scene.h"
-#include "apps/text/words.h"
+#include "apps/scene/heat/read_thermal_scene.h"
+#include "apps/text/message_words.h"
 #include "mtf/error.h"
+#include "radiometry/thermal/ground.h"
 
 namespace apps::scene {
 namespace {
@@ -67,7 +67,7 @@ class GroundModel {
         measured_(measured),
         tolerance_k_(tolerance_k),
         surroundings_(surroundings_of(scene, HeatOptions{}.directions, 1.0)),
-        first_(level_run(surroundings_, scene.time.start_s, surface_of(scene.materials[*scene.ground->material]),
+        first_(level_run(surroundings_, scene.time.start_s, material_of(scene.materials[*scene.ground->material]),
                          tolerance_k)) {}
 
   const std::vector<std::string>& warnings() const { return surroundings_.warnings; }
@@ -80,7 +80,7 @@ class GroundModel {
     const SceneResult trial = parse_scene(scene_text_with(scene_, fits, all), scene_.file);
     if (!trial.ok()) return {};
     try {
-      const Surface surface = surface_of(trial.scene.materials[*scene_.ground->material]);
+      const Material surface = material_of(trial.scene.materials[*scene_.ground->material]);
       return at_measured(level_run(surroundings_, scene_.time.start_s, surface, tolerance_k_, &first_.plan).kelvin);
     } catch (const mtf::Error&) {  // values that have no solution: the step is not allowed
       return {};

@@ -6,7 +6,7 @@
 #include <limits>
 #include <optional>
 
-#include "apps/text/words.h"
+#include "apps/text/message_words.h"
 #include "mtf/error.h"
 #include "radiometry/light/constants.h"
 #include "radiometry/weather/instant.h"

@@ -4,12 +4,12 @@
 #include <algorithm>
 #include <cmath>
 
-#include "apps/scene/heat/ground.h"
 #include "apps/scene/render/picture_surroundings.h"
-#include "apps/text/words.h"
+#include "apps/text/message_words.h"
 #include "mtf/error.h"
 #include "mtf/work/stopwatch.h"
 #include "radiometry/atmosphere/spectral_path.h"
+#include "radiometry/thermal/ground.h"
 
 namespace apps::scene {
 namespace {
@@ -22,7 +22,7 @@ radiometry::Spectrum spectrum_of(const Emissivity& emissivity, const std::string
 }
 
 /// One finish for each material, one for the backs of each that is a sheet with another emissivity, and black.
-void set_finishes(const SceneFile& file, const Surfaces& surfaces, render::RenderScene& scene) {
+void set_finishes(const SceneFile& file, const ThermalScene& surfaces, render::RenderScene& scene) {
   std::vector<std::uint32_t> back(file.materials.size());
   for (const MaterialSection& material : file.materials)
     scene.finish.push_back(
@@ -38,17 +38,17 @@ void set_finishes(const SceneFile& file, const Surfaces& surfaces, render::Rende
   const auto black = static_cast<std::uint32_t>(scene.finish.size());
   scene.finish.push_back({"black", radiometry::constant_spectrum("black", 1.0, 1.0), {}, 0.0});
   for (std::uint32_t f = 0; f < surfaces.facets.size(); ++f) {
-    const auto& material = file.regions[surfaces.region[f]].material;
+    const auto& material = surfaces.regions[surfaces.region_of[f]].material;
     scene.finish_of.push_back(material ? static_cast<std::uint32_t>(*material) : black);
-    scene.finish_of.push_back(!material                     ? black
-                              : is_sheet(file, surfaces, f) ? back[*material]
-                                                            : static_cast<std::uint32_t>(*material));
+    scene.finish_of.push_back(!material               ? black
+                              : is_sheet(surfaces, f) ? back[*material]
+                                                      : static_cast<std::uint32_t>(*material));
   }
   scene.ground.finish =
       file.ground && file.ground->material ? static_cast<std::uint32_t>(*file.ground->material) : black;
 }
 
-double ground_k(const SceneFile& file, const Surfaces& surfaces, double utc_s, double air_k,
+double ground_k(const SceneFile& file, const ThermalScene& surfaces, double utc_s, double air_k,
                 std::optional<SolvedGround>& solved) {
   constexpr double kTolerance_k = 0.1;
   constexpr int kDirections = 36;
@@ -57,7 +57,7 @@ double ground_k(const SceneFile& file, const Surfaces& surfaces, double utc_s, d
   if (!solved) {
     const Surroundings s = surroundings_of(file, kDirections, kTolerance_k);
     solved = {s.time_s,
-              level_run(s, file.time.start_s, surfaces.material[*file.ground->material], kTolerance_k).kelvin};
+              level_run(s, file.time.start_s, surfaces.materials[*file.ground->material], kTolerance_k).kelvin};
   }
   const auto& [time_s, kelvin] = *solved;
   const double at = std::clamp(utc_s - file.time.start_s, time_s.front(), time_s.back());
@@ -67,7 +67,7 @@ double ground_k(const SceneFile& file, const Surfaces& surfaces, double utc_s, d
 }
 
 /// At the time of `out`.
-void set_surroundings(const SceneFile& file, const Surfaces& surfaces, const PictureOptions& options,
+void set_surroundings(const SceneFile& file, const ThermalScene& surfaces, const PictureOptions& options,
                       std::optional<SolvedGround>& ground, PictureScene& out) {
   const PictureSurroundings around = picture_surroundings(
       file, out.utc_s, {.of_sensor = options.sensor_air, .sensor_file = options.sensor_file, .wanted = options.air});
@@ -87,7 +87,8 @@ PictureScene read_layer_scene(const SceneFile& file, const PictureOptions& optio
   require_files(file);
   PictureScene out;
   out.utc_s = options.utc_s.value_or(file.time.start_s);
-  const Surfaces surfaces = read_surfaces(file);
+  ThermalScene surfaces = values_of(file);
+  read_meshes(file, surfaces);
   set_finishes(file, surfaces, out.scene);
   std::optional<SolvedGround> ground;
   set_surroundings(file, surfaces, options, ground, out);
@@ -98,13 +99,22 @@ PictureSource::PictureSource(const SceneFile& file, PictureOptions options, std:
     : file_(file), options_(std::move(options)) {
   require_files(file_);
   const mtf::Stopwatch read;
-  surfaces_ = read_surfaces(file_);
+  surfaces_ = values_of(file_);
+  read_meshes(file_, surfaces_);
   timing_ms_.emplace_back("meshes", read.ms());
   const mtf::Stopwatch opened;
-  if (rows)
-    temperatures_.emplace(file_, surfaces_, std::move(*rows));
-  else
-    temperatures_.emplace(file_, surfaces_, options_.temperatures);
+  if (rows) {
+    temperatures_.emplace(surfaces_, std::move(*rows));
+  } else {
+    if (options_.temperatures.empty()) {
+      if (const std::string missing = regions_to_solve(file_); !missing.empty())
+        throw mtf::UsageError(one_line(file_.file) + ": no temperature is given for the regions " + missing +
+                              "; name the folder that `mtf heat` wrote with --temperatures, or give each region a "
+                              "temperature");
+      read_tables(file_, surfaces_);
+    }
+    temperatures_.emplace(surfaces_, options_.temperatures);
+  }
   set_finishes(file_, surfaces_, finishes_);
   timing_ms_.emplace_back("temperatures", opened.ms());
   const mtf::Stopwatch tree;
@@ -117,7 +127,7 @@ PictureScene PictureSource::at(std::optional<double> utc_s, const PictureOptions
   PictureScene out;
   out.rays = rays_;
   out.scene = finishes_;
-  out.warnings = surfaces_.warnings;
+  out.warnings = rays_->facets().warnings;
   out.timing_ms = timing_ms_;
   out.utc_s = utc_s ? *utc_s : options_.utc_s ? *options_.utc_s : temperatures_->default_utc_s();
   const mtf::Stopwatch reading;

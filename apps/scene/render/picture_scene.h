@@ -14,7 +14,7 @@
 #include <utility>
 #include <vector>
 
-#include "apps/scene/heat/surfaces.h"
+#include "apps/scene/heat/read_thermal_scene.h"
 #include "apps/scene/render/side_temperatures.h"
 #include "radiometry/render/render_scene.h"
 
@@ -47,7 +47,7 @@ struct SolvedGround {
 class PictureSource {
  public:
   /// `rows`: temperatures in place of those that `options` name. Throws UsageError for regions without a temperature
-  /// (by name), air in both files, and as read_surfaces; RuntimeError for files that cannot be read.
+  /// (by name), air in both files, and as read_meshes; RuntimeError for files that cannot be read.
   PictureSource(const SceneFile& file, PictureOptions options, std::optional<HeatRows> rows = std::nullopt);
 
   /// All of it at `utc_s`, or else at PictureOptions::utc_s, the end of the table, or the start of the file. Throws
@@ -66,7 +66,7 @@ class PictureSource {
  private:
   SceneFile file_;
   PictureOptions options_;
-  Surfaces surfaces_;  ///< its facets are in `rays_`
+  ThermalScene surfaces_;  ///< without weather, and with its facets in `rays_`
   std::shared_ptr<const radiometry::scene::Rays> rays_;
   std::optional<SideTemperatures> temperatures_;
   std::mutex reading_;                        ///< of temperatures

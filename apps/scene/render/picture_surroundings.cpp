@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "apps/text/words.h"
+#include "apps/text/message_words.h"
 #include "mtf/error.h"
 #include "radiometry/atmosphere/sky_radiance.h"
 #include "radiometry/weather/instant.h"

@@ -7,7 +7,7 @@
 #include "apps/sensor/sensor_air.h"
 #include "apps/sensor/sensor_chain.h"
 #include "apps/sensor/sensor_place.h"
-#include "apps/text/words.h"
+#include "apps/text/message_words.h"
 #include "mtf/error.h"
 #include "mtf/io/file_checks.h"
 #include "mtf/version.h"

@@ -6,9 +6,9 @@
 #include <filesystem>
 #include <limits>
 
-#include "apps/scene/heat/tables/facet_table.h"
-#include "apps/scene/heat/tables/npy_rows.h"
-#include "apps/text/words.h"
+#include "apps/scene/heat/npy_rows.h"
+#include "apps/scene/heat/read_facet_table.h"
+#include "apps/text/message_words.h"
 #include "mtf/error.h"
 #include "radiometry/weather/instant.h"
 
@@ -66,21 +66,21 @@ void mix(const std::vector<float>& a, const std::vector<float>& b, double share,
 }  // namespace
 
 struct SideTemperatures::State {
-  SceneFile file;
+  double start_s;
   std::string source;
+  std::vector<Region> regions;
   std::vector<std::uint32_t> region;
   std::vector<bool> solid;  ///< of each facet: its back is the inside of a solid
   std::optional<FolderRows> folder{};
   HeatRows rows{};
   std::optional<FacetTable> table{};
-  std::vector<std::optional<FacetTable>> region_tables{};
   FacetTemperatures now{};
 
-  State(const SceneFile& scene, const Surfaces& surfaces, std::string from)
-      : file(scene), source(std::move(from)), region(surfaces.region) {
-    const radiometry::scene::Facets& facets = surfaces.facets;
+  State(const ThermalScene& scene, std::string from)
+      : start_s(scene.start_s), source(std::move(from)), regions(scene.regions), region(scene.region_of) {
+    const radiometry::scene::Facets& facets = scene.facets;
     for (std::uint32_t f = 0; f < facets.size(); ++f)
-      solid.push_back(facets.shells[facets.facet[f].shell].outward && !is_sheet(file, surfaces, f));
+      solid.push_back(facets.shells[facets.facet[f].shell].outward && !is_sheet(scene, f));
   }
 
   const std::vector<double>& times() const { return folder ? folder->times() : rows.utc_s; }
@@ -117,48 +117,35 @@ void SideTemperatures::State::from_rows(double utc_s) {
 
 void SideTemperatures::State::from_file(double utc_s) {
   now.front.resize(region.size());
-  for (std::uint32_t f = 0; f < region.size(); ++f) {
-    const std::optional<FacetTable>& own = table ? table : region_tables[region[f]];
-    now.front[f] =
-        static_cast<float>(own ? own->at(f, utc_s) : value_at(file.regions[region[f]].temperature->schedule, utc_s));
-  }
+  for (std::uint32_t f = 0; f < region.size(); ++f)
+    now.front[f] = static_cast<float>(table ? table->at(f, utc_s) : regions[region[f]].given_k(f, utc_s));
 }
 
 void SideTemperatures::State::require_all() const {
-  std::vector<std::size_t> unknown(file.regions.size(), 0);
+  std::vector<std::size_t> unknown(regions.size(), 0);
   for (std::size_t f = 0; f < region.size(); ++f)
     if (!(now.front[f] > 0.0F)) ++unknown[region[f]];
   std::string missing;
   for (std::size_t r = 0; r < unknown.size(); ++r)
     if (unknown[r] > 0)
-      missing += (missing.empty() ? "'" : ", '") + one_line(file.regions[r].name) + "' (" + std::to_string(unknown[r]) +
-                 " facets)";
+      missing +=
+          (missing.empty() ? "'" : ", '") + one_line(regions[r].name) + "' (" + std::to_string(unknown[r]) + " facets)";
   if (!missing.empty())
     throw mtf::UsageError(one_line(source) + ": has no temperature for facets of the regions " + missing);
 }
 
-SideTemperatures::SideTemperatures(const SceneFile& file, const Surfaces& surfaces, const std::string& source)
-    : state_(std::make_unique<State>(file, surfaces, source.empty() ? file.file : source)) {
+SideTemperatures::SideTemperatures(const ThermalScene& scene, const std::string& source)
+    : state_(std::make_unique<State>(scene, source.empty() ? scene.name : source)) {
   std::error_code ignored;
-  const std::size_t facets = surfaces.facets.size();
-  if (source.empty()) {
-    if (const std::string missing = regions_to_solve(file); !missing.empty())
-      throw mtf::UsageError(one_line(file.file) + ": no temperature is given for the regions " + missing +
-                            "; name the folder that `mtf heat` wrote with --temperatures, or give each region a "
-                            "temperature");
-    for (const RegionSection& region : file.regions)
-      state_->region_tables.push_back(region.temperature->table.empty()
-                                          ? std::nullopt
-                                          : std::optional(read_facet_table(region.temperature->table, facets)));
-  } else if (fs::is_directory(source, ignored)) {
+  const std::size_t facets = scene.facets.size();
+  if (fs::is_directory(source, ignored))
     state_->folder.emplace(source, facets);
-  } else {
+  else if (!source.empty())
     state_->table = read_facet_table(source, facets);
-  }
 }
 
-SideTemperatures::SideTemperatures(const SceneFile& file, const Surfaces& surfaces, HeatRows rows)
-    : state_(std::make_unique<State>(file, surfaces, file.file)) {
+SideTemperatures::SideTemperatures(const ThermalScene& scene, HeatRows rows)
+    : state_(std::make_unique<State>(scene, scene.name)) {
   state_->rows = std::move(rows);
 }
 
@@ -166,7 +153,7 @@ SideTemperatures::~SideTemperatures() = default;
 SideTemperatures::SideTemperatures(SideTemperatures&&) noexcept = default;
 
 double SideTemperatures::default_utc_s() const {
-  return state_->times().empty() ? state_->file.time.start_s : state_->times().back();
+  return state_->times().empty() ? state_->start_s : state_->times().back();
 }
 
 std::optional<std::array<double, 2>> SideTemperatures::span_utc_s() const {
@@ -180,8 +167,8 @@ bool SideTemperatures::change() const {
   const State& state = *state_;
   if (!state.times().empty()) return state.times().size() > 1;
   if (state.table) return state.table->time_s.size() > 1;
-  return std::any_of(state.file.regions.begin(), state.file.regions.end(), [](const RegionSection& region) {
-    return region.temperature && (!region.temperature->table.empty() || !region.temperature->schedule.constant());
+  return std::ranges::any_of(state.regions, [](const Region& region) {
+    return region.table || (region.is_given() && !region.temperature.constant());
   });
 }
 
@@ -214,11 +201,9 @@ std::vector<std::string> temperature_files(const std::string& source) {
   return files;
 }
 
-bool is_sheet(const SceneFile& file, const Surfaces& surfaces, std::uint32_t facet) {
-  const RegionSection& region = file.regions[surfaces.region[facet]];
-  if (!region.material) return false;
-  const Surface& surface = surfaces.material[*region.material];
-  return surface.construction.is_sheet() && surface.pair_m == 0.0;
+bool is_sheet(const ThermalScene& scene, std::uint32_t facet) {
+  const auto& material = scene.regions[scene.region_of[facet]].material;
+  return material && scene.materials[*material].is_sheet();
 }
 
 std::string regions_to_solve(const SceneFile& file) {

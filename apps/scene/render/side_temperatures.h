@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "apps/scene/heat/surfaces.h"
+#include "apps/scene/heat/read_thermal_scene.h"
 
 namespace apps::scene {
 
@@ -22,10 +22,10 @@ struct HeatRows {
 
 class SideTemperatures {
  public:
-  /// `source`: the folder that `mtf heat` wrote, or a table of facets (facet_table.h); "": what the regions of the file
-  /// have. Throws UsageError naming the regions without a temperature.
-  SideTemperatures(const SceneFile& file, const Surfaces& surfaces, const std::string& source);
-  SideTemperatures(const SceneFile& file, const Surfaces& surfaces, HeatRows rows);
+  /// `source`: the folder that `mtf heat` wrote, or a table of facets (read_facet_table.h); "": what the regions of the
+  /// scene have, each of which has to have one.
+  SideTemperatures(const ThermalScene& scene, const std::string& source);
+  SideTemperatures(const ThermalScene& scene, HeatRows rows);
   ~SideTemperatures();
   SideTemperatures(SideTemperatures&&) noexcept;
 
@@ -50,7 +50,7 @@ class SideTemperatures {
 std::vector<std::string> temperature_files(const std::string& source);
 
 /// Whether the back of that facet is exposed and has a temperature of its own.
-bool is_sheet(const SceneFile& file, const Surfaces& surfaces, std::uint32_t facet);
+bool is_sheet(const ThermalScene& scene, std::uint32_t facet);
 
 /// The regions of the file that have no temperature, as words: 'a', 'b'; "" where all have.
 std::string regions_to_solve(const SceneFile& file);

@@ -3,7 +3,7 @@
 
 // The heat balance of a scene until pictures of it are taken, in memory.
 
-#include "apps/scene/heat/run/heat_run.h"
+#include "apps/scene/heat/read_thermal_scene.h"
 #include "apps/scene/render/side_temperatures.h"
 
 namespace apps::scene {

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "apps/scene/weather/timed_table.h"
-#include "apps/text/words.h"
+#include "apps/text/message_words.h"
 #include "mtf/error.h"
 #include "mtf/io/csv/csv_numbers.h"
 

@@ -80,26 +80,6 @@ void note_unused(SceneReader& s) {
 
 }  // namespace
 
-std::vector<const radiometry::heat::Schedule*> temperature_schedules(const SceneFile& scene) {
-  std::vector<const radiometry::heat::Schedule*> all;
-  for (const MaterialSection& material : scene.materials) all.push_back(&material.inside.temperature);
-  for (const RegionSection& region : scene.regions)
-    if (region.temperature) all.push_back(&region.temperature->schedule);
-  if (scene.ground && scene.ground->temperature) all.push_back(&scene.ground->temperature->schedule);
-  std::erase_if(all, [](const radiometry::heat::Schedule* schedule) { return schedule->value.empty(); });
-  return all;
-}
-
-std::vector<const radiometry::heat::Schedule*> all_schedules(const SceneFile& scene) {
-  std::vector<const radiometry::heat::Schedule*> all = temperature_schedules(scene);
-  for (const MaterialSection& material : scene.materials)
-    if (!material.inside.flux.value.empty()) all.push_back(&material.inside.flux);
-  for (const MaterialSection& material : scene.materials)
-    for (const LayerSection& layer : material.layers)
-      if (!layer.source.value.empty()) all.push_back(&layer.source);
-  return all;
-}
-
 bool SceneResult::ok() const {
   return std::none_of(diagnostics.begin(), diagnostics.end(), [](const Diagnostic& d) { return d.error; });
 }

@@ -59,10 +59,6 @@ std::vector<std::string> files_of(const SceneFile& scene);
 std::string scene_text_with(const SceneFile& scene, std::span<const mtf::io::FitSpec> fits,
                             std::span<const std::optional<double>> values);
 
-/// The schedules that are in the file, of insides, regions and the ground: those of temperatures (K), and all of them.
-std::vector<const radiometry::heat::Schedule*> temperature_schedules(const SceneFile& scene);
-std::vector<const radiometry::heat::Schedule*> all_schedules(const SceneFile& scene);
-
 struct SceneResult {
   SceneFile scene;                               ///< usable only when there is no error
   std::vector<mtf::io::Diagnostic> diagnostics;  ///< sorted by position: all errors of the file, then warnings

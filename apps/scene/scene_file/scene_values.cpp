@@ -10,7 +10,7 @@
 #include "apps/scene/weather/si_units.h"
 #include "apps/scene/weather/timed_table.h"
 #include "apps/scene/weather/weather_csv.h"
-#include "apps/text/words.h"
+#include "apps/text/message_words.h"
 #include "mtf/error.h"
 #include "mtf/io/csv/csv_cells.h"
 #include "mtf/io/csv/csv_numbers.h"

@@ -5,7 +5,7 @@
 #include <charconv>
 #include <filesystem>
 
-#include "apps/text/words.h"
+#include "apps/text/message_words.h"
 #include "mtf/error.h"
 #include "mtf/io/config/schedule.h"
 

@@ -14,7 +14,7 @@
 #include "apps/simulate/output_files.h"
 #include "apps/simulate/run_watch.h"
 #include "apps/simulate/simulate_parts.h"
-#include "apps/text/words.h"
+#include "apps/text/message_words.h"
 #include "mtf/error.h"
 #include "mtf/work/stopwatch.h"
 #include "mtf/work/usable_memory.h"

@@ -4,7 +4,7 @@
 #include <algorithm>
 
 #include "apps/simulate/image_output.h"
-#include "apps/text/words.h"
+#include "apps/text/message_words.h"
 #include "mtf/error.h"
 #include "mtf/work/stopwatch.h"
 

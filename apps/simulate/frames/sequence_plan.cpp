@@ -5,7 +5,7 @@
 #include <numeric>
 
 #include "apps/simulate/simulate_parts.h"
-#include "apps/text/words.h"
+#include "apps/text/message_words.h"
 #include "mtf/same_list.h"
 
 namespace apps {

@@ -14,7 +14,7 @@
 #include "apps/simulate/sensor_run.h"
 #include "apps/simulate/simulate_parts.h"
 #include "apps/simulate/tiles/tile_scene.h"
-#include "apps/text/words.h"
+#include "apps/text/message_words.h"
 #include "mtf/error.h"
 #include "mtf/io/tile_store.h"
 #include "mtf/parallel.h"

@@ -8,7 +8,7 @@
 
 #include "apps/sensor/sensor_chain.h"
 #include "apps/simulate/simulate_parts.h"
-#include "apps/text/words.h"
+#include "apps/text/message_words.h"
 #include "mtf/error.h"
 #include "mtf/version.h"
 

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "apps/scene/heat/run/heat_run.h"
+#include "apps/scene/heat/read_thermal_scene.h"
 #include "radiometry/light/constants.h"
 #include "tests/apps/scene/weather_texts.h"
 #include "tests/apps/study/temp_folder.h"

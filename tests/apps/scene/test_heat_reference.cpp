@@ -6,7 +6,7 @@
 
 #include <algorithm>
 
-#include "apps/scene/heat/run/solve_units.h"
+#include "radiometry/thermal/run/solve_units.h"
 #include "tests/apps/scene/heat_run_case.h"
 
 namespace apps::scene {

@@ -1,0 +1,246 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "radiometry/thermal/run/solve_units.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "mtf/error.h"
+#include "mtf/parallel.h"
+#include "mtf/words.h"
+#include "mtf/work/stopwatch.h"
+#include "mtf/work/usable_memory.h"
+#include "radiometry/light/constants.h"
+#include "radiometry/thermal/ground.h"
+#include "radiometry/thermal/seen/left_out.h"
+#include "radiometry/weather/sky.h"
+
+namespace radiometry::thermal {
+namespace {
+
+/// No surface of the scene gets colder: the coldest of air, of the sky as a black body, and of what is given.
+double coldest_k(const HeatScene& scene) {
+  const Surroundings& s = scene.surroundings;
+  double coldest = *std::min_element(s.air_k.begin(), s.air_k.end());
+  for (const double sky : s.sky_longwave_w_m2) coldest = std::min(coldest, heat::sky_temperature_k(std::max(sky, 0.0)));
+  for (const heat::Schedule* schedule : scene.input.temperature_schedules())
+    coldest = std::min(coldest, *std::min_element(schedule->value.begin(), schedule->value.end()));
+  for (const Region& region : scene.input.regions)
+    if (region.table)
+      for (const float kelvin : region.table->kelvin)
+        if (!std::isnan(kelvin)) coldest = std::min(coldest, static_cast<double>(kelvin));
+  return coldest;
+}
+
+/// What a side of a material gives off for each kelvin, at least: by radiation, and by the film in the weakest wind.
+struct Loss {
+  double radiation = 0.0, film = 0.0;
+  double total() const { return radiation + film; }
+};
+
+Loss loss_of(const HeatScene& scene, const Material& material, bool back, double kelvin) {
+  const std::vector<double>& wind = scene.surroundings.wind_m_s;
+  return {4.0 * material.emissivity(back) * kStefanBoltzmann_w_m2_k4 * std::pow(kelvin, 3),
+          forced_coefficient(material.construction.convection, *std::min_element(wind.begin(), wind.end()))};
+}
+
+constexpr std::uint32_t kNone = scene::kNone;
+
+/// Where the temperature of each facet comes from.
+struct FacetSources {
+  std::vector<std::uint32_t> front, back;  ///< receivers; kNone where there is none or it is not asked for
+  std::vector<std::uint32_t> given;        ///< facets whose temperature is given
+  std::size_t asked_for = 0;               ///< facets
+};
+
+FacetSources sources_of(const HeatScene& scene, const Units& units) {
+  FacetSources sources;
+  sources.front.assign(scene.facets().size(), kNone);
+  sources.back = sources.front;
+  for (std::uint32_t f = 0; f < scene.facets().size(); ++f) {
+    const Unit& unit = units.unit[units.unit_of[f]];
+    if (!scene.is_seen(f)) continue;
+    ++sources.asked_for;
+    if (unit.given)
+      sources.given.push_back(f);
+    else
+      sources.front[f] = static_cast<std::uint32_t>(unit.receiver);
+    if (unit.has_own_back()) sources.back[f] = static_cast<std::uint32_t>(unit.back_receiver);
+  }
+  return sources;
+}
+
+/// No scene is so cold or so hot: a flux or a film of the wrong size makes such numbers.
+bool is_plausible(double kelvin) {
+  constexpr double kHottest_k = 3000.0;
+  return kelvin > 0.0 && kelvin <= kHottest_k;
+}
+
+[[noreturn]] void refuse_temperature(const HeatScene& scene, const std::vector<double>& front, double time_s) {
+  std::uint32_t facet = 0;
+  while (!scene.is_seen(facet) || is_plausible(front[facet])) ++facet;
+  throw mtf::RuntimeError(mtf::one_line(scene.input.name) + ": region '" + mtf::one_line(scene.region_of(facet).name) +
+                          "' comes to " + mtf::significant(front[facet], 4) + " K after " +
+                          mtf::significant(time_s / 3600.0, 3) +
+                          " h, which no surface does; look at its flux, its film, its emissivity and its convection");
+}
+
+/// The part of a change of all temperatures that comes back to a surface by exchange, at most: its share of other
+/// surfaces times what they radiate, over what it gives off. None is warmer than `warmest`.
+double feedback_ratio(const HeatScene& scene, const Units& units, double warmest) {
+  double most = 0.0;
+  for_receivers(units, [&](std::size_t receiver, const Unit& unit, const UnitSide& side) {
+    if (unit.given || !unit.material) return;
+    const Loss loss = loss_of(scene, scene.material[*unit.material], receiver != unit.receiver, warmest);
+    const double shares = std::max(0.0, 1.0 - side.sky - side.ground);
+    if (loss.radiation > 0.0) most = std::max(most, shares * loss.radiation / loss.total());
+  });
+  return std::min(most, 0.99);
+}
+
+/// The same for a surface that sees nothing but others, of whichever material; at most 0.6, which closed rooms without
+/// convection would exceed.
+double largest_ratio(const HeatScene& scene, double warmest) {
+  double most = 0.0;
+  for (const Material& material : scene.material)
+    for (const bool back : {false, true})
+      if (const Loss loss = loss_of(scene, material, back, warmest); loss.radiation > 0.0)
+        most = std::max(most, loss.radiation / loss.total());
+  return std::min(most, 0.6);
+}
+
+/// Temperatures of all receivers and the light of all patches at the moments of a day are held at once.
+void require_room(const HeatScene& scene, const Units& units, const std::vector<Window>& windows) {
+  constexpr double kReceiver = 2.0 * sizeof(double), kPatch = 10.0 * sizeof(double);
+  std::size_t nodes = 0;
+  for (const Window& window : windows) nodes = std::max(nodes, window.last - window.first);
+  const double bytes = 2.0 * static_cast<double>(nodes) *
+                       (kReceiver * static_cast<double>(units.exchange.receivers()) +
+                        kPatch * static_cast<double>(units.exchange.patches()));
+  const mtf::UsableMemory memory = mtf::usable_memory();
+  constexpr double kGibibyte = 1024.0 * 1024.0 * 1024.0;
+  if (bytes > 0.8 * memory.bytes)
+    throw mtf::UsageError(mtf::one_line(scene.input.name) + ": the temperatures of " +
+                          std::to_string(units.exchange.receivers()) + " surfaces at the " + std::to_string(nodes) +
+                          " nodes of a day would take " + mtf::significant(bytes / kGibibyte, 3) + " GiB, " +
+                          memory.whose + " " + mtf::significant(memory.bytes / kGibibyte, 3) +
+                          " GiB; ask for a larger tolerance, a longer [time] step, or means of the "
+                          "weather: [weather] average = \"5 min\"");
+}
+
+constexpr double kSunlit_k = 40.0;  // above the air, for shares of the tolerance; the promise takes the true one
+
+double warmest_air_k(const HeatScene& scene) {
+  return *std::max_element(scene.surroundings.air_k.begin(), scene.surroundings.air_k.end());
+}
+
+/// Shares of what is left of the tolerance when exchange passes errors on.
+constexpr double kSolverShare = 0.35, kUnitsShare = 0.15, kGroundShare = 0.03, kExchangeShare = 0.25;
+
+}  // namespace
+
+double least_loss_w_m2_k(const HeatScene& scene) {
+  const double coldest = coldest_k(scene);
+  double least = std::numeric_limits<double>::infinity();
+  for (const Material& material : scene.material)
+    for (const bool back : {false, true}) least = std::min(least, loss_of(scene, material, back, coldest).total());
+  return std::isfinite(least) && least > 0.0 ? least : 1e-3;
+}
+
+double units_tolerance_w_m2(const HeatScene& scene, double tolerance_k) {
+  const double left_k = tolerance_k * (1.0 - largest_ratio(scene, warmest_air_k(scene) + kSunlit_k));
+  return kUnitsShare * left_k * least_loss_w_m2_k(scene);
+}
+
+UnitsRun solve_units(const HeatScene& scene, const Units& units, const HeatOptions& options, const HeatOutputs& output,
+                     const HeatProgress& progress) {
+  const mtf::Stopwatch watch;
+  const Surroundings& s = scene.surroundings;
+  const double loss = least_loss_w_m2_k(scene);
+  double warmest = warmest_air_k(scene);
+  UnitsRun solved;
+  const double ratio = feedback_ratio(scene, units, warmest + kSunlit_k);
+  const double room_k = options.tolerance_k * (1.0 - ratio);
+  const std::vector<Window> windows = windows_of(s);
+  require_room(scene, units, windows);
+  const Ground ground = ground_of(scene, kGroundShare * room_k);
+  HeatBatches batches(scene, units, ground.light, kSolverShare * room_k, options.threads);
+  constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+  std::vector<double> front(scene.facets().size(), kUnknown),
+      back(units.has_sheets() ? scene.facets().size() : 0, kUnknown);
+  const FacetSources sources = sources_of(scene, units);
+  const auto emit = [&](std::size_t node) {
+    constexpr std::int64_t kFacetsAtOnce = 16384;
+    mtf::parallel_for(static_cast<std::int64_t>(front.size()), kFacetsAtOnce, options.threads,
+                      [&](std::int64_t begin, std::int64_t end) {
+                        for (auto f = static_cast<std::size_t>(begin); f < static_cast<std::size_t>(end); ++f) {
+                          if (sources.front[f] != kNone) front[f] = batches.receiver_k(node, sources.front[f]);
+                          if (!back.empty() && sources.back[f] != kNone)
+                            back[f] = batches.receiver_k(node, sources.back[f]);
+                        }
+                      });
+    for (const std::uint32_t f : sources.given) front[f] = scene.given_k(f, s.time_s[node]);
+    std::size_t plausible = 0;
+    for (const double kelvin : front) {
+      plausible += is_plausible(kelvin) ? 1 : 0;
+      warmest = kelvin > warmest ? kelvin : warmest;
+    }
+    if (plausible != sources.asked_for) refuse_temperature(scene, front, s.time_s[node]);
+    output({s.time_s[node], front, back});
+    ++solved.outputs;
+  };
+  std::size_t first = 0;
+  if (const Checkpoint* from = options.from) {
+    first = from->windows;
+    if (first == 0 || first > windows.size() || from->outputs > s.outputs.size() ||
+        (from->outputs > 0 && s.outputs[from->outputs - 1] > windows[first - 1].last))
+      damaged_checkpoint();
+    batches.restore(from->batches, windows[first - 1]);
+    solved.outputs = from->outputs;
+    solved.promised.exchange_k = from->exchange_k;
+    if (options.seen) solved.left_out = from->left_out;
+    solved.iterations = from->iterations;
+    solved.view_spread = from->view_spread;
+    warmest = from->warmest_k;
+  }
+  const auto checkpoint = [&](std::size_t w) {
+    return Checkpoint{w,       solved.outputs,    solved.promised.exchange_k, solved.left_out.value_or(LeftOut{}),
+                      warmest, solved.iterations, solved.view_spread,         batches.save()};
+  };
+  mtf::Stopwatch kept;
+  auto next = s.outputs.begin() + static_cast<std::ptrdiff_t>(solved.outputs);
+  for (std::size_t w = first; w < windows.size() && next != s.outputs.end(); ++w) {
+    if (w > first && options.go_on && !options.go_on()) {
+      solved.checkpoint = checkpoint(w);
+      break;
+    }
+    if (w > first && options.keep && kept.ms() >= 1e3 * options.keep_every_s) {
+      options.keep(checkpoint(w));
+      kept = mtf::Stopwatch();
+    }
+    progress("heat", static_cast<double>(w) / static_cast<double>(windows.size()));
+    const Relaxed relaxed = batches.solve(windows[w], w == 0, kExchangeShare * room_k, loss, ratio);
+    solved.iterations = std::max(solved.iterations, relaxed.iterations);
+    solved.promised.exchange_k = std::max(solved.promised.exchange_k, relaxed.error_k);
+    if (w == 0 && !scene.seen.empty())
+      solved.left_out = left_out(scene, units, batches, windows[w], loss, options.threads);
+    if (w == 0)
+      solved.view_spread = view_spread(scene, units, ground.light, batches, windows[w], options, loss,
+                                       options.measured(scene.facets().size()));
+    for (; next != s.outputs.end() && *next <= windows[w].last; ++next) emit(*next);
+  }
+
+  solved.promised.feedback = 1.0 / (1.0 - feedback_ratio(scene, units, warmest));
+  solved.materials = batches.materials();
+  for (const MaterialRun& run : solved.materials)
+    if (run.promised.total_k() > solved.promised.solver.total_k()) solved.promised.solver = run.promised;
+  if (ground.run) {
+    solved.promised.ground_k = ground.run->promised.total_k();
+    solved.materials.push_back(*ground.run);
+  }
+  solved.promised.units_k = units.bound_w_m2 / loss;
+  solved.ms = watch.ms();
+  return solved;
+}
+
+}  // namespace radiometry::thermal

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// The units of a scene solved over a run, window by window, with what the solution promises.
+
+#include <functional>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "radiometry/thermal/run/checkpoint.h"
+
+namespace radiometry::thermal {
+
+/// Bounds in K: of the worst facet at any output time, given the tables.
+struct HeatPromise {
+  heat::Promise solver;     ///< the worst material: steps, grid, depth
+  double ground_k = 0.0;    ///< the solution of the ground
+  double units_k = 0.0;     ///< facets that are solved as one unit: sun, shadows and shares of their views
+  double exchange_k = 0.0;  ///< iteration of the exchange, and its parabolas between nodes
+  double feedback = 1.0;    ///< exchange passes errors on: what they are multiplied by
+  double total_k() const { return feedback * (solver.total_k() + ground_k + units_k + exchange_k); }
+};
+
+/// Temperatures at one output.
+struct HeatOutput {
+  double time_s = 0.0;              ///< from the start of the run
+  std::span<const double> front_k;  ///< of each facet; NaN where it is not asked for
+  std::span<const double> back_k;   ///< of each facet of a sheet, NaN elsewhere; empty without sheets
+};
+using HeatOutputs = std::function<void(const HeatOutput&)>;
+using HeatProgress = std::function<void(const std::string& step, double share)>;
+
+struct UnitsRun {
+  HeatPromise promised;
+  std::vector<MaterialRun> materials;  ///< with units; the ground is last, where it is solved
+  std::size_t outputs = 0;             ///< fewer than the scene has after an interrupt
+  int iterations = 0;                  ///< the most of any window
+  ViewSpread view_spread;              ///< facets against their units, in the first day
+  std::optional<LeftOut> left_out;     ///< where only what the camera sees is asked for, in the first day
+  double ms = 0.0;
+  std::optional<Checkpoint> checkpoint;  ///< after an interrupt
+};
+
+/// What a surface that is solved gives off for each kelvin, at least, W/m2/K: a difference of its absorbed flux is no
+/// larger difference of its temperature than by this.
+double least_loss_w_m2_k(const HeatScene& scene);
+
+/// The largest difference of absorbed flux within a unit, W/m2, that a tolerance has room for.
+double units_tolerance_w_m2(const HeatScene& scene, double tolerance_k);
+
+/// Calls `output` for every output time, in order, of a run that is continued for those that are not finished. Throws
+/// as run_heat.
+UnitsRun solve_units(const HeatScene& scene, const Units& units, const HeatOptions& options, const HeatOutputs& output,
+                     const HeatProgress& progress);
+
+}  // namespace radiometry::thermal
