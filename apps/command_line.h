@@ -6,7 +6,6 @@
 // option nor the remedy.
 
 #include <functional>
-#include <memory>
 #include <optional>
 #include <string>
 #include <vector>

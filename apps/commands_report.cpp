@@ -2,6 +2,8 @@
 
 // What `mtf report` takes.
 
+#include <memory>
+
 #include "apps/command_line.h"
 #include "apps/commands.h"
 

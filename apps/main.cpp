@@ -7,11 +7,14 @@
 #include <CLI/App.hpp>
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
+
+#include <algorithm>
 #include <array>
-#include <cstdio>
 #include <functional>
 #include <iostream>
 #include <new>
+#include <string>
+#include <vector>
 
 #include "apps/commands.h"
 #include "apps/help/completion.h"
@@ -19,17 +22,70 @@
 #include "apps/modules/modules.h"
 #include "apps/terminal/interrupt.h"
 #include "apps/terminal/output.h"
-#include "apps/terminal/usage_errors.h"
+#include "apps/text/message_words.h"
 #include "mtf/engines/fft/fftw.h"
 #include "mtf/error.h"
 #include "mtf/io/atomic_file.h"
 #include "mtf/io/file_checks.h"
 #include "mtf/io/stage.h"
+#include "mtf/units.h"
 #include "mtf/version.h"
+#include "mtf/words.h"
 #include "mtf/work/usable_memory.h"
 
 namespace apps {
 namespace {
+
+// Wording of what is wrong with a command line, and of errors in general.
+
+std::string meant(const std::string& word, const std::vector<std::string>& candidates) {
+  const auto nearest = mtf::nearest(word, candidates);
+  return nearest ? "; did you mean " + *nearest + "?" : "";
+}
+
+void replace_all(std::string& text, const std::string& from, const std::string& to) {
+  for (std::size_t at = text.find(from); at != std::string::npos; at = text.find(from, at + to.size()))
+    text.replace(at, from.size(), to);
+}
+
+/// `command` is what was recognised ("mtf config"), `remaining` the words that were not, `options` and `commands` what
+/// is possible there; `otherwise` is used when every word was recognised.
+std::string usage_complaint(const std::string& command, const std::vector<std::string>& remaining,
+                            const std::vector<std::string>& options, const std::vector<std::string>& commands,
+                            const std::string& otherwise) {
+  const std::string help = " (see " + command + " --help)";
+  const std::string where = command == "mtf" ? "" : command + ": ";
+  for (const std::string& word : remaining) {
+    if (word == "--") continue;
+    const std::string shown = "'" + mtf::printable(word, 80) + "'";
+    if (word.size() > 1 && word.front() == '-')
+      return where + "unknown option " + shown + meant(word.substr(0, word.find('=')), options) + help;
+    if (!commands.empty())
+      return where + "unknown subcommand " + shown + meant(word, commands) + " (there are " + joined(commands) + ")";
+    return where + "unexpected argument " + shown + help;
+  }
+  if (!commands.empty()) return where + "give a subcommand: " + joined(commands) + help;
+  return where + otherwise + help;
+}
+
+/// An error as it is shown: "mtf: error: ..." on one line, or the file:line:col lines of a sensor file as they are.
+/// Control characters of the arguments do not break lines.
+std::string error_lines(std::string message, const std::vector<std::string>& arguments) {
+  for (const std::string& argument : arguments) {
+    const std::string value = argument.starts_with("--") && argument.find('=') != std::string::npos
+                                  ? argument.substr(argument.find('=') + 1)
+                                  : argument;
+    if (const std::string harmless = one_line(value); harmless != value) replace_all(message, value, harmless);
+  }
+  if (message.find(": error: ") == std::string::npos) return "mtf: error: " + one_line(message);
+  std::string lines;
+  for (std::size_t at = 0; at <= message.size();) {
+    const std::size_t end = std::min(message.find('\n', at), message.size());
+    lines += (at > 0 ? "\n" : "") + one_line(message.substr(at, end - at));
+    at = end + 1;
+  }
+  return lines;
+}
 
 constexpr std::array kProgress{
     std::pair{std::string_view("auto"), Progress::automatic}, std::pair{std::string_view("plain"), Progress::plain},

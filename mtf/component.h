@@ -29,7 +29,6 @@
 #include <array>
 #include <concepts>
 #include <functional>
-#include <limits>
 #include <memory>
 #include <optional>
 #include <span>

@@ -10,7 +10,6 @@
 // Templates over the scalar S (double, float, ceres::Jet), so that fits differentiate through focal length and pitch.
 
 #include <optional>
-#include <string_view>
 
 #include "mtf/quantity.h"
 

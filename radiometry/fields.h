@@ -7,10 +7,7 @@
 // optional) a number with unit, int a whole number, bool, std::string the name of a file, ChannelName a text,
 // NumberOrFile either, an enum one of words(Enum), which stands beside it.
 
-#include <array>
-#include <cmath>
 #include <optional>
-#include <span>
 #include <string>
 #include <string_view>
 #include <tuple>

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/atmosphere/band_averages.h"
 
-#include <algorithm>
-
 #include "mtf/error.h"
 
 namespace apps {

@@ -8,8 +8,6 @@
 // A product of band averages would be another number: bands of the air rise and fall within the response.
 
 #include <array>
-#include <string>
-#include <vector>
 
 #include "radiometry/atmosphere/spectral_path.h"
 #include "radiometry/light/spectral_signal.h"

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/bench/bench_job.h"
 
-#include <algorithm>
 #include <cmath>
 
 #include "apps/bench/machine.h"

@@ -7,7 +7,6 @@
 
 #include "apps/bench/bench_rivals.h"
 #include "apps/bench/machine.h"
-#include "apps/terminal/output.h"
 #include "apps/terminal/text_table.h"
 #include "mtf/error.h"
 #include "mtf/work/stopwatch.h"

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mtf/math/special.h"
 
+#include <algorithm>
 #include <limits>
 
 #include "apps/check/families.h"

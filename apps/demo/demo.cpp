@@ -23,7 +23,6 @@
 #include "apps/terminal/text_table.h"
 #include "mtf/engines/fft/scene_spectrum.h"
 #include "mtf/engines/statistics.h"
-#include "mtf/error.h"
 #include "mtf/image.h"
 #include "mtf/io/atomic_file.h"
 #include "mtf/io/config/config.h"

@@ -2,8 +2,6 @@
 
 // `mtf fit`: the sensor's parameters from images of edges, curves and spots.
 
-#include <cmath>
-
 #include "apps/config_command.h"
 #include "apps/edges/fit_data.h"
 #include "apps/edges/fit_outputs.h"

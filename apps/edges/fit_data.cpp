@@ -2,11 +2,10 @@
 #include "apps/edges/fit_data.h"
 
 #include <algorithm>
-#include <charconv>
 
 #include "apps/arguments.h"
 #include "apps/edges/edge_measure.h"
-#include "apps/terminal/output.h"
+#include "apps/text/message_words.h"
 #include "mtf/error.h"
 #include "mtf/io/config/schedule.h"
 #include "mtf/io/csv/curve_samples.h"

@@ -6,7 +6,6 @@
 #include <numbers>
 
 #include "apps/edges/fit_parameters.h"
-#include "apps/terminal/output.h"
 #include "apps/terminal/text_table.h"
 #include "apps/text/json.h"
 #include "mtf/io/sha256.h"

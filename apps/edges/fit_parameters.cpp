@@ -5,7 +5,6 @@
 #include <cmath>
 #include <sstream>
 
-#include "apps/terminal/output.h"
 #include "apps/terminal/text_table.h"
 #include "mtf/io/sha256.h"
 #include "mtf/version.h"

@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
-#include <cmath>
 #include <limits>
 
 #include "apps/edges/edge_merits.h"
 #include "apps/edges/measure_report.h"
-#include "apps/terminal/output.h"
 #include "apps/terminal/text_table.h"
 
 namespace apps {

@@ -3,11 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <string>
 
 #include "apps/edges/edge_merits.h"
 #include "apps/edges/lateral_shift.h"
-#include "apps/terminal/output.h"
 #include "apps/terminal/text_table.h"
 #include "apps/text/json.h"
 #include "apps/text/message_words.h"

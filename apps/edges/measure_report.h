@@ -4,7 +4,6 @@
 // Measured edges as table, CSV, JSON and figures. Every frequency in them is in the unit that they name.
 
 #include <optional>
-#include <span>
 #include <string>
 #include <vector>
 

@@ -15,7 +15,6 @@
 #include "apps/figures/curve_json.h"
 #include "apps/figures/plot.h"
 #include "apps/sensor/otf_curves.h"
-#include "apps/simulate/output_files.h"
 #include "apps/terminal/output.h"
 #include "apps/terminal/output_set.h"
 #include "apps/terminal/text_table.h"

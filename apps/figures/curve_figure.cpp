@@ -2,9 +2,7 @@
 #include "apps/figures/curve_figure.h"
 
 #include <algorithm>
-#include <cmath>
 
-#include "apps/terminal/output.h"
 #include "apps/terminal/text_table.h"
 
 namespace apps {

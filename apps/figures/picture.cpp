@@ -2,7 +2,6 @@
 #include "apps/figures/picture.h"
 
 #include <algorithm>
-#include <cmath>
 #include <vector>
 
 #include "apps/text/message_words.h"

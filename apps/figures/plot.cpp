@@ -12,13 +12,15 @@
 #include <cctype>
 #include <cerrno>
 #include <chrono>
+#include <cmath>
 #include <csignal>
+#include <limits>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <system_error>
 
-#include "apps/figures/gnuplot_script.h"
 #include "apps/terminal/text_table.h"
 #include "mtf/error.h"
 #include "mtf/io/atomic_file.h"
@@ -27,6 +29,231 @@
 
 namespace apps {
 namespace {
+
+// What gnuplot is told to draw figures: data, axes, legends, colours and symbols.
+
+enum class Medium { svg, pdf, png, characters };
+
+/// More points of a series do not show; the CSV has all of them.
+constexpr std::size_t kMaxPoints = 4000;
+
+// Distinct for colour-blind readers too, dark enough on white (after Okabe and Ito).
+constexpr std::array<std::string_view, 7> kColours{"#0072b2", "#d55e00", "#009e73", "#cc79a7",
+                                                   "#e69f00", "#56b4e9", "#7f6000"};
+
+/// A literal: nothing is special in single quotes but the quote itself.
+std::string gnuplot_string(std::string_view text) {
+  std::string literal = "'";
+  for (const char c : mtf::printable(text, 120)) literal += c == '\'' ? std::string("''") : std::string(1, c);
+  return literal + "'";
+}
+
+std::string terminal(Medium medium, int columns, int rows, int panels, bool maps) {
+  // Panels side by side are narrower than a figure alone, so that the type of all is readable on one screen. Those of
+  // maps have colour bars to the right of them.
+  const int percent = panels == 1 ? 100 : (maps ? 75 : 50) * panels;
+  const auto wide = [&](int width) { return std::to_string(width * percent / 100); };
+  switch (medium) {
+    case Medium::svg:
+      return "svg size " + wide(960) + ",560 noenhanced font 'DejaVu Sans,Arial,sans-serif,15' background '#ffffff'";
+    case Medium::pdf:  // in a PDF gnuplot halves the size of type unless told otherwise
+      return "pdfcairo size " + wide(20) +
+             "cm,11.7cm noenhanced fontscale 0.8 font 'DejaVu Sans,11' background '#ffffff'";
+    case Medium::png:
+      return "pngcairo size " + wide(1200) + ",700 noenhanced font 'DejaVu Sans,14' background '#ffffff'";
+    case Medium::characters:
+      break;
+  }
+  return "dumb noenhanced size " + std::to_string(columns) + "," + std::to_string(rows);
+}
+
+bool drawable(const Figure& figure, double x, double y) {
+  return std::isfinite(x) && std::isfinite(y) && (!figure.log_x || x > 0.0) && (!figure.log_y || y > 0.0);
+}
+
+/// Name of a series' data in the script: panel and place.
+std::string block_name(std::size_t panel, std::size_t index) {
+  return "$d" + std::to_string(panel) + "_" + std::to_string(index);
+}
+
+std::string data_block(const Figure& figure, std::size_t panel, std::size_t index) {
+  const Series& series = figure.series[index];
+  const bool band = !series.low.empty();
+  std::string text = block_name(panel, index) + " << END_OF_DATA\n";
+  const std::size_t count = series.x.size();
+  const std::size_t shown = std::min(count, kMaxPoints);
+  for (std::size_t k = 0; k < shown; ++k) {
+    const std::size_t i = shown < 2 ? 0 : k * (count - 1) / (shown - 1);
+    if (drawable(figure, series.x[i], series.y[i]))
+      text += mtf::format_double(series.x[i]) + " " + mtf::format_double(series.y[i]) +
+              (band ? " " + mtf::format_double(series.low[i]) + " " + mtf::format_double(series.high[i]) : "") +
+              (series.value.empty() ? "" : " " + mtf::format_double(series.value[i])) +
+              (series.words.empty() ? "" : " " + series.words[i]) + "\n";
+    else
+      text += "\n";
+  }
+  return text + "END_OF_DATA\n";
+}
+
+/// Labels stand above the plot, one line higher when they would run into the one before. Characters have no room for
+/// them: there they are in the x label.
+std::string vertical_lines(const Figure& figure, std::array<double, 2> range, Medium medium) {
+  const auto fraction = [&](double x) {
+    if (figure.log_x) return std::log(x / range[0]) / std::log(range[1] / range[0]);
+    return (x - range[0]) / (range[1] - range[0]);
+  };
+  std::string text, labels;
+  double last = -1.0;
+  bool raised = false;
+  for (const VerticalLine& line : figure.vertical_lines) {
+    if (!(line.x >= range[0] && line.x <= range[1])) continue;
+    const double at = fraction(line.x);
+    raised = last >= 0.0 && std::abs(at - last) < 0.22 && !raised;
+    last = at;
+    const std::string x = mtf::format_double(line.x);
+    text += "set arrow from first " + x + ", graph 0 to first " + x + ", graph 1 nohead back";
+    if (medium != Medium::characters)
+      text += " lc rgb '#808080' lw 1.4 dt (6,4)\nset label " + gnuplot_string(line.label) + " at first " + x +
+              ", graph 1 offset 0," + (raised ? "1.9" : "0.7") + " center tc rgb '#505050'";
+    text += "\n";
+    labels += (labels.empty() ? "   | " : ", ") + line.label;
+  }
+  if (medium == Medium::characters) text += "set xlabel " + gnuplot_string(figure.x_label + labels) + "\n";
+  return text;
+}
+
+std::string style(const Series& series, std::size_t index, Medium medium) {
+  if (series.mark != Mark::line) {
+    // Filled shapes of gnuplot, one after the other; a ring around what is emphasised.
+    constexpr std::array kShapes{7, 5, 9, 13, 11, 15};
+    if (medium == Medium::characters) return "points";
+    // The symbols of gnuplot's SVG are larger than those of its other figures.
+    const bool large = series.mark == Mark::large_points;
+    const std::string size =
+        std::string(" ps ") + (medium == Medium::svg ? (large ? "1.6" : "0.9") : (large ? "2.4" : "1.3"));
+    if (series.emphasised) return std::string("points pt 6 lc rgb '#000000' lw 2.2") + size;
+    return "points pt " + std::to_string(kShapes[index % kShapes.size()]) + " lc rgb '" +
+           std::string(kColours[index % kColours.size()]) + "'" + size;
+  }
+  const std::string with = series.x.size() == 1 ? "points pt 7" : "lines";
+  if (medium == Medium::characters) return with;
+  if (series.emphasised) return with + " lc rgb '#000000' lw 3.2";
+  return with + " lc rgb '" + std::string(kColours[index % kColours.size()]) + "' lw 1.6" +
+         (index >= kColours.size() && series.x.size() > 1 ? " dt (8,3)" : "");
+}
+
+/// A map: points in colour, with their words next to them.
+std::string map_commands(const Figure& figure, std::size_t panel) {
+  std::string text = "set size ratio -1\nunset key\nset tmargin 4.5\nset border 15 lc rgb '#404040'\n";
+  text += "set tics nomirror out scale 0.6\nset grid lc rgb '#e4e4e4' lt 1 lw 0.8\n";
+  text += "set palette defined (0 '#352a87', 1 '#0f77db', 2 '#10b1b2', 3 '#d1ba58', 4 '#f9fb0e')\n";
+  text += "set cbrange [" + mtf::format_double(figure.colour_range[0]) + ":" +
+          mtf::format_double(figure.colour_range[1]) + "]\nset cblabel " + gnuplot_string(figure.colour_label) + "\n";
+  std::string plots;
+  for (std::size_t i = 0; i < figure.series.size(); ++i) {
+    const Series& series = figure.series[i];
+    const std::string block = std::string(plots.empty() ? "plot " : ", ") + block_name(panel, i);
+    if (series.x.empty()) {
+      text += "set label 'none' at graph 0.5, graph 0.5 center tc rgb '#505050'\n";
+      plots += std::string(plots.empty() ? "plot " : ", ") + "NaN notitle";
+      continue;
+    }
+    plots += block + " using 1:2:3 notitle with points pt 7 ps 1.9 palette";
+    if (!series.words.empty())
+      plots += ", " + block_name(panel, i) + " using 1:2:4 notitle with labels offset 0,1 tc rgb '#303030'";
+  }
+  return text + plots + "\n";
+}
+
+/// Ticks at 1, 2 and 5 times the powers of ten, where the range holds few of these.
+std::string log_tics(std::array<double, 2> range) {
+  const double decades = std::log10(range[1] / range[0]);
+  if (!(decades < 3.0)) return "";
+  std::string text;
+  for (int power = static_cast<int>(std::floor(std::log10(range[0]))); std::pow(10.0, power) <= range[1]; ++power)
+    for (const double multiple : {1.0, 2.0, 5.0}) {
+      const double at = multiple * std::pow(10.0, power);
+      if (at >= range[0] && at <= range[1]) text += (text.empty() ? "" : ", ") + mtf::format_double(at);
+    }
+  return text.empty() ? "" : "set xtics (" + text + ")\n";
+}
+
+/// Rows of two that the legends of panels need; 0 for a figure alone.
+std::size_t legend_rows(std::span<const Figure> figures) {
+  std::size_t most = 0;
+  for (const Figure& figure : figures) most = std::max(most, figure.series.size());
+  return figures.size() > 1 ? (most + 1) / 2 : 0;
+}
+
+/// The legend stands beside a figure alone and below a panel, where it never covers a curve. gnuplot leaves too little
+/// room below the label of the x axis for the latter, so the margin is set.
+std::string legend(Medium medium, std::size_t rows) {
+  if (medium == Medium::characters) return "set key outside bottom center horizontal\n";
+  if (rows == 0) return "set key outside right center Left reverse samplen 2 spacing 1.25\n";
+  return "set key outside bottom center horizontal maxcols 2 Left reverse samplen 2 spacing 1.25\nset bmargin " +
+         std::to_string(4 + 2 * rows) + "\n";
+}
+
+/// Of the figure's x axis. Throws UsageError where the figure has no point that can be drawn.
+std::array<double, 2> x_range(const Figure& figure) {
+  double low = std::numeric_limits<double>::infinity(), high = -low;
+  for (const Series& series : figure.series)
+    for (std::size_t i = 0; i < series.x.size(); ++i) {
+      if (!drawable(figure, series.x[i], series.y[i])) continue;
+      low = std::min(low, series.x[i]);
+      high = std::max(high, series.x[i]);
+    }
+  if (figure.equal_axes && figure.x_range) return *figure.x_range;  // a map may be empty
+  if (low > high) throw mtf::UsageError("figure '" + figure.title + "' has no point that can be drawn");
+  if (figure.x_range) return *figure.x_range;
+  if (low < high) return {low, high};
+  const double margin = figure.log_x || low != 0.0 ? 0.1 * std::abs(low) : 1.0;
+  return {low - margin, high + margin};
+}
+
+std::string plot_commands(const Figure& figure, std::size_t panel, Medium medium, std::size_t rows) {
+  const std::array<double, 2> range = x_range(figure);
+  const bool characters = medium == Medium::characters;
+  std::string text = "unset arrow\nunset label\nunset logscale\nset xtics autofreq\nset format '% h'\nset bmargin\n";
+  text += "set title " + gnuplot_string(figure.title) + (characters ? "\n" : " offset 0,2\n");
+  text += "set xlabel " + gnuplot_string(figure.x_label) + "\nset ylabel " + gnuplot_string(figure.y_label) + "\n";
+  text += "set xrange [" + mtf::format_double(range[0]) + ":" + mtf::format_double(range[1]) + "]\n";
+  text += "set yrange [" + (figure.y_low ? mtf::format_double(*figure.y_low) : "*") + ":" +
+          (figure.y_high ? mtf::format_double(*figure.y_high) : "*") + "]\n";
+  if (figure.log_x) text += "set logscale x\n" + log_tics(range);
+  if (figure.log_y) text += "set logscale y\nset format y '%.0e'\n";
+  if (figure.equal_axes && !characters) return text + map_commands(figure, panel);
+  text += vertical_lines(figure, range, medium);
+  text += legend(medium, rows);
+  if (!characters)
+    text +=
+        "set tmargin 5.5\nset border 3 lc rgb '#404040'\nset tics nomirror out scale 0.6\n"
+        "set grid lc rgb '#e4e4e4' lt 1 lw 0.8\n";
+  std::string plots;
+  std::size_t thin = 0;
+  for (std::size_t i = 0; i < figure.series.size(); ++i)
+    if (!figure.series[i].low.empty() && !characters)
+      plots += std::string(plots.empty() ? "plot " : ", ") + block_name(panel, i) +
+               " using 1:3:4 notitle with filledcurves fc rgb '#b8d4ea' fs solid noborder";
+  for (std::size_t i = 0; i < figure.series.size(); ++i)
+    plots += std::string(plots.empty() ? "plot " : ", ") + block_name(panel, i) + " using 1:2 title " +
+             gnuplot_string(figure.series[i].name) + " with " +
+             style(figure.series[i], figure.series[i].style.value_or(figure.series[i].emphasised ? 0 : thin++), medium);
+  return text + plots + "\n";
+}
+
+/// Figures side by side. `columns` and `rows` are the size of a drawing in characters.
+std::string gnuplot_script(std::span<const Figure> figures, Medium medium, int columns = 0, int rows = 0) {
+  const int panels = static_cast<int>(figures.size());
+  std::string text =
+      "set encoding utf8\nset terminal " + terminal(medium, columns, rows, panels, figures.front().equal_axes) + "\n";
+  for (std::size_t panel = 0; panel < figures.size(); ++panel)
+    for (std::size_t i = 0; i < figures[panel].series.size(); ++i) text += data_block(figures[panel], panel, i);
+  if (panels > 1) text += "set multiplot layout 1," + std::to_string(panels) + "\n";
+  for (std::size_t panel = 0; panel < figures.size(); ++panel)
+    text += plot_commands(figures[panel], panel, medium, legend_rows(figures));
+  return text;
+}
 
 constexpr std::chrono::seconds kPatience{60};
 

@@ -2,7 +2,6 @@
 #include "apps/image/simulate_summary.h"
 
 #include "apps/terminal/text_table.h"
-#include "mtf/error.h"
 
 namespace apps {
 namespace {

@@ -6,7 +6,6 @@
 
 #include "apps/live/toml_blocks.h"
 #include "mtf/components/component_docs.h"
-#include "mtf/error.h"
 #include "mtf/io/config/config_tree.h"
 #include "mtf/units.h"
 

@@ -7,7 +7,6 @@
 #include <string>
 
 #include "apps/python/topics.h"
-#include "apps/simulate/simulate.h"
 #include "mtf/error.h"
 #include "mtf/io/stage.h"
 #include "mtf/plan/plan.h"

@@ -10,7 +10,6 @@
 #include "apps/scene/command/heat_files.h"
 #include "apps/scene/command/render_options.h"
 #include "apps/terminal/output_set.h"
-#include "mtf/error.h"
 
 namespace apps::python {
 namespace {

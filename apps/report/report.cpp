@@ -4,9 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <map>
-#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -20,7 +18,6 @@
 #include "apps/simulate/output_files.h"
 #include "apps/terminal/output.h"
 #include "apps/terminal/text_table.h"
-#include "mtf/error.h"
 #include "mtf/io/file_checks.h"
 #include "mtf/io/sha256.h"
 #include "mtf/version.h"

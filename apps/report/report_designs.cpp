@@ -5,13 +5,12 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
-#include <system_error>
 
 #include "apps/arguments.h"
 #include "apps/sensor/otf_curves.h"
 #include "apps/sensor/sensor_air.h"
 #include "apps/sensor/sensor_chain.h"
-#include "apps/terminal/output.h"
+#include "apps/text/message_words.h"
 #include "mtf/error.h"
 #include "mtf/io/csv/csv_cells.h"
 #include "mtf/io/csv/csv_numbers.h"

@@ -3,10 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "apps/report/report_designs.h"
-#include "apps/terminal/output.h"
 #include "apps/terminal/text_table.h"
 #include "mtf/units.h"
 

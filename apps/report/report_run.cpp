@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "apps/report/report_html.h"
 #include "apps/report/report_sections.h"

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 
 #include "apps/report/report_designs.h"
 #include "apps/report/report_html.h"

@@ -6,8 +6,8 @@
 #include <limits>
 #include <system_error>
 
-#include "apps/terminal/output.h"
 #include "apps/text/json.h"
+#include "apps/text/message_words.h"
 #include "mtf/error.h"
 #include "mtf/io/csv/csv_numbers.h"
 #include "mtf/io/sha256.h"

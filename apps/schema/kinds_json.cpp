@@ -4,8 +4,8 @@
 
 #include <cmath>
 
-#include "apps/schema/schema_values.h"
 #include "apps/schema/schemas.h"
+#include "apps/sensor/sensor_kinds.h"
 #include "apps/text/json.h"
 #include "mtf/components/component_docs.h"
 

@@ -3,7 +3,6 @@
 // `mtf config schema scene`, by the rows of apps/scene/scene_file/scene_sections.h.
 
 #include <cmath>
-#include <span>
 
 #include "apps/scene/scene_file/scene_file.h"
 #include "apps/schema/schema_values.h"

@@ -2,8 +2,6 @@
 
 // `mtf config schema sensor`.
 
-#include <algorithm>
-
 #include "apps/schema/schema_values.h"
 #include "apps/schema/schemas.h"
 #include "apps/text/json.h"

@@ -4,7 +4,6 @@
 #include <algorithm>
 
 #include "mtf/components/path_air.h"
-#include "mtf/error.h"
 #include "radiometry/chain/sensor_budget.h"
 
 namespace apps {

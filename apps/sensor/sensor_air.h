@@ -4,7 +4,6 @@
 // [atmosphere] of a sensor file: its profile read, its path through the band model of radiometry/atmosphere.
 
 #include <optional>
-#include <string>
 #include <vector>
 
 #include "apps/sensor/sensor_chain.h"

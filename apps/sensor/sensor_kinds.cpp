@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <array>
 
-#include "mtf/border.h"
 #include "mtf/components/component_docs.h"
 #include "mtf/io/config/config_reader.h"
 #include "radiometry/chain/sensor_settings.h"

@@ -6,7 +6,6 @@
 #include <cstdio>
 
 #include "apps/sensor/sensor_air.h"
-#include "apps/sensor/sensor_chain.h"
 #include "mtf/components/footprint.h"
 
 namespace apps {

@@ -2,11 +2,7 @@
 #include "apps/simulate/sensor_image.h"
 
 #include <algorithm>
-#include <array>
-#include <cmath>
-#include <cstdio>
 
-#include "mtf/error.h"
 #include "mtf/version.h"
 
 namespace apps {

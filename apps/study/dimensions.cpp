@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/study/dimensions.h"
 
+#include <array>
 #include <charconv>
 #include <cmath>
-#include <vector>
 
 #include "mtf/error.h"
 #include "mtf/units.h"

@@ -6,7 +6,6 @@
 // angle in rad). Powers are multiples of 1/25200, which has all of two decimals, thirds and sevenths: costs go with
 // aperture ^ 2.7. Values made here are rounded to them, so that equal ones are equal.
 
-#include <array>
 #include <cstddef>
 #include <optional>
 #include <string>

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/study/expression.h"
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>

@@ -8,8 +8,10 @@
 //   atom    = number [ unit ] | name | function "(" sum { "," sum } ")" | "(" sum ")"
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "apps/study/expression.h"

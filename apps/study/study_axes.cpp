@@ -9,7 +9,6 @@
 
 #include "apps/study/study_reader.h"
 #include "apps/study/study_shape.h"
-#include "mtf/error.h"
 #include "mtf/words.h"
 
 namespace study {

@@ -10,7 +10,6 @@
 #include "apps/study/result_columns.h"
 #include "apps/study/study_reader.h"
 #include "apps/study/study_shape.h"
-#include "mtf/error.h"
 #include "mtf/words.h"
 
 namespace study {

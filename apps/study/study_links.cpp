@@ -7,7 +7,6 @@
 
 #include "apps/study/study_reader.h"
 #include "apps/study/study_shape.h"
-#include "mtf/error.h"
 #include "mtf/words.h"
 
 namespace study {

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "apps/sensor/sensor_air.h"
 #include "apps/sensor/sensor_chain.h"

@@ -3,7 +3,6 @@
 // The parts of a study that need no sensor: its head, [yield], [conditions].
 
 #include <algorithm>
-#include <array>
 #include <cassert>
 #include <cmath>
 #include <filesystem>

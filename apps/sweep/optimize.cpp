@@ -4,7 +4,6 @@
 
 #include <filesystem>
 
-#include "apps/config_command.h"
 #include "apps/sweep/optimize_report.h"
 #include "apps/sweep/sweep_parts.h"
 #include "apps/terminal/output.h"

@@ -5,7 +5,6 @@
 
 #include "apps/study/study_conditions.h"
 #include "apps/sweep/sweep_report.h"
-#include "apps/terminal/output.h"
 #include "apps/terminal/text_table.h"
 #include "apps/text/json.h"
 #include "mtf/version.h"

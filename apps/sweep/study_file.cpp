@@ -5,14 +5,13 @@
 #include "apps/sweep/study_file.h"
 
 #include "apps/config_command.h"
+#include "apps/text/message_words.h"
 #include "mtf/error.h"
 #include "mtf/io/config/config_tree.h"
 #include "mtf/io/csv/curve_csv.h"
 #ifdef MTFKIT_HAVE_CALIB
-#include "apps/sensor/sensor_chain.h"
 #include "apps/study/study.h"
 #include "apps/sweep/sweep_parts.h"
-#include "apps/terminal/output.h"
 #endif
 
 namespace apps {

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 
-#include "apps/study/result_columns.h"
 #include "apps/study/rows/sweep_rows.h"
 #include "apps/sweep/sweep_parts.h"
 #include "apps/terminal/interrupt.h"

@@ -10,7 +10,6 @@
 #include <fstream>
 #include <iterator>
 
-#include "apps/config_command.h"
 #include "apps/sweep/sweep_parts.h"
 #include "apps/terminal/output.h"
 #include "mtf/error.h"

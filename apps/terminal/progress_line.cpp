@@ -9,7 +9,6 @@
 #include <mutex>
 
 #include "apps/terminal/output.h"
-#include "apps/terminal/text_table.h"
 
 namespace apps {
 namespace {

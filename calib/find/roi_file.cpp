@@ -2,7 +2,6 @@
 #include "calib/find/roi_file.h"
 
 #include <array>
-#include <optional>
 #include <span>
 
 #include "mtf/error.h"

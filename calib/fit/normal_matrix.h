@@ -7,7 +7,6 @@
 
 #include <Eigen/Core>
 #include <span>
-#include <vector>
 
 namespace calib {
 

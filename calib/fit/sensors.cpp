@@ -6,7 +6,6 @@
 #include <cmath>
 
 #include "calib/fit/parameter_site.h"
-#include "mtf/error.h"
 #include "mtf/otf/band_mean.h"
 
 namespace calib {

@@ -7,7 +7,6 @@
 // be that of rounding, step^2 / 12.
 
 #include <algorithm>
-#include <vector>
 
 #include "calib/edge/pixel_correlation.h"
 #include "calib/measure/residual_sums.h"

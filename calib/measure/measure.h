@@ -12,7 +12,6 @@
 // pixels through plateaus, geometry, reference and correction. Frequencies are cycles per pixel along the edge's
 // normal.
 
-#include <array>
 #include <cstdint>
 #include <functional>
 #include <optional>

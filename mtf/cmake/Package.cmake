@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-# find_package(mtfkit COMPONENTS mtf io radiometry atmosphere weather heat scene render calib sensors simulate study mesh_import scene_outputs vehicle
+# find_package(mtfkit COMPONENTS mtf io radiometry atmosphere weather heat scene thermal render calib sensors simulate study mesh_import scene_outputs vehicle
 #   weather_files scene_file scene_heat scene_render scene_fly)
 
 include(CMakePackageConfigHelpers)

@@ -4,10 +4,8 @@
 // What every component header needs: the row of a field table, and rows and helpers that several components share.
 
 #include <array>
-#include <cmath>
 #include <limits>
 #include <string>
-#include <tuple>
 
 #include "mtf/component.h"
 #include "mtf/components/number_in.h"

@@ -8,7 +8,6 @@
 #include <cmath>
 #include <optional>
 #include <span>
-#include <string>
 #include <tuple>
 #include <type_traits>
 #include <utility>

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mtf/components/sine_motion.h"
 
+#include <algorithm>
 #include <vector>
 
 #include "mtf/math/bessel.h"

@@ -6,7 +6,6 @@
 // such parts costs less than the sum of its samples. Flat parts smaller than an eighth of a side may not be found; they
 // would save little.
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <vector>

@@ -4,7 +4,6 @@
 // Names of the temporaries that output files are written under, what becomes of those that killed processes left, and
 // the list of those that a signal has to remove.
 
-#include <csignal>
 #include <string>
 
 namespace mtf::io {

@@ -8,7 +8,6 @@
 // A kernel is a struct with `template <int Bytes> static void run(arguments)` that inlines all it calls:
 //   simd::run<Kernel>(arguments);
 
-#include <cstddef>
 #include <cstdint>
 
 #define MTFKIT_INLINE inline __attribute__((always_inline))

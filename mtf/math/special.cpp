@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mtf/math/special.h"
 
+#include <limits>
+
 #include "mtf/math/clones.h"
 
 namespace mtf {

@@ -5,7 +5,6 @@
 // Each is a pair (value, slope) of doubles; `lift` carries it to S by the chain rule, so no derivative of sqrt(0) or
 // acos(1) is ever formed. Branches depend on values only.
 
-#include <algorithm>
 #include <cmath>
 #include <numbers>
 

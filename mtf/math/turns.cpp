@@ -2,7 +2,6 @@
 #include "mtf/math/turns.h"
 
 #include <cassert>
-#include <cmath>
 
 #include "mtf/math/clones.h"
 

@@ -27,9 +27,6 @@
 // reported, amplified as kernels, slopes and small bases do: absolute for what is at most about 1, relative for
 // the others. A template over S, so that studies differentiate through every parameter.
 
-#include <functional>
-#include <optional>
-#include <string_view>
 #include <vector>
 
 #include "mtf/otf/otf_series.h"

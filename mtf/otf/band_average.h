@@ -8,7 +8,6 @@
 // wavelengths is doubled until the integral stands still; the last change is what the average is said to err by. It is
 // that of the rule with half as many wavelengths, so the error is smaller by far.
 
-#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numeric>

@@ -8,7 +8,6 @@
 #include <string_view>
 
 #include "mtf/engines/fft/fftw.h"
-#include "mtf/error.h"
 #include "mtf/math/word_hash.h"
 #include "mtf/work/stopwatch.h"
 

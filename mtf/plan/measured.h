@@ -4,7 +4,6 @@
 // What Rigor::measure has learnt on this machine: FFTW's wisdom, and run times of the methods of a plan. It is kept for
 // the life of the process, and as text to be stored per host.
 
-#include <cstdint>
 #include <functional>
 #include <optional>
 #include <string>

@@ -9,7 +9,6 @@
 // and taps let through sum K exp(2 pi i f.x), whose distance from H at the corners is their error. Positions are whole
 // samples, or half ones where the ratio is even and centres lie between two samples.
 
-#include <array>
 #include <vector>
 
 #include "mtf/engines/fft/scene_spectrum.h"

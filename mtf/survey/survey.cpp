@@ -9,7 +9,6 @@
 
 #include "mtf/engines/row_moments.h"
 #include "mtf/engines/uniform_runs.h"
-#include "mtf/error.h"
 #include "mtf/math/word_hash.h"
 #include "mtf/parallel.h"
 

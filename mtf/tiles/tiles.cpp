@@ -4,19 +4,129 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <optional>
+#include <string>
 
 #include "mtf/error.h"
 #include "mtf/parallel.h"
 #include "mtf/plan/padding.h"
 #include "mtf/plan/plan.h"
 #include "mtf/plan/plan_parts.h"
-#include "mtf/tiles/tile_fit.h"
+#include "mtf/tiles/tile_layout.h"
 #include "mtf/tiles/tiles_refusal.h"
 #include "mtf/work/usable_memory.h"
 
 namespace mtf {
 namespace {
+
+// The largest tiles that a limit of memory allows.
+
+/// Bytes that the plans of a run take, for one sample of what each works on: known when they are compiled.
+struct TileNeeds {
+  double otf = 4.1, buffers = 4.4;            ///< of the plan of a tile: here those of a real OTF, transformed in float
+  double post_otf = 0.0, post_buffers = 0.0;  ///< of the filters after the sampling, for a pixel
+  double coarse = 0.0;                        ///< of all that the coarse image needs
+};
+
+struct FitRequest {
+  TileRequest x, y;  ///< but for most_samples, which is tried
+  double limit = 0.0;
+  double row_bytes = 0.0, more_rows = 0.0;  ///< of the reader: for each row of a canvas, and rows besides
+  double coarse_samples = 0.0;
+  double channels = 1.0;
+  double receiver_bytes = 0.0;  ///< of the receiver of tiles, for a pixel of a tile
+  double held_bytes = 0.0;      ///< of the caller
+  int threads = 1;
+  TileNeeds needs;
+};
+
+struct Fit {
+  TileAxis x, y;
+  int in_flight = 1;   ///< tiles at work at once
+  double bytes = 0.0;  ///< of the run
+  double overlap() const { return x.overlap() * y.overlap(); }
+};
+
+/// Largest ratio of the area of a tile's canvas to that of the tile: beyond it tiles cost too much.
+inline constexpr double kMostOverlap = 4.0;
+
+/// Samples of the longest side of a canvas: longer ones leave the caches.
+inline constexpr std::int64_t kLongestSide = 4096;
+
+/// Program, libraries, tables.
+inline constexpr std::int64_t kFixedBytes = 40LL << 20;
+
+constexpr double kParallelOverlap = 2.0;  // beyond which fewer threads on longer tiles are better
+constexpr int kPlannedInFlight = 4;       // tiles that memory should hold at once
+
+constexpr double kWorthMemory = 1.1;  // work of smaller tiles, relative to that of the largest that fit
+constexpr std::int64_t kShortestSide = 32;
+
+std::int64_t shorter(std::int64_t side) { return side * 7 / 8; }
+
+double count(std::int64_t n) { return static_cast<double>(n); }
+
+struct Bytes {
+  double shared = 0.0, each = 0.0;  // of the run, of a tile at work
+};
+
+Bytes bytes_of(const FitRequest& r, const TileAxis& x, const TileAxis& y) {
+  const double samples = count(x.canvas_samples()) * count(y.canvas_samples());
+  const double wide = count(x.canvas_pixels()) * count(y.canvas_pixels());
+  const double pixels = count(x.tile + 2 * x.post) * count(y.tile + 2 * y.post);
+  Bytes bytes;
+  bytes.shared = count(kFixedBytes) + r.needs.coarse * r.coarse_samples + r.needs.otf * samples +
+                 r.needs.post_otf * pixels + r.row_bytes * (count(y.canvas_samples()) + r.more_rows) + r.held_bytes;
+  // Canvas, its pixels and those of the tile with its post halo; the finished ones of each channel.
+  bytes.each = (4.0 + r.needs.buffers) * samples + 4.0 * wide +
+               (4.0 + 4.0 * r.channels + r.needs.post_buffers) * pixels +
+               r.receiver_bytes * count(x.tile) * count(y.tile);
+  return bytes;
+}
+
+// Of transforms, for a pixel.
+double work(const Fit& fit) {
+  return fit.overlap() * (std::log2(count(fit.x.canvas_samples()) * count(fit.y.canvas_samples())) + 16.0);
+}
+
+/// The number of threads has no part in the layout: the same tiles, and so the same bits, for any. Nothing, and the
+/// reason, where no tile fits.
+std::optional<Fit> fit_tiles(const FitRequest& request, std::string& reason) {
+  const auto tiles_of = [&](std::int64_t side) -> std::optional<Fit> {
+    TileRequest x = request.x, y = request.y;
+    x.most_samples = y.most_samples = side;
+    const auto across = tile_axis(x), down = tile_axis(y);
+    if (!across || !down) return std::nullopt;
+    return Fit{*across, *down};
+  };
+  const bool forced = request.x.side > 0;
+  bool any = false;
+  // Several tiles at work at once are worth some overlap; what would not fit otherwise runs one at a time.
+  for (int in_flight = kPlannedInFlight; in_flight >= 1; in_flight /= 2)
+    for (std::int64_t side = kLongestSide; side >= kShortestSide; side = shorter(side)) {
+      std::optional<Fit> fit = tiles_of(side);
+      if (!fit) break;
+      if (!forced && any && fit->overlap() > (in_flight > 1 ? kParallelOverlap : kMostOverlap)) break;
+      any = true;
+      Bytes bytes = bytes_of(request, fit->x, fit->y);
+      if (bytes.shared + in_flight * bytes.each > request.limit) continue;
+      // Memory that saves next to no work is left to others.
+      const double most_work = kWorthMemory * work(*fit);
+      for (side = shorter(side); !forced && side >= kShortestSide; side = shorter(side)) {
+        const auto smaller = tiles_of(side);
+        if (!smaller || work(*smaller) > most_work) break;
+        fit = smaller;
+      }
+      bytes = bytes_of(request, fit->x, fit->y);
+      const double room = (request.limit - bytes.shared) / bytes.each;
+      fit->in_flight = room >= request.threads ? request.threads : std::max(in_flight, static_cast<int>(room));
+      fit->bytes = bytes.shared + fit->in_flight * bytes.each;
+      return fit;
+    }
+  reason = any ? "a tile with its halo needs more" : "the halo is longer than a tile";
+  return std::nullopt;
+}
 
 // How far around a tile the scene has to be known.
 
@@ -84,8 +194,6 @@ constexpr double kHaloShare = 0.25, kFarShare = 0.15, kNearShare = 0.55;
 constexpr std::array<std::int64_t, 2> kEvery{8, 16};
 constexpr double kCoarseBytes = 28.0;  // coarse image, its running sums, and plan: what is set aside for a sample
 constexpr int kAttempts = 4;           // at tiles that fit
-
-double count(std::int64_t n) { return static_cast<double>(n); }
 
 double area(const SampleGrid& grid) { return count(grid.width) * count(grid.height); }
 

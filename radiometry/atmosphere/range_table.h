@@ -8,7 +8,6 @@
 //   Between                 the altitudes stay, so that each range is a line of its own angle (no shared sums)
 
 #include <span>
-#include <string>
 #include <vector>
 
 #include "radiometry/atmosphere/spectral_path.h"

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "radiometry/atmosphere/sky_radiance.h"
 
-#include <algorithm>
 #include <cmath>
 
 #include "mtf/error.h"

@@ -15,6 +15,46 @@ namespace {
 
 constexpr std::string_view kAtmospherePrefix = "atmosphere.";
 
+/// A curve in whose place a number is given.
+void set_constant(Spectrum& spectrum, std::string_view name, const Overrides<double>& numbers, double most) {
+  if (const double* value = numbers.find(name)) spectrum = constant_spectrum(std::string(name), *value, most);
+}
+
+/// Of a blackbody before the camera; 0 where there is none.
+double flat_radiance(const Sensor& sensor, std::optional<double> CorrectionSettings::*temperature_k) {
+  const auto& correction = sensor.settings.correction;
+  if (!correction || !((*correction).*temperature_k)) return 0.0;
+  return scene_radiance(sensor.curves, {.temperature_k = *((*correction).*temperature_k)}, {});
+}
+
+Surface surface_of(const Sensor& sensor, double temperature_k, const Overrides<double>& numbers) {
+  const auto& scene = sensor.settings.scene;
+  const double given = scene ? scene->surroundings_k.value_or(0.0) : 0.0;
+  Surface surface{temperature_k, sensor.emissivity, numbers("scene.surroundings", given)};
+  set_constant(surface.emissivity, "scene.emissivity", numbers, 1.0);
+  return surface;
+}
+
+/// True where the mean of a map is the expected one: within 1e-3 of `scale`, or within the sampling error that the mean
+/// of so many independent pixels has.
+bool has_mean(const mtf::Image& map, const mtf::Statistics& measured, double expected, double scale) {
+  constexpr double kSigmas = 4.0;
+  const double sampling = kSigmas * measured.std / std::sqrt(static_cast<double>(map.size()));
+  return std::abs(measured.mean - expected) <= std::max(1e-3 * scale, sampling);
+}
+
+/// Part of the pixels whose dark charge alone, log-normal (dark_nonuniformity.h), takes them beyond the full well.
+double filled_by_dark(const Sensor& sensor, const Budget<double>& budget) {
+  const auto& unequal = sensor.settings.nonuniformity;
+  const double dark_e = budget.signal.dark_e;
+  if (!unequal || !(unequal->dcnu > 0.0) || !(dark_e > 0.0)) return 0.0;
+  const double room_e = sensor.settings.detector->full_well_e - (budget.signal.total_e() - dark_e);
+  const double s2 = std::log1p(unequal->dcnu * unequal->dcnu);
+  return 0.5 * std::erfc((std::log(std::max(room_e, 0.0) / dark_e) + 0.5 * s2) / std::sqrt(2.0 * s2));
+}
+
+double middle_um(const Sensor& sensor) { return 0.5 * (sensor.curves.band.lo_um + sensor.curves.band.hi_um); }
+
 }  // namespace
 
 AtmosphereSettings atmosphere_with(const Sensor& sensor, const Overrides<double>& numbers) {
@@ -27,15 +67,6 @@ AtmosphereSettings atmosphere_with(const Sensor& sensor, const Overrides<double>
   return settings;
 }
 
-namespace {
-
-/// A curve in whose place a number is given.
-void set_constant(Spectrum& spectrum, std::string_view name, const Overrides<double>& numbers, double most) {
-  if (const double* value = numbers.find(name)) spectrum = constant_spectrum(std::string(name), *value, most);
-}
-
-}  // namespace
-
 bool changes_color(std::string_view path) { return path.starts_with(kAtmospherePrefix); }
 
 bool is_spectral(std::string_view path) {
@@ -46,15 +77,6 @@ bool is_spectral(std::string_view path) {
       "scene.emissivity",   "scene.surroundings"};
   return std::find(paths.begin(), paths.end(), path) != paths.end();
 }
-
-namespace {
-/// Of a blackbody before the camera; 0 where there is none.
-double flat_radiance(const Sensor& sensor, std::optional<double> CorrectionSettings::*temperature_k) {
-  const auto& correction = sensor.settings.correction;
-  if (!correction || !((*correction).*temperature_k)) return 0.0;
-  return scene_radiance(sensor.curves, {.temperature_k = *((*correction).*temperature_k)}, {});
-}
-}  // namespace
 
 double kept_of_flicker(const SensorSettings& settings, int frames) {
   const ThermalSettings& thermal = *settings.thermal;
@@ -78,16 +100,6 @@ Path path_with(const Sensor& sensor, const Overrides<double>& numbers) {
   }
   return path;
 }
-
-namespace {
-Surface surface_of(const Sensor& sensor, double temperature_k, const Overrides<double>& numbers) {
-  const auto& scene = sensor.settings.scene;
-  const double given = scene ? scene->surroundings_k.value_or(0.0) : 0.0;
-  Surface surface{temperature_k, sensor.emissivity, numbers("scene.surroundings", given)};
-  set_constant(surface.emissivity, "scene.emissivity", numbers, 1.0);
-  return surface;
-}
-}  // namespace
 
 SpectralNumbers<double> spectral_numbers(const Sensor& sensor, const Path& path, double temperature_k, double warmer_k,
                                          const Overrides<double>& numbers) {
@@ -122,28 +134,6 @@ SensorSettings budget_settings(const Sensor& sensor) {
   if (sensor.offset) settings.nonuniformity->dsnu_e = mtf::statistics(sensor.offset->view()).std;
   return settings;
 }
-
-namespace {
-
-/// True where the mean of a map is the expected one: within 1e-3 of `scale`, or within the sampling error that the mean
-/// of so many independent pixels has.
-bool has_mean(const mtf::Image& map, const mtf::Statistics& measured, double expected, double scale) {
-  constexpr double kSigmas = 4.0;
-  const double sampling = kSigmas * measured.std / std::sqrt(static_cast<double>(map.size()));
-  return std::abs(measured.mean - expected) <= std::max(1e-3 * scale, sampling);
-}
-
-/// Part of the pixels whose dark charge alone, log-normal (dark_nonuniformity.h), takes them beyond the full well.
-double filled_by_dark(const Sensor& sensor, const Budget<double>& budget) {
-  const auto& unequal = sensor.settings.nonuniformity;
-  const double dark_e = budget.signal.dark_e;
-  if (!unequal || !(unequal->dcnu > 0.0) || !(dark_e > 0.0)) return 0.0;
-  const double room_e = sensor.settings.detector->full_well_e - (budget.signal.total_e() - dark_e);
-  const double s2 = std::log1p(unequal->dcnu * unequal->dcnu);
-  return 0.5 * std::erfc((std::log(std::max(room_e, 0.0) / dark_e) + 0.5 * s2) / std::sqrt(2.0 * s2));
-}
-
-}  // namespace
 
 std::vector<std::string> budget_notes(const Sensor& sensor, const Budget<double>& budget) {
   std::vector<std::string> notes;
@@ -197,10 +187,6 @@ double flicker_rms_e(const mtf::System<double>& system, const SensorSettings& se
   const std::int64_t rows = system.frame.rows > 0 ? system.frame.rows : 512;
   return std::sqrt(flicker_variance(*settings.flicker, columns, rows));
 }
-
-namespace {
-double middle_um(const Sensor& sensor) { return 0.5 * (sensor.curves.band.lo_um + sensor.curves.band.hi_um); }
-}  // namespace
 
 ThermalReference<double> thermal_reference(const Sensor& sensor) {
   const auto& thermal = sensor.settings.thermal;

@@ -4,12 +4,10 @@
 // The inside of a compiled chain (chain.h): what is the same for every frame and is made once, one frame on its way
 // through the stages, and the table of the stages.
 
-#include <array>
 #include <chrono>
 #include <map>
 #include <memory>
 #include <mutex>
-#include <span>
 
 #include "radiometry/chain/chain.h"
 #include "radiometry/stages/detector/held_counter.h"

@@ -10,7 +10,7 @@ namespace radiometry {
 
 std::vector<StageRow> stage_table() {
   std::vector<StageRow> table;
-  for (const auto rows : {optics_rows(), light_rows(), pixel_rows(), noise_rows(), count_rows()})
+  for (const auto rows : {optics_rows(), light_rows(), charge_rows(), count_rows()})
     table.insert(table.end(), rows.begin(), rows.end());
   return table;
 }

@@ -4,9 +4,7 @@
 // What the camera equation and the budget take from a sensor file, as numbers of any scalar, so that studies
 // differentiate through detector and converter as they do through the OTF.
 
-#include <algorithm>
 #include <array>
-#include <span>
 #include <string_view>
 
 #include "radiometry/chain/sensor_settings.h"

@@ -72,10 +72,12 @@ std::vector<mtf::TableInfo> thermal_tables(const std::vector<mtf::TableInfo>& ph
     if (table.name == "detector" || !(electrons || table.name == "lag" || table.name == "correction")) continue;
     tables.push_back(in_volts(table));
     mtf::TableInfo& added = tables.back();
-    if (table.name == "noise") {
-      drop_row(added, "shot");
-      added.absent.push_back({"shot", "a thermal detector counts no photons and has no shot noise; remove it"});
-    }
+    const auto drop = [&](std::string_view name, std::string_view why) {
+      drop_row(added, name);
+      added.absent.push_back({name, why});
+    };
+    if (table.name == "noise") drop("shot", "a thermal detector counts no photons and has no shot noise; remove it");
+    if (table.name == "nonuniformity") drop("dcnu", "a thermal detector has no dark current; remove it");
     if (table.name == "correction") set_blackbodies(added);
     if (table.name == "lag")
       added.settings.front().presence = mtf::Presence::optional;  // or heat_capacity / conductance

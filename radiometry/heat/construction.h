@@ -13,7 +13,6 @@
 // Conduction along the surface is left out. Over the length sqrt(k d / h), with d the thickness and h the sum of the
 // film and 4 epsilon sigma T^3, it evens out differences: facets that are larger and lit uniformly do not need it.
 
-#include <string>
 #include <string_view>
 #include <variant>
 #include <vector>

@@ -2,7 +2,6 @@
 #include "radiometry/heat/convection.h"
 
 #include <cmath>
-#include <utility>
 
 #include "mtf/error.h"
 #include "mtf/units.h"

@@ -9,7 +9,6 @@
 #include "mtf/engines/statistics.h"
 #include "mtf/parallel.h"
 #include "radiometry/light/pixel_rules.h"
-#include "radiometry/light/radiance_table.h"
 
 namespace radiometry {
 namespace {

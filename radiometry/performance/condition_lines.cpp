@@ -4,7 +4,6 @@
 #include "mtf/units.h"
 #include "radiometry/performance/acquisition.h"
 #include "radiometry/performance/contrast_threshold.h"
-#include "radiometry/performance/sensitivity.h"
 
 namespace radiometry {
 

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <string>
 
 #include "mtf/error.h"
 #include "mtf/math/quadrature.h"

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "radiometry/render/patches.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <map>

@@ -7,9 +7,7 @@
 #include <numeric>
 #include <set>
 
-#include "mtf/error.h"
 #include "mtf/parallel.h"
-#include "mtf/words.h"
 #include "mtf/work/stopwatch.h"
 #include "radiometry/thermal/sides.h"
 #include "radiometry/thermal/unit_flux.h"

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "radiometry/thermal/ground.h"
 
-#include <cmath>
-
 #include "mtf/error.h"
 #include "mtf/words.h"
 #include "radiometry/heat/solve.h"

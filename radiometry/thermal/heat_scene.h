@@ -55,7 +55,7 @@ struct HeatScene {
   scene::Rays rays;  ///< with the facets
   std::vector<std::pair<std::string, double>> timing_ms;
   std::vector<std::string> warnings;
-  std::vector<std::uint32_t> opposite{};  ///< of each facet of a pair, else kNone (opposite_walls.h); empty: no pairs
+  std::vector<std::uint32_t> opposite{};  ///< of each facet of a pair, else kNone (heat_scene.cpp); empty: no pairs
 
   std::vector<bool> seen{};  ///< of each facet, where only those that the camera sees are asked for; else empty
 

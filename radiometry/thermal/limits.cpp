@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "radiometry/thermal/limits.h"
 
-#include <algorithm>
 #include <cmath>
 #include <set>
 

@@ -2,7 +2,6 @@
 #include "radiometry/thermal/unit_flux.h"
 
 #include <algorithm>
-#include <cmath>
 #include <memory>
 
 #include "mtf/math/simd.h"

@@ -5,8 +5,6 @@
 #include <cmath>
 #include <numeric>
 
-#include "radiometry/weather/sky.h"
-
 namespace radiometry::thermal {
 namespace {
 

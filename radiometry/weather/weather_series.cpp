@@ -8,7 +8,6 @@
 #include <string>
 #include <vector>
 
-#include "mtf/error.h"
 #include "mtf/units.h"
 #include "radiometry/weather/instant.h"
 #include "radiometry/weather/records.h"

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // `mtf fly`: frames, what it refuses, and what an interrupt leaves.
 
+#include <filesystem>
+
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>

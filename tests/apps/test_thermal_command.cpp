@@ -2,6 +2,8 @@
 
 // An uncooled camera through the commands: stages and units, budget, sequences, what is refused and warned about.
 
+#include <cmath>
+
 #include "tests/apps/thermal_sensor.h"
 #include "tests/expect_error.h"
 #include "tests/replaced.h"

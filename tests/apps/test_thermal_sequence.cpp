@@ -3,8 +3,6 @@
 // An uncooled camera over the frames of a sequence: schedules of its temperatures and its gain, and the false offset
 // between two closings of its shutter.
 
-#include <cmath>
-
 #include "radiometry/light/blackbody.h"
 #include "tests/apps/thermal_sensor.h"
 #include "tests/expect_error.h"

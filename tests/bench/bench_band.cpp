@@ -7,7 +7,6 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <vector>
 
 #include "mtf/version.h"
 #include "tests/bench/interleave.h"

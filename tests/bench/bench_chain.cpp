@@ -11,7 +11,6 @@
 
 #include "mtf/engines/fft/fftw.h"
 #include "mtf/version.h"
-#include "radiometry/light/blackbody.h"
 #include "tests/bench/interleave.h"
 #include "tests/mtf/reference.h"
 #include "tests/radiometry/chain_cases.h"

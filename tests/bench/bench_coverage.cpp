@@ -14,7 +14,6 @@
 #include <ctime>
 #include <functional>
 #include <map>
-#include <numbers>
 #include <optional>
 #include <random>
 #include <string>

@@ -6,7 +6,6 @@
 // the flat scenes, times relative to the whole one. The copy of a plane is the floor of what is flat.
 
 #include <cstdio>
-#include <numeric>
 #include <opencv2/imgproc.hpp>
 
 #include "mtf/engines/fft/fftw.h"

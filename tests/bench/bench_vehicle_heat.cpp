@@ -7,8 +7,6 @@
 // has it, which is in the times then; with `seen` only what the camera of the scene sees, as with `mtf heat --seen`.
 // The bar: 6 s by the clock on two cores at 0.1 K.
 
-#include <algorithm>
-#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <ctime>

@@ -2,6 +2,7 @@
 #include "tests/calib/edge_kinds.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <memory>
 #include <numbers>

@@ -4,14 +4,12 @@
 // Slanted edges of known MTF in the shared data: their images, made linear, and their truth in closed form.
 
 #include <cmath>
-#include <complex>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <numbers>
 #include <string>
-#include <vector>
 
 #include "mtf/image.h"
 #include "mtf/io/codecs/encoding.h"

@@ -4,7 +4,6 @@
 // Sensors and edges for the tests of the fit: the measurement that a fit starts from is the truth with small errors.
 
 #include <string>
-#include <vector>
 
 #include "calib/fit/fit.h"
 #include "tests/calib/made_edges.h"

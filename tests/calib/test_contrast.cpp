@@ -5,8 +5,6 @@
 
 #include <cmath>
 #include <numbers>
-#include <string>
-#include <vector>
 
 #include "calib/measure/measure.h"
 #include "mtf/error.h"

@@ -5,6 +5,8 @@
 
 #include <limits>
 #include <map>
+#include <numbers>
+#include <random>
 #include <set>
 
 #include "calib/iso12233/iso12233.h"

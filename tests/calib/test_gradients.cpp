@@ -4,7 +4,6 @@
 // which side is meant (`mean`: the value 0 at the tip of an even OTF).
 #include <gtest/gtest.h>
 
-#include <array>
 #include <iostream>
 #include <set>
 

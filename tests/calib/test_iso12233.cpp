@@ -6,6 +6,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <limits>
+#include <numbers>
 
 #include "edge_truth.h"
 #include "mtf/error.h"

@@ -5,7 +5,6 @@
 
 #include <cmath>
 #include <cstdio>
-#include <string>
 
 #include "mtf/components/footprint.h"
 #include "mtf/components/jitter.h"

@@ -6,7 +6,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <complex>
 #include <string>
 #include <vector>
 

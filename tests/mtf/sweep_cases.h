@@ -6,7 +6,6 @@
 // tolerances of 1e-6 to 1e-1, and scenes that are made or cut from photographs. A case is its seed: the same for every
 // machine, whatever the standard library.
 
-#include <array>
 #include <cstdint>
 #include <span>
 #include <string>

@@ -4,8 +4,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <numbers>
-#include <numeric>
 
 #include "mtf/band.h"
 #include "tests/mtf/builders.h"

@@ -2,8 +2,6 @@
 // The spectral filter in double: images are float32, so its result has to be the reference, rounded once.
 #include <gtest/gtest.h>
 
-#include <limits>
-
 #include "mtf/plan/plan_parts.h"
 #include "tests/mtf/plan_support.h"
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Every method, insisted on, against the exact definition of its result: realised rms error <= promised <= tolerance.
 // And what a plan says when a method is impossible.
-#include <random>
 
 #include "mtf/engines/fft/scene_spectrum.h"
 #include "mtf/plan/low_rank.h"

@@ -3,7 +3,6 @@
 
 #include <cmath>
 
-#include "mtf/engines/statistics.h"
 #include "mtf/plan/plan.h"
 #include "tests/mtf/builders.h"
 #include "tests/mtf/reference.h"

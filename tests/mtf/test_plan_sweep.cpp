@@ -15,7 +15,6 @@
 
 #include "apps/check/reference_fft.h"
 #include "mtf/engines/fft/scene_spectrum.h"
-#include "mtf/engines/statistics.h"
 #include "tests/mtf/sweep_cases.h"
 
 namespace mtf::test {

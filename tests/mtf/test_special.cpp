@@ -4,7 +4,6 @@
 #include <cmath>
 #include <limits>
 
-#include "mtf/math/bessel.h"
 #include "mtf/math/special.h"
 #include "tests/mtf/conformance.h"
 #include "tests/mtf/reference_table.h"

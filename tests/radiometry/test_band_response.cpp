@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
-#include <array>
 #include <cmath>
 #include <numeric>
-#include <random>
 
 #include "mtf/math/quadrature.h"
 #include "radiometry/light/band_response.h"

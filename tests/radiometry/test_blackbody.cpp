@@ -6,7 +6,6 @@
 #include <cmath>
 #include <limits>
 
-#include "mtf/math/quadrature.h"
 #include "radiometry/light/blackbody.h"
 #include "radiometry/light/constants.h"
 #include "tests/mtf/reference_table.h"

@@ -2,7 +2,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <numeric>
 
 #include "radiometry/light/blackbody.h"
 #include "radiometry/stages/noise/noise_3d.h"

@@ -2,7 +2,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <limits>
 
 #include "radiometry/stages/noise/fixed_pattern.h"
 #include "radiometry/stages/processing/correction.h"

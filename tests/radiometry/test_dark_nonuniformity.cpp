@@ -10,7 +10,6 @@
 #include "tests/expect_error.h"
 #include "tests/radiometry/flat_scenes.h"
 #include "tests/radiometry/statistics.h"
-#include "tests/radiometry/thermal_cases.h"
 
 namespace radiometry {
 namespace {
@@ -77,7 +76,7 @@ TEST(DarkNonuniformity, belongs_to_the_pixel_and_the_seed) {
   offset_map(offsets.view(), 1.0, 1);
   EXPECT_LT(std::abs(test::correlation_sigmas(samples(a), samples(gains))), kMostSigmas);
   EXPECT_LT(std::abs(test::correlation_sigmas(samples(a), samples(offsets))), kMostSigmas);
-  test::expect_refused({"-0.1 rms", "from 0 to 10"}, [] { factors(-0.1, 1, 2, 2); });
+  expect_refused({"-0.1 rms", "from 0 to 10"}, [] { factors(-0.1, 1, 2, 2); });
 }
 
 // The charge of a pixel is dark current x time x its factor: thrice the exposure is thrice the pattern, pixel by pixel,
@@ -213,7 +212,7 @@ TEST(DarkNonuniformity, what_the_bow_of_the_response_leaves_of_it) {
   EXPECT_NEAR(flat_scenes(sensor, temperature_k).pattern_e / (slope * budget.spatial_e), 1.0, 0.03);
 }
 
-TEST(DarkNonuniformity, words_and_refusals) {
+TEST(DarkNonuniformity, words) {
   const auto words = [](const Sensor& sensor) {
     for (const ChainStage& stage : chain_stages(mwir_system(), sensor))
       if (stage.name == "dark nonuniformity") return stage.what;
@@ -225,10 +224,17 @@ TEST(DarkNonuniformity, words_and_refusals) {
   EXPECT_EQ(words(sensor), "spread 3000 e- rms");
   sensor.settings.detector->dark_e_s = 0.0;
   EXPECT_EQ(words(sensor), "no dark_current in [detector]");
-  Sensor thermal = test::sensor_of(test::by_netd());
-  thermal.settings.nonuniformity = NonuniformitySettings{.dcnu = 0.3};
-  test::expect_refused({"nonuniformity.dcnu", "no dark current", "remove it"},
-                       [&] { require_consistent(test::lwir_system(), thermal); });
+}
+
+TEST(DarkNonuniformity, thermal_detectors_have_none) {
+  const auto has = [](const auto& rows) {
+    return std::ranges::find(rows, "dcnu", [](const auto& row) { return row.name; }) != rows.end();
+  };
+  for (const mtf::TableInfo& table : sensor_tables())
+    if (table.name == "nonuniformity") {
+      EXPECT_EQ(has(table.settings), !table.where);
+      EXPECT_EQ(has(table.absent), table.where.has_value());
+    }
 }
 
 }  // namespace

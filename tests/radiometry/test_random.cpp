@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
-#include <cmath>
-
 #include "radiometry/stages/noise/lane_words.h"
 #include "radiometry/stages/noise/random.h"
 

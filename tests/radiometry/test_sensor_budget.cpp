@@ -9,7 +9,6 @@
 #include "tests/expect_error.h"
 #include "tests/radiometry/chain_cases.h"
 #include "tests/radiometry/flat_scenes.h"
-#include "tests/radiometry/statistics.h"
 
 namespace radiometry {
 namespace {

@@ -2,9 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cmath>
 
-#include "radiometry/light/band_response.h"
 #include "tests/expect_error.h"
 #include "tests/radiometry/thermal_cases.h"
 

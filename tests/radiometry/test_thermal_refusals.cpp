@@ -2,7 +2,6 @@
 #include <gtest/gtest.h>
 
 #include "mtf/components/bolometer.h"
-#include "mtf/from_quantities.h"
 #include "mtf/literals.h"
 #include "tests/expect_error.h"
 #include "tests/radiometry/thermal_cases.h"

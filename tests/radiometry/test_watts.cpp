@@ -4,7 +4,6 @@
 #include "radiometry/light/constants.h"
 #include "radiometry/light/path_planes.h"
 #include "radiometry/light/scene_radiance.h"
-#include "tests/radiometry/frames.h"
 
 // The light of a thermal detector against that of a photon detector. An absorptance proportional to the wavelength,
 // lambda/14 um, takes h c/14 um of every photon, whatever its wavelength: watts and photons are the same then but for

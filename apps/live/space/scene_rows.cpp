@@ -2,7 +2,6 @@
 #include "apps/live/space/scene_rows.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstdlib>
 
 #include "apps/scene/weather/si_units.h"

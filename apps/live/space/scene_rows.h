@@ -4,7 +4,6 @@
 // The numbers of a 3-D scene's file that the page changes: weather, cloud, materials, what is inside of them (an engine
 // bay), given temperatures: every row of apps/scene/scene_file/scene_sections.h whose value may be a number.
 
-#include <optional>
 #include <span>
 #include <string>
 #include <vector>

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/live/space/solved_scenes.h"
 
-#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <exception>

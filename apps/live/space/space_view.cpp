@@ -18,7 +18,6 @@
 #include "mtf/error.h"
 #include "mtf/io/config/config_text.h"
 #include "mtf/io/config/config_tree.h"
-#include "mtf/work/stopwatch.h"
 
 namespace apps::live {
 namespace {

@@ -17,7 +17,6 @@
 #include "apps/config_command.h"
 #include "apps/figures/plot.h"
 #include "apps/options.h"
-#include "apps/scene/command/render_options.h"
 #include "apps/scene/render/sensor_picture.h"
 #include "apps/terminal/output.h"
 #include "apps/terminal/output_set.h"

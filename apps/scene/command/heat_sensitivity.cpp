@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "apps/terminal/output.h"
 #include "apps/terminal/text_table.h"
 
 namespace apps::scene {

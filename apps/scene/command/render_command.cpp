@@ -5,27 +5,194 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <filesystem>
+#include <list>
+#include <span>
+#include <string>
+#include <vector>
 
 #include "apps/config_command.h"
+#include "apps/figures/picture.h"
+#include "apps/options.h"
 #include "apps/scene/command/read_scene.h"
-#include "apps/scene/command/render_figure.h"
 #include "apps/scene/command/render_options.h"
-#include "apps/scene/command/render_report.h"
 #include "apps/scene/render/layer_file.h"
 #include "apps/scene/render/sensor_picture.h"
 #include "apps/scene/render/solved_rows.h"
 #include "apps/sensor/sensor_air.h"
+#include "apps/simulate/simulate.h"
 #include "apps/terminal/output.h"
 #include "apps/terminal/output_set.h"
 #include "apps/terminal/progress_line.h"
+#include "apps/terminal/text_table.h"
 #include "apps/text/json.h"
+#include "apps/text/message_words.h"
+#include "mtf/engines/statistics.h"
 #include "mtf/error.h"
+#include "mtf/image.h"
+#include "mtf/io/config/config.h"
 #include "mtf/work/stopwatch.h"
 #include "radiometry/weather/instant.h"
 
 namespace apps {
 namespace {
+
+// What `mtf render` prints of the pictures that it made.
+
+/// A frame of one band for each sensor, and the attributes of their files.
+struct RenderOutputs {
+  const scene::PictureScene& scene;
+  const std::vector<scene::PictureSensor>& sensors;
+  const radiometry::render::RenderedFrame& frame;
+  const std::vector<mtf::io::Metadata>& metadata;
+};
+
+namespace fs = std::filesystem;
+
+Json render_json(const RenderOutputs& made, const std::vector<std::string>& outputs) {
+  const auto& [scene, sensors, frame, metadata] = made;
+  Json json;
+  for (const auto& [name, text] : metadata.front().text) json["attributes"][name] = text;
+  for (const auto& [name, text] : scene.closures) json["closures"][name] = text;
+  json["divided_samples"] = frame.divided;
+  json["shadow_rays"] = frame.shadow_rays;
+  json["visible_sides"] = frame.sides;
+  json["promised_error"] = frame.promised.front();
+  for (std::size_t b = 0; b < outputs.size(); ++b)
+    json["pictures"].push_back({{"file", outputs[b]},
+                                {"sensor", metadata[b].text.at("mtf:sensor")},
+                                {"quantity", metadata[b].text.at("mtf:quantity")},
+                                {"promised_error", frame.promised[b]}});
+  if (frame.view_rays > 0) {
+    json["view_rays"] = frame.view_rays;
+    for (std::size_t b = 0; b < outputs.size(); ++b) json["pictures"][b]["reflected_error_K"] = frame.reflected_k[b];
+  }
+  json["timing_ms"] = Json::object();
+  for (const auto& times : {scene.timing_ms, frame.timing_ms})
+    for (const auto& [name, ms] : times) {
+      Json& time = json["timing_ms"][name];
+      time = (time.is_null() ? 0.0 : time.get<double>()) + ms;
+    }
+  return json;
+}
+
+/// What was made, and the commands that come next.
+std::string render_summary(const RenderCommandOptions& options, const RenderOutputs& made,
+                           const std::vector<std::string>& outputs) {
+  const auto& [scene, sensors, frame, metadata] = made;
+  TextTable table({"what", "value"});
+  const mtf::Image& first = frame.radiance.front();
+  table.add({"samples", std::to_string(first.width()) + " x " + std::to_string(first.height())});
+  table.add({"time", radiometry::heat::instant_text(scene.utc_s)});
+  const bool one = sensors.size() == 1;
+  std::string written, next;
+  for (std::size_t b = 0; b < sensors.size(); ++b) {
+    const auto& text = metadata[b].text;
+    const mtf::Statistics s = mtf::statistics(frame.radiance[b].view());
+    const std::string of = one ? "" : one_line(fs::path(options.sensors[b]).stem().string()) + ": ";
+    table.add({of + text.at("mtf:quantity") + " [" + text.at("mtf:units") + "]",
+               significant(s.min, 4) + " to " + significant(s.max, 4) + ", mean " + significant(s.mean, 4)});
+    table.add({of + "error of tables", "at most " + significant(frame.promised[b], 2) + ", relative"});
+    if (frame.view_rays > 0)
+      table.add({of + "error of reflected light", significant(1e3 * frame.reflected_k[b], 2) + " mK rms at 300 K, by " +
+                                                      std::to_string(frame.view_rays) + " rays a side"});
+    const scene::FinestDetail finest = scene::finest_detail(sensors[b], options.sampling.samples_per_pitch);
+    table.add({of + "finest detail of samples", significant(finest.frequency_cy_mm, 3) +
+                                                    " cy/mm, where the sensor's MTF is " + significant(finest.mtf, 2)});
+    written += (b == 0 ? "written to " : " ") + outputs[b];
+    const std::string image = one ? "image" : fs::path(outputs[b]).replace_extension().string() + "_image";
+    next += "next: mtf simulate " + shell_word(options.sensors[b]) + " " + shell_word(outputs[b]) + " -o " +
+            shell_word(image + ".exr") + (scene.scene.air && sensors[b].has_path ? " --without-path" : "") + "\n";
+  }
+  if (frame.sides > 0)
+    table.add({"visible sides",
+               std::to_string(frame.sides) + "; " + std::to_string(frame.divided) + " samples show more than one"});
+  if (frame.shadow_rays > 0) table.add({"shadow rays", std::to_string(frame.shadow_rays)});
+  for (const auto& [name, words] : scene.closures) table.add({name, words});
+  using enum Align;
+  return table.aligned({left, left}) + written + (options.picture.empty() ? "" : " " + options.picture) + "\n" + next;
+}
+
+// `mtf render --picture`: radiance beside the image of the sensor, one row a sensor, for the eye.
+
+/// The picture of one sensor, and the file that it was written to.
+struct SensorPictureFile {
+  const mtf::io::SensorConfig& sensor;
+  mtf::ImageView<const float> radiance;
+  std::string unit, file;
+};
+
+constexpr double kBlack = 0.01, kWhite = 0.03;
+
+/// A power of a thousand that brings values to 1 ... 1000, where they are far from it.
+int thousands(double value) {
+  if (!(value > 0.0) || (value > 1e-2 && value < 1e5)) return 0;
+  return 3 * static_cast<int>(std::floor(std::log10(value) / 3.0));
+}
+
+/// "W.m^-2.sr^-1" as "W/m2/sr", which fits above a panel.
+std::string short_unit(const std::string& unit) {
+  std::string text;
+  for (std::size_t from = 0; from < unit.size();) {
+    const std::size_t to = std::min(unit.find('.', from), unit.size()), power = unit.substr(from, to - from).find("^-");
+    const std::string factor = unit.substr(from, to - from);
+    if (power == std::string::npos)
+      text += (text.empty() ? "" : ".") + factor;
+    else
+      text += "/" + factor.substr(0, power) + (factor.substr(power + 2) == "1" ? "" : factor.substr(power + 2));
+    from = to + 1;
+  }
+  return text;
+}
+
+/// The panel of an image that fills `width` pixels; `copies` holds its values. `caption`: name and size.
+Panel panel_of(const std::array<std::string, 2>& caption, mtf::ImageView<const float> image, const std::string& unit,
+               std::int64_t width, std::list<mtf::Image>& copies) {
+  std::vector<float> sorted;
+  for (std::int64_t y = 0; y < image.height; ++y) sorted.insert(sorted.end(), image.row(y), image.row(y) + image.width);
+  std::sort(sorted.begin(), sorted.end());
+  const auto at = [&](double share) {
+    return static_cast<double>(sorted[static_cast<std::size_t>(share * static_cast<double>(sorted.size() - 1))]);
+  };
+  const int power = thousands(at(0.5));
+  const double scale = std::pow(10.0, -power), low = scale * at(kBlack), high = scale * at(1.0 - kWhite);
+  mtf::Image& copy = copies.emplace_back(image.width, image.height);
+  for (std::int64_t y = 0; y < image.height; ++y)
+    for (std::int64_t x = 0; x < image.width; ++x)
+      copy.at(x, y) = static_cast<float>(scale * static_cast<double>(image.at(x, y)));
+  const std::string in = (power != 0 ? "1e" + std::to_string(power) + " " : std::string()) + short_unit(unit);
+  return {.caption = caption[0] + " [" + in + "], " + caption[1],
+          .image = copy.view(),
+          .zoom = static_cast<int>(std::max<std::int64_t>(1, width / image.width)),
+          .low = low,
+          .high = high > low ? high : low + 1.0,
+          .quantity = ""};
+}
+
+std::string size_of(mtf::ImageView<const float> image) {
+  return std::to_string(image.width) + " x " + std::to_string(image.height);
+}
+
+/// Draws the scenes and what `mtf simulate` makes of them. A hundredth of the pixels is shown in black, and as much as
+/// three hundredths in white: hot spots would take all of the colours.
+void draw_pictures(const std::string& path, std::span<const SensorPictureFile> pictures, int threads) {
+  std::list<mtf::Image> copies;
+  std::list<SimulateResult> results;
+  std::vector<Panel> panels;
+  for (const SensorPictureFile& picture : pictures) {
+    const std::string name = one_line(picture.sensor.system.name);
+    const std::int64_t width = std::max<std::int64_t>(picture.radiance.width, 1024);
+    panels.push_back(panel_of({name + ", radiance", size_of(picture.radiance) + " samples"}, picture.radiance,
+                              picture.unit, width, copies));
+    const SimulateResult& result =
+        results.emplace_back(simulate(picture.sensor, {.file = picture.file}, {.threads = threads}));
+    const mtf::Image& image = result.images.front().planes.front();
+    panels.push_back(panel_of({name + ", image of the sensor", size_of(image.view()) + " pixels"}, image.view(),
+                              result.report.unit(), width, copies));
+  }
+  write_picture(path, panels, true, 2);
+}
 
 using namespace scene;
 namespace fs = std::filesystem;

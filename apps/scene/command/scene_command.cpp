@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "apps/options.h"
 #include "apps/scene/heat/read_thermal_scene.h"

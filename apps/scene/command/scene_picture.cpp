@@ -2,8 +2,6 @@
 #include "apps/scene/command/scene_picture.h"
 
 #include <algorithm>
-#include <cmath>
-#include <limits>
 
 #include "apps/figures/picture.h"
 #include "apps/text/message_words.h"

@@ -2,21 +2,102 @@
 #include "apps/scene/fly/flight.h"
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <cmath>
+#include <functional>
 #include <future>
+#include <memory>
 #include <optional>
 #include <tuple>
+#include <vector>
 
 #include "apps/scene/fly/flight_light.h"
-#include "apps/scene/fly/look_ahead.h"
 #include "apps/sensor/sensor_air.h"
 #include "mtf/error.h"
+#include "mtf/work/stop.h"
 #include "mtf/work/stopwatch.h"
 #include "radiometry/weather/instant.h"
 
 namespace apps::scene {
 namespace {
+
+// The views of sides that a camera will see, worked out beside frames in a copy of the scene, and taken over by the
+// renderer of the frames once they are there.
+
+class LookAhead {
+ public:
+  LookAhead() = default;
+  LookAhead(const LookAhead&) = delete;
+  LookAhead& operator=(const LookAhead&) = delete;
+  ~LookAhead() { enough_ = ended_ = true; }  // the future waits for the work
+
+  /// True from begin() until take() has handed over what was found.
+  bool is_working() const { return found_.valid(); }
+  /// Starts a thread that calls `make` for a copy of the scene and renders it from each camera in turn. Only where
+  /// is_working() is false.
+  void begin(std::vector<radiometry::render::Camera> cameras, std::function<std::unique_ptr<Light>()> make);
+  /// The thread ends once the picture that it renders now is done.
+  void enough() { enough_ = true; }
+  /// Gives the views that were found to `renderer`, if the thread has ended; else does nothing.
+  void take(radiometry::render::Renderer& renderer);
+  /// Whether a camera with the same lens and format, less than `near_m` away from this one and pointing in nearly the
+  /// same direction (cosine above 0.999), has had its turn; it may be in a place that there is no picture from.
+  bool has_seen(const radiometry::render::Camera& camera, double near_m) const;
+  void forget() { looked_from_.clear(); }  ///< for another light, which needs views of its own
+
+ private:
+  struct Found {
+    std::shared_ptr<const radiometry::render::Renderer::Known> known{};
+    std::vector<radiometry::render::Camera> looked_from{};
+  };
+
+  std::vector<radiometry::render::Camera> looked_from_{};
+  std::atomic<bool> enough_{false}, ended_{false};
+  std::future<Found> found_{};
+};
+
+namespace render = radiometry::render;
+
+void LookAhead::begin(std::vector<render::Camera> cameras, std::function<std::unique_ptr<Light>()> make) {
+  enough_ = false;
+  found_ = std::async(std::launch::async, [this, cameras = std::move(cameras), make = std::move(make)] {
+    const mtf::StopScope scope(&ended_);
+    Found found;
+    const std::unique_ptr<Light> copy = make();
+    for (const render::Camera& camera : cameras) {
+      try {
+        require_above_ground(copy->scene, camera.position);
+        copy->renderer->render(camera);
+      } catch (const mtf::UsageError&) {  // there is no picture from there
+      }
+      found.looked_from.push_back(camera);
+      if (enough_) break;  // not before the first one: frame after frame, all of them have their turn
+    }
+    found.known = copy->renderer->known();
+    return found;
+  });
+}
+
+void LookAhead::take(render::Renderer& renderer) {
+  if (!found_.valid() || found_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return;
+  try {
+    Found found = found_.get();
+    renderer.learn(*found.known);
+    looked_from_.insert(looked_from_.end(), found.looked_from.begin(), found.looked_from.end());
+  } catch (const std::exception&) {  // such as too little memory for a copy: frames do without
+  }
+}
+
+bool LookAhead::has_seen(const render::Camera& camera, double near_m) const {
+  using radiometry::scene::operator-;
+  constexpr double kSameDirection = 0.999;
+  return std::any_of(looked_from_.begin(), looked_from_.end(), [&](const render::Camera& other) {
+    return radiometry::scene::length(camera.position - other.position) < near_m &&
+           radiometry::scene::dot(camera.ahead, other.ahead) > kSameDirection && camera.step_x == other.step_x &&
+           camera.step_y == other.step_y && camera.width == other.width && camera.height == other.height;
+  });
+}
 
 namespace render = radiometry::render;
 

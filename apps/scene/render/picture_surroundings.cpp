@@ -7,7 +7,6 @@
 #include "apps/text/message_words.h"
 #include "mtf/error.h"
 #include "radiometry/atmosphere/sky_radiance.h"
-#include "radiometry/weather/instant.h"
 
 namespace apps::scene {
 namespace {

@@ -2,7 +2,6 @@
 #include "apps/scene/render/side_temperatures.h"
 
 #include <algorithm>
-#include <cmath>
 #include <filesystem>
 #include <limits>
 

@@ -4,12 +4,10 @@
 
 #include <algorithm>
 #include <charconv>
-#include <cmath>
 
 #include "apps/scene/scene_file/scene_reader.h"
 #include "apps/scene/weather/si_units.h"
 #include "mtf/io/config/config_text.h"
-#include "mtf/io/file_checks.h"
 #include "mtf/units.h"
 
 namespace apps::scene {

@@ -5,7 +5,6 @@
 // (scene_sections.h); what no row says follows by hand. As with sensor files nothing throws for what is in the text;
 // everything wrong is collected with its place.
 
-#include <map>
 #include <optional>
 #include <set>
 #include <string>

@@ -3,7 +3,6 @@
 
 // The published formats that parse_weather tells apart, one function each, and what they share.
 
-#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>

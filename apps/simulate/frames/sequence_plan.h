@@ -10,9 +10,6 @@
 // needs few plans. A change of parameters remakes the lists that changed and shares the rest (SensorPlan::with).
 
 #include <memory>
-#include <optional>
-#include <string>
-#include <vector>
 
 #include "apps/simulate/frames/sensor_frame.h"
 #include "apps/simulate/simulate_options.h"

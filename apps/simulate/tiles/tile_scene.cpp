@@ -7,7 +7,7 @@
 #include <cstdio>
 
 #include "apps/sensor/sensor_chain.h"
-#include "apps/simulate/simulate_parts.h"
+#include "apps/simulate/sensor_run.h"
 #include "apps/text/message_words.h"
 #include "mtf/error.h"
 #include "mtf/version.h"

@@ -2,7 +2,9 @@
 #include "apps/study/design/metric_list.h"
 
 #include <algorithm>
+#include <array>
 #include <charconv>
+#include <vector>
 
 #include "apps/study/design/metric_rows.h"
 #include "mtf/units.h"

@@ -3,7 +3,6 @@
 
 // The rows of the catalogue of metric_list.h, for the code that computes the metrics.
 
-#include <array>
 #include <optional>
 #include <span>
 #include <string_view>

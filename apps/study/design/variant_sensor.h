@@ -4,8 +4,6 @@
 // The sensor of a study for one choice on each of its discrete axes. Its numbers can be set: it holds the system with
 // its band weighted by electrons, the spectra of the budget, and the place of each parameter of the study.
 
-#include <map>
-#include <memory>
 #include <string>
 #include <vector>
 

@@ -9,7 +9,6 @@
 #include "apps/text/json.h"
 #include "mtf/error.h"
 #include "mtf/io/atomic_file.h"
-#include "mtf/io/file_checks.h"
 #include "mtf/io/sha256.h"
 #include "mtf/io/temporaries.h"
 

@@ -3,8 +3,6 @@
 
 // Run time and realised error of a study at each tolerance: a sample of its designs, evaluated from loose to tight.
 
-#include <memory>
-
 #include "apps/study/design/evaluator.h"
 
 namespace study {

@@ -6,7 +6,6 @@
 // a wrong E shows in both. Rounded images without noise have means off by up to half a step at any d: their share is
 // added to the variance of a mean, and so is what tables and quadratures leave, 1e-6 of the contrast.
 
-#include <optional>
 #include <span>
 #include <vector>
 

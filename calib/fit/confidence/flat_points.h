@@ -12,7 +12,6 @@
 // The information of the parameter alone, S(u) at the distance u from the point, shows this: it is constant where the
 // effect grows in proportion, and falls with u^(2p - 2) where it grows as u^p.
 
-#include <optional>
 #include <vector>
 
 #include "calib/fit/fit_report.h"

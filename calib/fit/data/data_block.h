@@ -6,8 +6,6 @@
 
 #include <cmath>
 #include <cstdint>
-#include <span>
-#include <vector>
 
 #include "calib/fit/normal_matrix.h"
 #include "calib/fit/sensors.h"

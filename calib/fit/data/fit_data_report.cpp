@@ -2,6 +2,7 @@
 
 // Residuals set by set, and the verdict on the model.
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdio>

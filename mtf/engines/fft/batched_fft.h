@@ -8,7 +8,6 @@
 // forwards, in time backwards), a part that fits the first-level cache at a time. Frequencies stay where the
 // steps leave them, k at row place(k); the caller reads them there. Other lengths go to FFTW, where place(k) = k.
 
-#include <array>
 #include <cstdint>
 #include <memory>
 #include <span>

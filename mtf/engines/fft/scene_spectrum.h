@@ -7,7 +7,6 @@
 // largest corner of a cell. Frequencies that alias onto one another add as amplitudes at worst: the rms of each alias
 // zone is taken, and the zones add linearly (Minkowski).
 
-#include <functional>
 #include <memory>
 #include <span>
 #include <vector>

@@ -31,7 +31,6 @@
 
 #include <array>
 #include <memory>
-#include <optional>
 #include <vector>
 
 #include "mtf/engines/buffer_pool.h"

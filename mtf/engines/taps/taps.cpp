@@ -2,7 +2,6 @@
 #include "mtf/engines/taps/taps.h"
 
 #include <algorithm>
-#include <cmath>
 #include <numeric>
 
 #include "mtf/engines/kernels.h"

@@ -3,7 +3,6 @@
 
 // PNG files chunk by chunk, without decoding pixels (format: PNG specification, ISO/IEC 15948).
 
-#include <cstdint>
 #include <string>
 #include <vector>
 

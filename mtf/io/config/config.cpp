@@ -8,7 +8,6 @@
 #include "mtf/error.h"
 #include "mtf/io/config/config_reader.h"
 #include "mtf/io/csv/curve_csv.h"
-#include "mtf/io/file_checks.h"
 #include "mtf/io/sha256.h"
 
 namespace mtf::io {

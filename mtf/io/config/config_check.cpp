@@ -4,8 +4,6 @@
 // first, so that one bad table does not hide what is wrong in the others, and findings that only repeat a cause are
 // left out.
 
-#include <algorithm>
-
 #include "mtf/io/config/config_reader.h"
 
 namespace mtf::io::cfg {

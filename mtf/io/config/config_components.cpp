@@ -4,7 +4,6 @@
 
 #include <algorithm>
 
-#include "mtf/error.h"
 #include "mtf/io/config/config_reader.h"
 #include "mtf/words.h"
 

@@ -2,8 +2,6 @@
 
 // rms = { value = "8 urad", fit = true, min = "0 urad", max = "50 urad", prior = { mean, sd }, stderr = "0.1 urad" }
 
-#include <cmath>
-
 #include "mtf/io/config/config_reader.h"
 
 namespace mtf::io::cfg {

@@ -8,7 +8,6 @@
 #include <algorithm>
 #include <cctype>
 #include <charconv>
-#include <new>
 #include <sstream>
 
 #include "mtf/io/config/config_text.h"

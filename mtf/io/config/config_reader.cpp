@@ -2,8 +2,6 @@
 #include "mtf/io/config/config_reader.h"
 
 #include <algorithm>
-#include <cmath>
-#include <filesystem>
 #include <tuple>
 
 #include "mtf/error.h"

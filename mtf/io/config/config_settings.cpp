@@ -3,7 +3,6 @@
 // Tables of the file that other libraries own (mtf/settings.h): read by their rows, kept as values.
 
 #include <algorithm>
-#include <limits>
 
 #include "mtf/error.h"
 #include "mtf/io/config/config_reader.h"

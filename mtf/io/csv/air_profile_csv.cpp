@@ -7,7 +7,6 @@
 
 #include "mtf/error.h"
 #include "mtf/io/csv/csv_numbers.h"
-#include "mtf/io/file_checks.h"
 #include "mtf/units.h"
 
 namespace mtf::io {

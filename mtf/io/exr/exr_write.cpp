@@ -14,7 +14,6 @@
 
 #include <algorithm>
 #include <exception>
-#include <limits>
 #include <set>
 #include <thread>
 

@@ -17,8 +17,7 @@ namespace radiometry {
 /// In this order they are the table of the stages.
 std::span<const StageRow> optics_rows();
 std::span<const StageRow> light_rows();
-std::span<const StageRow> pixel_rows();
-std::span<const StageRow> noise_rows();
+std::span<const StageRow> charge_rows();
 std::span<const StageRow> count_rows();
 
 using System = mtf::System<double>;

@@ -3,8 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
+
+#include "radiometry/heat/depth/elimination.h"
 
 namespace radiometry::heat {
 namespace {

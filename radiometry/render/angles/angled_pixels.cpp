@@ -2,7 +2,6 @@
 
 // Pixels of surfaces whose radiance depends on the angle: angular_finishes.h has the sum.
 
-#include <array>
 #include <cmath>
 
 #include "mtf/parallel.h"

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "radiometry/render/angles/angular_finishes.h"
 
-#include <algorithm>
-
 #include "radiometry/render/angles/mirror_rays.h"
 
 namespace radiometry::render {

@@ -2,6 +2,7 @@
 #include "radiometry/scene/repair/facet_polygon.h"
 
 #include <algorithm>
+#include <limits>
 
 namespace radiometry::scene {
 

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
-#include <type_traits>
 
 #include "mtf/math/clones.h"
 #include "mtf/parallel.h"

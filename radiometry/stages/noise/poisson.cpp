@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "radiometry/stages/noise/poisson.h"
 
+#include <cmath>
 #include <limits>
 #include <numbers>
 

@@ -9,8 +9,6 @@
 // up to 1/s^4. What it leaves is below poisson_guess_error; a guess closer than that to an integer is decided by the
 // distribution function itself, summed to the precision of a double.
 
-#include <cmath>
-
 #include "radiometry/stages/noise/random.h"
 
 namespace radiometry {

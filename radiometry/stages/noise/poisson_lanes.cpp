@@ -2,7 +2,6 @@
 // Poisson numbers of many pixels: single precision decides nearly all of them, double precision those that it leaves in
 // doubt, and poisson_exact the few that are in doubt then; the numbers are those of poisson_exact.
 
-#include <algorithm>
 #include <bit>
 #include <cmath>
 

@@ -2,7 +2,6 @@
 #include "radiometry/stages/optics/vignetting.h"
 
 #include <algorithm>
-#include <cmath>
 #include <vector>
 
 #include "mtf/parallel.h"

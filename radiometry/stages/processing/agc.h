@@ -9,7 +9,6 @@
 // Display levels are linear numbers from 0 to the largest; rounding to integers is left to the file that is written.
 
 #include <array>
-#include <cstdint>
 #include <span>
 #include <string_view>
 #include <vector>

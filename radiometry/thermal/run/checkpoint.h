@@ -6,7 +6,6 @@
 // Facets, weather, rays and units are made anew: they follow from the inputs, bit by bit. So a run that was interrupted
 // and continued has the numbers of one that was not.
 
-#include <string>
 #include <vector>
 
 #include "radiometry/thermal/heat_batches.h"

@@ -10,7 +10,6 @@
 #include <numbers>
 
 #include "apps/scene/fit/heat_fit.h"
-#include "mtf/error.h"
 #include "radiometry/weather/instant.h"
 #include "tests/apps/scene/weather_texts.h"
 #include "tests/apps/study/temp_folder.h"

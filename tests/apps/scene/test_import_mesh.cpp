@@ -4,7 +4,6 @@
 #include <sys/stat.h>
 
 #include <cmath>
-#include <set>
 
 #include "import_checks.h"
 #include "tests/expect_error.h"

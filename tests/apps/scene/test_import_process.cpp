@@ -9,7 +9,6 @@
 #include <thread>
 
 #include "apps/scene/import/import_mesh.h"
-#include "apps/scene/import/import_process.h"
 #include "mesh_samples.h"
 #include "mtf/error.h"
 #include "tests/expect_error.h"

@@ -14,8 +14,6 @@
 #include "apps/scene/outputs/npy_file.h"
 #include "apps/sensor/sensor_chain.h"
 #include "apps/simulate/simulate.h"
-#include "mtf/error.h"
-#include "radiometry/weather/instant.h"
 #include "tests/apps/plates_case.h"
 #include "tests/expect_error.h"
 #include "tests/replaced.h"

@@ -5,7 +5,6 @@
 
 #include "apps/scene/scene_file/demo_scene_text.h"
 #include "apps/scene/scene_file/scene_file.h"
-#include "apps/scene/weather/weather_csv.h"
 #include "radiometry/light/blackbody.h"
 #include "radiometry/light/constants.h"
 #include "radiometry/weather/instant.h"

@@ -4,11 +4,9 @@
 // Small weather files of each format for tests, and the shared measured ones.
 
 #include <array>
-#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
-#include <functional>
 #include <string>
 
 #include "mtf/error.h"

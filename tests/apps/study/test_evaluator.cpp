@@ -6,7 +6,6 @@
 
 #include "apps/sensor/otf_curves.h"
 #include "apps/sensor/sensor_chain.h"
-#include "mtf/error.h"
 #include "mtf/metrics/resolution.h"
 #include "tests/apps/study/evaluated.h"
 #include "tests/apps/study/satellite.h"

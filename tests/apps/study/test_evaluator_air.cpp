@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "apps/sensor/sensor_air.h"
+#include "apps/sensor/sensor_chain.h"
 #include "mtf/metrics/resolution.h"
 #include "tests/apps/study/evaluated.h"
 

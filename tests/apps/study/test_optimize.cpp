@@ -8,7 +8,6 @@
 #include <numbers>
 
 #include "apps/study/optimum/optimize.h"
-#include "mtf/error.h"
 #include "tests/apps/study/study_files.h"
 #include "tests/expect_error.h"
 

@@ -4,11 +4,9 @@
 
 #include <map>
 
-#include "apps/sensor/air_course.h"
-#include "apps/sensor/sensor_air.h"
+#include "apps/sensor/sensor_chain.h"
 #include "mtf/metrics/resolution.h"
 #include "radiometry/chain/sensor_budget.h"
-#include "radiometry/light/blackbody.h"
 #include "radiometry/performance/target_at_range.h"
 #include "tests/apps/study/evaluated.h"
 #include "tests/apps/study/range_camera.h"

@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "calib/fit/parameter_site.h"
-#include "mtf/error.h"
 #include "tests/apps/study/study_files.h"
 #include "tests/expect_error.h"
 #include "tests/replaced.h"

@@ -3,8 +3,6 @@
 
 #include <gtest/gtest.h>
 
-#include <cmath>
-
 #include "apps/study/statistics/tally.h"
 
 namespace {

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "mtf/math/special.h"
 #include "tests/mtf/components/one_component.h"
 
 namespace mtf::test {

@@ -2,7 +2,6 @@
 // What every component keeps, in double and in float, over its whole range of parameters.
 #include <gtest/gtest.h>
 
-#include <limits>
 #include <set>
 
 #include "mtf/components/conformance/properties.h"

@@ -4,7 +4,6 @@
 
 #include <complex>
 
-#include "mtf/math/special.h"
 #include "mtf/plan/sensor_plan.h"
 #include "tests/mtf/components/one_component.h"
 

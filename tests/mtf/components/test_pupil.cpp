@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <iostream>
 #include <set>
 
 #include "mtf/components/pupil/pupil.h"

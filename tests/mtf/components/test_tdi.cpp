@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
-#include <limits>
-
 #include "mtf/math/special.h"
 #include "tests/mtf/components/one_component.h"
 

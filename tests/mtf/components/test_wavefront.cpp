@@ -5,8 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <complex>
-#include <set>
-#include <sstream>
 
 #include "mtf/components/pupil/defocus_pupil.h"
 #include "mtf/components/pupil/wavefront_pupil.h"

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
-#include "mtf/error.h"
 #include "mtf/io/csv/air_profile_csv.h"
 #include "tests/expect_error.h"
 #include "tests/mtf/io/io_test_files.h"

@@ -3,9 +3,7 @@
 
 #include <unistd.h>
 
-#include <bit>
 #include <cmath>
-#include <cstdint>
 #include <filesystem>
 #include <fstream>
 #include <random>

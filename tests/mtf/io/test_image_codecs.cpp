@@ -3,8 +3,8 @@
 #include <png.h>
 #include <tiffio.h>
 
-#include <cmath>
 #include <cstdlib>
+#include <filesystem>
 #include <limits>
 
 #include "io_test_files.h"

@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cmath>
 #include <functional>
 
-#include "mtf/error.h"
 #include "radiometry/atmosphere/range_table.h"
 #include "radiometry/atmosphere/sky_radiance.h"
 #include "tests/expect_error.h"

@@ -7,13 +7,11 @@
 #include <fstream>
 #include <numbers>
 #include <string>
-#include <vector>
 
 #include "mtf/error.h"
 #include "mtf/io/csv/csv_cells.h"
 #include "radiometry/weather/clear_sky.h"
 #include "radiometry/weather/sky.h"
-#include "radiometry/weather/sun.h"
 
 namespace radiometry::heat {
 namespace {

@@ -4,9 +4,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <limits>
-#include <numbers>
-#include <random>
 
 #include "radiometry/weather/demo_weather.h"
 #include "radiometry/weather/instant.h"

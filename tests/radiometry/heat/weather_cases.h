@@ -4,7 +4,6 @@
 // Short records of weather at one place.
 
 #include <numbers>
-#include <string>
 #include <utility>
 #include <vector>
 

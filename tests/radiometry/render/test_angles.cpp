@@ -7,7 +7,6 @@
 #include <cmath>
 
 #include "mtf/error.h"
-#include "radiometry/light/constants.h"
 #include "render_cases.h"
 
 namespace radiometry::render::test {

@@ -5,7 +5,6 @@
 #include <gtest/gtest.h>
 
 #include <limits>
-#include <numeric>
 
 #include "tests/expect_error.h"
 #include "tests/radiometry/scene/scene_cases.h"

@@ -7,8 +7,6 @@
 
 #include <gtest/gtest.h>
 
-#include <map>
-
 #include "radiometry/scene/table_error.h"
 #include "tests/expect_error.h"
 #include "tests/radiometry/scene/scene_cases.h"

@@ -13,7 +13,6 @@
 #include "radiometry/light/constants.h"
 #include "radiometry/thermal/run/heat_run.h"
 #include "radiometry/weather/instant.h"
-#include "radiometry/weather/sky.h"
 #include "tests/expect_error.h"
 
 namespace radiometry::thermal {

@@ -6,7 +6,6 @@
 // morph targets with a weight, instances, extensions that the file requires. What else is left out is noted.
 
 #include <filesystem>
-#include <string>
 #include <string_view>
 
 #include "radiometry/scene/mesh.h"

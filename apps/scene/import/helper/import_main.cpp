@@ -12,7 +12,6 @@
 #include <csignal>
 #include <exception>
 #include <new>
-#include <optional>
 #include <stdexcept>
 #include <string_view>
 
