@@ -7,10 +7,12 @@
 namespace radiometry::thermal {
 namespace {
 
-bool is_whole(const heat::Grid& grid, std::size_t layers) {
+/// A shortened chain has no depths (radiometry/heat/depth/short_chain.h); layers that generate heat need them.
+bool is_whole(const heat::Grid& grid, const heat::Construction& construction) {
   const std::size_t nodes = grid.nodes();
-  return nodes > 0 && grid.conductance.size() + 1 == nodes && grid.depth_m.size() == nodes &&
-         grid.layer_m.size() == nodes * layers;
+  const bool chain = grid.depth_m.empty() && grid.layer_m.empty() && !construction.generates;
+  return nodes > 0 && grid.conductance.size() + 1 == nodes &&
+         (chain || (grid.depth_m.size() == nodes && grid.layer_m.size() == nodes * construction.layers.size()));
 }
 
 /// Whether a state is one of so many facets on the grids of its batch.
@@ -50,7 +52,7 @@ void HeatBatches::restore(const SavedBatches& saved, const Window& window) {
     Batch& batch = batches_[b];
     const SavedBatch& from = saved.batch[b];
     for (const heat::Grid* grid : {&from.fine, &from.coarse})
-      if (!is_whole(*grid, batch.all.heat.construction.layers.size())) damaged_checkpoint();
+      if (!is_whole(*grid, batch.all.heat.construction)) damaged_checkpoint();
     if (!fits(from.all, from, batch.all.unit.size()) || !fits(from.sample, from, batch.sample.unit.size()) ||
         !fits(from.promise, from, batch.promise.unit.size()))
       damaged_checkpoint();

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <numbers>
 
 #include "radiometry/light/constants.h"
 #include "radiometry/thermal/run/heat_run.h"
@@ -17,8 +18,6 @@
 
 namespace radiometry::thermal {
 namespace {
-
-using test::expect_refused;
 
 const double kStart = heat::instant_of({2026, 6, 21}, 0.0);
 constexpr double kAir_k = 288.15, kSky_w_m2 = 300.0, kFilm_w_m2_k = 14.0, kEmissivity = 0.9;
@@ -105,6 +104,62 @@ TEST(ThermalScene, GivenTemperaturesAreTaken) {
     EXPECT_NEAR(kelvin[2 * i], 300.0 + 6.0 * static_cast<double>(i), 1e-9);
     EXPECT_NEAR(kelvin[2 * i + 1], 310.0, 1e-9);
   }
+}
+
+/// A wall of brick that stands from south to north, through which heat passes, under two days of sun.
+ThermalScene wall() {
+  using enum heat::WeatherQuantity;
+  ThermalScene scene = plates();
+  const scene::Mesh mesh{
+      .vertices = {{0, 0, 0}, {0.1, 0, 0}, {0.1, 4, 0}, {0, 4, 0}, {0, 0, 2}, {0.1, 0, 2}, {0.1, 4, 2}, {0, 4, 2}},
+      .corners = {4, 5, 6, 7, 3, 2, 1, 0, 0, 1, 5, 4, 1, 2, 6, 5, 2, 3, 7, 6, 3, 0, 4, 7},
+      .first = {0, 4, 8, 12, 16, 20, 24},
+      .group = std::vector<std::uint32_t>(6, 0),
+      .material = std::vector<std::uint32_t>(6, 0),
+      .group_names = {""},
+      .material_names = {""}};
+  const scene::PlacedMesh placed{"wall", &mesh};
+  scene.facets = scene::facets_of({&placed, 1});
+  scene.region_of.assign(6, 0);
+  scene.regions.resize(1);
+  Material& brick = scene.materials[0];
+  brick.construction.layers = {{0.8, 1700.0, 850.0, 0.1}};
+  brick.construction.inside = heat::Sheet{kEmissivity, brick.construction.convection};
+  brick.back_solar_absorptance = brick.solar_absorptance;
+  brick.pair_m = 0.2;
+  heat::Weather weather{.source = "two days", .time_s = {}, .values = {}};
+  for (int hour = 0; hour <= 48; ++hour) {
+    const double sun = std::max(0.0, -std::cos(2.0 * std::numbers::pi * hour / 24.0));
+    weather.time_s.push_back(kStart + 3600.0 * hour);
+    weather[air_temperature].push_back(kAir_k + 6.0 * sun);
+    weather[wind_speed].push_back(2.0);
+    weather[direct_normal].push_back(800.0 * std::sqrt(sun));
+    weather[diffuse_horizontal].push_back(100.0 * sun);
+    weather[longwave_down].push_back(kSky_w_m2);
+  }
+  scene.weather = make_series(weather, scene.place);
+  scene.end_s = kStart + 2.0 * heat::kDay_s;
+  return scene;
+}
+
+// What goes on from the first day has all the numbers of what was not interrupted. The ends of the wall are solved as
+// shortened chains, whose nodes have no depths.
+TEST(ThermalScene, ARunGoesOnAfterADay) {
+  HeatOptions options{.tolerance_k = 0.3};
+  const HeatScene scene = prepare_heat(wall(), options);
+  std::vector<double> whole, parts;
+  const auto into = [](std::vector<double>& kelvin) {
+    return [&kelvin](const HeatOutput& at) { kelvin.insert(kelvin.end(), at.front_k.begin(), at.front_k.end()); };
+  };
+  run_heat(scene, options, into(whole));
+  options.go_on = [] { return false; };
+  const HeatReport first = run_heat(scene, options, into(parts));
+  ASSERT_TRUE(first.checkpoint);
+  ASSERT_LT(parts.size(), whole.size());
+  options.from = &*first.checkpoint;
+  options.go_on = {};
+  run_heat(scene, options, into(parts));
+  EXPECT_EQ(parts, whole);
 }
 
 TEST(ThermalScene, WhatIsNoSceneIsRefused) {
