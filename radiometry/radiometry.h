@@ -8,7 +8,6 @@
 #include "radiometry/light/band_response.h"
 #include "radiometry/light/blackbody.h"
 #include "radiometry/light/constants.h"
-#include "radiometry/light/path.h"
 #include "radiometry/light/signal.h"
 #include "radiometry/light/spectral_signal.h"
 #include "radiometry/light/spectrum.h"
@@ -44,12 +43,14 @@
 // Weather, sun and surface temperatures.
 #include "radiometry/heat/convection.h"
 #include "radiometry/heat/solve.h"
+#include "radiometry/thermal/heat_scene.h"
 #include "radiometry/thermal/run/heat_run.h"
 #include "radiometry/thermal/thermal_scene.h"
 #include "radiometry/weather/clear_sky.h"
 #include "radiometry/weather/instant.h"
 #include "radiometry/weather/sun.h"
 #include "radiometry/weather/weather.h"
+#include "radiometry/weather/weather_series.h"
 
 // Scenes of facets and their pictures.
 #include "radiometry/render/layers/layer_picture.h"

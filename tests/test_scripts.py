@@ -77,17 +77,19 @@ class Layering(unittest.TestCase):
                 (root / f"mtf/plan/part{number}.h").write_text(SPDX, encoding="utf-8")
             self.assertEqual(len(layering.check(root)), 3)
 
-    def test_an_installed_header_includes_none_that_stays_behind(self):
+    def test_what_users_are_shown_is_public(self):
         with tempfile.TemporaryDirectory() as name:
             root = Path(name)
             (root / "mtf").mkdir()
-            (root / "mtf/README.md").write_text("# mtf\n", encoding="utf-8")
-            (root / "mtf/a.h").write_text(SPDX + '#include "mtf/b.h"\n', encoding="utf-8")
-            (root / "mtf/b.h").write_text(SPDX, encoding="utf-8")
-            (root / "mtf/CMakeLists.txt").write_text("# SPDX-License-Identifier: Apache-2.0\nmtfkit_install_headers(mtf INTERNAL b.h)\n", encoding="utf-8")
+            (root / "mtf/README.md").write_text('# mtf\n```cpp\n#include "mtf/a.h"\n```\n', encoding="utf-8")
+            (root / "mtf/a.h").write_text(SPDX, encoding="utf-8")
+            (root / "mtf/mtf.h").write_text(SPDX, encoding="utf-8")
             self.assertEqual(len(layering.check(root)), 1)
-            (root / "mtf/CMakeLists.txt").write_text("# SPDX-License-Identifier: Apache-2.0\nmtfkit_install_headers(mtf)\n", encoding="utf-8")
+            (root / "mtf/mtf.h").write_text(SPDX + '#include "mtf/a.h"\n', encoding="utf-8")
             self.assertEqual(layering.check(root), [])
+            many = "".join(f'#include "mtf/b{number}.h"\n' for number in range(layering.MOST_PUBLIC))
+            (root / "mtf/mtf.h").write_text(SPDX + '#include "mtf/a.h"\n' + many, encoding="utf-8")
+            self.assertEqual(len(layering.check(root)), 1)
 
     def test_an_empty_tree_is_not_a_pass(self):
         with tempfile.TemporaryDirectory() as folder:

@@ -80,7 +80,6 @@ std::string tape7_text(const air::SpectralPath<double>& path, const std::string&
   return text + " -9999.\n";
 }
 
-namespace air = radiometry::atmosphere;
 using radiometry::Interval;
 
 constexpr double kTableError = 1e-4, kNearest = 1e-2;  // of a table up to --range

@@ -99,8 +99,6 @@ void add_light(py::module_& module) {
 
 namespace {
 
-namespace py = pybind11;
-
 radiometry::NoiseKey key_of(std::uint64_t seed, std::int64_t frame) {
   if (frame < 0 || frame > 0x7fffffff)
     throw mtf::UsageError("frame " + std::to_string(frame) + ": noise is numbered from 0 to 2147483647");

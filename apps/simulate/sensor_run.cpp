@@ -225,9 +225,12 @@ bool same_correction(const mtf::io::SensorConfig& a, const mtf::io::SensorConfig
 }
 
 bool nearly_same_correction(const mtf::io::SensorConfig& a, const mtf::io::SensorConfig& b) {
-  // The ring of narcissus and the light of a warm shutter are fixed patterns that follow the optics.
-  const mtf::SettingsTable* const detector = find_table(a.tables, "detector");
-  if (find_table(a.tables, "narcissus") != nullptr || (detector != nullptr && detector->find("shutter_temperature")))
+  // The ring of narcissus and the light of a warm shutter are fixed patterns that follow the optics, unequal dark
+  // current is one that follows the exposure.
+  const mtf::SettingsTable *const detector = find_table(a.tables, "detector"), *const unequal = find_table(
+                                                                                   a.tables, "nonuniformity");
+  if (find_table(a.tables, "narcissus") != nullptr || (detector != nullptr && detector->find("shutter_temperature")) ||
+      (unequal != nullptr && unequal->find("dcnu")))
     return false;
   const mtf::Frame<double>&first = a.system.frame, &second = b.system.frame;
   return first.pitch_x_um == second.pitch_x_um && first.pitch_y_um == second.pitch_y_um &&

@@ -143,8 +143,6 @@ void read_settings(StudyReader& s) {
 
 namespace {
 
-namespace cfg = mtf::io::cfg;
-using cfg::Node;
 using mtf::io::ConfigResult;
 
 /// Names of files in a study are relative to its folder; the reader of the sensor takes them relative to the sensor's.

@@ -104,8 +104,6 @@ void close_sweep_folder(const fs::path& folder) {
 
 namespace {
 
-namespace fs = std::filesystem;
-
 std::string bytes_of(const fs::path& file) {
   std::ifstream in(file, std::ios::binary);
   std::string bytes{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};

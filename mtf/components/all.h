@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// The closed list of components: the only registry. Included by component_impl.h and tests; others see Component<S>.
+// The closed list of components: the only registry. Included by component_impl.h, mtf/mtf.h and tests; others see
+// Component<S>.
 
 #include "mtf/components/accelerated_motion.h"
 #include "mtf/components/aerosol.h"

@@ -43,7 +43,7 @@ bool has_mean(const mtf::Image& map, const mtf::Statistics& measured, double exp
   return std::abs(measured.mean - expected) <= std::max(1e-3 * scale, sampling);
 }
 
-/// Part of the pixels whose dark charge alone, log-normal (dark_nonuniformity.h), takes them beyond the full well.
+/// Part of the pixels whose dark charge, log-normal (dark_nonuniformity.h), takes the mean signal beyond the full well.
 double filled_by_dark(const Sensor& sensor, const Budget<double>& budget) {
   const auto& unequal = sensor.settings.nonuniformity;
   const double dark_e = budget.signal.dark_e;
@@ -143,9 +143,10 @@ std::vector<std::string> budget_notes(const Sensor& sensor, const Budget<double>
         "[noise] shot = false leaves shot noise out of simulated frames; the budget counts it, as light and dark "
         "current have it whatever is simulated");
   if (const double share = filled_by_dark(sensor, budget); share > 3.2e-5 && !budget.saturation.saturated())
-    notes.push_back("nonuniformity.dcnu gives " + mtf::three_digits(1e2 * share) +
-                    " % of the pixels so much dark current that they fill the well; the figures are those of pixels "
-                    "that it leaves room");
+    notes.push_back(
+        "nonuniformity.dcnu gives " + mtf::three_digits(1e2 * share) +
+        " % of the pixels so much dark current that they fill the well; the figures are those of the pixels "
+        "for which it leaves room");
   const auto& thermal = sensor.settings.thermal;
   if (thermal && thermal->counts_per_k)
     notes.emplace_back(

@@ -40,9 +40,11 @@ double tile_bytes_a_pixel(const mtf::System<double>& system, const Sensor& senso
   const auto& unequal = s.nonuniformity;
   const bool corners = s.vignetting.has_value(), around = s.narcissus.has_value();
   const bool responsivity = unequal && (sensor.responsivity || unequal->prnu > 0.0);
-  const std::vector<StageRow> stages = stages_to_run(system, sensor);
-  const auto own =
-      static_cast<double>(std::ranges::count_if(stages, [](const StageRow& row) { return row.map != nullptr; }));
+  // Dark current of 0 has no stage, and all the same its map.
+  const bool dark = unequal && unequal->dcnu > 0.0;
+  const auto own = static_cast<double>(std::ranges::count_if(stage_table(), [&](const StageRow& row) {
+    return row.map != nullptr && (dark || row.words(system, sensor).on);
+  }));
   // The image, the map of a file that vignetting is cut from, the maps of pixel_maps(), and that of a shutter that
   // closes now and then.
   const bool shutter = s.thermal && s.thermal->shutter_k, closes = s.thermal && s.thermal->closes();

@@ -95,8 +95,6 @@ std::size_t adiabatic_twin(const HeatScene& scene, std::size_t material) {
   return twin;
 }
 
-namespace geometry = radiometry::scene;
-
 /// The backs of open surfaces that are no sheets are not solved: they stand in the light and at the temperature of
 /// their fronts. That is no matter where nothing sees them, as under terrain; else it is said.
 void warn_of_seen_backs(HeatScene& scene, int threads) {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "mtf/error.h"
@@ -170,17 +171,21 @@ Surroundings surroundings_of(const ThermalScene& scene, int directions, double t
   for (const double t : s.time_s) {
     const double utc = std::min(start + t, end);
     heat::WeatherAt at;
+    std::ranges::fill(at.value, std::numeric_limits<double>::quiet_NaN());
     for (const heat::WeatherQuantity quantity : wanted)
       at.value[static_cast<std::size_t>(quantity)] = value_at(weather, quantity, utc, heat::Limit::before);
     const heat::SunPosition sun = sun_position(utc, scene.place);
     const double up = sun.direction[2];
     s.air_k.push_back(at[air_temperature]);
-    s.vapour_pa.push_back(at[vapour_pressure]);
+    s.vapour_pa.push_back(std::isnan(at[vapour_pressure]) ? 0.0 : at[vapour_pressure]);
     s.wind_m_s.push_back(std::max(at[wind_speed], 0.0));
     s.direct_w_m2.push_back(up > -10.0 * kOnHorizon ? std::max(at[direct_normal], 0.0) : 0.0);
     s.diffuse_w_m2.push_back(std::max(at[diffuse_horizontal], 0.0));
     s.global_w_m2.push_back(s.direct_w_m2.back() * std::max(up, 0.0) + s.diffuse_w_m2.back());
     s.sky_longwave_w_m2.push_back(scene.sky.w_m2 ? scene.sky.w_m2(at) : at[longwave_down]);
+    if (!std::isfinite(s.sky_longwave_w_m2.back()))
+      throw mtf::UsageError(mtf::one_line(scene.name) + ": the sky's long-wave irradiance is not finite at " +
+                            heat::instant_text(utc) + "; LongwaveSky::columns names the columns that it reads");
     s.to_sun.push_back(heat::in_scene_axes(sun.direction, scene.north_rad));
   }
   s.shadow_entry = entries_of(s, scene);

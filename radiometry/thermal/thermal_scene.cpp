@@ -29,12 +29,19 @@ void require_times(const ThermalScene& scene, const std::string& where) {
   if (!(scene.step_s > 0.0 && steps > 0.5 && std::abs(steps - std::round(steps)) <= 1e-6))
     throw mtf::UsageError(where + "outputs every " + mtf::significant(scene.step_s, 6) +
                           " s do not divide the run of " + mtf::significant(span_s, 9) + " s; choose a divisor of it");
+  constexpr double kMost = 1e6;
+  if (steps > kMost)
+    throw mtf::UsageError(where + mtf::significant(steps, 3) + " outputs are more than " + mtf::significant(kMost, 7) +
+                          "; choose a longer step, or a shorter run");
 }
 
 void require_table(const ThermalScene& scene, const Region& region, const std::string& where) {
   const FacetTable& table = *region.table;
   const std::size_t facets = scene.facets.size(), rows = std::max<std::size_t>(table.time_s.size(), 1);
-  if (table.facets != facets || table.kelvin.size() != rows * facets || !std::ranges::is_sorted(table.time_s))
+  const auto rises = [](double a, double b) { return !(a < b); };  // so that neither NaN nor a time that repeats passes
+  if (table.facets != facets || table.kelvin.size() != rows * facets ||
+      std::ranges::adjacent_find(table.time_s, rises) != table.time_s.end() ||
+      !std::ranges::all_of(table.time_s, [](double t) { return std::isfinite(t); }))
     throw mtf::UsageError(where + ": its table has " + std::to_string(table.kelvin.size()) + " temperatures, where " +
                           std::to_string(rows) + " rising times of " + std::to_string(facets) + " facets are needed");
 }
@@ -54,6 +61,15 @@ void require_valid(const Material& material) {
     if (!(absorptance >= 0.0 && absorptance <= 1.0))
       throw mtf::UsageError(where + ": solar absorptance is " + mtf::significant(absorptance, 6) +
                             ", has to be between 0 and 1");
+  if (!(material.pair_m >= 0.0 && std::isfinite(material.pair_m)) || (material.pair_m > 0.0 && !c.is_sheet()))
+    throw mtf::UsageError(where + ": the longest distance of opposite faces is " +
+                          mtf::significant(material.pair_m, 6) +
+                          " m; it has to be above 0 for walls whose inside is a sheet, and 0 for all others");
+  for (const double source : {material.source_w_m2, material.back_source_w_m2})
+    if (!std::isfinite(source) || (c.generates && source != 0.0))
+      throw mtf::UsageError(where + ": heat of " + mtf::significant(source, 6) +
+                            " W/m2 comes out of its layers; it has " +
+                            (c.generates ? "to be 0 beside `sources`" : "to be finite"));
   const bool driven = !std::holds_alternative<heat::Adiabatic>(c.inside) && !c.is_sheet();
   if (driven == material.inside.value.empty())
     throw mtf::UsageError(where + (driven ? ": its inside needs a schedule of temperature or flux"
@@ -139,6 +155,8 @@ void require_valid(const ThermalScene& scene) {
     const std::string name = "region '" + mtf::one_line(region.name) + "'";
     require_surface(name, region.material, region.is_given());
     if (region.table) require_table(scene, region, where + name);
+    if (region.table && !region.temperature.value.empty())
+      refuse(name + " has a temperature and a table; remove one of them");
   }
   if (scene.ground) require_surface("the ground", scene.ground->material, !scene.ground->temperature.value.empty());
   for (const heat::Schedule* schedule : scene.temperature_schedules())
@@ -148,9 +166,15 @@ void require_valid(const ThermalScene& scene) {
     if (scene.region_of[f] >= scene.regions.size())
       refuse("facet " + std::to_string(f) + of_count(scene.region_of[f], scene.regions.size(), "region"));
     const Region& region = scene.regions[scene.region_of[f]];
-    if (region.table && std::isnan(region.table->mean(f)))
-      throw mtf::UsageError(mtf::one_line(region.table->source) + ": facet " + std::to_string(f) + " of region '" +
-                            mtf::one_line(region.name) + "' has no temperature");
+    if (!region.table) continue;
+    const std::vector<float>& kelvin = region.table->kelvin;
+    for (std::size_t i = f; i < kelvin.size(); i += facets)
+      if (!(kelvin[i] > 0.0F && std::isfinite(kelvin[i])))
+        throw mtf::UsageError(mtf::one_line(region.table->source) + ": facet " + std::to_string(f) + " of region '" +
+                              mtf::one_line(region.name) + "' has " +
+                              (std::isnan(kelvin[i])
+                                   ? "no temperature"
+                                   : mtf::significant(static_cast<double>(kelvin[i]), 4) + " K, which no surface has"));
   }
 }
 

@@ -42,8 +42,8 @@ struct Material {
 };
 
 /// Throws UsageError "material 'name': ..." for what heat::require_valid refuses, absorptances outside of 0 ... 1, an
-/// inside without its schedule, sources that are not one a layer, and what gives off next to nothing, whose temperature
-/// nothing determines.
+/// inside without its schedule, pairs of what is not a sheet, sources that are not one a layer, and what gives off next
+/// to nothing, whose temperature nothing determines.
 void require_valid(const Material& material);
 
 /// Temperatures of single facets from elsewhere, such as an earlier run.
@@ -110,8 +110,8 @@ struct ThermalScene {
 
 /// Throws UsageError, with the name of the scene: for no facets, or not one region for each; for regions, materials and
 /// ground that refer to what is not there, or have neither material nor temperature; for tables of another number of
-/// facets, or without one of their region; for an end before the start, and a step that does not divide the time
-/// between; and as require_valid of a material does.
+/// facets, or without one of their region; for an end before the start, a step that does not divide the time between,
+/// and more than a million outputs; and as require_valid of a material does.
 void require_valid(const ThermalScene& scene);
 
 }  // namespace radiometry::thermal

@@ -116,8 +116,6 @@ std::string LostBeam::text() const {
          one_digit(most_w_m2) + " W/m2, and what is too much is left out; are the times and the place right?";
 }
 
-using enum WeatherQuantity;
-
 constexpr double kMissing = std::numeric_limits<double>::quiet_NaN();
 constexpr std::array kLight{direct_normal, diffuse_horizontal, global_horizontal, solar_up};
 

@@ -55,6 +55,23 @@ TEST_F(LiveCorrection, AnEarlierCorrectionServesWhereOnlyLightHasChanged) {
   expect_own(live, other, earlier);
 }
 
+// What unequal dark current leaves follows the exposure, so that a correction of another camera does not serve.
+TEST_F(LiveCorrection, UnequalDarkCurrentHasItsOwn) {
+  using enum apps::CorrectionOf;
+  const auto with = [&](double f_number) {
+    SensorConfig made = camera(
+        "[nonuniformity]\ndcnu = 0.3\n[adc]\nbits = 14\n[noise]\nseed = 3\n"
+        "[correction]\nframes = 2\nlow = 0.2\nhigh = 0.8\n");
+    made.system.optics.f_number = f_number;
+    return made;
+  };
+  apps::LiveSimulation live(temperatures());
+  image(live, with(2.0), 0, earlier);
+  const SensorConfig darker = with(2.2);
+  EXPECT_LT(difference(image(live, darker, 0, earlier), alone(temperatures(), darker)), 1e-2);
+  EXPECT_FALSE(live.correction_lags());
+}
+
 // The shading that a correction takes away is that of its flat frames; its level is that of their mean.
 TEST_F(LiveCorrection, AnEarlierCorrectionKeepsItsShading) {
   using enum apps::CorrectionOf;

@@ -195,7 +195,6 @@ void draw_pictures(const std::string& path, std::span<const SensorPictureFile> p
 }
 
 using namespace scene;
-namespace fs = std::filesystem;
 namespace render = radiometry::render;
 
 render::LayerChoice layers_of(const std::vector<std::string>& names) {

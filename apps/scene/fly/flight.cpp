@@ -99,8 +99,6 @@ bool LookAhead::has_seen(const render::Camera& camera, double near_m) const {
   });
 }
 
-namespace render = radiometry::render;
-
 /// A picture that was made, kept for sensors that change while it does not.
 struct SeenPicture {
   render::Camera camera{};

@@ -29,7 +29,7 @@ struct PixelRange {
 /// Mean electrons of a pixel, and how they scatter.
 struct PixelScatter {
   double mean_e = 0.0;
-  double well_e = 0.0;       ///< rms in the well: shot noise, responsivity
+  double well_e = 0.0;       ///< rms in the well: shot noise, responsivity, dark charge
   double converter_e = 0.0;  ///< rms before the converter: all noise
 };
 

@@ -202,6 +202,24 @@ TEST(ThermalScene, WhatIsNoSceneIsRefused) {
   refused({"t: facet 1", "'right'", "no temperature"}, [](ThermalScene& s) {
     s.regions[1].table = FacetTable{"t", {}, 2, {300.0F, std::numeric_limits<float>::quiet_NaN()}};
   });
+  refused({"t: facet 1", "-5 K"}, [](ThermalScene& s) {
+    s.regions[1].table = FacetTable{"t", {}, 2, {300.0F, -5.0F}};
+  });
+  refused({"'right'", "2 rising times"}, [](ThermalScene& s) {
+    s.regions[1].table = FacetTable{"t", {1.0, 1.0}, 2, {300.0F, 300.0F, 300.0F, 300.0F}};
+  });
+  refused({"'right'", "remove one"}, [](ThermalScene& s) {
+    s.regions[1].table = FacetTable{"t", {}, 2, {300.0F, 300.0F}};
+    s.regions[1].temperature = heat::constant_schedule(300.0);
+  });
+  refused({"outputs", "longer step"}, [](ThermalScene& s) { s.step_s = (s.end_s - s.start_s) / 4e6; });
+  refused({"'paint'", "opposite faces", "sheet"}, [](ThermalScene& s) { s.materials[0].pair_m = 0.1; });
+  refused({"'paint'", "opposite faces", "nan"}, [](ThermalScene& s) { s.materials[0].pair_m = kNaN; });
+  refused({"'paint'", "W/m2", "finite"}, [](ThermalScene& s) { s.materials[0].source_w_m2 = kNaN; });
+  // A column that is read and not listed is no number.
+  refused({"plates", "long-wave", "LongwaveSky::columns"}, [](ThermalScene& s) {
+    s.sky.w_m2 = [](const heat::WeatherAt& at) { return at[heat::WeatherQuantity::cloud_cover]; };
+  });
 }
 
 }  // namespace
