@@ -36,7 +36,4 @@ std::string column_label(const SweepColumn& column);
 /// Values of a column at every row of the table, NaN where a cell is empty or no number.
 std::vector<double> column_values(const DesignTable& table, std::size_t column);
 
-/// Columns of numbers that charts offer, as metrics or axes.
-std::vector<std::size_t> numeric_columns(const Sweep& sweep);
-
 }  // namespace apps

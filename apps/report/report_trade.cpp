@@ -149,15 +149,6 @@ std::vector<double> column_values(const DesignTable& table, std::size_t column) 
   return values;
 }
 
-std::vector<std::size_t> numeric_columns(const Sweep& sweep) {
-  std::vector<std::size_t> columns;
-  for (std::size_t c = 0; c < sweep.columns.size(); ++c)
-    if (sweep.columns[c].gap.empty() && sweep.columns[c].levels.empty() && sweep.columns[c].role != "feasible" &&
-        sweep.columns[c].role != "pareto")
-      columns.push_back(c);
-  return columns;
-}
-
 std::string trade_section(const Sweep& sweep, const DesignTable& table) {
   return html_section("trade", "Trade space", subset_words(sweep, table),
                       html_chart("scatter", static_scatter(sweep, table)) + "<div id=\"filters\"></div>" +
