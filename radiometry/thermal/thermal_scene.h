@@ -10,6 +10,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -61,11 +62,11 @@ struct FacetTable {
 /// what they absorb and emit, and they are black without.
 struct Region {
   std::string name;
-  std::optional<std::size_t> material{};  ///< an index into ThermalScene::materials
-  heat::Schedule temperature{};           ///< K, of all its facets; empty where they are solved, or have a table
-  std::optional<FacetTable> table{};      ///< temperatures of single facets
+  std::optional<std::size_t> material{};      ///< an index into ThermalScene::materials
+  heat::Schedule temperature{};               ///< K, of all its facets; empty where they are solved, or have a table
+  std::shared_ptr<const FacetTable> table{};  ///< temperatures of single facets, which copies of a scene share
 
-  bool is_given() const { return table || !temperature.value.empty(); }
+  bool is_given() const { return table != nullptr || !temperature.value.empty(); }
   bool is_solved() const { return !is_given(); }
   /// The given temperature of a facet, K.
   double given_k(std::uint32_t facet, double utc_s) const;

@@ -259,7 +259,7 @@ void read_meshes(const SceneFile& file, ThermalScene& scene) {
 void read_tables(const SceneFile& file, ThermalScene& scene) {
   for (std::size_t r = 0; r < file.regions.size(); ++r)
     if (const auto& given = file.regions[r].temperature; given && !given->table.empty())
-      scene.regions[r].table = read_facet_table(given->table, scene.facets.size());
+      scene.regions[r].table = std::make_shared<const FacetTable>(read_facet_table(given->table, scene.facets.size()));
 }
 
 Surroundings surroundings_of(const SceneFile& file, int directions, double tolerance_k) {

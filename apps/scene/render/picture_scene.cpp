@@ -115,8 +115,6 @@ PictureSource::PictureSource(const SceneFile& file, PictureOptions options, std:
     }
     temperatures_.emplace(surfaces_, options_.temperatures);
   }
-  for (Region& region : surfaces_.regions)
-    if (region.table) region.table->kelvin = {};  // which `temperatures_` has
   set_finishes(file_, surfaces_, finishes_);
   timing_ms_.emplace_back("temperatures", opened.ms());
   const mtf::Stopwatch tree;

@@ -167,7 +167,7 @@ bool SideTemperatures::change() const {
   if (!state.times().empty()) return state.times().size() > 1;
   if (state.table) return state.table->time_s.size() > 1;
   return std::ranges::any_of(state.regions, [](const Region& region) {
-    return region.table || (region.is_given() && !region.temperature.constant());
+    return region.table != nullptr || (region.is_given() && !region.temperature.constant());
   });
 }
 

@@ -98,7 +98,8 @@ TEST(ThermalScene, GivenTemperaturesAreTaken) {
   ThermalScene scene = plates();
   scene.regions[0] = {.name = "left",
                       .temperature = heat::make_schedule("s", {kStart, kStart + heat::kDay_s}, {300, 324})};
-  scene.regions[1].table = FacetTable{"table", {}, 2, {std::numeric_limits<float>::quiet_NaN(), 310.0F}};
+  scene.regions[1].table =
+      std::make_shared<const FacetTable>(FacetTable{"table", {}, 2, {std::numeric_limits<float>::quiet_NaN(), 310.0F}});
   const std::vector<double> kelvin = solved(scene);
   for (std::size_t i = 0; i < 5; ++i) {
     EXPECT_NEAR(kelvin[2 * i], 300.0 + 6.0 * static_cast<double>(i), 1e-9);
@@ -197,19 +198,21 @@ TEST(ThermalScene, WhatIsNoSceneIsRefused) {
   refused({"0 K"}, [](ThermalScene& s) { s.regions[0].temperature = heat::constant_schedule(0.0); });
   refused({"plates", "not finite"}, [](ThermalScene& s) { s.regions[0].temperature = {"s", {0.0}, {kNaN}}; });
   refused({"'right'", "1 temperatures", "2 facets"}, [](ThermalScene& s) {
-    s.regions[1].table = FacetTable{"t", {}, 2, {300.0F}};
+    s.regions[1].table = std::make_shared<const FacetTable>(FacetTable{"t", {}, 2, {300.0F}});
   });
   refused({"t: facet 1", "'right'", "no temperature"}, [](ThermalScene& s) {
-    s.regions[1].table = FacetTable{"t", {}, 2, {300.0F, std::numeric_limits<float>::quiet_NaN()}};
+    s.regions[1].table =
+        std::make_shared<const FacetTable>(FacetTable{"t", {}, 2, {300.0F, std::numeric_limits<float>::quiet_NaN()}});
   });
   refused({"t: facet 1", "-5 K"}, [](ThermalScene& s) {
-    s.regions[1].table = FacetTable{"t", {}, 2, {300.0F, -5.0F}};
+    s.regions[1].table = std::make_shared<const FacetTable>(FacetTable{"t", {}, 2, {300.0F, -5.0F}});
   });
   refused({"'right'", "2 rising times"}, [](ThermalScene& s) {
-    s.regions[1].table = FacetTable{"t", {1.0, 1.0}, 2, {300.0F, 300.0F, 300.0F, 300.0F}};
+    s.regions[1].table =
+        std::make_shared<const FacetTable>(FacetTable{"t", {1.0, 1.0}, 2, {300.0F, 300.0F, 300.0F, 300.0F}});
   });
   refused({"'right'", "remove one"}, [](ThermalScene& s) {
-    s.regions[1].table = FacetTable{"t", {}, 2, {300.0F, 300.0F}};
+    s.regions[1].table = std::make_shared<const FacetTable>(FacetTable{"t", {}, 2, {300.0F, 300.0F}});
     s.regions[1].temperature = heat::constant_schedule(300.0);
   });
   refused({"outputs", "longer step"}, [](ThermalScene& s) { s.step_s = (s.end_s - s.start_s) / 4e6; });
