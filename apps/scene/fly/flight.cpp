@@ -22,7 +22,7 @@
 namespace apps::scene {
 namespace {
 
-// The views of sides that a camera will see, worked out beside frames in a copy of the scene, and taken over by the
+// The views of sides that a camera will see, worked out in the background in a copy of the scene, and taken over by the
 // renderer of the frames once they are there.
 
 class LookAhead {
@@ -166,7 +166,7 @@ struct Flight::State {
   void require_time(double utc_s) const;
   render::Camera camera(const PictureSensor& sensor, const CameraPlace& place, double samples_per_pitch) const;
   void set_light(const KnownSensor& sensor, double utc_s, bool may_lag, FlightFrame& frame);
-  /// Begins to make that light beside frames, unless another one is being made; with what the camera of the last
+  /// Begins to make that light in the background, unless another one is being made; with what the camera of the last
   /// picture sees in it, where `looked_at`: temperatures of another hour are other patches, which every side sees anew.
   void begin_light(const LightKey& key, const KnownSensor& sensor, bool looked_at);
   render::RenderedFrame rendered(const render::Camera& camera, int points);

@@ -9,9 +9,9 @@
 // Temperatures of surfaces, which are seen at once, are taken anew once the clock has moved by `temperatures_every_s`.
 // Of the sensor, plan and chain are made anew where a parameter is another one (LiveSimulation). Sides that were never
 // seen before get their views.
-// New light is made beside frames where prepare() says in time that it will be wanted; without it frames are the same
-// within the promise of their tables. Where somebody turns the clock by hand, frames may have the light of another time
-// until the one of theirs is there (FrameChoice::light_may_lag).
+// New light is made in the background where prepare() says in time that it will be wanted; without it frames are the
+// same within the promise of their tables. Where somebody turns the clock by hand, frames may have the light of another
+// time until the one of theirs is there (FrameChoice::light_may_lag).
 
 #include <memory>
 #include <optional>
@@ -40,8 +40,8 @@ struct FrameChoice {
   /// In place of those of the flight; plans of two pairs of them are kept.
   std::optional<double> samples_per_pitch{};
   std::optional<int> points{};  ///< of a sample (RenderOptions)
-  /// The light of the frame before will do, where it is of another time alone: the present one is made beside frames,
-  /// and frames take it once it is there.
+  /// The light of the frame before will do, where it is of another time alone: the present one is made in the
+  /// background, and frames take it once it is there.
   bool light_may_lag = false;
   CorrectionOf correction = CorrectionOf::first_image;
 };
@@ -72,10 +72,10 @@ class Flight {
   /// Begins to make the light of that time and sensor, where it is another than that of the last frame and none is
   /// being made.
   void prepare(const Sensor& sensor, double utc_s);
-  /// Begins to work out, beside frames, the views of the sides that are seen from these places, so that a camera which
-  /// goes there later does not wait for them. Places that see nothing, or where no camera can be, are passed over. The
-  /// next frame ends it, and has what has been worked out by then; it is the same without. Does nothing while light is
-  /// being made, and for places that were seen in this light.
+  /// Begins to work out, in the background, the views of the sides that are seen from these places, so that a camera
+  /// which goes there later does not wait for them. Places that see nothing, or where no camera can be, are passed
+  /// over. The next frame ends it, and has what has been worked out by then; it is the same without. Does nothing while
+  /// light is being made, and for places that were seen in this light.
   void look_ahead(std::span<const CameraPlace> places);
   /// `number`: of the frame, which is that of the noise. Sensors that are the same object are taken to be unchanged.
   /// Throws mtf::UsageError as picture_sensor, PictureSource::at, Renderer::render and LiveSimulation::image.
