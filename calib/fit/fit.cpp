@@ -235,7 +235,7 @@ FitResult fit_one(const FitData& data, std::span<const FitParameter> parameters,
     const bool bent = report_squares(problem, solved, solution.cost, progress.asks(), result);
     const bool judge = bent || !flat.empty();
     if (options.profile || judge)
-      report_intervals(problem, solved, flat, judge, solution.cost, progress.asks(), result);
+      report_intervals(problem, solved, flat, judge, solution.cost, mirrors, progress.asks(), result);
     report_mirrors(problem, solved, mirrors, flat, result);
     if (gain != nullptr) *gain = gain_of_last(problem, solved, solution.cost);
   }

@@ -237,6 +237,22 @@ TEST(FitMirrors, ADefocusMayBeZero) {
 // Beside a spherical aberration of 0.3 waves that is known a defocus is mirrored about -0.3, where both balance.
 TEST(FitMirrors, ACentreThatIsNot0) { expect_held(flat_study::out_of_focus_aberrated(-0.3), 2, 100, 100, 9); }
 
+// Defocus and spherical aberration of 0.1 waves: in this draw the least chi-square lies at -0.66 and 0.56 waves, that
+// near the truth is little higher, and both have their opposites. All four are stated, of both.
+TEST(FitMirrors, EveryValleyOfTwoAberrationsIsStated) {
+  const Outcome outcome = flat_study::run(flat_study::two_aberrations(0.1, 0.1), 1, 10);
+  for (const Held& held : outcome.parameters) EXPECT_EQ(held.inside, 1);
+  for (const FittedParameter& p : outcome.results.front().parameters) {
+    EXPECT_EQ(p.knowledge, Knowledge::ambiguous);
+    EXPECT_GT(std::abs(p.value), 0.4);
+    std::vector<double> far;
+    for (const OtherValue& other : p.others)
+      if (std::abs(other.value) > 0.4) far.push_back(other.value);
+    ASSERT_EQ(far.size(), 1u);
+    EXPECT_NEAR(far.front(), -p.value, 0.01);
+  }
+}
+
 // 0, a half, one, two, four standard deviations of the square, and far from 0: that of an acceleration is (77
 // mm/s^2)^2, of a defocus (0.051 waves)^2. The bounds are 2.9 standard deviations of so many draws.
 TEST(FitMirrorsLong, AnAccelerationIsHeldAsOftenAsSaid) {
@@ -255,8 +271,20 @@ TEST(FitMirrorsLong, AboutAnotherCentre) {
     expect_held(flat_study::out_of_focus_aberrated(waves), 300, 91, 99, 21);
 }
 
+// Of 0.1 waves each the data tell one combination in a fifth of the draws, and nothing is stated of either then. Of 79
+// statements that hold in 95 of 100, 88 of 100 are 2.9 standard deviations below. Two thirds must be stated.
 TEST(FitMirrorsLong, TwoAberrations) {
-  for (const double waves : {0.0, 0.1, 0.25}) expect_held(flat_study::two_aberrations(waves, waves), 100, 88, 100, 21);
+  for (const double waves : {0.0, 0.1, 0.25}) {
+    const Outcome outcome = flat_study::run(flat_study::two_aberrations(waves, waves), 100, 21);
+    for (const Held& held : outcome.parameters) {
+      const int stated = outcome.draws - held.silent;
+      std::printf("%g waves: inside %d of %d stated, MTF50 inside %d\n", waves, held.inside, stated,
+                  outcome.inside_mtf50);
+      EXPECT_GE(100 * held.inside, 88 * stated) << waves;
+      EXPECT_GE(stated, 67) << waves;
+    }
+    EXPECT_GE(outcome.inside_mtf50, 88) << waves;
+  }
 }
 
 }  // namespace

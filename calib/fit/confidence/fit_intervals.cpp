@@ -139,55 +139,65 @@ std::vector<IntervalPart> parts_of(std::span<const Node> nodes, std::span<const 
 }
 
 /// `cost` at the minimum, at which the problem is before and after; `noise_factor` as for profile.h. The other `flat`
-/// points are left by every fit. Empty when the fit was stopped.
+/// points are left by every fit. Values are tried from the minimum and from each of the `mirrors`, and the lower
+/// chi-square counts: a partner may have a valley of its own for each, as the spherical aberration beside a defocus.
+/// Empty when the fit was stopped.
 std::optional<FlatInterval> flat_interval(FitProblem& problem, const FlatPoint& point, double first_step, double cost,
                                           double noise_factor, std::span<const FlatPoint> flat,
-                                          const std::function<bool()>& go_on) {
+                                          std::span<const Mirror> mirrors, const std::function<bool()>& go_on) {
   const std::size_t i = point.parameter;
   const Variable& v = problem.variables[i];
-  const std::vector<double> minimum = problem.x;
-  const std::vector<std::vector<double>> own = problem.own;
+  std::vector<Mirror> minima{{problem.x, problem.own, 0.0}};
+  minima.insert(minima.end(), mirrors.begin(), mirrors.end());
   Profiler profiler{problem, i, cost, noise_factor, flat, go_on};
-  const auto at_minimum = [&] {
-    problem.x = minimum;
-    problem.own = own;
+  const auto go_to = [&](const Mirror& minimum) {
+    problem.x = minimum.x;
+    problem.own = minimum.own;
   };
   // How far from the point values need to be tried, on either side.
-  double far = std::max(std::abs(minimum[i] - point.at), point.off);
+  double far = point.off;
+  for (const Mirror& minimum : minima) far = std::max(far, std::abs(minimum.x[i] - point.at));
   const double farthest = v.period > 0.0 ? 0.5 * v.period / v.step : v.hi - v.lo;
   const auto too_near = [&](double side) {
     const double x = point.at + side * far;
     return far < farthest && x > v.lo && x < v.hi && profiler.at(x) < kFar_sd;
   };
-  for (const double side : {point.side, -point.side}) {
-    if (side != point.side && !point.inside) continue;
-    at_minimum();
-    for (double step = first_step; too_near(side) && !profiler.stopped; step *= 1.5) far += step;
+  for (const Mirror& minimum : minima)
+    for (const double side : {point.side, -point.side}) {
+      if (side != point.side && !point.inside) continue;
+      go_to(minimum);
+      for (double step = first_step; too_near(side) && !profiler.stopped; step *= 1.5) far += step;
+    }
+  // The minima and what is opposite are among the values, as the root of the rise has its kinks there.
+  std::vector<double> x;
+  for (const Mirror& minimum : minima) {
+    x.push_back(minimum.x[i]);
+    if (point.inside) x.push_back(2.0 * point.at - minimum.x[i]);
   }
-  // The minimum and its mirror are among the values, as the root of the rise has its kinks there.
-  std::vector<double> x{minimum[i]};
-  if (point.inside) x.push_back(2.0 * point.at - minimum[i]);
   for (int k = point.inside ? -kNodesToASide : 0; k <= kNodesToASide; ++k)
     x.push_back(point.at + point.side * far * k / kNodesToASide);
   for (double& value : x) value = std::clamp(value, v.lo, v.hi);
   std::sort(x.begin(), x.end());
   std::vector<Node> nodes;
   for (const double value : x)
-    if (nodes.empty() || value - nodes.back().x > 0.01 * far / kNodesToASide) nodes.push_back({value, 0.0, {}});
-  // From the one next to the minimum to either end, each fit beginning where its neighbour ended.
-  const auto nearest = std::min_element(nodes.begin(), nodes.end(), [&](const Node& a, const Node& b) {
-    return std::abs(a.x - minimum[i]) < std::abs(b.x - minimum[i]);
-  });
+    if (nodes.empty() || value - nodes.back().x > 0.01 * far / kNodesToASide) nodes.push_back({value, INFINITY, {}});
   const auto try_value = [&](Node& node) {
     const double root = profiler.at(node.x);
+    if (!(root * root < node.rise)) return;
     node.rise = root * root;
     node.residuals = residuals(problem, noise_factor);
   };
-  at_minimum();
-  for (auto node = nearest; node != nodes.end() && !profiler.stopped; ++node) try_value(*node);
-  at_minimum();
-  for (auto node = nearest; node != nodes.begin() && !profiler.stopped;) try_value(*--node);
-  at_minimum();
+  // From the one next to a minimum to either end, each fit beginning where its neighbour ended.
+  for (const Mirror& minimum : minima) {
+    const auto nearest = std::min_element(nodes.begin(), nodes.end(), [&](const Node& a, const Node& b) {
+      return std::abs(a.x - minimum.x[i]) < std::abs(b.x - minimum.x[i]);
+    });
+    go_to(minimum);
+    for (auto node = nearest; node != nodes.end() && !profiler.stopped; ++node) try_value(*node);
+    go_to(minimum);
+    for (auto node = nearest; node != nodes.begin() && !profiler.stopped;) try_value(*--node);
+  }
+  go_to(minima.front());
   problem.apply();
   if (profiler.stopped) return std::nullopt;
   // Values that the model refuses end the range.
@@ -409,7 +419,8 @@ bool report_squares(FitProblem& problem, const Solved& solved, double cost, cons
 }
 
 void report_intervals(FitProblem& problem, const Solved& solved, std::span<const FlatPoint> flat, bool judge,
-                      double cost, const std::function<bool()>& go_on, FitResult& result) {
+                      double cost, std::span<const Mirror> mirrors, const std::function<bool()>& go_on,
+                      FitResult& result) {
   const double factor = noise_factor_of(problem, solved);
   for (std::size_t i = 0; i < result.parameters.size(); ++i) {
     FittedParameter& p = result.parameters[i];
@@ -421,7 +432,7 @@ void report_intervals(FitProblem& problem, const Solved& solved, std::span<const
     const double step = first_step(solved, i, flat), noise = factor * solved.variance_ratio[i];
     std::optional<XEnds> to;
     if (own != nullptr) {
-      const auto found = flat_interval(problem, *own, step, cost, noise, flat, go_on);
+      const auto found = flat_interval(problem, *own, step, cost, noise, flat, mirrors, go_on);
       if (!found) return;
       to = split(*found, v, x, p);
     }

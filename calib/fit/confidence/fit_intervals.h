@@ -6,8 +6,7 @@
 
 #include <functional>
 
-#include "calib/fit/confidence/flat_points.h"
-#include "calib/fit/fit_rounds.h"
+#include "calib/fit/confidence/mirrors.h"
 
 namespace calib {
 
@@ -26,8 +25,9 @@ bool report_squares(FitProblem& problem, const Solved& solved, double cost, cons
 /// Sets intervals, limits, knowledge; takes back correlations and directions that stand for no more than the missing
 /// derivative. `cost`: at the minimum, where the problem stands. `judge`: standard errors that the profile contradicts
 /// are taken back, as about flat points. Parameters on which the data do not depend are left out unless a flat point is
-/// near.
+/// near. About a flat point the interval has a part at each of the `mirrors` that the data allow.
 void report_intervals(FitProblem& problem, const Solved& solved, std::span<const FlatPoint> flat, bool judge,
-                      double cost, const std::function<bool()>& go_on, FitResult& result);
+                      double cost, std::span<const Mirror> mirrors, const std::function<bool()>& go_on,
+                      FitResult& result);
 
 }  // namespace calib

@@ -162,6 +162,44 @@ std::vector<std::vector<double>> places_to_try(FitProblem& problem, const Solved
   return places;
 }
 
+/// Where all signs together make no difference at the best minimum they make none at the others, which the search, of
+/// the changes that promise most, need not have reached.
+void add_opposites(const FitProblem& problem, std::span<const double> sd, const Mirror& best,
+                   std::vector<Mirror>& found) {
+  constexpr double kSame_chi2 = 0.01;
+  const auto opposite = [&](Mirror mirror) {
+    for (std::size_t i = 0; i < mirror.x.size(); ++i)
+      if (problem.variables[i].has_sign()) mirror.x[i] = -mirror.x[i];
+    return mirror;
+  };
+  const auto holds = [&](const Mirror& one) {
+    return std::any_of(found.begin(), found.end(),
+                       [&](const Mirror& other) { return !differs(problem, sd, other.x, one.x); });
+  };
+  const Mirror turned = opposite(best);
+  const auto same = std::find_if(found.begin(), found.end(),
+                                 [&](const Mirror& other) { return !differs(problem, sd, other.x, turned.x); });
+  if (same == found.end() || same->rise > kSame_chi2) return;
+  for (const Mirror& mirror : std::vector(found)) {
+    const Mirror other = opposite(mirror);
+    if (differs(problem, sd, other.x, best.x) && !holds(other)) found.push_back(other);
+  }
+}
+
+/// The intervals of a value with those of another within them, which may reach further.
+void extend_intervals(FittedParameter& p, const OtherValue& other) {
+  const auto extend = [&](std::optional<std::array<double, 2>>& interval, double sds) {
+    if (!interval || !other.stderr_value) return;
+    (*interval)[0] = std::min((*interval)[0], other.value - sds * *other.stderr_value);
+    (*interval)[1] = std::max((*interval)[1], other.value + sds * *other.stderr_value);
+  };
+  extend(p.interval68, 1.0);
+  extend(p.interval95, k95_sd);
+  if (!p.interval) return;
+  if (p.interval->low) p.interval->low = (*p.interval95)[0];
+  if (p.interval->high) p.interval->high = (*p.interval95)[1];
+}
+
 std::string value_text(const FitParameter& parameter, double value, double sd) {
   const int digits = sd > 0.0 ? static_cast<int>(std::log10(std::max(1.0, std::abs(value) / sd))) + 2 : 4;
   return mtf::significant(value, std::min(digits, 8)) + (parameter.unit.empty() ? "" : " " + parameter.unit);
@@ -200,6 +238,7 @@ std::vector<Mirror> mirrored_minima(FitProblem& problem, Solved& solved, Solutio
     problem.x = x;
     problem.own = own;
     problem.apply();
+    add_opposites(problem, sd, {x, own, 0.0}, found);
     std::stable_sort(found.begin(), found.end(), [](const Mirror& a, const Mirror& b) { return a.rise < b.rise; });
     return found;
   }
@@ -216,16 +255,20 @@ void report_mirrors(FitProblem& problem, const Solved& solved, std::span<const M
     const auto within = [&](const std::optional<std::array<double, 2>>& interval) {
       return interval && other.value >= (*interval)[0] && other.value <= (*interval)[1];
     };
-    if (within(p.interval95)) return false;
-    for (const OtherValue& one : p.others)
-      if (within(one.interval95) || std::abs(one.value - other.value) <= kDiffers_sd * p.linear_sd) return true;
     // Of an interval about a flat point all parts are there already.
     const bool whole = std::any_of(flat.begin(), flat.end(), [&](const FlatPoint& f) { return f.parameter == i; });
-    const bool stated = p.knowledge == Knowledge::determined || p.knowledge == Knowledge::interval ||
-                        p.knowledge == Knowledge::ambiguous;
+    if (within(p.interval95)) {
+      if (!whole) extend_intervals(p, other);
+      return false;
+    }
+    for (const OtherValue& one : p.others)
+      if (within(one.interval95) || std::abs(one.value - other.value) <= kDiffers_sd * p.linear_sd) return true;
+    const bool known = p.knowledge == Knowledge::determined || p.knowledge == Knowledge::interval ||
+                       p.knowledge == Knowledge::ambiguous;
+    const bool stated = known || (p.knowledge == Knowledge::not_determined && p.interval95);
     if (whole || !stated) return false;
     p.others.push_back(other);
-    p.knowledge = Knowledge::ambiguous;
+    if (known) p.knowledge = Knowledge::ambiguous;
     return true;
   };
   const auto name_of = [&](std::size_t i) {
