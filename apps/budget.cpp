@@ -3,7 +3,9 @@
 // `mtf budget SENSOR`: the electrons of a pixel, each noise term, and the sensitivity that follows.
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <utility>
 
 #include "apps/budget_table.h"
 #include "apps/config_command.h"
@@ -35,19 +37,77 @@ std::string reasons(const Rows& rows) {
   return text;
 }
 
+using radiometry::BudgetGroup;
+
+constexpr std::array kGroups{std::pair{BudgetGroup::signal, std::string_view("signal")},
+                             std::pair{BudgetGroup::temporal, std::string_view("temporal noise")},
+                             std::pair{BudgetGroup::spatial, std::string_view("spatial noise")},
+                             std::pair{BudgetGroup::sensitivity, std::string_view("sensitivity")}};
+
+/// 4 digits, below 10 million without an exponent.
+std::string four_digits(double value) {
+  const std::string text = significant(value, 4);
+  const double rounded = std::stod(text), size = std::abs(rounded);
+  return size >= 1e4 && size < 1e7 ? fixed(rounded, 0) : text;
+}
+
+std::string percent(double share) {
+  if (share < 0.0005) return "< 0.1 %";
+  return share < 0.9995 ? fixed(100.0 * share, 1) + " %" : "100 %";
+}
+
+/// Sum of the squares of the terms of a group; not above 0 where it has none or they have no numbers.
+double variance_of(const Rows& rows, BudgetGroup group) {
+  double sum = 0.0;
+  for (const auto& row : rows)
+    if (row.group == group && row.term) sum += row.value * row.value;
+  return sum;
+}
+
+double share_of(const radiometry::BudgetRow& row, double variance) { return row.value * row.value / variance; }
+
+/// The term that a group of noise is made of most, in words.
+std::string largest_term(const Rows& rows, BudgetGroup group) {
+  const double variance = variance_of(rows, group);
+  if (!(variance > 0.0)) return {};
+  const auto largest = std::max_element(rows.begin(), rows.end(), [&](const auto& x, const auto& y) {
+    const auto size = [&](const auto& row) { return row.group == group && row.term ? row.value : -1.0; };
+    return size(x) < size(y);
+  });
+  return "The largest " + std::string(group == BudgetGroup::temporal ? "temporal" : "spatial") + " term, " +
+         percent(share_of(*largest, variance)) + " of the variance, is " + largest->name + ": " + largest->doc + ".\n";
+}
+
+/// In groups; rows of the value 0 are only named.
 std::string as_table(const Rows& rows, const radiometry::Saturation& saturation,
                      const std::vector<std::string>& observer) {
-  TextTable table({"term", "value", "unit", "what it is"});
-  for (const auto& row : rows)
-    table.add({row.name,
-               row.saturated              ? "saturated"
-               : std::isfinite(row.value) ? significant(row.value, 7)
-                                          : "-",
-               row.unit, row.doc});
-  const std::string said = words(saturation);
+  TextTable table({"term", "value", "unit", "of variance", "what it is"});
+  std::vector<std::string> zeros;
+  for (const auto& [group, title] : kGroups) {
+    const double variance = variance_of(rows, group);
+    bool titled = false;
+    for (const auto& row : rows) {
+      // The largest term is said of every detector, in words.
+      if (row.group != group || row.name == "largest") continue;
+      if (row.value == 0.0) {
+        zeros.push_back(row.name);
+        continue;
+      }
+      if (!std::exchange(titled, true)) table.add({std::string(title), "", "", "", ""});
+      table.add({"  " + row.name,
+                 row.saturated              ? "saturated"
+                 : std::isfinite(row.value) ? four_digits(row.value)
+                                            : "-",
+                 row.unit, row.term && variance > 0.0 ? percent(share_of(row, variance)) : "", row.doc});
+    }
+  }
   std::string lines;
+  if (!zeros.empty()) lines += "Zero: " + joined(zeros) + ".\n";
+  lines += largest_term(rows, BudgetGroup::temporal) + largest_term(rows, BudgetGroup::spatial);
+  lines += reasons(rows);
+  if (const std::string said = words(saturation); !said.empty()) lines += said + "\n";
   for (const std::string& line : observer) lines += one_line(line) + "\n";
-  return table.aligned({Align::left, Align::right}) + reasons(rows) + (said.empty() ? "" : said + "\n") + lines;
+  return table.aligned({Align::left, Align::right, Align::left, Align::right}) + lines;
 }
 
 std::string as_csv(const Rows& rows) {
@@ -92,7 +152,8 @@ int run_budget(const BudgetOptions& options, const Global& global) {
     note(global, "warning: --temperature " + given + " was taken for " + given + " K; for degrees Celsius write \"" +
                      given + " degC\", or \"" + given + " K\" where kelvin is meant");
   }
-  const BudgetTable budget = budget_table(config, load_chain(config), options.temperature_k);
+  const LoadedSensor loaded = load_chain(config);
+  const BudgetTable budget = budget_table(config, loaded, options.temperature_k);
   if (!options.temperature_given) note(global, "note: the pixel sees a surface of 300 K; --temperature takes another");
   if (budget.without_path) note(global, "note: the scene gives the range of each pixel; this budget is without a path");
   if (!budget.spatial_gap.empty()) note(global, "note: spatial noise has no number: " + budget.spatial_gap);
@@ -102,9 +163,12 @@ int run_budget(const BudgetOptions& options, const Global& global) {
   if (const std::string said = words(saturation); !said.empty() && options.format != Format::table)
     note(global, (saturation.saturated() ? "warning: " : "note: ") + said);
   switch (options.format) {
-    case Format::table:
-      emit(options.out, as_table(rows, saturation, budget.observer));
+    case Format::table: {
+      Rows shown = rows;
+      for (auto& row : nyquist_rows(config.system, loaded)) shown.push_back(std::move(row));
+      emit(options.out, as_table(shown, saturation, budget.observer));
       break;
+    }
     case Format::csv:
       for (const std::string& line : budget.observer) note(global, "note: " + line);
       emit(options.out, as_csv(rows));

@@ -5,9 +5,11 @@
 #include <vector>
 
 #include "apps/sensor/air_course.h"
+#include "apps/sensor/otf_curves.h"
 #include "apps/sensor/sensor_place.h"
 #include "mtf/error.h"
 #include "mtf/metrics/resolution.h"
+#include "mtf/words.h"
 #include "radiometry/chain/chain.h"
 #include "radiometry/chain/sensor_budget.h"
 #include "radiometry/chain/sensor_numbers.h"
@@ -88,7 +90,7 @@ void add_path_rows(const radiometry::Sensor& sensor, double temperature_k, Rows&
     const double clear = light(sensor.curves, surface, radiometry::Path{});
     radiometry::BudgetRow row{name, "", light(sensor.curves, surface, sensor.path) / clear, doc};
     if (!(clear > 0.0)) row.refused = "no light of the scene makes electrons";
-    rows.push_back(std::move(row));
+    radiometry::add_rows(rows, radiometry::BudgetGroup::signal, {std::move(row)});
   };
   add("path_share", "share of the scene's light that the path lets through", radiometry::scene_radiance);
   add("contrast_share", "the same of a small temperature difference", radiometry::scene_derivative);
@@ -109,6 +111,22 @@ BudgetTable budget_table(const mtf::io::SensorConfig& config, const LoadedSensor
     table.rows.push_back(std::move(row));
   if (!loaded.paths) add_path_rows(loaded.sensor, temperature_k, table.rows);
   return table;
+}
+
+std::vector<radiometry::BudgetRow> nyquist_rows(const mtf::System<double>& system, const LoadedSensor& loaded) {
+  const mtf::System<double> rated = with_electron_rate(system, loaded);
+  std::vector<radiometry::BudgetRow> rows;
+  for (const mtf::Axis axis : {mtf::Axis::x, mtf::Axis::y}) {
+    const std::string name = axis == mtf::Axis::x ? "x" : "y";
+    const Direction direction = make_direction(system.frame, "cy/px", axis == mtf::Axis::x ? 0.0 : 90.0);
+    const OtfColumn nyquist = otf_curves(rated, {0.5}, direction).system;
+    rows.push_back({"mtf_nyquist_" + name, "", std::hypot(nyquist.otf.front().re, nyquist.otf.front().im),
+                    "MTF of the whole system at Nyquist along " + name + ", " +
+                        mtf::significant(system.frame.nyquist_cy_mm(axis), 4) + " cy/mm"});
+    if (nyquist.has_coarse_average())
+      rows.back().doc += "; its average over the band errs by up to " + mtf::significant(nyquist.error.front(), 2);
+  }
+  return rows;
 }
 
 }  // namespace apps

@@ -23,4 +23,8 @@ struct BudgetTable {
 /// file.
 BudgetTable budget_table(const mtf::io::SensorConfig& config, const LoadedSensor& loaded, double temperature_k);
 
+/// What a person reads beside these rows: the MTF of the system at Nyquist along x and along y, averaged over the band
+/// with the electron rate of `loaded`, as `mtf curve` has it.
+std::vector<radiometry::BudgetRow> nyquist_rows(const mtf::System<double>& system, const LoadedSensor& loaded);
+
 }  // namespace apps

@@ -64,7 +64,9 @@ Command budget_command() {
       "term, SNR, NETD, NEI, D*, dynamic range. It takes [detector], [nonuniformity], [noise], [noise_3d] and [adc] "
       "of\n"
       "the sensor file; spatial noise is what [correction] leaves of it. The sensor file needs [band] and [detector]:\n"
-      "see mtf config kinds detector.",
+      "see mtf config kinds detector. The table has 4 digits, the share of each noise term in the variance, the MTF "
+      "at\n"
+      "Nyquist, and names rows of 0 in one line; csv and json have every row of the budget with 17 digits.",
       "  mtf budget sensor.toml\n"
       "  mtf budget sensor.toml --temperature 310 --format json"};
   add_file(app, "sensor", "sensor file (TOML)", options.sensor);

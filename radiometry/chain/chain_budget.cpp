@@ -232,9 +232,9 @@ std::string given_noise_doc(const ThermalSettings& thermal, const Camera<double>
   return doc + (camera ? ", less the rounding to counts" : "");
 }
 
-/// The noise terms of a thermal detector in volts: those of the physics, or the one that is given.
-std::vector<BudgetRow> thermal_terms(const Sensor& sensor, const Camera<double>& camera, const Pixel<double>& pixel,
-                                     const Budget<double>& b) {
+/// The temporal noise of a thermal detector in volts: the terms of the physics, or the one that is given.
+std::vector<BudgetRow> thermal_noise_rows(const Sensor& sensor, const Camera<double>& camera,
+                                          const Pixel<double>& pixel, const Budget<double>& b) {
   const ThermalSettings& thermal = *sensor.settings.thermal;
   const double volts = pixel.volts_per_watt;
   const ThermalNoise<double> noise = thermal_noise_of(sensor.settings, pixel, thermal_reference(sensor));
@@ -255,9 +255,12 @@ std::vector<BudgetRow> thermal_terms(const Sensor& sensor, const Camera<double>&
       std::max_element(terms.begin(), terms.end(), [](const auto& x, const auto& y) { return x.value < y.value; });
   const std::string name = largest->name;
   const double share = largest->value * largest->value / (b.temporal_e * b.temporal_e);
-  terms.push_back({"temporal", "V", b.temporal_e, "temporal noise, root sum of squares"});
-  terms.push_back({"largest", "", share, "part of the temporal variance that is " + name + ", the largest term"});
-  return terms;
+  std::vector<BudgetRow> all;
+  add_rows(all, BudgetGroup::temporal, std::move(terms), true);
+  add_rows(all, BudgetGroup::temporal,
+           {{"temporal", "V", b.temporal_e, "temporal noise, root sum of squares"},
+            {"largest", "", share, "part of the temporal variance that is " + name + ", the largest term"}});
+  return all;
 }
 
 /// What has warmed from a closing of the shutter to the last frame before the next, as a temperature of the scene.
@@ -316,40 +319,43 @@ std::vector<BudgetRow> thermal_rows(const mtf::System<double>& system, const Sen
   const Pixel<double> pixel = pixel_of(system, sensor);
   const ThermalSettings& thermal = *sensor.settings.thermal;
   const Signal<double>& s = b.signal;
-  std::vector<BudgetRow> all{
-      {"scene", "V", s.scene_e, "signal of the scene"},
-      {"path", "V", s.path_e, "signal of the path between scene and camera"},
-      {"optics", "V", s.optics_e, "signal of the warm optics"},
-      {"stop", "V", s.stop_e, "signal from around the cone of light"},
-      {"shutter", "V", s.shutter_e, "signal of the closed shutter, taken off"},
-      {"total", "V", s.total_e(), "all signal"},
-      {"absorbed", "W", s.total_e() / pixel.volts_per_watt, "absorbed power, less that of the shutter"},
-      {"responsivity", "V/W", pixel.volts_per_watt * pixel.quantum_efficiency * thermal_reference(sensor).middle,
-       "volts for a watt of incident power at the middle of the band"},
-      {"signal_per_k", "V/K", b.signal_per_k, "volts per kelvin of the scene"}};
-  for (BudgetRow& row : thermal_terms(sensor, camera_of(system, sensor), pixel, b)) all.push_back(std::move(row));
-  const std::vector<BudgetRow> figures{
-      {"prnu", "V", b.prnu_e, "spatial noise of the responsivity (prnu, or its map), after [correction] where given"},
-      {"dsnu", "V", b.dsnu_e, "spatial noise of the offset (dsnu, or its map), after [correction] where given"},
-      {"correction", "V", b.correction_e, "spatial noise of the flat frames of [correction]"},
-      {"rounding", "V", b.rounding_e, "rounding to counts, the part that stays where noise does not dither it"},
-      {"spatial", "V", b.spatial_e, "spatial noise, root sum of squares"},
-      {"snr", "", b.snr, "scene / temporal noise"},
-      {"netd", "mK", 1e3 * b.netd_k, "noise-equivalent temperature difference, temporal"},
-      {"spatial_netd", "mK", 1e3 * b.spatial_netd_k, "the same from the spatial noise"},
-      {"nei", "W m^-2", b.nei_ph, "noise-equivalent irradiance, of the scene's spectrum"},
-      {"nep", "W", b.nep_w, "incident power at the middle of the band that equals the temporal noise"}};
-  all.insert(all.end(), figures.begin(), figures.end());
+  std::vector<BudgetRow> all;
+  add_rows(all, BudgetGroup::signal,
+           {{"scene", "V", s.scene_e, "signal of the scene"},
+            {"path", "V", s.path_e, "signal of the path between scene and camera"},
+            {"optics", "V", s.optics_e, "signal of the warm optics"},
+            {"stop", "V", s.stop_e, "signal from around the cone of light"},
+            {"shutter", "V", s.shutter_e, "signal of the closed shutter, taken off"},
+            {"total", "V", s.total_e(), "all signal"},
+            {"absorbed", "W", s.total_e() / pixel.volts_per_watt, "absorbed power, less that of the shutter"},
+            {"responsivity", "V/W", pixel.volts_per_watt * pixel.quantum_efficiency * thermal_reference(sensor).middle,
+             "volts for a watt of incident power at the middle of the band"},
+            {"signal_per_k", "V/K", b.signal_per_k, "volts per kelvin of the scene"}});
+  for (BudgetRow& row : thermal_noise_rows(sensor, camera_of(system, sensor), pixel, b)) all.push_back(std::move(row));
+  add_rows(
+      all, BudgetGroup::spatial,
+      {{"prnu", "V", b.prnu_e, "spatial noise of the responsivity (prnu, or its map), after [correction] where given"},
+       {"dsnu", "V", b.dsnu_e, "spatial noise of the offset (dsnu, or its map), after [correction] where given"},
+       {"correction", "V", b.correction_e, "spatial noise of the flat frames of [correction]"},
+       {"rounding", "V", b.rounding_e, "rounding to counts, the part that stays where noise does not dither it"}},
+      true);
+  add_rows(all, BudgetGroup::spatial, {{"spatial", "V", b.spatial_e, "spatial noise, root sum of squares"}});
+  add_rows(all, BudgetGroup::sensitivity,
+           {{"snr", "", b.snr, "scene / temporal noise"},
+            {"netd", "mK", 1e3 * b.netd_k, "noise-equivalent temperature difference, temporal"},
+            {"spatial_netd", "mK", 1e3 * b.spatial_netd_k, "the same from the spatial noise"},
+            {"nei", "W m^-2", b.nei_ph, "noise-equivalent irradiance, of the scene's spectrum"},
+            {"nep", "W", b.nep_w, "incident power at the middle of the band that equals the temporal noise"}});
   if (thermal.heat_capacity_j_k && thermal.conductance_w_k)
-    all.push_back({"time_constant", "s", *thermal.heat_capacity_j_k / *thermal.conductance_w_k,
-                   "heat capacity / conductance of a pixel"});
-  if (thermal.closes()) all.push_back(false_offset(system, sensor, b.signal_per_k));
+    add_rows(all, BudgetGroup::signal,
+             {{"time_constant", "s", *thermal.heat_capacity_j_k / *thermal.conductance_w_k,
+               "heat capacity / conductance of a pixel"}});
+  if (thermal.closes()) add_rows(all, BudgetGroup::signal, {false_offset(system, sensor, b.signal_per_k)});
   for (BudgetRow& row : all) {
     row.refused = refusal_of(b, row.value);
     row.saturated = is_saturated(b, row.value);
   }
-  if (sensor.settings.adc)
-    for (BudgetRow& row : scene_range(system, sensor, s)) all.push_back(std::move(row));
+  if (sensor.settings.adc) add_rows(all, BudgetGroup::signal, scene_range(system, sensor, s));
   return all;
 }
 

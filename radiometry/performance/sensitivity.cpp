@@ -8,46 +8,62 @@ namespace {
 
 std::vector<BudgetRow> terms(const Budget<double>& b) {
   const Signal<double>& s = b.signal;
-  return {
-      {"scene", "e-", s.scene_e, "electrons of the scene"},
-      {"path", "e-", s.path_e, "electrons of the path between scene and camera"},
-      {"optics", "e-", s.optics_e, "electrons of the warm optics"},
-      {"stop", "e-", s.stop_e, "electrons from around the cone of light"},
-      {"dark", "e-", s.dark_e, "electrons of the dark current"},
-      {"total", "e-", s.total_e(), "all electrons"},
-      {"well_fill", "", b.well_fill, "part of the full well"},
-      {"signal_per_k", "e-/K", b.signal_per_k, "electrons per kelvin of the scene"},
-      {"scene_shot", "e-", b.scene_shot_e, "shot noise of scene and path"},
-      {"background_shot", "e-", b.background_shot_e, "shot noise of optics and stop"},
-      {"dark_shot", "e-", b.dark_shot_e, "shot noise of the dark current"},
-      {"read", "e-", b.read_e, "read noise"},
-      {"reset", "e-", b.reset_e, "kTC noise"},
-      {"other", "e-", b.other_e, "further temporal noise"},
-      {"quantisation", "e-", b.quantisation_e, "rounding to counts, the part that changes from frame to frame"},
-      {"temporal", "e-", b.temporal_e, "temporal noise, root sum of squares"},
-      {"floor", "e-", b.floor_e, "temporal noise without light"},
-      {"prnu", "e-", b.prnu_e, "spatial noise of the responsivity (prnu, or its map), after [correction] where given"},
-      {"dsnu", "e-", b.dsnu_e,
-       "spatial noise of offset and dark charge (dsnu, or its map; dcnu), after [correction] where given"},
-      {"correction", "e-", b.correction_e, "spatial noise of the flat frames of [correction]"},
-      {"rounding", "e-", b.rounding_e, "rounding to counts, the part that stays where noise does not dither it"},
-      {"spatial", "e-", b.spatial_e, "spatial noise, root sum of squares"},
-      {"snr", "", b.snr, "scene / temporal noise"},
-      {"shot_netd", "mK", 1e3 * b.shot_netd_k, "NETD from the shot noise of light alone"},
-      {"netd", "mK", 1e3 * b.netd_k, "noise-equivalent temperature difference, temporal"},
-      {"spatial_netd", "mK", 1e3 * b.spatial_netd_k, "the same from the spatial noise"},
-      {"nei", "s^-1 m^-2", b.nei_ph, "noise-equivalent irradiance, photons of the scene's spectrum"},
-      {"dynamic_range", "dB", 20.0 * std::log10(b.dynamic_range), "full well / floor"}};
+  std::vector<BudgetRow> all;
+  add_rows(all, BudgetGroup::signal,
+           {{"scene", "e-", s.scene_e, "electrons of the scene"},
+            {"path", "e-", s.path_e, "electrons of the path between scene and camera"},
+            {"optics", "e-", s.optics_e, "electrons of the warm optics"},
+            {"stop", "e-", s.stop_e, "electrons from around the cone of light"},
+            {"dark", "e-", s.dark_e, "electrons of the dark current"},
+            {"total", "e-", s.total_e(), "all electrons"},
+            {"well_fill", "", b.well_fill, "part of the full well"},
+            {"signal_per_k", "e-/K", b.signal_per_k, "electrons per kelvin of the scene"}});
+  add_rows(all, BudgetGroup::temporal,
+           {{"scene_shot", "e-", b.scene_shot_e, "shot noise of scene and path"},
+            {"background_shot", "e-", b.background_shot_e, "shot noise of optics and stop"},
+            {"dark_shot", "e-", b.dark_shot_e, "shot noise of the dark current"},
+            {"read", "e-", b.read_e, "read noise"},
+            {"reset", "e-", b.reset_e, "kTC noise"},
+            {"other", "e-", b.other_e, "further temporal noise"},
+            {"quantisation", "e-", b.quantisation_e, "rounding to counts, the part that changes from frame to frame"}},
+           true);
+  add_rows(all, BudgetGroup::temporal,
+           {{"temporal", "e-", b.temporal_e, "temporal noise, root sum of squares"},
+            {"floor", "e-", b.floor_e, "temporal noise without light"}});
+  add_rows(
+      all, BudgetGroup::spatial,
+      {{"prnu", "e-", b.prnu_e, "spatial noise of the responsivity (prnu, or its map), after [correction] where given"},
+       {"dsnu", "e-", b.dsnu_e,
+        "spatial noise of offset and dark charge (dsnu, or its map; dcnu), after [correction] where given"},
+       {"correction", "e-", b.correction_e, "spatial noise of the flat frames of [correction]"},
+       {"rounding", "e-", b.rounding_e, "rounding to counts, the part that stays where noise does not dither it"}},
+      true);
+  add_rows(all, BudgetGroup::spatial, {{"spatial", "e-", b.spatial_e, "spatial noise, root sum of squares"}});
+  add_rows(all, BudgetGroup::sensitivity,
+           {{"snr", "", b.snr, "scene / temporal noise"},
+            {"shot_netd", "mK", 1e3 * b.shot_netd_k, "NETD from the shot noise of light alone"},
+            {"netd", "mK", 1e3 * b.netd_k, "noise-equivalent temperature difference, temporal"},
+            {"spatial_netd", "mK", 1e3 * b.spatial_netd_k, "the same from the spatial noise"},
+            {"nei", "s^-1 m^-2", b.nei_ph, "noise-equivalent irradiance, photons of the scene's spectrum"},
+            {"dynamic_range", "dB", 20.0 * std::log10(b.dynamic_range), "full well / floor"}});
+  return all;
 }
 
 }  // namespace
+
+void add_rows(std::vector<BudgetRow>& all, BudgetGroup group, std::vector<BudgetRow> rows, bool terms) {
+  for (BudgetRow& row : rows) {
+    row.group = group;
+    row.term = terms;
+    all.push_back(std::move(row));
+  }
+}
 
 std::vector<BudgetRow> rows(const Budget<double>& budget) {
   std::vector<BudgetRow> all = terms(budget);
   const bool no_flat_frame = !budget.saturation.saturated() && std::isnan(budget.spatial_e);
   for (BudgetRow& row : all) {
-    const bool spatial = row.name == "prnu" || row.name == "dsnu" || row.name == "correction" ||
-                         row.name == "spatial" || row.name == "spatial_netd";
+    const bool spatial = (row.group == BudgetGroup::spatial && row.name != "rounding") || row.name == "spatial_netd";
     if (row.name == "dynamic_range" && std::isinf(row.value))
       row.refused = budget.floor_e > 0.0 ? "no detector.full_well" : "no noise without light";
     else if (spatial && no_flat_frame)

@@ -211,6 +211,8 @@ Budget<S> make_budget(const Pixel<S>& pixel, const Signal<S>& signal, const Nois
   return b;
 }
 
+enum class BudgetGroup { signal, temporal, spatial, sensitivity };
+
 /// One line of a printed budget.
 struct BudgetRow {
   std::string name, unit;
@@ -218,7 +220,11 @@ struct BudgetRow {
   std::string doc;
   std::string refused{};   ///< why there is no value, "" where there is one
   bool saturated = false;  ///< no value since the pixel or the converter is full
+  BudgetGroup group = BudgetGroup::sensitivity;
+  bool term = false;  ///< of noise: the squares of the terms of a group add up to its variance
 };
+/// Adds rows to a group, all of them its terms or none.
+void add_rows(std::vector<BudgetRow>& all, BudgetGroup group, std::vector<BudgetRow> rows, bool terms = false);
 /// True for a figure of that budget without a value since the pixel or the converter is full.
 bool is_saturated(const Budget<double>& budget, double value);
 /// Why a figure of that budget has no finite value, "" where it has one.

@@ -4,7 +4,11 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <iterator>
+#include <numbers>
 #include <span>
+#include <sstream>
 
 #include "tests/apps/chain_sensor.h"
 #include "tests/expect_error.h"
@@ -13,7 +17,20 @@
 namespace apps_test {
 namespace {
 
-class BudgetCommand : public ChainSensor {};
+class BudgetCommand : public ChainSensor {
+ protected:
+  /// The words of the row of the table that begins with `name`; none without one. Titles of groups are no rows.
+  static std::vector<std::string> line_of(const std::string& table, const std::string& name) {
+    std::istringstream lines(table);
+    for (std::string line; std::getline(lines, line);) {
+      if (!line.starts_with("  ")) continue;
+      std::istringstream words(line);
+      const std::vector<std::string> all{std::istream_iterator<std::string>(words), {}};
+      if (!all.empty() && all.front() == name) return all;
+    }
+    return {};
+  }
+};
 
 TEST_F(BudgetCommand, ABudgetSaysWhyAFigureHasNoValue) {
   sensor("");
@@ -28,6 +45,64 @@ TEST_F(BudgetCommand, ABudgetSaysWhyAFigureHasNoValue) {
   EXPECT_TRUE(terms["dynamic_range"]["value"].is_null());
   EXPECT_EQ(terms["dynamic_range"]["reason"], "no detector.full_well");
   for (const auto& [name, term] : terms.items()) EXPECT_EQ(term["value"].is_null(), term.contains("reason")) << name;
+}
+
+// The table is for people: what JSON has, in 4 digits, with the share of each term in its variance and the largest in
+// words; rows of 0 are named in one line.
+TEST_F(BudgetCommand, TheTableSaysWhatTheNoiseIsMadeOf) {
+  const std::string camera = "[noise]\nseed = 1\nrow = \"300 e-\"\n[nonuniformity]\nprnu = 0.001\ndsnu = \"2 ke-\"\n";
+  const std::map<std::string, std::vector<std::string>> sums{{"temporal", {"scene_shot", "read", "other"}},
+                                                             {"spatial", {"prnu", "dsnu"}}};
+  for (const double read_e : {500.0, 5e4}) {
+    sensor(camera, "\"500 e-\"", "\"" + std::to_string(read_e) + " e-\"");
+    const Json terms = budget();
+    const std::string table = scratch.run("mtf budget s.toml").out;
+    for (const auto& [name, term] : terms.items()) {
+      const std::vector<std::string> line = line_of(table, name);
+      const double value = term["value"];
+      ASSERT_EQ(line.size() >= 2, value != 0.0) << name;
+      if (value != 0.0)
+        EXPECT_NEAR(std::stod(line[1]), value, 5.001e-4 * std::abs(value)) << name;
+      else
+        EXPECT_TRUE(says(table.substr(table.find("\nZero: ")), name)) << name;
+    }
+    for (const auto& [sum, parts] : sums) {
+      std::string largest = parts.front();
+      for (const std::string& part : parts) {
+        const auto share = [&](const std::string& name) {
+          return 100.0 * std::pow(terms[name]["value"].get<double>() / terms[sum]["value"].get<double>(), 2);
+        };
+        if (share(part) > share(largest)) largest = part;
+        const std::vector<std::string> line = line_of(table, part);
+        ASSERT_GT(line.size(), 4U);
+        const std::string& shown = line[3] == "<" ? line[4] : line[3];
+        EXPECT_NEAR(std::stod(shown), share(part), 0.05001 + (line[3] == "<" ? 0.05 : 0.0)) << part;
+      }
+      expect_says(table, {"The largest " + sum + " term, ", " is " + largest + ": "});
+    }
+  }
+}
+
+TEST_F(BudgetCommand, ANoiselessTableHasNoLargestTerm) {
+  sensor("", "read_noise = \"500 e-\"\n", "");
+  const std::string dark = scratch.run("mtf budget s.toml --temperature 0").out;
+  EXPECT_FALSE(says(dark, "The largest "));
+  expect_says(dark, {"\nZero: scene, "});
+}
+
+// |sinc(w / (2 p))| of a square of side w at the Nyquist frequency of pixels of the pitch p.
+TEST_F(BudgetCommand, TheTableHasTheMtfAtNyquistAlongBothAxes) {
+  write_file(scratch / "s.toml",
+             replaced(replaced(kSensor, "pitch = \"15 um\"", "pitch_x = \"20 um\"\npitch_y = \"30 um\""),
+                      "[[presample]]\nkind = \"diffraction\"\n", ""));
+  const std::string table = scratch.run("mtf budget s.toml").out;
+  const auto sinc = [](double x) { return std::sin(std::numbers::pi * x) / (std::numbers::pi * x); };
+  for (const auto& [name, pitch_um] : {std::pair{"mtf_nyquist_x", 20.0}, std::pair{"mtf_nyquist_y", 30.0}}) {
+    const std::vector<std::string> line = line_of(table, name);
+    ASSERT_GT(line.size(), 2U) << name;
+    EXPECT_NEAR(std::stod(line[1]), sinc(15.0 / (2.0 * pitch_um)), 6e-5) << name;
+  }
+  expect_says(table, {"along x, 25 cy/mm", "along y, 16.67 cy/mm"});
 }
 
 TEST_F(BudgetCommand, ATemperatureMayHaveItsUnit) {

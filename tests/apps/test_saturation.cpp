@@ -58,7 +58,7 @@ TEST_F(SaturatedCamera, TheBudgetRefusesItsFiguresAndKeepsWhatIsTrue) {
   EXPECT_EQ(terms["read"]["value"], 150.0);
   EXPECT_FALSE(terms["read"].contains("reason"));
   const std::string table = demo->run("mtf budget 4ms.toml --temperature 288").out;
-  expect_says(table, {"netd                saturated  mK", "\nsaturated: 100 %", "full well of 2e+06"});
+  expect_says(table, {"\n  netd             saturated  mK", "\nsaturated: 100 %", "full well of 2e+06"});
   const std::string csv = demo->run("mtf budget 4ms.toml --temperature 288 --format csv").out;
   expect_says(csv, {"term,value,unit,doc,reason\n", "snr,,,scene / temporal noise,\"saturated"});
 }
