@@ -5,8 +5,6 @@
 #include "apps/command_line.h"
 #include "apps/commands.h"
 #include "apps/kinds.h"
-#include "apps/modules/modules.h"
-#include "apps/terminal/output.h"
 #include "mtf/error.h"
 #include "radiometry/chain/sensor_settings.h"
 
@@ -16,7 +14,7 @@ namespace {
 constexpr std::array kLayouts{std::pair{std::string_view("table"), ConfigOptions::Layout::table},
                               std::pair{std::string_view("markdown"), ConfigOptions::Layout::markdown},
                               std::pair{std::string_view("json"), ConfigOptions::Layout::json}};
-enum class FileKind { sensor, study, scene };
+using FileKind = ConfigOptions::FileKind;
 constexpr std::array kFiles{std::pair{std::string_view("sensor"), FileKind::sensor},
                             std::pair{std::string_view("study"), FileKind::study},
                             std::pair{std::string_view("scene"), FileKind::scene}};
@@ -108,20 +106,37 @@ Command config_command() {
       return run_config(*shared, global);
     };
   };
-  Command app{"config", "write, check and explain sensor files", "",
+  Command app{"config", "write, check and explain sensor, study and scene files", "",
               "  mtf config check sensor.toml\n"
               "  mtf config explain sensor.toml"};
-  Command init{"init", "a commented sensor file to start from", "",
-               "  mtf config init -o my-sensor.toml\n"
-               "  mtf config init > another.toml"};
-  add_text(init, "-o,--out,file", "FILE", "file to write; default: standard output", options.file);
+  Command init{
+      "init", "a commented file to start from: of a sensor, a study or a scene",
+      "A study varies the sensor file that it names; a scene names meshes and weather, which mtf scene demo writes\n"
+      "beside the same scene file.",
+      "  mtf config init -o my-sensor.toml\n"
+      "  mtf config init study -o my-study.toml"};
+  OptionSpec& words = add_text(
+      init, "kind", "KIND FILE", "sensor (default), study or scene; then, or alone, the file to write, as with -o",
+      [&options, kinds = std::make_shared<int>(0)](const std::string& text) {
+        const auto* kind = std::ranges::find(kFiles, text, &std::pair<std::string_view, FileKind>::first);
+        if (kind != kFiles.end() && options.file.empty() && (*kinds)++ == 0)
+          options.kind = kind->second;
+        else if (options.file.empty())
+          options.file = text;
+        else
+          throw mtf::UsageError("'" + text + "': " + options.file + " is the file to write already; name one");
+      });
+  words.required = false;
+  words.repeats = true;
+  words.candidates = one_of({"", "sensor", "study", "scene"});
+  add_text(init, "-o,--out", "FILE", "file to write; default: standard output", options.file);
   add_flag(init, "--force", "replace an existing file", options.force);
   init.run = action(ConfigOptions::Action::init);
 
-  Command check{"check", "all errors of a sensor file in one pass", "",
+  Command check{"check", "all errors of a sensor or study file in one pass", "",
                 "  mtf config check sensor.toml\n"
                 "  mtf config check sensor.toml --format json"};
-  add_file(check, "file", "sensor file (TOML)", options.file);
+  add_file(check, "file", "sensor or study file (TOML)", options.file);
   add_choice(check, "--format", "FORMAT", "table (default) or json", kTableOrJson, options.format);
   check.run = action(ConfigOptions::Action::check);
 
@@ -133,14 +148,14 @@ Command config_command() {
 
   Command kinds{
       "kinds", "every component: formula, validity, source, and each parameter",
-      "Describes the tables of the chain to electrons and counts too, by name: optics, detector, noise, adc, ...\n"
+      "Describes the tables of the chain to electrons and counts too, by name: optics, detector, noise, adc, ...;\n"
+      "and of studies the keys (study, conditions) and all metrics (metrics) or one (netd, mtf_nyquist, ...).\n"
       "mtf/components/README.md is the output of --format markdown. JSON has every table, with units, ranges, scale\n"
       "and defaults: for forms, sliders and checks of other programs.",
       "  mtf config kinds jitter\n"
-      "  mtf config kinds detector"};
-  add_text(kinds, "kind", "KIND", "one component, or one table of the sensor file; default: all components",
-           options.file)
-      .candidates = [](const std::vector<std::string>&) { return names_of_kinds(); };
+      "  mtf config kinds metrics"};
+  add_text(kinds, "kind", "KIND", "one component, table or metric; default: all components", options.file).candidates =
+      [](const std::vector<std::string>&) { return names_of_kinds(); };
   add_choice(kinds, "--format", "FORMAT", "table (default), markdown or json", kLayouts, options.layout);
   kinds.run = action(ConfigOptions::Action::kinds);
 
@@ -150,20 +165,12 @@ Command config_command() {
       "values decide together are left to mtf config check.",
       "  mtf config schema sensor -o sensor.schema.json\n"
       "  mtf config schema study -o study.schema.json"};
-  const auto of_file = std::make_shared<FileKind>();
-  OptionSpec& file =
-      add_word(schema, "file", "FILE", "sensor, study or scene", [&options, of_file](const std::string& text) {
-        *of_file = choice("file", text, kFiles);
-        options.of_study = *of_file == FileKind::study;
-      });
+  OptionSpec& file = add_word(schema, "file", "FILE", "sensor, study or scene",
+                              [&options](const std::string& text) { options.kind = choice("file", text, kFiles); });
   file.required = true;
   file.candidates = one_of(kFiles);
   add_text(schema, "-o,--out", "FILE", "file to write; default: standard output", options.file);
-  schema.run = [shared, of_file, other = action(ConfigOptions::Action::schema)](const Global& global) {
-    if (*of_file != FileKind::scene) return other(global);
-    emit(shared->file, scenes_module().schema());
-    return 0;
-  };
+  schema.run = action(ConfigOptions::Action::schema);
   app.commands = {init, check, explain, kinds, schema};
   return app;
 }

@@ -6,6 +6,7 @@
 
 #include "apps/config_command.h"
 #include "apps/kinds.h"
+#include "apps/modules/modules.h"
 #include "apps/schema/schemas.h"
 #include "apps/sensor/sensor_air.h"
 #include "apps/sensor/sensor_chain.h"
@@ -21,19 +22,51 @@
 #include "mtf/io/config/config_tree.h"
 #include "mtf/io/csv/curve_csv.h"
 #include "radiometry/chain/sensor_settings.h"
+#ifdef MTFKIT_HAVE_STUDY
+#include "apps/study/study_shape.h"
+#endif
 
 namespace apps {
 namespace {
 
+using FileKind = ConfigOptions::FileKind;
+
+[[maybe_unused]] [[noreturn]] std::string without_studies() {
+  throw mtf::UsageError("studies are not part of this build: they need Ceres and NLopt");
+}
+
+std::string starter_text(FileKind kind) {
+  if (kind == FileKind::scene) return scenes_module().starter();
+  if (kind == FileKind::sensor) return mtf::io::starter_config();
+#ifdef MTFKIT_HAVE_STUDY
+  return study::starter_study();
+#else
+  return without_studies();
+#endif
+}
+
+/// What comes after a starter file is written.
+std::string next_step(FileKind kind, const std::string& file) {
+  if (kind == FileKind::scene)
+    return "it names meshes, weather and a schedule, which `mtf scene demo -o FOLDER` writes beside the same file; "
+           "next: "
+           "mtf "
+           "scene check " +
+           file;
+  return (kind == FileKind::study ? "it varies sensor.toml beside it, as mtf config init -o sensor.toml writes it; "
+                                  : "") +
+         ("next: mtf config check " + file);
+}
+
 int init(const ConfigOptions& options, const Global& global) {
   const bool to_stdout = options.file.empty() || options.file == "-";
   struct stat status {};
-  // A sensor file is edited by hand: losing one is worse than losing an output.
+  // Such a file is edited by hand: losing one is worse than losing an output.
   if (!to_stdout && !options.force && ::stat(options.file.c_str(), &status) == 0 && S_ISREG(status.st_mode))
     throw mtf::UsageError(options.file + ": exists already; --force replaces it, -o NAME writes another file");
-  emit(options.file, mtf::io::starter_config());
+  emit(options.file, starter_text(options.kind));
   if (!to_stdout)
-    note(global, "wrote " + one_line(options.file) + "; next: mtf config check " + shell_word(options.file));
+    note(global, "wrote " + one_line(options.file) + "; " + next_step(options.kind, shell_word(options.file)));
   return 0;
 }
 
@@ -67,12 +100,13 @@ int explain(const ConfigOptions& options, const Global& global) {
   return 0;
 }
 
-std::string schema_text(bool of_study) {
-  if (!of_study) return sensor_file_schema();
+std::string schema_text(FileKind kind) {
+  if (kind == FileKind::scene) return scenes_module().schema();
+  if (kind == FileKind::sensor) return sensor_file_schema();
 #ifdef MTFKIT_HAVE_STUDY
   return study_file_schema();
 #else
-  throw mtf::UsageError("studies are not part of this build");
+  return without_studies();
 #endif
 }
 
@@ -158,7 +192,7 @@ int run_config(const ConfigOptions& options, const Global& global) {
                                                               : describe_kinds(options.file));
       return 0;
     case ConfigOptions::Action::schema:
-      emit(options.file, schema_text(options.of_study));
+      emit(options.file, schema_text(options.kind));
       return 0;
   }
   return 0;

@@ -7,6 +7,12 @@
 #include "apps/terminal/text_table.h"
 #include "mtf/error.h"
 #include "mtf/units.h"
+#include "mtf/words.h"
+#ifdef MTFKIT_HAVE_STUDY
+#include "apps/study/design/metric_list.h"
+#include "apps/study/design/metric_rows.h"
+#include "apps/study/study_shape.h"
+#endif
 
 namespace apps {
 namespace {
@@ -59,14 +65,18 @@ std::string values_of(const Parameter& key) {
   }
 }
 
-/// `use`: what its keys are for.
-std::string describe_table(const TableKind& kind, const std::string& use) {
+std::string keys_table(const std::vector<Parameter>& keys) {
   TextTable table({"  key", "example", "range", "", ""});
-  for (const Parameter& key : kind.parameters)
+  for (const Parameter& key : keys)
     table.add({"  " + written_name(key), std::string(key.example), values_of(key), std::string(presence_of(key)),
                std::string(key.doc)});
+  return table.aligned();
+}
+
+/// `use`: what its keys are for.
+std::string describe_table(const TableKind& kind, const std::string& use) {
   return "[" + std::string(kind.name) + "]: " + (kind.doc.empty() ? "" : std::string(kind.doc) + "; ") +
-         "keys of the sensor file" + use + "\n\n" + table.aligned();
+         "keys of the sensor file" + use + "\n\n" + keys_table(kind.parameters);
 }
 
 std::string describe_component(const ComponentKind& kind) {
@@ -79,6 +89,74 @@ std::string describe_component(const ComponentKind& kind) {
                mtf::with_unit(range_of(parameter), parameter.unit), std::string(presence_of(parameter)),
                std::string(parameter.doc)});
   return text + table.aligned();
+}
+
+#ifdef MTFKIT_HAVE_STUDY
+constexpr std::array kStudyNames{std::string_view("study"), std::string_view("conditions"),
+                                 std::string_view("metrics")};
+
+/// Keys of a study. Most take lists or values of another key, so that the example says more than a range.
+std::string study_keys(std::span<const mtf::FieldInfo> keys) {
+  TextTable table({"  key", "example", "", ""});
+  for (const mtf::FieldInfo& key : keys)
+    table.add({"  " + std::string(key.name), std::string(key.example), std::string(presence_of({key})),
+               std::string(key.doc)});
+  return table.aligned();
+}
+
+std::string describe_study() {
+  std::string text =
+      "study: keys of a study file, for mtf sweep and mtf optimize; mtf config init study writes one\n\n" +
+      study_keys(study::kHeadKeys);
+  for (const study::StudyTable& table : study::kStudyTables) {
+    const std::string name(table.name);
+    text += "\n" + (table.list ? "[[" + name + "]]" : "[" + name + "]") + ": " + std::string(table.doc) + "\n";
+    if (!table.keys.empty()) text += study_keys(table.keys);
+  }
+  return text;
+}
+
+std::string describe_conditions() {
+  std::vector<Parameter> keys;
+  for (const mtf::FieldInfo& field : study::condition_fields()) keys.push_back({field});
+  return "[conditions]: what metrics take from outside of the sensor; keys of a study file\n\n" + keys_table(keys);
+}
+
+std::string describe_metrics() {
+  TextTable table({"  metric", "unit", "", "needs"});
+  for (const study::MetricRow& row : study::metric_rows())
+    table.add({"  " + std::string(row.name) + (row.directional ? "*" : ""), std::string(row.unit),
+               std::string(row.definition), std::string(row.needs)});
+  return "metrics: what a study may ask for in [metrics] list, constraints and objectives\n\n" + table.aligned() +
+         "\nThose with * are also taken along one axis: NAME_x, NAME_y. mtf_at_20_cy_mm* is the MTF at any frequency "
+         "in "
+         "cy_mm, cy_mrad or cy_px.\n";
+}
+
+std::string describe_metric(const study::MetricInfo& metric) {
+  return metric.name + ": " + mtf::with_unit(metric.definition, metric.unit.empty() ? "" : "[" + metric.unit + "]") +
+         "; a metric of studies\n" + (metric.needs.empty() ? "" : "  needs " + metric.needs + "\n") +
+         "  source: " + metric.source + "\n";
+}
+
+/// Of a study file, a table of it or a metric; "" for another name.
+std::string describe_of_studies(const std::string& name) {
+  if (name == "study") return describe_study();
+  if (name == "conditions") return describe_conditions();
+  if (name == "metrics") return describe_metrics();
+  const auto metric = study::find_metric(name);
+  return metric ? describe_metric(*metric) : "";
+}
+#else
+constexpr std::array<std::string_view, 0> kStudyNames{};
+std::string describe_of_studies(const std::string&) { return {}; }
+#endif
+
+/// What a name that nothing has may have been meant for.
+std::string unknown_kind(const std::string& kind) {
+  const auto meant = kind.size() <= 64 ? mtf::nearest(kind, names_of_kinds()) : std::nullopt;
+  return "unknown kind '" + mtf::printable(kind, 60) + "': neither a component nor a table nor a metric; " +
+         (meant ? "did you mean " + *meant + "?" : "mtf config kinds lists components and tables");
 }
 
 }  // namespace
@@ -112,6 +190,10 @@ std::vector<std::string> names_of_kinds() {
   for (const auto* tables : {&kinds.own_tables, &kinds.tables})
     for (const TableKind& table : *tables) names.emplace_back(table.name);
   for (const ComponentKind& component : kinds.components) names.emplace_back(component.kind);
+  for (const std::string_view name : kStudyNames) names.emplace_back(name);
+#ifdef MTFKIT_HAVE_STUDY
+  for (const study::MetricRow& metric : study::metric_rows()) names.emplace_back(metric.name);
+#endif
   std::ranges::sort(names);
   names.erase(std::unique(names.begin(), names.end()), names.end());
   return names;
@@ -133,13 +215,14 @@ std::string describe_kinds(const std::string& kind) {
                                                                    : "volts and counts, with " + table.condition)));
   }
   if (!text.empty()) return text;
-  if (!kind.empty()) try {
-      return describe_component(component_kind(kind));
-    } catch (const mtf::UsageError& unknown) {
-      throw mtf::UsageError(std::string(unknown.what()) + "; tables: " + joined(names, ", "));
-    }
-  for (const ComponentKind& each : kinds.components) add(describe_component(each));
-  add("tables of a sensor file, whose keys `mtf config kinds NAME` lists: " + joined(names, ", ") + "\n");
+  for (const ComponentKind& each : kinds.components)
+    if (kind.empty() || each.kind == kind) add(describe_component(each));
+  if (kind.empty()) {
+    add("tables of a sensor file, whose keys `mtf config kinds NAME` lists: " + joined(names, ", ") + "\n");
+    if (!kStudyNames.empty()) text += "of a study file: " + joined(kStudyNames, ", ") + "\n";
+  }
+  if (text.empty()) text = describe_of_studies(kind);
+  if (text.empty()) throw mtf::UsageError(unknown_kind(kind));
   return text;
 }
 

@@ -11,8 +11,8 @@
 namespace apps {
 
 /// The component of that kind ("" = every one): what it is, the lists it may stand in, its physics, and each parameter
-/// with its range, whether it is needed, and an example. Or the table of the chain of that name, with its keys. Throws
-/// UsageError for an unknown name.
+/// with its range, whether it is needed, and an example. Or the table of the chain of that name, with its keys; or
+/// `study`, `conditions`, `metrics` and each metric. Throws UsageError for an unknown name, with what was meant.
 std::string describe_kinds(const std::string& kind);
 
 /// All that describe_kinds takes.

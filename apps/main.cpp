@@ -134,8 +134,22 @@ std::string version_text() {
          " (GPL)\nlicence: Apache-2.0; a binary that contains FFTW is passed on under the GPL\n" + modules_text();
 }
 
+/// `asked`: the words after `mtf help`. It has nothing to run: help_of() is the answer.
+Command help_command(std::vector<std::string>& asked, std::vector<std::string> commands) {
+  Command command{"help", "what a command does, and what it takes", "The same as mtf COMMAND --help.",
+                  "  mtf help curve\n"
+                  "  mtf help config kinds"};
+  OptionSpec& words = add_text(command, "command", "COMMAND", "the command, and one of its subcommands; default: mtf",
+                               [&asked](const std::string& word) { asked.push_back(word); });
+  words.repeats = true;
+  words.candidates = [commands = std::move(commands)](const std::vector<std::string>& line) {
+    return !line.empty() && line.back() == "help" ? commands : std::vector<std::string>();
+  };
+  return command;
+}
+
 /// The whole command: help, manual pages and completion are made from it.
-Command root_command(Global& global) {
+Command root_command(Global& global, std::vector<std::string>& help_for) {
   Command command{"mtf",
                   "OTF models of electro-optical and infrared sensors: curves, sensor images, error against run time.",
                   "", "  mtf demo\n  mtf curve sensor.toml --plot ascii"};
@@ -160,7 +174,17 @@ Command root_command(Global& global) {
 #ifdef MTFKIT_HAVE_STUDY
   add({sweep_command(), optimize_command()});
 #endif
+  std::vector<std::string> names;
+  for (const Command& inner : command.commands) names.push_back(inner.name);
+  add({help_command(help_for, std::move(names))});
   return command;
+}
+
+std::vector<std::string> names_below(const CLI::App& app) {
+  std::vector<std::string> names;
+  for (const CLI::App* sub : app.get_subcommands([](const CLI::App*) { return true; }))
+    names.push_back(sub->get_name());
+  return names;
 }
 
 /// What CLI11 complains about, with the word that was probably meant.
@@ -180,15 +204,29 @@ std::string parse_complaint(const CLI::App& root, const CLI::ParseError& error) 
     command += " " + app->get_name();
     collect(*app);
   }
-  for (const CLI::App* sub : app->get_subcommands([](const CLI::App*) { return true; }))
-    commands.push_back(sub->get_name());
+  commands = names_below(*app);
   return usage_complaint(command, root.remaining(true), options, commands, error.what());
+}
+
+/// What `mtf WORDS --help` prints.
+std::string help_of(const CLI::App& root, const std::vector<std::string>& words) {
+  const CLI::App* app = &root;
+  std::string above;
+  for (const std::string& word : words) {
+    const auto inner = app->get_subcommands([&](const CLI::App* each) { return each->get_name() == word; });
+    above += (above.empty() ? "" : " ") + app->get_name();
+    if (inner.empty()) throw mtf::UsageError(usage_complaint(above, {word}, {}, names_below(*app), "no such command"));
+    app = inner.front();
+  }
+  const std::string name = above.empty() ? app->get_name() : above + " " + app->get_name();
+  return app->get_formatter()->make_help(app, name, CLI::AppFormatMode::Normal);
 }
 
 int parse_and_run(int argc, char** argv) {
   Global global;
   std::function<int(const Global&)> chosen;
-  const Command command = root_command(global);
+  std::vector<std::string> help_for;
+  const Command command = root_command(global, help_for);
   // For the shell and the build, not for people: no help lists them.
   if (argc > 1 && argv[1] == std::string_view("--complete")) {
     print(completion(command, {argv + 2, argv + argc}));
@@ -215,7 +253,8 @@ int parse_and_run(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     throw mtf::UsageError(parse_complaint(root, error));
   }
-  return chosen(global);
+  if (!chosen) print(help_of(root, help_for));
+  return chosen ? chosen(global) : 0;
 }
 
 }  // namespace

@@ -47,11 +47,12 @@ struct InfoOptions {
 struct ConfigOptions {
   enum class Action { init, check, explain, kinds, schema } action = Action::check;
   enum class Layout { table, markdown, json };
-  std::string file;  ///< init, schema: where to write, "" = stdout; kinds: the one to show, "" = all
+  enum class FileKind { sensor, study, scene };
+  std::string file;                  ///< init, schema: where to write, "" = stdout; kinds: the one to show, "" = all
+  FileKind kind = FileKind::sensor;  ///< init, schema: of which files
   bool force = false;
   Format format = Format::table;
   Layout layout = Layout::table;  ///< kinds; markdown is mtf/components/README.md
-  bool of_study = false;          ///< schema: of study files instead of sensor files
 };
 
 /// `mtf simulate`.

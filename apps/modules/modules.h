@@ -45,6 +45,7 @@ struct ScenesModule {
   int (*bench_heat)(const BenchOptions&, const Global&);
   int (*bench_render)(const BenchOptions&, const Global&);
   std::string (*schema)();
+  std::string (*starter)();  ///< a scene file to start from
   /// Throws UsageError where the file has no [atmosphere].
   SceneAir (*air)(const std::string& file, const Global&);
   radiometry::atmosphere::Air<double> (*air_above)(const radiometry::AtmosphereSettings&, double altitude_m);

@@ -6,6 +6,7 @@
 #include "apps/scene/command/fly_options.h"
 #include "apps/scene/command/render_options.h"
 #include "apps/scene/scene_file/clear_sky_flux.h"
+#include "apps/scene/scene_file/demo_scene_text.h"
 #include "apps/scene/scene_file/scene_file.h"
 #include "apps/schema/schemas.h"
 #include "apps/terminal/output.h"
@@ -43,6 +44,7 @@ extern "C" const ScenesModule* mtfkit_scenes_table() {
                                       .bench_heat = run_bench_heat,
                                       .bench_render = run_bench_render,
                                       .schema = scene_file_schema,
+                                      .starter = scene::demo_scene_text,
                                       .air = scene_air,
                                       .air_above = scene::air_above};
   return &table;

@@ -8,6 +8,11 @@
 #include "apps/sensor/sensor_kinds.h"
 #include "apps/text/json.h"
 #include "mtf/components/component_docs.h"
+#ifdef MTFKIT_HAVE_STUDY
+#include "apps/study/design/metric_list.h"
+#include "apps/study/study_shape.h"
+#include "mtf/error.h"
+#endif
 
 namespace apps {
 namespace {
@@ -60,9 +65,38 @@ Json table_json(const TableKind& kind) {
           {"parameters", parameters_json(kind.parameters)}};
 }
 
+#ifdef MTFKIT_HAVE_STUDY
+Json metrics_json() {
+  Json list = Json::array();
+  for (const study::MetricInfo& metric : study::metric_catalogue())
+    list.push_back({{"name", metric.name},
+                    {"unit", metric.unit},
+                    {"definition", metric.definition},
+                    {"source", metric.source},
+                    {"needs", metric.needs}});
+  return list;
+}
+
+/// Of a study file; null for another name.
+Json study_json(const std::string& kind) {
+  if (kind == "metrics") return {{"metrics", metrics_json()}};
+  if (kind == "study")
+    throw mtf::UsageError(
+        "--format json has [conditions] and metrics of a study; all of its keys are in "
+        "`mtf config schema study`");
+  if (kind != "conditions") return {};
+  TableKind table{.name = "conditions", .doc = "what metrics take from outside of the sensor", .parameters = {}};
+  for (const mtf::FieldInfo& field : study::condition_fields()) table.parameters.push_back({field});
+  return {{"components", Json::array()}, {"tables", {table_json(table)}}};
+}
+#else
+Json study_json(const std::string&) { return {}; }
+#endif
+
 }  // namespace
 
 std::string kinds_json(const std::string& kind) {
+  if (const Json of_study = study_json(kind); !of_study.is_null()) return json_document(of_study, 1);
   const SensorKinds kinds = sensor_kinds();
   Json json{{"components", Json::array()}, {"tables", Json::array()}};
   for (const auto* tables : {&kinds.own_tables, &kinds.tables})

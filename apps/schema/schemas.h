@@ -10,7 +10,7 @@
 namespace apps {
 
 /// `mtf config kinds [KIND] --format json`: {"components": [...], "tables": [...]}, those of that name where one is
-/// given. Throws UsageError for an unknown one.
+/// given; of `metrics` {"metrics": [...]}. Throws UsageError for an unknown one.
 std::string kinds_json(const std::string& kind);
 
 /// `mtf config schema sensor`.

@@ -2,6 +2,7 @@
 
 // `mtf config schema study`: keys from apps/study/study_shape.h.
 
+#include <algorithm>
 #include <functional>
 #include <span>
 
@@ -18,16 +19,24 @@ Json number_or_text() { return {{"type", {"number", "string"}}}; }
 
 Json whole(double least, double most) { return {{"type", "integer"}, {"minimum", least}, {"maximum", most}}; }
 
-/// A table of exactly these keys.
-Json table_of(std::string_view doc, std::span<const std::string_view> keys,
-              const std::function<Json(std::string_view)>& value) {
-  Json table = closed_table(doc);
-  for (const std::string_view key : keys) table["properties"][std::string(key)] = value(key);
+Json described(Json value, const mtf::FieldInfo& key) {
+  value["description"] = std::string(key.doc) + ", such as " + std::string(key.example);
+  return value;
+}
+
+/// A table of exactly the keys of its rows.
+Json table_of(std::string_view name, const std::function<Json(std::string_view)>& value) {
+  const auto& tables = study::kStudyTables;
+  const study::StudyTable& of =
+      *std::find_if(tables.begin(), tables.end(), [&](const study::StudyTable& each) { return each.name == name; });
+  Json table = closed_table(of.doc);
+  for (const mtf::FieldInfo& key : of.keys)
+    table["properties"][std::string(key.name)] = described(value(key.name), key);
   return table;
 }
 
 Json axis() {
-  Json table = table_of("what varies, over which values", study::kAxisKeys, [](std::string_view key) -> Json {
+  Json table = table_of("axis", [](std::string_view key) -> Json {
     if (key == "values") return {{"type", "array"}, {"minItems", 1}};
     if (key == "count") return whole(1, 1e9);
     if (key == "scale") return words_schema(study::kScales);
@@ -40,8 +49,8 @@ Json axis() {
 }
 
 Json as_built() {
-  Json table = table_of("a parameter that differs from copy to copy", study::kAsBuiltKeys,
-                        [](std::string_view key) { return key == "parameter" ? text_schema() : number_or_text(); });
+  Json table =
+      table_of("as_built", [](std::string_view key) { return key == "parameter" ? text_schema() : number_or_text(); });
   table["required"] = {"parameter"};
   table["oneOf"] = {{{"required", {"sd"}}}, {{"required", {"plus_minus"}}}};
   return list_schema(std::move(table));
@@ -49,11 +58,8 @@ Json as_built() {
 
 Json conditions() {
   Json table = closed_table("where and when the sensor is used");
-  for (const mtf::FieldInfo& field : study::condition_fields()) {
-    Json value = number_schema(field);
-    value["description"] = "such as " + std::string(field.example);
-    table["properties"][std::string(field.name)] = std::move(value);
-  }
+  for (const mtf::FieldInfo& field : study::condition_fields())
+    table["properties"][std::string(field.name)] = described(number_schema(field), field);
   return table;
 }
 
@@ -66,14 +72,11 @@ Json value_of(std::string_view key) {
   if (key == "conditions") return conditions();
   if (key == "links") return {{"type", "object"}, {"additionalProperties", text_schema()}};
   if (key == "sampling")
-    return table_of("which designs", study::kSamplingKeys,
+    return table_of("sampling",
                     [](std::string_view k) { return k == "method" ? words_schema(study::kMethods) : whole(1, 1e9); });
   if (key == "yield")
-    return table_of("how many copies of a design", study::kYieldKeys,
-                    [](std::string_view) { return whole(study::kDraws.lo, study::kDraws.hi); });
-  if (key == "metrics")
-    return table_of("what is computed", study::kMetricsKeys,
-                    [](std::string_view) { return list_schema(text_schema()); });
+    return table_of("yield", [](std::string_view) { return whole(study::kDraws.lo, study::kDraws.hi); });
+  if (key == "metrics") return table_of("metrics", [](std::string_view) { return list_schema(text_schema()); });
   return text_schema();  // name, sensor
 }
 
@@ -81,8 +84,10 @@ Json value_of(std::string_view key) {
 
 std::string study_file_schema() {
   Json schema = schema_head("mtf study file", "a trade study: what varies, what follows, what is wanted");
-  for (const std::string_view key : study::kTopKeys)
-    if (key != "schema") schema["properties"][std::string(key)] = value_of(key);
+  for (const mtf::FieldInfo& key : study::kHeadKeys)
+    if (key.name != "schema") schema["properties"][std::string(key.name)] = described(value_of(key.name), key);
+  for (const study::StudyTable& table : study::kStudyTables)
+    schema["properties"][std::string(table.name)] = value_of(table.name);
   return json_document(schema, 1);
 }
 

@@ -161,6 +161,9 @@ struct StudyResult {
 };
 StudyResult parse_study(const std::string& text, const std::string& file);
 
+/// Metrics of [metrics] list that no design can have: their columns stay empty.
+std::vector<mtf::io::Diagnostic> listed_gaps(const Study& study);
+
 /// True for a file whose top level has [[axis]] or `sensor`: a study and no sensor.
 bool is_study(const std::string& text);
 

@@ -242,6 +242,23 @@ void check_gaps(StudyReader& s) {
       }
 }
 
+std::vector<mtf::io::Diagnostic> listed_gaps(const Study& study) {
+  std::vector<mtf::io::Diagnostic> gaps;
+  const cfg::Tree tree = cfg::read_tree(study.text);
+  const Node* table = tree.root.find("metrics");
+  const Node* list = table != nullptr ? table->find("list") : nullptr;
+  if (list == nullptr) return gaps;
+  for (const Node& item : list->items)
+    if (const auto metric = find_metric(item.text))
+      if (const std::string gap = metric_gap(*metric, study); !gap.empty())
+        gaps.push_back({.error = true,
+                        .position = item.position,
+                        .path = "metrics.list",
+                        .text = item.text + " is asked of designs that cannot have it: " + gap +
+                                "; add that, or take the metric from the list"});
+  return gaps;
+}
+
 void check_column_names(StudyReader& s) {
   std::set<std::string> taken{"design"};
   for (const Column& column : file_columns(s.study))

@@ -61,7 +61,7 @@ struct StudyReader {
 };
 
 /// Unknown keys, as for sensor files; those of the top level below a table with where they belong.
-void check_study_keys(const mtf::io::cfg::Section& section, std::span<const std::string_view> known);
+void check_study_keys(const mtf::io::cfg::Section& section, std::span<const mtf::FieldInfo> keys);
 
 /// `sensor` and the levels of an axis over it. False when there is no base sensor to continue with.
 bool read_sensors(StudyReader& s);

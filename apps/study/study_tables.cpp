@@ -29,10 +29,7 @@ void read_conditions(StudyReader& s) {
   const Node* table = cfg::find_table(root, "conditions");
   if (table == nullptr) return;
   const Section section{s.reader, *table, "conditions", "[conditions]"};
-  const std::vector<FieldInfo> fields = condition_fields();
-  std::vector<std::string_view> known;
-  for (const FieldInfo& field : fields) known.push_back(field.name);
-  check_study_keys(section, known);
+  check_study_keys(section, condition_fields());
   Conditions& given = s.study.conditions;
   radiometry::for_each_field(given, [&](const FieldInfo& info, auto& member) {
     if (const auto value = cfg::read_number(section, info, info.name)) member = *value;
@@ -81,12 +78,22 @@ void read_head(StudyReader& s) {
 
 std::vector<FieldInfo> condition_fields() { return radiometry::table_info<Conditions>("conditions", "").settings; }
 
-void check_study_keys(const Section& section, std::span<const std::string_view> known) {
+std::vector<std::string_view> top_keys() {
+  std::vector<std::string_view> keys;
+  for (const FieldInfo& key : kHeadKeys) keys.push_back(key.name);
+  for (const StudyTable& table : kStudyTables) keys.push_back(table.name);
+  return keys;
+}
+
+void check_study_keys(const Section& section, std::span<const FieldInfo> keys) {
+  std::vector<std::string_view> known;
+  for (const FieldInfo& key : keys) known.push_back(key.name);
+  const std::vector<std::string_view> top = top_keys();
   // What follows a table belongs to it: TOML cannot return to the top level.
   Node rest = section.table;
   std::erase_if(rest.members, [&](const cfg::Member& member) {
     const auto is = [&](std::string_view key) { return key == member.key; };
-    if (std::any_of(known.begin(), known.end(), is) || std::none_of(kTopKeys.begin(), kTopKeys.end(), is)) return false;
+    if (std::any_of(known.begin(), known.end(), is) || std::none_of(top.begin(), top.end(), is)) return false;
     section.reader.error(
         member.position, section.at(member.key),
         "belongs at the top of the file, above the first line with brackets; here it is a part of " + section.title);
@@ -132,7 +139,7 @@ void check_conditions(StudyReader& s) {
 }
 
 void read_settings(StudyReader& s) {
-  cfg::check_keys(s.root(), kTopKeys);
+  cfg::check_keys(s.root(), top_keys());
   read_head(s);
   read_yield(s);
   read_conditions(s);

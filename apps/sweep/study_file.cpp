@@ -42,10 +42,9 @@ std::string summary(const study::Study& study) {
 
 int check_study(const std::string& file, Format format) {
   study::StudyResult result = study::parse_study(mtf::io::read_text_file(file, mtf::io::cfg::kMaxBytes), file);
-  if (result.ok()) {  // what only a sweep of it would find
-    const std::vector<mtf::io::Diagnostic> problems = copy_problems(result.study);
-    result.diagnostics.insert(result.diagnostics.begin(), problems.begin(), problems.end());
-  }
+  if (result.ok())  // what only a sweep of it would find
+    for (const auto& problems : {copy_problems(result.study), study::listed_gaps(result.study)})
+      result.diagnostics.insert(result.diagnostics.end(), problems.begin(), problems.end());
   return report_verdict({.file = file,
                          .ok = result.ok(),
                          .name = result.study.name,

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
@@ -104,7 +105,101 @@ TEST(Config, KindsDescribesTablesOfTheChain) {
   expect_says(frame, {"  focal_length ", "  pitch (or pitch_x", "  frame_time "});
   EXPECT_FALSE(says(frame, "[0, 0]")) << frame;  // their ranges follow from other values
   expect_says(scratch.run("mtf config kinds band").out, {"  wavelength "});
-  expect_says(scratch.run("mtf config kinds bands").err, {"frame, scene, optics, band,"});
+  expect_error(scratch.run("mtf config kinds bands"), 2, {"'bands'", "did you mean band?"});
+  expect_error(scratch.run("mtf config kinds \"what is there\""), 2, {"mtf config kinds lists"});
+}
+
+#ifdef MTFKIT_HAVE_STUDY
+TEST(Config, KindsDescribesStudies) {
+  const Scratch scratch;
+  const std::string study = scratch.run("mtf config kinds study").out;
+  for (const char* key :
+       {"\n  schema ", "\n  objectives ", "\n[[axis]]: ", "\n  parameter ", "\n[links]: ", "\n  draws "})
+    EXPECT_TRUE(says(study, key)) << key;
+  const std::string conditions = scratch.run("mtf config kinds conditions").out;
+  EXPECT_TRUE(conditions.starts_with("[conditions]: ")) << conditions;
+  expect_says(conditions, {"  target_size ", "\"3.1 m\"", "[0.001, 1e6]"});
+  const std::string metrics = scratch.run("mtf config kinds metrics").out;
+  expect_says(metrics, {"\n  netd ", "  mtf_nyquist* ", "[conditions] contrast and target_size"});
+  EXPECT_TRUE(scratch.run("mtf config kinds netd").out.starts_with("netd: "));
+  EXPECT_TRUE(scratch.run("mtf config kinds mtf_at_20_cy_mm_x").out.starts_with("mtf_at_20_cy_mm_x: "));
+  expect_error(scratch.run("mtf config kinds ntd"), 2, {"'ntd'", "did you mean netd?"});
+  const Json json = Json::parse(scratch.run("mtf config kinds conditions --format json").out);
+  const auto& rows = json["tables"][0]["parameters"];
+  const auto range = std::ranges::find_if(rows, [](const Json& row) { return row["name"] == "target_size"; });
+  ASSERT_NE(range, rows.end());
+  EXPECT_EQ((*range)["unit"], "m");
+  const Json named = Json::parse(scratch.run("mtf config kinds metrics --format json").out)["metrics"];
+  EXPECT_TRUE(std::ranges::any_of(named, [](const Json& one) { return one["name"] == "netd" && one["unit"] == "mK"; }));
+  expect_error(scratch.run("mtf config kinds study --format json"), 2, {"mtf config schema study"});
+}
+
+TEST(Config, TheStudyToStartFromRunsOnTheSensorToStartFrom) {
+  const Scratch scratch;
+  const std::string starter = scratch.run("mtf config init study").out;
+  const Result written = scratch.run("mtf config init study -o study.toml");
+  ASSERT_EQ(written.status, 0) << written.err;
+  expect_says(written.err, {"mtf config init -o sensor.toml", "mtf config check study.toml"});
+  EXPECT_EQ(read_file(scratch / "study.toml"), starter);
+  expect_error(scratch.run("mtf config init study study.toml"), 2, {"study.toml", "--force"});
+  expect_error(scratch.run("mtf config init study a.toml b.toml"), 2, {"'b.toml'", "a.toml"});
+  expect_error(scratch.run("mtf config check study.toml"), 2, {"study.toml:", "sensor.toml"});
+  scratch.add_sensor();
+  const Result checked = scratch.run("mtf config check study.toml");
+  EXPECT_EQ(checked.status, 0) << checked.err;
+  EXPECT_EQ(checked.err, "");
+  EXPECT_EQ(scratch.run("mtf sweep study.toml -o trade").status, 0);
+  // Its [conditions], in full, are as good as its other keys.
+  std::string text = starter;
+  for (std::size_t at = text.find("# [conditions]"); at != std::string::npos; at = text.find("\n# ", at))
+    text.erase(text.find("# ", at), 2);
+  for (const char* either : {"\nmagnification = ", "\nextinction = "}) text.insert(text.find(either) + 1, "# ");
+  write_file(scratch / "study.toml", text);
+  const Result all = scratch.run("mtf config check study.toml");
+  EXPECT_EQ(all.status, 0) << all.err;
+}
+
+// Nothing is computed for a metric that no design can have, so a study that lists one is not what was meant.
+TEST(Config, AStudyThatLacksWhatItsMetricNeedsFailsWithTheKeyToAdd) {
+  const Scratch scratch;
+  scratch.add_sensor();
+  const auto check = [&](const std::string& list, const std::string& conditions) {
+    write_file(scratch / "study.toml",
+               "schema = 1\nsensor = \"sensor.toml\"\n[[axis]]\nparameter = \"frame.pitch\"\nvalues = [\"8 um\"]\n"
+               "[metrics]\nlist = [\"mtf_nyquist\", " +
+                   list + "]\n" + conditions);
+    return scratch.run("mtf config check study.toml");
+  };
+  expect_error(check("\"gsd\"", ""), 2, {"study.toml:7:24: error: metrics.list: gsd", "range = \"5 km\""});
+  EXPECT_EQ(check("\"gsd\"", "[conditions]\nrange = \"5 km\"\n").status, 0);
+  expect_error(check("\"netd\"", ""), 2, {"study.toml:7:24: error: metrics.list: netd", "[detector]"});
+  // What the list of metrics says of their needs is what the check asks for.
+  const Json metrics = Json::parse(scratch.run("mtf config kinds metrics --format json").out)["metrics"];
+  std::string all = "\"q\"";
+  for (const Json& metric : metrics)
+    if (metric["name"] != "q" && metric["name"] != "mtf_nyquist") all += ", " + metric["name"].dump();
+  const std::string err = check(all, "").err;
+  for (const Json& metric : metrics) {
+    const std::string needs = metric["needs"], name = metric["name"];
+    if (needs.find('[') == std::string::npos) {
+      EXPECT_FALSE(says(err, ": " + name + " is asked")) << name;
+    } else if (needs != "[frame] format") {
+      EXPECT_TRUE(says(err, ": " + name + " is asked")) << name << ": " << needs;
+    }
+  }
+}
+#endif
+
+TEST(Config, ASceneToStartFromIsThatOfTheDemo) {
+  const Scratch scratch;
+  const Result demo = scratch.run("mtf scene demo -o demo");
+  if (says(demo.err, "libmtfkit_scenes")) GTEST_SKIP() << "no scenes";
+  ASSERT_EQ(demo.status, 0) << demo.err;
+  const Result written = scratch.run("mtf config init scene -o demo/mine.toml");
+  ASSERT_EQ(written.status, 0) << written.err;
+  expect_says(written.err, {"mtf scene demo -o FOLDER", "mtf scene check demo/mine.toml"});
+  EXPECT_EQ(read_file(scratch / "demo/mine.toml"), read_file(scratch / "demo/scene.toml"));
+  EXPECT_EQ(scratch.run("mtf scene check demo/mine.toml").status, 0);
 }
 
 TEST(Config, KindsTellsThePhysicsOfAComponent) {

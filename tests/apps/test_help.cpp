@@ -147,7 +147,9 @@ TEST_F(Completion, OffersValues) {
   EXPECT_EQ(offered("mtf curve --unit ="), "cy/mm|cy/mrad|cy/px|");
   EXPECT_EQ(offered("mtf --progress pl"), "plain|");
   EXPECT_EQ(offered("mtf config kinds jit"), "jitter|");
-  EXPECT_EQ(offered("mtf config kinds dete"), "detector|");
+  EXPECT_EQ(offered("mtf config kinds vig"), "vignetting|");
+  EXPECT_EQ(offered("mtf config init st"), "study|");
+  EXPECT_EQ(offered("mtf help cu"), "curve|");
   EXPECT_EQ(offered("mtf config schema st"), "study|");
   EXPECT_EQ(offered("mtf atmosphere --model trop"), "tropical|");
   EXPECT_EQ(offered("mtf render --channel dep"), "depth=|");
@@ -185,6 +187,19 @@ TEST_F(Completion, SaysNothingOfBrokenInputAndWritesNothing) {
   EXPECT_EQ(scratch.run("mtf --complete").out, "");
   EXPECT_EQ(files(), before);
   EXPECT_EQ(offered("mtf info broken.exr --layer zz"), "");
+}
+
+TEST(Help, IsACommandToo) {
+  const Scratch scratch;
+  for (const std::string command : {"", " curve", " config", " config kinds", " scene demo", " help"}) {
+    const Result asked = scratch.run("mtf help" + command);
+    EXPECT_EQ(asked.status, 0) << asked.err;
+    EXPECT_EQ(asked.out, scratch.run("mtf" + command + " --help").out);
+  }
+  EXPECT_EQ(scratch.run("mtf --quiet help curve").out, scratch.run("mtf curve --help").out);
+  expect_error(scratch.run("mtf help curv"), 2, {"'curv'", "did you mean curve?"});
+  expect_error(scratch.run("mtf help config kind"), 2, {"mtf config", "'kind'", "did you mean kinds?"});
+  expect_error(scratch.run("mtf help curve sensor.toml"), 2, {"mtf curve", "'sensor.toml'"});
 }
 
 TEST(Help, ListsNothingThatIsForTheShellAndTheBuildOnly) {

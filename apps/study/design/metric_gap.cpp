@@ -6,10 +6,23 @@
 
 #include "apps/sensor/air_course.h"
 #include "apps/study/design/range_tasks.h"
+#include "apps/study/study_shape.h"
 #include "mtf/error.h"
 #include "mtf/otf/otf_parts.h"
 
 namespace study {
+namespace {
+
+/// "no [conditions] range, such as range = "5 km"": `keys` of which the first is shown as it is written.
+std::string no_condition(std::string_view keys) {
+  const std::string first(keys.substr(0, keys.find(' ')));
+  std::string text = "no [conditions] " + std::string(keys);
+  for (const mtf::FieldInfo& field : condition_fields())
+    if (field.name == first) text += ", such as " + first + " = " + std::string(field.example);
+  return text;
+}
+
+}  // namespace
 
 std::string metric_gap(const MetricChoice& choice, const Study& study, const VariantSensor& sensor) {
   const Effort effort = choice.row->effort;
@@ -19,12 +32,12 @@ std::string metric_gap(const MetricChoice& choice, const Study& study, const Var
   const bool acquisition = effort == Effort::bars || effort == Effort::air;
   if ((effort == Effort::budget || quality || acquisition) && !sensor.no_budget.empty()) return sensor.no_budget;
   const bool own_range = sensor.loaded && apps::stated_range_m(sensor.loaded->sensor.settings);
-  if ((metric == Metric::gsd || quality) && !given.range_m && !own_range) return "no [conditions] range";
+  if ((metric == Metric::gsd || quality) && !given.range_m && !own_range) return no_condition("range");
   if ((metric == Metric::target_snr || quality) && !given.contrast_k && !given.signal_contrast)
-    return "no [conditions] contrast or signal_contrast";
+    return no_condition("contrast or signal_contrast");
   if (effort == Effort::air) {
-    if (!given.contrast_k) return "no [conditions] contrast";
-    if (metric != Metric::ttp && !given.target_size_m) return "no [conditions] target_size";
+    if (!given.contrast_k) return no_condition("contrast");
+    if (metric != Metric::ttp && !given.target_size_m) return no_condition("target_size");
     const auto tasks = range_tasks(given);
     const bool bars = std::any_of(tasks.begin(), tasks.end(),
                                   [&](const RangeTask& task) { return task.metric == metric && task.by_bars; });

@@ -29,7 +29,12 @@ constexpr std::string_view kJohnson =
 
 constexpr std::string_view kRange = "[conditions] range";
 constexpr std::string_view kContrast = "[detector] and [conditions] contrast or signal_contrast";
+constexpr std::string_view kQuality = "[detector], [conditions] range, and contrast or signal_contrast";
 constexpr std::string_view kTarget = "[detector], [conditions] contrast and target_size";
+constexpr std::string_view kObserver =
+    "[detector], [conditions] contrast, and magnification or display_height with viewing_distance";
+constexpr std::string_view kObservedTarget =
+    "[detector], [conditions] contrast and target_size, and magnification or display_height with viewing_distance";
 
 using enum Metric;
 constexpr std::array kRows{
@@ -129,14 +134,14 @@ constexpr std::array kRows{
               "electrons that the target has more than its background / temporal noise of the background", kFiete,
               kContrast, Effort::budget},
     MetricRow{niirs_giqe3, "niirs_giqe3", false, "", "NIIRS by the general image quality equation 3",
-              "IBSM 4 (ERIM 253885-4-F), 3-56", kContrast, Effort::giqe},
-    MetricRow{niirs_giqe4, "niirs_giqe4", false, "", "NIIRS by the general image quality equation 4", kGiqe4, kContrast,
+              "IBSM 4 (ERIM 253885-4-F), 3-56", kQuality, Effort::giqe},
+    MetricRow{niirs_giqe4, "niirs_giqe4", false, "", "NIIRS by the general image quality equation 4", kGiqe4, kQuality,
               Effort::giqe},
     MetricRow{niirs_giqe5, "niirs_giqe5", false, "", "NIIRS by the general image quality equation 5",
-              "NGA, General Image Quality Equation 5.0 (2015)", kContrast, Effort::giqe},
+              "NGA, General Image Quality Equation 5.0 (2015)", kQuality, Effort::giqe},
     MetricRow{grd, "grd", false, "m",
               "ground resolved distance: period of the finest bars that can be seen in the noise",
-              "IBSM 4 (ERIM 253885-4-F), 3-54", kContrast, Effort::grd},
+              "IBSM 4 (ERIM 253885-4-F), 3-54", kQuality, Effort::grd},
     MetricRow{mrtd, "mrtd", false, "mK", "2-D minimum resolvable temperature difference at half of Nyquist", kMrtd,
               "[detector]", Effort::bars},
     MetricRow{
@@ -153,13 +158,13 @@ constexpr std::array kRows{
     MetricRow{ttp, "ttp", false, "cy/mrad",
               "targeting task performance of the target's contrast at range 0, up to the optical cutoff, aliasing not "
               "counted",
-              kNvl, "[detector] and [conditions] contrast", Effort::air},
-    MetricRow{ttp_detect, "ttp_range_detect", false, "m", "range of detection, probability 0.5, TTP", kNvl, kTarget,
-              Effort::air},
+              kNvl, kObserver, Effort::air},
+    MetricRow{ttp_detect, "ttp_range_detect", false, "m", "range of detection, probability 0.5, TTP", kNvl,
+              kObservedTarget, Effort::air},
     MetricRow{ttp_recognise, "ttp_range_recognise", false, "m", "range of recognition, probability 0.5, TTP", kNvl,
-              kTarget, Effort::air},
+              kObservedTarget, Effort::air},
     MetricRow{ttp_identify, "ttp_range_identify", false, "m", "range of identification, probability 0.5, TTP", kNvl,
-              kTarget, Effort::air}};
+              kObservedTarget, Effort::air}};
 
 constexpr MetricRow kMtfAt{mtf_at, "mtf_at", true,          "", "MTF of the whole system at a frequency",
                            kOtf,   "",       Effort::points};

@@ -218,7 +218,7 @@ TEST(Evaluator, WhatADesignCannotHaveIsAGapWithItsReason) {
   };
   EXPECT_EQ(gap("netd"), "no [detector]");
   EXPECT_EQ(gap("niirs_giqe5"), "no [detector]");
-  EXPECT_EQ(gap("gsd"), "no [conditions] range");
+  expect_says(gap("gsd"), {"no [conditions] range, such as range = \"5 km\""});
   expect_says(gap("spurious_response"), {"interpolation or eye", "[[postsample]]"});
   EXPECT_EQ(gap("rer"), "");
 }

@@ -160,7 +160,8 @@ TEST(SweepCommand, TheErrorAgainstTimeIsMeasuredWhereItIsAskedFor) {
                {"--accuracy: `mtf sweep plan`"});
 }
 
-// What a sensor lacks is an error of the study where it is asked to be best, and a gap where it is only listed.
+// What a sensor lacks is an error of the study where it is asked to be best; where it is only listed the check fails,
+// while a sweep leaves the column empty and says why.
 TEST(SweepCommand, AGoalThatNoDesignCanHaveIsRefusedByTheCheck) {
   const Scratch scratch;
   scratch.add_sensor();
@@ -180,7 +181,13 @@ TEST(SweepCommand, AGoalThatNoDesignCanHaveIsRefusedByTheCheck) {
     EXPECT_EQ(status, 2) << text;
     expect_says(text, {says});
   }
-  EXPECT_EQ(check(head + axis + "[metrics]\nlist = [\"gsd\", \"netd\"]\n").first, 0);
+  const auto [status, text] = check(head + axis + "[metrics]\nlist = [\"gsd\", \"mtf50\", \"netd\"]\n");
+  EXPECT_EQ(status, 2);
+  expect_says(text, {"no [conditions] range, such as range = ", "no [detector]"});
+  EXPECT_FALSE(says(text, "mtf50")) << text;
+  const Result swept = scratch.run("mtf sweep study.toml -o out");
+  EXPECT_EQ(swept.status, 0) << swept.err;
+  expect_says(swept.out, {"no gsd: no [conditions] range", "no netd: no [detector]"});
 }
 
 // A design at a pole of an objective or of a constraint wins nothing: it is invalid, counted and named.
