@@ -63,6 +63,11 @@ Command simulate_command() {
            options.run.out)
       .required = true;
   add_text(app, "--report", "FILE", "what was done, how exactly and how fast, as JSON", options.report);
+  add_text(
+      app, "--picture", "FILE",
+      "draw scene and image for the eye, side by side, with colour bars (.png): counts fill little of the scale of\n"
+      "an image file, which a viewer shows black",
+      options.picture);
   add_channel_choice(app, options.channel, options.layer, options.part);
   add_word(app, "--tolerance", "X", "rms error allowed; default 1e-4, with [adc] in the sensor file a tenth of a count",
            set_tolerance(options.run.tolerance));

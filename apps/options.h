@@ -58,6 +58,7 @@ struct ConfigOptions {
 /// `mtf simulate`.
 struct SimulateCommandOptions {
   std::string sensor, scene, report;
+  std::string picture;  ///< PNG of scene and image for the eye, "" = none
   std::optional<std::string> channel, layer;
   std::optional<int> part;
   bool explain = false;

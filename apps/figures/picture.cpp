@@ -2,9 +2,12 @@
 #include "apps/figures/picture.h"
 
 #include <algorithm>
+#include <cmath>
+#include <iterator>
 #include <vector>
 
 #include "apps/text/message_words.h"
+#include "mtf/error.h"
 #include "mtf/io/image_io.h"
 
 namespace apps {
@@ -63,7 +66,67 @@ void place(const Panel& panel, std::int64_t x, std::int64_t y, std::int64_t bar_
   add(right, text_y, ends.high, 1.0);
 }
 
+constexpr double kBlack = 0.01, kWhite = 0.03;
+
+/// A power of a thousand that brings values to 1 ... 1000, where they are far from it.
+int thousands(double value) {
+  if (!(value > 0.0) || (value > 1e-2 && value < 1e5)) return 0;
+  return 3 * static_cast<int>(std::floor(std::log10(value) / 3.0));
+}
+
+/// "W.m^-2.sr^-1" as "W/m2/sr", which fits above a panel.
+std::string short_unit(const std::string& unit) {
+  std::string text;
+  for (std::size_t from = 0; from < unit.size();) {
+    const std::size_t to = std::min(unit.find('.', from), unit.size()), power = unit.substr(from, to - from).find("^-");
+    const std::string factor = unit.substr(from, to - from);
+    if (power == std::string::npos)
+      text += (text.empty() ? "" : ".") + factor;
+    else
+      text += "/" + factor.substr(0, power) + (factor.substr(power + 2) == "1" ? "" : factor.substr(power + 2));
+    from = to + 1;
+  }
+  return text;
+}
+
 }  // namespace
+
+void require_picture_name(const std::string& file) {
+  if (!file.empty() && !file.ends_with(".png"))
+    throw mtf::UsageError("--picture: " + one_line(file) + ": is a PNG; give it the ending .png");
+}
+
+void PairedPicture::add(const Caption& caption, mtf::ImageView<const float> image, const std::string& unit,
+                        std::int64_t width) {
+  std::vector<float> sorted;
+  for (std::int64_t y = 0; y < image.height; ++y)
+    std::copy_if(image.row(y), image.row(y) + image.width, std::back_inserter(sorted),
+                 [](float value) { return std::isfinite(value); });
+  std::sort(sorted.begin(), sorted.end());
+  if (sorted.empty()) sorted.push_back(0.0F);
+  const auto at = [&](double share) {
+    return static_cast<double>(sorted[static_cast<std::size_t>(share * static_cast<double>(sorted.size() - 1))]);
+  };
+  const int power = thousands(at(0.5));
+  const double scale = std::pow(10.0, -power), low = scale * at(kBlack), high = scale * at(1.0 - kWhite);
+  mtf::Image& copy = images_.emplace_back(image.width, image.height);
+  for (std::int64_t y = 0; y < image.height; ++y)
+    for (std::int64_t x = 0; x < image.width; ++x) {
+      const double value = scale * static_cast<double>(image.at(x, y));
+      copy.at(x, y) = static_cast<float>(std::isfinite(value) ? value : low);
+    }
+  const std::string in = (power != 0 ? "1e" + std::to_string(power) + " " : std::string()) + short_unit(unit);
+  panels_.push_back({.caption = caption.name + (in.empty() ? "" : " [" + in + "]") + ", " +
+                                std::to_string(image.width) + " x " + std::to_string(image.height) + " " +
+                                caption.pixels,
+                     .image = copy.view(),
+                     .zoom = static_cast<int>(std::max<std::int64_t>(1, width / image.width)),
+                     .low = low,
+                     .high = high > low ? high : low + 1.0,
+                     .quantity = ""});
+}
+
+void PairedPicture::write(const std::string& path) const { write_picture(path, panels_, true, 2); }
 
 BarEnds bar_ends(const Panel& panel) {
   std::int64_t below = 0, above = 0;

@@ -10,9 +10,11 @@
 
 #include "apps/bench/machine.h"
 #include "apps/config_command.h"
+#include "apps/figures/picture.h"
 #include "apps/image/simulate_summary.h"
 #include "apps/options.h"
 #include "apps/sensor/sensor_air.h"
+#include "apps/simulate/frames/sequence.h"
 #include "apps/simulate/output_files.h"
 #include "apps/simulate/simulate.h"
 #include "apps/terminal/interrupt.h"
@@ -148,13 +150,53 @@ SimulateResult run_library(const SimulateCommandOptions& options, const Global& 
   EventPrinter print_event(options, global);
   SimulateOptions run = options.run;
   run.threads = global.threads;
-  for (const std::string& more : {options.report, options.wisdom})
+  run.keep_images = !options.picture.empty();
+  for (const std::string& more : {options.report, options.wisdom, options.picture})
     if (!more.empty() && more != "-") run.also_written.push_back(more);
   run.watch = [&](const SimulateEvent& event) {
     print_event(event);
     return true;
   };
   return simulate(sensor, {.file = options.scene, .read = {options.channel, options.layer, options.part}}, run);
+}
+
+/// --picture: each plane of the scene beside that of the image.
+void draw_picture(const SimulateCommandOptions& options, const mtf::io::SensorConfig& sensor,
+                  const SimulateResult& result) {
+  const mtf::io::Scene scene =
+      mtf::io::load_scene(sensor, options.scene, {options.channel, options.layer, options.part});
+  const std::vector<mtf::Image>& planes = result.images.front().planes;
+  PairedPicture page;
+  for (std::size_t c = 0; c < planes.size(); ++c) {
+    const std::string plane = planes.size() > 1 ? " " + one_line(result.names[c]) : "";
+    // A spectral scene has more planes than the image that a detector makes of it: the one in its middle stands for it.
+    const std::size_t shown = scene.planes.size() == planes.size() ? c : scene.planes.size() / 2;
+    const mtf::Image& seen = scene.planes[shown];
+    const std::int64_t width = std::max<std::int64_t>(seen.width(), 512);
+    page.add({"scene" + plane, "samples"}, seen.view(), std::string(mtf::io::quantity_unit(scene.quantity)), width);
+    page.add({"image of the sensor" + plane, "pixels"}, planes[c].view(), result.report.unit(), width);
+  }
+  page.write(options.picture);
+}
+
+/// Counts of a detector of 14 bits, in a scene of little contrast, are a hundredth of the grey values of a PNG or TIFF.
+void note_dark_scale(const SimulateCommandOptions& options, const Global& global, const SimulateResult& result) {
+  constexpr double kSeen = 0.03;
+  if (result.report.integer_scaling.empty() || result.statistics.empty()) return;
+  double low = mtf::kInfinity, high = -mtf::kInfinity;
+  for (const mtf::Statistics& plane : result.statistics) {
+    low = std::min(low, static_cast<double>(plane.min));
+    high = std::max(high, static_cast<double>(plane.max));
+  }
+  const mtf::io::IntegerScaling& scaling = result.report.scaling;
+  const double used = (high - low) / scaling.gain / scaling.largest();
+  if (!(used > 0.0 && used < kSeen)) return;
+  const auto stored = [&](double value) { return fixed((value - scaling.offset) / scaling.gain, 0); };
+  note(global, "note: " + one_line(options.run.out) + " uses " + significant(100.0 * used, 2) +
+                   " % of its grey scale, " + stored(low) + " to " + stored(high) + " of " +
+                   fixed(scaling.largest(), 0) + ", and looks like one grey in a viewer; " +
+                   (options.picture.empty() ? "--picture FILE.png draws it for the eye"
+                                            : one_line(options.picture) + " is for the eye"));
 }
 
 }  // namespace
@@ -172,6 +214,9 @@ int run_simulate(const SimulateCommandOptions& options, const Global& global) {
       detector != nullptr && has_signal && detector->find("read_noise") != nullptr &&
       find_table(sensor.tables, "noise") == nullptr)
     note(global, "note: images are without the read noise of [detector]: the sensor file has no [noise] table");
+  require_picture_name(options.picture);
+  if (!options.picture.empty() && (options.run.memory || is_sequence({.file = options.scene}, options.run)))
+    throw mtf::UsageError("--picture draws one whole image; leave it out of a sequence, and with --memory");
   if (options.wisdom == "-") throw mtf::UsageError("--wisdom: name a file; \"-\" is for --report only");
   if (options.run.memory && !options.wisdom.empty())
     throw mtf::UsageError("--wisdom is for whole images; leave it out with --memory");
@@ -183,6 +228,11 @@ int run_simulate(const SimulateCommandOptions& options, const Global& global) {
   read_measured(options, global);
   const SimulateResult result = run_library(options, global, sensor);
   write_measured(options, global);
+  note_dark_scale(options, global, result);
+  if (!options.picture.empty() && result.images.empty())
+    note(global, "note: no picture is drawn: the image went through in tiles");
+  else if (!options.picture.empty())
+    draw_picture(options, sensor, result);
   if (!options.report.empty()) emit(options.report, to_json(result.report));
   if (options.report == "-") return 0;  // standard output is the report
   if (options.explain) print(explain_text(result.report));

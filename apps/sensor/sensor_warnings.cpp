@@ -17,16 +17,23 @@ mtf::io::Diagnostic warning_at(std::string path, std::string text) {
 
 struct FootprintArea {
   std::string label;
+  double width_um = 0.0, height_um = 0.0;
   double of_pitch = 1.0;  ///< its area over that of the pitch
 };
+
+/// "14 x 15 um".
+std::string size_words(double width_um, double height_um) {
+  return mtf::three_digits(width_um) + " x " + mtf::three_digits(height_um) + " um";
+}
 std::vector<FootprintArea> footprint_areas(const mtf::System<double>& system) {
   std::vector<FootprintArea> areas;
   const auto context = system.context();
-  const double cell_mm2 = 1e-6 * system.frame.pitch_x_um * system.frame.pitch_y_um;
+  const double cell_um2 = system.frame.pitch_x_um * system.frame.pitch_y_um;
   for (const auto& entry : system.list(mtf::Stage::presample))
     if (const auto* footprint = entry.component.get_if<mtf::Footprint<double>>()) {
-      const double active_mm2 = footprint->width_mm(mtf::Axis::x, context) * footprint->width_mm(mtf::Axis::y, context);
-      areas.push_back({entry.label, active_mm2 / cell_mm2});
+      const double width_um = 1e3 * footprint->width_mm(mtf::Axis::x, context);
+      const double height_um = 1e3 * footprint->width_mm(mtf::Axis::y, context);
+      areas.push_back({entry.label, width_um, height_um, width_um * height_um / cell_um2});
     }
   return areas;
 }
@@ -49,16 +56,18 @@ std::vector<mtf::io::Diagnostic> fill_factor_warnings(const mtf::System<double>&
 std::vector<mtf::io::Diagnostic> light_area_notes(const mtf::System<double>& system,
                                                   const radiometry::DetectorSettings& detector) {
   std::vector<mtf::io::Diagnostic> notes;
-  const double of_pitch = detector.width_um.value_or(system.frame.pitch_x_um) / system.frame.pitch_x_um *
-                          detector.height_um.value_or(system.frame.pitch_y_um) / system.frame.pitch_y_um;
+  const double width_um = detector.width_um.value_or(system.frame.pitch_x_um);
+  const double height_um = detector.height_um.value_or(system.frame.pitch_y_um);
+  const double of_pitch = width_um * height_um / (system.frame.pitch_x_um * system.frame.pitch_y_um);
   const std::string key = detector.width_um ? "detector.width" : detector.height_um ? "detector.height" : "detector";
   for (const FootprintArea& other : footprint_areas(system)) {
     if (std::abs(other.of_pitch - of_pitch) <= 1e-6 * of_pitch) continue;
     mtf::io::Diagnostic note = warning_at(
-        key, "light is counted on " + mtf::three_digits(of_pitch) + " of the area of the pitch, and blurred by " +
-                 mtf::three_digits(other.of_pitch) + " of it, \"" + other.label +
-                 "\" of [[presample]]; give [detector] width and height and the footprint one size, unless "
-                 "microlenses or the quantum efficiency make up for the difference");
+        key, "detector area " + size_words(width_um, height_um) + ", footprint " +
+                 size_words(other.width_um, other.height_um) + " (\"" + other.label +
+                 "\" of [[presample]]): the first takes the light, the second blurs it; give [detector] width and "
+                 "height and the footprint one size, unless microlenses or the quantum efficiency make up for the "
+                 "difference");
     note.remark = true;
     notes.push_back(std::move(note));
   }

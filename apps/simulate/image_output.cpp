@@ -16,7 +16,7 @@ Written deliver(const SimulateOptions& options, const std::string& file, const s
   } else {
     return written;
   }
-  image.planes.clear();
+  if (!options.keep_images) image.planes.clear();
   return written;
 }
 

@@ -9,7 +9,8 @@
 namespace apps {
 
 /// `file`: the name to write, "" for none. What is left of `image` afterwards is what the caller gets back: without
-/// planes where a file or the sink has them. Returns how a PNG or TIFF was scaled. Throws as write_sensor_image.
+/// planes where a file or the sink has them, but for SimulateOptions::keep_images. Returns how a PNG or TIFF was
+/// scaled. Throws as write_sensor_image.
 Written deliver(const SimulateOptions& options, const std::string& file, const std::vector<std::string>& names,
                 SimulatedImage& image, const IntegerRange& range);
 

@@ -69,6 +69,7 @@ struct SimulateOptions {
   std::string out{};
   std::optional<std::array<double, 2>> range{};  ///< --range: values at 0 and the largest number of PNG and TIFF
   std::vector<std::string> also_written{};  ///< files that the caller will write: none may be an input or the output
+  bool keep_images = false;                 ///< one image that is written to a file is in the result too
   /// Takes the images where no file is named; without it they are in the result. Called for each frame, or for each
   /// tile of an image that goes through in tiles: from several threads at once and in no certain order.
   std::function<void(const ImagePart&)> sink{};

@@ -9,7 +9,7 @@
 
 #include "apps/figures/picture.h"
 #include "mtf/io/image_io.h"
-#include "tests/apps/command.h"
+#include "tests/apps/chain_sensor.h"
 
 namespace apps_test {
 namespace {
@@ -53,6 +53,66 @@ TEST(Picture, PixelsBecomeSquaresAndTheBarRunsFromBlackToWhite) {
     bar = bar || (std::is_sorted(row + 18, row + 314) && row[18] < 4.0F && row[313] > 250.0F && row[165] == 127.0F);
   }
   EXPECT_TRUE(bar);
+}
+
+/// A converter whose counts of a scene of 2 K are a few of the 65536 grey values of a PNG.
+class CountsPicture : public ChainSensor {
+ protected:
+  void SetUp() override {
+    ChainSensor::SetUp();
+    sensor("[adc]\nbits = 14\n");
+    Image ramp(64, 48);
+    for (std::int64_t y = 0; y < 48; ++y)
+      for (std::int64_t x = 0; x < 64; ++x) ramp.at(x, y) = 299.0F + static_cast<float>(x) / 32.0F;
+    mtf::io::Metadata metadata;
+    metadata.text["mtf:quantity"] = "temperature";
+    mtf::io::write_exr((scratch / "ramp.exr").string(), {{"Y", ramp.view()}}, metadata);
+  }
+};
+
+TEST_F(CountsPicture, ShowsWhatTheFileOfCountsHides) {
+  const Result run = scratch.run("mtf simulate s.toml ramp.exr -o counts.png --picture view.png");
+  ASSERT_EQ(run.status, 0) << run.err;
+  const Image counts = read(scratch / "counts.png");
+  const auto [least, most] = std::minmax_element(counts.data(), counts.data() + counts.size());
+  const double share = 100.0 * static_cast<double>(*most - *least) / 65535.0;
+  ASSERT_LT(share, 3.0);
+  const std::size_t said = run.err.find(" uses ");
+  ASSERT_NE(said, std::string::npos) << run.err;
+  EXPECT_NEAR(std::stod(run.err.substr(said + 6)), share, 0.051 * share);
+  expect_says(run.err, {"note: counts.png", "view.png"});
+  // Scene and image, enlarged to 512 x 384 each: both run through the colours from one side to the other.
+  const auto planes = mtf::io::read_image((scratch / "view.png").string()).planes;
+  ASSERT_EQ(planes.size(), 3U);
+  const auto light = [&](std::int64_t x) { return planes[0].at(x, 240) + planes[1].at(x, 240) + planes[2].at(x, 240); };
+  EXPECT_GT(light(16 + 500) - light(16 + 12), 300.0F);
+  EXPECT_GT(light(544 + 500) - light(544 + 12), 300.0F);
+}
+
+TEST_F(CountsPicture, IsNotAskedForWhereTheScaleIsUsed) {
+  for (const char* other : {"-o counts.exr", "-o counts.png --range 8000:9000", "-o light.png --stage irradiance"}) {
+    const Result run = scratch.run(std::string("mtf simulate s.toml ramp.exr ") + other);
+    EXPECT_EQ(run.status, 0) << run.err;
+    EXPECT_FALSE(says(run.err, "grey scale")) << other << run.err;
+  }
+  expect_says(scratch.run("mtf simulate s.toml ramp.exr -o counts.png").err, {"--picture FILE.png"});
+}
+
+TEST_F(CountsPicture, IsOfOneWholeImage) {
+  expect_refused("mtf simulate s.toml ramp.exr -o out.exr --picture view.jpg", {"--picture", "ending .png"});
+  expect_refused("mtf simulate s.toml ramp.exr -o out.exr --picture view.png --memory 1GiB", {"--picture", "--memory"});
+  expect_refused("mtf simulate s.toml frame.%04d.exr -o out.%04d.exr --picture view.png", {"--picture", "sequence"});
+  expect_refused("cp ramp.exr ramp.png && mtf simulate s.toml ramp.png -o out.exr --picture ramp.png", {"ramp.png"});
+  EXPECT_FALSE(fs::exists(scratch / "view.png"));
+}
+
+// Either size stands in a note of its own words: which of the two is meant is for the reader to say.
+TEST_F(CountsPicture, TwoSizesOfOneDetectorAreBothSaid) {
+  sensor("", "width = \"14.25 um\"", "width = \"14 um\"");
+  expect_says(scratch.run("mtf config check s.toml").out,
+              {"note: detector.width: detector area 14 x 15 um, footprint 15 x 15 um"});
+  sensor("", "width = \"14.25 um\"", "width = \"15 um\"");
+  EXPECT_FALSE(says(scratch.run("mtf config check s.toml").out, "detector area"));
 }
 
 TEST(Picture, TheDemoClipsNothingAndSaturatesNothing) {
