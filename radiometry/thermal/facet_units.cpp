@@ -25,7 +25,12 @@ constexpr std::uint32_t kTilts = 1024;  // steps of the vertical component of th
 std::uint32_t temperature_step(const HeatScene& scene, std::uint32_t facet) {
   constexpr double kStep_k = 1.0;
   const auto& table = scene.region_of(facet).table;
-  return table ? static_cast<std::uint32_t>(std::min(table->mean(facet) / kStep_k, kTilts - 1.0)) : 0;
+  if (!table) return 0;
+  double sum = 0.0;
+  for (std::size_t i = facet; i < table->front_k.size(); i += table->facets)
+    sum += static_cast<double>(table->front_k[i]);
+  const double mean = sum * static_cast<double>(table->facets) / static_cast<double>(table->front_k.size());
+  return static_cast<std::uint32_t>(std::min(mean / kStep_k, kTilts - 1.0));
 }
 
 /// What decides beside the view: region of given temperature or material, and the tilt where convection depends on it.
@@ -71,16 +76,9 @@ geometry::FluxAmplitudes amplitudes_of(const HeatScene& scene, int rings) {
     colder = std::max(colder, std::abs(heat::blackbody_w_m2(s.air_k[k]) - s.sky_longwave_w_m2[k]));
   double warmer = colder;
   const auto [coldest, warmest] = std::minmax_element(s.air_k.begin(), s.air_k.end());
-  const auto widen = [&](double kelvin) {
-    warmer = std::max({warmer, heat::blackbody_w_m2(kelvin) - heat::blackbody_w_m2(*coldest),
-                       heat::blackbody_w_m2(*warmest) - heat::blackbody_w_m2(kelvin)});
-  };
-  for (const heat::Schedule* schedule : scene.input.temperature_schedules())
-    for (const double kelvin : schedule->value) widen(kelvin);
-  for (const Region& region : scene.input.regions)
-    if (region.table)
-      for (const float kelvin : region.table->kelvin)
-        if (!std::isnan(kelvin)) widen(static_cast<double>(kelvin));
+  if (const auto [least, most] = scene.input.given_range_k(); least <= most)
+    warmer = std::max({warmer, heat::blackbody_w_m2(most) - heat::blackbody_w_m2(*coldest),
+                       heat::blackbody_w_m2(*warmest) - heat::blackbody_w_m2(least)});
   a.sky_solar.assign(static_cast<std::size_t>(rings), *std::ranges::max_element(s.diffuse_w_m2));
   a.sky_longwave.assign(static_cast<std::size_t>(rings), 0.0);
   a.ground_solar = a.surfaces_solar = 0.3 * *std::ranges::max_element(s.global_w_m2);

@@ -60,9 +60,6 @@ std::vector<heat::WeatherQuantity> wanted_of(const ThermalScene& scene) {
   return wanted;
 }
 
-/// A day after the start, or the end of the run where that is later.
-double end_of_weather_s(const ThermalScene& scene) { return std::max(scene.end_s, scene.start_s + heat::kDay_s); }
-
 /// About so many directions a day, at the begin and the end of every stretch of daylight and at nodes between them, the
 /// same times every day: so shadows repeat from day to day, and no more steps end than at nodes.
 std::vector<heat::SunAt> shadow_directions(const heat::Place& place, double start, double end, int directions) {
@@ -119,7 +116,7 @@ void require_weather(const ThermalScene& scene) {
     throw mtf::UsageError(mtf::one_line(scene.name) +
                           ": a material has wet_fraction, for which the weather needs vapour_pressure or "
                           "relative_humidity; give one of them, or leave wet_fraction out");
-  const double end = end_of_weather_s(scene);
+  const double end = scene.last_s();
   try {
     heat::require(scene.weather, wanted_of(scene), scene.start_s, end);
   } catch (const mtf::UsageError& e) {
@@ -134,7 +131,7 @@ Surroundings surroundings_of(const ThermalScene& scene, int directions, double t
   using enum heat::WeatherQuantity;
   require_weather(scene);
   const heat::WeatherSeries& weather = scene.weather;
-  const double start = scene.start_s, end = end_of_weather_s(scene);
+  const double start = scene.start_s, end = scene.last_s();
   Surroundings s;
   s.warnings = weather.warnings;
   s.pole = heat::in_scene_axes({0.0, std::cos(scene.place.latitude_rad), std::sin(scene.place.latitude_rad)},

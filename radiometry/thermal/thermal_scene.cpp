@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "mtf/error.h"
 #include "mtf/words.h"
@@ -36,14 +37,14 @@ void require_times(const ThermalScene& scene, const std::string& where) {
 }
 
 void require_table(const ThermalScene& scene, const Region& region, const std::string& where) {
-  const FacetTable& table = *region.table;
-  const std::size_t facets = scene.facets.size(), rows = std::max<std::size_t>(table.time_s.size(), 1);
-  const auto rises = [](double a, double b) { return !(a < b); };  // so that neither NaN nor a time that repeats passes
-  if (table.facets != facets || table.kelvin.size() != rows * facets ||
-      std::ranges::adjacent_find(table.time_s, rises) != table.time_s.end() ||
-      !std::ranges::all_of(table.time_s, [](double t) { return std::isfinite(t); }))
-    throw mtf::UsageError(where + ": its table has " + std::to_string(table.kelvin.size()) + " temperatures, where " +
-                          std::to_string(rows) + " rising times of " + std::to_string(facets) + " facets are needed");
+  const TemperatureRows& table = *region.table;
+  require_valid(table, scene.facets.size(), where);
+  if (!table.covers(scene.start_s, scene.last_s()))
+    throw mtf::UsageError(where + ": " + mtf::one_line(table.source) + " has temperatures " + table.span_text() +
+                          ", and the run takes them from " + heat::instant_text(scene.start_s) + " to " +
+                          heat::instant_text(scene.last_s()) +
+                          ", a day at least, since its start repeats the first one; give " +
+                          "the table rows for all of that, or one row, which holds at all times");
 }
 
 }  // namespace
@@ -89,25 +90,8 @@ void require_valid(const Material& material) {
                           "determines its temperature; give an emissivity, or convection");
 }
 
-double FacetTable::at(std::uint32_t facet, double utc_s) const {
-  if (time_s.empty()) return static_cast<double>(kelvin[facet]);
-  const auto above = std::upper_bound(time_s.begin(), time_s.end(), utc_s);
-  if (above == time_s.begin()) return static_cast<double>(kelvin[facet]);
-  const auto k = static_cast<std::size_t>(above - time_s.begin()) - 1;
-  if (above == time_s.end()) return static_cast<double>(kelvin[k * facets + facet]);
-  const double share = (utc_s - time_s[k]) / (time_s[k + 1] - time_s[k]);
-  return std::lerp(static_cast<double>(kelvin[k * facets + facet]),
-                   static_cast<double>(kelvin[(k + 1) * facets + facet]), share);
-}
-
-double FacetTable::mean(std::uint32_t facet) const {
-  double sum = 0.0;
-  for (std::size_t i = facet; i < kelvin.size(); i += facets) sum += static_cast<double>(kelvin[i]);
-  return sum * static_cast<double>(facets) / static_cast<double>(kelvin.size());
-}
-
 double Region::given_k(std::uint32_t facet, double utc_s) const {
-  return table ? table->at(facet, utc_s) : value_at(temperature, utc_s);
+  return table ? table->front_at(facet, utc_s) : value_at(temperature, utc_s);
 }
 
 bool ThermalScene::evaporates() const {
@@ -131,6 +115,28 @@ std::vector<const heat::Schedule*> ThermalScene::schedules() const {
     for (const heat::Schedule& source : material.sources) all.push_back(&source);
   }
   return all;
+}
+
+std::array<double, 2> ThermalScene::given_range_k() const {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  std::array range{kInfinity, -kInfinity};
+  const auto widen = [&](double kelvin) {
+    if (!std::isnan(kelvin)) range = {std::min(range[0], kelvin), std::max(range[1], kelvin)};
+  };
+  for (const heat::Schedule* schedule : temperature_schedules()) std::ranges::for_each(schedule->value, widen);
+  for (const Region& region : regions)
+    if (region.table) std::ranges::for_each(region.table->front_k, widen);
+  return range;
+}
+
+TemperatureRows given_rows(const ThermalScene& scene, double utc_s) {
+  TemperatureRows rows{.source = scene.name, .facets = scene.region_of.size()};
+  for (std::uint32_t f = 0; f < rows.facets; ++f) {
+    const Region& region = scene.regions[scene.region_of[f]];
+    rows.front_k.push_back(region.is_given() ? static_cast<float>(region.given_k(f, utc_s))
+                                             : std::numeric_limits<float>::quiet_NaN());
+  }
+  return rows;
 }
 
 void require_valid(const ThermalScene& scene) {
@@ -167,7 +173,7 @@ void require_valid(const ThermalScene& scene) {
       refuse("facet " + std::to_string(f) + of_count(scene.region_of[f], scene.regions.size(), "region"));
     const Region& region = scene.regions[scene.region_of[f]];
     if (!region.table) continue;
-    const std::vector<float>& kelvin = region.table->kelvin;
+    const std::vector<float>& kelvin = region.table->front_k;
     for (std::size_t i = f; i < kelvin.size(); i += facets)
       if (!(kelvin[i] > 0.0F && std::isfinite(kelvin[i])))
         throw mtf::UsageError(mtf::one_line(region.table->source) + ": facet " + std::to_string(f) + " of region '" +

@@ -8,6 +8,8 @@
 //
 // SI units; times in seconds of UTC (radiometry/weather/instant.h); x and y level, z up, +y at the azimuth `north_rad`.
 
+#include <algorithm>
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -17,6 +19,8 @@
 
 #include "radiometry/heat/construction.h"
 #include "radiometry/scene/facets.h"
+#include "radiometry/thermal/temperature_rows.h"
+#include "radiometry/weather/instant.h"
 #include "radiometry/weather/sun.h"
 #include "radiometry/weather/value_schedule.h"
 #include "radiometry/weather/weather_series.h"
@@ -47,28 +51,17 @@ struct Material {
 /// to nothing, whose temperature nothing determines.
 void require_valid(const Material& material);
 
-/// Temperatures of single facets from elsewhere, such as an earlier run.
-struct FacetTable {
-  std::string source;          ///< the file, for messages
-  std::vector<double> time_s;  ///< rising, with straight lines between and held beyond; empty: for all time
-  std::size_t facets = 0;      ///< of the scene
-  std::vector<float> kelvin;   ///< [time * facets + facet]; NaN for facets that are not in it
-
-  double at(std::uint32_t facet, double utc_s) const;
-  double mean(std::uint32_t facet) const;
-};
-
 /// Facets of one kind: solved by their material; or of given temperature, where the material, if there is one, tells
 /// what they absorb and emit, and they are black without.
 struct Region {
   std::string name;
-  std::optional<std::size_t> material{};      ///< an index into ThermalScene::materials
-  heat::Schedule temperature{};               ///< K, of all its facets; empty where they are solved, or have a table
-  std::shared_ptr<const FacetTable> table{};  ///< temperatures of single facets, which copies of a scene share
+  std::optional<std::size_t> material{};           ///< an index into ThermalScene::materials
+  heat::Schedule temperature{};                    ///< K, of all its facets; empty where they are solved, or in a table
+  std::shared_ptr<const TemperatureRows> table{};  ///< of single facets, by their fronts; copies of a scene share it
 
   bool is_given() const { return table != nullptr || !temperature.value.empty(); }
   bool is_solved() const { return !is_given(); }
-  /// The given temperature of a facet, K.
+  /// The given temperature of a facet, K. Throws UsageError for a time that its table does not cover.
   double given_k(std::uint32_t facet, double utc_s) const;
 };
 
@@ -103,16 +96,24 @@ struct ThermalScene {
   std::optional<LevelGround> ground{};     ///< absent: black, and as warm as the air
   std::optional<scene::Point> camera_m{};  ///< for HeatOptions::seen
 
+  /// Until when a run takes weather and what is given: a day at least, which its start repeats.
+  double last_s() const { return std::max(end_s, start_s + heat::kDay_s); }
   bool evaporates() const;
   /// Those that are not empty: of temperatures that are given (K), and all, fluxes and sources too.
   std::vector<const heat::Schedule*> temperature_schedules() const;
   std::vector<const heat::Schedule*> schedules() const;
+  /// The least and the largest of all temperatures that are given, K; the first is the larger one where none is.
+  std::array<double, 2> given_range_k() const;
 };
+
+/// What the regions are given at a time: one row, NaN for facets that are solved. Throws as Region::given_k.
+TemperatureRows given_rows(const ThermalScene& scene, double utc_s);
 
 /// Throws UsageError, with the name of the scene: for no facets, or not one region for each; for regions, materials and
 /// ground that refer to what is not there, or have neither material nor temperature; for tables of another number of
-/// facets, or without one of their region; for an end before the start, a step that does not divide the time between,
-/// and more than a million outputs; and as require_valid of a material does.
+/// facets, without one of their region, or that do not cover the run and its first day; for an end before the start, a
+/// step that does not divide the time between, and more than a million outputs; and as require_valid of a material
+/// does.
 void require_valid(const ThermalScene& scene);
 
 }  // namespace radiometry::thermal

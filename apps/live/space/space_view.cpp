@@ -13,7 +13,6 @@
 #include "apps/live/toml_blocks.h"
 #include "apps/scene/command/read_scene.h"
 #include "apps/scene/fly/flight.h"
-#include "apps/scene/render/solved_rows.h"
 #include "apps/terminal/progress_line.h"
 #include "mtf/error.h"
 #include "mtf/io/config/config_text.h"
@@ -151,7 +150,7 @@ CameraPlace place_of(const SceneFile& file, const radiometry::scene::Facets& fac
   return {{x + size, y - size, z + 0.7 * size}, facets.middle};
 }
 
-HeatRows rows_of(const SceneFile& file, int threads, const HeatProgress& progress) {
+TemperatureRows rows_of(const SceneFile& file, int threads, const HeatProgress& progress) {
   return solved_rows(file, file.time.start_s, file.time.end_s, {.threads = threads}, progress);
 }
 
@@ -159,7 +158,7 @@ HeatRows rows_of(const SceneFile& file, int threads, const HeatProgress& progres
 std::shared_ptr<SolvedScene> solved_scene(const std::string& text, const std::string& path, const PictureOptions& air,
                                           int threads, const SolveProgress& progress) {
   auto scene = std::make_shared<SolvedScene>(SolvedScene{.file = parse_scene(text, path).scene, .air = air});
-  std::optional<HeatRows> rows;
+  std::optional<TemperatureRows> rows;
   if (!regions_to_solve(scene->file).empty()) {
     scene->air.temperatures.clear();
     rows = rows_of(scene->file, threads, progress);
@@ -207,7 +206,7 @@ Space open_space(const SceneViewOptions& options, const Global& global) {
   const auto start = std::make_shared<SolvedScene>(SolvedScene{.file = read_scene(options.scene, global), .air = air});
   const SceneFile& file = start->file;
   const bool solved = options.temperatures.empty() && !regions_to_solve(file).empty();
-  std::optional<HeatRows> rows;
+  std::optional<TemperatureRows> rows;
   if (solved) {
     note(global, "the heat balance is worked out first; mtf heat keeps it for --temperatures");
     ProgressLine progress(global);

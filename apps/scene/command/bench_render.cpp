@@ -17,6 +17,7 @@
 #include "apps/config_command.h"
 #include "apps/figures/plot.h"
 #include "apps/options.h"
+#include "apps/scene/heat/read_temperatures.h"
 #include "apps/scene/render/sensor_picture.h"
 #include "apps/terminal/output.h"
 #include "apps/terminal/output_set.h"

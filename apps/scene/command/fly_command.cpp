@@ -14,7 +14,7 @@
 #include "apps/scene/command/read_scene.h"
 #include "apps/scene/fly/flight.h"
 #include "apps/scene/fly/stage_times.h"
-#include "apps/scene/render/solved_rows.h"
+#include "apps/scene/heat/read_temperatures.h"
 #include "apps/simulate/frames/frame_names.h"
 #include "apps/simulate/image_output.h"
 #include "apps/simulate/output_files.h"
@@ -238,7 +238,7 @@ int run_fly(const FlyCommandOptions& options, const Global& global) {
   StopInGoodOrder interrupt(
       "mtf: interrupted: the frame that is being made is written first; once more to stop at once\n");
   ProgressLine progress(global);
-  std::optional<HeatRows> rows;
+  std::optional<TemperatureRows> rows;
   const PictureOptions air{.temperatures = options.temperatures, .utc_s = course.utc_of(first), .air = !options.no_air};
   double heat_ms = 0.0;
   if (options.temperatures.empty() && !regions_to_solve(file).empty()) {

@@ -15,9 +15,9 @@
 #include "apps/options.h"
 #include "apps/scene/command/read_scene.h"
 #include "apps/scene/command/render_options.h"
+#include "apps/scene/heat/read_temperatures.h"
 #include "apps/scene/render/layer_file.h"
 #include "apps/scene/render/sensor_picture.h"
-#include "apps/scene/render/solved_rows.h"
 #include "apps/sensor/sensor_air.h"
 #include "apps/simulate/simulate.h"
 #include "apps/terminal/output.h"
@@ -225,8 +225,8 @@ PictureScene scene_of(const RenderCommandOptions& options, const SceneFile& file
   if (!options.temperatures.empty()) throw mtf::UsageError("--heat: solves the temperatures; leave --temperatures out");
   ProgressLine progress(global);
   how.utc_s = how.utc_s.value_or(file.time.start_s);
-  HeatRows rows = solved_rows(file, *how.utc_s, *how.utc_s, {.threads = global.threads},
-                              [&](const std::string& step, double share) { progress.update(step, share); });
+  TemperatureRows rows = solved_rows(file, *how.utc_s, *how.utc_s, {.threads = global.threads},
+                                     [&](const std::string& step, double share) { progress.update(step, share); });
   return PictureSource(file, how, std::move(rows)).at();
 }
 

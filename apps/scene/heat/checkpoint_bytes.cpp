@@ -153,7 +153,7 @@ std::string hash_of_tables(const ThermalScene& scene) {
   for (const heat::Schedule* schedule : scene.schedules()) hashes += hash_of(schedule->time_s, schedule->value);
   for (const Material& material : scene.materials) hashes += hash_of(material.source_w_m2, material.back_source_w_m2);
   for (const Region& region : scene.regions)
-    if (region.table) hashes += hash_of(region.table->time_s, region.table->kelvin);
+    if (region.table) hashes += hash_of(region.table->utc_s, region.table->front_k);
   return mtf::io::sha256_hex(hashes);
 }
 

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <set>
 
-#include "apps/scene/heat/read_facet_table.h"
+#include "apps/scene/heat/read_temperatures.h"
 #include "apps/scene/import/import_mesh.h"
 #include "apps/text/message_words.h"
 #include "mtf/error.h"
@@ -259,7 +259,8 @@ void read_meshes(const SceneFile& file, ThermalScene& scene) {
 void read_tables(const SceneFile& file, ThermalScene& scene) {
   for (std::size_t r = 0; r < file.regions.size(); ++r)
     if (const auto& given = file.regions[r].temperature; given && !given->table.empty())
-      scene.regions[r].table = std::make_shared<const FacetTable>(read_facet_table(given->table, scene.facets.size()));
+      scene.regions[r].table =
+          std::make_shared<const TemperatureRows>(read_temperatures(given->table, scene.facets.size()));
 }
 
 Surroundings surroundings_of(const SceneFile& file, int directions, double tolerance_k) {

@@ -25,7 +25,7 @@ void read_scene_weather(const SceneFile& file, ThermalScene& scene);
 /// facets_of and import_mesh refuse.
 void read_meshes(const SceneFile& file, ThermalScene& scene);
 
-/// The tables of regions, once there are facets. Throws as read_facet_table.
+/// The tables of regions, once there are facets. Throws as read_temperatures.
 void read_tables(const SceneFile& file, ThermalScene& scene);
 
 /// What all surfaces of the file share over time; meshes are not read.

@@ -3,13 +3,16 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
+#include "apps/scene/heat/read_temperatures.h"
 #include "apps/scene/render/picture_surroundings.h"
 #include "apps/text/message_words.h"
 #include "mtf/error.h"
 #include "mtf/work/stopwatch.h"
 #include "radiometry/atmosphere/spectral_path.h"
 #include "radiometry/thermal/ground.h"
+#include "radiometry/weather/instant.h"
 
 namespace apps::scene {
 namespace {
@@ -19,6 +22,12 @@ namespace render = radiometry::render;
 radiometry::Spectrum spectrum_of(const Emissivity& emissivity, const std::string& name) {
   return emissivity.spectrum ? *emissivity.spectrum
                              : radiometry::constant_spectrum(name + ": emissivity", emissivity.along_normal, 1.0);
+}
+
+/// Whether the back of that facet is exposed and has a temperature of its own.
+bool is_sheet(const ThermalScene& scene, std::uint32_t facet) {
+  const auto& material = scene.regions[scene.region_of[facet]].material;
+  return material && scene.materials[*material].is_sheet();
 }
 
 /// One finish for each material, one for the backs of each that is a sheet with another emissivity, and black.
@@ -49,26 +58,22 @@ void set_finishes(const SceneFile& file, const ThermalScene& surfaces, render::R
 }
 
 double ground_k(const SceneFile& file, const ThermalScene& surfaces, double utc_s, double air_k,
-                std::optional<SolvedGround>& solved) {
+                std::optional<radiometry::heat::Schedule>& solved) {
   constexpr double kTolerance_k = 0.1;
   constexpr int kDirections = 36;
   if (!file.ground) return air_k;
   if (file.ground->temperature) return value_at(file.ground->temperature->schedule, utc_s);
   if (!solved) {
     const Surroundings s = surroundings_of(file, kDirections, kTolerance_k);
-    solved = {s.time_s,
+    solved = {"the ground", s.time_s,
               level_run(s, file.time.start_s, surfaces.materials[*file.ground->material], kTolerance_k).kelvin};
   }
-  const auto& [time_s, kelvin] = *solved;
-  const double at = std::clamp(utc_s - file.time.start_s, time_s.front(), time_s.back());
-  const auto above = std::upper_bound(time_s.begin() + 1, time_s.end() - 1, at);
-  const auto k = static_cast<std::size_t>(above - time_s.begin());
-  return std::lerp(kelvin[k - 1], kelvin[k], (at - time_s[k - 1]) / (time_s[k] - time_s[k - 1]));
+  return value_at(*solved, utc_s - file.time.start_s);
 }
 
 /// At the time of `out`.
 void set_surroundings(const SceneFile& file, const ThermalScene& surfaces, const PictureOptions& options,
-                      std::optional<SolvedGround>& ground, PictureScene& out) {
+                      std::optional<radiometry::heat::Schedule>& ground, PictureScene& out) {
   const PictureSurroundings around = picture_surroundings(
       file, out.utc_s, {.of_sensor = options.sensor_air, .sensor_file = options.sensor_file, .wanted = options.air});
   out.scene.sky = around.sky;
@@ -81,7 +86,53 @@ void set_surroundings(const SceneFile& file, const ThermalScene& surfaces, const
   out.scene.altitude_m = file.place.altitude_m;
 }
 
+/// Throws UsageError, with the regions, where a front has no temperature.
+void require_all(const ThermalScene& surfaces, const std::string& source, const std::vector<float>& kelvin) {
+  std::vector<std::size_t> unknown(surfaces.regions.size(), 0);
+  for (std::size_t f = 0; f < surfaces.region_of.size(); ++f)
+    if (!(kelvin[2 * f] > 0.0F)) ++unknown[surfaces.region_of[f]];
+  std::string missing;
+  for (std::size_t r = 0; r < unknown.size(); ++r)
+    if (unknown[r] > 0)
+      missing += (missing.empty() ? "'" : ", '") + one_line(surfaces.regions[r].name) + "' (" +
+                 std::to_string(unknown[r]) + " facets)";
+  if (!missing.empty())
+    throw mtf::UsageError(one_line(source) + ": has no temperature for facets of the regions " + missing);
+}
+
 }  // namespace
+
+std::string regions_to_solve(const SceneFile& file) {
+  std::string missing;
+  for (const RegionSection& region : file.regions)
+    if (!region.temperature) missing += (missing.empty() ? "'" : ", '") + one_line(region.name) + "'";
+  return missing;
+}
+
+TemperatureRows solved_rows(const SceneFile& file, double from_s, double to_s, const HeatOptions& options,
+                            const HeatProgress& progress) {
+  using radiometry::heat::instant_text;
+  SceneFile until = file;
+  TimeSection& time = until.time;
+  if (!(from_s >= time.start_s && to_s <= time.end_s))
+    throw mtf::UsageError("--time: " + instant_text(from_s) + (to_s > from_s ? " to " + instant_text(to_s) : "") +
+                          " is outside of the run of " + one_line(file.file) + ", which goes from " +
+                          instant_text(time.start_s) + " to " + instant_text(time.end_s));
+  // Two outputs at least, between which temperatures are straight lines.
+  const double steps = std::max(std::ceil((to_s - time.start_s) / time.step_s), 1.0);
+  time.end_s = std::min(time.start_s + steps * time.step_s, time.end_s);
+  TemperatureRows rows{.source = file.file};
+  const HeatScene scene = prepare_heat(until, options);
+  run_heat(
+      scene, options,
+      [&](const HeatOutput& output) {
+        const double utc_s = time.start_s + output.time_s;
+        if (utc_s + time.step_s < from_s) return;
+        rows.append(utc_s, output.front_k, output.back_k);
+      },
+      progress);
+  return rows;
+}
 
 PictureScene read_layer_scene(const SceneFile& file, const PictureOptions& options) {
   require_files(file);
@@ -90,12 +141,12 @@ PictureScene read_layer_scene(const SceneFile& file, const PictureOptions& optio
   ThermalScene surfaces = values_of(file);
   read_meshes(file, surfaces);
   set_finishes(file, surfaces, out.scene);
-  std::optional<SolvedGround> ground;
+  std::optional<radiometry::heat::Schedule> ground;
   set_surroundings(file, surfaces, options, ground, out);
   return out;
 }
 
-PictureSource::PictureSource(const SceneFile& file, PictureOptions options, std::optional<HeatRows> rows)
+PictureSource::PictureSource(const SceneFile& file, PictureOptions options, std::optional<TemperatureRows> rows)
     : file_(file), options_(std::move(options)) {
   require_files(file_);
   const mtf::Stopwatch read;
@@ -103,18 +154,23 @@ PictureSource::PictureSource(const SceneFile& file, PictureOptions options, std:
   read_meshes(file_, surfaces_);
   timing_ms_.emplace_back("meshes", read.ms());
   const mtf::Stopwatch opened;
+  of_regions_ = !rows && options_.temperatures.empty();
   if (rows) {
-    temperatures_.emplace(surfaces_, std::move(*rows));
+    require_valid(*rows, surfaces_.facets.size(), one_line(file_.file));
+    rows_ = std::move(*rows);
+  } else if (!of_regions_) {
+    constexpr double kLast = std::numeric_limits<double>::infinity();
+    rows_ = read_temperatures(options_.temperatures, surfaces_.facets.size(), options_.utc_s.value_or(kLast));
   } else {
-    if (options_.temperatures.empty()) {
-      if (const std::string missing = regions_to_solve(file_); !missing.empty())
-        throw mtf::UsageError(one_line(file_.file) + ": no temperature is given for the regions " + missing +
-                              "; name the folder that `mtf heat` wrote with --temperatures, or give each region a "
-                              "temperature");
-      read_tables(file_, surfaces_);
-    }
-    temperatures_.emplace(surfaces_, options_.temperatures);
+    if (const std::string missing = regions_to_solve(file_); !missing.empty())
+      throw mtf::UsageError(one_line(file_.file) + ": no temperature is given for the regions " + missing +
+                            "; name the folder that `mtf heat` wrote with --temperatures, or give each region a "
+                            "temperature");
+    read_tables(file_, surfaces_);
   }
+  const radiometry::scene::Facets& facets = surfaces_.facets;
+  for (std::uint32_t f = 0; f < facets.size(); ++f)
+    solid_.push_back(facets.shells[facets.facet[f].shell].outward && !is_sheet(surfaces_, f));
   set_finishes(file_, surfaces_, finishes_);
   timing_ms_.emplace_back("temperatures", opened.ms());
   const mtf::Stopwatch tree;
@@ -129,7 +185,10 @@ PictureScene PictureSource::at(std::optional<double> utc_s, const PictureOptions
   out.scene = finishes_;
   out.warnings = rays_->facets().warnings;
   out.timing_ms = timing_ms_;
-  out.utc_s = utc_s ? *utc_s : options_.utc_s ? *options_.utc_s : temperatures_->default_utc_s();
+  out.utc_s = utc_s                 ? *utc_s
+              : options_.utc_s      ? *options_.utc_s
+              : rows_.utc_s.empty() ? file_.time.start_s
+                                    : rows_.utc_s.back();
   const mtf::Stopwatch reading;
   temperatures(out.utc_s, out.scene.temperature_k);
   constexpr float kCold_k = 150.0F;
@@ -155,7 +214,50 @@ PictureScene PictureSource::at(std::optional<double> utc_s, const PictureOptions
 
 void PictureSource::temperatures(double utc_s, std::vector<float>& kelvin) {
   const std::scoped_lock guard(reading_);
-  temperatures_->at(utc_s, kelvin);
+  if (of_regions_) {
+    given_rows(surfaces_, utc_s).sides_at(utc_s, kelvin);
+  } else {
+    if (!rows_.has(rows_.place_of(utc_s))) {
+      TemperatureRows read = read_temperatures(options_.temperatures, rows_.facets, utc_s);
+      if (read.utc_s != rows_.utc_s)
+        throw mtf::RuntimeError(one_line(rows_.source) + ": its times are not those that it had; start anew");
+      rows_.front_k.swap(read.front_k), rows_.back_k.swap(read.back_k), rows_.first = read.first;
+    }
+    rows_.sides_at(utc_s, kelvin);
+  }
+  require_all(surfaces_, of_regions_ ? surfaces_.name : rows_.source, kelvin);
+  for (std::size_t f = 0; f < solid_.size(); ++f)
+    if (solid_[f]) kelvin[2 * f + 1] = std::numeric_limits<float>::quiet_NaN();
+}
+
+/// What the temperatures are taken from.
+std::vector<const TemperatureRows*> PictureSource::tables() const {
+  if (!of_regions_) return {&rows_};
+  std::vector<const TemperatureRows*> tables;
+  for (const Region& region : surfaces_.regions)
+    if (region.table) tables.push_back(region.table.get());
+  return tables;
+}
+
+bool PictureSource::temperatures_change() const {
+  return std::ranges::any_of(tables(), &TemperatureRows::change) ||
+         (of_regions_ && std::ranges::any_of(surfaces_.regions,
+                                             [](const Region& region) { return region.temperature.value.size() > 1; }));
+}
+
+std::optional<std::array<double, 2>> PictureSource::temperatures_span_utc_s() const {
+  std::optional<std::array<double, 2>> all;
+  for (const TemperatureRows* rows : tables())
+    if (const auto span = rows->span_utc_s()) {
+      if (!all) all = span;
+      const double begin = std::max((*all)[0], (*span)[0]);
+      all = {begin, std::max(std::min((*all)[1], (*span)[1]), begin)};
+    }
+  return all;
+}
+
+void PictureSource::require_temperatures_at(double utc_s) const {
+  for (const TemperatureRows* rows : tables()) rows->require(utc_s);
 }
 
 PictureScene read_picture_scene(const SceneFile& file, const PictureOptions& options) {

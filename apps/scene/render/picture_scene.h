@@ -3,8 +3,8 @@
 
 // From a scene file and temperatures to what radiometry/render makes pictures of: facets, finishes and temperatures of
 // all sides, sky, ground and sun of the weather at that time, and the air (picture_surroundings.h).
-// Temperatures are those of the folder that `mtf heat` wrote, with straight lines between its times, or of a table of
-// facets; where neither is given, those that the regions of the file have. The ground is that of [ground], of given
+// Temperatures are those of a folder that `mtf heat` wrote or of a table of facets (read_temperatures.h); where neither
+// is given, those that the regions of the file have. The ground is that of [ground], of given
 // temperature or solved as a level surface from the start of the run; without it black and as warm as the air.
 
 #include <memory>
@@ -15,14 +15,13 @@
 #include <vector>
 
 #include "apps/scene/heat/read_thermal_scene.h"
-#include "apps/scene/render/side_temperatures.h"
 #include "radiometry/render/render_scene.h"
 
 namespace apps::scene {
 
 struct PictureOptions {
   std::string temperatures{};     ///< folder of `mtf heat`, or a table of facets; "": of the file
-  std::optional<double> utc_s{};  ///< else the end of the table, or the start of the file
+  std::optional<double> utc_s{};  ///< else the last time of the temperatures, or the start of the file
   /// [atmosphere] of the sensor file.
   std::optional<radiometry::atmosphere::Air<double>> sensor_air{};
   std::string sensor_file{};  ///< for messages
@@ -38,29 +37,36 @@ struct PictureScene {
   std::vector<std::pair<std::string, double>> timing_ms;
 };
 
-/// Temperatures of the ground as a level surface over the run.
-struct SolvedGround {
-  std::vector<double> time_s{}, kelvin{};  ///< from the start of the run
-};
+/// The regions of the file that have no temperature, as words: 'a', 'b'; "" where all have.
+std::string regions_to_solve(const SceneFile& file);
+
+/// Temperatures by the heat balance, of all facets from the output at or before `from_s` to the one at or after `to_s`
+/// (UTC); the run begins where [time] says, and ends there. Throws UsageError for times that [time] does not have, and
+/// as run_heat.
+TemperatureRows solved_rows(const SceneFile& file, double from_s, double to_s, const HeatOptions& options,
+                            const HeatProgress& progress);
 
 /// The pictures' scene at one time or another: meshes are read once.
 class PictureSource {
  public:
   /// `rows`: temperatures in place of those that `options` name. Throws UsageError for regions without a temperature
-  /// (by name), air in both files, and as read_meshes; RuntimeError for files that cannot be read.
-  PictureSource(const SceneFile& file, PictureOptions options, std::optional<HeatRows> rows = std::nullopt);
+  /// (by name), rows that are not of its facets, air in both files, and as read_meshes; RuntimeError for files that
+  /// cannot be read.
+  PictureSource(const SceneFile& file, PictureOptions options, std::optional<TemperatureRows> rows = std::nullopt);
 
-  /// All of it at `utc_s`, or else at PictureOptions::utc_s, the end of the table, or the start of the file. Throws
-  /// UsageError for times that temperatures and weather do not have.
+  /// All of it at `utc_s`, or else at PictureOptions::utc_s, the last time of the temperatures, or the start of the
+  /// file. Throws UsageError for times that temperatures and weather do not have.
   PictureScene at(std::optional<double> utc_s = std::nullopt) { return at(utc_s, options_); }
   /// The same with air and sensor_air of `air`. From several threads at once, as `temperatures`.
   PictureScene at(std::optional<double> utc_s, const PictureOptions& air);
-  /// The temperatures alone.
+  /// The temperatures alone, of scene::index(side); NaN for the inside of solids. Throws UsageError for a time that
+  /// they do not have, and for facets without a temperature, with their regions.
   void temperatures(double utc_s, std::vector<float>& kelvin);
-  bool temperatures_change() const { return temperatures_->change(); }
-  std::optional<std::array<double, 2>> temperatures_span_utc_s() const { return temperatures_->span_utc_s(); }
+  bool temperatures_change() const;
+  /// The first and the last time that is known; nothing where they hold at all times.
+  std::optional<std::array<double, 2>> temperatures_span_utc_s() const;
   /// Throws UsageError for a time that the temperatures do not have.
-  void require_temperatures_at(double utc_s) const { temperatures_->require_time(utc_s); }
+  void require_temperatures_at(double utc_s) const;
   const radiometry::scene::Rays& rays() const { return *rays_; }
 
  private:
@@ -68,11 +74,15 @@ class PictureSource {
   PictureOptions options_;
   ThermalScene surfaces_;  ///< without weather, and with its facets in `rays_`
   std::shared_ptr<const radiometry::scene::Rays> rays_;
-  std::optional<SideTemperatures> temperatures_;
-  std::mutex reading_;                        ///< of temperatures
+  bool of_regions_ = false;  ///< temperatures are those that the regions are given
+  TemperatureRows rows_;     ///< else these; of files the values about the last time that was asked for
+  std::vector<bool> solid_;  ///< of each facet: its back is the inside of a solid
+  std::mutex reading_;       ///< of temperatures
   radiometry::render::RenderScene finishes_;  ///< and their sides
   std::vector<std::pair<std::string, double>> timing_ms_;
-  std::optional<SolvedGround> ground_;  ///< once it is asked for
+  std::optional<radiometry::heat::Schedule> ground_;  ///< solved, from the start of the run; once it is asked for
+
+  std::vector<const TemperatureRows*> tables() const;
 };
 
 /// One picture: PictureSource(file, options).at().

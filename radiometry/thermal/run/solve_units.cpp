@@ -23,13 +23,7 @@ double coldest_k(const HeatScene& scene) {
   const Surroundings& s = scene.surroundings;
   double coldest = *std::min_element(s.air_k.begin(), s.air_k.end());
   for (const double sky : s.sky_longwave_w_m2) coldest = std::min(coldest, heat::sky_temperature_k(std::max(sky, 0.0)));
-  for (const heat::Schedule* schedule : scene.input.temperature_schedules())
-    coldest = std::min(coldest, *std::min_element(schedule->value.begin(), schedule->value.end()));
-  for (const Region& region : scene.input.regions)
-    if (region.table)
-      for (const float kelvin : region.table->kelvin)
-        if (!std::isnan(kelvin)) coldest = std::min(coldest, static_cast<double>(kelvin));
-  return coldest;
+  return std::min(coldest, scene.input.given_range_k()[0]);
 }
 
 /// What a side of a material gives off for each kelvin, at least: by radiation, and by the film in the weakest wind.
@@ -70,15 +64,10 @@ FacetSources sources_of(const HeatScene& scene, const Units& units) {
   return sources;
 }
 
-/// No scene is so cold or so hot: a flux or a film of the wrong size makes such numbers.
-bool is_plausible(double kelvin) {
-  constexpr double kHottest_k = 3000.0;
-  return kelvin > 0.0 && kelvin <= kHottest_k;
-}
-
+/// A flux or a film of the wrong size makes such numbers.
 [[noreturn]] void refuse_temperature(const HeatScene& scene, const std::vector<double>& front, double time_s) {
   std::uint32_t facet = 0;
-  while (!scene.is_seen(facet) || is_plausible(front[facet])) ++facet;
+  while (!scene.is_seen(facet) || is_temperature(front[facet])) ++facet;
   throw mtf::RuntimeError(mtf::one_line(scene.input.name) + ": region '" + mtf::one_line(scene.region_of(facet).name) +
                           "' comes to " + mtf::significant(front[facet], 4) + " K after " +
                           mtf::significant(time_s / 3600.0, 3) +
@@ -182,7 +171,7 @@ UnitsRun solve_units(const HeatScene& scene, const Units& units, const HeatOptio
     for (const std::uint32_t f : sources.given) front[f] = scene.given_k(f, s.time_s[node]);
     std::size_t plausible = 0;
     for (const double kelvin : front) {
-      plausible += is_plausible(kelvin) ? 1 : 0;
+      plausible += is_temperature(kelvin) ? 1 : 0;
       warmest = kelvin > warmest ? kelvin : warmest;
     }
     if (plausible != sources.asked_for) refuse_temperature(scene, front, s.time_s[node]);

@@ -255,6 +255,50 @@ layers = [{ conductivity = "45 W/m/K", density = "7800 kg/m3", heat_capacity = "
   expect_says(refusal([&] { read_picture_scene(file, {.temperatures = path("out")}); }), {"3 facets, the scene 2"});
 }
 
+// From a folder, from its table, and from a region that names the table: the lines between the rows about each time,
+// whichever was asked for before; nothing beyond.
+TEST_F(Picture, HasTheTemperaturesOfItsTime) {
+  fs::create_directories(path("out"));
+  std::string times = "output,time,time_s\n";
+  NpyFile table(path("out") + "/temperatures.npy", 2);
+  const auto left_k = [](double hours) { return 300.0 + 10.0 * hours * hours; };
+  for (int hour = 0; hour < 6; ++hour) {
+    times += std::to_string(hour) + ",2026-06-21T0" + std::to_string(hour) + ":00:00Z,0\n";
+    table.append(std::vector{static_cast<float>(left_k(hour)), 290.0F});
+  }
+  table.commit();
+  write("out/times.csv", times);
+  const std::string given = "temperature = \"300 K\"";
+  for (const std::string& from : {path("out"), path("out/temperatures.npy"), std::string()}) {
+    std::string text = kScene;
+    if (from.empty()) text = replaced(text, given, "temperature = \"out/temperatures.npy\"");
+    write("scene.toml", text);
+    const SceneFile file = load_scene(path("scene.toml"));
+    const double start = file.time.start_s;
+    PictureSource source(file, {.temperatures = from});
+    EXPECT_TRUE(source.temperatures_change());
+    EXPECT_EQ(source.temperatures_span_utc_s(), (std::array{start, start + 5.0 * 3600.0}));
+    std::vector<float> kelvin;
+    for (const double hour : {4.75, 0.0, 5.0, 1.5, 2.0, 4.75}) {
+      source.temperatures(start + 3600.0 * hour, kelvin);
+      const double before = std::min(std::floor(hour), 4.0);
+      EXPECT_NEAR(kelvin[0], std::lerp(left_k(before), left_k(before + 1.0), hour - before), 3e-5) << from << hour;
+      EXPECT_EQ(kelvin[1], kelvin[0]);
+    }
+    for (const double late_s : {-1.0, 5.0 * 3600.0 + 1.0}) {
+      const std::initializer_list<std::string_view> parts = {"out", "2026-06-21T05:00:00Z", "choose a time"};
+      expect_refused(parts, [&] { source.require_temperatures_at(start + late_s); });
+      expect_refused(parts, [&] { source.temperatures(start + late_s, kelvin); });
+    }
+  }
+}
+
+TEST_F(Picture, RowsOfAnotherSceneAreRefused) {
+  const SceneFile file = load_scene(path("scene.toml"));
+  TemperatureRows rows{.source = "three", .facets = 3, .front_k = {300.0F, 300.0F, 300.0F}};
+  expect_refused({"scene.toml", "3 temperatures", "2 facets"}, [&] { PictureSource(file, {}, rows); });
+}
+
 TEST_F(Picture, RefusesACameraBelowTheGround) {
   write("plates.obj",
         "v -50 -50 0\nv 50 -50 0\nv 50 50 0\nv -50 50 0\nv 50 50 20\ng left\nf 1 2 3 4\ng right\nf 2 3 5\n");

@@ -98,8 +98,8 @@ TEST(ThermalScene, GivenTemperaturesAreTaken) {
   ThermalScene scene = plates();
   scene.regions[0] = {.name = "left",
                       .temperature = heat::make_schedule("s", {kStart, kStart + heat::kDay_s}, {300, 324})};
-  scene.regions[1].table =
-      std::make_shared<const FacetTable>(FacetTable{"table", {}, 2, {std::numeric_limits<float>::quiet_NaN(), 310.0F}});
+  scene.regions[1].table = std::make_shared<const TemperatureRows>(
+      TemperatureRows{.source = "table", .facets = 2, .front_k = {std::numeric_limits<float>::quiet_NaN(), 310.0F}});
   const std::vector<double> kelvin = solved(scene);
   for (std::size_t i = 0; i < 5; ++i) {
     EXPECT_NEAR(kelvin[2 * i], 300.0 + 6.0 * static_cast<double>(i), 1e-9);
@@ -163,6 +163,12 @@ TEST(ThermalScene, ARunGoesOnAfterADay) {
   EXPECT_EQ(parts, whole);
 }
 
+/// Of the two squares.
+std::shared_ptr<const TemperatureRows> table(std::vector<double> utc_s, std::vector<float> kelvin) {
+  return std::make_shared<const TemperatureRows>(
+      TemperatureRows{.source = "t", .facets = 2, .utc_s = std::move(utc_s), .front_k = std::move(kelvin)});
+}
+
 TEST(ThermalScene, WhatIsNoSceneIsRefused) {
   constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
   const auto refused = [](std::initializer_list<std::string_view> parts,
@@ -197,22 +203,25 @@ TEST(ThermalScene, WhatIsNoSceneIsRefused) {
   refused({"'paint'", "generates"}, [](ThermalScene& s) { s.materials[0].sources = {heat::constant_schedule(300.0)}; });
   refused({"0 K"}, [](ThermalScene& s) { s.regions[0].temperature = heat::constant_schedule(0.0); });
   refused({"plates", "not finite"}, [](ThermalScene& s) { s.regions[0].temperature = {"s", {0.0}, {kNaN}}; });
-  refused({"'right'", "1 temperatures", "2 facets"}, [](ThermalScene& s) {
-    s.regions[1].table = std::make_shared<const FacetTable>(FacetTable{"t", {}, 2, {300.0F}});
-  });
+  refused({"'right'", "1 temperatures", "2 facets"}, [](ThermalScene& s) { s.regions[1].table = table({}, {300.0F}); });
   refused({"t: facet 1", "'right'", "no temperature"}, [](ThermalScene& s) {
-    s.regions[1].table =
-        std::make_shared<const FacetTable>(FacetTable{"t", {}, 2, {300.0F, std::numeric_limits<float>::quiet_NaN()}});
+    s.regions[1].table = table({}, {300.0F, std::numeric_limits<float>::quiet_NaN()});
   });
-  refused({"t: facet 1", "-5 K"}, [](ThermalScene& s) {
-    s.regions[1].table = std::make_shared<const FacetTable>(FacetTable{"t", {}, 2, {300.0F, -5.0F}});
-  });
+  refused({"t: facet 1", "-5 K"}, [](ThermalScene& s) { s.regions[1].table = table({}, {300.0F, -5.0F}); });
   refused({"'right'", "2 rising times"}, [](ThermalScene& s) {
-    s.regions[1].table =
-        std::make_shared<const FacetTable>(FacetTable{"t", {1.0, 1.0}, 2, {300.0F, 300.0F, 300.0F, 300.0F}});
+    s.regions[1].table = table({1.0, 1.0}, {300.0F, 300.0F, 300.0F, 300.0F});
+  });
+  // A run of less than a day begins with the state that repeats a whole one.
+  refused({"'right'", "t has temperatures", "to 2026-06-21T12:00:00Z", "to 2026-06-22T00:00:00Z", "one row"},
+          [](ThermalScene& s) {
+            s.end_s = s.start_s + 0.5 * heat::kDay_s;
+            s.regions[1].table = table({s.start_s, s.end_s}, {300.0F, 300.0F, 300.0F, 300.0F});
+          });
+  refused({"'right'", "from 2026-06-21T00:00:01Z", "take"}, [](ThermalScene& s) {
+    s.regions[1].table = table({s.start_s + 1.0, s.end_s}, {300.0F, 300.0F, 300.0F, 300.0F});
   });
   refused({"'right'", "remove one"}, [](ThermalScene& s) {
-    s.regions[1].table = std::make_shared<const FacetTable>(FacetTable{"t", {}, 2, {300.0F, 300.0F}});
+    s.regions[1].table = table({}, {300.0F, 300.0F});
     s.regions[1].temperature = heat::constant_schedule(300.0);
   });
   refused({"outputs", "longer step"}, [](ThermalScene& s) { s.step_s = (s.end_s - s.start_s) / 4e6; });
