@@ -35,12 +35,15 @@ void add_sampling(Command& app, SamplingOptions& to) {
   // Words are kept by reference.
   static constexpr std::array kPoints{std::pair{std::string_view("1"), 1}, std::pair{std::string_view("4"), 2},
                                       std::pair{std::string_view("16"), 4}};
-  add_word(app, "--samples-per-pitch", "N", "along each axis; default 2", [&to](const std::string& text) {
-    to.samples_per_pitch = number("--samples-per-pitch", text);
-    if (!(to.samples_per_pitch >= 0.5 && to.samples_per_pitch <= 64.0))
-      throw mtf::UsageError("--samples-per-pitch: " + text + "; it is from 0.5 to 64");
-  });
-  add_choice(app, "--points", "N", "1, 4 (default) or 16, of each sample, which is their mean", kPoints, to.points);
+  add_word(app, "--samples-per-pitch", "N",
+           "advanced: along each axis; default: 2, or as many up to 8 as the sensor's MTF asks for",
+           [&to](const std::string& text) {
+             to.samples_per_pitch = number("--samples-per-pitch", text);
+             if (!(*to.samples_per_pitch >= 0.5 && *to.samples_per_pitch <= 64.0))
+               throw mtf::UsageError("--samples-per-pitch: " + text + "; it is from 0.5 to 64");
+           });
+  add_choice(app, "--points", "N", "advanced: 1, 4 (default) or 16, of each sample, which is their mean", kPoints,
+             to.points);
 }
 
 }  // namespace
@@ -96,7 +99,6 @@ Command render_command() {
            [&](const std::string& text) { options.position = point("--position", text); });
   add_word(app, "--look-at", "X,Y,Z", "what it looks at, m; default: [camera] of the scene file",
            [&](const std::string& text) { options.look_at = point("--look-at", text); });
-  add_sampling(app, options.sampling);
   add_word(app, "--tolerance", "X", "of the tables of the air, relative; default 5e-6", [&](const std::string& text) {
     options.tolerance = number("--tolerance", text);
     if (!(options.tolerance > 0.0 && options.tolerance < 1.0))
@@ -152,6 +154,7 @@ Command render_command() {
     options.json = choice("--format", text, kTableOrJson) == Format::json;
   }).candidates = one_of(kTableOrJson);
   add_force(app, options.force);
+  add_sampling(app, options.sampling);
   app.run = [shared](const Global& global) { return scenes_module().render(*shared, global); };
   return app;
 }
@@ -207,10 +210,6 @@ Command fly_command() {
            options.report);
   add_text(app, "--schedule", "FILE", "CSV frame,parameter,value: parameters of the sensor that change over frames",
            options.schedule);
-  add_word(app, "--light-every", "S",
-           "of the scene's clock, for which the light of sky, sun and surfaces is kept; default 60",
-           within("--light-every", options.light_every_s, 1e-3, 1e9));
-  add_sampling(app, options.sampling);
   add_flag(app, "--no-air", "surfaces alone, for sensors that bring a path of their own", options.no_air);
   add_word(app, "--tolerance", "X",
            "rms error of the filters, as for mtf simulate; frames of less contrast than the first may miss it, with a "
@@ -225,6 +224,10 @@ Command fly_command() {
   add_word(app, "--format", "FORMAT", "of standard output: table (default) or json", [&](const std::string& text) {
     options.json = choice("--format", text, kTableOrJson) == Format::json;
   }).candidates = one_of(kTableOrJson);
+  add_word(app, "--light-every", "S",
+           "advanced: of the scene's clock, for which the light of sky, sun and surfaces is kept; default 60",
+           within("--light-every", options.light_every_s, 1e-3, 1e9));
+  add_sampling(app, options.sampling);
   app.run = [shared](const Global& global) { return scenes_module().fly(*shared, global); };
   return app;
 }
@@ -244,7 +247,7 @@ Command heat_command() {
       "--fit writes a scene file instead: numbers { value, fit = true, min, max } of the ground's material fitted to\n"
       "its measured temperature, with their standard errors.",
       "  mtf heat vehicle/scene.toml -o temperatures\n"
-      "  mtf heat scene.toml -o temperatures --tolerance \"0.5 K\" --rays 256"};
+      "  mtf heat scene.toml -o temperatures --tolerance \"0.5 K\" --verify"};
   add_file(app, "scene", "scene file (TOML)", options.scene);
   add_text(app, "-o,--out", "PATH", "folder to create; with --fit the fitted scene file", options.out).required = true;
   add_word(app, "--tolerance", "X", "with its unit; default \"0.1 K\", with --fit \"0.05 K\"",
@@ -254,12 +257,6 @@ Command heat_command() {
              if (options.tolerance_k < 1e-4)
                throw mtf::UsageError("--tolerance: " + text + " is below 0.0001 K, which rounding does not allow");
            });
-  add_word(app, "--rays", "N", "for the view of each side of a facet; default 128, more in a scene of few",
-           [&](const std::string& text) { options.rays = whole_number("--rays", text, 16, 65536); });
-  add_word(app, "--sun-directions", "N", "of the table of shadows, a day; default 36",
-           [&](const std::string& text) { options.directions = whole_number("--sun-directions", text, 4, 1440); });
-  add_word(app, "--sun-points", "N", "on each facet, for its share in the sun; default 4",
-           [&](const std::string& text) { options.sun_points = whole_number("--sun-points", text, 1, 255); });
   add_flag(app, "--every-facet", "solve each facet by itself, without classes: slower, and free of their error",
            options.every_facet);
   add_flag(
@@ -290,6 +287,12 @@ Command heat_command() {
 #endif
   add_choice(app, "--format", "FORMAT", "of standard output: table (default) or json", kTableOrJson, options.format);
   add_force(app, options.force);
+  add_word(app, "--rays", "N", "advanced: for the view of each side of a facet; default 128, more in a scene of few",
+           [&](const std::string& text) { options.rays = whole_number("--rays", text, 16, 65536); });
+  add_word(app, "--sun-directions", "N", "advanced: of the table of shadows, a day; default 36",
+           [&](const std::string& text) { options.directions = whole_number("--sun-directions", text, 4, 1440); });
+  add_word(app, "--sun-points", "N", "advanced: on each facet, for its share in the sun; default 4",
+           [&](const std::string& text) { options.sun_points = whole_number("--sun-points", text, 1, 255); });
   app.run = [shared](const Global& global) {
 #ifdef MTFKIT_HAVE_CALIB
     if (shared->fit) return scenes_module().heat_fit(*shared, global);

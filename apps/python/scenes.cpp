@@ -68,8 +68,9 @@ py::tuple heat(const FileName& file, const FileName& folder, double tolerance_k,
 
 std::string render(const FileName& scene_file, const std::vector<FileName>& sensors, const FileName& out,
                    const FileName& temperatures, const std::string& time, bool solve,
-                   const std::optional<Point>& position, const std::optional<Point>& look_at, double samples_per_pitch,
-                   int points, bool plain, bool no_air, const std::vector<std::string>& layers, int threads) {
+                   const std::optional<Point>& position, const std::optional<Point>& look_at,
+                   std::optional<double> samples_per_pitch, int points, bool plain, bool no_air,
+                   const std::vector<std::string>& layers, int threads) {
   const RenderCommandOptions options{.scene = scene_file,
                                      .out = out,
                                      .sensors = {sensors.begin(), sensors.end()},

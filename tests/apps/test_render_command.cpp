@@ -70,6 +70,24 @@ TEST_F(RenderCommand, SaysWhatItsSamplesLose) {
   expect_says(coarse.err, {"shows as false detail"});
 }
 
+// Pixels far apart pass detail that two samples a pitch do not hold: without an option there are as many as it takes.
+TEST_F(RenderCommand, TakesTheSamplesThatTheSensorAsksFor) {
+  write_file(scratch_ / "sparse.toml", replaced(replaced(kSensor, "12 um", "24 um"), "0.85", "0.3"));
+  for (const auto& [sensor, samples] : {std::pair{"sensor", 2.0}, {"sparse", 3.0}}) {
+    const std::string files = std::string("scene.toml ") + sensor + ".toml";
+    const Result made = scratch_.run("mtf render " + files + " --format json -o scene.exr");
+    ASSERT_EQ(made.status, 0) << made.err;
+    EXPECT_FALSE(says(made.err, "false detail")) << made.err;
+    EXPECT_EQ(nlohmann::json::parse(made.out).at("samples_per_pitch"), samples);
+    EXPECT_EQ(mtf::io::read_info((scratch_ / "scene.exr").string()).width, 64 * static_cast<int>(samples));
+    const Result flown = scratch_.run("mtf fly " + files + " --frames 0:0 --format json");
+    ASSERT_EQ(flown.status, 0) << flown.err;
+    EXPECT_EQ(nlohmann::json::parse(flown.out).at("samples_per_pitch"), samples);
+  }
+  expect_says(scratch_.run("mtf render scene.toml sparse.toml --samples-per-pitch 2 -o scene.exr").err,
+              {"shows as false detail"});
+}
+
 TEST_F(RenderCommand, ColdSidesAreWarnedOf) {
   std::string text = kScene;
   text = replaced(text, "310 K", "37 K");

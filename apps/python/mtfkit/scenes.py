@@ -165,7 +165,7 @@ def heat(scene: str | os.PathLike[str], *, tolerance: quantities.Value = "0.1 K"
 @checked
 def render(scene: str | os.PathLike[str], sensor: Sensor, *, temperatures: Heat | str | os.PathLike[str] | None = None,
            at: Instant | None = None, solve: bool = False, position: Sequence[float] | None = None,
-           look_at: Sequence[float] | None = None, samples_per_pitch: float = 2.0, points: int = 2, plain: bool = False,
+           look_at: Sequence[float] | None = None, samples_per_pitch: float | None = None, points: int = 2, plain: bool = False,
            air: bool = True, layers: Sequence[str] = (), out: str | os.PathLike[str] | None = None,
            threads: int = 0) -> Picture:
     """The picture of a scene file at the aperture of a sensor, as `mtf render`: for `sensor.simulate(picture)`.
@@ -174,7 +174,7 @@ def render(scene: str | os.PathLike[str], sensor: Sensor, *, temperatures: Heat 
     those of the scene file. `at` is ISO 8601 text, a datetime, a numpy.datetime64 or a pandas.Timestamp, UTC without an
     offset, or a time of day "12:30" within the run of the scene; by default the last of the folder, or the start of the
     scene. `position` and `look_at` are x (east), y (north), z (up) in m, by
-    default those of [camera]. `plain` gives radiance in the band, else it is weighted by the sensor's response.
+    default those of [camera]. `samples_per_pitch` follows from the sensor's MTF where it is not given. `plain` gives radiance in the band, else it is weighted by the sensor's response.
     `layers` of the picture: temperature, emissivity, Z, facet, material, normal, surface, transmittance. `out` keeps the file.
     Raises UsageError for what does not fit, each with its place.
     """

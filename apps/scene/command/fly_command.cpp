@@ -231,9 +231,10 @@ int run_fly(const FlyCommandOptions& options, const Global& global) {
   require_outputs(options, names, course, inputs);
 
   const PictureSensor seen = picture_sensor(config, PictureQuantity::weighted);
-  if (const std::string text = sampling_warning(seen, options.sampling.samples_per_pitch); !text.empty())
+  const double samples_per_pitch = options.sampling.samples_per_pitch.value_or(samples_for({&seen, 1}));
+  if (const std::string text = sampling_warning(seen, samples_per_pitch); !text.empty())
     note(global, "warning: " + text);
-  if (const std::string words = memory_words(config, options.sampling.samples_per_pitch, kFlightBytes); !words.empty())
+  if (const std::string words = memory_words(config, samples_per_pitch, kFlightBytes); !words.empty())
     note(global, "note: " + words);
   StopInGoodOrder interrupt(
       "mtf: interrupted: the frame that is being made is written first; once more to stop at once\n");
@@ -254,7 +255,7 @@ int run_fly(const FlyCommandOptions& options, const Global& global) {
     } catch (const mtf::Error&) {
       rethrow(course, frame, 0);
     }
-  FlightOptions how{.samples_per_pitch = options.sampling.samples_per_pitch,
+  FlightOptions how{.samples_per_pitch = samples_per_pitch,
                     .render = {.points = options.sampling.points, .empty_views = true, .threads = global.threads},
                     .image = options.image,
                     .light_every_s = options.light_every_s,
@@ -327,6 +328,7 @@ int run_fly(const FlyCommandOptions& options, const Global& global) {
   const double fps = done > 1 ? 1e3 * static_cast<double>(done - 1) / running.ms() : 0.0;
   const std::vector<std::string> left = left_out(source, flight, frame, lights, late);
   Json json = json_of(times, done, first_ms, flight, frame, left);
+  json["samples_per_pitch"] = samples_per_pitch;
   json["tolerance"] = {{"asked", options.image.tolerance ? Json(*options.image.tolerance) : nullptr},
                        {"largest", loosest}};
   json.sort();

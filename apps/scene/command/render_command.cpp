@@ -44,15 +44,17 @@ struct RenderOutputs {
   const std::vector<scene::PictureSensor>& sensors;
   const radiometry::render::RenderedFrame& frame;
   const std::vector<mtf::io::Metadata>& metadata;
+  double samples_per_pitch;
 };
 
 namespace fs = std::filesystem;
 
 Json render_json(const RenderOutputs& made, const std::vector<std::string>& outputs) {
-  const auto& [scene, sensors, frame, metadata] = made;
+  const auto& [scene, sensors, frame, metadata, samples_per_pitch] = made;
   Json json;
   for (const auto& [name, text] : metadata.front().text) json["attributes"][name] = text;
   for (const auto& [name, text] : scene.closures) json["closures"][name] = text;
+  json["samples_per_pitch"] = samples_per_pitch;
   json["divided_samples"] = frame.divided;
   json["shadow_rays"] = frame.shadow_rays;
   json["visible_sides"] = frame.sides;
@@ -78,10 +80,11 @@ Json render_json(const RenderOutputs& made, const std::vector<std::string>& outp
 /// What was made, and the commands that come next.
 std::string render_summary(const RenderCommandOptions& options, const RenderOutputs& made,
                            const std::vector<std::string>& outputs) {
-  const auto& [scene, sensors, frame, metadata] = made;
+  const auto& [scene, sensors, frame, metadata, samples_per_pitch] = made;
   TextTable table({"what", "value"});
   const mtf::Image& first = frame.radiance.front();
-  table.add({"samples", std::to_string(first.width()) + " x " + std::to_string(first.height())});
+  table.add({"samples", std::to_string(first.width()) + " x " + std::to_string(first.height()) + ", " +
+                            significant(samples_per_pitch, 3) + " a pitch"});
   table.add({"time", radiometry::heat::instant_text(scene.utc_s)});
   const bool one = sensors.size() == 1;
   std::string written, next;
@@ -95,7 +98,7 @@ std::string render_summary(const RenderCommandOptions& options, const RenderOutp
     if (frame.view_rays > 0)
       table.add({of + "error of reflected light", significant(1e3 * frame.reflected_k[b], 2) + " mK rms at 300 K, by " +
                                                       std::to_string(frame.view_rays) + " rays a side"});
-    const scene::FinestDetail finest = scene::finest_detail(sensors[b], options.sampling.samples_per_pitch);
+    const scene::FinestDetail finest = scene::finest_detail(sensors[b], samples_per_pitch);
     table.add({of + "finest detail of samples", significant(finest.frequency_cy_mm, 3) +
                                                     " cy/mm, where the sensor's MTF is " + significant(finest.mtf, 2)});
     written += (b == 0 ? "written to " : " ") + outputs[b];
@@ -282,6 +285,10 @@ std::string render_pictures(const RenderCommandOptions& options, const Global& g
   require_picture_name(options.picture);
   const SceneFile file = read_scene(options.scene, global);
   const std::vector<PictureSensor> sensors = sensors_of(options, file, global);
+  constexpr double kOfLayers = 2.0;  // layers are there already
+  const double samples_per_pitch = options.sampling.samples_per_pitch ? *options.sampling.samples_per_pitch
+                                   : options.from.empty()             ? samples_for(sensors)
+                                                                      : kOfLayers;
   OutputSet outputs({.folder = folder ? options.out : "",
                      .force = options.force,
                      .names = folder ? names : std::vector<std::string>(),
@@ -291,14 +298,14 @@ std::string render_pictures(const RenderCommandOptions& options, const Global& g
       sensors.size() - 1 + options.layers.size() +
       2U * static_cast<std::size_t>(std::count(options.layers.begin(), options.layers.end(), "normal")));
   const double shown = options.picture.empty() ? 0.0 : kShownBytes * static_cast<double>(sensors.size());
-  if (const std::string words = memory_words(sensors.front().config, options.sampling.samples_per_pitch,
-                                             kPictureBytes + kPlaneBytes * planes + shown);
+  if (const std::string words =
+          memory_words(sensors.front().config, samples_per_pitch, kPictureBytes + kPlaneBytes * planes + shown);
       !words.empty())
     note(global, "note: " + words);
   std::vector<render::Camera> cameras;
   std::vector<render::RenderBand> bands;
   for (const PictureSensor& sensor : sensors) {
-    cameras.push_back(picture_camera(sensor, pose_of(options, file), options.sampling.samples_per_pitch));
+    cameras.push_back(picture_camera(sensor, pose_of(options, file), samples_per_pitch));
     bands.push_back(sensor.band);
   }
   require_same_view(sensors, cameras);
@@ -321,7 +328,7 @@ std::string render_pictures(const RenderCommandOptions& options, const Global& g
   }
   for (const PictureSensor& sensor : sensors) add_air_limits(file, sensor.band.curves.band, scene);
   for (const PictureSensor& sensor : sensors)
-    if (std::string text = sampling_warning(sensor, options.sampling.samples_per_pitch); !text.empty())
+    if (std::string text = sampling_warning(sensor, samples_per_pitch); !text.empty())
       scene.warnings.push_back(std::move(text));
   for (std::size_t b = 0; b < frame.reflected_k.size(); ++b)
     if (std::string text = reflected_warning(sensors[b], frame.reflected_k[b], frame.view_rays); !text.empty())
@@ -347,8 +354,8 @@ std::string render_pictures(const RenderCommandOptions& options, const Global& g
     draw_pictures(outputs.at(options.picture), pictures, global.threads);
   }
   outputs.commit();
-  if (!options.json) return render_summary(options, {scene, sensors, frame, metadata}, names);
-  Json json = render_json({scene, sensors, frame, metadata}, names);
+  if (!options.json) return render_summary(options, {scene, sensors, frame, metadata, samples_per_pitch}, names);
+  Json json = render_json({scene, sensors, frame, metadata, samples_per_pitch}, names);
   json["timing_ms"]["write"] = writing.ms();
   json["timing_ms"]["all"] = all.ms();
   json.sort();

@@ -15,8 +15,8 @@ namespace apps {
 
 /// How the samples of a picture are taken.
 struct SamplingOptions {
-  double samples_per_pitch = 2.0;  ///< along each axis
-  int points = 2;                  ///< n x n of each sample
+  std::optional<double> samples_per_pitch{};  ///< along each axis; else as many as sensors ask for (sensor_picture.h)
+  int points = 2;                             ///< n x n of each sample
 };
 
 struct RenderCommandOptions {

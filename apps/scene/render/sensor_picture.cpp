@@ -19,6 +19,8 @@ namespace {
 
 using mtf::io::Quantity;
 
+constexpr double kMostOfFinest = 0.1;  ///< MTF at the finest detail that samples hold
+
 /// In photons, or watts.
 Quantity quantity_of(const PictureSensor& sensor) {
   return sensor.band.curves.flux == radiometry::Flux::watts ? Quantity::radiance : Quantity::photon_radiance;
@@ -106,10 +108,17 @@ FinestDetail finest_detail(const PictureSensor& sensor, double samples_per_pitch
   return finest;
 }
 
+double samples_for(std::span<const PictureSensor> sensors) {
+  constexpr double kLeast = 2.0, kMost = 8.0;
+  double samples = kLeast;
+  for (const PictureSensor& sensor : sensors)
+    while (samples < kMost && finest_detail(sensor, samples).mtf > kMostOfFinest) samples += 1.0;
+  return samples;
+}
+
 std::string sampling_warning(const PictureSensor& sensor, double samples_per_pitch) {
-  constexpr double kMost = 0.1;
   const FinestDetail finest = finest_detail(sensor, samples_per_pitch);
-  if (finest.mtf <= kMost) return "";
+  if (finest.mtf <= kMostOfFinest) return "";
   const std::string name = sensor.config.system.name.empty() ? sensor.config.file : sensor.config.system.name;
   return one_line(name) + ": its MTF is " + significant(finest.mtf, 2) + " at " +
          significant(finest.frequency_cy_mm, 3) + " cy/mm, the finest detail that " +

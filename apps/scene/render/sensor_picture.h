@@ -52,6 +52,9 @@ struct FinestDetail {
   double mtf = 0.0;
 };
 FinestDetail finest_detail(const PictureSensor& sensor, double samples_per_pitch);
+/// The fewest whole samples a pitch, 2 to 8, whose finest detail none of the sensors passes more than a tenth of; 8
+/// where that is not enough, with a warning then.
+double samples_for(std::span<const PictureSensor> sensors);
 /// Empty, or what to do where the sensor sees more of it than it should.
 std::string sampling_warning(const PictureSensor& sensor, double samples_per_pitch);
 
