@@ -27,6 +27,8 @@ namespace fs = std::filesystem;
 constexpr std::size_t kSpreadOverFront = 6;  // designs of the front that get a sensor file
 constexpr std::int64_t kSampled = 64;        // designs after which an evaluator can say what they share and lack
 constexpr double kAccuracySeconds = 3.0;     // for the table of error against time
+constexpr double kIndexSeconds = 10.0;       // at most, for the shares of variance ...
+constexpr double kAnyIndexSeconds = 1.0;     // ... and as long as this if the designs took less
 constexpr double kActiveShare = 0.01;
 
 /// Designs that are chosen, each once: the best of each objective, then some spread over the front; the nearest one
@@ -168,7 +170,10 @@ int finish_sweep(const SweepStudy& sweep, const SweepRun& run, const SweepOption
          .done = [&](std::int64_t done) { progress.update("tables", static_cast<double>(done) / designs); }});
     emit(run.outputs->in("columns.csv"), study::columns_csv(columns));
     ask_evaluator(report);
-    report.indices = study::study_indices(sweep.study, sweep.columns, global.threads,
+    // No longer than the designs took, where they were computed here and now.
+    const bool timed = run.tally.made > 0 && run.tally.resumed == 0 && !std::isnan(run.seconds);
+    const double seconds = timed ? std::clamp(run.seconds, kAnyIndexSeconds, kIndexSeconds) : kIndexSeconds;
+    report.indices = study::study_indices(sweep.study, sweep.columns, seconds, global.threads,
                                           [&](double share) { progress.update("sensitivities", share); });
     if (options.accuracy) {
       progress.update("accuracy", 0.0);
@@ -364,7 +369,7 @@ std::string sweep_summary(const SweepReport& report) {
             " designs were computed before";
   return text +
          (report.accuracy.rows.empty() ? "; tables and sensitivities " : "; tables, sensitivities and accuracy ") +
-         fixed(report.finish_seconds, 2) + " s\n";
+         fixed(report.finish_seconds, 2) + " s\nnext: mtf report " + shell_word(run.folder.string()) + "\n";
 }
 
 }  // namespace apps

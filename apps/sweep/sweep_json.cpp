@@ -126,7 +126,7 @@ Json sensitivities_json(const SweepReport& report) {
     }
   return {{"design", report.gradient_design},
           {"derivatives", derivatives},
-          {"samples", report.indices.samples},
+          {"samples", report.indices.indices.samples},
           {"indices", indices}};
 }
 

@@ -2,8 +2,8 @@
 #include "apps/study/statistics/design_sensitivity.h"
 
 #include <algorithm>
+#include <cmath>
 
-#include "mtf/parallel.h"
 #include "mtf/work/stopwatch.h"
 
 namespace study {
@@ -25,55 +25,57 @@ std::shared_ptr<Evaluator> EvaluatorPool::take() {
           }};
 }
 
-std::int64_t index_samples(const Study& study) {
+namespace {
+
+bool varies(const Axis& axis) { return axis.values.empty() ? axis.to > axis.from : axis.values.size() > 1; }
+
+/// At most 4096, and about as many points as a quarter of the designs, or 4096.
+std::int64_t index_samples(const Study& study, std::size_t parameters) {
   constexpr std::int64_t most = 4096;
   const auto points = std::max<std::int64_t>(most, study.designs / 4);
-  return std::min(most, points / static_cast<std::int64_t>(study.axes.size() + 2));
+  return std::min(most, points / static_cast<std::int64_t>(parameters + 2));
 }
 
-namespace {
-constexpr double kSeconds = 10.0;  // for indices, about
-constexpr std::int64_t kLeastSamples = 16;
 }  // namespace
 
-StudyIndices study_indices(const std::shared_ptr<const Study>& study, const std::vector<Column>& columns, int threads,
-                           const std::function<void(double)>& done) {
-  StudyIndices result{.samples = index_samples(*study)};
+StudyIndices study_indices(const std::shared_ptr<const Study>& study, const std::vector<Column>& columns,
+                           double seconds, int threads, const std::function<void(double)>& done) {
+  StudyIndices result;
   for (std::size_t c = 0; c < columns.size(); ++c)
     if (columns[c].role == Column::Role::metric || columns[c].role == Column::Role::objective)
       result.columns.push_back(c);
+  const std::size_t axes = study->axes.size();
+  std::vector<std::size_t> varying;
+  for (std::size_t a = 0; a < axes; ++a)
+    if (varies(study->axes[a])) varying.push_back(a);
   EvaluatorPool pool(study);
-  // Range models take a hundred milliseconds a design: then as many as some seconds allow.
-  {
-    const auto evaluator = pool.take();
-    std::vector<double> values(study->axes.size()), row(columns.size());
-    design_at(*study, study->designs / 2, values);
-    evaluator->evaluate_at(values, row);  // reads what is read once
-    constexpr double kElsewhere = 0.37;   // a design that shares little with the first
-    design_at_quantiles(*study, std::vector<double>(values.size(), kElsewhere), values);
-    const mtf::Stopwatch watch;
-    evaluator->evaluate_at(values, row);
-    const double each = watch.seconds() / mtf::threads_of(threads);
-    const double points = kSeconds / each / static_cast<double>(study->axes.size() + 2);
-    result.samples =
-        std::min(result.samples, std::max(kLeastSamples, static_cast<std::int64_t>(std::min(points, 1e9))));
-  }
   const auto make = [&]() -> PointMaker {
-    const std::size_t axes = study->axes.size(), width = columns.size();
-    return [&, evaluator = pool.take(), values = std::vector<double>(axes), row = std::vector<double>(width)](
-               std::span<const double> unit, std::span<double> results) mutable {
-      design_at_quantiles(*study, unit, values);
-      evaluator->evaluate_at(values, row);
-      for (std::size_t r = 0; r < results.size(); ++r) results[r] = row[result.columns[r]];
-    };
+    return
+        [&, evaluator = pool.take(), at = std::vector<double>(axes, 0.5), values = std::vector<double>(axes),
+         row = std::vector<double>(columns.size())](std::span<const double> unit, std::span<double> results) mutable {
+          for (std::size_t j = 0; j < varying.size(); ++j) at[varying[j]] = unit[j];
+          design_at_quantiles(*study, at, values);
+          evaluator->evaluate_at(values, row);
+          for (std::size_t r = 0; r < results.size(); ++r) results[r] = row[result.columns[r]];
+        };
   };
-  result.indices = sensitivity_indices({.parameters = study->axes.size(),
-                                        .results = result.columns.size(),
-                                        .samples = result.samples,
-                                        .seed = study->seed,
-                                        .threads = threads,
-                                        .make = make,
-                                        .done = done});
+  const mtf::Stopwatch watch;
+  Indices found = sensitivity_indices({.parameters = varying.size(),
+                                       .results = result.columns.size(),
+                                       .samples = varying.empty() ? 0 : index_samples(*study, varying.size()),
+                                       .seed = study->seed,
+                                       .threads = threads,
+                                       .make = make,
+                                       .done = done,
+                                       .go_on = [&] { return watch.seconds() < seconds; }});
+  // An axis of one value has no part in what varies; where nothing varies there are no shares.
+  for (std::vector<Index>& of : found.of) {
+    const bool none = varying.empty() || std::isnan(of.front().total);
+    std::vector<Index> all(axes, none ? Index{NAN, NAN, NAN, NAN} : Index{});
+    for (std::size_t j = 0; j < varying.size(); ++j) all[varying[j]] = of[j];
+    of = std::move(all);
+  }
+  result.indices = std::move(found);
   return result;
 }
 

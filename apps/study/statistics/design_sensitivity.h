@@ -27,16 +27,14 @@ class EvaluatorPool {
 };
 
 struct StudyIndices {
-  std::int64_t samples = 0;            ///< number in each of the two sets
   std::vector<std::size_t> columns{};  ///< columns of the results: metrics and objectives
   Indices indices{};                   ///< [result][axis]
 };
 
-/// The number of samples that a study gets: at most 4096 and about as many points as a quarter of its designs, or 4096.
-std::int64_t index_samples(const Study& study);
-
-/// Every axis is sampled at its quantiles (design_at_quantiles), independent of each other. `done` as in IndexJob.
-StudyIndices study_indices(const std::shared_ptr<const Study>& study, const std::vector<Column>& columns, int threads,
-                           const std::function<void(double)>& done);
+/// Every axis that has more than one value is sampled at its quantiles (design_at_quantiles), independent of each
+/// other; the share of the others is 0. Ends after about `seconds`, with the samples taken until then. `done` as in
+/// IndexJob.
+StudyIndices study_indices(const std::shared_ptr<const Study>& study, const std::vector<Column>& columns,
+                           double seconds, int threads, const std::function<void(double)>& done);
 
 }  // namespace study

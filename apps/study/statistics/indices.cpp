@@ -129,10 +129,12 @@ Values steady(Values values) {
 Indices sensitivity_indices(const IndexJob& job) {
   const std::size_t parameters = job.parameters, stride = parameters + 2;
   const auto samples = static_cast<std::size_t>(job.samples);
-  std::vector<Values> values(job.results, Values{stride, std::vector<double>(samples * stride)});
+  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+  std::vector<Values> values(job.results, Values{stride, std::vector<double>(samples * stride, kNone)});
   std::mutex lock;
   std::int64_t finished = 0;
   mtf::parallel_for(job.samples, kPiece, job.threads, [&](std::int64_t begin, std::int64_t end) {
+    if (begin > 0 && job.go_on && !job.go_on()) return;
     const PointMaker point = job.make();
     std::vector<double> a(parameters), b(parameters), results(job.results);
     for (std::int64_t i = begin; i < end; ++i) {
@@ -159,12 +161,11 @@ Indices sensitivity_indices(const IndexJob& job) {
     finished += end - begin;
     if (job.done) job.done(static_cast<double>(finished) / static_cast<double>(job.samples));
   });
-  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-  Indices result;
+  Indices result{.of = {}, .samples = finished, .used = {}};
   for (Values& each : values) {
     each = steady(std::move(each));
     result.used.push_back(static_cast<std::int64_t>(each.samples()));
-    const bool enough = each.samples() > 1 && 2 * each.samples() >= samples;
+    const bool enough = each.samples() > 1 && 2 * std::ssize(each.f) >= finished * static_cast<std::int64_t>(stride);
     result.of.push_back(enough ? indices_of(each, job.seed)
                                : std::vector<Index>(parameters, Index{kNone, kNone, kNone, kNone}));
   }

@@ -27,6 +27,7 @@ struct IndexJob {
   int threads = 0;                     ///< 0 = all cores
   std::function<PointMaker()> make;    ///< called once for each piece of work
   std::function<void(double)> done{};  ///< share of the work, one call at a time; may be empty
+  std::function<bool()> go_on{};       ///< asked by each piece of work but the first; no ends it. May be empty
 };
 
 /// A share with its standard error.
@@ -37,10 +38,12 @@ struct Index {
 struct Indices {
   /// [result][parameter]; NaN for a result that does not vary, or that fewer than half of the samples have.
   std::vector<std::vector<Index>> of;
-  std::vector<std::int64_t> used;  ///< samples, by result: those with a number at A, B and all AB_j
+  std::int64_t samples = 0;        ///< that were taken: all of the job's, or those before `go_on` said no
+  std::vector<std::int64_t> used;  ///< of these, by result: those with a number at A, B and all AB_j
 };
 
-/// The result is the same for any number of threads. Throws what `make` and the points throw.
+/// The result is the same for any number of threads, where all samples are taken. Throws what `make` and the points
+/// throw.
 Indices sensitivity_indices(const IndexJob& job);
 
 }  // namespace study

@@ -25,6 +25,23 @@ study::IndexJob job_of(std::int64_t samples, int threads, const study::PointMake
           }};
 }
 
+// What was taken until then is a sample of its own, and says how much it was.
+TEST(Indices, EndWhenTheTimeIsOver) {
+  const study::PointMaker point = [](std::span<const double> unit, std::span<double> results) {
+    results[0] = ishigami(unit);
+  };
+  study::IndexJob job = job_of(1 << 16, 1, point, 1);
+  int asked = 0;
+  job.go_on = [&] { return ++asked < 64; };
+  const study::Indices some = study::sensitivity_indices(job);
+  EXPECT_EQ(some.samples, 64 * 16);
+  EXPECT_EQ(some.used.front(), some.samples);
+  EXPECT_NEAR(some.of[0][0].first, 0.3139, 5.0 * some.of[0][0].first_sd);
+  job.samples = some.samples;
+  job.go_on = {};
+  EXPECT_EQ(study::sensitivity_indices(job).of[0][1].total, some.of[0][1].total);
+}
+
 TEST(Indices, IshigamiHasItsAnalyticIndices) {
   // V1 = (1 + b pi^4/5)^2/2, V2 = a^2/8, V13 = b^2 pi^8 (1/18 - 1/50).
   const double v1 = std::pow(1.0 + 0.1 * std::pow(kPi, 4) / 5.0, 2) / 2.0, v2 = 49.0 / 8.0,
