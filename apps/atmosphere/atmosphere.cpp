@@ -13,6 +13,7 @@
 #include "apps/atmosphere/atmosphere_options.h"
 #include "apps/atmosphere/atmosphere_report.h"
 #include "apps/config_command.h"
+#include "apps/key_options.h"
 #include "apps/modules/modules.h"
 #include "apps/sensor/sensor_air.h"
 #include "apps/terminal/output.h"
@@ -129,11 +130,7 @@ Given given_by(const AtmosphereOptions& options, const Global& global) {
     given.loss = loss_in(config.system);
     given.files = files_of(config);
   }
-  for (const auto& [key, text] : options.given) {
-    std::string option = "--" + key;
-    std::replace(option.begin(), option.end(), '_', '-');
-    set_key(given.settings, key, option, text);
-  }
+  set_keys(given.settings, options.given);
   if (!given.settings.profile.empty()) given.files.push_back(given.settings.profile);
   return given;
 }

@@ -29,11 +29,6 @@ struct AtmosphereOptions {
   std::string tape7;
 };
 
-/// Sets the key of [atmosphere] of that name to what an option says: a quantity with its unit, a plain number, a word
-/// or a file. Throws UsageError that names the option.
-void set_key(radiometry::AtmosphereSettings& settings, std::string_view key, std::string_view option,
-             const std::string& text);
-
 /// What it prints with --format json. Writes no files. Throws UsageError and RuntimeError as the command.
 std::string atmosphere_json(const AtmosphereOptions& options, const Global& global);
 

@@ -2,50 +2,11 @@
 
 // What `mtf atmosphere` takes: an option for every key of [atmosphere], from the field table of its settings.
 
-#include <algorithm>
-
 #include "apps/atmosphere/atmosphere_options.h"
-#include "apps/command_line.h"
 #include "apps/commands.h"
+#include "apps/key_options.h"
 
 namespace apps {
-
-namespace {
-
-/// "relative_humidity" -> "--relative-humidity".
-std::string option_of(std::string_view key) {
-  std::string option = "--" + std::string(key);
-  std::replace(option.begin(), option.end(), '_', '-');
-  return option;
-}
-
-template <class T>
-std::vector<std::string> words_of(const T&) {
-  std::vector<std::string> found;
-  if constexpr (std::is_enum_v<T>) found.assign(words(T{}).begin(), words(T{}).end());
-  return found;
-}
-template <class T>
-std::vector<std::string> words_of(const std::optional<T>&) {
-  return words_of(T{});
-}
-
-void add_keys(Command& app, AtmosphereOptions& options) {
-  radiometry::AtmosphereSettings prototype;
-  radiometry::for_each_field(prototype, [&](const radiometry::FieldInfo& info, const auto& member) {
-    const std::string key(info.name), option = option_of(info.name);
-    std::string example(info.example);
-    std::erase(example, '"');
-    std::string doc(info.doc);
-    const std::vector<std::string> words = words_of(member);
-    for (const std::string& word : words) doc += (&word == &words.front() ? ": " : ", ") + word;
-    add_text(app, option, example.find(' ') == std::string::npos ? example : "'" + example + "'", doc,
-             [&options, key](const std::string& text) { options.given.emplace_back(key, text); })
-        .candidates = one_of(words);
-  });
-}
-
-}  // namespace
 
 Command atmosphere_command() {
   const auto shared = std::make_shared<AtmosphereOptions>();
@@ -61,7 +22,7 @@ Command atmosphere_command() {
       "  mtf atmosphere --model us_standard_1976 --zenith-angle '0 deg' --bands 8:12 --format csv -o zenith.csv"};
   add_text(app, "file", "FILE", "sensor or scene file with [atmosphere]; without one the options say all",
            options.file);
-  add_keys(app, options);
+  add_keys(app, radiometry::AtmosphereSettings{}, options.given, [](std::string_view) { return true; });
   add_text(app, "--bands", "LO:HI,...", "in um; default: the band of the sensor, or 3:5,3.4:4.8,8:12,8:14",
            options.bands);
   add_word(app, "--source-temperature", "K", "of the blackbody that weighs transmissions; default 300",
