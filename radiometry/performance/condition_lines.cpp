@@ -44,12 +44,12 @@ std::vector<std::string> condition_lines(const FiguresOfObservers& figures, cons
   };
   if (figures.ttp)
     lines.push_back("ttp: V50 " + three(c.v50_detect, c.v50_recognise, c.v50_identify) +
-                    " to detect, recognise, identify; probability " + format_double(kTaskProbability) + ", law " +
+                    " to detect, recognise, identify; probability " + format_double(c.probability) + ", law " +
                     name_of(Psychometric::ttp_nvthermip));
   if (figures.johnson)
     lines.push_back("johnson: N50 " + three(kN50[0], kN50[1], kN50[2]) +
                     " of the 2-D MRTD to detect, recognise, identify, up to Nyquist; probability " +
-                    format_double(kTaskProbability) + ", law " + name_of(Psychometric::johnson));
+                    format_double(c.probability) + ", law " + name_of(Psychometric::johnson));
   if (!lines.empty() && !air.empty()) lines.push_back("air: " + air);
   return lines;
 }

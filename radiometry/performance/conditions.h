@@ -30,6 +30,7 @@ struct Conditions {
   double luminance_cd_m2 = 34.26;
   std::optional<double> magnification{}, display_height_m{}, viewing_distance_m{};
   double v50_detect = 2.0, v50_recognise = 7.5, v50_identify = 13.0;
+  double probability = 0.5;  ///< of the tasks at their ranges
 
   static constexpr auto fields() {
     using enum mtf::Dimension;
@@ -38,6 +39,12 @@ struct Conditions {
                                    std::string_view example, std::string_view doc) {
       FieldInfo row = optional_row(name, dimension, unit, 0.0, hi, example, doc);
       row.lo_open = true;
+      return row;
+    };
+    constexpr auto probability_row = [] {
+      FieldInfo row =
+          optional_row("probability", 0.0, 1.0, "0.5", "of detection, recognition, identification at their ranges");
+      row.lo_open = row.hi_open = true;
       return row;
     };
     return std::tuple{
@@ -77,12 +84,12 @@ struct Conditions {
         Field{above_zero("v50_detect", none, "", 1e6, "2.0", "cycles on target that half of the trials need"),
               &C::v50_detect},
         Field{above_zero("v50_recognise", none, "", 1e6, "7.5", "the same of recognition"), &C::v50_recognise},
-        Field{above_zero("v50_identify", none, "", 1e6, "13.0", "the same of identification"), &C::v50_identify}};
+        Field{above_zero("v50_identify", none, "", 1e6, "13.0", "the same of identification"), &C::v50_identify},
+        Field{probability_row(), &C::probability}};
   }
 };
 
 inline constexpr std::array<double, 3> kN50{0.75, 3.0, 6.0};  ///< to detect, recognise, identify by the 2-D MRTD
-inline constexpr double kTaskProbability = 0.5;               ///< of the ranges that are metrics
 
 /// The picture at the eye.
 template <class S>

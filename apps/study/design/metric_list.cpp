@@ -150,21 +150,22 @@ constexpr std::array kRows{
         "minimum detectable temperature difference of a square of 2 pixels (1 / Nyquist), the width of a bar of mrtd",
         kMdtd, "[detector]", Effort::bars},
     MetricRow{johnson_detect, "johnson_range_detect", false, "m",
-              "range of detection, probability 0.5, Johnson's criteria", kJohnson, kTarget, Effort::air},
+              "range of detection with [conditions] probability, Johnson's criteria", kJohnson, kTarget, Effort::air},
     MetricRow{johnson_recognise, "johnson_range_recognise", false, "m",
-              "range of recognition, probability 0.5, Johnson's criteria", kJohnson, kTarget, Effort::air},
+              "range of recognition with [conditions] probability, Johnson's criteria", kJohnson, kTarget, Effort::air},
     MetricRow{johnson_identify, "johnson_range_identify", false, "m",
-              "range of identification, probability 0.5, Johnson's criteria", kJohnson, kTarget, Effort::air},
+              "range of identification with [conditions] probability, Johnson's criteria", kJohnson, kTarget,
+              Effort::air},
     MetricRow{ttp, "ttp", false, "cy/mrad",
               "targeting task performance of the target's contrast at range 0, up to the optical cutoff, aliasing not "
               "counted",
               kNvl, kObserver, Effort::air},
-    MetricRow{ttp_detect, "ttp_range_detect", false, "m", "range of detection, probability 0.5, TTP", kNvl,
+    MetricRow{ttp_detect, "ttp_range_detect", false, "m", "range of detection with [conditions] probability, TTP", kNvl,
               kObservedTarget, Effort::air},
-    MetricRow{ttp_recognise, "ttp_range_recognise", false, "m", "range of recognition, probability 0.5, TTP", kNvl,
-              kObservedTarget, Effort::air},
-    MetricRow{ttp_identify, "ttp_range_identify", false, "m", "range of identification, probability 0.5, TTP", kNvl,
-              kObservedTarget, Effort::air}};
+    MetricRow{ttp_recognise, "ttp_range_recognise", false, "m",
+              "range of recognition with [conditions] probability, TTP", kNvl, kObservedTarget, Effort::air},
+    MetricRow{ttp_identify, "ttp_range_identify", false, "m",
+              "range of identification with [conditions] probability, TTP", kNvl, kObservedTarget, Effort::air}};
 
 constexpr MetricRow kMtfAt{mtf_at, "mtf_at", true,          "", "MTF of the whole system at a frequency",
                            kOtf,   "",       Effort::points};

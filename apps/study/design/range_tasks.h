@@ -17,21 +17,25 @@ using radiometry::Conditions;
 struct RangeTask {
   Metric metric;
   bool by_bars = false;  ///< Johnson's criteria, else TTP
-  double cycles = 0.0;
+  double half = 0.0;     ///< for half of the trials: N50 or V50
+  double cycles = 0.0;   ///< for [conditions] probability
+
+  radiometry::Psychometric law() const {
+    return by_bars ? radiometry::Psychometric::johnson : radiometry::Psychometric::ttp_nvthermip;
+  }
 };
 inline constexpr std::size_t kRangeTasks = 6;
 
 inline std::array<RangeTask, kRangeTasks> range_tasks(const Conditions& c) {
   using radiometry::kN50;
-  using radiometry::Psychometric;
-  const double bars = radiometry::ratio_for_probability(Psychometric::johnson, radiometry::kTaskProbability);
-  const double ttp = radiometry::ratio_for_probability(Psychometric::ttp_nvthermip, radiometry::kTaskProbability);
-  return {{{Metric::johnson_detect, true, kN50[0] * bars},
-           {Metric::johnson_recognise, true, kN50[1] * bars},
-           {Metric::johnson_identify, true, kN50[2] * bars},
-           {Metric::ttp_detect, false, c.v50_detect * ttp},
-           {Metric::ttp_recognise, false, c.v50_recognise * ttp},
-           {Metric::ttp_identify, false, c.v50_identify * ttp}}};
+  std::array<RangeTask, kRangeTasks> tasks{{{Metric::johnson_detect, true, kN50[0]},
+                                            {Metric::johnson_recognise, true, kN50[1]},
+                                            {Metric::johnson_identify, true, kN50[2]},
+                                            {Metric::ttp_detect, false, c.v50_detect},
+                                            {Metric::ttp_recognise, false, c.v50_recognise},
+                                            {Metric::ttp_identify, false, c.v50_identify}}};
+  for (RangeTask& task : tasks) task.cycles = task.half * radiometry::ratio_for_probability(task.law(), c.probability);
+  return tasks;
 }
 
 }  // namespace study
