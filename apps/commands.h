@@ -28,6 +28,7 @@ Command fit_command();
 // Where apps/study is built.
 Command sweep_command();
 Command optimize_command();
+Command range_command();
 
 /// The command `mtf` with these words: what it is called by comes first. Returns the exit code; never throws.
 int run_command(int argc, char** argv);

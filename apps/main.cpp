@@ -172,7 +172,7 @@ Command root_command(Global& global, std::vector<std::string>& help_for) {
 #endif
   add({scene_command(), heat_command(), render_command(), fly_command()});
 #ifdef MTFKIT_HAVE_STUDY
-  add({sweep_command(), optimize_command()});
+  add({range_command(), sweep_command(), optimize_command()});
 #endif
   std::vector<std::string> names;
   for (const Command& inner : command.commands) names.push_back(inner.name);

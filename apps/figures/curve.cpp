@@ -104,10 +104,7 @@ int run_curve(const CurveOptions& options, const Global& global) {
     }
   } else if (!options.plot.empty()) {
     const bool drawn = write_figure(outputs.at(options.plot), curve_figure(curves));
-    const std::string data = one_line(figure_data_path(options.plot));
-    note(global,
-         drawn ? "wrote " + one_line(options.plot) + " and its data " + data
-               : "mtf: note: gnuplot is not installed (Debian package gnuplot-nox): wrote only the data, " + data);
+    note(global, figure_note(options.plot, drawn));
   }
   if (show_values)
     outputs.commit(options.out, formatted(curves, system, options.format));

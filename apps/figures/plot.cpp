@@ -435,6 +435,12 @@ bool write_figures(const std::string& path, std::span<const Figure> figures) {
   return write_figures(path, figures, figures_csv(figures));
 }
 
+std::string figure_note(const std::string& path, bool drawn) {
+  const std::string data = one_line(figure_data_path(path));
+  return drawn ? "wrote " + one_line(path) + " and its data " + data
+               : "mtf: note: gnuplot is not installed (Debian package gnuplot-nox): wrote only the data, " + data;
+}
+
 bool draw_figure(const std::string& path, const Figure& figure) { return draw(path, {&figure, 1}); }
 
 std::optional<std::string> ascii_figure(const Figure& figure, int columns, int rows) {

@@ -59,6 +59,9 @@ bool write_figure(const std::string& path, const Figure& figure);
 bool write_figures(const std::string& path, std::span<const Figure> figures);
 bool write_figures(const std::string& path, std::span<const Figure> figures, const std::string& data);
 
+/// What a command says of a figure that it was asked for: what was written, or that gnuplot is missing.
+std::string figure_note(const std::string& path, bool drawn);
+
 /// The figure alone, for data that have a file of their own. False when there is no gnuplot.
 bool draw_figure(const std::string& path, const Figure& figure);
 

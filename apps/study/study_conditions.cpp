@@ -6,6 +6,7 @@
 #include "apps/sensor/air_course.h"
 #include "apps/study/design/range_tasks.h"
 #include "mtf/error.h"
+#include "mtf/words.h"
 #include "radiometry/performance/condition_lines.h"
 
 namespace study {
@@ -25,8 +26,8 @@ radiometry::FiguresOfObservers figures_of(const Study& study) {
   return figures;
 }
 
-/// Of all sensor files of the study.
-std::string air_of(const Study& study) {
+/// Of all sensor files of the study. `ranges`: figures are ranges, in the air up to each of them.
+std::string air_of(const Study& study, bool ranges) {
   std::vector<std::string> airs;
   const auto add = [&](const mtf::io::SensorConfig& sensor) {
     std::string words = apps::air_words(radiometry::sensor_settings(sensor.tables));
@@ -39,11 +40,20 @@ std::string air_of(const Study& study) {
   for (const mtf::io::SensorConfig& sensor : study.sensors) add(sensor);
   std::string text;
   for (const std::string& one : airs) text += (text.empty() ? "" : "; or ") + one;
-  const bool followed = study.conditions.extinction_per_km || text != "none";
-  return text + (followed ? "; ranges are solved with the air up to each of them" : "");
+  if (!ranges) return text;
+  return text == "none" ? "none; ranges are those in a vacuum, longer than in any air"
+                        : text + "; ranges are solved with the air up to each of them";
 }
 
 }  // namespace
+
+std::string extinction_problem(const mtf::io::SensorConfig& sensor) {
+  for (const std::string air : {"atmosphere", "path"})
+    if (find_table(sensor.tables, air) != nullptr)
+      return "given beside [" + air + "] of " + mtf::printable(sensor.file) +
+             ", whose air takes contrast too; remove extinction, or [" + air + "] from the sensor file";
+  return "";
+}
 
 std::vector<std::string> condition_lines(const Study& study) {
   std::optional<radiometry::Viewing<double>> viewing;
@@ -51,7 +61,8 @@ std::vector<std::string> condition_lines(const Study& study) {
     viewing = radiometry::viewing_of(study.conditions, study.base.system.frame);
   } catch (const mtf::UsageError&) {  // the gap of each figure says it
   }
-  return radiometry::condition_lines(figures_of(study), study.conditions, viewing, air_of(study));
+  const radiometry::FiguresOfObservers figures = figures_of(study);
+  return radiometry::condition_lines(figures, study.conditions, viewing, air_of(study, figures.johnson || figures.ttp));
 }
 
 }  // namespace study

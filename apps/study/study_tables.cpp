@@ -9,6 +9,7 @@
 
 #include "apps/sensor/sensor_air.h"
 #include "apps/sensor/sensor_chain.h"
+#include "apps/study/study_conditions.h"
 #include "apps/study/study_reader.h"
 #include "apps/study/study_shape.h"
 #include "mtf/error.h"
@@ -121,10 +122,7 @@ void check_conditions(StudyReader& s) {
     const std::string file = mtf::printable(view.sensor.file);
     const char* air = find_table(view.sensor.tables, "atmosphere") ? "[atmosphere]" : "[path]";
     if (!find_table(view.sensor.tables, "atmosphere") && !find_table(view.sensor.tables, "path")) continue;
-    if (given.extinction_per_km)
-      return refuse("extinction", "given beside " + std::string(air) + " of " + file +
-                                      ", whose air takes contrast too; remove extinction, or " + air +
-                                      " from the sensor file");
+    if (given.extinction_per_km) return refuse("extinction", extinction_problem(view.sensor));
     if (!given.range_m) continue;
     if (std::any_of(s.study.parameters.begin(), s.study.parameters.end(), air_changes))
       return refuse("range", "stays while the study changes the range of " + std::string(air) +

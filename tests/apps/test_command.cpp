@@ -51,6 +51,12 @@ void add_camera(const Scratch& scratch) {
                              std::filesystem::copy_options::overwrite_existing);
 }
 
+/// sensor.toml: the same camera without air.
+void add_clear_camera(const Scratch& scratch) {
+  add_camera(scratch);
+  ASSERT_EQ(scratch.run("sed -i '/^\\[path\\]/,/^$/d' sensor.toml").status, 0);
+}
+
 /// The folder `sweep`, as `mtf sweep` leaves it.
 void add_sweep(const Scratch& scratch) {
   const Result made =
@@ -66,6 +72,7 @@ TEST_P(HelpOf, EndsWithTwoExamplesThatRun) {
   add_scene(scratch);
   if (GetParam() == std::string("measure") || GetParam() == std::string("fit")) add_edge(scratch);
   if (GetParam() == std::string("budget")) add_camera(scratch);
+  if (GetParam() == std::string("range")) add_clear_camera(scratch);
   if (GetParam() == std::string("report")) add_sweep(scratch);
   if (GetParam() == std::string("sweep")) study_test::add_study(scratch);
   if (GetParam() == std::string("optimize"))
@@ -99,7 +106,7 @@ INSTANTIATE_TEST_SUITE_P(Every, HelpOf,
 INSTANTIATE_TEST_SUITE_P(Calib, HelpOf, testing::Values("measure", "fit", "optimize"), test_name);
 #endif
 #ifdef MTFKIT_HAVE_STUDY
-INSTANTIATE_TEST_SUITE_P(Study, HelpOf, testing::Values("sweep"), test_name);
+INSTANTIATE_TEST_SUITE_P(Study, HelpOf, testing::Values("range", "sweep"), test_name);
 #endif
 
 TEST(Command, VersionNamesTheFftLibraryAndItsLicence) {

@@ -128,11 +128,33 @@ class DesignModel {
           "scattered by aerosol, AC coupling) is no blur";
   }
   const RangeRoots& roots() const { return roots_; }
+  /// What is resolved on the target at ranges within the reach of the air, by the design whose metrics() were made last
+  /// with that light, ranges among them.
+  std::vector<RangeSolver::Resolved> resolved(const DesignLight& light, bool by_bars,
+                                              std::span<const double> range_m) requires std::is_same_v<S, double> {
+    RangeModel<S> model = range_model(light);
+    std::vector<RangeSolver::Resolved> found;
+    for (const double range : range_m) found.push_back(solver_.resolved(model, by_bars, range));
+    return found;
+  }
   /// Why a metric of the last design has no number, "" where no model refused it.
   const std::string& refusal() const { return refusal_; }
-  /// How far numbers of the last design are wrong, or what they rest on (close to saturation, no dither, a range at
-  /// Nyquist); "" without.
+  /// How far numbers of the last design are wrong: close to saturation, rounding without dither; "" without.
   const std::string& caution() const { return caution_; }
+  /// What its ranges rest on: a range at Nyquist, a target that fills the field; "" without.
+  std::string caution_of_ranges() const {
+    std::string text;
+    const auto add = [&](const char* what, bool RangeRoot::*flag) {
+      std::string names;
+      for (std::size_t i = 0; i < roots_.size(); ++i)
+        if (roots_[i].*flag)
+          names += (names.empty() ? what : ", ") + std::string(row_of(range_tasks(study_->conditions)[i].metric).name);
+      text += (text.empty() || names.empty() ? "" : "; ") + names;
+    };
+    add("limited by the Nyquist frequency in ", &RangeRoot::at_nyquist);
+    add("the target is wider than the field of view in ", &RangeRoot::fills_field);
+    return text;
+  }
   double error() const {
     double worst = plan_->resolution ? design_.resolution.error : 0.0;
     for (const RangeRoot& root : roots_) worst = std::max(worst, root.error);
@@ -158,7 +180,7 @@ class DesignModel {
     return radiometry::Overrides<S>{std::span<const radiometry::Override<S>>(overrides_)}("atmosphere.range", *own);
   }
 
-  void find_ranges(const DesignLight& light, const RangeRoots* roots) {
+  RangeModel<S> range_model(const DesignLight& light) {
     const auto budget_of_light = [this](const radiometry::SpectralNumbers<double>& plain) {
       radiometry::SpectralNumbers<double> from = plain;
       radiometry::SpectralNumbers<S> to;
@@ -167,23 +189,25 @@ class DesignModel {
       for (std::size_t i = 0; i < scalars.size(); ++i) *scalars[i] = S(*numbers[i]);
       return budget(to);
     };
-    RangeModel<S> model(system_, study_->conditions, design_.frame_time_s, *light.course, range_meter_,
-                        budget_of_light);
+    return {system_, study_->conditions, design_.frame_time_s, *light.course, range_meter_, budget_of_light};
+  }
+
+  void find_ranges(const DesignLight& light, const RangeRoots* roots) {
+    RangeModel<S> model = range_model(light);
     if constexpr (std::is_same_v<S, double>)
       if (roots == nullptr) {
-        roots_ = solver_.solve(model, light.course, plan_->range, same_otf_, study_->tolerance, refusal_);
+        roots_ = solver_.solve(model, light.course, plan_->range, same_otf_, study_->tolerance);
         same_otf_ = true;
       }
     const std::array<RangeTask, kRangeTasks> tasks = range_tasks(study_->conditions);
-    std::string at_nyquist;
     for (std::size_t i = 0; i < tasks.size(); ++i) {
       if (!plan_->range[i]) continue;
       const RangeRoot& root = roots != nullptr ? (*roots)[i] : roots_[i];
       const bool moved = roots != nullptr && std::isfinite(root.found.range_m);
       design_.observed.range_m[i] = moved ? range_of(tasks[i], root, model) : S(root.found.range_m);
-      if (root.at_nyquist) at_nyquist += (at_nyquist.empty() ? "" : ", ") + std::string(row_of(tasks[i].metric).name);
+      if (refusal_.empty() && !root.refusal.empty())
+        refusal_ = std::string(row_of(tasks[i].metric).name) + ": " + root.refusal;
     }
-    if (!at_nyquist.empty()) caution("limited by the Nyquist frequency in " + at_nyquist);
     if (plan_->ttp) design_.observed.ttp_cy_mrad = model.ttp_cy_mrad(model.at(0.0));
   }
 

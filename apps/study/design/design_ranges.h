@@ -30,11 +30,21 @@ inline mtf::ResolutionNeeds curves_alone(double tolerance) {
 /// How far a design gets at a task.
 struct RangeRoot {
   radiometry::AcquisitionRange found{};
-  bool at_nyquist = false;  ///< it ends where the cycles that the task needs reach the Nyquist frequency
-  double slope = 0.0;       ///< of the margin, by ln(range)
-  double error = 0.0;       ///< of the range, relative
+  bool at_nyquist = false;   ///< it ends where the cycles that the task needs reach the Nyquist frequency
+  bool fills_field = false;  ///< the target is wider there than the field of view, of which the models know nothing
+  double slope = 0.0;        ///< of the margin, by ln(range)
+  double error = 0.0;        ///< of the range, relative
+  std::string refusal{};     ///< why there is none, the range being NaN; "" where there is
 };
 using RangeRoots = std::array<RangeRoot, kRangeTasks>;
+
+/// Where a target is as wide as the narrower side of the field of view; 0 for a frame without a format.
+template <class S>
+double range_filling_the_field_m(const mtf::Frame<S>& frame, double size_m) {
+  const double side_mm =
+      1e-3 * std::min(frame.columns * mtf::value_of(frame.pitch_x_um), frame.rows * mtf::value_of(frame.pitch_y_um));
+  return side_mm > 0.0 ? size_m * mtf::value_of(frame.focal_length_mm) / side_mm : 0.0;
+}
 
 /// What a target at a range offers to the observers of a design.
 template <class S>
@@ -73,6 +83,19 @@ class RangeModel {
   S nyquist_range_m(const RangeTask& task) const {
     return S(1e3 * *conditions_->target_size_m / task.cycles) * bars_.nyquist_cy_mrad();
   }
+  /// The cycles that are resolved on the target at a range: along the finest bars up to Nyquist that it shows, or V.
+  S cycles(bool by_bars, const Sensor& sensor, double range_m) {
+    const double size_m = *conditions_->target_size_m;
+    const S contrast(*conditions_->contrast_k);
+    if (!by_bars) return radiometry::cycles_on_target(display().ttp_cy_mrad(sensor, contrast), S(size_m), S(range_m));
+    constexpr double kCoarsest = 1e-6;  // of Nyquist
+    const double nyquist = mtf::value_of(bars_.nyquist_cy_mrad());
+    const auto finest =
+        radiometry::longest_range([&](double f) { return mtf::value_of(bars_.log_visibility(sensor, contrast, f)); },
+                                  kCoarsest * nyquist, nyquist, 0.5 * nyquist);
+    return S(1e3 * finest.range_m * size_m / range_m);
+  }
+  double filled_m() const { return range_filling_the_field_m(system_->frame, *conditions_->target_size_m); }
   S ttp_cy_mrad(const Sensor& sensor) { return display().ttp_cy_mrad(sensor, S(*conditions_->contrast_k)); }
 
   /// The OTF along both axes with the colours of a range.

@@ -261,6 +261,8 @@ const std::string& Evaluator::last_refusal() const { return impl_->refusal; }
 std::string Evaluator::last_caution() const {
   if (impl_->worked_out == nullptr) return "";
   std::string text = impl_->worked_out->caution();
+  if (const std::string ranges = impl_->worked_out->caution_of_ranges(); !ranges.empty())
+    text += (text.empty() ? "" : "; ") + ranges;
   for (const auto& [where, problem] : impl_->worked_out->system().check())
     text +=
         (text.empty() ? "" : "; ") + where + (problem.field.empty() ? "" : "." + problem.field) + ": " + problem.text;

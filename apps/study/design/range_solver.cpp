@@ -16,8 +16,7 @@ double modulus(const mtf::Resolution<double>& curves, mtf::Axis axis, double f_c
 }  // namespace
 
 RangeRoots RangeSolver::solve(RangeModel<double>& model, const std::shared_ptr<LightCourse>& course,
-                              const std::array<bool, kRangeTasks>& asked, bool same_otf, double tolerance,
-                              std::string& refusal) {
+                              const std::array<bool, kRangeTasks>& asked, bool same_otf, double tolerance) {
   if (course != course_) points_.clear();
   course_ = course;
   if (!same_otf)
@@ -26,23 +25,19 @@ RangeRoots RangeSolver::solve(RangeModel<double>& model, const std::shared_ptr<L
   constexpr int kLoose = 9, kTightest = 20;
   constexpr double kShare = 0.5;  // of what is allowed
   half_decades_ = std::min(level(kShare * tolerance), kLoose);
-  std::string refused;
-  RangeRoots roots = roots_of(model, asked, refused);
+  RangeRoots roots = roots_of(model, asked);
   double worst = 0.0;
   for (const RangeRoot& root : roots) worst = std::max(worst, root.error);
   if (worst > tolerance) {  // infinite where the OTF at the root is below what it may err by
     half_decades_ = std::isfinite(worst)
                         ? std::clamp(half_decades_ + level(kShare * tolerance / worst), half_decades_, kTightest)
                         : kTightest;
-    refused.clear();
-    roots = roots_of(model, asked, refused);
+    roots = roots_of(model, asked);
   }
-  if (refusal.empty()) refusal = refused;
   return roots;
 }
 
-RangeRoots RangeSolver::roots_of(RangeModel<double>& model, const std::array<bool, kRangeTasks>& asked,
-                                 std::string& refusal) {
+RangeRoots RangeSolver::roots_of(RangeModel<double>& model, const std::array<bool, kRangeTasks>& asked) {
   constexpr double kGuess = 1e3;  // times the size of the target; then what the task before gave
   double bars_m = kGuess * model.conditions().target_size_m.value_or(1.0), ttp_m = bars_m;
   RangeRoots roots;
@@ -55,7 +50,7 @@ RangeRoots RangeSolver::roots_of(RangeModel<double>& model, const std::array<boo
       if (roots[i].found.range_m > 0.0) guess_m = roots[i].found.range_m;
     } catch (const mtf::UsageError& refused) {
       roots[i].found.range_m = std::numeric_limits<double>::quiet_NaN();
-      if (refusal.empty()) refusal = std::string(row_of(tasks[i].metric).name) + ": " + refused.what();
+      roots[i].refusal = refused.what();
     }
   }
   return roots;
@@ -76,6 +71,7 @@ RangeRoot RangeSolver::root_of(const RangeTask& task, RangeModel<double>& model,
     root.found = radiometry::longest_range(margin, least, most,
                                            root.found.reached == Reached::never ? least : root.found.range_m);
   if (root.found.reached == Reached::never) return root;
+  root.fills_field = root.found.range_m < model.filled_m();
   root.at_nyquist = root.found.reached == Reached::beyond && most == nyquist_m;
   if (root.at_nyquist) return root;
   if (root.found.reached == Reached::beyond)
@@ -86,7 +82,7 @@ RangeRoot RangeSolver::root_of(const RangeTask& task, RangeModel<double>& model,
   const double range = root.found.range_m,
                step = std::min({kStep, 0.49 * std::log(most / range), 0.49 * std::log(range / least)});
   root.slope = radiometry::slope_at([&](double l) { return std::expm1(margin(std::exp(l))); }, std::log(range), step);
-  root.error = error_of(task, model, root);
+  root.error = std::abs(model.margin(task, worst(model, range), range) / root.slope);
   return root;
 }
 
@@ -151,9 +147,18 @@ std::vector<RangeSolver::Curves> RangeSolver::curves_of(RangeModel<double>& mode
   return curves;
 }
 
+RangeSolver::Resolved RangeSolver::resolved(RangeModel<double>& model, bool by_bars, double range_m) {
+  try {
+    return {model.cycles(by_bars, followed(model, range_m), range_m),
+            model.cycles(by_bars, worst(model, range_m), range_m)};
+  } catch (const mtf::UsageError&) {
+    constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+    return {kNone, kNone};
+  }
+}
+
 /// Less contrast, more noise and a lower MTF, each by what it may be wrong.
-double RangeSolver::error_of(const RangeTask& task, RangeModel<double>& model, const RangeRoot& root) {
-  const double range = root.found.range_m;
+RangeSolver::Sensor RangeSolver::worst(RangeModel<double>& model, double range) {
   Sensor sensor = followed(model, range);
   const double light = course_->error(range);
   double otf = point_at(model, nullptr, 0).curves->error;
@@ -167,7 +172,7 @@ double RangeSolver::error_of(const RangeTask& task, RangeModel<double>& model, c
   sensor.netd_k *= 1.0 + light;
   sensor.spatial_netd_k *= 1.0 + light;
   sensor.otf.mtf = [mtf = sensor.otf.mtf, otf](mtf::Axis axis, double f) { return std::max(0.0, mtf(axis, f) - otf); };
-  return std::abs(model.margin(task, sensor, range) / root.slope);
+  return sensor;
 }
 
 /// Of the OTF between the points of a panel: what the series over the range leaves at frequencies of all the band.

@@ -15,17 +15,23 @@ namespace study {
 
 class RangeSolver {
  public:
-  /// `asked`: which of range_tasks(). A task that has no range, since the air is not known that far or a model refuses
-  /// it, has a range that is NaN, and `refusal` says why where it is empty. `same_otf`: as at the call before.
-  /// `tolerance`: relative, of the ranges.
+  /// `asked`: which of range_tasks(). A task has no range where the air is not known that far or a model refuses it.
+  /// `same_otf`: as at the call before. `tolerance`: relative, of the ranges.
   RangeRoots solve(RangeModel<double>& model, const std::shared_ptr<LightCourse>& course,
-                   const std::array<bool, kRangeTasks>& asked, bool same_otf, double tolerance, std::string& refusal);
+                   const std::array<bool, kRangeTasks>& asked, bool same_otf, double tolerance);
+
+  /// What is resolved on the target at a range within the reach of the air, and what is left of it where everything
+  /// is worse by what it may err. Of the design whose ranges were solved last.
+  struct Resolved {
+    double cycles = 0.0, least = 0.0;  ///< NaN where a model refuses the range
+  };
+  Resolved resolved(RangeModel<double>& model, bool by_bars, double range_m);
 
  private:
   using Curves = std::shared_ptr<const mtf::Resolution<double>>;
   using Sensor = radiometry::SensorAtRange<double>;
 
-  RangeRoots roots_of(RangeModel<double>& model, const std::array<bool, kRangeTasks>& asked, std::string& refusal);
+  RangeRoots roots_of(RangeModel<double>& model, const std::array<bool, kRangeTasks>& asked);
   RangeRoot root_of(const RangeTask& task, RangeModel<double>& model, double guess_m);
   Sensor frozen(RangeModel<double>& model, double range_m);
   Sensor followed(RangeModel<double>& model, double range_m);
@@ -35,7 +41,7 @@ class RangeSolver {
   const Point& point_at(RangeModel<double>& model, const RangePanel* panel, std::size_t k);
   std::vector<Curves> curves_of(RangeModel<double>& model, const RangePanel& panel);
   static double error_between(const std::vector<Curves>& curves, double end_cy_mm);
-  double error_of(const RangeTask& task, RangeModel<double>& model, const RangeRoot& root);
+  Sensor worst(RangeModel<double>& model, double range_m);
 
   std::shared_ptr<LightCourse> course_{};
   int half_decades_ = 0;  ///< the tolerance of the OTF is 10^-(half decades / 2)

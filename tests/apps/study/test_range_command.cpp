@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: Apache-2.0
+
+// `mtf range`.
+
+#include <nlohmann/json.hpp>
+
+#include "tests/apps/command.h"
+#include "tests/apps/study/range_camera.h"
+
+namespace apps_test {
+namespace {
+
+using Json = nlohmann::json;
+
+class RangeCommand : public testing::Test {
+ protected:
+  void SetUp() override { write_file(scratch / "camera.toml", study_test::camera("")); }
+  Result run(const std::string& options) const { return scratch.run("mtf range camera.toml " + options); }
+
+  Scratch scratch;
+};
+
+TEST_F(RangeCommand, SaysTargetContrastAirAndObserverBesideTheRanges) {
+  const Result r = run("--target nato --display-height '200 mm' --viewing-distance '600 mm'");
+  ASSERT_EQ(r.status, 0) << r.err;
+  expect_says(r.out, {"target: 2.3 m, 2 K", "300 K", "magnification 6.51", "V50 2, 7.5, 13", "N50 0.75, 3, 6",
+                      "air: none", "vacuum", "limited by the Nyquist", "no standard deviation"});
+  EXPECT_EQ(run("--target-size '230 cm' --contrast '2000 mK' --display-height '20 cm' --viewing-distance '60 cm'").out,
+            r.out);
+  EXPECT_NE(run("--target nato --contrast '1 K' --display-height '20 cm' --viewing-distance '60 cm'").out, r.out);
+}
+
+TEST_F(RangeCommand, TablesForProgramsAreComplete) {
+  const std::string options =
+      "--target nato --magnification 5 --frame-rate '60 Hz' --extinction 0.2 --ranges '1,2.5,5 km' ";
+  const Json json = Json::parse(run(options + "--format json").out);
+  EXPECT_EQ(json["ranges"].size(), 6u);
+  EXPECT_TRUE(json["ranges"]["johnson_range_detect"]["at_nyquist"]);
+  EXPECT_TRUE(json["ranges"]["ttp_range_detect"]["sd"].is_null());
+  EXPECT_EQ(json["conditions"]["contrast"]["value"], 2.0);
+  const Json& probability = json["probability"];
+  EXPECT_EQ(probability["range_m"], Json({1000.0, 2500.0, 5000.0}));
+  const Result csv = run(options + "--format csv");
+  EXPECT_TRUE(csv.out.starts_with("range_m,ttp_detect,ttp_detect_error,ttp_detect_sd,ttp_recognise,"));
+  EXPECT_EQ(lines(csv.out), 4u);
+  expect_says(csv.err, {"target: 2.3 m", "0.2 per km"});
+  const Result figure = run(options + "--plot p.svg -o out.txt");
+  ASSERT_EQ(figure.status, 0) << figure.err;
+  EXPECT_TRUE(fs::exists(scratch / "p.svg.csv"));
+}
+
+TEST_F(RangeCommand, RefusesWithTheOptionToGive) {
+  const std::string seen = " --magnification 5";
+  expect_error(run("--contrast '0 K' --target-size '2 m'" + seen), 2, {"--contrast", "as warm as", "'2 K'"});
+  expect_error(run("--contrast '-1 K' --target-size '2 m'" + seen), 2, {"--contrast", "above 0"});
+  expect_error(run("--contrast '2 K'" + seen), 2, {"--target-size", "--target nato"});
+  expect_error(run("--target-size '2 m'" + seen), 2, {"--contrast '2 K'"});
+  expect_error(run("--target tank"), 2, {"--target", "nato"});
+  expect_error(run("--target nato --contrast 2"), 2, {"--contrast", "unit"});
+  expect_error(run("--target nato --probability 1" + seen), 2, {"--probability"});
+  expect_error(run("--target nato --display-height '1 m'"), 2, {"--viewing-distance"});
+  expect_error(run("--target nato --ranges 1,2" + seen), 2, {"--ranges", "unit"});
+  expect_error(run("--target nato --ranges '2,1 km'" + seen), 2, {"--ranges", "rise"});
+  const Result blind = run("--target nato");
+  EXPECT_EQ(blind.status, 0);
+  expect_says(blind.out, {"no range for TTP detect", "--magnification", "--display-height"});
+  write_file(scratch / "camera.toml", study_test::camera("[path]\ntransmission = 0.8\n"));
+  expect_error(run("--target nato" + seen), 2, {"one range", "[atmosphere]"});
+  write_file(scratch / "camera.toml", study_test::camera(study_test::kFog + "range = \"1 km\"\n"));
+  expect_error(run("--target nato --extinction 0.2" + seen), 2, {"extinction", "remove"});
+}
+
+}  // namespace
+}  // namespace apps_test
