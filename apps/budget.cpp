@@ -10,6 +10,7 @@
 #include "apps/budget_table.h"
 #include "apps/config_command.h"
 #include "apps/options.h"
+#include "apps/range/budget_curves.h"
 #include "apps/sensor/sensor_chain.h"
 #include "apps/simulate/output_files.h"
 #include "apps/terminal/output.h"
@@ -143,6 +144,8 @@ std::string as_json(const BudgetTable& budget, const BudgetOptions& options, con
 }  // namespace
 
 int run_budget(const BudgetOptions& options, const Global& global) {
+  if (options.curves) return run_budget_curves(options, global);
+  if (!options.plot.empty()) throw mtf::UsageError("--plot: draws the curves of --curves; give both");
   const mtf::io::SensorConfig config = read_sensor(options.sensor, global);
   if (!options.out.empty())
     for (const std::string& input : files_of(config)) require_different(input, options.out);

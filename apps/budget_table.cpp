@@ -17,16 +17,14 @@
 #include "radiometry/performance/target_at_range.h"
 
 namespace apps {
-namespace {
 
 // What an observer makes of the noise of a budget: MRTD and MDTD (radiometry/performance/target_at_range.h) as two more
 // rows of `mtf budget`, for photon and thermal detectors alike. The noise is the NETD and the spatial NETD of the
 // budget; the observer has the defaults of a study. Studies have the same figures as the metrics `mrtd` and `mdtd`,
 // with any observer and derivatives.
 
-/// Why a sensor has neither, "" where it has both.
-std::string gap_of(const mtf::System<double>& system, const radiometry::Sensor& sensor,
-                   const radiometry::Budget<double>& budget) {
+std::string observer_gap(const mtf::System<double>& system, const radiometry::Sensor& sensor,
+                         const radiometry::Budget<double>& budget) {
   if (const std::string refused = refusal_of(budget, budget.netd_k); !refused.empty()) return refused;
   if (!budget.dither.dithered()) return words(budget.dither);
   constexpr double kMost_k = 1e6;  // of MrtdInput
@@ -39,12 +37,13 @@ std::string gap_of(const mtf::System<double>& system, const radiometry::Sensor& 
   return "";
 }
 
-/// Who the observer of these rows is, and what air lies before the sensor.
 std::vector<std::string> observer_lines(const radiometry::Sensor& sensor) {
   const std::string air = air_words(sensor.settings);
   return radiometry::condition_lines(
       {.bars = true}, {}, {}, air.empty() ? "" : air + "; temperature differences are those of the scene behind it");
 }
+
+namespace {
 
 /// Both at half of the Nyquist frequency, bars and a square of 1 / Nyquist; `system` has the electron rate of its band.
 /// A row without a value says why.
@@ -53,7 +52,7 @@ std::vector<radiometry::BudgetRow> observer_rows(const mtf::System<double>& syst
   const double none = std::numeric_limits<double>::quiet_NaN();
   radiometry::BudgetRow mrtd{"mrtd", "mK", none, "minimum resolvable temperature difference at half of Nyquist, 2-D"},
       mdtd{"mdtd", "mK", none, "minimum detectable temperature difference of a square of 1 / Nyquist"};
-  mrtd.refused = mdtd.refused = gap_of(system, sensor, budget);
+  mrtd.refused = mdtd.refused = observer_gap(system, sensor, budget);
   mrtd.saturated = mdtd.saturated = is_saturated(budget, budget.netd_k);
   if (!mrtd.refused.empty()) return {mrtd, mdtd};
   try {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "apps/sensor/sensor_chain.h"
+#include "radiometry/performance/sensitivity.h"
 
 namespace apps {
 
@@ -26,5 +27,12 @@ BudgetTable budget_table(const mtf::io::SensorConfig& config, const LoadedSensor
 /// What a person reads beside these rows: the MTF of the system at Nyquist along x and along y, averaged over the band
 /// with the electron rate of `loaded`, as `mtf curve` has it.
 std::vector<radiometry::BudgetRow> nyquist_rows(const mtf::System<double>& system, const LoadedSensor& loaded);
+
+/// Why there is no MRTD and MDTD of a sensor with that budget, "" where there is.
+std::string observer_gap(const mtf::System<double>& system, const radiometry::Sensor& sensor,
+                         const radiometry::Budget<double>& budget);
+
+/// Who the observer of MRTD and MDTD is, and what air lies before the sensor.
+std::vector<std::string> observer_lines(const radiometry::Sensor& sensor);
 
 }  // namespace apps

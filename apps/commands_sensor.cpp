@@ -65,8 +65,8 @@ Command budget_command() {
       "see mtf config kinds detector. The table has 4 digits, the share of each noise term in the variance, the MTF "
       "at\n"
       "Nyquist, and names rows of 0 in one line; csv and json have every row of the budget with 17 digits.",
-      "  mtf budget sensor.toml\n"
-      "  mtf budget sensor.toml --temperature 310 --format json"};
+      "  mtf budget sensor.toml --temperature 310 --format json\n"
+      "  mtf budget sensor.toml --curves --plot mrtd.svg"};
   add_file(app, "sensor", "sensor file (TOML)", options.sensor);
   add_word(app, "--temperature", "K", "of the surface, such as 288, \"288 K\" or \"15 degC\"; default 300",
            [&](const std::string& text) {
@@ -77,6 +77,9 @@ Command budget_command() {
              if (!(options.temperature_k >= 0.0 && options.temperature_k <= radiometry::kMostTemperature_k))
                throw mtf::UsageError("--temperature " + text + ": a temperature in K is from 0 to 1e9");
            });
+  add_flag(app, "--curves", "MRTD against spatial frequency and MDTD against size, in place of the budget",
+           options.curves);
+  add_text(app, "--plot", "FILE", "figure of --curves: a .svg, .pdf or .png file", options.plot);
   add_format(app, "table (default), csv or json", options.format);
   add_text(app, "-o,--out", "FILE", "write the values here instead of standard output", options.out);
   app.run = [shared](const Global& global) { return run_budget(*shared, global); };

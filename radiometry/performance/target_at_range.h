@@ -108,6 +108,13 @@ class BarObserver {
     using std::sqrt;
     return S(0.5) / S(sqrt(S(input_.spacing_x_mrad * input_.spacing_y_mrad)));
   }
+  /// Of bars that alternate along an axis, infinite from where the OTF changes its sign.
+  S mrtd_k(const SensorAtRange<S>& sensor, mtf::Axis axis, double f_cy_mrad) const {
+    const double reversal = sensor.otf.reversal_cy_mrad[static_cast<std::size_t>(axis)];
+    return radiometry::mrtd_k(
+        with_noise(sensor), axis, f_cy_mrad, [&](double g) { return g < reversal ? sensor.otf.mtf(axis, g) : S(0); },
+        noise(mtf::Axis::x), noise(mtf::Axis::y));
+  }
   /// 2-D, f > 0.
   S mrtd_k(const SensorAtRange<S>& sensor, double f_cy_mrad) const {
     return filters_noise(*system_) ? mrtd_k(sensor, f_cy_mrad, noise(mtf::Axis::x), noise(mtf::Axis::y))

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 
-// `mtf range`.
+// `mtf range`, and the curves of `mtf budget --curves`.
+
+#include <cmath>
 
 #include <nlohmann/json.hpp>
 
@@ -68,6 +70,46 @@ TEST_F(RangeCommand, RefusesWithTheOptionToGive) {
   expect_error(run("--target nato" + seen), 2, {"one range", "[atmosphere]"});
   write_file(scratch / "camera.toml", study_test::camera(study_test::kFog + "range = \"1 km\"\n"));
   expect_error(run("--target nato --extinction 0.2" + seen), 2, {"extinction", "remove"});
+}
+
+/// Integral of sinc^2(w f) over |f| <= band, by a plain sum.
+double averaged(double w, double band) {
+  constexpr int kSteps = 200000;
+  double sum = 0.0;
+  for (int i = 0; i < kSteps; ++i) {
+    const double x = M_PI * w * band * (i + 0.5) / kSteps, sinc = std::sin(x) / x;
+    sum += sinc * sinc;
+  }
+  return 2.0 * band * sum / kSteps;
+}
+
+// FLIR92's formula from the NETDs of `mtf budget` and the MTF of `mtf curve`; MRTD of no row is taken from the curves.
+TEST_F(RangeCommand, CurvesOfMinimumTemperaturesAreFlir92) {
+  const Json terms = Json::parse(scratch.run("mtf budget camera.toml --format json").out)["terms"];
+  const Json curves = Json::parse(scratch.run("mtf budget camera.toml --curves --format json").out)["curves"];
+  const std::size_t half = 7;  // 8/16 of Nyquist
+  EXPECT_NEAR(curves["frequency_cy_mrad"][half], 2.5, 1e-12);
+  EXPECT_NEAR(curves["mrtd_mK"][half].get<double>() / terms["mrtd"]["value"].get<double>(), 1.0, 1e-12);
+  EXPECT_NEAR(curves["mdtd_mK"][half].get<double>() / terms["mdtd"]["value"].get<double>(), 1.0, 1e-12);
+  EXPECT_TRUE(curves["mrtd_mK"][16].is_null());  // beyond Nyquist
+  EXPECT_TRUE(curves["mdtd_mK"][16].is_number());
+  const double tvh = terms["netd"]["value"], vh = terms["spatial_netd"]["value"];
+  const double spacing = 0.1, frames = 0.1 / 5e-3;  // 15 um / 150 mm; eye time / frame time
+  for (const std::size_t row : {0U, 7U, 15U})
+    for (const char* axis : {"x", "y"}) {
+      const double f = curves["frequency_cy_mrad"][row], w = 0.5 / f;
+      const Json otf = Json::parse(scratch
+                                       .run("mtf curve camera.toml --unit cy/mrad --freq " + mtf::format_double(f) +
+                                            " --angle " + (*axis == 'x' ? "0" : "90") + " --format json")
+                                       .out)["system"];
+      const double mtf = std::hypot(otf["re"][0].get<double>(), otf["im"][0].get<double>());
+      const double averages = spacing * averaged(w, 5.0) * spacing * averaged(7.0 * w, 5.0);
+      const double mrtd = M_PI * M_PI / 8.0 * 2.5 * std::sqrt((tvh * tvh / frames + vh * vh) * averages) / mtf;
+      EXPECT_NEAR(curves[std::string("mrtd_") + axis + "_mK"][row].get<double>() / mrtd, 1.0, 1e-5) << f << axis;
+    }
+  expect_error(scratch.run("mtf budget camera.toml --plot x.svg"), 2, {"--plot", "--curves"});
+  const Result table = scratch.run("mtf budget camera.toml --curves");
+  expect_says(table.out, {"MRTD x [mK]", "observer of bars", "numerical error"});
 }
 
 }  // namespace

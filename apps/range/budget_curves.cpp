@@ -1,0 +1,190 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/range/budget_curves.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "apps/budget_table.h"
+#include "apps/config_command.h"
+#include "apps/figures/plot.h"
+#include "apps/sensor/sensor_place.h"
+#include "apps/terminal/output.h"
+#include "apps/terminal/output_set.h"
+#include "apps/terminal/text_table.h"
+#include "apps/text/json.h"
+#include "mtf/error.h"
+#include "mtf/metrics/resolution.h"
+#include "radiometry/chain/sensor_budget.h"
+#include "radiometry/performance/target_at_range.h"
+
+namespace apps {
+namespace {
+
+using Row = MinimumTemperatures::Row;
+constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+
+/// Of Nyquist: sixteenths of it, then squares down to a quarter of a pixel.
+std::vector<double> shares_of_nyquist() {
+  std::vector<double> shares;
+  for (int k = 1; k <= 16; ++k) shares.push_back(k / 16.0);
+  shares.insert(shares.end(), {1.25, 1.5, 2.0, 2.5, 3.0, 4.0});
+  return shares;
+}
+
+MinimumTemperatures minimum_temperatures(const mtf::io::SensorConfig& config, const LoadedSensor& loaded,
+                                         double temperature_k) {
+  const radiometry::Budget<double> budget = budget_of(config.system, loaded.sensor, temperature_k);
+  if (const std::string why = observer_gap(config.system, loaded.sensor, budget); !why.empty())
+    throw mtf::UsageError("no MRTD and MDTD: " + why);
+  const mtf::System<double> system = with_electron_rate(config.system, loaded);
+  mtf::ResolutionNeeds needs;
+  needs.curves = true;
+  needs.tolerance = 1e-6;
+  const auto resolution =
+      std::make_shared<const mtf::Resolution<double>>(mtf::ResolutionMeter<double>(needs).measure(system));
+  const radiometry::BarObserver<double> observer(system, {}, frame_time_s(system, loaded.sensor.settings));
+  const radiometry::SensorAtRange<double> sensor{.netd_k = budget.netd_k,
+                                                 .spatial_netd_k = budget.spatial_netd_k,
+                                                 .otf = radiometry::seen_otf(resolution, system.frame)};
+  radiometry::SensorAtRange<double> worse = sensor;
+  const double error = resolution->error;
+  worse.otf.mtf = [mtf = sensor.otf.mtf, error](mtf::Axis axis, double f) {
+    return std::max(0.0, mtf(axis, f) - error);
+  };
+  worse.otf.centred = [otf = sensor.otf.centred, error](mtf::Axis axis, double f) { return otf(axis, f) - error; };
+
+  const double nyquist = observer.nyquist_cy_mrad();
+  const double cutoff = radiometry::counted_cy_mrad(system, resolution->cutoff_cy_mm);
+  const auto known = [](double kelvin) { return std::isfinite(kelvin) ? kelvin : kNone; };
+  const auto relative = [](double value, double other) { return std::abs(other / value - 1.0); };
+  MinimumTemperatures found{.rows = {}, .observer = observer_lines(loaded.sensor)};
+  for (const double share : shares_of_nyquist()) {
+    Row row{.f_cy_mrad = share * nyquist, .width_mrad = 0.5 / (share * nyquist)};
+    const bool bars = share <= 1.0;
+    row.mrtd_x_k = bars ? known(observer.mrtd_k(sensor, mtf::Axis::x, row.f_cy_mrad)) : kNone;
+    row.mrtd_y_k = bars ? known(observer.mrtd_k(sensor, mtf::Axis::y, row.f_cy_mrad)) : kNone;
+    row.mrtd_k = bars ? known(observer.mrtd_k(sensor, row.f_cy_mrad)) : kNone;
+    row.mdtd_k = known(observer.mdtd_k(sensor, row.width_mrad, cutoff));
+    row.mrtd_error = bars ? relative(row.mrtd_k, observer.mrtd_k(worse, row.f_cy_mrad)) : kNone;
+    row.mdtd_error = relative(row.mdtd_k, observer.mdtd_k(worse, row.width_mrad, cutoff));
+    found.rows.push_back(row);
+  }
+  return found;
+}
+
+struct Column {
+  const char *name, *head;
+  double Row::*member;
+  double scale;
+};
+constexpr std::array<Column, 8> kColumns{{{"frequency_cy_mrad", "frequency [cy/mrad]", &Row::f_cy_mrad, 1.0},
+                                          {"mrtd_x_mK", "MRTD x [mK]", &Row::mrtd_x_k, 1e3},
+                                          {"mrtd_y_mK", "MRTD y [mK]", &Row::mrtd_y_k, 1e3},
+                                          {"mrtd_mK", "MRTD 2-D [mK]", &Row::mrtd_k, 1e3},
+                                          {"size_mrad", "square [mrad]", &Row::width_mrad, 1.0},
+                                          {"mdtd_mK", "MDTD [mK]", &Row::mdtd_k, 1e3},
+                                          {"mrtd_error", "", &Row::mrtd_error, 1.0},
+                                          {"mdtd_error", "", &Row::mdtd_error, 1.0}}};
+
+std::string as_table(const MinimumTemperatures& found) {
+  std::vector<std::string> header;
+  for (const Column& column : kColumns)
+    if (*column.head != '\0') header.emplace_back(column.head);
+  const std::vector<Align> align(header.size(), Align::right);
+  TextTable table(std::move(header));
+  double mrtd_error = 0.0, mdtd_error = 0.0;
+  for (const Row& row : found.rows) {
+    std::vector<std::string> cells;
+    for (const Column& column : kColumns)
+      if (const double value = column.scale * row.*column.member; *column.head != '\0')
+        cells.push_back(std::isfinite(value) ? significant(value, 4) : "-");
+    table.add(std::move(cells));
+    mrtd_error = std::fmax(mrtd_error, row.mrtd_error);
+    mdtd_error = std::fmax(mdtd_error, row.mdtd_error);
+  }
+  std::string text =
+      "MRTD, minimum resolvable temperature difference of four bars, 7:1, up to the Nyquist frequency\n"
+      "MDTD, minimum detectable temperature difference of a square as wide as a bar\n" +
+      table.aligned(align) + "numerical error: up to " + significant(mrtd_error, 2) + " of MRTD, " +
+      significant(mdtd_error, 2) + " of MDTD\n";
+  for (const std::string& line : found.observer) text += one_line(line) + "\n";
+  return text;
+}
+
+std::string as_csv(const MinimumTemperatures& found) {
+  std::vector<std::string> header;
+  for (const Column& column : kColumns) header.emplace_back(column.name);
+  TextTable table(std::move(header));
+  for (const Row& row : found.rows) {
+    std::vector<std::string> cells;
+    for (const Column& column : kColumns) cells.push_back(csv_number(column.scale * row.*column.member));
+    table.add(std::move(cells));
+  }
+  return table.csv();
+}
+
+std::string as_json(const MinimumTemperatures& found, const BudgetOptions& options,
+                    const mtf::io::SensorConfig& config) {
+  Json curves = Json::object();
+  for (const Column& column : kColumns) {
+    Json& list = curves[column.name] = Json::array();
+    for (const Row& row : found.rows) list.push_back(column.scale * row.*column.member);
+  }
+  return json_document({{"sensor", options.sensor},
+                        {"name", config.system.name},
+                        {"config_sha256", config.sha256},
+                        {"temperature_k", options.temperature_k},
+                        {"curves", curves},
+                        {"conditions", {{"lines", found.observer}}}});
+}
+
+std::vector<Figure> figures_of(const MinimumTemperatures& found) {
+  const auto series = [&](const char* name, double Row::*x, double Row::*y) {
+    Series line{.name = name, .x = {}, .y = {}};
+    for (const Row& row : found.rows) {
+      line.x.push_back(row.*x);
+      line.y.push_back(1e3 * row.*y);
+    }
+    return line;
+  };
+  Figure bars, squares;
+  bars.title = "MRTD";
+  bars.x_label = "spatial frequency [cy/mrad]";
+  bars.y_label = "MRTD [mK]";
+  bars.log_y = true;
+  bars.series = {series("along x", &Row::f_cy_mrad, &Row::mrtd_x_k), series("along y", &Row::f_cy_mrad, &Row::mrtd_y_k),
+                 series("2-D", &Row::f_cy_mrad, &Row::mrtd_k)};
+  squares.title = "MDTD";
+  squares.x_label = "width of the square [mrad]";
+  squares.y_label = "MDTD [mK]";
+  squares.log_x = squares.log_y = true;
+  squares.series = {series("MDTD", &Row::width_mrad, &Row::mdtd_k)};
+  return {bars, squares};
+}
+
+}  // namespace
+
+int run_budget_curves(const BudgetOptions& options, const Global& global) {
+  const mtf::io::SensorConfig config = read_sensor(options.sensor, global);
+  std::vector<std::string> files{options.out};
+  if (!options.plot.empty()) {
+    check_figure_path(options.plot);
+    files.insert(files.end(), {options.plot, figure_data_path(options.plot)});
+  }
+  OutputSet outputs({.files = files, .inputs = files_of(config)});
+  const LoadedSensor loaded = load_chain(config);
+  const MinimumTemperatures found =
+      at_its_place(config, [&] { return minimum_temperatures(config, loaded, options.temperature_k); });
+  if (!options.temperature_given) note(global, "note: the pixel sees a surface of 300 K; --temperature takes another");
+  if (!options.plot.empty())
+    note(global, figure_note(options.plot, write_figures(outputs.at(options.plot), figures_of(found), as_csv(found))));
+  if (options.format == Format::csv)
+    for (const std::string& line : found.observer) note(global, "note: " + line);
+  outputs.commit(options.out, options.format == Format::csv    ? as_csv(found)
+                              : options.format == Format::json ? as_json(found, options, config)
+                                                               : as_table(found));
+  return 0;
+}
+
+}  // namespace apps
