@@ -164,8 +164,13 @@ void Session::begin_work(const RequestBody& request) {
 }
 
 Answer Session::stop(const RequestBody& request) {
+  const std::string tab = request.text("tab");
+  const std::int64_t generation = request.generation();
   const std::scoped_lock lock(generation_mutex_);
-  if (working_ == std::pair{request.text("tab"), request.generation()}) stopped_ = true;
+  if (working_ == std::pair{tab, generation}) stopped_ = true;
+  // One that waits for its turn, behind another page's, is overtaken by the next.
+  if (const auto latest = generations_.find(tab); latest != generations_.end())
+    latest->second = std::max(latest->second, generation + 1);
   return json_answer(Json::object());
 }
 
@@ -246,8 +251,7 @@ Answer Session::frame(const RequestBody& request) {
   // While this request waited for its turn a later one may have come.
   if (!is_latest(request)) return overtaken();
   begin_work(request);
-  // Frames of a 3-D scene are not ended: the views that were worked out so far could be half made.
-  const mtf::StopScope scope(space_ ? nullptr : &stopped_);
+  const mtf::StopScope scope(&stopped_);
   const auto made = maker(left).frame(sensor, asked);
   const mtf::Image& plane = made->image.planes.front();
   const int every = asked.preview ? static_cast<int>(asked.every) : 1;  // pixels of an image that moves on

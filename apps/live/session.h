@@ -9,7 +9,7 @@
 //   frame   {"edits", "tab", "generation", "number", "tolerance", "stage", "preview", "every", "side"}
 //           facts and pixels of the image; of a 3-D scene also "scene", edits of its file, "position", "look_at",
 //           "utc_s", "may_lag", and with "before" its radiance
-//   stop    {"tab", "generation"}                        ends the work on that frame of a 2-D scene, which answers 409
+//   stop    {"tab", "generation"}                        that frame is not wanted, which then answers 409
 //   scene   {"edits", "number"}                          facts and pixels of the scene
 //   figures {"edits", "angle", "unit", "temperature"}    curves and budget
 //   value   {"id", "x", "y", "edits", "number"}          values under the cursor

@@ -7,6 +7,7 @@ import { readFileSync } from "node:fs";
 import { writeScene } from "./check_space.mjs";
 import { context, open, options, settle, unfold } from "./helpers.mjs";
 
+const PATIENCE_MS = 15000, MOST_UNDONE = 100;
 const memory = (server) => Number(/VmRSS:\s+(\d+)/.exec(readFileSync(`/proc/${server.child.pid}/status`, "utf8"))[1]) / 1024;
 
 /** A slider, by five places of which it rests at the last; now and then undo, run and freeze, the wheel. */
@@ -25,10 +26,31 @@ async function move(page, random) {
   if (random() < 0.05) await page.locator("#home").click({ timeout: 100 }).catch(() => {});
 }
 
+const busy = (page) => page.evaluate(() => window.mtfLive.busy);
+
+/**
+ * All pages at rest. A random place of a slider may ask for minutes of work, such as thousands of flat frames: then a page
+ * says that it computes, and undo ends it, so that soon all rest again.
+ */
+async function rest(pages) {
+  for (const { page } of pages) if (await page.evaluate(() => window.mtfLive.state.running)) await page.keyboard.press("f");
+  for (let undone = 0; undone < MOST_UNDONE; undone += 1) {
+    const late = await Promise.all(pages.map(({ page }) => settle(page, PATIENCE_MS).then(() => null, () => page)));
+    const waiting = late.filter(Boolean);
+    if (waiting.length === 0) return undone;
+    for (const page of waiting) {
+      if (!(await busy(page))) continue; // since then
+      const says = await page.evaluate(() => (document.getElementById("busy-tag").hidden ? "" : document.getElementById("busy-tag").textContent));
+      assert.match(says, /^computing, \d+ s$/, `a page that is not at rest says nothing: ${await describe(page)}`);
+      await page.keyboard.press("Control+z");
+    }
+  }
+  throw new Error(`not at rest after ${MOST_UNDONE} steps back: ${await Promise.all(pages.map(({ page }) => describe(page)))}`);
+}
+const describe = (page) => page.evaluate(() => JSON.stringify({ ...window.mtfLive.state, edits: window.mtfLive.edits, scene: window.mtfLive.sceneEdits, place: window.mtfLive.place?.request(), text: document.getElementById("said").textContent }));
+
 /** The last picture is of the last state, unless that was refused. */
 async function isFresh(page) {
-  if (await page.evaluate(() => window.mtfLive.state.running)) await page.keyboard.press("f");
-  await settle(page);
   const { wrong, frame, number, utc_s } = await page.evaluate(() => ({ wrong: !document.getElementById("problem").hidden, frame: { ...window.mtfLive.frame }, number: window.mtfLive.state.number,
     utc_s: window.mtfLive.place?.utc_s }));
   if (wrong) return;
@@ -45,7 +67,7 @@ export async function endure(run, browser, minutes) {
     servers.push(await run.serve("plates.toml", "space.toml"));
     pages.push(await open(own, servers[1].address));
   }
-  let seed = 1, moves = 0, first = [];
+  let seed = Number(options.seed ?? 1), moves = 0, undone = 0, first = [];
   const random = () => ((seed = (seed * 48271) % 2147483647) / 2147483647);
   const end = Date.now() + minutes * 60000;
   for (const { page } of pages) await unfold(page);
@@ -53,9 +75,10 @@ export async function endure(run, browser, minutes) {
     await move(pages[moves % pages.length].page, random);
     moves += 1;
     if (moves % 30 !== 0) continue;
+    undone += await rest(pages);
     for (const { page } of pages) await isFresh(page);
     if (moves === 150) first = servers.map(memory);
-    if (moves % 300 === 0) console.log(`${moves} moves: ${servers.map((server) => memory(server).toFixed(0)).join(" and ")} MiB`);
+    if (moves % 300 === 0) console.log(`${moves} moves: ${servers.map((server) => memory(server).toFixed(0)).join(" and ")} MiB, ${undone} long pictures ended`);
   }
   for (const [i, server] of servers.entries()) {
     const grown = memory(server) - first[i];

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What tests of the live view's page share: the server, a page at rest, its controls, pixels of the page and of files.
-// Options: --modules DIR --chromium FILE --mtf FILE --work DIR [--minutes N] [--space no]
+// Options: --modules DIR --chromium FILE --mtf FILE --work DIR [--minutes N] [--seed N] [--space no]
 
 import { execFile, spawn } from "node:child_process";
 import { mkdirSync, rmSync } from "node:fs";
@@ -56,13 +56,13 @@ export async function open(context, address) {
   return { page, said, asked };
 }
 // A picture of the largest format that sliders reach takes long.
-export const rest = (page) => page.waitForFunction(() => window.mtfLive?.frame && window.mtfLive.figures && !window.mtfLive.busy, null, { timeout: 60000 });
+export const rest = (page, timeout = 60000) => page.waitForFunction(() => window.mtfLive?.frame && window.mtfLive.figures && !window.mtfLive.busy, null, { timeout });
 /** At rest, and still at rest when what that has begun is over. */
-export const settle = async (page) => {
+export const settle = async (page, timeout) => {
   await page.waitForTimeout(10);
-  await rest(page);
+  await rest(page, timeout);
   await page.waitForTimeout(10);
-  await rest(page);
+  await rest(page, timeout);
 };
 export const slider = (page, name) => page.locator(`[data-name="${name}"] input[type=range]`);
 export const field = (page, name) => page.locator(`[data-name="${name}"] :is(input[type=text], select)`);

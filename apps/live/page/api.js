@@ -12,15 +12,18 @@ export class Refused extends Error {
   }
 }
 
-/** No server answers. */
+/** No server answers, or its answer breaks off. */
 export class Gone extends Error {}
+/** After that long it is asked again. */
+export const GONE_MS = 500;
+const gone = (error) => { throw new Gone(error.message); };
 
 async function send(place, body) {
   const answer = await fetch("/" + place, {
     method: "POST",
     headers: { "X-Mtf-Token": token, "Content-Type": "application/json" },
     body: JSON.stringify(body),
-  }).catch((error) => { throw new Gone(error.message); });
+  }).catch(gone);
   if (!answer.ok) throw new Refused((await answer.text()).trim(), answer.status);
   return answer;
 }
@@ -28,7 +31,7 @@ async function send(place, body) {
 const isJson = (answer) => answer.headers.get("Content-Type") === "application/json";
 
 export async function ask(place, body) {
-  const json = await (await send(place, body)).json();
+  const json = await (await send(place, body)).json().catch(gone);
   if (json.error !== undefined) throw new Refused(json.error, json.status, json.refused);
   return json;
 }
@@ -36,7 +39,7 @@ export async function ask(place, body) {
 export async function bytes(place, body, begun) {
   const answer = await send(place, body);
   begun?.();
-  if (!isJson(answer)) return answer.arrayBuffer();
+  if (!isJson(answer)) return answer.arrayBuffer().catch(gone);
   const { error, status, refused } = await answer.json();
   throw new Refused(error, status, refused);
 }

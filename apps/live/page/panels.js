@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Forms, curves, budget and texts beside the pictures. Each follows the edits by requests of its own, one at a time.
 
-import { ask, Refused } from "./api.js";
+import { ask, Gone, GONE_MS, Refused } from "./api.js";
 import { $, app, editsOf, inSpace, moving, ofScene, state } from "./app.js";
 import { baseOf, showBudget, showLeftOut, shown } from "./figures.js";
 import { commandOf, difference } from "./files.js";
@@ -65,7 +65,13 @@ export async function figures() {
     try {
       if (surface.checkValidity()) showFigures(await ask("figures", { edits: edits.current(), angle: Number($("angle").value) || 0, unit: $("unit").value, temperature: Number(surface.value) }));
     } catch (error) {
-      if (!(error instanceof Refused)) break;
+      if (error instanceof Gone) {
+        wanted = true;
+        await new Promise((resolve) => setTimeout(resolve, GONE_MS));
+      } else if (!(error instanceof Refused)) {
+        asking = wanted = false;
+        throw error;
+      }
     }
     if (moving()) await new Promise((resolve) => setTimeout(resolve, CALM_MS));
   }
@@ -104,6 +110,7 @@ export async function showModel() {
     model = await ask("model", body);
   } catch (error) {
     if (error instanceof Refused && (turn === models || error.refused)) problem(error, body);
+    if (error instanceof Gone && turn === models) setTimeout(showModel, GONE_MS);
     shownModels = Math.max(shownModels, turn);
     return;
   }

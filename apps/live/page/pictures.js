@@ -2,7 +2,7 @@
 // The pictures on both sides of the divider. Each follows from a key: all that it depends on. One picture is asked for
 // at a time, of the values of that moment; what has changed meanwhile is asked for next, and older values never are.
 
-import { ask as post, picture, Refused } from "./api.js";
+import { ask as post, Gone, GONE_MS, picture, Refused } from "./api.js";
 import { $, app, editsOf, inSpace, moving, state, wanted } from "./app.js";
 import * as edits from "./history.js";
 import { clearProblem, facts, problem } from "./panels.js";
@@ -91,7 +91,7 @@ async function ask(side, { from, body, key }, begun, before) {
     $("busy-tag").textContent = `computing, ${Math.round((performance.now() - begin) / 1000)} s`;
     $("busy-tag").hidden = false;
     // What is no longer wanted is not waited for.
-    if (from === "frame" && !inSpace() && !moving() && wish(side)?.key !== key) post("stop", { tab: request.tab, generation: request.generation }).catch(() => {});
+    if (from === "frame" && !moving() && wish(side)?.key !== key) post("stop", { tab: request.tab, generation: request.generation }).catch(() => {});
   }, 1000);
   try {
     const made = await picture(from, request, begun);
@@ -110,7 +110,8 @@ async function ask(side, { from, body, key }, begun, before) {
     // The light of now, or the temperatures, are being made: until then the same picture comes again and again.
     if ((made.light_lags || made.solving) && !moving()) return new Promise((resolve) => setTimeout(resolve, made.solving ? HEAT_MS : CALM_MS));
   } catch (error) {
-    if (!(error instanceof Refused)) return new Promise((resolve) => setTimeout(resolve, 500));
+    if (error instanceof Gone) return new Promise((resolve) => setTimeout(resolve, GONE_MS));
+    if (!(error instanceof Refused)) throw error;
     if (error.status === 409) return undefined;
     await before;
     Object.assign(shown[side], { refused: key, error });

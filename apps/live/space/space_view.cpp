@@ -17,6 +17,7 @@
 #include "mtf/error.h"
 #include "mtf/io/config/config_text.h"
 #include "mtf/io/config/config_tree.h"
+#include "mtf/work/stop.h"
 
 namespace apps::live {
 namespace {
@@ -107,7 +108,8 @@ KeptFrame Drawing::frame(const Sensor& sensor, const FrameRequest& request) {
   const FrameChoice choice{.samples_per_pitch = request.preview ? kSamplesMoving : kSamples,
                            .points = request.preview ? kPointsMoving : kPoints,
                            .light_may_lag = request.may_lag,
-                           .correction = request.correction()};
+                           .correction = request.correction(),
+                           .stop_image = mtf::stop_flag()};
   const Viewpoint& from = request.from.value();
   FlightFrame made = flight->frame(sensor, {from.position_m, from.look_at_m}, from.utc_s, request.number, choice);
   KeptFrame kept;

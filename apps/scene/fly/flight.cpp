@@ -356,6 +356,7 @@ void Flight::set_image(const SimulateOptions& options) {
 FlightFrame Flight::frame(const Sensor& sensor, const CameraPlace& place, double utc_s, std::int64_t number,
                           const FrameChoice& choice) {
   State& state = *state_;
+  const mtf::StopScope views_are_whole(choice.stop_image != nullptr ? nullptr : mtf::stop_flag());
   state.require_time(utc_s);
   state.ahead.enough();
   if (state.light) state.ahead.take(*state.light->renderer);
@@ -396,6 +397,7 @@ FlightFrame Flight::frame(const Sensor& sensor, const CameraPlace& place, double
     out.radiance = facts_of(radiance);
     out.radiance->planes.push_back(radiance.planes.front().clone());
   }
+  const mtf::StopScope of_image(choice.stop_image != nullptr ? choice.stop_image : mtf::stop_flag());
   out.image =
       simulation.image(std::move(radiance), has_air ? known.without_air : known.sensor, number, choice.correction);
   out.correction_lags = simulation.correction_lags();

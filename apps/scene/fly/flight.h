@@ -13,6 +13,7 @@
 // same within the promise of their tables. Where somebody turns the clock by hand, frames may have the light of another
 // time until the one of theirs is there (FrameChoice::light_may_lag).
 
+#include <atomic>
 #include <memory>
 #include <optional>
 #include <span>
@@ -44,6 +45,9 @@ struct FrameChoice {
   /// background, and frames take it once it is there.
   bool light_may_lag = false;
   CorrectionOf correction = CorrectionOf::first_image;
+  /// Ends the sensor's part of the frame, which can be begun again at no loss. Where it is given nothing else of the
+  /// frame is ended (mtf/work/stop.h): views of the scene that are half worked out would be those of no scene.
+  const std::atomic<bool>* stop_image = nullptr;
 };
 
 struct FlightFrame {
