@@ -47,7 +47,8 @@ async function rest(pages) {
   }
   throw new Error(`not at rest after ${MOST_UNDONE} steps back: ${await Promise.all(pages.map(({ page }) => describe(page)))}`);
 }
-const describe = (page) => page.evaluate(() => JSON.stringify({ ...window.mtfLive.state, edits: window.mtfLive.edits, scene: window.mtfLive.sceneEdits, place: window.mtfLive.place?.request(), text: document.getElementById("said").textContent }));
+/** For the reader of a failure: what holds the page, and its whole state as a link. */
+const describe = (page) => page.evaluate(() => JSON.stringify({ link: location.href, waits: window.mtfLive.waits, lags: window.mtfLive.frames.map((frame) => frame && [frame.preview, frame.light_lags, frame.correction_lags, frame.solving]), ...window.mtfLive.state, edits: window.mtfLive.edits, scene: window.mtfLive.sceneEdits, place: window.mtfLive.place?.request(), text: document.getElementById("said").textContent }));
 
 /** The last picture is of the last state, unless that was refused. */
 async function isFresh(page) {

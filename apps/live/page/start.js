@@ -50,7 +50,8 @@ window.mtfLive = {
   get frames() { return app.frames; },
   get edits() { return edits.current(); },
   get sceneEdits() { return edits.current(edits.SCENE); },
-  get busy() { return !app.start || pictures.isBusy() || panels.isBusy() || app.dragging || Boolean(app.place?.moving); },
+  get waits() { return { start: !app.start, pictures: pictures.isBusy(), panels: panels.isBusy(), dragging: app.dragging, camera: Boolean(app.place?.moving) }; },
+  get busy() { return Object.values(this.waits).some(Boolean); },
   get text() { return app.model?.text; },
   get curves() { return app.curves.values; },
 };
