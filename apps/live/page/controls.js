@@ -48,11 +48,11 @@ const titleOf = (key) => ({ "format[0]": "columns", "format[1]": "rows" })[key] 
 /** Long keys go on in the next line behind an underscore. */
 const breakable = (text) => text.split(/(?<=_)/).flatMap((part, i) => (i > 0 ? [document.createElement("wbr"), part] : [part]));
 
-/** A slider keeps its ends while its value is between them: what a place of the handle means does not change by itself. */
+/** A slider keeps its ends, which only a typed value beyond them moves: what a place of the handle means stays. */
 function withEndsOf(now, next) {
   const same = now.unit === next.unit && now.log === next.log && now.min === next.min && now.max === next.max;
-  const at = position(now, next.number);
-  return same && at > 10 && at < 990 ? { ...next, low: now.low, high: now.high } : next;
+  const at = position(now, next.number);  // a value at an end is written with four digits
+  return same && at > -1 && at < 1001 ? { ...next, low: now.low, high: now.high } : next;
 }
 
 export class Controls {
@@ -67,6 +67,7 @@ export class Controls {
     this.shape = "";
     this.added = null; // what has been added: it opens, and comes into view
     this.begin = new Map(); // texts at the start
+    this.ends = new Map(); // name -> a row with the ends that its slider has, also when the form is made anew
   }
 
   /** The texts that `reset` goes back to. */
@@ -224,7 +225,8 @@ export class Controls {
       };
     }
     const update = (next) => {
-      now = slider ? withEndsOf(now, next) : next;
+      now = slider && this.ends.has(row.name) ? withEndsOf(this.ends.get(row.name), next) : next;
+      if (slider) this.ends.set(row.name, now);
       const typing = document.activeElement === field && field.tagName !== "SELECT" && field.value !== field.dataset.shown;
       if (!typing && this.wrong !== row.name) say(next.given ? next.text : "");
       if (slider && !slider.matches(":active")) slider.value = position(now, next.number);
