@@ -102,6 +102,41 @@ def test_a_function_that_goes_on_beyond_its_cutoff_is_said():
     mk.custom(ends, cutoff="60 cy/mm", tolerance=0.1)
 
 
+@pytest.mark.parametrize("profile,cutoff", [
+    (lambda f: np.exp(-f / 50), 700), (lambda f: np.exp(-(f / 30) ** (5 / 3)), 200), (lambda f: np.exp(-(f / 55) ** 1.5), 400),
+    (lambda f: np.exp(-(f / 30) ** 0.8), 900)], ids=["exponential", "turbulence", "power 1.5", "power 0.8"])
+def test_a_tip_at_zero_is_a_table(profile, cutoff, tmp_path):
+    """Against the function itself, from a billionth of the cutoff on."""
+    made = mk.custom(lambda fx, fy: profile(np.hypot(fx, fy)), cutoff=(cutoff, "cy/mm"), label="own")
+    assert isinstance(made, mk.Custom) and made.axis == "radial" and made.error <= 1e-6 and made.frequency.size < 1000
+    sensor = mk.Sensor(frame=FRAME, optics=dict(f_number=2.0, wavelength="4 um"), presample=[made, mk.Jitter(rms="20 urad")])
+    f = cutoff * np.append(np.geomspace(1e-9, 1.0, 20000)[:-1], np.linspace(0.0, 0.999, 20000))
+    alone = mk.Sensor(frame=FRAME, presample=[made])
+    for angle in (0.0, 0.7):
+        assert np.abs(alone.otf(f * np.cos(angle), f * np.sin(angle)) - profile(f)).max() <= made.error
+    sensor.save(tmp_path / "own.toml")
+    assert mk.Sensor.load(tmp_path / "own.toml") == sensor
+    # The contrast falls to one half where the function and the blur of the jitter, exp(-2 (pi s f)^2) with s = 2 um, say so.
+    half = float(mk.metrics(sensor, ["mtf50_x"])["mtf50_x"]) * 1e3 / 15.0
+    assert abs(profile(half) * np.exp(-2 * (np.pi * 2e-3 * half) ** 2) - 0.5) < 1e-6
+
+
+def test_a_fit_takes_turbulence_of_ones_own():
+    air = mk.custom(lambda fx, fy: np.exp(-(np.hypot(fx, fy) / 30) ** (5 / 3)), cutoff="200 cy/mm", label="air")
+    sensor = mk.Sensor(frame=FRAME, presample=[air, mk.Jitter(rms="20 urad")])
+    edge = sensor.simulate(mk.targets.edge(angle="5 deg")).image[16:-16, 16:-16] + mk.noise.gaussian((128, 128), sd=0.02)
+    rms = sensor.replace({"jitter.rms": "10 urad"}).fit(edges=[edge], free={"jitter.rms": ("0 urad", "80 urad")})["jitter.rms"]
+    assert abs(rms.value - 20.0) < 5 * rms.sd
+
+
+def test_a_product_with_tips_has_a_table_along_each_axis():
+    made = mk.custom(lambda fx, fy: np.exp(-np.abs(fx / 60) - np.abs(fy / 40) ** (5 / 3)), cutoff="900 cy/mm")
+    assert isinstance(made, mk.Custom) and made.axis == "separable" and made.error <= 1e-6
+    f = np.geomspace(1e-6, 600.0, 301)
+    exact = np.exp(-f[:, None] / 60 - (f / 40) ** (5 / 3))
+    assert np.abs(mk.Sensor(frame=FRAME, presample=[made]).otf(f[:, None], f) - exact).max() <= made.error
+
+
 def test_kinks_and_steps_are_general_in_one_dimension_too(scene):
     step = mk.custom(lambda fx, fy: (np.hypot(fx, fy) < 20) * 1.0, cutoff="60 cy/mm")
     assert isinstance(step, mk.General)
