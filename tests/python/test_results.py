@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Results say how long they took, and what they promise where there is a promise."""
 
+import sys
+
 import numpy as np
 import pytest
 
@@ -45,3 +47,24 @@ def test_runs_promise_what_their_plan_does(sensor, scene):
         sensor.compile(scene, sample="3.75 um", tolerance=1e-9)
     plan = sensor.compile(scene, sample="3.75 um", tolerance=refused.value.reachable)
     assert plan.promised <= refused.value.reachable
+
+
+def test_results_are_drawn(sensor, scene, monkeypatch):
+    pyplot = pytest.importorskip("matplotlib.pyplot")
+    pyplot.switch_backend("agg")
+    curves = sensor.curves()
+    axes = curves.plot()
+    assert [line.get_label() for line in axes.lines][:len(curves)] == [column.label for column in curves]
+    assert np.array_equal(axes.lines[len(curves) - 1].get_ydata(), curves.system.mtf) and curves.unit in axes.get_xlabel()
+    assert curves.plot(axes) is axes
+    run = sensor.simulate(scene, sample="3.75 um")
+    assert np.array_equal(run.plot().images[0].get_array(), run.image)
+    edge = mk.measure(sensor.simulate(mk.targets.edge(angle="5 deg")).image[16:-16, 16:-16] + mk.noise.gaussian((128, 128), sd=0.03))[0]
+    assert np.array_equal(edge.plot().lines[0].get_ydata(), edge.mtf)
+    pyplot.close("all")
+    flat = mk.measure(np.full((64, 64), 5.0, "f4"))[0]
+    with pytest.raises(mk.UsageError, match="plot: the edge has no MTF"):
+        flat.plot()
+    monkeypatch.setitem(sys.modules, "matplotlib.pyplot", None)
+    with pytest.raises(ImportError, match="Curves.plot needs matplotlib; install python3-matplotlib"):
+        curves.plot()

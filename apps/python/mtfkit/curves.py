@@ -100,6 +100,20 @@ class Curves(results.ByValue):
         array.attrs.update(units="1", angle_deg=self.angle_deg, long_name=self.name)
         return array
 
+    def plot(self, axes: Any = None) -> Any:
+        """Draws the moduli against the frequency with matplotlib, the whole sensor as the thick line, Nyquist as the dotted one.
+
+        In the `axes` given, else in new ones; returns them. Raises MissingLibrary, an ImportError, without matplotlib.
+        """
+        axes = results.axes_for("Curves.plot", axes)
+        for column in self.columns:
+            axes.plot(self.frequency, column.mtf, label=column.label, linewidth=2.5 if column is self.system else 1.0)
+        if self.frequency.size and self.nyquist <= self.frequency.max():
+            axes.axvline(self.nyquist, color="grey", linestyle=":", linewidth=1.0)
+        axes.set(xlabel=f"frequency [{self.unit}]", ylabel="MTF", title=self.name)
+        axes.legend()
+        return axes
+
     def __repr__(self) -> str:
         labels = ", ".join(column.label for column in self.columns)
         return f"<Curves of {self.name!r}: {labels} at {len(self.frequency)} frequencies [{self.unit}]>"

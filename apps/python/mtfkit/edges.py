@@ -190,6 +190,20 @@ class Edge(results.ByValue):
         frame.attrs.update(units={"frequency": self.unit}, reason=self.reason)
         return frame
 
+    def plot(self, axes: Any = None) -> Any:
+        """Draws the MTF with a band of one standard deviation on each side, with matplotlib.
+
+        In the `axes` given, else in new ones; returns them. Raises UsageError for an edge that could not be measured, and
+        MissingLibrary, an ImportError, without matplotlib.
+        """
+        if not self.measured:
+            raise UsageError(f"plot: the edge has no MTF: {self.outcome}: {self.reason}")
+        axes = results.axes_for("Edge.plot", axes)
+        line, = axes.plot(self.frequency, self.mtf, label=f"edge at {self.roi}")
+        axes.fill_between(self.frequency, self.mtf - self.mtf_sd, self.mtf + self.mtf_sd, color=line.get_color(), alpha=0.3, linewidth=0)
+        axes.set(xlabel=f"frequency [{self.unit}]", ylabel="MTF")
+        return axes
+
     def __repr__(self) -> str:
         if not self.measured:
             return f"<Edge at {self.roi}: {self.outcome} ({self.reason})>"

@@ -10,7 +10,8 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from mtfkit.errors import Error
+from mtfkit.errors import Error, UsageError
+from mtfkit.quantities import shown
 
 Made = TypeVar("Made")
 
@@ -77,7 +78,7 @@ def wanted(library: str, package: str, what: str) -> Any:
     try:
         return importlib.import_module(library)
     except ImportError as missing:
-        raise MissingLibrary(f"{what} needs {library}; install {package}") from missing
+        raise MissingLibrary(f"{what} needs {library.partition('.')[0]}; install {package}") from missing
 
 
 def pandas(what: str) -> Any:
@@ -88,6 +89,14 @@ def pandas(what: str) -> Any:
 def xarray(what: str) -> Any:
     """The module xarray."""
     return wanted("xarray", "python3-xarray", what)
+
+
+def axes_for(what: str, axes: Any) -> Any:
+    """The axes of matplotlib that a `plot` was given, or new ones. Raises UsageError for what is none, and
+    MissingLibrary where there is no matplotlib."""
+    if axes is not None and not hasattr(axes, "imshow"):
+        raise UsageError(f"axes: {shown(axes)} is no axes of matplotlib; leave it out for new ones")
+    return axes if axes is not None else wanted("matplotlib.pyplot", "python3-matplotlib", what).subplots()[1]
 
 
 def html_table(header: Sequence[str], rows: Iterable[Sequence[object]]) -> str:

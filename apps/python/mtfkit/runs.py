@@ -207,6 +207,19 @@ class Run(results.ByValue):
             array.coords[axis].attrs["units"] = "mm"
         return array
 
+    def plot(self, axes: Any = None) -> Any:
+        """Shows the image in grey from its least to its largest value, with a scale in `unit`, with matplotlib.
+
+        In the `axes` given, else in new ones; returns them. Raises as `image` does, and MissingLibrary, an ImportError, without
+        matplotlib.
+        """
+        image = self.image
+        axes = results.axes_for("Run.plot", axes)
+        shown = axes.imshow(image, cmap="gray")
+        axes.figure.colorbar(shown, ax=axes, label=f"{self.quantity} [{self.unit}]")
+        axes.set(xlabel="x [px]", ylabel="y [px]")
+        return axes
+
     def __array__(self, dtype: npt.DTypeLike | None = None) -> npt.NDArray[Any]:
         return np.asarray(self.image, dtype=dtype)
 
