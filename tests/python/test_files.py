@@ -134,3 +134,24 @@ def test_names_of_files_are_bytes(here):
     assert (folder / os.fsdecode(b"\xfc.exr")).exists() and run.report
     with pytest.raises(mk.DataError, match="none.toml"):
         mk.Sensor.load(folder / "none.toml")
+
+
+def test_planes_keep_their_spacing(sensor, tmp_path):
+    values = np.random.default_rng(0).random((64, 96), "f4")
+    mk.write(tmp_path / "scene.exr", values, sample=("3.75 um", "5 um"))
+    plane = mk.read(tmp_path / "scene.exr").plane()
+    assert plane.sample == ("3.75 um", "5.0 um") and np.array_equal(plane, values) and np.shares_memory(plane, plane[3:])
+    for same in (plane[8:-8, 4:], plane[5:], 2 * plane + plane, np.exp(plane), plane.astype("f8"), plane.copy(),
+                 pickle.loads(pickle.dumps(plane))):
+        assert same.sample == plane.sample
+    for other in (plane[::2], plane[:, ::3], plane[::-1], plane.T, plane.repeat(2, axis=0), plane.reshape(96, 64), plane[[0, 1]],
+                  plane.reshape(32, 2, 96).mean(axis=1), plane[None, 0], np.concatenate([plane, plane])):
+        assert getattr(other, "sample", None) is None  # its samples lie elsewhere
+    explicit = sensor.simulate(values, sample=("3.75 um", "5 um"))
+    assert np.array_equal(sensor.simulate(plane).image, explicit.image)
+    assert np.array_equal(sensor.compile(plane)(plane), sensor.compile(values, sample=("3.75 um", "5 um"))(values))
+    assert sensor.simulate(plane, sample="7.5 um").image.shape != explicit.image.shape  # what the caller says wins
+    mk.write(tmp_path / "again.exr", plane)
+    assert mk.read(tmp_path / "again.exr").sample == plane.sample
+    with pytest.raises(mk.UsageError, match="spacing"):
+        sensor.simulate(plane[::2])

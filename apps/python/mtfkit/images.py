@@ -19,6 +19,56 @@ if TYPE_CHECKING:
     Plane = npt.NDArray[np.float32]
 
 
+class SpacedPlane(np.ndarray):  # type: ignore[type-arg]
+    """Values of a file with the spacing that it states, `sample`: an array as any other, which `simulate`, `compile` and
+    `write` take with its spacing.
+
+    Rectangles of it keep it, and what is computed of it value by value. All else has None, as every second row.
+    """
+
+    sample: tuple[str, str] | None = None
+
+    def _spaced(self, made: Any) -> Any:
+        made.sample = self.sample
+        return made
+
+    def __getitem__(self, index: Any) -> Any:
+        made = super().__getitem__(index)
+        cuts = index if isinstance(index, tuple) else (index,)
+        whole = len(cuts) <= 2 and all(isinstance(cut, slice) and cut.step in (None, 1) for cut in cuts)
+        return self._spaced(made) if whole and isinstance(made, SpacedPlane) and made.ndim == 2 else made
+
+    def __array_wrap__(self, made: Any, context: Any = None) -> Any:
+        if made.ndim == 0:
+            return made[()]
+        made = super().__array_wrap__(made, context)
+        same = context is not None and made.shape == self.shape and all(
+            given.sample == self.sample for given in context[1] if isinstance(given, SpacedPlane))
+        return self._spaced(made) if same else made
+
+    def copy(self, order: Any = "C") -> Any:
+        """As of any array."""
+        return self._spaced(super().copy(order))
+
+    def astype(self, *arguments: Any, **named: Any) -> Any:
+        """As of any array."""
+        made = super().astype(*arguments, **named)
+        return self._spaced(made) if isinstance(made, SpacedPlane) else made
+
+    def __reduce__(self) -> Any:
+        made: Any = super().__reduce__()
+        return *made[:2], (made[2], self.sample)
+
+    def __setstate__(self, state: Any) -> None:
+        values, self.sample = state
+        super().__setstate__(values)
+
+
+def sample_of(scene: object, sample: quantities.Value) -> quantities.Value:
+    """The spacing that the caller gives, else that of the plane itself."""
+    return getattr(scene, "sample", None) if sample is None and isinstance(scene, SpacedPlane) else sample
+
+
 #: Units of the quantities of scenes.
 _UNITS = {"radiance": "W.m^-2.sr^-1", "photon_radiance": "ph.s^-1.m^-2.sr^-1", "temperature": "K", "counts": "counts"}
 
@@ -90,13 +140,19 @@ class Image(results.ByValue):
     def plane(self, name: str | None = None) -> Plane:
         """The values of one plane, (rows, columns) of float32: a view that cannot be written, nothing is copied.
 
+        Its `sample` is the spacing that the file states, which `simulate`, `compile` and `write` take from it.
         Without a name the image has to have one plane. Raises UsageError for a name that is not there.
         """
         if name is None:
             if len(self.names) != 1:
                 raise UsageError(f"{self.path}: has the planes {', '.join(self.names)}; name one of them")
             name = self.names[0]
-        return self._file.plane(name)
+        values = self._file.plane(name)
+        if self.sample is None:
+            return values
+        plane = values.view(SpacedPlane)
+        plane.sample = self.sample
+        return plane
 
     def __array__(self, dtype: npt.DTypeLike | None = None) -> npt.NDArray[Any]:
         return np.asarray(self.plane(), dtype=dtype)
@@ -165,7 +221,7 @@ def write(path: str | os.PathLike[str], planes: Image | npt.ArrayLike | Mapping[
         raise UsageError(f"bits: {bits} is not 8 or 16")
     if isinstance(planes, Image):
         attributes = {**planes.attributes, **(attributes or {})}
-        values: dict[str, npt.ArrayLike] = {name: planes.plane(name) for name in planes.names}
+        values: dict[str, npt.ArrayLike] = {name: planes._file.plane(name) for name in planes.names}
         if integers and planes.integer and range is None:
             bits = 8 if planes._file.storage == "8-bit" else bits
             gain, offset = (float(attributes.get(name, one)) for name, one in (("gain", "1"), ("offset", "0")))  # type: ignore[arg-type]
@@ -173,6 +229,7 @@ def write(path: str | os.PathLike[str], planes: Image | npt.ArrayLike | Mapping[
             values = {name: (gain * np.asarray(plane, dtype=np.float64) + offset) for name, plane in values.items()}
         planes = values
     named = planes if isinstance(planes, Mapping) else {"Y": planes}
+    sample = sample_of(next(iter(named.values()), None), sample)
     for name in named:
         if not isinstance(name, str):
             raise UsageError(f"planes: {quantities.shown(name)} is no name of a plane; give a dictionary by name")

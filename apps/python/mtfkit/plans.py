@@ -13,6 +13,7 @@ from mtfkit import _core, quantities, results
 from mtfkit.arguments import checked
 from mtfkit.canvas import Canvas
 from mtfkit.errors import UsageError
+from mtfkit.images import sample_of
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -123,7 +124,7 @@ def _is_shape(scene: object) -> bool:
 def compile_plan(sensor: Sensor, scene: npt.ArrayLike | tuple[int, int], *, sample: quantities.Value,
                  quantity: str | None, tolerance: float | None, stage: str | None, rigor: str, threads: int) -> Plan:
     """`Sensor.compile`."""
-    start = time.perf_counter()
+    start, sample = time.perf_counter(), sample_of(scene, sample)
     words, measure, threads = quantities.sample_words(sample), is_measured(rigor), quantities.thread_count(threads)
     plane = typical = None if _is_shape(scene) else _core.plane(scene, "scene")
     rows, columns = plane.shape if plane is not None else (int(n) for n in scene)  # type: ignore[union-attr,arg-type]

@@ -13,7 +13,7 @@ from mtfkit import _core, quantities
 from mtfkit.arguments import checked
 from mtfkit.canvas import Canvas
 from mtfkit.errors import UsageError
-from mtfkit.images import Image
+from mtfkit.images import Image, sample_of
 from mtfkit.messages import reworded
 from mtfkit.plans import is_measured
 from mtfkit.progress import function_of
@@ -95,6 +95,7 @@ def run_simulation(sensor: Sensor, scene: SceneLike, *, sample: quantities.Value
                    out: str | os.PathLike[str] | None, range: tuple[float, float] | None, threads: int,
                    progress: Any) -> Run:
     """`Sensor.simulate`."""
+    sample = sample_of(next(iter(scene.values()), None) if isinstance(scene, Mapping) else scene, sample)
     canvas, file = None, sensor._file
     if sensor._functions:
         canvas, file = _canvas(sensor, scene, sample, {
