@@ -17,7 +17,7 @@ class Component:
     kind: str
     stages: tuple[str, ...]
     parameters: tuple[Mapping[str, Any], ...]
-    def __init__(self, **values: Value) -> None: ...
+    def __init__(self, *positional: Value, **values: Value) -> None: ...
     def fields(self) -> dict[str, Any]: ...
     def __getattr__(self, name: str) -> Any: ...
     def __setattr__(self, name: str, value: object) -> None: ...
@@ -36,8 +36,11 @@ def __dir__() -> list[str]: ...
 
 def stub_of(made):
     """The lines of one class, wrapped."""
-    lines, line = [], "    def __init__(self, *"
+    first = made._first()
+    lines, line = [], "    def __init__(self, *" if first is None else f"    def __init__(self, {first}: Value = ..., *"
     for name in made._names():
+        if name == first:
+            continue
         part = f", {name}: Value = ..."
         if len(line) + len(part) > 118:
             lines.append(line + ",")

@@ -39,6 +39,11 @@ def test_every_public_name_has_a_docstring():
     assert not missing
 
 
+def test_dir_shows_public_names_only():
+    assert set(dir(mk)) == {*mk.__all__, *mk.components.classes()}
+    assert {"Jitter", "Sensor", "custom"} <= set(dir(mk)) and not {"canvas", "instants", "TYPE_CHECKING"} & set(dir(mk))
+
+
 def test_all_names_are_there():
     for module in [mk, *MODULES]:
         assert module.__doc__

@@ -41,7 +41,7 @@ if TYPE_CHECKING:  # a class for each kind of component, made when one is asked 
 __all__ = ["Budget", "Column", "Component", "CurveData", "Curves", "Custom", "DataError", "Edge", "Edges", "Error",
            "Estimate", "Figure", "Figures", "Finding", "Findings", "Fit", "General", "Gradient", "Heat", "Image", "Optimum",
            "Parameter", "Picture", "Plan", "Run", "Sampled", "Sensor", "Study", "StudyColumn", "ToleranceError", "UsageError",
-           "__version__", "air", "components", "fit", "heat", "kinds", "light", "measure", "metrics", "noise", "read",
+           "__version__", "air", "components", "custom", "fit", "heat", "kinds", "light", "measure", "metrics", "noise", "read",
            "render", "targets", "write"]
 
 
@@ -53,4 +53,4 @@ def __getattr__(name: str) -> Any:
 
 
 def __dir__() -> list[str]:
-    return [*globals(), *components.classes()]
+    return sorted({*__all__, *components.classes()})

@@ -24,9 +24,16 @@ class Component:
     __slots__ = ("_values",)
     _values: dict[str, Any]
 
-    def __init__(self, **values: quantities.Value) -> None:
+    def __init__(self, *positional: quantities.Value, **values: quantities.Value) -> None:
         object.__setattr__(self, "_values", {})
         known = self._names()
+        if positional:
+            first = self._first()
+            if first is None or len(positional) > 1 or first in values:
+                by_name = f"{first or known[0]}={quantities.shown(positional[0])}"
+                raise UsageError(f"{type(self).__name__}: has several values; write each with its name, such as {by_name}; it has "
+                                 f"{', '.join(known)}")
+            values = {first: positional[0], **values}
         for name in values:
             if name not in known:
                 raise UsageError(f"{type(self).__name__}: has no {name!r}; it has {', '.join(known)}")
@@ -35,6 +42,12 @@ class Component:
         if missing:
             raise UsageError(f"{type(self).__name__}: needs {', '.join(missing)}")
         object.__setattr__(self, "_values", {name: value for name, value in values.items() if value is not None})
+
+    @classmethod
+    def _first(cls) -> str | None:
+        """The parameter that needs no name, the only one that is required: Jitter("20 urad")."""
+        required = [p["name"] for p in cls.parameters if p["presence"] == "required"]
+        return required[0] if len(required) == 1 else None
 
     @classmethod
     def _names(cls) -> list[str]:
@@ -91,14 +104,16 @@ def _doc_of(kind: Mapping[str, Any]) -> str:
 
 def _signature_of(cls: type[Component]) -> inspect.Signature:
     parameters = [inspect.Parameter("self", inspect.Parameter.POSITIONAL_OR_KEYWORD)]
-    for name in cls._names():
-        parameters.append(inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=None))
+    names = sorted(cls._names(), key=lambda name: name != cls._first())  # in their order behind the one that needs no name
+    for name in names:
+        kind = inspect.Parameter.POSITIONAL_OR_KEYWORD if name == cls._first() else inspect.Parameter.KEYWORD_ONLY
+        parameters.append(inspect.Parameter(name, kind, default=None))
     return inspect.Signature(parameters)
 
 
 def _make(kind: Mapping[str, Any]) -> type[Component]:
-    def __init__(self: Component, **values: quantities.Value) -> None:
-        Component.__init__(self, **values)
+    def __init__(self: Component, *positional: quantities.Value, **values: quantities.Value) -> None:
+        Component.__init__(self, *positional, **values)
 
     made = type(class_name(kind["kind"]), (Component,), {
         "__slots__": (), "__module__": __name__, "__doc__": _doc_of(kind), "__init__": __init__, "kind": kind["kind"],
@@ -140,4 +155,4 @@ def __getattr__(name: str) -> type[Component]:
 
 
 def __dir__() -> list[str]:
-    return [*globals(), *classes()]
+    return sorted({"Component", "class_name", "classes", "component", "kinds", *classes()})

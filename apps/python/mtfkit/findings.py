@@ -17,7 +17,8 @@ class Finding:
     text: str
 
     def __str__(self) -> str:
-        return f"{self.line}:{self.column}: {self.severity}: {self.path}: {self.text}"
+        place = f"{self.line}:{self.column}: " if self.line else ""  # what is absent has none
+        return f"{place}{self.severity}: {self.path}: {self.text}"
 
 
 class Findings(tuple[Finding, ...]):
