@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "mtf/math/clones.h"
+#include "mtf/work/stop.h"
 
 namespace calib {
 
@@ -47,7 +48,10 @@ MTFKIT_CLONES void extend(const float* values, std::int64_t n, float from, float
 
 Extent extent_of(mtf::ImageView<const float> image, const Roi& roi, float from, float to) {
   Extent extent;
-  for (std::int64_t j = roi.y; j < roi.y + roi.height; ++j) extend(image.row(j) + roi.x, roi.width, from, to, extent);
+  for (std::int64_t j = roi.y; j < roi.y + roi.height; ++j) {
+    mtf::require_going_on();
+    extend(image.row(j) + roi.x, roi.width, from, to, extent);
+  }
   return extent;
 }
 
@@ -136,9 +140,11 @@ RegionFacts survey(mtf::ImageView<const float> image, const Roi& roi, const Valu
   facts.low = static_cast<double>(extent.low);
   facts.high = static_cast<double>(extent.high);
   if (limits.clipped(extent.low) || limits.clipped(extent.high))
-    for (std::int64_t j = roi.y; j < roi.y + roi.height; ++j)
+    for (std::int64_t j = roi.y; j < roi.y + roi.height; ++j) {
+      mtf::require_going_on();
       for (const float value : std::span(image.row(j) + roi.x, static_cast<std::size_t>(roi.width)))
         facts.clipped += facts.holds(static_cast<double>(value)) && limits.clipped(value) ? 1 : 0;
+    }
   facts.offset = 0.5 * facts.low + 0.5 * facts.high;
   facts.scale = facts.high > facts.low ? facts.high - facts.low : 1.0;
   return facts;
@@ -177,6 +183,7 @@ EdgePixels gather_blocks(mtf::ImageView<const float> image, const Roi& roi, cons
       static_cast<std::size_t>((roi.width + block_px - 1) / block_px * ((roi.height + block_px - 1) / block_px)));
   std::vector<double> column(static_cast<std::size_t>(roi.width));
   for (std::int64_t top = 0; top < roi.height; top += block_px) {
+    mtf::require_going_on();
     const std::int64_t bottom = std::min(top + block_px, roi.height);
     bool all = true;
     std::fill(column.begin(), column.end(), 0.0);
@@ -237,6 +244,7 @@ EdgePixels gather_pixels(mtf::ImageView<const float> image, const Roi& roi, cons
   const ValueBounds bounds = bounds_of(facts, limits);
   EdgePixels pixels(most);
   for (std::size_t j = 0; j < parts.size(); ++j) {
+    mtf::require_going_on();
     const auto [first, size] = parts[j];
     const float* row = image.row(roi.y + static_cast<std::int64_t>(j)) + roi.x + first;
     const double from = static_cast<double>(first) + left;

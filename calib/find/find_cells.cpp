@@ -27,8 +27,10 @@ constexpr double kGradientNoise = 0.1498;
 constexpr double kNoiseMargin = 6.0;
 double valid_share(mtf::ImageView<const float> image) {
   std::int64_t valid = 0;
-  for (std::int64_t y = 0; y < image.height; ++y)
+  for (std::int64_t y = 0; y < image.height; ++y) {
+    mtf::require_going_on();
     for (std::int64_t x = 0; x < image.width; ++x) valid += std::isfinite(image.at(x, y)) ? 1 : 0;
+  }
   return static_cast<double>(valid) / static_cast<double>(image.width * image.height);
 }
 
@@ -50,12 +52,14 @@ Range shared_range(const Cells& cells) {
     std::nth_element(values.begin(), values.begin() + 2, values.begin() + count, std::greater<>());
     return sign * values[2];
   };
-  for (std::int64_t y = 0; y < cells.height; ++y)
+  for (std::int64_t y = 0; y < cells.height; ++y) {
+    mtf::require_going_on();
     for (std::int64_t x = 0; x < cells.width; ++x) {
       const float value = cells.at(x, y);
       if (value > range.high) range.high = std::max(range.high, third(x, y, 1.0F));
       if (value < range.low) range.low = std::min(range.low, third(x, y, -1.0F));
     }
+  }
   return range;
 }
 
@@ -85,7 +89,8 @@ void leave_out_spikes(Cells& cells) {
   constexpr double kLeast = 0.02;  // of the values' range
   const auto limit = static_cast<float>(std::max(kFar * cells.noise_sd, kLeast));
   std::vector<std::size_t> spikes;
-  for (std::int64_t y = 1; y + 1 < cells.height; ++y)
+  for (std::int64_t y = 1; y + 1 < cells.height; ++y) {
+    mtf::require_going_on();
     for (std::int64_t x = 1; x + 1 < cells.width; ++x) {
       const float v = cells.at(x, y), left = cells.at(x - 1, y), right = cells.at(x + 1, y);
       // Most cells are not far from both of these, with which the others need no comparison.
@@ -102,6 +107,7 @@ void leave_out_spikes(Cells& cells) {
       if (known >= 5 && std::max(below, above) >= known - 1)
         spikes.push_back(static_cast<std::size_t>(y * cells.width + x));
     }
+  }
   for (const std::size_t i : spikes) cells.value[i] = kNone;
 }
 

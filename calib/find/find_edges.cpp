@@ -11,6 +11,7 @@
 #include "calib/edge/edge_pixels.h"
 #include "calib/find/find_parts.h"
 #include "mtf/error.h"
+#include "mtf/work/stop.h"
 
 namespace calib {
 namespace {
@@ -171,6 +172,7 @@ bool place_regions(Search& search, double share, std::vector<Piece>& pieces) {
     const double floor = search.floor_of(octave);
     const find::Structure structure(gradients, floor);
     for (const Piece& piece : candidates) {
+      mtf::require_going_on();
       const Surroundings& beside = piece.beside;
       const auto region = find::place_region(gradients, structure, floor, piece.segment, beside, limits);
       // The whole image belongs to one edge only when it has no other. That edge is taken however faint it is.

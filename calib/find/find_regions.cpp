@@ -5,6 +5,7 @@
 #include "calib/edge/median.h"
 
 #include "calib/find/find_parts.h"
+#include "mtf/work/stop.h"
 
 namespace calib::find {
 namespace {
@@ -209,6 +210,7 @@ std::optional<Surroundings> survey(const Cells& cells, const Gradients& gradient
 Structure::Structure(const Gradients& gradients, double threshold) : width_(gradients.width + 1) {
   sum_.assign(static_cast<std::size_t>(width_ * (gradients.height + 1)), 0);
   for (std::int64_t y = 0; y < gradients.height; ++y) {
+    mtf::require_going_on();
     std::uint32_t row = 0;
     for (std::int64_t x = 0; x < gradients.width; ++x) {
       row += gradients.at(x, y) > threshold ? 1U : 0U;

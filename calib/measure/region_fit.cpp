@@ -10,6 +10,7 @@
 
 #include "calib/edge/median.h"
 #include "calib/measure/edge_fit.h"
+#include "mtf/work/stop.h"
 
 namespace calib {
 namespace {
@@ -86,12 +87,14 @@ std::size_t remove_outliers(EdgePixels& pixels, const EdgeModel& model, const Fi
   const auto part = [&](std::size_t i) { return part_of(state.profile.esf()[static_cast<std::size_t>(all.bin[i])]); };
   std::vector<double> values, middle;
   for (const auto& [first, end] : windows) {
+    mtf::require_going_on();
     values.clear();
     for (std::size_t k = first; k < end; ++k) values.push_back(all.residual[sorted.pixel[k]]);
     middle.push_back(values.empty() ? 0.0 : median(values));
   }
   // A step far from the reference changes within a window too, by no more than to the medians beside it.
   for (std::size_t w = 0; w < windows.size(); ++w) {
+    mtf::require_going_on();
     const auto [low, high] =
         std::minmax({middle[w > 0 ? w - 1 : w], middle[w], middle[std::min(w + 1, windows.size() - 1)]});
     for (std::size_t k = windows[w].first; k < windows[w].end; ++k) {
@@ -108,6 +111,7 @@ std::size_t remove_outliers(EdgePixels& pixels, const EdgeModel& model, const Fi
   std::vector<bool> far(pixels.size());
   std::size_t removed = 0;
   for (const auto& [first, end] : windows) {
+    mtf::require_going_on();
     const auto is_far = [&](std::size_t i) { return all.residual[i] > limit[part(i)]; };
     std::size_t count = 0;
     for (std::size_t k = first; k < end; ++k) count += is_far(sorted.pixel[k]) ? 1 : 0;

@@ -10,6 +10,7 @@
 
 #include "calib/edge/edge_curve.h"
 #include "mtf/math/clones.h"
+#include "mtf/work/stop.h"
 
 namespace calib {
 namespace {
@@ -231,6 +232,7 @@ void visit_chunks(const EdgePixels& pixels, const EdgeModel& model, const StepPr
   const Point normal = model.curve.normal();
   Chunk chunk;
   for (std::size_t first = 0; first < pixels.size(); first += kChunk * step) {
+    mtf::require_going_on();
     chunk.size = std::min(kChunk, (pixels.size() - first + step - 1) / step);
     place(pixels.x() + first, pixels.y() + first, pixels.value() + first, step, model.curve.origin, normal, chunk);
     bend_all(model.curve, {chunk.distance.data(), chunk.size}, {chunk.along.data(), chunk.size});

@@ -68,6 +68,21 @@ def test_ctrl_c_ends_a_fit(studies):
     assert seconds < LIMIT_S
 
 
+@pytest.mark.parametrize("delay_s", [0.2, 0.9, 1.6, 2.3])
+def test_ctrl_c_ends_a_measurement(tmp_path, delay_s):
+    # 64 million pixels with several edges: in the search for them, in their fits, between both.
+    seconds = interrupted_after("""
+        import numpy as np, mtfkit as mk
+        x = np.arange(8000, dtype="f4")
+        image = np.where(np.cos(0.003 * x + 0.0005 * x[:, None]) > 0, np.float32(200), np.float32(50))
+        image += np.random.default_rng(0).standard_normal(image.shape, dtype="f4")
+        def work():
+            while True:
+                mk.measure(image, threads=1)
+        """, tmp_path, delay_s)
+    assert seconds < LIMIT_S
+
+
 @pytest.fixture(scope="module")
 def terrain(tmp_path_factory):
     """Rough ground of 50 000 facets for two days, which takes seconds, and a camera above it."""

@@ -6,6 +6,8 @@
 #include <numbers>
 #include <utility>
 
+#include "mtf/work/stop.h"
+
 namespace calib {
 namespace {
 
@@ -17,12 +19,14 @@ struct Heap {
 Heap heap_at(mtf::ImageView<const float> image, const Roi& roi, float end, float sign) {
   Heap heap;
   for (std::int64_t j = roi.y; j < roi.y + roi.height; ++j) {
+    mtf::require_going_on();
     const float* row = image.row(j) + roi.x;
     for (std::int64_t i = 0; i < roi.width; ++i) heap.last += row[i] == end ? 1 : 0;
   }
   if (heap.last < 2) return heap;
   float nearest = std::numeric_limits<float>::infinity();
   for (std::int64_t j = roi.y; j < roi.y + roi.height; ++j) {
+    mtf::require_going_on();
     const float* row = image.row(j) + roi.x;
     for (std::int64_t i = 0; i < roi.width; ++i) {
       const float away = sign * (row[i] - end);
