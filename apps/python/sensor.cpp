@@ -15,6 +15,7 @@
 #include "apps/text/message_words.h"
 #include "mtf/error.h"
 #include "mtf/io/atomic_file.h"
+#include "mtf/io/config/config_edit.h"
 #include "mtf/io/config/replace_value.h"
 #include "mtf/io/csv/curve_csv.h"
 #include "mtf/io/sha256.h"
@@ -57,6 +58,22 @@ SensorHandle replaced(const SensorHandle& sensor, const std::vector<std::pair<st
   SensorConfig config = *sensor.config;
   for (const auto& [parameter, value] : values) config = mtf::io::replaced(config, parameter, value);
   return handle_of(std::move(config));
+}
+
+std::vector<std::string> parameters(const SensorHandle& sensor) {
+  std::vector<std::string> names;
+  for (const auto& [name, target] : mtf::io::cfg::targets_of(*sensor.config)) names.push_back(name);
+  return names;
+}
+
+/// "" for a parameter that the file leaves at its default; throws UsageError for other names that it does not have.
+std::string stated(const SensorHandle& sensor, const std::string& name) {
+  std::string value = mtf::io::stated_value(*sensor.config, name);
+  if (!value.empty()) return value;
+  const mtf::io::cfg::Targets targets = mtf::io::cfg::targets_of(*sensor.config);
+  if (!mtf::io::cfg::find_target(targets, name))
+    throw mtf::UsageError(sensor.config->file + ": " + mtf::io::cfg::unknown_parameter(targets, name));
+  return value;
 }
 
 py::list check(const SensorHandle& sensor) {
@@ -185,12 +202,8 @@ void add_sensor(py::module_& module) {
             return mtf::io::write_config(*s.config, destination);
           },
           py::arg("destination"))
-      .def(
-          "stated",
-          [](const SensorHandle& s, const std::string& parameter) {
-            return mtf::io::stated_value(*s.config, parameter);
-          },
-          py::arg("parameter"))
+      .def("stated", &stated, py::arg("parameter"))
+      .def("parameters", &parameters)
       .def("explain", &explain)
       .def("check", &check)
       .def("budget", &budget, py::arg("temperature_k"));

@@ -168,8 +168,12 @@ def test_bare_numbers_and_wrong_keys_are_errors_that_say_so():
         mk.Sensor(frame=good, optics=dict(f_number=object()))
     with pytest.raises(ValueError):
         mk.Sensor(frame=good, optics=dict(f_number=-2.0))
-    with pytest.raises(TypeError):
+    with pytest.raises(mk.UsageError, match=r"'MWIR' has no name.*frame=dict.*mtfkit\.Sensor\.load"):
         mk.Sensor("MWIR")
+    with pytest.raises(mk.UsageError, match=r"D=0.1 is no table.*frame=dict.*aperture"):
+        mk.Sensor(D=0.1)
+    with pytest.raises(mk.UsageError, match="needs frame"):
+        mk.Sensor()
     with pytest.raises(mk.UsageError, match="has no unit"):
         mk.Sensor(frame=good, detector=dict(quantum_efficiency=0.7)).budget(temperature=300)
     with pytest.raises(mk.DataError, match="nowhere.toml"):
@@ -205,3 +209,53 @@ def test_components_have_classes_of_their_own(sensor):
 def test_sensors_pickle(sensor, demo):
     for one in (sensor, mk.Sensor.load(demo / "camera.toml")):
         assert pickle.loads(pickle.dumps(one)) == one
+
+
+def test_values_are_read_by_the_names_of_replace(sensor):
+    assert sensor["jitter.rms"] == sensor.jitter.rms == sensor["presample[2].rms"] == "20 urad"
+    assert sensor["optics.f_number"] == sensor.optics.f_number == 2.0 and sensor.frame.pitch == "15 um"
+    assert sensor.replace({"jitter.rms": {"value": "7 urad", "fit": True}})["jitter.rms"] == "7 urad"
+    assert sensor.replace({"frame.format": [640, 512]})["frame.format"] == [640, 512]
+    assert sensor["diffraction.obscuration"] is None  # left at its default
+    for name in ("jitter.rms", "optics.f_number", "frame.pitch"):
+        assert sensor.replace({name: sensor[name]}) == sensor
+    assert "jitter.rms" in sensor and "jitter.rsm" not in sensor and 3 not in sensor
+    assert {"frame", "optics", "jitter", "save"} <= set(dir(sensor)) and "pitch" in dir(sensor.frame)
+    assert "pitch='15 um'" in repr(sensor.frame)
+
+
+def test_a_wrong_name_gives_the_nearest_one(sensor):
+    with pytest.raises(mk.UsageError, match=r"'jitter\.rsm'; did you mean jitter\.rms\?"):
+        sensor["jitter.rsm"]
+    with pytest.raises(mk.UsageError, match=r"'frame\.pich'; did you mean frame\.pitch\?"):
+        sensor["frame.pich"]
+    with pytest.raises(AttributeError, match=r"did you mean frame\.pitch\?"):
+        sensor.frame.pich
+    with pytest.raises(AttributeError, match="'f_number'; it has .*optics"):
+        sensor.f_number
+    with pytest.raises(TypeError):
+        iter(sensor)
+
+
+def test_a_sensor_is_shown_in_a_few_lines(sensor, demo):
+    assert repr(sensor) == """<Sensor 'MWIR'
+  frame: focal_length = "100 mm", pitch = "15 um"
+  optics: f_number = 2.0, wavelength = "4 um"
+  presample: diffraction, footprint (width = "15 um"), jitter (rms = "20 urad")>"""
+    table = mk.custom(lambda fx, fy: np.exp(-(fx ** 2 + fy ** 2) / 1600), cutoff="200 cy/mm", label="coating")
+    for other in (mk.Sensor.load(demo / "camera.toml"), sensor.append(presample=[table]), mk.Sensor.starter()):
+        lines = repr(other).split("\n")
+        assert len(lines) <= 8 and max(map(len, lines)) <= 111 and lines[-1].endswith(">")
+    assert "coating" in repr(sensor.append(presample=[table])) and "detector" in repr(mk.Sensor.load(demo / "camera.toml"))
+
+
+def test_one_value_needs_no_name():
+    assert mk.Jitter("20 urad") == mk.Jitter(rms="20 urad") and mk.Fir([[1.0]]) == mk.Fir(taps=[[1.0]])
+    for wrong in (lambda: mk.Footprint("15 um"), lambda: mk.Jitter("1 um", "2 um"), lambda: mk.Jitter("1 um", rms="2 um")):
+        with pytest.raises(mk.UsageError, match="each with its name, such as "):
+            wrong()
+
+
+def test_findings_without_a_place_have_none():
+    found = mk.Sensor(frame=dict(focal_length="100 mm", pitch="15 um")).check()
+    assert "diffraction" in str(found) and "0:0" not in str(found)

@@ -17,6 +17,7 @@ from mtfkit.curves import Curves, curves_of
 from mtfkit.custom import Custom, General, Sampled
 from mtfkit.errors import UsageError
 from mtfkit.findings import Finding, Findings
+from mtfkit.sensor_values import Part, part, parts, summary, value_of
 from mtfkit.sensor_parts import ComponentLike, Functions, component_lines, table_lines, write_sensor
 from mtfkit.plans import compile_plan
 from mtfkit.simulation import run_simulation
@@ -31,6 +32,9 @@ if TYPE_CHECKING:
     from mtfkit.simulation import SceneLike
 
 Table = Mapping[str, Any]
+
+_SUCH_AS = ("mtfkit.Sensor(frame=dict(focal_length=\"100 mm\", pitch=\"15 um\"), optics=dict(aperture=\"50 mm\", wavelength=\"4 um\"), "
+            "presample=[\"diffraction\"])")
 
 
 class Sensor:
@@ -53,9 +57,18 @@ class Sensor:
     _own: Functions
 
     @checked
-    def __init__(self, *, name: str = "", frame: Table, scene: Table | None = None, optics: Table | None = None,
+    def __init__(self, *positional: object, name: str = "", frame: Table | None = None, scene: Table | None = None, optics: Table | None = None,
                  band: Table | None = None, presample: Sequence[ComponentLike] = (),
                  readout: Sequence[ComponentLike] = (), postsample: Sequence[ComponentLike] = (), **tables: Table) -> None:
+        if positional:
+            raise UsageError(f"Sensor: {quantities.shown(positional[0])} has no name; write {_SUCH_AS}; a file is read by "
+                             "mtfkit.Sensor.load(file)")
+        for key, given in tables.items():
+            if not isinstance(given, Mapping):
+                raise UsageError(f"Sensor: {key}={quantities.shown(given)} is no table of a sensor file; write {_SUCH_AS}, with the keys "
+                                 "that mtfkit.kinds() and `mtf config kinds` list")
+        if frame is None:
+            raise UsageError(f"Sensor: needs frame; write {_SUCH_AS}")
         lines = ["schema = 1"]
         if name:
             lines += [f"name = {quantities.toml(name, 'name')}"]
@@ -137,6 +150,33 @@ class Sensor:
     def sha256(self) -> str:
         """Of the text, 64 hex digits; reports of simulations state it."""
         return self._file.sha256
+
+    @checked
+    def __getitem__(self, name: str) -> Any:
+        """The value that the sensor states by that name, one of those that `replace` takes: `sensor["jitter.rms"]`.
+
+        As the file has it: a text with its unit, a number, a list. None where the sensor leaves a parameter at its default,
+        which `explain` says. `sensor.jitter.rms` is the same. Raises UsageError for a name that the sensor does not have,
+        with the nearest one.
+        """
+        return value_of(self._file, name)
+
+    def __contains__(self, name: object) -> bool:
+        """Whether the sensor has a parameter of that name."""
+        try:
+            return isinstance(name, str) and (self[name], True)[1]
+        except UsageError:
+            return False
+
+    __iter__ = None  # names are read one by one
+
+    def __getattr__(self, name: str) -> Part:
+        if name.startswith("_"):
+            raise AttributeError(name)
+        return part(self._file, name)
+
+    def __dir__(self) -> list[str]:
+        return [*super().__dir__(), *parts(self._file)]
 
     def replace(self, values: Mapping[str, quantities.Value]) -> Sensor:
         """Another sensor with these values, by the names that studies, schedules and `explain` use.
@@ -287,7 +327,7 @@ class Sensor:
         return _unpickled, (self.text, os.path.abspath(self.file) if os.path.exists(self.file) else self.file, self._own)
 
     def __repr__(self) -> str:
-        return f"<Sensor {self.name or self.file!r}>"
+        return summary(self._file, self.name or self.file, [one.label for one in self._functions])
 
     def _repr_html_(self) -> str:
         return self.explain()._repr_html_()
