@@ -143,28 +143,33 @@ std::string as_json(const BudgetTable& budget, const BudgetOptions& options, con
 
 }  // namespace
 
-int run_budget(const BudgetOptions& options, const Global& global) {
-  if (options.curves) return run_budget_curves(options, global);
-  if (!options.plot.empty()) throw mtf::UsageError("--plot: draws the curves of --curves; give both");
-  const mtf::io::SensorConfig config = read_sensor(options.sensor, global);
-  if (!options.out.empty())
-    for (const std::string& input : files_of(config)) require_different(input, options.out);
+void note_budget(const BudgetOptions& options, const BudgetTable& budget, const Global& global) {
   constexpr double kCold_k = 100.0;
   if (!options.temperature_has_unit && options.temperature_k < kCold_k) {
     const std::string given = mtf::format_double(options.temperature_k);
     note(global, "warning: --temperature " + given + " was taken for " + given + " K; for degrees Celsius write \"" +
                      given + " degC\", or \"" + given + " K\" where kelvin is meant");
   }
-  const LoadedSensor loaded = load_chain(config);
-  const BudgetTable budget = budget_table(config, loaded, options.temperature_k);
   if (!options.temperature_given) note(global, "note: the pixel sees a surface of 300 K; --temperature takes another");
   if (budget.without_path) note(global, "note: the scene gives the range of each pixel; this budget is without a path");
   if (!budget.spatial_gap.empty()) note(global, "note: spatial noise has no number: " + budget.spatial_gap);
   for (const std::string& text : budget.notes) note(global, "note: " + text);
+  const std::string said = words(budget.saturation);
+  if (!said.empty() && (options.curves || options.format != Format::table))
+    note(global, (budget.saturation.saturated() ? "warning: " : "note: ") + said);
+}
+
+int run_budget(const BudgetOptions& options, const Global& global) {
+  if (options.curves) return run_budget_curves(options, global);
+  if (!options.plot.empty()) throw mtf::UsageError("--plot: draws the curves of --curves; give both");
+  const mtf::io::SensorConfig config = read_sensor(options.sensor, global);
+  if (!options.out.empty())
+    for (const std::string& input : files_of(config)) require_different(input, options.out);
+  const LoadedSensor loaded = load_chain(config);
+  const BudgetTable budget = budget_table(config, loaded, options.temperature_k);
+  note_budget(options, budget, global);
   const Rows& rows = budget.rows;
   const radiometry::Saturation& saturation = budget.saturation;
-  if (const std::string said = words(saturation); !said.empty() && options.format != Format::table)
-    note(global, (saturation.saturated() ? "warning: " : "note: ") + said);
   switch (options.format) {
     case Format::table: {
       Rows shown = rows;

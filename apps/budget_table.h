@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "apps/options.h"
 #include "apps/sensor/sensor_chain.h"
 #include "radiometry/performance/sensitivity.h"
 
@@ -27,6 +28,9 @@ BudgetTable budget_table(const mtf::io::SensorConfig& config, const LoadedSensor
 /// What a person reads beside these rows: the MTF of the system at Nyquist along x and along y, averaged over the band
 /// with the electron rate of `loaded`, as `mtf curve` has it.
 std::vector<radiometry::BudgetRow> nyquist_rows(const mtf::System<double>& system, const LoadedSensor& loaded);
+
+/// What the rows do not say: what was assumed, what has no number, saturation where no table says it.
+void note_budget(const BudgetOptions& options, const BudgetTable& budget, const Global& global);
 
 /// Why there is no MRTD and MDTD of a sensor with that budget, "" where there is.
 std::string observer_gap(const mtf::System<double>& system, const radiometry::Sensor& sensor,

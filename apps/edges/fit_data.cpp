@@ -9,6 +9,7 @@
 #include "mtf/error.h"
 #include "mtf/io/config/schedule.h"
 #include "mtf/io/csv/curve_samples.h"
+#include "mtf/work/stop.h"
 
 namespace apps {
 namespace {
@@ -79,6 +80,8 @@ template <class Load>
 void load_or_leave_out(LoadedData& loaded, std::size_t sets, const Load& load) {
   try {
     load();
+  } catch (const mtf::Stopped&) {
+    throw;
   } catch (const mtf::Error& error) {
     if (sets == 1) throw;
     loaded.warnings.push_back(std::string(error.what()) + " (left out)");

@@ -62,12 +62,19 @@ MinimumTemperatures minimum_temperatures(const mtf::io::SensorConfig& config, co
   for (const double share : shares_of_nyquist()) {
     Row row{.f_cy_mrad = share * nyquist, .width_mrad = 0.5 / (share * nyquist)};
     const bool bars = share <= 1.0;
-    row.mrtd_x_k = bars ? known(observer.mrtd_k(sensor, mtf::Axis::x, row.f_cy_mrad)) : kNone;
-    row.mrtd_y_k = bars ? known(observer.mrtd_k(sensor, mtf::Axis::y, row.f_cy_mrad)) : kNone;
+    // Each axis up to a Nyquist frequency of its own, which is not that of both where pitches differ.
+    const auto along = [&](mtf::Axis axis, double pitch_um) {
+      const bool within = row.f_cy_mrad <= 0.5 * system.frame.focal_length_mm / pitch_um * (1.0 + 1e-12);
+      return bars && within ? known(observer.mrtd_k(sensor, axis, row.f_cy_mrad)) : kNone;
+    };
+    row.mrtd_x_k = along(mtf::Axis::x, system.frame.pitch_x_um);
+    row.mrtd_y_k = along(mtf::Axis::y, system.frame.pitch_y_um);
     row.mrtd_k = bars ? known(observer.mrtd_k(sensor, row.f_cy_mrad)) : kNone;
     row.mdtd_k = known(observer.mdtd_k(sensor, row.width_mrad, cutoff));
     row.mrtd_error = bars ? relative(row.mrtd_k, observer.mrtd_k(worse, row.f_cy_mrad)) : kNone;
     row.mdtd_error = relative(row.mdtd_k, observer.mdtd_k(worse, row.width_mrad, cutoff));
+    if (!std::isfinite(resolution->cutoff_cy_mm))  // nothing ends the MTF: what lies beyond the frequencies counted
+      row.mdtd_error += relative(row.mdtd_k, observer.mdtd_k(sensor, row.width_mrad, 4.0 * cutoff));
     found.rows.push_back(row);
   }
   return found;
@@ -176,7 +183,7 @@ int run_budget_curves(const BudgetOptions& options, const Global& global) {
   const LoadedSensor loaded = load_chain(config);
   const MinimumTemperatures found =
       at_its_place(config, [&] { return minimum_temperatures(config, loaded, options.temperature_k); });
-  if (!options.temperature_given) note(global, "note: the pixel sees a surface of 300 K; --temperature takes another");
+  note_budget(options, budget_table(config, loaded, options.temperature_k), global);
   if (!options.plot.empty())
     note(global, figure_note(options.plot, write_figures(outputs.at(options.plot), figures_of(found), as_csv(found))));
   if (options.format == Format::csv)

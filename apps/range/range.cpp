@@ -25,6 +25,21 @@ struct StandardTarget {
 /// "nato": STANAG 4347 (1995), 2.3 m x 2.3 m, 2 K above its background.
 constexpr std::array kTargets{std::pair{std::string_view("nato"), StandardTarget{"nato", 2.3, 2.0}}};
 
+/// Keys of [conditions] in a message, as the options that they are here.
+std::string in_options(std::string text) {
+  const auto replace = [&](const std::string& key, const std::string& option) {
+    for (std::size_t at = text.find(key); at != std::string::npos; at = text.find(key, at + option.size()))
+      text.replace(at, key.size(), option);
+  };
+  const radiometry::Conditions keys;
+  radiometry::for_each_field(keys, [&](const radiometry::FieldInfo& info, const auto&) {
+    const std::string key(info.name);
+    replace("[conditions] " + key, option_of(key));
+    if (key.find('_') != std::string::npos) replace(key, option_of(key));
+  });
+  return text;
+}
+
 radiometry::Conditions conditions_of(const RangeOptions& options) {
   radiometry::Conditions conditions;
   if (!options.target.empty()) {
@@ -44,7 +59,10 @@ radiometry::Conditions conditions_of(const RangeOptions& options) {
   try {
     radiometry::require_valid("", conditions);
   } catch (const mtf::UsageError& wrong) {
-    throw mtf::UsageError("--" + std::string(wrong.what()).substr(1));
+    std::string text = "\n" + std::string(wrong.what());  // each line begins with "." and its key
+    for (std::size_t at = text.find("\n."); at != std::string::npos; at = text.find("\n.", at + 1))
+      text.replace(at + 1, 1, "[conditions] ");
+    throw mtf::UsageError(in_options(text.substr(1)));
   }
   if (!conditions.contrast_k)
     throw mtf::UsageError("no contrast of the target; give --contrast '2 K', or --target nato");
@@ -58,21 +76,6 @@ radiometry::Conditions conditions_of(const RangeOptions& options) {
     throw mtf::UsageError(conditions.display_height_m ? "--display-height: needs --viewing-distance beside it"
                                                       : "--viewing-distance: needs --display-height beside it");
   return conditions;
-}
-
-/// Keys of [conditions] in a message, as the options that they are here.
-std::string in_options(std::string text) {
-  const auto replace = [&](const std::string& key, const std::string& option) {
-    for (std::size_t at = text.find(key); at != std::string::npos; at = text.find(key, at + option.size()))
-      text.replace(at, key.size(), option);
-  };
-  const radiometry::Conditions keys;
-  radiometry::for_each_field(keys, [&](const radiometry::FieldInfo& info, const auto&) {
-    const std::string key(info.name);
-    replace("[conditions] " + key, option_of(key));
-    if (key.find('_') != std::string::npos) replace(key, option_of(key));
-  });
-  return text;
 }
 
 study::Acquisition acquired(const mtf::io::SensorConfig& config, const radiometry::Conditions& conditions,
@@ -108,6 +111,10 @@ int run_range(const RangeOptions& options, const Global& global) {
   }
   OutputSet outputs({.files = files, .inputs = files_of(config)});
   const study::Acquisition found = acquired(config, conditions, options.range_m);
+  if (!options.range_m.empty() && found.range_m.empty())
+    throw mtf::UsageError(
+        "--ranges: " + (found.cautions.empty() ? std::string("none can be") : found.cautions.front()) +
+        "; ask for ranges on this side");
   if (!options.plot.empty()) {
     const std::string title = config.system.name.empty() ? config.file : config.system.name;
     const study::Acquisition fine =

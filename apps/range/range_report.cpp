@@ -16,7 +16,8 @@ using study::Acquisition;
 using study::TaskRange;
 
 std::string length_words(double m, int digits) {
-  if (!std::isfinite(m)) return "-";
+  if (std::isinf(m)) return "not known";
+  if (std::isnan(m)) return "-";
   const bool km = m >= 1e3;
   const double value = km ? 1e-3 * m : m;
   return (value >= std::pow(10.0, digits) ? fixed(value, 0) : significant(value, digits)) + (km ? " km" : " m");
@@ -88,17 +89,19 @@ std::string probability_table(const Acquisition& found) {
   const std::vector<Align> align(header.size(), Align::right);
   TextTable table(header);
   double error = 0.0, sd = 0.0;
+  bool sd_known = true;
   for (std::size_t r = 0; r < found.range_m.size(); ++r) {
     std::vector<std::string> row{significant((km ? 1e-3 : 1.0) * found.range_m[r], 6)};
     for (const TaskRange* task : shown) {
       row.push_back(std::isfinite(task->probability[r]) ? fixed(task->probability[r], 3) : "-");
       error = std::fmax(error, std::abs(task->probability_error[r]));
       sd = std::fmax(sd, task->probability_sd[r]);
+      sd_known = sd_known && (std::isfinite(task->probability_sd[r]) || std::isnan(task->probability[r]));
     }
     table.add(std::move(row));
   }
   std::string text = table.aligned(align) + "error of the probabilities: up to " + significant(error, 2);
-  if (!found.stated.empty()) text += ", sd up to " + significant(sd, 2);
+  if (!found.stated.empty()) text += sd_known ? ", sd up to " + significant(sd, 2) : ", sd not known everywhere";
   return text + "\n";
 }
 
@@ -129,7 +132,7 @@ std::string range_table(const Acquisition& found, const radiometry::Conditions& 
                      reasons(found) + uncertainty_words(found);
   for (const std::string& line : found.lines) text += one_line(line) + "\n";
   for (const std::string& caution : found.cautions) text += "caution: " + one_line(caution) + "\n";
-  return text + "\nprobability against range\n" + probability_table(found);
+  return found.range_m.empty() ? text : text + "\nprobability against range\n" + probability_table(found);
 }
 
 std::string range_csv(const Acquisition& found) {
@@ -146,7 +149,8 @@ std::string range_csv(const Acquisition& found) {
   for (std::size_t r = 0; r < found.range_m.size(); ++r) {
     text += csv_number(found.range_m[r]);
     for (const TaskRange* task : order)
-      text += cell(task->probability, r) + cell(task->probability_error, r) + cell(task->probability_sd, r);
+      text += cell(task->probability, r) + cell(task->probability_error, r) +
+              (found.stated.empty() ? "," : cell(task->probability_sd, r));
     text += "\n";
   }
   return text;
@@ -200,8 +204,9 @@ Figure range_figure(const Acquisition& found, const std::string& title) {
     for (const double range : found.range_m) series.x.push_back(1e-3 * range);
     if (!found.stated.empty())
       for (std::size_t r = 0; r < series.y.size(); ++r) {
-        series.low.push_back(std::max(0.0, series.y[r] - 2.0 * task->probability_sd[r]));
-        series.high.push_back(std::min(1.0, series.y[r] + 2.0 * task->probability_sd[r]));
+        const double by = 2.0 * task->probability_sd[r];  // NaN stays NaN: no band
+        series.low.push_back(by <= series.y[r] || std::isnan(by) ? series.y[r] - by : 0.0);
+        series.high.push_back(by <= 1.0 - series.y[r] || std::isnan(by) ? series.y[r] + by : 1.0);
       }
     figure.series.push_back(std::move(series));
   }

@@ -111,7 +111,7 @@ std::vector<double> round_lengths(const OneSensor& sensor) {
   }
   constexpr double kFarthest = 1e3;  // sizes of the target, where nothing is seen at any range
   if (!(farthest > 0.0)) farthest = kFarthest * *sensor.study().conditions.target_size_m;
-  farthest = std::min(farthest, reach.most_m);
+  farthest = std::min(std::max(farthest, 10.0 * reach.least_m), reach.most_m);
   nearest = std::max(std::min(nearest, farthest / 10.0), reach.least_m);
   std::vector<double> range_m;
   for (double decade = std::pow(10.0, std::floor(std::log10(nearest))); decade <= farthest; decade *= 10.0)
@@ -205,9 +205,15 @@ Acquisition acquisition(const mtf::io::SensorConfig& sensor, const Conditions& c
   else
     for (const double range : range_m)
       if (range >= reach.least_m && range <= reach.most_m) found.range_m.push_back(range);
-  if (found.range_m.size() < range_m.size())
-    found.cautions.push_back("no probabilities beyond " + mtf::format_double(std::round(reach.most_m)) + " m, where " +
-                             reach.end);
+  const auto metres = [](double m) { return mtf::format_double(std::round(m)) + " m"; };
+  if (!range_m.empty() && range_m.back() > reach.most_m)
+    found.cautions.push_back("no probabilities beyond " + metres(reach.most_m) + ", where " + reach.end);
+  if (!range_m.empty() && range_m.front() < reach.least_m)
+    found.cautions.push_back("no probabilities nearer than " + metres(reach.least_m) +
+                             ", the difference of the altitudes");
+  if (!found.range_m.empty() && found.range_m.front() < found.filled_m)
+    found.cautions.push_back("nearer than " + metres(found.filled_m) +
+                             " the target is wider than the field of view, of which the models know nothing");
   const std::array<Course, kTasks> courses = middle.courses(found.range_m);
   for (std::size_t i = 0; i < kTasks; ++i) {
     found.tasks[i].probability = courses[i].probability;

@@ -63,7 +63,7 @@ struct HeatScene {
   const Region& region_of(std::uint32_t facet) const { return input.regions[input.region_of[facet]]; }
   /// The temperature that a facet has been given, at seconds from the start of the run.
   double given_k(std::uint32_t facet, double time_s) const {
-    return region_of(facet).given_k(facet, input.start_s + time_s);
+    return region_of(facet).given_k(facet, std::min(input.start_s + time_s, input.last_s()));
   }
   /// Whether the temperature of the facet is asked for.
   bool is_seen(std::uint32_t facet) const { return seen.empty() || seen[facet]; }

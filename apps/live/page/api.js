@@ -24,7 +24,7 @@ async function send(place, body) {
     headers: { "X-Mtf-Token": token, "Content-Type": "application/json" },
     body: JSON.stringify(body),
   }).catch(gone);
-  if (!answer.ok) throw new Refused((await answer.text()).trim(), answer.status);
+  if (!answer.ok) throw new Refused((await answer.text().catch(gone)).trim(), answer.status);
   return answer;
 }
 
@@ -40,7 +40,7 @@ export async function bytes(place, body, begun) {
   const answer = await send(place, body);
   begun?.();
   if (!isJson(answer)) return answer.arrayBuffer().catch(gone);
-  const { error, status, refused } = await answer.json();
+  const { error, status, refused } = await answer.json().catch(gone);
   throw new Refused(error, status, refused);
 }
 

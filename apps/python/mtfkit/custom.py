@@ -182,8 +182,11 @@ def _table(profiles: tuple[Callable[[Floats], Floats], ...], cutoff: float, tole
             f = np.array([float(f"{cutoff * one ** power:.12g}") for one in np.linspace(0.0, 1.0, count)])
             middle = np.concatenate([0.5 * (f[:-1] + f[1:]), 0.75 * f[:-1] + 0.25 * f[1:], 0.25 * f[:-1] + 0.75 * f[1:]])
             tables = tuple(np.round(profile(f), digits) for profile in profiles)
-            error = sum(2.0 * float(np.abs(monotone_cubic(f, values, middle) - profile(middle)).max())
-                        for values, profile in zip(tables, profiles))
+            errors = [2.0 * float(np.abs(monotone_cubic(f, values, middle) - profile(middle)).max())
+                      for values, profile in zip(tables, profiles)]
+            # Of a product each counts by the largest value of the others, above 1 where there is gain.
+            sizes = [max(1.0, float(np.abs(values).max()) + one) for values, one in zip(tables, errors)]
+            error = sum(one * float(np.prod(sizes)) / size for one, size in zip(errors, sizes))
             if error <= tolerance:
                 return f, tables, error
         count = 2 * count - 1

@@ -229,7 +229,8 @@ def write(path: str | os.PathLike[str], planes: Image | npt.ArrayLike | Mapping[
             values = {name: (gain * np.asarray(plane, dtype=np.float64) + offset) for name, plane in values.items()}
         planes = values
     named = planes if isinstance(planes, Mapping) else {"Y": planes}
-    sample = sample_of(next(iter(named.values()), None), sample)
+    if "mtf:pixelPitch" not in (attributes or {}):
+        sample = sample_of(next(iter(named.values()), None), sample)
     for name in named:
         if not isinstance(name, str):
             raise UsageError(f"planes: {quantities.shown(name)} is no name of a plane; give a dictionary by name")

@@ -148,11 +148,12 @@ std::vector<RangeSolver::Curves> RangeSolver::curves_of(RangeModel<double>& mode
 }
 
 RangeSolver::Resolved RangeSolver::resolved(RangeModel<double>& model, bool by_bars, double range_m) {
+  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+  if (course_ == nullptr) return {kNone, kNone};  // no range was looked for
   try {
     return {model.cycles(by_bars, followed(model, range_m), range_m),
             model.cycles(by_bars, worst(model, range_m), range_m)};
   } catch (const mtf::UsageError&) {
-    constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
     return {kNone, kNone};
   }
 }

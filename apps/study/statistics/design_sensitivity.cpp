@@ -27,7 +27,7 @@ std::shared_ptr<Evaluator> EvaluatorPool::take() {
 
 namespace {
 
-bool varies(const Axis& axis) { return axis.values.empty() ? axis.to > axis.from : axis.values.size() > 1; }
+bool varies(const Axis& axis) { return axis.values.empty() ? axis.to != axis.from : axis.values.size() > 1; }
 
 /// At most 4096, and about as many points as a quarter of the designs, or 4096.
 std::int64_t index_samples(const Study& study, std::size_t parameters) {

@@ -172,6 +172,13 @@ void add_opposites(const FitProblem& problem, std::span<const double> sd, const 
       if (problem.variables[i].has_sign()) mirror.x[i] = -mirror.x[i];
     return mirror;
   };
+  const auto allowed = [&](const Mirror& one) {
+    for (std::size_t i = 0; i < one.x.size(); ++i) {
+      const Variable& v = problem.variables[i];
+      if (v.period == 0.0 && !(one.x[i] >= v.lo && one.x[i] <= v.hi)) return false;
+    }
+    return true;
+  };
   const auto holds = [&](const Mirror& one) {
     return std::any_of(found.begin(), found.end(),
                        [&](const Mirror& other) { return !differs(problem, sd, other.x, one.x); });
@@ -182,22 +189,35 @@ void add_opposites(const FitProblem& problem, std::span<const double> sd, const 
   if (same == found.end() || same->rise > kSame_chi2) return;
   for (const Mirror& mirror : std::vector(found)) {
     const Mirror other = opposite(mirror);
-    if (differs(problem, sd, other.x, best.x) && !holds(other)) found.push_back(other);
+    if (allowed(other) && differs(problem, sd, other.x, best.x) && !holds(other)) found.push_back(other);
   }
 }
 
-/// The intervals of a value with those of another within them, which may reach further.
-void extend_intervals(FittedParameter& p, const OtherValue& other) {
-  const auto extend = [&](std::optional<std::array<double, 2>>& interval, double sds) {
-    if (!interval || !other.stderr_value) return;
-    (*interval)[0] = std::min((*interval)[0], other.value - sds * *other.stderr_value);
-    (*interval)[1] = std::max((*interval)[1], other.value + sds * *other.stderr_value);
+/// The intervals of a value with those of another within them, where these reach further: no standard error says that.
+void extend_intervals(FittedParameter& p, const OtherValue& other, const Variable& v) {
+  constexpr double kFurther = 1e-3;  // of the interval
+  const auto extend = [&](std::array<double, 2>& interval, double sds) {
+    const double sd = other.stderr_value.value_or(0.0);
+    std::array<double, 2> there{other.value - sds * sd, other.value + sds * sd};
+    if (!other.stderr_value && other.interval95 && sds == k95_sd) there = *other.interval95;
+    if (v.period == 0.0) {
+      const auto [least, most] = std::minmax({v.value(v.lo), v.value(v.hi)});
+      for (double& end : there) end = std::clamp(end, std::min(least, interval[0]), std::max(most, interval[1]));
+    }
+    const double slack = kFurther * (interval[1] - interval[0]);
+    const bool further = there[0] < interval[0] - slack || there[1] > interval[1] + slack;
+    interval = {std::min(interval[0], there[0]), std::max(interval[1], there[1])};
+    return further;
   };
-  extend(p.interval68, 1.0);
-  extend(p.interval95, k95_sd);
-  if (!p.interval) return;
-  if (p.interval->low) p.interval->low = (*p.interval95)[0];
-  if (p.interval->high) p.interval->high = (*p.interval95)[1];
+  if (p.interval68) extend(*p.interval68, 1.0);
+  if (!extend(*p.interval95, k95_sd)) return;
+  if (p.interval && p.interval->low) p.interval->low = (*p.interval95)[0];
+  if (p.interval && p.interval->high) p.interval->high = (*p.interval95)[1];
+  if (p.limit95) p.limit95 = (*p.interval95)[p.limit_is_upper ? 1 : 0];
+  if (p.knowledge != Knowledge::determined) return;
+  p.knowledge = Knowledge::interval;
+  p.stderr_value.reset();
+  if (!p.interval) p.interval = ProfiledInterval{(*p.interval95)[0], (*p.interval95)[1], ""};
 }
 
 std::string value_text(const FitParameter& parameter, double value, double sd) {
@@ -258,7 +278,7 @@ void report_mirrors(FitProblem& problem, const Solved& solved, std::span<const M
     // Of an interval about a flat point all parts are there already.
     const bool whole = std::any_of(flat.begin(), flat.end(), [&](const FlatPoint& f) { return f.parameter == i; });
     if (within(p.interval95)) {
-      if (!whole) extend_intervals(p, other);
+      if (!whole) extend_intervals(p, other, problem.variables[i]);
       return false;
     }
     for (const OtherValue& one : p.others)

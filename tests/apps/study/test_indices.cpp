@@ -7,7 +7,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "apps/study/statistics/indices.h"
+#include "apps/study/statistics/design_sensitivity.h"
+#include "tests/apps/study/evaluated.h"
 
 namespace {
 
@@ -123,6 +124,26 @@ TEST(Indices, WhatDoesNotVaryOrIsMostlyMissingHasNone) {
   EXPECT_LT(indices.used[2], 4096);
   EXPECT_TRUE(std::isnan(indices.of[3][0].first));
   EXPECT_EQ(indices.used[3], 0);
+}
+
+// Either end of a range may be the larger; what has one value has no part.
+TEST(Indices, AnAxisMayFall) {
+  const study_test::Folder folder;
+  const auto axis = [](const std::string& ends) { return "[[axis]]\nparameter = \"pitch\"\n" + ends; };
+  const auto shares = [&](const std::string& ends) {
+    const study_test::Evaluated e = study_test::evaluated(
+        folder, study_test::kHead + axis(ends) + "[[axis]]\nparameter = \"optics.obscuration\"\nvalues = [0.3]\n" +
+                    study_test::kMetrics);
+    return study::study_indices(e.study, e.columns, 0.5, 1, {}).indices.of[0];
+  };
+  for (const char* const ends :
+       {"from = \"5 um\"\nto = \"8 um\"\ncount = 4\n", "from = \"8 um\"\nto = \"5 um\"\ncount = 4\n"}) {
+    const std::vector<study::Index> of = shares(ends);
+    EXPECT_NEAR(of[0].total, 1.0, 5.0 * of[0].total_sd) << ends;
+    EXPECT_GT(of[0].total, 0.5) << ends;
+    EXPECT_EQ(of[1].total, 0.0) << ends;
+  }
+  EXPECT_TRUE(std::isnan(shares("values = [\"5 um\"]\n")[0].total));
 }
 
 }  // namespace

@@ -59,7 +59,8 @@ TEST_F(RangeCommand, RefusesWithTheOptionToGive) {
   expect_error(run("--target-size '2 m'" + seen), 2, {"--contrast '2 K'"});
   expect_error(run("--target tank"), 2, {"--target", "nato"});
   expect_error(run("--target nato --contrast 2"), 2, {"--contrast", "unit"});
-  expect_error(run("--target nato --probability 1" + seen), 2, {"--probability"});
+  expect_error(run("--target nato --probability 1" + seen), 2, {": --probability"});
+  expect_error(run("--target-size '-1 m' --contrast '1 K'" + seen), 2, {": --target-size = -1 m"});
   expect_error(run("--target nato --display-height '1 m'"), 2, {"--viewing-distance"});
   expect_error(run("--target nato --ranges 1,2" + seen), 2, {"--ranges", "unit"});
   expect_error(run("--target nato --ranges '2,1 km'" + seen), 2, {"--ranges", "rise"});

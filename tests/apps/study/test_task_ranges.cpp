@@ -138,7 +138,7 @@ TEST(Acquisition, ANumberThatCannotBeMovedToOneSideIsMovedToTheOther) {
   EXPECT_GT(task(a, "ttp_range_detect").sd_m, 0.0);
 }
 
-TEST(Acquisition, ATargetWiderThanTheFieldIsSaid) {
+TEST(AcquisitionLong, ATargetWiderThanTheFieldIsSaid) {
   const Folder folder;
   radiometry::Conditions wide = conditions();
   wide.target_size_m = 30.0;
@@ -161,6 +161,13 @@ TEST(Acquisition, WhatIsKnownOfTheAirEndsRangesAndProbabilities) {
   EXPECT_GT(task(a, "ttp_range_detect").probability[0], 0.9);
   ASSERT_EQ(a.cautions.size(), 1u);
   expect_says(a.cautions[0], {"2000 m", "air.csv ends"});
+}
+
+// The background alone fills more of the well than the lower flat frame.
+TEST(Acquisition, NoFlatFrameNoRange) {
+  const Folder folder;
+  const std::string text = camera("[correction]\nlow = 0.0001\nhigh = 0.8\n");
+  expect_refused({"flat frame"}, [&] { static_cast<void>(found(folder, text)); });
 }
 
 TEST(Acquisition, RefusesWhatHasNoRange) {
