@@ -165,12 +165,9 @@ radiometry::SpectralCamera camera_in(const Given& given, const Interval& band) {
 
 std::vector<std::string> outputs_of(const AtmosphereOptions& options) {
   std::vector<std::string> outputs;
-  for (const std::string& file : {options.table, options.tape7, options.plot})
+  for (const std::string& file : {options.table, options.tape7})
     if (!file.empty()) outputs.push_back(file);
-  if (!options.plot.empty()) {
-    check_figure_path(options.plot);
-    outputs.push_back(figure_data_path(options.plot));
-  }
+  for (std::string& file : figure_files(options.plot)) outputs.push_back(std::move(file));
   outputs.push_back(options.out);
   if (options.sky && (!options.table.empty() || !options.tape7.empty() || !options.plot.empty()))
     throw mtf::UsageError("--sky: prints the sky; --table, --tape7 and --plot are of a line of sight, remove them");
@@ -317,8 +314,7 @@ int run_atmosphere(const AtmosphereOptions& options, const Global& global) {
     emit(outputs.at(options.table), table_text(options, through, sight, hull(bands), what, global));
   if (!options.tape7.empty()) emit(outputs.at(options.tape7), tape7_text(report.path, what));
   if (!options.plot.empty() && !write_figures(outputs.at(options.plot), atmosphere_figures(report)))
-    note(global, "mtf: note: gnuplot is not installed (Debian package gnuplot-nox): wrote only the data, " +
-                     one_line(figure_data_path(options.plot)));
+    note(global, figure_note(options.plot, false));
   outputs.commit(options.out, options.format == Format::csv    ? spectrum_csv(report.path)
                               : options.format == Format::json ? as_json(report)
                                                                : as_table(report));

@@ -16,11 +16,7 @@ namespace {
 
 std::vector<std::string> outputs_of(const FitOptions& options) {
   std::vector<std::string> outputs{options.out, options.report};
-  if (!options.plot.empty()) {
-    check_figure_path(options.plot);
-    outputs.push_back(options.plot);
-    outputs.push_back(figure_data_path(options.plot));
-  }
+  for (std::string& file : figure_files(options.plot)) outputs.push_back(std::move(file));
   std::erase(outputs, "");
   return outputs;
 }
@@ -84,11 +80,10 @@ int run_fit(const FitOptions& options, const Global& global) {
   const std::string json = fit_json(result, sensor, loaded.files);
   if (!options.report.empty()) emit(outputs.at(options.report), json);
   if (fitted) {
-    if (!options.plot.empty() && write_figures(outputs.at(options.plot), fit_figures(result, loaded.measured)))
-      note(global, "wrote " + one_line(options.plot) + " and its data " + one_line(figure_data_path(options.plot)));
-    else if (!options.plot.empty())
-      note(global, "mtf: note: gnuplot is not installed (Debian package gnuplot-nox): wrote only the data, " +
-                       one_line(figure_data_path(options.plot)));
+    if (!options.plot.empty()) {
+      const bool drawn = write_figures(outputs.at(options.plot), fit_figures(result, loaded.measured));
+      note(global, figure_note(options.plot, drawn));
+    }
     if (!options.residuals.empty()) write_residuals(outputs, result);
     if (!options.out.empty()) emit(outputs.at(options.out), fitted_config(result, sensor, loaded.files, options.out));
   } else if (!options.out.empty()) {

@@ -262,12 +262,8 @@ std::vector<std::string> outputs_of(const MeasureOptions& options) {
   if (options.out != "-") outputs.push_back(options.out);
   outputs.push_back(options.table);
   outputs.push_back(options.curves);
-  for (const std::string& figure : {options.plot, options.map}) {
-    if (figure.empty()) continue;
-    check_figure_path(figure);
-    outputs.push_back(figure);
-    outputs.push_back(figure_data_path(figure));
-  }
+  for (const std::string& figure : {options.plot, options.map})
+    for (std::string& file : figure_files(figure)) outputs.push_back(std::move(file));
   outputs.push_back(options.annotate);
   std::erase(outputs, "");
   if (!options.annotate.empty() && mtf::io::format_from_extension(options.annotate) != mtf::io::Format::png)
@@ -277,11 +273,7 @@ std::vector<std::string> outputs_of(const MeasureOptions& options) {
 
 void write_figures_of(const MeasureOptions& options, const MeasureReport& report, OutputSet& outputs,
                       const Global& global) {
-  const auto drawn = [&](bool made, const std::string& path) {
-    note(global, made ? "wrote " + one_line(path) + " and its data " + one_line(figure_data_path(path))
-                      : "mtf: note: gnuplot is not installed (Debian package gnuplot-nox): wrote only the data, " +
-                            one_line(figure_data_path(path)));
-  };
+  const auto drawn = [&](bool made, const std::string& path) { note(global, figure_note(path, made)); };
   if (!options.plot.empty()) {
     const auto best = std::find_if(report.edges.begin(), report.edges.end(),
                                    [](const MeasuredEdge& e) { return e.edge.trouble == calib::Trouble::none; });

@@ -77,9 +77,9 @@ std::vector<std::string> outputs_of(const CurveOptions& options) {
   const bool to_stdout = options.out.empty() || options.out == "-", ascii = options.plot == "ascii";
   if (ascii && to_stdout && options.format != Format::table)
     throw mtf::UsageError("--plot ascii and --format csv or json both write to standard output; give -o FILE");
-  if (ascii || options.plot.empty()) return {options.out};
-  check_figure_path(options.plot);
-  return {options.out, options.plot, figure_data_path(options.plot)};
+  std::vector<std::string> outputs{options.out};
+  for (std::string& file : figure_files(ascii ? "" : options.plot)) outputs.push_back(std::move(file));
+  return outputs;
 }
 
 }  // namespace

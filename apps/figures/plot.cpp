@@ -417,14 +417,18 @@ bool draw(const std::string& path, std::span<const Figure> figures) {
 
 std::string figure_data_path(const std::string& path) { return path + ".csv"; }
 
-void check_figure_path(const std::string& path) { static_cast<void>(medium_of(path)); }
+std::vector<std::string> figure_files(const std::string& path) {
+  if (path.empty()) return {};
+  static_cast<void>(medium_of(path));
+  return {path, figure_data_path(path)};
+}
 
 bool write_figure(const std::string& path, const Figure& figure) {
   return write_figures(path, {&figure, 1}, figure_csv(figure));
 }
 
 bool write_figures(const std::string& path, std::span<const Figure> figures, const std::string& data) {
-  check_figure_path(path);
+  static_cast<void>(medium_of(path));
   // A figure without anything to draw is refused before anything is written.
   for (const Figure& figure : figures) static_cast<void>(x_range(figure));
   mtf::io::write_text_file(figure_data_path(path), data);

@@ -48,8 +48,9 @@ struct Figure {
 /// "plot.svg" -> "plot.svg.csv": not "plot.csv", which may be a file of the user's.
 std::string figure_data_path(const std::string& path);
 
-/// Throws UsageError unless the extension is .svg, .pdf or .png (any case).
-void check_figure_path(const std::string& path);
+/// The files that write_figure makes, of which a command says so before it begins: figure and data; none for "". Throws
+/// UsageError unless the extension is .svg, .pdf or .png (any case).
+std::vector<std::string> figure_files(const std::string& path);
 
 /// Writes the data as CSV (17 digits) beside `path`, then the figure, both or neither. False when there is no gnuplot:
 /// the CSV is there, the figure is not. Throws UsageError (extension) and RuntimeError.

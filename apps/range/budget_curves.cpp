@@ -175,10 +175,7 @@ std::vector<Figure> figures_of(const MinimumTemperatures& found) {
 int run_budget_curves(const BudgetOptions& options, const Global& global) {
   const mtf::io::SensorConfig config = read_sensor(options.sensor, global);
   std::vector<std::string> files{options.out};
-  if (!options.plot.empty()) {
-    check_figure_path(options.plot);
-    files.insert(files.end(), {options.plot, figure_data_path(options.plot)});
-  }
+  for (std::string& file : figure_files(options.plot)) files.push_back(std::move(file));
   OutputSet outputs({.files = files, .inputs = files_of(config)});
   const LoadedSensor loaded = load_chain(config);
   const MinimumTemperatures found =

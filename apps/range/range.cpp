@@ -105,10 +105,7 @@ int run_range(const RangeOptions& options, const Global& global) {
   const radiometry::Conditions conditions = conditions_of(options);
   const mtf::io::SensorConfig config = read_sensor(options.sensor, global);
   std::vector<std::string> files{options.out};
-  if (!options.plot.empty()) {
-    check_figure_path(options.plot);
-    files.insert(files.end(), {options.plot, figure_data_path(options.plot)});
-  }
+  for (std::string& file : figure_files(options.plot)) files.push_back(std::move(file));
   OutputSet outputs({.files = files, .inputs = files_of(config)});
   const study::Acquisition found = acquired(config, conditions, options.range_m);
   if (!options.range_m.empty() && found.range_m.empty())

@@ -29,10 +29,7 @@ int run_heat_fit(const HeatCommandOptions& options, const Global& global) {
   std::vector<mtf::io::Diagnostic> findings;
   const SceneFile file = load_scene(options.scene, &findings);
   std::vector<std::string> outputs{options.out, options.fit_report};
-  if (!options.fit_plot.empty()) {
-    check_figure_path(options.fit_plot);
-    outputs.insert(outputs.end(), {options.fit_plot, figure_data_path(options.fit_plot)});
-  }
+  for (std::string& output : figure_files(options.fit_plot)) outputs.push_back(std::move(output));
   std::erase(outputs, "");
   OutputSet files({.files = outputs, .inputs = files_of(file)});
   for (const mtf::io::Diagnostic& finding : findings) note(global, mtf::io::format_diagnostic(finding, file.file));
@@ -51,8 +48,7 @@ int run_heat_fit(const HeatCommandOptions& options, const Global& global) {
   if (!options.fit_report.empty()) emit(files.at(options.fit_report), json);
   if (fit.series.fitted()) {
     if (!options.fit_plot.empty() && !write_figures(files.at(options.fit_plot), heat_fit_figures(file, fit)))
-      note(global, "mtf: note: gnuplot is not installed (Debian package gnuplot-nox): wrote only the data, " +
-                       one_line(figure_data_path(options.fit_plot)));
+      note(global, figure_note(options.fit_plot, false));
     emit(files.at(options.out), fit_head({file.file, file.sha256, outcome_of(fit)}, {fit.measured.source},
                                          fit.series.parameters, fit.series.not_separable) +
                                     without_fit_head(fitted_scene_text(file, fit)));
