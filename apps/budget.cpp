@@ -130,7 +130,7 @@ std::string as_json(const BudgetTable& budget, const BudgetOptions& options, con
             {"name", config.system.name},
             {"config_sha256", config.sha256},
             {"temperature_k", options.temperature_k},
-            {"saturation", saturation_json(budget.saturation)},
+            {"saturation", saturation_json(budget.numbers.saturation)},
             {"notes", budget.notes},
             {"conditions", {{"lines", budget.observer}}}};
   Json& terms = json["terms"] = Json::object();
@@ -154,9 +154,9 @@ void note_budget(const BudgetOptions& options, const BudgetTable& budget, const 
   if (budget.without_path) note(global, "note: the scene gives the range of each pixel; this budget is without a path");
   if (!budget.spatial_gap.empty()) note(global, "note: spatial noise has no number: " + budget.spatial_gap);
   for (const std::string& text : budget.notes) note(global, "note: " + text);
-  const std::string said = words(budget.saturation);
+  const std::string said = words(budget.numbers.saturation);
   if (!said.empty() && (options.curves || options.format != Format::table))
-    note(global, (budget.saturation.saturated() ? "warning: " : "note: ") + said);
+    note(global, (budget.numbers.saturation.saturated() ? "warning: " : "note: ") + said);
 }
 
 int run_budget(const BudgetOptions& options, const Global& global) {
@@ -169,7 +169,7 @@ int run_budget(const BudgetOptions& options, const Global& global) {
   const BudgetTable budget = budget_table(config, loaded, options.temperature_k);
   note_budget(options, budget, global);
   const Rows& rows = budget.rows;
-  const radiometry::Saturation& saturation = budget.saturation;
+  const radiometry::Saturation& saturation = budget.numbers.saturation;
   switch (options.format) {
     case Format::table: {
       Rows shown = rows;

@@ -8,13 +8,11 @@
 #include "apps/sensor/otf_curves.h"
 #include "apps/sensor/sensor_place.h"
 #include "mtf/error.h"
-#include "mtf/metrics/resolution.h"
 #include "mtf/words.h"
 #include "radiometry/chain/chain.h"
 #include "radiometry/chain/sensor_budget.h"
 #include "radiometry/chain/sensor_numbers.h"
 #include "radiometry/performance/condition_lines.h"
-#include "radiometry/performance/target_at_range.h"
 
 namespace apps {
 
@@ -37,6 +35,21 @@ std::string observer_gap(const mtf::System<double>& system, const radiometry::Se
   return "";
 }
 
+BarView bar_view(const mtf::System<double>& system, const radiometry::Sensor& sensor,
+                 const radiometry::Budget<double>& budget) {
+  mtf::ResolutionNeeds needs;
+  needs.curves = true;
+  needs.tolerance = 1e-6;
+  const auto resolution =
+      std::make_shared<const mtf::Resolution<double>>(mtf::ResolutionMeter<double>(needs).measure(system));
+  return {.resolution = resolution,
+          .observer = {system, {}, frame_time_s(system, sensor.settings)},
+          .sensor = {.netd_k = budget.netd_k,
+                     .spatial_netd_k = budget.spatial_netd_k,
+                     .otf = radiometry::seen_otf(resolution, system.frame)},
+          .cutoff_cy_mrad = radiometry::counted_cy_mrad(system, resolution->cutoff_cy_mm)};
+}
+
 std::vector<std::string> observer_lines(const radiometry::Sensor& sensor) {
   const std::string air = air_words(sensor.settings);
   return radiometry::condition_lines(
@@ -56,19 +69,10 @@ std::vector<radiometry::BudgetRow> observer_rows(const mtf::System<double>& syst
   mrtd.saturated = mdtd.saturated = is_saturated(budget, budget.netd_k);
   if (!mrtd.refused.empty()) return {mrtd, mdtd};
   try {
-    mtf::ResolutionNeeds needs;
-    needs.curves = true;
-    needs.tolerance = 1e-6;
-    const auto resolution =
-        std::make_shared<const mtf::Resolution<double>>(mtf::ResolutionMeter<double>(needs).measure(system));
-    const radiometry::BarObserver<double> observer(system, {}, frame_time_s(system, sensor.settings));
-    const radiometry::SensorAtRange<double> seen{.netd_k = budget.netd_k,
-                                                 .spatial_netd_k = budget.spatial_netd_k,
-                                                 .otf = radiometry::seen_otf(resolution, system.frame)};
-    const double nyquist = observer.nyquist_cy_mrad();
-    mrtd.value = 1e3 * observer.mrtd_k(seen, 0.5 * nyquist);
-    mdtd.value =
-        1e3 * observer.mdtd_k(seen, 1.0 / nyquist, radiometry::counted_cy_mrad(system, resolution->cutoff_cy_mm));
+    const BarView view = bar_view(system, sensor, budget);
+    const double nyquist = view.observer.nyquist_cy_mrad();
+    mrtd.value = 1e3 * view.observer.mrtd_k(view.sensor, 0.5 * nyquist);
+    mdtd.value = 1e3 * view.observer.mdtd_k(view.sensor, 1.0 / nyquist, view.cutoff_cy_mrad);
     for (radiometry::BudgetRow* row : {&mrtd, &mdtd})
       if (!std::isfinite(row->value)) row->refused = radiometry::kNotResolved;
   } catch (const mtf::Error& error) {
@@ -101,7 +105,7 @@ BudgetTable budget_table(const mtf::io::SensorConfig& config, const LoadedSensor
   const radiometry::Budget<double> budget =
       at_its_place(config, [&] { return budget_of(config.system, loaded.sensor, temperature_k); });
   BudgetTable table{.rows = budget_rows(config.system, loaded.sensor, budget),
-                    .saturation = budget.saturation,
+                    .numbers = budget,
                     .notes = budget_notes(loaded.sensor, budget),
                     .observer = observer_lines(loaded.sensor),
                     .spatial_gap = spatial_gap(loaded.sensor.settings, budget),

@@ -3,22 +3,25 @@
 
 // The rows of `mtf budget`.
 
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "apps/options.h"
 #include "apps/sensor/sensor_chain.h"
+#include "mtf/metrics/resolution.h"
 #include "radiometry/performance/sensitivity.h"
+#include "radiometry/performance/target_at_range.h"
 
 namespace apps {
 
 struct BudgetTable {
   std::vector<radiometry::BudgetRow> rows;
-  radiometry::Saturation saturation;
-  std::vector<std::string> notes;     ///< about the numbers
-  std::vector<std::string> observer;  ///< observer_lines()
-  std::string spatial_gap;            ///< why spatial noise has no number; "" where it has
-  bool without_path = false;          ///< the scene gives the range of each pixel
+  radiometry::Budget<double> numbers;  ///< that the rows are made of
+  std::vector<std::string> notes;      ///< about the numbers
+  std::vector<std::string> observer;   ///< observer_lines()
+  std::string spatial_gap;             ///< why spatial noise has no number; "" where it has
+  bool without_path = false;           ///< the scene gives the range of each pixel
 };
 
 /// For a surface of that temperature. `loaded`: the chain of `config`. Throws UsageError with the place in the sensor
@@ -35,6 +38,17 @@ void note_budget(const BudgetOptions& options, const BudgetTable& budget, const 
 /// Why there is no MRTD and MDTD of a sensor with that budget, "" where there is.
 std::string observer_gap(const mtf::System<double>& system, const radiometry::Sensor& sensor,
                          const radiometry::Budget<double>& budget);
+
+/// What the observer of MRTD and MDTD sees through a sensor with that budget, with the defaults of a study. `system`
+/// has the electron rate of its band, and has to outlive the view.
+struct BarView {
+  std::shared_ptr<const mtf::Resolution<double>> resolution;
+  radiometry::BarObserver<double> observer;
+  radiometry::SensorAtRange<double> sensor;
+  double cutoff_cy_mrad = 0.0;  ///< as far as squares are counted
+};
+BarView bar_view(const mtf::System<double>& system, const radiometry::Sensor& sensor,
+                 const radiometry::Budget<double>& budget);
 
 /// Who the observer of MRTD and MDTD is, and what air lies before the sensor.
 std::vector<std::string> observer_lines(const radiometry::Sensor& sensor);

@@ -329,7 +329,7 @@ Answer Session::figures(const RequestBody& request) {
                                 {"doc", row.doc},
                                 {"reason", row.refused},
                                 {"saturated", row.saturated}});
-    json["saturation"] = words(budget.saturation);
+    json["saturation"] = words(budget.numbers.saturation);
     json["temperature"] = temperature;
   }
   const OtfCurves curves =

@@ -96,8 +96,8 @@ py::dict budget(const SensorHandle& sensor, double temperature_k) {
   py::dict result;
   result["rows"] = rows;
   result["notes"] = table.notes;
-  result["saturated"] = table.saturation.saturated();
-  result["saturation"] = words(table.saturation);
+  result["saturated"] = table.numbers.saturation.saturated();
+  result["saturation"] = words(table.numbers.saturation);
   return result;
 }
 

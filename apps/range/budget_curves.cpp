@@ -14,9 +14,6 @@
 #include "apps/terminal/text_table.h"
 #include "apps/text/json.h"
 #include "mtf/error.h"
-#include "mtf/metrics/resolution.h"
-#include "radiometry/chain/sensor_budget.h"
-#include "radiometry/performance/target_at_range.h"
 
 namespace apps {
 namespace {
@@ -33,20 +30,12 @@ std::vector<double> shares_of_nyquist() {
 }
 
 MinimumTemperatures minimum_temperatures(const mtf::io::SensorConfig& config, const LoadedSensor& loaded,
-                                         double temperature_k) {
-  const radiometry::Budget<double> budget = budget_of(config.system, loaded.sensor, temperature_k);
+                                         const radiometry::Budget<double>& budget) {
   if (const std::string why = observer_gap(config.system, loaded.sensor, budget); !why.empty())
     throw mtf::UsageError("no MRTD and MDTD: " + why);
   const mtf::System<double> system = with_electron_rate(config.system, loaded);
-  mtf::ResolutionNeeds needs;
-  needs.curves = true;
-  needs.tolerance = 1e-6;
-  const auto resolution =
-      std::make_shared<const mtf::Resolution<double>>(mtf::ResolutionMeter<double>(needs).measure(system));
-  const radiometry::BarObserver<double> observer(system, {}, frame_time_s(system, loaded.sensor.settings));
-  const radiometry::SensorAtRange<double> sensor{.netd_k = budget.netd_k,
-                                                 .spatial_netd_k = budget.spatial_netd_k,
-                                                 .otf = radiometry::seen_otf(resolution, system.frame)};
+  const BarView view = bar_view(system, loaded.sensor, budget);
+  const auto& [resolution, observer, sensor, cutoff] = view;
   radiometry::SensorAtRange<double> worse = sensor;
   const double error = resolution->error;
   worse.otf.mtf = [mtf = sensor.otf.mtf, error](mtf::Axis axis, double f) {
@@ -55,7 +44,6 @@ MinimumTemperatures minimum_temperatures(const mtf::io::SensorConfig& config, co
   worse.otf.centred = [otf = sensor.otf.centred, error](mtf::Axis axis, double f) { return otf(axis, f) - error; };
 
   const double nyquist = observer.nyquist_cy_mrad();
-  const double cutoff = radiometry::counted_cy_mrad(system, resolution->cutoff_cy_mm);
   const auto known = [](double kelvin) { return std::isfinite(kelvin) ? kelvin : kNone; };
   const auto relative = [](double value, double other) { return std::abs(other / value - 1.0); };
   MinimumTemperatures found{.rows = {}, .observer = observer_lines(loaded.sensor)};
@@ -178,9 +166,10 @@ int run_budget_curves(const BudgetOptions& options, const Global& global) {
   for (std::string& file : figure_files(options.plot)) files.push_back(std::move(file));
   OutputSet outputs({.files = files, .inputs = files_of(config)});
   const LoadedSensor loaded = load_chain(config);
+  const BudgetTable budget = budget_table(config, loaded, options.temperature_k);
   const MinimumTemperatures found =
-      at_its_place(config, [&] { return minimum_temperatures(config, loaded, options.temperature_k); });
-  note_budget(options, budget_table(config, loaded, options.temperature_k), global);
+      at_its_place(config, [&] { return minimum_temperatures(config, loaded, budget.numbers); });
+  note_budget(options, budget, global);
   if (!options.plot.empty())
     note(global, figure_note(options.plot, write_figures(outputs.at(options.plot), figures_of(found), as_csv(found))));
   if (options.format == Format::csv)
