@@ -53,9 +53,9 @@ Command range_command() {
       "  mtf range sensor.toml --target nato --magnification 5\n"
       "  mtf range sensor.toml --contrast '1 K' --target-size '3 m' --extinction 0.2 --format csv -o range.csv"};
   add_file(app, "sensor", "sensor file (TOML)", options.sensor);
-  add_text(app, "--target", "NAME", "standard target, whose size and contrast other options replace: nato",
-           options.target)
-      .candidates = one_of({"nato"});
+  add_word(app, "--target", "NAME", "standard target, whose size and contrast other options replace: nato",
+           [&](const std::string& text) { options.target = choice("--target", text, kStandardTargets); })
+      .candidates = one_of(kStandardTargets);
   add_keys(app, radiometry::Conditions{}, options.given, is_of_ranges);
   add_word(app, "--ranges", "LIST",
            "of the probabilities, such as '1:10:10 km' (START:STOP:COUNT) or '1,2,5 km'; default: round lengths "

@@ -17,14 +17,6 @@
 namespace apps {
 namespace {
 
-/// A target that others know by name.
-struct StandardTarget {
-  std::string_view name;
-  double size_m, contrast_k;
-};
-/// "nato": STANAG 4347 (1995), 2.3 m x 2.3 m, 2 K above its background.
-constexpr std::array kTargets{std::pair{std::string_view("nato"), StandardTarget{"nato", 2.3, 2.0}}};
-
 /// Keys of [conditions] in a message, as the options that they are here.
 std::string in_options(std::string text) {
   const auto replace = [&](const std::string& key, const std::string& option) {
@@ -42,10 +34,9 @@ std::string in_options(std::string text) {
 
 radiometry::Conditions conditions_of(const RangeOptions& options) {
   radiometry::Conditions conditions;
-  if (!options.target.empty()) {
-    const StandardTarget& target = choice("--target", options.target, kTargets);
-    conditions.target_size_m = target.size_m;
-    conditions.contrast_k = target.contrast_k;
+  if (options.target) {
+    conditions.target_size_m = options.target->size_m;
+    conditions.contrast_k = options.target->contrast_k;
   }
   set_keys(conditions, options.given);
   if (conditions.contrast_k == 0.0)
@@ -79,9 +70,9 @@ radiometry::Conditions conditions_of(const RangeOptions& options) {
 }
 
 study::Acquisition acquired(const mtf::io::SensorConfig& config, const radiometry::Conditions& conditions,
-                            const std::vector<double>& range_m) {
+                            const std::vector<double>& range_m, int steps) {
   try {
-    study::Acquisition found = study::acquisition(config, conditions, range_m);
+    study::Acquisition found = study::acquisition(config, conditions, range_m, 1e-4, steps);
     for (study::TaskRange& task : found.tasks) task.reason = in_options(task.reason);
     return found;
   } catch (const mtf::UsageError& refused) {
@@ -89,14 +80,15 @@ study::Acquisition acquired(const mtf::io::SensorConfig& config, const radiometr
   }
 }
 
-/// Five steps for each of the table, so that curves look like curves.
-std::vector<double> between(const std::vector<double>& range_m) {
-  constexpr int kSteps = 5;
-  std::vector<double> fine;
-  for (std::size_t r = 0; r + 1 < range_m.size(); ++r)
-    for (int k = 0; k < kSteps; ++k) fine.push_back(range_m[r] + (range_m[r + 1] - range_m[r]) * k / kSteps);
-  if (!range_m.empty()) fine.push_back(range_m.back());
-  return fine;
+/// Every so many of the ranges, the first one among them.
+void keep_every(std::size_t steps, study::Acquisition& found) {
+  const auto thin_out = [&](std::vector<double>& values) {
+    for (std::size_t r = 0; r * steps < values.size(); ++r) values[r] = values[r * steps];
+    values.resize((values.size() + steps - 1) / steps);
+  };
+  thin_out(found.range_m);
+  for (study::TaskRange& task : found.tasks)
+    for (auto* values : {&task.probability, &task.probability_error, &task.probability_sd}) thin_out(*values);
 }
 
 }  // namespace
@@ -107,17 +99,19 @@ int run_range(const RangeOptions& options, const Global& global) {
   std::vector<std::string> files{options.out};
   for (std::string& file : figure_files(options.plot)) files.push_back(std::move(file));
   OutputSet outputs({.files = files, .inputs = files_of(config)});
-  const study::Acquisition found = acquired(config, conditions, options.range_m);
+  // For each range of the table, so that curves look like curves.
+  constexpr int kSteps = 5;
+  const int steps = options.plot.empty() || !options.range_m.empty() ? 1 : kSteps;
+  study::Acquisition found = acquired(config, conditions, options.range_m, steps);
   if (!options.range_m.empty() && found.range_m.empty())
     throw mtf::UsageError(
         "--ranges: " + (found.cautions.empty() ? std::string("none can be") : found.cautions.front()) +
         "; ask for ranges on this side");
   if (!options.plot.empty()) {
     const std::string title = config.system.name.empty() ? config.file : config.system.name;
-    const study::Acquisition fine =
-        options.range_m.empty() ? acquired(config, conditions, between(found.range_m)) : found;
-    const bool drawn = write_figure(outputs.at(options.plot), range_figure(fine, one_line(title)));
+    const bool drawn = write_figure(outputs.at(options.plot), range_figure(found, one_line(title)));
     note(global, figure_note(options.plot, drawn));
+    keep_every(static_cast<std::size_t>(steps), found);
   }
   if (options.format != Format::table)
     for (const std::string& caution : found.cautions) note(global, "caution: " + one_line(caution));

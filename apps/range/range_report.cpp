@@ -180,7 +180,7 @@ std::string range_json(const Acquisition& found, const radiometry::Conditions& c
   for (const study::StatedNumber& number : found.stated) {
     stated.push_back({{"parameter", number.path}, {"unit", number.unit}, {"value", number.value}, {"sd", number.sd}});
     Json& moves = stated.back()["moves_m"] = Json::object();
-    for (std::size_t i = 0; i < study::kTasks; ++i) moves[found.tasks[i].metric] = number.moves_m[i];
+    for (std::size_t i = 0; i < study::kRangeTasks; ++i) moves[found.tasks[i].metric] = number.moves_m[i];
     if (!number.problem.empty()) stated.back()["reason"] = number.problem;
   }
   return json_document({{"sensor", sensor.file},
@@ -205,8 +205,8 @@ Figure range_figure(const Acquisition& found, const std::string& title) {
     if (!found.stated.empty())
       for (std::size_t r = 0; r < series.y.size(); ++r) {
         const double by = 2.0 * task->probability_sd[r];  // NaN stays NaN: no band
-        series.low.push_back(by <= series.y[r] || std::isnan(by) ? series.y[r] - by : 0.0);
-        series.high.push_back(by <= 1.0 - series.y[r] || std::isnan(by) ? series.y[r] + by : 1.0);
+        series.low.push_back(std::clamp(series.y[r] - by, 0.0, 1.0));
+        series.high.push_back(std::clamp(series.y[r] + by, 0.0, 1.0));
       }
     figure.series.push_back(std::move(series));
   }

@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
-static_assert(kTasks == kRangeTasks);
+static_assert(kRangeTasks == kRangeTasks);
 
 Study study_of(const mtf::io::SensorConfig& sensor, const Conditions& conditions, double tolerance) {
   if (conditions.extinction_per_km)
@@ -40,7 +40,7 @@ class OneSensor {
         variant_(load_variant(study_, {})),
         plan_(plan_metrics(study_, tolerance)) {
     if (!variant_.problems.empty()) throw mtf::UsageError(variant_.problems.front());
-    for (std::size_t i = 0; i < kTasks; ++i) {
+    for (std::size_t i = 0; i < kRangeTasks; ++i) {
       reason_[i] = metric_gap(plan_.choices[i], study_, variant_);
       plan_.range[i] = reason_[i].empty();
     }
@@ -50,7 +50,7 @@ class OneSensor {
     model_->set_light(light_);
     std::vector<double> values(study_.metrics.size());
     model_->metrics(light_.numbers, light_, values);
-    for (std::size_t i = 0; i < kTasks; ++i) {
+    for (std::size_t i = 0; i < kRangeTasks; ++i) {
       range_m_[i] = values[i];
       if (!reason_[i].empty() || std::isfinite(values[i])) continue;
       const std::string& refused = model_->roots()[i].refusal;
@@ -68,15 +68,15 @@ class OneSensor {
   radiometry::Reach reach() const { return light_.course ? light_.course->reach() : radiometry::Reach{}; }
 
   /// Empty for a task whose model refuses the sensor.
-  std::array<Course, kTasks> courses(std::span<const double> range_m) {
-    std::array<Course, kTasks> courses;
-    const std::array<RangeTask, kTasks> tasks = range_tasks(study_.conditions);
+  std::array<Course, kRangeTasks> courses(std::span<const double> range_m) {
+    std::array<Course, kRangeTasks> courses;
+    const std::array<RangeTask, kRangeTasks> tasks = range_tasks(study_.conditions);
     for (const bool by_bars : {true, false}) {
       std::vector<RangeSolver::Resolved> resolved;
       const auto asked = [&](std::size_t i) { return tasks[i].by_bars == by_bars && plan_.range[i]; };
-      for (std::size_t i = 0; i < kTasks && resolved.empty(); ++i)
+      for (std::size_t i = 0; i < kRangeTasks && resolved.empty(); ++i)
         if (asked(i) && model_ && light_.course) resolved = model_->resolved(light_, by_bars, range_m);
-      for (std::size_t i = 0; i < kTasks; ++i)
+      for (std::size_t i = 0; i < kRangeTasks; ++i)
         if (asked(i))
           for (const RangeSolver::Resolved& one : resolved) {
             const auto probability = [&](double cycles) {
@@ -95,15 +95,15 @@ class OneSensor {
   MetricPlan plan_;
   DesignLight light_{};
   std::unique_ptr<DesignModel<double>> model_{};
-  std::array<std::string, kTasks> reason_{};
-  std::array<double, kTasks> range_m_{kNone, kNone, kNone, kNone, kNone, kNone};
+  std::array<std::string, kRangeTasks> reason_{};
+  std::array<double, kRangeTasks> range_m_{kNone, kNone, kNone, kNone, kNone, kNone};
 };
 
 /// Round lengths, ten a decade, from a third of the shortest range to a quarter more than the longest.
 std::vector<double> round_lengths(const OneSensor& sensor) {
   const radiometry::Reach reach = sensor.reach();
   double nearest = mtf::kInfinity, farthest = 0.0;
-  for (std::size_t i = 0; i < kTasks; ++i) {
+  for (std::size_t i = 0; i < kRangeTasks; ++i) {
     const double range = sensor.range_m(i);
     if (range > 0.0) nearest = std::min(nearest, range / 3.0), farthest = std::max(farthest, 1.25 * range);
     if (!sensor.root(i).refusal.empty() && std::isfinite(reach.most_m))
@@ -118,6 +118,15 @@ std::vector<double> round_lengths(const OneSensor& sensor) {
     for (const double round : {1.0, 1.2, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0})
       if (const double range = round * decade; range >= nearest && range <= farthest) range_m.push_back(range);
   return range_m;
+}
+
+/// So many steps from each to the next.
+std::vector<double> in_steps(const std::vector<double>& range_m, int steps) {
+  std::vector<double> fine;
+  for (std::size_t r = 0; r + 1 < range_m.size(); ++r)
+    for (int k = 0; k < steps; ++k) fine.push_back(range_m[r] + (range_m[r + 1] - range_m[r]) * k / steps);
+  if (!range_m.empty()) fine.push_back(range_m.back());
+  return fine;
 }
 
 /// The file with one of its numbers moved, or why it cannot be.
@@ -155,10 +164,10 @@ void add_stated(const OneSensor& middle, double tolerance, Acquisition& found) {
     const auto high = moved(middle, f, fits[f].value + sd, tolerance, stated.problem),
                low = moved(middle, f, fits[f].value - sd, tolerance, stated.problem);
     if (high || low) stated.problem.clear();
-    using Courses = std::optional<std::array<Course, kTasks>>;
+    using Courses = std::optional<std::array<Course, kRangeTasks>>;
     const Courses up = high ? Courses(high->courses(found.range_m)) : Courses(),
                   down = low ? Courses(low->courses(found.range_m)) : Courses();
-    for (std::size_t i = 0; i < kTasks; ++i) {
+    for (std::size_t i = 0; i < kRangeTasks; ++i) {
       const auto half = [&](double here, const auto& of_side) {
         const double above = high ? of_side(*high, *up) : 0.0, below = low ? of_side(*low, *down) : 0.0;
         return high || low ? half_of(here, high ? &above : nullptr, low ? &below : nullptr) : kNone;
@@ -167,7 +176,7 @@ void add_stated(const OneSensor& middle, double tolerance, Acquisition& found) {
       stated.moves_m[i] = half(task.range_m, [&](const OneSensor& side, const auto&) { return side.range_m(i); });
       task.sd_m = std::hypot(task.sd_m, stated.moves_m[i]);
       for (std::size_t r = 0; r < task.probability.size(); ++r) {
-        const double by = half(task.probability[r], [&](const OneSensor&, const std::array<Course, kTasks>& side) {
+        const double by = half(task.probability[r], [&](const OneSensor&, const std::array<Course, kRangeTasks>& side) {
           return r < side[i].probability.size() ? side[i].probability[r] : kNone;
         });
         task.probability_sd[r] = std::hypot(task.probability_sd[r], by);
@@ -180,10 +189,10 @@ void add_stated(const OneSensor& middle, double tolerance, Acquisition& found) {
 }  // namespace
 
 Acquisition acquisition(const mtf::io::SensorConfig& sensor, const Conditions& conditions,
-                        std::span<const double> range_m, double tolerance) {
+                        std::span<const double> range_m, double tolerance, int steps) {
   OneSensor middle(sensor, conditions, tolerance);
   Acquisition found;
-  for (std::size_t i = 0; i < kTasks; ++i) {
+  for (std::size_t i = 0; i < kRangeTasks; ++i) {
     const RangeTask task = range_tasks(conditions)[i];
     const RangeRoot root = middle.root(i);
     TaskRange& out = found.tasks[i];
@@ -201,7 +210,7 @@ Acquisition acquisition(const mtf::io::SensorConfig& sensor, const Conditions& c
   found.filled_m = range_filling_the_field_m(sensor.system.frame, *conditions.target_size_m);
   const radiometry::Reach reach = middle.reach();
   if (range_m.empty())
-    found.range_m = round_lengths(middle);
+    found.range_m = in_steps(round_lengths(middle), steps);
   else
     for (const double range : range_m)
       if (range >= reach.least_m && range <= reach.most_m) found.range_m.push_back(range);
@@ -214,8 +223,8 @@ Acquisition acquisition(const mtf::io::SensorConfig& sensor, const Conditions& c
   if (!found.range_m.empty() && found.range_m.front() < found.filled_m)
     found.cautions.push_back("nearer than " + metres(found.filled_m) +
                              " the target is wider than the field of view, of which the models know nothing");
-  const std::array<Course, kTasks> courses = middle.courses(found.range_m);
-  for (std::size_t i = 0; i < kTasks; ++i) {
+  const std::array<Course, kRangeTasks> courses = middle.courses(found.range_m);
+  for (std::size_t i = 0; i < kRangeTasks; ++i) {
     found.tasks[i].probability = courses[i].probability;
     found.tasks[i].probability_error = courses[i].error;
     found.tasks[i].probability_sd.assign(courses[i].probability.size(), 0.0);

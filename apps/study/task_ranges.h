@@ -18,6 +18,7 @@
 #include <string>
 #include <vector>
 
+#include "apps/study/design/range_tasks.h"
 #include "mtf/io/config/config.h"
 #include "radiometry/performance/conditions.h"
 
@@ -37,19 +38,17 @@ struct TaskRange {
   std::vector<double> probability{}, probability_error{}, probability_sd{};
 };
 
-inline constexpr std::size_t kTasks = 6;  ///< detect, recognise, identify by Johnson, then by TTP
-
 /// A number of the sensor file with a standard deviation.
 struct StatedNumber {
   std::string path, unit;
   double value = 0.0, sd = 0.0;
-  std::array<double, kTasks> moves_m{};  ///< half of the difference of each range
-  std::string problem{};                 ///< why it could not be moved; "" where it was
+  std::array<double, kRangeTasks> moves_m{};  ///< half of the difference of each range
+  std::string problem{};                      ///< why it could not be moved; "" where it was
 };
 
 struct Acquisition {
-  std::array<TaskRange, kTasks> tasks;
-  std::vector<double> range_m;  ///< of the probabilities, rising
+  std::array<TaskRange, kRangeTasks> tasks;  ///< detect, recognise, identify by Johnson, then by TTP
+  std::vector<double> range_m;               ///< of the probabilities, rising
   std::vector<StatedNumber> stated;
   std::vector<std::string> lines;     ///< observer, target, criteria, air
   std::vector<std::string> cautions;  ///< what the numbers rest on
@@ -57,10 +56,10 @@ struct Acquisition {
 };
 
 /// `range_m`: of the probabilities, rising, above 0; empty for round lengths that show all tasks. Those beyond the
-/// reach of the air are left out, which `cautions` says. `tolerance`: relative, of the ranges. Throws UsageError, with
-/// what to write instead, where no task has a range: without target or contrast, for air that holds for one range
-/// alone.
+/// reach of the air are left out, which `cautions` says. `tolerance`: relative, of the ranges. `steps`: from each round
+/// length to the next, for curves. Throws UsageError, with what to write instead, where no task has a range: without
+/// target or contrast, for air that holds for one range alone.
 Acquisition acquisition(const mtf::io::SensorConfig& sensor, const radiometry::Conditions& conditions,
-                        std::span<const double> range_m = {}, double tolerance = 1e-4);
+                        std::span<const double> range_m = {}, double tolerance = 1e-4, int steps = 1);
 
 }  // namespace study

@@ -82,7 +82,7 @@ RangeRoot RangeSolver::root_of(const RangeTask& task, RangeModel<double>& model,
   const double range = root.found.range_m,
                step = std::min({kStep, 0.49 * std::log(most / range), 0.49 * std::log(range / least)});
   root.slope = radiometry::slope_at([&](double l) { return std::expm1(margin(std::exp(l))); }, std::log(range), step);
-  root.error = std::abs(model.margin(task, worst(model, range), range) / root.slope);
+  root.error = std::abs(model.margin(task, worst(model, followed(model, range), range), range) / root.slope);
   return root;
 }
 
@@ -151,16 +151,15 @@ RangeSolver::Resolved RangeSolver::resolved(RangeModel<double>& model, bool by_b
   constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
   if (course_ == nullptr) return {kNone, kNone};  // no range was looked for
   try {
-    return {model.cycles(by_bars, followed(model, range_m), range_m),
-            model.cycles(by_bars, worst(model, range_m), range_m)};
+    const Sensor seen = followed(model, range_m);
+    return {model.cycles(by_bars, seen, range_m), model.cycles(by_bars, worst(model, seen, range_m), range_m)};
   } catch (const mtf::UsageError&) {
     return {kNone, kNone};
   }
 }
 
 /// Less contrast, more noise and a lower MTF, each by what it may be wrong.
-RangeSolver::Sensor RangeSolver::worst(RangeModel<double>& model, double range) {
-  Sensor sensor = followed(model, range);
+RangeSolver::Sensor RangeSolver::worst(RangeModel<double>& model, Sensor sensor, double range) {
   const double light = course_->error(range);
   double otf = point_at(model, nullptr, 0).curves->error;
   if (course_->moves_otf()) {

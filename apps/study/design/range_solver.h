@@ -41,7 +41,7 @@ class RangeSolver {
   const Point& point_at(RangeModel<double>& model, const RangePanel* panel, std::size_t k);
   std::vector<Curves> curves_of(RangeModel<double>& model, const RangePanel& panel);
   static double error_between(const std::vector<Curves>& curves, double end_cy_mm);
-  Sensor worst(RangeModel<double>& model, double range_m);
+  Sensor worst(RangeModel<double>& model, Sensor sensor, double range_m);
 
   std::shared_ptr<LightCourse> course_{};
   int half_decades_ = 0;  ///< the tolerance of the OTF is 10^-(half decades / 2)
