@@ -31,31 +31,29 @@ namespace {
 
 using FileKind = ConfigOptions::FileKind;
 
-[[maybe_unused]] [[noreturn]] std::string without_studies() {
-  throw mtf::UsageError("studies are not part of this build: they need Ceres and NLopt");
-}
+#ifdef MTFKIT_HAVE_STUDY
+constexpr auto study_starter = study::starter_study;
+constexpr auto study_schema = study_file_schema;
+#else
+std::string study_starter() { throw mtf::UsageError("studies are not part of this build: they need Ceres and NLopt"); }
+std::string study_schema() { return study_starter(); }
+#endif
 
 std::string starter_text(FileKind kind) {
   if (kind == FileKind::scene) return scenes_module().starter();
-  if (kind == FileKind::sensor) return mtf::io::starter_config();
-#ifdef MTFKIT_HAVE_STUDY
-  return study::starter_study();
-#else
-  return without_studies();
-#endif
+  return kind == FileKind::study ? study_starter() : mtf::io::starter_config();
 }
 
 /// What comes after a starter file is written.
 std::string next_step(FileKind kind, const std::string& file) {
   if (kind == FileKind::scene)
     return "it names meshes, weather and a schedule, which `mtf scene demo -o FOLDER` writes beside the same file; "
-           "next: "
-           "mtf "
-           "scene check " +
+           "next: mtf scene check " +
            file;
-  return (kind == FileKind::study ? "it varies sensor.toml beside it, as mtf config init -o sensor.toml writes it; "
-                                  : "") +
-         ("next: mtf config check " + file);
+  const std::string check = "next: mtf config check " + file;
+  return kind == FileKind::study
+             ? "it varies sensor.toml beside it, as mtf config init -o sensor.toml writes it; " + check
+             : check;
 }
 
 int init(const ConfigOptions& options, const Global& global) {
@@ -102,12 +100,7 @@ int explain(const ConfigOptions& options, const Global& global) {
 
 std::string schema_text(FileKind kind) {
   if (kind == FileKind::scene) return scenes_module().schema();
-  if (kind == FileKind::sensor) return sensor_file_schema();
-#ifdef MTFKIT_HAVE_STUDY
-  return study_file_schema();
-#else
-  return without_studies();
-#endif
+  return kind == FileKind::study ? study_schema() : sensor_file_schema();
 }
 
 }  // namespace

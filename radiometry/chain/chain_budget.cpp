@@ -332,14 +332,7 @@ std::vector<BudgetRow> thermal_rows(const mtf::System<double>& system, const Sen
              "volts for a watt of incident power at the middle of the band"},
             {"signal_per_k", "V/K", b.signal_per_k, "volts per kelvin of the scene"}});
   for (BudgetRow& row : thermal_noise_rows(sensor, camera_of(system, sensor), pixel, b)) all.push_back(std::move(row));
-  add_rows(
-      all, BudgetGroup::spatial,
-      {{"prnu", "V", b.prnu_e, "spatial noise of the responsivity (prnu, or its map), after [correction] where given"},
-       {"dsnu", "V", b.dsnu_e, "spatial noise of the offset (dsnu, or its map), after [correction] where given"},
-       {"correction", "V", b.correction_e, "spatial noise of the flat frames of [correction]"},
-       {"rounding", "V", b.rounding_e, "rounding to counts, the part that stays where noise does not dither it"}},
-      true);
-  add_rows(all, BudgetGroup::spatial, {{"spatial", "V", b.spatial_e, "spatial noise, root sum of squares"}});
+  add_spatial_rows(all, b, "V", "the offset (dsnu, or its map)");
   add_rows(all, BudgetGroup::sensitivity,
            {{"snr", "", b.snr, "scene / temporal noise"},
             {"netd", "mK", 1e3 * b.netd_k, "noise-equivalent temperature difference, temporal"},

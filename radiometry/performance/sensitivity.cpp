@@ -30,15 +30,7 @@ std::vector<BudgetRow> terms(const Budget<double>& b) {
   add_rows(all, BudgetGroup::temporal,
            {{"temporal", "e-", b.temporal_e, "temporal noise, root sum of squares"},
             {"floor", "e-", b.floor_e, "temporal noise without light"}});
-  add_rows(
-      all, BudgetGroup::spatial,
-      {{"prnu", "e-", b.prnu_e, "spatial noise of the responsivity (prnu, or its map), after [correction] where given"},
-       {"dsnu", "e-", b.dsnu_e,
-        "spatial noise of offset and dark charge (dsnu, or its map; dcnu), after [correction] where given"},
-       {"correction", "e-", b.correction_e, "spatial noise of the flat frames of [correction]"},
-       {"rounding", "e-", b.rounding_e, "rounding to counts, the part that stays where noise does not dither it"}},
-      true);
-  add_rows(all, BudgetGroup::spatial, {{"spatial", "e-", b.spatial_e, "spatial noise, root sum of squares"}});
+  add_spatial_rows(all, b, "e-", "offset and dark charge (dsnu, or its map; dcnu)");
   add_rows(all, BudgetGroup::sensitivity,
            {{"snr", "", b.snr, "scene / temporal noise"},
             {"shot_netd", "mK", 1e3 * b.shot_netd_k, "NETD from the shot noise of light alone"},
@@ -57,6 +49,18 @@ void add_rows(std::vector<BudgetRow>& all, BudgetGroup group, std::vector<Budget
     row.term = terms;
     all.push_back(std::move(row));
   }
+}
+
+void add_spatial_rows(std::vector<BudgetRow>& all, const Budget<double>& b, const std::string& unit,
+                      const std::string& dsnu) {
+  const std::string corrected = ", after [correction] where given";
+  add_rows(all, BudgetGroup::spatial,
+           {{"prnu", unit, b.prnu_e, "spatial noise of the responsivity (prnu, or its map)" + corrected},
+            {"dsnu", unit, b.dsnu_e, "spatial noise of " + dsnu + corrected},
+            {"correction", unit, b.correction_e, "spatial noise of the flat frames of [correction]"},
+            {"rounding", unit, b.rounding_e, "rounding to counts, the part that stays where noise does not dither it"}},
+           true);
+  add_rows(all, BudgetGroup::spatial, {{"spatial", unit, b.spatial_e, "spatial noise, root sum of squares"}});
 }
 
 std::vector<BudgetRow> rows(const Budget<double>& budget) {

@@ -225,6 +225,9 @@ struct BudgetRow {
 };
 /// Adds rows to a group, all of them its terms or none.
 void add_rows(std::vector<BudgetRow>& all, BudgetGroup group, std::vector<BudgetRow> rows, bool terms = false);
+/// The spatial noise of a budget, its terms and their sum. `dsnu`: what its row holds.
+void add_spatial_rows(std::vector<BudgetRow>& all, const Budget<double>& budget, const std::string& unit,
+                      const std::string& dsnu);
 /// True for a figure of that budget without a value since the pixel or the converter is full.
 bool is_saturated(const Budget<double>& budget, double value);
 /// Why a figure of that budget has no finite value, "" where it has one.

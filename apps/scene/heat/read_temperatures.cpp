@@ -96,8 +96,8 @@ TemperatureRows read_npy(const std::string& path, const Files& files, std::size_
   if (std::error_code ignored; fs::exists(files.backs, ignored)) {
     NpyRows backs(files.backs);
     if (backs.rows() != fronts.rows())
-      throw mtf::UsageError(files.backs + ": " + std::to_string(backs.rows()) + " times, where " + files.fronts +
-                            " has " + std::to_string(fronts.rows()) + "; they are of two runs: run mtf heat again");
+      fail(files.backs, std::to_string(backs.rows()) + " times, where " + one_line(files.fronts) + " has " +
+                            std::to_string(fronts.rows()) + "; they are of two runs: run mtf heat again");
     rows.back_k = values_of(backs, path, facets, place);
   }
   return rows;

@@ -179,17 +179,15 @@ void add_opposites(const FitProblem& problem, std::span<const double> sd, const 
     }
     return true;
   };
-  const auto holds = [&](const Mirror& one) {
-    return std::any_of(found.begin(), found.end(),
-                       [&](const Mirror& other) { return !differs(problem, sd, other.x, one.x); });
+  const auto find = [&](const Mirror& one) {
+    return std::find_if(found.begin(), found.end(),
+                        [&](const Mirror& other) { return !differs(problem, sd, other.x, one.x); });
   };
-  const Mirror turned = opposite(best);
-  const auto same = std::find_if(found.begin(), found.end(),
-                                 [&](const Mirror& other) { return !differs(problem, sd, other.x, turned.x); });
-  if (same == found.end() || same->rise > kSame_chi2) return;
+  const auto turned = find(opposite(best));
+  if (turned == found.end() || turned->rise > kSame_chi2) return;
   for (const Mirror& mirror : std::vector(found)) {
     const Mirror other = opposite(mirror);
-    if (allowed(other) && differs(problem, sd, other.x, best.x) && !holds(other)) found.push_back(other);
+    if (allowed(other) && differs(problem, sd, other.x, best.x) && find(other) == found.end()) found.push_back(other);
   }
 }
 
