@@ -46,6 +46,10 @@ struct TableInfo {
   std::function<PathAir<double>(const SettingsTable& table, const std::optional<Band>& band)> path_air{};
 };
 
+/// The newest version of sensor files, their key `schema`. What changed with
+///   2   `width` alone in [detector] is a square, as in a footprint; before, its height was the pitch
+inline constexpr int kSensorVersion = 2;
+
 /// A value as given: a number in FieldInfo::unit; a whole number or the index of a word; true or false; a text or the
 /// path of a file.
 using SettingValue = std::variant<double, int, bool, std::string>;
@@ -61,6 +65,7 @@ struct GivenSetting {
 struct SettingsTable {
   std::string_view name;
   std::vector<GivenSetting> settings;
+  int version = kSensorVersion;  ///< of its file
 
   bool operator==(const SettingsTable&) const = default;
 

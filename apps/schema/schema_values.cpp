@@ -192,10 +192,11 @@ Json closed_table(std::string_view doc) {
   return table;
 }
 
-Json schema_head(std::string_view title, std::string_view doc) {
+Json schema_head(std::string_view title, std::string_view doc, int newest) {
   Json head{{"$schema", "http://json-schema.org/draft-07/schema#"}, {"title", std::string(title)}};
   head.update(closed_table(doc));
-  head["properties"]["schema"] = {{"const", 1}, {"description", "version of the file"}};
+  head["properties"]["schema"] = {{"description", "version of the file"}};
+  for (int version = 1; version <= newest; ++version) head["properties"]["schema"]["enum"].push_back(version);
   head["required"] = {"schema"};
   return head;
 }

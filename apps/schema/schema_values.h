@@ -30,7 +30,7 @@ Json fit_schema(std::string_view doc, const Json& number);
 /// A table without other keys than those that are added.
 Json closed_table(std::string_view doc);
 
-/// The head that names the dialect and the kind of file.
-Json schema_head(std::string_view title, std::string_view doc);
+/// The head that names the dialect, the kind of file and its versions, 1 to `newest`.
+Json schema_head(std::string_view title, std::string_view doc, int newest = 1);
 
 }  // namespace apps

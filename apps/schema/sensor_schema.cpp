@@ -5,6 +5,7 @@
 #include "apps/schema/schema_values.h"
 #include "apps/schema/schemas.h"
 #include "apps/text/json.h"
+#include "mtf/settings.h"
 
 namespace apps {
 namespace {
@@ -63,8 +64,8 @@ Json table_schema(std::string_view name, const SensorKinds& kinds) {
 
 std::string sensor_file_schema() {
   const SensorKinds kinds = sensor_kinds();
-  Json schema =
-      schema_head("mtf sensor file", "a sensor: its focal plane, the factors of its OTF, its chain to counts");
+  Json schema = schema_head("mtf sensor file", "a sensor: its focal plane, the factors of its OTF, its chain to counts",
+                            mtf::kSensorVersion);
   Json& properties = schema["properties"];
   properties["name"] = {{"type", "string"}};
   for (const auto* tables : {&kinds.own_tables, &kinds.tables})

@@ -60,7 +60,7 @@ void add_example(const Component<double>& blank, ComponentKind& kind) {
     return text;
   };
   const std::string sensor =
-      "schema = 1\n[frame]\nfocal_length = \"100 mm\"\npitch = \"15 um\"\nintegration_time = \"10 ms\"\n"
+      "schema = 2\n[frame]\nfocal_length = \"100 mm\"\npitch = \"15 um\"\nintegration_time = \"10 ms\"\n"
       "[optics]\nf_number = 2.0\n[band]\nwavelength = [\"3.4 um\", \"4.8 um\"]\n";
   std::vector<const FieldRef<double>*> extras;
   const auto add_all = [&](Presence presence) {

@@ -7,6 +7,7 @@
 
 #include "apps/sensor/sensor_air.h"
 #include "mtf/components/footprint.h"
+#include "radiometry/chain/sensor_numbers.h"
 
 namespace apps {
 namespace {
@@ -56,8 +57,12 @@ std::vector<mtf::io::Diagnostic> fill_factor_warnings(const mtf::System<double>&
 std::vector<mtf::io::Diagnostic> light_area_notes(const mtf::System<double>& system,
                                                   const radiometry::DetectorSettings& detector) {
   std::vector<mtf::io::Diagnostic> notes;
-  const double width_um = detector.width_um.value_or(system.frame.pitch_x_um);
-  const double height_um = detector.height_um.value_or(system.frame.pitch_y_um);
+  radiometry::SensorSettings settings;
+  settings.detector = detector;
+  const auto [width_um, height_um] = [&] {
+    const radiometry::Pixel<double> pixel = radiometry::pixel_numbers<double>(system, settings);
+    return std::pair{pixel.width_um, pixel.height_um};
+  }();
   const double of_pitch = width_um * height_um / (system.frame.pitch_x_um * system.frame.pitch_y_um);
   const std::string key = detector.width_um ? "detector.width" : detector.height_um ? "detector.height" : "detector";
   for (const FootprintArea& other : footprint_areas(system)) {
@@ -72,6 +77,17 @@ std::vector<mtf::io::Diagnostic> light_area_notes(const mtf::System<double>& sys
     notes.push_back(std::move(note));
   }
   return notes;
+}
+
+/// One side of the active area alone, which newer files read otherwise.
+std::vector<mtf::io::Diagnostic> one_side_warnings(const mtf::Frame<double>& frame,
+                                                   const mtf::SettingsTable& detector) {
+  const mtf::SettingValue *const width = detector.find("width"), *const height = detector.find("height");
+  if (detector.version >= 2 || (width == nullptr) == (height == nullptr)) return {};
+  if (width != nullptr && std::get<double>(*width) == frame.pitch_y_um) return {};  // a square in both
+  return {warning_at(width != nullptr ? "detector.width" : "detector.height",
+                     "given alone, the other side is the pitch in this file, which says schema = 1; from schema = 2 "
+                     "on width alone is a square; give width and height")};
 }
 
 /// With counts_per_kelvin nobody has said what a count is in volts.
@@ -105,8 +121,12 @@ std::vector<mtf::io::Diagnostic> chain_warnings(const mtf::io::SensorConfig& con
     for (mtf::io::Diagnostic& warning : more) warnings.push_back(std::move(warning));
   };
   const mtf::SettingsTable* table = find_table(config.tables, "detector");
-  const auto detector =
+  auto detector =
       table != nullptr ? std::optional(radiometry::from_table<radiometry::DetectorSettings>(*table)) : std::nullopt;
+  if (detector) {
+    add(one_side_warnings(config.system.frame, *table));
+    detector->square = table->version >= 2;
+  }
   if (detector && detector->kind == radiometry::DetectorKind::photon) add(light_area_notes(config.system, *detector));
   if (detector && detector->kind == radiometry::DetectorKind::thermal) {
     const double tau_s = given != nullptr ? std::get<double>(*given) : moving ? moving->time_constant_s : 0.0;

@@ -88,16 +88,20 @@ S electrons_per_count(const SensorSettings& settings, const S& full_well_e, cons
   return full_well_e / (S(most) - numbers("adc.offset", adc.offset_counts));
 }
 
-/// The active area is the pitch unless [detector] gives its size. `reference`: of a thermal detector.
+/// The active area is the pitch unless [detector] gives its size; a width alone is that of a square. `reference`: of a
+/// thermal detector.
 template <class S>
 Pixel<S> pixel_numbers(const mtf::System<S>& system, const SensorSettings& settings, const Overrides<S>& numbers = {},
                        const ThermalReference<S>& reference = {}) {
   const DetectorSettings detector = settings.detector.value_or(DetectorSettings{});
-  const auto size = [&](std::string_view path, const std::optional<double>& given, const S& pitch_um) {
-    return given || numbers.find(path) != nullptr ? numbers(path, given.value_or(0.0)) : pitch_um;
+  const auto size = [&](std::string_view path, const std::optional<double>& given) -> std::optional<S> {
+    if (!given && numbers.find(path) == nullptr) return std::nullopt;
+    return numbers(path, given.value_or(0.0));
   };
-  Pixel<S> pixel{.width_um = size("detector.width", detector.width_um, system.frame.pitch_x_um),
-                 .height_um = size("detector.height", detector.height_um, system.frame.pitch_y_um),
+  const std::optional<S> width_um = size("detector.width", detector.width_um);
+  const S side_um = detector.square ? width_um.value_or(system.frame.pitch_y_um) : system.frame.pitch_y_um;
+  Pixel<S> pixel{.width_um = width_um.value_or(system.frame.pitch_x_um),
+                 .height_um = size("detector.height", detector.height_um).value_or(side_um),
                  .integration_s = system.frame.integration_time_s,
                  .dark_e_s = numbers("detector.dark_current", detector.dark_e_s),
                  .full_well_e = numbers("detector.full_well", detector.full_well_e)};

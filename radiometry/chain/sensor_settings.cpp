@@ -134,8 +134,9 @@ void set_frame_rates(SensorSettings& settings) {
 
 }  // namespace
 
-DetectorSettings pixel_settings(const ThermalSettings& thermal) {
+DetectorSettings pixel_settings(const ThermalSettings& thermal, bool square) {
   DetectorSettings pixel;
+  pixel.square = square;
   pixel.kind = DetectorKind::thermal;
   pixel.width_um = thermal.width_um;
   pixel.height_um = thermal.height_um;
@@ -171,9 +172,14 @@ SensorSettings sensor_settings(const std::vector<mtf::SettingsTable>& tables) {
   for_each_table([&]<class T>(const SensorTable<T>& row) {
     if (const mtf::SettingsTable* table = find_table(tables, row.name)) settings.*row.values = from_table<T>(*table);
   });
-  if (!settings.detector || settings.detector->kind != DetectorKind::thermal) return settings;
-  settings.thermal = from_table<ThermalSettings>(*find_table(tables, "detector"));
-  settings.detector = pixel_settings(*settings.thermal);
+  if (!settings.detector) return settings;
+  const mtf::SettingsTable& detector = *find_table(tables, "detector");
+  settings.detector->square = detector.version >= 2;
+  if (settings.detector->square && detector.find("height") != nullptr && detector.find("width") == nullptr)
+    throw mtf::UsageError("detector.height: given without width; give both, or width alone for a square");
+  if (settings.detector->kind != DetectorKind::thermal) return settings;
+  settings.thermal = from_table<ThermalSettings>(detector);
+  settings.detector = pixel_settings(*settings.thermal, settings.detector->square);
   if (settings.lag)
     set_time_constant(*settings.lag, *settings.thermal, find_table(tables, "lag")->find("time_constant") != nullptr);
   const auto number = [&](std::string_view table, std::string_view key) -> std::optional<double> {

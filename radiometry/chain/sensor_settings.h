@@ -153,6 +153,7 @@ struct OpticsSettings {
 struct DetectorSettings {
   DetectorKind kind = DetectorKind::photon;
   std::optional<double> width_um{}, height_um{};  ///< of the active area; else the pitch
+  bool square = true;  ///< width alone is that of a square; false in files of version 1, whose height is the pitch then
   NumberOrFile quantum_efficiency{1.0};
   double full_well_e = std::numeric_limits<double>::infinity();
   double dark_e_s = 0.0;
@@ -166,9 +167,10 @@ struct DetectorSettings {
     return std::tuple{
         Field{optional_row("kind", "\"photon\"", "photon: electrons; thermal: a pixel that warms"),
               &DetectorSettings::kind},
-        Field{optional_row("width", length, "um", 1e-3, 1e6, "\"14 um\"", "of the active area; else the pitch"),
+        Field{optional_row("width", length, "um", 1e-3, 1e6, "\"14 um\"",
+                           "of the active area, alone that of a square; else the pitch"),
               &DetectorSettings::width_um},
-        Field{optional_row("height", length, "um", 1e-3, 1e6, "\"14 um\"", "of the active area; else the pitch"),
+        Field{optional_row("height", length, "um", 1e-3, 1e6, "\"14 um\"", "of the active area; else its width"),
               &DetectorSettings::height_um},
         Field{optional_row("quantum_efficiency", 0.0, 1.0, "0.75",
                            "electrons per photon: a number or the CSV file of a curve"),
@@ -348,7 +350,7 @@ void for_each_table(Visit visit) {
 
 /// What a thermal detector has in common with a photon detector: its active area and, as quantum efficiency, its
 /// absorptance.
-DetectorSettings pixel_settings(const ThermalSettings& thermal);
+DetectorSettings pixel_settings(const ThermalSettings& thermal, bool square = true);
 
 /// What the detector answers to. This alone decides whether a sensor is a thermal one: its curves
 /// (SpectralCamera::flux) and its pixel (Pixel::flux) take it from here.

@@ -68,9 +68,10 @@ struct ThermalSettings {
     using T = ThermalSettings;
     return std::tuple{
         Field{optional_row("kind", "\"thermal\"", "photon: electrons; thermal: a pixel that warms"), &T::kind},
-        Field{optional_row("width", length, "um", 1e-3, 1e6, "\"15 um\"", "of the active area; else the pitch"),
+        Field{optional_row("width", length, "um", 1e-3, 1e6, "\"15 um\"",
+                           "of the active area, alone that of a square; else the pitch"),
               &T::width_um},
-        Field{optional_row("height", length, "um", 1e-3, 1e6, "\"15 um\"", "of the active area; else the pitch"),
+        Field{optional_row("height", length, "um", 1e-3, 1e6, "\"15 um\"", "of the active area; else its width"),
               &T::height_um},
         Field{optional_row("fill_factor", 1e-6, 1.0, "0.9", "active area over that of the pitch, in place of both"),
               &T::fill_factor},

@@ -111,8 +111,21 @@ TEST_F(CountsPicture, TwoSizesOfOneDetectorAreBothSaid) {
   sensor("", "width = \"14.25 um\"", "width = \"14 um\"");
   expect_says(scratch.run("mtf config check s.toml").out,
               {"note: detector.width: detector area 14 x 15 um, footprint 15 x 15 um"});
+  sensor("", "schema = 1", "schema = 2");
+  expect_says(scratch.run("mtf config check s.toml").out,
+              {"note: detector.width: detector area 14.2 x 14.2 um, footprint 15 x 15 um"});
   sensor("", "width = \"14.25 um\"", "width = \"15 um\"");
   EXPECT_FALSE(says(scratch.run("mtf config check s.toml").out, "detector area"));
+}
+
+TEST_F(CountsPicture, OneSideOfADetectorIsAWarningInAnOldFile) {
+  const auto warns = [&] { return says(scratch.run("mtf config check s.toml").out, "warning: detector.width:"); };
+  sensor("", "width = \"14.25 um\"", "width = \"14 um\"");
+  EXPECT_TRUE(warns());
+  sensor("", "width = \"14.25 um\"", "width = \"15 um\"");  // a square of the pitch either way
+  EXPECT_FALSE(warns());
+  sensor("", "schema = 1", "schema = 2");
+  EXPECT_FALSE(warns());
 }
 
 TEST(Picture, TheDemoClipsNothingAndSaturatesNothing) {

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "mtf/io/config/config.h"
+#include "radiometry/chain/sensor_numbers.h"
 #include "radiometry/chain/sensor_settings.h"
 #include "tests/expect_error.h"
 #include "tests/replaced.h"
@@ -31,6 +32,37 @@ std::string first_error(const std::string& body) {
 
 void expect_error(const std::string& body, std::initializer_list<std::string_view> parts) {
   expect_says(first_error(body), parts);
+}
+
+/// Sides of the active area in um, of a file of that version.
+std::pair<double, double> sides(int version, const std::string& body, const Overrides<double>& numbers = {}) {
+  std::string text = kHead + body;
+  text[text.find('1')] = static_cast<char>('0' + version);
+  const mtf::io::ConfigResult result = mtf::io::parse_config(text, "s.toml", sensor_tables());
+  EXPECT_TRUE(result.ok()) << text;
+  EXPECT_TRUE(mtf::io::write_config(result.config).starts_with("schema = " + std::to_string(version)));
+  const Pixel<double> pixel =
+      pixel_numbers(result.config.system, sensor_settings(result.config.tables), numbers, {.middle = 1.0});
+  return {pixel.width_um, pixel.height_um};
+}
+
+// A footprint with a width alone is a square; a detector is one in files of version 2.
+TEST(DetectorSize, AWidthAloneIsASquareFromVersionTwoOn) {
+  const std::array list{Override<double>{"detector.width", 12.0}};
+  const Overrides<double> narrower(list);
+  using Sides = std::pair<double, double>;
+  for (const std::string& kind : {std::string("[detector]\n"), kThermal}) {
+    EXPECT_EQ(sides(1, kind), Sides(17.0, 17.0));
+    EXPECT_EQ(sides(2, kind), Sides(17.0, 17.0));
+    EXPECT_EQ(sides(1, kind + "width = \"14 um\"\n"), Sides(14.0, 17.0));
+    EXPECT_EQ(sides(2, kind + "width = \"14 um\"\n"), Sides(14.0, 14.0));
+    EXPECT_EQ(sides(2, kind + "width = \"14 um\"\nheight = \"16 um\"\n"), Sides(14.0, 16.0));
+    EXPECT_EQ(sides(2, kind + "width = \"14 um\"\n", narrower), Sides(12.0, 12.0));  // a study moves both
+    EXPECT_EQ(sides(1, kind + "width = \"14 um\"\n", narrower), Sides(12.0, 17.0));
+    EXPECT_EQ(sides(1, kind + "height = \"14 um\"\n"), Sides(17.0, 14.0));
+    expect_says(message_of<mtf::UsageError>([&] { sides(2, kind + "height = \"14 um\"\n"); }),
+                {"detector.height", "width"});
+  }
 }
 
 TEST(ThermalSettings, are_read_in_volts) {

@@ -69,7 +69,7 @@ class Sensor:
                                  "that mtfkit.kinds() and `mtf config kinds` list")
         if frame is None:
             raise UsageError(f"Sensor: needs frame; write {_SUCH_AS}")
-        lines = ["schema = 1"]
+        lines = ["schema = 2"]
         if name:
             lines += [f"name = {quantities.toml(name, 'name')}"]
         lines += [""]

@@ -146,7 +146,7 @@ look_at = ["0 m", "0 m", "1.2 m"]
 
 std::string demo_mwir_text() {
   return R"(# A cooled MWIR camera: InSb behind an F/4 cold stop. Typical numbers, not those of a product.
-schema = 1
+schema = 2
 name = "MWIR cooled"
 
 [frame]
@@ -201,7 +201,7 @@ bits = 14
 
 std::string demo_lwir_text() {
   return R"(# An uncooled LWIR camera of the same field of view: microbolometers behind an F/1.2 lens. Typical numbers.
-schema = 1
+schema = 2
 name = "LWIR uncooled"
 
 [frame]

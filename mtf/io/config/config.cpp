@@ -17,17 +17,21 @@ using cfg::Node;
 
 constexpr std::size_t kMaxName = 200;
 
-/// False when the file is of another schema, so that nothing else in it can be checked.
-bool read_schema(const cfg::Section& root) {
-  const std::string supported = "this version reads schema = " + std::to_string(cfg::kSchema);
+/// False when the file is of a version that is not known, so that nothing else in it can be checked.
+bool read_version(const cfg::Section& root, int& version) {
   const Node* schema = root.find("schema");
   if (schema == nullptr) {
     if (!root.reader.has_failed("schema"))
-      root.reader.error({}, "schema", "missing; write schema = 1 as the first line");
+      root.reader.error({}, "schema",
+                        "missing; write schema = " + std::to_string(kSensorVersion) + " as the first line");
     return true;
   }
-  if (schema->kind == Node::Kind::integer && schema->integer == cfg::kSchema) return true;
-  root.error("schema", cfg::shown(*schema) + " is not supported; " + supported);
+  if (schema->kind == Node::Kind::integer && schema->integer >= 1 && schema->integer <= kSensorVersion) {
+    version = static_cast<int>(schema->integer);
+    return true;
+  }
+  root.error("schema", cfg::shown(*schema) + " is not supported; this program reads schema = 1 to " +
+                           std::to_string(kSensorVersion));
   return false;
 }
 
@@ -112,12 +116,13 @@ void interpret(const Node& tree, ConfigResult& result) {
                 .failed = {},
                 .fits = {}};
   const Section root{reader, tree, "", ""};
-  if (read_schema(root)) {
+  if (read_version(root, result.config.version)) {
     System<double>& system = result.config.system;
     check_keys(root, known_tables(reader.schema));
     read_name(root, system);
     read_sections(root, result.config);
     result.config.tables = read_settings(root);
+    for (SettingsTable& table : result.config.tables) table.version = result.config.version;
     const Origin origin = read_components(root, system);
     if (takes_path_air(system))
       if (const auto no_air = read_path_air(tree, result.config)) reader.diagnostics.push_back(*no_air);

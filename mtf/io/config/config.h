@@ -74,6 +74,7 @@ struct SensorConfig {
   System<double> system;
   SceneDefaults scene;
   std::vector<FitSpec> fits;
+  int version = kSensorVersion;       ///< the key `schema` of the file
   std::vector<TableInfo> schema;      ///< tables beyond those of the system that the reader knows
   std::vector<SettingsTable> tables;  ///< those of them that are in the file, in the order of the schema
   std::string file;                   ///< as given by the user

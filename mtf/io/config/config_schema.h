@@ -15,7 +15,6 @@
 
 namespace mtf::io::cfg {
 
-inline constexpr int kSchema = 1;
 inline constexpr std::array<std::string_view, 9> kTopKeys{"schema", "name",      "frame",   "scene",     "optics",
                                                           "band",   "presample", "readout", "postsample"};
 inline constexpr std::array<std::string_view, 5> kQuantityNames{"radiance", "photon_radiance", "spectral_radiance",

@@ -6,7 +6,7 @@ namespace mtf::io {
 std::string starter_config() {
   return R"toml(# A mid-wave infrared staring camera. Change the numbers, then run: mtf config check FILE
 # Lengths, angles and times are strings with a unit ("15 um", "8 urad", "10 ms"); ratios are plain numbers.
-schema = 1
+schema = 2
 name = "MWIR staring 640x512"
 
 # The geometry: it converts between object angles, the focal plane and pixels. It adds no blur of its own.

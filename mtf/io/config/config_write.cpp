@@ -232,7 +232,7 @@ std::string cfg::write_fields(std::span<const FieldRef<double>> fields) {
 std::string write_config(const SensorConfig& config, const std::string& destination) {
   const System<double>& system = config.system;
   Writer out(config, destination);
-  out.raw("schema", std::to_string(cfg::kSchema));
+  out.raw("schema", std::to_string(config.version));
   if (!system.name.empty()) out.raw("name", toml_string(system.name));
   const bool split = std::any_of(config.fits.begin(), config.fits.end(),
                                  [](const FitSpec& f) { return f.path.starts_with("frame.pitch_"); });

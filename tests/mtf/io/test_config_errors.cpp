@@ -126,9 +126,9 @@ TEST(ConfigErrors, QuotesThatAreMissing) {
 TEST(ConfigErrors, StructureOfTheFile) {
   expect_one("schema = 1\n[frame\n", "s.toml:2:", {"not valid TOML"});
   expect_one(kHead + "[scene]\ngain = 1\ngain = 2\n", "s.toml:11:", {"not valid TOML"});
-  expect_one(head_with("schema = 1", "schema = 2"), "s.toml:1:10: error: schema: 2", {"schema = 1"});
+  expect_one(head_with("schema = 1", "schema = 3"), "s.toml:1:10: error: schema: 3", {"schema = 1 to 2"});
   expect_one(head_with("schema = 1", "schema = \"1\""), "s.toml:1:10: error: schema: ");
-  expect_one(head_with("schema = 1", ""), "s.toml: error: schema: missing; write schema = 1");
+  expect_one(head_with("schema = 1", ""), "s.toml: error: schema: missing; write schema = 2");
   expect_one("schema = 1\n", "s.toml: error: frame: missing; write [frame]");
   expect_one("schema = 1\nframe = 3\n", "s.toml:2:9: error: frame:", {"a table"});
   expect_one(head_with("focal_length = \"100 mm\"\n", ""), "s.toml:2:1: error: frame.focal_length: missing");
