@@ -155,3 +155,11 @@ def test_planes_keep_their_spacing(sensor, tmp_path):
     assert mk.read(tmp_path / "again.exr").sample == plane.sample
     with pytest.raises(mk.UsageError, match="spacing"):
         sensor.simulate(plane[::2])
+    mk.write(tmp_path / "other.exr", values, sample="3.75 um")
+    other = mk.read(tmp_path / "other.exr").plane()
+    for mixed in (lambda: sensor.simulate({"a": plane, "b": other}), lambda: mk.write(tmp_path / "mixed.exr", {"a": plane, "b": other}),
+                  lambda: sensor.compile(plane)(other)):
+        with pytest.raises(mk.UsageError, match=r"3\.75 .*5.* um|3\.75 um"):
+            mixed()
+    assert not (tmp_path / "mixed.exr").exists()
+    assert sensor.compile((64, 96), sample=("0.00375 mm", "5 um"))(plane).shape == explicit.image.shape

@@ -227,6 +227,8 @@ def test_values_are_read_by_the_names_of_replace(sensor):
 def test_a_wrong_name_gives_the_nearest_one(sensor):
     with pytest.raises(mk.UsageError, match=r"'jitter\.rsm'; did you mean jitter\.rms\?"):
         sensor["jitter.rsm"]
+    with pytest.raises(mk.UsageError, match=r"jitter.rms\[3\]: .*index"):
+        sensor["jitter.rms[3]"]
     with pytest.raises(mk.UsageError, match=r"'frame\.pich'; did you mean frame\.pitch\?"):
         sensor["frame.pich"]
     with pytest.raises(AttributeError, match=r"did you mean frame\.pitch\?"):

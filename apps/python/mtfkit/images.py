@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -64,9 +64,15 @@ class SpacedPlane(np.ndarray):  # type: ignore[type-arg]
         super().__setstate__(values)
 
 
-def sample_of(scene: object, sample: quantities.Value) -> quantities.Value:
-    """The spacing that the caller gives, else that of the plane itself."""
-    return getattr(scene, "sample", None) if sample is None and isinstance(scene, SpacedPlane) else sample
+def sample_of(planes: Iterable[object], sample: quantities.Value) -> quantities.Value:
+    """The spacing that the caller gives, else that of the planes themselves. Raises UsageError where theirs differ."""
+    if sample is not None:
+        return sample
+    stated = dict.fromkeys(plane.sample for plane in planes if isinstance(plane, SpacedPlane) and plane.sample)
+    if len(stated) > 1:
+        raise UsageError(f"sample: the planes state the spacings {' and '.join(' x '.join(one) for one in stated)}; give planes of one "
+                         "spacing, or sample= for all of them")
+    return next(iter(stated), None)
 
 
 #: Units of the quantities of scenes.
@@ -230,7 +236,7 @@ def write(path: str | os.PathLike[str], planes: Image | npt.ArrayLike | Mapping[
         planes = values
     named = planes if isinstance(planes, Mapping) else {"Y": planes}
     if "mtf:pixelPitch" not in (attributes or {}):
-        sample = sample_of(next(iter(named.values()), None), sample)
+        sample = sample_of(named.values(), sample)
     for name in named:
         if not isinstance(name, str):
             raise UsageError(f"planes: {quantities.shown(name)} is no name of a plane; give a dictionary by name")

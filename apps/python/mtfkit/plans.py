@@ -55,6 +55,7 @@ class Plan:
         memory. `frame` chooses the noise of a sensor with [detector], whose threads are those that `compile` got. Raises
         DataError for NaN and infinite values, with their number and first place.
         """
+        self._require_spacing(scene)
         if isinstance(self._plan, _core.LinearPlan):
             if self._canvas is not None:
                 plane = _core.plane(scene, "scene")
@@ -65,6 +66,15 @@ class Plan:
         if self._canvas is not None:
             self._canvas.begin()
         return self._plan.run(self._file, scene, out, frame)
+
+    def _require_spacing(self, scene: object) -> None:
+        stated = sample_of([scene], None)
+        if stated is None or stated == self._sample:
+            return
+        ours, theirs = (_core.sample_um(self._file, words) for words in (self._sample, quantities.sample_words(stated)))
+        if not np.allclose(ours[0], theirs[0], rtol=1e-6, atol=0):
+            raise UsageError("scene: states a spacing of {:.6g} x {:.6g} um, the plan is for {:.6g} x {:.6g} um; compile a plan "
+                             "for it, or give numpy.asarray(scene) for its values alone".format(*theirs[0], *ours[0]))
 
     @checked
     def replace(self, sensor: Sensor) -> Plan:
@@ -124,7 +134,7 @@ def _is_shape(scene: object) -> bool:
 def compile_plan(sensor: Sensor, scene: npt.ArrayLike | tuple[int, int], *, sample: quantities.Value,
                  quantity: str | None, tolerance: float | None, stage: str | None, rigor: str, threads: int) -> Plan:
     """`Sensor.compile`."""
-    start, sample = time.perf_counter(), sample_of(scene, sample)
+    start, sample = time.perf_counter(), sample_of([scene], sample)
     words, measure, threads = quantities.sample_words(sample), is_measured(rigor), quantities.thread_count(threads)
     plane = typical = None if _is_shape(scene) else _core.plane(scene, "scene")
     rows, columns = plane.shape if plane is not None else (int(n) for n in scene)  # type: ignore[union-attr,arg-type]

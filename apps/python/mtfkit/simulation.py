@@ -95,7 +95,8 @@ def run_simulation(sensor: Sensor, scene: SceneLike, *, sample: quantities.Value
                    out: str | os.PathLike[str] | None, range: tuple[float, float] | None, threads: int,
                    progress: Any) -> Run:
     """`Sensor.simulate`."""
-    sample = sample_of(next(iter(scene.values()), None) if isinstance(scene, Mapping) else scene, sample)
+    planes = scene.values() if isinstance(scene, Mapping) else [scene]
+    sample = sample_of([*planes, *(beside or {}).values()], sample)
     canvas, file = None, sensor._file
     if sensor._functions:
         canvas, file = _canvas(sensor, scene, sample, {

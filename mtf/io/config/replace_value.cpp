@@ -207,8 +207,14 @@ std::string stated_value(const SensorConfig& config, std::string_view parameter)
   const Node* value = table != nullptr ? table->find(target.key) : nullptr;
   if (value == nullptr && table != nullptr)  // of both axes
     if (const auto pair = cfg::pair_of_axis(target.key)) value = table->find(*pair);
-  if (value != nullptr && target.element)
-    value = *target.element < value->items.size() ? &value->items[*target.element] : nullptr;
+  if (value != nullptr && target.element) {
+    if (*target.element >= value->items.size())
+      throw UsageError(config.file + ": " + printable(std::string(parameter), 80) + ": " +
+                       (value->kind != Node::Kind::array
+                            ? "is one value, not a list; leave the index out"
+                            : "the list has " + std::to_string(value->items.size()) + " values, counted from 0"));
+    value = &value->items[*target.element];
+  }
   if (value == nullptr) return {};
   const std::size_t begin = offset_of(config.text, number_of(value)->position);
   return config.text.substr(begin, end_of_value(config.text, begin) - begin);
