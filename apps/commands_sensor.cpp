@@ -132,7 +132,11 @@ Command config_command() {
   words.required = false;
   words.repeats = true;
   words.candidates = one_of({"", "sensor", "study", "scene"});
-  add_text(init, "-o,--out", "FILE", "file to write; default: standard output", options.file);
+  add_text(init, "-o,--out", "FILE", "file to write; default: standard output", [&options](const std::string& text) {
+    if (!options.file.empty() && options.file != text)
+      throw mtf::UsageError("-o " + text + ": " + options.file + " is the file to write already; name one");
+    options.file = text;
+  });
   add_flag(init, "--force", "replace an existing file", options.force);
   init.run = action(ConfigOptions::Action::init);
 

@@ -52,7 +52,9 @@ std::string next_step(FileKind kind, const std::string& file) {
            file;
   const std::string check = "next: mtf config check " + file;
   return kind == FileKind::study
-             ? "it varies sensor.toml beside it, as mtf config init -o sensor.toml writes it; " + check
+             ? "it varies sensor.toml beside it; next, unless that is there: mtf config init -o sensor.toml; then mtf "
+               "config check " +
+                   file
              : check;
 }
 

@@ -5,6 +5,7 @@
 #include "apps/sweep/study_file.h"
 
 #include "apps/config_command.h"
+#include "apps/terminal/output.h"
 #include "apps/text/message_words.h"
 #include "mtf/error.h"
 #include "mtf/io/config/config_tree.h"
@@ -45,13 +46,15 @@ int check_study(const std::string& file, Format format) {
   if (result.ok())  // what only a sweep of it would find
     for (const auto& problems : {copy_problems(result.study), study::listed_gaps(result.study)})
       result.diagnostics.insert(result.diagnostics.end(), problems.begin(), problems.end());
-  return report_verdict({.file = file,
-                         .ok = result.ok(),
-                         .name = result.study.name,
-                         .sha256 = result.study.sha256,
-                         .summary = summary(result.study),
-                         .diagnostics = result.diagnostics},
-                        format);
+  const int code = report_verdict({.file = file,
+                                   .ok = result.ok(),
+                                   .name = result.study.name,
+                                   .sha256 = result.study.sha256,
+                                   .summary = summary(result.study),
+                                   .diagnostics = result.diagnostics},
+                                  format);
+  if (code == 0 && format == Format::table) print("next: mtf sweep " + shell_word(file) + " -o trade\n");
+  return code;
 }
 #else
 int check_study(const std::string& file, Format) {
