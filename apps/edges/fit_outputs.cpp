@@ -77,7 +77,7 @@ std::string fit_table(const FitResult& result) {
     text += "equivalent variance  " + shown(*result.equivalent_variance_px2) + " px^2\n";
   if (result.status != calib::FitStatus::no_data)
     text += "chi2 per dof         " + significant(result.chi2_per_dof, 4) +
-            "\nstructure left       p = " + significant(result.whiteness_p, 2) + "\n";
+            "\nresiduals as noise   p = " + significant(result.whiteness_p, 2) + "\n";
   for (const calib::FitResiduals& data : result.data)
     text += "  " + one_line(data.name) + ": " + std::to_string(data.count) + " values, chi2 per dof " +
             significant(data.chi2_per_dof, 4) + ", p = " + significant(data.whiteness_p, 2) +

@@ -37,7 +37,7 @@ void require_reachable(const CorrectionSettings& settings, double fill, double b
   change += ", or raise detector.full_well";
   if (filled < settings.high) change += " or correction.low";
   throw mtf::UsageError("[correction]: a flat frame at " + signal_of(settings, fill) +
-                        " cannot be had: without any scene warm optics, stop and dark current fill " +
+                        " cannot be made: without any scene warm optics, stop and dark current fill " +
                         mtf::three_digits(filled) + " of it (" + mtf::three_digits(background_e) + " e-)" +
                         (filled >= 1.0 ? ", the detector is saturated" : "") + "; " + change);
 }
