@@ -79,9 +79,10 @@ std::string largest_term(const Rows& rows, BudgetGroup group) {
          percent(share_of(*largest, variance)) + " of the variance, is " + largest->name + ": " + largest->doc + ".\n";
 }
 
-/// In groups; rows of the value 0 are only named.
-std::string as_table(const Rows& rows, const radiometry::Saturation& saturation,
-                     const std::vector<std::string>& observer) {
+}  // namespace
+
+std::string budget_text(const Rows& rows, const radiometry::Saturation& saturation,
+                        const std::vector<std::string>& observer) {
   TextTable table({"term", "value", "unit", "of variance", "what it is"});
   std::vector<std::string> zeros;
   for (const auto& [group, title] : kGroups) {
@@ -110,6 +111,8 @@ std::string as_table(const Rows& rows, const radiometry::Saturation& saturation,
   for (const std::string& line : observer) lines += one_line(line) + "\n";
   return table.aligned({Align::left, Align::right, Align::left, Align::right}) + lines;
 }
+
+namespace {
 
 std::string as_csv(const Rows& rows) {
   TextTable table({"term", "value", "unit", "doc", "reason"});
@@ -174,7 +177,7 @@ int run_budget(const BudgetOptions& options, const Global& global) {
     case Format::table: {
       Rows shown = rows;
       for (auto& row : nyquist_rows(config.system, loaded)) shown.push_back(std::move(row));
-      emit(options.out, as_table(shown, saturation, budget.observer));
+      emit(options.out, budget_text(shown, saturation, budget.observer));
       break;
     }
     case Format::csv:

@@ -27,8 +27,8 @@ std::string observer_gap(const mtf::System<double>& system, const radiometry::Se
   if (!budget.dither.dithered()) return words(budget.dither);
   constexpr double kMost_k = 1e6;  // of MrtdInput
   if (!(budget.netd_k <= kMost_k && budget.spatial_netd_k <= kMost_k))
-    return "the noise is no temperature difference: an NETD of " + mtf::three_digits(budget.netd_k) +
-           " K and a spatial one of " + mtf::three_digits(budget.spatial_netd_k) + " K";
+    return "the light of this temperature hardly reaches the detector: the NETD is " +
+           mtf::three_digits(budget.netd_k) + " K, the spatial one " + mtf::three_digits(budget.spatial_netd_k) + " K";
   if (!(system.frame.focal_length_mm > 0.0)) return "no [frame] focal_length";
   const auto& frame = sensor.settings.frame;
   if (sensor.settings.thermal && !(frame && frame->frame_time_s)) return "no [frame] frame_time";
@@ -50,10 +50,11 @@ BarView bar_view(const mtf::System<double>& system, const radiometry::Sensor& se
           .cutoff_cy_mrad = radiometry::counted_cy_mrad(system, resolution->cutoff_cy_mm)};
 }
 
-std::vector<std::string> observer_lines(const radiometry::Sensor& sensor) {
+std::vector<std::string> observer_lines(const mtf::System<double>& system, const radiometry::Sensor& sensor) {
   const std::string air = air_words(sensor.settings);
   return radiometry::condition_lines(
-      {.bars = true}, {}, {}, air.empty() ? "" : air + "; temperature differences are those of the scene behind it");
+      {.bars = true}, {}, {}, air.empty() ? "" : air + "; temperature differences are those of the scene behind it",
+      frame_rate_words(system, sensor.settings));
 }
 
 namespace {
@@ -107,7 +108,7 @@ BudgetTable budget_table(const mtf::io::SensorConfig& config, const LoadedSensor
   BudgetTable table{.rows = budget_rows(config.system, loaded.sensor, budget),
                     .numbers = budget,
                     .notes = budget_notes(loaded.sensor, budget),
-                    .observer = observer_lines(loaded.sensor),
+                    .observer = observer_lines(config.system, loaded.sensor),
                     .spatial_gap = spatial_gap(loaded.sensor.settings, budget),
                     .without_path = static_cast<bool>(loaded.paths)};
   for (radiometry::BudgetRow& row : observer_rows(with_electron_rate(config.system, loaded), loaded.sensor, budget))

@@ -50,7 +50,11 @@ struct BarView {
 BarView bar_view(const mtf::System<double>& system, const radiometry::Sensor& sensor,
                  const radiometry::Budget<double>& budget);
 
+/// Rows for people: in groups, those of the value 0 only named, then the largest terms in words.
+std::string budget_text(const std::vector<radiometry::BudgetRow>& rows, const radiometry::Saturation& saturation,
+                        const std::vector<std::string>& observer);
+
 /// Who the observer of MRTD and MDTD is, and what air lies before the sensor.
-std::vector<std::string> observer_lines(const radiometry::Sensor& sensor);
+std::vector<std::string> observer_lines(const mtf::System<double>& system, const radiometry::Sensor& sensor);
 
 }  // namespace apps

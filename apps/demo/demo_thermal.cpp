@@ -1,13 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/demo/demo_thermal.h"
 
-#include <algorithm>
 #include <cmath>
-#include <string_view>
 #include <vector>
 
+#include "apps/budget_table.h"
 #include "apps/simulate/simulate.h"
-#include "apps/terminal/text_table.h"
 #include "mtf/engines/statistics.h"
 #include "mtf/io/atomic_file.h"
 #include "mtf/io/image_io.h"
@@ -15,7 +13,7 @@
 namespace apps {
 namespace {
 
-constexpr const char* kCamera = R"toml(schema = 1
+constexpr const char* kCamera = R"toml(schema = 2
 name = "MWIR camera with noise"
 
 [frame]
@@ -77,15 +75,20 @@ bits = 14
 frames = 8
 )toml";
 
-constexpr const char* kUncooled = R"toml(schema = 1
+constexpr const char* kUncooled = R"toml(schema = 2
 name = "uncooled LWIR camera with noise"
 
 [frame]
 focal_length = "100 mm"
 pitch = "15 um"
+frame_time = "20 ms"
 
 [scene]
 quantity = "temperature"
+
+[atmosphere]                    # a model of the air: its light and its loss, at any range
+model = "mid_latitude_summer"
+range = "1 km"
 
 [optics]
 f_number = 1.0
@@ -129,7 +132,6 @@ offset = 4000
 struct Camera {
   const char* stem;  ///< of its file and its image
   const char* text;
-  std::vector<std::string_view> rows;  ///< of the budget that are shown; none: all
 };
 
 /// Writes the file of a camera and its image of the scene; returns both lines of the summary and the image.
@@ -149,15 +151,9 @@ std::pair<std::string, mtf::Image> through(const Camera& camera, const std::file
   mtf::Image image = std::move(simulated.planes.front());
   mtf::io::write_exr((folder / out).string(), {{"Y", image.view()}}, simulated.metadata);
 
-  const radiometry::Sensor sensor = load_chain(config).sensor;
-  TextTable table({"at 288 K", "value", "", ""});
-  for (const radiometry::BudgetRow& row : budget_rows(config.system, sensor, budget_of(config.system, sensor, 288.0))) {
-    const bool shown =
-        camera.rows.empty() || std::find(camera.rows.begin(), camera.rows.end(), row.name) != camera.rows.end();
-    if (shown && row.value != 0.0) table.add({row.name, significant(row.value, 5), row.unit, row.doc});
-  }
-  std::string text = "\nthermal scene through the whole chain of " + file + ", and its noise budget\n" +
-                     table.aligned({Align::left, Align::right});
+  const BudgetTable budget = budget_table(config, load_chain(config), 288.0);
+  std::string text = "\nthermal scene through the whole chain of " + file + ", and its noise budget at 288 K\n" +
+                     budget_text(budget.rows, budget.numbers.saturation, budget.observer);
   if (result.report.chain->held.any()) text += out + " is " + words(result.report.chain->held) + "\n";
   return {std::move(text), std::move(image)};
 }
@@ -185,11 +181,9 @@ std::string demo_thermal(const std::filesystem::path& folder, const mtf::Image& 
   metadata.pairs["mtf:pixelPitch"] = {step_um / 1e6, step_um / 1e6};
   mtf::io::write_exr((folder / "thermal.exr").string(), {{"Y", scene.view()}}, metadata);
 
-  auto [text, counts] = through({"camera", kCamera, {}}, folder, scene, step_um, threads);
+  auto [text, counts] = through({"camera", kCamera}, folder, scene, step_um, threads);
   image = std::move(counts);
-  return text + through({"uncooled", kUncooled, {"signal_per_k", "temporal", "largest", "netd", "spatial_netd", "nep"}},
-                        folder, scene, step_um, threads)
-                    .first;
+  return text + through({"uncooled", kUncooled}, folder, scene, step_um, threads).first;
 }
 
 }  // namespace apps

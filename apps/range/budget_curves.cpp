@@ -46,7 +46,7 @@ MinimumTemperatures minimum_temperatures(const mtf::io::SensorConfig& config, co
   const double nyquist = observer.nyquist_cy_mrad();
   const auto known = [](double kelvin) { return std::isfinite(kelvin) ? kelvin : kNone; };
   const auto relative = [](double value, double other) { return std::abs(other / value - 1.0); };
-  MinimumTemperatures found{.rows = {}, .observer = observer_lines(loaded.sensor)};
+  MinimumTemperatures found{.rows = {}, .observer = observer_lines(config.system, loaded.sensor)};
   for (const double share : shares_of_nyquist()) {
     Row row{.f_cy_mrad = share * nyquist, .width_mrad = 0.5 / (share * nyquist)};
     const bool bars = share <= 1.0;

@@ -4,7 +4,9 @@
 #include <algorithm>
 
 #include "mtf/components/path_air.h"
+#include "mtf/words.h"
 #include "radiometry/chain/sensor_budget.h"
+#include "radiometry/chain/sensor_numbers.h"
 
 namespace apps {
 
@@ -39,8 +41,9 @@ std::string air_course_gap(const mtf::System<double>& system, const LoadedSensor
            "\" states a path of its own, which would stay while the range changes; leave its path_length out, and of "
            "turbulence give cn2 alone, so that it takes the range of [atmosphere]";
   if (settings.path && !loaded.table)
-    return "[path] holds for one range; in its place give [atmosphere], or a path.table of several ranges, or "
-           "[conditions] extinction";
+    return "[path] holds for one range; remove it from the sensor file, and give [atmosphere] or a path.table of "
+           "several "
+           "ranges there, or [conditions] extinction";
   if (loaded.table && loaded.table->range_m().size() < 2)
     return "path.table holds one range; give one of several, as mtf atmosphere --table writes it, or [atmosphere]";
   if (settings.atmosphere && !settings.atmosphere->range_m)
@@ -106,6 +109,14 @@ std::string keys_of(std::string text, const T& table) {
 std::string air_words(const radiometry::SensorSettings& settings) {
   if (settings.atmosphere) return keys_of("[atmosphere]", *settings.atmosphere);
   return settings.path ? keys_of("[path]", *settings.path) : "";
+}
+
+std::string frame_rate_words(const mtf::System<double>& system, const radiometry::SensorSettings& settings) {
+  const double time_s = frame_time_s(system, settings);
+  if (!(time_s > 0.0)) return "";
+  const bool given = settings.frame && settings.frame->frame_time_s;
+  return mtf::three_digits(1.0 / time_s) + " Hz (1 / " +
+         (given ? "frame_time)" : "integration_time, as [frame] has no frame_time)");
 }
 
 std::optional<double> stated_range_m(const radiometry::SensorSettings& settings) {

@@ -51,7 +51,7 @@ std::string extinction_problem(const mtf::io::SensorConfig& sensor) {
   for (const std::string air : {"atmosphere", "path"})
     if (find_table(sensor.tables, air) != nullptr)
       return "given beside [" + air + "] of " + mtf::printable(sensor.file) +
-             ", whose air takes contrast too; remove extinction, or [" + air + "] from the sensor file";
+             ", whose air takes contrast too; remove [" + air + "] from the sensor file, or extinction";
   return "";
 }
 
@@ -62,7 +62,12 @@ std::vector<std::string> condition_lines(const Study& study) {
   } catch (const mtf::UsageError&) {  // the gap of each figure says it
   }
   const radiometry::FiguresOfObservers figures = figures_of(study);
-  return radiometry::condition_lines(figures, study.conditions, viewing, air_of(study, figures.johnson || figures.ttp));
+  const std::string frame_rate =
+      study.axes.empty() && study.sensors.empty()
+          ? apps::frame_rate_words(study.base.system, radiometry::sensor_settings(study.base.tables))
+          : "";
+  return radiometry::condition_lines(figures, study.conditions, viewing, air_of(study, figures.johnson || figures.ttp),
+                                     frame_rate);
 }
 
 }  // namespace study

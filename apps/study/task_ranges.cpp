@@ -14,8 +14,6 @@ namespace {
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
-static_assert(kRangeTasks == kRangeTasks);
-
 Study study_of(const mtf::io::SensorConfig& sensor, const Conditions& conditions, double tolerance) {
   if (conditions.extinction_per_km)
     if (const std::string why = extinction_problem(sensor); !why.empty()) throw mtf::UsageError("extinction: " + why);

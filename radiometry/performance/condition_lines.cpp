@@ -16,12 +16,15 @@ std::string name_of(Psychometric law) { return std::string(kPsychometricNames[st
 }  // namespace
 
 std::vector<std::string> condition_lines(const FiguresOfObservers& figures, const Conditions& c,
-                                         const std::optional<Viewing<double>>& viewing, const std::string& air) {
+                                         const std::optional<Viewing<double>>& viewing, const std::string& air,
+                                         const std::string& frame_rate) {
   std::vector<std::string> lines;
   if (figures.bars || figures.johnson)
     lines.push_back("observer of bars: signal-to-noise ratio " + format_double(c.snr_threshold) + ", eye time " +
                     format_double(c.eye_time_s) + " s, " +
-                    (c.frame_rate_hz ? format_double(*c.frame_rate_hz) + " Hz" : "a frame each frame time"));
+                    (c.frame_rate_hz      ? format_double(*c.frame_rate_hz) + " Hz"
+                     : frame_rate.empty() ? "a frame each frame time"
+                                          : frame_rate));
   if (figures.ttp) {
     const Observer<double> observer;
     const auto model = static_cast<std::size_t>(observer.model);

@@ -20,8 +20,9 @@ struct FiguresOfObservers {
 };
 
 /// `viewing`: nothing where figures of TTP have no number for want of it. `air`: "" where the output says it elsewhere.
-/// Empty without such figures.
+/// `frame_rate`: of the sensor, where it is one; "" for several. Empty without such figures.
 std::vector<std::string> condition_lines(const FiguresOfObservers& figures, const Conditions& conditions,
-                                         const std::optional<Viewing<double>>& viewing, const std::string& air);
+                                         const std::optional<Viewing<double>>& viewing, const std::string& air,
+                                         const std::string& frame_rate);
 
 }  // namespace radiometry

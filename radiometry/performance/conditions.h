@@ -107,7 +107,10 @@ Viewing<S> viewing_of(const Conditions& conditions, const mtf::Frame<S>& frame) 
   if (!conditions.display_height_m || !conditions.viewing_distance_m)
     throw mtf::UsageError("no [conditions] magnification, or display_height and viewing_distance");
   if (frame.columns <= 0 || frame.rows <= 0)
-    throw mtf::UsageError("no [frame] format, whose picture fills [conditions] display_height");
+    throw mtf::UsageError(
+        "no [frame] format, whose picture fills [conditions] display_height; write format = [640, 512] (columns, rows) "
+        "in "
+        "[frame], or give magnification in place of the display");
   const S height(*conditions.display_height_m / *conditions.viewing_distance_m);
   const S rows_um = S(frame.rows) * frame.pitch_y_um, columns_um = S(frame.columns) * frame.pitch_x_um;
   const S magnification = height * frame.focal_length_mm * S(1e3) / rows_um;

@@ -58,7 +58,7 @@ std::string metric_gap(const MetricChoice& choice, const Study& study, const Var
   if (pupil && std::none_of(list.begin(), list.end(), [](const auto& e) { return e.component.is_pupil(); }))
     return "no pupil: diffraction, defocus or wavefront";
   if (metric == Metric::fov && (sensor.system.frame.columns <= 0 || sensor.system.frame.rows <= 0))
-    return "no [frame] format";
+    return "no [frame] format; write format = [640, 512], columns and rows";
   if (effort == Effort::spurious && !mtf::is_reconstructed(sensor.system))
     return "no display, interpolation or eye in [[postsample]]";
   const bool thermal = sensor.loaded && sensor.loaded->sensor.settings.thermal;
@@ -68,7 +68,8 @@ std::string metric_gap(const MetricChoice& choice, const Study& study, const Var
   if (thermal && of_electrons) return "a thermal detector has no electrons and no photons; take netd, nep or snr";
   if (thermal && acquisition && !(given.frame_rate_hz > 0.0)) {
     const auto& frame = sensor.loaded->sensor.settings.frame;
-    if (!frame || !frame->frame_time_s) return "no [frame] frame_time or [conditions] frame_rate";
+    if (!frame || !frame->frame_time_s)
+      return "no [frame] frame_time; write frame_time = \"33 ms\" there, or give [conditions] frame_rate";
   }
   if (metric == Metric::dynamic_range && sensor.loaded && sensor.loaded->sensor.settings.detector &&
       !std::isfinite(sensor.loaded->sensor.settings.detector->full_well_e))
