@@ -5,7 +5,9 @@
 //   strehl    = int f mean over directions of Re O df x 2 pi / ideal area
 //   ensquared = int f mean over directions of [Re O sinc(fx px) sinc(fy py)] df x 2 pi px py
 // Radially by the series of otf_series.h, in the directions by the midpoint rule, whose error falls faster than any
-// power for a smooth periodic function; radial optics need directions for the pitch alone, without any OTF.
+// power for a smooth periodic function; radial optics need directions for the pitch alone, without any OTF. Over a band
+// the integrals of each wavelength are averaged: up to a cutoff of its own an OTF has no kinks of other wavelengths,
+// and its integrals are so smooth over the band that a few wavelengths do.
 
 #include <limits>
 
@@ -40,69 +42,67 @@ S box_mean(const S& fx_px, const S& fy_px) {
   return sum / S(static_cast<double>(n));
 }
 
-/// What the integrals make of an error of the OTF: those of the moduli of their kernels.
-inline double amplification(double area, double px, double py, double cutoff, bool ensquared, bool radial) {
-  double box = ensquared && !radial ? kPi * cutoff * cutoff * px * py : 0.0;  // the sinc are in the series
-  if (ensquared && radial) {
-    constexpr int n = 64;
-    for (int i = 0; i < n; ++i) {
-      const double f = cutoff * (i + 0.5) / n;
-      box += 2.0 * kPi * f * cutoff / n * std::abs(box_mean(f * px, f * py)) * px * py;
-    }
+/// What the integral of the energy makes of an error of an OTF up to the cutoff: that of the modulus of its kernel.
+inline double box_amplification(double px, double py, double cutoff, bool radial) {
+  if (!radial) return kPi * cutoff * cutoff * px * py;  // the sinc are in the series
+  constexpr int n = 64;
+  double box = 0.0;
+  for (int i = 0; i < n; ++i) {
+    const double f = cutoff * (i + 0.5) / n;
+    box += 2.0 * kPi * f * cutoff / n * std::abs(box_mean(f * px, f * py)) * px * py;
   }
-  return std::max({1.0, kPi * cutoff * cutoff / area, box});
+  return box;
 }
 
 // What is averaged over the directions at a radial frequency.
 inline constexpr std::size_t kMean = 0, kBoxed = 1;
 
-/// `turns`: directions over a half turn, 1 for radial optics.
+/// Integrals over the frequencies, at one wavelength or averaged over a band.
 template <class S>
-PupilLight<S> light_of(OtfParts<S>& parts, double cutoff_cy_mm, double tolerance, bool ensquared, int turns,
-                       int& evaluations) {
+struct LightSums {
+  S whole{}, boxed{}, ideal{};
+  double error = 0.0;        ///< of what is about 1: whole / ideal, and boxed
+  double whole_error = 0.0;  ///< of whole / ideal alone
+};
+
+/// `box_amplified`: box_amplification of a cutoff at least as large; 0 where no energy is asked for. `turns`:
+/// directions over a half turn, 1 for radial optics.
+template <class S>
+LightSums<S> sums_at(const OtfParts<S>& parts, const typename OtfParts<S>::OpticsAt& at, double tolerance,
+                     double box_amplified, int turns, int& evaluations) {
+  const bool ensquared = box_amplified > 0.0;
   const Frame<S>& frame = parts.system().frame;
   const S px = frame.pitch_x_um * S(1e-3), py = frame.pitch_y_um * S(1e-3);
   const bool radial = turns == 1;
+  const auto directions = static_cast<std::size_t>(turns);
   std::vector<Freq<S>> f;
   std::vector<Complex<S>> optics;
-  std::vector<S> radii;
-  Products<S> products;
-  const auto evaluate_radial = [&](const std::vector<double>& at, SeriesValues<S, 2>& values) {
-    radii.clear();
-    for (const double radius : at) radii.push_back(S(radius));
-    parts.along(Axis::x, radii, products, true);
-    evaluations += static_cast<int>(at.size());
-    for (const Complex<S>& h : products.optics) values[kMean].push_back({h.re, S(0)});
-  };
-  const auto evaluate = [&](const std::vector<double>& at, SeriesValues<S, 2>& values) {
-    if (radial) return evaluate_radial(at, values);
+  const auto evaluate = [&](const std::vector<double>& radii, SeriesValues<S, 2>& values) {
     f.clear();
-    for (const double radius : at)
+    for (const double radius : radii)
       for (int t = 0; t < turns; ++t) {
-        const auto [s, c] = sin_cos_pi((t + 0.5) / turns);
-        f.push_back({S(radius * c), S(radius * s)});
+        const SinCos turn = radial ? SinCos{0.0, 1.0} : sin_cos_pi((t + 0.5) / turns);
+        f.push_back({S(radius * turn.cos), S(radius * turn.sin)});
       }
-    parts.optics(f, optics);
+    parts.optics(at, f, optics);
     evaluations += static_cast<int>(f.size());
-    for (std::size_t i = 0; i < at.size(); ++i) {
+    for (std::size_t i = 0; i < optics.size(); i += directions) {
       S whole{}, box{};
-      for (int t = 0; t < turns; ++t) {
-        const std::size_t k = i * static_cast<std::size_t>(turns) + static_cast<std::size_t>(t);
+      for (std::size_t k = i; k < i + directions; ++k) {
         whole += optics[k].re;
-        if (ensquared) box += optics[k].re * sinc_of(S(f[k].x * px)) * sinc_of(S(f[k].y * py));
+        if (ensquared && !radial) box += optics[k].re * sinc_of(S(f[k].x * px)) * sinc_of(S(f[k].y * py));
       }
       values[kMean].push_back({whole / S(static_cast<double>(turns)), S(0)});
-      if (ensquared) values[kBoxed].push_back({box / S(static_cast<double>(turns)), S(0)});
+      if (ensquared && !radial) values[kBoxed].push_back({box / S(static_cast<double>(turns)), S(0)});
     }
   };
+  const double cutoff = at.cutoff_cy_mm;
+  const double whole_amplified = std::max(1.0, kPi * cutoff * cutoff / value_of(at.ideal_area));
+  const double amplified = std::max(whole_amplified, box_amplified);
   std::vector<SeriesPanel<S, 2>> panels;
-  const S area = parts.ideal_area();
-  const double amplified = amplification(value_of(area), value_of(px), value_of(py), cutoff_cy_mm, ensquared, radial);
-  if (parts.chromatic() && !(parts.band_error() * amplified <= 0.3 * tolerance))
-    parts.use_tolerance(0.1 * tolerance / amplified);
-  append_series<S, 2>(panels, {0.0, cutoff_cy_mm}, tolerance / amplified, 256, parts.kinks_cy_mm(), evaluate);
+  append_series<S, 2>(panels, {0.0, cutoff}, tolerance / amplified, 256, at.kinks_cy_mm, evaluate);
 
-  S strehl{}, boxed{};
+  LightSums<S> sums{.ideal = at.ideal_area};
   double error = 0.0;
   const double widest = std::max(value_of(px), value_of(py));
   for (const SeriesPanel<S, 2>& panel : panels) {
@@ -111,33 +111,79 @@ PupilLight<S> light_of(OtfParts<S>& parts, double cutoff_cy_mm, double tolerance
     const std::vector<S> means = at_nodes(panel.otf[kMean].re, nodes);
     const std::vector<S> boxes = ensquared && !radial ? at_nodes(panel.otf[kBoxed].re, nodes) : std::vector<S>{};
     for (std::size_t i = 0; i < nodes.t.size(); ++i) {
-      const double at = panel.map.lo + width * nodes.share[i], weight = 2.0 * kPi * at * width * nodes.weight[i];
-      strehl += S(weight) * means[i] / area;
+      const double radius = panel.map.lo + width * nodes.share[i],
+                   weight = 2.0 * kPi * radius * width * nodes.weight[i];
+      sums.whole += S(weight) * means[i];
       if (!ensquared) continue;
-      const S box = radial ? means[i] * box_mean(S(S(at) * px), S(S(at) * py)) : boxes[i];
-      boxed += S(weight) * box * px * py;
+      const S box = radial ? means[i] * box_mean(S(S(radius) * px), S(S(radius) * py)) : boxes[i];
+      sums.boxed += S(weight) * box * px * py;
     }
     error = std::max(error, panel.error);
   }
-  constexpr double kNoNumber = 0.05;  // an energy with a larger error is useless: pitches of hundreds of spots
-  if (error * amplified > kNoNumber) boxed = S(std::numeric_limits<double>::quiet_NaN());
-  error += parts.chromatic() ? parts.band_error() : 0.0;
-  const double known =
-      error * (error * amplified > kNoNumber ? amplification(value_of(area), 0.0, 0.0, cutoff_cy_mm, false, radial)
-                                             : amplified);
-  return {strehl, boxed, known};
+  sums.error = error * amplified;
+  sums.whole_error = error * whole_amplified;
+  return sums;
+}
+
+template <class S>
+PupilLight<S> light_of(OtfParts<S>& parts, double tolerance, bool ensquared, int turns, int& evaluations) {
+  constexpr double kBandShare = 0.3;
+  const auto light = [](const LightSums<S>& sums) {
+    constexpr double kNoNumber = 0.05;  // an energy with a larger error is useless: pitches of hundreds of spots
+    const bool useless = sums.error > kNoNumber;
+    return PupilLight<S>{sums.whole / sums.ideal, useless ? S(std::numeric_limits<double>::quiet_NaN()) : sums.boxed,
+                         useless ? sums.whole_error : sums.error};
+  };
+  const Frame<S>& frame = parts.system().frame;
+  const auto shortest = parts.optics_at(parts.chromatic() ? parts.system().band->lo_um : 0.0);
+  const double box = !ensquared
+                         ? 0.0
+                         : box_amplification(1e-3 * value_of(frame.pitch_x_um), 1e-3 * value_of(frame.pitch_y_um),
+                                             shortest.cutoff_cy_mm, turns == 1);
+  if (!parts.chromatic()) return light(sums_at(parts, shortest, tolerance, box, turns, evaluations));
+  const auto averaged = [&](int n) {
+    const WavelengthNodes& nodes = parts.band_nodes(n);
+    LightSums<S> mean;
+    for (std::size_t w = 0; w < nodes.weight.size(); ++w) {
+      const S weight(nodes.weight[w]);
+      const LightSums<S> one = sums_at(parts, parts.optics_at(nodes.wavelength_um[w]), (1.0 - kBandShare) * tolerance,
+                                       box, turns, evaluations);
+      mean.whole += weight * one.whole;
+      mean.boxed += weight * one.boxed;
+      mean.ideal += weight * one.ideal;
+      mean.error = std::max(mean.error, one.error);
+      mean.whole_error = std::max(mean.whole_error, one.whole_error);
+    }
+    return mean;
+  };
+  constexpr int kMost = 64;
+  PupilLight<S> before = light(averaged(2));
+  for (int n = 4;; n *= 2) {
+    PupilLight<S> finer = light(averaged(n));
+    // The error of 2 n wavelengths is at most half of what changes from n.
+    const auto change = [](const S& a, const S& b) {
+      const double by = 0.5 * std::abs(value_of(a) - value_of(b));
+      return std::isnan(by) ? 0.0 : by;
+    };
+    const double moved = std::max(change(finer.strehl, before.strehl), change(finer.ensquared, before.ensquared));
+    if (moved <= kBandShare * tolerance || n == kMost) {
+      finer.error += moved;
+      return finer;
+    }
+    before = finer;
+  }
 }
 
 }  // namespace detail
 
-/// `parts` has a pupil, which ends at the cutoff.
+/// `parts` has a pupil.
 template <class S>
-PupilLight<S> pupil_light(OtfParts<S>& parts, double cutoff_cy_mm, double tolerance, bool ensquared, int& evaluations) {
-  if (parts.radial_optics()) return detail::light_of(parts, cutoff_cy_mm, tolerance, ensquared, 1, evaluations);
+PupilLight<S> pupil_light(OtfParts<S>& parts, double tolerance, bool ensquared, int& evaluations) {
+  if (parts.radial_optics()) return detail::light_of(parts, tolerance, ensquared, 1, evaluations);
   constexpr int kMostTurns = 512;
-  PupilLight<S> light = detail::light_of(parts, cutoff_cy_mm, tolerance, ensquared, 8, evaluations);
+  PupilLight<S> light = detail::light_of(parts, tolerance, ensquared, 8, evaluations);
   for (int turns = 16;; turns *= 2) {
-    PupilLight<S> finer = detail::light_of(parts, cutoff_cy_mm, tolerance, ensquared, turns, evaluations);
+    PupilLight<S> finer = detail::light_of(parts, tolerance, ensquared, turns, evaluations);
     const double change = std::max(std::abs(value_of(finer.strehl) - value_of(light.strehl)),
                                    std::abs(value_of(finer.ensquared) - value_of(light.ensquared)));
     light = finer;

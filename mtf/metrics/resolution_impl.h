@@ -227,7 +227,12 @@ S ResolutionMeter<S>::Impl::mtf50(Axis axis) {
       h_hi = i < nodes.t.size() ? value_of(modulus(panel.system[i])) - kHalf : excess(1.0);
     }
     if (h_hi > 0.0) continue;
-    const double t = find_zero(lo, h_lo, hi, h_hi, near(), excess);
+    const double t = find_zero(lo, h_lo, hi, h_hi, near(), [&](std::span<const double> at) {
+      const ComplexValues<S> values = at_places(h, at);
+      std::vector<double> excesses;
+      for (std::size_t i = 0; i < at.size(); ++i) excesses.push_back(value_of(modulus(values[i])) - kHalf);
+      return excesses;
+    });
     // One Newton step in S: for its derivatives; the slope by a difference of fourth order.
     constexpr double d = 1e-3;
     const std::array<double, 4> about{t - 2 * d, t - d, t + d, t + 2 * d};
@@ -313,7 +318,7 @@ Resolution<S> ResolutionMeter<S>::Impl::measure_once() {
   if (needs.y) error = std::max(error, measure_axis(Axis::y, cutoff, result.y, result.curve_y));
   result.strehl = result.ensquared = S(std::numeric_limits<double>::quiet_NaN());
   if ((needs.strehl || needs.ensquared) && parts.pupil() != nullptr) {
-    const PupilLight<S> light = pupil_light(parts, cutoff, needs.tolerance, needs.ensquared, evaluations);
+    const PupilLight<S> light = pupil_light(parts, needs.tolerance, needs.ensquared, evaluations);
     if (needs.strehl) result.strehl = light.strehl;
     if (needs.ensquared) result.ensquared = light.ensquared;
     error = std::max(error, light.error);

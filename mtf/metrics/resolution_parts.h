@@ -26,22 +26,23 @@ struct AxisPanel {
   ComplexValues<S> system, presample, unfiltered;
 };
 
-/// A zero of `value` between lo and hi, where it has the values h_lo and h_hi of different sign, within `near`.
-template <class Value>
-double find_zero(double lo, double h_lo, double hi, double h_hi, double near, Value value) {
-  double t = hi;
-  for (int i = 0; i < 80 && hi - lo > near; ++i) {  // Illinois: an end that is kept twice counts half
-    const double last = t;
-    t = lo + (hi - lo) * h_lo / (h_lo - h_hi);
-    if (std::abs(t - last) < near) break;
-    const double at = value(t);
-    if (at == 0.0) break;
-    if ((at > 0.0) == (h_lo > 0.0))
-      lo = t, h_lo = at, h_hi *= 0.5;
-    else
-      hi = t, h_hi = at, h_lo *= 0.5;
+/// A zero between neighbouring nodes lo and hi, where a series has the values h_lo and h_hi of different sign, within
+/// about `near`. `values(places)`: many places at once cost little more than one. A straight line is left where what
+/// the series bends between nodes no longer counts.
+template <class Values>
+double find_zero(double lo, double h_lo, double hi, double h_hi, double near, Values values) {
+  constexpr std::size_t kPlaces = 8;
+  const double bending = 1.0 / (8.0 * (hi - lo));
+  while (bending * (hi - lo) * (hi - lo) > near && hi - lo > 1e-15) {
+    std::array<double, kPlaces> t{};
+    for (std::size_t i = 0; i < kPlaces; ++i) t[i] = lo + (hi - lo) * static_cast<double>(i + 1) / (kPlaces + 1.0);
+    const std::vector<double> at = values(t);
+    const auto after = std::find_if(at.begin(), at.end(), [&](double h) { return (h > 0.0) != (h_lo > 0.0); });
+    const auto i = static_cast<std::size_t>(after - at.begin());
+    if (i < kPlaces) hi = t[i], h_hi = at[i];
+    if (i > 0) lo = t[i - 1], h_lo = at[i - 1];
   }
-  return t;
+  return lo + (hi - lo) * h_lo / (h_lo - h_hi);
 }
 
 /// Where a series goes through 0 between the nodes and turns by half a cycle, but for what is below its own error:
@@ -56,11 +57,13 @@ void append_zeros(const ComplexSeries<S>& series, const ComplexValues<S>& values
     if (!(now < 0.0 &&
           std::max(square, value_of(b.re) * value_of(b.re) + value_of(b.im) * value_of(b.im)) > error * error))
       continue;
-    const auto part_along_a = [&](double t) {
-      const Complex<S> h = series.at(t);
-      return value_of(h.re) * re + value_of(h.im) * im;
+    const auto parts_along_a = [&](std::span<const double> t) {
+      const ComplexValues<S> h = at_places(series, t);
+      std::vector<double> parts;
+      for (std::size_t k = 0; k < t.size(); ++k) parts.push_back(value_of(h[k].re) * re + value_of(h[k].im) * im);
+      return parts;
     };
-    zeros.push_back(find_zero(nodes.t[i - 1], square, nodes.t[i], now, near, part_along_a));
+    zeros.push_back(find_zero(nodes.t[i - 1], square, nodes.t[i], now, near, parts_along_a));
   }
 }
 

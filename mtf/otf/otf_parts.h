@@ -132,15 +132,39 @@ class OtfParts {
     return worst;
   }
 
-  /// Area of the unaberrated pupil's OTF, (cy/mm)^2: pi (1 - e^2) / (lambda N)^2 / 4, averaged over the band.
-  S ideal_area() const {
-    if (!chromatic()) return ideal_area(middle_);
-    const auto area = [this](double wavelength_um) {
-      return std::array{Complex<S>{ideal_area(system_->context(S(wavelength_um))), S(0)}};
-    };
-    constexpr double kTightest = 1e-14;
-    const double scale = value_of(ideal_area(system_->context(S(lo_um_))));
-    return split_mean<S, 1>(weights_, {}, kInfinity, kTightest * scale, area).value[0].re;
+  /// The optics at one wavelength, which have a pupil.
+  struct OpticsAt {
+    Context<S> context;  ///< of chromatic components
+    double cutoff_cy_mm = 0.0;
+    std::vector<double> kinks_cy_mm{};
+    S ideal_area{};  ///< of the OTF of the pupil without aberration: pi (1 - e^2) / (lambda N)^2 / 4, (cy/mm)^2
+  };
+  /// `wavelength_um` says nothing where no component is chromatic.
+  OpticsAt optics_at(double wavelength_um) const {
+    OpticsAt at{chromatic() ? system_->context(S(wavelength_um)) : middle_};
+    at.cutoff_cy_mm = kInfinity;
+    each_of_optics(at.context, [&](const Component<S>& component, const Context<S>& context) {
+      at.cutoff_cy_mm = std::min(at.cutoff_cy_mm, component.cutoff_cy_mm(context));
+    });
+    const Context<S>& own = pupil_chromatic_ ? at.context : middle_;
+    at.kinks_cy_mm = pupil_->kinks_cy_mm(own);
+    const PupilNumbers<S> p = pupil_numbers(*pupil_, own);
+    const S cutoff = S(1e3) / (p.wavelength_um * p.f_number);
+    at.ideal_area = S(0.25 * kPi) * (S(1) - p.obscuration * p.obscuration) * cutoff * cutoff;
+    return at;
+  }
+  /// The optics at that wavelength, in any direction.
+  void optics(const OpticsAt& at, std::span<const Freq<S>> f, std::vector<Complex<S>>& product) const {
+    product.assign(f.size(), one());
+    each_of_optics(at.context, [&](const Component<S>& component, const Context<S>& context) {
+      component.multiply(f, context, product);
+    });
+  }
+  /// The Gauss rule of n wavelengths for what is smooth over the band.
+  const WavelengthNodes& band_nodes(int n) {
+    auto& nodes = nodes_[n];
+    if (nodes.weight.empty()) nodes = wavelength_nodes(*system_->band, n);
+    return nodes;
   }
 
   /// The largest number of wavelengths at a frequency.
@@ -159,32 +183,19 @@ class OtfParts {
   /// The estimated error of the means over the band since then.
   double band_error() const { return band_error_; }
 
-  /// The optics in any direction.
-  void optics(std::span<const Freq<S>> f, std::vector<Complex<S>>& product) {
-    Products<S> products;
-    start(products, f.size());
-    multiply(steady_, f, products, &Member::is_optics);
-    product = std::move(products.optics);
-    if (chromatic_.empty()) return;
-    average(f, own_means_, true);
-    times(product, own_means_.optics);
-  }
-
-  /// All products along an axis, or those of the optics alone.
-  void along(Axis axis, std::span<const S> f_cy_mm, Products<S>& products, bool optics_alone = false) {
-    const Kept& kept = keep(f_cy_mm, optics_alone);
+  /// All products along an axis.
+  void along(Axis axis, std::span<const S> f_cy_mm, Products<S>& products) {
+    const Kept& kept = keep(f_cy_mm);
     products = kept.products;
     const std::span<const Freq<S>> f = places(axis, f_cy_mm);
-    const auto own = [&](const Member& m) {
-      return !same_along_both(m) && !is_flat(m, axis) && (!optics_alone || m.is_optics());
-    };
+    const auto own = [&](const Member& m) { return !same_along_both(m) && !is_flat(m, axis); };
     multiply(steady_, f, products, own);
     multiply(after_, f, products, own);
     times(products.presample, products.detector);
     times(products.presample, products.optics);
     times(products.after_sampling, products.readout);
     if (chromatic_.empty()) return;
-    if (!all_same_along_both(chromatic_)) average(f, own_means_, optics_alone);
+    if (!all_same_along_both(chromatic_)) average(f, own_means_);
     const BandMeans& means = all_same_along_both(chromatic_) ? kept.means : own_means_;
     times(products.optics, means.optics);
     times(products.presample, means.presample);
@@ -214,7 +225,6 @@ class OtfParts {
     std::vector<S> f_cy_mm;
     int wavelengths = 0;
     double tolerance = 0.0;
-    bool optics_alone = false;
     Products<S> products;  ///< each holds the product of its own components alone
     BandMeans means;
   };
@@ -227,6 +237,14 @@ class OtfParts {
   }
   static bool is_flat(const Member& m, Axis axis) {
     return kValuesAlone && (axis == Axis::x ? m.traits.flat_x : m.traits.flat_y);
+  }
+
+  template <class Visit>
+  void each_of_optics(const Context<S>& chromatic, Visit visit) const {
+    for (const Member& m : steady_)
+      if (m.is_optics()) visit(*m.component, middle_);
+    for (const Member& m : chromatic_)
+      if (m.is_optics()) visit(*m.component, chromatic);
   }
 
   static Complex<S> one() { return {S(1), S(0)}; }
@@ -250,12 +268,11 @@ class OtfParts {
     return places_;
   }
 
-  const Kept& keep(std::span<const S> f_cy_mm, bool optics_alone) {
+  const Kept& keep(std::span<const S> f_cy_mm) {
     if (kValuesAlone)
       for (std::size_t i = 0; i < kept_count_; ++i)
         if (const Kept& kept = kept_[i];
             kept.wavelengths == wavelengths_ && kept.tolerance == split_tolerance_ &&
-            kept.optics_alone <= optics_alone &&
             std::equal(f_cy_mm.begin(), f_cy_mm.end(), kept.f_cy_mm.begin(), kept.f_cy_mm.end()))
           return kept;
     if (!kValuesAlone) kept_count_ = 0;
@@ -264,25 +281,12 @@ class OtfParts {
     kept.f_cy_mm.assign(f_cy_mm.begin(), f_cy_mm.end());
     kept.wavelengths = wavelengths_;
     kept.tolerance = split_tolerance_;
-    kept.optics_alone = optics_alone;
     const std::span<const Freq<S>> f = places(Axis::x, f_cy_mm);
-    const auto wanted = [&](const Member& m) { return same_along_both(m) && (!optics_alone || m.is_optics()); };
     start(kept.products, f.size());
-    multiply(steady_, f, kept.products, wanted);
-    multiply(after_, f, kept.products, wanted);
-    if (!chromatic_.empty() && all_same_along_both(chromatic_)) average(f, kept.means, optics_alone);
+    multiply(steady_, f, kept.products, same_along_both);
+    multiply(after_, f, kept.products, same_along_both);
+    if (!chromatic_.empty() && all_same_along_both(chromatic_)) average(f, kept.means);
     return kept;
-  }
-
-  S ideal_area(const Context<S>& ctx) const {
-    const PupilNumbers<S> p = pupil_numbers(*pupil_, ctx);
-    const S cutoff = S(1e3) / (p.wavelength_um * p.f_number);
-    return S(0.25 * 3.14159265358979323846) * (S(1) - p.obscuration * p.obscuration) * cutoff * cutoff;
-  }
-  const WavelengthNodes& band_nodes(int n) {
-    auto& nodes = nodes_[n];
-    if (nodes.weight.empty()) nodes = wavelength_nodes(*system_->band, n);
-    return nodes;
   }
 
   void find_kinks() {
@@ -294,9 +298,9 @@ class OtfParts {
     for (const double f : pupil_->kinks_cy_mm(ctx)) touch_.push_back(f * (pupil_chromatic_ ? lo_um_ : 1.0));
   }
 
-  void average(std::span<const Freq<S>> f, BandMeans& means, bool optics_alone) {
-    const bool beyond = !optics_alone && !std::all_of(chromatic_.begin(), chromatic_.end(),
-                                                      [](const Member& m) { return m.is_optics(); });
+  void average(std::span<const Freq<S>> f, BandMeans& means) {
+    const bool beyond =
+        !std::all_of(chromatic_.begin(), chromatic_.end(), [](const Member& m) { return m.is_optics(); });
     means.optics.assign(f.size(), Complex<S>{S(0), S(0)});
     means.presample = means.optics;
     if (wavelengths_ == 0) return split_average(f, means, beyond);

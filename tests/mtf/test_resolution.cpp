@@ -127,6 +127,57 @@ TEST(Resolution, StrehlOfAnyWavefrontIsTheMeanAmplitudeOverThePupil) {
   EXPECT_LE(r.error, 1e-5);
 }
 
+// The light of a band is that of its wavelengths, each by a system of its own: weighted by what its ideal pupil sends
+// to the image of the axis, (1 / lambda)^2, for the Strehl ratio, and by its electrons for the energy.
+TEST(Resolution, TheLightOfABandIsThatOfItsWavelengths) {
+  ResolutionNeeds light_alone;
+  light_alone.strehl = light_alone.ensquared = true;
+  light_alone.tolerance = 1e-10;
+  for (const double obscuration : {0.0, 0.4})
+    for (const double tolerance : {1e-4, 1e-9}) {
+      SCOPED_TRACE(testing::Message() << obscuration << " " << tolerance);
+      System<double> system = empty_system(25.0);
+      system.optics.wavelength_um.reset();
+      system.optics.obscuration = obscuration;
+      system.band = Band{3.4, 4.8};
+      auto defocus = Component<double>::make("defocus");
+      set(defocus, "waves", 0.2);
+      set(defocus, "wavelength_reference", 4.0);
+      system.add(Stage::presample, defocus);
+      auto rough = Component<double>::make("rms_wavefront");
+      set(rough, "rms", 0.05);
+      set(rough, "wavelength_reference", 4.0);
+      system.add(Stage::presample, rough);
+      const Resolution<double> whole = measured(system, tolerance);
+      double light = 0.0, ideal = 0.0, energy = 0.0;
+      const WavelengthNodes nodes = wavelength_nodes(*system.band, 24);
+      for (std::size_t w = 0; w < nodes.weight.size(); ++w) {
+        const double wavelength_um = nodes.wavelength_um[w], weight = nodes.weight[w];
+        System<double> one = system;
+        one.band = Band{wavelength_um * (1.0 - 1e-9), wavelength_um * (1.0 + 1e-9)};
+        const Resolution<double> r = ResolutionMeter<double>(light_alone).measure(one);
+        light += weight * r.strehl / (wavelength_um * wavelength_um);
+        ideal += weight / (wavelength_um * wavelength_um);
+        energy += weight * r.ensquared;
+      }
+      EXPECT_NEAR(whole.strehl, light / ideal, whole.error + 1e-9);
+      EXPECT_NEAR(whole.ensquared, energy, whole.error + 1e-9);
+      EXPECT_LT(whole.strehl, 0.95);
+    }
+}
+
+// What the detector cuts off is no light that the optics lose.
+TEST(Resolution, StrehlIsThatOfTheOpticsAlone) {
+  System<double> system = empty_system();  // optics to 50 cy/mm
+  system.add(Stage::presample, Component<double>::make("diffraction"));
+  auto curve = Component<double>::make("curve");
+  *std::get<std::shared_ptr<const Curve>*>(field(curve, "file").value) =
+      std::make_shared<const Curve>(make_curve("pixel.csv", *find_unit("cy/mm"), {0.0, 10.0, 20.0}, {1.0, 0.6, 0.0}));
+  choose(curve, "part", static_cast<int>(SensorPart::detector));
+  system.add(Stage::presample, curve);
+  EXPECT_NEAR(measured(system, 1e-9).strehl, 1.0, 1e-9);
+}
+
 /// The definitions of resolution.h by a fine composite rule over the OTF itself.
 struct Brute {
   double rer = 0.0, mtfa = 0.0, lsf0 = 0.0, aliasing = 0.0;
