@@ -23,7 +23,7 @@ MAX_FILES = 30
 FLAT_LISTS = {"mtf/components"}
 INCLUDE = re.compile(r"^\s*#\s*include\s*[<\"]([^>\"]+)[>\"]", re.MULTILINE)
 SCRIPT_NAMES = re.compile(r"(CMakeLists\.txt|packages\.txt|\.cmake(\.in)?|\.py|\.sh|/setup|/quickstart|apps/package|tests/run|"
-                          r"help/(mtf\.(ba|fi)sh|_mtf))$")
+                          r"site/(build|Doxyfile|site\.css)|help/(mtf\.(ba|fi)sh|_mtf))$")
 
 # What is included, the files that may, the reason a reader needs.
 RULES = [
