@@ -61,6 +61,8 @@ def test_results_are_drawn(sensor, scene, monkeypatch):
     assert np.array_equal(run.plot().images[0].get_array(), run.image)
     edge = mk.measure(sensor.simulate(mk.targets.edge(angle="5 deg")).image[16:-16, 16:-16] + mk.noise.gaussian((128, 128), sd=0.03))[0]
     assert np.array_equal(edge.plot().lines[0].get_ydata(), edge.mtf)
+    fit = sensor.fit(curves=[mk.CurveData([5.0, 10, 20], [0.9, 0.8, 0.6], unit="cy/mm")], free=["jitter.rms"])
+    assert np.array_equal(fit.plot(edge.plot()).lines[1].get_ydata(), fit.mtf)
     pyplot.close("all")
     flat = mk.measure(np.full((64, 64), 5.0, "f4"))[0]
     with pytest.raises(mk.UsageError, match="plot: the edge has no MTF"):

@@ -198,11 +198,7 @@ class Edge(results.ByValue):
         """
         if not self.measured:
             raise UsageError(f"plot: the edge has no MTF: {self.outcome}: {self.reason}")
-        axes = results.axes_for("Edge.plot", axes)
-        line, = axes.plot(self.frequency, self.mtf, label=f"edge at {self.roi}")
-        axes.fill_between(self.frequency, self.mtf - self.mtf_sd, self.mtf + self.mtf_sd, color=line.get_color(), alpha=0.3, linewidth=0)
-        axes.set(xlabel=f"frequency [{self.unit}]", ylabel="MTF")
-        return axes
+        return results.plot_mtf(results.axes_for("Edge.plot", axes), self.frequency, self.mtf, self.mtf_sd, self.unit, f"edge at {self.roi}")
 
     def __repr__(self) -> str:
         if not self.measured:

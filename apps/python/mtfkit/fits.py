@@ -169,6 +169,13 @@ class Fit(results.ByValue):
         """Its standard deviation, from the covariance."""
         return np.array([np.nan if v is None else v for v in self.report["mtf"]["sd"]], dtype=np.float64)
 
+    def plot(self, axes: Any = None) -> Any:
+        """Draws `mtf` with a band of one standard deviation on each side, with matplotlib.
+
+        In the `axes` given, else in new ones; returns them. Raises MissingLibrary, an ImportError, without matplotlib.
+        """
+        return results.plot_mtf(results.axes_for("Fit.plot", axes), self.frequency, self.mtf, self.mtf_sd, "cy/px", "fitted sensor")
+
     @property
     def mtf50(self) -> Estimate | None:
         """The frequency of half contrast in cycles/pixel."""

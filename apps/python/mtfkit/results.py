@@ -99,6 +99,14 @@ def axes_for(what: str, axes: Any) -> Any:
     return axes if axes is not None else wanted("matplotlib.pyplot", "python3-matplotlib", what).subplots()[1]
 
 
+def plot_mtf(axes: Any, frequency: Any, mtf: Any, sd: Any, unit: str, label: str) -> Any:
+    """An MTF with a band of one standard deviation on each side."""
+    line, = axes.plot(frequency, mtf, label=label)
+    axes.fill_between(frequency, mtf - sd, mtf + sd, color=line.get_color(), alpha=0.3, linewidth=0)
+    axes.set(xlabel=f"frequency [{unit}]", ylabel="MTF")
+    return axes
+
+
 def html_table(header: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
     """A table for notebooks."""
     def cells(tag: str, row: Sequence[object]) -> str:
