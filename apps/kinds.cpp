@@ -152,14 +152,16 @@ constexpr std::array<std::string_view, 0> kStudyNames{};
 std::string describe_of_studies(const std::string&) { return {}; }
 #endif
 
-/// What a name that nothing has may have been meant for.
-std::string unknown_kind(const std::string& kind) {
-  const auto meant = kind.size() <= 64 ? mtf::nearest(kind, names_of_kinds()) : std::nullopt;
-  return "unknown kind '" + mtf::printable(kind, 60) + "': neither a component nor a table nor a metric; " +
-         (meant ? "did you mean " + *meant + "?" : "mtf config kinds lists components and tables");
-}
-
 }  // namespace
+
+void require_kind(const std::string& kind) {
+  const std::vector<std::string> known = names_of_kinds();
+  if (kind.empty() || std::ranges::find(known, kind) != known.end() || !describe_of_studies(kind).empty()) return;
+  const auto meant = kind.size() <= 64 ? mtf::nearest(kind, known) : std::nullopt;
+  throw mtf::UsageError("unknown kind '" + mtf::printable(kind, 60) +
+                        "': neither a component nor a table nor a metric; " +
+                        (meant ? "did you mean " + *meant + "?" : "mtf config kinds lists components and tables"));
+}
 
 std::string join_stages(const mtf::Stages& stages, const std::string& before, const std::string& after) {
   std::string text;
@@ -200,6 +202,7 @@ std::vector<std::string> names_of_kinds() {
 }
 
 std::string describe_kinds(const std::string& kind) {
+  require_kind(kind);
   const SensorKinds kinds = sensor_kinds();
   std::string text;
   const auto add = [&](const std::string& more) { text += (text.empty() ? "" : "\n") + more; };
@@ -221,9 +224,7 @@ std::string describe_kinds(const std::string& kind) {
     add("tables of a sensor file, whose keys `mtf config kinds NAME` lists: " + joined(names, ", ") + "\n");
     if (!kStudyNames.empty()) text += "of a study file: " + joined(kStudyNames, ", ") + "\n";
   }
-  if (text.empty()) text = describe_of_studies(kind);
-  if (text.empty()) throw mtf::UsageError(unknown_kind(kind));
-  return text;
+  return text.empty() ? describe_of_studies(kind) : text;
 }
 
 }  // namespace apps

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "apps/kinds.h"
 #include "apps/schema/schemas.h"
 #include "apps/sensor/sensor_kinds.h"
 #include "apps/text/json.h"
@@ -66,20 +67,22 @@ Json table_json(const TableKind& kind) {
 }
 
 #ifdef MTFKIT_HAVE_STUDY
-Json metrics_json() {
-  Json list = Json::array();
-  for (const study::MetricInfo& metric : study::metric_catalogue())
-    list.push_back({{"name", metric.name},
-                    {"unit", metric.unit},
-                    {"definition", metric.definition},
-                    {"source", metric.source},
-                    {"needs", metric.needs}});
-  return list;
+Json metric_json(const study::MetricInfo& metric) {
+  return {{"name", metric.name},
+          {"unit", metric.unit},
+          {"definition", metric.definition},
+          {"source", metric.source},
+          {"needs", metric.needs}};
 }
 
 /// Of a study file; null for another name.
 Json study_json(const std::string& kind) {
-  if (kind == "metrics") return {{"metrics", metrics_json()}};
+  Json metrics = Json::array();
+  if (kind == "metrics")
+    for (const study::MetricInfo& metric : study::metric_catalogue()) metrics.push_back(metric_json(metric));
+  else if (const auto metric = study::find_metric(kind))
+    metrics.push_back(metric_json(*metric));
+  if (!metrics.empty()) return {{"metrics", std::move(metrics)}};
   if (kind == "study")
     throw mtf::UsageError(
         "--format json has [conditions] and metrics of a study; all of its keys are in "
@@ -96,6 +99,7 @@ Json study_json(const std::string&) { return {}; }
 }  // namespace
 
 std::string kinds_json(const std::string& kind) {
+  require_kind(kind);
   if (const Json of_study = study_json(kind); !of_study.is_null()) return json_document(of_study, 1);
   const SensorKinds kinds = sensor_kinds();
   Json json{{"components", Json::array()}, {"tables", Json::array()}};

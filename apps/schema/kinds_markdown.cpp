@@ -2,10 +2,12 @@
 
 // `mtf config kinds --format markdown`: mtf/components/README.md.
 
+#include <algorithm>
 #include <array>
 #include <sstream>
 
 #include "apps/kinds.h"
+#include "mtf/error.h"
 
 namespace apps {
 namespace {
@@ -141,7 +143,14 @@ std::string section(const ComponentKind& kind) {
 }  // namespace
 
 std::string kinds_markdown(const std::string& kind) {
-  if (!kind.empty()) return section(component_kind(kind));
+  if (!kind.empty()) {
+    require_kind(kind);
+    const auto components = mtf::component_kinds();
+    if (std::ranges::find(components, kind) == components.end())
+      throw mtf::UsageError("--format markdown: has components; '" + kind + "' is told by `mtf config kinds " + kind +
+                            "` and by --format json");
+    return section(component_kind(kind));
+  }
   const SensorKinds kinds = sensor_kinds();
   std::string contents, sections;
   for (const auto& [part, title] : kGroups) {

@@ -132,6 +132,12 @@ TEST(Config, KindsDescribesStudies) {
   const Json named = Json::parse(scratch.run("mtf config kinds metrics --format json").out)["metrics"];
   EXPECT_TRUE(std::ranges::any_of(named, [](const Json& one) { return one["name"] == "netd" && one["unit"] == "mK"; }));
   expect_error(scratch.run("mtf config kinds study --format json"), 2, {"mtf config schema study"});
+  const Json one = Json::parse(scratch.run("mtf config kinds rer_x --format json").out)["metrics"];
+  ASSERT_EQ(one.size(), 1U);
+  EXPECT_EQ(one[0]["name"], "rer_x");
+  for (const char* format : {"json", "markdown"})
+    expect_error(scratch.run("mtf config kinds netdd --format " + std::string(format)), 2, {"netdd", "netd?"});
+  expect_error(scratch.run("mtf config kinds netd --format markdown"), 2, {"mtf config kinds netd", "--format json"});
 }
 
 TEST(Config, TheStudyToStartFromRunsOnTheSensorToStartFrom) {
