@@ -392,7 +392,7 @@ Medium medium_of(const std::string& path) {
   if (ending == ".svg") return Medium::svg;
   if (ending == ".pdf") return Medium::pdf;
   if (ending == ".png") return Medium::png;
-  throw mtf::UsageError(path + ": a figure is a .svg, .pdf or .png file, or the word ascii");
+  throw mtf::UsageError(path + ": a figure is a .svg, .pdf or .png file");
 }
 
 std::string figures_csv(std::span<const Figure> figures) {

@@ -47,6 +47,7 @@ MinimumTemperatures minimum_temperatures(const mtf::io::SensorConfig& config, co
   const auto known = [](double kelvin) { return std::isfinite(kelvin) ? kelvin : kNone; };
   const auto relative = [](double value, double other) { return std::abs(other / value - 1.0); };
   MinimumTemperatures found{.rows = {}, .observer = observer_lines(config.system, loaded.sensor)};
+  bool dropped = false;
   for (const double share : shares_of_nyquist()) {
     Row row{.f_cy_mrad = share * nyquist, .width_mrad = 0.5 / (share * nyquist)};
     const bool bars = share <= 1.0;
@@ -63,8 +64,21 @@ MinimumTemperatures minimum_temperatures(const mtf::io::SensorConfig& config, co
     row.mdtd_error = relative(row.mdtd_k, observer.mdtd_k(worse, row.width_mrad, cutoff));
     if (!std::isfinite(resolution->cutoff_cy_mm))  // nothing ends the MTF: what lies beyond the frequencies counted
       row.mdtd_error += relative(row.mdtd_k, observer.mdtd_k(sensor, row.width_mrad, 4.0 * cutoff));
+    constexpr double kNoNumber = 0.5;  // relative
+    const auto drop = [&](double Row::*of_error, std::initializer_list<double Row::*> values) {
+      if (!(row.*of_error >= kNoNumber)) return;
+      dropped = true;
+      row.*of_error = kNone;
+      for (double Row::*value : values) row.*value = kNone;
+    };
+    drop(&Row::mrtd_error, {&Row::mrtd_x_k, &Row::mrtd_y_k, &Row::mrtd_k});
+    drop(&Row::mdtd_error, {&Row::mdtd_k});
     found.rows.push_back(row);
   }
+  if (dropped)
+    found.observer.push_back(
+        "no number where it would err by half or more, as the MTF is known no better there; a system that ends, by "
+        "diffraction and a footprint in [[presample]], has all");
   return found;
 }
 

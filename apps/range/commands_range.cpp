@@ -27,6 +27,9 @@ std::vector<double> lengths(const std::string& option, const std::string& text) 
       value *= unit_m;
       if (!(value > 0.0)) throw mtf::UsageError(option + ": ranges are above 0");
     }
+    constexpr std::size_t kMost = 10000;
+    if (values.size() > kMost)
+      throw mtf::UsageError(option + ": more than " + std::to_string(kMost) + " ranges; each takes a millisecond");
     if (!std::is_sorted(values.begin(), values.end())) throw mtf::UsageError(option + ": ranges rise");
     return values;
   } catch (const mtf::UsageError& wrong) {

@@ -20,8 +20,12 @@ namespace {
 /// Keys of [conditions] in a message, as the options that they are here.
 std::string in_options(std::string text) {
   const auto replace = [&](const std::string& key, const std::string& option) {
+    const auto goes_on = [&](std::size_t at) {  // within a longer name, as "mrtd.frame_rate"
+      return at > 0 && (std::isalnum(static_cast<unsigned char>(text[at - 1])) != 0 || text[at - 1] == '.' ||
+                        text[at - 1] == '_' || text[at - 1] == '-');
+    };
     for (std::size_t at = text.find(key); at != std::string::npos; at = text.find(key, at + option.size()))
-      text.replace(at, key.size(), option);
+      if (!goes_on(at)) text.replace(at, key.size(), option);
   };
   const radiometry::Conditions keys;
   radiometry::for_each_field(keys, [&](const radiometry::FieldInfo& info, const auto&) {
@@ -106,7 +110,7 @@ int run_range(const RangeOptions& options, const Global& global) {
   if (!options.range_m.empty() && found.range_m.empty())
     throw mtf::UsageError(
         "--ranges: " + (found.cautions.empty() ? std::string("none can be") : found.cautions.front()) +
-        "; ask for ranges on this side");
+        "; ask for others");
   if (!options.plot.empty()) {
     const std::string title = config.system.name.empty() ? config.file : config.system.name;
     const bool drawn = write_figure(outputs.at(options.plot), range_figure(found, one_line(title)));

@@ -30,6 +30,17 @@ std::shared_ptr<const PathTable> without_nearest(const PathTable& table, double 
                                            std::move(transmission), std::move(radiance));
 }
 
+/// The same path where nobody knows how a transmission falls from one range of the table to 0 at the next: a straight
+/// line, which `at` takes, is the most it can be, 0 the least.
+radiometry::Path at_least(radiometry::Path path, const PathTable& table, double range_m) {
+  const auto next = static_cast<std::size_t>(std::lower_bound(table.range_m().begin(), table.range_m().end(), range_m) -
+                                             table.range_m().begin());
+  if (range_m < table.range_m()[next])
+    for (std::size_t j = 0; j < path.transmission.value.size(); ++j)
+      if (table.transmission()[next][j] == 0.0) path.transmission.value[j] = 0.0;
+  return path;
+}
+
 }  // namespace
 
 std::string air_course_gap(const mtf::System<double>& system, const LoadedSensor& loaded) {
@@ -57,7 +68,10 @@ AirCourse air_course(const LoadedSensor& loaded, const radiometry::Overrides<dou
     const std::shared_ptr<const PathTable> table = loaded.table;
     return {.reach = {0.0, table->range_m().back(), "the table " + table->source() + " ends"},
             .path = [table](double range_m) { return table->at(range_m); },
-            .coarser = [table](double range_m) { return without_nearest(*table, range_m)->at(range_m); }};
+            .coarser =
+                [table](double range_m) {
+                  return at_least(without_nearest(*table, range_m)->at(range_m), *table, range_m);
+                }};
   }
   if (!loaded.sensor.settings.atmosphere) return {};
   const AtmosphereSettings own = atmosphere_with(loaded.sensor, numbers);

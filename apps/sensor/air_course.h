@@ -24,7 +24,8 @@ struct AirCourse {
   radiometry::Reach reach{};
   /// The air of a range within the reach; empty without air. Throws UsageError as Sensor::air.
   std::function<radiometry::Path(double range_m)> path{};
-  /// The same from the table without that of its ranges that is nearest; empty where the air is no table.
+  /// The same from the table without that of its ranges that is nearest, and with nothing where a transmission falls to
+  /// 0; empty where the air is no table.
   std::function<radiometry::Path(double range_m)> coarser{};
   /// What components take from it; empty where none takes any.
   std::function<mtf::PathAir<double>(double range_m)> path_air{};

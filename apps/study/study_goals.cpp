@@ -3,6 +3,7 @@
 // [metrics], constraints and objectives.
 
 #include <algorithm>
+#include <charconv>
 #include <map>
 #include <set>
 
@@ -76,6 +77,21 @@ std::optional<Source> goal_of(const Source& source) {
   return part_of(source, body, source.text.size());
 }
 
+/// The unit of a parameter or a metric.
+const std::string& unit_of(const Study& study, int slot) {
+  const auto i = static_cast<std::size_t>(slot);
+  return i < study.parameters.size() ? study.parameters[i].unit : study.metrics[i - study.parameters.size()].unit;
+}
+
+/// "150", not "150 urad".
+bool is_bare_number(std::string_view text) {
+  while (!text.empty() && (text.back() == ' ' || text.back() == '\t')) text.remove_suffix(1);
+  while (!text.empty() && (text.front() == ' ' || text.front() == '\t')) text.remove_prefix(1);
+  double value = 0.0;
+  const auto [end, status] = std::from_chars(text.data(), text.data() + text.size(), value);
+  return status == std::errc{} && end == text.data() + text.size() && value != 0.0;
+}
+
 void read_constraint(StudyReader& s, const Source& source) {
   const auto sides = sides_of(source);
   if (!sides)
@@ -88,6 +104,12 @@ void read_constraint(StudyReader& s, const Source& source) {
     return s.error_in(source, 0,
                       "compares " + describe(left->dimensions()) + " with " + describe(right->dimensions()) +
                           "; give both sides one kind of unit");
+  for (const auto& [name, number] : {std::pair{&*left, &*right}, std::pair{&*right, &*left}})
+    if (const auto slot = name->only_slot(); slot && is_bare_number(number->text()))
+      if (const std::string unit = unit_of(s.study, *slot); unit_scale(unit).si != 1.0)
+        return s.error_in(source, 0,
+                          "compares " + name->text() + ", which is in " + unit +
+                              ", with a number without unit; write " + number->text() + " " + unit);
   if (left->constant() && right->constant())
     return s.error_in(source, 0, "has no name in it: it holds for every design or for none");
   s.study.constraints.push_back({.text = source.text,
@@ -111,10 +133,8 @@ void read_objective(StudyReader& s, const Source& source) {
                       .unit = {},
                       .si = 1.0};
   while (objective.text.ends_with(' ') || objective.text.ends_with('\t')) objective.text.pop_back();
-  const std::size_t parameters = s.study.parameters.size();
   if (const auto slot = objective.expression.only_slot()) {
-    const auto i = static_cast<std::size_t>(*slot);
-    objective.unit = i < parameters ? s.study.parameters[i].unit : s.study.metrics[i - parameters].unit;
+    objective.unit = unit_of(s.study, *slot);
     objective.si = unit_scale(objective.unit).si;
   } else {
     objective.unit = si_unit(objective.expression.dimensions());

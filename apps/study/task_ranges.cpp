@@ -16,7 +16,8 @@ constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
 Study study_of(const mtf::io::SensorConfig& sensor, const Conditions& conditions, double tolerance) {
   if (conditions.extinction_per_km)
-    if (const std::string why = extinction_problem(sensor); !why.empty()) throw mtf::UsageError("extinction: " + why);
+    if (const std::string why = extinction_problem(sensor); !why.empty())
+      throw mtf::UsageError("[conditions] extinction: " + why);
   Study study;
   study.base = sensor;
   study.conditions = conditions;
@@ -167,12 +168,16 @@ void add_stated(const OneSensor& middle, double tolerance, Acquisition& found) {
                   down = low ? Courses(low->courses(found.range_m)) : Courses();
     for (std::size_t i = 0; i < kRangeTasks; ++i) {
       const auto half = [&](double here, const auto& of_side) {
-        const double above = high ? of_side(*high, *up) : 0.0, below = low ? of_side(*low, *down) : 0.0;
-        return high || low ? half_of(here, high ? &above : nullptr, low ? &below : nullptr) : kNone;
+        const double above = high ? of_side(*high, *up) : kNone, below = low ? of_side(*low, *down) : kNone;
+        const bool has_above = !std::isnan(above), has_below = !std::isnan(below);
+        return has_above || has_below ? half_of(here, has_above ? &above : nullptr, has_below ? &below : nullptr)
+                                      : kNone;
       };
       TaskRange& task = found.tasks[i];
       stated.moves_m[i] = half(task.range_m, [&](const OneSensor& side, const auto&) { return side.range_m(i); });
       task.sd_m = std::hypot(task.sd_m, stated.moves_m[i]);
+      if (std::isnan(stated.moves_m[i]) && std::isfinite(task.range_m) && stated.problem.empty())
+        stated.problem = high ? high->reason(i) : low->reason(i);
       for (std::size_t r = 0; r < task.probability.size(); ++r) {
         const double by = half(task.probability[r], [&](const OneSensor&, const std::array<Course, kRangeTasks>& side) {
           return r < side[i].probability.size() ? side[i].probability[r] : kNone;

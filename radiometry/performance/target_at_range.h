@@ -249,8 +249,13 @@ class DisplayObserver {
   Channel channel(const mtf::System<S>& system, mtf::Axis axis) const {
     const auto seen = [&](double f) { return S(noise_mtf(system, axis, f) * eye_mtf_at(observer_, S(f))); };
     const double eye_end = 8.0 * mtf::value_of(observer_.magnification);  // the eye's MTF is below 1e-12 there
-    return {bandwidth<S>(eye_end, seen),
-            detail::LogSeries<S>(cutoff_, [&](double f) { return channel_bandwidth<S>(f, seen); })};
+    const auto along = [&](double f) { return channel_bandwidth<S>(f, seen); };
+    const S across = bandwidth<S>(eye_end, seen);
+    // Far beyond what eye and display pass there is no noise, down to numbers that have no logarithm.
+    constexpr double kNothing = 1e-12;
+    double end = std::min(cutoff_, 2.0 * eye_end);
+    while (mtf::value_of(along(end)) < kNothing * mtf::value_of(across)) end *= 0.5;
+    return {across, detail::LogSeries<S>(end, along)};
   }
 
   Observer<S> observer_;

@@ -84,6 +84,7 @@ AxisTtp<S> axis_ttp(const SensitivityCourse& course, const Sensitivity& sensitiv
     throw mtf::UsageError("ttp: a contrast of " + mtf::format_double(c) + "; it has to be 0 or above, and finite");
   const std::vector<double>& f = course.f_cy_mrad;
   AxisTtp<S> ttp;
+  if (std::isnan(course.value[course.peak])) throw mtf::UsageError("ttp: a sensitivity that is not a number");
   if (!(c * course.value[course.peak] > 1.0)) return ttp;
   const auto above = [&](double x) { return c * mtf::value_of(sensitivity(x)) - 1.0; };
   const auto g = [&](std::size_t i) { return c * course.value[i] - 1.0; };

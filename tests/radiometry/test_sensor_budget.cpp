@@ -47,6 +47,16 @@ std::vector<BudgetRow> all_rows(const Sensor& sensor, double temperature_k) {
   return list;
 }
 
+TEST(SensorBudget, a_frame_is_no_shorter_than_its_integration) {
+  Sensor sensor = noisy_sensor();
+  const mtf::System<double> system = mwir_system();
+  sensor.settings.frame = FrameSettings{.frame_time_s = system.frame.integration_time_s};
+  EXPECT_GT(budget_of(system, sensor, 300.0).netd_k, 0.0);
+  sensor.settings.frame->frame_time_s = 0.99 * system.frame.integration_time_s;
+  expect_says(message_of<mtf::UsageError>([&] { budget_of(system, sensor, 300.0); }),
+              {"frame.frame_time", "frame.integration_time"});
+}
+
 TEST(SensorBudget, a_flat_curve_is_its_number_in_every_row) {
   Sensor number = warm_sensor();
   number.settings.detector->quantum_efficiency = {0.7};

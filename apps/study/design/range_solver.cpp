@@ -168,7 +168,7 @@ RangeSolver::Sensor RangeSolver::worst(RangeModel<double>& model, Sensor sensor,
     for (const Curves& one : curves) otf = std::max(otf, one->error);
     otf += error_between(curves, model.cy_mm(model.counted_cy_mrad()));
   }
-  sensor.contrast_share *= 1.0 - light;
+  sensor.contrast_share *= std::max(0.0, 1.0 - light);
   sensor.netd_k *= 1.0 + light;
   sensor.spatial_netd_k *= 1.0 + light;
   sensor.otf.mtf = [mtf = sensor.otf.mtf, otf](mtf::Axis axis, double f) { return std::max(0.0, mtf(axis, f) - otf); };

@@ -67,10 +67,14 @@ TEST_F(RangeCommand, RefusesWithTheOptionToGive) {
   const Result blind = run("--target nato");
   EXPECT_EQ(blind.status, 0);
   expect_says(blind.out, {"no range for TTP detect", "--magnification", "--display-height"});
+  expect_error(run("--target nato --ranges '1:10:100000 km'" + seen), 2, {"--ranges", "10000"});
+  const Result words = run("--target nato --plot ascii" + seen);
+  expect_error(words, 2, {"ascii: ", ".svg"});
+  EXPECT_FALSE(says(words.err, "word"));
   write_file(scratch / "camera.toml", study_test::camera("[path]\ntransmission = 0.8\n"));
   expect_error(run("--target nato" + seen), 2, {"one range", "[atmosphere]"});
   write_file(scratch / "camera.toml", study_test::camera(study_test::kFog + "range = \"1 km\"\n"));
-  expect_error(run("--target nato --extinction 0.2" + seen), 2, {"extinction", "remove"});
+  expect_error(run("--target nato --extinction 0.2" + seen), 2, {": --extinction", "remove"});
 }
 
 /// Integral of sinc^2(w f) over |f| <= band, by a plain sum.
@@ -111,6 +115,15 @@ TEST_F(RangeCommand, CurvesOfMinimumTemperaturesAreFlir92) {
   expect_error(scratch.run("mtf budget camera.toml --plot x.svg"), 2, {"--plot", "--curves"});
   const Result table = scratch.run("mtf budget camera.toml --curves");
   expect_says(table.out, {"MRTD x [mK]", "observer of bars", "numerical error"});
+}
+
+// Without anything that ends the MTF a square has no number: its light goes on for ever.
+TEST_F(RangeCommand, CurvesLeaveOutWhatHasNoKnownError) {
+  const std::string text = study_test::camera("");
+  write_file(scratch / "camera.toml", text.substr(0, text.find("[[presample]]")));
+  const Json all = Json::parse(scratch.run("mtf budget camera.toml --curves --format json").out);
+  for (const auto& mdtd : all["curves"]["mdtd_mK"]) EXPECT_TRUE(mdtd.is_null());
+  EXPECT_FALSE(says(scratch.run("mtf budget camera.toml --curves").out, "inf"));
 }
 
 }  // namespace

@@ -138,6 +138,16 @@ TEST(Acquisition, ANumberThatCannotBeMovedToOneSideIsMovedToTheOther) {
   EXPECT_GT(task(a, "ttp_range_detect").sd_m, 0.0);
 }
 
+// What cannot be moved to either side leaves the deviation unknown, and says why.
+TEST(Acquisition, ANumberThatCannotBeMovedSaysWhy) {
+  const Folder folder;
+  const Acquisition a = found(folder, replaced(camera(""), "integration_time = \"5 ms\"",
+                                               "integration_time = { value = \"5 ms\", stderr = \"9 s\" }"));
+  ASSERT_EQ(a.stated.size(), 1u);
+  EXPECT_FALSE(a.stated[0].problem.empty());
+  EXPECT_TRUE(std::isnan(task(a, "ttp_range_detect").sd_m));
+}
+
 TEST(AcquisitionLong, ATargetWiderThanTheFieldIsSaid) {
   const Folder folder;
   radiometry::Conditions wide = conditions();
@@ -161,6 +171,37 @@ TEST(Acquisition, WhatIsKnownOfTheAirEndsRangesAndProbabilities) {
   EXPECT_GT(task(a, "ttp_range_detect").probability[0], 0.9);
   ASSERT_EQ(a.cautions.size(), 1u);
   expect_says(a.cautions[0], {"2000 m", "air.csv ends"});
+}
+
+// Far below one pixel a degree it is the eye alone that ends what is resolved: its noise of the display falls with the
+// magnification, so that the range becomes proportional to it. Such views had a range of 0.
+TEST(Acquisition, AViewThatTheEyeLimitsIsProportionalToTheMagnification) {
+  const Folder folder;
+  double before = 0.0;
+  for (double magnification = 1.0 / 1024.0; magnification < 0.1; magnification *= 2.0) {
+    radiometry::Conditions c = conditions();
+    c.magnification = magnification;
+    const double range_m = task(found(folder, camera(""), c, {100.0}), "ttp_range_detect").range_m;
+    EXPECT_GT(range_m, 0.0) << magnification;
+    if (before > 0.0) EXPECT_NEAR(range_m / before, 2.0, 0.02) << magnification;
+    before = range_m;
+  }
+}
+
+// Nobody knows how a transmission falls to the 0 of a table: what a straight line makes of it has no known error.
+TEST(Acquisition, ATransmissionOfZeroIsNoKnowledge) {
+  const Folder folder;
+  std::string table = "range_m,wavelength_um,transmission,radiance_W_m-2_sr-1_um-1\n";
+  for (const auto& [range, transmission] : {std::pair{"4000", "0.9"}, {"6000", "0.8"}, {"90000", "0"}})
+    for (const char* wavelength : {"3", "4", "5"})
+      table += std::string(range) + "," + wavelength + "," + transmission + ",0\n";
+  folder.write("air.csv", table);
+  const Acquisition a =
+      found(folder, camera("[path]\ntable = \"air.csv\"\nrange = \"5 km\"\n"), conditions(), {5000.0, 20000.0}, 1e-4);
+  EXPECT_TRUE(std::isinf(task(a, "ttp_range_detect").error_m));
+  EXPECT_LT(task(a, "johnson_range_identify").error_m, 1.0);  // at Nyquist, nearer than 6 km
+  EXPECT_LT(task(a, "ttp_range_detect").probability_error[0], 0.1);
+  EXPECT_NEAR(task(a, "ttp_range_detect").probability_error[1], task(a, "ttp_range_detect").probability[1], 1e-12);
 }
 
 // The background alone fills more of the well than the lower flat frame.
