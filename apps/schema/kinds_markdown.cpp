@@ -147,8 +147,8 @@ std::string kinds_markdown(const std::string& kind) {
     require_kind(kind);
     const auto components = mtf::component_kinds();
     if (std::ranges::find(components, kind) == components.end())
-      throw mtf::UsageError("--format markdown: has components; '" + kind + "' is told by `mtf config kinds " + kind +
-                            "` and by --format json");
+      throw mtf::UsageError("--format markdown: describes components only; `mtf config kinds " + kind +
+                            "` and --format json describe '" + kind + "'");
     return section(component_kind(kind));
   }
   const SensorKinds kinds = sensor_kinds();

@@ -52,9 +52,9 @@ std::string air_course_gap(const mtf::System<double>& system, const LoadedSensor
            "\" states a path of its own, which would stay while the range changes; leave its path_length out, and of "
            "turbulence give cn2 alone, so that it takes the range of [atmosphere]";
   if (settings.path && !loaded.table)
-    return "[path] holds for one range; remove it from the sensor file, and give [atmosphere] or a path.table of "
+    return "[path] with one transmission holds for one range; in its place give [atmosphere] or a path.table of "
            "several "
-           "ranges there, or [conditions] extinction";
+           "ranges, or remove it and give [conditions] extinction";
   if (loaded.table && loaded.table->range_m().size() < 2)
     return "path.table holds one range; give one of several, as mtf atmosphere --table writes it, or [atmosphere]";
   if (settings.atmosphere && !settings.atmosphere->range_m)
@@ -129,6 +129,7 @@ std::string frame_rate_words(const mtf::System<double>& system, const radiometry
   const double time_s = frame_time_s(system, settings);
   if (!(time_s > 0.0)) return "";
   const bool given = settings.frame && settings.frame->frame_time_s;
+  if (settings.thermal && !given) return "";  // figures of observers want a frame time of it
   return mtf::three_digits(1.0 / time_s) + " Hz (1 / " +
          (given ? "frame_time)" : "integration_time, as [frame] has no frame_time)");
 }

@@ -37,8 +37,7 @@ AirCourse air_course(const LoadedSensor& loaded, const radiometry::Overrides<dou
 /// The keys of [atmosphere] or [path], with their values; "" without either.
 std::string air_words(const radiometry::SensorSettings& settings);
 
-/// The frame rate that figures of observers take from the sensor, with where it comes from; "" without an integration
-/// time and a frame time.
+/// The frame rate that figures of observers take from the sensor, with where it comes from; "" where they have none.
 std::string frame_rate_words(const mtf::System<double>& system, const radiometry::SensorSettings& settings);
 
 /// The range that the file states for its air: [atmosphere] range or [path] range; nothing where it states none.

@@ -57,12 +57,11 @@ std::vector<mtf::io::Diagnostic> fill_factor_warnings(const mtf::System<double>&
 std::vector<mtf::io::Diagnostic> light_area_notes(const mtf::System<double>& system,
                                                   const radiometry::DetectorSettings& detector) {
   std::vector<mtf::io::Diagnostic> notes;
+  if (detector.square && detector.height_um && !detector.width_um) return notes;  // refused
   radiometry::SensorSettings settings;
   settings.detector = detector;
-  const auto [width_um, height_um] = [&] {
-    const radiometry::Pixel<double> pixel = radiometry::pixel_numbers<double>(system, settings);
-    return std::pair{pixel.width_um, pixel.height_um};
-  }();
+  const radiometry::Pixel<double> pixel = radiometry::pixel_numbers<double>(system, settings);
+  const double width_um = pixel.width_um, height_um = pixel.height_um;
   const double of_pitch = width_um * height_um / (system.frame.pitch_x_um * system.frame.pitch_y_um);
   const std::string key = detector.width_um ? "detector.width" : detector.height_um ? "detector.height" : "detector";
   for (const FootprintArea& other : footprint_areas(system)) {
@@ -83,7 +82,7 @@ std::vector<mtf::io::Diagnostic> light_area_notes(const mtf::System<double>& sys
 std::vector<mtf::io::Diagnostic> one_side_warnings(const mtf::Frame<double>& frame,
                                                    const mtf::SettingsTable& detector) {
   const mtf::SettingValue *const width = detector.find("width"), *const height = detector.find("height");
-  if (detector.version >= 2 || (width == nullptr) == (height == nullptr)) return {};
+  if (radiometry::width_is_square(detector) || (width == nullptr) == (height == nullptr)) return {};
   if (width != nullptr && std::get<double>(*width) == frame.pitch_y_um) return {};  // a square in both
   return {warning_at(width != nullptr ? "detector.width" : "detector.height",
                      "given alone, the other side is the pitch in this file, which says schema = 1; from schema = 2 "
@@ -125,7 +124,7 @@ std::vector<mtf::io::Diagnostic> chain_warnings(const mtf::io::SensorConfig& con
       table != nullptr ? std::optional(radiometry::from_table<radiometry::DetectorSettings>(*table)) : std::nullopt;
   if (detector) {
     add(one_side_warnings(config.system.frame, *table));
-    detector->square = table->version >= 2;
+    detector->square = radiometry::width_is_square(*table);
   }
   if (detector && detector->kind == radiometry::DetectorKind::photon) add(light_area_notes(config.system, *detector));
   if (detector && detector->kind == radiometry::DetectorKind::thermal) {

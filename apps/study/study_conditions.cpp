@@ -62,10 +62,11 @@ std::vector<std::string> condition_lines(const Study& study) {
   } catch (const mtf::UsageError&) {  // the gap of each figure says it
   }
   const radiometry::FiguresOfObservers figures = figures_of(study);
+  const bool one_rate = study.sensors.empty() && std::ranges::none_of(study.parameters, [](const Parameter& parameter) {
+                          return parameter.path == "frame.frame_time" || parameter.path == "frame.integration_time";
+                        });
   const std::string frame_rate =
-      study.axes.empty() && study.sensors.empty()
-          ? apps::frame_rate_words(study.base.system, radiometry::sensor_settings(study.base.tables))
-          : "";
+      one_rate ? apps::frame_rate_words(study.base.system, radiometry::sensor_settings(study.base.tables)) : "";
   return radiometry::condition_lines(figures, study.conditions, viewing, air_of(study, figures.johnson || figures.ttp),
                                      frame_rate);
 }

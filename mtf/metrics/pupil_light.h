@@ -125,52 +125,82 @@ LightSums<S> sums_at(const OtfParts<S>& parts, const typename OtfParts<S>::Optic
   return sums;
 }
 
+/// About the error of a Gauss rule of n nodes for a function, from what the polynomial through its values at the nodes
+/// of another one, about half as many, misses there. The rule is exact for polynomials of four times that degree, so
+/// that what is small against the function counts in second order. A function that goes up and down between the nodes
+/// is missed at some of them, whatever its mean.
+inline double rule_error(std::span<const double> few, std::span<const double> at_few, std::span<const double> nodes,
+                         std::span<const double> at_nodes) {
+  const double lo = nodes.front(), width = nodes.back() - nodes.front();
+  double missed = 0.0, largest = 0.0;
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    double value = 0.0;  // Lagrange's formula
+    for (std::size_t k = 0; k < few.size(); ++k) {
+      double basis = 1.0;
+      for (std::size_t m = 0; m < few.size(); ++m)
+        if (m != k) basis *= ((nodes[i] - lo) / width - (few[m] - lo) / width) / ((few[k] - few[m]) / width);
+      value += basis * at_few[k];
+    }
+    missed = std::max(missed, std::abs(value - at_nodes[i]));
+    largest = std::max(largest, std::abs(at_nodes[i]));
+  }
+  return missed * std::min(1.0, 2.0 * missed / std::max(largest, 1e-300));
+}
+
+/// Integrals over a band, and their values at its wavelengths.
+template <class S>
+struct BandSums {
+  LightSums<S> mean;
+  std::vector<double> whole, boxed;
+};
+
 template <class S>
 PupilLight<S> light_of(OtfParts<S>& parts, double tolerance, bool ensquared, int turns, int& evaluations) {
-  constexpr double kBandShare = 0.3;
+  constexpr double kBandShare = 0.5;
+  constexpr double kNoNumber = 0.05;  // an energy with a larger error is useless: pitches of hundreds of spots
   const auto light = [](const LightSums<S>& sums) {
-    constexpr double kNoNumber = 0.05;  // an energy with a larger error is useless: pitches of hundreds of spots
     const bool useless = sums.error > kNoNumber;
     return PupilLight<S>{sums.whole / sums.ideal, useless ? S(std::numeric_limits<double>::quiet_NaN()) : sums.boxed,
                          useless ? sums.whole_error : sums.error};
   };
   const Frame<S>& frame = parts.system().frame;
-  const auto shortest = parts.optics_at(parts.chromatic() ? parts.system().band->lo_um : 0.0);
+  const bool chromatic = parts.chromatic_optics();
+  const auto shortest = parts.optics_at(chromatic ? parts.system().band->lo_um : 0.0);
   const double box = !ensquared
                          ? 0.0
                          : box_amplification(1e-3 * value_of(frame.pitch_x_um), 1e-3 * value_of(frame.pitch_y_um),
                                              shortest.cutoff_cy_mm, turns == 1);
-  if (!parts.chromatic()) return light(sums_at(parts, shortest, tolerance, box, turns, evaluations));
-  const auto averaged = [&](int n) {
-    const WavelengthNodes& nodes = parts.band_nodes(n);
-    LightSums<S> mean;
+  if (!chromatic) return light(sums_at(parts, shortest, tolerance, box, turns, evaluations));
+  const auto over = [&](const WavelengthNodes& nodes) {
+    BandSums<S> sums;
     for (std::size_t w = 0; w < nodes.weight.size(); ++w) {
       const S weight(nodes.weight[w]);
       const LightSums<S> one = sums_at(parts, parts.optics_at(nodes.wavelength_um[w]), (1.0 - kBandShare) * tolerance,
                                        box, turns, evaluations);
-      mean.whole += weight * one.whole;
-      mean.boxed += weight * one.boxed;
-      mean.ideal += weight * one.ideal;
-      mean.error = std::max(mean.error, one.error);
-      mean.whole_error = std::max(mean.whole_error, one.whole_error);
+      sums.mean.whole += weight * one.whole;
+      sums.mean.boxed += weight * one.boxed;
+      sums.mean.ideal += weight * one.ideal;
+      sums.mean.error = std::max(sums.mean.error, one.error);
+      sums.mean.whole_error = std::max(sums.mean.whole_error, one.whole_error);
+      sums.whole.push_back(value_of(one.whole));
+      sums.boxed.push_back(value_of(one.boxed));
     }
-    return mean;
+    return sums;
   };
-  constexpr int kMost = 64;
-  PupilLight<S> before = light(averaged(2));
-  for (int n = 4;; n *= 2) {
-    PupilLight<S> finer = light(averaged(n));
-    // The error of 2 n wavelengths is at most half of what changes from n.
-    const auto change = [](const S& a, const S& b) {
-      const double by = 0.5 * std::abs(value_of(a) - value_of(b));
-      return std::isnan(by) ? 0.0 : by;
-    };
-    const double moved = std::max(change(finer.strehl, before.strehl), change(finer.ensquared, before.ensquared));
-    if (moved <= kBandShare * tolerance || n == kMost) {
-      finer.error += moved;
-      return finer;
+  constexpr int kLeast = 4, kMost = 64;
+  BandSums<S> before = over(parts.band_nodes(kLeast));
+  for (int n = 2 * kLeast;; n *= 2) {
+    const std::vector<double>&few = parts.band_nodes(n / 2).wavelength_um, &nodes = parts.band_nodes(n).wavelength_um;
+    BandSums<S> sums = over(parts.band_nodes(n));
+    double error = rule_error(few, before.whole, nodes, sums.whole) / value_of(sums.mean.ideal);
+    if (ensquared && sums.mean.error <= kNoNumber)
+      error = std::max(error, rule_error(few, before.boxed, nodes, sums.boxed));
+    if (error <= kBandShare * tolerance || n == kMost) {
+      PupilLight<S> result = light(sums.mean);
+      result.error += error;
+      return result;
     }
-    before = finer;
+    before = std::move(sums);
   }
 }
 

@@ -81,8 +81,8 @@ struct Resolution {
   double error = 0.0;                ///< estimated, of the worst integral
   bool edge_lost = false;            ///< figures of an edge are NaN because it is moved, or goes on, too far
   bool veiled = false;               ///< mtf50 is NaN because contrast is lost at all frequencies, not by blur
-  int evaluations = 0;               ///< frequencies at which the OTF was taken
-  int wavelengths = 1;
+  int evaluations = 0;               ///< of OTFs; those of the optics for strehl and ensquared at each wavelength
+  int wavelengths = 1;               ///< of the OTF along the axes, at one frequency
 };
 
 /// A meter keeps its buffers and the nodes of a band from one system to the next. One a thread.

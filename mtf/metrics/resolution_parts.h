@@ -33,7 +33,7 @@ template <class Values>
 double find_zero(double lo, double h_lo, double hi, double h_hi, double near, Values values) {
   constexpr std::size_t kPlaces = 8;
   const double bending = 1.0 / (8.0 * (hi - lo));
-  while (bending * (hi - lo) * (hi - lo) > near && hi - lo > 1e-15) {
+  while (bending * (hi - lo) * (hi - lo) > near) {
     std::array<double, kPlaces> t{};
     for (std::size_t i = 0; i < kPlaces; ++i) t[i] = lo + (hi - lo) * static_cast<double>(i + 1) / (kPlaces + 1.0);
     const std::vector<double> at = values(t);

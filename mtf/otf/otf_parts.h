@@ -96,6 +96,9 @@ class OtfParts {
       return m.product == &Products<S>::after_sampling && !is_flat(m, axis);
     });
   }
+  bool chromatic_optics() const {
+    return std::any_of(chromatic_.begin(), chromatic_.end(), [](const Member& m) { return m.is_optics(); });
+  }
   bool radial_optics() const {
     const auto radial = [](const Member& m) { return !m.is_optics() || m.traits.radial; };
     return std::all_of(steady_.begin(), steady_.end(), radial) &&
@@ -139,7 +142,7 @@ class OtfParts {
     std::vector<double> kinks_cy_mm{};
     S ideal_area{};  ///< of the OTF of the pupil without aberration: pi (1 - e^2) / (lambda N)^2 / 4, (cy/mm)^2
   };
-  /// `wavelength_um` says nothing where no component is chromatic.
+  /// `wavelength_um` says nothing where none of the optics is chromatic.
   OpticsAt optics_at(double wavelength_um) const {
     OpticsAt at{chromatic() ? system_->context(S(wavelength_um)) : middle_};
     at.cutoff_cy_mm = kInfinity;

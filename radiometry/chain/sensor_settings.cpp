@@ -174,7 +174,7 @@ SensorSettings sensor_settings(const std::vector<mtf::SettingsTable>& tables) {
   });
   if (!settings.detector) return settings;
   const mtf::SettingsTable& detector = *find_table(tables, "detector");
-  settings.detector->square = detector.version >= 2;
+  settings.detector->square = width_is_square(detector);
   if (settings.detector->square && detector.find("height") != nullptr && detector.find("width") == nullptr)
     throw mtf::UsageError("detector.height: given without width; give both, or width alone for a square");
   if (settings.detector->kind != DetectorKind::thermal) return settings;

@@ -150,10 +150,13 @@ struct OpticsSettings {
   }
 };
 
+/// Whether a width alone in [detector] is that of a square; in older files the height is the pitch then.
+inline bool width_is_square(const mtf::SettingsTable& detector) { return detector.version >= 2; }
+
 struct DetectorSettings {
   DetectorKind kind = DetectorKind::photon;
-  std::optional<double> width_um{}, height_um{};  ///< of the active area; else the pitch
-  bool square = true;  ///< width alone is that of a square; false in files of version 1, whose height is the pitch then
+  std::optional<double> width_um{}, height_um{};  ///< of the active area; neither: the pitch
+  bool square = true;                             ///< width_is_square
   NumberOrFile quantum_efficiency{1.0};
   double full_well_e = std::numeric_limits<double>::infinity();
   double dark_e_s = 0.0;
@@ -170,7 +173,8 @@ struct DetectorSettings {
         Field{optional_row("width", length, "um", 1e-3, 1e6, "\"14 um\"",
                            "of the active area, alone that of a square; else the pitch"),
               &DetectorSettings::width_um},
-        Field{optional_row("height", length, "um", 1e-3, 1e6, "\"14 um\"", "of the active area; else its width"),
+        Field{optional_row("height", length, "um", 1e-3, 1e6, "\"14 um\"",
+                           "of the active area; with width alone the same, with neither the pitch"),
               &DetectorSettings::height_um},
         Field{optional_row("quantum_efficiency", 0.0, 1.0, "0.75",
                            "electrons per photon: a number or the CSV file of a curve"),

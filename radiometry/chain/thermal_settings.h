@@ -31,7 +31,7 @@ constexpr std::span<const std::string_view> words(NetdOf) { return kNetdOfNames;
 
 struct ThermalSettings {
   DetectorKind kind = DetectorKind::thermal;
-  std::optional<double> width_um{}, height_um{};  ///< of the active area; else the pitch
+  std::optional<double> width_um{}, height_um{};  ///< of the active area; neither: the pitch
   std::optional<double> fill_factor{};            ///< in place of both: active area / pitch^2
   NumberOrFile absorptance{1.0};
   std::optional<double> responsivity_v_w{};
@@ -71,7 +71,8 @@ struct ThermalSettings {
         Field{optional_row("width", length, "um", 1e-3, 1e6, "\"15 um\"",
                            "of the active area, alone that of a square; else the pitch"),
               &T::width_um},
-        Field{optional_row("height", length, "um", 1e-3, 1e6, "\"15 um\"", "of the active area; else its width"),
+        Field{optional_row("height", length, "um", 1e-3, 1e6, "\"15 um\"",
+                           "of the active area; with width alone the same, with neither the pitch"),
               &T::height_um},
         Field{optional_row("fill_factor", 1e-6, 1.0, "0.9", "active area over that of the pitch, in place of both"),
               &T::fill_factor},

@@ -166,6 +166,40 @@ TEST(Resolution, TheLightOfABandIsThatOfItsWavelengths) {
     }
 }
 
+// Defocus in a wide band goes through focus and out of it from wavelength to wavelength, so that rules of few
+// wavelengths agree by chance: the closed form is the mean of sinc^2, weighted by (1 / lambda)^2.
+TEST(Resolution, TheStrehlRatioOfABandIsWithinItsError) {
+  for (const auto& [lo_um, hi_um, from, to] :
+       {std::array{0.4, 1.0, 1.9, 1.96}, std::array{7.5, 13.5, 3.7, 3.8}, std::array{0.45, 0.85, 0.0, 1.0}})
+    for (const double tolerance : {1e-3, 1e-4, 1e-7}) {
+      System<double> system = empty_system();
+      system.optics.wavelength_um.reset();
+      system.band = Band{lo_um, hi_um};
+      ResolutionNeeds needs;
+      needs.strehl = true;
+      needs.tolerance = tolerance;
+      ResolutionMeter<double> meter(needs);
+      const WavelengthNodes nodes = wavelength_nodes(*system.band, 64);
+      const double reference_um = 0.6 * (lo_um + hi_um);
+      for (double waves = from; waves <= to; waves += (to - from) / 40.0) {
+        auto defocus = Component<double>::make("defocus");
+        set(defocus, "waves", waves);
+        set(defocus, "wavelength_reference", reference_um);
+        system.list(Stage::presample).clear();
+        system.add(Stage::presample, defocus);
+        double light = 0.0, ideal = 0.0;
+        for (std::size_t w = 0; w < nodes.weight.size(); ++w) {
+          const double l = nodes.wavelength_um[w], share = nodes.weight[w] / (l * l);
+          light += share * std::pow(sinc(waves * reference_um / l).value, 2);
+          ideal += share;
+        }
+        const Resolution<double> r = meter.measure(system);
+        EXPECT_NEAR(r.strehl, light / ideal, r.error + 1e-12) << lo_um << " " << waves << " " << tolerance;
+        EXPECT_LE(r.error, tolerance) << lo_um << " " << waves;
+      }
+    }
+}
+
 // What the detector cuts off is no light that the optics lose.
 TEST(Resolution, StrehlIsThatOfTheOpticsAlone) {
   System<double> system = empty_system();  // optics to 50 cy/mm

@@ -64,15 +64,26 @@ class SpacedPlane(np.ndarray):  # type: ignore[type-arg]
         super().__setstate__(values)
 
 
+def stated_um(sample: tuple[str, str]) -> tuple[float, float]:
+    """A spacing that a plane states, along x and y in um."""
+    return _core.length_um(sample[0]), _core.length_um(sample[1])
+
+
+def same_um(one: tuple[float, float], other: tuple[float, float]) -> bool:
+    """Whether two spacings are one, but for rounding."""
+    return bool(np.allclose(one, other, rtol=1e-6, atol=0))
+
+
 def sample_of(planes: Iterable[object], sample: quantities.Value) -> quantities.Value:
     """The spacing that the caller gives, else that of the planes themselves. Raises UsageError where theirs differ."""
     if sample is not None:
         return sample
-    stated = dict.fromkeys(plane.sample for plane in planes if isinstance(plane, SpacedPlane) and plane.sample)
-    if len(stated) > 1:
-        raise UsageError(f"sample: the planes state the spacings {' and '.join(' x '.join(one) for one in stated)}; give planes of one "
-                         "spacing, or sample= for all of them")
-    return next(iter(stated), None)
+    stated = [plane.sample for plane in planes if isinstance(plane, SpacedPlane) and plane.sample]
+    for other in stated[1:]:
+        if not same_um(stated_um(stated[0]), stated_um(other)):
+            raise UsageError("sample: planes state spacings of {:.6g} x {:.6g} um and {:.6g} x {:.6g} um; give planes of one spacing, or "
+                             "sample= for all of them".format(*stated_um(stated[0]), *stated_um(other)))
+    return stated[0] if stated else None
 
 
 #: Units of the quantities of scenes.

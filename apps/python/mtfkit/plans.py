@@ -13,7 +13,7 @@ from mtfkit import _core, quantities, results
 from mtfkit.arguments import checked
 from mtfkit.canvas import Canvas
 from mtfkit.errors import UsageError
-from mtfkit.images import sample_of
+from mtfkit.images import SpacedPlane, same_um, sample_of, stated_um
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -68,13 +68,12 @@ class Plan:
         return self._plan.run(self._file, scene, out, frame)
 
     def _require_spacing(self, scene: object) -> None:
-        stated = sample_of([scene], None)
-        if stated is None or stated == self._sample:
+        if not isinstance(scene, SpacedPlane) or not scene.sample or scene.sample == self._sample:
             return
-        ours, theirs = (_core.sample_um(self._file, words) for words in (self._sample, quantities.sample_words(stated)))
-        if not np.allclose(ours[0], theirs[0], rtol=1e-6, atol=0):
+        ours, theirs = _core.sample_um(self._file, self._sample)[0], stated_um(scene.sample)
+        if not same_um(ours, theirs):
             raise UsageError("scene: states a spacing of {:.6g} x {:.6g} um, the plan is for {:.6g} x {:.6g} um; compile a plan "
-                             "for it, or give numpy.asarray(scene) for its values alone".format(*theirs[0], *ours[0]))
+                             "for it, or give numpy.asarray(scene) for its values alone".format(*theirs, *ours))
 
     @checked
     def replace(self, sensor: Sensor) -> Plan:

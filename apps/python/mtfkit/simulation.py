@@ -96,7 +96,9 @@ def run_simulation(sensor: Sensor, scene: SceneLike, *, sample: quantities.Value
                    progress: Any) -> Run:
     """`Sensor.simulate`."""
     planes = scene.values() if isinstance(scene, Mapping) else [scene]
-    sample = sample_of([*planes, *(beside or {}).values()], sample)
+    given, sample = sample, sample_of(planes, sample)
+    if given is None and sample is not None:
+        sample_of([*planes, *(beside or {}).values()], None)  # what lies beside the scene has its spacing
     canvas, file = None, sensor._file
     if sensor._functions:
         canvas, file = _canvas(sensor, scene, sample, {

@@ -212,7 +212,8 @@ std::string stated_value(const SensorConfig& config, std::string_view parameter)
       throw UsageError(config.file + ": " + printable(std::string(parameter), 80) + ": " +
                        (value->kind != Node::Kind::array
                             ? "is one value, not a list; leave the index out"
-                            : "the list has " + std::to_string(value->items.size()) + " values, counted from 0"));
+                            : "the list has " + plural(static_cast<std::int64_t>(value->items.size()), "value") +
+                                  ", counted from 0"));
     value = &value->items[*target.element];
   }
   if (value == nullptr) return {};

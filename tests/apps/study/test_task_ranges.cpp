@@ -183,7 +183,9 @@ TEST(Acquisition, AViewThatTheEyeLimitsIsProportionalToTheMagnification) {
     c.magnification = magnification;
     const double range_m = task(found(folder, camera(""), c, {100.0}), "ttp_range_detect").range_m;
     EXPECT_GT(range_m, 0.0) << magnification;
-    if (before > 0.0) EXPECT_NEAR(range_m / before, 2.0, 0.02) << magnification;
+    if (before > 0.0) {
+      EXPECT_NEAR(range_m / before, 2.0, 0.02) << magnification;
+    }
     before = range_m;
   }
 }
