@@ -149,6 +149,12 @@ SunPosition sun_position(double utc_s, const Place& place, const RefractingAir& 
   return position_of(refracted(sun.direction, air), sun.distance_au);
 }
 
+double solar_time_h(double utc_s, double longitude_rad) {
+  const auto [east, north, up] = sun_position(utc_s, {.longitude_rad = longitude_rad}).direction;
+  const double time_h = 12.0 * (1.0 + std::atan2(-east, up) / kPi);
+  return time_h < 24.0 ? time_h : 0.0;
+}
+
 std::array<double, 3> in_scene_axes(const std::array<double, 3>& direction, double north_rad) {
   const double c = std::cos(north_rad), s = std::sin(north_rad);
   const auto [east, north, up] = direction;

@@ -45,6 +45,10 @@ SunPosition sun_position(double utc_s, const Place& place);
 /// elevation of 3 deg for a lower sun.
 SunPosition sun_position(double utc_s, const Place& place, const RefractingAir& air);
 
+/// Apparent solar time of a longitude, h from 0 to 24: 12 when the sun is in the meridian. To a second: the sun is seen
+/// from the equator.
+double solar_time_h(double utc_s, double longitude_rad);
+
 /// A direction in the axes of a scene whose +y has the azimuth `north_rad`.
 std::array<double, 3> in_scene_axes(const std::array<double, 3>& direction, double north_rad);
 

@@ -111,6 +111,18 @@ TEST(Sun, MovesSmoothlyAcrossLeapDaysAndLeapSeconds) {
   }
 }
 
+// Twelve o'clock is when the azimuth at any latitude passes south; and the equation of time of Meeus, Astronomical
+// Algorithms, example 28.b: 13 min 42.7 s on 1992 October 13 at 0 h of dynamical time, 59 s before UTC.
+TEST(Sun, KeepsSolarTime) {
+  const Place place = place_of(-105.92, 37.70);
+  for (const char* noon : {"2026-02-11T19:00Z", "2026-06-21T19:00Z", "2026-11-03T19:00Z"}) {
+    const double t = utc(noon), ahead_s = 3600.0 * (solar_time_h(t, place.longitude_rad) - 12.0);
+    EXPECT_NEAR(sun_position(t - ahead_s, place).azimuth_rad, std::numbers::pi, 1e-4) << noon;
+  }
+  EXPECT_NEAR(3600.0 * solar_time_h(utc("1992-10-12T23:59:01Z"), 0.0), 13.0 * 60.0 + 42.7 - 59.0, 1.5);
+  EXPECT_NEAR(solar_time_h(utc("1992-10-13T00:00Z"), place.longitude_rad), 24.0 - 105.92 / 15.0 + 823.0 / 3600.0, 1e-3);
+}
+
 TEST(Sun, RisesAndSetsAtTheHorizon) {
   const Place place = place_of(-105.92, 37.70, 2317.0);
   const double begin = utc("2016-01-01T07:00Z");
