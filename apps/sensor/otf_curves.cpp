@@ -143,6 +143,24 @@ OtfCurves otf_curves(const System<double>& system, std::vector<double> frequency
   return values;
 }
 
+std::optional<double> mtf50(const System<double>& system, const OtfCurves& curves) {
+  const auto mtf_at = [](const OtfCurves& at, std::size_t i) {
+    return std::hypot(at.system.otf[i].re, at.system.otf[i].im);
+  };
+  const auto first_below = [&](const OtfCurves& at) {
+    std::size_t i = 0;
+    while (i < at.frequency.size() && mtf_at(at, i) > 0.5) ++i;
+    return i;
+  };
+  const std::size_t i = first_below(curves);
+  if (i == 0 || i == curves.frequency.size()) return std::nullopt;
+  const OtfCurves near =
+      otf_curves(system, evenly_spaced(curves.frequency[i - 1], curves.frequency[i], 33), curves.direction);
+  const std::size_t k = first_below(near);
+  const double above = mtf_at(near, k - 1);
+  return std::lerp(near.frequency[k - 1], near.frequency[k], (above - 0.5) / (above - mtf_at(near, k)));
+}
+
 std::vector<TableColumn> table_of(const OtfCurves& curves) {
   std::vector<TableColumn> table{{"frequency", curves.frequency}};
   const auto add = [&](std::string name, const OtfColumn& column, double Complex<double>::*part) {

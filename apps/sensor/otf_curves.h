@@ -74,6 +74,10 @@ struct OtfCurves {
 OtfCurves otf_curves(const mtf::System<double>& system, std::vector<double> frequency = {},
                      const Direction& direction = {});
 
+/// The lowest frequency at which the MTF of the system falls to 1/2, to 1e-5 of it, in the unit of its curves; none
+/// where they stay above, or begin below. A dip between two of their frequencies is not seen.
+std::optional<double> mtf50(const mtf::System<double>& system, const OtfCurves& curves);
+
 /// A column of numbers under its name.
 struct TableColumn {
   std::string name;

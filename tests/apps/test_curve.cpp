@@ -94,6 +94,20 @@ TEST(Curve, ShapeOfTheJson) {
   }
 }
 
+TEST(Curve, Mtf50OfAGaussianAndOfNone) {
+  const Scratch scratch;
+  const std::string head = "schema = 1\nname = \"blur\"\n[frame]\nfocal_length = \"50 mm\"\npitch = \"15 um\"\n";
+  const auto found = [&](const std::string& rms_um) {
+    write_file(scratch / "g.toml", head + "[[presample]]\nkind = \"gaussian\"\nsigma = \"" + rms_um + " um\"\n");
+    const mtf::System<double> system = mtf::io::load_config((scratch / "g.toml").string()).system;
+    return apps::mtf50(system, apps::otf_curves(system));
+  };
+  // exp(-2 (pi s f)^2) = 1/2.
+  const double expected = std::sqrt(0.5 * std::log(2.0)) / (std::numbers::pi * 0.007);
+  EXPECT_NEAR(found("7").value(), expected, 1e-5 * expected);
+  EXPECT_FALSE(found("0.1")) << "0.999 at twice the Nyquist frequency";
+}
+
 const char* const kComplexSensor = R"(schema = 1
 name = "all lists"
 [frame]
