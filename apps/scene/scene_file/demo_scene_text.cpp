@@ -139,7 +139,7 @@ material = "soil"
 material = "soil"
 
 [camera]
-position = ["14 m", "-12 m", "5 m"]
+position = ["54 m", "-46 m", "14 m"]
 look_at = ["0 m", "0 m", "1.2 m"]
 )";
 }
