@@ -74,7 +74,7 @@ struct KeptFrame {
   std::shared_ptr<const mtf::io::Scene> scene{};
   double radiance_promised = 0.0;
   bool light_lags = false;
-  std::string solving{};  ///< temperatures are those of before: what is going on, in words
+  std::string solving{};  ///< temperatures are those before the change: what is going on, in words
   std::vector<std::pair<std::string, std::string>> closures{};
   std::vector<std::pair<std::string, double>> stages_ms{};
 };

@@ -63,7 +63,7 @@ class Waiting {
   Answer answer() {
     const std::scoped_lock lock(mutex_);
     const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(std::chrono::steady_clock::now() - begin_);
-    return json_answer({{"waiting", words_ + " " + std::to_string(seconds.count()) + " s."}});
+    return json_answer({{"waiting", words_ + " " + std::to_string(seconds.count()) + " s so far."}});
   }
 
  private:

@@ -287,6 +287,7 @@ Answer Session::frame(const RequestBody& request) {
     facts["closures"] = made->closures;
     facts["stages_ms"] = made->stages_ms;
     facts["utc_s"] = asked.from->utc_s;
+    facts["sun"] = space_->sun(asked.from->utc_s);
     if (before) {
       PixelBytes pixels = pixel_bytes(made->scene->planes.front().view(), every, options_.threads);
       facts["before"] = scene_facts(*made->scene, every);
@@ -332,9 +333,12 @@ Answer Session::figures(const RequestBody& request) {
     json["saturation"] = words(budget.numbers.saturation);
     json["temperature"] = temperature;
   }
-  const OtfCurves curves =
-      otf_curves(config.system, {}, make_direction(config.system.frame, request.text("unit", "cy/mm"), angle));
+  const Direction direction = make_direction(config.system.frame, request.text("unit", "cy/mm"), angle);
+  const OtfCurves curves = otf_curves(config.system, {}, direction);
   json["curves"] = curves_json(curves);
+  json["at_nyquist"] = curves_json(otf_curves(config.system, {curves.figures.nyquist}, direction));
+  const std::optional<double> half = mtf50(config.system, curves);
+  json["mtf50"] = half ? Json(*half) : Json();
   return json_answer(json);
 }
 
@@ -372,7 +376,7 @@ Answer Session::file(const RequestBody& request) {
     made = kept(request);
   }
   if (!made) return refusal("that frame is no longer kept", 410);
-  if (made->passing) return refusal("that picture is a preview; files are made of pictures at rest");
+  if (made->passing) return refusal("that picture is a preview; files are made of final pictures");
   const ScratchFile scratch("frame." + format);
   write_sensor_image(scratch.path(), made->names, made->image.planes, made->image.metadata, made->range);
   constexpr std::size_t kMost = std::size_t{1} << 31;

@@ -18,6 +18,11 @@ constexpr std::chrono::seconds kGone{10};  ///< a page that waits asks more ofte
 
 }  // namespace
 
+std::string stage_words(const std::string& step, double share) {
+  const std::string words = step == "rays" ? "views between surfaces" : step == "heat" ? "temperatures" : step;
+  return share > 0.0 ? words + ", " + std::to_string(static_cast<int>(100.0 * share)) + " %" : words;
+}
+
 /// One heat balance.
 struct SolvedScenes::Work {
   std::string text, tab;
@@ -44,8 +49,7 @@ struct SolvedScenes::Work {
   std::string words() {
     const std::scoped_lock guard(mutex);
     const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(Clock::now() - begun).count();
-    const std::string done = share > 0.0 ? " " + std::to_string(static_cast<int>(100.0 * share)) + " %" : "";
-    return step + done + ", " + std::to_string(seconds) + " s";
+    return stage_words(step, share) + ", " + std::to_string(seconds) + " s";
   }
   ~Work() {
     ended = true;

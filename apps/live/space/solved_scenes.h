@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// The 3-D scene with other weather, another engine or other materials: a heat balance of its own, worked out beside
-// frames. Until it is there pictures have the temperatures of before.
+// The 3-D scene with other weather, another engine or other materials: a heat balance of its own, in the
+// background. Until it is there pictures have the temperatures before the change.
 
 #include <functional>
 #include <memory>
@@ -21,6 +21,9 @@ struct SolvedScene {
   std::unique_ptr<scene::PictureSource> source{};
 };
 
+/// A step of the heat balance and how much of it is done, for a page: "temperatures, 50 %".
+std::string stage_words(const std::string& step, double share);
+
 /// Hears what is going on and how much of it is done, 0 to 1.
 using SolveProgress = std::function<void(const std::string& step, double share)>;
 /// The scene of that text. Throws what is wrong with it, and mtf::Stopped where nobody wants it any more.
@@ -35,7 +38,7 @@ class SolvedScenes {
 
   struct Found {
     std::shared_ptr<SolvedScene> scene{};  ///< null: it is being worked out, or waits for another one
-    std::string waiting{};                 ///< what is going on: "rays, 3 s"
+    std::string waiting{};                 ///< what is going on: "temperatures, 50 %, 9 s"
   };
   /// The scene of that text, "" for the start, for a page of the browser. One that is not known begins to be worked
   /// out; that ends the one that the same page has asked for before, while another page's is waited for. Throws what

@@ -21,6 +21,8 @@ struct Space {
   double begin_s = 0.0, end_s = 0.0;  ///< UTC, times that pictures may be of
   /// For the page: the scene's size, what stands for sky and air, the command's words, what does not change here.
   Json facts{};
+  /// "elevation_deg", "solar_time_h" of the sun there at a time.
+  std::function<Json(double utc_s)> sun{};
   /// The text of the scene file with these edits. Throws UsageError for one that cannot be made.
   std::function<std::string(std::span<const Edit>)> edited{};
   /// The rows of such a text, for the page.

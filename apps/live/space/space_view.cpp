@@ -31,6 +31,7 @@ std::array<double, 3> to_millimetres(std::array<double, 3> place_m) {
   return place_m;
 }
 
+constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr double kSamples = 2.0, kSamplesMoving = 1.0;  ///< a pitch
 constexpr int kPoints = 2, kPointsMoving = 1;           ///< n x n of a sample
 constexpr double kLightEvery_s = 1.0;                   ///< pictures at rest have the light of their own second
@@ -214,8 +215,8 @@ Space open_space(const SceneViewOptions& options, const Global& global) {
     ProgressLine progress(global);
     rows = rows_of(file, global.threads, [&](const std::string& step, double share) {
       progress.update(step, share);
-      tell("The heat balance is worked out first: " + step + ", " + std::to_string(static_cast<int>(100.0 * share)) +
-           " %. mtf heat keeps it in a folder, for --temperatures.");
+      tell("The heat balance is worked out first: " + stage_words(step, share) +
+           ". mtf heat keeps it in a folder, for --temperatures.");
     });
   }
   start->source = std::make_unique<PictureSource>(file, air, std::move(rows));
@@ -246,9 +247,14 @@ Space open_space(const SceneViewOptions& options, const Global& global) {
   space.begin_s = shared->begin_s, space.end_s = shared->end_s;
   const std::string text = file.text, path = file.file;
   space.edited = [text, path](std::span<const Edit> edits) { return edited_scene(text, path, edits); };
+  space.sun = [place = file.place](double utc_s) {
+    return Json{{"elevation_deg", 90.0 - radiometry::heat::sun_position(utc_s, place).zenith_rad / kDegree},
+                {"solar_time_h", radiometry::heat::solar_time_h(utc_s, place.longitude_rad)}};
+  };
   space.rows = scene_json;
   space.with_camera = with_camera;
   space.facts = {{"facets", facets.size()},
+                 {"longitude_deg", file.place.longitude_rad / kDegree},
                  {"size_m", 2.0 * facets.half_extent_m},
                  {"text", file.text},
                  {"temperatures", options.temperatures},

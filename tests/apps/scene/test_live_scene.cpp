@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 // The scene's file in the live view: numbers change, comments stay, no edit names a file; and scenes that are worked
-// out beside frames.
+// out in the background.
 
 #include <gtest/gtest.h>
 
