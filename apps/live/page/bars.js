@@ -161,6 +161,7 @@ function keys(event) {
     event.preventDefault();
     back(key === "y" || event.shiftKey ? edits.redo : edits.undo);
   }
+  if (key === "escape" && !writing && app.stale.some(Boolean) && !document.querySelector("dialog[open], :popover-open")) return back(edits.toGood);
   if (control || event.altKey || typing) return;
   const act = {
     f: toggleRun, k: () => $("keep").click(), p: () => setPalette(palettes[(palettes.indexOf(state.palette) + 1) % palettes.length]),

@@ -9,6 +9,7 @@ const lists = [[], [], []];
 let editing = 1;
 let camera = null; // { get, set, rest } of the view
 let before = null; // a drag at work: the edits as they were when it began
+let good = null; // lists and view that the last picture without an error was of
 
 const same = (a, b) => JSON.stringify(a) === JSON.stringify(b);
 
@@ -94,16 +95,15 @@ export function reset(name, value, of = editing) {
   return take(stated ? [...next, ["unset", name]] : next, of);
 }
 
-/** An edit that the program refuses is as if it had never been: what it made void counts again. */
-export function refuse(edit) {
-  const of = lists.findIndex((list) => list.includes(edit));
-  if (of < 0) return;
+/** An edit of a list that the program refuses is as if it had never been: what it made void counts again. */
+export function refuse(edit, of) {
+  if (!lists[of].includes(edit)) return;
   const earlier = past.filter((step) => step.of === of && !step.list.includes(edit)).at(-1)?.list ?? [];
   const former = ofValue(edit) ? earlier.filter((one) => ofValue(one) && one[1] === edit[1]).at(-1) : undefined;
-  const without = (list) => (list?.includes(edit) ? list.map((one) => (one === edit ? former : one)).filter(Boolean) : list);
+  const without = (list) => (list.includes(edit) ? list.map((one) => (one === edit ? former : one)).filter(Boolean) : list);
   lists[of] = without(lists[of]);
-  before = without(before);
-  for (const steps of [past, future]) for (const step of steps) step.list = without(step.list);
+  if (before && of === editing) before = without(before);
+  for (const steps of [past, future]) for (const step of steps) if (step.of === of) step.list = without(step.list);
   // Steps that now lead to what is there anyway.
   for (let i = past.length - 1, next = lists[of]; i >= 0; i -= 1) {
     if (past[i].of !== of) continue;
@@ -133,6 +133,20 @@ function move(from, to) {
 }
 export const undo = () => move(past, future);
 export const redo = () => move(future, past);
+
+const now = () => ({ lists: lists.slice(), view: camera?.get() });
+/** A picture without an error has come of what is now. */
+export function markGood() { good = now(); }
+export const isAstray = () => good !== null && !same(good, now());
+/** Back to that picture, which undo takes back. */
+export function toGood() {
+  drop();
+  camera?.rest();
+  for (const [of, list] of good.lists.entries()) take(list, of);
+  if (same(good.view, camera?.get())) return;
+  moved(camera.get());
+  camera.set(good.view);
+}
 
 export function restore(...saved) {
   for (const [of, list] of saved.entries()) if (Array.isArray(list)) lists[of] = list;

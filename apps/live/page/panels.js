@@ -20,35 +20,38 @@ export function onRefusedEdit(act) { follow = act; }
 
 /**
  * What cannot be, in the program's words, at the control that it is about. An edit that cannot be made goes, so that it
- * stands in the way of no other; one of a slider that moves may be made at its next place. `body`: of the request.
+ * stands in the way of no other; one of a slider that moves may be made at its next place. `body`: of the request, for a
+ * side of the divider.
  */
-export function problem(error, body) {
+export function problem(error, body, side = edits.side()) {
   // The reader's words begin with the place in the file; the control shows what is wrong with it.
   let text = error.message.split("\n").map((line) => line.replace(/^\S+:\d+:\d+: error: /, "")).join("\n");
-  const edit = error.refused && !app.dragging ? body?.[error.refused.list]?.[error.refused.index] : undefined;
+  const list = error.refused?.list, edit = app.dragging ? undefined : body?.[list]?.[error.refused?.index];
   if (edit) {
     const [kind, name, value] = edit;
     if (kind === "set" || kind === "unset") app.lastName = name;
     else [app.lastName, text] = [null, `${kind === "add" ? `${value} is not added` : `${name} stays as it is`}: ${text}`];
-    edits.refuse(edit);
+    edits.refuse(edit, list === "scene" ? edits.SCENE : side);
   }
   said = { text, name: app.lastName, stays: Boolean(edit) };
-  atControl();
-  $("problem").textContent = text;
-  $("problem").hidden = false;
+  say();
   $("said").scrollTop = 0;
   if (edit) follow();
 }
-/** The words stand at the control that they are about, once it is there. */
-function atControl() {
-  if (said) for (const forms of [app.place, app.sceneControls, app.controls]) if (forms?.problem(said.name, said.text)) break;
+/** The words, also at the control that they are about once it is there, and the way back where there is one. */
+export function say() {
+  $("problem").hidden = !said;
+  if (!said) return;
+  const text = said.text + (edits.isAstray() ? "\nEsc: back to the last picture without an error" : "");
+  if ($("problem").textContent !== text) $("problem").textContent = text;
+  for (const forms of [app.place, app.sceneControls, app.controls]) if (forms?.problem(said.name, text)) break;
 }
 /** `changed`: something else has been changed. */
 export function clearProblem(changed = false) {
-  if (said?.stays && !changed) return;
+  if (said?.stays && !changed) return say();
   said = null;
   for (const forms of [app.place, app.sceneControls, app.controls]) forms?.clear();
-  $("problem").hidden = true;
+  say();
 }
 
 /** Curves and budget follow the picture. */
@@ -104,14 +107,14 @@ async function makeBaseline(key, { unit, angle_deg: angle }, list) {
 }
 
 export async function showModel() {
-  const turn = (models += 1), body = { edits: edits.current(), ...ofScene() };
+  const turn = (models += 1), side = edits.side(), body = { edits: edits.current(), ...ofScene() };
   let model;
   try {
     model = await ask("model", body);
   } catch (error) {
-    if (error instanceof Refused && (turn === models || error.refused)) problem(error, body);
-    if (error instanceof Gone && turn === models) setTimeout(showModel, GONE_MS);
-    shownModels = Math.max(shownModels, turn);
+    if (error instanceof Refused && (turn === models || error.refused)) problem(error, body, side);
+    if (error instanceof Gone && turn === models) setTimeout(showModel, GONE_MS); // until then the page is at work
+    else shownModels = Math.max(shownModels, turn);
     return;
   }
   if (turn !== models) return; // a later one is on its way
@@ -119,7 +122,7 @@ export async function showModel() {
   app.model = model;
   app.controls.show(model);
   if (model.scene) app.sceneControls.show(model.scene);
-  atControl();
+  say();
   $("name").textContent = $("name").title = model.name || app.start.sensor;
   $("notes-panel").hidden = model.notes.length === 0;
   $("notes").replaceChildren(...model.notes.map((text) => Object.assign(document.createElement("li"), { textContent: text })));

@@ -5,7 +5,7 @@
 import { ask as post, Gone, GONE_MS, picture, Refused } from "./api.js";
 import { $, app, editsOf, inSpace, moving, state, wanted } from "./app.js";
 import * as edits from "./history.js";
-import { clearProblem, facts, problem } from "./panels.js";
+import { clearProblem, facts, problem, say } from "./panels.js";
 
 const SLOW_MS = 40; // a frame that takes longer is asked for as a preview while a slider moves
 const CALM_MS = 150; // texts follow a moving slider no more often: pictures come first
@@ -116,7 +116,7 @@ async function ask(side, { from, body, key }, begun, before) {
     await before;
     Object.assign(shown[side], { refused: key, error });
     if (side === 1) $("overlay").hidden = true; // the words stand at the control, which has to be within reach
-    problem(error, body);
+    problem(error, body, from === "scene" ? 1 : side);
     settleStale();
     if (!app.frames[1] && app.place?.toStart()) $("problem").textContent = `The camera of the link: ${error.message}`;
     if (state.running) stepped?.();
@@ -151,7 +151,10 @@ export async function pump() {
   } finally {
     asking = false;
   }
-  if (!moving()) app.view.rest();
+  if (!moving()) {
+    app.view.rest();
+    if (![0, 1].some(isRefused)) edits.markGood();
+  }
   settleProblem();
 }
 
@@ -162,6 +165,7 @@ function settleProblem() {
   const side = [1, 0].find(isRefused);
   if (side === undefined) clearProblem();
   else if ($("problem").hidden) problem(shown[side].error);
+  else say();
   settleStale();
 }
 
