@@ -5,11 +5,12 @@
 // Usage: node check_live.mjs --modules DIR --chromium FILE --mtf FILE --work DIR [--minutes N]
 
 import assert from "node:assert/strict";
-import { readFileSync, writeFileSync } from "node:fs";
+import { copyFileSync, readFileSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 import { checkSpace } from "./check_space.mjs";
 import { endure } from "./endurance.mjs";
-import { context, field, job, launch, open, options, pixelsOnPage, places, settle, slide, slider, unfold } from "./helpers.mjs";
+import { context, field, job, launch, open, options, pixelsOnPage, places, press, settle, slide, slider, unfold } from "./helpers.mjs";
+import { checkLooks, placesOf } from "./looks.mjs";
 
 /** The page's curves, pixels and file against those of the other commands. */
 async function compare(run, page, what, counts = 0) {
@@ -116,8 +117,11 @@ async function checkPage(run, browser) {
   await unfold(page);
   assert.ok(await page.evaluate(() => window.mtfLive.text.includes('kind = "unsharp"')));
   await compare(run, page, "added");
+  const colours = () => page.evaluate(() => [...document.querySelectorAll("#legend tbody tr")].map((row) => `${row.cells[1].textContent} ${row.querySelector("span").style.borderTopColor}`));
+  const all = await colours();
   await page.getByRole("checkbox", { name: "jitter on" }).uncheck();
   await settle(page);
+  assert.deepEqual(await colours(), all.filter((text) => !text.startsWith("jitter ")), "a component keeps its colour");
   assert.ok(await page.evaluate(() => window.mtfLive.text.includes("#- kind = \"jitter\"")));
   await compare(run, page, "switched off");
   await page.getByRole("checkbox", { name: "jitter on" }).check();
@@ -184,9 +188,9 @@ async function checkPage(run, browser) {
     assert.deepEqual(drawn.said, []);
     await drawn.page.close();
   }
-  const [file] = await Promise.all([page.waitForEvent("download"), page.locator("#save").click()]);
+  const [file] = await Promise.all([page.waitForEvent("download"), press(page, "Save", "#save")]);
   assert.equal(readFileSync(await file.path(), "utf8"), await page.evaluate(() => window.mtfLive.text));
-  const [picture] = await Promise.all([page.waitForEvent("download"), page.locator("#exr").click()]);
+  const [picture] = await Promise.all([page.waitForEvent("download"), press(page, "Save", "#exr")]);
   assert.equal(readFileSync(await picture.path()).readUInt32LE(0), 20000630);
 
   // The keyboard alone, and the value under the cursor.
@@ -195,6 +199,20 @@ async function checkPage(run, browser) {
   await page.keyboard.press("ArrowRight");
   await settle(page);
   assert.notEqual(await page.evaluate(() => window.mtfLive.text), before);
+  // Shift makes a tenth of the step. An end that is typed stays; one that the value is beyond does not.
+  const placeOf = () => slider(page, "jitter.rms").evaluate((element) => Number(element.value)), at = await placeOf();
+  await page.keyboard.press("Shift+ArrowRight");
+  await settle(page);
+  assert.ok(Math.abs(await placeOf() - at - 1) < 0.3, `a step from ${at} to ${await placeOf()}`);
+  const end = page.locator("[data-name='jitter.rms'] .end").last(), [number, unit] = (await end.inputValue()).split(" ");
+  for (const [text, good] of [["wide", false], [`1e-9 ${unit}`, false], [`${Math.round(number / 2)} ${unit}`, true]]) {
+    await end.fill(text);
+    await end.press("Enter");
+    assert.equal(await end.evaluate((element) => element.validity.valid), good, text);
+  }
+  await slider(page, "jitter.rms").press("ArrowRight");
+  await settle(page);
+  assert.equal(parseFloat(await end.inputValue()), Math.round(number / 2));
   await page.locator("#view").hover({ position: { x: 200, y: 200 } });
   await page.waitForFunction(() => window.mtfLive.value);
   // Values under a mouse that rests follow the picture, and are those of both sensors where there are two.
@@ -227,12 +245,40 @@ async function checkPage(run, browser) {
 }
 
 // The whole chain: noise of the same plan, seed and frame is the same; a drag at half size ends with the full frame.
+/** What B is refused and A has too stays in A; the way back to a state of which there was a picture. */
+async function checkHistory({ folder }) {
+  const copy = join(folder, "history.mjs");  // Node takes .js for something else
+  copyFileSync(new URL("../../apps/live/page/history.js", import.meta.url), copy);
+  const history = await import(copy);
+  history.set("jitter.rms", "20 urad");
+  history.keep();
+  const [edit] = history.current(1);
+  history.refuse(edit, 1);
+  assert.deepEqual([history.current(0), history.current(1)], [[edit], []]);
+  history.set("jitter.rms", "30 urad");
+  history.markGood();
+  assert.ok(!history.isAstray());
+  history.undo();
+  history.set("jitter.rms", "-1 urad");
+  assert.ok(history.isAstray());
+  history.toGood();
+  assert.deepEqual([history.current(0), history.current(1)], [[edit], [["set", "jitter.rms", "30 urad"]]]);
+}
+
 async function checkChain(run, browser) {
   const [server] = await Promise.all([run.serve(), run.mtf("demo", "-o", "mtf-demo")]);
   const own = await context(browser);
   const { page, said } = await open(own, server.address);
   await unfold(page);
   const { budget } = await compare(run, page, "demo", 1.05);
+  await checkLooks(run, page, "demo");
+  // The legend's values are those of `mtf curve`, the system's first.
+  const { curves: { nyquist }, mtf50 } = await page.evaluate(() => window.mtfLive.figures);
+  const { system } = JSON.parse(await run.mtf("curve", "seen.toml", "--freq", `${nyquist},${mtf50}`, "--format", "json", "--quiet")), [atNyquist, half] = system.re.map((re, i) => Math.hypot(re, system.im[i]));
+  assert.deepEqual((await page.locator("#legend tbody tr").first().locator("td").allTextContents()).slice(1), ["system", atNyquist.toFixed(3), ""]);
+  assert.ok(Math.abs(half - 0.5) < 1e-5, `${half} at the MTF50`);
+  await page.locator("#curves .u-over").hover();
+  await page.waitForFunction(() => /^0\.\d{3}$/.test(document.querySelector("#legend tbody tr").cells[3].textContent));
   const { terms } = JSON.parse(await run.mtf("budget", "seen.toml", "--format", "json", "--quiet"));
   for (const row of budget) if (row.value !== null) assert.equal(row.value, terms[row.name].value, row.name);
   for (const pair of [[["detector.read_noise", 0.7], ["noise.seed", 0.3]], [["adc.bits", 0.4], ["optics.temperature", 0.6]]]) {
@@ -247,6 +293,22 @@ async function checkChain(run, browser) {
   await settle(page);
   await compare(run, page, "a later frame of the noise", 1.05);
 
+  // Nothing jumps when what there is to say and to press changes.
+  const parts = await placesOf(page);
+  assert.ok(await page.locator("#first-frame").isEnabled());
+  await page.keyboard.press("k");
+  await settle(page);
+  await field(page, "adc.bits").fill("99");
+  await field(page, "adc.bits").press("Enter");
+  await page.waitForSelector("[data-name='adc.bits'] .message:not([hidden])");
+  await checkLooks(run, page, "two-sensors");
+  assert.deepEqual(await placesOf(page), parts);
+  await field(page, "adc.bits").press("Escape");
+  await page.locator("#first-frame").click();
+  await page.locator("#left").selectOption("scene");
+  await settle(page);
+  assert.deepEqual(await placesOf(page), parts);
+
   // A picture of half a minute that nobody wants any more is not waited for.
   await page.evaluate(() => {
     window.widths = new Set();
@@ -259,7 +321,7 @@ async function checkChain(run, browser) {
   await page.waitForSelector("#busy-tag:not([hidden])");
   await page.locator("#undo").click();
   await settle(page);
-  assert.deepEqual(await page.evaluate(() => [...window.widths]), [width]);
+  assert.deepEqual(await page.evaluate((own) => [...window.widths].filter((one) => one !== own), width), []);
   await compare(run, page, "after a picture that was ended", 1.05);
   assert.deepEqual(said, []);
   await page.close();
@@ -284,7 +346,7 @@ try {
     console.log(`${name}: ${((Date.now() - began) / 1000).toFixed(1)} s`);
   };
   if (options.minutes) await endure(job("endurance"), browser, Number(options.minutes));
-  else await Promise.all([timed("page", checkPage), timed("chain", checkChain), ...(options.space === "no" ? [] : [timed("3-D", checkSpace)])]);
+  else await Promise.all([timed("history", checkHistory), timed("page", checkPage), timed("chain", checkChain), ...(options.space === "no" ? [] : [timed("3-D", checkSpace)])]);
   console.log("live: ok");
 } finally {
   await browser.close();

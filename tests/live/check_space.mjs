@@ -5,7 +5,8 @@
 import assert from "node:assert/strict";
 import { readFileSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
-import { context, field, open, pixelsOnPage, places, settle, slide, slider, unfold } from "./helpers.mjs";
+import { context, field, open, pixelsOnPage, places, press, settle, slide, slider, unfold } from "./helpers.mjs";
+import { checkLooks } from "./looks.mjs";
 
 // A box and a warm plate on soil, in changing temperatures, through air.
 const SCENE = `schema = 1
@@ -100,7 +101,7 @@ async function checkHeat(run, own) {
     await settle(page);
   }
   assert.match(await page.locator("#difference").textContent(), /- solar_absorptance = 0\.7\n\+ solar_absorptance = 0\.2/);
-  const [file] = await Promise.all([page.waitForEvent("download"), page.locator("#save-scene").click()]);
+  const [file] = await Promise.all([page.waitForEvent("download"), press(page, "Save", "#save-scene")]);
   writeFileSync(join(run.folder, "heated-live.toml"), readFileSync(await file.path(), "utf8"));
   const cold = await compare(run, page, "calm and white");
   assert.match(cold.command, /^mtf heat heated-live\.toml -o temperatures-live --force && mtf render heated-live\.toml /);
@@ -124,7 +125,7 @@ async function checkHeat(run, own) {
 async function checkWaiting(run, own) {
   const server = await run.serve("vehicle/scene.toml", "vehicle/lwir.toml"), page = await own.newPage();
   await page.goto(server.address);
-  await page.waitForFunction(() => /heat balance is worked out first: .+, \d+ %.* \d+ s/.test(document.getElementById("overlay").textContent));
+  await page.waitForFunction(() => /heat balance is worked out first: \w+.* \d+ s so far/.test(document.getElementById("overlay").textContent));
   assert.ok(await page.locator("#overlay").isVisible());
   const begin = Date.now();
   assert.equal(await server.end(), 130);
@@ -179,12 +180,16 @@ export async function checkSpace(run, browser) {
   await slide(page, "jitter.rms", 0.7);
   const later = await compare(run, page, "keys, time and a sensor's number");
   assert.match(later.command, /--time 2026-06-21T13:30:00Z/);
+  // The equation of time is -1.9 min in June.
+  assert.match(await page.locator("#sun").textContent(), /^Local 13:30 \(UTC\+0 by longitude\), solar 13:28\nSun \d\d\.\d° above the horizon: day$/);
+  await checkLooks(run, page, "camera");
   await field(page, "camera.range").fill("0.08 km");
   await field(page, "camera.range").press("Enter");
   await settle(page);
   assert.ok(Math.abs(await page.evaluate(() => window.mtfLive.place.range) - 80) < 1e-9);
 
   // What cannot be: the program's words at the control, the last good picture stays.
+  const kept = await placeOf();
   for (const [name, text, words] of [["camera.elevation", "-60 deg", /below the ground/], ["camera.look_at", "0, 0, 5000", /sees no facet/], ["camera.range", "-3 m", /above 0 belongs/], ["camera.time", "2027-01-01", /a time from/]]) {
     const last = await shown();
     await field(page, name).fill(text);
@@ -192,8 +197,10 @@ export async function checkSpace(run, browser) {
     await page.waitForSelector(`[data-name='${name}'] .message:not([hidden])`);
     assert.match(await page.locator(`[data-name='${name}'] .message`).textContent(), words);
     assert.equal(await shown(), last, name);
-    await page.locator("#home").click();
+    if (name === "camera.elevation") await checkLooks(run, page, "refused");
+    await page.keyboard.press("Escape");
     await settle(page);
+    assert.deepEqual(await placeOf(), kept, `${name}: one key goes back`);
     await page.waitForSelector("#problem", { state: "hidden" });
   }
 
@@ -204,7 +211,7 @@ export async function checkSpace(run, browser) {
   assert.deepEqual(await other.page.evaluate(() => window.mtfLive.place.request()), await page.evaluate(() => window.mtfLive.place.request()));
   assert.deepEqual(other.said, []);
   await other.page.close();
-  const [file] = await Promise.all([page.waitForEvent("download"), page.locator("#save-scene").click()]);
+  const [file] = await Promise.all([page.waitForEvent("download"), press(page, "Save", "#save-scene")]);
   const saved = readFileSync(await file.path(), "utf8");
   assert.ok(saved.includes("[camera]\nposition = [") && !saved.includes("path =") && saved.includes("[atmosphere]"), saved);
   writeFileSync(join(run.folder, "plates-live.toml"), saved);

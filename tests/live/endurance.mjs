@@ -10,7 +10,7 @@ import { context, open, options, settle, unfold } from "./helpers.mjs";
 const PATIENCE_MS = 15000, MOST_UNDONE = 100;
 const memory = (server) => Number(/VmRSS:\s+(\d+)/.exec(readFileSync(`/proc/${server.child.pid}/status`, "utf8"))[1]) / 1024;
 
-/** A slider, by five places of which it rests at the last; now and then undo, run and freeze, the wheel. */
+/** A slider, by five places of which it rests at the last; now and then undo, play and pause, a way back. */
 async function move(page, random) {
   const sliders = page.locator(".row input[type=range]");
   await sliders.nth(Math.floor(random() * (await sliders.count()))).evaluate((element, values) => {
@@ -22,6 +22,7 @@ async function move(page, random) {
   }, Array.from({ length: 5 }, () => random() * 1000));
   if (random() < 0.3) await page.keyboard.press("Control+z");
   if (random() < 0.1) await page.keyboard.press("f");
+  if (random() < 0.1) await page.keyboard.press("Escape");
   if (random() < 0.05) await page.keyboard.press("k");
   if (random() < 0.05) await page.locator("#home").click({ timeout: 100 }).catch(() => {});
 }

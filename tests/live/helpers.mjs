@@ -65,7 +65,7 @@ export const settle = async (page, timeout) => {
   await rest(page, timeout);
 };
 export const slider = (page, name) => page.locator(`[data-name="${name}"] input[type=range]`);
-export const field = (page, name) => page.locator(`[data-name="${name}"] :is(input[type=text], select)`);
+export const field = (page, name) => page.locator(`[data-name="${name}"] :is(input[type=text], select):not(.end)`);
 export async function slide(page, name, share) {
   await slider(page, name).evaluate((element, t) => {
     for (const at of [t * 500, t * 800, t * 1000]) {
@@ -75,6 +75,11 @@ export async function slide(page, name, share) {
     element.dispatchEvent(new Event("change", { bubbles: true }));
   }, share);
   await settle(page);
+}
+/** A button of one of the menus Save and Share. */
+export async function press(page, menu, button) {
+  if (!(await page.locator(button).isVisible())) await page.getByRole("button", { name: menu, exact: true }).click();
+  await page.locator(button).click();
 }
 export const unfold = (page) => page.evaluate(() => { for (const each of document.querySelectorAll("#forms details")) each.open = true; });
 

@@ -47,7 +47,7 @@ function remember() {
 export function toggleRun() {
   state.running = !state.running;
   $("run").setAttribute("aria-pressed", String(state.running));
-  $("run").textContent = state.running ? "Freeze" : "Run";
+  $("run").textContent = state.running ? "Pause" : "Play";
   run(() => state.running && toggleRun());
   texts();
 }
@@ -73,7 +73,7 @@ export function setEditing(side) {
 
 export function setLeft(left) {
   state.left = $("left").value = left;
-  $("sides").hidden = left !== "kept";
+  for (const id of ["edit-a", "edit-b"]) $(id).disabled = left !== "kept";
   if (left !== "kept") setEditing(1);
   forgetLeft();
 }

@@ -9,7 +9,7 @@ const LISTS = { presample: "Before sampling", readout: "Readout", postsample: "A
  * Calls `letGo` once for each time that a slider has moved and is let go. A browser fires no `change` where the handle is
  * back in its place.
  */
-export function onLetGo(slider, letGo) {
+function onLetGo(slider, letGo) {
   let moved = false;
   const end = () => {
     if (moved) letGo();
@@ -19,8 +19,17 @@ export function onLetGo(slider, letGo) {
   for (const event of ["change", "pointerup", "pointercancel", "blur"]) slider.addEventListener(event, end);
 }
 
-/** How far a key moves a slider of 1000 steps; undefined for other keys. */
-export const stepOf = (event) => ({ ArrowLeft: -10, ArrowDown: -10, ArrowRight: 10, ArrowUp: 10, PageDown: -100, PageUp: 100 })[event.key];
+/** Escape brings a text back; where one was being written it does nothing else. */
+export function onEscape(field, restore) {
+  field.onkeydown = (event) => {
+    if (event.key !== "Escape") return;
+    if (field.value !== field.dataset.shown) event.stopPropagation();
+    restore();
+  };
+}
+
+const KEYS = { ArrowLeft: -10, ArrowDown: -10, ArrowRight: 10, ArrowUp: 10, PageDown: -100, PageUp: 100 }; // of 1000 steps
+const FINE = 0.1; // with Shift
 
 export const element = (tag, properties = {}, ...children) => {
   const made = Object.assign(document.createElement(tag), properties);
@@ -33,13 +42,17 @@ export const shortNumber = (value) => String(Number(value.toPrecision(4)));
 const position = (row, value) => row.log
   ? (1000 * Math.log(value / row.low)) / Math.log(row.high / row.low)
   : (1000 * (value - row.low)) / (row.high - row.low);
+/** `grain`: values are multiples of it. */
+const grainOf = (row) => (row.whole ? 1 : row.grain);
 const valueAt = (row, t) => {
   const value = row.log ? row.low * (row.high / row.low) ** (t / 1000) : row.low + ((row.high - row.low) * t) / 1000;
-  return row.whole ? Math.round(value) : value;
+  return grainOf(row) ? Math.round(value / grainOf(row)) * grainOf(row) : value;
 };
-/** As the sensor file has it. */
+/** As the sensor file has it, with the digits that half a step of the slider needs. */
 const written = (row, value) => {
-  const number = row.whole ? String(value) : shortNumber(value);
+  const half = (row.log ? value * Math.log(row.high / row.low) : row.high - row.low) / 2000;
+  const digits = Math.min(Math.max(4, Math.ceil(Math.log10(Math.abs(value / half)))), 12);
+  const number = row.whole ? String(value) : String(Number(value.toPrecision(digits)));
   return row.unit ? `${number} ${row.unit}` : row.whole || /[.e]/.test(number) ? number : `${number}.0`;
 };
 
@@ -48,11 +61,65 @@ const titleOf = (key) => ({ "format[0]": "columns", "format[1]": "rows" })[key] 
 /** Long keys go on in the next line behind an underscore. */
 const breakable = (text) => text.split(/(?<=_)/).flatMap((part, i) => (i > 0 ? [document.createElement("wbr"), part] : [part]));
 
+/**
+ * A slider of 1000 steps with the two ends of its range beside it, which a user may change. `range()`: { low, high, log,
+ * whole or grain } of the moment; `moved(value, by a key)`; `text`: of an end; `setEnd(end, text)`: what is wrong with it.
+ */
+export function track(name, { range, moved, letGo, text, setEnd }) {
+  const slider = element("input", { type: "range", min: 0, max: 1000, step: "any" });
+  slider.setAttribute("aria-label", `${name} slider`);
+  slider.oninput = () => moved(valueAt(range(), Number(slider.value)), false);
+  onLetGo(slider, letGo);
+  slider.onkeydown = (event) => {
+    if (!(event.key in KEYS)) return;
+    event.preventDefault();
+    const step = KEYS[event.key] * (event.shiftKey ? FINE : 1), { low, high } = range();
+    // A grain at least: less would change nothing.
+    slider.value = Number(slider.value) + Math.sign(step) * Math.max(Math.abs(step), (1000 * (grainOf(range()) ?? 0)) / (high - low));
+    moved(valueAt(range(), Number(slider.value)), true);
+  };
+  const ends = ["low", "high"].map((end) => {
+    const field = element("input", { type: "text", className: "end", spellcheck: false, autocomplete: "off", title: "End of the slider; emptied: as it was" });
+    field.setAttribute("aria-label", `${name}, ${end === "low" ? "lower" : "upper"} end of the slider`);
+    field.onchange = () => {
+      field.setCustomValidity(setEnd(end, field.value.trim()));
+      if (field.reportValidity()) show();
+    };
+    field.oninput = () => field.setCustomValidity("");
+    field.onblur = () => { field.setCustomValidity(""); show(); };
+    onEscape(field, () => show());
+    return field;
+  });
+  const show = () => ends.forEach((field, i) => {
+    field.value = field.dataset.shown = text([range().low, range().high][i]);
+    field.size = Math.max(1, field.value.length);
+  });
+  return {
+    slider,
+    line: element("div", { className: "track" }, ends[0], slider, ends[1]),
+    show(value, words) {
+      if (!slider.matches(":active")) slider.value = position(range(), value);
+      slider.setAttribute("aria-valuetext", words);
+      if (!ends.includes(document.activeElement)) show();
+    },
+  };
+}
+
 /** A slider keeps its ends, which only a typed value beyond them moves: what a place of the handle means stays. */
 function withEndsOf(now, next) {
   const same = now.unit === next.unit && now.log === next.log && now.min === next.min && now.max === next.max;
   const at = position(now, next.number);  // a value at an end is written with four digits
   return same && at > -1 && at < 1001 ? { ...next, low: now.low, high: now.high } : next;
+}
+
+/** The row with another end of its slider, or what is wrong with it. */
+function withEnd(row, end, text) {
+  const given = text.endsWith(row.unit) ? text.slice(0, text.length - row.unit.length) : text, value = Number(given);
+  if (given.trim() === "" || !Number.isFinite(value)) return `a number${row.unit ? ` in ${row.unit}` : ""} belongs here`;
+  if (value < (row.min ?? -Infinity) || value > (row.max ?? Infinity)) return `${row.name} goes from ${row.min ?? "any"} to ${row.max ?? "any"} ${row.unit}`;
+  if (row.log && !(value > 0)) return "an end above 0 belongs here: the slider is logarithmic";
+  const next = { ...row, [end]: value };
+  return next.low <= row.number && row.number <= next.high && next.low < next.high ? next : `the value, ${`${shortNumber(row.number)} ${row.unit}`.trim()}, lies beyond it`;
 }
 
 export class Controls {
@@ -166,10 +233,10 @@ export class Controls {
     const line = element("div", { className: "row" });
     line.dataset.name = row.name;
     const label = element("label", { htmlFor: id, title: `${row.doc}${row.example ? `, such as ${row.example}` : ""}` }, ...breakable(titleOf(row.key)));
-    const back = element("button", { type: "button", className: "small quiet back", title: "As at the start", hidden: true }, "↺");
-    back.setAttribute("aria-label", `${row.key} as at the start`);
+    const back = element("button", { type: "button", className: "small quiet back", title: "Reset to the value at the start", hidden: true }, "↺");
+    back.setAttribute("aria-label", `Reset ${row.key}`);
     back.onclick = () => this.act.reset(row.name, this.begin.get(row.name) ?? null);
-    let field, slider = null, now = row, told = 0, later = null;
+    let field, slider = null, own = row, now = row, told = 0, later = null;
     const say = (text) => {
       clearTimeout(later);
       [field.value, field.dataset.shown, told] = [text, text, performance.now()];
@@ -193,51 +260,52 @@ export class Controls {
         else if (now.given && now.presence !== "required") this.begin.get(row.name) ? this.act.unset(row.name) : this.act.reset(row.name, null);
         else restore();
       };
-      field.onkeydown = (event) => { if (event.key === "Escape") restore(); };
+      onEscape(field, restore);
       field.onblur = () => this.wrong !== row.name && say(now.given ? now.text : "");
     }
     field.setAttribute("aria-label", row.name);
     field.dataset.focus = id;
     field.setAttribute("aria-describedby", message.id);
-    if (row.control === "number") {
-      slider = element("input", { type: "range", min: 0, max: 1000, step: "any" });
-      slider.setAttribute("aria-label", `${row.name} slider`);
-      slider.dataset.focus = `${id}-slider`;
-      slider.oninput = () => {
-        const text = written(now, valueAt(now, Number(slider.value)));
+    if (row.control === "number") slider = track(row.name, {
+      range: () => now,
+      moved: (value, byKey) => {
+        const text = written(now, value);
         // The text follows no more often than can be read: a page that is painted costs pictures.
         clearTimeout(later);
         if (performance.now() - told > CALM_MS) say(text);
         else later = setTimeout(() => say(text), CALM_MS);
-        slider.setAttribute("aria-valuetext", text);
+        slider.slider.setAttribute("aria-valuetext", text);
         this.act.drag(row.name, text);
-      };
-      onLetGo(slider, () => {
-        say(written(now, valueAt(now, Number(slider.value))));
-        this.act.drop();
-      });
-      slider.onkeydown = (event) => {
-        const step = stepOf(event);
-        if (step === undefined) return;
-        event.preventDefault();
-        slider.value = Number(slider.value) + step;
-        for (const moved of ["input", "change"]) slider.dispatchEvent(new Event(moved, { bubbles: true }));
-      };
-    }
+        if (byKey) letGo();
+      },
+      letGo: () => letGo(),
+      text: (value) => written(now, value),
+      setEnd: (end, text) => {
+        const ends = text === "" ? own : withEnd(now, end, text);
+        if (typeof ends === "string") return ends;
+        this.ends.set(row.name, { ...now, low: ends.low, high: ends.high });
+        update(own);
+        return "";
+      },
+    });
+    const letGo = () => {
+      say(written(now, valueAt(now, Number(slider.slider.value))));
+      this.act.drop();
+    };
     const update = (next) => {
+      own = next;
       now = slider && this.ends.has(row.name) ? withEndsOf(this.ends.get(row.name), next) : next;
       if (slider) this.ends.set(row.name, now);
       const typing = document.activeElement === field && field.tagName !== "SELECT" && field.value !== field.dataset.shown;
       if (!typing && this.wrong !== row.name) say(next.given ? next.text : "");
-      if (slider && !slider.matches(":active")) slider.value = position(now, next.number);
-      slider?.setAttribute("aria-valuetext", next.text || "not given");
-      slider?.classList.toggle("unset", !next.text);
+      slider?.show(next.number, next.text || "not given");
+      slider?.slider.classList.toggle("unset", !next.text);
       const start = this.begin.get(row.name);
       back.hidden = start === undefined || (next.given ? next.text : null) === start;
     };
     update(row);
     this.rows.set(row.name, { row, update, line, message, field });
-    line.append(label, ...(slider ? [slider] : []), field, back, message);
+    line.append(label, field, back, ...(slider ? [slider.line] : []), message);
     line.classList.toggle("no-slider", !slider);
     return line;
   }
@@ -246,9 +314,11 @@ export class Controls {
   problem(name, text) {
     const at = this.rows.get(name);
     if (!at) return false;
+    const isNew = this.wrong !== name;
     this.clear();
     at.message.textContent = text;
     at.message.hidden = false;
+    if (isNew) at.message.scrollIntoView({ block: "nearest" });
     at.line.classList.add("wrong");
     at.field.setAttribute("aria-invalid", "true");
     this.wrong = name;

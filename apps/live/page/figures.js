@@ -15,27 +15,36 @@ const loadLibrary = () => new Promise((resolve) => {
   document.head.append(Object.assign(document.createElement("script"), { src: "/uPlot.iife.min.js", onload: () => resolve(true), onerror: () => resolve(false) }));
 });
 
+const styleOf = (name) => getComputedStyle(document.documentElement).getPropertyValue(name);
+
 export class Curves {
-  constructor(place) {
-    this.place = place;
-    this.chart = null;
-    this.key = "";
+  /** `legend`: a table of colour, name, value at Nyquist and value under the cursor. */
+  constructor(place, legend) {
+    Object.assign(this, { place, legend, chart: null, key: "", colours: new Map() });
     new ResizeObserver(() => this.chart?.setSize(this.size())).observe(place);
   }
-  size() { return { width: Math.max(240, this.place.clientWidth), height: 240 }; }
-  /** `base`: the system's curve at the start or of the kept sensor, on its own frequencies. */
-  show(curves, base, baseName) {
-    const lines = [{ label: "system", curve: curves.system, width: 2.5 }, ...curves.components.map((c) => ({ label: c.label, curve: c, width: 1 }))];
-    const data = [curves.frequency, ...lines.map((line) => modulus(line.curve))];
-    this.values = { frequency: curves.frequency, unit: curves.unit, columns: Object.fromEntries(lines.map((line, i) => [line.label, data[i + 1]])) };
-    if (base) data.push(curves.frequency.map((f) => at(base, f)));
-    this.later = this.library === undefined ? () => this.show(curves, base, baseName) : null;
+  size() { return { width: Math.max(240, this.place.clientWidth), height: 210 }; }
+  /** A component keeps its colour while others come and go. */
+  colourOf(label) {
+    if (!this.colours.has(label)) this.colours.set(label, COLOURS[this.colours.size % COLOURS.length]);
+    return this.colours.get(label);
+  }
+  /** `base`: baseOf the answer for the sensor at the start or the kept one. */
+  show(next, base, baseName) {
+    this.later = this.library === undefined ? () => this.show(next, base, baseName) : null;
+    const { curves, at_nyquist } = next, { frequency, unit } = curves;
+    const lines = [{ label: "system", values: modulus(curves.system), nyquist: modulus(at_nyquist.system)[0], stroke: styleOf("--ink"), width: 2.5 }];
+    if (base) lines.push({ label: baseName, values: frequency.map((f) => at(base, f)), nyquist: base.nyquist, stroke: styleOf("--soft"), width: 1.2, dash: [5, 4], base });
+    curves.components.forEach((c, i) => lines.push({ label: c.label, values: modulus(c), nyquist: modulus(at_nyquist.components[i])[0], stroke: this.colourOf(c.label), width: 1.2 }));
+    this.values = { frequency, unit, columns: Object.fromEntries(lines.filter((line) => !line.base).map((line) => [line.label, line.values])) };
+    Object.assign(this, { lines, nyquist: curves.nyquist });
+    this.showLegend();
     if (this.later) return this.load();
+    const data = [frequency, ...lines.map((line) => line.values)];
     if (!this.library) return this.table(data, lines);
-    const key = JSON.stringify([lines.map((line) => line.label), baseName, curves.unit, Boolean(base), getComputedStyle(document.documentElement).getPropertyValue("--ink")]);
-    if (key !== this.key) this.make(lines, base ? baseName : "", curves.unit, key, data);
+    const key = JSON.stringify([lines.map(({ label, stroke }) => [label, stroke]), unit]);
+    if (key !== this.key) this.make(lines, unit, key, data);
     else this.chart.setData(data);
-    this.nyquist = curves.nyquist;
     return undefined;
   }
   async load() {
@@ -43,20 +52,43 @@ export class Curves {
     this.library = await this.loading;
     this.later?.();
   }
-  make(lines, baseName, unit, key, data) {
-    const style = getComputedStyle(document.documentElement), ink = style.getPropertyValue("--ink"), grid = style.getPropertyValue("--grid");
-    const number = (_, value) => (value === null ? "" : value.toFixed(3));
-    const series = [{ label: `f [${unit}]`, value: (_, f) => (f === null ? "" : shown(f, 4)) },
-      ...lines.map((line, i) => ({ label: line.label, stroke: i === 0 ? ink : COLOURS[(i - 1) % COLOURS.length], width: line.width, value: number, pxAlign: 0, points: { show: false } }))];
-    if (baseName) series.push({ label: baseName, stroke: style.getPropertyValue("--soft"), width: 1.2, dash: [5, 4], pxAlign: 0, value: number, points: { show: false } });
-    const axis = { stroke: style.getPropertyValue("--soft"), grid: { stroke: grid, width: 1 }, ticks: { stroke: grid, width: 1 }, font: "11px system-ui, sans-serif" };
+  showLegend() {
+    const body = this.legend.tBodies[0], [, , head] = this.legend.tHead.rows[0].cells;
+    head.textContent = `Nyquist\n${shown(this.nyquist, 4)}`;
+    if (body.rows.length !== this.lines.length) body.replaceChildren(...this.lines.map(() => {
+      const row = document.createElement("tr");
+      row.insertCell().append(Object.assign(document.createElement("span"), { className: "swatch" }));
+      for (let i = 0; i < 3; i += 1) row.insertCell();
+      return row;
+    }));
+    this.lines.forEach(({ label, nyquist, stroke, dash }, i) => {
+      const [colour, name, value] = body.rows[i].cells;
+      colour.firstChild.style.borderTop = `3px ${dash ? "dashed" : "solid"} ${stroke}`;
+      [name.textContent, value.textContent] = [label, nyquist.toFixed(3)];
+    });
+    this.showCursor();
+  }
+  /** Values under the cursor are those of the nearest frequency that was computed. */
+  showCursor() {
+    const i = this.chart?.cursor.idx ?? null, { frequency } = this.values, f = frequency[i];
+    this.legend.tHead.rows[0].cells[3].textContent = `cursor\n${f === undefined ? "" : shown(f, 4)}`;
+    this.lines.forEach(({ values, base }, k) => {
+      // Between its own frequencies the other sensor's curve is good for two digits.
+      const digits = !base || base.frequency.includes(f) ? 3 : 2, value = f === undefined ? null : values[i] ?? null;
+      this.legend.tBodies[0].rows[k].cells[3].textContent = value === null ? "" : value.toFixed(digits);
+    });
+  }
+  make(lines, unit, key, data) {
+    const grid = styleOf("--grid"), soft = styleOf("--soft");
+    const series = [{}, ...lines.map(({ label, stroke, width, dash }) => ({ label, stroke, width, dash, pxAlign: 0, points: { show: false } }))];
+    const axis = { stroke: soft, grid: { stroke: grid, width: 1 }, ticks: { stroke: grid, width: 1 }, font: "11px system-ui, sans-serif" };
     this.chart?.destroy();
     const nyquist = (u) => {
       if (!this.nyquist) return;
       const x = u.valToPos(this.nyquist, "x", true), { ctx } = u;
       if (x < u.bbox.left || x > u.bbox.left + u.bbox.width) return;
       ctx.save();
-      ctx.strokeStyle = ctx.fillStyle = style.getPropertyValue("--soft");
+      ctx.strokeStyle = ctx.fillStyle = soft;
       ctx.setLineDash([2, 4]);
       ctx.beginPath();
       ctx.moveTo(x, u.bbox.top);
@@ -69,12 +101,13 @@ export class Curves {
     };
     const low = Math.min(0, ...data.slice(1).flat());
     this.chart = new uPlot({
-      ...this.size(), series, hooks: { draw: [nyquist] },
+      ...this.size(), series, hooks: { draw: [nyquist], setCursor: [() => this.showCursor()] },
       axes: [{ ...axis, size: 34, label: unit, labelSize: 16, labelFont: "11px system-ui, sans-serif" }, { ...axis, size: 40 }],
       scales: { x: { time: false }, y: { range: (_, min, max) => [Math.min(low, min), Math.max(1, max) * 1.02] } },
-      legend: { live: true, markers: { width: 0, fill: (u, i) => u.series[i].stroke(u, i) } }, cursor: { drag: { x: false, y: false } },
+      legend: { show: false }, cursor: { drag: { x: false, y: false } },
     }, data, this.place);
     this.key = key;
+    this.showCursor();
   }
   // A build without the chart library.
   table(data, lines) {
@@ -94,7 +127,7 @@ function at(base, f) {
   const share = (f - frequency[i - 1]) / (frequency[i] - frequency[i - 1]);
   return values[i - 1] + share * (values[i] - values[i - 1]);
 }
-export const baseOf = (curves) => ({ frequency: curves.frequency, values: modulus(curves.system) });
+export const baseOf = ({ curves, at_nyquist }) => ({ frequency: curves.frequency, values: modulus(curves.system), nyquist: modulus(at_nyquist.system)[0] });
 
 const FIRST = ["netd", "spatial_netd", "snr", "total", "well_fill", "mrtd", "nep", "dstar"];
 
@@ -120,9 +153,9 @@ export function showBudget(table, all) {
   });
 }
 
-export function showLeftOut(list, frame) {
-  const items = frame.left_out.map((left) => `${left.what}: at most ${shown(left.bound, 2)}`);
-  if (items.length === 0) items.push("nothing: every part counts at this tolerance");
-  for (const merged of frame.merged) items.push(`merged: ${merged}`);
+export function showLeftOut(head, list, frame) {
+  const items = frame.left_out.map((left) => `${left.what}: error at most ${shown(left.bound, 2)}`), { length } = items;
+  for (const merged of frame.merged) items.push(`computed as one: ${merged}`);
+  head.textContent = length === 0 ? "Left out: nothing" : `Left out: ${length} of small effect`;
   list.replaceChildren(...items.map((text) => Object.assign(document.createElement("li"), { textContent: text })));
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a user takes away: files by the browser's own download, the command line, the difference of the sensor file.
+// What a user saves and shares: files by the browser's own download, the command line, the difference of the sensor file.
 
 export function download(name, parts, type) {
   const link = document.createElement("a");

@@ -82,14 +82,14 @@ export async function figures() {
 }
 
 /** The dashed curve: the other sensor, where there are two, else the start. */
-const base = () => (state.left === "kept" ? { name: edits.side() === 1 ? "A" : "B", list: editsOf(1 - edits.side()) } : { name: "start", list: [] });
+const base = () => (state.left === "kept" ? { name: `system (${edits.side() === 1 ? "A" : "B"})`, list: editsOf(1 - edits.side()) } : { name: "system (start)", list: [] });
 
 export function showFigures(next) {
   const { name, list } = base(), key = JSON.stringify([next.curves.unit, next.curves.angle_deg, list]);
   if (!baseline[key]) makeBaseline(key, next.curves, list);
-  app.curves.show(next.curves, baseline[key]?.curve, name);
-  const { nyquist, cutoff, q, unit } = next.curves;
-  $("merits").textContent = `Nyquist ${shown(nyquist, 4)} ${unit}` + (cutoff ? `, cutoff ${shown(cutoff, 4)} ${unit}` : "") + (q ? `, Q ${shown(q, 3)}` : "");
+  app.curves.show(next, baseline[key]?.curve, name);
+  const { cutoff, q, unit, frequency } = next.curves;
+  $("merits").textContent = (next.mtf50 ? `MTF50 of the system ${shown(next.mtf50, 4)} ${unit}` : `No MTF50 up to ${shown(frequency.at(-1), 4)} ${unit}`) + (cutoff ? `, cutoff ${shown(cutoff, 4)} ${unit}` : "") + (q ? `, Q ${shown(q, 3)}` : "");
   $("budget-panel").hidden = !next.budget;
   if (next.budget) showBudget($("budget"), next.budget);
   $("saturation").textContent = next.saturation ? `A surface of ${next.temperature} K: ${next.saturation}` : "";
@@ -101,7 +101,7 @@ async function makeBaseline(key, { unit, angle_deg: angle }, list) {
   baseline[key] = {}; // is being made
   try {
     const made = await ask("figures", { edits: list, angle, unit, temperature: Number($("temperature").value) });
-    baseline[key] = { curve: baseOf(made.curves) };
+    baseline[key] = { curve: baseOf(made) };
     if (app.figures) showFigures(app.figures);
   } catch { /* that sensor cannot be drawn: no dashes */ }
 }
@@ -176,22 +176,23 @@ export function facts(tags, rate) {
   const frame = app.frames[edits.side() === 0 && app.frames[0] ? 0 : 1];
   const parts = [`${frame.full_width} × ${frame.full_height}`, `${shown(frame.ms, 3)} ms`];
   if (frame.preview) parts.unshift("PREVIEW while moving");
-  parts.push(`promised ${shown(frame.promised, 2)}`, frame.method);
-  if (frame.radiance_promised !== undefined) parts.push(`radiance within ${shown(frame.radiance_promised, 2)}`);
-  if (frame.light_lags) parts.push("light of another time");
-  if (frame.correction_lags) parts.push("earlier correction");
-  if (frame.solving) parts.push(`temperatures of before; heat balance: ${frame.solving}`);
+  parts.push(`predicted error ${shown(frame.promised, 2)}`, frame.method);
+  if (frame.radiance_promised !== undefined) parts.push(`error of the radiance ${shown(frame.radiance_promised, 2)}`);
+  if (frame.light_lags) parts.push("sunlight and sky are being updated");
+  if (frame.correction_lags) parts.push("non-uniformity correction of earlier values");
+  if (frame.solving) parts.push(`temperatures before the change; heat balance: ${frame.solving}`);
   if (rate > 0 && (state.running || moving())) parts.push(`${rate.toFixed(0)} frames/s`);
-  $("first-frame").hidden = state.running || state.number === (app.start.numbers[0] ?? 0);
+  $("first-frame").disabled = state.running || state.number === (app.start.numbers[0] ?? 0);
   if (state.running || state.number > 0) parts.push(`frame ${state.number}`);
   $("facts").textContent = parts.join("  ·  ");
   $("preview-tag").hidden = !(app.stale.some(Boolean) || frame.preview || frame.light_lags || frame.solving);
-  $("preview-tag").textContent = app.stale.some(Boolean) ? "picture of earlier values" : frame.solving ? `heat balance: ${frame.solving}` : "preview";
+  $("preview-tag").textContent = app.stale.some(Boolean) ? "last picture without an error" : frame.solving ? `heat balance: ${frame.solving}` : "preview";
   $("left-tag").textContent = tags[0] ?? "";
   $("right-tag").textContent = tags[1] ?? "";
   if (frame.warnings.length > 0) $("facts").prepend(Object.assign(document.createElement("p"), { className: "warn", textContent: frame.warnings.join("\n") }));
-  showLeftOut($("left-out"), frame);
+  showLeftOut($("left-out-head"), $("left-out"), frame);
   app.place?.showClosures(frame.closures);
+  if (frame.sun) app.place.showSun(frame.sun, frame.utc_s);
 }
 
 /** `moving`: by the slider itself, which has no rounded place. */

@@ -3,7 +3,7 @@
 // the mouse does. Axes as in scene files: x east, y north, z up, m; azimuth of the camera from north, clockwise.
 
 import { $, app } from "./app.js";
-import { element, onLetGo, shortNumber, stepOf } from "./controls.js";
+import { element, onEscape, shortNumber, track } from "./controls.js";
 
 const REST_MS = 250; // after the last turn of a wheel or press of a key the camera is at rest
 const CALM_MS = 150;
@@ -123,84 +123,93 @@ export class Place {
 
   build() {
     const { begin_s, end_s, size_m } = this.space, far = Math.max(20 * size_m, 4 * this.range);
-    const log = { of: (t) => far * 1e-4 ** (1 - t / 1000), at: (v) => 1000 * (1 + Math.log(v / far) / Math.log(1e4)) };
-    const line = (low, high) => ({ of: (t) => low + ((high - low) * t) / 1000, at: (v) => (1000 * (v - low)) / (high - low) });
-    const point = (list) => list.map((value) => shortNumber(Math.round(value * 1000) / 1000)).join(", ");
-    const setPoint = (text, take) => {
-      const list = text.split(/[,;]\s*/).map(metres);
-      if (list.length !== 3 || !list.every(Number.isFinite)) return "three numbers in m belong here, as 40, -45, 12";
-      take(list);
-      return "";
-    };
-    const whole = (s) => Math.min(Math.max(Math.round(s / 60) * 60, begin_s), end_s);
+    const points = (list) => list.map((value) => shortNumber(Math.round(value * 1000) / 1000)).join(", ");
+    const point = (get, set) => ({
+      get, set, text: points, wants: "three numbers in m belong here, as 40, -45, 12",
+      read: (text) => { const list = text.split(/[,;]\s*/).map(metres); return list.length === 3 && list.every(Number.isFinite) ? list : null; },
+    });
+    const angle = (key, low, high) => ({
+      get: () => this[key], set: (value) => { this[key] = low < -90 ? (value + 360) % 360 : value; }, text: (value) => `${shortNumber(value)} deg`,
+      wants: `an angle from ${low} to ${high} deg belongs here`, read: (text) => { const value = number(text); return value >= low && value <= high ? value : null; },
+    });
+    const sun = element("p", { id: "sun", className: "note" });
     this.box.replaceChildren(
-      this.row("camera.time", "time", "UTC; temperatures, sun, sky and weather are those of this time", begin_s < end_s ? line(begin_s, end_s) : null, () => this.utc_s,
-        (s) => { this.utc_s = whole(s); }, () => isoOf(this.utc_s), (text) => {
-          const plain = text.trim().replace(" ", "T"), s = Date.parse(/(Z|[+-]\d\d:?\d\d)$/.test(plain) ? plain : `${plain}Z`) / 1000;
-          if (!(s >= begin_s && s <= end_s)) return `a time from ${isoOf(begin_s)} to ${isoOf(end_s)} belongs here`;
-          this.utc_s = Math.round(s);
-          return "";
-        }),
-      this.row("camera.range", "range", "from the camera to the point that it looks at", log, () => this.range, (value) => { this.range = value; }, () => `${shortNumber(this.range)} m`, (text) => {
-        const value = metres(text);
-        if (!(value > 0)) return "a length above 0 belongs here, in m or km";
-        this.range = value;
-        return "";
+      this.row("camera.time", "time", "UTC; temperatures, sun, sky and weather are those of this time", begin_s < end_s ? { low: begin_s, high: end_s, grain: 60 } : null, {
+        get: () => this.utc_s, set: (s) => { this.utc_s = Math.min(Math.max(Math.round(s), begin_s), end_s); }, text: isoOf, short: (s) => isoOf(s).slice(5, -1),
+        wants: `a time from ${isoOf(begin_s)} to ${isoOf(end_s)} belongs here`,
+        read: (text) => {
+          const plain = text.trim().replace(/^(?=\d\d-\d\d )/, isoOf(begin_s).slice(0, 5)).replace(" ", "T"), s = Date.parse(/(Z|[+-]\d\d:?\d\d)$/.test(plain) ? plain : `${plain}Z`) / 1000;
+          return s >= begin_s && s <= end_s ? s : null;
+        },
       }),
-      this.row("camera.azimuth", "azimuth", "of the camera seen from the point that it looks at; from north, clockwise", line(0, 360), () => this.azimuth, (value) => { this.azimuth = value; },
-        () => `${shortNumber(this.azimuth)} deg`, (text) => this.angle(text, "azimuth", -360, 360)),
-      this.row("camera.elevation", "elevation", "of the camera above the point that it looks at", line(-10, STEEPEST), () => this.elevation, (value) => { this.elevation = value; },
-        () => `${shortNumber(this.elevation)} deg`, (text) => this.angle(text, "elevation", -STEEPEST, STEEPEST)),
-      this.row("camera.position", "position", "of the camera: x east, y north, z up, m", null, null, null, () => point(this.position), (text) => setPoint(text, (list) => this.setPosition(list))),
-      this.row("camera.look_at", "look at", "the point that the camera looks at, m", null, null, null, () => point(this.look_at), (text) => setPoint(text, (list) => {
+      sun,
+      this.row("camera.range", "range", "from the camera to the point that it looks at", { low: 1e-4 * far, high: far, log: true }, {
+        get: () => this.range, set: (value) => { this.range = value; }, text: (value) => `${shortNumber(value)} m`,
+        wants: "a length above 0 belongs here, in m or km", read: (text) => { const value = metres(text); return value > 0 ? value : null; },
+      }),
+      this.row("camera.azimuth", "azimuth", "of the camera seen from the point that it looks at; from north, clockwise", { low: 0, high: 360 }, angle("azimuth", -360, 360)),
+      this.row("camera.elevation", "elevation", "of the camera above the point that it looks at", { low: -10, high: STEEPEST }, angle("elevation", -STEEPEST, STEEPEST)),
+      this.row("camera.position", "position", "of the camera: x east, y north, z up, m", null, point(() => this.position, (list) => this.setPosition(list))),
+      this.row("camera.look_at", "look at", "the point that the camera looks at, m", null, point(() => this.look_at, (list) => {
         const { position } = this;
         this.look_at = list;
         this.setPosition(position);
       })));
     this.update();
   }
-  angle(text, key, low, high) {
-    const value = number(text);
-    if (!(value >= low && value <= high)) return `an angle from ${low} to ${high} deg belongs here`;
-    this[key] = key === "azimuth" ? (value + 360) % 360 : value;
-    return "";
-  }
 
-  row(name, title, doc, scale, get, set, text, parse) {
+  /** `of`: { get, set, text, read: null for what is none, wants: the words for that }. */
+  row(name, title, doc, range, of) {
     const id = `p-${name}`, message = element("p", { className: "message", id: `${id}-message`, hidden: true });
     const field = element("input", { id, type: "text", spellcheck: false, autocomplete: "off" });
     field.setAttribute("aria-describedby", message.id);
     field.onchange = () => {
-      const wrong = parse(field.value);
+      const value = of.read(field.value);
       this.clear();
-      if (wrong) return this.problem(name, wrong);
+      if (value === null) return this.problem(name, of.wants);
+      field.dataset.shown = field.value;
+      of.set(value);
       this.moved(name);
       this.rest();
     };
-    const slider = scale ? element("input", { type: "range", min: 0, max: 1000, step: "any" }) : null;
-    if (slider) {
-      slider.setAttribute("aria-label", `${name} slider`);
-      slider.oninput = () => { set(scale.of(Number(slider.value))); this.held = true; this.moved(name); };
-      onLetGo(slider, () => { this.held = false; this.rest(); });
-      slider.onkeydown = (event) => {
-        const step = stepOf(event);
-        if (step === undefined) return;
-        event.preventDefault();
-        slider.value = Number(slider.value) + step;
-        set(scale.of(Number(slider.value)));
-        this.moved(name);
-      };
-    }
-    const line = element("div", { className: "row" }, element("label", { htmlFor: id, title: doc }, title), ...(slider ? [slider] : []), field, message);
+    const own = { ...range };
+    const slider = range ? track(name, {
+      range: () => range,
+      moved: (value, byKey) => { of.set(value); this.held ||= !byKey; this.moved(name); },
+      letGo: () => { this.held = false; this.rest(); },
+      text: of.short ?? of.text,
+      setEnd: (end, text) => {
+        const next = { ...range, [end]: text === "" ? own[end] : of.read(text) };
+        if (next[end] === null) return of.wants;
+        if (!(next.low <= of.get() && of.get() <= next.high && next.low < next.high)) return `the present value, ${of.text(of.get())}, lies beyond it`;
+        Object.assign(range, next);
+        return "";
+      },
+    }) : null;
+    const line = element("div", { className: "row" }, element("label", { htmlFor: id, title: doc }, title), field, ...(slider ? [slider.line] : []), message);
     line.dataset.name = name;
     line.classList.toggle("no-slider", !slider);
     const update = () => {
-      if (document.activeElement !== field || field.value === field.dataset.shown) field.value = field.dataset.shown = text();
-      if (slider && !slider.matches(":active")) slider.value = scale.at(get());
-      slider?.setAttribute("aria-valuetext", text());
+      const value = of.get(), text = of.text(value);
+      if (document.activeElement !== field || field.value === field.dataset.shown) field.value = field.dataset.shown = text;
+      slider?.show(value, text);
     };
+    onEscape(field, () => {
+      field.dataset.shown = field.value;
+      update();
+      this.clear();
+    });
     this.rows.set(name, { line, message, field, update });
     return line;
+  }
+  /**
+   * Local time and sun of the time of the picture; nothing for another. The zone is that of the longitude: summer time and
+   * borders are not known here.
+   */
+  showSun(sun, utc_s) {
+    const zone = Math.round(this.space.longitude_deg / 15), clock = (h) => isoOf(60 * Math.floor((((h % 24) + 24) % 24) * 60 + 1e-6)).slice(11, 16);
+    const up = Math.abs(sun.elevation_deg).toFixed(1), light = sun.elevation_deg > 0 ? "day" : sun.elevation_deg > -6 ? "twilight" : "night";
+    $("sun").textContent = utc_s === this.utc_s ? `Local ${clock(utc_s / 3600 + zone)} (UTC${zone < 0 ? "−" : "+"}${Math.abs(zone)} by longitude), solar ${clock(sun.solar_time_h)}\nSun ${up}° ${sun.elevation_deg > 0 ? "above" : "below"} the horizon: ${light}` : "";
   }
   /** Fields follow a moving camera no more often than can be read: a page that is painted costs pictures. */
   update() {

@@ -17,7 +17,7 @@ const PATIENCE_MS = 500;
 const starting = ask("start", {}); // is answered while the page is put together
 starting.catch(() => {});
 app.view = new View($("view"), () => {});
-app.curves = new Curves($("curves"));
+app.curves = new Curves($("curves"), $("legend"));
 app.controls = new Controls($("forms"), {
   drag(name, text) { app.lastName = name; app.dragging = true; edits.drag(name, text); changed(); },
   drop() { app.dragging = false; edits.drop(); settled(); },
