@@ -4,12 +4,11 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
-#include <cstdlib>
-#include <ctime>
 #include <sstream>
 #include <utility>
 
 #include "apps/terminal/output.h"
+#include "apps/terminal/today.h"
 #include "mtf/version.h"
 
 namespace apps {
@@ -93,22 +92,13 @@ std::string dashed(std::string name) {
   return name;
 }
 
-std::string date() {
-  const char* const epoch = std::getenv("SOURCE_DATE_EPOCH");
-  const std::time_t time = epoch != nullptr ? std::strtoll(epoch, nullptr, 10) : std::time(nullptr);
-  std::tm parts{};
-  std::array<char, 32> text{};
-  if (::gmtime_r(&time, &parts) != nullptr) std::strftime(text.data(), text.size(), "%Y-%m-%d", &parts);
-  return text.data();
-}
-
 std::string page(const Command& root, const Command& command, const std::string& name) {
   const bool is_root = name == root.name;
   std::string title = dashed(name), sentence = command.doc;
   std::ranges::transform(title, title.begin(), [](unsigned char c) { return std::toupper(c); });
   sentence.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(sentence.front())));
   if (!sentence.ends_with('.')) sentence += ".";
-  std::string text = ".TH " + plain(title) + " 1 " + date() + " \"mtfkit " + mtf::version + "\" mtfkit\n";
+  std::string text = ".TH " + plain(title) + " 1 " + today() + " \"mtfkit " + mtf::version + "\" mtfkit\n";
   text += ".SH NAME\n" + flowing(dashed(name) + " - " + command.doc);
   text += ".SH SYNOPSIS\n" + synopsis(name, command);
   text += ".SH DESCRIPTION\n" + paragraphs(sentence + "\n\n" + command.details);

@@ -45,6 +45,22 @@ std::string air_of(const Study& study, bool ranges) {
                         : text + "; ranges are solved with the air up to each of them";
 }
 
+/// What signal, noise and image quality hold for, where nothing says it of ranges; "" without such figures.
+std::string scene_of(const Study& study) {
+  const Conditions& c = study.conditions;
+  if (std::none_of(study.metrics.begin(), study.metrics.end(), [](const MetricInfo& metric) {
+        const Effort effort = choose_metric(metric.name)->row->effort;
+        return effort == Effort::budget || effort == Effort::giqe || effort == Effort::grd;
+      }))
+    return "";
+  return "scene: surface of " + mtf::format_double(c.temperature_k) + " K" +
+         (c.contrast_k ? ", contrast " + mtf::format_double(*c.contrast_k) + " K" : "") +
+         (c.signal_contrast ? ", contrast of the signal " + mtf::format_double(*c.signal_contrast) : "") +
+         (c.range_m ? ", at " + mtf::format_double(*c.range_m / 1e3) + " km, elevation " +
+                          mtf::format_double(c.elevation_deg) + " deg"
+                    : "");
+}
+
 }  // namespace
 
 std::string extinction_problem(const mtf::io::SensorConfig& sensor) {
@@ -67,8 +83,11 @@ std::vector<std::string> condition_lines(const Study& study) {
                         });
   const std::string frame_rate =
       one_rate ? apps::frame_rate_words(study.base.system, radiometry::sensor_settings(study.base.tables)) : "";
-  return radiometry::condition_lines(figures, study.conditions, viewing, air_of(study, figures.johnson || figures.ttp),
-                                     frame_rate);
+  auto lines = radiometry::condition_lines(figures, study.conditions, viewing,
+                                           air_of(study, figures.johnson || figures.ttp), frame_rate);
+  if (const std::string scene = scene_of(study); !figures.johnson && !figures.ttp && !scene.empty())
+    lines.insert(lines.begin(), scene);
+  return lines;
 }
 
 }  // namespace study

@@ -13,7 +13,8 @@ namespace study {
 /// Why [conditions] extinction cannot stand beside the air of a sensor file, "" where that has none.
 std::string extinction_problem(const mtf::io::SensorConfig& sensor);
 
-/// Empty for a study without figures of observers. A magnification by a display is that of the study's first sensor.
+/// Empty for a study without figures of light, quality or observers. A magnification by a display is that of the
+/// study's first sensor.
 std::vector<std::string> condition_lines(const Study& study);
 
 }  // namespace study

@@ -45,8 +45,7 @@ std::string value_text(const Study& study, const Optimum& optimum, std::size_t c
 
 std::string reached_text(const Optimum& optimum, std::size_t axis) {
   for (const Limit& limit : optimum.limits)
-    if (limit.kind != Limit::Kind::constraint && limit.index == axis)
-      return limit.kind == Limit::Kind::lower ? "at its lower end" : "at its upper end";
+    if (limit.kind != Limit::Kind::constraint && limit.index == axis) return std::string(state_words(limit.kind));
   return {};
 }
 
@@ -55,7 +54,7 @@ std::string constraint_text(const Study& study, const Optimum& optimum, std::siz
     if (violation.constraint == i)
       return "missed by " + significant(violation.by, 4) + (violation.unit.empty() ? "" : " " + violation.unit);
   for (const Limit& limit : optimum.limits)
-    if (limit.kind == Limit::Kind::constraint && limit.index == i) return "at its limit";
+    if (limit.kind == Limit::Kind::constraint && limit.index == i) return std::string(state_words(limit.kind));
   return study.constraints.empty() ? "" : "holds";
 }
 
@@ -120,14 +119,7 @@ Json optimum_json(const Study& study, const Optimum& optimum, bool whole) {
   json["error"] = number_or_null(optimum.row.back());
   json["feasible"] = optimum.feasible;
   json["limits"] = Json::array();
-  for (const Limit& limit : optimum.limits)
-    json["limits"].push_back({{"text", limit.text},
-                              {"kind", limit.kind == Limit::Kind::constraint ? "constraint"
-                                       : limit.kind == Limit::Kind::lower    ? "lower"
-                                                                             : "upper"},
-                              {"value", number_or_null(limit.value)},
-                              {"unit", limit.unit},
-                              {"gain", number_or_null(limit.gain)}});
+  for (const Limit& limit : optimum.limits) json["limits"].push_back(limit_json(limit));
   json["limits_depend"] = optimum.shared;
   json["violations"] = Json::array();
   for (const study::Violation& violation : optimum.violations)

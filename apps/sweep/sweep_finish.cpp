@@ -51,7 +51,7 @@ std::vector<ChosenFile> choose(const SweepReport& report) {
     add(report.front.designs[point], "on the Pareto front");
   if (report.tally->feasible() == 0 && report.tally->nearest().design >= 0)
     add(report.tally->nearest().design, "nearest to the constraints");
-  if (chosen.empty()) add(study.designs / 2, "middle of the study");
+  if (chosen.empty()) add(study.designs / 2, study.designs == 1 ? "the only design" : "middle of the study");
   return chosen;
 }
 
@@ -84,6 +84,52 @@ void write_chosen(SweepReport& report, study::Evaluator& evaluator) {
   });
 }
 
+std::vector<study::ConstraintValues> sides_of(const SweepReport& report, std::span<const double> row) {
+  const study::TallyJob& job = report.tally->job();
+  std::vector<study::ConstraintValues> sides(job.limits.size());
+  if (!sides.empty() && !row.empty()) job.sides(row, sides);
+  return sides;
+}
+
+/// What keeps the best design of an objective from being better: constraints that are within 1 % of their limit, or
+/// that the next step of the grid along an axis breaks where it improves the objective; ends of axes from which the
+/// first step back makes it worse.
+std::vector<study::Limit> limits_of_best(const SweepReport& report, study::Evaluator& evaluator,
+                                         std::size_t objective) {
+  const study::Study& study = *report.sweep->study;
+  const study::TallyDesign& best = report.tally->best()[objective];
+  const study::TallyGoal& goal = report.tally->job().goals[objective];
+  std::vector<study::Limit> limits;
+  if (best.design < 0) return limits;
+  const std::vector<double> at = axis_values(study, best.design);
+  const auto sides = sides_of(report, best.row);
+  std::vector<bool> limiting(sides.size());
+  for (std::size_t k = 0; k < sides.size(); ++k) limiting[k] = study::active(sides[k], kActiveShare);
+  std::vector<double> row(report.sweep->columns.size());
+  std::int64_t stride = study.designs;  // the last axis is the fastest
+  for (std::size_t a = 0; a < at.size() && study.method == study::Method::grid; ++a) {
+    const std::int64_t points = study.axes[a].points(), block = stride;
+    stride /= points;
+    const std::int64_t place = best.design % block / stride;
+    const auto& values = study.axes[a].values;
+    const bool ordered = !study.axes[a].discrete() && std::is_sorted(values.begin(), values.end());
+    for (const int step : {-1, 1}) {
+      if (place + step < 0 || place + step >= points) continue;
+      evaluator.evaluate(best.design + step * stride, row);
+      if (!evaluator.last_valid()) continue;
+      const double gain = (goal.maximize ? 1.0 : -1.0) * (row[goal.column] - best.value);
+      if (gain > 0.0)
+        for (const std::size_t k : violated_constraints(report, row)) limiting[k] = true;
+      if (gain < 0.0 && ordered && place == (step > 0 ? 0 : points - 1))
+        limits.push_back(
+            limit_of(study, row[a] > at[a] ? study::Limit::Kind::lower : study::Limit::Kind::upper, a, at, sides));
+    }
+  }
+  for (std::size_t k = limiting.size(); k-- > 0;)
+    if (limiting[k]) limits.insert(limits.begin(), limit_of(study, study::Limit::Kind::constraint, k, at, sides));
+  return limits;
+}
+
 /// What evaluators report about the study as a whole, and derivatives at the best design.
 void ask_evaluator(SweepReport& report) {
   const study::Study& study = *report.sweep->study;
@@ -101,21 +147,12 @@ void ask_evaluator(SweepReport& report) {
     chosen.caution = evaluator.last_caution();
   }
   write_chosen(report, evaluator);
+  for (std::size_t o = 0; o < study.objectives.size(); ++o)
+    report.limits.push_back(limits_of_best(report, evaluator, o));
   const auto& best = report.tally->best();
   const auto first = std::find_if(best.begin(), best.end(), [](const auto& b) { return b.design >= 0; });
   report.gradient_design = first != best.end() ? first->design : study.designs / 2;
   report.gradient = evaluator.gradient_at(axis_values(study, report.gradient_design));
-}
-
-std::vector<std::size_t> constraints_of(const SweepReport& report, std::span<const double> row, bool wanted_active) {
-  const study::TallyJob& job = report.tally->job();
-  std::vector<study::ConstraintValues> sides(job.limits.size());
-  if (!sides.empty() && !row.empty()) job.sides(row, sides);
-  std::vector<std::size_t> found;
-  for (std::size_t k = 0; k < sides.size(); ++k)
-    if (wanted_active ? study::active(sides[k], kActiveShare) : !study::meets(job.limits[k], sides[k]))
-      found.push_back(k);
-  return found;
 }
 
 }  // namespace
@@ -134,12 +171,12 @@ std::vector<std::size_t> spread_over_front(const study::FrontPoints& front, std:
 
 bool none_valid(const SweepReport& report) { return report.tally->invalid().designs == report.tally->designs(); }
 
-std::vector<std::size_t> active_constraints(const SweepReport& report, std::span<const double> row) {
-  return constraints_of(report, row, true);
-}
-
 std::vector<std::size_t> violated_constraints(const SweepReport& report, std::span<const double> row) {
-  return constraints_of(report, row, false);
+  const auto sides = sides_of(report, row);
+  std::vector<std::size_t> found;
+  for (std::size_t k = 0; k < sides.size(); ++k)
+    if (!study::meets(report.tally->job().limits[k], sides[k])) found.push_back(k);
+  return found;
 }
 
 int finish_sweep(const SweepStudy& sweep, const SweepRun& run, const SweepOptions& options, const Global& global) {
@@ -241,8 +278,9 @@ std::string best_table(const SweepReport& report) {
                                    significant(best.value, 5) + (objective.unit.empty() ? "" : " " + objective.unit),
                                    std::to_string(best.design)};
     for (std::size_t a = 0; a < study.axes.size(); ++a) cells.push_back(axis_text(shown[a], best.row[a]));
-    const std::string active = list(report, active_constraints(report, best.row), ", ");
-    cells.push_back(active.empty() ? "-" : active);
+    std::string limits;
+    for (const study::Limit& limit : report.limits[o]) limits += (limits.empty() ? "" : ", ") + one_line(limit.text);
+    cells.push_back(limits.empty() ? "-" : limits);
     table.add(cells);
   }
   return any ? table.aligned(align) : "";

@@ -11,6 +11,7 @@
 #include "apps/study/rows/sweep_rows.h"
 #include "apps/study/study_conditions.h"
 #include "apps/sweep/sweep_report.h"
+#include "apps/terminal/today.h"
 #include "apps/text/json.h"
 #include "mtf/version.h"
 
@@ -82,6 +83,30 @@ Json axes_json(const SweepReport& report) {
   return axes;
 }
 
+/// With the columns that it compares; where one of them stands alone against a number also `limit`, the number in its
+/// unit, and `relation`, of the column to it.
+Json constraint_json(const SweepReport& report, std::size_t k) {
+  const study::Study& study = *report.sweep->study;
+  const study::Constraint& constraint = study.constraints[k];
+  Json one = {{"text", constraint.text}, {"met", report.tally->met()[k]}, {"columns", Json::array()}};
+  const auto& columns = report.sweep->columns;
+  for (const auto* side : {&constraint.left, &constraint.right})
+    for (const int slot : side->slots()) {
+      const auto i = static_cast<std::size_t>(slot), parameters = study.parameters.size();
+      const std::string& name = i < parameters ? study.parameters[i].name : study.metrics[i - parameters].name;
+      if (std::none_of(columns.begin(), columns.end(), [&](const auto& column) { return column.name == name; }))
+        continue;
+      one["columns"].push_back(name);
+      const bool left = side == &constraint.left;
+      const study::Expression& other = left ? constraint.right : constraint.left;
+      if (!side->only_slot() || !other.constant()) continue;
+      one["limit"] =
+          number_or_null(other.evaluate<double>({}) / study::unit_scale(study::unit_of(study, constraint)).si);
+      one["relation"] = std::string(constraint.less == left ? "<" : ">") + (constraint.strict ? "" : "=");
+    }
+  return one;
+}
+
 Json best_json(const SweepReport& report) {
   const study::Study& study = *report.sweep->study;
   Json best = Json::array();
@@ -91,7 +116,12 @@ Json best_json(const SweepReport& report) {
     best.push_back({{"objective", study.objectives[o].text},
                     {"design", design.design},
                     {"value", number_or_null(design.value)},
-                    {"active", texts_of(report, active_constraints(report, design.row))}});
+                    {"active", Json::array()},
+                    {"limits", Json::array()}});
+    for (const study::Limit& limit : report.limits[o]) {
+      if (limit.kind == study::Limit::Kind::constraint) best.back()["active"].push_back(limit.text);
+      best.back()["limits"].push_back(limit_json(limit));
+    }
   }
   return best;
 }
@@ -174,6 +204,17 @@ Json accuracy_json(const SweepReport& report) {
 
 Json number_or_null(double value) { return std::isfinite(value) ? Json(value) : Json(); }
 
+Json limit_json(const study::Limit& limit) {
+  return {{"text", limit.text},
+          {"kind", limit.kind == study::Limit::Kind::constraint ? "constraint"
+                   : limit.kind == study::Limit::Kind::lower    ? "lower"
+                                                                : "upper"},
+          {"state", std::string(study::state_words(limit.kind))},
+          {"value", number_or_null(limit.value)},
+          {"unit", limit.unit},
+          {"gain", number_or_null(limit.gain)}};
+}
+
 Json to_json(const SweepReport& report) {
   const study::Study& study = *report.sweep->study;
   const study::Tally& tally = *report.tally;
@@ -182,6 +223,7 @@ Json to_json(const SweepReport& report) {
                {"kind", "sweep"},
                {"version", mtf::version},
                {"commit", mtf::git_commit},
+               {"date", today()},
                {"machine", machine_text()},
                {"study", {{"name", study.name}, {"file", "study.toml"}, {"sha256", study.sha256}}},
                {"conditions", {{"temperature_k", study.conditions.temperature_k}}}};
@@ -200,8 +242,7 @@ Json to_json(const SweepReport& report) {
   json["columns"] = columns_json(report);
   json["axes"] = axes_json(report);
   json["constraints"] = Json::array();
-  for (std::size_t k = 0; k < study.constraints.size(); ++k)
-    json["constraints"].push_back({{"text", study.constraints[k].text}, {"met", tally.met()[k]}});
+  for (std::size_t k = 0; k < study.constraints.size(); ++k) json["constraints"].push_back(constraint_json(report, k));
   json["objectives"] = Json::array();
   for (std::size_t o = 0; o < study.objectives.size(); ++o)
     json["objectives"].push_back({{"text", study.objectives[o].text},

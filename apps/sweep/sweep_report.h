@@ -3,6 +3,7 @@
 
 // What is known of a finished sweep: for sweep.json and for standard output.
 
+#include "apps/study/optimum/optimize.h"
 #include "apps/study/statistics/accuracy.h"
 #include "apps/study/statistics/design_sensitivity.h"
 #include "apps/study/statistics/tally.h"
@@ -23,7 +24,8 @@ struct SweepReport {
   const SweepRun* run = nullptr;
   const study::Tally* tally = nullptr;
   study::FrontPoints front;
-  std::vector<std::string> gaps;  ///< by column
+  std::vector<std::string> gaps;                  ///< by column
+  std::vector<std::vector<study::Limit>> limits;  ///< what keeps the best design of each objective from being better
   std::vector<ChosenFile> chosen;
   std::int64_t gradient_design = 0;
   study::Gradient gradient;
@@ -41,12 +43,13 @@ std::vector<std::size_t> spread_over_front(const study::FrontPoints& front, std:
 /// True when every design is invalid: there is nothing to choose.
 bool none_valid(const SweepReport& report);
 
-/// Constraints of a row that are within 1 % of their limit, and those that it does not meet: indices.
-std::vector<std::size_t> active_constraints(const SweepReport& report, std::span<const double> row);
+/// Constraints that a row does not meet: indices.
 std::vector<std::size_t> violated_constraints(const SweepReport& report, std::span<const double> row);
 
 /// A number in JSON; null where it is not finite.
 Json number_or_null(double value);
+/// A limit of an optimum, or of the best design of a sweep, which has no gain.
+Json limit_json(const study::Limit& limit);
 
 /// sweep.json.
 Json to_json(const SweepReport& report);

@@ -431,12 +431,7 @@ void Start::describe(LocalEnd& end) {
     const auto kind = constraint                                  ? Limit::Kind::constraint
                       : reached.kind == ReachedLimit::Kind::lower ? Limit::Kind::lower
                                                                   : Limit::Kind::upper;
-    Limit limit = limit_of(study, kind, index);
-    if (constraint)
-      limit.value = (study.constraints[index].left.constant() ? sides[index].left : sides[index].right) /
-                    unit_scale(limit.unit).si;
-    if (!constraint) limit.value = optimum.axis_values[index];
-    if (!constraint) limit.text += mtf::format_double(limit.value) + (limit.unit.empty() ? "" : " " + limit.unit);
+    Limit limit = limit_of(study, kind, index, optimum.axis_values, sides);
     limit.gain = optimum.converged ? reached.gain * (constraint ? unit_scale(limit.unit).si : 1.0) : kNan;
     // Below the residual a multiplier is none.
     if (optimum.converged && reached.multiplier <= std::max(1e-9, 2.0 * optimality.residual)) limit.gain = 0.0;
@@ -479,29 +474,6 @@ LocalEnd Start::run(Method method) {
 }
 
 }  // namespace
-
-std::string unit_of(const Study& study, const Constraint& constraint) {
-  for (const Expression* side : {&constraint.left, &constraint.right})
-    if (const auto slot = side->only_slot()) {
-      const auto i = static_cast<std::size_t>(*slot);
-      const std::size_t parameters = study.parameters.size();
-      return i < parameters ? study.parameters[i].unit : study.metrics[i - parameters].unit;
-    }
-  return si_unit(constraint.left.dimensions());
-}
-
-Limit limit_of(const Study& study, Limit::Kind kind, std::size_t index) {
-  Limit limit{.kind = kind, .index = index, .text = {}, .unit = {}};
-  if (kind == Limit::Kind::constraint) {
-    limit.text = study.constraints[index].text;
-    limit.unit = unit_of(study, study.constraints[index]);
-    return limit;
-  }
-  const Parameter& parameter = study.parameters[static_cast<std::size_t>(study.axes[index].parameter)];
-  limit.text = parameter.name + (kind == Limit::Kind::lower ? " >= " : " <= ");
-  limit.unit = parameter.unit;
-  return limit;
-}
 
 Combination prepare_combination(const std::shared_ptr<const Study>& sharp, const Goal& goal, std::vector<int> levels,
                                 int starts) {

@@ -30,9 +30,4 @@ struct LocalEnd {
 LocalEnd local_optimum(const std::shared_ptr<const Study>& sharp, const Goal& goal, const Combination& combination,
                        std::size_t start, OptimizeOptions::Method method);
 
-/// A limit at which a design lies, in words and units of the study.
-Limit limit_of(const Study& study, Limit::Kind kind, std::size_t index);
-/// The unit that a constraint is thought of in.
-std::string unit_of(const Study& study, const Constraint& constraint);
-
 }  // namespace study

@@ -32,6 +32,16 @@ struct Limit {
                       ///< the design has no slopes, or is not the optimum by them
 };
 
+/// The limit in words and units of the study, at a design with these values of the axes and sides of the constraints.
+Limit limit_of(const Study& study, Limit::Kind kind, std::size_t index, std::span<const double> axis_values,
+               std::span<const ConstraintValues> sides);
+
+/// The unit that a constraint is thought of in.
+std::string unit_of(const Study& study, const Constraint& constraint);
+
+/// "at its limit", "at its lower end", "at its upper end".
+std::string_view state_words(Limit::Kind kind);
+
 /// What a design misses.
 struct Violation {
   std::size_t constraint = 0;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 
-// An outcome in words.
+// Limits and outcomes in words.
 
 #include <cmath>
 #include <cstdio>
@@ -67,6 +67,40 @@ void limits(const Study& study, const OptimizeOptions& options, const Optimum& b
 }
 
 }  // namespace
+
+std::string unit_of(const Study& study, const Constraint& constraint) {
+  for (const Expression* side : {&constraint.left, &constraint.right})
+    if (const auto slot = side->only_slot()) {
+      const auto i = static_cast<std::size_t>(*slot);
+      const std::size_t parameters = study.parameters.size();
+      return i < parameters ? study.parameters[i].unit : study.metrics[i - parameters].unit;
+    }
+  return si_unit(constraint.left.dimensions());
+}
+
+Limit limit_of(const Study& study, Limit::Kind kind, std::size_t index, std::span<const double> axis_values,
+               std::span<const ConstraintValues> sides) {
+  Limit limit{.kind = kind, .index = index, .text = {}, .unit = {}, .gain = std::nan("")};
+  if (kind == Limit::Kind::constraint) {
+    const Constraint& constraint = study.constraints[index];
+    limit.text = constraint.text;
+    limit.unit = unit_of(study, constraint);
+    limit.value = (constraint.left.constant() ? sides[index].left : sides[index].right) / unit_scale(limit.unit).si;
+    return limit;
+  }
+  const Parameter& parameter = study.parameters[static_cast<std::size_t>(study.axes[index].parameter)];
+  limit.unit = parameter.unit;
+  limit.value = axis_values[index];
+  limit.text = parameter.name + (kind == Limit::Kind::lower ? " >= " : " <= ") +
+               mtf::with_unit(mtf::format_double(limit.value), limit.unit);
+  return limit;
+}
+
+std::string_view state_words(Limit::Kind kind) {
+  return kind == Limit::Kind::constraint ? "at its limit"
+         : kind == Limit::Kind::lower    ? "at its lower end"
+                                         : "at its upper end";
+}
 
 std::vector<std::string> sentences(const Study& study, const OptimizeOptions& options, const OptimizeOutcome& outcome) {
   std::vector<std::string> lines;

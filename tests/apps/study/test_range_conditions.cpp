@@ -169,7 +169,8 @@ TEST(Ranges, StudiesSayWhoseTheyAre) {
   expect_says(all[4], {"N50 0.75, 3, 6"});
   expect_says(all[5], {"air: [atmosphere] model mid_latitude_summer", "haze advection_fog", "visibility 300 m",
                        "range 1000 m", "up to each"});
-  EXPECT_TRUE(lines(study_of(kTime, kConditions, "1e-4", "\"netd\"")).empty());
+  EXPECT_TRUE(lines(study_of(kTime, kConditions, "1e-4", "\"ifov\"")).empty());
+  expect_says(lines(study_of(kTime, kConditions, "1e-4", "\"target_snr\"")).at(0), {"scene:", "300 K", "contrast 1 K"});
   EXPECT_EQ(lines(study_of(kTime, kConditions, "1e-4", "\"mrtd\"")).size(), 2u);  // observer and air
 }
 
