@@ -3,6 +3,7 @@
 // `mtf report DIR`: one page of HTML from the results of a sweep.
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <string>
@@ -105,6 +106,11 @@ std::string report_data(const Sweep& sweep, const DesignTable& table, const std:
             return "{\"text\":" + json_text(objective.text) + ",\"column\":" + json_text(objective.column) +
                    ",\"maximize\":" + (objective.maximize ? "true" : "false") + "}";
           });
+  text += ",\"constraints\":" + json_list(sweep.constraints, [](const SweepConstraint& constraint) {
+            return "{\"text\":" + json_text(constraint.text) + ",\"columns\":" + json_texts(constraint.columns) +
+                   ",\"limit\":" + json_number(constraint.limit) + ",\"relation\":" + json_text(constraint.relation) +
+                   "}";
+          });
   const auto number = [](std::int64_t n) { return std::to_string(n); };
   text += ",\"best\":" + json_list(sweep.best, [&](const SweepBest& best) { return number(best.design); });
   text += ",\"pareto\":" + json_list(sweep.pareto, number);
@@ -138,12 +144,24 @@ std::string report_page(const Sweep& sweep, const DesignTable& table, const std:
       "default-src 'none'; img-src data:; style-src 'unsafe-inline'; base-uri 'none'; "
       "form-action 'none'; script-src " +
       (interactive ? script_hash(files.library) + " " + script_hash(script) : "'none'");
-  const std::string about = std::to_string(sweep.designs) + " designs &middot; mtf " + html(mtf::version) + " " +
-                            html(mtf::git_commit) + " &middot; sweep by mtf " + html(sweep.version) + " " +
-                            html(sweep.commit);
-  const std::string sections = summary_section(sweep, table) + trade_section(sweep, table) + map_section(sweep, table) +
-                               chosen_section(sweep, table, chosen, scene) + sensitivity_section(sweep, table) +
-                               run_section(sweep) + columns_section(sweep) + files_section(sweep, table, chosen);
+  const std::string about = (sweep.date.empty() ? "" : html(sweep.date) + " &middot; ") + "sweep by mtf " +
+                            html(sweep.version) + " " + html(sweep.commit) + " &middot; page by mtf " +
+                            html(mtf::version) + " " + html(mtf::git_commit);
+  const std::array<std::array<std::string, 3>, 8> parts{
+      {{"summary", "Summary", summary_section(sweep, table)},
+       {"trade", "Trade space", sweep.single() ? "" : trade_section(sweep, table)},
+       {"maps", "Maps", interactive ? map_section(sweep) : ""},
+       {"chosen", sweep.single() ? "Data sheet" : "Chosen designs", chosen_section(sweep, table, chosen, scene)},
+       {"sensitivities", "Sensitivities", sensitivity_section(sweep, table)},
+       {"run", "Error and time", run_section(sweep)},
+       {"definitions", "Definitions", sweep.single() ? "" : columns_section(sweep)},
+       {"files", "Files", files_section(sweep, table, chosen)}}};
+  std::string sections, links;
+  for (const auto& [id, words, body] : parts) {
+    if (body.empty()) continue;
+    sections += body;
+    links += "<a href=\"#" + id + "\">" + words + "</a>\n";
+  }
   const std::string data = report_data(sweep, table, chosen);
   const std::string notices =
       interactive ? html_lines(files.notices) : "This build has no chart libraries: its charts are static.";
@@ -151,6 +169,7 @@ std::string report_page(const Sweep& sweep, const DesignTable& table, const std:
                              {"policy", policy},
                              {"style", files.style},
                              {"about", about},
+                             {"links", links},
                              {"sections", sections},
                              {"notices", notices},
                              {"data", data},

@@ -15,6 +15,7 @@
 #include "apps/report/report_sections.h"
 #include "apps/report/report_svg.h"
 #include "apps/simulate/simulate.h"
+#include "apps/study/rows/sweep_rows.h"
 #include "apps/terminal/output.h"
 #include "apps/terminal/text_table.h"
 #include "mtf/engines/statistics.h"
@@ -41,11 +42,27 @@ std::vector<std::size_t> all_but_first(const Chosen& chosen) {
   return columns;
 }
 
+/// How far a metric of a row may be wrong, by the row's largest error, which counts absolute for plain numbers up to 1,
+/// else relative; the standard deviation of a yield.
+std::string spread_of(const Sweep& sweep, const std::vector<std::string>& cells, std::size_t column) {
+  const SweepColumn& of = sweep.columns[column];
+  const std::optional<double> value = cell_value(cells[column]);
+  if (value && of.role == "yield") return significant(study::yield_error(*value, static_cast<int>(sweep.draws)), 2);
+  const auto error = sweep.column("error");
+  if (!value || !error || of.role != "metric") return "";
+  return significant(
+      cell_value(cells[*error]).value_or(NAN) * (of.unit.empty() && std::abs(*value) <= 1.0 ? 1.0 : std::abs(*value)),
+      2);
+}
+
+/// The chosen designs side by side; of the only one also errors and what its quantities are.
 std::string values(const Sweep& sweep, const DesignTable& table, const Chosen& chosen) {
-  HtmlTable rows("Values of the chosen designs", header_of("Design", chosen), all_but_first(chosen));
-  std::vector<std::string> why{"chosen as"};
+  std::vector<std::string> header = header_of("Design", chosen), why{"chosen as"};
+  if (sweep.single()) header.insert(header.end(), {"&plusmn;", "What it is"});
   for (const ChosenDesign& design : chosen) why.push_back("<span class=\"why\">" + html(design.chosen.why) + "</span>");
-  rows.add(why);
+  HtmlTable rows("Values of the chosen designs", header,
+                 sweep.single() ? std::vector<std::size_t>{1, 2} : all_but_first(chosen));
+  if (!sweep.single()) rows.add(why);
   for (std::size_t c = 0; c < sweep.columns.size(); ++c) {
     const SweepColumn& column = sweep.columns[c];
     if (!column.gap.empty()) continue;
@@ -57,9 +74,13 @@ std::string values(const Sweep& sweep, const DesignTable& table, const Chosen& c
       const bool yes_or_no = column.role == "feasible" || column.role == "pareto";
       cells.push_back(yes_or_no ? (cell == "1" ? "yes" : "no") : html_value(cell));
     }
+    if (sweep.single()) cells.insert(cells.end(), {spread_of(sweep, table.cells[0], c), html(column.definition)});
     rows.add(cells);
   }
-  return rows.html();
+  return rows.html() +
+         (sweep.single()
+              ? "<p>&plusmn;: a metric is wrong by at most this, estimated; of the yield one standard deviation.</p>\n"
+              : "");
 }
 
 std::string problems(const Chosen& chosen) {
@@ -204,6 +225,7 @@ std::string chosen_section(const Sweep& sweep, const DesignTable& table, const C
         "<p>What each component leaves of the modulation at Nyquist, along x; the metric <code>mtf_nyquist</code> is "
         "the geometric mean of both axes:</p>\n" +
         component_budget(chosen) + images(chosen, scene) + noise_budget(chosen, sweep.temperature_k);
+  if (sweep.single()) return html_section("chosen", "Data sheet", html(chosen[0].name), body);
   return html_section("chosen", "Chosen designs", "The best of each objective, and some from along the Pareto front.",
                       body);
 }

@@ -101,6 +101,15 @@ std::string html_value(double value) {
   return std::isfinite(value) ? html_value(mtf::format_double(value)) : html_value(std::string_view());
 }
 
+std::string html_quantity(std::string_view cell, std::string_view unit) {
+  const std::optional<double> value = cell_value(std::string(cell));
+  if (!value || unit.empty()) return html_value(cell);
+  const std::string exact = html(cell);
+  const bool km = unit == "m" && std::abs(*value) >= 1e3;
+  return "<data value=\"" + exact + "\" title=\"" + exact + " " + html(unit) + "\">" +
+         five_digits(km ? 1e-3 * *value : *value) + "</data>&nbsp;" + (km ? "km" : html(unit));
+}
+
 std::string json_text(std::string_view text) {
   std::string out = "\"";
   for (const char c : one_line(text)) {

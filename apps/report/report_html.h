@@ -23,6 +23,8 @@ std::string five_digits(double value);
 /// as a dash.
 std::string html_value(std::string_view cell);
 std::string html_value(double value);
+/// The same with its unit, lengths from a kilometre on in km.
+std::string html_quantity(std::string_view cell, std::string_view unit);
 
 /// `text` for a JSON string within a script element, with quotes; no sequence in it ends the element.
 std::string json_text(std::string_view text);

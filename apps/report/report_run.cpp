@@ -54,7 +54,7 @@ std::string indices(const Sweep& sweep) {
   return "<h3>Over all of the space: share of the variance</h3>\n<p>First order: by this parameter alone. Total: with "
          "its interactions with others. From " +
          std::to_string(sweep.samples) + " samples; whiskers are one standard deviation.</p>\n" +
-         html_chart("indices", svg_bars("Total index of Sobol", "share of the variance", bars)) +
+         html_chart("indices", svg_bars("Total index of Sobol", "share of the variance", bars, Ends{0.0, 1.0})) +
          "<details><summary>Numbers</summary>" + table.html() + "</details>\n";
 }
 
@@ -100,21 +100,21 @@ std::string shown_file(const std::string& file, const std::string& sha256, const
 
 std::string sensitivity_section(const Sweep& sweep, const DesignTable& table) {
   std::string body;
-  if (!sweep.indices.empty()) body += indices(sweep);
+  if (!sweep.indices.empty() && !sweep.single()) body += indices(sweep);
   if (!sweep.derivatives.empty()) body += derivatives(sweep, table);
-  if (body.empty()) body = "<p class=\"gap\">The sweep computed no sensitivities.</p>";
+  if (body.empty()) return "";
   return html_section("sensitivities", "Sensitivities", "Which parameter matters, and how much.", body);
 }
 
 std::string run_section(const Sweep& sweep) {
   std::string body =
       sweep.accuracy.empty()
-          ? "<p class=\"gap\">The sweep did not measure its error against the time it takes; <code>mtf sweep "
-            "--accuracy</code> does.</p>"
+          ? "<p>What other tolerances would cost was not measured; <code>mtf sweep --accuracy</code> does that.</p>\n"
           : accuracy(sweep);
   body += "<p>Run on " + (sweep.machine.empty() ? "a machine without a name" : html(sweep.machine)) + ", " +
           std::to_string(sweep.threads) + " threads";
   if (sweep.seconds) body += ", " + significant(*sweep.seconds, 4) + " s";
+  if (sweep.designs_per_second) body += ", " + significant(*sweep.designs_per_second, 3) + " designs/s";
   if (sweep.resumed > 0)
     body += ", of which " + std::to_string(sweep.resumed) + " designs were computed by an earlier run";
   body += ".</p>\n";
@@ -123,7 +123,8 @@ std::string run_section(const Sweep& sweep) {
     for (const std::string& sentence : sweep.skipped) body += "<li>" + html(sentence) + "</li>\n";
     body += "</ul>\n";
   }
-  return html_section("run", "Error against time", "A sample of the designs at every tolerance, against a reference.",
+  return html_section("run", "Error and time",
+                      sweep.accuracy.empty() ? "" : "A sample of the designs at every tolerance, against a reference.",
                       body);
 }
 
@@ -163,10 +164,6 @@ std::string files_section(const Sweep& sweep, const DesignTable& table, const st
 
 namespace {
 
-std::string tile(const std::string& value, const std::string& what) {
-  return "<div class=\"tile\"><strong>" + value + "</strong><span>" + what + "</span></div>";
-}
-
 std::string percent(std::int64_t part, std::int64_t whole) {
   return whole > 0 ? significant(100.0 * static_cast<double>(part) / static_cast<double>(whole), 3) + " %" : "0 %";
 }
@@ -178,26 +175,29 @@ std::string method_words(const Sweep& sweep) {
   return html(sweep.method);
 }
 
-std::string tiles(const Sweep& sweep) {
-  std::string body = "<div class=\"tiles\">";
-  body += tile("<span id=\"total\">" + std::to_string(sweep.designs) + "</span>", "designs, " + method_words(sweep));
-  body += tile(std::to_string(sweep.feasible), sweep.constraints.empty()
-                                                   ? "feasible: the study has no constraints"
-                                                   : "feasible (" + percent(sweep.feasible, sweep.designs) + ")");
+/// How many designs there are, how many of them count, and how right their numbers are.
+std::string counts(const Sweep& sweep) {
+  std::string text = sweep.single() ? "" : std::to_string(sweep.designs) + " designs: " + method_words(sweep) + ".";
+  if (!sweep.constraints.empty() && !sweep.single())
+    text += " " + std::to_string(sweep.feasible) + " (" + percent(sweep.feasible, sweep.designs) +
+            ") meet every constraint" +
+            (sweep.objectives.size() > 1 ? ", " + std::to_string(sweep.pareto_size) + " are on the Pareto front" : "") +
+            ".";
   if (sweep.invalid > 0) {
-    std::string what = "invalid: ";
-    if (sweep.no_sensor > 0) what += "impossible as a sensor: " + std::to_string(sweep.no_sensor);
-    for (const auto& [text, designs] : sweep.not_finite)
-      what += (what == "invalid: " ? "" : "; ") + html(text) + " not finite in " + std::to_string(designs);
-    body += tile(std::to_string(sweep.invalid), what);
+    text += " " + std::to_string(sweep.invalid) + " are invalid";
+    std::string between = ": ";
+    const auto add = [&](const std::string& what, std::int64_t designs) {
+      text += between + what + " in " + std::to_string(designs);
+      between = "; ";
+    };
+    if (sweep.no_sensor > 0) add("impossible as a sensor", sweep.no_sensor);
+    for (const auto& [what, designs] : sweep.not_finite) add(html(what) + " not finite", designs);
+    text += ".";
   }
-  if (sweep.objectives.size() > 1) body += tile(std::to_string(sweep.pareto_size), "on the Pareto front");
   if (std::isfinite(sweep.worst_error))
-    body += tile(significant(sweep.worst_error, 2), "largest error, tolerance " + significant(sweep.tolerance, 2));
-  if (sweep.seconds && sweep.designs_per_second)
-    body += tile(significant(*sweep.designs_per_second, 3) + "/s",
-                 significant(*sweep.seconds, 3) + " s on " + std::to_string(sweep.threads) + " threads");
-  return body + "</div>\n";
+    text += " The largest error of a metric is " + significant(sweep.worst_error, 2) + ", estimated; tolerance " +
+            significant(sweep.tolerance, 2) + ".";
+  return "<p>" + text + "</p>\n";
 }
 
 std::string axis_values(const SweepAxis& axis, const Sweep& sweep, const DesignTable& table) {
@@ -251,62 +251,78 @@ std::string list_of(const std::vector<std::string>& items, const char* none) {
 
 std::string yield_of(const Sweep& sweep, std::int64_t design) {
   for (const auto& [number, share] : sweep.best_yield)
-    if (number == design && std::isfinite(share)) return significant(100.0 * share, 3) + "&nbsp;%";
-  return html_value("");
+    if (number == design && std::isfinite(share))
+      return ", yield " + significant(100.0 * share, 3) + "&nbsp;% of " + std::to_string(sweep.draws) + " as built";
+  return "";
 }
 
-std::string best(const Sweep& sweep, const DesignTable& table) {
-  if (sweep.best.empty()) return "";
-  std::vector<std::string> header{"Objective", "Design", "Value"};
-  for (const SweepAxis& axis : sweep.axes) header.push_back(column_html(sweep.columns[*sweep.column(axis.column)]));
-  if (sweep.draws > 0)
-    header.push_back("<abbr title=\"share of " + std::to_string(sweep.draws) +
-                     " builds, with the variation as built, that meet every constraint\">Yield</abbr>");
-  header.emplace_back("<abbr title=\"constraints within 1 % of their limit\">Limited by</abbr>");
-  HtmlTable rows("Best designs", header, {1, 2});
-  for (const SweepBest& one : sweep.best) {
-    const auto objective = std::find_if(sweep.objectives.begin(), sweep.objectives.end(),
-                                        [&](const auto& o) { return o.text == one.objective; });
-    const bool known = objective != sweep.objectives.end();
-    const auto column = sweep.column(known ? objective->column : one.objective);
-    const auto row = table.row(one.design);
-    std::vector<std::string> cells{(known ? objective->maximize ? "maximize " : "minimize " : "") + html(one.objective),
-                                   std::to_string(one.design),
-                                   (row && column ? html_value(table.cells[*row][*column]) : html_value(one.value)) +
-                                       (column ? " " + html(sweep.columns[*column].unit) : "")};
-    for (const SweepAxis& axis : sweep.axes)
-      cells.push_back(row ? html_value(table.cells[*row][*sweep.column(axis.column)]) : "");
-    if (sweep.draws > 0) cells.push_back(yield_of(sweep, one.design));
-    cells.push_back(list_of(one.active, "none"));
-    rows.add(cells);
-  }
-  return rows.html();
-}
-
-std::string words(const Sweep& sweep) {
+std::string limits_of(const Sweep& sweep, const SweepBest& best) {
+  if (!best.limits) return "What limits it is not in this folder; a sweep of this version of mtf says it.";
   std::string text;
-  if (sweep.feasible == 0 && !sweep.constraints.empty()) {
-    text += "<p class=\"warning\">No design meets every constraint.";
-    if (sweep.nearest)
-      text += " The nearest is design " + std::to_string(*sweep.nearest) + ", which misses " +
-              list_of(sweep.violated, "none by itself") + ".";
-    text += "</p>\n";
+  for (std::size_t i = 0; i < best.limits->size(); ++i) {
+    const SweepLimit& limit = (*best.limits)[i];
+    text += (i == 0                         ? "Limited by "
+             : i + 1 == best.limits->size() ? " and "
+                                            : ", ") +
+            std::string("<strong>") + html(limit.text) + "</strong> (" + html(limit.state) + ")";
   }
+  if (!text.empty()) return text + ".";
+  return sweep.method == "grid" ? "No constraint and no end of an axis limits it."
+                                : "No constraint is within 1 % of its limit.";
+}
+
+/// The best design of an objective as a sentence: its value, axes, and what the constraints are about.
+std::string answer(const Sweep& sweep, const DesignTable& table, const SweepBest& best) {
+  const SweepObjective& objective = *std::find_if(sweep.objectives.begin(), sweep.objectives.end(),
+                                                  [&](const auto& o) { return o.text == best.objective; });
+  const SweepColumn& column = sweep.columns[*sweep.column(objective.column)];
+  const std::vector<std::string>& cells = table.cells[*table.row(best.design)];
+  std::string text, between = ": ";
+  std::vector<std::string> said{column.name};
+  const auto add = [&](const std::string& name) {
+    const auto c = sweep.column(name);
+    if (!c || std::find(said.begin(), said.end(), name) != said.end()) return;
+    said.push_back(name);
+    text += between + column_html(sweep.columns[*c]) + " " + html_quantity(cells[*c], sweep.columns[*c].unit);
+    between = ", ";
+  };
+  for (const SweepAxis& axis : sweep.axes) add(axis.column);
+  between = "; ";
+  for (const SweepConstraint& constraint : sweep.constraints)
+    for (const std::string& name : constraint.columns) add(name);
+  return "<div class=\"answer\"><p><strong class=\"value\">" +
+         html_quantity(cells[*sweep.column(column.name)], column.unit) + "</strong> is the " +
+         (objective.maximize ? "largest " : "smallest ") + html(best.objective) + text +
+         ". <span class=\"key\" data-design=\"" + std::to_string(best.design) + "\">Design&nbsp;" +
+         std::to_string(best.design) + "</span>" + yield_of(sweep, best.design) + ".</p>\n<p>" +
+         limits_of(sweep, best) + "</p></div>\n";
+}
+
+std::string infeasible(const Sweep& sweep) {
+  if (sweep.feasible > 0 || sweep.constraints.empty()) return "";
+  std::string text = "<p class=\"warning\">No design meets every constraint.";
+  if (sweep.nearest)
+    text += " The nearest is design " + std::to_string(*sweep.nearest) + ", which misses " +
+            list_of(sweep.violated, "none by itself") + ".";
+  return text + "</p>\n";
+}
+
+std::string gaps(const Sweep& sweep) {
+  std::string text;
   for (const SweepColumn& column : sweep.columns)
     if (!column.gap.empty())
       text +=
           "<p class=\"gap\"><strong>" + html(column.name) + "</strong> is not here: " + html(column.gap) + ".</p>\n";
-  for (const SweepColumn& column : sweep.columns)
-    if (column.gap.empty() && column.missing > 0 && column.role != "yield")
+    else if (column.missing > 0 && column.role != "yield")
       text += "<p class=\"gap\"><strong>" + html(column.name) + "</strong>: " + std::to_string(column.missing) +
               " designs cannot have it.</p>\n";
   return text;
 }
 
-/// What figures of observers and ranges hold for.
+/// What the figures hold for: target, air, observer, scene.
 std::string conditions(const Sweep& sweep) {
   if (sweep.conditions.empty()) return "";
-  std::string text = "<h3>Observer, target, air</h3>\n<ul>";
+  std::string text = "<h3>These hold for</h3>\n<ul class=\"conditions\">";
   for (const std::string& line : sweep.conditions) text += "<li>" + html(line) + "</li>\n";
   return text + "</ul>\n";
 }
@@ -314,14 +330,12 @@ std::string conditions(const Sweep& sweep) {
 }  // namespace
 
 std::string summary_section(const Sweep& sweep, const DesignTable& table) {
-  std::string objectives;
-  for (const SweepObjective& objective : sweep.objectives)
-    objectives += (objectives.empty() ? "" : ", ") + std::string(objective.maximize ? "maximize " : "minimize ") +
-                  "<em>" + html(objective.text) + "</em>";
-  return html_section("summary", "Summary", objectives.empty() ? "" : "Objectives: " + objectives + ".",
-                      tiles(sweep) + words(sweep) + "<h3>Axes</h3>" + varies(sweep, table) +
-                          (sweep.constraints.empty() ? "" : "<h3>Constraints</h3>" + constraints(sweep)) +
-                          (sweep.best.empty() ? "" : "<h3>Best designs</h3>" + best(sweep, table)) + conditions(sweep));
+  std::string body = infeasible(sweep);
+  for (const SweepBest& best : sweep.best) body += answer(sweep, table, best);
+  body += conditions(sweep) + counts(sweep);
+  if (!sweep.single()) body += "<h3>Axes</h3>" + varies(sweep, table);
+  if (!sweep.constraints.empty()) body += "<h3>Constraints</h3>" + constraints(sweep);
+  return html_section("summary", "Summary", "", body + gaps(sweep));
 }
 
 }  // namespace apps

@@ -16,7 +16,7 @@ std::string summary_section(const Sweep& sweep, const DesignTable& table);
 /// All designs: scatter, parallel coordinates, filters; which of them the page holds.
 std::string trade_section(const Sweep& sweep, const DesignTable& table);
 /// A metric over two axes.
-std::string map_section(const Sweep& sweep, const DesignTable& table);
+std::string map_section(const Sweep& sweep);
 /// The chosen designs side by side: values, curves, budgets, images. `scene`: the file of the images, "" for the
 /// built-in one.
 std::string chosen_section(const Sweep& sweep, const DesignTable& table, const std::vector<ChosenDesign>& chosen,

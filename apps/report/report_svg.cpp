@@ -2,7 +2,6 @@
 #include "apps/report/report_svg.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "apps/report/report_designs.h"
@@ -91,28 +90,6 @@ std::string axes(const Scale& x, const Scale& y, const std::string& x_label, con
          ") rotate(-90)\">" + html(y_label) + "</text>";
 }
 
-/// Viridis (Smith and van der Walt, matplotlib), five anchors.
-std::string colour(double share) {
-  constexpr std::array<std::array<double, 3>, 5> anchors{
-      {{68, 1, 84}, {59, 82, 139}, {33, 145, 140}, {94, 201, 98}, {253, 231, 37}}};
-  const double at = std::clamp(share, 0.0, 1.0) * 4.0;
-  const auto i = static_cast<std::size_t>(std::min(3.0, std::floor(at)));
-  std::string name = "rgb(";
-  for (std::size_t c = 0; c < 3; ++c)
-    name += (c > 0 ? "," : "") + fixed(std::lerp(anchors[i][c], anchors[i + 1][c], at - static_cast<double>(i)), 0);
-  return name + ")";
-}
-
-std::string colour_scale(const Range& range, const std::string& label) {
-  const double x = kWidth - kRight + 24.0, h = (kHeight - kTop - kBottom) / 32.0;
-  std::string svg = text(x, kTop - 6, "tick", label);
-  for (int i = 0; i < 32; ++i)
-    svg += "<rect x=\"" + px(x) + "\" y=\"" + px(kTop + (31 - i) * h) + "\" width=\"14\" height=\"" + px(h + 0.5) +
-           "\" fill=\"" + colour(i / 31.0) + "\"/>";
-  return svg + text(x + 20, kTop + 8, "tick", five_digits(range.hi)) +
-         text(x + 20, kHeight - kBottom, "tick", five_digits(range.lo));
-}
-
 std::string path_of(const Series& series, const Scale& x, const Scale& y, const std::string& style) {
   std::string d;
   bool down = false;
@@ -127,31 +104,22 @@ std::string path_of(const Series& series, const Scale& x, const Scale& y, const 
   return "<path class=\"" + style + "\" d=\"" + d + "\"/>";
 }
 
-std::string points_of(const Series& series, const Scale& x, const Scale& y, const Range& colours,
-                      const std::string& style) {
+std::string points_of(const Series& series, const Scale& x, const Scale& y, const std::string& style) {
   std::string svg;
-  const double span = colours.hi > colours.lo ? colours.hi - colours.lo : 1.0;
-  for (std::size_t i = 0; i < series.x.size(); ++i) {
-    if (!x.shows(series.x[i]) || !y.shows(series.y[i])) continue;
-    const bool coloured = i < series.value.size() && std::isfinite(series.value[i]);
-    svg += "<circle cx=\"" + px(x.at(series.x[i])) + "\" cy=\"" + px(y.at(series.y[i])) + "\" r=\"" +
-           (series.mark == Mark::large_points ? "5" : "2.6") + "\" class=\"" + style + "\"" +
-           (coloured ? " style=\"fill:" + colour((series.value[i] - colours.lo) / span) +
-                           ";fill-opacity:1;stroke:var(--soft);stroke-width:.4\""
-                     : "") +
-           "/>";
-  }
+  for (std::size_t i = 0; i < series.x.size(); ++i)
+    if (x.shows(series.x[i]) && y.shows(series.y[i]))
+      svg += "<circle cx=\"" + px(x.at(series.x[i])) + "\" cy=\"" + px(y.at(series.y[i])) + "\" r=\"" +
+             (series.mark == Mark::large_points ? "5" : "2.6") + "\" class=\"" + style + "\"/>";
   return svg;
 }
 
 }  // namespace
 
 std::string svg_figure(const Figure& figure) {
-  Range xs, ys, colours;
+  Range xs, ys;
   for (const Series& series : figure.series) {
     for (const double v : series.x) xs.take(v, figure.log_x);
     for (const double v : series.y) ys.take(v, figure.log_y);
-    for (const double v : series.value) colours.take(v, false);
   }
   if (xs.empty() || ys.empty())
     return "<p class=\"none\">" + html(figure.title) + ": there are no numbers to draw.</p>";
@@ -163,49 +131,17 @@ std::string svg_figure(const Figure& figure) {
   int number = 0;
   for (const Series& series : figure.series) {
     const std::string style = series.emphasised ? "series strong" : "series s" + std::to_string(number++ % 8);
-    svg += series.mark == Mark::line ? path_of(series, x, y, style) : points_of(series, x, y, colours, style + " dot");
-    if (series.name.empty() || !series.value.empty() || legend > kHeight - 20) continue;
+    svg += series.mark == Mark::line ? path_of(series, x, y, style) : points_of(series, x, y, style + " dot");
+    if (series.name.empty() || legend > kHeight - 20) continue;
     svg += line(kWidth - kRight + 14, legend - 4, kWidth - kRight + 32, legend - 4, style) +
            text(kWidth - kRight + 38, legend, "tick", series.name);
     legend += 17.0;
   }
-  if (!colours.empty()) svg += colour_scale(colours, figure.colour_label);
   return svg + "</svg>";
 }
 
-std::string svg_heat_map(const HeatMap& map) {
-  Range colours;
-  for (const double v : map.value) colours.take(v, false);
-  if (colours.empty() || map.x.empty() || map.y.empty())
-    return "<p class=\"none\">" + html(map.title) + ": there are no numbers to draw.</p>";
-  const double w = (kWidth - kLeft - kRight) / static_cast<double>(map.x.size()),
-               h = (kHeight - kTop - kBottom) / static_cast<double>(map.y.size());
-  const double span = colours.hi > colours.lo ? colours.hi - colours.lo : 1.0;
-  std::string svg = open(map.title);
-  for (std::size_t j = 0; j < map.y.size(); ++j)
-    for (std::size_t i = 0; i < map.x.size(); ++i) {
-      const double v = map.value[j * map.x.size() + i];
-      if (!std::isfinite(v)) continue;
-      svg += "<rect x=\"" + px(kLeft + w * static_cast<double>(i)) + "\" y=\"" +
-             px(kHeight - kBottom - h * static_cast<double>(j + 1)) + "\" width=\"" + px(w + 0.3) + "\" height=\"" +
-             px(h + 0.3) + "\" fill=\"" + colour((v - colours.lo) / span) + "\"/>";
-    }
-  const auto every = [](std::size_t count) { return std::max<std::size_t>(1, (count + 7) / 8); };
-  const auto level = [](const std::string& words) {
-    const auto value = cell_value(words);
-    return value ? five_digits(*value) : words;
-  };
-  for (std::size_t i = 0; i < map.x.size(); i += every(map.x.size()))
-    svg += text(kLeft + w * (static_cast<double>(i) + 0.5), kHeight - kBottom + 16, "tick", level(map.x[i]), "middle");
-  for (std::size_t j = 0; j < map.y.size(); j += every(map.y.size()))
-    svg += text(kLeft - 6, kHeight - kBottom - h * (static_cast<double>(j) + 0.5) + 4, "tick", level(map.y[j]), "end");
-  return svg + text(0.5 * (kLeft + kWidth - kRight), kHeight - 14, "label", map.x_label, "middle") +
-         "<text class=\"label\" text-anchor=\"middle\" transform=\"translate(16 " +
-         px(0.5 * (kTop + kHeight - kBottom)) + ") rotate(-90)\">" + html(map.y_label) + "</text>" +
-         colour_scale(colours, "") + "</svg>";
-}
-
-std::string svg_bars(const std::string& title, const std::string& x_label, std::span<const Bar> bars) {
+std::string svg_bars(const std::string& title, const std::string& x_label, std::span<const Bar> bars,
+                     std::optional<Ends> ends) {
   Range range;
   range.take(0.0, false);
   for (const Bar& bar : bars) {
@@ -217,6 +153,7 @@ std::string svg_bars(const std::string& title, const std::string& x_label, std::
   for (const Bar& bar : bars) longest = std::max(longest, bar.label.size());
   const double left = std::clamp(20.0 + character * static_cast<double>(longest), 100.0, 400.0);
   const double bottom = kTop + row * static_cast<double>(bars.size()), height = bottom + kBottom;
+  if (ends) range = {(*ends)[0], (*ends)[1]};
   const Scale x(range.lo, range.hi, left, kWidth - 70.0, false);
   std::string svg = open(title, height);
   for (const double v : x.ticks())

@@ -4,6 +4,8 @@
 // Static charts of a report as SVG: shown where scripts do not run, and in builds without the chart libraries.
 // Colours come from the page's style sheet, so they follow its light, dark and printed form.
 
+#include <array>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -16,21 +18,16 @@ namespace apps {
 /// axis, is left out.
 std::string svg_figure(const Figure& figure);
 
-struct HeatMap {
-  std::string title, x_label, y_label;
-  std::vector<std::string> x, y;  ///< values of the axes, as text
-  std::vector<double> value;      ///< row by row of y; NaN for none
-};
-
-/// Cells coloured from the smallest to the largest value, with a scale of colours.
-std::string svg_heat_map(const HeatMap& map);
-
 struct Bar {
   std::string label;
   double value = 0.0, spread = 0.0;  ///< with a whisker where the spread is above 0
 };
 
+/// Ends of the axis of bars, which are clipped there.
+using Ends = std::array<double, 2>;
+
 /// Horizontal bars from 0.
-std::string svg_bars(const std::string& title, const std::string& x_label, std::span<const Bar> bars);
+std::string svg_bars(const std::string& title, const std::string& x_label, std::span<const Bar> bars,
+                     std::optional<Ends> ends = {});
 
 }  // namespace apps

@@ -110,9 +110,15 @@ void read_results(const Node& root, Sweep& sweep) {
     sweep.nearest = design(root.at("nearest").at("design"));
     sweep.violated = root.at("nearest").texts("violated");
   }
-  for (const Node& node : root.list("best"))
-    sweep.best.push_back(
-        {node.text("objective"), design(node.at("design")), node.number("value"), node.texts("active")});
+  for (const Node& node : root.list("best")) {
+    SweepBest best{node.text("objective"), design(node.at("design")), node.number("value"), {}};
+    if (std::none_of(sweep.objectives.begin(), sweep.objectives.end(),
+                     [&](const SweepObjective& objective) { return objective.text == best.objective; }))
+      node.fail("is the best of no objective");
+    if (node.has("limits")) best.limits.emplace();
+    for (const Node& limit : node.list("limits")) best.limits->push_back({limit.text("text"), limit.text("state")});
+    sweep.best.push_back(std::move(best));
+  }
   for (const Node& node : root.list("pareto")) sweep.pareto.push_back(design(node));
   if (!std::is_sorted(sweep.pareto.begin(), sweep.pareto.end()))
     root.at("pareto").fail("the designs are not in rising order");
@@ -155,6 +161,7 @@ Sweep sweep_of(const Node& root) {
   Sweep sweep;
   sweep.version = root.text("version");
   sweep.commit = root.text("commit");
+  sweep.date = root.text("date");
   sweep.machine = root.text("machine");
   sweep.name = root.at("study").text("name");
   sweep.study = {root.at("study").at("file").text(), root.at("study").text("sha256")};
@@ -179,7 +186,8 @@ Sweep sweep_of(const Node& root) {
     sweep.axes.push_back(std::move(axis));
   }
   for (const Node& node : root.list("constraints"))
-    sweep.constraints.push_back({node.at("text").text(), node.count("met")});
+    sweep.constraints.push_back({node.at("text").text(), node.count("met"), node.texts("columns"), node.number("limit"),
+                                 node.text("relation")});
   for (const Node& node : root.list("objectives")) {
     sweep.objectives.push_back({node.at("text").text(), node.at("column").text(), node.yes("maximize")});
     if (!sweep.column(sweep.objectives.back().column)) node.fail("its column is not among \"columns\"");

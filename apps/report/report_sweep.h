@@ -28,6 +28,9 @@ struct SweepAxis {
 struct SweepConstraint {
   std::string text;
   std::int64_t met = 0;
+  std::vector<std::string> columns;  ///< that it compares
+  double limit = 0.0;    ///< of the only one, in its unit, where that stands alone against a number; else NaN
+  std::string relation;  ///< of the column to it: <, <=, > or >=
 };
 
 struct SweepObjective {
@@ -35,11 +38,16 @@ struct SweepObjective {
   bool maximize = false;
 };
 
+/// A constraint or an end of an axis, and the words of `mtf optimize` for a design that lies at it.
+struct SweepLimit {
+  std::string text, state;
+};
+
 struct SweepBest {
   std::string objective;
   std::int64_t design = 0;
   double value = 0.0;
-  std::vector<std::string> active;
+  std::optional<std::vector<SweepLimit>> limits;  ///< nothing in the folders of earlier versions
 };
 
 struct SweepChosen {
@@ -67,7 +75,7 @@ struct NamedFile {
 
 struct Sweep {
   std::filesystem::path folder;
-  std::string name, version, commit, machine, method, sha256;
+  std::string name, version, commit, date, machine, method, sha256;
   NamedFile study;
   std::vector<NamedFile> sensors;
   std::int64_t designs = 0, evaluated = 0, seed = 0;
@@ -99,6 +107,7 @@ struct Sweep {
   std::int64_t threads = 0, resumed = 0;
   std::vector<std::string> skipped;
 
+  bool single() const { return designs == 1; }
   /// Index of the column of that name, none when there is no such column.
   std::optional<std::size_t> column(const std::string& name) const;
 };

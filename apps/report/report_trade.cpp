@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 
 #include "apps/report/report_html.h"
 #include "apps/report/report_sections.h"
@@ -84,52 +83,6 @@ std::string subset_words(const Sweep& sweep, const DesignTable& table) {
   return text + ". designs.csv has all.";
 }
 
-/// The best value over all other axes would hide what they do, so a static map is drawn at the best design's place.
-std::string static_map(const Sweep& sweep, const DesignTable& table) {
-  const std::vector<std::size_t> axes = axis_columns(sweep), metrics = interesting(sweep);
-  if (axes.size() < 2 || metrics.empty() || table.cells.empty())
-    return "<p class=\"none\">A map needs two axes of numbers.</p>";
-  const std::size_t x = axes[0], y = axes[1], z = metrics.front();
-  const std::string title = sweep.columns[z].name + " over " + sweep.columns[x].name + " and " + sweep.columns[y].name;
-  const auto levels = [&](std::size_t column) {
-    for (const SweepAxis& axis : sweep.axes)
-      if (axis.column == sweep.columns[column].name) return axis.values;
-    return std::vector<std::string>{};
-  };
-  HeatMap map{title, column_label(sweep.columns[x]), column_label(sweep.columns[y]), levels(x), levels(y), {}};
-  if (sweep.method != "grid" || map.x.empty() || map.y.empty() || map.x.size() * map.y.size() > 4000) {
-    Figure figure;
-    figure.title = title;
-    figure.x_label = map.x_label;
-    figure.y_label = map.y_label;
-    figure.colour_label = column_label(sweep.columns[z]);
-    std::vector<std::size_t> rows;
-    const std::size_t step = std::max<std::size_t>(1, table.design.size() / kMostPoints);
-    for (std::size_t i = 0; i < table.design.size(); i += step) rows.push_back(i);
-    figure.series.push_back(series_of("", table, x, y, rows, Mark::points));
-    for (const std::size_t row : rows)
-      figure.series.back().value.push_back(cell_value(table.cells[row][z]).value_or(NAN));
-    return svg_figure(figure);
-  }
-  const std::size_t at = sweep.best.empty() ? 0 : table.row(sweep.best.front().design).value_or(0);
-  std::map<std::pair<double, double>, double> values;
-  for (const auto& cells : table.cells) {
-    bool here = true;
-    for (const SweepAxis& axis : sweep.axes)
-      if (const std::size_t c = *sweep.column(axis.column); c != x && c != y)
-        here = here && cells[c] == table.cells[at][c];
-    const auto cx = cell_value(cells[x]), cy = cell_value(cells[y]);
-    if (here && cx && cy) values[{*cx, *cy}] = cell_value(cells[z]).value_or(NAN);
-  }
-  for (const std::string& level_y : map.y)
-    for (const std::string& level_x : map.x) {
-      const auto cx = cell_value(level_x), cy = cell_value(level_y);
-      const auto found = cx && cy ? values.find({*cx, *cy}) : values.end();
-      map.value.push_back(found == values.end() ? NAN : found->second);
-    }
-  return svg_heat_map(map);
-}
-
 }  // namespace
 
 std::string column_html(const SweepColumn& column) {
@@ -155,11 +108,12 @@ std::string trade_section(const Sweep& sweep, const DesignTable& table) {
                           html_chart("parallel", "") + "<div id=\"picked\" aria-live=\"polite\"></div>");
 }
 
-std::string map_section(const Sweep& sweep, const DesignTable& table) {
+std::string map_section(const Sweep& sweep) {
+  if (sweep.single() || axis_columns(sweep).size() < 2) return "";
   return html_section("maps", "Maps over two axes",
                       sweep.method == "grid" ? "Each cell is a design; other axes are held."
                                              : "The designs are sampled: each point is one.",
-                      html_chart("map", static_map(sweep, table)));
+                      html_chart("map", "<p class=\"none\">Maps are drawn where the page may run its scripts.</p>"));
 }
 
 }  // namespace apps

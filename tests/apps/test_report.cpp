@@ -132,7 +132,8 @@ TEST(Report, TextOfFilesStaysText) {
     json["columns"][0]["definition"] = json["columns"][3]["source"] = json["constraints"][0]["text"] = shown;
     json["skipped"] = {shown};
     json["chosen"][0]["why"] = shown;
-    json["best"][0]["active"] = {shown};
+    json["best"][0]["limits"] = {{{"text", shown}, {"state", shown}}};
+    json["date"] = json["conditions"]["lines"][0] = shown;
   });
   write_file(scratch / "sweep/study.toml", evil);
   const std::string page = page_of(scratch);

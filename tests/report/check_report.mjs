@@ -179,14 +179,83 @@ async function checkDark(page) {
   assert.ok(contrast.lines.every((ratio) => ratio >= 3), contrast.lines.join());
 }
 
-// The ends of the map's legend say whether designs that are not feasible lie beyond.
-async function checkMapLegend(page, { header, rows, data }) {
-  const column = header.indexOf(await page.evaluate(() => map.value.name)), feasible = header.indexOf("feasible");
-  const values = data.design.map((design) => rows[design]).filter((row) => row[column] !== "").map((row) => [Number(row[column]), row[feasible] === "1"]);
-  const counted = values.filter(([, good]) => good).map(([value]) => value);
-  const legend = await page.locator("#map .role-legend").textContent();
-  assert.equal(legend.includes("and below"), values.some(([value]) => value < Math.min(...counted)), legend);
-  assert.equal(legend.includes("and above"), values.some(([value]) => value > Math.max(...counted)), legend);
+// The best designs are read before anything is scrolled: values with units, limits in words, conditions, the date.
+async function checkFirstScreen(page, { header, rows, data }, sweep) {
+  const answers = await page.locator(".answer").all();
+  assert.equal(answers.length, sweep.best.length);
+  for (const [i, best] of sweep.best.entries()) {
+    const box = await answers[i].boundingBox(), text = (await answers[i].textContent()).replace(/\u00a0/g, " ");
+    assert.ok(box.y + box.height < 900, `answer ${i} ends at ${box.y + box.height}`);
+    const cells = await answers[i].locator("data").evaluateAll((all) => all.map((one) => one.value));
+    const asked = [data.objectives[i].column, ...data.axes.map((axis) => axis.column), ...sweep.constraints.flatMap((one) => one.columns)];
+    for (const name of asked) {
+      const { unit } = data.columns.find((one) => one.name === name), cell = rows[best.design][header.indexOf(name)];
+      assert.ok(cells.includes(cell) || (cell.startsWith("[") && text.includes(cell)), `${name} is not in: ${text}`);
+      assert.ok(text.includes(unit), `${unit} is not in: ${text}`);
+    }
+    for (const limit of best.limits) assert.ok(text.includes(`${limit.text} (${limit.state})`), text);
+    if (best.limits.length === 0) assert.ok(text.includes("No constraint"), text);
+  }
+  for (const line of sweep.conditions.lines) assert.ok((await page.locator(".conditions").textContent()).includes(line));
+  assert.ok((await page.locator("header").textContent()).includes(sweep.date));
+}
+
+// Every column that varies has an axis with its unit; an axis that is turned round says so.
+async function checkParallel(page, { rows, data }) {
+  const texts = await page.locator("#parallel svg text").allTextContents();
+  const shown = data.columns.map((column, c) => ({ ...column, cells: new Set(rows.map((row) => row[c + 1])) }))
+    .filter((one) => one.cells.size > 1 && one.levels.length === 0 && ["axis", "metric", "objective", "link", "yield"].includes(one.role));
+  for (const unit of new Set(shown.map((one) => one.unit).filter(Boolean)))
+    assert.equal(texts.filter((text) => text === `(${unit})`).length, shown.filter((one) => one.unit === unit).length, unit);
+  const turned = await page.locator("#parallel").evaluate((chart) => chart.textContent.split("turned round").length - 1);
+  assert.equal(turned, data.objectives.filter((one) => !one.maximize).length);
+}
+
+// Every value has its own colour, also beyond the best feasible one; lines stand where neighbours differ in a limit.
+async function checkMap(page, { header, rows, data }) {
+  const name = await page.evaluate(() => map.value.name);
+  const values = rows.map((row) => row[header.indexOf(name)]).filter((cell) => cell !== "").map(Number);
+  assert.deepEqual(await page.evaluate(() => drawn.get("map").view.scale("color").domain()), [Math.min(...values), Math.max(...values)]);
+  if (!await page.evaluate(() => isGrid)) return;
+  const [xs, ys] = data.axes.map((axis) => axis.values), keeps = { "<": (v, limit) => v < limit, ">": (v, limit) => v > limit };
+  let borders = 0;
+  for (const { columns: [column], limit, relation } of data.constraints) {
+    const kept = rows.map((row) => keeps[relation](Number(row[header.indexOf(column)]), limit));
+    for (let i = 0; i < xs.length; ++i)
+      for (let j = 0; j < ys.length; ++j) {
+        if (i + 1 < xs.length && kept[i * ys.length + j] !== kept[(i + 1) * ys.length + j]) borders += 1;
+        if (j + 1 < ys.length && kept[i * ys.length + j] !== kept[i * ys.length + j + 1]) borders += 1;
+      }
+  }
+  assert.equal(await page.locator("#map .mark-rule line").count(), 2 * borders);  // each with a halo
+}
+
+// Numbers of designs cover neither rings nor diamonds.
+async function checkLabels(page) {
+  const [texts, covered] = await page.evaluate(() => {
+    const boxes = (marks) => [...document.querySelectorAll(`#scatter .role-mark.${marks}`)].map((one) => one.getBoundingClientRect());
+    const texts = boxes("mark-text text:not([opacity='0'])"), symbols = boxes("mark-symbol:not(.layer_0_marks) path");
+    const meet = (a, b) => a.left < b.right - 2 && b.left < a.right - 2 && a.top + 3 < b.bottom && b.top < a.bottom - 3;
+    return [texts.length, texts.filter((text) => symbols.some((symbol) => meet(text, symbol))).length];
+  });
+  assert.ok(texts > 0 && covered === 0, `${covered} of ${texts} numbers cover marks`);
+}
+
+// A single design: every column with its unit and, of metrics, the error; nothing of a space of designs.
+async function checkDataSheet(page, folder) {
+  const [header, cells] = parseCsv(readFileSync(join(folder, "designs.csv"), "utf8"));
+  const error = Number(cells[header.indexOf("error")]);
+  const seen = await page.evaluate(() => [...document.querySelectorAll('[aria-label="Values of the chosen designs"] tbody tr')].map((row) =>
+    [row.querySelector(".unit")?.textContent ?? "", ...[...row.children].map((cell) => cell.querySelector("data")?.value ?? cell.textContent)]));
+  const wanted = JSON.parse(readFileSync(join(folder, "sweep.json"), "utf8")).columns.filter((one) => !one.gap);
+  assert.deepEqual(seen.map(([unit]) => unit), wanted.map(({ unit }) => unit));
+  for (const [i, { name, role, unit }] of wanted.entries()) {
+    if (role !== "metric") continue;
+    const [, , value, spread] = seen[i], bound = error * (unit === "" && Math.abs(Number(value)) <= 1 ? 1 : Math.abs(Number(value)));
+    assert.equal(value, cells[header.indexOf(name)]);
+    assert.ok(Math.abs(Number(spread) - bound) <= 0.05 * bound, `${name} ${spread} for ${bound}`);
+  }
+  for (const id of ["scatter", "parallel", "map", "indices"]) assert.equal(await page.locator(`#${id}`).count(), 0, id);
 }
 
 async function checkPrint(page) {
@@ -205,7 +274,7 @@ const profile = mkdtempSync(join(tmpdir(), "mtfkit_report_"));
 const context = await chromium.launchPersistentContext(profile, { executablePath: options.chromium, headless: true, args: flags,
   colorScheme: "light", viewport: { width: 1280, height: 900 } });
 try {
-  const kinds = [["grid", 400, []], ["sobol", 3000, []], ["sobol", 300, []], ["levels", 40, ["map"]], ["infeasible", 100, []], ["grid", 25000, []]];
+  const kinds = [["grid", 400, []], ["sobol", 3000, []], ["sobol", 300, []], ["levels", 40, ["map"]], ["infeasible", 100, []], ["one", 1, ["scatter", "parallel", "map", "indices"]], ["grid", 25000, []]];
   // Each report is made while the page before it is looked at.
   const made = kinds.slice(0, 1).map(([kind, points]) => makeReport(kind, points));
   for (const [i, [kind, points, missing]] of kinds.entries()) {
@@ -224,9 +293,19 @@ try {
     console.log(`${kind} ${points}: ${size} bytes, first paint ${times.paint} ms, designs drawn ${times.first} ms, all charts ${times.all} ms`);
     await checkCharts(page, chartIds.filter((id) => !missing.includes(id)));
     await checkText(page);
-    const values = await checkValues(page, folder);
-    if (kind === "sobol" && points < 1000) await checkMapLegend(page, values);
-    if (kind === "grid") await checkInteraction(page, values);
+    if (kind === "one") {
+      await checkDataSheet(page, folder);
+    } else {
+      const values = await checkValues(page, folder);
+      await checkFirstScreen(page, values, JSON.parse(readFileSync(join(folder, "sweep.json"), "utf8")));
+      if (!missing.includes("map") && points < 1000) await checkMap(page, values);
+      if (points < 5000) {
+        await checkParallel(page, values);
+        await checkLabels(page);
+      }
+      assert.deepEqual(await page.evaluate(() => drawn.get("indices").view.scale("x").domain()), [0, 1]);
+      if (kind === "grid") await checkInteraction(page, values);
+    }
     await checkPrint(page);
     assert.deepEqual(said, []);
     // The policy holds: text cannot become code, nothing can be fetched.

@@ -3,7 +3,7 @@
 """Writes a folder as `mtf sweep` leaves it, for tests of the report. Usage: make_sweep.py DIR [--kind K] [--points N]
 
 Kinds: grid (aperture x pitch), sobol (aperture, pitch and integration time), levels (aperture x band, a discrete axis),
-infeasible (a grid on which no design meets its constraints). The figures of merit are closed forms of a thermal camera:
+infeasible (a grid on which no design meets its constraints), one (a single design, without objectives). The figures of merit are closed forms of a thermal camera:
 right enough to look like a study, and computed here so that no result of ours stands behind the tests.
 """
 
@@ -119,8 +119,8 @@ def column(name, unit, role, definition="", source="", **more):
 
 
 def axes_and_points(kind, points):
-    count = max(2, round(math.sqrt(points)))
-    apertures = [40.0 + 100.0 * i / (count - 1) for i in range(count)]
+    count = 1 if kind == "one" else max(2, round(math.sqrt(points)))
+    apertures = [40.0 + 100.0 * i / max(1, count - 1) for i in range(count)]
     mwir = list(BANDS)[0]
     if kind == "levels":
         return ([{"column": "optics.aperture", "scale": "linear", "values": apertures},
@@ -132,7 +132,7 @@ def axes_and_points(kind, points):
             return 40.0 + 100.0 * u, 8.0 + 17.0 * v, math.exp(math.log(1.0) + math.log(16.0) * w), mwir
         return ([{"column": "optics.aperture", "scale": "linear"}, {"column": "frame.pitch", "scale": "linear"},
                  {"column": "frame.integration_time", "scale": "log"}], [sample(i) for i in range(points)], "sobol")
-    pitches = [8.0 + 17.0 * i / (count - 1) for i in range(count)]
+    pitches = [8.0 + 17.0 * i / max(1, count - 1) for i in range(count)]
     return ([{"column": "optics.aperture", "scale": "linear", "values": apertures},
              {"column": "frame.pitch", "scale": "linear", "values": pitches}],
             [(a, p, 8.0, mwir) for a in apertures for p in pitches], "grid")
@@ -158,7 +158,7 @@ def field(value):
 def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("folder", type=Path)
-    parser.add_argument("--kind", default="grid", choices=["grid", "sobol", "levels", "infeasible"])
+    parser.add_argument("--kind", default="grid", choices=["grid", "sobol", "levels", "infeasible", "one"])
     parser.add_argument("--points", type=int, default=400)
     parser.add_argument("--name", default="MWIR search camera: aperture against pitch")
     options = parser.parse_args()
@@ -200,22 +200,28 @@ def main():
 
     good = [i for i, row in enumerate(rows) if row[-3]]
     # On the grid NETD is a constraint only, so that the front is a line in the plane of the two objectives.
-    wanted = (("netd", False, 0), ("mtf50", True, 1), ("aperture ^ 2.5", False, 2))[0 if kind == "sobol" else 1:]
+    wanted = (("netd", False, 0), ("mtf50", True, 1), ("aperture ^ 2.5", False, 2))[{"sobol": 0, "one": 3}.get(kind, 1):]
     front = pareto_of([tuple(f[k] for _, _, k in wanted) for f in facts], good)
+    constraints = [
+        {"text": f"mtf_nyquist > {limit}", "met": sum(f[3] > limit for f in facts), "columns": ["mtf_nyquist"],
+         "limit": limit, "relation": ">"},
+        {"text": f"netd < {netd_limit} mK", "met": sum(f[0] < netd_limit for f in facts), "columns": ["netd"],
+         "limit": netd_limit, "relation": "<"}]
     best = []
     for text, maximize, k in wanted:
         if good:
             design = min(good, key=lambda i: facts[i][k])
-            near = [t for t, x in ((f"mtf_nyquist > {limit}", facts[design][3] / limit),
-                                   (f"netd < {netd_limit} mK", netd_limit / facts[design][0])) if x < 1.05]
+            near = [t for t, x in ((constraints[0]["text"], facts[design][3] / limit),
+                                   (constraints[1]["text"], netd_limit / facts[design][0])) if x < 1.05]
             best.append({"objective": text, "design": design,
-                         "value": -facts[design][k] if maximize else facts[design][k], "active": near})
+                         "value": -facts[design][k] if maximize else facts[design][k], "active": near,
+                         "limits": [{"text": t, "kind": "constraint", "state": "at its limit"} for t in near]})
     chosen = {b["design"]: f"best {b['objective']}" for b in reversed(best)}
     for k in range(1, 5):
         if front:
             chosen.setdefault(front[k * len(front) // 5], "on the Pareto front")
-    if not good:
-        chosen = {0: "nearest to the constraints"}
+    if not good or kind == "one":
+        chosen = {0: "nearest to the constraints" if not good else "the only design"}
     sensors = {}
     for design in chosen:
         aperture, pitch, time, band = points[design]
@@ -248,13 +254,13 @@ def main():
     reference = best[0]["design"] if best else 0
     parameters = [n for n in names if n != "band.wavelength"]
     sweep = {
-        "schema": 1, "kind": "sweep", "version": "0.1.0", "commit": "fixture", "machine": "2 cores, x86-64",
+        "schema": 1, "kind": "sweep", "version": "0.1.0", "commit": "fixture", "date": "2026-02-28",
+        "conditions": {"temperature_k": 300.0, "lines": ["scene: surface of 300 K"]}, "machine": "2 cores, x86-64",
         "study": {"name": options.name, "file": "study.toml", "sha256": sha(study)},
         "sensors": [{"file": "camera.toml", "sha256": sha(base)}],
         "designs": len(rows), "evaluated": len(rows), "method": method, "seed": 1, "tolerance": 1e-4,
         "worst_error": max(row[-1] for row in rows), "columns": columns, "axes": axes,
-        "constraints": [{"text": f"mtf_nyquist > {limit}", "met": sum(f[3] > limit for f in facts)},
-                        {"text": f"netd < {netd_limit} mK", "met": sum(f[0] < netd_limit for f in facts)}],
+        "constraints": constraints,
         "objectives": [{"text": text, "column": text, "maximize": maximize} for text, maximize, _ in wanted],
         "feasible": len(good), "best": best, "pareto": front[:10000], "pareto_size": len(front),
         "chosen": [{"design": d, "file": f"chosen/design_{d}.toml", "why": why} for d, why in sorted(chosen.items())],

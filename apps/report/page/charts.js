@@ -15,8 +15,21 @@ const chartConfig = () => ({
   header: { labelColor: colourOf("--ink"), titleColor: colourOf("--ink"), labelFontSize: 12 },
 });
 
+// Vega-Lite has no words for Vega's placing of labels: texts move to where they cover nothing of
+// the layers before them, which must not be empty, but the first, which holds all designs.
+const withPlacedLabels = (spec) => {
+  const layers = spec.marks.filter((mark) => /^layer_[1-9]/.test(mark.name));
+  for (const [i, mark] of layers.entries()) {
+    if (mark.type !== "text") continue;
+    const avoidMarks = layers.slice(0, i).filter((one) => one.type !== "text" || one.from.data !== mark.from.data).map((one) => one.name);
+    mark.transform = [{ type: "label", size: { signal: "[max(width, 1), max(height, 1)]" }, avoidMarks, offset: [9, 14, 20],
+      anchor: ["top", "right", "left", "bottom", "top-right", "top-left", "bottom-right", "bottom-left"] }];
+  }
+  return spec;
+};
+
 // Puts a Vega-Lite chart into the figure `id`; resolves to its view.
-async function draw(id, spec, marks = 0, about = "") {
+async function draw(id, spec, marks = 0, about = "", patch = undefined) {
   const place = document.querySelector(`#${id} .view`);
   const canvas = marks > manyMarks;
   const holder = document.createElement("div");
@@ -25,6 +38,7 @@ async function draw(id, spec, marks = 0, about = "") {
   place.append(holder);
   const { view } = await vegaEmbed(holder, { $schema: "https://vega.github.io/schema/vega-lite/v6.json", ...spec, config: chartConfig() }, {
     renderer: canvas ? "canvas" : "svg",
+    patch,
     ast: true,  // no code is made from text, so the page's policy can forbid it
     actions: { export: { svg: true, png: true }, source: false, compiled: false, editor: false },
     tooltip: { theme: "custom", formatTooltip: tooltipHtml },

@@ -75,17 +75,17 @@ async function startNoise() {
 }
 
 async function startIndices() {
-  if (report.indices.length === 0) return;
+  if (!document.getElementById("indices")) return;
   const values = report.indices.slice(0, 60).flatMap(([metric, parameter, first, firstSd, total, totalSd]) => [
     { metric, parameter, kind: "first order", value: first, low: first - firstSd, high: first + firstSd },
     { metric, parameter, kind: "total", value: total, low: total - totalSd, high: total + totalSd }]);
   const y = { field: "parameter", type: "nominal", title: null, sort: null }, yOffset = { field: "kind", sort: ["first order", "total"] };
   await draw("indices", {
     data: { values },
-    facet: { row: { field: "metric", title: null, sort: null, header: { labelAngle: 0, labelAlign: "left", labelOrient: "top", labelFontWeight: 600, labelAnchor: "start" } } },
-    spacing: 14,
-    spec: { width: 640, height: { step: 15 }, layer: [
-      { mark: { type: "bar" }, encoding: { y, yOffset, x: { field: "value", type: "quantitative", title: "share of the variance" },
+    facet: { field: "metric", title: null, sort: null, header: { labelAngle: 0, labelAlign: "left", labelOrient: "top", labelFontWeight: 600, labelAnchor: "start" } },
+    spacing: 14, columns: 2,
+    spec: { width: 380, height: { step: 15 }, layer: [
+      { mark: { type: "bar" }, encoding: { y, yOffset, x: { field: "value", type: "quantitative", title: "share of the variance", scale: { domain: [0, 1], clamp: true } },
         color: { field: "kind", title: null, scale: { domain: ["first order", "total"], range: [colourOf("--s7"), colourOf("--s0")] }, legend: { orient: "top" } },
         tooltip: [{ field: "metric" }, { field: "parameter" }, { field: "kind" }, { field: "value", format: ".3f" }] } },
       { mark: { type: "rule", color: colourOf("--ink") }, encoding: { y, yOffset, x: { field: "low", type: "quantitative" }, x2: { field: "high" } } },

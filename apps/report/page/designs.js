@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // All designs: a scatter of any two columns, filters, and parallel coordinates of what is left.
 
-const filterColumns = [...axes, ...asked].filter((column, i, all) => all.findIndex((c) => c.index === column.index) === i && column.role !== "error").slice(0, 12);
+const filterColumns = [...axes, ...asked].filter((column, i, all) => all.findIndex((c) => c.index === column.index) === i && column.role !== "error");
 const filters = new Map();  // column index -> { low, high } or { level }
 const only = { feasible: false, front: false };
 let brushed = null;  // ranges of the two columns that were dragged over
@@ -19,20 +19,6 @@ function passes(row) {
 
 const scatter = { x: asked[0], y: asked[1] ?? asked[0], colour: asked[2] ?? null, view: null };
 
-// Where the numbers of chosen designs stand: above their marks, to the outer sides where two marks are close.
-function withSides(chosen, visible, { x, y }) {
-  const span = ({ field }) => {
-    const values = visible.map((row) => row[field]).filter((v) => typeof v === "number");
-    return values.reduce((a, b) => Math.max(a, b), -Infinity) - values.reduce((a, b) => Math.min(a, b), Infinity);
-  };
-  const near = [[x, 0.05 * span(x)], [y, 0.05 * span(y)]];
-  return chosen.map((row) => {
-    const other = chosen.find((one) => one !== row && near.every(([{ field }, width]) => Math.abs(one[field] - row[field]) <= width));
-    const first = other && (row[x.field] < other[x.field] || (row[x.field] === other[x.field] && row.design < other.design));
-    return { ...row, side: other ? (first ? "right" : "left") : "center" };
-  });
-}
-
 function scatterSpec(visible) {
   const { x, y, colour } = scatter;
   const xy = { x: quantity(x), y: quantity(y) };
@@ -40,7 +26,7 @@ function scatterSpec(visible) {
   const coloured = colour ? { field: colour.field, type: "quantitative", title: colour.label, scale: { scheme: "viridis", zero: false }, legend: { format: ".6~g" } } : plain;
   return {
     width: "container", height: 400,
-    datasets: { all: visible, front: visible.filter((row) => row.front), chosen: withSides(visible.filter((row) => row.chosen), visible, scatter) },
+    datasets: { all: visible, front: visible.filter((row) => row.front), chosen: visible.filter((row) => row.chosen) },
     layer: [
       { data: { name: "all" }, params: [{ name: "brush", select: { type: "interval" } }],
         mark: { type: "circle", size: 26, stroke: colourOf("--soft"), strokeWidth: 0.4, tooltip: hoverDesign },
@@ -51,7 +37,7 @@ function scatterSpec(visible) {
       ...(visible.some((row) => row.chosen) ? [{ data: { name: "chosen" }, mark: { type: "point", shape: "diamond", size: 120, filled: true, fill: colourOf("--s3"), stroke: colourOf("--paper"), strokeWidth: 1, opacity: 1, tooltip: hoverDesign },
         encoding: xy },
         ...[{ stroke: colourOf("--paper"), strokeWidth: 3, strokeJoin: "round" }, { style: "ink" }].map((more) => (
-        { data: { name: "chosen" }, mark: { type: "text", dy: -12, align: { expr: "datum.side" }, fontSize: 11, fontWeight: 600, color: colourOf("--ink"), tooltip: false, ...more },
+        { data: { name: "chosen" }, mark: { type: "text", fontSize: 11, fontWeight: 600, color: colourOf("--ink"), tooltip: false, ...more },
           encoding: { ...xy, text: { field: "design" } } }))] : []),
     ],
   };
@@ -60,7 +46,7 @@ function scatterSpec(visible) {
 async function drawScatter() {
   const visible = rows.filter(passes);
   brushed = null;
-  scatter.view = await draw("scatter", scatterSpec(visible), visible.length, `${scatter.y.label} against ${scatter.x.label}`);
+  scatter.view = await draw("scatter", scatterSpec(visible), visible.length, `${scatter.y.label} against ${scatter.x.label}`, withPlacedLabels);
   scatter.view.addSignalListener("brush", (name, value) => {
     brushed = Object.keys(value).length > 0 ? value : null;
     clearTimeout(scatter.timer);
@@ -105,16 +91,17 @@ const extremes = new Map(filterColumns.filter((column) => !column.discrete).map(
 
 const parallelColumns = filterColumns.filter((column) => extremes.get(column.index)?.high > extremes.get(column.index)?.low);
 
-// A long name of words joined by underscores, broken near its middle; a short one stands on the second line.
-function twoLines(name) {
-  const breaks = [...name.matchAll(/_/g)].map((match) => match.index + 1);
-  if (name.length < 13 || breaks.length === 0) return ["", name];
-  const at = breaks.reduce((best, one) => (Math.abs(one - name.length / 2) < Math.abs(best - name.length / 2) ? one : best));
-  return [name.slice(0, at), name.slice(at)];
+// A name on up to three lines of about 13 characters, broken after underscores and dots.
+function threeLines(name) {
+  const lines = [""];
+  for (const part of name.split(/(?<=_|\.(?=[a-z]))/i))
+    if (lines.at(-1) && lines.at(-1).length + part.length > 13 && lines.length < 3) lines.push(part);
+    else lines[lines.length - 1] += part;
+  return lines;
 }
 
 function parallelSpec(visible) {
-  const across = parallelColumns.slice(0, Math.max(2, columnsIn("parallel", 114, 9)));
+  const across = parallelColumns;
   const always = visible.filter((row) => row.chosen);
   const others = visible.filter((row) => !row.chosen);
   const step = Math.max(1, Math.ceil(others.length / mostLines));
@@ -127,30 +114,34 @@ function parallelSpec(visible) {
       const share = high > low ? (value - low) / (high - low) : 0.5;
       lines.push({ design: row.design, place, share: down ? 1 - share : share, kind: row.chosen ? `design ${row.design}` : row.front ? "Pareto front" : row.feasible ? "feasible" : "not feasible", name: column.label, value });
     }
+  const names = across.map((column) => threeLines(column.name)), most = Math.max(...names.map((lines) => lines.length));
   const ends = across.map((column, place) => {
     const { low, high, down, objective } = extremes.get(column.index);
-    return { place, name: twoLines(column.name.replace(/^[a-z_]\w*\.(?=[a-z_]\w*$)/i, "")), unit: column.unit, top: shown(down ? low : high), bottom: shown(down ? high : low), wanted: objective ? (down ? "small is wanted" : "large is wanted") : "" };
+    return { place, name: names[place], unit: column.unit ? `(${column.unit})` : "", top: shown(down ? low : high), bottom: shown(down ? high : low),
+      wanted: objective ? (down ? ["turned round:", "less is better"] : ["more is better"]) : [] };
   });
   const kinds = ["not feasible", "feasible", "Pareto front", ...always.map((row) => `design ${row.design}`)];
   const colours = [colourOf("--rule"), colourOf("--s7"), colourOf("--ink"), ...always.map((row) => designColour(row.design))];
   const x = { field: "place", type: "quantitative", axis: null, scale: { domain: [-0.35, across.length - 0.65] } };
-  const words = (field, y, dy, more = {}) => ({ data: { name: "ends" }, mark: { type: "text", dy, fontSize: 11, color: colourOf("--soft"), limit: 100, ...more },
+  const words = (field, y, dy, more = {}) => ({ data: { name: "ends" }, mark: { type: "text", dy, fontSize: 11, color: colourOf("--soft"), limit: 92, lineHeight: 13, ...more },
     encoding: { x, y: { datum: y, axis: null }, text: { field } } });
   return {
-    width: "container", height: 300, padding: { left: 5, right: 5, top: 60, bottom: 24 },
+    width: columnsIn("parallel", 86, across.length) < across.length ? 86 * across.length : "container",  // else the chart scrolls
+    height: 300, padding: { left: 5, right: 5, top: 41 + 13 * most, bottom: 5 },
     datasets: { lines, ends },
     layer: [
       { data: { name: "ends" }, mark: { type: "rule", color: colourOf("--rule") }, encoding: { x, y: { datum: 0, axis: null }, y2: { datum: 1 } } },
       { data: { name: "lines" }, params: [{ name: "hover", select: { type: "point", fields: ["design"], on: "pointerover", clear: "pointerout" } }],
         mark: { type: "line", strokeJoin: "round" },
         encoding: { x, y: { field: "share", type: "quantitative", axis: null, scale: { domain: [0, 1] } }, detail: { field: "design" },
-          color: { field: "kind", type: "nominal", scale: { domain: kinds, range: colours }, legend: { title: null, orient: "bottom", columns: columnsIn("parallel", 120, 6), symbolType: "stroke", symbolStrokeWidth: 3 } },
+          color: { field: "kind", type: "nominal", scale: { domain: kinds, range: colours }, legend: { title: null, orient: "bottom", offset: 46, columns: columnsIn("parallel", 120, 6), symbolType: "stroke", symbolStrokeWidth: 3 } },
           strokeWidth: { condition: [{ param: "hover", empty: false, value: 3 }, { test: "indexof(datum.kind, 'design ') === 0", value: 2.6 }], value: 1 },
           opacity: { condition: [{ param: "hover", empty: false, value: 1 }, { test: "indexof(datum.kind, 'design ') === 0", value: 1 }, { test: "datum.kind === 'not feasible'", value: 0.35 }], value: 0.5 },
           tooltip: [{ field: "design" }, { field: "kind" }] } },
       { data: { name: "lines" }, mark: { type: "circle", size: 30, opacity: 0 }, encoding: { x, y: { field: "share", type: "quantitative", axis: null },
         tooltip: [{ field: "design" }, { field: "name" }, { field: "value", type: "quantitative", format: ".5~g" }] } },
-      words("name", 1, -46, { limit: 112, fontWeight: 600, color: colourOf("--ink"), fontSize: 12 }), words("top", 1, -14), words("bottom", 0, 12),
+      words("name", 1, { expr: "-27 - 13 * length(datum.name)" }, { fontWeight: 600, color: colourOf("--ink") }), words("unit", 1, -26), words("top", 1, -12),
+      words("bottom", 0, 12), words("wanted", 0, 27, { color: colourOf("--accent") }),
     ],
   };
 }
@@ -214,7 +205,7 @@ function addFilters() {
 }
 
 async function startDesigns() {
-  if (asked.length < 2) return;
+  if (asked.length < 2 || rows.length < 2) return;
   const redraw = (key) => (value) => { scatter[key] = value === "" ? null : columns[Number(value)]; drawScatter().then(update); };
   addChoice("scatter", "across", columnChoices(asked), scatter.x.index, redraw("x"));
   addChoice("scatter", "up", columnChoices(asked), scatter.y.index, redraw("y"));
