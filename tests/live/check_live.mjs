@@ -190,6 +190,10 @@ async function checkPage(run, browser) {
   }
   const [file] = await Promise.all([page.waitForEvent("download"), press(page, "Save", "#save")]);
   assert.equal(readFileSync(await file.path(), "utf8"), await page.evaluate(() => window.mtfLive.text));
+  const [seen] = await Promise.all([page.waitForEvent("download"), press(page, "Save", "#shot")]);
+  const png = readFileSync(await seen.path());
+  assert.equal(png.subarray(1, 4).toString(), "PNG");
+  assert.ok(png.readUInt32BE(20) === 32 + (await page.evaluate(() => window.mtfLive.view.canvas.height)) && png.length > 20000, "picture, palette and scale");
   const [picture] = await Promise.all([page.waitForEvent("download"), press(page, "Save", "#exr")]);
   assert.equal(readFileSync(await picture.path()).readUInt32LE(0), 20000630);
 

@@ -134,6 +134,18 @@ export function bars() {
   $("find").oninput = () => { $("nothing").hidden = [controls, app.sceneControls].map((forms) => forms.filter($("find").value)).some(Boolean); };
   $("save").onclick = () => download(savedName(app.start.sensor, "sensor.toml"), [app.model.text], "application/toml");
   $("save-scene").onclick = async () => download(savedName(app.start.scene, "scene.toml"), [await sceneFile()], "application/toml");
+  $("shot").onclick = async () => {
+    const bar = 32, canvas = await view.copy(bar), pen = canvas.getContext("2d"), { width } = canvas, y = canvas.height - bar;
+    pen.fillStyle = "#fff";
+    pen.fillRect(0, y, width, bar);
+    pen.drawImage($("ramp"), width / 4, y + 8, width / 2, 16);
+    Object.assign(pen, { fillStyle: "#000", font: "14px sans-serif", textBaseline: "middle" });
+    for (const [id, align, x] of [["black", "right", width / 4 - 8], ["white", "left", (3 * width) / 4 + 8]]) {
+      pen.textAlign = align;
+      pen.fillText($(id).textContent, x, y + bar / 2, width / 4 - 16);
+    }
+    download("picture.png", [await new Promise((resolve) => canvas.toBlob(resolve))], "image/png");
+  };
   for (const format of ["png", "exr"]) $(format).onclick = async () => {
     const frame = () => app.frames[edits.side()], refused = () => app.stale[edits.side()] || !frame();
     while (!refused() && (frame().light_lags || frame().correction_lags || frame().solving || (frame().preview && inSpace()))) await new Promise((resolve) => setTimeout(resolve, 50)); // a preview is never saved

@@ -308,6 +308,19 @@ export class View {
       });
       this.drawn += 1;
       this.changedScale?.();
+      this.copying?.(this.canvas);
+      this.copying = null;
+    });
+  }
+  /** A copy of what is drawn, with room below it: WebGL holds no picture beyond the frame that draws it. */
+  copy(below) {
+    return new Promise((resolve) => {
+      this.copying = (from) => {
+        const canvas = Object.assign(document.createElement("canvas"), { width: from.width, height: from.height + below });
+        canvas.getContext("2d").drawImage(from, 0, 0);
+        resolve(canvas);
+      };
+      this.draw();
     });
   }
   /** `ms`: of a picture that moves on, from being asked for to the screen, without the time of computing it. */
