@@ -8,7 +8,6 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "tests/apps/study/range_camera.h"
 #include "tests/apps/study/small_study.h"
 #include "tests/expect_error.h"
 #include "tests/replaced.h"
@@ -111,32 +110,33 @@ std::set<std::string> texts_of(const json& limits) {
 // design of the grid is further than 1 % from all of them. The page says them, with the design and the conditions.
 TEST(SweepCommand, TheLimitsOfTheBestDesignsAreThoseOfOptimize) {
   const Scratch scratch;
-  write_file(scratch / "camera.toml", study_test::camera(""));
-  const std::string axes =
-      "constraints = [\"mass < 1.5 kg\", \"netd < 16 mK\"]\n"
-      "objectives = [\"maximize ttp_range_recognise\", \"minimize lens\"]\n"
-      "[[axis]]\nname = \"lens\"\nfrom = \"52 mm\"\nto = \"112 mm\"\ncount = 6\n"
-      "[[axis]]\nparameter = \"frame.pitch\"\nfrom = \"9 um\"\nto = \"24 um\"\ncount = 6\n"
-      "[links]\nfocal_length = \"2 * lens\"\nmass = \"(1 kg) * (lens / (80 mm)) ^ 3\"\n";
-  write_file(scratch / "study.toml", study_test::study_of(axes, study_test::kConditions + "extinction = 0.2\n", "1e-4",
-                                                          "\"ttp_range_recognise\""));
+  fs::copy_file(MTFKIT_SOURCE_DIR "/notebooks-data/studies/mwir_cooled.toml", scratch / "camera.toml");
+  write_file(scratch / "study.toml", R"toml(schema = 1
+sensor = "camera.toml"
+constraints = ["mass < 1.5 kg", "netd < 40 mK"]
+objectives = ["maximize ttp_range_recognise", "minimize mass"]
+axis = [{ name = "lens", from = "30 mm", to = "120 mm", count = 7 }, { parameter = "frame.pitch", from = "6 um", to = "20 um", count = 8 }]
+links = { focal_length = "lens * f_number", mass = "(0.5 kg) + (1 kg) * (lens / (90 mm)) ^ 3" }
+conditions = { contrast = "1 K", target_size = "2.3 m", frame_rate = "60 Hz", magnification = 5.0, extinction = 0.2 }
+)toml");
   const Result result = scratch.run("mtf sweep study.toml -o out && mtf report out");
   ASSERT_EQ(result.status, 0) << result.err;
   const json sweep = json::parse(read_file(scratch / "out/sweep.json"));
-  const Result optimized = scratch.run("mtf optimize study.toml --each --format json");
+  const Result optimized = scratch.run("mtf optimize study.toml --each --starts 2 --format json");
   ASSERT_EQ(optimized.status, 0) << optimized.err;
   const json goals = json::parse(optimized.out)["goals"];
   const std::string page = read_file(scratch / "out/report.html");
   for (std::size_t o = 0; o < 2; ++o) {
     const json& best = sweep["best"][o];
     EXPECT_EQ(texts_of(best["limits"]), texts_of(goals[o]["best"]["limits"])) << o;
-    for (const json& limit : best["limits"])
+    for (const json& limit : best["limits"]) {
+      const std::string text = limit["text"], sign = text.find('<') != std::string::npos ? "<" : ">";
       expect_says(page,
-                  {replaced(std::string(limit["text"]), "<", "&lt;") + "</strong> (" + std::string(limit["state"])});
+                  {replaced(text, sign, sign == "<" ? "&lt;" : "&gt;") + "</strong> (" + std::string(limit["state"])});
+    }
   }
   expect_says(page, {"&nbsp;km</strong> is the", "&nbsp;kg", "&nbsp;mK", "2.3 m, 1 K warmer", "0.2 per km",
                      std::string(sweep["date"])});
-  EXPECT_FALSE(says(page, "class=\"warning\"")) << page;
 }
 
 // The front is a column of both tables and a short table on the terminal; columns.csv has the unit of every column.
