@@ -29,8 +29,8 @@ BROKEN_SENSORS = [
     ("unknown kind", 'kind = "jitter"', 'kind = "jiter"'),
     ("unknown key of a kind", 'kind = "jitter"', 'kind = "jitter"\nrsm = "1 um"'),
     ("a kind in a list where it does not belong", 'kind = "jitter"', 'kind = "fir"\ntaps = [[1.0]]\n[[presample]]\nkind = "jitter"'),
-    ("a required key is missing", "schema = 1\n", ""),
-    ("another version", "schema = 1\n", "schema = 2\n"),
+    ("a required key is missing", "schema = 2\n", ""),
+    ("another version", "schema = 2\n", "schema = 3\n"),
     ("unknown word", 'quantity = "radiance"', 'quantity = "radiation"'),
     ("a word for a number", "f_number = 2.0", 'f_number = "2.0"'),
 ]

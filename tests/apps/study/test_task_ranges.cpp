@@ -178,7 +178,7 @@ TEST(Acquisition, WhatIsKnownOfTheAirEndsRangesAndProbabilities) {
 TEST(Acquisition, AViewThatTheEyeLimitsIsProportionalToTheMagnification) {
   const Folder folder;
   double before = 0.0;
-  for (double magnification = 1.0 / 1024.0; magnification < 0.1; magnification *= 2.0) {
+  for (double magnification = 1.0 / 512.0; magnification < 0.1; magnification *= 2.0) {
     radiometry::Conditions c = conditions();
     c.magnification = magnification;
     const double range_m = task(found(folder, camera(""), c, {100.0}), "ttp_range_detect").range_m;
