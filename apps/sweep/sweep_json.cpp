@@ -119,8 +119,12 @@ Json best_json(const SweepReport& report) {
                     {"active", Json::array()},
                     {"limits", Json::array()}});
     for (const study::Limit& limit : report.limits[o]) {
-      if (limit.kind == study::Limit::Kind::constraint) best.back()["active"].push_back(limit.text);
-      best.back()["limits"].push_back(limit_json(limit));
+      const bool constraint = limit.kind == study::Limit::Kind::constraint;
+      if (constraint) best.back()["active"].push_back(limit.text);
+      Json one = limit_json(limit);
+      // The best design of a grid has some room to the limit itself.
+      if (constraint && study.method == study::Method::grid) one["state"] = "the next step of the grid breaks it";
+      best.back()["limits"].push_back(std::move(one));
     }
   }
   return best;

@@ -215,7 +215,7 @@ def main():
                                    (constraints[1]["text"], netd_limit / facts[design][0])) if x < 1.05]
             best.append({"objective": text, "design": design,
                          "value": -facts[design][k] if maximize else facts[design][k], "active": near,
-                         "limits": [{"text": t, "kind": "constraint", "state": "at its limit"} for t in near]})
+                         "limits": [{"text": t, "kind": "constraint", "state": "the next step of the grid breaks it"} for t in near]})
     chosen = {b["design"]: f"best {b['objective']}" for b in reversed(best)}
     for k in range(1, 5):
         if front:

@@ -70,7 +70,7 @@ class Plan:
     def _require_spacing(self, scene: object) -> None:
         if not isinstance(scene, SpacedPlane) or not scene.sample or scene.sample == self._sample:
             return
-        ours, theirs = _core.sample_um(self._file, self._sample)[0], stated_um(scene.sample)
+        ours, theirs = _core.sample_um(self._file, self._sample), stated_um(scene.sample)
         if not same_um(ours, theirs):
             raise UsageError("scene: states a spacing of {:.6g} x {:.6g} um, the plan is for {:.6g} x {:.6g} um; compile a plan "
                              "for it, or give numpy.asarray(scene) for its values alone".format(*theirs, *ours))

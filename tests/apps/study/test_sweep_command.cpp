@@ -102,7 +102,7 @@ std::set<std::string> texts_of(const json& limits) {
   std::set<std::string> texts;
   for (const json& limit : limits)
     if (limit["gain"].is_null() || limit["gain"] > 0.0)
-      texts.insert(std::string(limit["text"]) + ", " + std::string(limit["state"]));
+      texts.insert(std::string(limit["text"]) + ", " + std::string(limit["kind"]));
   return texts;
 }
 
