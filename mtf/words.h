@@ -17,6 +17,9 @@ std::string printable(std::string_view text, std::size_t limit = 200);
 /// The same, not cut: names of files, which are searched for as they stand.
 std::string one_line(std::string_view text);
 
+/// The text without blanks and tabs at its ends.
+std::string_view trimmed(std::string_view text);
+
 /// "a, b, c".
 std::string joined(const std::vector<std::string>& parts, std::string_view between = ", ");
 

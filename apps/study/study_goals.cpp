@@ -83,12 +83,6 @@ const std::string& unit_of(const Study& study, int slot) {
   return i < study.parameters.size() ? study.parameters[i].unit : study.metrics[i - study.parameters.size()].unit;
 }
 
-std::string_view trimmed(std::string_view text) {
-  while (!text.empty() && (text.back() == ' ' || text.back() == '\t')) text.remove_suffix(1);
-  while (!text.empty() && (text.front() == ' ' || text.front() == '\t')) text.remove_prefix(1);
-  return text;
-}
-
 /// "150", not "150 urad" and not 0, which is the same in every unit.
 bool is_bare_number(std::string_view text) {
   double value = 0.0;
@@ -109,11 +103,11 @@ void read_constraint(StudyReader& s, const Source& source) {
                       "compares " + describe(left->dimensions()) + " with " + describe(right->dimensions()) +
                           "; give both sides one kind of unit");
   for (const auto& [name, number] : {std::pair{&*left, &*right}, std::pair{&*right, &*left}})
-    if (const auto slot = name->only_slot(); slot && is_bare_number(trimmed(number->text())))
+    if (const auto slot = name->only_slot(); slot && is_bare_number(mtf::trimmed(number->text())))
       if (const std::string unit = unit_of(s.study, *slot); unit_scale(unit).si != 1.0)
         return s.error_in(source, 0,
-                          "compares " + std::string(trimmed(name->text())) + ", which is in " + unit +
-                              ", with a number without unit; write " + std::string(trimmed(number->text())) + " " +
+                          "compares " + std::string(mtf::trimmed(name->text())) + ", which is in " + unit +
+                              ", with a number without unit; write " + std::string(mtf::trimmed(number->text())) + " " +
                               unit);
   if (left->constant() && right->constant())
     return s.error_in(source, 0, "has no name in it: it holds for every design or for none");

@@ -130,17 +130,11 @@ class UnitParser {
   std::size_t at_ = 0;
 };
 
-std::string_view trimmed(std::string_view text) {
-  while (!text.empty() && (text.front() == ' ' || text.front() == '\t')) text.remove_prefix(1);
-  while (!text.empty() && (text.back() == ' ' || text.back() == '\t')) text.remove_suffix(1);
-  return text;
-}
-
 }  // namespace
 
 std::optional<SiUnit> parse_unit(std::string_view text) {
   constexpr std::size_t kLongest = 64;
-  text = trimmed(text);
+  text = mtf::trimmed(text);
   if (text == "degC" || text == "\u00b0C") return SiUnit{1.0, mtf::kZeroCelsius_k, kKelvin};
   if (text == "1") return SiUnit{};
   if (text.empty() || text.size() > kLongest) return std::nullopt;
@@ -154,14 +148,14 @@ double parse_si(std::string_view text, std::string_view in_unit, std::string_vie
     return mtf::UsageError("\"" + mtf::printable(text, 60) + "\": " + why + "; write it like \"" +
                            std::string(example) + "\"");
   };
-  std::string_view rest = trimmed(text);
+  std::string_view rest = mtf::trimmed(text);
   if (rest.starts_with('+')) rest.remove_prefix(1);
   double value = 0.0;
   const auto [end, status] = std::from_chars(rest.data(), rest.data() + rest.size(), value);
   if (status == std::errc::result_out_of_range) throw fail("the number is out of range");
   if (status != std::errc{}) throw fail("no number");
   if (!std::isfinite(value)) throw fail("the number is not finite");
-  rest = trimmed(rest.substr(static_cast<std::size_t>(end - rest.data())));
+  rest = mtf::trimmed(rest.substr(static_cast<std::size_t>(end - rest.data())));
   const SiUnit wanted = in_unit.empty() ? SiUnit{} : parse_unit(in_unit).value();
   if (rest.empty() && in_unit.empty()) return value;
   if (rest.empty()) throw fail("no unit");

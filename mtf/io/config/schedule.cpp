@@ -30,13 +30,6 @@ constexpr std::size_t kMaxCell = 4096;
 constexpr std::string_view kHeader = "the first line has to be frame,parameter,value";
 constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
 
-std::string_view trimmed(std::string_view text) {
-  constexpr std::string_view blanks = " \t";
-  const std::size_t begin = text.find_first_not_of(blanks);
-  return begin == std::string_view::npos ? std::string_view{}
-                                         : text.substr(begin, text.find_last_not_of(blanks) - begin + 1);
-}
-
 bool is_text(std::string_view line) {
   return std::all_of(line.begin(), line.end(),
                      [](char c) { return c == '\t' || (static_cast<unsigned char>(c) >= 0x20 && c != 0x7f); });
