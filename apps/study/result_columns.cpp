@@ -20,9 +20,7 @@ std::size_t objective_column(const Study& study, const std::vector<Column>& colu
   };
   if (const auto own = named(study.objectives[objective].text, Column::Role::objective)) return *own;
   if (expression.slots().size() == 1) {
-    const auto slot = static_cast<std::size_t>(expression.slots()[0]);
-    const bool metric = slot >= study.parameters.size();
-    const std::string& name = metric ? study.metrics[slot - study.parameters.size()].name : study.parameters[slot].name;
+    const std::string& name = study.name_of(expression.slots()[0]);
     for (const Column::Role role : {Column::Role::metric, Column::Role::axis, Column::Role::link})
       if (const auto column = named(name, role)) return *column;
   }

@@ -150,6 +150,14 @@ struct Study {
 
   /// Slots of expressions: parameters, then metrics.
   std::size_t slots() const { return parameters.size() + metrics.size(); }
+  const std::string& name_of(int slot) const {
+    const auto i = static_cast<std::size_t>(slot);
+    return i < parameters.size() ? parameters[i].name : metrics[i - parameters.size()].name;
+  }
+  const std::string& unit_of(int slot) const {
+    const auto i = static_cast<std::size_t>(slot);
+    return i < parameters.size() ? parameters[i].unit : metrics[i - parameters.size()].unit;
+  }
 };
 
 /// What is wrong with a study file, for `mtf config check`; the study is usable only without errors. Never throws for

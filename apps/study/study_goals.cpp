@@ -77,12 +77,6 @@ std::optional<Source> goal_of(const Source& source) {
   return part_of(source, body, source.text.size());
 }
 
-/// The unit of a parameter or a metric.
-const std::string& unit_of(const Study& study, int slot) {
-  const auto i = static_cast<std::size_t>(slot);
-  return i < study.parameters.size() ? study.parameters[i].unit : study.metrics[i - study.parameters.size()].unit;
-}
-
 /// "150", not "150 urad" and not 0, which is the same in every unit.
 bool is_bare_number(std::string_view text) {
   double value = 0.0;
@@ -104,7 +98,7 @@ void read_constraint(StudyReader& s, const Source& source) {
                           "; give both sides one kind of unit");
   for (const auto& [name, number] : {std::pair{&*left, &*right}, std::pair{&*right, &*left}})
     if (const auto slot = name->only_slot(); slot && is_bare_number(mtf::trimmed(number->text())))
-      if (const std::string unit = unit_of(s.study, *slot); unit_scale(unit).si != 1.0)
+      if (const std::string& unit = s.study.unit_of(*slot); unit_scale(unit).si != 1.0)
         return s.error_in(source, 0,
                           "compares " + std::string(mtf::trimmed(name->text())) + ", which is in " + unit +
                               ", with a number without unit; write " + std::string(mtf::trimmed(number->text())) + " " +
@@ -133,7 +127,7 @@ void read_objective(StudyReader& s, const Source& source) {
                       .si = 1.0};
   while (objective.text.ends_with(' ') || objective.text.ends_with('\t')) objective.text.pop_back();
   if (const auto slot = objective.expression.only_slot()) {
-    objective.unit = unit_of(s.study, *slot);
+    objective.unit = s.study.unit_of(*slot);
     objective.si = unit_scale(objective.unit).si;
   } else {
     objective.unit = si_unit(objective.expression.dimensions());

@@ -92,8 +92,7 @@ Json constraint_json(const SweepReport& report, std::size_t k) {
   const auto& columns = report.sweep->columns;
   for (const auto* side : {&constraint.left, &constraint.right})
     for (const int slot : side->slots()) {
-      const auto i = static_cast<std::size_t>(slot), parameters = study.parameters.size();
-      const std::string& name = i < parameters ? study.parameters[i].name : study.metrics[i - parameters].name;
+      const std::string& name = study.name_of(slot);
       if (std::none_of(columns.begin(), columns.end(), [&](const auto& column) { return column.name == name; }))
         continue;
       one["columns"].push_back(name);

@@ -70,11 +70,7 @@ void limits(const Study& study, const OptimizeOptions& options, const Optimum& b
 
 std::string unit_of(const Study& study, const Constraint& constraint) {
   for (const Expression* side : {&constraint.left, &constraint.right})
-    if (const auto slot = side->only_slot()) {
-      const auto i = static_cast<std::size_t>(*slot);
-      const std::size_t parameters = study.parameters.size();
-      return i < parameters ? study.parameters[i].unit : study.metrics[i - parameters].unit;
-    }
+    if (const auto slot = side->only_slot()) return study.unit_of(*slot);
   return si_unit(constraint.left.dimensions());
 }
 
