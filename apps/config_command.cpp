@@ -50,12 +50,10 @@ std::string next_step(FileKind kind, const std::string& file) {
     return "it names meshes, weather and a schedule, which `mtf scene demo -o FOLDER` writes beside the same file; "
            "next: mtf scene check " +
            file;
-  const std::string check = "next: mtf config check " + file;
-  return kind == FileKind::study
-             ? "it varies sensor.toml beside it; next, unless that is there: mtf config init -o sensor.toml; then mtf "
-               "config check " +
-                   file
-             : check;
+  const std::string check = "mtf config check " + file;
+  if (kind == FileKind::study)
+    return "it varies sensor.toml beside it; next, unless that is there: mtf config init -o sensor.toml; then " + check;
+  return "next: " + check;
 }
 
 int init(const ConfigOptions& options, const Global& global) {

@@ -53,8 +53,7 @@ std::string air_course_gap(const mtf::System<double>& system, const LoadedSensor
            "turbulence give cn2 alone, so that it takes the range of [atmosphere]";
   if (settings.path && !loaded.table)
     return "[path] with one transmission holds for one range; in its place give [atmosphere] or a path.table of "
-           "several "
-           "ranges, or remove it and give [conditions] extinction";
+           "several ranges, or remove it and give [conditions] extinction";
   if (loaded.table && loaded.table->range_m().size() < 2)
     return "path.table holds one range; give one of several, as mtf atmosphere --table writes it, or [atmosphere]";
   if (settings.atmosphere && !settings.atmosphere->range_m)
