@@ -44,6 +44,10 @@ Command curve_command() {
            "direction in the focal plane, from +x (right) to +y (down); default 0.\n"
            "With cy/px the vector is in pixels of each axis: 0.5 is Nyquist along both",
            [&](const std::string& text) { options.angle_deg = number("--angle", text); });
+  add_text(app, "--field", "X,Y",
+           "place in the image whose OTF is wanted, of a sensor whose OTF changes over the field: from the optical\n"
+           "axis in half diagonals of the detector, 0.7,-0.7, or as a pixel from its upper left corner, 320px,40px",
+           options.field);
   add_format(app, "table (default), csv or json", options.format);
   add_text(app, "--plot", "FILE", "figure: a .svg, .pdf or .png file, or ascii for the terminal", options.plot)
       .candidates = one_of({"", "ascii"});

@@ -32,6 +32,7 @@ struct CurveOptions {
                             ///< Nyquist, 61
   std::string unit = "cy/mm";
   double angle_deg = 0.0;
+  std::string field;  ///< a field point, "0.7,0.7", or a pixel, "320px,40px"; "" = on the optical axis
   Format format = Format::table;
   std::string plot;  ///< .svg, .pdf, .png or "ascii"
   std::string out;   ///< "" = stdout

@@ -70,6 +70,7 @@ struct Traits {
   bool flat_y = false;     ///< otf(0, fy) = 1
   bool real = true;
   bool chromatic = false;  ///< depends on the wavelength of the band node
+  bool placed = false;     ///< depends on the place in the image (Context::place)
   bool gain = false;       ///< |otf| may exceed 1, or otf(0) differs from 1
   double dc = 1.0;         ///< otf(0)
 };

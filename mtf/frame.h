@@ -155,6 +155,13 @@ struct PathAir {
   std::optional<S> scattering;  ///< optical depth of what the aerosol scatters along it
 };
 
+/// A place in the image: its distance from the optical axis at the focal plane.
+template <class S>
+struct Place {
+  S x_um{};
+  S y_um{};
+};
+
 /// Everything outside a component that its OTF depends on. `wavelength_um` is the node of the band average, or the
 /// monochromatic wavelength of the system.
 template <class S>
@@ -163,6 +170,7 @@ struct Context {
   Optics<S> optics;
   S wavelength_um{};
   PathAir<S> air{};
+  Place<S> place{};
 };
 
 }  // namespace mtf

@@ -81,13 +81,15 @@ bool same_component(const Component<double>& a, const Component<double>& b) {
 
 bool same_surroundings(const System<double>& a, const System<double>& b) {
   return same(a.frame, b.frame) && same(a.optics, b.optics) && a.air.path_length_m == b.air.path_length_m &&
-         a.air.scattering == b.air.scattering && same(a.band, b.band) && a.band_nodes == b.band_nodes;
+         a.air.scattering == b.air.scattering && same(a.band, b.band) && a.band_nodes == b.band_nodes &&
+         a.point == b.point && a.field_radius_um() == b.field_radius_um();
 }
 
 bool same_list(const System<double>& a, const System<double>& b, Stage stage) {
   const auto &first = a.list(stage), &second = b.list(stage);
   if (first.empty() && second.empty()) return true;
-  return same_surroundings(a, b) &&
+  const bool same_field = stage != Stage::presample || a.field == b.field;
+  return same_field && same_surroundings(a, b) &&
          std::equal(first.begin(), first.end(), second.begin(), second.end(),
                     [](const auto& x, const auto& y) { return same_component(x.component, y.component); });
 }

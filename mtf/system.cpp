@@ -4,12 +4,14 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdio>
 #include <utility>
 
 #include "mtf/components/double_counting.h"
 #include "mtf/error.h"
 #include "mtf/otf/system_impl.h"
+#include "mtf/words.h"
 
 namespace mtf {
 namespace {
@@ -73,6 +75,41 @@ std::vector<Finding> doubtful_sampling(const System<double>& system, const Compo
   return doubts;
 }
 
+/// Places all over the image at which numbers that change over the field are looked at: the whole detector, or, where
+/// its format is not given, a square.
+std::vector<FieldPoint<double>> points_over_field(const System<double>& system) {
+  constexpr int kSteps = 8;
+  const Frame<double>& frame = system.frame;
+  const bool known = frame.columns > 0 && frame.rows > 0;
+  const double width = known ? frame.columns * frame.pitch_x_um : 1.0,
+               height = known ? frame.rows * frame.pitch_y_um : 1.0, radius = 0.5 * std::hypot(width, height);
+  const double axis_x = system.field.axis_x_px * frame.pitch_x_um / radius,
+               axis_y = system.field.axis_y_px * frame.pitch_y_um / radius;
+  std::vector<FieldPoint<double>> points;
+  for (int j = 0; j <= kSteps; ++j)
+    for (int i = 0; i <= kSteps; ++i)
+      points.push_back({(static_cast<double>(i) / kSteps - 0.5) * width / radius - (known ? axis_x : 0.0),
+                        (static_cast<double>(j) / kSteps - 0.5) * height / radius - (known ? axis_y : 0.0)});
+  return points;
+}
+
+/// What is wrong with a component somewhere in the image, the first place of each.
+std::vector<Problem> wrong_over_field(const System<double>& system, std::size_t entry) {
+  std::vector<Problem> problems;
+  for (const FieldPoint<double>& q : points_over_field(system)) {
+    System<double> here = system;
+    here.half_diagonal_um = 1.0;  // at() asks for a size
+    here = here.at(q);
+    for (Problem& problem : here.list(Stage::presample)[entry].component.check(here.context())) {
+      if (!problem.error) continue;
+      problem.text += " at the field point (" + significant(q.x, 3) + ", " + significant(q.y, 3) + ")";
+      problems.push_back(std::move(problem));
+    }
+    if (!problems.empty()) break;
+  }
+  return problems;
+}
+
 /// What is wrong, and where `doubtful` also what is only doubtful.
 std::vector<Finding> findings_of(const System<double>& system, bool doubtful) {
   const Frame<double>& frame = system.frame;
@@ -128,6 +165,10 @@ std::vector<Finding> findings_of(const System<double>& system, bool doubtful) {
       if (band && problems.empty() && entry.component.traits(system.context()).chromatic)
         for (const double wavelength : {band->lo_um, band->hi_um})
           if (problems.empty()) problems = entry.component.check(system.context(wavelength));
+      const bool varies =
+          stage == Stage::presample && std::any_of(system.field.numbers.begin(), system.field.numbers.end(),
+                                                   [i](const auto& n) { return n.entry == i; });
+      if (problems.empty() && varies) problems = wrong_over_field(system, i);
       const bool sound = std::none_of(problems.begin(), problems.end(), [](const Problem& p) { return p.error; });
       for (Problem& problem : problems)
         if (problem.error || doubtful)
@@ -174,6 +215,30 @@ Choice choice_of(std::span<const std::string_view> names, std::string_view word)
   std::string known;
   for (const std::string_view name : names) known += (known.empty() ? "" : ", ") + std::string(name);
   throw UsageError("\"" + std::string(word) + "\" is none of: " + known);
+}
+
+std::string names_over_field(const System<double>& system) {
+  std::string names;
+  const auto add = [&](std::size_t entry, std::string_view field) {
+    const std::string name =
+        std::string(stage_name(Stage::presample)) + "[" + std::to_string(entry) + "]." + std::string(field);
+    if (names.find(name) == std::string::npos) names += (names.empty() ? "" : ", ") + name;
+  };
+  if (system.is_isoplanatic()) return names;
+  const auto& list = system.list(Stage::presample);
+  for (const FieldNumber<double>& number : system.field.numbers)
+    add(number.entry, list.at(number.entry).component.fields().at(number.field).info->name);
+  for (const FieldAngle& angle : system.field.angles)
+    add(angle.entry, list.at(angle.entry).component.fields().at(angle.field).info->name);
+  for (std::size_t i = 0; i < list.size(); ++i)
+    if (list[i].component.traits(system.context()).placed) add(i, list[i].component.kind());
+  return names;
+}
+
+void require_isoplanatic(const System<double>& system, std::string_view what) {
+  if (system.is_isoplanatic()) return;
+  throw UsageError(std::string(what) + " takes one OTF for the whole image; here it changes over the field by " +
+                   names_over_field(system));
 }
 
 void require_valid(const System<double>& system) {

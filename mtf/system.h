@@ -13,6 +13,7 @@
 
 #include "mtf/band.h"
 #include "mtf/component.h"
+#include "mtf/field_terms.h"
 
 namespace mtf {
 
@@ -44,12 +45,27 @@ struct System {
   /// kBandError needs; n is the plain Gauss rule of n nodes. Plans choose their own number from the tolerance.
   int band_nodes = 0;
   std::array<std::vector<Entry<S>>, 3> stages;  ///< index = Stage
+  FieldDependence<S> field{};                   ///< numbers of presample components that change over the image
+  FieldPoint<S> point{};                        ///< that the OTF is for; the optical axis
+  bool settled = false;                         ///< made by at(): that of one field point
+  S half_diagonal_um{};                         ///< of the detector; 0: that of the frame's format
 
   std::vector<Entry<S>>& list(Stage stage) { return stages[static_cast<std::size_t>(stage)]; }
   const std::vector<Entry<S>>& list(Stage stage) const { return stages[static_cast<std::size_t>(stage)]; }
 
   /// Appends a component with a unique label made from its kind.
   void add(Stage stage, Component<S> component);
+
+  /// One OTF serves the whole image.
+  bool is_isoplanatic() const;
+  /// The isoplanatic system that a pixel at that field point sees. Its OTF, metrics and fits need nothing else. Without
+  /// at(), functions of a system that is not isoplanatic speak of its optical axis. Throws UsageError where a component
+  /// depends on the place in um and neither the frame's format nor half_diagonal_um says how large the detector is.
+  System at(const FieldPoint<S>& q) const;
+  /// Half the diagonal of the detector: the unit of field points; 0 where nothing says it.
+  S field_radius_um() const;
+  /// The field point of a place on the detector, in pixels from its corner; needs the frame's format.
+  FieldPoint<S> field_point(double x_px, double y_px) const;
 
   /// The context of the monochromatic wavelength, or of the band's middle.
   Context<S> context() const;
@@ -79,6 +95,11 @@ struct System {
 
 /// Throws UsageError with all errors of check() in one message; does nothing when there are only warnings.
 void require_valid(const System<double>& system);
+
+/// The numbers that change over the field, as in messages: "presample[0].w131"; "" for an isoplanatic system.
+std::string names_over_field(const System<double>& system);
+/// Throws UsageError, with those names, unless one OTF serves the whole image: "`what` takes ...".
+void require_isoplanatic(const System<double>& system, std::string_view what);
 
 /// The same system in another scalar type.
 template <class To, class From>

@@ -57,7 +57,7 @@ DIRECTIONS = [
 # The rooms of each library (its folders, with all below them), from the ground up: what is in a room includes its own room
 # and those before it. "" is the library's own folder; its sources, unlike its headers, include what they like.
 FLOORS = {
-    "mtf": ["", "math", "work", "engines", "components", "otf", "metrics", "plan", "survey", "tiles", "io"],
+    "mtf": ["", "math", "work", "engines", "components", "otf", "metrics", "field", "plan", "survey", "tiles", "io"],
     "radiometry": ["", "light", "stages", "atmosphere", "performance", "chain", "scene", "weather", "heat", "thermal", "render"],
     "calib": ["", "edge", "find", "measure", "iso12233", "fit", "series"],
     "apps": ["text", "sensor", "simulate", "", "check", "study", "terminal", "help", "figures", "edges", "bench", "range", "sweep",

@@ -335,6 +335,7 @@ int run_bench(const BenchOptions& given, const Global& global) {
   const mtf::Stopwatch watch;
   if (options.out.empty()) throw mtf::UsageError("-o, --out is missing: name the folder for the results");
   const mtf::io::SensorConfig config = load_sensor(options.sensor, global);
+  mtf::require_isoplanatic(config.system, "mtf bench");
   std::vector<std::string> inputs = files_of(config);
   inputs.push_back(options.scene);
   OutputSet outputs({.folder = options.out,

@@ -26,6 +26,8 @@ namespace {
 
 using mtf::Complex;
 
+constexpr double kFarthest = 4.0;  // half diagonals from the optical axis
+
 std::string as_table(const OtfCurves& curves) {
   const auto columns = curves.columns();
   std::vector<std::string> header{curves.direction.unit};
@@ -82,16 +84,45 @@ std::vector<std::string> outputs_of(const CurveOptions& options) {
   return outputs;
 }
 
+/// The field point of "0.7,-0.7", or of the pixel "320px,40px".
+mtf::FieldPoint<double> field_point_of(const mtf::System<double>& system, const std::string& text) {
+  const std::size_t comma = text.find(',');
+  const auto part = [&](std::string one, bool& pixels) {
+    pixels = one.ends_with("px");
+    if (pixels) one.resize(one.size() - 2);
+    return number("--field", one);
+  };
+  if (comma == std::string::npos)
+    throw mtf::UsageError("--field: '" + text + "' is not a place; write X,Y such as 0.7,-0.7 or 320px,40px");
+  bool x_px = false, y_px = false;
+  const double x = part(text.substr(0, comma), x_px), y = part(text.substr(comma + 1), y_px);
+  if (x_px != y_px) throw mtf::UsageError("--field: " + text + ": give both in px, or neither");
+  if (!x_px && !(std::hypot(x, y) <= kFarthest))
+    throw mtf::UsageError("--field: " + text + " lies " + mtf::significant(std::hypot(x, y), 3) +
+                          " half diagonals from the axis; the corners of the detector lie about 1 from it");
+  if (!x_px) return {x, y};
+  const mtf::Frame<double>& frame = system.frame;
+  const mtf::FieldPoint<double> q = system.field_point(x, y);
+  if (!(x >= 0.0 && x <= frame.columns && y >= 0.0 && y <= frame.rows))
+    throw mtf::UsageError("--field: " + text + " is outside the detector of " + std::to_string(frame.columns) + " x " +
+                          std::to_string(frame.rows) + " pixels");
+  return q;
+}
+
 }  // namespace
 
 int run_curve(const CurveOptions& options, const Global& global) {
   const mtf::io::SensorConfig config = load_sensor(options.sensor, global);
   OutputSet outputs({.files = outputs_of(options), .inputs = files_of(config)});
-  const mtf::System<double>& system = config.system;
+  std::optional<mtf::FieldPoint<double>> q;
+  if (!options.field.empty()) q = field_point_of(config.system, options.field);
+  const mtf::System<double> system = config.system.at(q.value_or(mtf::FieldPoint<double>{}));
+  if (q) mtf::require_valid(system);
   const Direction direction = make_direction(system.frame, options.unit, options.angle_deg);
-  const OtfCurves curves = otf_curves(
+  OtfCurves curves = otf_curves(
       system, options.frequencies.empty() ? std::vector<double>() : frequency_list("--freq", options.frequencies),
       direction);
+  if (q) curves.field = *q;
 
   bool show_values = true;
   if (options.plot == "ascii") {

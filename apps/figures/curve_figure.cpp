@@ -43,7 +43,11 @@ std::string curve_footer(const mtf::System<double>& system, const OtfCurves& cur
   const KeyFigures& figures = curves.figures;
   const std::string& unit = curves.direction.unit;
   const Direction& direction = curves.direction;
-  std::string text = head("cutoff", direction);
+  std::string text;
+  if (curves.field)
+    text = "at the field point (" + significant(curves.field->x, 4) + ", " + significant(curves.field->y, 4) +
+           ") half diagonals of the detector from the optical axis\n";
+  text += head("cutoff", direction);
   text += figures.cutoff ? significant(*figures.cutoff, 4, true) + " " + unit : "none: no component ends the response";
   if (figures.cutoff && system.band) text += " (at " + significant(system.band->lo_um, 4) + " um)";
   text += "\n" + head("Nyquist", direction) + significant(figures.nyquist, 4, true) + " " + unit + "\n";
@@ -61,6 +65,9 @@ Figure curve_figure(const OtfCurves& curves) {
   figure.title = curves.name.empty() ? "MTF" : curves.name;
   figure.x_label = "spatial frequency [" + curves.direction.unit + "]";
   if (curves.direction.angle_deg != 0.0) figure.x_label += " at " + significant(curves.direction.angle_deg, 6) + " deg";
+  if (curves.field)
+    figure.x_label +=
+        " at field point (" + significant(curves.field->x, 4) + ", " + significant(curves.field->y, 4) + ")";
   figure.y_label = "MTF = |OTF|";
   double highest = 1.0;
   for (const OtfColumn* column : curves.columns()) {

@@ -25,6 +25,7 @@ Json curves_json(const OtfCurves& curves) {
   json["nyquist"] = figures.nyquist;
   json["cutoff"] = figures.cutoff ? Json(*figures.cutoff) : Json();
   json["q"] = figures.q ? Json(*figures.q) : Json();
+  if (curves.field) json["field"] = {curves.field->x, curves.field->y};
   json["frequency"] = curves.frequency;
   json["components"] = Json::array();
   for (const OtfColumn& column : curves.components) {

@@ -6,6 +6,7 @@
 
 #include "apps/live/toml_blocks.h"
 #include "mtf/components/component_docs.h"
+#include "mtf/io/config/config_text.h"
 #include "mtf/io/config/config_tree.h"
 #include "mtf/units.h"
 
@@ -22,11 +23,9 @@ bool is_numeric(Type type) {
          type == Type::number_or_file;
 }
 
-/// The value of a fit table, else the node itself.
+/// The number of a fit table or of terms over the field, else the node itself.
 const cfg::Node* value_node(const cfg::Node* table, std::string_view key) {
-  const cfg::Node* node = table != nullptr ? table->find(key) : nullptr;
-  const cfg::Node* inner = node != nullptr && node->kind == cfg::Node::Kind::table ? node->find("value") : nullptr;
-  return inner != nullptr ? inner : node;
+  return cfg::number_of(table != nullptr ? table->find(key) : nullptr);
 }
 
 struct Number {

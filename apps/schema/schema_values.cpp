@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/schema/schema_values.h"
 
+#include <array>
 #include <cctype>
 #include <cmath>
 
 #include "mtf/components/component_docs.h"
+#include "mtf/field_terms.h"
 
 namespace apps {
 namespace {
@@ -50,7 +52,7 @@ Json reference(const std::string& name) { return {{"$ref", "#/definitions/" + na
 Json fittable(const FieldInfo& parameter) {
   const std::string name = dimension_name(parameter.dimension);
   const Json number = parameter.dimension == mtf::Dimension::none ? number_schema(parameter) : reference(name);
-  return {{"anyOf", {number, reference("fit_" + name)}}};
+  return {{"anyOf", {number, reference("fit_" + name), reference("field_" + name)}}};
 }
 
 Json bare_value(const FieldInfo& parameter) {
@@ -154,6 +156,11 @@ void add_number_definitions(Json& definitions) {
     const Json number = number_schema({.name = {}, .dimension = dimension});
     definitions[dimension_name(dimension)] = number;
     definitions["fit_" + dimension_name(dimension)] = fit_schema("a number that mtf fit may change", number);
+    Json terms = closed_table("a number of a presample component that changes over the field: 1 on the optical axis");
+    terms["properties"]["1"] = number;
+    for (const std::string_view term : mtf::kFieldTerms) terms["properties"][std::string(term)] = number;
+    Json& field = definitions["field_" + dimension_name(dimension)] = std::move(terms);
+    if (dimension == angle) field = {{"anyOf", {field, words_schema(std::array<std::string_view, 1>{"field"})}}};
   }
 }
 

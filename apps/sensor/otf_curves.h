@@ -60,7 +60,8 @@ struct OtfCurves {
   std::string name;  ///< of the system
   Direction direction;
   KeyFigures figures;
-  std::vector<double> frequency;      ///< in the unit of the direction
+  std::optional<mtf::FieldPoint<double>> field;  ///< place in the image that was asked for
+  std::vector<double> frequency;                 ///< in the unit of the direction
   std::vector<OtfColumn> components;  ///< in the order of the lists; a chromatic one averaged over the band on its own
   std::vector<OtfColumn> stages;      ///< presample, readout, postsample: products, averaged over the band as a whole
   OtfColumn system;

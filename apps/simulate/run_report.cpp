@@ -30,30 +30,35 @@ Json plan_json(const mtf::Plan& plan) {
     candidates.push_back(one);
   }
   const mtf::PredictedError& e = r.predicted;
-  return {{"method", r.method},
-          {"size", r.size},
-          {"axes", r.axes},
-          {"frequencies_kept", r.kept},
-          {"frequencies_available", r.available},
-          {"dropped", dropped},
-          {"merged", r.merged},
-          {"omitted", omitted},
-          {"candidates", candidates},
-          {"wavelengths", r.wavelengths},
-          {"notes", r.notes},
-          {"tolerance", r.tolerance},
-          {"predicted_error", e.total()},
-          {"predicted_parts",
-           {{"dropped", e.dropped},
-            {"table", e.table},
-            {"band", e.band},
-            {"cut", e.cut},
-            {"wrap", e.wrap},
-            {"kernel", e.kernel},
-            {"flat_lines", e.flat},
-            {"arithmetic", e.arithmetic}}},
-          {"otf_bytes", r.otf_bytes},
-          {"buffer_bytes", r.run_bytes}};
+  Json plan{{"method", r.method},
+            {"size", r.size},
+            {"axes", r.axes},
+            {"frequencies_kept", r.kept},
+            {"frequencies_available", r.available},
+            {"dropped", dropped},
+            {"merged", r.merged},
+            {"omitted", omitted},
+            {"candidates", candidates},
+            {"wavelengths", r.wavelengths},
+            {"notes", r.notes},
+            {"tolerance", r.tolerance},
+            {"predicted_error", e.total()},
+            {"predicted_parts",
+             {{"dropped", e.dropped},
+              {"table", e.table},
+              {"band", e.band},
+              {"cut", e.cut},
+              {"wrap", e.wrap},
+              {"kernel", e.kernel},
+              {"flat_lines", e.flat},
+              {"arithmetic", e.arithmetic}}},
+            {"otf_bytes", r.otf_bytes},
+            {"buffer_bytes", r.run_bytes}};
+  if (r.field.points > 0) {
+    plan["field"] = {{"points", r.field.points}, {"modes", r.field.modes}, {"one_otf_error", r.field.one_otf_error}};
+    plan["predicted_parts"]["field"] = e.modes;
+  }
+  return plan;
 }
 
 Json held_json(const radiometry::HeldPixels& held) {

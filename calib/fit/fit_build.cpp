@@ -69,7 +69,10 @@ void check_data(const FitData& data) {
     condition(spot.name, spot.condition);
     region(spot.name, spot.roi, spot.image);
   }
-  for (const System<double>& system : data.conditions) require_valid(system);
+  for (const System<double>& system : data.conditions) {
+    require_valid(system);
+    require_isoplanatic(system, "a fit");
+  }
 }
 
 std::string trouble_of(const EdgeData& edge) {

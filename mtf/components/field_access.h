@@ -41,6 +41,20 @@ std::vector<FieldRef<S>> field_refs(C& component) {
       table);
 }
 
+/// The number that a field holds: the element of a list; of a pair along the axes the part, 0 x or both, 1 y. Null
+/// where there is none.
+template <class S>
+S* number_of(const FieldRef<S>& field, std::size_t element) {
+  if (auto* const* number = std::get_if<S*>(&field.value)) return *number;
+  if (auto* const* given = std::get_if<std::optional<S>*>(&field.value)) return *given && **given ? &***given : nullptr;
+  if (auto* const* pair = std::get_if<AxisPair<S>*>(&field.value))
+    return !(*pair)->given() ? nullptr : element == 1 ? &(*pair)->y.value : &(*pair)->x.value;
+  if (auto* const* frequency = std::get_if<SpatialFrequency<S>*>(&field.value)) return &(*frequency)->value;
+  if (auto* const* list = std::get_if<Coefficients<S>*>(&field.value))
+    return element < (*list)->size() ? &(**list)[element] : nullptr;
+  return nullptr;
+}
+
 /// What is missing or outside its bounds. A component's own check() may rely on there being nothing.
 std::vector<Problem> check_fields(std::span<const FieldRef<double>> fields, const Context<double>& ctx);
 

@@ -2,10 +2,11 @@
 #pragma once
 
 // Random line-of-sight motion, Gaussian.
-//   otf = exp(-2 pi^2 (sx^2 fx^2 + sy^2 fy^2))
-// s = rms displacement of one axis (one sigma), at the focal plane. Real, positive, separable; radial when sx = sy.
-// Valid for many independent positions in one integration time. (Kopeika, A System Engineering Approach to Imaging, ch.
-// 14.)
+//   otf = exp(-2 pi^2 (sx^2 fx^2 + sy^2 fy^2 + a^2 (x fy - y fx)^2))
+// s = rms displacement of one axis (one sigma), at the focal plane; a = rms angle of the roll about the optical axis,
+// (x, y) = place of the pixel from that axis, whose displacement grows with the distance and is at right angles to it.
+// Real, positive; separable without roll, radial when also sx = sy. Valid for many independent positions in one
+// integration time. (Kopeika, A System Engineering Approach to Imaging, ch. 14.)
 
 #include "mtf/components/gaussian.h"
 
@@ -19,19 +20,48 @@ struct Jitter {
   static constexpr SensorPart part = SensorPart::motion;
 
   AxisPair<S> rms{};
+  OptionalIn<S, microradians> roll_urad{};
 
   static constexpr auto fields() {
-    return std::tuple{Field{
-        required_row("rms", Dimension::extent, "", 0.0, 1e9, "\"8 urad\"", "rms displacement of one axis, one sigma"),
-        &Jitter::rms}};
+    return std::tuple{Field{required_row("rms", Dimension::extent, "", 0.0, 1e9, "\"8 urad\"",
+                                         "rms displacement of one axis, one sigma"),
+                            &Jitter::rms},
+                      Field{optional_row("roll", Dimension::angle, "urad", 0.0, 1e6, "\"300 urad\"",
+                                         "rms angle of the roll about the optical axis, one sigma"),
+                            &Jitter::roll_urad}};
   }
-  Traits traits(const Context<S>& ctx) const { return GaussianOtf<S>::traits(rms, ctx); }
-  Complex<S> otf(const Freq<S>& f, const Context<S>& ctx) const { return GaussianOtf<S>::otf(rms, f, ctx); }
+  Traits traits(const Context<S>& ctx) const {
+    Traits traits = GaussianOtf<S>::traits(rms, ctx);
+    if (!roll_urad || value_of(*roll_urad) == 0.0) return traits;
+    traits.placed = true;
+    const bool on_x = value_of(ctx.place.y_um) == 0.0, on_y = value_of(ctx.place.x_um) == 0.0;
+    if (on_x && on_y) return traits;
+    traits.radial = false;
+    traits.separable = traits.even_x = traits.even_y = on_x || on_y;
+    return traits;
+  }
+  Complex<S> otf(const Freq<S>& f, const Context<S>& ctx) const {
+    const Complex<S> h = GaussianOtf<S>::otf(rms, f, ctx);
+    if (!roll_urad) return h;
+    const Freq<S> arm = roll_mm(ctx);
+    return {h.re * gaussian_of(S(arm.x * f.y - arm.y * f.x)), S(0)};
+  }
   double cutoff_cy_mm(const Context<S>&) const { return kInfinity; }
   double deviation(double fx, double fy, const Context<S>& ctx) const {
-    return GaussianOtf<S>::deviation(rms, fx, fy, ctx);
+    const double shift = GaussianOtf<S>::deviation(rms, fx, fy, ctx);
+    if (!roll_urad) return shift;
+    const Freq<S> arm = roll_mm(ctx);
+    const double t = std::abs(value_of(arm.x)) * fy + std::abs(value_of(arm.y)) * fx;
+    return shift - std::expm1(-2.0 * kPi * kPi * t * t) * (1.0 - shift);
   }
   std::vector<Problem> check(const Context<S>&) const { return {}; }
+
+ private:
+  /// rms displacement by the roll, turned by a right angle, in mm.
+  Freq<S> roll_mm(const Context<S>& ctx) const {
+    const S angle = *roll_urad * S(1e-6);
+    return {angle * ctx.place.x_um * S(1e-3), angle * ctx.place.y_um * S(1e-3)};
+  }
 };
 
 }  // namespace mtf

@@ -185,7 +185,9 @@ void FactoredOtf::sort_components() {
   };
   std::vector<Candidate> candidates;
   for (const Stage stage : stages_)
-    for (const Entry<double>& entry : system_.list(stage)) {
+    for (std::size_t i = 0; i < system_.list(stage).size(); ++i) {
+      const Entry<double>& entry = system_.list(stage)[i];
+      if (is_given(stage, i)) continue;
       // A chromatic deviation is largest at one end of the band.
       double deviation = entry.component.deviation(options_.fx_max, options_.fy_max, ctx);
       if (system_.band)
@@ -232,10 +234,29 @@ void FactoredOtf::sort_components() {
                                     : general_;
     list.push_back(entry);
   }
+  take_given();
   if (chromatic_general_.empty()) return;
   // The product over wavelengths is averaged as one: a single non-radial factor takes the radial ones along.
   chromatic_general_.insert(chromatic_general_.end(), chromatic_radial_.begin(), chromatic_radial_.end());
   chromatic_radial_.clear();
+}
+
+bool FactoredOtf::is_given(Stage stage, std::size_t entry) const {
+  if (stage != Stage::presample || !options_.given) return false;
+  const std::vector<std::size_t>& entries = options_.given->entries;
+  return std::find(entries.begin(), entries.end(), entry) != entries.end();
+}
+
+void FactoredOtf::take_given() {
+  if (!options_.given) return;
+  const GivenFactor& given = *options_.given;
+  real_ = real_ && given.real;
+  even_x_ = even_x_ && given.even_x;
+  even_y_ = even_y_ && given.even_y;
+  gain_ *= given.largest;
+  identity_error_ += 2.0;  // it is always needed
+  cutoff_ = given.cutoff_cy_mm;
+  polar_.push_back({{}, given.table});
 }
 
 double FactoredOtf::radial_product(double r) const {
@@ -274,7 +295,7 @@ double FactoredOtf::aperture_radial(double r) const { return limited_inverse(ape
 double FactoredOtf::table_error() const {
   double sum = table_ ? table_->error() : 0.0;
   for (const Line& line : lines_) sum += line.table.line_error();
-  for (const Slow& slow : polar_) sum += slow.table->error();
+  for (const Slow& slow : polar_) sum += slow.table->error() / (slow.of.empty() ? options_.given->largest : 1.0);
   return sum * gain();
 }
 
@@ -288,8 +309,13 @@ Complex<double> FactoredOtf::at(const Freq<double>& f) const {
   const double correction = aperture_factor(Axis::x, f.x) * aperture_factor(Axis::y, f.y) *
                             aperture_radial(std::hypot(f.x, f.y)) * options_.split.factor(std::hypot(f.x, f.y));
   Complex<double> h{correction, 0.0};
-  for (const Stage stage : stages_) h = h * system_.otf(stage, f);
-  return h;
+  for (const Stage stage : stages_) {
+    std::vector<Entry<double>> list = system_.list(stage);
+    for (std::size_t i = list.size(); i-- > 0;)
+      if (is_given(stage, i)) list.erase(list.begin() + static_cast<std::ptrdiff_t>(i));
+    h = h * system_.otf(std::span<const Entry<double>>(list), std::span(&f, 1)).front();
+  }
+  return options_.given ? h * options_.given->table->at(f) : h;
 }
 
 double FactoredOtf::axis_bound(Axis axis, double f_cy_mm) const {

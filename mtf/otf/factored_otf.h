@@ -45,6 +45,15 @@ struct Dropped {
   double saved_ms = 0.0;  ///< estimated time that making the OTF would have taken more
 };
 
+/// A table that stands for a product of presample components.
+struct GivenFactor {
+  std::vector<std::size_t> entries;  ///< of the presample list
+  std::shared_ptr<const PolarTable> table;
+  double largest = 1.0;  ///< bound of its modulus
+  double cutoff_cy_mm = std::numeric_limits<double>::infinity();
+  bool real = true, even_x = true, even_y = true;
+};
+
 /// What a change of the OTF costs the scene at hand: its rms error, in units in which the largest |change| of any
 /// scene's OTF would count. Both are upper bounds, so the smaller of the two is taken.
 struct SceneCost {
@@ -66,7 +75,8 @@ struct SamplerOptions {
   std::int64_t samples = std::numeric_limits<std::int64_t>::max();  ///< about how many frequencies will be asked for
   int threads = 0;                                                  ///< threads that fill tables; 0 = all cores
   std::optional<SceneCost> scene = std::nullopt;
-  ScaleSplit split = {};  ///< the part of the OTF by scale
+  ScaleSplit split = {};                          ///< the part of the OTF by scale
+  std::shared_ptr<const GivenFactor> given = {};  ///< in place of components
   OtfProgress progress = {};
 };
 
@@ -163,6 +173,8 @@ class FactoredOtf {
   static bool same_components(const Entries& a, const Entries& b);
   bool asks_for_same_tables(const FactoredOtf& other) const;
   void sort_components();
+  bool is_given(Stage stage, std::size_t entry) const;
+  void take_given();
   double scene_cost(const Entry<double>& entry) const;
   void bound_correction();
   std::string radial_labels() const;

@@ -123,6 +123,34 @@ void PolarTable::tabulate(const Rings& rings, std::size_t spokes, std::size_t po
   }
 }
 
+PolarTable PolarTable::combination(std::span<const PolarTable* const> tables, std::span<const double> weight) {
+  PolarTable sum;
+  double squares = 0.0;
+  for (const PolarTable* table : tables) sum.orders_ = std::max(sum.orders_, table->orders_);
+  for (const Piece& piece : tables.front()->pieces_)
+    sum.pieces_.push_back({piece.begin, piece.end, std::vector<Cplx>((kKnots + 3) * sum.orders_)});
+  for (std::size_t i = 0; i < tables.size(); ++i) {
+    const PolarTable& table = *tables[i];
+    squares += std::pow(weight[i] * table.error_, 2);
+    for (std::size_t p = 0; p < sum.pieces_.size(); ++p)
+      for (std::size_t k = 0; k < kKnots + 3; ++k)
+        for (std::size_t m = 0; m < table.orders_; ++m)
+          sum.pieces_[p].rows[k * sum.orders_ + m] += weight[i] * table.pieces_[p].rows[k * table.orders_ + m];
+  }
+  sum.error_ = 2.0 * std::sqrt(squares);
+  return sum;
+}
+
+// H(r, a) becomes H(r, a - angle): each order turns by its own phase.
+PolarTable PolarTable::turned(double angle) const {
+  PolarTable result = *this;
+  std::vector<Cplx> phase(orders_);
+  for (std::size_t m = 0; m < orders_; ++m) phase[m] = std::polar(1.0, -static_cast<double>(m) * angle);
+  for (Piece& piece : result.pieces_)
+    for (std::size_t i = 0; i < piece.rows.size(); ++i) piece.rows[i] *= phase[i % orders_];
+  return result;
+}
+
 Complex<double> PolarTable::at(const Freq<double>& f) const {
   const double r = std::hypot(f.x, f.y);
   const auto piece = std::find_if(pieces_.begin(), pieces_.end(), [r](const Piece& p) { return r < p.end; });

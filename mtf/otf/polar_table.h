@@ -33,6 +33,12 @@ class PolarTable {
   PolarTable(const Function& h, const Rings& rings, std::vector<double> breaks, double target, std::int64_t most,
              int threads);
 
+  /// Sum of weight[i] tables[i], all made with the same breaks; its error is twice what independent ones add up to.
+  static PolarTable combination(std::span<const PolarTable* const> tables, std::span<const double> weight);
+  /// The table of H turned by an angle from +x to +y.
+  PolarTable turned(double angle) const;
+
+  Complex<double> at(const Freq<double>& f) const;
   /// h[i] *= table at (fx[i], fy).
   void multiply(std::span<const double> fx, double fy, std::span<Complex<double>> h) const;
 
@@ -48,8 +54,8 @@ class PolarTable {
     double begin = 0.0, end = 0.0;
     std::vector<std::complex<double>> rows;
   };
+  PolarTable() = default;
   void tabulate(const Rings& rings, std::size_t spokes, std::size_t points);
-  Complex<double> at(const Freq<double>& f) const;
   std::size_t probes() const;  ///< number for each piece and each kind
   double probe(const Function& h, std::size_t spokes, std::size_t points, bool around, int threads);
 

@@ -9,6 +9,8 @@
 #include <utility>
 
 #include "mtf/components/field_access.h"
+#include "mtf/error.h"
+#include "mtf/math/special.h"
 #include "mtf/otf/band_average.h"
 #include "mtf/system.h"
 
@@ -44,7 +46,67 @@ Context<S> System<S>::context() const {
 }
 template <class S>
 Context<S> System<S>::context(const S& wavelength_um) const {
-  return {frame, optics, wavelength_um, air};
+  const S radius = field_radius_um();
+  return {frame, optics, wavelength_um, air, {point.x * radius, point.y * radius}};
+}
+
+template <class S>
+bool System<S>::is_isoplanatic() const {
+  if (!field.empty()) return false;
+  // A system at a field point has its place for good.
+  if (value_of(point.x) != 0.0 || value_of(point.y) != 0.0 || settled) return true;
+  const auto& entries = list(Stage::presample);
+  return std::none_of(entries.begin(), entries.end(),
+                      [ctx = context()](const Entry<S>& entry) { return entry.component.traits(ctx).placed; });
+}
+
+template <class S>
+S System<S>::field_radius_um() const {
+  using std::sqrt;
+  if (value_of(half_diagonal_um) > 0.0) return half_diagonal_um;
+  const S x = frame.pitch_x_um * S(frame.columns), y = frame.pitch_y_um * S(frame.rows);
+  const S square = x * x + y * y;
+  return value_of(square) > 0.0 ? S(S(0.5) * sqrt(square)) : S(0);
+}
+
+template <class S>
+FieldPoint<S> System<S>::field_point(double x_px, double y_px) const {
+  if (frame.columns == 0 || frame.rows == 0)
+    throw UsageError("a place in pixels needs the size of the detector; give frame.format");
+  const S radius = field_radius_um();
+  return {(S(x_px - 0.5 * frame.columns) - field.axis_x_px) * frame.pitch_x_um / radius,
+          (S(y_px - 0.5 * frame.rows) - field.axis_y_px) * frame.pitch_y_um / radius};
+}
+
+template <class S>
+System<S> System<S>::at(const FieldPoint<S>& q) const {
+  System<S> here = *this;
+  here.field.numbers.clear();
+  here.field.angles.clear();
+  here.point = q;
+  here.settled = true;
+  const std::array<S, 8> terms = field_terms(q);
+  for (const FieldNumber<S>& number : field.numbers) {
+    S* value = detail::number_of(here.list(Stage::presample).at(number.entry).component.fields().at(number.field),
+                                 number.element);
+    if (value == nullptr) throw UsageError("a number that changes over the field is not there");
+    for (std::size_t i = 0; i < terms.size(); ++i) *value += number.coefficient[i] * terms[i];
+  }
+  using std::atan2;
+  const bool on_axis = value_of(q.x) == 0.0 && value_of(q.y) == 0.0;
+  for (const FieldAngle& angle : field.angles) {
+    S* value = detail::number_of(here.list(Stage::presample).at(angle.entry).component.fields().at(angle.field), 0);
+    if (value == nullptr) throw UsageError("an angle that turns with the field is not there");
+    if (!on_axis) *value += atan2(q.y, q.x) * S(180.0 / kPi);
+  }
+  const auto& entries = here.list(Stage::presample);
+  if (!on_axis && !(value_of(field_radius_um()) > 0.0) &&
+      std::any_of(entries.begin(), entries.end(),
+                  [ctx = context()](const Entry<S>& entry) { return entry.component.traits(ctx).placed; }))
+    throw UsageError(
+        "the size of the detector is not known, on which displacements over the field depend; give "
+        "frame.format");
+  return here;
 }
 
 template <class S>
@@ -106,6 +168,17 @@ System<To> cast(const System<From>& from) {
     return value ? std::optional<To>(detail::cast_value<To>(*value)) : std::nullopt;
   };
   to.air = {optional(from.air.path_length_m), optional(from.air.scattering)};
+  to.field.axis_x_px = detail::cast_value<To>(from.field.axis_x_px);
+  to.field.axis_y_px = detail::cast_value<To>(from.field.axis_y_px);
+  to.field.angles = from.field.angles;
+  for (const FieldNumber<From>& number : from.field.numbers) {
+    to.field.numbers.push_back({number.entry, number.field, number.element});
+    for (std::size_t i = 0; i < number.coefficient.size(); ++i)
+      to.field.numbers.back().coefficient[i] = detail::cast_value<To>(number.coefficient[i]);
+  }
+  to.point = {detail::cast_value<To>(from.point.x), detail::cast_value<To>(from.point.y)};
+  to.settled = from.settled;
+  to.half_diagonal_um = detail::cast_value<To>(from.half_diagonal_um);
   for (std::size_t i = 0; i < from.stages.size(); ++i)
     for (const Entry<From>& entry : from.stages[i])
       to.stages[i].push_back({detail::cast_component<To>(entry.component), entry.label});

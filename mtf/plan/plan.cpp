@@ -11,6 +11,8 @@
 #include "mtf/engines/kept_plane.h"
 #include "mtf/engines/row_moments.h"
 #include "mtf/error.h"
+#include "mtf/field/field_modes.h"
+#include "mtf/parallel.h"
 #include "mtf/plan/plan_parts.h"
 #include "mtf/words.h"
 
@@ -24,9 +26,11 @@ struct Plan::Impl {
   PlanReport report;
   std::shared_ptr<const FactoredOtf> sampler;  ///< whose tables the plan of a changed system shares
   double dc = 1.0;
-  double cost_ms = 0.0;                  ///< predicted, of the chosen candidate
-  double family_choice_ms = 0.0;         ///< the same when all methods were last judged
-  std::shared_ptr<const Engine> engine;  ///< null for the identity
+  double cost_ms = 0.0;                     ///< predicted, of the chosen candidate
+  double family_choice_ms = 0.0;            ///< the same when all methods were last judged
+  std::shared_ptr<const Engine> engine;     ///< null for the identity
+  std::shared_ptr<const FieldModes> field;  ///< of an OTF that changes over the image,
+  std::vector<Plan> modes;                  ///< whose modes these filter, the mean first
 };
 
 /// What compiling is besides its options: how it relates to a compilation before, and the part of the OTF that tiles
@@ -36,6 +40,8 @@ struct Plan::Recompile {
   bool keep_family = false;             ///< only the family of methods of `earlier`
   bool tables = true;  ///< false: radial factors at every frequency, for tolerances that leave no room for a table
   ScaleSplit split = {};
+  std::shared_ptr<const GivenFactor> mode = {};  ///< of an OTF that changes over the field
+  double dc = 1.0;                               ///< of that factor
 };
 
 namespace {
@@ -108,6 +114,30 @@ std::optional<SceneSummary> summarise(ImageView<const float> scene, Border borde
                       static_cast<double>(flat) / static_cast<double>(scene.height), flat_columns(scene)};
 }
 
+namespace {
+
+/// What an OTF error of 1 may become, as an rms error of the image relative to the scene's std.
+struct Norms {
+  Norms(const SampleGrid& in, const SampleGrid& out, const PlanOptions& options) {
+    // Without a scene: that of a canvas whose parts are as contrasty as the image.
+    const double parts = std::sqrt(static_cast<double>(canvas_length(options.border, in.width) / in.width) *
+                                   static_cast<double>(canvas_length(options.border, in.height) / in.height));
+    canvas = options.scene ? options.scene->canvas_norm / options.scene->std : parts;
+    // The error of the whole scene may concentrate in the part of it that the detector sees.
+    norm = canvas * std::sqrt(std::max(1.0, in.area_um2() / out.area_um2()));
+    alias = std::sqrt(samples_per_pixel(in, out));
+    // A mirrored canvas is four images; an error that is not mirrored may concentrate in one of them.
+    spectrum_gain = norm / canvas * (options.border == Border::reflect ? 2.0 : 1.0);
+  }
+  double canvas = 1.0, norm = 1.0;  ///< of the defined canvas; where all of it lies in the image
+  double alias = 1.0;
+  double spectrum_gain = 1.0;  ///< over the rms error of the scene's spectrum
+
+  double of_any() const { return alias * norm; }
+};
+
+}  // namespace
+
 Plan compile_stages(const System<double>& system, std::span<const Stage> stages, const SampleGrid& in,
                     const SampleGrid& out, const PlanOptions& options, const Plan::Recompile& how) {
   require_valid(system);
@@ -135,34 +165,27 @@ Plan compile_stages(const System<double>& system, std::span<const Stage> stages,
 
   if (options.spectrum && !options.spectrum->is_of(in.width, in.height, options.border))
     throw UsageError("PlanOptions::spectrum is of a scene of another size or border; make it from this one");
-  // Without a scene: that of a canvas whose parts are as contrasty as the image.
-  const double parts = std::sqrt(static_cast<double>(canvas_length(options.border, in.width) / in.width) *
-                                 static_cast<double>(canvas_length(options.border, in.height) / in.height));
-  const double canvas_norm = options.scene ? options.scene->canvas_norm / options.scene->std : parts;
-  // The error of the whole scene may concentrate in the part of it that the detector sees.
-  const double norm = canvas_norm * std::sqrt(std::max(1.0, in.area_um2() / out.area_um2()));
-  const double alias = std::sqrt(samples_per_pixel(in, out));
+  const Norms norms(in, out, options);
   const double ratio_x = out.step_x_um / in.step_x_um, ratio_y = out.step_y_um / in.step_y_um;
-  // A mirrored canvas is four images; an error that is not mirrored may concentrate in one of them.
-  const double spectrum_gain = norm / canvas_norm * (options.border == Border::reflect ? 2.0 : 1.0);
   std::optional<SceneCost> scene_cost;
   if (options.spectrum)
-    scene_cost = SceneCost{options.spectrum.get(), ratio_x, ratio_y, spectrum_gain / (alias * norm)};
+    scene_cost = SceneCost{options.spectrum.get(), ratio_x, ratio_y, norms.spectrum_gain / norms.of_any()};
   const auto made = std::make_shared<FactoredOtf>(
       system, stages, options.aperture,
       SamplerOptions{.fx_max = 500.0 / in.step_x_um,
                      .fy_max = 500.0 / in.step_y_um,
-                     .drop_budget = kDropShare * tolerance / (alias * norm),
-                     .table_share = how.tables ? kTableShare * tolerance / (alias * norm) : 0.0,
+                     .drop_budget = kDropShare * tolerance / norms.of_any(),
+                     .table_share = how.tables ? kTableShare * tolerance / norms.of_any() : 0.0,
                      .samples = in.width * in.height / 2,
                      .threads = options.threads,
                      .scene = scene_cost,
                      .split = how.split,
+                     .given = how.mode,
                      .progress = options.progress},
       how.earlier != nullptr ? how.earlier->sampler.get() : nullptr);
   impl->sampler = made;
   const FactoredOtf& sampler = *made;
-  impl->dc = sampler.dc();
+  impl->dc = how.mode ? how.dc : sampler.dc();
   report.dropped = sampler.dropped();
   report.merged = sampler.merged();
   report.wavelengths = sampler.wavelengths();
@@ -170,8 +193,9 @@ Plan compile_stages(const System<double>& system, std::span<const Stage> stages,
     report.notes.push_back("scene aperture: the correction is limited to " +
                            format_double(options.aperture.gain_limit) + "; beyond, part of the scene's own blur stays");
 
-  const PlanTask task{sampler, in, out, options, how.split, canvas_norm, norm, alias, spectrum_gain};
+  const PlanTask task{sampler, in, out, options, how.split, norms.canvas, norms.norm, norms.alias, norms.spectrum_gain};
   Family wanted = Family::all;
+  if (how.mode) wanted = Family::fft;
   if (options.method) wanted = family(kMethodNames[static_cast<std::size_t>(*options.method)]);
   if (how.keep_family) wanted = family(how.earlier->report.method);
   std::vector<MethodCandidate> candidates = all_candidates(task, wanted);
@@ -180,7 +204,8 @@ Plan compile_stages(const System<double>& system, std::span<const Stage> stages,
     const bool room_for_tables = std::any_of(candidates.begin(), candidates.end(),
                                              [](const MethodCandidate& d) { return d.report.predicted.table > 0.0; });
     if (how.tables && room_for_tables)
-      return compile_stages(system, stages, in, out, options, {how.earlier, how.keep_family, false, how.split});
+      return compile_stages(system, stages, in, out, options,
+                            {how.earlier, how.keep_family, false, how.split, how.mode, how.dc});
     refuse(candidates, options);
   }
   if (chosen->make) impl->engine = chosen->make(how.earlier != nullptr ? how.earlier->engine.get() : nullptr);
@@ -193,21 +218,115 @@ Plan compile_stages(const System<double>& system, std::span<const Stage> stages,
   return plan;
 }
 
+namespace {
+
+// How the tolerance is shared out over a field: modes that are left out, the mean OTF, the others.
+constexpr double kModesShare = 0.5, kMeanShare = 0.25;
+
+PredictedError& operator+=(PredictedError& a, const PredictedError& b) {
+  a.dropped += b.dropped, a.table += b.table, a.band += b.band, a.cut += b.cut, a.wrap += b.wrap;
+  a.kernel += b.kernel, a.modes += b.modes, a.flat += b.flat, a.arithmetic += b.arithmetic;
+  return a;
+}
+
+}  // namespace
+
+Plan compile_over_field(const System<double>& given, const SampleGrid& in, const SampleGrid& out,
+                        const PlanOptions& options) {
+  constexpr std::array stages{Stage::presample};
+  const System<double> system = with_field_radius(given, out);
+  const double tolerance = options.tolerance;
+  const System<double> axis = system.at({});
+  if (!(tolerance > 0.0 && tolerance < 1.0)) return compile_stages(axis, stages, in, out, options, {});  // refused
+  const Norms norms(in, out, options);
+  const auto field = std::make_shared<const FieldModes>(
+      system, in, out,
+      FieldModesOptions{.aperture = options.aperture,
+                        .table_error = std::clamp(0.01 * kTableShare * tolerance / norms.of_any(), 2e-9, 1e-6),
+                        .worst_unit = norms.of_any(),
+                        .spectrum = options.spectrum.get(),
+                        .spectrum_gain = norms.spectrum_gain,
+                        .enough = 0.2 * kModesShare * tolerance,
+                        .threads = options.threads,
+                        .progress = options.progress});
+  FieldReport report{field->points(), 0, field->error_of_axis()};
+  if (report.one_otf_error < tolerance) try {
+      const Plan plan = compile_stages(axis, stages, in, out, options, {});
+      if (plan.report().predicted.total() + report.one_otf_error <= tolerance) {
+        auto impl = std::make_shared<Plan::Impl>(*plan.impl_);
+        impl->system = given;
+        impl->report.field = report;
+        impl->report.predicted.modes = report.one_otf_error;
+        Plan result;
+        result.impl_ = std::move(impl);
+        return result;
+      }
+    } catch (const UnreachableTolerance&) {  // said below
+    }
+  while (report.modes <= field->count() && field->error(report.modes) > kModesShare * tolerance) ++report.modes;
+  if (report.modes > field->count())
+    throw unreachable_tolerance(tolerance, std::min(1.0, 1.01 * field->error(field->count()) / kModesShare),
+                                options.scene);
+  auto impl = std::make_shared<Plan::Impl>();
+  impl->system = given;
+  impl->stages.assign(stages.begin(), stages.end());
+  impl->options = options;
+  impl->options.progress = {};
+  impl->field = field;
+  PlanReport total;
+  for (std::size_t k = 0; k <= report.modes; ++k) {
+    PlanOptions own = options;
+    own.tolerance = k == 0 ? kMeanShare * tolerance
+                           : (1.0 - kModesShare - kMeanShare) * tolerance / static_cast<double>(report.modes);
+    try {
+      impl->modes.push_back(
+          compile_stages(axis, stages, in, out, own, {.mode = field->factor(k), .dc = k == 0 ? 1.0 : 0.0}));
+    } catch (const UnreachableTolerance& e) {
+      throw unreachable_tolerance(tolerance, std::min(1.0, e.reachable() / own.tolerance * tolerance), options.scene);
+    }
+    const PlanReport& mode = impl->modes.back().report();
+    if (k == 0) total = mode;
+    if (k == 0) continue;
+    total.predicted += mode.predicted;
+    total.otf_bytes += mode.otf_bytes;
+    total.run_bytes = std::max(total.run_bytes, mode.run_bytes);
+  }
+  total.predicted.modes += field->error(report.modes);
+  total.method = "field_modes";
+  total.tolerance = tolerance;
+  total.field = report;
+  total.run_bytes += 4 * out.width * out.height;
+  impl->dc = impl->modes.front().dc();
+  impl->report = std::move(total);
+  Plan plan;
+  plan.impl_ = std::move(impl);
+  return plan;
+}
+
 Plan compile(const System<double>& system, const SampleGrid& scene, const SampleGrid& detector,
              const PlanOptions& options) {
   constexpr std::array stages{Stage::presample};
+  if (!system.is_isoplanatic()) {
+    require_valid(system);
+    check_grid(scene, "scene");
+    check_grid(detector, "detector");
+    return compile_over_field(system, scene, detector, options);
+  }
   return compile_stages(system, stages, scene, detector, options, {});
 }
 
 Plan compile_part(const System<double>& system, const SampleGrid& scene, const SampleGrid& detector,
                   const PlanOptions& options, const ScaleSplit& split) {
   constexpr std::array stages{Stage::presample};
+  require_isoplanatic(system, "an image in tiles");
   return compile_stages(system, stages, scene, detector, options, {.split = split});
 }
 
 // A frame of a sequence is not worth judging every method anew: the chosen one stays while it keeps the tolerance and
 // has not become clearly dearer.
 Plan Plan::with(const System<double>& system) const {
+  if (impl_->field || !system.is_isoplanatic() || impl_->report.field.points > 0)
+    return compile(system, in(), out(), impl_->options);
   constexpr double kDearer = 1.5;
   const auto compiled = [&](bool keep_family) {
     return compile_stages(system, impl_->stages, in(), out(), impl_->options,
@@ -273,6 +392,7 @@ void Plan::run(KeptScene& scene, std::span<const ImageView<float>> out, double b
 void Plan::run_planes(std::span<const ImageView<const float>> in, std::span<const ImageView<float>> out,
                       double border_value, int threads, std::span<KeptPlane> kept) const {
   if (in.size() != out.size()) throw UsageError("as many output as input planes are needed");
+  if (impl_->field) return run_modes(in, out, border_value, threads, kept);
   const bool constant = impl_->options.border == Border::constant;
   if (constant && !(std::abs(border_value) <= std::numeric_limits<float>::max()))
     throw UsageError("the border value has to be a finite float");
@@ -304,6 +424,37 @@ void Plan::run_planes(std::span<const ImageView<const float>> in, std::span<cons
   if (!channels.empty()) impl_->engine->run(channels, threads);
 }
 
+// The mean first, then what each mode adds with its weights.
+void Plan::run_modes(std::span<const ImageView<const float>> in, std::span<const ImageView<float>> out,
+                     double border_value, int threads, std::span<KeptPlane> kept) const {
+  std::vector<Image> copies;
+  std::vector<ImageView<const float>> from;
+  std::vector<KeptPlane> own(kept.empty() ? in.size() : 0);
+  const std::span<KeptPlane> planes = kept.empty() ? std::span<KeptPlane>(own) : kept;
+  for (std::size_t c = 0; c < in.size(); ++c)
+    from.push_back(share_memory(in[c], out[c]) ? copies.emplace_back(copy_of(in[c])).view() : in[c]);
+  impl_->modes.front().run_planes(from, out, border_value, threads, planes);
+  std::vector<Image> added;
+  std::vector<ImageView<float>> views;
+  for (const ImageView<float>& plane : out) added.emplace_back(plane.width, plane.height);
+  for (Image& plane : added) views.push_back(plane.view());
+  for (std::size_t k = 1; k < impl_->modes.size(); ++k) {
+    impl_->modes[k].run_planes(from, views, border_value, threads, planes);
+    constexpr std::int64_t kRowsAtOnce = 16;
+    parallel_for(this->out().height, kRowsAtOnce, threads, [&](std::int64_t begin, std::int64_t end) {
+      std::vector<float> weight(static_cast<std::size_t>(this->out().width));
+      for (std::int64_t y = begin; y < end; ++y) {
+        impl_->field->weights(k, y, weight);
+        for (std::size_t c = 0; c < out.size(); ++c) {
+          const float* more = added[c].view().row(y);
+          float* row = out[c].row(y);
+          for (std::size_t x = 0; x < weight.size(); ++x) row[x] += weight[x] * more[x];
+        }
+      }
+    });
+  }
+}
+
 namespace {
 
 std::string short_number(double value) { return significant(value, 2); }
@@ -329,6 +480,12 @@ std::string Plan::explain() const {
   }
   for (const std::string& line : r.merged) text += "merged    " + line + "\n";
   if (r.wavelengths > 1) text += "band      " + std::to_string(r.wavelengths) + " wavelengths\n";
+  if (r.field.points > 0)
+    text += "field     " +
+            (r.field.modes == 0 ? std::string("one OTF serves all pixels")
+                                : "the mean OTF and " + plural(static_cast<std::int64_t>(r.field.modes), "mode")) +
+            ", from OTFs at " + std::to_string(r.field.points) +
+            " places; that of the axis alone would err by at most " + short_number(r.field.one_otf_error) + "\n";
   for (const Omission& o : r.omitted)
     text += "left out  " + o.what + " (error at most " + short_number(o.bound) + ", saves about " +
             short_number(o.saved_ms) + " ms)\n";
@@ -347,8 +504,8 @@ std::string Plan::explain() const {
   text += "error     predicted <= " + short_number(e.total()) + " of the scene's std, tolerance " +
           short_number(r.tolerance) + " (dropped " + short_number(e.dropped) + ", table " + short_number(e.table) +
           ", band " + short_number(e.band) + ", cut " + short_number(e.cut) + ", wrap " + short_number(e.wrap) +
-          ", kernel " + short_number(e.kernel) + ", flat lines " + short_number(e.flat) + ", float32 " +
-          short_number(e.arithmetic) + ")\n";
+          ", kernel " + short_number(e.kernel) + (r.field.points > 0 ? ", field " + short_number(e.modes) : "") +
+          ", flat lines " + short_number(e.flat) + ", float32 " + short_number(e.arithmetic) + ")\n";
   const double mib = 1.0 / (1024.0 * 1024.0);
   text += "memory    OTF " + short_number(static_cast<double>(r.otf_bytes) * mib) + " MiB, buffers " +
           short_number(static_cast<double>(r.run_bytes) * mib) + " MiB\n";

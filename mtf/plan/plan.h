@@ -100,9 +100,10 @@ struct PredictedError {
   double cut = 0.0;         ///< frequencies left out
   double wrap = 0.0;        ///< canvas shorter than the defined one
   double kernel = 0.0;      ///< taps left out
+  double modes = 0.0;       ///< modes over the field left out, and interpolation between places of the image
   double flat = 0.0;        ///< contrast that the filter brings to uniform lines, left out
   double arithmetic = 0.0;  ///< float32 transforms and storage
-  double total() const { return dropped + table + band + cut + wrap + kernel + flat + arithmetic; }
+  double total() const { return dropped + table + band + cut + wrap + kernel + modes + flat + arithmetic; }
 };
 
 /// One method and its parameters, as the plan judged them.
@@ -124,9 +125,16 @@ struct Omission {
   double saved_ms = 0.0;  ///< a run, estimated; 0 when only planning got cheaper
 };
 
+/// How a plan treats an OTF that changes over the field (mtf/field/field_modes.h).
+struct FieldReport {
+  std::size_t points = 0;      ///< places of the image at which OTFs were made; 0 for an isoplanatic system
+  std::size_t modes = 0;       ///< besides the mean OTF; 0: one OTF serves all pixels
+  double one_otf_error = 0.0;  ///< predicted rms error where the OTF of the optical axis serves all pixels
+};
+
 /// What a plan decided, for reports.
 struct PlanReport {
-  std::string method;  ///< name of the chosen one
+  std::string method;  ///< name of the chosen one; "field_modes" for one OTF a mode, each by the method of the first
   std::vector<Candidate> candidates;
   std::vector<Omission> omitted;
   SampleGrid in, out;
@@ -139,6 +147,7 @@ struct PlanReport {
   std::vector<std::string> merged;
   std::vector<std::string> notes;
   int wavelengths = 1;
+  FieldReport field;
   PredictedError predicted;
   double tolerance = 0.0;
   double largest_gain = 1.0;                  ///< of |otf| over the frequencies in use
@@ -181,6 +190,9 @@ class Plan {
   void run_planes(std::span<const ImageView<const float>> in, std::span<const ImageView<float>> out,
                   double border_value, int threads, std::span<KeptPlane> kept) const;
   friend Plan compile(const System<double>&, const SampleGrid&, const SampleGrid&, const PlanOptions&);
+  friend Plan compile_over_field(const System<double>&, const SampleGrid&, const SampleGrid&, const PlanOptions&);
+  void run_modes(std::span<const ImageView<const float>> in, std::span<const ImageView<float>> out, double border_value,
+                 int threads, std::span<KeptPlane> kept) const;
   struct Recompile;
   friend Plan compile_stages(const System<double>&, std::span<const Stage>, const SampleGrid&, const SampleGrid&,
                              const PlanOptions&, const Recompile&);

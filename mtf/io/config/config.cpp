@@ -124,10 +124,20 @@ void interpret(const Node& tree, ConfigResult& result) {
     result.config.tables = read_settings(root);
     for (SettingsTable& table : result.config.tables) table.version = result.config.version;
     const Origin origin = read_components(root, system);
+    refuse_over_field(reader);
+    if (const SettingsTable* axis = find_table(result.config.tables, "optical_axis"))
+      for (const auto& [key, value] : {std::pair{"x", &system.field.axis_x_px}, {"y", &system.field.axis_y_px}})
+        if (const SettingValue* given = axis->find(key)) *value = std::get<double>(*given);
     if (takes_path_air(system))
       if (const auto no_air = read_path_air(tree, result.config)) reader.diagnostics.push_back(*no_air);
     check_system(reader, system, origin);
     if (reader.failed.empty()) note_what_is_missing(reader, system);
+    if (reader.failed.empty() && !system.is_isoplanatic())
+      reader.note({}, "presample",
+                  "the OTF changes over the field by " + names_over_field(system) +
+                      ": an image has the OTF of each of its pixels, figures of merit and curves are those of the "
+                      "optical axis (mtf curve --field shows others)",
+                  true);
   }
   result.config.fits = std::move(reader.fits);
   result.config.files = std::move(reader.files);

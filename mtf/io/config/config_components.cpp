@@ -150,6 +150,7 @@ Origin read_components(const Section& root, System<double>& system) {
       labels.push_back(std::move(label));
       origin[static_cast<std::size_t>(stage)].push_back(i);
       system.list(stage).push_back({std::move(*component), ""});
+      take_over_field(section, stage, system.list(stage).size() - 1, system);
     }
   }
   const auto complete = complete_labels(kinds, labels);

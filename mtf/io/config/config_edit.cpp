@@ -3,7 +3,7 @@
 
 #include <charconv>
 
-#include "mtf/io/config/config_schema.h"
+#include "mtf/io/config/config_reader.h"
 #include "mtf/words.h"
 
 namespace mtf::io::cfg {
@@ -128,7 +128,12 @@ std::string put(Node& root, const Target& target, Node value) {
     remove(table, target.key + "_x");
     remove(table, target.key + "_y");
   }
-  child(table, target.key) = std::move(value);
+  Node& old = child(table, target.key);
+  // Of a number that changes over the field the value on the axis is set; its terms stay.
+  if (is_over_field(old, {}) && value.kind != Node::Kind::table)
+    child(old, "1") = std::move(value);
+  else
+    old = std::move(value);
   return "";
 }
 

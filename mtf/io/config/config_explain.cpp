@@ -239,6 +239,7 @@ Resolved resolved(const FieldRef<double>& field, const System<double>& system, c
 }
 
 void explain_components(Table& table, const System<double>& system) {
+  const std::string over_field = names_over_field(system);
   for (const Stage stage : kStages)
     for (std::size_t i = 0; i < system.list(stage).size(); ++i) {
       const auto& entry = system.list(stage)[i];
@@ -250,8 +251,10 @@ void explain_components(Table& table, const System<double>& system) {
       for (const FieldRef<double>& field : fields) {
         const Resolved value = resolved(field, system, scan_of(fields), table);
         const std::string name(field.info->name);
-        if (!value.value.empty())
-          table.row(path + "." + name, node, {name, name + "_x", name + "_y"}, value.value, value.origin);
+        if (value.value.empty()) continue;
+        const bool varies = (", " + over_field + ",").find(", " + path + "." + name + ",") != std::string::npos;
+        table.row(path + "." + name, node, {name, name + "_x", name + "_y"},
+                  value.value + (varies ? " on the axis" : ""), value.origin);
       }
     }
 }

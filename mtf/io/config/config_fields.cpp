@@ -84,6 +84,7 @@ namespace {
 
 std::optional<Scalar> read_plain_or_fit(Reader& reader, const Node& node, const FieldInfo& info,
                                         const std::string& path) {
+  if (is_over_field(node, info)) return read_over_field(reader, node, info, path);
   return node.kind == Node::Kind::table ? read_fit(reader, node, info, path) : read_plain(reader, node, info, path);
 }
 

@@ -15,6 +15,14 @@
 
 namespace mtf::io::cfg {
 
+/// A number written as { 1 = -0.3, r2 = 0.5 }, without its value on the axis, or an angle written as "field".
+struct FieldTerms {
+  std::string path;
+  Position position;
+  bool angle = false;
+  std::array<double, kFieldTerms.size()> coefficient{};
+};
+
 struct Reader {
   std::string folder;                 ///< of the sensor file, with a final slash; "" for the current one
   std::span<const TableInfo> schema;  ///< tables beyond those of the system
@@ -22,6 +30,7 @@ struct Reader {
   std::map<std::string, Position, std::less<>> positions;  ///< of values, by path
   std::set<std::string, std::less<>> failed;               ///< paths that were reported already
   std::vector<FitSpec> fits;
+  std::vector<FieldTerms> terms{};   ///< numbers that change over the field
   std::vector<std::string> files{};  ///< that the text names, as `file` gave them
 
   /// The path of a file that the text names. It joins `files`.
@@ -110,6 +119,17 @@ using ReadNumber = std::function<std::optional<double>(const Section& section, s
 const Node* find_value(const Section& table, const FieldInfo& info);
 /// All other keys, into a spec whose value is there. `spread`: of standard errors and deviations.
 void read_beside_value(const Section& table, FitSpec& spec, const ReadNumber& like, const ReadNumber& spread);
+
+/// A table of terms over the field, or the word that lets an angle turn with the field point: its value on the axis,
+/// when usable. Null for what is neither. In config_field.cpp.
+bool is_over_field(const Node& node, const FieldInfo& info);
+std::optional<Scalar> read_over_field(Reader& reader, const Node& node, const FieldInfo& info, const std::string& path);
+/// Gives the terms that were read of a component, the `entry`-th of its list, to the system.
+void take_over_field(const Section& section, Stage stage, std::size_t entry, System<double>& system);
+/// Reports terms of numbers that are no component's, such as the focal length.
+void refuse_over_field(Reader& reader);
+/// How a sensor file has the number at that path: { 1 = "2 urad", r2 = "0.5 urad" }; "" where it is one number.
+std::string over_field_text(const System<double>& system, std::string_view path, const Scalar& on_axis);
 
 /// A fit table; the value of it when usable. In config_fit.cpp.
 std::optional<Scalar> read_fit(Reader& reader, const Node& table, const FieldInfo& info, const std::string& path);

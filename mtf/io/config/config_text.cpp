@@ -94,6 +94,8 @@ std::string toml_string(std::string_view text) {
 
 const Node* number_of(const Node* value) {
   const Node* inner = value != nullptr && value->kind == Node::Kind::table ? value->find("value") : nullptr;
+  if (inner == nullptr && value != nullptr && value->kind == Node::Kind::table)
+    inner = value->find("1");  // on the axis
   return inner != nullptr ? inner : value;
 }
 

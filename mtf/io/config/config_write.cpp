@@ -33,7 +33,9 @@ class Writer {
   void number(std::string_view key, const Scalar& scalar) { raw(key, with_fit(key, scalar)); }
   /// The number, or the fit table of this path if there is one.
   std::string with_fit(std::string_view key, const Scalar& scalar) const {
-    const auto spec = find_fit(path_ + "." + std::string(key));
+    const std::string path = path_ + "." + std::string(key);
+    if (std::string terms = cfg::over_field_text(config_.system, path, scalar); !terms.empty()) return terms;
+    const auto spec = find_fit(path);
     if (spec == config_.fits.end()) return toml_scalar(scalar);
     std::string fit = "{ value = " + toml_scalar(scalar) + ", fit = " + (spec->fit ? "true" : "false");
     const auto like = [&](double value) { return toml_scalar({value, scalar.unit}); };

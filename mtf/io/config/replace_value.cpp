@@ -120,7 +120,7 @@ std::string put_value(Node& root, const Target& target, const Node& value) {
   if (const Node* number = number_of(old); number != old && value.kind != Node::Kind::table) {
     wanted = *old;
     for (Member& member : wanted.members)
-      if (member.key == "value") member.value = value;
+      if (member.key == "value" || member.key == "1") member.value = value;
   }
   return cfg::put(root, target, std::move(wanted));
 }

@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// The presample OTF of a system that changes over the image, as a sum of a few OTFs with weights that are smooth over
+// the image:
+//   H(f; q) = C(f) E(f; q),    E(f; q) ~ P_0(f) + sum over k of w_k(q) P_k(f)
+// C is the product of the components that are the same everywhere, E that of the others (with all chromatic ones where
+// a chromatic one is among them, as a band averages their product). P_0 is the mean of E over the image; P_k(0) = 0, so
+// uniform scenes stay exact with any number of modes. OTFs are made at Chebyshev points of the image, and the modes are
+// the singular vectors of their deviations from the mean, weighted with the power of the scene where that is known
+// (Flicker & Rigaut, JOSA A 22, 504 (2005), for modes of a measured point spread).
+//
+// The promise. Of a residual D(f; x) = sum of a_k(x) p_k(f), for any c_k > 0, Cauchy-Schwarz at each pixel and Parseval
+// give rms(error)^2 <= max over x of sum a_k^2 / c_k times sum over f of power(f) sum c_k |p_k|^2. The least of c = 1,
+// c = the singular values and c = max |a_k| is taken. What interpolation between the points misses is looked at in
+// other places of the image.
+
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "mtf/grid.h"
+#include "mtf/otf/factored_otf.h"
+
+namespace mtf {
+
+struct FieldModesOptions {
+  SceneAperture aperture{};
+  double table_error = 1e-7;  ///< that the table of one OTF should keep
+  double worst_unit = 1.0;    ///< rms error, relative to the scene's std, that an OTF error of 1 may become
+  const SceneSpectrum* spectrum = nullptr;  ///< of the scene; null: any scene
+  double spectrum_gain = 1.0;               ///< rms error of the image over that of the spectrum
+  double enough = 0.0;                      ///< an rms error for which no more points are taken
+  int threads = 0;
+  OtfProgress progress = {};
+};
+
+class FieldModes {
+ public:
+  /// Throws UsageError where the size of the detector is not known and cannot be told from `out`.
+  FieldModes(const System<double>& system, const SampleGrid& in, const SampleGrid& out,
+             const FieldModesOptions& options);
+
+  /// Number of modes besides the mean.
+  std::size_t count() const { return factors_.size() - 1; }
+  /// rms error relative to the scene's std, at most, when only the first `modes` are taken; with all of them what
+  /// interpolation over the image misses.
+  double error(std::size_t modes) const { return error_.at(modes) + between_; }
+  /// The same when the OTF of the optical axis serves all pixels.
+  double error_of_axis() const { return axis_error_ + between_; }
+  /// Places of the image at which OTFs were made.
+  std::size_t points() const { return points_; }
+
+  /// In place of the components that change: mode 0 is the mean, whose weight is 1; weights of the others are within
+  /// -1 .. 1.
+  std::shared_ptr<const GivenFactor> factor(std::size_t mode) const { return factors_.at(mode); }
+  /// Weights of a mode along a row of `out`.
+  void weights(std::size_t mode, std::int64_t row, std::span<float> weight) const;
+
+ private:
+  struct Line {
+    double first = 0.0, step = 0.0;  ///< field coordinate of the first pixel, and from one to the next
+    std::int64_t count = 0;
+    double last() const { return first + step * static_cast<double>(count - 1); }
+    double at(double t) const { return 0.5 * ((1.0 - t) * first + (1.0 + t) * last()); }  // t in -1 .. 1
+  };
+  bool make(const System<double>& system, const FieldModesOptions& options, std::size_t n);
+
+  Line x_, y_;
+  double in_x_ = 0.0, in_y_ = 0.0, ratio_x_ = 1.0, ratio_y_ = 1.0;
+  std::size_t n_ = 0, points_ = 0;  ///< points along an axis
+  std::vector<std::shared_ptr<const GivenFactor>> factors_;
+  std::vector<std::vector<double>> series_;  ///< Chebyshev coefficients of each weight, [j n + i], i along x
+  std::vector<double> error_;
+  double axis_error_ = 0.0, between_ = 0.0;
+};
+
+/// The system whose field points are measured with the detector of its format or, without one, of that grid.
+System<double> with_field_radius(System<double> system, const SampleGrid& out);
+
+}  // namespace mtf

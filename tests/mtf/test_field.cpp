@@ -1,0 +1,356 @@
+// SPDX-License-Identifier: Apache-2.0
+// OTFs over the field of view: field points and OTFs against golden values, images against the definition, pixel by
+// pixel: each sees what the isoplanatic sensor with that pixel's OTF would see.
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <random>
+#include <sstream>
+
+#include "mtf/components/jitter.h"
+#include "mtf/components/wavefront.h"
+#include "mtf/engines/fft/scene_spectrum.h"
+#include "mtf/literals.h"
+#include "tests/expect_error.h"
+#include "tests/mtf/plan_support.h"
+
+namespace mtf::test {
+namespace {
+
+using namespace mtf::literals;
+
+struct Golden {
+  std::string kind, quantity, where, parameters;
+  double value = 0.0;
+};
+
+/// Fields of a line of CSV, some in quotes.
+std::vector<std::string> cells(const std::string& line) {
+  std::vector<std::string> fields(1);
+  bool quoted = false;
+  for (const char c : line) {
+    if (c == '"')
+      quoted = !quoted;
+    else if (c == ',' && !quoted)
+      fields.emplace_back();
+    else
+      fields.back() += c;
+  }
+  return fields;
+}
+
+std::vector<Golden> golden(const std::string& kind) {
+  const char* chosen = std::getenv("MTFKIT_SHARED");
+  const std::filesystem::path shared = chosen != nullptr
+                                           ? std::filesystem::path(chosen)
+                                           : std::filesystem::path(__FILE__).parent_path() / "../../../shared";
+  std::ifstream file(shared / "data/field/golden_field.csv");
+  std::vector<Golden> rows;
+  std::string line;
+  std::getline(file, line);
+  while (std::getline(file, line)) {
+    const std::vector<std::string> c = cells(line);
+    if (c.size() == 6 && c[1] == kind) rows.push_back({c[1], c[2], c[3], c[4], std::stod(c[5])});
+  }
+  return rows;
+}
+
+/// The numbers of "q=(0.8,0.6);nu=(0.1,0)" in their order.
+std::vector<double> numbers_in(const std::string& text) {
+  std::vector<double> numbers;
+  for (const char* at = text.c_str(); *at != 0;) {
+    char* end = nullptr;
+    const double number = std::strtod(at, &end);
+    if (end != at) numbers.push_back(number);
+    at = end != at ? end : at + 1;
+  }
+  return numbers;
+}
+
+void let_vary(System<double>& system, std::size_t entry, std::string_view field, std::string_view term, double value) {
+  const auto fields = std::as_const(system.list(Stage::presample).at(entry).component).fields();
+  std::size_t row = 0, at = 0;
+  while (fields.at(row).info->name != field) ++row;
+  while (kFieldTerms.at(at) != term) ++at;
+  for (FieldNumber<double>& number : system.field.numbers)
+    if (number.entry == entry && number.field == row) {
+      number.coefficient[at] = value;
+      return;
+    }
+  system.field.numbers.push_back({entry, row, 0, {}});
+  system.field.numbers.back().coefficient[at] = value;
+}
+
+void turn_with_field(System<double>& system, std::size_t entry, std::string_view field) {
+  const auto fields = std::as_const(system.list(Stage::presample).at(entry).component).fields();
+  std::size_t row = 0;
+  while (fields.at(row).info->name != field) ++row;
+  system.field.angles.push_back({entry, row});
+}
+
+/// Seidel aberrations in waves at |q| = 1: w131 r, w222 r^2, field curvature w220 r^2.
+System<double> seidel(double w040, double w131, double w222, double w220, double w020) {
+  System<double> s = bare(15.0, 15.0);
+  Wavefront<double> w;
+  w.w020 = w020, w.w040 = w040, w.w131 = 0.0, w.w222 = 0.0;
+  s.add(Stage::presample, w);
+  let_vary(s, 0, "w131", "r", w131);
+  let_vary(s, 0, "w222", "r2", w222);
+  let_vary(s, 0, "w020", "r2", w220);
+  turn_with_field(s, 0, "orientation");
+  return s;
+}
+
+/// The definition.
+std::vector<double> reference_over_field(const System<double>& system, const Image& scene, const SampleGrid& in,
+                                         const SampleGrid& out, Border border, double border_value) {
+  System<double> sized = system;
+  sized.frame.columns = static_cast<int>(out.width);
+  sized.frame.rows = static_cast<int>(out.height);
+  std::vector<double> image;
+  for (std::int64_t j = 0; j < out.height; ++j)
+    for (std::int64_t i = 0; i < out.width; ++i) {
+      const System<double> here =
+          sized.at(sized.field_point(static_cast<double>(i) + 0.5, static_cast<double>(j) + 0.5));
+      // The grid of that pixel alone begins at its own corner: a shift of the scene in the phase.
+      const double dx = static_cast<double>(i) * out.step_x_um * 1e-3,
+                   dy = static_cast<double>(j) * out.step_y_um * 1e-3;
+      const Otf moved = [&](double fx, double fy) {
+        const Complex<double> h = here.otf(Stage::presample, {fx, fy});
+        return std::complex<double>(h.re, h.im) * std::polar(1.0, 2.0 * kPi * (fx * dx + fy * dy));
+      };
+      image.push_back(
+          reference_image(scene, in, {1, 1, out.step_x_um, out.step_y_um}, moved, border, border_value).front());
+    }
+  return image;
+}
+
+TEST(Field, PointsAreThoseOfTheDetector) {
+  const std::vector<Golden> rows = golden("coordinate");
+  if (rows.empty()) GTEST_SKIP() << "the shared data are not there";
+  for (const Golden& row : rows) {
+    System<double> s = bare(15.0, 15.0);
+    const std::vector<double> size = numbers_in(row.parameters), at = numbers_in(row.where);
+    s.frame.columns = static_cast<int>(size[0]), s.frame.rows = static_cast<int>(size[1]);
+    const FieldPoint<double> q = s.field_point(at[0], at[1]);
+    EXPECT_NEAR(row.quantity == "q_x" ? q.x : q.y, row.value, 1e-15) << row.where;
+  }
+}
+
+TEST(Field, SeidelAberrationsAtFieldPoints) {
+  const std::vector<Golden> rows = golden("seidel_otf");
+  if (rows.empty()) GTEST_SKIP() << "the shared data are not there";
+  const System<double> s = seidel(0.25, 0.7, 1.0, 0.5, -0.3);
+  for (const Golden& row : rows) {
+    const std::vector<double> at = numbers_in(row.where);
+    const double cutoff = 1e3 / (2.0 * 4.0);
+    const Complex<double> h = s.at({at[0], at[1]}).otf(Stage::presample, {at[2] * cutoff, at[3] * cutoff});
+    EXPECT_NEAR(row.quantity == "re" ? h.re : h.im, row.value, 1e-11) << row.where;
+  }
+}
+
+System<double> rolling(double sigma_px, double sigma0_px, int columns, int rows) {
+  System<double> s = bare(15.0, 15.0);
+  s.frame.columns = columns, s.frame.rows = rows;
+  Jitter<double> jitter;
+  jitter.rms = pixels(sigma0_px);
+  jitter.roll_urad = microradians(1e6 * sigma_px * 15.0 / s.field_radius_um());
+  s.add(Stage::presample, jitter);
+  return s;
+}
+
+TEST(Field, RollOfTheLineOfSight) {
+  const std::vector<Golden> rows = golden("roll_otf");
+  if (rows.empty()) GTEST_SKIP() << "the shared data are not there";
+  for (const Golden& row : rows) {
+    const std::vector<double> at = numbers_in(row.where);
+    const System<double> s = rolling(1.5, 0.2, 640, 512);
+    EXPECT_FALSE(s.is_isoplanatic());
+    const System<double> here = s.at({at[0], at[1]});
+    EXPECT_TRUE(here.is_isoplanatic());
+    const Complex<double> h = here.otf(Stage::presample, {at[2] / 0.015, at[3] / 0.015});
+    EXPECT_NEAR(h.re, row.value, 1e-12) << row.where;
+    EXPECT_EQ(h.im, 0.0);
+  }
+}
+
+TEST(Field, ImagesOfTheDefinition) {
+  int seen = 0;
+  const std::vector<Golden> rows = golden("image");
+  if (rows.empty()) GTEST_SKIP() << "the shared data are not there";
+  for (const Golden& row : rows) {
+    const bool gauss = row.parameters.starts_with("field=gauss"), roll = row.parameters.starts_with("field=roll");
+    if (!gauss && !roll) continue;  // a shift and a flow are no components yet
+    const double ratio = row.parameters.find("ratio=2") != std::string::npos ? 2.0 : 1.0;
+    const Border border = row.parameters.find("periodic") != std::string::npos ? Border::periodic : Border::reflect;
+    System<double> s = roll ? rolling(1.5, 0.2, 6, 4) : bare(15.0, 15.0);
+    if (roll) s.add(Stage::presample, footprint(15.0));
+    if (gauss) {
+      s.frame.columns = 6, s.frame.rows = 4;
+      s.add(Stage::presample, test::gaussian(0.4 * 15.0));
+      let_vary(s, 0, "sigma", "x", 0.5 * 15.0);
+      let_vary(s, 0, "sigma", "r2", 0.3 * 15.0);
+    }
+    const Image scene = image_of(static_cast<std::int64_t>(6 * ratio), static_cast<std::int64_t>(4 * ratio),
+                                 [](auto x, auto y) { return (7 * x + 3 * y + x * y) % 11 - 4; });
+    const SampleGrid in = scene_grid(s, scene.width(), scene.height(), ratio, ratio), out{6, 4, 15.0, 15.0};
+    const std::vector<double> at = numbers_in(row.where);
+    const auto pixel = static_cast<std::size_t>(at[1] * 6 + at[0]);
+    const std::vector<double> slow = reference_over_field(s, scene, in, out, border, 0.0);
+    EXPECT_NEAR(slow[pixel], row.value, 1e-12) << row.where << " " << row.parameters;
+    const PlanOptions options = options_for(scene, border, 1e-4);
+    const Plan plan = compile(s, in, out, options);
+    EXPECT_EQ(plan.report().method, "field_modes");
+    const Image image = run(plan, scene);
+    EXPECT_LE(rms_distance(image, slow), plan.report().predicted.total() * options.scene->std);
+    ++seen;
+  }
+  EXPECT_GE(seen, 14);
+}
+
+TEST(Field, UniformScenesAreExact) {
+  for (const System<double>& s : {seidel(0.25, 0.7, 1.0, 0.5, -0.3), rolling(1.5, 0.2, 16, 16)}) {
+    const SampleGrid in = scene_grid(s, 32, 32, 2, 2), out{16, 16, 15.0, 15.0};
+    const Plan plan = compile(s, in, out, {.tolerance = 1e-2, .threads = 1});
+    ASSERT_EQ(plan.report().method, "field_modes");
+    const Image image = run(plan, image_of(32, 32, [](auto, auto) { return 3.25; }));
+    for (std::int64_t i = 0; i < image.size(); ++i) EXPECT_EQ(image.data()[i], 3.25F);
+  }
+}
+
+TEST(Field, ThreadsDoNotCount) {
+  const System<double> s = seidel(0.1, 0.3, 0.4, 0.2, 0.0);
+  const Image scene = random_image(80, 64, 5);
+  const SampleGrid in = scene_grid(s, 80, 64, 2, 2), out{40, 32, 15.0, 15.0};
+  PlanOptions options = options_for(scene, Border::reflect, 1e-3);
+  const Plan one = compile(s, in, out, options);
+  options.threads = 2;
+  const Plan two = compile(s, in, out, options);
+  EXPECT_TRUE(same_bits(run(one, scene, 0.0, 1), run(two, scene, 0.0, 2)));
+}
+
+TEST(Field, WhatDoesNotMatterIsTheSamePlan) {
+  System<double> s = seidel(0.1, 1e-5, 1e-5, 0.0, 0.1), axis = s.at({});
+  s.add(Stage::presample, footprint(15.0));
+  axis.add(Stage::presample, footprint(15.0));
+  const Image scene = random_image(96, 96, 7);
+  const SampleGrid in = scene_grid(s, 96, 96, 2, 2), out{48, 48, 15.0, 15.0};
+  const PlanOptions options = options_for(scene, Border::reflect, 1e-3);
+  const Plan plan = compile(s, in, out, options);
+  EXPECT_EQ(plan.report().field.modes, 0U);
+  EXPECT_GT(plan.report().field.points, 0U);
+  EXPECT_TRUE(same_bits(run(plan, scene), run(compile(axis, in, out, options), scene)));
+  EXPECT_NE(plan.explain().find("one OTF serves all pixels"), std::string::npos);
+}
+
+TEST(Field, AKeptSceneAndItsOwnMemoryGiveTheSame) {
+  const System<double> s = seidel(0.1, 0.3, 0.4, 0.2, 0.0);
+  const Image scene = random_image(48, 48, 9);
+  const SampleGrid in = scene_grid(s, 48, 48, 1, 1), out{48, 48, 15.0, 15.0};
+  const Plan plan = compile(s, in, out, options_for(scene, Border::reflect, 1e-2));
+  ASSERT_EQ(plan.report().method, "field_modes");
+  const Image plain = run(plan, scene);
+  auto planes = std::make_shared<std::vector<Image>>();
+  planes->push_back(scene.clone());
+  KeptScene kept(planes);
+  Image again(48, 48);
+  for (int i = 0; i < 2; ++i) {
+    const ImageView<float> view = again.view();
+    plan.run(kept, std::span(&view, 1), 0.0, 1);
+    EXPECT_TRUE(same_bits(again, plain));
+  }
+  Image own = scene.clone();
+  plan.run(own.view(), own.view(), 0.0, 1);
+  EXPECT_TRUE(same_bits(own, plain));
+}
+
+TEST(Field, WhatCannotBeIsRefused) {
+  System<double> s = bare(15.0, 15.0);
+  s.add(Stage::presample, test::gaussian(6.0));
+  let_vary(s, 0, "sigma", "x", -20.0);
+  expect_says(message_of<UsageError>([&] { require_valid(s); }), {"sigma"});
+  const System<double> tilted = [&] {
+    System<double> t = bare(15.0, 15.0);
+    t.add(Stage::presample, test::gaussian(6.0));
+    let_vary(t, 0, "sigma", "x", 2.0);
+    return t;
+  }();
+  EXPECT_NO_THROW(require_valid(tilted));
+  expect_says(message_of<UsageError>([&] { require_isoplanatic(tilted, "a fit"); }), {"a fit", "presample[0].sigma"});
+}
+
+/// Realised <= predicted <= tolerance, or a refusal that names a tolerance.
+void keeps_its_promise(unsigned seed) {
+  std::mt19937 generator(seed);
+  const auto uniform = [&](double lo, double hi) { return std::uniform_real_distribution<double>(lo, hi)(generator); };
+  const auto below = [&](unsigned n) { return static_cast<int>(generator() % n); };
+  System<double> s = bare(15.0, below(3) == 0 ? 12.0 : 15.0);
+  const int columns = 8 + below(6), rows = 6 + below(6), ratio = 1 + below(2);
+  switch (below(5)) {
+    case 0:
+      s = seidel(uniform(0.0, 0.3), uniform(0.0, 0.7), uniform(0.0, 1.0), uniform(0.0, 0.5), uniform(-0.3, 0.3));
+      break;
+    case 1:
+      s.add(Stage::presample, Component<double>::make("diffraction"));
+      s.frame.columns = columns, s.frame.rows = rows;
+      s.add(Stage::presample,
+            rolling(uniform(0.1, 1.5), uniform(0.0, 0.5), columns, rows).list(Stage::presample)[0].component);
+      break;
+    case 2:
+      s.add(Stage::presample, test::gaussian(uniform(4.0, 8.0)));
+      let_vary(s, 0, "sigma", "x", uniform(-3.0, 3.0));
+      let_vary(s, 0, "sigma", "r2", uniform(0.0, 4.0));
+      break;
+    case 3:
+      s.add(Stage::presample, motion(2.0, 0.0));
+      let_vary(s, 0, "travel", "r2", uniform(5.0, 40.0));
+      turn_with_field(s, 0, "direction");
+      break;
+    default:
+      s.add(Stage::presample, Component<double>::make("diffraction"));
+      s.band = Band{3.5, 4.5};
+      s.optics.wavelength_um.reset();
+      let_vary(s, 0, "f_number", "r2", 0.0);
+      s.list(Stage::presample)[0].component = [] {
+        auto c = Component<double>::make("diffraction");
+        set(c, "f_number", 2.0);
+        return c;
+      }();
+      let_vary(s, 0, "f_number", "r2", uniform(0.0, 0.3));
+  }
+  if (below(2) == 0) s.add(Stage::presample, footprint(15.0));
+  const Border border = kBorders[static_cast<std::size_t>(below(4))];
+  const double mean = below(3) == 0 ? 100.0 : 0.0, border_value = border == Border::constant ? mean + 1.0 : 0.0;
+  const Image scene = random_image(columns * ratio, rows * ratio, seed, mean);
+  const SampleGrid in = scene_grid(s, scene.width(), scene.height(), ratio, ratio),
+                   out{columns, rows, s.frame.pitch_x_um, s.frame.pitch_y_um};
+  PlanOptions options = options_for(scene, border, std::pow(10.0, uniform(-4.0, -1.0)), border_value);
+  if (below(2) == 0) options.spectrum = scene_spectrum(scene.view(), border, 1);
+  std::optional<Plan> plan;
+  try {
+    plan = compile(s, in, out, options);
+  } catch (const UnreachableTolerance& refused) {
+    EXPECT_GT(refused.reachable(), options.tolerance);
+    return;
+  }
+  const PredictedError& predicted = plan->report().predicted;
+  EXPECT_LE(predicted.total(), options.tolerance * (1.0 + 1e-12));
+  const Image image = run(*plan, scene, border_value);
+  const double realised =
+      rms_distance(image, reference_over_field(s, scene, in, out, border, border_value)) / options.scene->std;
+  EXPECT_LE(realised, predicted.total()) << "seed " << seed << "\n" << plan->explain();
+  std::printf("seed %u: %s, %zu modes, tolerance %.1e, predicted %.1e (modes %.1e), realised %.1e\n", seed,
+              plan->report().method.c_str(), plan->report().field.modes, options.tolerance, predicted.total(),
+              predicted.modes, realised);
+}
+
+TEST(Field, PromiseAtRandom) {
+  for (unsigned seed = 1; seed <= 40; ++seed) keeps_its_promise(seed);
+}
+
+TEST(FieldLong, PromiseAtRandom) {
+  for (unsigned seed = 1001; seed <= 2000; ++seed) keeps_its_promise(seed);
+}
+
+}  // namespace
+}  // namespace mtf::test
