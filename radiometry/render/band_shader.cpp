@@ -12,14 +12,16 @@
 namespace radiometry::render {
 namespace {
 
-/// Of each finish, over all sides and the ground.
-std::vector<KelvinRange> ranges_of(const RenderScene& scene) {
+/// Of each finish, over all sides and the ground, and so much more at both ends.
+std::vector<KelvinRange> ranges_of(const RenderScene& scene, double room_k) {
   KelvinRanges ranges(scene.finish.size());
   for (std::size_t s = 0; s < scene.finish_of.size(); ++s)
     if (!std::isnan(scene.temperature_k[s]))
       ranges.take(scene.finish_of[s], static_cast<double>(scene.temperature_k[s]));
   ranges.take(scene.ground.finish, scene.ground.temperature_k);
-  return ranges.all();
+  std::vector<KelvinRange> out = ranges.all();
+  for (KelvinRange& range : out) range = {range.lo_k - room_k, range.hi_k + room_k};
+  return out;
 }
 
 constexpr double kRoom_k = 2.0;  // so that temperatures to come are in the tables too
@@ -53,45 +55,19 @@ BandShader::BandShader(RenderBand band, const RenderScene& scene, const Patches&
       scene_(scene),
       tolerance_(tolerance),
       with_air_(with_air && scene.air.has_value()),
-      patches_(&patches) {
-  for (const Finish& finish : scene.finish) curves_.push_back(finish.emissivity);
-  nodes_ = band_nodes(band_.curves, curves_);
-  for (const Spectrum& curve : curves_) emissivity_.push_back(at_nodes(nodes_, curve));
-  const std::vector<std::vector<double>> all_sides = hemispherical_emissivity(scene, emissivity_);
-  angular_ = angular_finishes(scene, emissivity_, all_sides);
-  emits_ = emissivity_;
-  for (const MadeFinish& made : angular_.made) emits_.push_back(made.emits);
-  for (const KelvinRange& range : ranges_of(scene)) range_.push_back({range.lo_k - kRoom_k, range.hi_k + kRoom_k});
-  make_folds();
-  std::optional<AirView> sky;
-  if (scene.air && scene.air->profile.levels.size() > 1)
-    sky.emplace(*scene.air, nodes_, scene.altitude_m, scene.facets().lowest_m);
-  patch_k_ = patch_temperatures_k(scene, patches);
-  sources_ = light_sources(scene, nodes_, all_sides, patches, patch_k_, views, sky ? &*sky : nullptr);
-  if (angular_.made.size() < 2) return;  // no mirrors
-  sources_.first_elevation = sources_.radiance.size();
-  for (std::size_t k = 0; k < kSkyElevations; ++k)
-    sources_.radiance.push_back(
-        sky_at(scene.sky, nodes_, sky ? &*sky : nullptr, 0.5 * std::numbers::pi - sky_elevation(k)));
-}
-
-/// Finishes that were made for angles have the temperatures of those that they show.
-void BandShader::make_folds() {
-  std::vector<KelvinRange> ranges = range_;
-  for (const std::uint32_t like : angular_.like)
-    ranges.push_back(like == scene::kNone ? KelvinRange{300.0, 300.0} : range_[like]);
-  folds_ = std::make_unique<EmissionFolds>(nodes_, emits_, ranges);
-}
+      patches_(&patches),
+      surfaces_(band_.curves, scene, patches, views, ranges_of(scene, kRoom_k), scene.facets().lowest_m) {}
 
 void BandShader::temperatures_changed() {
-  const std::vector<KelvinRange> now = ranges_of(scene_);
+  const std::vector<KelvinRange> now = ranges_of(scene_, 0.0), &known = surfaces_.range;
   bool covered = true;
   for (std::size_t m = 0; m < now.size(); ++m)
-    covered = covered && now[m].lo_k >= range_[m].lo_k && now[m].hi_k <= range_[m].hi_k;
+    covered = covered && now[m].lo_k >= known[m].lo_k && now[m].hi_k <= known[m].hi_k;
   if (!covered) {
-    for (std::size_t m = 0; m < now.size(); ++m)
-      range_[m] = {std::min(range_[m].lo_k, now[m].lo_k - kRoom_k), std::max(range_[m].hi_k, now[m].hi_k + kRoom_k)};
-    make_folds();
+    std::vector<KelvinRange> both = ranges_of(scene_, kRoom_k);
+    for (std::size_t m = 0; m < both.size(); ++m)
+      both[m] = {std::min(known[m].lo_k, both[m].lo_k), std::max(known[m].hi_k, both[m].hi_k)};
+    surfaces_.cover(std::move(both));
     tables_.reset();
   }
   for (Shaded& one : shaded_) one.finish = scene::kNone;
@@ -99,10 +75,8 @@ void BandShader::temperatures_changed() {
 
 BandShader::FromHeight BandShader::from_height(double height_m, const AirView* view, const PathGrid& grid,
                                                std::optional<double> nearest_m) const {
-  return {height_m,
-          BandTables(nodes_, *folds_, emissivity_, sources_, grid, view != nullptr ? view->reference_k() : 300.0,
-                     angular_.made),
-          Backdrop(scene_, nodes_, sources_, view, height_m, scene_.facets().lowest_m, nearest_m)};
+  return {height_m, surfaces_.tables(grid, view),
+          Backdrop(scene_, surfaces_.nodes, surfaces_.sources, view, height_m, scene_.facets().lowest_m, nearest_m)};
 }
 
 void BandShader::use(FromHeight from) {
@@ -110,7 +84,7 @@ void BandShader::use(FromHeight from) {
   tables_ = std::make_unique<BandTables>(std::move(from.tables));
   backdrop_ = std::make_unique<Backdrop>(std::move(from.backdrop));
   sunlight_ = 0.0;
-  const double black = integral(nodes_, blackbody_at(nodes_, view_ ? view_->reference_k() : 300.0));
+  const double black = integral(surfaces_.nodes, blackbody_at(surfaces_.nodes, view_ ? view_->reference_k() : 300.0));
   for (std::size_t m = 0; m < scene_.finish.size(); ++m)
     for (const double value : tables_->sunlit(m, 0)) sunlight_ = std::max(sunlight_, value / black);
   for (Shaded& one : shaded_) one.finish = scene::kNone;
@@ -131,24 +105,26 @@ void BandShader::make_ends(double height_m, const PathExtent& extent, int thread
   const double ground_m = scene_.facets().lowest_m, above_m = height_m - ground_m;
   const bool rises = height_m > camera_height_m_;
   const auto view_from = [&](double from_m) {
-    return AirView(*scene_.air, nodes_, scene_.altitude_m, from_m, extent.farthest_m);
+    return AirView(*scene_.air, surfaces_.nodes, scene_.altitude_m, from_m, extent.farthest_m);
   };
   for (const double most_m : {48.0, 12.0}) {
     const double apart_m = std::min(most_m, 2.0 * above_m);
     const double low_m = std::max(height_m - (rises ? 1.0 - kAhead : kAhead) * apart_m, ground_m + 0.5 * above_m);
     auto middle = std::make_unique<AirView>(view_from(low_m + 0.5 * apart_m));
-    PathGrid grid = path_grid(*middle, nodes_, extent, tolerance_);
+    PathGrid grid = path_grid(*middle, surfaces_.nodes, extent, tolerance_);
     double promised = 0.0;
     const auto end_at = [&](double end_m) {
       const AirView view = view_from(end_m);
       const PathGrid seen = seen_from(view, grid, threads);
       FromHeight end = from_height(end_m, &view, seen, low_m - ground_m);
-      promised = std::max(promised, promised_error(band_.curves, curves_, *folds_, end.tables, seen, &view));
+      promised =
+          std::max(promised, promised_error(band_.curves, surfaces_.curves, *surfaces_.folds, end.tables, seen, &view));
       return end;
     };
     FromHeight low = end_at(low_m), high = end_at(low_m + apart_m);
     const BandTables between = BandTables::between(low.tables, high.tables, 0.5);
-    promised = std::max(promised, promised_error(band_.curves, curves_, *folds_, between, grid, middle.get()));
+    promised = std::max(promised,
+                        promised_error(band_.curves, surfaces_.curves, *surfaces_.folds, between, grid, middle.get()));
     if (promised > std::max(tolerance_, kBetweenHeights) && most_m > 12.0) continue;
     view_ = std::move(middle);
     grid_ = std::move(grid);
@@ -165,8 +141,8 @@ bool BandShader::prepare(double camera_height_m, const PathExtent& extent, int t
   const bool layered = with_air_ && scene_.air->profile.levels.size() > 1;
   if (covered && !layered) {
     camera_height_m_ = camera_height_m;
-    backdrop_ =
-        std::make_unique<Backdrop>(scene_, nodes_, sources_, view_.get(), camera_height_m, scene_.facets().lowest_m);
+    backdrop_ = std::make_unique<Backdrop>(scene_, surfaces_.nodes, surfaces_.sources, view_.get(), camera_height_m,
+                                           scene_.facets().lowest_m);
     return true;
   }
   const PathExtent wanted = tables_ ? with_room(extent, grid_.extent) : with_room(extent);
@@ -180,10 +156,11 @@ bool BandShader::prepare(double camera_height_m, const PathExtent& extent, int t
   }
   std::unique_ptr<AirView> view;
   if (with_air_)
-    view = std::make_unique<AirView>(*scene_.air, nodes_, scene_.altitude_m, camera_height_m, wanted.farthest_m);
-  PathGrid grid = view ? path_grid(*view, nodes_, wanted, tolerance_) : no_air(nodes_);
+    view =
+        std::make_unique<AirView>(*scene_.air, surfaces_.nodes, scene_.altitude_m, camera_height_m, wanted.farthest_m);
+  PathGrid grid = view ? path_grid(*view, surfaces_.nodes, wanted, tolerance_) : no_air(surfaces_.nodes);
   FromHeight own = from_height(camera_height_m, view.get(), grid, std::nullopt);
-  promised_ = promised_error(band_.curves, curves_, *folds_, own.tables, grid, view.get());
+  promised_ = promised_error(band_.curves, surfaces_.curves, *surfaces_.folds, own.tables, grid, view.get());
   low_.reset(), high_.reset();
   view_ = std::move(view);
   grid_ = std::move(grid);
@@ -195,11 +172,7 @@ BandShader::Shaded BandShader::shaded(const VisibleSides& sides, std::size_t num
   const std::uint32_t side = sides.side(number), finish = scene_.finish_of[side];
   const std::size_t node = grid_.index(cell);
   SixValues sum = tables_->emitted(finish, static_cast<double>(scene_.temperature_k[side]), node);
-  if (tables_->reflects(finish)) {
-    const auto [source, share] = sides.light(number);
-    for (std::size_t i = 0; i < source.size(); ++i)
-      tables_->add_reflected(finish, source[i], static_cast<double>(share[i]), node, sum);
-  }
+  if (tables_->reflects(finish)) tables_->add_light(finish, sides.light(number), node, sum);
   sum = sum_of(sum, tables_->path(node));
   Shaded out{.value = {}, .cell = cell, .finish = finish};
   for (std::size_t k = 0; k < sum.size(); ++k) out.value[k] = static_cast<float>(sum[k]);
@@ -255,17 +228,18 @@ double BandShader::reflected_error_k(const VisibleSides& sides, const VisibleSid
     if (again != mean) variance += std::max(0.0, square - mean * mean) / sides.rays();
   }
   constexpr double kAt_k = 300.0, kStep_k = 0.5;
-  const auto black = [&](double kelvin) { return integral(nodes_, blackbody_at(nodes_, kelvin)); };
+  const auto black = [&](double kelvin) { return integral(surfaces_.nodes, blackbody_at(surfaces_.nodes, kelvin)); };
   const double per_k = (black(kAt_k + kStep_k) - black(kAt_k - kStep_k)) / (2.0 * kStep_k);
   const std::size_t count = differences.size();
   return scene::error_of(std::move(differences), variance, count).rms / per_k;
 }
 
 double BandShader::emissivity(std::size_t finish, double temperature_k) const {
-  const std::vector<double> black = blackbody_at(nodes_, std::max(temperature_k, 50.0));
+  const std::vector<double> black = blackbody_at(surfaces_.nodes, std::max(temperature_k, 50.0));
   double sum = 0.0;
-  for (std::size_t k = 0; k < black.size(); ++k) sum += nodes_.weight[k] * emissivity_[finish][k] * black[k];
-  return sum / integral(nodes_, black);
+  for (std::size_t k = 0; k < black.size(); ++k)
+    sum += surfaces_.nodes.weight[k] * surfaces_.emissivity[finish][k] * black[k];
+  return sum / integral(surfaces_.nodes, black);
 }
 
 double BandShader::own_radiance(std::size_t finish, double temperature_k, double range_m, double height_m) const {

@@ -11,10 +11,9 @@
 #include <string>
 
 #include "mtf/image.h"
-#include "radiometry/render/angles/angular_finishes.h"
 #include "radiometry/render/angles/mirror_rays.h"
 #include "radiometry/render/backdrop.h"
-#include "radiometry/render/band_tables.h"
+#include "radiometry/render/band_surfaces.h"
 #include "radiometry/render/visible_sides.h"
 
 namespace radiometry::render {
@@ -55,7 +54,7 @@ class BandShader {
   double reflected_error_k(const VisibleSides& sides, const VisibleSides::OtherViews& other, const Point& camera) const;
 
   const RenderBand& band() const { return band_; }
-  const BandNodes& nodes() const { return nodes_; }
+  const BandNodes& nodes() const { return surfaces_.nodes; }
   const Backdrop& backdrop() const { return *backdrop_; }
   double promised() const { return promised_; }
   const PathGrid& grid() const { return grid_; }
@@ -79,25 +78,16 @@ class BandShader {
   };
   Shaded shaded(const VisibleSides& sides, std::size_t number, PathGrid::Cell cell) const;
   class Pixels;
-  SixValues mirrored(std::size_t reflected, bool white, std::size_t finish, const MirrorRays& mirrors,
-                     const VisibleSides& sides, std::size_t k, std::size_t node) const;
+  InMirror in_mirror(const MirrorRays& mirrors, std::size_t k, const VisibleSides& sides) const;
   void add_angles(const MirrorRays& mirrors, const VisibleParts& parts, const VisibleSides& sides, bool shadows,
                   mtf::Image& out, int threads) const;
 
   RenderBand band_;
   const RenderScene& scene_;
-  std::vector<Spectrum> curves_;                 ///< emissivities
-  std::vector<std::vector<double>> emissivity_;  ///< at the nodes
   double tolerance_;
   bool with_air_;
-  BandNodes nodes_;
-  AngularFinishes angular_;
   const Patches* patches_;
-  std::vector<double> patch_k_;
-  std::vector<std::vector<double>> emits_;  ///< emissivity_, and that of what was made of it for angles
-  std::vector<KelvinRange> range_;          ///< of temperatures, by finish
-  std::unique_ptr<EmissionFolds> folds_;
-  LightSources sources_;
+  BandSurfaces surfaces_;
   /// What one height sees.
   struct FromHeight {
     double height_m;
@@ -106,7 +96,6 @@ class BandShader {
   };
   FromHeight from_height(double height_m, const AirView* view, const PathGrid& grid,
                          std::optional<double> nearest_m) const;
-  void make_folds();
   bool take_between(double height_m);
   void make_ends(double height_m, const PathExtent& extent, int threads);
   void use(FromHeight from);

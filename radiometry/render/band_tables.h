@@ -52,6 +52,10 @@ class KelvinRanges {
 
 /// Of a cell's six nodes.
 using SixValues = std::array<double, 6>;
+/// Adds share x values.
+inline void add(double share, const SixValues& values, SixValues& sum) {
+  for (std::size_t k = 0; k < sum.size(); ++k) sum[k] += share * values[k];
+}
 inline SixValues sum_of(SixValues a, const SixValues& b) {
   for (std::size_t k = 0; k < a.size(); ++k) a[k] += b[k];
   return a;
@@ -101,6 +105,12 @@ class BandTables {
   SixValues emitted(std::size_t finish, double temperature_k, std::size_t node) const;
   /// Adds share x source.
   void add_reflected(std::size_t finish, std::size_t source, double share, std::size_t node, SixValues& sum) const;
+  /// Adds the light of sources with their shares, where the finish reflects any.
+  template <class Light>
+  void add_light(std::size_t finish, const Light& light, std::size_t node, SixValues& sum) const {
+    for (std::size_t i = 0; reflects(finish) && i < light.source.size(); ++i)
+      add_reflected(finish, light.source[i], static_cast<double>(light.share[i]), node, sum);
+  }
   bool reflects(std::size_t finish) const { return !reflected_[finish].empty(); }
   SixValues path(std::size_t node) const { return six(path_, node); }
   /// Of a side that faces the sun; 0 without one.

@@ -22,12 +22,7 @@ void require_temperature(double kelvin, const char* what) {
 
 }  // namespace
 
-void require_valid(const RenderScene& scene) {
-  if (scene.rays == nullptr) refuse("there are no facets");
-  const std::size_t sides = 2 * scene.facets().size();
-  if (scene.finish_of.size() != sides || scene.temperature_k.size() != sides)
-    refuse("there are " + std::to_string(sides) + " sides, " + std::to_string(scene.finish_of.size()) +
-           " finishes and " + std::to_string(scene.temperature_k.size()) + " temperatures of sides");
+void require_valid_surroundings(const RenderScene& scene) {
   for (const Finish& finish : scene.finish) {
     make_spectrum(finish.name + ": emissivity", finish.emissivity.wavelength_um, finish.emissivity.value, 1.0);
     if (!(finish.gloss >= 0.0 && finish.gloss <= 1.0))
@@ -36,14 +31,6 @@ void require_valid(const RenderScene& scene) {
     if (largest(finish.by_angle) * most > 1.0 + 1e-6)
       refuse(finish.name + ": its emissivity by angle reaches " + mtf::format_double(largest(finish.by_angle)) +
              " times " + mtf::format_double(most) + ", which is above 1");
-  }
-  for (std::size_t s = 0; s < sides; ++s) {
-    const auto kelvin = static_cast<double>(scene.temperature_k[s]);
-    if (scene.finish_of[s] >= scene.finish.size())
-      refuse("facet " + std::to_string(s / 2) + " has finish " + std::to_string(scene.finish_of[s]) + " of " +
-             std::to_string(scene.finish.size()));
-    if (!std::isnan(kelvin))
-      require_temperature(kelvin, ("facet " + std::to_string(s / 2) + " with a temperature").c_str());
   }
   if (scene.ground.finish >= scene.finish.size()) refuse("the ground has no finish");
   require_temperature(scene.ground.temperature_k, "a ground");
@@ -57,6 +44,23 @@ void require_valid(const RenderScene& scene) {
     refuse("a sun of " + mtf::format_double(scene.sun->direct_w_m2) + " W/m2; it has to be 0 or more");
   if (!scene::finite(scene.sun->to_sun) || !(scene.sun->to_sun[2] > 0.0))
     refuse("the direction to the sun is not finite, or below the horizon");
+}
+
+void require_valid(const RenderScene& scene) {
+  if (scene.rays == nullptr) refuse("there are no facets");
+  const std::size_t sides = 2 * scene.facets().size();
+  if (scene.finish_of.size() != sides || scene.temperature_k.size() != sides)
+    refuse("there are " + std::to_string(sides) + " sides, " + std::to_string(scene.finish_of.size()) +
+           " finishes and " + std::to_string(scene.temperature_k.size()) + " temperatures of sides");
+  for (std::size_t s = 0; s < sides; ++s) {
+    const auto kelvin = static_cast<double>(scene.temperature_k[s]);
+    if (scene.finish_of[s] >= scene.finish.size())
+      refuse("facet " + std::to_string(s / 2) + " has finish " + std::to_string(scene.finish_of[s]) + " of " +
+             std::to_string(scene.finish.size()));
+    if (!std::isnan(kelvin))
+      require_temperature(kelvin, ("facet " + std::to_string(s / 2) + " with a temperature").c_str());
+  }
+  require_valid_surroundings(scene);
 }
 
 void require_outside(const RenderScene& scene, const scene::Point& camera) {

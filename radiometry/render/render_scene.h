@@ -65,6 +65,8 @@ struct RenderScene {
 /// Throws mtf::UsageError for sizes that do not fit each other, and for temperatures, emissivities and fluxes that are
 /// none: with the number of sides and the first of them.
 void require_valid(const RenderScene& scene);
+/// The same of all but the facets: finishes, ground, sky and sun.
+void require_valid_surroundings(const RenderScene& scene);
 
 /// Throws mtf::UsageError for a camera in a solid, whose inside has no temperature: with the mesh and the facet.
 void require_outside(const RenderScene& scene, const scene::Point& camera);

@@ -251,6 +251,9 @@ layers = [{ conductivity = "45 W/m/K", density = "7800 kg/m3", heat_capacity = "
   const Result other = scratch_.run("mtf render scene.toml sensor.toml --from a.exr --channel depth=Depth -o c.exr");
   expect_says(other.err, {"no such channel"});
   expect_error(scratch_.run("mtf render scene.toml sensor.toml --depth planar -o c.exr"), 2, {"--depth"});
+  write_file(scratch_ / "scene.toml", replaced(text, "emissivity = 1.0\n", "emissivity = 1.0\ngloss = 0.5\n"));
+  expect_says(scratch_.run("mtf render scene.toml sensor.toml --from a.exr -o c.exr").err,
+              {"a.exr has no normals", "drawn matt", "add the channels normal.X"});
 }
 
 /// The layers of the script are those of a ball in closed form: its silhouette and its warm top.
@@ -261,12 +264,13 @@ TEST_F(RenderCommand, TakesLayersOfOtherRenderers) {
                              "/notebooks-data/layers/make_layers.py' ball.exr --width 128 --height 96 --step 4.8e-4")
           .status,
       0);
-  write_file(scratch_ / "scene.toml", kScene + R"([[material]]
+  const std::string scene = kScene + R"([[material]]
 name = "paint"
 solar_absorptance = 0.7
 emissivity = 0.9
 layers = [{ conductivity = "45 W/m/K", density = "7800 kg/m3", heat_capacity = "480 J/kg/K", thickness = "5 mm" }]
-)");
+)";
+  write_file(scratch_ / "scene.toml", scene);
   write_file(scratch_ / "materials.csv", "index,material,temperature_K\n1,paint,285\n2,paint,\n");
   const std::string command =
       "mtf render scene.toml sensor.toml --from ball.exr --materials materials.csv --position 0,-40,6 --look-at 0,0,1 "
@@ -279,6 +283,9 @@ layers = [{ conductivity = "45 W/m/K", density = "7800 kg/m3", heat_capacity = "
   EXPECT_GT(warm, 3000);  // a ball of 1 m at 40.3 m: pi (1 / (40.3 x 4.8e-4))^2 = 8395 samples, most of them warmer
   EXPECT_LT(warm, 8500);
   EXPECT_EQ(scratch_.run(next(made.out)).status, 0);
+  EXPECT_FALSE(says(made.err, "glossy")) << made.err;
+  write_file(scratch_ / "scene.toml", replaced(scene, "emissivity = 0.9\n", "emissivity = 0.9\ngloss = 0.5\n"));
+  expect_says(scratch_.run(command + "b.exr").err, {"glossy materials, which mirror sky and ground alone"});
   write_file(scratch_ / "materials.csv", "index,material\n1,paint\n2,wood\n");
   expect_says(scratch_.run(command + "b.exr").err, {"has no [[material]]"});
   write_file(scratch_ / "materials.csv", "index,material,temperature_K\n1,paint,285\n");

@@ -265,6 +265,16 @@ render::RenderedFrame frame_of_layers(const RenderCommandOptions& options, const
   if (camera.position[2] < made.ground_m)
     note(global, "warning: the camera is below the lowest surface of the layers, at " + significant(made.ground_m, 3) +
                      " m, where the ground beyond them is taken to be");
+  if (made.mirrors > 0)
+    note(global, "warning: " + std::to_string(made.mirrors) +
+                     " samples show glossy materials, which mirror sky and ground alone: layers do not say what else "
+                     "a mirror shows");
+  if (made.as_matt > 0)
+    note(global, "warning: " + std::to_string(made.as_matt) +
+                     " samples show materials that are glossy or have an emissivity by angle; " +
+                     one_line(options.from) +
+                     " has no normals, so that they are drawn matt, with the mean of their emissivity over the "
+                     "hemisphere: add the channels normal.X, normal.Y and normal.Z");
   frame.radiance = std::move(made.radiance);
   frame.promised = std::move(made.promised);
   return frame;

@@ -21,7 +21,7 @@ MadeFinish seen_in(const Values& reflects, const Values& emissivity) {
 }  // namespace
 
 AngularFinishes angular_finishes(const RenderScene& scene, std::span<const std::vector<double>> emissivity,
-                                 std::span<const std::vector<double>> hemispherical) {
+                                 std::span<const std::vector<double>> hemispherical, bool with_sides) {
   AngularFinishes out;
   if (!has_angles(scene)) return out;
   out.finishes = scene.finish.size();
@@ -29,6 +29,7 @@ AngularFinishes angular_finishes(const RenderScene& scene, std::span<const std::
   const Values ones(nodes, 1.0);
   out.made.push_back({Values(nodes, 0.0), ones, true});
   out.like.push_back(scene::kNone);
+  if (!with_sides) return out;
   const auto add = [&](const Values& reflects) {
     for (std::size_t f = 0; f < out.finishes; ++f) {
       out.made.push_back(seen_in(reflects, hemispherical[f]));

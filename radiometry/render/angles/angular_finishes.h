@@ -35,9 +35,9 @@ struct AngularFinishes {
 };
 
 /// Emissivities of each finish at the nodes: along the normal, and means over the hemisphere. Nothing where no finish
-/// depends on the angle or is glossy.
+/// depends on the angle or is glossy; white alone unless mirrors show sides (`with_sides`).
 AngularFinishes angular_finishes(const RenderScene& scene, std::span<const std::vector<double>> emissivity,
-                                 std::span<const std::vector<double>> hemispherical);
+                                 std::span<const std::vector<double>> hemispherical, bool with_sides);
 
 /// What finishes give off to all sides, at the nodes.
 std::vector<std::vector<double>> hemispherical_emissivity(const RenderScene& scene,

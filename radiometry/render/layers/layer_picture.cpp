@@ -4,11 +4,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 #include "mtf/error.h"
 #include "mtf/parallel.h"
 #include "mtf/units.h"
-#include "radiometry/render/angles/angular_finishes.h"
 #include "radiometry/scene/tracing/zenith_rings.h"
 
 namespace radiometry::render {
@@ -34,7 +34,7 @@ struct Survey {
   PathExtent extent{std::numeric_limits<double>::infinity(), 0.0, std::numeric_limits<double>::infinity(),
                     -std::numeric_limits<double>::infinity()};
   std::vector<KelvinRange> range{};
-  std::size_t surfaces = 0;
+  std::size_t surfaces = 0, glossy = 0, angled = 0;
 };
 
 void require_sizes(const Camera& camera, const SurfaceLayers& layers) {
@@ -80,80 +80,111 @@ Survey survey_of(const RenderScene& scene, const Camera& camera, const SurfaceLa
       out.extent = {std::min(out.extent.nearest_m, range_m), std::max(out.extent.farthest_m, range_m),
                     std::min(out.extent.lowest_m, height), std::max(out.extent.highest_m, height)};
       ranges.take(static_cast<std::size_t>(finish), kelvin);
+      const Finish& shown = scene.finish[static_cast<std::size_t>(finish)];
       ++out.surfaces;
+      out.glossy += shown.gloss > 0.0 ? 1 : 0;
+      out.angled += has_angles(shown) ? 1 : 0;
     }
   if (out.surfaces == 0) throw mtf::UsageError("layers: no pixel shows a surface: all materials are below 0");
   out.range = ranges.all();
   return out;
 }
 
+/// What lies around a surface: the zones of sky and ground with their shares, and the sun.
+struct Around {
+  std::span<const std::uint32_t> source{};
+  std::vector<double> share{};
+  Vector normal{};
+  double sun = 0.0;  ///< share of the surface in the sun, times its cosine
+};
+
 /// One band of the picture.
 class LayerShader {
  public:
-  LayerShader(const RenderScene& scene, const RenderBand& band, const Camera& camera, const Survey& survey,
-              const LayerOptions& options)
-      : scene_(scene), camera_(camera), rings_(options.rings) {
-    std::vector<Spectrum> curves;
-    for (const Finish& finish : scene.finish) {
-      curves.push_back(finish.emissivity);
-      for (double& value : curves.back().value) value = std::min(1.0, value * hemispherical_mean(finish.by_angle));
-    }
-    const BandNodes nodes = band_nodes(band.curves, curves);
-    std::vector<std::vector<double>> emissivity;
-    for (const Spectrum& curve : curves) emissivity.push_back(at_nodes(nodes, curve));
-    const EmissionFolds folds(nodes, emissivity, survey.range);
-    std::optional<AirView> sky, view;
-    if (scene.air && scene.air->profile.levels.size() > 1)
-      sky.emplace(*scene.air, nodes, scene.altitude_m, survey.extent.lowest_m);
-    if (scene.air) view.emplace(*scene.air, nodes, scene.altitude_m, camera.position[2], survey.extent.farthest_m);
-    const Patches none{};
-    const scene::Views unseen{
-        .rings = options.rings, .sky = {}, .ground = {}, .surfaces = {}, .rays = {}, .patches = {}};
-    const LightSources sources = light_sources(scene, nodes, emissivity, none, {}, unseen, sky ? &*sky : nullptr);
-    grid_ = view ? path_grid(*view, nodes, survey.extent, options.tolerance) : no_air(nodes);
-    tables_ =
-        std::make_unique<BandTables>(nodes, folds, emissivity, sources, grid_, view ? view->reference_k() : 300.0);
-    promised_ = promised_error(band.curves, curves, folds, *tables_, grid_, view ? &*view : nullptr);
-    backdrop_ = std::make_unique<Backdrop>(scene, nodes, sources, view ? &*view : nullptr, camera.position[2],
-                                           survey.extent.lowest_m);
+  LayerShader(const RenderScene& scene, const RenderBand& band, const Camera& camera, const SurfaceLayers& layers,
+              const Survey& survey, const LayerOptions& options)
+      : scene_(scene),
+        camera_(camera),
+        layers_(layers),
+        rings_(options.rings),
+        zones_(static_cast<std::size_t>(options.rings) + 1),
+        surfaces_(band.curves, scene, {},
+                  {.rings = options.rings, .sky = {}, .ground = {}, .surfaces = {}, .rays = {}, .patches = {}},
+                  survey.range, survey.extent.lowest_m) {
+    std::iota(zones_.begin(), zones_.end(), 0U);
+    const BandNodes& nodes = surfaces_.nodes;
+    std::optional<AirView> air;
+    if (scene.air) air.emplace(*scene.air, nodes, scene.altitude_m, camera.position[2], survey.extent.farthest_m);
+    const AirView* view = air ? &*air : nullptr;
+    grid_ = view != nullptr ? path_grid(*view, nodes, survey.extent, options.tolerance) : no_air(nodes);
+    tables_ = std::make_unique<BandTables>(surfaces_.tables(grid_, view));
+    promised_ = promised_error(band.curves, surfaces_.curves, *surfaces_.folds, *tables_, grid_, view);
+    backdrop_ =
+        std::make_unique<Backdrop>(scene, nodes, surfaces_.sources, view, camera.position[2], survey.extent.lowest_m);
+    for (const Finish& finish : scene.finish) mean_.push_back(hemispherical_mean(finish.by_angle));
   }
 
   double promised() const { return promised_; }
 
-  float radiance(const SurfaceLayers& layers, std::int64_t x, std::int64_t y) const {
+  float radiance(std::int64_t x, std::int64_t y) const {
     const Vector d = unit_direction(camera_, x, y);
-    if (!has_surface(layers, x, y)) return static_cast<float>(backdrop_->radiance(d[2]));
-    const auto finish = static_cast<std::size_t>(layers.finish.at(x, y));
-    const auto range_m = static_cast<double>(layers.range_m.at(x, y));
+    if (!has_surface(layers_, x, y)) return static_cast<float>(backdrop_->radiance(d[2]));
+    const auto finish = static_cast<std::size_t>(layers_.finish.at(x, y));
+    const auto range_m = static_cast<double>(layers_.range_m.at(x, y)),
+               kelvin = static_cast<double>(layers_.temperature_k.at(x, y));
     const double root = std::sqrt(range_m), height = camera_.position[2] + range_m * d[2];
     const PathGrid::Cell cell = grid_.cell_at(root, height);
     const std::size_t node = grid_.index(cell);
-    SixValues sum = tables_->emitted(finish, static_cast<double>(layers.temperature_k.at(x, y)), node);
-    if (tables_->reflects(finish)) {
-      Vector normal = -1.0 * d;
-      if (!layers.normal.empty())
-        normal = {static_cast<double>(layers.normal[0].at(x, y)), static_cast<double>(layers.normal[1].at(x, y)),
-                  static_cast<double>(layers.normal[2].at(x, y))};
-      const double size = scene::length(normal);
-      if (!(size > 0.0 && std::isfinite(size))) refuse(x, y, "its normal has no direction");
-      std::vector<double> zones(static_cast<std::size_t>(rings_.rings()) + 1, 0.0);
-      rings_.add_shares(std::clamp(normal[2] / size, -1.0, 1.0), 1.0, zones);
-      for (std::size_t zone = 0; zone < zones.size(); ++zone)
-        if (zones[zone] != 0.0) tables_->add_reflected(finish, zone, zones[zone], node, sum);
-      if (tables_->sunny() && !layers.normal.empty()) {
-        const double facing = scene::dot(normal, scene_.sun->to_sun) / (size * scene::length(scene_.sun->to_sun));
-        const double lit = layers.sunlit ? std::clamp(static_cast<double>(layers.sunlit->at(x, y)), 0.0, 1.0) : 1.0;
-        const SixValues sun = tables_->sunlit(finish, node);
-        for (std::size_t k = 0; k < 6; ++k) sum[k] += lit * std::max(facing, 0.0) * sun[k];
-      }
+    const bool angles = has_angles(scene_.finish[finish]);
+    const Around around = angles || tables_->reflects(finish) ? around_of(x, y, d) : Around{};
+    SixValues sum{};
+    if (angles) {
+      sum = surfaces_.seen(*tables_, node, finish, surfaces_.light(*tables_, node, finish, kelvin, around),
+                           seen_at(finish, d, around));
+    } else {
+      sum = tables_->emitted(finish, kelvin, node);
+      tables_->add_light(finish, around, node, sum);
+      if (around.sun > 0.0) add(around.sun, tables_->sunlit(finish, node), sum);
+      sum = sum_of(sum, tables_->path(node));
     }
-    return static_cast<float>(grid_.between(cell, root, height, sum_of(sum, tables_->path(node))));
+    return static_cast<float>(grid_.between(cell, root, height, sum));
   }
 
  private:
+  Around around_of(std::int64_t x, std::int64_t y, const Vector& d) const {
+    Vector normal = -1.0 * d;
+    if (!layers_.normal.empty())
+      normal = {static_cast<double>(layers_.normal[0].at(x, y)), static_cast<double>(layers_.normal[1].at(x, y)),
+                static_cast<double>(layers_.normal[2].at(x, y))};
+    const double size = scene::length(normal);
+    if (!(size > 0.0 && std::isfinite(size))) refuse(x, y, "its normal has no direction");
+    Around out{.source = zones_, .share = std::vector(zones_.size(), 0.0)};
+    rings_.add_shares(std::clamp(normal[2] / size, -1.0, 1.0), 1.0, out.share);
+    out.normal = (1.0 / size) * normal;
+    if (!tables_->sunny() || layers_.normal.empty()) return out;
+    const double facing = scene::dot(normal, scene_.sun->to_sun) / (size * scene::length(scene_.sun->to_sun));
+    const double lit = layers_.sunlit ? std::clamp(static_cast<double>(layers_.sunlit->at(x, y)), 0.0, 1.0) : 1.0;
+    out.sun = lit * std::max(facing, 0.0);
+    return out;
+  }
+
+  /// Mirrors show sky or ground: nothing else is known.
+  SeenAt seen_at(std::size_t finish, const Vector& d, const Around& around) const {
+    if (layers_.normal.empty()) return {.relative = mean_[finish]};
+    const double cosine = std::max(0.0, -scene::dot(d, around.normal));
+    return {.relative = relative_emissivity(scene_.finish[finish].by_angle, cosine),
+            .gloss = scene_.finish[finish].gloss,
+            .sun = around.sun,
+            .mirror = {.rise = d[2] + 2.0 * cosine * around.normal[2]}};
+  }
+
   const RenderScene& scene_;
   const Camera& camera_;
+  const SurfaceLayers& layers_;
   scene::ZenithRings rings_;
+  std::vector<std::uint32_t> zones_;
+  BandSurfaces surfaces_;
+  std::vector<double> mean_;  ///< by finish: emissivity over the hemisphere over that along the normal
   PathGrid grid_;
   std::unique_ptr<BandTables> tables_;
   std::unique_ptr<Backdrop> backdrop_;
@@ -172,15 +203,19 @@ void ranges_of_depths(const Camera& camera, mtf::Image& depth) {
 
 LayerFrame render_layers(const RenderScene& scene, std::span<const RenderBand> bands, const Camera& camera,
                          const SurfaceLayers& layers, const LayerOptions& options) {
+  require_valid_surroundings(scene);
   require_sizes(camera, layers);
   const Survey survey = survey_of(scene, camera, layers);
-  LayerFrame frame{.radiance = {}, .promised = {}, .surfaces = survey.surfaces, .ground_m = survey.extent.lowest_m};
+  LayerFrame frame;
+  frame.surfaces = survey.surfaces, frame.ground_m = survey.extent.lowest_m;
+  const bool normals = !layers.normal.empty();
+  (normals ? frame.mirrors : frame.as_matt) = normals ? survey.glossy : survey.angled;
   for (const RenderBand& band : bands) {
-    const LayerShader shader(scene, band, camera, survey, options);
+    const LayerShader shader(scene, band, camera, layers, survey, options);
     mtf::Image image(camera.width, camera.height);
     mtf::parallel_for(camera.height, 8, options.threads, [&](std::int64_t begin, std::int64_t end) {
       for (std::int64_t y = begin; y < end; ++y)
-        for (std::int64_t x = 0; x < camera.width; ++x) image.at(x, y) = shader.radiance(layers, x, y);
+        for (std::int64_t x = 0; x < camera.width; ++x) image.at(x, y) = shader.radiance(x, y);
     });
     frame.promised.push_back(shader.promised());
     frame.radiance.push_back(std::move(image));

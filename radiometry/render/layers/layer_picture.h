@@ -5,9 +5,10 @@
 // are known, the normal and the sunlight of one surface. The radiance is that of radiometry/render, by the same tables,
 //   L = tau [eps B(T) + (1 - eps) (sum F_ring L_sky + F_ground L_ground + lit E_sun cos / pi)] + L_path,
 // with the shares F of a plane that nothing hides (Howell, Catalog of Radiation Heat Transfer Configuration Factors,
-// B-17): layers do not say what else a surface sees, so that light of other surfaces is missing. Where no normal is
-// known a surface is taken to face the camera, and not the sun. Emissivities are means over the hemisphere, and nothing
-// is glossy.
+// B-17): layers do not say what else a surface sees, so that light of other surfaces is missing. By its normal a
+// surface has the emissivity of its angle, and a glossy one mirrors sky or ground (band_surfaces.h). Where no normal is
+// known it is taken to face the camera, and not the sun; it is matt, with the mean of its emissivity over the
+// hemisphere.
 
 #include "radiometry/render/band_shader.h"
 
@@ -30,6 +31,8 @@ struct LayerFrame {
   std::vector<mtf::Image> radiance{};  ///< of each band
   std::vector<double> promised{};
   std::size_t surfaces = 0;  ///< pixels that show one
+  std::size_t mirrors = 0;   ///< of glossy finishes, which mirror sky or ground even where something else stood there
+  std::size_t as_matt = 0;   ///< of glossy finishes and emissivities by angle that are drawn matt for want of normals
   double ground_m = 0.0;     ///< height of what is seen below the horizon beyond them: of the lowest of them
 };
 
@@ -41,7 +44,7 @@ struct LayerOptions {
 
 /// `scene`: finishes, sky, ground, sun and air; its facets are not used. Throws mtf::UsageError for sizes that differ,
 /// finishes that there are not, temperatures and ranges that are none (with the first pixel), layers without a surface,
-/// and as band_nodes and AirView do.
+/// and as require_valid_surroundings, band_nodes and AirView do.
 LayerFrame render_layers(const RenderScene& scene, std::span<const RenderBand> bands, const Camera& camera,
                          const SurfaceLayers& layers, const LayerOptions& options = {});
 
