@@ -49,7 +49,7 @@ async function rest(pages) {
   throw new Error(`not at rest after ${MOST_UNDONE} steps back: ${await Promise.all(pages.map(({ page }) => describe(page)))}`);
 }
 /** For the reader of a failure: what holds the page, and its whole state as a link. */
-const describe = (page) => page.evaluate(() => JSON.stringify({ link: location.href, waits: window.mtfLive.waits, lags: window.mtfLive.frames.map((frame) => frame && [frame.preview, frame.light_lags, frame.correction_lags, frame.solving]), ...window.mtfLive.state, edits: window.mtfLive.edits, scene: window.mtfLive.sceneEdits, place: window.mtfLive.place?.request(), text: document.getElementById("said").textContent }));
+const describe = (page) => page.evaluate(() => JSON.stringify({ link: location.href, waits: window.mtfLive.waits, inWork: window.mtfLive.inWork, lags: window.mtfLive.frames.map((frame) => frame && [frame.preview, frame.light_lags, frame.correction_lags, frame.solving]), ...window.mtfLive.state, edits: window.mtfLive.edits, scene: window.mtfLive.sceneEdits, place: window.mtfLive.place?.request(), text: document.getElementById("said").textContent }));
 
 /** The last picture is of the last state, unless that was refused. */
 async function isFresh(page) {
@@ -73,7 +73,7 @@ export async function endure(run, browser, minutes) {
   const random = () => ((seed = (seed * 48271) % 2147483647) / 2147483647);
   const end = Date.now() + minutes * 60000;
   for (const { page } of pages) await unfold(page);
-  while (Date.now() < end) {
+  while (Date.now() < end) try {
     await move(pages[moves % pages.length].page, random);
     moves += 1;
     if (moves % 30 !== 0) continue;
@@ -81,6 +81,9 @@ export async function endure(run, browser, minutes) {
     for (const { page } of pages) await isFresh(page);
     if (moves === 150) first = servers.map(memory);
     if (moves % 300 === 0) console.log(`${moves} moves: ${servers.map((server) => memory(server).toFixed(0)).join(" and ")} MiB, ${undone} long pictures ended`);
+  } catch (error) {
+    error.message += `\nsaid: ${pages.map(({ said }) => said.filter((text) => !/status of 4(22|09|10)/.test(text)).join("; ")).join(" | ")}`;
+    throw error;
   }
   for (const [i, server] of servers.entries()) {
     const grown = memory(server) - first[i];

@@ -49,6 +49,9 @@ function next() {
   return null;
 }
 
+/** For the reader of a failed test: what is on its way, and what is wanted next. */
+export const inWork = () => ({ asking, turn, shown, next: next() });
+
 export const isBusy = () => asking || Boolean(app.start && app.view && next());
 
 const stepOf = (picture) => [(picture.step_x_um ?? app.scene?.pitch_x_um ?? 1) * picture.every, (picture.step_y_um ?? app.scene?.pitch_y_um ?? 1) * picture.every];

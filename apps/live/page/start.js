@@ -51,6 +51,7 @@ window.mtfLive = {
   get edits() { return edits.current(); },
   get sceneEdits() { return edits.current(edits.SCENE); },
   get waits() { return { start: !app.start, pictures: pictures.isBusy(), panels: panels.isBusy(), dragging: app.dragging, camera: Boolean(app.place?.moving) }; },
+  get inWork() { return pictures.inWork(); },
   get busy() { return Object.values(this.waits).some(Boolean); },
   get text() { return app.model?.text; },
   get curves() { return app.curves.values; },
