@@ -5,16 +5,14 @@
 // or its upper half flat, relative to that of the whole one. Also: making the OTF of six components beside one
 // transform. Output: a table; columns are minimum and median in ms.
 
-#include <fftw3.h>
-
 #include <cstdio>
 #include <opencv2/core.hpp>
 #include <optional>
 #include <string>
 
-#include "mtf/engines/fft/fftw.h"
 #include "mtf/plan/plan.h"
 #include "mtf/version.h"
+#include "tests/bench/bare_pair.h"
 #include "tests/bench/interleave.h"
 #include "tests/mtf/builders.h"
 #include "tests/mtf/reference.h"
@@ -22,37 +20,6 @@
 namespace {
 
 using namespace mtf;  // NOLINT: a benchmark program
-
-// Forward and inverse real transform, as a user of FFTW would write it.
-class BarePair {
- public:
-  BarePair(std::int64_t width, std::int64_t height, bool in_place)
-      : half_(static_cast<std::size_t>(2 * height * (width / 2 + 1))),
-        real_(in_place ? 1 : static_cast<std::size_t>(width * height)) {
-    const auto w = static_cast<int>(width), h = static_cast<int>(height);
-    float* real = in_place ? half_.data() : real_.data();
-    auto* spectrum = reinterpret_cast<fftwf_complex*>(half_.data());
-    forward_ = fftwf_plan_dft_r2c_2d(h, w, real, spectrum, FFTW_MEASURE);
-    backward_ = fftwf_plan_dft_c2r_2d(h, w, spectrum, real, FFTW_MEASURE);
-    std::fill_n(half_.data(), half_.size(), 0.0F);  // zeros stay zeros: the inverse is unnormalised
-    std::fill_n(real_.data(), real_.size(), 0.0F);
-  }
-  ~BarePair() {
-    fftwf_destroy_plan(forward_);
-    fftwf_destroy_plan(backward_);
-  }
-  BarePair(const BarePair&) = delete;
-  BarePair& operator=(const BarePair&) = delete;
-  void forward() const { fftwf_execute(forward_); }
-  void both() const {
-    fftwf_execute(forward_);
-    fftwf_execute(backward_);
-  }
-
- private:
-  AlignedBuffer<float> half_, real_;
-  fftwf_plan forward_ = nullptr, backward_ = nullptr;
-};
 
 struct Size {
   std::int64_t width, height;
@@ -82,7 +49,7 @@ void compare(const char* what, const Size& size, double ratio, const System<doub
     return compile(system, in, out, options);
   };
   const Plan left_plan = plan_of(left), top_plan = plan_of(top);
-  const BarePair apart(size.width, size.height, false), in_place(size.width, size.height, true);
+  const bench::BarePair apart(size.width, size.height, false), in_place(size.width, size.height, true);
   Image rivals = scene.clone();  // its own: all scenes of plans are equally far from the processor
   const cv::Mat mat(static_cast<int>(size.height), static_cast<int>(size.width), CV_32F, rivals.data());
   const cv::Mat otf(mat.rows, mat.cols, CV_32F, cv::Scalar(1.0));
@@ -126,7 +93,7 @@ void otf_making() {
   options.threads = 1;
   options.method = Method::fft_float;
   const Plan plan = compile(system, grid, detector_grid(system, grid), options);
-  const BarePair bare(1024, 1024, false);
+  const bench::BarePair bare(1024, 1024, false);
   const auto t = bench::interleave({[&] { const Plan again = plan.with(system); }, [&] { bare.forward(); }}, 21);
   std::printf(
       "OTF of 6 components, 1024x1024 (Plan::with, all included)  %7.2f %7.2f | one transform %7.2f %7.2f | ratio "

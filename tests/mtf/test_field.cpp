@@ -7,17 +7,13 @@
 #include <random>
 #include <sstream>
 
-#include "mtf/components/jitter.h"
-#include "mtf/components/wavefront.h"
 #include "mtf/engines/fft/scene_spectrum.h"
-#include "mtf/literals.h"
 #include "tests/expect_error.h"
+#include "tests/mtf/field_systems.h"
 #include "tests/mtf/plan_support.h"
 
 namespace mtf::test {
 namespace {
-
-using namespace mtf::literals;
 
 struct Golden {
   std::string kind, quantity, where, parameters;
@@ -67,40 +63,6 @@ std::vector<double> numbers_in(const std::string& text) {
   return numbers;
 }
 
-void let_vary(System<double>& system, std::size_t entry, std::string_view field, std::string_view term, double value) {
-  const auto fields = std::as_const(system.list(Stage::presample).at(entry).component).fields();
-  std::size_t row = 0, at = 0;
-  while (fields.at(row).info->name != field) ++row;
-  while (kFieldTerms.at(at) != term) ++at;
-  for (FieldNumber<double>& number : system.field.numbers)
-    if (number.entry == entry && number.field == row) {
-      number.coefficient[at] = value;
-      return;
-    }
-  system.field.numbers.push_back({entry, row, 0, {}});
-  system.field.numbers.back().coefficient[at] = value;
-}
-
-void turn_with_field(System<double>& system, std::size_t entry, std::string_view field) {
-  const auto fields = std::as_const(system.list(Stage::presample).at(entry).component).fields();
-  std::size_t row = 0;
-  while (fields.at(row).info->name != field) ++row;
-  system.field.angles.push_back({entry, row});
-}
-
-/// Seidel aberrations in waves at |q| = 1: w131 r, w222 r^2, field curvature w220 r^2.
-System<double> seidel(double w040, double w131, double w222, double w220, double w020) {
-  System<double> s = bare(15.0, 15.0);
-  Wavefront<double> w;
-  w.w020 = w020, w.w040 = w040, w.w131 = 0.0, w.w222 = 0.0;
-  s.add(Stage::presample, w);
-  let_vary(s, 0, "w131", "r", w131);
-  let_vary(s, 0, "w222", "r2", w222);
-  let_vary(s, 0, "w020", "r2", w220);
-  turn_with_field(s, 0, "orientation");
-  return s;
-}
-
 /// The definition.
 std::vector<double> reference_over_field(const System<double>& system, const Image& scene, const SampleGrid& in,
                                          const SampleGrid& out, Border border, double border_value) {
@@ -147,16 +109,6 @@ TEST(Field, SeidelAberrationsAtFieldPoints) {
     const Complex<double> h = s.at({at[0], at[1]}).otf(Stage::presample, {at[2] * cutoff, at[3] * cutoff});
     EXPECT_NEAR(row.quantity == "re" ? h.re : h.im, row.value, 1e-11) << row.where;
   }
-}
-
-System<double> rolling(double sigma_px, double sigma0_px, int columns, int rows) {
-  System<double> s = bare(15.0, 15.0);
-  s.frame.columns = columns, s.frame.rows = rows;
-  Jitter<double> jitter;
-  jitter.rms = pixels(sigma0_px);
-  jitter.roll_urad = microradians(1e6 * sigma_px * 15.0 / s.field_radius_um());
-  s.add(Stage::presample, jitter);
-  return s;
 }
 
 TEST(Field, RollOfTheLineOfSight) {
