@@ -44,7 +44,7 @@ TEST(SceneErrors, EachHasItsPlaceAndItsRemedy) {
            Fault{"schema = 1", "schema = 2", {"scene.toml:1:10", "schema", "schema = 1"}},
            Fault{"schema = 1\n", "", {"schema", "missing", "schema = 1"}},
            Fault{"[place]", "[plase]", {"scene.toml:2:2", "plase", "\"place\""}},
-           Fault{"\"37.70 deg\"", "37.70", {"scene.toml:3:12", "place.latitude", "37.7 has no unit", "\"37.7 deg\""}},
+           Fault{"\"37.70 deg\"", "37.70", {"scene.toml:3:12", "place.latitude", "37.7 has no unit", "such as \"37.70 deg\""}},
            Fault{"37.70 deg", "97.70 deg", {"scene.toml:3:12", "place.latitude", "97.7 deg", "[-90, 90] deg"}},
            Fault{"37.70 deg", "37.70 m", {"\"m\"", "\"37.70 deg\""}},
            Fault{"longitude = \"-105.92 deg\"\n", "", {"place.longitude", "missing", "longitude = \"-105.92 deg\""}},

@@ -85,8 +85,9 @@ TEST(ConfigErrors, UnknownKeysAndKinds) {
 
 TEST(ConfigErrors, Units) {
   expect_one(head_with("\"15 um\"", "15"), "s.toml:4:9: error: frame.pitch: 15", {"no unit", "\"15 um\""});
-  expect_one(head_with("\"100 mm\"", "100.5"), "s.toml:3:16: error: frame.focal_length: 100.5 has no unit",
-             {"\"100.5 mm\""});
+  // 0.15 was meant in metres: the example is a typical value, never the number that stood there.
+  expect_one(head_with("\"100 mm\"", "0.15"), "s.toml:3:16: error: frame.focal_length: 0.15 has no unit",
+             {"write it with its unit, such as \"100 mm\""});
   expect_one(head_with("15 um", "15 furlong"),
              "s.toml:4:9: error: frame.pitch:", {"unknown unit \"furlong\"", "\"15 um\""});
   expect_one(head_with("15 um", "15 umm"), "s.toml:4:9: error: ", {"did you mean \"um\"?"});
