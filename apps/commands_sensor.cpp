@@ -77,6 +77,10 @@ Command budget_command() {
              if (!(options.temperature_k >= 0.0 && options.temperature_k <= radiometry::kMostTemperature_k))
                throw mtf::UsageError("--temperature " + text + ": a temperature in K is from 0 to 1e9");
            });
+  add_flag(
+      app, "--without-path",
+      "of the sensor by itself: leave [path] and [atmosphere] of the file out; blur of turbulence and aerosol stays",
+      options.without_path);
   add_flag(app, "--curves", "MRTD against spatial frequency and MDTD against size, in place of the budget",
            options.curves);
   add_text(app, "--plot", "FILE", "figure of --curves: a .svg, .pdf or .png file", options.plot);

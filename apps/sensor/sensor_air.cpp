@@ -245,6 +245,9 @@ void read_atmosphere(const mtf::System<double>& system, const radiometry::Sensor
 mtf::io::SensorConfig without_path(mtf::io::SensorConfig sensor) {
   std::erase_if(sensor.tables,
                 [](const mtf::SettingsTable& table) { return table.name == "path" || table.name == "atmosphere"; });
+  for (mtf::SettingsTable& table : sensor.tables)
+    if (table.name == "scene")
+      std::erase_if(table.settings, [](const mtf::GivenSetting& setting) { return setting.name == "depth_channel"; });
   return sensor;
 }
 

@@ -197,6 +197,30 @@ TEST_F(BudgetCommand, AMeanWithinItsSamplingErrorIsNoNews) {
   EXPECT_EQ(notes_of(0.2F), 2U) << "more than five";
 }
 
+// Figures behind the air say so where they begin; without the path they are those of a file that has none.
+TEST_F(BudgetCommand, SensitivityBehindTheAirSaysSoAndTheBareSensorIsAnOptionAway) {
+  sensor("");
+  const std::string csv = scratch.run("mtf budget s.toml --format csv").out,
+                    table = scratch.run("mtf budget s.toml").out,
+                    curves = scratch.run("mtf budget s.toml --curves --format csv").out;
+  EXPECT_FALSE(says(table, "behind the air"));
+  const std::string air = "[atmosphere]\nmodel = \"us_standard_1976\"\nrange = \"5 km\"\n";
+  const std::string by_pixel = "depth_channel = \"Z\"\n";
+  for (const auto& [more, scene, name] :
+       {std::tuple{std::string("[path]\ntransmission = 0.5\n"), "", "[path]"}, std::tuple{air, "", "[atmosphere]"},
+        std::tuple{replaced(air, "range = \"5 km\"\n", ""), by_pixel.c_str(), ""}}) {
+    sensor(more, "sample =", std::string(scene) + "sample =");
+    const std::string behind = scratch.run("mtf budget s.toml").out;
+    if (*name != '\0')
+      expect_says(behind, {"behind the air of " + std::string(name) + "; --without-path"});
+    else
+      EXPECT_FALSE(says(behind, "behind the air"));
+    EXPECT_EQ(scratch.run("mtf budget s.toml --without-path").out, table) << more;
+    EXPECT_EQ(scratch.run("mtf budget s.toml --without-path --format csv").out, csv) << more;
+    EXPECT_EQ(scratch.run("mtf budget s.toml --without-path --curves --format csv").out, curves) << more;
+  }
+}
+
 // Light that no detector sees: the message is at the key that takes it away.
 TEST_F(BudgetCommand, LightWithoutElectronsIsRefusedAtItsKey) {
   sensor("[path]\ntransmission = 0.0\n");
