@@ -33,6 +33,8 @@ if TYPE_CHECKING:
 
 
 def _frame_range(frames: Iterable[int]) -> tuple[int, int, int]:
+    if isinstance(frames, range) and frames and frames[0] >= 0 and frames.step > 0:  # of any length, in no time
+        return frames[0], frames[-1], frames.step
     numbers = [quantities.count(frame, "frames", 0) for frame in frames]
     if not numbers:
         raise UsageError("frames: is empty; give range(5) or numbers")
