@@ -68,6 +68,15 @@ double variance_of(const Rows& rows, BudgetGroup group) {
 
 double share_of(const radiometry::BudgetRow& row, double variance) { return row.value * row.value / variance; }
 
+/// Electrons or noise far below what a double resolves of the largest row of the group in that unit.
+bool is_next_to_nothing(const radiometry::BudgetRow& row, const Rows& rows) {
+  constexpr double kNothing = 1e-12;
+  return row.group != BudgetGroup::sensitivity && std::any_of(rows.begin(), rows.end(), [&](const auto& other) {
+           return other.group == row.group && other.unit == row.unit &&
+                  std::abs(row.value) < kNothing * std::abs(other.value);
+         });
+}
+
 /// The term that a group of noise is made of most, in words.
 std::string largest_term(const Rows& rows, BudgetGroup group) {
   const double variance = variance_of(rows, group);
@@ -91,8 +100,9 @@ std::string budget_text(const BudgetTable& budget, const Rows& rows) {
     for (const auto& row : rows) {
       // The largest term is said of every detector, in words.
       if (row.group != group || row.name == "largest") continue;
-      if (row.value == 0.0) {
-        zeros.push_back(row.name);
+      if (row.value == 0.0 || is_next_to_nothing(row, rows)) {
+        zeros.push_back(row.name +
+                        (row.value == 0.0 ? "" : " (" + mtf::with_unit(significant(row.value, 2), row.unit) + ")"));
         continue;
       }
       if (!std::exchange(titled, true)) {

@@ -10,6 +10,7 @@
 #include <span>
 #include <sstream>
 
+#include "mtf/words.h"
 #include "tests/apps/chain_sensor.h"
 #include "tests/expect_error.h"
 #include "tests/replaced.h"
@@ -80,6 +81,21 @@ TEST_F(BudgetCommand, TheTableSaysWhatTheNoiseIsMadeOf) {
       }
       expect_says(table, {"The largest " + sum + " term, ", " is " + largest + ": "});
     }
+  }
+}
+
+// Noise of several steps of the converter dithers it: what rounding leaves is far below what a double resolves.
+TEST_F(BudgetCommand, RowsNextToNothingAreNamedAmongTheZeros) {
+  const std::string spatial = "[noise]\nseed = 1\n[nonuniformity]\ndsnu = \"2 ke-\"\n[adc]\nbits = ";
+  for (const auto& [bits, nothing] : {std::pair{"16\n", true}, std::pair{"8\n", false}}) {
+    sensor(spatial + bits);
+    const double rounding = budget()["rounding"]["value"];
+    ASSERT_GT(rounding, 0.0);
+    ASSERT_EQ(rounding < 1e-12 * 2000.0, nothing) << rounding;
+    const std::string table = scratch.run("mtf budget s.toml").out;
+    EXPECT_EQ(line_of(table, "rounding").empty(), nothing);
+    EXPECT_EQ(says(table.substr(table.find("\nZero: ")), "rounding (" + mtf::significant(rounding, 2) + " e-)"),
+              nothing);
   }
 }
 
