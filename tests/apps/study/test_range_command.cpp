@@ -26,7 +26,8 @@ TEST_F(RangeCommand, SaysTargetContrastAirAndObserverBesideTheRanges) {
   const Result r = run("--target nato --display-height '200 mm' --viewing-distance '600 mm'");
   ASSERT_EQ(r.status, 0) << r.err;
   expect_says(r.out, {"target: 2.3 m, 2 K", "300 K", "magnification 6.51", "V50 2, 7.5, 13", "N50 0.75, 3, 6",
-                      "air: none", "vacuum", "limited by the Nyquist", "no standard deviation"});
+                      "air: none", "vacuum", "Johnson's ranges end at the Nyquist frequency", "neither counts aliasing",
+                      "limited by the Nyquist", "no standard deviation"});
   EXPECT_EQ(run("--target-size '230 cm' --contrast '2000 mK' --display-height '20 cm' --viewing-distance '60 cm'").out,
             r.out);
   EXPECT_NE(run("--target nato --contrast '1 K' --display-height '20 cm' --viewing-distance '60 cm'").out, r.out);
