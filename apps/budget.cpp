@@ -108,7 +108,9 @@ std::string budget_text(const BudgetTable& budget, const Rows& rows) {
       if (!std::exchange(titled, true)) {
         const bool behind_air = group == BudgetGroup::sensitivity && !budget.air.empty();
         table.add({std::string(title), "", "", "",
-                   behind_air ? "behind the air of " + budget.air + "; --without-path: of the sensor by itself" : ""});
+                   behind_air
+                       ? "behind the air of " + budget.air + "; --without-path gives that of the sensor by itself"
+                       : ""});
       }
       table.add({"  " + row.name,
                  row.saturated              ? "saturated"

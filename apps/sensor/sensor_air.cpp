@@ -176,9 +176,9 @@ std::optional<air::Profile<double>> read_profile(const AtmosphereSettings& setti
 air::Sight<double> read_sight(const AtmosphereSettings& settings) {
   if (const auto sight = sight_of(settings)) return *sight;
   throw mtf::UsageError(
-      "[atmosphere]: gives no line of sight; write range = \"2 km\" for a horizontal one, target_altitude or "
-      "zenith_angle for others; mtf render and mtf fly take it from the scene, and mtf simulate --without-path needs "
-      "none");
+      "[atmosphere]: gives no line of sight; write range = \"2 km\" for a horizontal one, with target_altitude or "
+      "zenith_angle beside it for others; mtf render and mtf fly take it from the scene, and mtf simulate "
+      "--without-path needs none");
 }
 
 air::Air<double> read_air(const AtmosphereSettings& settings) { return air_of(settings, read_profile(settings)); }
