@@ -362,6 +362,10 @@ TEST(Report, LooksAtASceneOfOnesOwn) {
   const Result missing = scratch.run("mtf report sweep --scene nowhere.exr");
   EXPECT_EQ(missing.status, 1);
   EXPECT_EQ(lines(missing.err), 1U) << missing.err;
+  fs::remove(scratch / "sweep/report.html");
+  write_file(scratch / "board.exr", "no image");
+  expect_error(scratch.run("mtf report sweep --scene board.exr"), 2, {"--scene: ", "board.exr"});
+  EXPECT_FALSE(fs::exists(scratch / "sweep/report.html"));
 }
 
 // Float32 cannot keep the tolerance of the page for a scene of so little contrast; the image is shown, and says so.
