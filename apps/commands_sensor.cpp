@@ -128,6 +128,12 @@ Command config_command() {
         const auto* kind = std::ranges::find(kFiles, text, &std::pair<std::string_view, FileKind>::first);
         if (kind != kFiles.end() && options.file.empty() && (*kinds)++ == 0)
           options.kind = kind->second;
+        else if (text != "-" && !text.ends_with(".toml"))
+          throw mtf::UsageError(
+              "'" + text +
+              "': is no kind of file (one of sensor, study, scene), and the name of no file that ends "
+              "in .toml; -o " +
+              text + " writes one of any name");
         else if (options.file.empty())
           options.file = text;
         else
