@@ -237,6 +237,12 @@ TEST_F(BudgetCommand, SensitivityBehindTheAirSaysSoAndTheBareSensorIsAnOptionAwa
   }
 }
 
+// 16.1 x 1000 is 16100.000000000002 in doubles.
+TEST_F(BudgetCommand, TheAirIsToldWithoutTheRoundingOfUnits) {
+  sensor("[atmosphere]\nmodel = \"us_standard_1976\"\nrange = \"16.1 km\"\n");
+  expect_says(scratch.run("mtf budget s.toml").out, {"range 16100 m;"});
+}
+
 // Light that no detector sees: the message is at the key that takes it away.
 TEST_F(BudgetCommand, LightWithoutElectronsIsRefusedAtItsKey) {
   sensor("[path]\ntransmission = 0.0\n");

@@ -119,6 +119,7 @@ TEST(Ranges, ConditionsThatContradictTheSensorOrEachOtherAreErrors) {
   expect(told("[path]\ntransmission = 0.8\n", "extinction = 0.0\n"),
          {"conditions.extinction", "[path] of camera.toml"});
   expect(told(fog, "range = \"5 km\"\n"), {"conditions.range", "is 5000 m", "1000 m long", "give both the same"});
+  expect(told(fog, "range = \"16.1 km\"\n"), {"is 16100 m, but"});  // not 16100.000000000002, as 16.1 x 1000 is
   EXPECT_EQ(told("[path]\ntransmission = 0.8\n", "range = \"5 km\"\n"), "");
   expect(told(fog, "range = \"1 km\"\n", axis("atmosphere.range", R"("1 km", "2 km")")),
          {"conditions.range", "changes the range", "remove it"});
