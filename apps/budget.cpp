@@ -11,6 +11,7 @@
 #include "apps/config_command.h"
 #include "apps/options.h"
 #include "apps/range/budget_curves.h"
+#include "apps/sensor/sensor_air.h"
 #include "apps/sensor/sensor_chain.h"
 #include "apps/simulate/output_files.h"
 #include "apps/terminal/output.h"
@@ -67,6 +68,15 @@ double variance_of(const Rows& rows, BudgetGroup group) {
 
 double share_of(const radiometry::BudgetRow& row, double variance) { return row.value * row.value / variance; }
 
+/// Electrons or noise far below what a double resolves of the largest row of the group in that unit.
+bool is_next_to_nothing(const radiometry::BudgetRow& row, const Rows& rows) {
+  constexpr double kNothing = 1e-12;
+  return row.group != BudgetGroup::sensitivity && std::any_of(rows.begin(), rows.end(), [&](const auto& other) {
+           return other.group == row.group && other.unit == row.unit &&
+                  std::abs(row.value) < kNothing * std::abs(other.value);
+         });
+}
+
 /// The term that a group of noise is made of most, in words.
 std::string largest_term(const Rows& rows, BudgetGroup group) {
   const double variance = variance_of(rows, group);
@@ -81,8 +91,7 @@ std::string largest_term(const Rows& rows, BudgetGroup group) {
 
 }  // namespace
 
-std::string budget_text(const Rows& rows, const radiometry::Saturation& saturation,
-                        const std::vector<std::string>& observer) {
+std::string budget_text(const BudgetTable& budget, const Rows& rows) {
   TextTable table({"term", "value", "unit", "of variance", "what it is"});
   std::vector<std::string> zeros;
   for (const auto& [group, title] : kGroups) {
@@ -91,11 +100,18 @@ std::string budget_text(const Rows& rows, const radiometry::Saturation& saturati
     for (const auto& row : rows) {
       // The largest term is said of every detector, in words.
       if (row.group != group || row.name == "largest") continue;
-      if (row.value == 0.0) {
-        zeros.push_back(row.name);
+      if (row.value == 0.0 || is_next_to_nothing(row, rows)) {
+        zeros.push_back(row.name +
+                        (row.value == 0.0 ? "" : " (" + mtf::with_unit(significant(row.value, 2), row.unit) + ")"));
         continue;
       }
-      if (!std::exchange(titled, true)) table.add({std::string(title), "", "", "", ""});
+      if (!std::exchange(titled, true)) {
+        const bool behind_air = group == BudgetGroup::sensitivity && !budget.air.empty();
+        table.add({std::string(title), "", "", "",
+                   behind_air
+                       ? "behind the air of " + budget.air + "; --without-path gives that of the sensor by itself"
+                       : ""});
+      }
       table.add({"  " + row.name,
                  row.saturated              ? "saturated"
                  : std::isfinite(row.value) ? four_digits(row.value)
@@ -107,8 +123,8 @@ std::string budget_text(const Rows& rows, const radiometry::Saturation& saturati
   if (!zeros.empty()) lines += "Zero: " + joined(zeros) + ".\n";
   lines += largest_term(rows, BudgetGroup::temporal) + largest_term(rows, BudgetGroup::spatial);
   lines += reasons(rows);
-  if (const std::string said = words(saturation); !said.empty()) lines += said + "\n";
-  for (const std::string& line : observer) lines += one_line(line) + "\n";
+  if (const std::string said = words(budget.numbers.saturation); !said.empty()) lines += said + "\n";
+  for (const std::string& line : budget.observer) lines += one_line(line) + "\n";
   return table.aligned({Align::left, Align::right, Align::left, Align::right}) + lines;
 }
 
@@ -162,22 +178,26 @@ void note_budget(const BudgetOptions& options, const BudgetTable& budget, const 
     note(global, (budget.numbers.saturation.saturated() ? "warning: " : "note: ") + said);
 }
 
+mtf::io::SensorConfig read_sensor(const BudgetOptions& options, const Global& global) {
+  mtf::io::SensorConfig config = read_sensor(options.sensor, global);
+  return options.without_path ? without_path(std::move(config)) : config;
+}
+
 int run_budget(const BudgetOptions& options, const Global& global) {
   if (options.curves) return run_budget_curves(options, global);
   if (!options.plot.empty()) throw mtf::UsageError("--plot: draws the curves of --curves; give both");
-  const mtf::io::SensorConfig config = read_sensor(options.sensor, global);
+  const mtf::io::SensorConfig config = read_sensor(options, global);
   if (!options.out.empty())
     for (const std::string& input : files_of(config)) require_different(input, options.out);
   const LoadedSensor loaded = load_chain(config);
   const BudgetTable budget = budget_table(config, loaded, options.temperature_k);
   note_budget(options, budget, global);
   const Rows& rows = budget.rows;
-  const radiometry::Saturation& saturation = budget.numbers.saturation;
   switch (options.format) {
     case Format::table: {
       Rows shown = rows;
       for (auto& row : nyquist_rows(config.system, loaded)) shown.push_back(std::move(row));
-      emit(options.out, budget_text(shown, saturation, budget.observer));
+      emit(options.out, budget_text(budget, shown));
       break;
     }
     case Format::csv:

@@ -87,7 +87,6 @@ using Rows = std::vector<radiometry::BudgetRow>;
 /// What the path lets through of the light of the surface, and of that of a small difference of its temperature. A
 /// band average of the transmission alone would be another number.
 void add_path_rows(const radiometry::Sensor& sensor, double temperature_k, Rows& rows) {
-  if (!sensor.settings.path && !sensor.settings.atmosphere) return;
   const double reflected_k = sensor.settings.scene ? sensor.settings.scene->surroundings_k.value_or(0.0) : 0.0;
   const radiometry::Surface surface{temperature_k, sensor.emissivity, reflected_k};
   const auto add = [&](const char* name, const char* doc, const auto& light) {
@@ -110,10 +109,14 @@ BudgetTable budget_table(const mtf::io::SensorConfig& config, const LoadedSensor
                     .notes = budget_notes(loaded.sensor, budget),
                     .observer = observer_lines(config.system, loaded.sensor),
                     .spatial_gap = spatial_gap(loaded.sensor.settings, budget),
+                    .air = loaded.paths                        ? ""
+                           : loaded.sensor.settings.path       ? "[path]"
+                           : loaded.sensor.settings.atmosphere ? "[atmosphere]"
+                                                               : "",
                     .without_path = static_cast<bool>(loaded.paths)};
   for (radiometry::BudgetRow& row : observer_rows(with_electron_rate(config.system, loaded), loaded.sensor, budget))
     table.rows.push_back(std::move(row));
-  if (!loaded.paths) add_path_rows(loaded.sensor, temperature_k, table.rows);
+  if (!table.air.empty()) add_path_rows(loaded.sensor, temperature_k, table.rows);
   return table;
 }
 

@@ -21,12 +21,16 @@ struct BudgetTable {
   std::vector<std::string> notes;      ///< about the numbers
   std::vector<std::string> observer;   ///< observer_lines()
   std::string spatial_gap;             ///< why spatial noise has no number; "" where it has
+  std::string air;                     ///< the table that gives the air that the sensor looks through; "" without air
   bool without_path = false;           ///< the scene gives the range of each pixel
 };
 
 /// For a surface of that temperature. `loaded`: the chain of `config`. Throws UsageError with the place in the sensor
 /// file.
 BudgetTable budget_table(const mtf::io::SensorConfig& config, const LoadedSensor& loaded, double temperature_k);
+
+/// The sensor that a budget is asked of.
+mtf::io::SensorConfig read_sensor(const BudgetOptions& options, const Global& global);
 
 /// What a person reads beside these rows: the MTF of the system at Nyquist along x and along y, averaged over the band
 /// with the electron rate of `loaded`, as `mtf curve` has it.
@@ -50,9 +54,9 @@ struct BarView {
 BarView bar_view(const mtf::System<double>& system, const radiometry::Sensor& sensor,
                  const radiometry::Budget<double>& budget);
 
-/// Rows for people: in groups, those of the value 0 only named, then the largest terms in words.
-std::string budget_text(const std::vector<radiometry::BudgetRow>& rows, const radiometry::Saturation& saturation,
-                        const std::vector<std::string>& observer);
+/// Rows for people: in groups, those of the value 0 only named, then the largest terms in words. `rows`: those of the
+/// budget, and others.
+std::string budget_text(const BudgetTable& budget, const std::vector<radiometry::BudgetRow>& rows);
 
 /// Who the observer of MRTD and MDTD is, and what air lies before the sensor.
 std::vector<std::string> observer_lines(const mtf::System<double>& system, const radiometry::Sensor& sensor);

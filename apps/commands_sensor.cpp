@@ -81,6 +81,10 @@ Command budget_command() {
              if (!(options.temperature_k >= 0.0 && options.temperature_k <= radiometry::kMostTemperature_k))
                throw mtf::UsageError("--temperature " + text + ": a temperature in K is from 0 to 1e9");
            });
+  add_flag(
+      app, "--without-path",
+      "of the sensor by itself: leave [path] and [atmosphere] of the file out; blur of turbulence and aerosol stays",
+      options.without_path);
   add_flag(app, "--curves", "MRTD against spatial frequency and MDTD against size, in place of the budget",
            options.curves);
   add_text(app, "--plot", "FILE", "figure of --curves: a .svg, .pdf or .png file", options.plot);
@@ -128,6 +132,12 @@ Command config_command() {
         const auto* kind = std::ranges::find(kFiles, text, &std::pair<std::string_view, FileKind>::first);
         if (kind != kFiles.end() && options.file.empty() && (*kinds)++ == 0)
           options.kind = kind->second;
+        else if (text != "-" && !text.ends_with(".toml"))
+          throw mtf::UsageError(
+              "'" + text +
+              "': is no kind of file (one of sensor, study, scene), and the name of no file that ends "
+              "in .toml; -o " +
+              text + " writes one of any name");
         else if (options.file.empty())
           options.file = text;
         else

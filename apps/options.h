@@ -87,8 +87,9 @@ struct BudgetOptions {
   std::string sensor;
   double temperature_k = 300.0;  ///< of the surface that the pixel images
   bool temperature_has_unit = true, temperature_given = false;
-  bool curves = false;  ///< MRTD and MDTD as curves, in place of the budget
-  std::string plot;     ///< figure of the curves: .svg, .pdf or .png
+  bool without_path = false;  ///< of the sensor by itself: its [path] and [atmosphere] are left out
+  bool curves = false;        ///< MRTD and MDTD as curves, in place of the budget
+  std::string plot;           ///< figure of the curves: .svg, .pdf or .png
   Format format = Format::table;
   std::string out;  ///< "" = stdout
 };

@@ -153,7 +153,7 @@ std::pair<std::string, mtf::Image> through(const Camera& camera, const std::file
 
   const BudgetTable budget = budget_table(config, load_chain(config), 288.0);
   std::string text = "\nthermal scene through the whole chain of " + file + ", and its noise budget at 288 K\n" +
-                     budget_text(budget.rows, budget.numbers.saturation, budget.observer);
+                     budget_text(budget, budget.rows);
   if (result.report.chain->held.any()) text += out + " is " + words(result.report.chain->held) + "\n";
   return {std::move(text), std::move(image)};
 }

@@ -175,7 +175,7 @@ std::vector<Figure> figures_of(const MinimumTemperatures& found) {
 }  // namespace
 
 int run_budget_curves(const BudgetOptions& options, const Global& global) {
-  const mtf::io::SensorConfig config = read_sensor(options.sensor, global);
+  const mtf::io::SensorConfig config = read_sensor(options, global);
   std::vector<std::string> files{options.out};
   for (std::string& file : figure_files(options.plot)) files.push_back(std::move(file));
   OutputSet outputs({.files = files, .inputs = files_of(config)});

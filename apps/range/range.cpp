@@ -12,7 +12,9 @@
 #include "apps/terminal/output.h"
 #include "apps/terminal/output_set.h"
 #include "apps/text/message_words.h"
+#include "mtf/components/field.h"
 #include "mtf/error.h"
+#include "radiometry/chain/sensor_settings.h"
 
 namespace apps {
 namespace {
@@ -59,18 +61,37 @@ radiometry::Conditions conditions_of(const RangeOptions& options) {
       text.replace(at + 1, 1, "[conditions] ");
     throw mtf::UsageError(in_options(text.substr(1)));
   }
-  if (!conditions.contrast_k)
-    throw mtf::UsageError("no contrast of the target; give --contrast '2 K', or --target nato");
-  if (!conditions.target_size_m)
-    throw mtf::UsageError(
-        "no size of the target; give --target-size '2.3 m', the square root of its area, or --target "
-        "nato");
   if (conditions.magnification && (conditions.display_height_m || conditions.viewing_distance_m))
     throw mtf::UsageError("--magnification: given together with a display, from which it follows; remove one of them");
   if (conditions.display_height_m.has_value() != conditions.viewing_distance_m.has_value())
     throw mtf::UsageError(conditions.display_height_m ? "--display-height: needs --viewing-distance beside it"
                                                       : "--viewing-distance: needs --display-height beside it");
   return conditions;
+}
+
+/// Throws UsageError with all that ranges of any sensor need and that neither the options nor the file say.
+void require_given(const radiometry::Conditions& conditions, const mtf::io::SensorConfig& config) {
+  std::vector<std::string> missing;
+  const auto need = [&](bool given, const char* text) {
+    if (!given) missing.emplace_back(text);
+  };
+  need(conditions.contrast_k.has_value(), "a contrast of the target (--contrast '2 K', or --target nato)");
+  need(conditions.target_size_m.has_value(),
+       "a size of the target (--target-size '2.3 m', the square root of its area, or --target nato)");
+  const radiometry::SensorSettings settings =
+      at_its_place(config, [&] { return radiometry::sensor_settings(config.tables); });
+  const mtf::System<double>& system = config.system;
+  const bool thermal = settings.thermal.has_value();
+  need(thermal || system.frame.integration_time_s > 0.0, "[frame] integration_time = \"10 ms\"");
+  need(!thermal || conditions.frame_rate_hz || (settings.frame && settings.frame->frame_time_s),
+       "[frame] frame_time = \"33 ms\" (or --frame-rate)");
+  need(mtf::f_number_of<double>({}, system.context()) > 0.0, "[optics] f_number = 2.0");
+  need(system.band.has_value(), "[band] wavelength = [\"3.4 um\", \"4.8 um\"]");
+  need(has_chain(config), "[detector] quantum_efficiency = 0.75 (mtf config kinds detector shows its keys)");
+  need(!settings.atmosphere || settings.atmosphere->range_m || settings.atmosphere->zenith_deg,
+       "[atmosphere] range = \"2 km\"");
+  if (!missing.empty())
+    throw mtf::UsageError("ranges need what neither the options nor " + config.file + " say: " + joined(missing, "; "));
 }
 
 study::Acquisition acquired(const mtf::io::SensorConfig& config, const radiometry::Conditions& conditions,
@@ -100,6 +121,7 @@ void keep_every(std::size_t steps, study::Acquisition& found) {
 int run_range(const RangeOptions& options, const Global& global) {
   const radiometry::Conditions conditions = conditions_of(options);
   const mtf::io::SensorConfig config = read_sensor(options.sensor, global);
+  require_given(conditions, config);
   std::vector<std::string> files{options.out};
   for (std::string& file : figure_files(options.plot)) files.push_back(std::move(file));
   OutputSet outputs({.files = files, .inputs = files_of(config)});

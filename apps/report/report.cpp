@@ -19,7 +19,9 @@
 #include "apps/simulate/output_files.h"
 #include "apps/terminal/output.h"
 #include "apps/terminal/text_table.h"
+#include "mtf/error.h"
 #include "mtf/io/file_checks.h"
+#include "mtf/io/image_io.h"
 #include "mtf/io/sha256.h"
 #include "mtf/version.h"
 
@@ -185,6 +187,16 @@ void require_no_input(const Sweep& sweep, const ReportOptions& options, const st
   if (!options.scene.empty()) require_different(options.scene, out);
 }
 
+/// Tells at once of a name mistyped, and of what is no image.
+void require_image(const std::string& scene) {
+  mtf::io::input_file_size(scene);
+  try {
+    static_cast<void>(mtf::io::read_info(scene));
+  } catch (const mtf::RuntimeError& error) {
+    throw mtf::UsageError(std::string("--scene: ") + error.what());
+  }
+}
+
 /// What is left for designs in a page of two million bytes.
 TableLimits room_for_designs(const std::vector<ChosenDesign>& chosen) {
   constexpr std::int64_t kPage = 1'850'000, kHtml = 300'000;  // static charts, tables, shown files
@@ -207,7 +219,7 @@ int run_report(const ReportOptions& options, const Global& global) {
   const Sweep sweep = read_sweep(options.folder);
   const std::string out = options.out.empty() ? (sweep.folder / "report.html").string() : options.out;
   require_no_input(sweep, options, out);
-  if (!options.scene.empty()) mtf::io::input_file_size(options.scene);  // tells at once of a name mistyped
+  if (!options.scene.empty()) require_image(options.scene);
   std::vector<ChosenDesign> chosen = load_chosen(sweep);
   const DesignTable table = read_designs(sweep, room_for_designs(chosen));
   simulate_chosen(chosen, options.scene, sweep.temperature_k, global);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "apps/report/report_html.h"
 #include "apps/report/report_sections.h"
@@ -42,10 +43,27 @@ std::string derivatives(const Sweep& sweep, const DesignTable& designs) {
                              "<details><summary>Numbers</summary>" + table.html() + "</details>\n");
 }
 
+/// Why metrics have no shares: each reason once, after their names.
+std::string without_shares(const Sweep& sweep) {
+  std::string rare, still;
+  std::set<std::string> told;
+  for (const SensitivityIndex& one : sweep.indices) {
+    if (std::isfinite(one.total) || !told.insert(one.column).second) continue;
+    std::string& names = 2 * one.used < sweep.samples ? rare : still;
+    names += (names.empty() ? "" : ", ") + html(one.column);
+  }
+  const auto sentence = [](const std::string& names, const std::string& why) {
+    return names.empty() ? ""
+                         : "<p class=\"gap\">No shares of <strong>" + names + "</strong>, which " + why + ".</p>\n";
+  };
+  return sentence(rare, "fewer than half of the samples have") + sentence(still, "vary in no sample");
+}
+
 std::string indices(const Sweep& sweep) {
   std::vector<Bar> bars;
   for (const SensitivityIndex& one : sweep.indices)
-    if (bars.size() < 40) bars.push_back({one.column + ": " + one.parameter, one.total, one.total_sd});
+    if (std::isfinite(one.total) && bars.size() < 40)
+      bars.push_back({one.column + ": " + one.parameter, one.total, one.total_sd});
   HtmlTable table("Indices of Sobol", {"Metric", "Parameter", "First order", "&plusmn;", "Total", "&plusmn;"},
                   {2, 3, 4, 5});
   for (const SensitivityIndex& one : sweep.indices)
@@ -54,7 +72,10 @@ std::string indices(const Sweep& sweep) {
   return "<h3>Over all of the space: share of the variance</h3>\n<p>First order: by this parameter alone. Total: with "
          "its interactions with others. From " +
          std::to_string(sweep.samples) + " samples; whiskers are one standard deviation.</p>\n" +
-         html_chart("indices", svg_bars("Total index of Sobol", "share of the variance", bars, Ends{0.0, 1.0})) +
+         without_shares(sweep) +
+         (bars.empty() ? ""
+                       : html_chart("indices",
+                                    svg_bars("Total index of Sobol", "share of the variance", bars, Ends{0.0, 1.0}))) +
          "<details><summary>Numbers</summary>" + table.html() + "</details>\n";
 }
 
@@ -185,7 +206,10 @@ std::string counts(const Sweep& sweep) {
             ".";
   if (sweep.invalid > 0) {
     text += " " + std::to_string(sweep.invalid) + " are invalid";
-    std::string between = ": ";
+    if (!sweep.cause.empty())
+      text += "; the commonest cause, of " + std::to_string(sweep.of_cause) + " of the " +
+              std::to_string(sweep.looked_at) + " that were looked at: " + html(sweep.cause);
+    std::string between = sweep.cause.empty() ? ": " : ". By what they lack: ";
     const auto add = [&](const std::string& what, std::int64_t designs) {
       text += between + what + " in " + std::to_string(designs);
       between = "; ";

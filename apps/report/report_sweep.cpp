@@ -103,6 +103,12 @@ void read_results(const Node& root, Sweep& sweep) {
   if (root.has("invalid")) {
     sweep.invalid = root.at("invalid").count("designs");
     sweep.no_sensor = root.at("invalid").count("no_sensor");
+    if (root.at("invalid").has("cause")) {
+      const Node cause = root.at("invalid").at("cause");
+      sweep.cause = cause.text("text");
+      sweep.of_cause = cause.count("designs");
+      sweep.looked_at = cause.count("looked_at");
+    }
     for (const Node& node : root.at("invalid").list("not_finite"))
       sweep.not_finite.emplace_back(node.at("text").text(), node.count("designs"));
   }
@@ -134,7 +140,7 @@ void read_results(const Node& root, Sweep& sweep) {
     sweep.samples = node.count("samples");
     for (const Node& one : node.list("indices"))
       sweep.indices.push_back({one.at("column").text(), one.at("parameter").text(), one.number("first"),
-                               one.number("first_sd"), one.number("total"), one.number("total_sd")});
+                               one.number("first_sd"), one.number("total"), one.number("total_sd"), one.count("used")});
   }
   if (root.has("yield")) {
     sweep.draws = root.at("yield").count("draws");

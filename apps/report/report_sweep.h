@@ -63,6 +63,7 @@ struct Derivative {
 struct SensitivityIndex {
   std::string column, parameter;
   double first = 0.0, first_sd = 0.0, total = 0.0, total_sd = 0.0;
+  std::int64_t used = 0;  ///< samples that have the metric
 };
 
 struct AccuracyPoint {
@@ -89,6 +90,8 @@ struct Sweep {
   std::int64_t feasible = 0;
   std::int64_t no_sensor = 0;  ///< of the invalid ones
   std::int64_t invalid = 0;    ///< no sensor has these values, or an objective or constraint is not finite
+  std::string cause;           ///< the commonest of the invalid designs that were looked at
+  std::int64_t of_cause = 0, looked_at = 0;
   std::vector<std::pair<std::string, std::int64_t>> not_finite;  ///< objective or constraint, designs
   std::optional<std::int64_t> nearest;                           ///< to being feasible, when no design is
   std::vector<std::string> violated;                             ///< by that one

@@ -88,7 +88,8 @@ AirCourse air_course(const LoadedSensor& loaded, const radiometry::Overrides<dou
 
 namespace {
 
-std::string shown(double value, std::string_view unit) { return mtf::with_unit(mtf::format_double(value), unit); }
+/// With 15 digits: what a change of unit rounds is not shown.
+std::string shown(double value, std::string_view unit) { return mtf::with_unit(mtf::significant(value, 15), unit); }
 std::string shown(const std::string& text, std::string_view) { return text; }
 std::string shown(const radiometry::NumberOrFile& value, std::string_view unit) {
   return value.file.empty() ? shown(value.number, unit) : value.file;

@@ -176,9 +176,9 @@ std::optional<air::Profile<double>> read_profile(const AtmosphereSettings& setti
 air::Sight<double> read_sight(const AtmosphereSettings& settings) {
   if (const auto sight = sight_of(settings)) return *sight;
   throw mtf::UsageError(
-      "[atmosphere]: gives no line of sight; write range = \"2 km\" for a horizontal one, target_altitude or "
-      "zenith_angle for others; mtf render and mtf fly take it from the scene, and mtf simulate --without-path needs "
-      "none");
+      "[atmosphere]: gives no line of sight; write range = \"2 km\" for a horizontal one, with target_altitude or "
+      "zenith_angle beside it for others; mtf render and mtf fly take it from the scene, and mtf simulate "
+      "--without-path needs none");
 }
 
 air::Air<double> read_air(const AtmosphereSettings& settings) { return air_of(settings, read_profile(settings)); }
@@ -245,6 +245,9 @@ void read_atmosphere(const mtf::System<double>& system, const radiometry::Sensor
 mtf::io::SensorConfig without_path(mtf::io::SensorConfig sensor) {
   std::erase_if(sensor.tables,
                 [](const mtf::SettingsTable& table) { return table.name == "path" || table.name == "atmosphere"; });
+  for (mtf::SettingsTable& table : sensor.tables)
+    if (table.name == "scene")
+      std::erase_if(table.settings, [](const mtf::GivenSetting& setting) { return setting.name == "depth_channel"; });
   return sensor;
 }
 

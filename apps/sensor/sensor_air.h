@@ -42,8 +42,8 @@ radiometry::atmosphere::AerosolLoss loss_in(const mtf::System<double>& system);
 void read_atmosphere(const mtf::System<double>& system, const radiometry::SensorSettings& settings,
                      LoadedSensor& loaded);
 
-/// The sensor without [path] and [atmosphere], for pictures that have their air in them. Its components keep the path
-/// that they were read with.
+/// The sensor without [path] and [atmosphere] and without the ranges of pixels, for the sensor by itself and for
+/// pictures that have their air in them. Its components keep the path that they were read with.
 mtf::io::SensorConfig without_path(mtf::io::SensorConfig sensor);
 
 /// How long the air in front of a sensor is, where its file says it. `to_space`: one end lies at the top of the air, so

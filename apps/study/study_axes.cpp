@@ -159,6 +159,21 @@ struct AxisReader {
       good = good && number;
       axis.values.push_back(number.value_or(0.0));
     }
+    if (good) require_each_once(values, axis.values);
+  }
+
+  /// A value that stands twice would be swept twice. `read`: of the nodes, one for each.
+  template <class T>
+  void require_each_once(const Node& values, const std::vector<T>& read) {
+    for (std::size_t i = 1; i < read.size(); ++i) {
+      const auto first = std::find(read.begin(), read.begin() + static_cast<std::ptrdiff_t>(i), read[i]);
+      if (first == read.begin() + static_cast<std::ptrdiff_t>(i)) continue;
+      const Node& same = values.items[static_cast<std::size_t>(first - read.begin())];
+      s.error(values.items[i].position, section.at("values"),
+              cfg::shown(values.items[i]) + " is the value " + cfg::shown(same) +
+                  " of this list again; its designs would be swept twice, so remove one of them");
+      good = false;
+    }
   }
 
   void read_levels(const Node& values) {
@@ -168,6 +183,7 @@ struct AxisReader {
       axis.levels.push_back(level_text(values.items[i]));
       axis.values.push_back(numbers ? values.items[i].number : static_cast<double>(i));
     }
+    require_each_once(values, axis.levels);
     const auto [lo, hi] = std::minmax_element(axis.values.begin(), axis.values.end());
     parameter.unit = {};
     parameter.scale = {};

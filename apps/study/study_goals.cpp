@@ -100,9 +100,9 @@ void read_constraint(StudyReader& s, const Source& source) {
     if (const auto slot = name->only_slot(); slot && is_bare_number(mtf::trimmed(number->text())))
       if (const std::string& unit = s.study.unit_of(*slot); unit_scale(unit).si != 1.0)
         return s.error_in(source, 0,
-                          "compares " + std::string(mtf::trimmed(name->text())) + ", which is in " + unit +
-                              ", with a number without unit; write " + std::string(mtf::trimmed(number->text())) + " " +
-                              unit);
+                          "compares " + std::string(mtf::trimmed(name->text())) + ", which is in " + unit + ", with " +
+                              std::string(mtf::trimmed(number->text())) +
+                              ", which has no unit; write it with its unit, such as 5 " + unit);
   if (left->constant() && right->constant())
     return s.error_in(source, 0, "has no name in it: it holds for every design or for none");
   s.study.constraints.push_back({.text = source.text,

@@ -130,8 +130,8 @@ void check_conditions(StudyReader& s) {
     const auto own = apps::range_of_air(view.sensor);
     if (own && std::abs(own->range_m - *given.range_m) > 1e-6 * *given.range_m &&
         !(own->to_space && *given.range_m > own->range_m))
-      return refuse("range", "is " + mtf::format_double(*given.range_m) + " m, but the air of " + file + " is " +
-                                 mtf::format_double(own->range_m) + " m long, " + std::string(air) +
+      return refuse("range", "is " + mtf::significant(*given.range_m, 15) + " m, but the air of " + file + " is " +
+                                 mtf::significant(own->range_m, 15) + " m long, " + std::string(air) +
                                  "; give both the same, or remove range: without it figures take that of the air");
   }
 }

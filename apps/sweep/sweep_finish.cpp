@@ -3,7 +3,9 @@
 // From rows to a folder of results.
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
+#include <map>
 
 #include "apps/study/result_columns.h"
 #include "apps/study/rows/sweep_rows.h"
@@ -130,6 +132,22 @@ std::vector<study::Limit> limits_of_best(const SweepReport& report, study::Evalu
   return limits;
 }
 
+/// The commonest of these causes. Their numbers, which differ from design to design, do not count.
+InvalidCause commonest(const std::vector<std::string>& causes) {
+  std::map<std::string, InvalidCause> found;
+  for (const std::string& text : causes) {
+    std::string words = text;
+    std::erase_if(words, [](unsigned char c) { return std::isdigit(c) != 0 || c == '.' || c == 'e' || c == '-'; });
+    InvalidCause& cause = found[words];
+    if (cause.designs++ == 0) cause.text = text;
+  }
+  InvalidCause most;
+  for (const auto& [words, cause] : found)
+    if (!cause.text.empty() && cause.designs > most.designs) most = cause;
+  most.looked_at = std::ssize(causes);
+  return most;
+}
+
 /// What evaluators report about the study as a whole, and derivatives at the best design.
 void ask_evaluator(SweepReport& report) {
   const study::Study& study = *report.sweep->study;
@@ -137,8 +155,13 @@ void ask_evaluator(SweepReport& report) {
   std::vector<double> row(report.sweep->columns.size());
   // From all over the study: what is saturated or impossible may be at one end of it only.
   const std::int64_t some = std::min(kSampled, study.designs);
-  for (std::int64_t i = 0; i < some; ++i)
+  std::vector<std::string> causes;
+  for (std::int64_t i = 0; i < some; ++i) {
     evaluator.evaluate(i * (study.designs - 1) / std::max<std::int64_t>(some - 1, 1), row);
+    if (evaluator.last_valid()) continue;
+    causes.push_back(evaluator.last_problem().empty() ? evaluator.last_refusal() : evaluator.last_problem());
+  }
+  report.cause = commonest(causes);
   report.gaps = evaluator.gaps();
   for (const std::string& text : evaluator.skipped()) report.skipped.push_back(text);
   report.chosen = choose(report);
@@ -342,6 +365,9 @@ std::string invalid(const SweepReport& report) {
   const study::Study& study = *report.sweep->study;
   std::string text = "invalid " + share(invalid.designs, report.tally->designs()) + ", the first is design " +
                      std::to_string(invalid.first) + "\n";
+  if (const InvalidCause& cause = report.cause; !cause.text.empty())
+    text += "  the commonest cause, of " + share(cause.designs, cause.looked_at) +
+            " looked at: " + one_line(cause.text) + "\n";
   if (invalid.impossible > 0) text += "  impossible as a sensor: " + std::to_string(invalid.impossible) + "\n";
   for (std::size_t g = 0; g < invalid.by_goal.size(); ++g)
     if (invalid.by_goal[g] > 0)

@@ -152,6 +152,7 @@ Json sensitivities_json(const SweepReport& report) {
       const study::Index& index = report.indices.indices.of[r][a];
       indices.push_back({{"column", columns[report.indices.columns[r]].name},
                          {"parameter", columns[a].name},
+                         {"used", report.indices.indices.used[r]},
                          {"first", number_or_null(index.first)},
                          {"first_sd", number_or_null(index.first_sd)},
                          {"total", number_or_null(index.total)},
@@ -189,8 +190,11 @@ Json invalid_json(const SweepReport& report) {
     if (invalid.by_goal[g] > 0) by.push_back({{"text", study.objectives[g].text}, {"designs", invalid.by_goal[g]}});
   for (std::size_t k = 0; k < invalid.by_limit.size(); ++k)
     if (invalid.by_limit[k] > 0) by.push_back({{"text", study.constraints[k].text}, {"designs", invalid.by_limit[k]}});
-  return {
+  Json json = {
       {"designs", invalid.designs}, {"first", invalid.first}, {"no_sensor", invalid.impossible}, {"not_finite", by}};
+  if (const InvalidCause& cause = report.cause; !cause.text.empty())
+    json["cause"] = {{"text", cause.text}, {"designs", cause.designs}, {"looked_at", cause.looked_at}};
+  return json;
 }
 
 Json accuracy_json(const SweepReport& report) {

@@ -19,6 +19,12 @@ struct ChosenFile {
   std::string caution{};  ///< Evaluator::last_caution
 };
 
+/// Why most of the invalid designs are so that were looked at, in the words of the first of them.
+struct InvalidCause {
+  std::string text;                         ///< "" where none was met
+  std::int64_t designs = 0, looked_at = 0;  ///< invalid for this cause, and for any
+};
+
 struct SweepReport {
   const SweepStudy* sweep = nullptr;
   const SweepRun* run = nullptr;
@@ -27,6 +33,7 @@ struct SweepReport {
   std::vector<std::string> gaps;                  ///< by column
   std::vector<std::vector<study::Limit>> limits;  ///< what keeps the best design of each objective from being better
   std::vector<ChosenFile> chosen;
+  InvalidCause cause;
   std::int64_t gradient_design = 0;
   study::Gradient gradient;
   study::StudyIndices indices;

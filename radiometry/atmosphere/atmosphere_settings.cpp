@@ -108,7 +108,8 @@ std::optional<Sight<double>> sight_of(const AtmosphereSettings& s) {
           "atmosphere.target_altitude: the same as sensor_altitude, so that zenith_angle says no length; give range in "
           "place of zenith_angle");
     if (s.zenith_deg) return ToAltitude<double>{from_m, zenith_rad, *s.target_altitude_m};
-    throw mtf::UsageError("atmosphere.target_altitude: needs range or zenith_angle beside it");
+    throw mtf::UsageError(
+        "atmosphere.target_altitude: needs range or zenith_angle beside it; ranges of targets (mtf range) need range");
   }
   if (s.zenith_deg && s.range_m) return AtAngle<double>{from_m, zenith_rad, *s.range_m};
   if (s.range_m) return Horizontal<double>{from_m, *s.range_m};

@@ -104,11 +104,7 @@ Pixel<double> pixel_of(const mtf::System<double>& system, const Sensor& sensor) 
   const auto& thermal = sensor.settings.thermal;
   if (!thermal && !(system.frame.integration_time_s > 0.0))
     throw mtf::UsageError("frame.integration_time: missing; [detector] needs it, for example \"10 ms\"");
-  if (!thermal && frame_time_s(system, sensor.settings) < system.frame.integration_time_s)
-    throw mtf::UsageError("frame.frame_time: " + mtf::format_double(*sensor.settings.frame->frame_time_s) +
-                          " s is shorter than frame.integration_time, " +
-                          mtf::format_double(system.frame.integration_time_s) +
-                          " s; give the time from one frame to the next");
+  if (const std::string why = frame_time_problem(system, sensor.settings); !why.empty()) throw mtf::UsageError(why);
   const ThermalReference<double> reference = thermal_reference(sensor);
   const Pixel<double> pixel = pixel_numbers(system, sensor.settings, {}, reference);
   if (thermal) require_thermal(*thermal, pixel.area_m2(), pixel.quantum_efficiency * reference.middle);

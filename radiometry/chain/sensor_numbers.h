@@ -5,8 +5,10 @@
 // differentiate through detector and converter as they do through the OTF.
 
 #include <array>
+#include <string>
 #include <string_view>
 
+#include "mtf/words.h"
 #include "radiometry/chain/sensor_settings.h"
 #include "radiometry/chain/thermal_numbers.h"
 #include "radiometry/performance/overrides.h"
@@ -73,6 +75,15 @@ template <class S>
 S frame_time_s(const mtf::System<S>& system, const SensorSettings& settings) {
   return settings.frame && settings.frame->frame_time_s ? S(*settings.frame->frame_time_s)
                                                         : system.frame.integration_time_s;
+}
+
+/// Why a pixel cannot collect light for so long in each frame; "" where it can.
+inline std::string frame_time_problem(const mtf::System<double>& system, const SensorSettings& settings) {
+  constexpr double kUnits = 1e-12;  // relative: what units round
+  const double given = system.frame.integration_time_s, most = frame_time_s(system, settings);
+  if (settings.thermal || !(most < (1.0 - kUnits) * given)) return "";
+  return "frame.frame_time: " + mtf::significant(most, 12) + " s is shorter than frame.integration_time, " +
+         mtf::significant(given, 12) + " s; give the time from one frame to the next";
 }
 
 /// Electrons (volts of a thermal detector) of one count: as given, or the full well over the counts that the offset

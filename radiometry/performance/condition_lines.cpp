@@ -53,6 +53,10 @@ std::vector<std::string> condition_lines(const FiguresOfObservers& figures, cons
     lines.push_back("johnson: N50 " + three(kN50[0], kN50[1], kN50[2]) +
                     " of the 2-D MRTD to detect, recognise, identify, up to Nyquist; probability " +
                     format_double(c.probability) + ", law " + name_of(Psychometric::johnson));
+  if (figures.johnson && figures.ttp)
+    lines.push_back(
+        "johnson and ttp differ: Johnson's ranges end at the Nyquist frequency, TTP goes on to the optical cutoff; "
+        "neither counts aliasing, so TTP flatters an under-sampled camera");
   if (!lines.empty() && !air.empty()) lines.push_back("air: " + air);
   return lines;
 }

@@ -10,6 +10,7 @@
 #include <span>
 #include <sstream>
 
+#include "mtf/words.h"
 #include "tests/apps/chain_sensor.h"
 #include "tests/expect_error.h"
 #include "tests/replaced.h"
@@ -80,6 +81,21 @@ TEST_F(BudgetCommand, TheTableSaysWhatTheNoiseIsMadeOf) {
       }
       expect_says(table, {"The largest " + sum + " term, ", " is " + largest + ": "});
     }
+  }
+}
+
+// Noise of several steps of the converter dithers it: what rounding leaves is far below what a double resolves.
+TEST_F(BudgetCommand, RowsNextToNothingAreNamedAmongTheZeros) {
+  const std::string spatial = "[noise]\nseed = 1\n[nonuniformity]\ndsnu = \"2 ke-\"\n[adc]\nbits = ";
+  for (const auto& [bits, nothing] : {std::pair{"13\n", true}, std::pair{"12\n", false}}) {
+    sensor(spatial + bits);
+    const double rounding = budget()["rounding"]["value"];
+    ASSERT_GT(rounding, 0.0);
+    ASSERT_EQ(rounding < 1e-12 * 2000.0, nothing) << rounding;
+    const std::string table = scratch.run("mtf budget s.toml").out;
+    EXPECT_EQ(line_of(table, "rounding").empty(), nothing);
+    EXPECT_EQ(says(table.substr(table.find("\nZero: ")), "rounding (" + mtf::significant(rounding, 2) + " e-)"),
+              nothing);
   }
 }
 
@@ -195,6 +211,36 @@ TEST_F(BudgetCommand, AMeanWithinItsSamplingErrorIsNoNews) {
   EXPECT_EQ(notes_of(0.07F), 0U) << "two standard deviations of the mean";
   EXPECT_EQ(notes_of(-0.13F), 0U);
   EXPECT_EQ(notes_of(0.2F), 2U) << "more than five";
+}
+
+// Figures behind the air say so where they begin; without the path they are those of a file that has none.
+TEST_F(BudgetCommand, SensitivityBehindTheAirSaysSoAndTheBareSensorIsAnOptionAway) {
+  sensor("");
+  const std::string csv = scratch.run("mtf budget s.toml --format csv").out,
+                    table = scratch.run("mtf budget s.toml").out,
+                    curves = scratch.run("mtf budget s.toml --curves --format csv").out;
+  EXPECT_FALSE(says(table, "behind the air"));
+  const std::string air = "[atmosphere]\nmodel = \"us_standard_1976\"\nrange = \"5 km\"\n";
+  const std::string by_pixel = "depth_channel = \"Z\"\n";
+  for (const auto& [more, scene, name] :
+       {std::tuple{std::string("[path]\ntransmission = 0.5\n"), "", "[path]"}, std::tuple{air, "", "[atmosphere]"},
+        std::tuple{replaced(air, "range = \"5 km\"\n", ""), by_pixel.c_str(), ""}}) {
+    sensor(more, "sample =", std::string(scene) + "sample =");
+    const std::string behind = scratch.run("mtf budget s.toml").out;
+    if (*name != '\0')
+      expect_says(behind, {"behind the air of " + std::string(name) + "; --without-path"});
+    else
+      EXPECT_FALSE(says(behind, "behind the air"));
+    EXPECT_EQ(scratch.run("mtf budget s.toml --without-path").out, table) << more;
+    EXPECT_EQ(scratch.run("mtf budget s.toml --without-path --format csv").out, csv) << more;
+    EXPECT_EQ(scratch.run("mtf budget s.toml --without-path --curves --format csv").out, curves) << more;
+  }
+}
+
+// 16.1 x 1000 is 16100.000000000002 in doubles.
+TEST_F(BudgetCommand, TheAirIsToldWithoutTheRoundingOfUnits) {
+  sensor("[atmosphere]\nmodel = \"us_standard_1976\"\nrange = \"16.1 km\"\n");
+  expect_says(scratch.run("mtf budget s.toml").out, {"range 16100 m;"});
 }
 
 // Light that no detector sees: the message is at the key that takes it away.

@@ -31,6 +31,11 @@ TEST(Config, InitWritesTheStarterAndKeepsWhatIsThere) {
   EXPECT_EQ(scratch.run("mtf config init s.toml --force").status, 0);
   EXPECT_EQ(read_file(scratch / "s.toml"), mtf::io::starter_config());
   EXPECT_EQ(scratch.run("mtf config init -o missing/s.toml").status, 1);
+  for (const char* word : {"foo", "studi", "study foo", "toml"}) {
+    expect_error(scratch.run(std::string("mtf config init ") + word), 2,
+                 {"is no kind of file", "sensor, study, scene"});
+    EXPECT_EQ(std::distance(fs::directory_iterator(scratch / "."), {}), 1) << word;
+  }
 }
 
 TEST(Config, CheckSaysOkOrEveryErrorWithItsPlace) {

@@ -103,6 +103,33 @@ TEST(Report, HasItsSectionsAndStaticCharts) {
   EXPECT_EQ(page.find("{{"), page.find("{{", page.find("id=\"data\""))) << "a name of the template is left";
 }
 
+TEST(Report, SaysAtOnceWhyDesignsAreInvalidAndMetricsHaveNoShares) {
+  const Scratch scratch;
+  make_sweep(scratch);
+  EXPECT_FALSE(says(page_of(scratch), "No shares of"));
+  change_json(scratch, [](Json& json) {
+    json["invalid"] = {{"designs", 30},
+                       {"no_sensor", 4},
+                       {"not_finite", {{{"text", "minimize netd"}, {"designs", 26}}}},
+                       {"cause", {{"text", "saturated at <b>"}, {"designs", 17}, {"looked_at", 20}}}};
+    for (Json& one : json["sensitivities"]["indices"])
+      if (one["column"] != "netd") {
+        one["total"] = nullptr;
+        one["used"] = one["column"] == "mtf50" ? 100 : 4096;
+      }
+  });
+  const std::string page = page_of(scratch);
+  expect_says(page,
+              {"30 are invalid; the commonest cause, of 17 of the 20 that were looked at: saturated at &lt;b&gt;. By",
+               "impossible as a sensor in 4; minimize netd not finite in 26",
+               "<strong>mtf50</strong>, which fewer than half of the samples have.",
+               "<strong>mtf_nyquist</strong>, which vary in no sample."});
+  change_json(scratch, [](Json& json) {
+    for (Json& one : json["sensitivities"]["indices"]) one["total"] = nullptr, one["used"] = 0;
+  });
+  expect_says(page_of(scratch), {"<strong>mtf_nyquist, netd, mtf50</strong>, which fewer"});
+}
+
 TEST(Report, TheCurvesAreThoseOfTheChosenFiles) {
   const Scratch scratch;
   make_sweep(scratch);
@@ -335,6 +362,10 @@ TEST(Report, LooksAtASceneOfOnesOwn) {
   const Result missing = scratch.run("mtf report sweep --scene nowhere.exr");
   EXPECT_EQ(missing.status, 1);
   EXPECT_EQ(lines(missing.err), 1U) << missing.err;
+  fs::remove(scratch / "sweep/report.html");
+  write_file(scratch / "board.exr", "no image");
+  expect_error(scratch.run("mtf report sweep --scene board.exr"), 2, {"--scene: ", "board.exr"});
+  EXPECT_FALSE(fs::exists(scratch / "sweep/report.html"));
 }
 
 // Float32 cannot keep the tolerance of the page for a scene of so little contrast; the image is shown, and says so.

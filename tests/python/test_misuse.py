@@ -44,6 +44,13 @@ def test_frequencies_of_any_kind(sensor):
     assert sensor.otf(np.inf) == 0 and sensor.otf([]).shape == (0,)
 
 
+def test_frames_that_fit_nowhere_are_refused_at_once(sensor, scene):
+    with pytest.raises(mk.UsageError, match="1000000000 frames are more than 10000000"):
+        sensor.simulate(scene, frames=range(10 ** 9), **HOW)
+    with pytest.raises(mk.UsageError, match=r"^frames: 10000000 images of \d+x\d+ pixels need .* .iB; .* .iB: .*frame.%04d.exr"):
+        sensor.simulate(scene, frames=range(10 ** 7), **HOW)
+
+
 @pytest.mark.parametrize("threads", [-1, 4097, 10 ** 9, 10 ** 20, 1.5, "2", True, None])
 def test_threads(sensor, scene, demo, study, threads):
     plan = sensor.compile(scene, **HOW)

@@ -3,6 +3,7 @@
 
 import pickle
 import tracemalloc
+import warnings
 
 import numpy as np
 import pytest
@@ -201,6 +202,24 @@ def test_a_changed_file_is_read_again(tmp_path, monkeypatch):
     first = plan(scene).mean()
     second = camera("0.4125")
     assert plan.replace(second)(scene).mean() == second.compile(scene, sample="3.75 um", stage="electrons")(scene).mean() < 0.6 * first
+
+
+def test_temperatures_that_are_all_cold_cause_a_warning_with_their_unit():
+    camera = mk.Sensor(frame=dict(focal_length="100 mm", pitch="15 um", integration_time="2 ms"), optics=dict(f_number=2.0),
+                       scene=dict(quantity="temperature"), band=dict(wavelength=["3.4 um", "4.8 um"]),
+                       presample=["diffraction"], detector=dict(quantum_efficiency=0.8))
+    differences = np.full((32, 32), 2.0, "f4")
+    differences[8:24, 8:24] = 8.0
+    how = dict(sample="3.75 um", stage="radiance")
+    for cold in (differences, differences.tolist(), {"Y": differences}, mk.targets.edge(size=(32, 32))):
+        with pytest.warns(UserWarning, match="'Y' was taken for temperatures in K, of [78].* K at most; .* 273.15") as caught:
+            camera.simulate(cold, **how)
+        assert caught[0].filename == __file__
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        camera.simulate(differences + 292.0, **how)
+        camera.simulate(np.where(differences > 5.0, 300.0, differences), **how)  # a cold sky around something warm
+        camera.simulate(differences, quantity="radiance", **how)
 
 
 def test_labels_follow_the_image():

@@ -162,12 +162,13 @@ def sample_words(sample: Value) -> tuple[str, str] | None:
     if isinstance(sample, (tuple, list)) and len(sample) == 2 and all(
             isinstance(one, str) or is_quantity(one) for one in sample):
         return words(sample[0], "sample"), words(sample[1], "sample")
-    raise UsageError(f"sample: {shown(sample)} has no unit; write \"3.75 um\", (3.75, \"um\"), or a pair of them for x and y")
+    raise UsageError(f"sample: {shown(sample)} has no unit; write it with its unit, such as \"3.75 um\" or (3.75, \"um\"), "
+                     "or a pair of them for x and y")
 
 
 def _lacks_unit(value: Value, unit: str) -> str:
     if isinstance(value, (int, float, np.integer, np.floating)) and not isinstance(value, bool):
-        return f"{shown(value)} has no unit; write \"{value} {unit}\" or ({value}, \"{unit}\")"
+        return f"{shown(value)} has no unit; write it with its unit, such as \"5 {unit}\" or (5, \"{unit}\")"
     return f"{shown(value)} is no text with a unit, such as \"5 {unit}\", and no (5, \"{unit}\")"
 
 

@@ -6,8 +6,11 @@ from __future__ import annotations
 import os
 import re
 import time
+import warnings
 from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, Union
+
+import numpy as np
 
 from mtfkit import _core, quantities
 from mtfkit.arguments import checked
@@ -30,6 +33,8 @@ if TYPE_CHECKING:
 
 
 def _frame_range(frames: Iterable[int]) -> tuple[int, int, int]:
+    if isinstance(frames, range) and frames and frames[0] >= 0 and frames.step > 0:  # of any length, in no time
+        return frames[0], frames[-1], frames.step
     numbers = [quantities.count(frame, "frames", 0) for frame in frames]
     if not numbers:
         raise UsageError("frames: is empty; give range(5) or numbers")
@@ -62,8 +67,21 @@ def _scene_words(sensor: Sensor, scene: SceneLike, sample: quantities.Value, qua
         given = " and ".join(name for name, value in (("sample", sample), ("quantity", quantity)) if value is not None)
         raise UsageError(f"{given}: for arrays; {what} says its own, or [scene] of the sensor does. Give sensor.simulate({plane}, "
                          f"sample=..., quantity=...), or write a file that says it with mtfkit.write(path, image, sample=...)")
-    return _core.SceneWords(path, image, planes, list((beside or {}).items()), quantities.sample_words(sample),
-                            quantity or sensor._file.quantity or "radiance", blur)
+    quantity = quantity or sensor._file.quantity or "radiance"
+    if quantity == "temperature" and sensor._file.has_chain:
+        _warn_of_cold(planes)
+    return _core.SceneWords(path, image, planes, list((beside or {}).items()), quantities.sample_words(sample), quantity, blur)
+
+
+def _warn_of_cold(planes: list[tuple[str, Any]]) -> None:
+    """Arrays have no unit: numbers that are all small may be differences of temperature, or degrees Celsius."""
+    cold = 100.0
+    for name, given in planes:
+        plane = _core.plane(given, "scene" if len(planes) == 1 else f"scene: plane '{name}'")
+        largest = np.max(plane, initial=-np.inf, where=np.isfinite(plane))
+        if -np.inf < largest < cold:
+            warnings.warn(f"scene: plane {name!r} was taken for temperatures in K, of {largest:.4g} K at most; for degrees Celsius "
+                          "give plane + 273.15, for differences add the temperature of the background", stacklevel=6)
 
 
 def _canvas(sensor: Sensor, scene: SceneLike, sample: quantities.Value,

@@ -76,7 +76,7 @@ async function startNoise() {
 
 async function startIndices() {
   if (!document.getElementById("indices")) return;
-  const values = report.indices.slice(0, 60).flatMap(([metric, parameter, first, firstSd, total, totalSd]) => [
+  const values = report.indices.filter((index) => index[4] !== null).slice(0, 60).flatMap(([metric, parameter, first, firstSd, total, totalSd]) => [
     { metric, parameter, kind: "first order", value: first, low: first - firstSd, high: first + firstSd },
     { metric, parameter, kind: "total", value: total, low: total - totalSd, high: total + totalSd }]);
   const y = { field: "parameter", type: "nominal", title: null, sort: null }, yOffset = { field: "kind", sort: ["first order", "total"] };

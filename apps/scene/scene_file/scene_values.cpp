@@ -33,13 +33,6 @@ std::string bare_example(const FieldInfo& field) {
   return text;
 }
 
-/// The unit of the example: "W/m/K".
-std::string example_unit(const FieldInfo& field) {
-  const std::string text = bare_example(field);
-  const std::size_t blank = text.find(' ');
-  return blank == std::string::npos ? std::string(field.unit) : text.substr(blank + 1);
-}
-
 bool names_table(std::string_view text) { return text.ends_with(".csv") || text.ends_with(".CSV"); }
 
 /// The first cell of the first line that is no comment.
@@ -65,8 +58,7 @@ std::optional<double> read_plain_si(const Section& section, const Node& node, co
     if (!std::isfinite(node.number)) return fail(cfg::shown(node) + " is not finite; write an ordinary number");
     value = node.number;
   } else if (node.is_number()) {
-    return fail(cfg::shown(node) + " has no unit; write \"" + (std::isfinite(node.number) ? cfg::shown(node) : "1") +
-                " " + example_unit(field) + "\"");
+    return fail(cfg::lacks_unit_text(node, field));
   } else if (node.kind != Node::Kind::string || node.text.size() > kLongestText) {
     return fail(std::string(cfg::kind_word(node.kind)) + " where a number" + (field.unit.empty() ? "" : " with unit") +
                 " belongs; write for example " + std::string(field.name) + " = " + std::string(field.example));

@@ -27,6 +27,7 @@
 #include "apps/text/message_words.h"
 #include "mtf/error.h"
 #include "mtf/io/config/schedule.h"
+#include "mtf/io/file_checks.h"
 #include "mtf/work/stopwatch.h"
 #include "mtf/work/usable_memory.h"
 #include "radiometry/chain/sensor_settings.h"
@@ -145,6 +146,8 @@ class SequenceFrames {
 
  private:
   void require_like_first(const Frame& frame);
+  /// Throws UsageError where the images that are kept for the caller do not fit into the usable memory together.
+  void require_room() const;
 
   const SimulateOptions& options_;
   const SequenceNames& names_;
@@ -233,10 +236,24 @@ void SequenceFrames::prepare() {
   chain_report_ = first_sensor_.report();
   if (frame->chain) frame->chain->prepare(first_sensor_.chain()->stage, threads_);
   first_scene_ = facts_of(frame->input->scene);
+  require_room();
   warnings_ = warnings_of(*frame);
   for (const std::string& text : frame->plan->presample.report().notes) warnings_.push_back(text);
   if (options_.measure)
     notes_.push_back("--rigor measure chose FFT plans by timing; the last bits may differ between runs");
+}
+
+void SequenceFrames::require_room() const {
+  if (names_.out || options_.sink) return;
+  const mtf::SampleGrid& grid = first_plan_->out();
+  const double bytes = sizeof(float) * static_cast<double>(grid.width) * static_cast<double>(grid.height) *
+                       static_cast<double>(first_scene_.names.size()) * static_cast<double>(count());
+  const mtf::UsableMemory memory = mtf::usable_memory();
+  if (bytes > memory.bytes)
+    throw mtf::UsageError("frames: " + std::to_string(count()) + " images of " + size_text(grid) + " pixels need " +
+                          mtf::io::shown_bytes(bytes) + "; " + memory.whose + " " + mtf::io::shown_bytes(memory.bytes) +
+                          ": write them to files by an output with a number in its name (frame.%04d.exr), or run them "
+                          "in parts");
 }
 
 // A schedule may switch a shutter to rolling later on.

@@ -15,6 +15,7 @@
 
 #include "apps/study/design/design_light.h"
 #include "apps/study/design/metric_values.h"
+#include "mtf/words.h"
 #include "radiometry/performance/target_at_range.h"
 
 namespace study {
@@ -117,7 +118,7 @@ class RangeModel {
   Sensor behind(const LightAtRange& light, double range_m, radiometry::SeenOtf<S> otf) const {
     const radiometry::Budget<S> budget = budget_(course_->numbers(light));
     if (budget.saturation.saturated())
-      throw mtf::UsageError("with the light at " + mtf::format_double(range_m) + " m: " + words(budget.saturation));
+      throw mtf::UsageError("with the light at " + mtf::significant(range_m, 15) + " m: " + words(budget.saturation));
     if (!budget.dither.dithered()) throw mtf::UsageError(words(budget.dither));
     return {budget.netd_k, budget.spatial_netd_k, S(light.contrast_share), std::move(otf)};
   }

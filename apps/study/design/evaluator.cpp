@@ -161,6 +161,9 @@ const DesignLight* Evaluator::Impl::set_system(Ready& variant) {
     const auto i = static_cast<std::size_t>(built.parameter);
     if (study->parameters[i].role == Parameter::Role::fixed) variant.model->set_fixed(i, parameters[i]);
   }
+  if (variant.sensor.loaded)
+    problem = radiometry::frame_time_problem(variant.model->system(), variant.sensor.loaded->sensor.settings);
+  if (!problem.empty()) return nullptr;
   const DesignLight* light = nullptr;
   try {
     light = &variant.light.at(variant.sensor, *study, variant.model->overrides(),

@@ -17,12 +17,6 @@ namespace {
 // No quantity, word or file name is longer; messages and guesses stay short and fast.
 constexpr std::size_t kMaxText = 1024;
 
-std::string_view remedy_unit(const FieldInfo& info) {
-  if (!info.unit.empty()) return info.unit;
-  if (info.dimension == Dimension::frequency || info.dimension == Dimension::cutoff) return "cy/mm";
-  return info.dimension == Dimension::pixel ? "px" : "um";
-}
-
 bool is_number(std::string_view text) {
   double value = 0.0;
   const auto [end, status] = std::from_chars(text.data(), text.data() + text.size(), value);
@@ -62,9 +56,7 @@ std::optional<Scalar> read_plain(Reader& reader, const Node& node, const FieldIn
     reader.error(node.position, path, text);
     return std::nullopt;
   };
-  if (node.is_number())
-    return fail(shown(node) + " has no unit; write \"" + (std::isfinite(node.number) ? shown(node) : "1") + " " +
-                std::string(remedy_unit(info)) + "\"");
+  if (node.is_number()) return fail(lacks_unit_text(node, info));
   const std::string expected(describe(info.dimension));
   if (node.kind != Node::Kind::string)
     return fail(std::string(kind_word(node.kind)) + " where a number with unit belongs; expected " + expected);

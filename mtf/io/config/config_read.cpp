@@ -135,6 +135,11 @@ Tree failure(Position position, std::string text) {
   return {.root = {}, .error = Diagnostic{.error = true, .position = position, .path = {}, .text = std::move(text)}};
 }
 
+/// By its mark, or by the zero that every second byte of Latin letters is.
+bool is_utf16(std::string_view text) {
+  return text.starts_with("\xFF\xFE") || text.starts_with("\xFE\xFF") || text.substr(0, 2).find('\0') != text.npos;
+}
+
 /// For a line whose value is a word or a number with a unit and has no quotes: how to write it; else "".
 std::string quotes_missing(std::string_view text, int line) {
   text.remove_prefix(offset_of(text, {line, 1}));
@@ -163,6 +168,10 @@ Tree read_tree(const std::string& text) {
   if (text.size() > kMaxBytes)
     return failure({}, "the file has " + shown_bytes(static_cast<double>(text.size())) +
                            "; a sensor file has at most 1 MiB: put curves into CSV files");
+  if (is_utf16(text))
+    return failure({1, 1},
+                   "the text is UTF-16; save it as UTF-8, which is the encoding \"UTF-8\" of an editor's Save As, or "
+                   "what iconv -f UTF-16 -t UTF-8 OLD > NEW makes");
   if (const auto position = DepthScan(text).too_deep())
     return failure(*position, "nested too deep; at most " + std::to_string(kMaxBrackets) + " brackets and " +
                                   std::to_string(kMaxDots) + " dots in a key");

@@ -111,6 +111,15 @@ std::string missing_text(const FieldInfo& info) {
          (info.doc.empty() ? "" : " (" + std::string(info.doc) + ")");
 }
 
+std::string lacks_unit_text(const Node& node, const FieldInfo& info) {
+  std::string example(info.example);
+  if (!example.starts_with('"')) {  // a number of the study's own, whose row has none with a unit
+    const bool frequency = info.dimension == Dimension::frequency || info.dimension == Dimension::cutoff;
+    example = "\"1 " + std::string(!info.unit.empty() ? info.unit : frequency ? "cy/mm" : "um") + "\"";
+  }
+  return shown(node) + " has no unit; write it with its unit, such as " + example;
+}
+
 std::string folder_of(const std::string& file) {
   const std::size_t slash = file.rfind('/');
   return slash == std::string::npos ? "" : file.substr(0, slash + 1);

@@ -136,6 +136,8 @@ std::optional<Scalar> read_fit(Reader& reader, const Node& table, const FieldInf
 
 /// `missing; write rms = "8 urad" (rms displacement of one axis, one sigma)`
 std::string missing_text(const FieldInfo& info);
+/// Of a bare number where a quantity belongs: which unit was meant is not known, so the example is the row's.
+std::string lacks_unit_text(const Node& node, const FieldInfo& info);
 /// "did you mean …" and the list of what is known.
 std::string suggestion(std::string_view word, std::span<const std::string_view> known);
 

@@ -287,6 +287,31 @@ contrast = "2 K"
                           [](const std::string& sentence) { return says(sentence, "the first: saturated"); }));
 }
 
+// A design whose integration is longer than its frame is no sensor, as a file with these two times is none.
+TEST(Evaluator, AnIntegrationLongerThanTheFrameIsNoSensor) {
+  const Folder folder;
+  folder.write("camera.toml", replaced(thermal_camera(), "integration_time = \"2 ms\"",
+                                       "frame_time = \"0.06 ms\"\nintegration_time = \"60 us\""));
+  Evaluated e = evaluated(folder, study_test::kHead + R"(objectives = ["minimize netd"]
+[[axis]]
+parameter = "frame.integration_time"
+from = "0.01 ms"
+to = "0.09 ms"
+count = 3
+[metrics]
+list = ["netd"]
+)");
+  for (const int design : {0, 1}) {  // 0.01 ms and 0.05 ms
+    e.at(design);
+    EXPECT_EQ(e.evaluator->last_problem(), "") << design;
+    EXPECT_TRUE(e.evaluator->last_valid()) << e.evaluator->last_refusal();
+  }
+  e.at(2);
+  EXPECT_FALSE(e.evaluator->last_valid());
+  EXPECT_TRUE(std::isnan(e["netd"]));
+  expect_says(e.evaluator->last_problem(), {"frame.frame_time: 6e-05 s is shorter than frame.integration_time, "});
+}
+
 // Where the mean meets the full well a NETD would be 17 % too good: refused there, with a caution close to it.
 TEST(Evaluator, AMeanAtTheFullWellIsSaturatedAndOneCloseToItIsSaid) {
   const Folder folder;

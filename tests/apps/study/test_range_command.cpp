@@ -8,6 +8,7 @@
 
 #include "tests/apps/command.h"
 #include "tests/apps/study/range_camera.h"
+#include "tests/replaced.h"
 
 namespace apps_test {
 namespace {
@@ -26,7 +27,8 @@ TEST_F(RangeCommand, SaysTargetContrastAirAndObserverBesideTheRanges) {
   const Result r = run("--target nato --display-height '200 mm' --viewing-distance '600 mm'");
   ASSERT_EQ(r.status, 0) << r.err;
   expect_says(r.out, {"target: 2.3 m, 2 K", "300 K", "magnification 6.51", "V50 2, 7.5, 13", "N50 0.75, 3, 6",
-                      "air: none", "vacuum", "limited by the Nyquist", "no standard deviation"});
+                      "air: none", "vacuum", "Johnson's ranges end at the Nyquist frequency", "neither counts aliasing",
+                      "limited by the Nyquist", "no standard deviation"});
   EXPECT_EQ(run("--target-size '230 cm' --contrast '2000 mK' --display-height '20 cm' --viewing-distance '60 cm'").out,
             r.out);
   EXPECT_NE(run("--target nato --contrast '1 K' --display-height '20 cm' --viewing-distance '60 cm'").out, r.out);
@@ -75,6 +77,32 @@ TEST_F(RangeCommand, RefusesWithTheOptionToGive) {
   expect_error(run("--target nato" + seen), 2, {"one range", "[atmosphere]"});
   write_file(scratch / "camera.toml", study_test::camera(study_test::kFog + "range = \"1 km\"\n"));
   expect_error(run("--target nato --extinction 0.2" + seen), 2, {": --extinction", "remove"});
+}
+
+// One message for all that a new file lacks, with what to write for each; a part that is there is not asked for.
+TEST_F(RangeCommand, NamesAllThatIsMissingAtOnce) {
+  const std::string bare =
+      "schema = 2\n[frame]\nfocal_length = \"100 mm\"\npitch = \"15 um\"\n[atmosphere]\nmodel = \"tropical\"\n";
+  write_file(scratch / "camera.toml", bare);
+  const std::vector<std::string_view> of_file{
+      "integration_time =", "f_number =", "wavelength =", "quantum_efficiency =", "[atmosphere] range ="};
+  const auto told = [&](const std::string& options) {
+    const Result refused = run(options);
+    expect_error(refused, 2, {"camera.toml"});
+    return refused.err.substr(refused.err.find("mtf: error: "));  // behind the notes about the file
+  };
+  const auto parts = [](const std::string& text) { return 1 + std::count(text.begin(), text.end(), ';'); };
+  const std::string all = told("");
+  expect_says(all, {"--contrast '2 K'", "--target-size '2.3 m'"});
+  for (const std::string_view part : of_file) expect_says(all, {part});
+  EXPECT_EQ(parts(all), 2 + std::ssize(of_file)) << all;
+  EXPECT_EQ(parts(told("--target nato")), std::ssize(of_file));
+  write_file(scratch / "camera.toml", replaced(bare, "\"tropical\"\n", "\"tropical\"\nrange = \"1 km\"\n"));
+  EXPECT_EQ(parts(told("--target nato")), std::ssize(of_file) - 1);
+  write_file(scratch / "camera.toml",
+             study_test::camera("[atmosphere]\nmodel = \"tropical\"\ntarget_altitude = \"0 m\"\n"));
+  const std::string air = told("--target nato");
+  expect_says(air, {"say: [atmosphere] range = \"2 km\"\n"});
 }
 
 /// Integral of sinc^2(w f) over |f| <= band, by a plain sum.

@@ -119,6 +119,7 @@ TEST(Ranges, ConditionsThatContradictTheSensorOrEachOtherAreErrors) {
   expect(told("[path]\ntransmission = 0.8\n", "extinction = 0.0\n"),
          {"conditions.extinction", "[path] of camera.toml"});
   expect(told(fog, "range = \"5 km\"\n"), {"conditions.range", "is 5000 m", "1000 m long", "give both the same"});
+  expect(told(fog, "range = \"16.1 km\"\n"), {"is 16100 m, but"});  // not 16100.000000000002, as 16.1 x 1000 is
   EXPECT_EQ(told("[path]\ntransmission = 0.8\n", "range = \"5 km\"\n"), "");
   expect(told(fog, "range = \"1 km\"\n", axis("atmosphere.range", R"("1 km", "2 km")")),
          {"conditions.range", "changes the range", "remove it"});
@@ -160,14 +161,15 @@ TEST(Ranges, StudiesSayWhoseTheyAre) {
   folder.write("camera.toml", camera(kFog + "range = \"1 km\"\n"));
   const auto lines = [&](const std::string& text) { return study::condition_lines(*evaluated(folder, text).study); };
   const auto all = lines(study_of(kTime));
-  ASSERT_EQ(all.size(), 6u);
+  ASSERT_EQ(all.size(), 7u);
   expect_says(all[0], {"observer of bars:", "ratio 2.5", "eye time 0.1 s", "60 Hz"});
   expect_says(all[1],
               {"barten_short_squared", "34.26 cd/m^2", "magnification 5", "picture of 10 deg", "5 K from dark"});
   expect_says(all[2], {"target: 2.3 m", "1 K", "300 K"});
   expect_says(all[3], {"V50 2, 7.5, 13"});
   expect_says(all[4], {"N50 0.75, 3, 6"});
-  expect_says(all[5], {"air: [atmosphere] model mid_latitude_summer", "haze advection_fog", "visibility 300 m",
+  expect_says(all[5], {"Johnson's ranges end at the Nyquist frequency", "neither counts aliasing"});
+  expect_says(all[6], {"air: [atmosphere] model mid_latitude_summer", "haze advection_fog", "visibility 300 m",
                        "range 1000 m", "up to each"});
   EXPECT_TRUE(lines(study_of(kTime, kConditions, "1e-4", "\"ifov\"")).empty());
   expect_says(lines(study_of(kTime, kConditions, "1e-4", "\"target_snr\"")).at(0), {"scene:", "300 K", "contrast 1 K"});

@@ -286,10 +286,13 @@ TEST(SweepCommand, OfInvalidDesignsNoneIsNearest) {
   const Result result = scratch.run("mtf sweep study.toml -o none");
   EXPECT_EQ(result.status, 3) << result.out << result.err;
   EXPECT_FALSE(says(result.out, "nearest")) << result.out;
-  expect_says(result.out, {"as a sensor: 2"});
+  expect_says(result.out,
+              {"as a sensor: 2", "the commonest cause, of 2 of 2 looked at: jitter.rms = -8 um is outside"});
   EXPECT_FALSE(fs::exists(scratch / "none/chosen"));
   EXPECT_FALSE(json::parse(read_file(scratch / "none/sweep.json")).contains("nearest"));
   EXPECT_EQ(scratch.run("mtf report none -o none.html").status, 0);
+  expect_says(read_file(scratch / "none.html"),
+              {"2 are invalid; the commonest cause, of 2 of the 2 that were looked at: jitter.rms = -8 um"});
 }
 
 TEST(SweepCommand, TheTablesAreTheSameForAnyThreads) {

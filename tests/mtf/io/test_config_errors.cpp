@@ -83,10 +83,22 @@ TEST(ConfigErrors, UnknownKeysAndKinds) {
              {"reflect, replicate, constant, periodic"});
 }
 
+TEST(ConfigErrors, Utf16SaysSoAndHowToSave) {
+  const auto wide = [](const std::string& mark, bool low_first) {
+    std::string text = mark;
+    for (const char c : kHead) text += low_first ? std::string{c, '\0'} : std::string{'\0', c};
+    return text;
+  };
+  for (const std::string& text : {wide("\xFF\xFE", true), wide("\xFE\xFF", false), wide("", true), wide("", false)})
+    expect_one(text, "s.toml:1:1: error: the text is UTF-16; save it as UTF-8", {"iconv -f UTF-16 -t UTF-8"});
+  EXPECT_TRUE(messages("\xEF\xBB\xBF" + kHead).empty());  // the mark of UTF-8 is none of the text
+}
+
 TEST(ConfigErrors, Units) {
   expect_one(head_with("\"15 um\"", "15"), "s.toml:4:9: error: frame.pitch: 15", {"no unit", "\"15 um\""});
-  expect_one(head_with("\"100 mm\"", "100.5"), "s.toml:3:16: error: frame.focal_length: 100.5 has no unit",
-             {"\"100.5 mm\""});
+  // 0.15 was meant in metres: the example is a typical value, never the number that stood there.
+  expect_one(head_with("\"100 mm\"", "0.15"), "s.toml:3:16: error: frame.focal_length: 0.15 has no unit",
+             {"write it with its unit, such as \"100 mm\""});
   expect_one(head_with("15 um", "15 furlong"),
              "s.toml:4:9: error: frame.pitch:", {"unknown unit \"furlong\"", "\"15 um\""});
   expect_one(head_with("15 um", "15 umm"), "s.toml:4:9: error: ", {"did you mean \"um\"?"});

@@ -80,7 +80,7 @@ TEST(ConfigSettings, WritingAndReadingAgainKeepsThem) {
 
 TEST(ConfigSettings, ErrorsSayWhere) {
   expect_error("[widget]\n", {"s.toml:8:1: error: widget.charge: missing", "charge = \"5 ke-\""});
-  expect_error("[widget]\ncharge = 5\n", {"s.toml:9:10: error: widget.charge: 5", "no unit", "\"5 e-\""});
+  expect_error("[widget]\ncharge = 5\n", {"s.toml:9:10: error: widget.charge: 5", "no unit", "such as \"5 ke-\""});
   expect_error("[widget]\ncharge = \"5 um\"\n", {"s.toml:9:10: error: widget.charge: \"5", "does not fit"});
   expect_error("[widget]\ncharge = \"5 Me-\"\n", {"s.toml:9:10: error: widget.charge: 5e+06 e- is outside [0, "});
   expect_error("[widget]\ncharge = { value = \"1 e-\", fit = true }\n", {"s.toml:9:"});
