@@ -8,6 +8,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 
 #include "radiometry/chain/chain.h"
 #include "radiometry/stages/detector/held_counter.h"
@@ -169,8 +170,8 @@ struct CompiledChain {
   const TwoPoint& correction(int threads) const;
   TwoPoint measure(int threads) const;
   std::shared_ptr<const CompiledChain> corrected_by;  ///< the first chain of a sequence; null: this one
-  mutable std::once_flag measured_once;
-  mutable TwoPoint measured;
+  mutable std::mutex measuring;
+  mutable std::optional<TwoPoint> measured;
 };
 
 /// Of width x height pixels from `origin` on.

@@ -186,8 +186,10 @@ void Chain::prepare(OutputStage stage, int threads) const {
 
 const TwoPoint& CompiledChain::correction(int threads) const {
   const CompiledChain& owner = corrected_by ? *corrected_by : *this;
-  std::call_once(owner.measured_once, [&] { owner.measured = owner.measure(threads); });
-  return owner.measured;
+  // Not std::call_once: what ends the measurement (mtf::Stopped) cannot leave it, glibc aborts the program.
+  const std::scoped_lock lock(owner.measuring);
+  if (!owner.measured) owner.measured = owner.measure(threads);
+  return *owner.measured;
 }
 
 TwoPoint CompiledChain::measure(int threads) const {

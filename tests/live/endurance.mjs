@@ -82,8 +82,7 @@ export async function endure(run, browser, minutes) {
     if (moves === 150) first = servers.map(memory);
     if (moves % 300 === 0) console.log(`${moves} moves: ${servers.map((server) => memory(server).toFixed(0)).join(" and ")} MiB, ${undone} long pictures ended`);
   } catch (error) {
-    error.message += `\nsaid: ${pages.map(({ said }) => said.filter((text) => !/status of 4(22|09|10)/.test(text)).join("; ")).join(" | ")}`;
-    throw error;
+    throw new Error(`${error.message}\nsaid: ${pages.map(({ said }) => said.filter((text) => !/status of 4(22|09|10)/.test(text)).join("; ")).join(" | ")}`);
   }
   for (const [i, server] of servers.entries()) {
     const grown = memory(server) - first[i];
