@@ -30,7 +30,7 @@ Json plan_json(const mtf::Plan& plan) {
     candidates.push_back(one);
   }
   const mtf::PredictedError& e = r.predicted;
-  Json plan{{"method", r.method},
+  Json json{{"method", r.method},
             {"size", r.size},
             {"axes", r.axes},
             {"frequencies_kept", r.kept},
@@ -55,10 +55,10 @@ Json plan_json(const mtf::Plan& plan) {
             {"otf_bytes", r.otf_bytes},
             {"buffer_bytes", r.run_bytes}};
   if (r.field.points > 0) {
-    plan["field"] = {{"points", r.field.points}, {"modes", r.field.modes}, {"one_otf_error", r.field.one_otf_error}};
-    plan["predicted_parts"]["field"] = e.modes;
+    json["field"] = {{"points", r.field.points}, {"modes", r.field.modes}, {"one_otf_error", r.field.one_otf_error}};
+    json["predicted_parts"]["field"] = e.modes;
   }
-  return plan;
+  return json;
 }
 
 Json held_json(const radiometry::HeldPixels& held) {

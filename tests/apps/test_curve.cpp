@@ -57,6 +57,33 @@ TEST(Curve, ValuesOfTheStarterSensor) {
   EXPECT_EQ(json.at("system").at("re")[3].get<double>(), 0.0);
 }
 
+TEST(Curve, AtAFieldPoint) {
+  const Scratch scratch;
+  const std::string head =
+      "schema = 2\n[frame]\nfocal_length = \"100 mm\"\npitch = \"15 um\"\nformat = [640, 512]\n[optics]\nf_number = "
+      "2.0\nwavelength = \"4 um\"\n[[presample]]\nkind = \"wavefront\"\n";
+  write_file(scratch / "field.toml",
+             head + "orientation = \"field\"\nw131 = { r = 0.7 }\nw020 = { 1 = -0.3, r2 = 0.5 }\n");
+  write_file(scratch / "there.toml", head + "orientation = \"36.869897645844021 deg\"\nw131 = 0.7\nw020 = 0.2\n");
+  const Json there = curve(scratch, "there.toml --freq 0:60:4"),
+             here = curve(scratch, "field.toml --freq 0:60:4 --field 0.8,0.6");
+  EXPECT_EQ(here.at("field"), Json::array({0.8, 0.6}));
+  for (int i = 0; i < 4; ++i) {
+    EXPECT_NEAR(here.at("system").at("re")[i].get<double>(), there.at("system").at("re")[i].get<double>(), 1e-12);
+    EXPECT_NEAR(here.at("system").at("im")[i].get<double>(), there.at("system").at("im")[i].get<double>(), 1e-12);
+  }
+  const Json corner = curve(scratch, "field.toml --freq 0:60:4 --field 640px,512px");
+  EXPECT_NEAR(std::hypot(corner.at("field")[0].get<double>(), corner.at("field")[1].get<double>()), 1.0, 1e-15);
+  expect_error(scratch.run("mtf curve field.toml --field 0.5"), 2, {"--field", "320px,40px"});
+  expect_error(scratch.run("mtf curve field.toml --field 700px,10px"), 2, {"--field", "640 x 512"});
+  expect_error(scratch.run("mtf curve field.toml --field 0.5,40px"), 2, {"--field", "px"});
+  expect_error(scratch.run("mtf curve field.toml --field nan,0"), 2, {"--field"});
+  expect_error(scratch.run("mtf curve field.toml --field 300,0"), 2, {"half diagonals"});
+  const Result budget = scratch.run("mtf curve field.toml");
+  EXPECT_EQ(budget.status, 0);
+  expect_says(budget.err, {"presample[0].w131", "optical axis"});
+}
+
 TEST(Curve, TableAndItsFooter) {
   const Scratch scratch;
   scratch.add_sensor();

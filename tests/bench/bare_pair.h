@@ -9,7 +9,9 @@
 
 #include "mtf/engines/fft/fftw.h"
 
-namespace mtf::bench {
+namespace bench {
+
+using mtf::AlignedBuffer;
 
 /// Forward and inverse real transform, as a user of FFTW would write it.
 class BarePair {
@@ -42,4 +44,4 @@ class BarePair {
   fftwf_plan forward_ = nullptr, backward_ = nullptr;
 };
 
-}  // namespace mtf::bench
+}  // namespace bench

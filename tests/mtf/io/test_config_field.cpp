@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+
+#include "mtf/components/jitter.h"
+#include "mtf/components/wavefront.h"
+#include "mtf/io/config/config.h"
+#include "mtf/io/config/replace_value.h"
+#include "tests/expect_error.h"
+
+// Numbers of a sensor file that change over the field of view.
+
+namespace mtf::io {
+namespace {
+
+const std::string kHead =
+    "schema = 2\n[frame]\nfocal_length = \"100 mm\"\npitch = \"15 um\"\nformat = [640, 512]\n[optics]\nf_number = "
+    "2.0\nwavelength = \"4 um\"\n";
+const std::string kLens =
+    "[[presample]]\nkind = \"wavefront\"\norientation = \"field\"\nw040 = 0.25\nw131 = { r = 0.7 }\nw222 = { r2 = 1.0 "
+    "}\n"
+    "w020 = { 1 = -0.3, r2 = 0.5, x = 0.06 }\nzernike = [0, 0, 0, { 1 = 0.1, y2 = 0.2 }]\n"
+    "[[presample]]\nkind = \"jitter\"\nrms_x = { x = \"3 um\", 1 = \"0.002 mm\" }\nrms_y = \"1 um\"\nroll = \"300 "
+    "urad\"\n";
+
+SensorConfig parsed(const std::string& body) {
+  const ConfigResult result = parse_config(kHead + body, "s.toml");
+  EXPECT_TRUE(result.ok()) << format_diagnostic(result.diagnostics.front(), "s.toml");
+  return result.config;
+}
+
+void expect_error(const std::string& body, std::initializer_list<std::string_view> parts) {
+  const ConfigResult result = parse_config(kHead + body, "s.toml");
+  ASSERT_FALSE(result.ok());
+  expect_says(format_diagnostic(result.diagnostics.front(), "s.toml"), parts);
+}
+
+TEST(ConfigField, TermsMakeTheSystemOfAFieldPoint) {
+  const SensorConfig config = parsed(kLens);
+  EXPECT_FALSE(config.system.is_isoplanatic());
+  const FieldPoint<double> q{0.8, 0.6};
+  const System<double> here = config.system.at(q);
+  const auto* lens = here.list(Stage::presample)[0].component.get_if<Wavefront<double>>();
+  EXPECT_DOUBLE_EQ(*lens->w040, 0.25);
+  EXPECT_DOUBLE_EQ(*lens->w131, 0.7);
+  EXPECT_DOUBLE_EQ(*lens->w222, 1.0);
+  EXPECT_NEAR(*lens->w020, -0.3 + 0.5 + 0.06 * 0.8, 1e-15);
+  EXPECT_NEAR(lens->zernike[3], 0.1 + 0.2 * 0.36, 1e-15);
+  EXPECT_NEAR(lens->orientation_deg.value, 36.869897645844021, 1e-12);
+  const auto* jitter = here.list(Stage::presample)[1].component.get_if<Jitter<double>>();
+  EXPECT_NEAR(jitter->rms.x_um(here.frame), 2.0 + 3.0 * 0.8, 1e-12);
+  EXPECT_DOUBLE_EQ(jitter->rms.y_um(here.frame), 1.0);
+}
+
+TEST(ConfigField, WritingReadsBackAsTheSame) {
+  const SensorConfig config = parsed(kLens);
+  const ConfigResult again = parse_config(write_config(config), "s.toml");
+  ASSERT_TRUE(again.ok()) << format_diagnostic(again.diagnostics.front(), "s.toml");
+  EXPECT_EQ(again.config.system.field, config.system.field);
+  const Freq<double> f{30.0, 20.0};
+  const Complex<double> a = config.system.at({-0.5, 0.2}).otf(f), b = again.config.system.at({-0.5, 0.2}).otf(f);
+  EXPECT_EQ(a.re, b.re);
+  EXPECT_EQ(a.im, b.im);
+}
+
+TEST(ConfigField, ANewValueIsThatOfTheAxisAndTermsStay) {
+  const SensorConfig config = replaced(parsed(kLens), "wavefront.w020", "0.1");
+  const auto* lens = config.system.list(Stage::presample)[0].component.get_if<Wavefront<double>>();
+  EXPECT_DOUBLE_EQ(*lens->w020, 0.1);
+  EXPECT_EQ(config.system.field, parsed(kLens).system.field);
+}
+
+TEST(ConfigField, TheNoteNamesWhatChanges) {
+  const ConfigResult result = parse_config(kHead + kLens, "s.toml");
+  std::string notes;
+  for (const Diagnostic& one : result.diagnostics)
+    if (one.remark) notes += one.text + "\n";
+  expect_says(notes, {"presample[0].w131", "presample[1].jitter", "--field"});
+}
+
+TEST(ConfigField, WhatCannotBeIsRefused) {
+  expect_error("[[presample]]\nkind = \"wavefront\"\nw131 = { r = 0.7, r3 = 1 }\n", {"r3", "r4"});
+  expect_error("[[presample]]\nkind = \"jitter\"\nrms = { 1 = \"2 um\", r = \"3 urad\" }\n", {"um", "one unit"});
+  expect_error("[[presample]]\nkind = \"jitter\"\nrms = { 1 = \"2 um\", r = 3 }\n", {"unit"});
+  expect_error("[[readout]]\nkind = \"crosstalk\"\nside = { 1 = 0.02, r2 = 0.01 }\n",
+               {"readout[0].side", "[[presample]]"});
+  expect_error("[[presample]]\nkind = \"footprint\"\nwidth = { 1 = \"2 um\", x = \"-4 um\" }\n",
+               {"presample[0].width", "field point"});
+  expect_error("[[presample]]\nkind = \"wavefront\"\norientation = \"fields\"\n", {"orientation"});
+  const ConfigResult frame = parse_config(
+      "schema = 2\n[frame]\nfocal_length = { 1 = \"100 mm\", r = \"1 mm\" }\npitch = \"15 um\"\n", "s.toml");
+  expect_says(format_diagnostic(frame.diagnostics.front(), "s.toml"), {"frame.focal_length", "one number"});
+}
+
+}  // namespace
+}  // namespace mtf::io
