@@ -41,6 +41,9 @@ async function rest(pages) {
     if (waiting.length === 0) return undone;
     for (const page of waiting) {
       if (!(await busy(page))) continue; // since then
+      // One picture may have given way to the next a moment ago: a page says what it does after a second.
+      await page.waitForFunction(() => !window.mtfLive.busy || !document.getElementById("busy-tag").hidden, undefined, { timeout: 3000 }).catch(() => {});
+      if (!(await busy(page))) continue;
       const says = await page.evaluate(() => (document.getElementById("busy-tag").hidden ? "" : document.getElementById("busy-tag").textContent));
       assert.match(says, /^computing, \d+ s$/, `a page that is not at rest says nothing: ${await describe(page)}`);
       await page.keyboard.press("Control+z");
