@@ -84,8 +84,8 @@ class Session {
   std::optional<FrameMaker> left_;  ///< of a 3-D scene, once it is asked for
   std::map<std::string, std::int64_t> generations_;
   std::chrono::steady_clock::time_point returned_{};  ///< the last time that memory was given back
-  std::pair<std::string, std::int64_t> working_{};  ///< tab and generation of the last frame that was begun
-  std::atomic<bool> stopped_{false};                ///< the work on it
+  std::pair<std::string, std::int64_t> working_{};    ///< tab and generation of the last frame that was begun
+  std::atomic<bool> stopped_{false};                  ///< the work on it
 };
 
 }  // namespace apps::live

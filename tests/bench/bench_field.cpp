@@ -24,6 +24,7 @@ Image leaves(std::int64_t width, std::int64_t height) {
   std::mt19937 generator(1);
   const auto uniform = [&](double lo, double hi) { return std::uniform_real_distribution<double>(lo, hi)(generator); };
   Image image(width, height);
+  std::fill_n(image.data(), image.size(), 0.5F);
   for (int n = 0; n < 6000; ++n) {
     const double r = 2.0 / std::sqrt(uniform(1.0 / (300.0 * 300.0), 1.0)), grey = uniform(0.0, 1.0);
     const double cx = uniform(0.0, static_cast<double>(width)), cy = uniform(0.0, static_cast<double>(height));
