@@ -10,6 +10,7 @@
 #include "mtf/engines/fft/scene_spectrum.h"
 #include "mtf/error.h"
 #include "mtf/math/special.h"
+#include "mtf/words.h"
 
 namespace mtf {
 namespace {
@@ -22,6 +23,8 @@ constexpr double kModulusSafety = 1.2;       // largest modulus between the freq
 constexpr std::int64_t kMostValues = 40000;  // of an OTF that a table takes
 constexpr int kMostBandNodes = 128;
 constexpr double kRadiusShare = 2.0;  // of the error of a table, for interpolation along a radius
+constexpr double kLeastPiece = 0.02;  // of the end of a table
+constexpr double kMostBytes = 2e9;    // of all tables
 constexpr double kNoise = 3e-8;       // of singular values by the squares of the matrix
 
 using Matrix = Eigen::MatrixXd;
@@ -61,16 +64,11 @@ class ChangingPart {
       real_ = real_ && traits.real;
       even_x_ = even_x_ && traits.even_x;
       even_y_ = even_y_ && traits.even_y;
-      for (const Context<double>& ctx : ends()) {
-        cutoff_ = std::min(cutoff_, entry.component.cutoff_cy_mm(ctx));
+      // The shortest wavelength reaches farthest.
+      const Context<double> shortest = here_.band ? here_.context(here_.band->lo_um) : here_.context();
+      cutoff_ = std::min(cutoff_, entry.component.cutoff_cy_mm(shortest));
+      for (const Context<double>& ctx : ends())
         for (const double r : entry.component.kinks_cy_mm(ctx)) kinks_.push_back(r);
-      }
-    }
-    // The shortest wavelength reaches farthest.
-    if (here_.band) {
-      cutoff_ = std::numeric_limits<double>::infinity();
-      for (const Entry<double>& entry : entries_)
-        cutoff_ = std::min(cutoff_, entry.component.cutoff_cy_mm(here_.context(here_.band->lo_um)));
     }
   }
 
@@ -147,6 +145,9 @@ std::vector<double> lagrange(std::size_t n, double t) {
   return weight;
 }
 
+/// By how much interpolation between n such points may enlarge an error of the values.
+double lebesgue(std::size_t n) { return 1.0 + 2.0 / kPi * std::log(static_cast<double>(n)); }
+
 /// T_0 .. T_(n-1) at t.
 std::vector<double> chebyshev(std::size_t n, double t) {
   std::vector<double> value(n, 1.0);
@@ -163,11 +164,15 @@ double evaluated(const std::vector<double>& series, std::size_t n, double tx, do
   return sum;
 }
 
-/// Enough wavelengths for the product of the components that change, at the axis and at the corners.
-int band_nodes_for(const System<double>& system, const Parts& parts, std::span<const FieldPoint<double>> places,
-                   double end, double target) {
+/// Wavelengths for the product of the components that change, from values at the axis and at corners.
+struct BandNodes {
+  int count = 0;
+  double error = 0.0;  ///< the last change
+};
+BandNodes band_nodes_for(const System<double>& system, const Parts& parts, std::span<const FieldPoint<double>> places,
+                         double end, double target) {
   constexpr int kRadii = 8;
-  if (!parts.chromatic) return system.band_nodes;
+  if (!parts.chromatic) return {system.band_nodes, 0.0};
   const auto values = [&](int nodes) {
     System<double> with = system;
     with.band_nodes = nodes;
@@ -182,15 +187,14 @@ int band_nodes_for(const System<double>& system, const Parts& parts, std::span<c
     }
     return h;
   };
-  int nodes = 4;
-  std::vector<Complex<double>> coarse = values(nodes);
-  while (nodes < kMostBandNodes) {
-    const std::vector<Complex<double>> fine = values(2 * nodes);
-    double worst = 0.0;
+  BandNodes nodes{4, 0.0};
+  std::vector<Complex<double>> coarse = values(nodes.count);
+  while (nodes.count < kMostBandNodes) {
+    const std::vector<Complex<double>> fine = values(2 * nodes.count);
+    nodes = {2 * nodes.count, 0.0};
     for (std::size_t i = 0; i < fine.size(); ++i)
-      worst = std::max(worst, std::hypot(fine[i].re - coarse[i].re, fine[i].im - coarse[i].im));
-    nodes *= 2;
-    if (worst <= target) break;
+      nodes.error = std::max(nodes.error, std::hypot(fine[i].re - coarse[i].re, fine[i].im - coarse[i].im));
+    if (nodes.error <= target) break;
     coarse = fine;
   }
   return nodes;
@@ -212,9 +216,28 @@ struct TableMaker {
     return table;
   }
 
+  struct Tables {
+    std::vector<PolarTable> at;
+    double error = 0.0;
+  };
+  Tables all(std::span<const FieldPoint<double>> places, std::span<const ChangingPart> here) const {
+    Tables tables = by_radius(places);
+    if (!tables.at.empty()) return tables;
+    for (const ChangingPart& place : here) {
+      tables.at.push_back(table_of(place));
+      tables.error = std::max(tables.error, tables.at.back().error());
+      const double bytes = static_cast<double>(tables.at.back().bytes()) * static_cast<double>(here.size());
+      if (bytes > kMostBytes)
+        throw UsageError("the OTFs at " + std::to_string(here.size()) + " places of the image would take " +
+                         format_double(bytes) + " bytes; give terms by which the cutoff of the optics changes less");
+    }
+    return tables;
+  }
+
+ private:
   /// Of a system whose OTF turns with the direction of the field point and depends on its distance besides: a few
   /// tables along a radius serve all places. Empty for another system, or where the radius takes too many.
-  std::vector<PolarTable> by_radius(std::span<const FieldPoint<double>> places) const {
+  Tables by_radius(std::span<const FieldPoint<double>> places) const {
     constexpr std::array<std::size_t, 2> kRadii{9, 17};
     double farthest = 0.0;
     for (const FieldPoint<double>& q : places) farthest = std::max(farthest, std::hypot(q.x, q.y));
@@ -238,15 +261,15 @@ struct TableMaker {
         }
       }
       if (worst > kRadiusShare * options.table_error) continue;
-      std::vector<PolarTable> tables;
+      Tables tables{{}, worst};
+      for (const PolarTable& table : along) tables.error = std::max(tables.error, worst + lebesgue(n) * table.error());
       for (const FieldPoint<double>& q : places)
-        tables.push_back(at(std::hypot(q.x, q.y)).turned(std::atan2(q.y, q.x)));
+        tables.at.push_back(at(std::hypot(q.x, q.y)).turned(std::atan2(q.y, q.x)));
       return tables;
     }
     return {};
   }
 
- private:
   std::vector<Freq<double>> some_frequencies() const {
     std::vector<Freq<double>> f;
     for (int i = 0; i < 16; ++i) {
@@ -351,9 +374,17 @@ bool FieldModes::make(const System<double>& asked, const FieldModesOptions& opti
   points_ = places.size();
   const double end = std::hypot(in_x_, in_y_) * (1.0 + 1e-9);
   System<double> system = asked;
-  system.band_nodes = band_nodes_for(asked, parts, std::array{places.front(), places[nodes - 1], places.back()}, end,
-                                     0.1 * options.table_error);
+  const BandNodes band = band_nodes_for(asked, parts, std::array{places.front(), places[nodes - 1], places.back()}, end,
+                                        options.band_error);
+  system.band_nodes = band.count;
 
+  if (n == kPoints.front())
+    for (const FieldPoint<double>& q : places) try {
+        require_valid(asked.at(q));
+      } catch (const UsageError& error) {
+        throw UsageError(std::string(error.what()) + " at the field point (" + significant(q.x, 3) + ", " +
+                         significant(q.y, 3) + ")");
+      }
   // The same breaks for all.
   std::vector<ChangingPart> here;
   std::vector<double> breaks;
@@ -372,10 +403,14 @@ bool FieldModes::make(const System<double>& asked, const FieldModesOptions& opti
   std::erase_if(breaks, [&](double r) { return !(r < std::min(end, cutoff)); });
   breaks.push_back(std::min(end, cutoff));
   std::sort(breaks.begin(), breaks.end());
+  // Kinks that move over the field lie close together: one of them, and the table says what that costs.
+  std::vector<double> apart{breaks.back()};
+  for (std::size_t i = breaks.size() - 1; i-- > 0;)
+    if (apart.back() - breaks[i] > kLeastPiece * apart.front()) apart.push_back(breaks[i]);
+  breaks.assign(apart.rbegin(), apart.rend());
   const TableMaker maker{system, parts, breaks, std::min(end, cutoff), options};
-  std::vector<PolarTable> tables = maker.by_radius(places);
-  if (tables.empty())
-    for (const ChangingPart& place : here) tables.push_back(maker.table_of(place));
+  const TableMaker::Tables made_tables = maker.all(places, here);
+  const std::vector<PolarTable>& tables = made_tables.at;
 
   // Deviations from the mean at the corners of the cells of a scene's spectrum, real parts before imaginary ones.
   constexpr int kCells = SceneSpectrum::kCells;
@@ -383,6 +418,11 @@ bool FieldModes::make(const System<double>& asked, const FieldModesOptions& opti
   for (int j = -kCells; j <= kCells; ++j)
     for (int i = 0; i <= kCells; ++i)
       f.push_back({SceneSpectrum::corner_cy_mm(i, in_x_), SceneSpectrum::corner_cy_mm(j, in_y_)});
+  const auto corners = static_cast<Eigen::Index>(f.size());
+  // An OTF that is narrow against a cell is seen by frequencies within the first ones.
+  for (const double a : {0.05, 0.3, 0.55, 0.8, 1.05, 1.3, 1.55, 1.8})
+    for (double share = 0.7; share > 1e-3; share *= 0.6)
+      f.push_back({share * cos_pi(a) * in_x_ / kCells, share * sin_pi(a) * in_y_ / kCells});
   const std::vector<double> common = common_moduli(system, parts, options.aperture, f, in_x_, in_y_);
   const auto columns = static_cast<Eigen::Index>(f.size()), count = static_cast<Eigen::Index>(nodes);
   Matrix d(static_cast<Eigen::Index>(places.size()), 2 * columns);
@@ -409,6 +449,10 @@ bool FieldModes::make(const System<double>& asked, const FieldModesOptions& opti
       root_power(at) = root_power(columns + at) = std::sqrt(power_about(options.spectrum, i, j));
       some.push_back(at), some.push_back(columns + at);
     }
+  for (Eigen::Index at = corners; at < columns; ++at) {
+    root_power(at) = root_power(columns + at) = std::sqrt(power_about(options.spectrum, 0, kCells));
+    some.push_back(at), some.push_back(columns + at);
+  }
   const Eigen::VectorXd root = weight.cwiseSqrt();
   Matrix scaled(count, static_cast<Eigen::Index>(some.size()));
   for (Eigen::Index i = 0; i < scaled.cols(); ++i) {
@@ -455,14 +499,16 @@ bool FieldModes::make(const System<double>& asked, const FieldModesOptions& opti
 
   // rms error over the image of an OTF error with these squared moduli, relative to the scene's std.
   const auto rms_of = [&](const Eigen::VectorXd& squares) {
-    std::vector<double> moduli(f.size());
-    double worst = 0.0;
-    for (Eigen::Index i = 0; i < columns; ++i) {
-      moduli[static_cast<std::size_t>(i)] = std::sqrt(squares(i));
-      worst = std::max(worst, moduli[static_cast<std::size_t>(i)]);
-    }
-    const double any = options.worst_unit * worst;
+    const double any = options.worst_unit * std::sqrt(squares.maxCoeff());
     if (options.spectrum == nullptr) return any;
+    std::vector<double> moduli(static_cast<std::size_t>(corners));
+    for (Eigen::Index i = 0; i < corners; ++i) moduli[static_cast<std::size_t>(i)] = std::sqrt(squares(i));
+    const double within = std::sqrt(squares.tail(columns - corners).maxCoeff());
+    for (const int j : {kCells - 1, kCells, kCells + 1})
+      for (const int i : {0, 1}) {
+        double& about = moduli[static_cast<std::size_t>(j * SceneSpectrum::kColumns + i)];
+        about = std::max(about, within);
+      }
     return std::min(any, options.spectrum_gain * options.spectrum->rms_error(moduli, ratio_x_, ratio_y_));
   };
   const auto squares_of = [&](const Eigen::RowVectorXd& row) -> Eigen::VectorXd {
@@ -504,6 +550,8 @@ bool FieldModes::make(const System<double>& asked, const FieldModesOptions& opti
     const Eigen::RowVectorXd missed = d.row(count + row) - at_probes.row(row) * p;
     between_ = std::max(between_, kBetweenSafety * rms_of(squares_of(missed)));
   }
+  // Tables and the average over the band, as errors of all OTFs alike.
+  between_ += options.worst_unit * (std::pow(lebesgue(n), 2) * made_tables.error + band.error);
   const bool done = between_ <= options.enough || n == kPoints.back();
   if (!done) return false;
 
@@ -517,7 +565,17 @@ bool FieldModes::make(const System<double>& asked, const FieldModesOptions& opti
     mode->largest = largest;
     return mode;
   };
-  factors_ = {made(weight, 1.0)};
+  const auto largest_of = [&](const PolarTable& table) {
+    double largest = 0.0;
+    for (const Freq<double>& one_f : f) {
+      const Complex<double> h = table.at(one_f);
+      largest = std::max(largest, std::hypot(h.re, h.im));
+    }
+    return kModulusSafety * largest + 1e-300;
+  };
+  auto mean_mode = made(weight, 1.0);
+  mean_mode->largest = std::max(1.0, largest_of(*mean_mode->table) / kModulusSafety);  // above 1 where it amplifies
+  factors_ = {mean_mode};
   std::size_t needed = 0;
   while (needed < series_.size() && error_[needed] > options.enough) ++needed;
   for (std::size_t k = 0; k < needed; ++k) {
@@ -525,13 +583,8 @@ bool FieldModes::make(const System<double>& asked, const FieldModesOptions& opti
     // p_k = sum over j of u_kj sqrt(w_j) (E_j - mean), times its scale.
     Eigen::VectorXd sum = scale(column) * (u.col(column).array() * root.array()).matrix();
     sum -= weight * sum.sum();
-    double largest = 0.0;
     auto mode = made(sum, 1.0);
-    for (const Freq<double>& one_f : f) {
-      const Complex<double> h = mode->table->at(one_f);
-      largest = std::max(largest, std::hypot(h.re, h.im));
-    }
-    mode->largest = kModulusSafety * largest + 1e-300;
+    mode->largest = largest_of(*mode->table);
     factors_.push_back(std::move(mode));
   }
   return true;

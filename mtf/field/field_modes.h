@@ -11,9 +11,9 @@
 // (Flicker & Rigaut, JOSA A 22, 504 (2005), for modes of a measured point spread).
 //
 // The promise. Of a residual D(f; x) = sum of a_k(x) p_k(f), for any c_k > 0, Cauchy-Schwarz at each pixel and Parseval
-// give rms(error)^2 <= max over x of sum a_k^2 / c_k times sum over f of power(f) sum c_k |p_k|^2. The least of c = 1,
-// c = the singular values and c = max |a_k| is taken. What interpolation between the points misses is looked at in
-// other places of the image.
+// give rms(error)^2 <= max over x of sum a_k^2 / c_k times sum over f of power(f) sum c_k |p_k|^2. With modes scaled so
+// that max |a_k| = 1 the least of c = 1, 1 / |p_k| and 1 / |p_k|^2 is taken. What interpolation between the points
+// misses is looked at in other places of the image.
 
 #include <memory>
 #include <span>
@@ -27,6 +27,7 @@ namespace mtf {
 struct FieldModesOptions {
   SceneAperture aperture{};
   double table_error = 1e-7;  ///< that the table of one OTF should keep
+  double band_error = 1e-7;   ///< of its average over the band
   double worst_unit = 1.0;    ///< rms error, relative to the scene's std, that an OTF error of 1 may become
   const SceneSpectrum* spectrum = nullptr;  ///< of the scene; null: any scene
   double spectrum_gain = 1.0;               ///< rms error of the image over that of the spectrum

@@ -295,7 +295,7 @@ double FactoredOtf::aperture_radial(double r) const { return limited_inverse(ape
 double FactoredOtf::table_error() const {
   double sum = table_ ? table_->error() : 0.0;
   for (const Line& line : lines_) sum += line.table.line_error();
-  for (const Slow& slow : polar_) sum += slow.table->error() / (slow.of.empty() ? options_.given->largest : 1.0);
+  for (const Slow& slow : polar_) sum += slow.table->error();
   return sum * gain();
 }
 

@@ -125,19 +125,16 @@ void PolarTable::tabulate(const Rings& rings, std::size_t spokes, std::size_t po
 
 PolarTable PolarTable::combination(std::span<const PolarTable* const> tables, std::span<const double> weight) {
   PolarTable sum;
-  double squares = 0.0;
   for (const PolarTable* table : tables) sum.orders_ = std::max(sum.orders_, table->orders_);
   for (const Piece& piece : tables.front()->pieces_)
     sum.pieces_.push_back({piece.begin, piece.end, std::vector<Cplx>((kKnots + 3) * sum.orders_)});
   for (std::size_t i = 0; i < tables.size(); ++i) {
     const PolarTable& table = *tables[i];
-    squares += std::pow(weight[i] * table.error_, 2);
     for (std::size_t p = 0; p < sum.pieces_.size(); ++p)
       for (std::size_t k = 0; k < kKnots + 3; ++k)
         for (std::size_t m = 0; m < table.orders_; ++m)
           sum.pieces_[p].rows[k * sum.orders_ + m] += weight[i] * table.pieces_[p].rows[k * table.orders_ + m];
   }
-  sum.error_ = 2.0 * std::sqrt(squares);
   return sum;
 }
 
@@ -173,6 +170,10 @@ Complex<double> PolarTable::at(const Freq<double>& f) const {
     c = next;
   }
   return {re, im};
+}
+
+std::int64_t PolarTable::bytes() const {
+  return static_cast<std::int64_t>(pieces_.size() * (kKnots + 3) * orders_ * sizeof(Cplx));
 }
 
 std::size_t PolarTable::probes() const { return std::clamp(kAllProbes / pieces_.size(), std::size_t{8}, kMostProbes); }

@@ -33,7 +33,7 @@ class PolarTable {
   PolarTable(const Function& h, const Rings& rings, std::vector<double> breaks, double target, std::int64_t most,
              int threads);
 
-  /// Sum of weight[i] tables[i], all made with the same breaks; its error is twice what independent ones add up to.
+  /// Sum of weight[i] tables[i], all made with the same breaks; what it errs by its maker has to know: error() is 0.
   static PolarTable combination(std::span<const PolarTable* const> tables, std::span<const double> weight);
   /// The table of H turned by an angle from +x to +y.
   PolarTable turned(double angle) const;
@@ -44,6 +44,7 @@ class PolarTable {
 
   /// Largest |table - H| found at points in between, times 2; also where the target could not be kept.
   double error() const { return error_; }
+  std::int64_t bytes() const;
   /// The number of values of an OTF that were taken.
   std::int64_t evaluations() const { return evaluations_; }
 

@@ -116,6 +116,10 @@ std::optional<SceneSummary> summarise(ImageView<const float> scene, Border borde
 
 namespace {
 
+UsageError other_spectrum() {
+  return UsageError("PlanOptions::spectrum is of a scene of another size or border; make it from this one");
+}
+
 /// What an OTF error of 1 may become, as an rms error of the image relative to the scene's std.
 struct Norms {
   Norms(const SampleGrid& in, const SampleGrid& out, const PlanOptions& options) {
@@ -163,8 +167,7 @@ Plan compile_stages(const System<double>& system, std::span<const Stage> stages,
                      " is larger than the scene, which holds " + std::to_string(report.whole_pitches_x) + "x" +
                      std::to_string(report.whole_pitches_y) + " whole pixels; use detector_grid()");
 
-  if (options.spectrum && !options.spectrum->is_of(in.width, in.height, options.border))
-    throw UsageError("PlanOptions::spectrum is of a scene of another size or border; make it from this one");
+  if (options.spectrum && !options.spectrum->is_of(in.width, in.height, options.border)) throw other_spectrum();
   const Norms norms(in, out, options);
   const double ratio_x = out.step_x_um / in.step_x_um, ratio_y = out.step_y_um / in.step_y_um;
   std::optional<SceneCost> scene_cost;
@@ -222,6 +225,7 @@ namespace {
 
 // How the tolerance is shared out over a field: modes that are left out, the mean OTF, the others.
 constexpr double kModesShare = 0.5, kMeanShare = 0.25;
+constexpr double kEnoughShare = 0.1;  // for modes alone
 
 PredictedError& operator+=(PredictedError& a, const PredictedError& b) {
   a.dropped += b.dropped, a.table += b.table, a.band += b.band, a.cut += b.cut, a.wrap += b.wrap;
@@ -238,15 +242,21 @@ Plan compile_over_field(const System<double>& given, const SampleGrid& in, const
   const double tolerance = options.tolerance;
   const System<double> axis = system.at({});
   if (!(tolerance > 0.0 && tolerance < 1.0)) return compile_stages(axis, stages, in, out, options, {});  // refused
+  if (options.method && family(kMethodNames[static_cast<std::size_t>(*options.method)]) != Family::fft)
+    throw UsageError("method " + std::string(kMethodNames[static_cast<std::size_t>(*options.method)]) +
+                     " takes one OTF for the whole image; here it changes over the field by " +
+                     names_over_field(given) + ": leave --method out");
+  if (options.spectrum && !options.spectrum->is_of(in.width, in.height, options.border)) throw other_spectrum();
   const Norms norms(in, out, options);
   const auto field = std::make_shared<const FieldModes>(
       system, in, out,
       FieldModesOptions{.aperture = options.aperture,
-                        .table_error = std::clamp(0.01 * kTableShare * tolerance / norms.of_any(), 2e-9, 1e-6),
+                        .table_error = std::clamp(0.1 * kTableShare * tolerance / norms.of_any(), 2e-9, 1e-6),
+                        .band_error = kBandShare * tolerance / norms.of_any(),
                         .worst_unit = norms.of_any(),
                         .spectrum = options.spectrum.get(),
                         .spectrum_gain = norms.spectrum_gain,
-                        .enough = 0.2 * kModesShare * tolerance,
+                        .enough = kEnoughShare * tolerance,
                         .threads = options.threads,
                         .progress = options.progress});
   FieldReport report{field->points(), 0, field->error_of_axis()};
@@ -264,9 +274,15 @@ Plan compile_over_field(const System<double>& given, const SampleGrid& in, const
     } catch (const UnreachableTolerance&) {  // said below
     }
   while (report.modes <= field->count() && field->error(report.modes) > kModesShare * tolerance) ++report.modes;
-  if (report.modes > field->count())
-    throw unreachable_tolerance(tolerance, std::min(1.0, 1.01 * field->error(field->count()) / kModesShare),
-                                options.scene);
+  if (report.modes > field->count()) {
+    // Modes of a tenth of the tolerance are left out on top of what the places miss.
+    const double reachable = 1.01 * field->error(field->count()) / (kModesShare - kEnoughShare);
+    throw UnreachableTolerance("tolerance " + format_double(tolerance) +
+                                   " cannot be kept: the OTF changes more sharply over the field than OTFs at " +
+                                   std::to_string(report.points) + " places can follow; use " +
+                                   (reachable < 1.0 ? significant(reachable, 3) + " or more" : "weaker terms"),
+                               reachable < 1.0 ? reachable : std::numeric_limits<double>::infinity());
+  }
   auto impl = std::make_shared<Plan::Impl>();
   impl->system = given;
   impl->stages.assign(stages.begin(), stages.end());
@@ -274,13 +290,16 @@ Plan compile_over_field(const System<double>& given, const SampleGrid& in, const
   impl->options.progress = {};
   impl->field = field;
   PlanReport total;
+  double moduli = 0.0;  // of all modes but the mean: what each may err by is shared out by them
+  for (std::size_t k = 1; k <= report.modes; ++k) moduli += field->factor(k)->largest;
   for (std::size_t k = 0; k <= report.modes; ++k) {
     PlanOptions own = options;
-    own.tolerance = k == 0 ? kMeanShare * tolerance
-                           : (1.0 - kModesShare - kMeanShare) * tolerance / static_cast<double>(report.modes);
+    own.tolerance =
+        (k == 0 ? kMeanShare : (1.0 - kModesShare - kMeanShare) * field->factor(k)->largest / moduli) * tolerance;
+    const Plan::Impl* earlier = k == 0 ? nullptr : impl->modes.back().impl_.get();  // with whose transforms it goes
     try {
-      impl->modes.push_back(
-          compile_stages(axis, stages, in, out, own, {.mode = field->factor(k), .dc = k == 0 ? 1.0 : 0.0}));
+      impl->modes.push_back(compile_stages(axis, stages, in, out, own,
+                                           {.earlier = earlier, .mode = field->factor(k), .dc = k == 0 ? 1.0 : 0.0}));
     } catch (const UnreachableTolerance& e) {
       throw unreachable_tolerance(tolerance, std::min(1.0, e.reachable() / own.tolerance * tolerance), options.scene);
     }
@@ -325,7 +344,8 @@ Plan compile_part(const System<double>& system, const SampleGrid& scene, const S
 // A frame of a sequence is not worth judging every method anew: the chosen one stays while it keeps the tolerance and
 // has not become clearly dearer.
 Plan Plan::with(const System<double>& system) const {
-  if (impl_->field || !system.is_isoplanatic() || impl_->report.field.points > 0)
+  const bool of_image = impl_->split.is_whole() && impl_->stages == std::vector<Stage>{Stage::presample};
+  if (of_image && (impl_->field || !system.is_isoplanatic() || impl_->report.field.points > 0))
     return compile(system, in(), out(), impl_->options);
   constexpr double kDearer = 1.5;
   const auto compiled = [&](bool keep_family) {

@@ -134,7 +134,7 @@ struct FieldReport {
 
 /// What a plan decided, for reports.
 struct PlanReport {
-  std::string method;  ///< name of the chosen one; "field_modes" for one OTF a mode, each by the method of the first
+  std::string method;  ///< name of the chosen one; "field_modes" for one OTF a mode
   std::vector<Candidate> candidates;
   std::vector<Omission> omitted;
   SampleGrid in, out;

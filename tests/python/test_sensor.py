@@ -261,3 +261,27 @@ def test_one_value_needs_no_name():
 def test_findings_without_a_place_have_none():
     found = mk.Sensor(frame=dict(focal_length="100 mm", pitch="15 um")).check()
     assert "diffraction" in str(found) and "0:0" not in str(found)
+
+
+def test_an_otf_over_the_field_says_that_it_is_that_of_the_axis(tmp_path):
+    path = tmp_path / "field.toml"
+    path.write_text("""schema = 2
+[frame]
+focal_length = "100 mm"
+pitch = "15 um"
+format = [16, 12]
+[optics]
+f_number = 2.0
+wavelength = "4 um"
+[[presample]]
+kind = "wavefront"
+orientation = "field"
+w131 = { r = 0.7 }
+""")
+    sensor = mk.Sensor.load(path)
+    with pytest.warns(UserWarning, match="optical axis"):
+        on_axis = sensor.otf(30.0)
+    assert on_axis.imag == 0.0
+    scene = np.random.default_rng(1).normal(size=(12, 16)).astype(np.float32)
+    image = sensor.simulate(scene, sample="15 um", quantity="counts", tolerance=1e-2).image
+    assert np.isfinite(np.asarray(image)).all()

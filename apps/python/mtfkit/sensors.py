@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import os
+import warnings
 from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -209,6 +210,7 @@ class Sensor:
 
         `unit` is cy/mm at the focal plane, cy/mrad or cy/px; +x is along columns, +y along rows.
         """
+        self._say_axis()
         x, y = quantities.frequency_pair(fx, fy)
         values = _core.otf(self._file, x.ravel(), y.ravel(), unit).reshape(x.shape)
         if self._functions:
@@ -226,12 +228,18 @@ class Sensor:
         `frequency` is in `unit`, by default 61 values to the smaller of cutoff and twice Nyquist; `angle` is from +x to
         +y, "45 deg".
         """
+        self._say_axis()
         values = [] if frequency is None else np.atleast_1d(quantities.frequencies(frequency, "frequency")).ravel().tolist()
         if frequency is not None and not values:
             raise UsageError("frequency: is empty; leave it out for 61 values to the cutoff or twice Nyquist")
         made = results.timed(_core.curves, self._file, values, quantities.angle_deg(angle), unit)
         curves = curves_of(*made, self._own.error)
         return functions.with_functions(curves, self._file, self._functions) if self._functions else curves
+
+    def _say_axis(self) -> None:
+        """Warns where one OTF does not serve the whole image, of what speaks of the optical axis alone."""
+        if self._file.over_field:
+            warnings.warn(f"the OTF changes over the field by {self._file.over_field}: this is that of the optical axis", stacklevel=4)
 
     def explain(self) -> results.Text:
         """What every number becomes after units and defaults, and the stages of the chain, as `mtf config explain`."""
@@ -246,6 +254,7 @@ class Sensor:
 
         Raises UsageError for a sensor without [detector].
         """
+        self._say_axis()
         kelvin = quantities.kelvin(temperature)
         return Budget(kelvin, *results.timed(self._file.budget, kelvin))
 

@@ -110,9 +110,11 @@ void take_over_field(const Section& section, Stage stage, std::size_t entry, Sys
     if (stage != Stage::presample) {
       section.reader.error(terms.position, terms.path,
                            "changes over the field, which components of [[presample]] alone may; write one number");
-    } else if (place && terms.angle) {
+    } else if (!place || detail::number_of(fields[place->field], place->element) == nullptr) {
+      // Something else about it was wrong, and is said.
+    } else if (terms.angle) {
       system.field.angles.push_back({entry, place->field});
-    } else if (place) {
+    } else {
       system.field.numbers.push_back({entry, place->field, place->element, terms.coefficient});
     }
     return true;
