@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/live/session.h"
 
-#include <malloc.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -235,15 +234,6 @@ Answer Session::model(const RequestBody& request) {
   return json_answer(json);
 }
 
-// The C library keeps what larger pictures needed, in holes between blocks that are in use.
-void Session::return_memory() {
-  constexpr std::chrono::seconds kEvery{5};
-  const auto now = std::chrono::steady_clock::now();
-  if (now - returned_ < kEvery) return;
-  returned_ = now;
-  ::malloc_trim(0);
-}
-
 Answer Session::frame(const RequestBody& request) {
   const bool left = request.text("side") == "left", before = request.flag("before");
   const FrameRequest asked{.number = request.whole("number", 0, kLastNoiseFrame, 0),
@@ -263,7 +253,6 @@ Answer Session::frame(const RequestBody& request) {
   begin_work(request);
   const mtf::StopScope scope(&stopped_);
   const auto made = maker(left).frame(sensor, asked);
-  if (!asked.preview) return_memory();
   const mtf::Image& plane = made->image.planes.front();
   const int every = asked.preview ? static_cast<int>(asked.every) : 1;  // pixels of an image that moves on
   const auto text_of = [&](const char* key) {

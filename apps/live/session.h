@@ -18,7 +18,6 @@
 //   scenefile {"scene", "position", "look_at", "utc_s"}  the text of the 3-D scene's file with that camera
 
 #include <atomic>
-#include <chrono>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -55,7 +54,6 @@ class Session {
 
  private:
   Answer model(const RequestBody& request);
-  void return_memory();
   Answer frame(const RequestBody& request);
   Answer stop(const RequestBody& request);
   Answer scene(const RequestBody& request);
@@ -83,9 +81,8 @@ class Session {
   FrameMaker frames_;
   std::optional<FrameMaker> left_;  ///< of a 3-D scene, once it is asked for
   std::map<std::string, std::int64_t> generations_;
-  std::chrono::steady_clock::time_point returned_{};  ///< the last time that memory was given back
-  std::pair<std::string, std::int64_t> working_{};    ///< tab and generation of the last frame that was begun
-  std::atomic<bool> stopped_{false};                  ///< the work on it
+  std::pair<std::string, std::int64_t> working_{};  ///< tab and generation of the last frame that was begun
+  std::atomic<bool> stopped_{false};                ///< the work on it
 };
 
 }  // namespace apps::live

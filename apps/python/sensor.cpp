@@ -182,7 +182,8 @@ void add_sensor(py::module_& module) {
       .def_property_readonly("file", [](const SensorHandle& s) { return FileName{s.config->file}; })
       .def_property_readonly("name", [](const SensorHandle& s) { return s.config->system.name; })
       .def_property_readonly("sha256", [](const SensorHandle& s) { return s.config->sha256; })
-      .def_property_readonly("over_field", [](const SensorHandle& s) { return mtf::names_over_field(s.config->system); })
+      .def_property_readonly("over_field",
+                             [](const SensorHandle& s) { return mtf::names_over_field(s.config->system); })
       .def_property_readonly("has_chain", [](const SensorHandle& s) { return has_chain(*s.config); })
       .def_property_readonly("quantity",
                              [](const SensorHandle& s) {

@@ -12,7 +12,7 @@
 #include "apps/text/message_words.h"
 #include "mtf/components/path_air.h"
 #include "mtf/error.h"
-#include "mtf/same_list.h"
+#include "mtf/otf/same_list.h"
 
 namespace apps {
 

@@ -8,7 +8,7 @@
 
 #include "mtf/error.h"
 #include "mtf/math/special.h"
-#include "mtf/same_list.h"
+#include "mtf/otf/same_list.h"
 
 namespace mtf {
 namespace {

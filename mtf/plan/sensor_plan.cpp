@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "mtf/same_list.h"
+#include "mtf/otf/same_list.h"
 
 namespace mtf {
 // Plan::run has read all input before it writes any output; where the output is no larger it takes the input's place.

@@ -28,8 +28,10 @@ Image leaves(std::int64_t width, std::int64_t height) {
   for (int n = 0; n < 6000; ++n) {
     const double r = 2.0 / std::sqrt(uniform(1.0 / (300.0 * 300.0), 1.0)), grey = uniform(0.0, 1.0);
     const double cx = uniform(0.0, static_cast<double>(width)), cy = uniform(0.0, static_cast<double>(height));
-    for (auto y = std::max<std::int64_t>(0, std::llround(cy - r)); y < std::min<std::int64_t>(height, std::llround(cy + r)); ++y)
-      for (auto x = std::max<std::int64_t>(0, std::llround(cx - r)); x < std::min<std::int64_t>(width, std::llround(cx + r)); ++x)
+    for (auto y = std::max<std::int64_t>(0, std::llround(cy - r));
+         y < std::min<std::int64_t>(height, std::llround(cy + r)); ++y)
+      for (auto x = std::max<std::int64_t>(0, std::llround(cx - r));
+           x < std::min<std::int64_t>(width, std::llround(cx + r)); ++x)
         if (std::hypot(static_cast<double>(x) - cx, static_cast<double>(y) - cy) < r)
           image.at(x, y) = static_cast<float>(grey);
   }

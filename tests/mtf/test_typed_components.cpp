@@ -15,8 +15,8 @@
 #include "mtf/error.h"
 #include "mtf/from_quantities.h"
 #include "mtf/literals.h"
+#include "mtf/otf/same_list.h"
 #include "mtf/plan/sensor_plan.h"
-#include "mtf/same_list.h"
 #include "tests/expect_error.h"
 #include "tests/mtf/builders.h"
 

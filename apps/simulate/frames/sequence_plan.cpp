@@ -6,7 +6,7 @@
 
 #include "apps/simulate/simulate_parts.h"
 #include "apps/text/message_words.h"
-#include "mtf/same_list.h"
+#include "mtf/otf/same_list.h"
 
 namespace apps {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mtf/same_list.h"
+#include "mtf/otf/same_list.h"
 
 #include <algorithm>
 #include <cmath>
