@@ -107,7 +107,8 @@ class Interpolation(Component):
     def __init__(self, kernel: Value = ..., *, a: Value = ..., label: Value = ...) -> None: ...
 
 class Jitter(Component):
-    def __init__(self, rms: Value = ..., *, rms_x: Value = ..., rms_y: Value = ..., label: Value = ...) -> None: ...
+    def __init__(self, rms: Value = ..., *, rms_x: Value = ..., rms_y: Value = ..., roll: Value = ...,
+                 label: Value = ...) -> None: ...
 
 class LinearMotion(Component):
     def __init__(self, *, travel: Value = ..., travel_x: Value = ..., travel_y: Value = ..., velocity: Value = ...,
