@@ -8,6 +8,7 @@ import { writeScene } from "./check_space.mjs";
 import { context, open, options, settle, unfold } from "./helpers.mjs";
 
 const PATIENCE_MS = 15000, MOST_UNDONE = 100;
+const GIVES_BACK_MS = 12000; // a server gives memory that it no longer needs back every five seconds
 const memory = (server) => Number(/VmRSS:\s+(\d+)/.exec(readFileSync(`/proc/${server.child.pid}/status`, "utf8"))[1]) / 1024;
 
 /** A slider, by five places of which it rests at the last; now and then undo, play and pause, a way back. */
@@ -87,6 +88,8 @@ export async function endure(run, browser, minutes) {
   } catch (error) {
     throw new Error(`${error.message}\nsaid: ${pages.map(({ said }) => said.filter((text) => !/status of 4(22|09|10)/.test(text)).join("; ")).join(" | ")}`);
   }
+  await rest(pages);
+  await new Promise((resolve) => setTimeout(resolve, GIVES_BACK_MS));
   for (const [i, server] of servers.entries()) {
     const grown = memory(server) - first[i];
     console.log(`server ${i}: ${moves} moves, memory grew by ${grown.toFixed(0)} MiB from ${first[i].toFixed(0)}`);

@@ -19,7 +19,7 @@ const std::string kLens =
     "[[presample]]\nkind = \"wavefront\"\norientation = \"field\"\nw040 = 0.25\nw131 = { r = 0.7 }\nw222 = { r2 = 1.0 "
     "}\n"
     "w020 = { 1 = -0.3, r2 = 0.5, x = 0.06 }\nzernike = [0, 0, 0, { 1 = 0.1, y2 = 0.2 }]\n"
-    "[[presample]]\nkind = \"jitter\"\nrms_x = { x = \"3 um\", 1 = \"0.002 mm\" }\nrms_y = \"1 um\"\nroll = \"300 "
+    "[[presample]]\nkind = \"jitter\"\nrms_x = { x = \"1 um\", 1 = \"0.002 mm\" }\nrms_y = \"1 um\"\nroll = \"300 "
     "urad\"\n";
 
 SensorConfig parsed(const std::string& body) {
@@ -47,7 +47,7 @@ TEST(ConfigField, TermsMakeTheSystemOfAFieldPoint) {
   EXPECT_NEAR(lens->zernike[3], 0.1 + 0.2 * 0.36, 1e-15);
   EXPECT_NEAR(lens->orientation_deg.value, 36.869897645844021, 1e-12);
   const auto* jitter = here.list(Stage::presample)[1].component.get_if<Jitter<double>>();
-  EXPECT_NEAR(jitter->rms.x_um(here.frame), 2.0 + 3.0 * 0.8, 1e-12);
+  EXPECT_NEAR(jitter->rms.x_um(here.frame), 2.0 + 0.8, 1e-12);
   EXPECT_DOUBLE_EQ(jitter->rms.y_um(here.frame), 1.0);
 }
 
