@@ -187,7 +187,11 @@ bool FieldModes::make(const System<double>& asked, const FieldModesOptions& opti
   for (std::size_t i = breaks.size() - 1; i-- > 0;)
     if (apart.back() - breaks[i] > kLeastPiece * apart.front()) apart.push_back(breaks[i]);
   breaks.assign(apart.rbegin(), apart.rend());
-  const TableMaker maker{system, parts, breaks, std::min(end, cutoff), options};
+  constexpr double kQuick = 0.01;  // of the time of a slow component
+  const double wavelengths = std::max(1, band.count) * (parts.slow ? 1.0 : kQuick);
+  const auto most = static_cast<std::int64_t>(kMostInAll / (wavelengths * static_cast<double>(places.size())));
+  const TableMaker maker{system, parts, breaks, std::min(end, cutoff), std::clamp<std::int64_t>(most, 500, kMostValues),
+                         options};
   const TableMaker::Tables made_tables = maker.all(places, here);
   const std::vector<PolarTable>& tables = made_tables.at;
 
@@ -296,7 +300,7 @@ bool FieldModes::make(const System<double>& asked, const FieldModesOptions& opti
   // Modes are left out from the least on, with three choices of c for weights of at most 1.
   Eigen::VectorXd singular(modes);
   for (Eigen::Index k = 0; k < modes; ++k)
-    singular(k) = std::max(std::sqrt(squares_of(p.row(k)).sum()), k > 0 ? 1e-12 * singular(0) : 1e-300);
+    singular(k) = std::max(std::sqrt(squares_of(p.row(k)).sum()), k > 0 ? 1e-12 * singular(0) : 1e-30);
   std::array<Eigen::VectorXd, 3> places_sum, squares_sum;
   for (auto& sum : places_sum) sum = Eigen::VectorXd::Zero(everywhere.rows() + count);
   for (auto& sum : squares_sum) sum = Eigen::VectorXd::Zero(columns);
@@ -319,7 +323,7 @@ bool FieldModes::make(const System<double>& asked, const FieldModesOptions& opti
   }
   auto axis_places = places_sum, axis_squares = squares_sum;
   const Eigen::RowVectorXd of_axis = d.row(d.rows() - 1);
-  const double norm = std::sqrt(squares_of(of_axis).sum()) + 1e-300;
+  const double norm = std::sqrt(squares_of(of_axis).sum()) + 1e-30;
   add(axis_places, axis_squares, Eigen::VectorXd::Ones(everywhere.rows() + count), squares_of(of_axis), 1.0 / norm,
       1.0 / (norm * norm));
   axis_error_ = bound(axis_places, axis_squares);
@@ -331,7 +335,8 @@ bool FieldModes::make(const System<double>& asked, const FieldModesOptions& opti
   }
   // Tables and the average over the band, as errors of all OTFs alike.
   between_ += options.worst_unit * (std::pow(lebesgue(n), 2) * made_tables.error + band.error);
-  const bool done = between_ <= options.enough || n == kPoints.back();
+  const double next = 4.0 * made_tables.values * static_cast<double>(nodes) * wavelengths;  // about twice the points
+  const bool done = between_ <= options.enough || n == kPoints.back() || next > kMostInAll;
   if (!done) return false;
 
   // The tables of the modes that may be asked for.

@@ -20,14 +20,16 @@ namespace mtf::field {
 
 using Entries = std::vector<Entry<double>>;
 
-inline constexpr std::int64_t kMostValues = 40000;  // of an OTF that a table takes
-inline constexpr int kMostBandNodes = 128;
+inline constexpr std::int64_t kMostValues = 10000;  // of an OTF that a table takes
+inline constexpr int kMostBandNodes = 32;
+inline constexpr double kMostInAll = 1.5e6;  // values of an OTF at one wavelength, for all places
 inline constexpr double kRadiusShare = 2.0;  // of the error of a table, for interpolation along a radius
 inline constexpr double kMostBytes = 2e9;    // of all tables
 
 /// The components of a system that are the same all over the image, and the others.
 struct Parts {
   std::vector<std::size_t> changing;  ///< of the presample list
+  bool slow = false;                  ///< among these is one that costs microseconds a value
   bool chromatic = false;             ///< among these; all chromatic ones are
 };
 
@@ -43,6 +45,7 @@ inline Parts parts_of(const System<double>& system) {
     changes[i] = changes[i] || traits.placed;
     parts.chromatic = parts.chromatic || (changes[i] && system.band && traits.chromatic);
   }
+  for (std::size_t i = 0; i < list.size(); ++i) parts.slow = parts.slow || (changes[i] && list[i].component.is_slow());
   for (std::size_t i = 0; i < list.size(); ++i)
     if (changes[i] || (parts.chromatic && list[i].component.traits(ctx).chromatic)) parts.changing.push_back(i);
   return parts;
@@ -53,6 +56,11 @@ class ChangingPart {
  public:
   ChangingPart(const System<double>& system, const Parts& parts, const FieldPoint<double>& q) : here_(system.at(q)) {
     for (const std::size_t i : parts.changing) entries_.push_back(here_.list(Stage::presample)[i]);
+    if (parts.chromatic) {
+      const WavelengthNodes nodes = wavelength_nodes(*here_.band, here_.band_nodes);
+      for (std::size_t i = 0; i < nodes.weight.size(); ++i)
+        wavelengths_.emplace_back(nodes.weight[i], here_.context(nodes.wavelength_um[i]));
+    }
     real_ = even_x_ = even_y_ = true;
     for (const Entry<double>& entry : entries_) {
       const Traits traits = entry.component.traits(here_.context());
@@ -68,7 +76,15 @@ class ChangingPart {
   }
 
   Complex<double> otf(const Freq<double>& f) const {
-    return here_.otf(std::span<const Entry<double>>(entries_), std::span(&f, 1)).front();
+    const auto product = [&](const Context<double>& ctx) {
+      Complex<double> h{1.0, 0.0};
+      for (const Entry<double>& entry : entries_) h = h * entry.component.otf(f, ctx);
+      return h;
+    };
+    if (wavelengths_.empty()) return product(here_.context());
+    Complex<double> mean{};
+    for (const auto& [weight, ctx] : wavelengths_) mean = mean + Complex<double>{weight, 0.0} * product(ctx);
+    return mean;
   }
   const std::vector<double>& kinks() const { return kinks_; }
   double cutoff() const { return cutoff_; }
@@ -84,6 +100,7 @@ class ChangingPart {
 
   System<double> here_;
   Entries entries_;
+  std::vector<std::pair<double, Context<double>>> wavelengths_;  ///< weights and contexts of the band's average
   std::vector<double> kinks_;
   double cutoff_ = std::numeric_limits<double>::infinity();
   bool real_ = true, even_x_ = true, even_y_ = true;
@@ -157,12 +174,12 @@ struct TableMaker {
   const Parts& parts;
   const std::vector<double>& breaks;
   double end = 0.0;
+  std::int64_t most = kMostValues;  ///< that one table takes
   const FieldModesOptions& options;
 
   PolarTable table_of(const ChangingPart& place) const {
     const PolarTable::Function h = [&place](const Freq<double>& f) { return place.otf(f); };
-    PolarTable table(h, PolarTable::rings_of(h, options.threads), breaks, options.table_error, kMostValues,
-                     options.threads);
+    PolarTable table(h, PolarTable::rings_of(h, options.threads), breaks, options.table_error, most, options.threads);
     if (options.progress) options.progress(table.evaluations());
     return table;
   }
@@ -170,6 +187,7 @@ struct TableMaker {
   struct Tables {
     std::vector<PolarTable> at;
     double error = 0.0;
+    double values = 0.0;  ///< that they took for each place; 0 where more places take no more
   };
   Tables all(std::span<const FieldPoint<double>> places, std::span<const ChangingPart> here) const {
     Tables tables = by_radius(places);
@@ -177,6 +195,7 @@ struct TableMaker {
     for (const ChangingPart& place : here) {
       tables.at.push_back(table_of(place));
       tables.error = std::max(tables.error, tables.at.back().error());
+      tables.values += static_cast<double>(tables.at.back().evaluations()) / static_cast<double>(here.size());
       const double bytes = static_cast<double>(tables.at.back().bytes()) * static_cast<double>(here.size());
       if (bytes > kMostBytes)
         throw UsageError("the OTFs at " + std::to_string(here.size()) + " places of the image would take " +
@@ -192,7 +211,7 @@ struct TableMaker {
     constexpr std::array<std::size_t, 2> kRadii{9, 17};
     double farthest = 0.0;
     for (const FieldPoint<double>& q : places) farthest = std::max(farthest, std::hypot(q.x, q.y));
-    if (!turns(farthest)) return {};
+    if (farthest == 0.0 || !turns(farthest)) return {};
     for (const std::size_t n : kRadii) {
       std::vector<PolarTable> along;
       for (std::size_t i = 0; i < n; ++i)

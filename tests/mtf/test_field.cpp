@@ -175,6 +175,15 @@ TEST(Field, UniformScenesAreExact) {
   }
 }
 
+TEST(Field, OnePixel) {
+  const System<double> s = seidel(0.1, 0.3, 0.4, 0.2, 0.1);
+  const Image scene = random_image(8, 8, 2);
+  const SampleGrid in = scene_grid(s, 8, 8, 8, 8), out{1, 1, 15.0, 15.0};
+  const Plan plan = compile(s, in, out, options_for(scene, Border::reflect, 1e-2));
+  const std::vector<double> slow = reference_over_field(s, scene, in, out, Border::reflect, 0.0);
+  EXPECT_NEAR(run(plan, scene).at(0, 0), slow.front(), 1e-2);
+}
+
 TEST(Field, ThreadsDoNotCount) {
   const System<double> s = seidel(0.1, 0.3, 0.4, 0.2, 0.0);
   const Image scene = random_image(80, 64, 5);

@@ -129,11 +129,9 @@ std::string put(Node& root, const Target& target, Node value) {
     remove(table, target.key + "_y");
   }
   Node& old = child(table, target.key);
-  // Of a number that changes over the field the value on the axis is set; its terms stay.
   if (is_over_field(old, {}) && value.kind != Node::Kind::table)
-    child(old, "1") = std::move(value);
-  else
-    old = std::move(value);
+    return "it changes over the field of view; set its terms in the sensor file, with 1 = ... for the optical axis";
+  old = std::move(value);
   return "";
 }
 

@@ -91,5 +91,17 @@ TEST(ConfigField, WhatCannotBeIsRefused) {
   expect_says(format_diagnostic(frame.diagnostics.front(), "s.toml"), {"frame.focal_length", "one number"});
 }
 
+TEST(ConfigField, TablesOfTheChainAreRefused) {
+  const FieldInfo row{
+      .name = "x", .dimension = Dimension::pixel, .unit = "px", .lo = -10.0, .hi = 10.0, .example = "\"3 px\""};
+  const std::vector<TableInfo> schema{{"optical_axis", "the axis", {row}}};
+  const ConfigResult terms = parse_config(kHead + "[optical_axis]\nx = { 1 = \"3 px\" }\n" + kLens, "s.toml", schema);
+  ASSERT_FALSE(terms.ok());
+  expect_says(format_diagnostic(terms.diagnostics.front(), "s.toml"), {"optical_axis.x", "one number"});
+  const ConfigResult axis = parse_config(kHead + "[optical_axis]\nx = \"3 px\"\n" + kLens, "s.toml", schema);
+  ASSERT_TRUE(axis.ok());
+  EXPECT_EQ(axis.config.system.field.axis_x_px, 3.0);
+}
+
 }  // namespace
 }  // namespace mtf::io
