@@ -9,6 +9,7 @@
 #include <sstream>
 
 #include "mtf/engines/fft/scene_spectrum.h"
+#include "mtf/field/field_modes.h"
 #include "mtf/plan/sensor_plan.h"
 #include "tests/expect_error.h"
 #include "tests/mtf/field_systems.h"
@@ -266,14 +267,9 @@ TEST(Field, WideBlurIsSeen) {
   System<double> s = bare(15.0, 15.0);
   s.add(Stage::presample, test::gaussian(15.0 * 12.0));
   let_vary(s, 0, "sigma", "r2", 15.0 * 4.0);
-  const SampleGrid in = scene_grid(s, 256, 256, 8, 8), out{32, 32, 15.0, 15.0};
-  try {
-    const Plan plan = compile(s, in, out, {.tolerance = 0.1, .threads = 1});
-    EXPECT_GT(plan.report().field.modes, 0U);
-    EXPECT_GT(plan.report().field.one_otf_error, 0.1);
-  } catch (const UnreachableTolerance& refused) {
-    EXPECT_GT(refused.reachable(), 0.1);
-  }
+  const SampleGrid in = scene_grid(s, 128, 128, 8, 8), out{16, 16, 15.0, 15.0};
+  const FieldModes modes(with_field_radius(s, out), in, out, {.table_error = 1e-4, .enough = 1.0, .threads = 1});
+  EXPECT_GT(modes.error_of_axis(), 0.05);
 }
 
 TEST(Field, TheToleranceOfARefusalIsAccepted) {
