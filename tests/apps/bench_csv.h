@@ -14,25 +14,11 @@
 
 #include "mtf/io/image_io.h"
 #include "tests/apps/command.h"
+#include "tests/csv_fields.h"
 
 namespace apps_test {
 
 using Row = std::map<std::string, std::string>;
-
-/// Fields are quoted where they hold a comma; none holds a quote.
-inline std::vector<std::string> fields_of(const std::string& line) {
-  std::vector<std::string> fields{""};
-  bool quoted = false;
-  for (const char c : line) {
-    if (c == '"')
-      quoted = !quoted;
-    else if (c == ',' && !quoted)
-      fields.emplace_back();
-    else
-      fields.back() += c;
-  }
-  return fields;
-}
 
 inline std::vector<Row> read_rows(const std::string& csv) {
   std::istringstream text(csv);

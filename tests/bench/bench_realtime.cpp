@@ -7,8 +7,6 @@
 // others on a shared machine lengthen less), and whether two threads take less than 12 ms by the minimum where the
 // scene is 1280x1024 and comes anew in every frame (the exit code is 1 when a row does not).
 
-#include <fftw3.h>
-
 #include <algorithm>
 #include <cstdio>
 #include <ctime>
@@ -17,6 +15,7 @@
 #include "mtf/engines/fft/fftw.h"
 #include "mtf/plan/plan.h"
 #include "mtf/version.h"
+#include "tests/bench/bare_pair.h"
 #include "tests/bench/interleave.h"
 #include "tests/mtf/builders.h"
 #include "tests/mtf/reference.h"
@@ -26,33 +25,6 @@ namespace {
 using namespace mtf;  // NOLINT: a benchmark program
 
 constexpr double kBar_ms = 12.0;
-
-// Forward and inverse real transform, out of place, as a user of FFTW would write it.
-class BarePair {
- public:
-  BarePair(std::int64_t width, std::int64_t height)
-      : real_(static_cast<std::size_t>(width * height)), half_(static_cast<std::size_t>(2 * height * (width / 2 + 1))) {
-    const int rows = static_cast<int>(height), columns = static_cast<int>(width);
-    auto* spectrum = reinterpret_cast<fftwf_complex*>(half_.data());
-    forward_ = fftwf_plan_dft_r2c_2d(rows, columns, real_.data(), spectrum, FFTW_MEASURE);
-    backward_ = fftwf_plan_dft_c2r_2d(rows, columns, spectrum, real_.data(), FFTW_MEASURE);
-    std::fill_n(real_.data(), real_.size(), 0.0F);  // zeros stay zeros: the inverse is unnormalised
-  }
-  ~BarePair() {
-    fftwf_destroy_plan(forward_);
-    fftwf_destroy_plan(backward_);
-  }
-  BarePair(const BarePair&) = delete;
-  BarePair& operator=(const BarePair&) = delete;
-  void run() const {
-    fftwf_execute(forward_);
-    fftwf_execute(backward_);
-  }
-
- private:
-  AlignedBuffer<float> real_, half_;
-  fftwf_plan forward_ = nullptr, backward_ = nullptr;
-};
 
 /// What a frame may change, from one number that goes up.
 using Sensor = System<double> (*)(double);
@@ -125,7 +97,7 @@ struct Case {
   double ratio;
 };
 
-bool compare(const Case& c, const BarePair& bare) {
+bool compare(const Case& c, const bench::BarePair& bare) {
   const SampleGrid in{c.width, c.height, 15.0 / c.ratio, 15.0 / c.ratio};
   Stream two(c.sensor, in, 2), one(c.sensor, in, 1);
   std::vector<double> busy_ms;
@@ -148,7 +120,7 @@ bool compare(const Case& c, const BarePair& bare) {
          one.update();
          one.filter_still();
        },
-       [&] { one.update(); }, [&] { one.filter(); }, [&] { one.filter_still(); }, [&] { bare.run(); }},
+       [&] { one.update(); }, [&] { one.filter(); }, [&] { one.filter_still(); }, [&] { bare.both(); }},
       31);
   const bool judged = c.width == 1280, met = t[0].min_ms < kBar_ms;
   std::sort(busy_ms.begin(), busy_ms.end());
@@ -183,12 +155,12 @@ int main() {
       std::string(mtf::version).c_str(), std::string(mtf::git_commit).c_str(), fft::version().c_str());
   bool met = true;
   for (const double ratio : {1.0, 2.0}) {
-    const BarePair bare(1280, 1024);
+    const bench::BarePair bare(1280, 1024, false);
     met = compare({"jitter", focal_plane, 1280, 1024, ratio}, bare) && met;
     met = compare({"jitter, motion that turns, blur", moving, 1280, 1024, ratio}, bare) && met;
     met = compare({"jitter, RC phase", scanning, 1280, 1024, ratio}, bare) && met;
   }
-  compare({"jitter", focal_plane, 1024, 1024, 4.0}, BarePair(1024, 1024));
-  compare({"jitter", focal_plane, 2560, 2048, 2.0}, BarePair(2560, 2048));
+  compare({"jitter", focal_plane, 1024, 1024, 4.0}, bench::BarePair(1024, 1024, false));
+  compare({"jitter", focal_plane, 2560, 2048, 2.0}, bench::BarePair(2560, 2048, false));
   return met ? 0 : 1;
 }

@@ -11,6 +11,7 @@
 #include "mtf/engines/fft/scene_spectrum.h"
 #include "mtf/field/field_modes.h"
 #include "mtf/plan/sensor_plan.h"
+#include "tests/csv_fields.h"
 #include "tests/expect_error.h"
 #include "tests/mtf/field_systems.h"
 #include "tests/mtf/plan_support.h"
@@ -23,21 +24,6 @@ struct Golden {
   double value = 0.0;
 };
 
-/// Fields of a line of CSV, some in quotes.
-std::vector<std::string> cells(const std::string& line) {
-  std::vector<std::string> fields(1);
-  bool quoted = false;
-  for (const char c : line) {
-    if (c == '"')
-      quoted = !quoted;
-    else if (c == ',' && !quoted)
-      fields.emplace_back();
-    else
-      fields.back() += c;
-  }
-  return fields;
-}
-
 std::vector<Golden> golden(const std::string& kind) {
   const char* chosen = std::getenv("MTFKIT_SHARED");
   const std::filesystem::path shared = chosen != nullptr
@@ -48,7 +34,7 @@ std::vector<Golden> golden(const std::string& kind) {
   std::string line;
   std::getline(file, line);
   while (std::getline(file, line)) {
-    const std::vector<std::string> c = cells(line);
+    const std::vector<std::string> c = fields_of(line);
     if (c.size() == 6 && c[1] == kind) rows.push_back({c[1], c[2], c[3], c[4], std::stod(c[5])});
   }
   return rows;
