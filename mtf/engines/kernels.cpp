@@ -57,6 +57,25 @@ bool near_the_end_of_float(double mean, double scale) { return !(std::abs(mean) 
 
 }  // namespace
 
+MTFKIT_CLONES void add_weighted(const float* __restrict in, std::int64_t n, std::span<const Scaled> terms,
+                                float* __restrict out) {
+  constexpr std::int64_t kBlock = 64;  // weights that stay in registers
+  std::int64_t first = 0;
+  for (; first + kBlock <= n; first += kBlock) {
+    float weight[kBlock] = {};
+    for (const Scaled& term : terms) {
+      const float* const values = term.values + first;
+      for (std::int64_t i = 0; i < kBlock; ++i) weight[i] += term.factor * values[i];
+    }
+    for (std::int64_t i = 0; i < kBlock; ++i) out[first + i] += weight[i] * in[first + i];
+  }
+  for (; first < n; ++first) {
+    float weight = 0.0F;
+    for (const Scaled& term : terms) weight += term.factor * term.values[first];
+    out[first] += weight * in[first];
+  }
+}
+
 MTFKIT_CLONES void restore(const float* __restrict in, std::int64_t n, double mean, double scale,
                            float* __restrict out) {
   if (near_the_end_of_float(mean, scale)) {

@@ -23,6 +23,13 @@ void center_ordered(const float* in, std::int64_t n, double mean, double scale, 
 void restore(const float* in, std::int64_t n, double mean, double scale, float* out);
 void restore(const double* in, std::int64_t n, double mean, double scale, float* out);
 
+struct Scaled {
+  float factor = 0.0F;
+  const float* values = nullptr;
+};
+/// out[i] += in[i] x sum over the terms of factor x values[i].
+void add_weighted(const float* in, std::int64_t n, std::span<const Scaled> terms, float* out);
+
 inline constexpr std::int64_t kColumns = 32;  ///< columns that are loaded or stored together
 
 /// `center` for `rows` rows of `count` <= kColumns samples, `stride` apart, to rows of kColumns, filled up with zeros.

@@ -5,28 +5,31 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numeric>
+#include <limits>
 
 #include "mtf/engines/fft/scene_spectrum.h"
+#include "mtf/engines/kernels.h"
 #include "mtf/error.h"
 #include "mtf/field/field_tables.h"
 #include "mtf/math/special.h"
+#include "mtf/parallel.h"
 #include "mtf/words.h"
 
 namespace mtf {
 namespace {
-
-using namespace field;
 
 // Points along an axis of the image.
 constexpr std::array<std::size_t, 5> kPoints{3, 5, 9, 17, 25};
 constexpr std::size_t kProbes = 12;     // places between the points
 constexpr double kBetweenSafety = 4.0;  // few places are looked at, and errors of many pixels may add up
 constexpr double kModulusSafety = 1.2;  // largest modulus between the frequencies that are looked at
-constexpr double kLeastPiece = 0.02;    // of the end of a table
 constexpr double kNoise = 3e-8;         // of singular values by the squares of the matrix
+constexpr double kNothing = 1e-3;       // of the error that is enough: a part of the mean that is left out
 
 using Matrix = Eigen::MatrixXd;
+using Vector = Eigen::VectorXd;
+using Row = Eigen::RowVectorXd;
+using Eigen::Index;
 
 /// Weights of the mean over -1 .. 1 of values at Chebyshev points (Clenshaw and Curtis).
 std::vector<double> mean_weights(std::size_t n) {
@@ -73,36 +76,187 @@ double evaluated(const std::vector<double>& series, std::size_t n, double tx, do
   return sum;
 }
 
-/// Power of a scene in the cells about a corner of its spectrum; the same everywhere where it is not known.
-double power_about(const SceneSpectrum* spectrum, int column, int row) {
-  constexpr int kCells = SceneSpectrum::kCells;
-  if (spectrum == nullptr) return 1.0;
-  double sum = 1e-9;  // no frequency is quite without
-  for (int v = std::max(0, row - 1); v < std::min(2 * kCells, row + 1); ++v)
-    for (int u = std::max(0, column - 1); u < std::min(kCells, column + 1); ++u)
-      sum += spectrum->power()[static_cast<std::size_t>(v * kCells + u)];
-  return sum;
-}
+constexpr int kCells = SceneSpectrum::kCells;
 
-/// |C| at the frequencies; components that cost much to evaluate count as 1.
-std::vector<double> common_moduli(const System<double>& system, const Parts& parts, const SceneAperture& aperture,
-                                  std::span<const Freq<double>> f, double fx_max, double fy_max) {
+/// Frequencies at which OTFs are looked at. A quarter of the plane, as parts by parity tell of all: the corners of the
+/// cells of a scene's spectrum, then some within the first cells, where OTFs are that are narrow against a cell.
+struct Frequencies {
+  std::vector<Freq<double>> f;
+  Vector up, down;  ///< |C|^2 at (fx, fy) and at (fx, -fy)
+  Index count() const { return static_cast<Index>(f.size()); }
+  static Index corner(int i, int j) { return j * (kCells + 1) + i; }
+  static constexpr Index kCorners = (kCells + 1) * (kCells + 1);
+};
+
+Frequencies frequencies_of(const System<double>& system, const std::vector<std::size_t>& changing,
+                           const SceneAperture& aperture, double fx_max, double fy_max) {
+  Frequencies at;
+  for (int j = 0; j <= kCells; ++j)
+    for (int i = 0; i <= kCells; ++i)
+      at.f.push_back({SceneSpectrum::corner_cy_mm(i, fx_max), SceneSpectrum::corner_cy_mm(j, fy_max)});
+  for (const double a : {0.03, 0.15, 0.27, 0.4, 0.48})
+    for (double share = 0.7; share > 1e-3; share *= 0.6)
+      at.f.push_back({share * cos_pi(a) * fx_max / kCells, share * sin_pi(a) * fy_max / kCells});
+  // The components that are the same everywhere; those that cost much to evaluate count as 1.
   System<double> common = system.at({});
   common.band_nodes = 8;
-  Entries& list = common.list(Stage::presample);
+  std::vector<Entry<double>>& list = common.list(Stage::presample);
   for (std::size_t i = list.size(); i-- > 0;) {
-    const bool changes = std::find(parts.changing.begin(), parts.changing.end(), i) != parts.changing.end();
+    const bool changes = std::find(changing.begin(), changing.end(), i) != changing.end();
     if (changes || list[i].component.is_slow()) list.erase(list.begin() + static_cast<std::ptrdiff_t>(i));
   }
   constexpr std::array stages{Stage::presample};
   const FactoredOtf otf(common, stages, aperture, {.fx_max = fx_max, .fy_max = fy_max});
-  std::vector<double> moduli;
-  for (const Freq<double>& one : f) {
-    const Complex<double> h = otf.at(one);
-    moduli.push_back(std::hypot(h.re, h.im));
+  const auto square = [&](const Freq<double>& f) {
+    const Complex<double> h = otf.at(f);
+    return h.re * h.re + h.im * h.im;
+  };
+  at.up.resize(at.count());
+  at.down.resize(at.count());
+  for (Index i = 0; i < at.count(); ++i) {
+    const Freq<double>& f = at.f[static_cast<std::size_t>(i)];
+    at.up(i) = square(f);
+    at.down(i) = square({f.x, -f.y});
   }
-  return moduli;
+  return at;
 }
+
+/// A scene's power, times |C|^2, at each frequency and its mirror image: what a part of an OTF error counts there. The
+/// same everywhere where the scene is not known.
+Vector weights_of(const Frequencies& at, const SceneSpectrum* spectrum) {
+  const auto power_about = [&](int column, int row) {  // in the cells about a corner
+    if (spectrum == nullptr) return 1.0;
+    double sum = 1e-9;  // no frequency is quite without
+    for (int v = std::max(0, row - 1); v < std::min(2 * kCells, row + 1); ++v)
+      for (int u = std::max(0, column - 1); u < std::min(kCells, column + 1); ++u)
+        sum += spectrum->power()[static_cast<std::size_t>(v * kCells + u)];
+    return sum;
+  };
+  Vector weight(at.count());
+  for (int j = 0; j <= kCells; ++j)
+    for (int i = 0; i <= kCells; ++i) {
+      const Index k = Frequencies::corner(i, j);
+      weight(k) = power_about(i, kCells + j) * at.up(k) + power_about(i, kCells - j) * at.down(k);
+    }
+  for (Index k = Frequencies::kCorners; k < at.count(); ++k)
+    weight(k) = power_about(0, kCells) * (at.up(k) + at.down(k));
+  return weight;
+}
+
+/// |H|^2 of one part, first at all frequencies, then at their mirror images.
+Vector squares_of(const Frequencies& at, const Row& part) {
+  Vector squares(2 * at.count());
+  squares << at.up.cwiseProduct(part.transpose().cwiseAbs2()), at.down.cwiseProduct(part.transpose().cwiseAbs2());
+  return squares;
+}
+
+/// rms error over the image, relative to the scene's std, of errors of one part of the OTF with such squares.
+struct Rms {
+  const FieldModesOptions& options;
+  double ratio_x = 1.0, ratio_y = 1.0;
+
+  double operator()(const Vector& squares) const {
+    const Index count = squares.size() / 2;
+    const double any = options.part_gain * options.worst_unit * std::sqrt(squares.maxCoeff());
+    if (options.spectrum == nullptr) return any;
+    std::vector<double> moduli(static_cast<std::size_t>(SceneSpectrum::kRows * SceneSpectrum::kColumns));
+    const Index inner = count - Frequencies::kCorners;
+    const double within =
+        std::sqrt(std::max(squares.segment(Frequencies::kCorners, inner).maxCoeff(), squares.tail(inner).maxCoeff()));
+    for (int j = -kCells; j <= kCells; ++j)
+      for (int i = 0; i <= kCells; ++i) {
+        const double there = std::sqrt(squares(Frequencies::corner(i, std::abs(j)) + (j < 0 ? count : 0)));
+        const bool about_zero = std::abs(j) <= 1 && i <= 1;
+        moduli[static_cast<std::size_t>((j + kCells) * SceneSpectrum::kColumns + i)] =
+            about_zero ? std::max(there, within) : there;
+      }
+    return std::min(any,
+                    options.part_gain * options.spectrum_gain * options.spectrum->rms_error(moduli, ratio_x, ratio_y));
+  }
+};
+
+/// A singular vector of the deviations of one part.
+struct Mode {
+  OtfPart part;
+  double power = 0.0;  ///< of the deviations
+  Vector sum;          ///< weights of the OTFs at the points in the mode,
+  Row p;               ///< which is this at the frequencies
+  Vector a;            ///< its weights at the points,
+  std::vector<double> series;
+  Vector everywhere;  ///< on a grid over the image,
+  Vector at_probes;
+};
+
+/// The singular vectors of d, the deviations of a part at the points, with weights of the frequencies and the points.
+std::vector<Mode> modes_of(OtfPart part, const Matrix& d, const Vector& weight, const Vector& frequency_weight) {
+  // Every other frequency will do.
+  std::vector<Index> some;
+  for (int j = 0; j <= kCells; j += 2)
+    for (int i = 0; i <= kCells; i += 2) some.push_back(Frequencies::corner(i, j));
+  for (Index k = Frequencies::kCorners; k < d.cols(); ++k) some.push_back(k);
+  const Vector root = weight.cwiseSqrt();
+  Matrix scaled(d.rows(), static_cast<Index>(some.size()));
+  for (Index i = 0; i < scaled.cols(); ++i) {
+    const Index at = some[static_cast<std::size_t>(i)];
+    scaled.col(i) = std::sqrt(frequency_weight(at)) * root.cwiseProduct(d.col(at));
+  }
+  Matrix gram = Matrix::Zero(d.rows(), d.rows());
+  gram.selfadjointView<Eigen::Lower>().rankUpdate(scaled);
+  const Eigen::SelfAdjointEigenSolver<Matrix> solver(gram);
+  const auto& power = solver.eigenvalues();  // rising
+  std::vector<Mode> modes;
+  for (Index k = d.rows(); k-- > 0;) {
+    if (!(power(k) > kNoise * kNoise * power(d.rows() - 1))) break;
+    const Vector u = solver.eigenvectors().col(k);
+    Mode& mode = modes.emplace_back();
+    mode.part = part;
+    mode.power = power(k);
+    mode.sum = root.cwiseProduct(u);
+    mode.p = mode.sum.transpose() * d;
+    mode.a = u.cwiseQuotient(root);
+  }
+  return modes;
+}
+
+/// Scales a mode so that the largest of its weights over the image is 1.
+void complete(Mode& mode, std::size_t n, const Matrix& basis, std::span<const std::array<double, 2>> probes) {
+  mode.series.assign(mode.a.data(), mode.a.data() + mode.a.size());
+  for (std::size_t j = 0; j < n; ++j) to_series(mode.series.data() + j * n, n, 1);
+  for (std::size_t i = 0; i < n; ++i) to_series(mode.series.data() + i, n, n);
+  const Matrix over =
+      basis.transpose() * Eigen::Map<const Matrix>(mode.series.data(), basis.rows(), basis.rows()) * basis;
+  mode.everywhere.resize(over.size() + mode.a.size());
+  mode.everywhere << Eigen::Map<const Vector>(over.data(), over.size()), mode.a;
+  const double largest = 1.02 * std::max(mode.everywhere.cwiseAbs().maxCoeff(), 1e-300);
+  for (double& c : mode.series) c /= largest;
+  mode.everywhere /= largest;
+  mode.sum *= largest;
+  mode.p *= largest;
+  mode.at_probes.resize(static_cast<Index>(probes.size()));
+  for (std::size_t i = 0; i < probes.size(); ++i)
+    mode.at_probes(static_cast<Index>(i)) = evaluated(mode.series, n, probes[i][0], probes[i][1]);
+}
+
+/// The bound of a sum of modes that are left out, with three choices of c for weights of at most 1.
+class Bound {
+ public:
+  Bound(Index places, Index squares) {
+    for (std::size_t i = 0; i < 3; ++i) at_[i] = Vector::Zero(places), squares_[i] = Vector::Zero(squares);
+  }
+  void add(const Vector& weights, const Vector& squares) {
+    const double singular = std::max(std::sqrt(squares.sum()), 1e-30);
+    const std::array<double, 3> c{1.0, 1.0 / singular, 1.0 / (singular * singular)};
+    for (std::size_t i = 0; i < 3; ++i) at_[i] += weights.cwiseAbs2() / c[i], squares_[i] += c[i] * squares;
+  }
+  double rms(const Rms& rms) const {
+    double least = std::numeric_limits<double>::infinity();
+    for (std::size_t i = 0; i < 3; ++i) least = std::min(least, std::sqrt(at_[i].maxCoeff()) * rms(squares_[i]));
+    return least;
+  }
+
+ private:
+  std::array<Vector, 3> at_, squares_;
+};
 
 }  // namespace
 
@@ -130,270 +284,161 @@ FieldModes::FieldModes(const System<double>& given, const SampleGrid& in, const 
                height = known ? frame.rows * frame.pitch_y_um : static_cast<double>(out.height) * out.step_y_um;
   x_ = axis(out.width, out.step_x_um, width, system.field.axis_x_px * frame.pitch_x_um);
   y_ = axis(out.height, out.step_y_um, height, system.field.axis_y_px * frame.pitch_y_um);
+  std::vector<FieldPoint<double>> outline = places(kPoints.back());
+  const std::vector<FieldPoint<double>> others = places(kPoints[kPoints.size() - 2]);
+  outline.insert(outline.end(), others.begin(), others.end());
+  for (const FieldPoint<double>& q : outline) try {
+      require_valid(system.at(q));
+    } catch (const UsageError& error) {
+      throw UsageError(std::string(error.what()) + " at the field point (" + significant(q.x, 3) + ", " +
+                       significant(q.y, 3) + ")");
+    }
+  FieldTables tables(system, outline, std::hypot(in_x_, in_y_) * (1.0 + 1e-9), options);
   for (const std::size_t n : kPoints)
-    if (make(system, options, n)) break;
+    if (make(tables, options, n)) break;
+}
+
+std::array<double, 2> FieldModes::probe(std::size_t i) {
+  const auto k = static_cast<double>(i);
+  return {2.0 * std::fmod(0.5 + k * 0.7548776662466927, 1.0) - 1.0,
+          2.0 * std::fmod(0.5 + k * 0.5698402909980532, 1.0) - 1.0};
+}
+
+std::vector<FieldPoint<double>> FieldModes::places(std::size_t n) const {
+  std::vector<FieldPoint<double>> list;
+  for (std::size_t j = 0; j < n; ++j)
+    for (std::size_t i = 0; i < n; ++i) list.push_back({x_.at(field_node(i, n)), y_.at(field_node(j, n))});
+  for (std::size_t i = 0; i < kProbes; ++i) {
+    const auto [tx, ty] = probe(i);
+    list.push_back({x_.at(tx), y_.at(ty)});
+  }
+  list.push_back({});  // the axis
+  return list;
 }
 
 /// True when more points of the image are not needed.
-bool FieldModes::make(const System<double>& asked, const FieldModesOptions& options, std::size_t n) {
-  const Parts parts = parts_of(asked);
+bool FieldModes::make(FieldTables& tables, const FieldModesOptions& options, std::size_t n) {
   n_ = n;
-  std::vector<FieldPoint<double>> places;
-  for (std::size_t j = 0; j < n; ++j)
-    for (std::size_t i = 0; i < n; ++i) places.push_back({x_.at(point_at(i, n)), y_.at(point_at(j, n))});
-  const std::size_t nodes = places.size();
-  std::vector<std::array<double, 2>> probes;
-  for (std::size_t i = 0; i < kProbes; ++i) {
-    const auto k = static_cast<double>(i);
-    probes.push_back({2.0 * std::fmod(0.5 + k * 0.7548776662466927, 1.0) - 1.0,
-                      2.0 * std::fmod(0.5 + k * 0.5698402909980532, 1.0) - 1.0});
-    places.push_back({x_.at(probes.back()[0]), y_.at(probes.back()[1])});
-  }
-  places.push_back({});  // the axis
+  const std::vector<FieldPoint<double>> places = this->places(n);
   points_ = places.size();
-  const double end = std::hypot(in_x_, in_y_) * (1.0 + 1e-9);
-  System<double> system = asked;
-  const BandNodes band = band_nodes_for(asked, parts, std::array{places.front(), places[nodes - 1], places.back()}, end,
-                                        options.band_error);
-  system.band_nodes = band.count;
-
-  if (n == kPoints.front())
-    for (const FieldPoint<double>& q : places) try {
-        require_valid(asked.at(q));
-      } catch (const UsageError& error) {
-        throw UsageError(std::string(error.what()) + " at the field point (" + significant(q.x, 3) + ", " +
-                         significant(q.y, 3) + ")");
+  tables.prepare(places);
+  const Frequencies at = frequencies_of(tables.system(), tables.factor().entries, options.aperture, in_x_, in_y_);
+  const auto count = static_cast<Index>(n * n), all = static_cast<Index>(places.size());
+  std::array<Matrix, 4> d;  // parts at the places
+  for (Matrix& part : d) part.resize(all, at.count());
+  parallel_for(all, 1, options.threads, [&](std::int64_t begin, std::int64_t end) {
+    for (std::int64_t j = begin; j < end; ++j) {
+      const PolarTable table = tables.at(static_cast<std::size_t>(j));
+      for (Index i = 0; i < at.count(); ++i) {
+        const std::array<double, 4> parts = table.parts_at(at.f[static_cast<std::size_t>(i)]);
+        for (std::size_t p = 0; p < d.size(); ++p) d[p](j, i) = parts[p];
       }
-  // The same breaks for all.
-  std::vector<ChangingPart> here;
-  std::vector<double> breaks;
-  auto factor = std::make_shared<GivenFactor>();
-  double cutoff = 0.0;
-  for (const FieldPoint<double>& q : places) {
-    const ChangingPart& place = here.emplace_back(system, parts, q);
-    cutoff = std::max(cutoff, place.cutoff());
-    factor->real = factor->real && place.is_real();
-    factor->even_x = factor->even_x && place.is_even_x();
-    factor->even_y = factor->even_y && place.is_even_y();
-    breaks.insert(breaks.end(), place.kinks().begin(), place.kinks().end());
-  }
-  factor->entries = parts.changing;
-  factor->cutoff_cy_mm = cutoff;
-  std::erase_if(breaks, [&](double r) { return !(r < std::min(end, cutoff)); });
-  breaks.push_back(std::min(end, cutoff));
-  std::sort(breaks.begin(), breaks.end());
-  // Kinks that move over the field lie close together: one of them, and the table says what that costs.
-  std::vector<double> apart{breaks.back()};
-  for (std::size_t i = breaks.size() - 1; i-- > 0;)
-    if (apart.back() - breaks[i] > kLeastPiece * apart.front()) apart.push_back(breaks[i]);
-  breaks.assign(apart.rbegin(), apart.rend());
-  constexpr double kQuick = 0.01;  // of the time of a slow component
-  const double wavelengths = std::max(1, band.count) * (parts.slow ? 1.0 : kQuick);
-  const auto most = static_cast<std::int64_t>(kMostInAll / (wavelengths * static_cast<double>(places.size())));
-  const TableMaker maker{system, parts, breaks, std::min(end, cutoff), std::clamp<std::int64_t>(most, 500, kMostValues),
-                         options};
-  const TableMaker::Tables made_tables = maker.all(places, here);
-  const std::vector<PolarTable>& tables = made_tables.at;
-
-  // Deviations from the mean at the corners of the cells of a scene's spectrum, real parts before imaginary ones.
-  constexpr int kCells = SceneSpectrum::kCells;
-  std::vector<Freq<double>> f;
-  for (int j = -kCells; j <= kCells; ++j)
-    for (int i = 0; i <= kCells; ++i)
-      f.push_back({SceneSpectrum::corner_cy_mm(i, in_x_), SceneSpectrum::corner_cy_mm(j, in_y_)});
-  const auto corners = static_cast<Eigen::Index>(f.size());
-  // An OTF that is narrow against a cell is seen by frequencies within the first ones.
-  for (const double a : {0.05, 0.3, 0.55, 0.8, 1.05, 1.3, 1.55, 1.8})
-    for (double share = 0.7; share > 1e-3; share *= 0.6)
-      f.push_back({share * cos_pi(a) * in_x_ / kCells, share * sin_pi(a) * in_y_ / kCells});
-  const std::vector<double> common = common_moduli(system, parts, options.aperture, f, in_x_, in_y_);
-  const auto columns = static_cast<Eigen::Index>(f.size()), count = static_cast<Eigen::Index>(nodes);
-  Matrix d(static_cast<Eigen::Index>(places.size()), 2 * columns);
-  for (Eigen::Index j = 0; j < d.rows(); ++j)
-    for (Eigen::Index i = 0; i < columns; ++i) {
-      const auto k = static_cast<std::size_t>(i);
-      const Complex<double> h = tables[static_cast<std::size_t>(j)].at(f[k]);
-      d(j, i) = common[k] * h.re, d(j, columns + i) = common[k] * h.im;
     }
+  });
+
+  // Deviations from the mean over the image.
   const std::vector<double> one = mean_weights(n);
-  Eigen::VectorXd weight(count);
+  Vector weight(count);
   for (std::size_t j = 0; j < n; ++j)
-    for (std::size_t i = 0; i < n; ++i) weight(static_cast<Eigen::Index>(j * n + i)) = one[i] * one[j];
-  const Eigen::RowVectorXd mean = weight.transpose() * d.topRows(count);
-  d.rowwise() -= mean;
+    for (std::size_t i = 0; i < n; ++i) weight(static_cast<Index>(j * n + i)) = one[i] * one[j];
+  std::array<Row, 4> mean;
+  for (std::size_t p = 0; p < d.size(); ++p) {
+    mean[p] = weight.transpose() * d[p].topRows(count);
+    d[p].rowwise() -= mean[p];
+  }
 
-  // Singular vectors, with the power of the scene where it is known; for these every other frequency will do. Modes of
-  // less than a rounding of the largest are noise.
-  std::vector<Eigen::Index> some;
-  Eigen::VectorXd root_power(2 * columns);
-  for (int j = 0; j <= 2 * kCells; j += 2)
-    for (int i = 0; i <= kCells; i += 2) {
-      const Eigen::Index at = j * SceneSpectrum::kColumns + i;
-      root_power(at) = root_power(columns + at) = std::sqrt(power_about(options.spectrum, i, j));
-      some.push_back(at), some.push_back(columns + at);
+  const Vector frequency_weight = weights_of(at, options.spectrum);
+  std::vector<Mode> modes;
+  for (std::size_t p = 0; p < d.size(); ++p)
+    if (tables.factor().all.has(kOtfParts[p])) {
+      std::vector<Mode> more = modes_of(kOtfParts[p], d[p].topRows(count), weight, frequency_weight);
+      std::move(more.begin(), more.end(), std::back_inserter(modes));
     }
-  for (Eigen::Index at = corners; at < columns; ++at) {
-    root_power(at) = root_power(columns + at) = std::sqrt(power_about(options.spectrum, 0, kCells));
-    some.push_back(at), some.push_back(columns + at);
-  }
-  const Eigen::VectorXd root = weight.cwiseSqrt();
-  Matrix scaled(count, static_cast<Eigen::Index>(some.size()));
-  for (Eigen::Index i = 0; i < scaled.cols(); ++i) {
-    const Eigen::Index at = some[static_cast<std::size_t>(i)];
-    scaled.col(i) = root_power(at) * root.cwiseProduct(d.col(at).head(count));
-  }
-  Matrix gram = Matrix::Zero(count, count);
-  gram.selfadjointView<Eigen::Lower>().rankUpdate(scaled);
-  const Eigen::SelfAdjointEigenSolver<Matrix> solver(gram);
-  const auto& power = solver.eigenvalues();  // rising
-  Eigen::Index modes = 1;
-  while (modes < count && power(count - 1 - modes) > kNoise * kNoise * power(count - 1)) ++modes;
-  const Matrix u = solver.eigenvectors().rightCols(modes).rowwise().reverse();  // the largest first
-  Matrix p = (root.asDiagonal() * u).transpose() * d.topRows(count);            // modes at the frequencies
-  Matrix a = root.cwiseInverse().asDiagonal() * u;                              // their weights at the points
-
-  // The weights as series, their largest values over the image, and the modes scaled so that these are 1.
-  series_.assign(static_cast<std::size_t>(modes), {});
-  Eigen::VectorXd scale(modes);
-  Matrix at_probes(static_cast<Eigen::Index>(kProbes), modes);
+  std::stable_sort(modes.begin(), modes.end(), [](const Mode& a, const Mode& b) { return a.power > b.power; });
+  while (modes.size() > 1 && !(modes.back().power > kNoise * kNoise * modes.front().power)) modes.pop_back();
+  std::vector<std::array<double, 2>> probes;
+  for (std::size_t i = 0; i < kProbes; ++i) probes.push_back(probe(i));
   constexpr int kGrid = 32;
-  Matrix everywhere((kGrid + 1) * (kGrid + 1), modes);
-  Matrix basis(static_cast<Eigen::Index>(n), kGrid + 1);
+  Matrix basis(static_cast<Index>(n), kGrid + 1);
   for (int i = 0; i <= kGrid; ++i)
-    basis.col(i) = Eigen::Map<const Eigen::VectorXd>(chebyshev(n, 2.0 * i / kGrid - 1.0).data(), basis.rows());
-  for (Eigen::Index k = 0; k < modes; ++k) {
-    std::vector<double>& series = series_[static_cast<std::size_t>(k)];
-    series.resize(nodes);
-    for (std::size_t j = 0; j < nodes; ++j) series[j] = a(static_cast<Eigen::Index>(j), k);
-    for (std::size_t j = 0; j < n; ++j) to_series(series.data() + j * n, n, 1);
-    for (std::size_t i = 0; i < n; ++i) to_series(series.data() + i, n, n);
-    const Matrix over = basis.transpose() * Eigen::Map<const Matrix>(series.data(), basis.rows(), basis.rows()) * basis;
-    everywhere.col(k) = Eigen::Map<const Eigen::VectorXd>(over.data(), over.size());
-    const double largest =
-        1.02 * std::max({everywhere.col(k).cwiseAbs().maxCoeff(), a.col(k).cwiseAbs().maxCoeff(), 1e-300});
-    scale(k) = largest;
-    for (double& c : series) c /= largest;
-    everywhere.col(k) /= largest;
-    a.col(k) /= largest;
-    p.row(k) *= largest;
-    for (std::size_t i = 0; i < kProbes; ++i)
-      at_probes(static_cast<Eigen::Index>(i), k) = evaluated(series, n, probes[i][0], probes[i][1]);
-  }
+    basis.col(i) = Eigen::Map<const Vector>(chebyshev(n, 2.0 * i / kGrid - 1.0).data(), basis.rows());
+  for (Mode& mode : modes) complete(mode, n, basis, probes);
 
-  // rms error over the image of an OTF error with these squared moduli, relative to the scene's std.
-  const auto rms_of = [&](const Eigen::VectorXd& squares) {
-    const double any = options.worst_unit * std::sqrt(squares.maxCoeff());
-    if (options.spectrum == nullptr) return any;
-    std::vector<double> moduli(static_cast<std::size_t>(corners));
-    for (Eigen::Index i = 0; i < corners; ++i) moduli[static_cast<std::size_t>(i)] = std::sqrt(squares(i));
-    const double within = std::sqrt(squares.tail(columns - corners).maxCoeff());
-    for (const int j : {kCells - 1, kCells, kCells + 1})
-      for (const int i : {0, 1}) {
-        double& about = moduli[static_cast<std::size_t>(j * SceneSpectrum::kColumns + i)];
-        about = std::max(about, within);
-      }
-    return std::min(any, options.spectrum_gain * options.spectrum->rms_error(moduli, ratio_x_, ratio_y_));
-  };
-  const auto squares_of = [&](const Eigen::RowVectorXd& row) -> Eigen::VectorXd {
-    return (row.head(columns).array().square() + row.tail(columns).array().square()).matrix().transpose();
-  };
-  // Modes are left out from the least on, with three choices of c for weights of at most 1.
-  Eigen::VectorXd singular(modes);
-  for (Eigen::Index k = 0; k < modes; ++k)
-    singular(k) = std::max(std::sqrt(squares_of(p.row(k)).sum()), k > 0 ? 1e-12 * singular(0) : 1e-30);
-  std::array<Eigen::VectorXd, 3> places_sum, squares_sum;
-  for (auto& sum : places_sum) sum = Eigen::VectorXd::Zero(everywhere.rows() + count);
-  for (auto& sum : squares_sum) sum = Eigen::VectorXd::Zero(columns);
-  error_.assign(static_cast<std::size_t>(modes) + 1, 0.0);
-  const auto bound = [&](const std::array<Eigen::VectorXd, 3>& at, const std::array<Eigen::VectorXd, 3>& squares) {
-    double least = std::numeric_limits<double>::infinity();
-    for (std::size_t c = 0; c < 3; ++c) least = std::min(least, std::sqrt(at[c].maxCoeff()) * rms_of(squares[c]));
-    return least;
-  };
-  const auto add = [&](auto& at, auto& squares, const Eigen::VectorXd& here2, const Eigen::VectorXd& there2, double s,
-                       double largest) {
-    const std::array<double, 3> c{1.0, s, largest};
-    for (std::size_t i = 0; i < 3; ++i) at[i] += here2 / c[i], squares[i] += c[i] * there2;
-  };
-  for (Eigen::Index k = modes; k-- > 0;) {
-    Eigen::VectorXd here2(everywhere.rows() + count);
-    here2 << everywhere.col(k).cwiseAbs2(), a.col(k).cwiseAbs2();
-    add(places_sum, squares_sum, here2, squares_of(p.row(k)), 1.0 / singular(k), 1.0 / (singular(k) * singular(k)));
-    error_[static_cast<std::size_t>(k)] = bound(places_sum, squares_sum);
+  // What it costs to leave modes out, from the least on, or all of them and the mean as well.
+  const Rms rms{options, ratio_x_, ratio_y_};
+  const Index grid = modes.empty() ? 1 : modes.front().everywhere.size();
+  Bound bound(grid, 2 * at.count());
+  error_.assign(modes.size() + 1, 0.0);
+  for (std::size_t k = modes.size(); k-- > 0;) {
+    bound.add(modes[k].everywhere, squares_of(at, modes[k].p));
+    error_[k] = bound.rms(rms);
   }
-  auto axis_places = places_sum, axis_squares = squares_sum;
-  const Eigen::RowVectorXd of_axis = d.row(d.rows() - 1);
-  const double norm = std::sqrt(squares_of(of_axis).sum()) + 1e-30;
-  add(axis_places, axis_squares, Eigen::VectorXd::Ones(everywhere.rows() + count), squares_of(of_axis), 1.0 / norm,
-      1.0 / (norm * norm));
-  axis_error_ = bound(axis_places, axis_squares);
+  for (const Matrix& part : d) bound.add(Vector::Ones(grid), squares_of(at, part.row(all - 1)));
+  axis_error_ = bound.rms(rms);
   between_ = 0.0;
   for (std::size_t i = 0; i < kProbes; ++i) {
-    const auto row = static_cast<Eigen::Index>(i);
-    const Eigen::RowVectorXd missed = d.row(count + row) - at_probes.row(row) * p;
-    between_ = std::max(between_, kBetweenSafety * rms_of(squares_of(missed)));
+    const auto row = static_cast<Index>(i);
+    double error = 0.0;
+    for (std::size_t p = 0; p < d.size(); ++p) {
+      Row missed = d[p].row(count + row);
+      for (const Mode& mode : modes)
+        if (mode.part == kOtfParts[p]) missed -= mode.at_probes(row) * mode.p;
+      error += rms(squares_of(at, missed));
+    }
+    between_ = std::max(between_, kBetweenSafety * error);
   }
   // Tables and the average over the band, as errors of all OTFs alike.
-  between_ += options.worst_unit * (std::pow(lebesgue(n), 2) * made_tables.error + band.error);
-  const double next = 4.0 * made_tables.values * static_cast<double>(nodes) * wavelengths;  // about twice the points
-  const bool done = between_ <= options.enough || n == kPoints.back() || next > kMostInAll;
+  between_ += options.worst_unit * (std::pow(lebesgue(n), 2) * tables.error() + tables.band_error());
+  const bool done = between_ <= options.enough || n == kPoints.back() || tables.is_dear(4 * n * n);
   if (!done) return false;
 
-  // The tables of the modes that may be asked for.
-  std::vector<const PolarTable*> at_points;
-  for (std::size_t j = 0; j < nodes; ++j) at_points.push_back(&tables[j]);
-  const auto made = [&](const Eigen::VectorXd& sum, double largest) {
-    auto mode = std::make_shared<GivenFactor>(*factor);
-    mode->table = std::make_shared<const PolarTable>(
-        PolarTable::combination(at_points, std::span(sum.data(), static_cast<std::size_t>(sum.size()))));
-    mode->largest = largest;
-    return mode;
+  // The tables of the mean and of the modes that may be asked for.
+  const auto made = [&](const Vector& sum, const Parities& parts, double largest) {
+    auto factor = std::make_shared<GivenFactor>(tables.factor());
+    factor->table = std::make_shared<const PolarTable>(
+        tables.sum(std::span(sum.data(), static_cast<std::size_t>(sum.size()))).parts(parts));
+    factor->parities = parts;
+    factor->largest = largest + 1e-300;
+    factors_.push_back(std::move(factor));
   };
-  const auto largest_of = [&](const PolarTable& table) {
-    double largest = 0.0;
-    for (const Freq<double>& one_f : f) {
-      const Complex<double> h = table.at(one_f);
-      largest = std::max(largest, std::hypot(h.re, h.im));
-    }
-    return kModulusSafety * largest + 1e-300;
-  };
-  auto mean_mode = made(weight, 1.0);
-  mean_mode->largest = std::max(1.0, largest_of(*mean_mode->table) / kModulusSafety);  // above 1 where it amplifies
-  factors_ = {mean_mode};
-  std::size_t needed = 0;
-  while (needed < series_.size() && error_[needed] > options.enough) ++needed;
-  for (std::size_t k = 0; k < needed; ++k) {
-    const auto column = static_cast<Eigen::Index>(k);
-    // p_k = sum over j of u_kj sqrt(w_j) (E_j - mean), times its scale.
-    Eigen::VectorXd sum = scale(column) * (u.col(column).array() * root.array()).matrix();
-    sum -= weight * sum.sum();
-    auto mode = made(sum, 1.0);
-    mode->largest = largest_of(*mode->table);
-    factors_.push_back(std::move(mode));
+  Parities of_mean;  // parts that are next to nothing, as those of a lens about the centre are, are left out
+  double left_out = 0.0, largest_of_mean = mean[0].cwiseAbs().maxCoeff();
+  for (std::size_t p = 1; p < mean.size(); ++p) {
+    const double largest = mean[p].cwiseAbs().maxCoeff();
+    if (options.worst_unit * largest <= kNothing * options.enough)
+      left_out += options.worst_unit * largest;
+    else
+      of_mean = of_mean + Parities(kOtfParts[p]), largest_of_mean += kModulusSafety * largest;
+  }
+  between_ += left_out;
+  made(weight, of_mean, std::max(1.0, largest_of_mean));  // above 1 where it amplifies
+  for (std::size_t k = 0; k < modes.size() && error_[k] > options.enough; ++k) {
+    // p_k = sum over j of sum_kj (E_j - mean).
+    const Mode& mode = modes[k];
+    made(mode.sum - mode.sum.sum() * weight, Parities(mode.part), kModulusSafety * mode.p.cwiseAbs().maxCoeff());
+  }
+  for (Mode& mode : modes) series_.push_back(std::move(mode.series));
+  along_x_.resize(n * static_cast<std::size_t>(x_.count));
+  for (std::int64_t x = 0; x < x_.count; ++x) {
+    const std::vector<double> values = chebyshev(n, x_.place(x));
+    for (std::size_t k = 0; k < n; ++k)
+      along_x_[k * static_cast<std::size_t>(x_.count) + static_cast<std::size_t>(x)] = static_cast<float>(values[k]);
   }
   return true;
 }
 
-void FieldModes::weights(std::size_t mode, std::int64_t row, std::span<float> weight) const {
-  if (mode == 0) return std::fill(weight.begin(), weight.end(), 1.0F);
+void FieldModes::add(std::size_t mode, std::int64_t row, const float* filtered, float* image) const {
   const std::vector<double>& series = series_.at(mode - 1);
-  const auto t = [](std::int64_t i, std::int64_t count) {
-    return count > 1 ? 2.0 * static_cast<double>(i) / static_cast<double>(count - 1) - 1.0 : 0.0;
-  };
-  const std::vector<double> y = chebyshev(n_, t(row, y_.count));
-  std::vector<double> along(n_, 0.0);
-  for (std::size_t j = 0; j < n_; ++j)
-    for (std::size_t i = 0; i < n_; ++i) along[i] += series[j * n_ + i] * y[j];
-  for (std::size_t x = 0; x < weight.size(); ++x) {
-    const double at = t(static_cast<std::int64_t>(x), x_.count);
-    double next = 0.0, after = 0.0;  // Clenshaw's recurrence
-    for (std::size_t i = n_ - 1; i > 0; --i) {
-      const double value = along[i] + 2.0 * at * next - after;
-      after = next;
-      next = value;
-    }
-    weight[x] = static_cast<float>(along[0] + at * next - after);
+  const std::vector<double> y = chebyshev(n_, y_.place(row));
+  constexpr double kRounding = 1e-9;  // of a weight of 1: weights that are even or odd lack every other polynomial
+  std::vector<kernels::Scaled> terms;
+  for (std::size_t i = 0; i < n_; ++i) {
+    double sum = 0.0;
+    for (std::size_t j = 0; j < n_; ++j) sum += series[j * n_ + i] * y[j];
+    if (std::abs(sum) > kRounding)
+      terms.push_back({static_cast<float>(sum), along_x_.data() + i * static_cast<std::size_t>(x_.count)});
   }
+  kernels::add_weighted(filtered, x_.count, terms, image);
 }
 
 }  // namespace mtf

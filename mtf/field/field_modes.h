@@ -15,6 +15,7 @@
 // that max |a_k| = 1 the least of c = 1, 1 / |p_k| and 1 / |p_k|^2 is taken. What interpolation between the points
 // misses is looked at in other places of the image.
 
+#include <array>
 #include <memory>
 #include <span>
 #include <vector>
@@ -31,10 +32,14 @@ struct FieldModesOptions {
   double worst_unit = 1.0;    ///< rms error, relative to the scene's std, that an OTF error of 1 may become
   const SceneSpectrum* spectrum = nullptr;  ///< of the scene; null: any scene
   double spectrum_gain = 1.0;               ///< rms error of the image over that of the spectrum
-  double enough = 0.0;                      ///< an rms error for which no more points are taken
+  double part_gain =
+      1.0;              ///< of these, that errors of parts by parity have: their squares are as symmetric as the canvas
+  double enough = 0.0;  ///< an rms error for which no more points are taken
   int threads = 0;
   OtfProgress progress = {};
 };
+
+class FieldTables;
 
 class FieldModes {
  public:
@@ -55,23 +60,31 @@ class FieldModes {
   /// In place of the components that change: mode 0 is the mean, whose weight is 1; weights of the others are within
   /// -1 .. 1.
   std::shared_ptr<const GivenFactor> factor(std::size_t mode) const { return factors_.at(mode); }
-  /// Weights of a mode along a row of `out`.
-  void weights(std::size_t mode, std::int64_t row, std::span<float> weight) const;
+  /// Adds to a row of the image what mode 1 .. count() filtered, times its weights.
+  void add(std::size_t mode, std::int64_t row, const float* filtered, float* image) const;
 
  private:
   struct Line {
     double first = 0.0, step = 0.0;  ///< field coordinate of the first pixel, and from one to the next
     std::int64_t count = 0;
     double last() const { return first + step * static_cast<double>(count - 1); }
+    /// Pixel i as a place in -1 .. 1, and the field coordinate of a place.
+    double place(std::int64_t i) const {
+      return count > 1 ? 2.0 * static_cast<double>(i) / static_cast<double>(count - 1) - 1.0 : 0.0;
+    }
     double at(double t) const { return 0.5 * ((1.0 - t) * first + (1.0 + t) * last()); }  // t in -1 .. 1
   };
-  bool make(const System<double>& system, const FieldModesOptions& options, std::size_t n);
+  /// Those at which OTFs are made with n points along an axis: the points, places between them, and the optical axis.
+  std::vector<FieldPoint<double>> places(std::size_t n) const;
+  static std::array<double, 2> probe(std::size_t i);
+  bool make(FieldTables& tables, const FieldModesOptions& options, std::size_t n);
 
   Line x_, y_;
   double in_x_ = 0.0, in_y_ = 0.0, ratio_x_ = 1.0, ratio_y_ = 1.0;
   std::size_t n_ = 0, points_ = 0;  ///< points along an axis
   std::vector<std::shared_ptr<const GivenFactor>> factors_;
   std::vector<std::vector<double>> series_;  ///< Chebyshev coefficients of each weight, [j n + i], i along x
+  std::vector<float> along_x_;               ///< the polynomials at the pixels of a row, one after the other
   std::vector<double> error_;
   double axis_error_ = 0.0, between_ = 0.0;
 };

@@ -223,9 +223,7 @@ void FactoredOtf::sort_components() {
       continue;
     }
     const bool chromatic = system_.band && traits.chromatic;
-    real_ = real_ && traits.real;
-    even_x_ = even_x_ && traits.even_x;
-    even_y_ = even_y_ && traits.even_y;
+    parities_ = parities_ * Parities(traits.real, traits.even_x, traits.even_y);
     if (traits.gain) gain_ *= 1.0 + candidates[i].deviation;
     entries_.push_back(entry);
     auto& list = chromatic          ? (traits.radial ? chromatic_radial_ : chromatic_general_)
@@ -234,6 +232,7 @@ void FactoredOtf::sort_components() {
                                     : general_;
     list.push_back(entry);
   }
+  all_parities_ = parities_;
   take_given();
   if (chromatic_general_.empty()) return;
   // The product over wavelengths is averaged as one: a single non-radial factor takes the radial ones along.
@@ -250,9 +249,8 @@ bool FactoredOtf::is_given(Stage stage, std::size_t entry) const {
 void FactoredOtf::take_given() {
   if (!options_.given) return;
   const GivenFactor& given = *options_.given;
-  real_ = real_ && given.real;
-  even_x_ = even_x_ && given.even_x;
-  even_y_ = even_y_ && given.even_y;
+  all_parities_ = parities_ * given.all;
+  parities_ = parities_ * given.parities;
   gain_ *= given.largest;
   identity_error_ += 2.0;  // it is always needed
   cutoff_ = given.cutoff_cy_mm;

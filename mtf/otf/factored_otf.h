@@ -19,6 +19,7 @@
 #include <vector>
 
 #include "mtf/border.h"
+#include "mtf/engines/fft/parity.h"
 #include "mtf/engines/fft/scene_spectrum.h"
 #include "mtf/otf/band_mean.h"
 #include "mtf/otf/polar_table.h"
@@ -51,7 +52,8 @@ struct GivenFactor {
   std::shared_ptr<const PolarTable> table;
   double largest = 1.0;  ///< bound of its modulus
   double cutoff_cy_mm = std::numeric_limits<double>::infinity();
-  bool real = true, even_x = true, even_y = true;
+  Parities parities;
+  Parities all;  ///< of all factors with whose OTFs this one is to share its transforms
 };
 
 /// What a change of the OTF costs the scene at hand: its rms error, in units in which the largest |change| of any
@@ -88,9 +90,12 @@ class FactoredOtf {
   FactoredOtf(const FactoredOtf&) = delete;  // its lists point into its own copy of the system
   FactoredOtf& operator=(const FactoredOtf&) = delete;
 
-  bool is_real() const { return real_; }
-  bool is_even_x() const { return even_x_; }
-  bool is_even_y() const { return even_y_; }
+  bool is_real() const { return parities_.is_real(); }
+  bool is_even_x() const { return parities_.is_even_x(); }
+  bool is_even_y() const { return parities_.is_even_y(); }
+  const Parities& parities() const { return parities_; }
+  /// Of all OTFs that share its transforms.
+  const Parities& all_parities() const { return all_parities_; }
   /// True when H(fx, fy) H(0, 0) = H(fx, 0) H(0, fy): the OTF consists of vectors along the axes.
   bool is_separable() const { return !table_ && lines_.empty() && !has_general(); }
   /// True when some factor is evaluated at every frequency because no table or vector holds it.
@@ -217,7 +222,8 @@ class FactoredOtf {
   std::vector<Line> lines_;
   std::vector<Slow> polar_;
   double cutoff_ = std::numeric_limits<double>::infinity();  ///< |f| from which some component lets nothing through
-  bool real_ = true, even_x_ = true, even_y_ = true, aperture_limited_ = false;
+  Parities parities_, all_parities_;
+  bool aperture_limited_ = false;
   bool radial_per_sample_ = false;  ///< no table resolves the radial factors
   double quadrature_error_ = 0.0;
   double mean_error_ = 0.0;  ///< of radial_mean_

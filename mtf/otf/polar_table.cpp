@@ -123,32 +123,46 @@ void PolarTable::tabulate(const Rings& rings, std::size_t spokes, std::size_t po
   }
 }
 
-PolarTable PolarTable::combination(std::span<const PolarTable* const> tables, std::span<const double> weight) {
+PolarTable PolarTable::combination(std::span<const PolarTable* const> tables,
+                                   std::span<const std::vector<Cplx>> weight) {
   PolarTable sum;
   for (const PolarTable* table : tables) sum.orders_ = std::max(sum.orders_, table->orders_);
   for (const Piece& piece : tables.front()->pieces_)
     sum.pieces_.push_back({piece.begin, piece.end, std::vector<Cplx>((kKnots + 3) * sum.orders_)});
   for (std::size_t i = 0; i < tables.size(); ++i) {
     const PolarTable& table = *tables[i];
+    if (std::all_of(weight[i].begin(), weight[i].end(), [](const Cplx& w) { return w == 0.0; })) continue;
     for (std::size_t p = 0; p < sum.pieces_.size(); ++p)
-      for (std::size_t k = 0; k < kKnots + 3; ++k)
-        for (std::size_t m = 0; m < table.orders_; ++m)
-          sum.pieces_[p].rows[k * sum.orders_ + m] += weight[i] * table.pieces_[p].rows[k * table.orders_ + m];
+      for (std::size_t k = 0; k < kKnots + 3; ++k) {
+        Cplx* const to = sum.pieces_[p].rows.data() + k * sum.orders_;
+        const Cplx* const from = table.pieces_[p].rows.data() + k * table.orders_;
+        for (std::size_t m = 0; m < table.orders_; ++m) {
+          const Cplx w = weight[i][m];  // written out: operator* looks for infinities
+          to[m] += Cplx(w.real() * from[m].real() - w.imag() * from[m].imag(),
+                        w.real() * from[m].imag() + w.imag() * from[m].real());
+        }
+      }
   }
   return sum;
 }
 
-// H(r, a) becomes H(r, a - angle): each order turns by its own phase.
-PolarTable PolarTable::turned(double angle) const {
+// cos(m a) is even along y, and along x where m is even; sin(m a) is odd along y, and along x where m is even.
+PolarTable PolarTable::parts(const Parities& wanted) const {
+  const auto has = [&](Parity x, Parity y) { return wanted.has({x, y}) ? 1.0 : 0.0; };
+  const std::array<double, 2> cosines{has(Parity::even, Parity::even), has(Parity::odd, Parity::even)},
+      sines{has(Parity::odd, Parity::odd), has(Parity::even, Parity::odd)};
   PolarTable result = *this;
-  std::vector<Cplx> phase(orders_);
-  for (std::size_t m = 0; m < orders_; ++m) phase[m] = std::polar(1.0, -static_cast<double>(m) * angle);
+  for (const std::size_t m : {0U, 1U})
+    if (cosines[m] == 0.0 && sines[m] == 0.0) result.first_ = 1 - m, result.step_ = 2;
   for (Piece& piece : result.pieces_)
-    for (std::size_t i = 0; i < piece.rows.size(); ++i) piece.rows[i] *= phase[i % orders_];
+    for (std::size_t i = 0; i < piece.rows.size(); ++i) {
+      const std::size_t m = i % orders_ % 2;
+      piece.rows[i] = {cosines[m] * piece.rows[i].real(), sines[m] * piece.rows[i].imag()};
+    }
   return result;
 }
 
-Complex<double> PolarTable::at(const Freq<double>& f) const {
+std::array<double, 4> PolarTable::parts_at(const Freq<double>& f) const {
   const double r = std::hypot(f.x, f.y);
   const auto piece = std::find_if(pieces_.begin(), pieces_.end(), [r](const Piece& p) { return r < p.end; });
   if (piece == pieces_.end()) return {};
@@ -160,16 +174,25 @@ Complex<double> PolarTable::at(const Freq<double>& f) const {
                                      -(t + 1.0) * t * (t - 2.0) / 2.0, (t + 1.0) * t * (t - 1.0) / 6.0};
   const Cplx* const row = piece->rows.data() + knot * orders_;
   const double cosine = r > 0.0 ? f.x / r : 1.0, sine = r > 0.0 ? f.y / r : 0.0;
-  double re = 0.0, im = 0.0, c = 1.0, s = 0.0;
-  for (std::size_t m = 0; m < orders_; ++m) {
+  std::array<double, 2> cosines{}, sines{};  // of even and of odd orders
+  double c = first_ == 0 ? 1.0 : cosine, s = first_ == 0 ? 0.0 : sine;
+  const double turn_c = step_ == 1 ? cosine : cosine * cosine - sine * sine,
+               turn_s = step_ == 1 ? sine : 2.0 * cosine * sine;
+  for (std::size_t m = first_; m < orders_; m += step_) {
     Cplx sum{};
     for (std::size_t q = 0; q < weight.size(); ++q) sum += weight[q] * row[q * orders_ + m];
-    (m % 2 == 0 ? re : im) += sum.real() * c - sum.imag() * s;
-    const double next = c * cosine - s * sine;
-    s = c * sine + s * cosine;
+    cosines[m % 2] += sum.real() * c;
+    sines[m % 2] -= sum.imag() * s;
+    const double next = c * turn_c - s * turn_s;
+    s = c * turn_s + s * turn_c;
     c = next;
   }
-  return {re, im};
+  return {cosines[0], sines[1], cosines[1], sines[0]};
+}
+
+Complex<double> PolarTable::at(const Freq<double>& f) const {
+  const auto [ee, eo, oe, oo] = parts_at(f);
+  return {ee + oo, eo + oe};
 }
 
 std::int64_t PolarTable::bytes() const {

@@ -7,12 +7,14 @@
 // ends of each piece, where pupil edges that touch and the cutoff have their half-integer powers. Both converge
 // geometrically; they are refined until points in between come out within the target.
 
+#include <array>
 #include <complex>
 #include <cstdint>
 #include <functional>
 #include <span>
 #include <vector>
 
+#include "mtf/engines/fft/parity.h"
 #include "mtf/frame.h"
 
 namespace mtf {
@@ -33,12 +35,17 @@ class PolarTable {
   PolarTable(const Function& h, const Rings& rings, std::vector<double> breaks, double target, std::int64_t most,
              int threads);
 
-  /// Sum of weight[i] tables[i], all made with the same breaks; what it errs by its maker has to know: error() is 0.
-  static PolarTable combination(std::span<const PolarTable* const> tables, std::span<const double> weight);
-  /// The table of H turned by an angle from +x to +y.
-  PolarTable turned(double angle) const;
+  /// Sum of tables whose orders m are multiplied by weight[i][m]; what it errs by its maker has to know: error() is 0.
+  /// All are made with the same breaks. Weights exp(-i m angle) turn a table from +x to +y.
+  static PolarTable combination(std::span<const PolarTable* const> tables,
+                                std::span<const std::vector<std::complex<double>>> weight);
+  /// The parts of H that are among these, as a table of their sum.
+  PolarTable parts(const Parities& wanted) const;
+  std::size_t orders() const { return orders_; }
 
   Complex<double> at(const Freq<double>& f) const;
+  /// ee, eo, oe and oo at f, in the order of kOtfParts; the imaginary ones as real numbers.
+  std::array<double, 4> parts_at(const Freq<double>& f) const;
   /// h[i] *= table at (fx[i], fy).
   void multiply(std::span<const double> fx, double fy, std::span<Complex<double>> h) const;
 
@@ -62,6 +69,7 @@ class PolarTable {
 
   std::vector<Piece> pieces_;
   std::size_t orders_ = 0;
+  std::size_t first_ = 0, step_ = 1;  ///< of the orders that are not zero
   double error_ = 0.0;
   std::int64_t evaluations_ = 0;
 };

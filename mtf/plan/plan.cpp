@@ -224,7 +224,7 @@ Plan compile_stages(const System<double>& system, std::span<const Stage> stages,
 namespace {
 
 // How the tolerance is shared out over a field: modes that are left out, the mean OTF, the others.
-constexpr double kModesShare = 0.5, kMeanShare = 0.25;
+constexpr double kModesShare = 0.75, kMeanShare = 0.125;
 constexpr double kEnoughShare = 0.1;  // for modes alone
 
 PredictedError& operator+=(PredictedError& a, const PredictedError& b) {
@@ -256,6 +256,7 @@ Plan compile_over_field(const System<double>& given, const SampleGrid& in, const
                         .worst_unit = norms.of_any(),
                         .spectrum = options.spectrum.get(),
                         .spectrum_gain = norms.spectrum_gain,
+                        .part_gain = options.border == Border::reflect ? 0.5 : 1.0,
                         .enough = kEnoughShare * tolerance,
                         .threads = options.threads,
                         .progress = options.progress});
@@ -462,15 +463,8 @@ void Plan::run_modes(std::span<const ImageView<const float>> in, std::span<const
     impl_->modes[k].run_planes(from, views, border_value, threads, planes);
     constexpr std::int64_t kRowsAtOnce = 16;
     parallel_for(this->out().height, kRowsAtOnce, threads, [&](std::int64_t begin, std::int64_t end) {
-      std::vector<float> weight(static_cast<std::size_t>(this->out().width));
-      for (std::int64_t y = begin; y < end; ++y) {
-        impl_->field->weights(k, y, weight);
-        for (std::size_t c = 0; c < out.size(); ++c) {
-          const float* more = added[c].view().row(y);
-          float* row = out[c].row(y);
-          for (std::size_t x = 0; x < weight.size(); ++x) row[x] += weight[x] * more[x];
-        }
-      }
+      for (std::int64_t y = begin; y < end; ++y)
+        for (std::size_t c = 0; c < out.size(); ++c) impl_->field->add(k, y, views[c].row(y), out[c].row(y));
     });
   }
 }

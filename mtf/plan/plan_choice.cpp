@@ -228,8 +228,10 @@ double inverse_ns(const AxisTransform& job) {
 
 // Costs are counted in rows of kRow numbers: 5.7 ns each time an axis rearranges one, and 7.3 ns more for each row by
 // which image, buffer and OTF together exceed the second-level cache.
-double fft_cost_ms(const AxisTransform& x, const AxisTransform& y, bool real_otf) {
-  const double parts = count(static_cast<std::int64_t>(otf_parts(x, y, real_otf).size())), planes = x.odd ? 2.0 : 1.0;
+double fft_cost_ms(const AxisTransform& x, const AxisTransform& y, const Parities& parities) {
+  const std::vector<OtfPart> list = otf_parts(x, y, parities);
+  const double parts = count(static_cast<std::int64_t>(list.size()));
+  const double planes = list.front().x == list.back().x ? 1.0 : 2.0;  // those even along x come first
   const bool x_cosine = x.frequency.basis == Basis::cosine, y_cosine = y.frequency.basis == Basis::cosine;
   const double blocks = groups(x.keep, x_cosine ? kRow : kLanes), coefficients = blocks * kRow;
   const double terms = count(y_cosine ? y.keep : 2 * y.keep - 1);
@@ -237,7 +239,7 @@ double fft_cost_ms(const AxisTransform& x, const AxisTransform& y, bool real_otf
   const double forward =
       transform_ns(x.frequency.length) + 5.7 * (count(x.samples) + count(x.frequency.length) + coefficients);
   const double backward = inverse_ns(x) + 5.7 * (coefficients + x_terms + count(inverse_length(x) + x.outputs));
-  const double product = 0.77 * terms * (real_otf || x_cosine ? 1.0 : 2.0);
+  const double product = 0.77 * terms * (parities.is_real() || x_cosine ? 1.0 : 2.0);
   const double column = transform_ns(y.frequency.length) + parts * (inverse_ns(y) + product) +
                         (parts - planes) * 9.0 * count(y.outputs);  // what is added to another part
   const double images = (count(x.samples) * count(y.samples) + count(x.outputs) * count(y.outputs)) / kRow;
@@ -367,11 +369,11 @@ UnreachableTolerance unreachable_tolerance(double asked, double reachable, const
           std::numeric_limits<double>::infinity()};
 }
 
-double spectral_bytes(const AxisTransform& x, const AxisTransform& y, bool real_otf) {
+double spectral_bytes(const AxisTransform& x, const AxisTransform& y, const Parities& parities) {
   const auto count = [](std::int64_t n) { return static_cast<double>(n); };
   const double columns = count(x.keep) * (x.frequency.basis == Basis::cosine ? 1.0 : 2.0);
   const double terms = count(std::min(2 * y.keep, y.frequency.length + 1));
-  const double parts = count(static_cast<std::int64_t>(otf_parts(x, y, real_otf).size()));
+  const double parts = count(static_cast<std::int64_t>(otf_parts(x, y, parities).size()));
   const double otf = parts * columns * (y.frequency.basis == Basis::cosine ? count(y.keep) : terms);
   const double buffer = (x.odd ? 2.0 : 1.0) * columns * count(std::max(y.samples, y.outputs));
   // Per frequency of an axis: up to five work areas of a row of lanes each, and tables.

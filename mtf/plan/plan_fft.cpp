@@ -141,9 +141,9 @@ struct Judged {
     const auto canvas = [&](const AxisTransform& job) {
       const bool cosine = job.frequency.basis == Basis::cosine;
       defined = defined && (cosine || job.frequency.length == canvas_length(job.border, job.samples));
-      // Where only cosines come of cosines, error and canvas have the same mirror symmetry: nothing of the canvas's
-      // energy can concentrate in the image.
-      if (cosine && !job.odd) mirrors *= 2.0;
+      // What one part of an OTF makes of cosines has a modulus of the same mirror symmetry as the canvas: nothing of
+      // the canvas's energy can concentrate in the image.
+      if (cosine && (!job.odd || task.sampler.parities().is_one())) mirrors *= 2.0;
       return static_cast<double>(job.frequency.length) * (cosine ? 2.0 : 1.0);
     };
     const double samples = canvas(l.x) * canvas(l.y);
@@ -176,10 +176,11 @@ struct Order {
   double cost_ms = 0.0;  ///< where all lines are transformed
 };
 
-Order order_of(Lines lines, const AxisTransform& x, const AxisTransform& y, bool real, const PlanOptions& options) {
+Order order_of(Lines lines, const AxisTransform& x, const AxisTransform& y, const Parities& parities,
+               const PlanOptions& options) {
   const bool rows = lines == Lines::rows;
   Order order{lines, rows ? x : y, rows ? y : x};
-  order.cost_ms = fft_cost_ms(order.along, order.across, real);
+  order.cost_ms = fft_cost_ms(order.along, order.across, rows ? parities : parities.swapped());
   if (!options.scene || order.along.resampling != Resampling::fold) return order;
   const double flat = rows ? options.scene->flat_rows : options.scene->flat_columns;
   // Lines are left out in whole groups.
@@ -188,11 +189,12 @@ Order order_of(Lines lines, const AxisTransform& x, const AxisTransform& y, bool
 }
 
 // Columns come first where leaving out uniform ones makes up for it: an OTF with phase may then take more series.
-Order cheaper_order(const AxisTransform& x, const AxisTransform& y, bool real, const PlanOptions& options) {
+Order cheaper_order(const AxisTransform& x, const AxisTransform& y, const Parities& parities,
+                    const PlanOptions& options) {
   const auto cost_ms = [](const Order& order) { return (1.0 - kLinesCost * order.flat) * order.cost_ms; };
-  const Order rows = order_of(Lines::rows, x, y, real, options);
+  const Order rows = order_of(Lines::rows, x, y, parities, options);
   if (x.frequency.basis != y.frequency.basis) return rows;
-  const Order columns = order_of(Lines::columns, x, y, real, options);
+  const Order columns = order_of(Lines::columns, x, y, parities, options);
   return columns.flat > 0.0 && cost_ms(columns) < cost_ms(rows) ? columns : rows;
 }
 
@@ -216,8 +218,8 @@ MethodCandidate make_candidate(const PlanTask& task, Method method, const Judged
     if (budget > 0.0)
       predicted.cut = cut(task, budget, judged.rms_per_otf, judged.defined, judged.symmetric > 1.5, x, y);
   }
-  const std::size_t parts = otf_parts(x, y, sampler.is_real()).size();
-  const Order order = cheaper_order(x, y, sampler.is_real(), options);
+  const std::size_t parts = otf_parts(x, y, sampler.parities()).size();
+  const Order order = cheaper_order(x, y, sampler.parities(), options);
   d.lines = order.lines;
   // Contrast that the filter brings to uniform lines is left out, up to a share of the tolerance.
   if (order.flat > 0.0)
@@ -229,8 +231,8 @@ MethodCandidate make_candidate(const PlanTask& task, Method method, const Judged
   d.report.cost_ms = dearer * order.cost_ms;
   if (predicted.flat > 0.0) d.lines_saved_ms = kLinesCost * order.flat * d.report.cost_ms;
   d.report.cost_ms -= d.lines_saved_ms;
-  d.report.bytes =
-      static_cast<std::int64_t>((in_double ? 2.0 : 1.0) * spectral_bytes(order.along, order.across, sampler.is_real()));
+  d.report.bytes = static_cast<std::int64_t>((in_double ? 2.0 : 1.0) *
+                                             spectral_bytes(order.along, order.across, sampler.parities()));
   d.axes = {x, y};
   d.error_per_otf = judged.rms_per_otf * task.alias;
   const Precision precision = in_double ? Precision::double_precision : Precision::single_precision;
@@ -336,7 +338,7 @@ class Layouts {
     return layout;
   }
   double cost_ms(const AxisTransform& x, const AxisTransform& y) const {
-    return fft_cost_ms(x, y, task_.sampler.is_real());
+    return fft_cost_ms(x, y, task_.sampler.parities());
   }
 
  private:
@@ -360,9 +362,7 @@ std::vector<Layout> fft_layouts(const PlanTask& task) {
   constexpr Expansion fourier{Basis::fourier, false}, cosine{Basis::cosine, false};
   const Layouts layouts(task);
   if (task.options.border != Border::reflect) return {*layouts.make(fourier, fourier)};
-  // An OTF that is real and even along one axis is even along both.
-  const bool even = sampler.is_real() && (sampler.is_even_x() || sampler.is_even_y());
-  const bool odd_x = !even && !sampler.is_even_x(), odd_y = !even && !sampler.is_even_y();
+  const bool odd_x = !sampler.all_parities().is_even_x(), odd_y = !sampler.all_parities().is_even_y();
   std::vector<Layout> list{*layouts.make({Basis::cosine, odd_x}, {Basis::cosine, odd_y})};
   const auto dear = [](const AxisTransform& job) {
     return job.odd || job.resampling == Resampling::chirp || !is_smooth(job.frequency.length);

@@ -108,13 +108,13 @@ double reachable_tolerance(double arithmetic, double band, double wrap_share);
 void require_memory(double bytes, const SampleGrid& out);
 
 /// Bytes of OTF and buffers of an FFT method.
-double spectral_bytes(const AxisTransform& x, const AxisTransform& y, bool real_otf);
+double spectral_bytes(const AxisTransform& x, const AxisTransform& y, const Parities& parities);
 
 // Predicted run times, for choosing between methods: one thread, one channel, on the kind of machine that the constants
 // were measured on. Only their ratios matter; Rigor::measure times the best few instead.
 
 /// Milliseconds of an FFT method.
-double fft_cost_ms(const AxisTransform& x, const AxisTransform& y, bool real_otf);
+double fft_cost_ms(const AxisTransform& x, const AxisTransform& y, const Parities& parities);
 
 /// Milliseconds of separable taps of a rank, and of `used` taps of a direct kernel.
 double separable_cost_ms(const TapAxis& x, const TapAxis& y, std::int64_t rank);

@@ -55,11 +55,12 @@ class OtfRow {
     put(0, j, kLanes, [&](std::size_t i) { return scale_ * complex_up_[i].im; });
   }
 
-  // What is odd along y in a real OTF is odd along x too.
+  // The real parts are ee and oo, the imaginary ones eo and oe. Of two that are both there, H(fx, fy) has the sum and
+  // H(fx, -fy) the difference.
   void real_parts(std::int64_t j) {
     if (otf_->parts.size() == 1) {
       real_row(j);
-      return put(0, j, [&](std::size_t i) { return scale_ * up_[i]; });
+      return put(0, j, [&, scale = sign(0) * scale_](std::size_t i) { return scale * up_[i]; });
     }
     grid_->real_rows(static_cast<std::size_t>(j), std::span(up_).first(keep_), std::span(down_).first(keep_));
     const S half = S(0.5) * scale_;
@@ -67,25 +68,27 @@ class OtfRow {
     put(1, j, [&](std::size_t i) { return half * (down_[i] - up_[i]); });
   }
 
-  // What is odd along one axis only is imaginary.
   void complex_parts(std::int64_t j) {
+    const std::vector<OtfPart>& parts = otf_->parts;
+    const auto real = std::count_if(parts.begin(), parts.end(), [](const OtfPart& part) { return part.is_real(); });
+    const bool both_real = real == 2, both_imaginary = parts.size() - static_cast<std::size_t>(real) == 2;
     complex_row(j);
-    const auto& up = complex_up_;
-    const auto& down = complex_down_;
-    if (otf_->parts.size() < 4) {
-      put(0, j, [&](std::size_t i) { return scale_ * up[i].re; });
-      if (otf_->parts.size() > 1) put(1, j, [&](std::size_t i) { return -scale_ * up[i].im; });
-      return;
+    if (both_real || both_imaginary)
+      grid_->complex_row(static_cast<std::size_t>(j), std::span(complex_down_).first(keep_), true);
+    for (std::size_t p = 0; p < parts.size(); ++p) {
+      const bool along_y = (columns_ ? parts[p].x : parts[p].y) == Parity::odd;  // of the image
+      const auto part = [&](bool both, auto value) {
+        const S scale = sign(p) * (both ? S(0.5) : S(1.0)) * scale_, mirrored = !both ? S(0) : along_y ? S(-1) : S(1);
+        put(p, j, [&](std::size_t i) { return scale * (value(complex_up_[i]) + mirrored * value(complex_down_[i])); });
+      };
+      if (parts[p].is_real())
+        part(both_real, [](const Complex<S>& h) { return h.re; });
+      else
+        part(both_imaginary, [](const Complex<S>& h) { return h.im; });
     }
-    grid_->complex_row(static_cast<std::size_t>(j), std::span(complex_down_).first(keep_), true);
-    const S half = S(0.5) * scale_;
-    const std::size_t odd_y = columns_ ? 2 : 1, odd_x = columns_ ? 1 : 2;      // along the axes of the image
-    put(0, j, [&](std::size_t i) { return half * (up[i].re + down[i].re); });  // even along both
-    put(odd_y, j, [&](std::size_t i) { return half * (down[i].im - up[i].im); });
-    put(odd_x, j, [&](std::size_t i) { return -half * (up[i].im + down[i].im); });
-    put(3, j, [&](std::size_t i) { return half * (down[i].re - up[i].re); });
   }
 
+  S sign(std::size_t part) const { return otf_->parts[part] == OtfPart{} ? S(1.0) : S(-1.0); }
   void real_row(std::int64_t j) { grid_->real_row(static_cast<std::size_t>(j), std::span(up_).first(keep_)); }
   void complex_row(std::int64_t j) {
     grid_->complex_row(static_cast<std::size_t>(j), std::span(complex_up_).first(keep_));
@@ -118,11 +121,11 @@ class OtfRow {
 // H on the engine's frequencies, times its scale.
 template <class S>
 OtfBlocks<S> make_otf(const FactoredOtf& sampler, const SpectralEngine<S>& engine, int threads) {
-  OtfBlocks<S> otf = engine.make_blocks(sampler.is_real());
+  const bool columns = engine.lines() == Lines::columns;
+  OtfBlocks<S> otf = engine.make_blocks(columns ? sampler.parities().swapped() : sampler.parities());
   std::vector<double> along, across;
   for (std::int64_t k = 0; k < engine.x().keep; ++k) along.push_back(engine.x().frequency.cy_mm(k));
   for (const std::int64_t k : otf_frequencies(engine.y())) across.push_back(engine.y().frequency.cy_mm(k));
-  const bool columns = engine.lines() == Lines::columns;
   const std::int64_t width = engine.columns_per_block();
   if (columns && engine.x().keep % width > 0)
     for (std::size_t p = 0; p < otf.parts.size(); ++p)

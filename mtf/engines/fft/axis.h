@@ -12,6 +12,7 @@
 
 #include "mtf/border.h"
 #include "mtf/engines/fft/batched_fft.h"
+#include "mtf/engines/fft/parity.h"
 #include "mtf/grid.h"
 #include "mtf/image.h"
 
@@ -22,9 +23,6 @@ enum class Resampling { fold, chirp };
 /// What is transformed first, and last again: the rows of an image, or its columns. The result is the same to rounding;
 /// columns are faster where more of them than of the rows are uniform (line_groups.h).
 enum class Lines { rows, columns };
-
-/// Symmetry of a part of an OTF along one axis.
-enum class Parity { even, odd };
 
 struct AxisTransform {
   bool operator==(const AxisTransform&) const = default;

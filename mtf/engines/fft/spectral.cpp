@@ -34,11 +34,12 @@ void add(const S* __restrict from, std::int64_t count, S* __restrict to) {
 
 }  // namespace
 
-std::vector<OtfPart> otf_parts(const AxisTransform& x, const AxisTransform& y, bool real) {
-  std::vector<OtfPart> parts{{Parity::even, Parity::even}};
-  if (y.odd && !real) parts.push_back({Parity::even, Parity::odd});
-  if (x.odd && !real) parts.push_back({Parity::odd, Parity::even});
-  if (x.odd && y.odd) parts.push_back({Parity::odd, Parity::odd});
+std::vector<OtfPart> otf_parts(const AxisTransform& x, const AxisTransform& y, const Parities& parities) {
+  if (x.frequency.basis == Basis::fourier && !y.odd) return {OtfPart{}};
+  std::vector<OtfPart> parts;
+  for (const OtfPart part : kOtfParts)
+    if (parities.has(part) && (x.odd || part.x == Parity::even) && (y.odd || part.y == Parity::even))
+      parts.push_back(part);
   return parts;
 }
 
@@ -49,11 +50,11 @@ SpectralEngine<S>::SpectralEngine(const AxisTransform& x, const AxisTransform& y
 }
 
 template <class S>
-OtfBlocks<S> SpectralEngine<S>::make_blocks(bool real) const {
-  const std::vector<OtfPart> parts = otf_parts(x(), y(), real);
+OtfBlocks<S> SpectralEngine<S>::make_blocks(const Parities& parities) const {
+  const std::vector<OtfPart> parts = otf_parts(x(), y(), parities);
   const auto rows = static_cast<std::int64_t>(otf_frequencies(y()).size());
   const auto count = static_cast<std::int64_t>(parts.size()) * blocks() * rows * kRow;
-  return {!real && x().frequency.basis == Basis::fourier, parts, blocks(), rows,
+  return {!parities.is_real() && x().frequency.basis == Basis::fourier, parts, blocks(), rows,
           BufferPool::Loan<S>(pool_, static_cast<std::size_t>(count))};
 }
 
@@ -99,6 +100,11 @@ void SpectralEngine<S>::run(const std::vector<Channel>& channels, const OtfBlock
     planes.push_back(known ? recall(channel, buffers(y().outputs))
                            : read(channel, buffers(std::max(y().samples, y().outputs)), threads));
     Plane& plane = planes.back();
+    const auto any = [&](Parity along_x) {
+      return std::any_of(otf.parts.begin(), otf.parts.end(), [&](const OtfPart& part) { return part.x == along_x; });
+    };
+    plane.even = any(Parity::even);
+    plane.odd = any(Parity::odd);
     if (channel.allowance > 0.0) plane.over_uniform = groups_over_uniform(plane.input, x(), y());
     plane.energies.resize(plane.over_uniform.size() * static_cast<std::size_t>(blocks()));
   }
@@ -313,7 +319,7 @@ void SpectralEngine<S>::add_energies(Plane& plane, std::int64_t block) const {
   for (std::size_t i = 0; i < plane.over_uniform.size(); ++i) {
     const std::int64_t begin = plane.over_uniform[i] * kRow, end = std::min(begin + kRow, y().outputs);
     double& energy = plane.energies[i * static_cast<std::size_t>(blocks()) + static_cast<std::size_t>(block)];
-    for (const S* rows : {static_cast<const S*>(buffers.even), static_cast<const S*>(buffers.odd)}) {
+    for (const S* rows : {plane.even ? buffers.even : nullptr, plane.odd ? buffers.odd : nullptr}) {
       if (rows == nullptr) continue;
       std::array<S, kRow> squares{};
       for (const S* row = rows + begin * kRow; row < rows + end * kRow; row += kRow)
@@ -346,8 +352,9 @@ void SpectralEngine<S>::lines_inverse(const Plane& plane, int threads) const {
                 [&](S* to, const S* from) { lanes::transpose(from, kRow, to, step); });
       return x_.inverse(parity, coefficients.data(), nullptr, false, a, b);
     };
-    S* samples = samples_of(Parity::even, buffers.even, target.data(), work.data());
-    if (buffers.odd != nullptr) {
+    S* samples = plane.even ? samples_of(Parity::even, buffers.even, target.data(), work.data())
+                            : samples_of(Parity::odd, buffers.odd, target.data(), work.data());
+    if (plane.even && plane.odd) {
       const BufferPool::Loan<S> other(pool_, area);
       S* spare = samples == work.data() ? target.data() : work.data();
       add(samples_of(Parity::odd, buffers.odd, spare, other.data()), inverse_length(x()) * kRow, samples);
@@ -366,8 +373,8 @@ void SpectralEngine<S>::uniform_inverse(const Plane& plane, const std::vector<st
   const Channel& channel = plane.channel;
   std::vector<float> values(static_cast<std::size_t>(y().outputs));
   for (std::int64_t k = 0; k < y().outputs; ++k)
-    values[static_cast<std::size_t>(k)] =
-        static_cast<float>(static_cast<double>(plane.buffers.even[k * kRow]) / channel.scale + channel.out_mean());
+    values[static_cast<std::size_t>(k)] = static_cast<float>(
+        (plane.even ? static_cast<double>(plane.buffers.even[k * kRow]) / channel.scale : 0.0) + channel.out_mean());
   if (lines_ == Lines::rows) {
     for_groups(groups, threads, [&](std::int64_t group, std::size_t) {
       for (std::int64_t k = group * kRow; k < std::min((group + 1) * kRow, y().outputs); ++k)

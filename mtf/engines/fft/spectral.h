@@ -43,13 +43,8 @@
 
 namespace mtf {
 
-/// A part of an OTF.
-struct OtfPart {
-  Parity x = Parity::even, y = Parity::even;
-};
-
-/// The parts of an OTF that these axes take, those even along x first; a single one where x is in the fourier basis.
-std::vector<OtfPart> otf_parts(const AxisTransform& x, const AxisTransform& y, bool real);
+/// The parts of an OTF that these axes take, in the order of kOtfParts; a single one where x is in the fourier basis.
+std::vector<OtfPart> otf_parts(const AxisTransform& x, const AxisTransform& y, const Parities& parities);
 
 /// OTF values in the engine's layout, times 1/(transform lengths): numbers [part][block][row][kRow], where the parts
 /// but the first have the sign of the sum above.
@@ -81,7 +76,7 @@ class SpectralEngine {
   std::int64_t columns_per_block() const { return kRow / x_.rows_per_coefficient(); }
   std::int64_t blocks() const { return (x().keep + columns_per_block() - 1) / columns_per_block(); }
   /// Memory for an OTF, uninitialised; the engine has to outlive it.
-  OtfBlocks<S> make_blocks(bool real) const;
+  OtfBlocks<S> make_blocks(const Parities& parities) const;
   /// Factor that the OTF has to carry: the inverse of what the unnormalised transforms multiply.
   double otf_scale() const;
   /// Bytes of buffers that one run of `channels` planes takes, at most.
@@ -109,6 +104,7 @@ class SpectralEngine {
     double std = 0.0;                             ///< of the image, scaled
     S* spectrum = nullptr;                        ///< of a plane that is kept
     bool known = false;                           ///< the spectrum is there, and nothing in the buffers
+    bool even = true, odd = false;                ///< along x, of what comes back in the buffers
     std::vector<std::int32_t> canvas = {};        ///< of the columns beyond the first block: uniform lines as zeros
     std::vector<std::int64_t> over_uniform = {};  ///< groups of filtered lines that may be negligible
     std::vector<double> energies = {};            ///< of those: [group][block]
