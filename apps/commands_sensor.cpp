@@ -48,6 +48,11 @@ Command curve_command() {
            "place in the image whose OTF is wanted, of a sensor whose OTF changes over the field: from the optical\n"
            "axis in half diagonals of the detector, 0.7,-0.7, or as a pixel from its upper left corner, 320px,40px",
            options.field);
+  add_text(app, "--map", "QUANTITY",
+           "over the image, at 9 x 9 places, in place of curves: mtf@nyquist, mtf@FREQ (in --unit) or mtf50 of the\n"
+           "system in the direction of --angle; with the values on the axis, their mean and the worst",
+           options.map)
+      .candidates = one_of({"mtf@nyquist", "mtf50"});
   add_format(app, "table (default), csv or json", options.format);
   add_text(app, "--plot", "FILE", "figure: a .svg, .pdf or .png file, or ascii for the terminal", options.plot)
       .candidates = one_of({"", "ascii"});

@@ -33,6 +33,7 @@ struct CurveOptions {
   std::string unit = "cy/mm";
   double angle_deg = 0.0;
   std::string field;  ///< a field point, "0.7,0.7", or a pixel, "320px,40px"; "" = on the optical axis
+  std::string map;    ///< "mtf@nyquist", "mtf@0.25" or "mtf50" over the image in place of curves
   Format format = Format::table;
   std::string plot;  ///< .svg, .pdf, .png or "ascii"
   std::string out;   ///< "" = stdout

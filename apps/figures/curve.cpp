@@ -13,6 +13,7 @@
 #include "apps/config_command.h"
 #include "apps/figures/curve_figure.h"
 #include "apps/figures/curve_json.h"
+#include "apps/figures/otf_map.h"
 #include "apps/figures/plot.h"
 #include "apps/sensor/otf_curves.h"
 #include "apps/terminal/output.h"
@@ -25,8 +26,6 @@ namespace apps {
 namespace {
 
 using mtf::Complex;
-
-constexpr double kFarthest = 4.0;  // half diagonals from the optical axis
 
 std::string as_table(const OtfCurves& curves) {
   const auto columns = curves.columns();
@@ -97,9 +96,6 @@ mtf::FieldPoint<double> field_point_of(const mtf::System<double>& system, const 
   bool x_px = false, y_px = false;
   const double x = part(text.substr(0, comma), x_px), y = part(text.substr(comma + 1), y_px);
   if (x_px != y_px) throw mtf::UsageError("--field: " + text + ": give both in px, or neither");
-  if (!x_px && !(std::hypot(x, y) <= kFarthest))
-    throw mtf::UsageError("--field: " + text + " lies " + mtf::significant(std::hypot(x, y), 3) +
-                          " half diagonals from the axis; the corners of the detector lie about 1 from it");
   if (!x_px) return {x, y};
   const mtf::Frame<double>& frame = system.frame;
   const mtf::FieldPoint<double> q = system.field_point(x, y);
@@ -109,15 +105,30 @@ mtf::FieldPoint<double> field_point_of(const mtf::System<double>& system, const 
   return q;
 }
 
+int show_map(const mtf::System<double>& system, const CurveOptions& options, OutputSet& outputs, const Global& global) {
+  if (!options.field.empty() || !options.frequencies.empty())
+    throw mtf::UsageError("--map is over the whole image; leave --field and --freq out");
+  if (options.plot == "ascii") throw mtf::UsageError("--map has no figure in characters; give --plot map.svg");
+  const OtfMap map = otf_map(system, options.map, make_direction(system.frame, options.unit, options.angle_deg));
+  if (!options.plot.empty()) {
+    const bool drawn = write_figure(outputs.at(options.plot), otf_map_figure(map));
+    note(global, figure_note(options.plot, drawn));
+  }
+  outputs.commit(options.out, options.format == Format::csv    ? otf_map_csv(map)
+                              : options.format == Format::json ? json_document(otf_map_json(map), -1)
+                                                               : otf_map_table(map));
+  return 0;
+}
+
 }  // namespace
 
 int run_curve(const CurveOptions& options, const Global& global) {
   const mtf::io::SensorConfig config = load_sensor(options.sensor, global);
   OutputSet outputs({.files = outputs_of(options), .inputs = files_of(config)});
+  if (!options.map.empty()) return show_map(config.system, options, outputs, global);
   std::optional<mtf::FieldPoint<double>> q;
   if (!options.field.empty()) q = field_point_of(config.system, options.field);
-  const mtf::System<double> system = config.system.at(q.value_or(mtf::FieldPoint<double>{}));
-  if (q) mtf::require_valid(system);
+  const mtf::System<double> system = system_at(config.system, q.value_or(mtf::FieldPoint<double>{}));
   const Direction direction = make_direction(system.frame, options.unit, options.angle_deg);
   OtfCurves curves = otf_curves(
       system, options.frequencies.empty() ? std::vector<double>() : frequency_list("--freq", options.frequencies),

@@ -42,13 +42,19 @@ std::string unit_of(const py::object& given) {
   return unit;
 }
 
+using Place = std::optional<std::array<double, 2>>;
+
+mtf::FieldPoint<double> point_of(const Place& place) {
+  return place ? mtf::FieldPoint<double>{(*place)[0], (*place)[1]} : mtf::FieldPoint<double>{};
+}
+
 /// fx and fy of one length, in the unit. They may be infinite; the OTF at a NaN is NaN.
 py::array_t<std::complex<double>> otf(SensorHandle& sensor, const Doubles& fx, const Doubles& fy,
-                                      const py::object& given_unit) {
+                                      const py::object& given_unit, const Place& field) {
   const std::string unit = unit_of(given_unit);
   if (fx.size() != fy.size()) throw mtf::UsageError("otf: fx and fy have different numbers of values");
   const std::shared_ptr<const mtf::io::SensorConfig> config = weighted(sensor);
-  const mtf::System<double>& system = config->system;
+  const mtf::System<double> system = system_at(config->system, point_of(field));
   const auto along_x = make_direction(system.frame, unit, 0.0).step.x;
   const auto along_y = make_direction(system.frame, unit, 90.0).step.y;
   py::array_t<std::complex<double>> result(fx.size());
@@ -94,12 +100,14 @@ py::dict column_of(const OtfColumn& column) {
   return result;
 }
 
-py::dict curves(SensorHandle& sensor, std::vector<double> frequency, double angle_deg, const py::object& given_unit) {
+py::dict curves(SensorHandle& sensor, std::vector<double> frequency, double angle_deg, const py::object& given_unit,
+                const Place& field) {
   const std::string unit = unit_of(given_unit);
   const std::shared_ptr<const mtf::io::SensorConfig> config = weighted(sensor);
   OtfCurves made;
   run_job([&](JobControl&) {
-    made = otf_curves(config->system, std::move(frequency), make_direction(config->system.frame, unit, angle_deg));
+    made = otf_curves(system_at(config->system, point_of(field)), std::move(frequency),
+                      make_direction(config->system.frame, unit, angle_deg));
   });
   py::list columns;
   for (const OtfColumn* column : made.columns()) columns.append(column_of(*column));
@@ -130,8 +138,10 @@ std::shared_ptr<const mtf::io::SensorConfig> weighted(SensorHandle& sensor) {
 }
 
 void add_curves(py::module_& module) {
-  module.def("otf", &otf, py::arg("sensor"), py::arg("fx"), py::arg("fy"), py::arg("unit"));
-  module.def("curves", &curves, py::arg("sensor"), py::arg("frequency"), py::arg("angle_deg"), py::arg("unit"));
+  module.def("otf", &otf, py::arg("sensor"), py::arg("fx"), py::arg("fy"), py::arg("unit"),
+             py::arg("field") = py::none());
+  module.def("curves", &curves, py::arg("sensor"), py::arg("frequency"), py::arg("angle_deg"), py::arg("unit"),
+             py::arg("field") = py::none());
 }
 
 }  // namespace apps::python

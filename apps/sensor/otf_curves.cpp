@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "mtf/error.h"
+#include "mtf/words.h"
 
 namespace apps {
 namespace {
@@ -73,6 +74,17 @@ std::vector<const OtfColumn*> OtfCurves::columns() const {
   }
   shown.push_back(&system);
   return shown;
+}
+
+mtf::System<double> system_at(const mtf::System<double>& system, const mtf::FieldPoint<double>& q) {
+  constexpr double kFarthest = 4.0;
+  if (!(std::hypot(q.x, q.y) <= kFarthest))
+    throw mtf::UsageError("the field point (" + mtf::significant(q.x, 3) + ", " + mtf::significant(q.y, 3) + ") lies " +
+                          mtf::significant(std::hypot(q.x, q.y), 3) +
+                          " half diagonals from the axis; the corners of the detector lie about 1 from it");
+  mtf::System<double> here = system.at(q);
+  mtf::require_valid(here);
+  return here;
 }
 
 KeyFigures key_figures(const System<double>& system, const Direction& direction) {

@@ -30,6 +30,10 @@ struct Direction {
 /// Throws UsageError for an angle outside -360 to 360, and for another unit.
 Direction make_direction(const mtf::Frame<double>& frame, const std::string& unit, double angle_deg);
 
+/// The system as it is at a field point. Throws UsageError for one that is not finite or farther than 4 half diagonals
+/// from the axis, and for numbers that are not valid there.
+mtf::System<double> system_at(const mtf::System<double>& system, const mtf::FieldPoint<double>& q);
+
 /// Figures of merit along a direction, in its unit.
 struct KeyFigures {
   double nyquist = 0.0;          ///< the frequency at which the first of the axes is at its Nyquist frequency

@@ -74,6 +74,18 @@ TEST(Curve, AtAFieldPoint) {
   }
   const Json corner = curve(scratch, "field.toml --freq 0:60:4 --field 640px,512px");
   EXPECT_NEAR(std::hypot(corner.at("field")[0].get<double>(), corner.at("field")[1].get<double>()), 1.0, 1e-15);
+  const Json map = curve(scratch, "field.toml --map mtf@30 --angle 90"),
+             one = curve(scratch, "field.toml --freq 30,31 --angle 90 --field 160.25px,128.25px");
+  EXPECT_EQ(map.at("places").size(), 81U);
+  const auto value = [&](const Json& place) { return place.at("value").get<double>(); };
+  EXPECT_DOUBLE_EQ(value(map.at("places")[2 * 9 + 2]),
+                   std::hypot(one.at("system").at("re")[0].get<double>(), one.at("system").at("im")[0].get<double>()));
+  for (const Json& place : map.at("places")) EXPECT_LE(value(map.at("worst")), value(place));
+  EXPECT_LT(map.at("mean").get<double>(), value(map.at("axis")));
+  EXPECT_GT(map.at("mean").get<double>(), value(map.at("worst")));
+  EXPECT_LT(map.at("mean_error").get<double>(), 0.02);
+  expect_error(scratch.run("mtf curve field.toml --map mtf"), 2, {"--map", "mtf@nyquist"});
+  expect_error(scratch.run("mtf curve field.toml --map mtf50 --field 0,0"), 2, {"--field", "leave"});
   expect_error(scratch.run("mtf curve field.toml --field 0.5"), 2, {"--field", "320px,40px"});
   expect_error(scratch.run("mtf curve field.toml --field 700px,10px"), 2, {"--field", "640 x 512"});
   expect_error(scratch.run("mtf curve field.toml --field 0.5,40px"), 2, {"--field", "px"});

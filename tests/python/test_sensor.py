@@ -2,6 +2,7 @@
 """Sensors: built, loaded, changed, saved, explained; the same numbers as the command."""
 
 import pickle
+import warnings
 
 import numpy as np
 import pytest
@@ -282,6 +283,16 @@ w131 = { r = 0.7 }
     with pytest.warns(UserWarning, match="optical axis"):
         on_axis = sensor.otf(30.0)
     assert on_axis.imag == 0.0
+    fixed = mk.Sensor.parse(path.read_text().replace('"field"', '"36.869897645844021 deg"').replace("{ r = 0.7 }", "0.7"))
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        here = sensor.otf([30.0, 10.0], [10.0, 50.0], field=(0.8, 0.6))
+        assert np.allclose(here, fixed.otf([30.0, 10.0], [10.0, 50.0]), rtol=0, atol=1e-12)
+        assert sensor.mtf(30.0, field=(0.8, 0.6)) == sensor.curves([30.0], field=(0.8, 0.6)).system.mtf[0]
+    with pytest.raises(mk.UsageError, match="half diagonals"):
+        sensor.otf(30.0, field=(9, 9))
+    with pytest.raises(mk.UsageError, match="place"):
+        sensor.otf(30.0, field=0.5)
     scene = np.random.default_rng(1).normal(size=(12, 16)).astype(np.float32)
     image = sensor.simulate(scene, sample="15 um", quantity="counts", tolerance=1e-2).image
     assert np.isfinite(np.asarray(image)).all()

@@ -33,6 +33,7 @@ if TYPE_CHECKING:
     from mtfkit.simulation import SceneLike
 
 Table = Mapping[str, Any]
+FieldPoint = Sequence[float] | None  # (x, y) in half diagonals of the detector; None: the optical axis
 
 _SUCH_AS = ("mtfkit.Sensor(frame=dict(focal_length=\"100 mm\", pitch=\"15 um\"), optics=dict(aperture=\"50 mm\", wavelength=\"4 um\"), "
             "presample=[\"diffraction\"])")
@@ -205,41 +206,54 @@ class Sensor:
         sensor._take(lines, self.file, self._own, {"presample": presample, "readout": readout, "postsample": postsample})
         return sensor
 
-    def otf(self, fx: npt.ArrayLike, fy: npt.ArrayLike = 0.0, *, unit: str = "cy/mm") -> Any:
+    def otf(self, fx: npt.ArrayLike, fy: npt.ArrayLike = 0.0, *, unit: str = "cy/mm", field: FieldPoint = None) -> Any:
         """The OTF at the frequencies (fx, fy): complex128 of their common shape, a complex number for plain numbers.
 
-        `unit` is cy/mm at the focal plane, cy/mrad or cy/px; +x is along columns, +y along rows.
+        `unit` is cy/mm at the focal plane, cy/mrad or cy/px; +x is along columns, +y along rows. `field` is a place in the
+        image, (x, y) from the optical axis in half diagonals of the detector, where the OTF changes over the field; by
+        default the axis.
         """
-        self._say_axis()
+        place = self._field_point(field)
         x, y = quantities.frequency_pair(fx, fy)
-        values = _core.otf(self._file, x.ravel(), y.ravel(), unit).reshape(x.shape)
+        values = _core.otf(self._file, x.ravel(), y.ravel(), unit, place).reshape(x.shape)
         if self._functions:
             values = values * functions.product(self._file, self._functions, x, y, unit)
         return values[()]
 
-    def mtf(self, fx: npt.ArrayLike, fy: npt.ArrayLike = 0.0, *, unit: str = "cy/mm") -> Any:
+    def mtf(self, fx: npt.ArrayLike, fy: npt.ArrayLike = 0.0, *, unit: str = "cy/mm", field: FieldPoint = None) -> Any:
         """The modulus of `otf`: float64 of the same shape."""
-        return np.abs(self.otf(fx, fy, unit=unit))
+        return np.abs(self.otf(fx, fy, unit=unit, field=field))
 
     def curves(self, frequency: npt.ArrayLike | None = None, *, angle: quantities.Value = 0,
-               unit: str = "cy/mm") -> Curves:
+               unit: str = "cy/mm", field: FieldPoint = None) -> Curves:
         """The OTF of every component, of each list and of the whole along one direction, as `mtf curve`, bit for bit.
 
         `frequency` is in `unit`, by default 61 values to the smaller of cutoff and twice Nyquist; `angle` is from +x to
-        +y, "45 deg".
+        +y, "45 deg"; `field` as in `otf`.
         """
-        self._say_axis()
+        place = self._field_point(field)
         values = [] if frequency is None else np.atleast_1d(quantities.frequencies(frequency, "frequency")).ravel().tolist()
         if frequency is not None and not values:
             raise UsageError("frequency: is empty; leave it out for 61 values to the cutoff or twice Nyquist")
-        made = results.timed(_core.curves, self._file, values, quantities.angle_deg(angle), unit)
+        made = results.timed(_core.curves, self._file, values, quantities.angle_deg(angle), unit, place)
         curves = curves_of(*made, self._own.error)
         return functions.with_functions(curves, self._file, self._functions) if self._functions else curves
 
-    def _say_axis(self) -> None:
+    def _field_point(self, field: FieldPoint) -> tuple[float, float] | None:
+        """The numbers of a field point; without one a warning where one OTF does not serve the whole image."""
+        if field is None:
+            self._say_axis(5)
+            return None
+        try:
+            x, y = (float(value) for value in field)
+        except (TypeError, ValueError):
+            raise UsageError("field: give a place (x, y), from the optical axis in half diagonals of the detector") from None
+        return x, y
+
+    def _say_axis(self, level: int = 4) -> None:
         """Warns where one OTF does not serve the whole image, of what speaks of the optical axis alone."""
         if self._file.over_field:
-            warnings.warn(f"the OTF changes over the field by {self._file.over_field}: this is that of the optical axis", stacklevel=4)
+            warnings.warn(f"the OTF changes over the field by {self._file.over_field}: this is that of the optical axis", stacklevel=level)
 
     def explain(self) -> results.Text:
         """What every number becomes after units and defaults, and the stages of the chain, as `mtf config explain`."""

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// A figure of the OTF of the whole system over the image: at the centres of 9 x 9 pixels from corner to corner, and on
+// the optical axis.
+//
+//   const apps::OtfMap map = apps::otf_map(sensor.system, "mtf@nyquist", apps::make_direction(frame, "cy/px", 0.0));
+//   map.worst().value;
+
+#include <array>
+#include <string>
+
+#include "apps/figures/plot.h"
+#include "apps/sensor/otf_curves.h"
+#include "apps/text/json.h"
+
+namespace apps {
+
+struct OtfMap {
+  static constexpr std::size_t kSide = 9;
+  struct Place {
+    double x_px = 0.0, y_px = 0.0;  ///< from the upper left corner of the detector
+    mtf::FieldPoint<double> q;
+    double value = 0.0;
+  };
+  std::string quantity, unit;  ///< "mtf@nyquist"; of the values: "" for an MTF
+  Direction direction;
+  double frequency = 0.0;                   ///< of an MTF
+  double band_error = 0.0;                  ///< that the average over the band has at most
+  std::array<Place, kSide * kSide> places;  ///< row by row
+  Place axis;
+  double mean = 0.0, mean_error = 0.0;  ///< over the image, and its change from every other place to all
+
+  const Place& worst() const;  ///< the lowest
+};
+
+/// `quantity`: mtf@nyquist, mtf@FREQ with FREQ in the unit of the direction, or mtf50. Throws UsageError for another
+/// one, a system without the format of its detector, numbers that are not valid somewhere in the image, and an MTF50
+/// that is not there.
+OtfMap otf_map(const mtf::System<double>& system, const std::string& quantity, const Direction& direction);
+
+std::string otf_map_table(const OtfMap& map);
+std::string otf_map_csv(const OtfMap& map);
+Json otf_map_json(const OtfMap& map);
+Figure otf_map_figure(const OtfMap& map);
+
+}  // namespace apps
