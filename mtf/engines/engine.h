@@ -5,6 +5,8 @@
 // is immutable, and `run` is const and re-entrant.
 
 #include <cstdint>
+#include <functional>
+#include <span>
 #include <vector>
 
 #include "mtf/engines/uniform_runs.h"
@@ -26,6 +28,9 @@ struct Channel {
   const UniformRuns* flat = nullptr;  ///< of `in`; null where they are not known
   double allowance = 0.0;     ///< rms contrast over `out`, relative to the std of `in`, that negligible lines may lose
   KeptPlane* kept = nullptr;  ///< of `in`: takes and gives what does not depend on the filter; null: nothing is kept
+  /// Takes filtered samples of row y from column x on in place of `out`, from several threads at once; of the spectral
+  /// engine.
+  std::function<void(std::int64_t y, std::int64_t x, std::span<const float> samples)> take = {};
 
   /// What is added to the filtered samples.
   double out_mean() const { return dc * mean; }

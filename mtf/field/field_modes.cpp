@@ -427,18 +427,20 @@ bool FieldModes::make(FieldTables& tables, const FieldModesOptions& options, std
   return true;
 }
 
-void FieldModes::add(std::size_t mode, std::int64_t row, const float* filtered, float* image) const {
+void FieldModes::add(std::size_t mode, std::int64_t y, std::int64_t x, std::span<const float> filtered,
+                     float* image) const {
   const std::vector<double>& series = series_.at(mode - 1);
-  const std::vector<double> y = chebyshev(n_, y_.place(row));
+  const std::vector<double> along_y = chebyshev(n_, y_.place(y));
   constexpr double kRounding = 1e-9;  // of a weight of 1: weights that are even or odd lack every other polynomial
   std::vector<kernels::Scaled> terms;
   for (std::size_t i = 0; i < n_; ++i) {
     double sum = 0.0;
-    for (std::size_t j = 0; j < n_; ++j) sum += series[j * n_ + i] * y[j];
+    for (std::size_t j = 0; j < n_; ++j) sum += series[j * n_ + i] * along_y[j];
     if (std::abs(sum) > kRounding)
-      terms.push_back({static_cast<float>(sum), along_x_.data() + i * static_cast<std::size_t>(x_.count)});
+      terms.push_back({static_cast<float>(sum),
+                       along_x_.data() + i * static_cast<std::size_t>(x_.count) + static_cast<std::size_t>(x)});
   }
-  kernels::add_weighted(filtered, x_.count, terms, image);
+  kernels::add_weighted(filtered.data(), static_cast<std::int64_t>(filtered.size()), terms, image + x);
 }
 
 }  // namespace mtf

@@ -60,8 +60,8 @@ class FieldModes {
   /// In place of the components that change: mode 0 is the mean, whose weight is 1; weights of the others are within
   /// -1 .. 1.
   std::shared_ptr<const GivenFactor> factor(std::size_t mode) const { return factors_.at(mode); }
-  /// Adds to a row of the image what mode 1 .. count() filtered, times its weights.
-  void add(std::size_t mode, std::int64_t row, const float* filtered, float* image) const;
+  /// Adds to row y of the image, from column x on, what mode 1 .. count() filtered, times its weights.
+  void add(std::size_t mode, std::int64_t y, std::int64_t x, std::span<const float> filtered, float* image) const;
 
  private:
   struct Line {

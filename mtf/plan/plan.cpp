@@ -315,7 +315,6 @@ Plan compile_over_field(const System<double>& given, const SampleGrid& in, const
   total.method = "field_modes";
   total.tolerance = tolerance;
   total.field = report;
-  total.run_bytes += 4 * out.width * out.height;
   impl->dc = impl->modes.front().dc();
   impl->report = std::move(total);
   Plan plan;
@@ -411,7 +410,7 @@ void Plan::run(KeptScene& scene, std::span<const ImageView<float>> out, double b
 }
 
 void Plan::run_planes(std::span<const ImageView<const float>> in, std::span<const ImageView<float>> out,
-                      double border_value, int threads, std::span<KeptPlane> kept) const {
+                      double border_value, int threads, std::span<KeptPlane> kept, const Take& take) const {
   if (in.size() != out.size()) throw UsageError("as many output as input planes are needed");
   if (impl_->field) return run_modes(in, out, border_value, threads, kept);
   const bool constant = impl_->options.border == Border::constant;
@@ -431,7 +430,7 @@ void Plan::run_planes(std::span<const ImageView<const float>> in, std::span<cons
     const MeanAndDeviation about = sampled ? *sampled : *plane.all;
     const double deviation = canvas_deviation(about, impl_->options.border, border_value);
     if (deviation == 0.0) {
-      fill(out[c], static_cast<float>(impl_->dc * about.mean));
+      if (!take) fill(out[c], static_cast<float>(impl_->dc * about.mean));
     } else if (!impl_->engine) {
       for (std::int64_t y = 0; y < out[c].height; ++y)
         std::memmove(out[c].row(y), in[c].row(y), static_cast<std::size_t>(out[c].width) * sizeof(float));
@@ -440,6 +439,10 @@ void Plan::run_planes(std::span<const ImageView<const float>> in, std::span<cons
       if (!transforms && share_memory(in[c], out[c])) from = copies.emplace_back(copy_of(in[c])).view();
       channels.push_back({from, out[c], about.mean, scale_for(deviation), sampled.has_value(), impl_->dc, border_value,
                           &plane.flat, impl_->report.predicted.flat, kept.empty() ? nullptr : &plane});
+      if (take)
+        channels.back().take = [&take, c](std::int64_t y, std::int64_t x, std::span<const float> samples) {
+          take(c, y, x, samples);
+        };
     }
   }
   if (!channels.empty()) impl_->engine->run(channels, threads);
@@ -455,18 +458,11 @@ void Plan::run_modes(std::span<const ImageView<const float>> in, std::span<const
   for (std::size_t c = 0; c < in.size(); ++c)
     from.push_back(share_memory(in[c], out[c]) ? copies.emplace_back(copy_of(in[c])).view() : in[c]);
   impl_->modes.front().run_planes(from, out, border_value, threads, planes);
-  std::vector<Image> added;
-  std::vector<ImageView<float>> views;
-  for (const ImageView<float>& plane : out) added.emplace_back(plane.width, plane.height);
-  for (Image& plane : added) views.push_back(plane.view());
-  for (std::size_t k = 1; k < impl_->modes.size(); ++k) {
-    impl_->modes[k].run_planes(from, views, border_value, threads, planes);
-    constexpr std::int64_t kRowsAtOnce = 16;
-    parallel_for(this->out().height, kRowsAtOnce, threads, [&](std::int64_t begin, std::int64_t end) {
-      for (std::int64_t y = begin; y < end; ++y)
-        for (std::size_t c = 0; c < out.size(); ++c) impl_->field->add(k, y, views[c].row(y), out[c].row(y));
-    });
-  }
+  for (std::size_t k = 1; k < impl_->modes.size(); ++k)
+    impl_->modes[k].run_planes(from, out, border_value, threads, planes,
+                               [&](std::size_t c, std::int64_t y, std::int64_t x, std::span<const float> samples) {
+                                 impl_->field->add(k, y, x, samples, out[c].row(y));
+                               });
 }
 
 namespace {

@@ -12,6 +12,7 @@
 // reference is the exact OTF applied to the periodic canvas of mtf/border.h and evaluated at the detector centres.
 
 #include <array>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -186,9 +187,11 @@ class Plan {
 
  private:
   struct Impl;
-  /// `kept`: of each plane, or none.
+  /// Takes samples of row y of a plane from column x on (Channel::take).
+  using Take = std::function<void(std::size_t plane, std::int64_t y, std::int64_t x, std::span<const float> samples)>;
+  /// `kept`: of each plane, or none. With `take` nothing is written to `out`.
   void run_planes(std::span<const ImageView<const float>> in, std::span<const ImageView<float>> out,
-                  double border_value, int threads, std::span<KeptPlane> kept) const;
+                  double border_value, int threads, std::span<KeptPlane> kept, const Take& take = {}) const;
   friend Plan compile(const System<double>&, const SampleGrid&, const SampleGrid&, const PlanOptions&);
   friend Plan compile_over_field(const System<double>&, const SampleGrid&, const SampleGrid&, const PlanOptions&);
   void run_modes(std::span<const ImageView<const float>> in, std::span<const ImageView<float>> out, double border_value,

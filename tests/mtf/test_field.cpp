@@ -217,6 +217,28 @@ TEST(Field, AKeptSceneAndItsOwnMemoryGiveTheSame) {
   EXPECT_TRUE(same_bits(own, plain));
 }
 
+// Rows or columns that are uniform take no transform; a plan that knows nothing of the scene transforms all.
+TEST(Field, UniformLinesAreLeftOut) {
+  const System<double> s = seidel(0.1, 0.3, 0.4, 0.2, 0.0);
+  constexpr std::int64_t kSide = 192;
+  for (const bool rows : {true, false}) {
+    Image scene = random_image(kSide, kSide, 9);
+    for (std::int64_t y = 0; y < kSide; ++y)
+      for (std::int64_t x = 0; x < kSide; ++x)
+        if ((rows ? y : x) >= 64) scene.at(x, y) = 0.5F;
+    const SampleGrid in = scene_grid(s, kSide, kSide, 1, 1), out{kSide, kSide, 15.0, 15.0};
+    PlanOptions options = options_for(scene, Border::reflect, 1e-2);
+    const Plan plan = compile(s, in, out, options);
+    EXPECT_GT(plan.report().predicted.flat, 0.0);
+    options.scene->flat_rows = options.scene->flat_columns = 0.0;
+    const Image some = run(plan, scene), all_lines = run(compile(s, in, out, options), scene);
+    const std::vector<double> all(all_lines.data(), all_lines.data() + all_lines.size());
+    EXPECT_LT(rms_distance(some, all), plan.report().predicted.total() * options.scene->std);
+    EXPECT_GT(rms_distance(some, all), 0.0);
+    EXPECT_TRUE(same_bits(some, run(plan, scene, 0.0, 2)));
+  }
+}
+
 TEST(Field, WhatCannotBeIsRefused) {
   System<double> s = bare(15.0, 15.0);
   s.add(Stage::presample, test::gaussian(6.0));

@@ -196,15 +196,27 @@ kernels::Moments SpectralEngine<S>::load(const Channel& channel, std::int64_t be
 
 template <class S>
 void SpectralEngine<S>::store(const Channel& channel, std::int64_t begin, std::int64_t end, const S* samples) const {
-  const double unscale = 1.0 / channel.scale;
-  if (lines_ == Lines::columns)
-    return kernels::restore_columns(samples, x_.out_rows(), end - begin, channel.out_mean(), unscale,
-                                    channel.out.stride, channel.out.data + begin);
+  const double unscale = 1.0 / channel.scale, mean = channel.out_mean();
+  if (lines_ == Lines::columns) {
+    if (!channel.take)
+      return kernels::restore_columns(samples, x_.out_rows(), end - begin, mean, unscale, channel.out.stride,
+                                      channel.out.data + begin);
+    const BufferPool::Loan<float> columns(pool_, static_cast<std::size_t>(x().outputs * kRow));
+    kernels::restore_columns(samples, x_.out_rows(), end - begin, mean, unscale, kRow, columns.data());
+    for (std::int64_t y = 0; y < x().outputs; ++y)
+      channel.take(y, begin, {columns.data() + y * kRow, static_cast<std::size_t>(end - begin)});
+    return;
+  }
   const std::int64_t stride = line_stride();
   const BufferPool::Loan<S> lines(pool_, static_cast<std::size_t>(kRow * stride));
   lanes::lanes_to_lines<S>(samples, x_.out_rows(), lines.data(), stride);
-  for (std::int64_t i = begin; i < end; ++i)
-    kernels::restore(lines.data() + (i - begin) * stride, x().outputs, channel.out_mean(), unscale, channel.out.row(i));
+  std::optional<BufferPool::Loan<float>> row;
+  if (channel.take) row.emplace(pool_, static_cast<std::size_t>(x().outputs));
+  for (std::int64_t i = begin; i < end; ++i) {
+    float* const to = row ? row->data() : channel.out.row(i);
+    kernels::restore(lines.data() + (i - begin) * stride, x().outputs, mean, unscale, to);
+    if (row) channel.take(i, 0, {to, static_cast<std::size_t>(x().outputs)});
+  }
 }
 
 template <class S>
@@ -378,15 +390,26 @@ void SpectralEngine<S>::uniform_inverse(const Plane& plane, const std::vector<st
   if (lines_ == Lines::rows) {
     for_groups(groups, threads, [&](std::int64_t group, std::size_t) {
       for (std::int64_t k = group * kRow; k < std::min((group + 1) * kRow, y().outputs); ++k)
-        std::fill_n(channel.out.row(k), x().outputs, values[static_cast<std::size_t>(k)]);
+        if (channel.take) {
+          const std::vector<float> row(static_cast<std::size_t>(x().outputs), values[static_cast<std::size_t>(k)]);
+          channel.take(k, 0, row);
+        } else {
+          std::fill_n(channel.out.row(k), x().outputs, values[static_cast<std::size_t>(k)]);
+        }
     });
     return;
   }
   parallel_for(x().outputs, kRow, threads, [&](std::int64_t begin, std::int64_t end) {
     for (std::int64_t i = begin; i < end; ++i)
-      for (const std::int64_t group : groups)
-        std::copy_n(values.begin() + group * kRow, std::min<std::int64_t>(kRow, y().outputs - group * kRow),
-                    channel.out.row(i) + group * kRow);
+      for (const std::int64_t group : groups) {
+        const std::span<const float> here = std::span(values).subspan(
+            static_cast<std::size_t>(group * kRow),
+            static_cast<std::size_t>(std::min<std::int64_t>(kRow, y().outputs - group * kRow)));
+        if (channel.take)
+          channel.take(i, group * kRow, here);
+        else
+          std::copy(here.begin(), here.end(), channel.out.row(i) + group * kRow);
+      }
   });
 }
 
