@@ -228,8 +228,13 @@ mtf::System<double> with_electron_rate(const mtf::System<double>& system, const 
 }
 
 std::string unused_table(const mtf::io::SensorConfig& config) {
-  if (has_chain(config) || config.tables.empty()) return "";
-  const mtf::SettingsTable& table = config.tables.front();
+  if (has_chain(config)) return "";
+  // An OTF that changes over the field needs its axis too.
+  const auto unused = std::find_if(config.tables.begin(), config.tables.end(), [&](const mtf::SettingsTable& table) {
+    return table.name != "optical_axis" || config.system.is_isoplanatic();
+  });
+  if (unused == config.tables.end()) return "";
+  const mtf::SettingsTable& table = *unused;
   const bool row = table.name == "frame" || table.name == "scene" || table.name == "optics";
   return (row ? std::string(table.name) + "." + std::string(table.settings.front().name)
               : "[" + std::string(table.name) + "]") +

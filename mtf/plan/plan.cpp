@@ -261,12 +261,20 @@ Plan compile_over_field(const System<double>& given, const SampleGrid& in, const
                         .threads = options.threads,
                         .progress = options.progress});
   FieldReport report{field->points(), 0, field->error_of_axis()};
+  std::vector<std::string> notes;
+  if (system.frame.columns > out.width || system.frame.rows > out.height)
+    notes.push_back("the scene covers " + std::to_string(out.width) + "x" + std::to_string(out.height) +
+                    " pixels of the detector's " + std::to_string(system.frame.columns) + "x" +
+                    std::to_string(system.frame.rows) +
+                    ", from its upper left corner: field points are those of the "
+                    "whole detector");
   if (report.one_otf_error < tolerance) try {
       const Plan plan = compile_stages(axis, stages, in, out, options, {});
       if (plan.report().predicted.total() + report.one_otf_error <= tolerance) {
         auto impl = std::make_shared<Plan::Impl>(*plan.impl_);
         impl->system = given;
         impl->report.field = report;
+        impl->report.notes.insert(impl->report.notes.end(), notes.begin(), notes.end());
         impl->report.predicted.modes = report.one_otf_error;
         Plan result;
         result.impl_ = std::move(impl);
@@ -315,6 +323,7 @@ Plan compile_over_field(const System<double>& given, const SampleGrid& in, const
   total.method = "field_modes";
   total.tolerance = tolerance;
   total.field = report;
+  total.notes.insert(total.notes.end(), notes.begin(), notes.end());
   impl->dc = impl->modes.front().dc();
   impl->report = std::move(total);
   Plan plan;
@@ -337,7 +346,7 @@ Plan compile(const System<double>& system, const SampleGrid& scene, const Sample
 Plan compile_part(const System<double>& system, const SampleGrid& scene, const SampleGrid& detector,
                   const PlanOptions& options, const ScaleSplit& split) {
   constexpr std::array stages{Stage::presample};
-  require_isoplanatic(system, "an image in tiles");
+  require_isoplanatic(system, "a part of an image (--roi, --memory)");
   return compile_stages(system, stages, scene, detector, options, {.split = split});
 }
 

@@ -14,6 +14,10 @@ namespace mtf::io::cfg {
 namespace {
 
 constexpr std::string_view kConstant = "1", kTurns = "field";
+constexpr std::size_t kRadius = 0;  // of the terms: the only one that is not smooth on the axis
+static_assert(kFieldTerms[kRadius] == "r");
+
+bool is_zero(double value) { return value == 0.0; }
 
 std::optional<std::size_t> term_of(std::string_view key) {
   const auto found = std::find(kFieldTerms.begin(), kFieldTerms.end(), key);
@@ -48,9 +52,14 @@ std::optional<Place> place_of(std::span<const FieldRef<double>> fields, std::str
 
 bool is_over_field(const Node& node, const FieldInfo& info) {
   if (node.kind == Node::Kind::string) return is_angle(info) && node.text == kTurns;
-  return node.kind == Node::Kind::table &&
-         std::any_of(node.members.begin(), node.members.end(),
-                     [](const Member& member) { return member.key == kConstant || term_of(member.key); });
+  if (node.kind != Node::Kind::table || node.members.empty()) return false;
+  // A table without a key of either kind has terms that are mistyped where its keys are short.
+  const auto any = [&](const auto& is) { return std::any_of(node.members.begin(), node.members.end(), is); };
+  if (any([](const Member& member) { return member.key == kConstant || term_of(member.key); })) return true;
+  constexpr std::size_t kShort = 2;
+  return !any([](const Member& member) {
+    return member.key.size() > kShort || std::find(kFitKeys.begin(), kFitKeys.end(), member.key) != kFitKeys.end();
+  });
 }
 
 std::optional<Scalar> read_over_field(Reader& reader, const Node& node, const FieldInfo& info,
@@ -101,6 +110,25 @@ std::optional<Scalar> read_over_field(Reader& reader, const Node& node, const Fi
   return on_axis.value_or(Scalar{0.0, first->unit});
 }
 
+// What grows with the distance from the axis but keeps its direction has a kink on the axis, which lenses do not have.
+void warn_of_kinks(Reader& reader, const System<double>& system, std::size_t entry, const std::string& path) {
+  const auto fields = system.list(Stage::presample).at(entry).component.fields();
+  const auto turns = [&](const FieldAngle& angle) { return angle.entry == entry; };
+  if (std::any_of(system.field.angles.begin(), system.field.angles.end(), turns)) return;
+  const auto angle =
+      std::find_if(fields.begin(), fields.end(), [](const auto& field) { return is_angle(*field.info); });
+  if (angle == fields.end()) return;
+  for (const FieldNumber<double>& number : system.field.numbers)
+    if (number.entry == entry && number.coefficient[kRadius] != 0.0) {
+      const std::string name(angle->info->name);
+      return reader.note(
+          {}, path + "." + name,
+          "numbers that grow with r in one direction have a kink on the optical axis; for a lens write " + name +
+              " = \"field\"",
+          true);
+    }
+}
+
 void take_over_field(const Section& section, Stage stage, std::size_t entry, System<double>& system) {
   const std::string before = section.path + ".";
   const auto fields = system.list(stage).at(entry).component.fields();
@@ -112,6 +140,8 @@ void take_over_field(const Section& section, Stage stage, std::size_t entry, Sys
                            "changes over the field, which components of [[presample]] alone may; write one number");
     } else if (!place || detail::number_of(fields[place->field], place->element) == nullptr) {
       // Something else about it was wrong, and is said.
+    } else if (!terms.angle && std::all_of(terms.coefficient.begin(), terms.coefficient.end(), is_zero)) {
+      // The same everywhere.
     } else if (terms.angle) {
       system.field.angles.push_back({entry, place->field});
     } else {
@@ -119,6 +149,7 @@ void take_over_field(const Section& section, Stage stage, std::size_t entry, Sys
     }
     return true;
   });
+  if (stage == Stage::presample) warn_of_kinks(section.reader, system, entry, section.path);
 }
 
 void refuse_over_field(Reader& reader) {

@@ -77,7 +77,27 @@ TEST(ConfigField, TheNoteNamesWhatChanges) {
   expect_says(notes, {"presample[0].w131", "presample[1].jitter", "--field"});
 }
 
+TEST(ConfigField, TermsOfZeroAreTheSameEverywhere) {
+  const SensorConfig config = parsed("[[presample]]\nkind = \"wavefront\"\nw131 = { 1 = 0.3 }\nw222 = { x = 0.0 }\n");
+  EXPECT_TRUE(config.system.is_isoplanatic());
+  const auto* lens = config.system.list(Stage::presample)[0].component.get_if<Wavefront<double>>();
+  EXPECT_DOUBLE_EQ(*lens->w131, 0.3);
+  EXPECT_DOUBLE_EQ(*lens->w222, 0.0);
+}
+
+TEST(ConfigField, ALensThatKeepsItsDirectionIsNamed) {
+  const auto notes = [](const std::string& body) {
+    std::string text;
+    for (const Diagnostic& one : parse_config(kHead + body, "s.toml").diagnostics) text += one.text + "\n";
+    return text;
+  };
+  const std::string lens = "[[presample]]\nkind = \"wavefront\"\nw131 = { r = 0.7 }\n";
+  expect_says(notes(lens), {"orientation = \"field\"", "kink"});
+  EXPECT_EQ(notes(lens + "orientation = \"field\"\n").find("kink"), std::string::npos);
+}
+
 TEST(ConfigField, WhatCannotBeIsRefused) {
+  expect_error("[[presample]]\nkind = \"wavefront\"\nw131 = { rr = 0.7 }\n", {"rr", "r2", "xy"});
   expect_error("[[presample]]\nkind = \"wavefront\"\nw131 = { r = 0.7, r3 = 1 }\n", {"r3", "r4"});
   expect_error("[[presample]]\nkind = \"jitter\"\nrms = { 1 = \"2 um\", r = \"3 urad\" }\n", {"um", "one unit"});
   expect_error("[[presample]]\nkind = \"jitter\"\nrms = { 1 = \"2 um\", r = 3 }\n", {"unit"});
