@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 
+#include "mtf/math/clones.h"
 #include "mtf/math/special.h"
 #include "mtf/parallel.h"
 
@@ -49,6 +50,14 @@ std::vector<double> lagrange(std::size_t n, double t) {
   }
   for (double& w : weight) w /= sum;
   return weight;
+}
+
+/// Weighted sum of four rows of `count` numbers that follow one another.
+MTFKIT_CLONES void weighted_rows(const double* __restrict rows, std::size_t count, const std::array<double, 4>& weight,
+                                 double* __restrict sum) {
+  for (std::size_t i = 0; i < count; ++i)
+    sum[i] = weight[0] * rows[i] + weight[1] * rows[count + i] + weight[2] * rows[2 * count + i] +
+             weight[3] * rows[3 * count + i];
 }
 
 }  // namespace
@@ -151,14 +160,19 @@ PolarTable PolarTable::parts(const Parities& wanted) const {
   const auto has = [&](Parity x, Parity y) { return wanted.has({x, y}) ? 1.0 : 0.0; };
   const std::array<double, 2> cosines{has(Parity::even, Parity::even), has(Parity::odd, Parity::even)},
       sines{has(Parity::odd, Parity::odd), has(Parity::even, Parity::odd)};
-  PolarTable result = *this;
+  PolarTable result;
   for (const std::size_t m : {0U, 1U})
     if (cosines[m] == 0.0 && sines[m] == 0.0) result.first_ = 1 - m, result.step_ = 2;
-  for (Piece& piece : result.pieces_)
-    for (std::size_t i = 0; i < piece.rows.size(); ++i) {
-      const std::size_t m = i % orders_ % 2;
-      piece.rows[i] = {cosines[m] * piece.rows[i].real(), sines[m] * piece.rows[i].imag()};
-    }
+  result.orders_ = (orders_ - result.first_ + result.step_ - 1) / result.step_;
+  for (const Piece& piece : pieces_) {
+    std::vector<Cplx>& rows = result.pieces_.emplace_back(Piece{piece.begin, piece.end, {}}).rows;
+    rows.reserve((kKnots + 3) * result.orders_);
+    for (std::size_t k = 0; k < kKnots + 3; ++k)
+      for (std::size_t m = result.first_; m < orders_; m += result.step_) {
+        const Cplx c = piece.rows[k * orders_ + m];
+        rows.emplace_back(cosines[m % 2] * c.real(), sines[m % 2] * c.imag());
+      }
+  }
   return result;
 }
 
@@ -172,22 +186,28 @@ std::array<double, 4> PolarTable::parts_at(const Freq<double>& f) const {
   // Lagrange's cubic through the knots at -1, 0, 1, 2.
   const std::array<double, 4> weight{-t * (t - 1.0) * (t - 2.0) / 6.0, (t + 1.0) * (t - 1.0) * (t - 2.0) / 2.0,
                                      -(t + 1.0) * t * (t - 2.0) / 2.0, (t + 1.0) * t * (t - 1.0) / 6.0};
-  const Cplx* const row = piece->rows.data() + knot * orders_;
+  std::array<double, kMostSpokes> row;  // a real and an imaginary part for each order
+  weighted_rows(reinterpret_cast<const double*>(piece->rows.data() + knot * orders_), 2 * orders_, weight, row.data());
   const double cosine = r > 0.0 ? f.x / r : 1.0, sine = r > 0.0 ? f.y / r : 0.0;
-  std::array<double, 2> cosines{}, sines{};  // of even and of odd orders
   double c = first_ == 0 ? 1.0 : cosine, s = first_ == 0 ? 0.0 : sine;
   const double turn_c = step_ == 1 ? cosine : cosine * cosine - sine * sine,
                turn_s = step_ == 1 ? sine : 2.0 * cosine * sine;
-  for (std::size_t m = first_; m < orders_; m += step_) {
-    Cplx sum{};
-    for (std::size_t q = 0; q < weight.size(); ++q) sum += weight[q] * row[q * orders_ + m];
-    cosines[m % 2] += sum.real() * c;
-    sines[m % 2] -= sum.imag() * s;
+  struct Sums {
+    double cosines = 0.0, sines = 0.0;
+  } here, other;  // of every other order
+  const auto add = [&](Sums& sums, std::size_t i) {
+    sums.cosines += row[2 * i] * c;
+    sums.sines -= row[2 * i + 1] * s;
     const double next = c * turn_c - s * turn_s;
     s = c * turn_s + s * turn_c;
     c = next;
-  }
-  return {cosines[0], sines[1], cosines[1], sines[0]};
+  };
+  for (std::size_t i = 0; i + 1 < orders_; i += 2) add(here, i), add(other, i + 1);
+  if (orders_ % 2 == 1) add(here, orders_ - 1);
+  if (step_ == 1) return {here.cosines, other.sines, other.cosines, here.sines};
+  const double cosines = here.cosines + other.cosines, sines = here.sines + other.sines;
+  if (first_ == 0) return {cosines, 0.0, 0.0, sines};
+  return {0.0, sines, cosines, 0.0};
 }
 
 Complex<double> PolarTable::at(const Freq<double>& f) const {

@@ -69,7 +69,7 @@ class PolarTable {
 
   std::vector<Piece> pieces_;
   std::size_t orders_ = 0;
-  std::size_t first_ = 0, step_ = 1;  ///< of the orders that are not zero
+  std::size_t first_ = 0, step_ = 1;  ///< orders are first, first + step, ...
   double error_ = 0.0;
   std::int64_t evaluations_ = 0;
 };

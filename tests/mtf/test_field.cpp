@@ -373,9 +373,9 @@ void keeps_its_promise(unsigned seed) {
   const double realised =
       rms_distance(image, reference_over_field(s, scene, in, out, border, border_value)) / options.scene->std;
   EXPECT_LE(realised, predicted.total()) << "seed " << seed << "\n" << plan->explain();
-  std::printf("seed %u: %s, %zu modes, tolerance %.1e, predicted %.1e (modes %.1e), realised %.1e\n", seed,
-              plan->report().method.c_str(), plan->report().field.modes, options.tolerance, predicted.total(),
-              predicted.modes, realised);
+  std::printf("seed %u, %s: %s, %zu modes, tolerance %.1e, predicted %.1e (modes %.1e), realised %.1e\n", seed,
+              options.spectrum ? "this scene" : "any scene", plan->report().method.c_str(), plan->report().field.modes,
+              options.tolerance, predicted.total(), predicted.modes, realised);
 }
 
 TEST(Field, PromiseAtRandom) {
