@@ -70,13 +70,14 @@ OtfMap otf_map(const mtf::System<double>& system, const std::string& quantity, c
     const mtf::System<double> here = system_at(system, place.q);
     const OtfCurves curves =
         otf_curves(here, mtf50_wanted ? std::vector<double>() : std::vector<double>{map.frequency}, direction);
-    for (const double error : curves.system.error) map.band_error = std::max(map.band_error, error);
+    for (const double error : curves.system.error)
+      if (!(error <= map.band_error)) map.band_error = error;
     if (!mtf50_wanted) {
       place.value = modulus(curves.system.otf.front());
     } else if (const std::optional<double> found = mtf50(here, curves)) {
       place.value = *found;
     } else {
-      throw mtf::UsageError("--map mtf50: at " + place_text(place) + " the MTF does not fall to 1/2 below " +
+      throw mtf::UsageError("--map mtf50: at " + place_text(place) + " the MTF does not cross 1/2 from 0 to " +
                             significant(curves.frequency.back(), 4) + " " + direction.unit + "; use mtf@FREQ");
     }
   };
@@ -116,7 +117,7 @@ std::string otf_map_table(const OtfMap& map) {
   text += "axis   " + shown(map.axis.value) + "\n";
   text += "mean   " + shown(map.mean) + " over the image, to about " + significant(map.mean_error, 1) + "\n";
   text += "worst  " + shown(map.worst().value) + " of these places, at " + place_text(map.worst()) + "\n";
-  if (map.band_error > mtf::kBandError)
+  if (!(map.band_error <= mtf::kBandError))
     text += "the average over the band errs by up to " + significant(map.band_error, 2) + "\n";
   return text;
 }
@@ -141,7 +142,7 @@ Json otf_map_json(const OtfMap& map) {
   json["worst"] = place_json(map.worst());
   json["places"] = Json::array();
   for (const OtfMap::Place& place : map.places) json["places"].push_back(place_json(place));
-  if (map.band_error > mtf::kBandError) json["error"] = map.band_error;
+  if (!(map.band_error <= mtf::kBandError)) json["error"] = map.band_error;
   return json;
 }
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// A figure of the OTF of the whole system over the image: at the centres of 9 x 9 pixels from corner to corner, and on
-// the optical axis.
+// A figure of the OTF of the whole system over the image: at 9 x 9 places, from the centre of one corner pixel to that
+// of the opposite one, and on the optical axis.
 //
 //   const apps::OtfMap map = apps::otf_map(sensor.system, "mtf@nyquist", apps::make_direction(frame, "cy/px", 0.0));
 //   map.worst().value;

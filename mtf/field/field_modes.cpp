@@ -78,15 +78,21 @@ double evaluated(const std::vector<double>& series, std::size_t n, double tx, do
 
 constexpr int kCells = SceneSpectrum::kCells;
 
+}  // namespace
+
 /// Frequencies at which OTFs are looked at. A quarter of the plane, as parts by parity tell of all: the corners of the
 /// cells of a scene's spectrum, then some within the first cells, where OTFs are that are narrow against a cell.
-struct Frequencies {
+struct FieldModes::Frequencies {
   std::vector<Freq<double>> f;
   Vector up, down;  ///< |C|^2 at (fx, fy) and at (fx, -fy)
   Index count() const { return static_cast<Index>(f.size()); }
   static Index corner(int i, int j) { return j * (kCells + 1) + i; }
   static constexpr Index kCorners = (kCells + 1) * (kCells + 1);
 };
+
+namespace {
+
+using Frequencies = FieldModes::Frequencies;
 
 Frequencies frequencies_of(const System<double>& system, const std::vector<std::size_t>& changing,
                            const SceneAperture& aperture, double fx_max, double fy_max) {
@@ -150,14 +156,16 @@ Vector squares_of(const Frequencies& at, const Row& part) {
   return squares;
 }
 
+}  // namespace
+
 /// rms error over the image, relative to the scene's std, of errors of one part of the OTF with such squares.
-struct Rms {
+struct FieldModes::Rms {
   const FieldModesOptions& options;
-  double ratio_x = 1.0, ratio_y = 1.0;
+  double part_gain = 1.0, ratio_x = 1.0, ratio_y = 1.0;
 
   double operator()(const Vector& squares) const {
     const Index count = squares.size() / 2;
-    const double any = options.part_gain * options.worst_unit * std::sqrt(squares.maxCoeff());
+    const double any = part_gain * options.worst_unit * std::sqrt(squares.maxCoeff());
     if (options.spectrum == nullptr) return any;
     std::vector<double> moduli(static_cast<std::size_t>(SceneSpectrum::kRows * SceneSpectrum::kColumns));
     const Index inner = count - Frequencies::kCorners;
@@ -170,10 +178,25 @@ struct Rms {
         moduli[static_cast<std::size_t>((j + kCells) * SceneSpectrum::kColumns + i)] =
             about_zero ? std::max(there, within) : there;
       }
-    return std::min(any,
-                    options.part_gain * options.spectrum_gain * options.spectrum->rms_error(moduli, ratio_x, ratio_y));
+    return std::min(any, part_gain * options.spectrum_gain * options.spectrum->rms_error(moduli, ratio_x, ratio_y));
   }
 };
+
+namespace {
+
+using Rms = FieldModes::Rms;
+
+/// Of the components that are the same everywhere.
+Parities common_parities(const System<double>& system, const std::vector<std::size_t>& changing) {
+  Parities product;
+  const std::vector<Entry<double>>& list = system.list(Stage::presample);
+  for (std::size_t i = 0; i < list.size(); ++i) {
+    if (std::find(changing.begin(), changing.end(), i) != changing.end()) continue;
+    const Traits traits = list[i].component.traits(system.context());
+    product = product * Parities(traits.real, traits.even_x, traits.even_y);
+  }
+  return product;
+}
 
 /// A singular vector of the deviations of one part.
 struct Mode {
@@ -294,8 +317,12 @@ FieldModes::FieldModes(const System<double>& given, const SampleGrid& in, const 
                        significant(q.y, 3) + ")");
     }
   FieldTables tables(system, outline, std::hypot(in_x_, in_y_) * (1.0 + 1e-9), options);
+  const std::vector<std::size_t>& changing = tables.factor().entries;
+  const Frequencies at = frequencies_of(tables.system(), changing, options.aperture, in_x_, in_y_);
+  const bool one_part = common_parities(system, changing).is_one();
+  const Rms rms{options, one_part ? options.part_gain : 1.0, ratio_x_, ratio_y_};
   for (const std::size_t n : kPoints)
-    if (make(tables, options, n)) break;
+    if (make(tables, at, rms, n)) break;
 }
 
 std::array<double, 2> FieldModes::probe(std::size_t i) {
@@ -317,12 +344,12 @@ std::vector<FieldPoint<double>> FieldModes::places(std::size_t n) const {
 }
 
 /// True when more points of the image are not needed.
-bool FieldModes::make(FieldTables& tables, const FieldModesOptions& options, std::size_t n) {
+bool FieldModes::make(FieldTables& tables, const Frequencies& at, const Rms& rms, std::size_t n) {
+  const FieldModesOptions& options = rms.options;
   n_ = n;
   const std::vector<FieldPoint<double>> places = this->places(n);
   points_ = places.size();
   tables.prepare(places);
-  const Frequencies at = frequencies_of(tables.system(), tables.factor().entries, options.aperture, in_x_, in_y_);
   const auto count = static_cast<Index>(n * n), all = static_cast<Index>(places.size());
   std::array<Matrix, 4> d;  // parts at the places
   for (Matrix& part : d) part.resize(all, at.count());
@@ -365,7 +392,6 @@ bool FieldModes::make(FieldTables& tables, const FieldModesOptions& options, std
   for (Mode& mode : modes) complete(mode, n, basis, probes);
 
   // What it costs to leave modes out, from the least on, or all of them and the mean as well.
-  const Rms rms{options, ratio_x_, ratio_y_};
   const Index grid = modes.empty() ? 1 : modes.front().everywhere.size();
   Bound bound(grid, 2 * at.count());
   error_.assign(modes.size() + 1, 0.0);
@@ -373,7 +399,8 @@ bool FieldModes::make(FieldTables& tables, const FieldModesOptions& options, std
     bound.add(modes[k].everywhere, squares_of(at, modes[k].p));
     error_[k] = bound.rms(rms);
   }
-  for (const Matrix& part : d) bound.add(Vector::Ones(grid), squares_of(at, part.row(all - 1)));
+  for (std::size_t p = 0; p < d.size(); ++p)
+    if (tables.factor().all.has(kOtfParts[p])) bound.add(Vector::Ones(grid), squares_of(at, d[p].row(all - 1)));
   axis_error_ = bound.rms(rms);
   between_ = 0.0;
   for (std::size_t i = 0; i < kProbes; ++i) {
@@ -405,7 +432,8 @@ bool FieldModes::make(FieldTables& tables, const FieldModesOptions& options, std
   double left_out = 0.0, largest_of_mean = mean[0].cwiseAbs().maxCoeff();
   for (std::size_t p = 1; p < mean.size(); ++p) {
     const double largest = mean[p].cwiseAbs().maxCoeff();
-    if (options.worst_unit * largest <= kNothing * options.enough)
+    const bool none = !tables.factor().all.has(kOtfParts[p]);
+    if (none || options.worst_unit * largest <= kNothing * options.enough)
       left_out += options.worst_unit * largest;
     else
       of_mean = of_mean + Parities(kOtfParts[p]), largest_of_mean += kModulusSafety * largest;
@@ -417,7 +445,17 @@ bool FieldModes::make(FieldTables& tables, const FieldModesOptions& options, std
     const Mode& mode = modes[k];
     made(mode.sum - mode.sum.sum() * weight, Parities(mode.part), kModulusSafety * mode.p.cwiseAbs().maxCoeff());
   }
-  for (Mode& mode : modes) series_.push_back(std::move(mode.series));
+  for (std::size_t k = 1; k < factors_.size(); ++k) {
+    std::vector<float>& along = rows_.emplace_back(n * static_cast<std::size_t>(y_.count));
+    for (std::int64_t y = 0; y < y_.count; ++y) {
+      const std::vector<double> values = chebyshev(n, y_.place(y));
+      for (std::size_t i = 0; i < n; ++i) {
+        double sum = 0.0;
+        for (std::size_t j = 0; j < n; ++j) sum += modes[k - 1].series[j * n + i] * values[j];
+        along[static_cast<std::size_t>(y) * n + i] = static_cast<float>(sum);
+      }
+    }
+  }
   along_x_.resize(n * static_cast<std::size_t>(x_.count));
   for (std::int64_t x = 0; x < x_.count; ++x) {
     const std::vector<double> values = chebyshev(n, x_.place(x));
@@ -429,18 +467,15 @@ bool FieldModes::make(FieldTables& tables, const FieldModesOptions& options, std
 
 void FieldModes::add(std::size_t mode, std::int64_t y, std::int64_t x, std::span<const float> filtered,
                      float* image) const {
-  const std::vector<double>& series = series_.at(mode - 1);
-  const std::vector<double> along_y = chebyshev(n_, y_.place(y));
-  constexpr double kRounding = 1e-9;  // of a weight of 1: weights that are even or odd lack every other polynomial
-  std::vector<kernels::Scaled> terms;
-  for (std::size_t i = 0; i < n_; ++i) {
-    double sum = 0.0;
-    for (std::size_t j = 0; j < n_; ++j) sum += series[j * n_ + i] * along_y[j];
-    if (std::abs(sum) > kRounding)
-      terms.push_back({static_cast<float>(sum),
-                       along_x_.data() + i * static_cast<std::size_t>(x_.count) + static_cast<std::size_t>(x)});
-  }
-  kernels::add_weighted(filtered.data(), static_cast<std::int64_t>(filtered.size()), terms, image + x);
+  constexpr float kRounding = 1e-9F;  // of a weight of 1: weights that are even or odd lack every other polynomial
+  const float* const row = rows_.at(mode - 1).data() + static_cast<std::size_t>(y) * n_;
+  std::array<kernels::Scaled, kPoints.back()> terms;
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < n_; ++i)
+    if (std::abs(row[i]) > kRounding)
+      terms[count++] = {row[i], along_x_.data() + i * static_cast<std::size_t>(x_.count) + static_cast<std::size_t>(x)};
+  kernels::add_weighted(filtered.data(), static_cast<std::int64_t>(filtered.size()), std::span(terms).first(count),
+                        image + x);
 }
 
 }  // namespace mtf

@@ -32,9 +32,8 @@ struct FieldModesOptions {
   double worst_unit = 1.0;    ///< rms error, relative to the scene's std, that an OTF error of 1 may become
   const SceneSpectrum* spectrum = nullptr;  ///< of the scene; null: any scene
   double spectrum_gain = 1.0;               ///< rms error of the image over that of the spectrum
-  double part_gain =
-      1.0;              ///< of these, that errors of parts by parity have: their squares are as symmetric as the canvas
-  double enough = 0.0;  ///< an rms error for which no more points are taken
+  double part_gain = 1.0;  ///< factor on both for an error of one parity, whose square is as symmetric as the canvas
+  double enough = 0.0;     ///< an rms error for which no more points are taken
   int threads = 0;
   OtfProgress progress = {};
 };
@@ -54,6 +53,8 @@ class FieldModes {
   double error(std::size_t modes) const { return error_.at(modes) + between_; }
   /// The same when the OTF of the optical axis serves all pixels.
   double error_of_axis() const { return axis_error_ + between_; }
+  /// By how much a weight may be wrong by rounding.
+  double weight_rounding() const { return 0x1p-22 * static_cast<double>(n_); }
   /// Places of the image at which OTFs were made.
   std::size_t points() const { return points_; }
 
@@ -62,6 +63,10 @@ class FieldModes {
   std::shared_ptr<const GivenFactor> factor(std::size_t mode) const { return factors_.at(mode); }
   /// Adds to row y of the image, from column x on, what mode 1 .. count() filtered, times its weights.
   void add(std::size_t mode, std::int64_t y, std::int64_t x, std::span<const float> filtered, float* image) const;
+
+  // What its making goes by.
+  struct Frequencies;
+  struct Rms;
 
  private:
   struct Line {
@@ -77,14 +82,14 @@ class FieldModes {
   /// Those at which OTFs are made with n points along an axis: the points, places between them, and the optical axis.
   std::vector<FieldPoint<double>> places(std::size_t n) const;
   static std::array<double, 2> probe(std::size_t i);
-  bool make(FieldTables& tables, const FieldModesOptions& options, std::size_t n);
+  bool make(FieldTables& tables, const Frequencies& at, const Rms& rms, std::size_t n);
 
   Line x_, y_;
   double in_x_ = 0.0, in_y_ = 0.0, ratio_x_ = 1.0, ratio_y_ = 1.0;
   std::size_t n_ = 0, points_ = 0;  ///< points along an axis
   std::vector<std::shared_ptr<const GivenFactor>> factors_;
-  std::vector<std::vector<double>> series_;  ///< Chebyshev coefficients of each weight, [j n + i], i along x
-  std::vector<float> along_x_;               ///< the polynomials at the pixels of a row, one after the other
+  std::vector<std::vector<float>> rows_;  ///< of each weight, for each row the Chebyshev coefficients along x
+  std::vector<float> along_x_;            ///< the polynomials at the pixels of a row, one after the other
   std::vector<double> error_;
   double axis_error_ = 0.0, between_ = 0.0;
 };

@@ -16,12 +16,12 @@ namespace {
 
 constexpr std::int64_t kMostValues = 10000, kFewValues = 500;  // of an OTF that a table takes
 constexpr int kMostBandNodes = 32;
-constexpr double kMostInAll = 1.5e6;  // values of an OTF at one wavelength, for all places
-constexpr double kQuick = 0.01;       // of the time of a slow component
-constexpr double kSomePlaces = 300.0;
-constexpr double kRadiusShare = 2.0;  // of the error of a table, for interpolation along a radius
-constexpr double kMostBytes = 2e9;    // of all tables
-constexpr double kLeastPiece = 0.02;  // of the end of a table
+constexpr double kMostInAll = 1.5e6;   // values of an OTF at one wavelength, for all places
+constexpr double kQuick = 0.01;        // of the time of a slow component
+constexpr double kSomePlaces = 300.0;  // 17 x 17 and some between
+constexpr double kRadiusShare = 2.0;   // of the error of a table, for interpolation along a radius
+constexpr double kMostBytes = 2e9;     // of all tables
+constexpr double kLeastPiece = 0.02;   // of the end of a table
 
 // Weights of the values at n Chebyshev points for the polynomial through them at t (barycentric form).
 std::vector<double> lagrange(std::size_t n, double t) {
@@ -52,9 +52,10 @@ double field_node(std::size_t i, std::size_t n) {
 double lebesgue(std::size_t n) { return 1.0 + 2.0 / kPi * std::log(static_cast<double>(n)); }
 
 /// The components that change, as they are at one place of the image.
-class FieldTables::Part {
+class FieldTables::ComponentsAt {
  public:
-  Part(const System<double>& system, std::span<const std::size_t> changing, bool chromatic, const FieldPoint<double>& q)
+  ComponentsAt(const System<double>& system, std::span<const std::size_t> changing, bool chromatic,
+               const FieldPoint<double>& q)
       : here_(system.at(q)) {
     for (const std::size_t i : changing) entries_.push_back(here_.list(Stage::presample)[i]);
     if (chromatic) {
@@ -125,7 +126,7 @@ FieldTables::FieldTables(const System<double>& system, std::span<const FieldPoin
 
   double cutoff = 0.0, farthest = 0.0;
   for (const FieldPoint<double>& q : outline) {
-    const Part part(system_, factor_.entries, chromatic_, q);
+    const ComponentsAt part(system_, factor_.entries, chromatic_, q);
     cutoff = std::max(cutoff, part.cutoff());
     factor_.all = factor_.all + part.parities();
     const std::vector<double> kinks = part.kinks();
@@ -160,7 +161,7 @@ void FieldTables::choose_band_nodes(std::span<const FieldPoint<double>> places, 
     system_.band_nodes = nodes;
     std::vector<Complex<double>> h;
     for (const FieldPoint<double>& q : places) {
-      const Part here(system_, factor_.entries, chromatic_, q);
+      const ComponentsAt here(system_, factor_.entries, chromatic_, q);
       for (int i = 0; i < kRadii; ++i)
         for (const double a : {0.1, 0.35, 0.6, 0.85}) {
           const double r = std::min(end_, here.cutoff()) * (i + 0.5) / kRadii;
@@ -193,10 +194,10 @@ std::vector<Freq<double>> FieldTables::some_frequencies() const {
 // Whether the OTF turns with the direction of the field point.
 bool FieldTables::turns(double farthest) const {
   for (const double r : {0.4 * farthest, farthest}) {
-    const Part on_x(system_, factor_.entries, chromatic_, {r, 0.0});
+    const ComponentsAt on_x(system_, factor_.entries, chromatic_, {r, 0.0});
     for (const double angle : {0.3, 1.5707963267948966, 2.5, -2.0}) {
       const double c = std::cos(angle), s = std::sin(angle);
-      const Part turned(system_, factor_.entries, chromatic_, {r * c, r * s});
+      const ComponentsAt turned(system_, factor_.entries, chromatic_, {r * c, r * s});
       for (const Freq<double>& f : some_frequencies())
         if (distance(on_x.otf(f), turned.otf({c * f.x - s * f.y, s * f.x + c * f.y})) > 0.1 * options_.table_error)
           return false;
@@ -214,8 +215,8 @@ void FieldTables::try_radius(double farthest) {
     for (std::size_t i = 0; i < n; ++i) {
       const bool made = !kept.empty() && i % 2 == 0;
       tables_.push_back(made ? std::move(kept[i / 2])
-                             : table_of(Part(system_, factor_.entries, chromatic_,
-                                             {0.5 * farthest * (1.0 + field_node(i, n)), 0.0})));
+                             : table_of(ComponentsAt(system_, factor_.entries, chromatic_,
+                                                     {0.5 * farthest * (1.0 + field_node(i, n)), 0.0})));
     }
     farthest_ = farthest;
     double worst = 0.0;
@@ -224,7 +225,7 @@ void FieldTables::try_radius(double farthest) {
     for (const double share : {0.03, 0.37, 0.71, 0.97}) {
       const FieldPoint<double> q{share * farthest, 0.0};
       prepare(std::span(&q, 1));
-      const Part exact(system_, factor_.entries, chromatic_, q);
+      const ComponentsAt exact(system_, factor_.entries, chromatic_, q);
       const PolarTable table = at(0);
       for (const Freq<double>& f : some_frequencies()) worst = std::max(worst, distance(exact.otf(f), table.at(f)));
     }
@@ -237,9 +238,10 @@ void FieldTables::try_radius(double farthest) {
   }
   tables_.clear();
   farthest_ = 0.0;
+  values_ = 0;
 }
 
-PolarTable FieldTables::table_of(const Part& part) {
+PolarTable FieldTables::table_of(const ComponentsAt& part) {
   const PolarTable::Function h = [&part](const Freq<double>& f) { return part.otf(f); };
   const auto most = static_cast<std::int64_t>(kMostInAll / (wavelengths_ * kSomePlaces));
   PolarTable table(h, PolarTable::rings_of(h, options_.threads), breaks_, options_.table_error,
@@ -267,13 +269,16 @@ void FieldTables::prepare(std::span<const FieldPoint<double>> places) {
       places_.push_back({q, 0, lagrange(tables_.size(), t), std::atan2(q.y, q.x)});
       continue;
     }
-    tables_.push_back(table_of(Part(system_, factor_.entries, chromatic_, q)));
+    tables_.push_back(table_of(ComponentsAt(system_, factor_.entries, chromatic_, q)));
     places_.push_back({q, tables_.size() - 1, {1.0}, 0.0});
     error_ = std::max(error_, tables_.back().error());
-    const double bytes = static_cast<double>(tables_.back().bytes()) * static_cast<double>(places.size());
+    bytes_ += tables_.back().bytes();
+    const double bytes = static_cast<double>(bytes_) / static_cast<double>(places_.size()) *
+                         static_cast<double>(std::max(places_.size(), places.size()));
     if (bytes > kMostBytes)
-      throw UsageError("the OTFs at " + std::to_string(places.size()) + " places of the image would take " +
-                       format_double(bytes) + " bytes; give terms by which the cutoff of the optics changes less");
+      throw UsageError("the OTFs at " + std::to_string(std::max(places_.size(), places.size())) +
+                       " places of the image would take " + format_double(bytes) +
+                       " bytes; give terms by which the cutoff of the optics changes less");
   }
 }
 
@@ -281,16 +286,20 @@ void FieldTables::prepare(std::span<const FieldPoint<double>> places) {
 PolarTable FieldTables::combined(std::span<const std::size_t> places, std::span<const double> weight) const {
   std::vector<std::vector<std::complex<double>>> of_table(tables_.size());
   std::vector<const PolarTable*> tables;
+  std::size_t most = 0;  // orders
   for (std::size_t i = 0; i < tables_.size(); ++i) {
     tables.push_back(&tables_[i]);
+    most = std::max(most, tables_[i].orders());
     of_table[i].resize(tables_[i].orders());
   }
   for (std::size_t k = 0; k < weight.size(); ++k) {
     const Place& place = places_[places[k]];
+    std::vector<std::complex<double>> turn;
+    for (std::size_t m = 0; m < most; ++m)
+      turn.push_back(weight[k] * std::polar(1.0, -static_cast<double>(m) * place.angle));
     for (std::size_t i = 0; i < place.weight.size(); ++i) {
       std::vector<std::complex<double>>& sum = of_table[place.first + i];
-      for (std::size_t m = 0; m < sum.size(); ++m)
-        sum[m] += weight[k] * place.weight[i] * std::polar(1.0, -static_cast<double>(m) * place.angle);
+      for (std::size_t m = 0; m < sum.size(); ++m) sum[m] += place.weight[i] * turn[m];
     }
   }
   return PolarTable::combination(tables, of_table);

@@ -39,7 +39,7 @@ class FieldTables {
   double band_error() const { return band_error_; }
 
  private:
-  class Part;
+  class ComponentsAt;
   using Numbers = std::vector<double>;
   /// The OTF at a place: a sum of tables, turned.
   struct Place {
@@ -52,7 +52,7 @@ class FieldTables {
   void choose_band_nodes(std::span<const FieldPoint<double>> places, double target);
   bool turns(double farthest) const;
   void try_radius(double farthest);
-  PolarTable table_of(const Part& part);
+  PolarTable table_of(const ComponentsAt& part);
   PolarTable combined(std::span<const std::size_t> places, std::span<const double> weight) const;
 
   System<double> system_;
@@ -67,6 +67,7 @@ class FieldTables {
   std::vector<std::size_t> last_;  ///< of places_
   double error_ = 0.0, band_error_ = 0.0;
   std::int64_t values_ = 0;  ///< of an OTF, that were made
+  std::int64_t bytes_ = 0;   ///< of the tables, where each place has its own
 };
 
 /// Chebyshev points -1 .. 1 with both ends.

@@ -218,12 +218,14 @@ void FactoredOtf::sort_components() {
   for (std::size_t i = 0; i < candidates.size(); ++i) {
     const Entry<double>* entry = candidates[i].entry;
     const Traits traits = entry->component.traits(ctx);
+    const Parities parities(traits.real, traits.even_x, traits.even_y);
     if (drop[i]) {
+      dropped_parities_ = dropped_parities_ * parities;
       dropped_.push_back({entry->label, candidates[i].cost, saved_ms(traits, options_.samples)});
       continue;
     }
     const bool chromatic = system_.band && traits.chromatic;
-    parities_ = parities_ * Parities(traits.real, traits.even_x, traits.even_y);
+    parities_ = parities_ * parities;
     if (traits.gain) gain_ *= 1.0 + candidates[i].deviation;
     entries_.push_back(entry);
     auto& list = chromatic          ? (traits.radial ? chromatic_radial_ : chromatic_general_)

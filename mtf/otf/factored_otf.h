@@ -101,6 +101,8 @@ class FactoredOtf {
   /// True when some factor is evaluated at every frequency because no table or vector holds it.
   bool is_slow() const { return has_general(); }
   const std::vector<Dropped>& dropped() const { return dropped_; }
+  /// Whether leaving them out changes the parts of the OTF alone that it has.
+  bool dropped_is_even() const { return dropped_parities_.is_one(); }
   /// Sentences on what was merged: "jitter, footprint -> two vectors".
   const std::vector<std::string>& merged() const { return merged_; }
   /// Bound of |H - 1|, counted as those of the dropped components: what it would cost to leave out everything.
@@ -222,7 +224,7 @@ class FactoredOtf {
   std::vector<Line> lines_;
   std::vector<Slow> polar_;
   double cutoff_ = std::numeric_limits<double>::infinity();  ///< |f| from which some component lets nothing through
-  Parities parities_, all_parities_;
+  Parities parities_, all_parities_, dropped_parities_;
   bool aperture_limited_ = false;
   bool radial_per_sample_ = false;  ///< no table resolves the radial factors
   double quadrature_error_ = 0.0;

@@ -282,10 +282,18 @@ Plan compile_over_field(const System<double>& given, const SampleGrid& in, const
       }
     } catch (const UnreachableTolerance&) {  // said below
     }
-  while (report.modes <= field->count() && field->error(report.modes) > kModesShare * tolerance) ++report.modes;
+  // What is added is rounded to the image each time, and so are its weights.
+  const auto rounding = [&](std::size_t modes) {
+    double error = 0.0;
+    for (std::size_t k = 1; k <= modes; ++k)
+      error += storage_error(options) + field->weight_rounding() * field->factor(k)->largest * norms.norm;
+    return error;
+  };
+  const auto error_with = [&](std::size_t modes) { return field->error(modes) + rounding(modes); };
+  while (report.modes <= field->count() && error_with(report.modes) > kModesShare * tolerance) ++report.modes;
   if (report.modes > field->count()) {
     // Modes of a tenth of the tolerance are left out on top of what the places miss.
-    const double reachable = 1.01 * field->error(field->count()) / (kModesShare - kEnoughShare);
+    const double reachable = 1.01 * error_with(field->count()) / (kModesShare - kEnoughShare);
     throw UnreachableTolerance("tolerance " + format_double(tolerance) +
                                    " cannot be kept: the OTF changes more sharply over the field than OTFs at " +
                                    std::to_string(report.points) + " places can follow; use " +
@@ -320,6 +328,7 @@ Plan compile_over_field(const System<double>& given, const SampleGrid& in, const
     total.run_bytes = std::max(total.run_bytes, mode.run_bytes);
   }
   total.predicted.modes += field->error(report.modes);
+  total.predicted.arithmetic += rounding(report.modes);
   total.method = "field_modes";
   total.tolerance = tolerance;
   total.field = report;

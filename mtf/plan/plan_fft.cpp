@@ -207,7 +207,7 @@ MethodCandidate make_candidate(const PlanTask& task, Method method, const Judged
   MethodCandidate d;
   d.report.method = method;
   PredictedError& predicted = d.report.predicted;
-  predicted.dropped = dropped * judged.rms_per_otf * task.alias;
+  predicted.dropped = dropped * (sampler.dropped_is_even() ? judged.rms_per_otf : task.norm) * task.alias;
   predicted.table = sampler.table_error() * judged.spread;
   predicted.band = sampler.quadrature_error() * judged.spread;
   predicted.wrap = judged.layout.wrap;

@@ -55,8 +55,8 @@ class OtfRow {
     put(0, j, kLanes, [&](std::size_t i) { return scale_ * complex_up_[i].im; });
   }
 
-  // The real parts are ee and oo, the imaginary ones eo and oe. Of two that are both there, H(fx, fy) has the sum and
-  // H(fx, -fy) the difference.
+  // The real parts are ee and oo, the imaginary ones eo and oe: H(fx, fy) = ee + oo + i (eo + oe) and
+  // H(fx, -fy) = ee - oo + i (oe - eo).
   void real_parts(std::int64_t j) {
     if (otf_->parts.size() == 1) {
       real_row(j);

@@ -353,6 +353,7 @@ void keeps_its_promise(unsigned seed) {
       let_vary(s, 0, "f_number", "r2", uniform(0.0, 0.3));
   }
   if (below(2) == 0) s.add(Stage::presample, footprint(15.0));
+  if (below(4) == 0) s.add(Stage::presample, rc(15.0, below(2)));  // parts of the modes mix
   const Border border = kBorders[static_cast<std::size_t>(below(4))];
   const double mean = below(3) == 0 ? 100.0 : 0.0, border_value = border == Border::constant ? mean + 1.0 : 0.0;
   const Image scene = random_image(columns * ratio, rows * ratio, seed, mean);

@@ -35,7 +35,7 @@ void add(const S* __restrict from, std::int64_t count, S* __restrict to) {
 }  // namespace
 
 std::vector<OtfPart> otf_parts(const AxisTransform& x, const AxisTransform& y, const Parities& parities) {
-  if (x.frequency.basis == Basis::fourier && !y.odd) return {OtfPart{}};
+  if (x.frequency.basis == Basis::fourier) return {OtfPart{}};
   std::vector<OtfPart> parts;
   for (const OtfPart part : kOtfParts)
     if (parities.has(part) && (x.odd || part.x == Parity::even) && (y.odd || part.y == Parity::even))

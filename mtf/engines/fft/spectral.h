@@ -46,8 +46,8 @@ namespace mtf {
 /// The parts of an OTF that these axes take, in the order of kOtfParts; a single one where x is in the fourier basis.
 std::vector<OtfPart> otf_parts(const AxisTransform& x, const AxisTransform& y, const Parities& parities);
 
-/// OTF values in the engine's layout, times 1/(transform lengths): numbers [part][block][row][kRow], where the parts
-/// but the first have the sign of the sum above.
+/// OTF values in the engine's layout, times 1/(transform lengths): numbers [part][block][row][kRow], where all
+/// parts but ee have the sign of the sum above.
 template <class S>
 struct OtfBlocks {
   bool complex = false;  ///< multiplies lane by lane (fourier basis along x); else number by number

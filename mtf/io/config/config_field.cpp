@@ -53,13 +53,11 @@ std::optional<Place> place_of(std::span<const FieldRef<double>> fields, std::str
 bool is_over_field(const Node& node, const FieldInfo& info) {
   if (node.kind == Node::Kind::string) return is_angle(info) && node.text == kTurns;
   if (node.kind != Node::Kind::table || node.members.empty()) return false;
-  // A table without a key of either kind has terms that are mistyped where its keys are short.
+  // Keys of a fit are longer than those of terms, which may be mistyped.
   const auto any = [&](const auto& is) { return std::any_of(node.members.begin(), node.members.end(), is); };
   if (any([](const Member& member) { return member.key == kConstant || term_of(member.key); })) return true;
   constexpr std::size_t kShort = 2;
-  return !any([](const Member& member) {
-    return member.key.size() > kShort || std::find(kFitKeys.begin(), kFitKeys.end(), member.key) != kFitKeys.end();
-  });
+  return !any([](const Member& member) { return member.key.size() > kShort; });
 }
 
 std::optional<Scalar> read_over_field(Reader& reader, const Node& node, const FieldInfo& info,

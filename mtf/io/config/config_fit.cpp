@@ -7,6 +7,7 @@
 namespace mtf::io::cfg {
 namespace {
 
+constexpr std::array<std::string_view, 6> kFitKeys{"value", "fit", "min", "max", "prior", "stderr"};
 constexpr std::array<std::string_view, 2> kPriorKeys{"mean", "sd"};
 
 /// The other numbers of a fit table, in the unit of its value.

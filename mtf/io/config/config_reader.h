@@ -131,7 +131,6 @@ void refuse_over_field(Reader& reader);
 /// How a sensor file has the number at that path: { 1 = "2 urad", r2 = "0.5 urad" }; "" where it is one number.
 std::string over_field_text(const System<double>& system, std::string_view path, const Scalar& on_axis);
 
-inline constexpr std::array<std::string_view, 6> kFitKeys{"value", "fit", "min", "max", "prior", "stderr"};
 /// A fit table; the value of it when usable. In config_fit.cpp.
 std::optional<Scalar> read_fit(Reader& reader, const Node& table, const FieldInfo& info, const std::string& path);
 
