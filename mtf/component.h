@@ -7,10 +7,11 @@
 //   fields()               the one table that drives config reading and writing, validation, fits and tests
 //   traits(ctx)            symmetry of its OTF for the present values
 //   otf(f, ctx)            OTF(f) = integral of psf(x) exp(-2 pi i f.x) dx at f in cycles/mm
-//   cutoff_cy_mm(ctx)      |f| from which the OTF is zero; infinity when there is none
 //   deviation(fx, fy, ctx) a bound of |otf - 1| over |f.x| <= fx, |f.y| <= fy
+// and may add:
+//   cutoff_cy_mm(ctx)      |f| from which the OTF is zero. Without it: infinity
 //   check(ctx)             what the field bounds cannot say: values that exclude each other, validity of the formula
-// and may add, mostly for speed:
+// and, mostly for speed:
 //   displacement_mm(ctx)   a vector d such that the OTF depends on f through d.f alone (motion in one direction)
 //   kinks_cy_mm(ctx)       the |f| in rising order at which the OTF is not smooth, the last being its cutoff where it
 //                          has one; where they depend on the wavelength they go with 1/wavelength. Without it: the
@@ -116,12 +117,60 @@ struct FieldInfo {
   std::string_view kinds{};     ///< words of the table's key `kind` with which it counts; "" with any
 };
 
+// The same row, but for one thing; also as a Field (mtf/components/field.h).
+template <std::derived_from<FieldInfo> Row>
+constexpr Row required(Row row) {
+  row.presence = Presence::required;
+  return row;
+}
+template <std::derived_from<FieldInfo> Row>
+constexpr Row optional(Row row) {
+  row.presence = Presence::optional;
+  return row;
+}
+template <std::derived_from<FieldInfo> Row>
+constexpr Row shared(Row row) {
+  row.presence = Presence::shared;
+  return row;
+}
+/// `lo` itself is not allowed; `hi`.
+template <std::derived_from<FieldInfo> Row>
+constexpr Row above(Row row) {
+  row.lo_open = true;
+  return row;
+}
+template <std::derived_from<FieldInfo> Row>
+constexpr Row below(Row row) {
+  row.hi_open = true;
+  return row;
+}
+template <std::derived_from<FieldInfo> Row>
+constexpr Row of_type(FieldType type, Row row, std::span<const std::string_view> words = {}) {
+  row.type = type;
+  row.words = words;
+  return row;
+}
+template <std::derived_from<FieldInfo> Row>
+constexpr Row excluding(std::string_view keys, Row row) {
+  row.excludes = keys;
+  return row;
+}
+template <std::derived_from<FieldInfo> Row>
+constexpr Row of_kinds(std::string_view kinds, Row row) {
+  row.kinds = kinds;
+  return row;
+}
+
 /// A row of a number from lo to hi in a unit of that dimension.
 constexpr FieldInfo required_row(std::string_view name, Dimension dimension, std::string_view unit, double lo,
                                  double hi, std::string_view example, std::string_view doc) {
   return {.name = name, .dimension = dimension, .unit = unit, .lo = lo, .hi = hi, .example = example, .doc = doc};
 }
-/// Of a plain number; of what has no range, such as a word or a file.
+/// The same with the dimension of the unit; of a plain number; of what has no range, such as a word or a file.
+constexpr FieldInfo required_row(std::string_view name, std::string_view unit, double lo, double hi,
+                                 std::string_view example, std::string_view doc) {
+  return required_row(name, dimension_of(unit), unit, lo, hi, example, doc);
+}
 constexpr FieldInfo required_row(std::string_view name, double lo, double hi, std::string_view example,
                                  std::string_view doc) {
   return required_row(name, Dimension::none, "", lo, hi, example, doc);
@@ -130,46 +179,10 @@ constexpr FieldInfo required_row(std::string_view name, std::string_view example
   return required_row(name, 0.0, 0.0, example, doc);
 }
 
-// The same row, but for one thing.
-constexpr FieldInfo required(FieldInfo row) {
-  row.presence = Presence::required;
-  return row;
-}
-constexpr FieldInfo optional(FieldInfo row) {
-  row.presence = Presence::optional;
-  return row;
-}
-constexpr FieldInfo shared(FieldInfo row) {
-  row.presence = Presence::shared;
-  return row;
-}
 /// The same as required_row, of what need not be given.
 template <class... Cells>
 constexpr FieldInfo optional_row(std::string_view name, const Cells&... cells) {
   return optional(required_row(name, cells...));
-}
-/// `lo` itself is not allowed; `hi`.
-constexpr FieldInfo above(FieldInfo row) {
-  row.lo_open = true;
-  return row;
-}
-constexpr FieldInfo below(FieldInfo row) {
-  row.hi_open = true;
-  return row;
-}
-constexpr FieldInfo of_type(FieldType type, FieldInfo row, std::span<const std::string_view> words = {}) {
-  row.type = type;
-  row.words = words;
-  return row;
-}
-constexpr FieldInfo excluding(std::string_view keys, FieldInfo row) {
-  row.excludes = keys;
-  return row;
-}
-
-constexpr FieldInfo of_kinds(std::string_view kinds, FieldInfo row) {
-  row.kinds = kinds;
-  return row;
 }
 
 /// The words of FieldInfo::excludes or FieldInfo::kinds.

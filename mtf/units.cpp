@@ -2,11 +2,9 @@
 #include "mtf/units.h"
 
 #include <algorithm>
-#include <array>
 #include <cassert>
 #include <charconv>
 #include <cmath>
-#include <numbers>
 #include <vector>
 
 #include "mtf/components/component_docs.h"
@@ -16,82 +14,6 @@
 
 namespace mtf {
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180.0 * 1e6;  // urad
-constexpr double kAmpere = 1.0 / 1.602176634e-19;           // electrons per second (exact in the SI)
-
-constexpr std::array kUnits{
-    Unit{"nm", Dimension::length, 1e-3},
-    Unit{"um", Dimension::length, 1.0},
-    Unit{"mm", Dimension::length, 1e3},
-    Unit{"cm", Dimension::length, 1e4},
-    Unit{"m", Dimension::length, 1e6},
-    Unit{"km", Dimension::length, 1e9},
-    Unit{"in", Dimension::length, 25400.0},
-    Unit{"nrad", Dimension::angle, 1e-3},
-    Unit{"urad", Dimension::angle, 1.0},
-    Unit{"mrad", Dimension::angle, 1e3},
-    Unit{"rad", Dimension::angle, 1e6},
-    Unit{"deg", Dimension::angle, kDegree},
-    Unit{"arcmin", Dimension::angle, kDegree / 60.0},
-    Unit{"arcsec", Dimension::angle, kDegree / 3600.0},
-    Unit{"px", Dimension::pixel, 1.0},
-    Unit{"cy/mm", Dimension::frequency, 1.0},
-    Unit{"cy/mrad", Dimension::frequency, 1.0},
-    Unit{"cy/px", Dimension::frequency, 1.0},
-    Unit{"Hz", Dimension::temporal, 1.0},
-    Unit{"kHz", Dimension::temporal, 1e3},
-    Unit{"MHz", Dimension::temporal, 1e6},
-    Unit{"GHz", Dimension::temporal, 1e9},
-    Unit{"ns", Dimension::time, 1e-9},
-    Unit{"us", Dimension::time, 1e-6},
-    Unit{"ms", Dimension::time, 1e-3},
-    Unit{"s", Dimension::time, 1.0},
-    Unit{"um/s", Dimension::velocity, 1.0},
-    Unit{"mm/s", Dimension::velocity, 1e3},
-    Unit{"m/s", Dimension::velocity, 1e6},
-    Unit{"urad/s", Dimension::rate, 1.0},
-    Unit{"mrad/s", Dimension::rate, 1e3},
-    Unit{"rad/s", Dimension::rate, 1e6},
-    Unit{"deg/s", Dimension::rate, kDegree},
-    Unit{"cd/m^2", Dimension::luminance, 1.0},
-    Unit{"fL", Dimension::luminance, 1.0 / (std::numbers::pi * 0.3048 * 0.3048)},
-    Unit{"um/s^2", Dimension::acceleration, 1.0},
-    Unit{"mm/s^2", Dimension::acceleration, 1e3},
-    Unit{"m/s^2", Dimension::acceleration, 1e6},
-    Unit{"urad/s^2", Dimension::angular_acceleration, 1.0},
-    Unit{"mrad/s^2", Dimension::angular_acceleration, 1e3},
-    Unit{"rad/s^2", Dimension::angular_acceleration, 1e6},
-    Unit{"deg/s^2", Dimension::angular_acceleration, kDegree},
-    Unit{"mK", Dimension::temperature, 1e-3},
-    Unit{"K", Dimension::temperature, 1.0},
-    Unit{"e-", Dimension::electrons, 1.0},
-    Unit{"ke-", Dimension::electrons, 1e3},
-    Unit{"Me-", Dimension::electrons, 1e6},
-    Unit{"e-/s", Dimension::current, 1.0},
-    Unit{"ke-/s", Dimension::current, 1e3},
-    Unit{"Me-/s", Dimension::current, 1e6},
-    Unit{"aA", Dimension::current, kAmpere * 1e-18},
-    Unit{"fA", Dimension::current, kAmpere * 1e-15},
-    Unit{"pA", Dimension::current, kAmpere * 1e-12},
-    Unit{"nA", Dimension::current, kAmpere * 1e-9},
-    Unit{"fF", Dimension::capacitance, 1e-15},
-    Unit{"pF", Dimension::capacitance, 1e-12},
-    Unit{"F", Dimension::capacitance, 1.0},
-    Unit{"nV", Dimension::voltage, 1e-9},
-    Unit{"uV", Dimension::voltage, 1e-6},
-    Unit{"mV", Dimension::voltage, 1e-3},
-    Unit{"V", Dimension::voltage, 1.0},
-    Unit{"fW", Dimension::power, 1e-15},
-    Unit{"pW", Dimension::power, 1e-12},
-    Unit{"nW", Dimension::power, 1e-9},
-    Unit{"W", Dimension::power, 1.0},
-    Unit{"Pa", Dimension::pressure, 1.0},
-    Unit{"hPa", Dimension::pressure, 1e2},
-    Unit{"mbar", Dimension::pressure, 1e2},
-    Unit{"kPa", Dimension::pressure, 1e3},
-    Unit{"mm/h", Dimension::rain_rate, 1.0},
-};
 
 std::string ascii_micro(std::string_view name) {
   for (const std::string_view micro : {"\xC2\xB5", "\xCE\xBC"})  // MICRO SIGN, GREEK SMALL LETTER MU
@@ -113,13 +35,13 @@ std::string in_quotes(std::string_view text) { return "\"" + std::string(text) +
 
 const Unit* find_unit(std::string_view name) {
   const std::string ascii = ascii_micro(name);
-  const auto found = std::find_if(kUnits.begin(), kUnits.end(), [&](const Unit& u) { return u.name == ascii; });
-  return found == kUnits.end() ? nullptr : &*found;
+  const auto found = std::find_if(kAllUnits.begin(), kAllUnits.end(), [&](const Unit& u) { return u.name == ascii; });
+  return found == kAllUnits.end() ? nullptr : &*found;
 }
 
 std::vector<std::string_view> units_of(Dimension expected) {
   std::vector<std::string_view> names;
-  for (const Unit& unit : kUnits)
+  for (const Unit& unit : kAllUnits)
     if (accepts(expected, unit.dimension)) names.push_back(unit.name);
   if (expected == Dimension::temperature) names.push_back("degC");
   return names;

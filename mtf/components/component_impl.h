@@ -151,7 +151,12 @@ Traits Component<S>::traits(const Context<S>& ctx) const {
 }
 template <class S>
 double Component<S>::cutoff_cy_mm(const Context<S>& ctx) const {
-  return detail::visit(*value_, [&](const auto& c) { return c.cutoff_cy_mm(ctx); });
+  return detail::visit(*value_, [&](const auto& c) {
+    if constexpr (requires { c.cutoff_cy_mm(ctx); })
+      return c.cutoff_cy_mm(ctx);
+    else
+      return kInfinity;
+  });
 }
 template <class S>
 double Component<S>::deviation(double fx, double fy, const Context<S>& ctx) const {
@@ -171,7 +176,7 @@ std::vector<double> Component<S>::kinks_cy_mm(const Context<S>& ctx) const {
     if constexpr (requires { c.kinks_cy_mm(ctx); }) {
       return c.kinks_cy_mm(ctx);
     } else {
-      const double cutoff = c.cutoff_cy_mm(ctx);
+      const double cutoff = cutoff_cy_mm(ctx);
       return cutoff < kInfinity ? std::vector{cutoff} : std::vector<double>{};
     }
   });

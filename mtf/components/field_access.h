@@ -36,7 +36,7 @@ std::vector<FieldRef<S>> field_refs(C& component) {
   static constexpr auto table = C::fields();
   return std::apply(
       [&](const auto&... field) {
-        return std::vector<FieldRef<S>>{{&field.info, number_at(component.*field.member)}...};
+        return std::vector<FieldRef<S>>{{&field, number_at(component.*field.member)}...};
       },
       table);
 }

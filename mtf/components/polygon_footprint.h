@@ -26,13 +26,11 @@ struct PolygonFootprint {
   AxisPair<S> unit_length{};
 
   static constexpr auto fields() {
-    return std::tuple{Field{required_row("vertices", -1e6, 1e6,
-                                         "[[-0.5, -0.5], [0.5, -0.5], [0.5, 0.1], [0.1, 0.1], [0.1, 0.5], [-0.5, 0.5]]",
-                                         "corners [x, y] in order, in units of unit_length"),
-                            &PolygonFootprint::vertices},
-                      Field{required_row("unit_length", Dimension::extent, "", 0.0, 1e9, "\"15 um\"",
-                                         "length that 1 stands for in vertices, per axis"),
-                            &PolygonFootprint::unit_length}};
+    return std::tuple{required(&PolygonFootprint::vertices, "vertices", -1e6, 1e6,
+                               "[[-0.5, -0.5], [0.5, -0.5], [0.5, 0.1], [0.1, 0.1], [0.1, 0.5], [-0.5, 0.5]]",
+                               "corners [x, y] in order, in units of unit_length"),
+                      required(&PolygonFootprint::unit_length, "unit_length", 0.0, 1e9, "\"15 um\"",
+                               "length that 1 stands for in vertices, per axis")};
   }
   std::vector<Point> points() const {
     std::vector<Point> all;
@@ -54,7 +52,6 @@ struct PolygonFootprint {
     };
   }
   Complex<S> otf(const Freq<S>& f, const Context<S>& ctx) const { return evaluator(ctx)(f); }
-  double cutoff_cy_mm(const Context<S>&) const { return kInfinity; }
   /// |1 - exp(-2 pi i a)| = 2 sin(pi |a|) for the farthest corner; real: its real part alone, 2 sin^2(pi a).
   double deviation(double fx, double fy, const Context<S>& ctx) const {
     double largest = 0.0;
