@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "mtf/components/component_docs.h"
-#include "mtf/error.h"
 #include "mtf/quantity.h"
 #include "mtf/words.h"
 

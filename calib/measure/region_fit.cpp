@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "calib/edge/median.h"
-#include "calib/measure/edge_fit.h"
 #include "mtf/work/stop.h"
 
 namespace calib {

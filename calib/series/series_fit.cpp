@@ -6,8 +6,6 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
-#include <optional>
-#include <vector>
 
 #include "calib/dense.h"
 #include "calib/fit/confidence/identifiability.h"

@@ -11,7 +11,6 @@
 #include <memory>
 #include <system_error>
 
-#include "mtf/error.h"
 #include "mtf/io/stage.h"
 
 namespace mtf::io {

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mtf/io/scene.h"
 
-#include <array>
 #include <charconv>
 #include <cmath>
 #include <cstdio>

@@ -2,7 +2,6 @@
 #include "radiometry/render/path_grid.h"
 
 #include <algorithm>
-#include <cmath>
 #include <map>
 
 #include "mtf/error.h"

@@ -6,7 +6,6 @@
 #include <numeric>
 #include <string>
 #include <utility>
-#include <vector>
 
 #include "mtf/error.h"
 

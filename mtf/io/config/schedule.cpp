@@ -6,9 +6,6 @@
 #include <charconv>
 #include <map>
 #include <optional>
-#include <string>
-#include <string_view>
-#include <vector>
 
 #include "mtf/error.h"
 #include "mtf/io/config/config_edit.h"
