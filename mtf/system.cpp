@@ -64,11 +64,10 @@ std::vector<Finding> doubtful_sampling(const System<double>& system, const Compo
     const double pitch_um = system.frame.pitch_um(axis), q = lambda_n_um / pitch_um;
     if (q >= kLeast && q <= kMost) continue;
     std::array<char, 256> text;
-    std::snprintf(
-        text.data(), text.size(),
-        "Q = lambda N / pitch = %.6g um / %.6g um = %.3g, where most cameras have 0.05 to 5; compare the units "
-        "of the pitch, the wavelength, the focal length and the aperture",
-        lambda_n_um, pitch_um, q);
+    std::snprintf(text.data(), text.size(),
+                  "Q = lambda N / pitch = %.6g um / %.6g um = %.3g, where most cameras have 0.05 to 5; compare the "
+                  "units of the pitch, the wavelength, the focal length and the aperture",
+                  lambda_n_um, pitch_um, q);
     doubts.push_back(
         {axis == Axis::x ? "frame.pitch_x" : "frame.pitch_y", {.error = false, .field = {}, .text = text.data()}});
   }
@@ -180,10 +179,9 @@ std::vector<Finding> findings_of(const System<double>& system, bool doubtful) {
       if (doubtful && sound)
         for (Finding& doubt : doubtful_sampling(system, entry.component)) findings.push_back(std::move(doubt));
       if (!pupil.empty())
-        error(where() + ".kind",
-              "a second complete pupil OTF beside \"" + pupil +
-                  "\": aberrations and diffraction are one integral; remove one of the two, as defocus and wavefront "
-                  "contain diffraction, or give all terms in one wavefront");
+        error(where() + ".kind", "a second complete pupil OTF beside \"" + pupil +
+                                     "\": aberrations and diffraction are one integral; remove one of the two, as "
+                                     "defocus and wavefront contain diffraction, or give all terms in one wavefront");
       pupil = entry.label;
     }
   }
