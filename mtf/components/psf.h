@@ -31,13 +31,12 @@ struct Psf {
   Choice part{0, kSensorPartNames};
 
   static constexpr auto fields() {
-    return std::tuple{
-        required(&Psf::samples, "samples", -1e12, 1e12,
-                 "[[0, 0, 0.01, 0, 0], [0, 0.05, 0.15, 0.04, 0], [0.01, 0.15, 0.6, 0.16, 0.02], "
-                 "[0, 0.04, 0.15, 0.05, 0], [0, 0, 0.01, 0, 0]]",
-                 "rows of the PSF, odd by odd, in any unit; the middle one is its origin"),
-        required(&Psf::step, "step", 1e-6, 1e9, "\"2 um\"", "spacing of the samples, per axis"),
-        Field{&Psf::part, kPartInfo}};
+    return std::tuple{required(&Psf::samples, "samples", -1e12, 1e12,
+                               "[[0, 0, 0.01, 0, 0], [0, 0.05, 0.15, 0.04, 0], [0.01, 0.15, 0.6, 0.16, 0.02], "
+                               "[0, 0.04, 0.15, 0.05, 0], [0, 0, 0.01, 0, 0]]",
+                               "rows of the PSF, odd by odd, in any unit; the middle one is its origin"),
+                      required(&Psf::step, "step", 1e-6, 1e9, "\"2 um\"", "spacing of the samples, per axis"),
+                      Field{&Psf::part, kPartInfo}};
   }
   Traits traits(const Context<S>&) const {
     const auto [sum, absolute] = sums();
