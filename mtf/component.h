@@ -117,48 +117,25 @@ struct FieldInfo {
   std::string_view kinds{};     ///< words of the table's key `kind` with which it counts; "" with any
 };
 
+template <class Row>
+concept TableRow = std::derived_from<Row, FieldInfo>;
+
 // The same row, but for one thing; also as a Field (mtf/components/field.h).
-template <std::derived_from<FieldInfo> Row>
-constexpr Row required(Row row) {
-  row.presence = Presence::required;
+template <TableRow Row, class Cell>
+constexpr Row with(Row row, Cell FieldInfo::*cell, Cell value) {
+  row.*cell = value;
   return row;
 }
-template <std::derived_from<FieldInfo> Row>
-constexpr Row optional(Row row) {
-  row.presence = Presence::optional;
-  return row;
-}
-template <std::derived_from<FieldInfo> Row>
-constexpr Row shared(Row row) {
-  row.presence = Presence::shared;
-  return row;
-}
+constexpr auto required(TableRow auto row) { return with(row, &FieldInfo::presence, Presence::required); }
+constexpr auto optional(TableRow auto row) { return with(row, &FieldInfo::presence, Presence::optional); }
+constexpr auto shared(TableRow auto row) { return with(row, &FieldInfo::presence, Presence::shared); }
 /// `lo` itself is not allowed; `hi`.
-template <std::derived_from<FieldInfo> Row>
-constexpr Row above(Row row) {
-  row.lo_open = true;
-  return row;
-}
-template <std::derived_from<FieldInfo> Row>
-constexpr Row below(Row row) {
-  row.hi_open = true;
-  return row;
-}
-template <std::derived_from<FieldInfo> Row>
-constexpr Row of_type(FieldType type, Row row, std::span<const std::string_view> words = {}) {
-  row.type = type;
-  row.words = words;
-  return row;
-}
-template <std::derived_from<FieldInfo> Row>
-constexpr Row excluding(std::string_view keys, Row row) {
-  row.excludes = keys;
-  return row;
-}
-template <std::derived_from<FieldInfo> Row>
-constexpr Row of_kinds(std::string_view kinds, Row row) {
-  row.kinds = kinds;
-  return row;
+constexpr auto above(TableRow auto row) { return with(row, &FieldInfo::lo_open, true); }
+constexpr auto below(TableRow auto row) { return with(row, &FieldInfo::hi_open, true); }
+constexpr auto excluding(std::string_view keys, TableRow auto row) { return with(row, &FieldInfo::excludes, keys); }
+constexpr auto of_kinds(std::string_view kinds, TableRow auto row) { return with(row, &FieldInfo::kinds, kinds); }
+constexpr auto of_type(FieldType type, TableRow auto row, std::span<const std::string_view> words = {}) {
+  return with(with(row, &FieldInfo::type, type), &FieldInfo::words, words);
 }
 
 /// A row of a number from lo to hi in a unit of that dimension.
@@ -261,6 +238,13 @@ concept ComponentType = requires {
   C::fields();
 };
 
+/// What no value of a component changes.
+struct KindFacts {
+  std::string_view kind, doc;
+  Stages stages;
+  bool is_pupil, is_footprint, is_reconstruction, is_slow;
+};
+
 /// Value handle of one component: copies share, edits through fields() copy first. Plans, checks and texts are made of
 /// systems of doubles, so the functions that only they call exist for doubles alone.
 template <class S>
@@ -278,18 +262,18 @@ class Component {
   /// A component of that kind with default values. Throws UsageError naming the nearest kind.
   static Component make(std::string_view kind);
 
-  std::string_view kind() const;
-  std::string_view doc() const;
+  std::string_view kind() const { return facts().kind; }
+  std::string_view doc() const { return facts().doc; }
   /// doc(), or for a kind that holds several models the one in use.
   std::string_view description() const requires std::same_as<S, double>;
-  Stages stages() const;
+  Stages stages() const { return facts().stages; }
   SensorPart part() const;
   /// True for a complete pupil OTF (diffraction): at most one in a list.
-  bool is_pupil() const;
+  bool is_pupil() const { return facts().is_pupil; }
   /// The light-sensitive area of a pixel.
-  bool is_footprint() const;
+  bool is_footprint() const { return facts().is_footprint; }
   /// Turns samples into a continuous image.
-  bool is_reconstruction() const;
+  bool is_reconstruction() const { return facts().is_reconstruction; }
   Traits traits(const Context<S>& ctx) const;
   double cutoff_cy_mm(const Context<S>& ctx) const;
   double deviation(double fx_cy_mm, double fy_cy_mm, const Context<S>& ctx) const;
@@ -306,7 +290,7 @@ class Component {
   /// Where the OTF is not smooth, see above.
   std::vector<double> kinks_cy_mm(const Context<S>& ctx) const;
   /// It costs microseconds a frequency.
-  bool is_slow() const;
+  bool is_slow() const { return facts().is_slow; }
   /// Unit vector u with otf(f) = otf((f.u) u), where the component knows one.
   std::optional<Freq<double>> line(const Context<S>& ctx) const requires std::same_as<S, double>;
 
@@ -318,6 +302,7 @@ class Component {
   explicit Component(std::shared_ptr<ComponentVariant<S>> value) : value_(std::move(value)) {}
   static Component copy_of(const void* component, const std::type_info& type);
   const void* address_if(const std::type_info& type) const;
+  const KindFacts& facts() const;
 
   std::shared_ptr<ComponentVariant<S>> value_;
 };

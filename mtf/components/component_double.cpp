@@ -57,7 +57,7 @@ template class Component<double>;
 
 std::vector<std::string_view> component_kinds() {
   std::vector<std::string_view> kinds;
-  for (const auto& type : detail::kTypes<double>) kinds.push_back(type.kind);
+  for (const auto& type : detail::kTypes<double>) kinds.push_back(type.facts.kind);
   return kinds;
 }
 
