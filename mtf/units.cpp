@@ -115,55 +115,33 @@ std::string with_unit(std::string number, std::string_view unit) {
 }
 
 std::string_view describe(Dimension dimension) {
-  switch (dimension) {
-    case Dimension::none:
-      return "a plain number";
-    case Dimension::length:
-      return "a length such as \"15 um\"";
-    case Dimension::angle:
-      return "an angle such as \"30 deg\"";
-    case Dimension::extent:
-      return "a focal-plane length, an angle or pixels, such as \"2 um\", \"8 urad\" or \"0.5 px\"";
-    case Dimension::frequency:
-      return "a spatial frequency such as \"40 cy/mm\", \"1.5 cy/mrad\" or \"0.6 cy/px\"";
-    case Dimension::temporal:
-      return "a frequency in time such as \"25 kHz\"";
-    case Dimension::cutoff:
-      return "a spatial frequency such as \"40 cy/mm\" or \"0.6 cy/px\", or a frequency in time such as \"25 kHz\"";
-    case Dimension::time:
-      return "a time such as \"10 ms\"";
-    case Dimension::velocity:
-      return "an image velocity such as \"2 mm/s\"";
-    case Dimension::rate:
-      return "an angular rate such as \"20 mrad/s\"";
-    case Dimension::acceleration:
-      return "an image acceleration such as \"60 mm/s^2\"";
-    case Dimension::angular_acceleration:
-      return "an angular acceleration such as \"600 mrad/s^2\"";
-    case Dimension::pixel:
-      return "pixels such as \"0.5 px\"";
-    case Dimension::luminance:
-      return "a luminance such as \"100 cd/m^2\"";
-    case Dimension::temperature_difference:
-      return "a temperature difference such as \"2 K\"";
-    case Dimension::temperature:
-      return "an absolute temperature such as \"300 K\" or \"27 degC\"";
-    case Dimension::electrons:
-      return "a charge such as \"50 e-\" or \"7 Me-\"";
-    case Dimension::current:
-      return "a current such as \"1e5 e-/s\" or \"16 fA\"";
-    case Dimension::capacitance:
-      return "a capacitance such as \"100 fF\"";
-    case Dimension::voltage:
-      return "a voltage such as \"2 mV\"";
-    case Dimension::power:
-      return "a power such as \"20 pW\"";
-    case Dimension::pressure:
-      return "a pressure such as \"1013 hPa\"";
-    case Dimension::rain_rate:
-      return "a rain rate such as \"5 mm/h\"";
-  }
-  return "";
+  constexpr std::array kDescriptions{
+      "a plain number",
+      "a length such as \"15 um\"",
+      "an angle such as \"30 deg\"",
+      "a focal-plane length, an angle or pixels, such as \"2 um\", \"8 urad\" or \"0.5 px\"",
+      "a spatial frequency such as \"40 cy/mm\", \"1.5 cy/mrad\" or \"0.6 cy/px\"",
+      "a frequency in time such as \"25 kHz\"",
+      "a spatial frequency such as \"40 cy/mm\" or \"0.6 cy/px\", or a frequency in time such as \"25 kHz\"",
+      "a time such as \"10 ms\"",
+      "an image velocity such as \"2 mm/s\"",
+      "an angular rate such as \"20 mrad/s\"",
+      "pixels such as \"0.5 px\"",
+      "a luminance such as \"100 cd/m^2\"",
+      "an image acceleration such as \"60 mm/s^2\"",
+      "an angular acceleration such as \"600 mrad/s^2\"",
+      "an absolute temperature such as \"300 K\" or \"27 degC\"",
+      "a temperature difference such as \"2 K\"",
+      "a charge such as \"50 e-\" or \"7 Me-\"",
+      "a current such as \"1e5 e-/s\" or \"16 fA\"",
+      "a capacitance such as \"100 fF\"",
+      "a voltage such as \"2 mV\"",
+      "a power such as \"20 pW\"",
+      "a pressure such as \"1013 hPa\"",
+      "a rain rate such as \"5 mm/h\"",
+  };
+  static_assert(kDescriptions.size() == static_cast<std::size_t>(Dimension::rain_rate) + 1);
+  return kDescriptions[static_cast<std::size_t>(dimension)];
 }
 
 int edit_distance(std::string_view a, std::string_view b) {

@@ -35,16 +35,9 @@ struct Span {
 Span span_of(const std::vector<double>& t, std::size_t i, double step, double most, Stamp stamp) {
   const double before = i > 0 && t[i] - t[i - 1] <= most ? t[i] - t[i - 1] : step;
   const double after = i + 1 < t.size() && t[i + 1] - t[i] <= most ? t[i + 1] - t[i] : step;
-  switch (stamp) {
-    case Stamp::begin:
-      return {t[i], t[i] + after};
-    case Stamp::middle:
-      return {t[i] - 0.5 * before, t[i] + 0.5 * after};
-    case Stamp::end:
-      return {t[i] - before, t[i]};
-    case Stamp::instant:
-      break;
-  }
+  if (stamp == Stamp::begin) return {t[i], t[i] + after};
+  if (stamp == Stamp::middle) return {t[i] - 0.5 * before, t[i] + 0.5 * after};
+  if (stamp == Stamp::end) return {t[i] - before, t[i]};
   return {t[i], t[i]};
 }
 

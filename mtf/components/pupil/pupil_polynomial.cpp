@@ -117,19 +117,10 @@ const PupilPolynomial& zernike_polynomial(ZernikeNumbering numbering, int number
 PupilPolynomial seidel_polynomial(SeidelTerm term) {
   PupilPolynomial square{2, {}};
   at(square, 2, 0) = at(square, 0, 2) = 1.0;
-  switch (term) {
-    case SeidelTerm::w020:
-      return square;
-    case SeidelTerm::w040:
-      return product(square, square);
-    case SeidelTerm::w131:
-      return product(square, monomial(1, 0));
-    case SeidelTerm::w222:
-      return monomial(2, 0);
-    case SeidelTerm::w311:
-      break;
-  }
-  return monomial(1, 0);
+  if (term == SeidelTerm::w020) return square;
+  if (term == SeidelTerm::w040) return product(square, square);
+  if (term == SeidelTerm::w131) return product(square, monomial(1, 0));
+  return monomial(term == SeidelTerm::w222 ? 2 : 1, 0);
 }
 
 PupilPolynomial rotated(const PupilPolynomial& p, double cosine, double sine) {

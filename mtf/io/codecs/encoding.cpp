@@ -35,16 +35,9 @@ double between(const std::vector<double>& x, const std::vector<double>& y, doubl
 
 /// A stored value that decodes to `linear`: the end of a constant part where there is one, the nearest end outside.
 double encode(const Encoding& encoding, double linear, double full_scale) {
-  switch (encoding.kind) {
-    case Encoding::Kind::linear:
-      return linear;
-    case Encoding::Kind::srgb:
-      return full_scale * linear_to_srgb(linear / full_scale);
-    case Encoding::Kind::gamma:
-      return full_scale * power(linear / full_scale, 1.0 / encoding.gamma);
-    case Encoding::Kind::table:
-      break;
-  }
+  if (encoding.kind == Encoding::Kind::linear) return linear;
+  if (encoding.kind == Encoding::Kind::srgb) return full_scale * linear_to_srgb(linear / full_scale);
+  if (encoding.kind == Encoding::Kind::gamma) return full_scale * power(linear / full_scale, 1.0 / encoding.gamma);
   const std::vector<double>&x = encoding.stored, &y = encoding.linear;
   const bool rises = y.back() > y.front();
   const auto next =
@@ -133,16 +126,9 @@ double full_scale(const FileInfo& info) {
 }
 
 double decode(const Encoding& encoding, double stored, double full_scale) {
-  switch (encoding.kind) {
-    case Encoding::Kind::linear:
-      return stored;
-    case Encoding::Kind::srgb:
-      return full_scale * srgb_to_linear(stored / full_scale);
-    case Encoding::Kind::gamma:
-      return full_scale * power(stored / full_scale, encoding.gamma);
-    case Encoding::Kind::table:
-      break;
-  }
+  if (encoding.kind == Encoding::Kind::linear) return stored;
+  if (encoding.kind == Encoding::Kind::srgb) return full_scale * srgb_to_linear(stored / full_scale);
+  if (encoding.kind == Encoding::Kind::gamma) return full_scale * power(stored / full_scale, encoding.gamma);
   return between(encoding.stored, encoding.linear, stored);
 }
 

@@ -64,19 +64,8 @@ void note_what_is_missing(cfg::Reader& reader, const System<double>& system) {
 std::string_view quantity_name(Quantity quantity) { return cfg::kQuantityNames[static_cast<std::size_t>(quantity)]; }
 
 std::string_view quantity_unit(Quantity quantity) {
-  switch (quantity) {
-    case Quantity::radiance:
-      return "W.m^-2.sr^-1";
-    case Quantity::photon_radiance:
-      return "ph.s^-1.m^-2.sr^-1";
-    case Quantity::spectral_radiance:
-      return "W.m^-2.sr^-1.um^-1";
-    case Quantity::temperature:
-      return "K";
-    case Quantity::counts:
-      return "counts";
-  }
-  return "";
+  constexpr std::array kUnitNames{"W.m^-2.sr^-1", "ph.s^-1.m^-2.sr^-1", "W.m^-2.sr^-1.um^-1", "K", "counts"};
+  return kUnitNames[static_cast<std::size_t>(quantity)];
 }
 
 bool ConfigResult::ok() const {

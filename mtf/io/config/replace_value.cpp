@@ -26,21 +26,12 @@ using cfg::Target;
 /// Equal values under equal keys; the order of keys and their positions do not count.
 bool same_values(const Node& a, const Node& b) {
   if (a.kind != b.kind) return false;
-  switch (a.kind) {
-    case Node::Kind::string:
-    case Node::Kind::date:
-      return a.text == b.text;
-    case Node::Kind::integer:
-      return a.integer == b.integer;
-    case Node::Kind::real:
-      return a.number == b.number || (std::isnan(a.number) && std::isnan(b.number));
-    case Node::Kind::boolean:
-      return a.boolean == b.boolean;
-    case Node::Kind::array:
-      return std::equal(a.items.begin(), a.items.end(), b.items.begin(), b.items.end(), same_values);
-    case Node::Kind::table:
-      break;
-  }
+  if (a.kind == Node::Kind::string || a.kind == Node::Kind::date) return a.text == b.text;
+  if (a.kind == Node::Kind::integer) return a.integer == b.integer;
+  if (a.kind == Node::Kind::real) return a.number == b.number || (std::isnan(a.number) && std::isnan(b.number));
+  if (a.kind == Node::Kind::boolean) return a.boolean == b.boolean;
+  if (a.kind == Node::Kind::array)
+    return std::equal(a.items.begin(), a.items.end(), b.items.begin(), b.items.end(), same_values);
   return a.members.size() == b.members.size() &&
          std::all_of(a.members.begin(), a.members.end(), [&](const Member& member) {
            const Node* other = b.find(member.key);
@@ -49,16 +40,10 @@ bool same_values(const Node& a, const Node& b) {
 }
 
 std::string toml_value(const Node& node, std::string_view given) {
-  switch (node.kind) {
-    case Node::Kind::integer:
-      return std::to_string(node.integer);
-    case Node::Kind::real:
-      return cfg::toml_number(node.number);
-    case Node::Kind::string:
-      return cfg::toml_string(node.text);
-    default:
-      return std::string(given);  // a list, true or false, which were read as TOML
-  }
+  if (node.kind == Node::Kind::integer) return std::to_string(node.integer);
+  if (node.kind == Node::Kind::real) return cfg::toml_number(node.number);
+  if (node.kind == Node::Kind::string) return cfg::toml_string(node.text);
+  return std::string(given);  // a list, true or false, which were read as TOML
 }
 
 const Node* table_of(const Node& root, const Target& target) {
