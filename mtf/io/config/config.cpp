@@ -59,21 +59,6 @@ void note_what_is_missing(cfg::Reader& reader, const System<double>& system) {
                 true);
 }
 
-}  // namespace
-
-std::string_view quantity_name(Quantity quantity) { return cfg::kQuantityNames[static_cast<std::size_t>(quantity)]; }
-
-std::string_view quantity_unit(Quantity quantity) {
-  constexpr std::array kUnitNames{"W.m^-2.sr^-1", "ph.s^-1.m^-2.sr^-1", "W.m^-2.sr^-1.um^-1", "K", "counts"};
-  return kUnitNames[static_cast<std::size_t>(quantity)];
-}
-
-bool ConfigResult::ok() const {
-  return std::none_of(diagnostics.begin(), diagnostics.end(), [](const Diagnostic& d) { return d.error; });
-}
-
-namespace {
-
 /// The path for components that state none; why there is none where the table cannot be, which is refused where it is
 /// used.
 std::optional<Diagnostic> read_path_air(const Node& tree, SensorConfig& config) {
@@ -93,6 +78,17 @@ std::optional<Diagnostic> read_path_air(const Node& tree, SensorConfig& config) 
 }
 
 }  // namespace
+
+std::string_view quantity_name(Quantity quantity) { return cfg::kQuantityNames[static_cast<std::size_t>(quantity)]; }
+
+std::string_view quantity_unit(Quantity quantity) {
+  constexpr std::array kUnitNames{"W.m^-2.sr^-1", "ph.s^-1.m^-2.sr^-1", "W.m^-2.sr^-1.um^-1", "K", "counts"};
+  return kUnitNames[static_cast<std::size_t>(quantity)];
+}
+
+bool ConfigResult::ok() const {
+  return std::none_of(diagnostics.begin(), diagnostics.end(), [](const Diagnostic& d) { return d.error; });
+}
 
 namespace cfg {
 
