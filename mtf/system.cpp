@@ -68,8 +68,7 @@ std::vector<Finding> doubtful_sampling(const System<double>& system, const Compo
                   "Q = lambda N / pitch = %.6g um / %.6g um = %.3g, where most cameras have 0.05 to 5; compare the "
                   "units of the pitch, the wavelength, the focal length and the aperture",
                   lambda_n_um, pitch_um, q);
-    doubts.push_back(
-        {axis == Axis::x ? "frame.pitch_x" : "frame.pitch_y", {.error = false, .field = {}, .text = text.data()}});
+    doubts.push_back({axis == Axis::x ? "frame.pitch_x" : "frame.pitch_y", {.error = false, .text = text.data()}});
   }
   return doubts;
 }
@@ -116,7 +115,7 @@ std::vector<Finding> findings_of(const System<double>& system, bool doubtful) {
   const std::optional<Band>& band = system.band;
   std::vector<Finding> findings;
   const auto error = [&](std::string where, std::string text) {
-    findings.push_back({std::move(where), {.error = true, .field = {}, .text = std::move(text)}});
+    findings.push_back({std::move(where), {.error = true, .text = std::move(text)}});
   };
   const auto within = [&](std::string_view where, double value, std::string_view unit, double low, double high) {
     const FieldInfo info{.name = where, .lo = low, .hi = high};
@@ -147,7 +146,6 @@ std::vector<Finding> findings_of(const System<double>& system, bool doubtful) {
   if (constexpr double kLeast = 0.5; doubtful && f_number > 0.0 && f_number < kLeast)
     findings.push_back({optics.f_number ? "optics.f_number" : "optics.aperture",
                         {.error = false,
-                         .field = {},
                          .text = "an f-number of " + format_double(f_number) +
                                  "; a lens in air has at least 0.5, where its cone of light is a half-space"}});
 

@@ -87,7 +87,7 @@ void assign(T& member, const mtf::SettingValue& value) {
     member.name = std::get<std::string>(value);
   } else if constexpr (std::is_same_v<T, NumberOrFile>) {
     if (const auto* number = std::get_if<double>(&value))
-      member = {.number = *number, .file = {}};
+      member = {.number = *number};
     else
       member.file = std::get<std::string>(value);
   } else {

@@ -186,7 +186,7 @@ CorrectedFit correct(const EdgePixels& pixels, EdgeFit fit, const EdgeFacts& fac
     return solve_jointly(at.state, at.model, free, facts.few_distances() ? Detail::none : detail, facts.width_px,
                          extent_px);
   };
-  CorrectedFit best{.fit = std::move(fit), .joint = {}};
+  CorrectedFit best{.fit = std::move(fit)};
   best.fit.state = evaluate(pixels, best.fit.model, settings);
   best.joint = solve(best.fit, Detail::coarse);
   StepProfile reference = best.fit.state.profile;

@@ -26,7 +26,7 @@ Vector movement(const JointFit& joint, double shift_px);
 /// A fit with the correction of its edge spread function.
 struct CorrectedFit {
   EdgeFit fit;
-  JointFit joint;
+  JointFit joint{};
   /// Variance of the pixels about the model, half way up the step.
   double misfit() const { return joint.chi2_per_dof * fit.state.noise.at(0.5); }
 };

@@ -164,7 +164,7 @@ EdgeFit fit_edge(const EdgePixels& pixels, EdgeModel start, FitSettings settings
                  double extent_px) {
   constexpr std::size_t kSome = 2000;
   const std::size_t step = step_for(pixels, kSome);
-  EdgeFit fit{.model = std::move(start), .state = {}, .unknowns = basic_unknowns(), .diffraction = {}};
+  EdgeFit fit{.model = std::move(start), .unknowns = basic_unknowns()};
   split_blur(fit.model.shape);
   const auto refine = [&](std::size_t every, int max_iterations, double tolerance) {
     settings.unknowns = fit.unknowns;

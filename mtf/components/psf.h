@@ -192,7 +192,7 @@ struct Psf {
   /// Samples by columns, with their steps in mm.
   struct Table {
     std::size_t rows = 0, columns = 0;
-    std::vector<T> sample;  ///< [column * rows + row]
+    std::vector<T> sample{};  ///< [column * rows + row]
     T step_x_mm{}, step_y_mm{}, sum{};
     bool real = false;
 
@@ -225,7 +225,6 @@ struct Psf {
   Table table(const Context<S>& ctx) const {
     Table t{.rows = samples.size(),
             .columns = samples.front().size(),
-            .sample = {},
             .step_x_mm = T(step.x_um(ctx.frame)) * T(1e-3),
             .step_y_mm = T(step.y_um(ctx.frame)) * T(1e-3),
             .sum = T(0),

@@ -66,9 +66,9 @@ struct ReadOptions {
   /// One full channel name, or its last component within `layer`.
   std::optional<std::string> channel;
   /// All colour (or single) channels of this layer; "" = the channels without a layer.
-  std::optional<std::string> layer;
+  std::optional<std::string> layer{};
   /// Part of a multi-part file; needed only when names repeat.
-  std::optional<int> part;
+  std::optional<int> part{};
 };
 
 /// The chosen planes, each width x height of the *display window*. Data window parts outside are cropped, missing

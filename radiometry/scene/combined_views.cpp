@@ -40,8 +40,7 @@ Views combined_views(const Views& views, std::span<const double> area, std::span
                  .sky = std::vector<double>(sets * rings, 0.0),
                  .ground = std::vector<double>(sets, 0.0),
                  .surfaces = std::vector<double>(sets, 0.0),
-                 .rays = std::vector<double>(sets, 0.0),
-                 .patches = {}};
+                 .rays = std::vector<double>(sets, 0.0)};
   std::vector<double> share(patches, 0.0);  // of the set at hand
   std::vector<std::uint32_t> seen;
   const std::vector<std::vector<std::uint32_t>> members = members_of(set_of, sets);

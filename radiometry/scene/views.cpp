@@ -43,7 +43,7 @@ struct HiddenRay {
 /// The rays of one receiver: how many went to each zone, and those that ended on facets.
 struct Sample {
   std::vector<int> sent;
-  std::vector<HiddenRay> hidden;
+  std::vector<HiddenRay> hidden{};
 };
 
 /// The patch that a ray from a side sees when it ends on a triangle: see views.h for insides.
@@ -67,7 +67,7 @@ Sample sample(const Rays& rays, std::span<const Side> sides, std::uint64_t recei
   const EmbreeScene& embree = rays.embree();
   const ReceiverSurface surface(rays.facets(), sides, embree.lift_m());
   const SpreadNumbers<4> numbers(receiver, options.seed);
-  Sample sample{.sent = std::vector<int>(static_cast<std::size_t>(rings.rings()) + 1, 0), .hidden = {}};
+  Sample sample{.sent = std::vector<int>(static_cast<std::size_t>(rings.rings()) + 1, 0)};
   sample.hidden.reserve(static_cast<std::size_t>(count));
   for (int i = 0; i < count; ++i) {
     const auto [u, v, p, q] = numbers(static_cast<std::uint64_t>(i));
@@ -173,8 +173,7 @@ Views views(const Rays& rays, const Receivers& receivers, std::span<const std::u
               .sky = std::vector<double>(count * (zones - 1)),
               .ground = std::vector<double>(count),
               .surfaces = std::vector<double>(count),
-              .rays = std::vector<double>(count, options.rays),
-              .patches = {}};
+              .rays = std::vector<double>(count, options.rays)};
   std::copy(options.rays_of.begin(), options.rays_of.end(), views.rays.begin());
   constexpr std::int64_t kChunk = 256;
   std::vector<std::vector<PatchShare>> chunks(count / kChunk + 1);

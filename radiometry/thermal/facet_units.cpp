@@ -179,7 +179,7 @@ void merge_covered(const std::vector<geometry::SideFinish>& finish, const std::v
                    geometry::Classes& classes) {
   std::map<std::uint32_t, std::uint32_t> of_finish;
   std::vector<std::uint32_t> renumbered(classes.size(), geometry::kNone);
-  geometry::Classes merged{.class_of = {}, .leader = {}, .bound_w_m2 = classes.bound_w_m2};
+  geometry::Classes merged{.bound_w_m2 = classes.bound_w_m2};
   for (std::uint32_t i = 0; i < covered.size(); ++i) {
     std::uint32_t& number = covered[i] ? of_finish.try_emplace(finish[i].key, geometry::kNone).first->second
                                        : renumbered[classes.class_of[i]];

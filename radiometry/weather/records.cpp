@@ -75,7 +75,7 @@ MeanSun mean_sun(const Records& records, std::size_t i, const Place& place) {
 Records records_of(const Weather& weather, bool means) {
   constexpr double kMostSteps = 1.5;
   const auto& t = weather.time_s;
-  Records records{.means = means, .step_s = median_step(t), .begin_s = {}, .end_s = {}, .values = {}};
+  Records records{.means = means, .step_s = median_step(t)};
   const double most = kMostSteps * records.step_s;
   const auto add_values = [&](std::size_t i, bool there) {
     for (std::size_t q = 0; q < kQuantities; ++q)

@@ -313,7 +313,7 @@ void report_mirrors(FitProblem& problem, const Solved& solved, std::span<const M
     const std::vector<Eigen::MatrixXd> normals = problem.normals();
     const Identified there =
         identify(information_of(problem, normals, solved.scores, solved.noise_factor).matrix, solved.reference);
-    Alternative one{.parameters = {}, .values = {}, .chi2_rise = mirror.rise, .text = {}};
+    Alternative one{.chi2_rise = mirror.rise};
     for (std::size_t i = 0; i < x.size(); ++i) {
       const Variable& v = problem.variables[i];
       if (!(std::abs(difference(v, mirror.x[i], x[i])) > kDiffers_sd * sd[i])) continue;
@@ -343,7 +343,7 @@ void report_mirrors(FitProblem& problem, const Solved& solved, std::span<const M
     if (!v.squared || p.value == 0.0 || std::abs(p.value) > v.other_side) continue;
     OtherValue there{.value = other, .stderr_value = p.stderr_value, .interval95 = p.interval95};
     if (there.interval95) there.interval95 = {-(*p.interval95)[1], -(*p.interval95)[0]};
-    if (add(i, there)) tell({.parameters = {i}, .values = {other}, .chi2_rise = 0.0, .text = {}});
+    if (add(i, there)) tell({.parameters = {i}, .values = {other}, .chi2_rise = 0.0});
   }
 }
 

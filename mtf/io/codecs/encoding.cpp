@@ -52,7 +52,7 @@ double encode(const Encoding& encoding, double linear, double full_scale) {
 
 Encoding parse_oecf(std::string_view text, const std::string& source) {
   text = without_mark(text);
-  Encoding encoding{.kind = Encoding::Kind::table, .gamma = 1.0, .stored = {}, .linear = {}, .name = source};
+  Encoding encoding{.kind = Encoding::Kind::table, .gamma = 1.0, .name = source};
   bool header_allowed = true;
   int direction = 0;
   for (std::size_t line = 1; !text.empty(); ++line) {
@@ -96,7 +96,7 @@ Encoding parse_oecf(std::string_view text, const std::string& source) {
 
 Encoding parse_encoding(const std::string& text, const std::string& folder) {
   if (text == "linear") return {};
-  if (text == "srgb") return {.kind = Encoding::Kind::srgb, .gamma = 1.0, .stored = {}, .linear = {}, .name = text};
+  if (text == "srgb") return {.kind = Encoding::Kind::srgb, .gamma = 1.0, .name = text};
   if (text.starts_with("gamma")) {
     const auto value = text == "gamma"              ? std::optional(2.2)
                        : text.starts_with("gamma:") ? cell_number(text.substr(6))
@@ -104,7 +104,7 @@ Encoding parse_encoding(const std::string& text, const std::string& folder) {
     if (!value || !(*value >= kMinGamma && *value <= kMaxGamma))
       throw UsageError("encoding \"" + printable(text, 60) +
                        "\": gamma takes a number from 0.1 to 10, as in gamma:2.2");
-    return {.kind = Encoding::Kind::gamma, .gamma = *value, .stored = {}, .linear = {}, .name = text};
+    return {.kind = Encoding::Kind::gamma, .gamma = *value, .name = text};
   }
   // A misspelt word is no path that anybody would write: those have a folder or an ending.
   if (text.find_first_of("./\\") == std::string::npos)

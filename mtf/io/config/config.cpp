@@ -94,12 +94,7 @@ namespace cfg {
 
 void interpret(const Node& tree, ConfigResult& result) {
   result.config.schema = schema_of(tree, std::move(result.config.schema));
-  Reader reader{.folder = folder_of(result.config.file),
-                .schema = result.config.schema,
-                .diagnostics = {},
-                .positions = {},
-                .failed = {},
-                .fits = {}};
+  Reader reader{.folder = folder_of(result.config.file), .schema = result.config.schema};
   const Section root{reader, tree, "", ""};
   if (read_version(root, result.config.version)) {
     System<double>& system = result.config.system;

@@ -19,8 +19,8 @@ struct Target {
   std::string table;      ///< "frame", "optics", or the list of a component
   std::size_t index = 0;  ///< in that list
   bool component = false;
-  std::string key;
-  std::optional<std::size_t> element;  ///< of a list
+  std::string key{};
+  std::optional<std::size_t> element{};  ///< of a list
 
   /// As diagnostics call it: "presample[1].rms".
   std::string path() const {

@@ -122,7 +122,7 @@ std::optional<Target> target_of(const SensorConfig& config, const cfg::Targets& 
       std::find(kOwn.begin(), kOwn.end(), table) != kOwn.end() ||
       std::any_of(config.schema.begin(), config.schema.end(), [&](const TableInfo& t) { return t.name == table; });
   if (!known) return std::nullopt;
-  Target whole{.table = std::string(table), .key = std::string(key.substr(0, key.find('['))), .element = {}};
+  Target whole{.table = std::string(table), .key = std::string(key.substr(0, key.find('[')))};
   const auto plain = [](char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_'; };
   if (whole.key.empty() || !std::all_of(whole.key.begin(), whole.key.end(), plain)) return std::nullopt;
   return cfg::find_target({{whole.path(), whole}}, name);

@@ -136,7 +136,7 @@ std::vector<Setting> read_settings(std::string_view text, const std::string& fil
       header = true;
       continue;
     }
-    Setting setting{.frame = 0, .parameter = {}, .value = {}, .line = number};
+    Setting setting{.frame = 0, .line = number};
     if (const std::string wrong = read_line(line, columns, setting); wrong.empty())
       settings.push_back(std::move(setting));
     else
@@ -165,8 +165,8 @@ struct ScheduledSensor::State {
   Schedule schedule;
   Node root;
   cfg::Targets targets;
-  std::size_t next = 0;                              ///< first setting that is not in force yet
-  std::map<std::string, Setting, std::less<>> last;  ///< in force, by path
+  std::size_t next = 0;                                ///< first setting that is not in force yet
+  std::map<std::string, Setting, std::less<>> last{};  ///< in force, by path
 
   /// The line that a finding about `path` comes from: the latest that set this value, a part of it, or something in
   /// its table; otherwise the latest of all.
@@ -186,8 +186,7 @@ ScheduledSensor::ScheduledSensor(const SensorConfig& sensor, Schedule schedule)
     : state_(std::make_unique<State>(State{.sensor = sensor,
                                            .schedule = std::move(schedule),
                                            .root = cfg::read_tree(sensor.text).root,
-                                           .targets = cfg::targets_of(sensor),
-                                           .last = {}})) {}
+                                           .targets = cfg::targets_of(sensor)})) {}
 ScheduledSensor::~ScheduledSensor() = default;
 ScheduledSensor::ScheduledSensor(ScheduledSensor&&) noexcept = default;
 ScheduledSensor& ScheduledSensor::operator=(ScheduledSensor&&) noexcept = default;
@@ -245,7 +244,7 @@ bool ScheduledSensor::advance(std::int64_t frame) {
 
 Schedule parse_schedule(std::string_view text, const std::string& file, const SensorConfig& sensor) {
   std::vector<std::string> errors;
-  Schedule schedule{.file = file, .sha256 = sha256_hex(std::string(text)), .settings = {}};
+  Schedule schedule{.file = file, .sha256 = sha256_hex(std::string(text))};
   schedule.settings = read_settings(text, file, errors);
   std::stable_sort(schedule.settings.begin(), schedule.settings.end(),
                    [](const Setting& a, const Setting& b) { return a.frame < b.frame; });

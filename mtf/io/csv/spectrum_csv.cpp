@@ -162,7 +162,7 @@ PathColumns parse_path_csv(std::string_view text, const std::string& source) {
                        " m; leave one");
   }
 
-  PathColumns result{.source = source, .range_m = {}, .wavelength_um = {}, .transmission = {}, .radiance = {}};
+  PathColumns result{.source = source};
   for (const auto& [wavelength_um, row] : table.begin()->second) result.wavelength_um.push_back(wavelength_um);
   for (const auto& [range_m, curve] : table) {
     const bool same =

@@ -190,11 +190,7 @@ PathColumns path_columns(const std::vector<Tape7Run>& runs, const std::vector<do
   if (runs.size() != range_m.size())
     throw UsageError(file + ": " + std::to_string(runs.size()) + " runs and " + std::to_string(range_m.size()) +
                      " ranges; give the range of each run");
-  PathColumns result{.source = file,
-                     .range_m = range_m,
-                     .wavelength_um = runs.front().wavelength_um,
-                     .transmission = {},
-                     .radiance = {}};
+  PathColumns result{.source = file, .range_m = range_m, .wavelength_um = runs.front().wavelength_um};
   for (std::size_t i = 0; i < runs.size(); ++i) {
     if (!std::isfinite(range_m[i]) || !(range_m[i] > (i == 0 ? 0.0 : range_m[i - 1])))
       throw UsageError(runs[i].source + ": a range of " + format_double(range_m[i]) +

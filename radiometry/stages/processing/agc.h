@@ -51,7 +51,7 @@ struct AutomaticGain {
 /// curve is straight between them and constant outside.
 struct ToneCurve {
   double low = 0.0, high = 1.0;
-  std::vector<float> level;
+  std::vector<float> level{};
 
   /// NaN for NaN. Throws mtf::UsageError for a curve without an interval.
   float at(float value) const;
