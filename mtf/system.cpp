@@ -30,8 +30,8 @@ bool matches(const Component<double>& component, std::string_view pattern) {
 }
 
 bool matches_one(const Component<double>& component, const std::array<std::string_view, 3>& patterns) {
-  return std::any_of(patterns.begin(), patterns.end(),
-                     [&](std::string_view pattern) { return !pattern.empty() && matches(component, pattern); });
+  return std::ranges::any_of(patterns,
+                             [&](std::string_view pattern) { return !pattern.empty() && matches(component, pattern); });
 }
 
 /// What `entry` counts that another entry of the system counts already.
@@ -162,11 +162,10 @@ std::vector<Finding> findings_of(const System<double>& system, bool doubtful) {
       if (band && problems.empty() && entry.component.traits(system.context()).chromatic)
         for (const double wavelength : {band->lo_um, band->hi_um})
           if (problems.empty()) problems = entry.component.check(system.context(wavelength));
-      const bool varies =
-          stage == Stage::presample && std::any_of(system.field.numbers.begin(), system.field.numbers.end(),
-                                                   [i](const auto& n) { return n.entry == i; });
+      const bool varies = stage == Stage::presample &&
+                          std::ranges::any_of(system.field.numbers, [i](const auto& n) { return n.entry == i; });
       if (problems.empty() && varies) problems = wrong_over_field(system, i);
-      const bool sound = std::none_of(problems.begin(), problems.end(), [](const Problem& p) { return p.error; });
+      const bool sound = std::ranges::none_of(problems, [](const Problem& p) { return p.error; });
       for (Problem& problem : problems)
         if (problem.error || doubtful)
           findings.push_back({where() + (problem.field.empty() ? "" : "." + problem.field), std::move(problem)});
@@ -206,7 +205,7 @@ std::string_view stage_name(Stage stage) {
 }
 
 Choice choice_of(std::span<const std::string_view> names, std::string_view word) {
-  const auto found = std::find(names.begin(), names.end(), word);
+  const auto found = std::ranges::find(names, word);
   if (found != names.end()) return {static_cast<int>(found - names.begin()), names};
   std::string known;
   for (const std::string_view name : names) known += (known.empty() ? "" : ", ") + std::string(name);

@@ -52,7 +52,7 @@ void identify(Solved& solved) {
   solved.identified = identify(solved.information.matrix, solved.reference);
   solved.variance_ratio.assign(solved.reference.size(), 1.0);
   const auto white = [](const Eigen::MatrixXd& scores) { return scores.size() == 0; };
-  if (std::all_of(solved.scores.begin(), solved.scores.end(), white)) return;
+  if (std::ranges::all_of(solved.scores, white)) return;
   const Eigen::MatrixXd &here = solved.identified.covariance,
                         least = identify(solved.information.independent, solved.reference).covariance;
   for (std::size_t i = 0; i < solved.variance_ratio.size(); ++i) {
@@ -283,8 +283,7 @@ std::optional<Estimate> combined_moment(FitProblem& problem, const Solved& solve
   problem.x = x;
   problem.apply();
   for (Eigen::Index i = 0; i < moment.gradient.size(); ++i)
-    if (std::find(members.begin(), members.end(), static_cast<std::size_t>(i)) == members.end())
-      moment.gradient[i] = 0.0;
+    if (std::ranges::find(members, static_cast<std::size_t>(i)) == members.end()) moment.gradient[i] = 0.0;
   const Estimate estimate{moment.value, sd_of(solved, moment)};
   return allowed && estimate.sd < 0.3 * std::abs(estimate.value) ? std::optional(estimate) : std::nullopt;
 }
@@ -309,8 +308,7 @@ std::vector<NullDirection> null_directions(FitProblem& problem, const Solved& so
   for (const WeakDirection& weak : solved.identified.weak) {
     const auto lead = static_cast<Eigen::Index>(weak.members.front());
     const bool helped = single && !solved.normals_rad.empty() &&
-                        std::all_of(weak.members.begin(), weak.members.end(),
-                                    [&](std::size_t i) { return with_across.determined[i]; }) &&
+                        std::ranges::all_of(weak.members, [&](std::size_t i) { return with_across.determined[i]; }) &&
                         with_across.covariance(lead, lead) < 0.25 * with_same.covariance(lead, lead);
     std::vector<std::string> names;
     for (const std::size_t i : weak.members)

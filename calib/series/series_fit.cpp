@@ -205,7 +205,7 @@ SeriesMinimum minimise(SeriesProblem& problem) {
       changed = changed || pressed != held[i];
       held[i] = pressed;
     }
-    if (std::all_of(held.begin(), held.end(), [](bool one) { return one; }))
+    if (std::ranges::all_of(held, [](bool one) { return one; }))
       minimum.converged = true;
     else if (changed || !minimum.converged)
       continue;
@@ -443,8 +443,7 @@ SeriesFit fit_series(const Series& series, std::span<const SeriesParameter> para
   if (fit.before.model.empty()) throw mtf::UsageError("fit: the model cannot be solved at the starting values");
   std::optional<Judged> judged;
   // A prior counts against what the data know, which correlated residuals lessen.
-  const bool priors =
-      std::any_of(problem.prior.begin(), problem.prior.end(), [](const auto& p) { return p.has_value(); });
+  const bool priors = std::ranges::any_of(problem.prior, [](const auto& p) { return p.has_value(); });
   for (int round = 0; round < (priors ? 3 : 1); ++round) {
     if (round > 0) problem.weight *= std::sqrt((1.0 - judged->noise.phi) / (1.0 + judged->noise.phi));
     const SeriesMinimum minimum = minimise(problem);

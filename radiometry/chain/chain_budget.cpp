@@ -75,7 +75,7 @@ bool is_spectral(std::string_view path) {
       "optics.temperature", "optics.stop_temperature", "detector.shutter_temperature",
       "path.transmission",  "path.radiance",           "path.air_temperature",
       "scene.emissivity",   "scene.surroundings"};
-  return std::find(paths.begin(), paths.end(), path) != paths.end();
+  return std::ranges::find(paths, path) != paths.end();
 }
 
 double kept_of_flicker(const SensorSettings& settings, int frames) {
@@ -250,8 +250,7 @@ std::vector<BudgetRow> thermal_noise_rows(const Sensor& sensor, const Camera<dou
   terms.push_back({"other", "V", b.other_e, "[flicker], row, column and 3-D noise of the frames"});
   terms.push_back(
       {"quantisation", "V", b.quantisation_e, "rounding to counts, the part that changes from frame to frame"});
-  const auto largest =
-      std::max_element(terms.begin(), terms.end(), [](const auto& x, const auto& y) { return x.value < y.value; });
+  const auto largest = std::ranges::max_element(terms, [](const auto& x, const auto& y) { return x.value < y.value; });
   const std::string name = largest->name;
   const double share = largest->value * largest->value / (b.temporal_e * b.temporal_e);
   std::vector<BudgetRow> all;

@@ -118,7 +118,7 @@ void post_stratify(Sample& sample, std::span<double> zones, std::vector<PatchSha
     zones[z] *= static_cast<double>(sample.sent[from] - hidden[from]) / sample.sent[from];
   }
 
-  std::sort(sample.hidden.begin(), sample.hidden.end(), [](const HiddenRay& a, const HiddenRay& b) {
+  std::ranges::sort(sample.hidden, [](const HiddenRay& a, const HiddenRay& b) {
     return a.patch != b.patch ? a.patch < b.patch : a.zone < b.zone;
   });
   const std::size_t before = row.size();
@@ -152,11 +152,10 @@ void check(const Views& views, std::span<const double> area, std::span<const std
   if (area.size() != views.size() || set_of.size() != views.size())
     refuse("there are " + std::to_string(views.size()) + " receivers, areas of " + std::to_string(area.size()) +
            " and sets of " + std::to_string(set_of.size()) + ".");
-  if (std::any_of(set_of.begin(), set_of.end(), [sets](std::uint32_t s) { return s >= sets; }) ||
-      std::any_of(patch_of.begin(), patch_of.end(), [patches](std::uint32_t p) { return p >= patches; }))
+  if (std::ranges::any_of(set_of, [sets](std::uint32_t s) { return s >= sets; }) ||
+      std::ranges::any_of(patch_of, [patches](std::uint32_t p) { return p >= patches; }))
     refuse("the number of a set or patch is not below their count.");
-  if (std::any_of(views.patches.column.begin(), views.patches.column.end(),
-                  [&](std::uint32_t c) { return c >= patch_of.size(); }))
+  if (std::ranges::any_of(views.patches.column, [&](std::uint32_t c) { return c >= patch_of.size(); }))
     refuse("the views name a patch beyond the " + std::to_string(patch_of.size()) + " that are told.");
 }
 
@@ -208,7 +207,7 @@ Views views(const Rays& rays, const Receivers& receivers, std::span<const std::u
         for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
           double area = 0.0;
           for (const Side& side : receivers[i]) area += facets.facet[side.facet].area_m2;
-          std::fill(seen.begin(), seen.end(), 0.0);
+          std::ranges::fill(seen, 0.0);
           for (const Side& side : receivers[i]) {
             const Facet& facet = facets.facet[side.facet];
             rings.add_shares(side.back ? -facet.normal[2] : facet.normal[2], facet.area_m2 / area, seen);
@@ -282,7 +281,7 @@ Views combined_views(const Views& views, std::span<const double> area, std::span
         sum += weight * views.patches.value[e];
       }
     }
-    std::sort(seen.begin(), seen.end());
+    std::ranges::sort(seen);
     seen.erase(std::unique(seen.begin(), seen.end()), seen.end());
     for (const std::uint32_t patch : seen) {
       combined.patches.column.push_back(patch);

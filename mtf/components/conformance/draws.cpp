@@ -182,13 +182,12 @@ std::vector<std::uint64_t> field_subsets(std::span<const FieldRef<double>> field
           const std::uint64_t set = required | others[i] | others[j] | others[k];
           if (std::popcount(set ^ required) != size) continue;
           const auto inside = [&](std::uint64_t known) { return (known & set) == known; };
-          if (std::none_of(smallest.begin(), smallest.end(), inside) && accepted({"", set, Origin::example}))
-            smallest.push_back(set);
+          if (std::ranges::none_of(smallest, inside) && accepted({"", set, Origin::example})) smallest.push_back(set);
         }
   for (const std::uint64_t set : smallest)
     for (std::size_t i = 0; i < others.size(); ++i)
       for (std::size_t j = 0; j <= i; ++j) subsets.push_back(set | others[i] | others[j]);
-  std::sort(subsets.begin(), subsets.end());
+  std::ranges::sort(subsets);
   subsets.erase(std::unique(subsets.begin(), subsets.end()), subsets.end());
   return subsets;
 }

@@ -27,7 +27,7 @@ double power(double v, double exponent) { return std::copysign(std::pow(std::abs
 /// y at `at` by straight lines through points of rising x; NaN outside.
 double between(const std::vector<double>& x, const std::vector<double>& y, double at) {
   if (!(at >= x.front() && at <= x.back())) return std::numeric_limits<double>::quiet_NaN();
-  const auto next = std::upper_bound(x.begin(), x.end(), at);
+  const auto next = std::ranges::upper_bound(x, at);
   if (next == x.end()) return y.back();
   const auto i = static_cast<std::size_t>(next - x.begin());
   return std::lerp(y[i - 1], y[i], (at - x[i - 1]) / (x[i] - x[i - 1]));
@@ -40,8 +40,7 @@ double encode(const Encoding& encoding, double linear, double full_scale) {
   if (encoding.kind == Encoding::Kind::gamma) return full_scale * power(linear / full_scale, 1.0 / encoding.gamma);
   const std::vector<double>&x = encoding.stored, &y = encoding.linear;
   const bool rises = y.back() > y.front();
-  const auto next =
-      std::partition_point(y.begin(), y.end(), [&](double v) { return rises ? v <= linear : v >= linear; });
+  const auto next = std::ranges::partition_point(y, [&](double v) { return rises ? v <= linear : v >= linear; });
   if (next == y.begin()) return x.front();
   if (next == y.end()) return x.back();
   const auto i = static_cast<std::size_t>(next - y.begin());

@@ -32,8 +32,7 @@ bool same_values(const Node& a, const Node& b) {
   if (a.kind == Node::Kind::boolean) return a.boolean == b.boolean;
   if (a.kind == Node::Kind::array)
     return std::equal(a.items.begin(), a.items.end(), b.items.begin(), b.items.end(), same_values);
-  return a.members.size() == b.members.size() &&
-         std::all_of(a.members.begin(), a.members.end(), [&](const Member& member) {
+  return a.members.size() == b.members.size() && std::ranges::all_of(a.members, [&](const Member& member) {
            const Node* other = b.find(member.key);
            return other != nullptr && same_values(member.value, *other);
          });
@@ -118,13 +117,12 @@ std::optional<Target> target_of(const SensorConfig& config, const cfg::Targets& 
   if (dot == std::string_view::npos) return std::nullopt;
   const std::string_view table = name.substr(0, dot), key = name.substr(dot + 1);
   constexpr std::array<std::string_view, 4> kOwn{"frame", "scene", "optics", "band"};
-  const bool known =
-      std::find(kOwn.begin(), kOwn.end(), table) != kOwn.end() ||
-      std::any_of(config.schema.begin(), config.schema.end(), [&](const TableInfo& t) { return t.name == table; });
+  const bool known = std::ranges::find(kOwn, table) != kOwn.end() ||
+                     std::ranges::any_of(config.schema, [&](const TableInfo& t) { return t.name == table; });
   if (!known) return std::nullopt;
   Target whole{.table = std::string(table), .key = std::string(key.substr(0, key.find('[')))};
   const auto plain = [](char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_'; };
-  if (whole.key.empty() || !std::all_of(whole.key.begin(), whole.key.end(), plain)) return std::nullopt;
+  if (whole.key.empty() || !std::ranges::all_of(whole.key, plain)) return std::nullopt;
   return cfg::find_target({{whole.path(), whole}}, name);
 }
 

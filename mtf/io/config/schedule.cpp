@@ -28,8 +28,8 @@ constexpr std::string_view kHeader = "the first line has to be frame,parameter,v
 constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
 
 bool is_text(std::string_view line) {
-  return std::all_of(line.begin(), line.end(),
-                     [](char c) { return c == '\t' || (static_cast<unsigned char>(c) >= 0x20 && c != 0x7f); });
+  return std::ranges::all_of(line,
+                             [](char c) { return c == '\t' || (static_cast<unsigned char>(c) >= 0x20 && c != 0x7f); });
 }
 
 /// The next line without its end (LF, CRLF or CR), taken off `rest`.
@@ -87,7 +87,7 @@ std::string read_header(std::string_view line, ScheduleColumns& columns) {
   const std::string found = "; found: " + printable(line, 60);
   if (!cells || cells->size() != names.size()) return std::string(kHeader) + found;
   for (std::size_t i = 0; i < names.size(); ++i) {
-    const auto cell = std::find(cells->begin(), cells->end(), names[i]);
+    const auto cell = std::ranges::find(*cells, names[i]);
     if (cell == cells->end()) return std::string(kHeader) + found;
     columns.at[i] = static_cast<std::size_t>(cell - cells->begin());
   }
@@ -246,8 +246,7 @@ Schedule parse_schedule(std::string_view text, const std::string& file, const Se
   std::vector<std::string> errors;
   Schedule schedule{.file = file, .sha256 = sha256_hex(std::string(text))};
   schedule.settings = read_settings(text, file, errors);
-  std::stable_sort(schedule.settings.begin(), schedule.settings.end(),
-                   [](const Setting& a, const Setting& b) { return a.frame < b.frame; });
+  std::ranges::stable_sort(schedule.settings, [](const Setting& a, const Setting& b) { return a.frame < b.frame; });
   const auto targets = cfg::targets_of(sensor);
   std::map<std::pair<std::int64_t, std::string>, int> seen;
   for (const Setting& setting : schedule.settings) {
@@ -269,8 +268,7 @@ Schedule parse_schedule(std::string_view text, const std::string& file, const Se
   for (const Setting& setting : schedule.settings) {
     if (!check.advance(setting.frame)) continue;
     for (const std::string& named : check.sensor().files)
-      if (std::find(schedule.files.begin(), schedule.files.end(), named) == schedule.files.end())
-        schedule.files.push_back(named);
+      if (std::ranges::find(schedule.files, named) == schedule.files.end()) schedule.files.push_back(named);
   }
   return schedule;
 }
