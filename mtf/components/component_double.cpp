@@ -45,12 +45,7 @@ std::optional<Freq<double>> Component<S>::line(const Context<S>& ctx) const requ
 template <class S>
 std::vector<Problem> Component<S>::check(const Context<S>& ctx) const requires std::same_as<S, double> {
   if (std::vector<Problem> problems = detail::check_fields(fields(), ctx); !problems.empty()) return problems;
-  return detail::visit(*value_, [&](const auto& c) -> std::vector<Problem> {
-    if constexpr (requires { c.check(ctx); })
-      return c.check(ctx);
-    else
-      return {};
-  });
+  return detail::visit(*value_, [&](const auto& c) { return detail::own_check(c, ctx); });
 }
 
 template class Component<double>;

@@ -118,12 +118,7 @@ Traits Component<S>::traits(const Context<S>& ctx) const {
 }
 template <class S>
 double Component<S>::cutoff_cy_mm(const Context<S>& ctx) const {
-  return detail::visit(*value_, [&](const auto& c) {
-    if constexpr (requires { c.cutoff_cy_mm(ctx); })
-      return c.cutoff_cy_mm(ctx);
-    else
-      return kInfinity;
-  });
+  return detail::visit(*value_, [&](const auto& c) { return detail::cutoff_of(c, ctx); });
 }
 template <class S>
 double Component<S>::deviation(double fx, double fy, const Context<S>& ctx) const {

@@ -55,6 +55,22 @@ S* number_of(const FieldRef<S>& field, std::size_t element) {
   return nullptr;
 }
 
+/// What a component says, or what one means that does not: no cutoff, nothing to check beyond its table.
+template <class S, class C>
+double cutoff_of(const C& component, const Context<S>& ctx) {
+  if constexpr (requires { &C::cutoff_cy_mm; })
+    return component.cutoff_cy_mm(ctx);
+  else
+    return kInfinity;
+}
+template <class S, class C>
+std::vector<Problem> own_check(const C& component, const Context<S>& ctx) {
+  if constexpr (requires { &C::check; })
+    return component.check(ctx);
+  else
+    return {};
+}
+
 /// What is missing or outside its bounds. A component's own check() may rely on there being nothing.
 std::vector<Problem> check_fields(std::span<const FieldRef<double>> fields, const Context<double>& ctx);
 

@@ -54,7 +54,7 @@ std::vector<Problem> problems_of(const C& component, const Context<S>& ctx) {
   } else {
     C copy = component;
     const std::vector<Problem> problems = mtf::detail::check_fields(fields_of<S>(copy), ctx);
-    return problems.empty() ? component.check(ctx) : problems;
+    return problems.empty() ? mtf::detail::own_check(component, ctx) : problems;
   }
 }
 
