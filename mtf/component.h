@@ -283,8 +283,7 @@ class Component {
   Complex<S> otf(const Freq<S>& f, const Context<S>& ctx) const;
   /// h[i] *= otf(f[i]): one dispatch for the whole span.
   void multiply(std::span<const Freq<S>> f, const Context<S>& ctx, std::span<Complex<S>> h) const;
-  /// h[i] *= otf({fx[i], fy}) for any fy, what fx alone decides worked out once. Keeps the view of fx; `h` may be
-  /// shorter.
+  /// h[i] *= otf({fx[i], fy}) for any fy, what fx alone decides worked out once. Keeps fx; `h` may be shorter.
   using Rows = std::function<void(const S& fy, std::span<Complex<S>> h)>;
   Rows rows(std::span<const S> fx, const Context<S>& ctx) const requires std::same_as<S, double>;
   /// Where the OTF is not smooth, see above.

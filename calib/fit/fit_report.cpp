@@ -211,8 +211,7 @@ std::vector<std::vector<double>> correlations(const Solved& solved) {
   return all;
 }
 
-// Weak directions in words: which parameters they combine, what is known of these all the same, and what would separate
-// them.
+// Weak directions in words: which parameters they combine, what is known of these, and what would separate them.
 
 namespace {
 

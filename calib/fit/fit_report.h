@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// The results of a finished fit: errors, limits, what is not separable and its description, the fitted MTF with its
-// band.
+// The results of a finished fit: errors, limits, what is not separable, in words, the fitted MTF with its band.
 
 #include "calib/fit/confidence/identifiability.h"
 #include "calib/fit/confidence/residual_tests.h"

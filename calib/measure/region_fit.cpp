@@ -126,8 +126,7 @@ std::size_t remove_outliers(EdgePixels& pixels, const EdgeModel& model, const Fi
   return removed;
 }
 
-// The shape that the fit begins with: half of the Gaussian's variance becomes a footprint, some of the rest
-// diffraction.
+// The shape that the fit begins with: half of the Gaussian's variance as a footprint, some as diffraction.
 void split_blur(ReferenceShape& shape) {
   const double variance = shape.v_px2;
   shape.q_px2 = std::min(1.0, 6.0 * variance);

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 
-// Components of doubles, and what is asked of them alone: the sentence for the values in use, checks, and what plans
-// need to know.
+// Components of doubles, and what is asked of them alone: the sentence for the values in use, checks, what plans need.
 
 #include "mtf/components/component_impl.h"
 

@@ -26,8 +26,7 @@ enum class Format { exr, png, tiff, jpeg };
 /// Format by the first bytes of a file; nothing where they are those of no image.
 std::optional<Format> format_of(std::string_view start);
 
-/// Format by file content for reading (magic bytes). Throws RuntimeError when the file is missing, empty or none of
-/// ours.
+/// Format by file content for reading (magic bytes). Throws RuntimeError for a missing, empty or foreign file.
 Format detect_format(const std::string& path);
 
 /// Format by extension for writing (.exr .png .tif .tiff, any case). Throws UsageError naming the known extensions.

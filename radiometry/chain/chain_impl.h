@@ -91,8 +91,7 @@ struct StageWords {
 
 /// A row of the table of stages: all that a stage is. A stage that its words leave out does not run.
 struct StageRow {
-  /// The stages that run together: a part ends where the output may be taken or the positions of [microscan] begin or
-  /// end.
+  /// The stages that run together: a part ends where the output may be taken or [microscan] begins or ends.
   enum class Part { optics, detector, conversion, correction, display };
 
   std::string_view name;

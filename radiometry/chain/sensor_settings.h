@@ -307,8 +307,7 @@ void for_each_table(Visit visit) {
   std::apply([&](const auto&... table) { (visit(table), ...); }, SensorSettings::tables());
 }
 
-/// What a thermal detector has in common with a photon detector: its active area and, as quantum efficiency, its
-/// absorptance.
+/// What a thermal detector has in common with a photon detector: active area and, as quantum efficiency, absorptance.
 DetectorSettings pixel_settings(const ThermalSettings& thermal, bool square = true);
 
 /// What the detector answers to. This alone decides whether a sensor is a thermal one: its curves

@@ -59,8 +59,7 @@ std::vector<BandResponse::Panel> BandResponse::panels(std::optional<double> temp
   return all;
 }
 
-// A piece gets as many points as the integral of a polynomial of degree 2n times the response needs, a narrow one
-// fewer.
+// A piece gets as many points as the integral of a polynomial of degree 2n times the response needs; narrow ones fewer.
 BandResponse::RatePoints BandResponse::rate_points(int n, std::optional<double> temperature_k, Flux flux) const {
   if (temperature_k && !(*temperature_k > 0.0 && *temperature_k <= kHottest_k))
     throw mtf::UsageError("a source of " + mtf::format_double(*temperature_k) +

@@ -19,8 +19,7 @@ namespace {
 
 constexpr double kLargestFlux_w_m2 = 1e7;
 
-/// The terms of the absorbed flux of each side: the direct one at each direction of the sun, then diffuse and
-/// long-wave.
+/// The terms of the absorbed flux of each side: the direct one at each direction of the sun, diffuse and long-wave.
 class FluxTerms {
  public:
   static constexpr std::size_t kBlock = 16;
@@ -156,8 +155,7 @@ Cube cube_of(const std::array<double, 3>& summary, double width) {
   return cube;
 }
 
-/// Leaders in cubes one tolerance wide: those within the tolerance of a side are in its own cube or one of the 26
-/// around it.
+/// Leaders in cubes one tolerance wide: those within the tolerance of a side are in its cube or the 26 around it.
 class LeaderGrid {
  public:
   struct Leader {

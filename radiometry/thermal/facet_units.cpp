@@ -105,8 +105,7 @@ Grouping group(const Sides& sides, const geometry::Classes& classes, std::size_t
   return g;
 }
 
-/// Puts units of one material together, and those with similar shadows side by side: they share the steps of the
-/// solver.
+/// Puts units of one material together, and those with similar shadows side by side: they share steps.
 void sort_units(Grouping& g, const HeatScene& scene, const geometry::SunVisibility& sun) {
   std::vector<std::uint32_t> order(g.leader.size());
   std::iota(order.begin(), order.end(), 0U);

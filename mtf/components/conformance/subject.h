@@ -45,8 +45,7 @@ std::vector<FieldRef<S>> fields_of(C& component) {
     return mtf::detail::field_refs<C, S>(component);
 }
 
-/// What Component::check finds: values outside the bounds of their fields or, without any, what the component's own
-/// check() says.
+/// What Component::check finds: values outside the bounds of their fields or, without any, what its own check() says.
 template <class S, class C>
 std::vector<Problem> problems_of(const C& component, const Context<S>& ctx) {
   if constexpr (std::is_same_v<C, Component<S>>) {

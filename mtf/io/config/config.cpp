@@ -59,8 +59,7 @@ void note_what_is_missing(cfg::Reader& reader, const System<double>& system) {
                 true);
 }
 
-/// The path for components that state none; why there is none where the table cannot be, which is refused where it is
-/// used.
+/// The path for components that state none; why there is none where the table cannot be, refused where it is used.
 std::optional<Diagnostic> read_path_air(const Node& tree, SensorConfig& config) {
   const SettingsTable* scene = find_table(config.tables, "scene");
   if (scene != nullptr && scene->find("depth_channel") != nullptr) return std::nullopt;  // each pixel has its own

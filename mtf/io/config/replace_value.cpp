@@ -126,8 +126,7 @@ std::optional<Target> target_of(const SensorConfig& config, const cfg::Targets& 
   return cfg::find_target({{whole.path(), whole}}, name);
 }
 
-/// A parameter in the tree of the file. Throws UsageError for a text that cannot be read, and for one that the sensor
-/// does not have.
+/// A parameter in the tree of the file. Throws UsageError for a text that cannot be read or is none of the sensor's.
 struct Located {
   cfg::Tree tree;
   Target target;

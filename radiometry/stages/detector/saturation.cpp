@@ -119,8 +119,7 @@ std::string where_held(const HeldPixels& held) {
 
 std::string words(const HeldPixels& held) {
   if (!held.any()) return {};
-  // A converter whose range is the well clips values that read noise lifts above a full well; the well is the cause
-  // then.
+  // A converter whose range is the well clips values that read noise lifts above a full well; the well is the cause.
   const bool converter = held.most_count > held.full_well;
   std::string change = held.full_well > 0 ? "shorten frame.integration_time or raise detector.full_well" : "";
   if (converter)
