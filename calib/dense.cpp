@@ -33,6 +33,20 @@ std::optional<Eigenpairs> eigenpairs(const MatrixXd& a, const MatrixXd& b) {
   return Eigenpairs{eigen.eigenvalues(), eigen.eigenvectors()};
 }
 
+VectorXd least_squares(const MatrixXd& a, const VectorXd& b) { return a.completeOrthogonalDecomposition().solve(b); }
+MatrixXd least_squares(const MatrixXd& a, const MatrixXd& b) { return a.completeOrthogonalDecomposition().solve(b); }
+
+MatrixXd orthonormal_basis(const MatrixXd& a) {
+  const Eigen::ColPivHouseholderQR<MatrixXd> qr(a);
+  return qr.householderQ() * MatrixXd::Identity(a.rows(), qr.rank());
+}
+
+Eigen::Index rank_of(const MatrixXd& a, double threshold) {
+  Eigen::ColPivHouseholderQR<MatrixXd> qr(a);
+  qr.setThreshold(threshold);
+  return qr.rank();
+}
+
 VectorXd solution_of(const MatrixXd& a, const VectorXd& b) { return a.fullPivLu().solve(b); }
 MatrixXd inverse_of(const MatrixXd& a) { return a.inverse(); }
 

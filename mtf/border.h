@@ -22,8 +22,7 @@ inline std::int64_t canvas_length(Border border, std::int64_t n) {
   return border == Border::periodic ? n : border == Border::reflect ? 2 * n : 3 * n;
 }
 
-/// Sample of the image (0..n-1) that stands at position i (any sign) of the canvas; -1 for the value of a constant
-/// border.
+/// Sample of the image (0..n-1) that stands at position i (any sign) of the canvas; -1 for that of a constant border.
 inline std::int64_t border_source(Border border, std::int64_t i, std::int64_t n) {
   const auto modulo = [](std::int64_t a, std::int64_t m) { return (a % m + m) % m; };
   switch (border) {

@@ -7,10 +7,11 @@
 //   fields()               the one table that drives config reading and writing, validation, fits and tests
 //   traits(ctx)            symmetry of its OTF for the present values
 //   otf(f, ctx)            OTF(f) = integral of psf(x) exp(-2 pi i f.x) dx at f in cycles/mm
-//   cutoff_cy_mm(ctx)      |f| from which the OTF is zero; infinity when there is none
 //   deviation(fx, fy, ctx) a bound of |otf - 1| over |f.x| <= fx, |f.y| <= fy
+// and may add:
+//   cutoff_cy_mm(ctx)      |f| from which the OTF is zero. Without it: infinity
 //   check(ctx)             what the field bounds cannot say: values that exclude each other, validity of the formula
-// and may add, mostly for speed:
+// and, mostly for speed:
 //   displacement_mm(ctx)   a vector d such that the OTF depends on f through d.f alone (motion in one direction)
 //   kinks_cy_mm(ctx)       the |f| in rising order at which the OTF is not smooth, the last being its cutoff where it
 //                          has one; where they depend on the wavelength they go with 1/wavelength. Without it: the
@@ -116,12 +117,37 @@ struct FieldInfo {
   std::string_view kinds{};     ///< words of the table's key `kind` with which it counts; "" with any
 };
 
+template <class Row>
+concept TableRow = std::derived_from<Row, FieldInfo>;
+
+// The same row, but for one thing; also as a Field (mtf/components/field.h).
+template <TableRow Row, class Cell>
+constexpr Row with(Row row, Cell FieldInfo::*cell, Cell value) {
+  row.*cell = value;
+  return row;
+}
+constexpr auto required(TableRow auto row) { return with(row, &FieldInfo::presence, Presence::required); }
+constexpr auto optional(TableRow auto row) { return with(row, &FieldInfo::presence, Presence::optional); }
+constexpr auto shared(TableRow auto row) { return with(row, &FieldInfo::presence, Presence::shared); }
+/// `lo` itself is not allowed; `hi`.
+constexpr auto above(TableRow auto row) { return with(row, &FieldInfo::lo_open, true); }
+constexpr auto below(TableRow auto row) { return with(row, &FieldInfo::hi_open, true); }
+constexpr auto excluding(std::string_view keys, TableRow auto row) { return with(row, &FieldInfo::excludes, keys); }
+constexpr auto of_kinds(std::string_view kinds, TableRow auto row) { return with(row, &FieldInfo::kinds, kinds); }
+constexpr auto of_type(FieldType type, TableRow auto row, std::span<const std::string_view> words = {}) {
+  return with(with(row, &FieldInfo::type, type), &FieldInfo::words, words);
+}
+
 /// A row of a number from lo to hi in a unit of that dimension.
 constexpr FieldInfo required_row(std::string_view name, Dimension dimension, std::string_view unit, double lo,
                                  double hi, std::string_view example, std::string_view doc) {
   return {.name = name, .dimension = dimension, .unit = unit, .lo = lo, .hi = hi, .example = example, .doc = doc};
 }
-/// Of a plain number; of what has no range, such as a word or a file.
+/// The same with the dimension of the unit; of a plain number; of what has no range, such as a word or a file.
+constexpr FieldInfo required_row(std::string_view name, std::string_view unit, double lo, double hi,
+                                 std::string_view example, std::string_view doc) {
+  return required_row(name, dimension_of(unit), unit, lo, hi, example, doc);
+}
 constexpr FieldInfo required_row(std::string_view name, double lo, double hi, std::string_view example,
                                  std::string_view doc) {
   return required_row(name, Dimension::none, "", lo, hi, example, doc);
@@ -130,46 +156,10 @@ constexpr FieldInfo required_row(std::string_view name, std::string_view example
   return required_row(name, 0.0, 0.0, example, doc);
 }
 
-// The same row, but for one thing.
-constexpr FieldInfo required(FieldInfo row) {
-  row.presence = Presence::required;
-  return row;
-}
-constexpr FieldInfo optional(FieldInfo row) {
-  row.presence = Presence::optional;
-  return row;
-}
-constexpr FieldInfo shared(FieldInfo row) {
-  row.presence = Presence::shared;
-  return row;
-}
 /// The same as required_row, of what need not be given.
 template <class... Cells>
 constexpr FieldInfo optional_row(std::string_view name, const Cells&... cells) {
   return optional(required_row(name, cells...));
-}
-/// `lo` itself is not allowed; `hi`.
-constexpr FieldInfo above(FieldInfo row) {
-  row.lo_open = true;
-  return row;
-}
-constexpr FieldInfo below(FieldInfo row) {
-  row.hi_open = true;
-  return row;
-}
-constexpr FieldInfo of_type(FieldType type, FieldInfo row, std::span<const std::string_view> words = {}) {
-  row.type = type;
-  row.words = words;
-  return row;
-}
-constexpr FieldInfo excluding(std::string_view keys, FieldInfo row) {
-  row.excludes = keys;
-  return row;
-}
-
-constexpr FieldInfo of_kinds(std::string_view kinds, FieldInfo row) {
-  row.kinds = kinds;
-  return row;
 }
 
 /// The words of FieldInfo::excludes or FieldInfo::kinds.
@@ -248,6 +238,13 @@ concept ComponentType = requires {
   C::fields();
 };
 
+/// What no value of a component changes.
+struct KindFacts {
+  std::string_view kind, doc;
+  Stages stages;
+  bool is_pupil, is_footprint, is_reconstruction, is_slow;
+};
+
 /// Value handle of one component: copies share, edits through fields() copy first. Plans, checks and texts are made of
 /// systems of doubles, so the functions that only they call exist for doubles alone.
 template <class S>
@@ -265,18 +262,18 @@ class Component {
   /// A component of that kind with default values. Throws UsageError naming the nearest kind.
   static Component make(std::string_view kind);
 
-  std::string_view kind() const;
-  std::string_view doc() const;
+  std::string_view kind() const { return facts().kind; }
+  std::string_view doc() const { return facts().doc; }
   /// doc(), or for a kind that holds several models the one in use.
   std::string_view description() const requires std::same_as<S, double>;
-  Stages stages() const;
+  Stages stages() const { return facts().stages; }
   SensorPart part() const;
   /// True for a complete pupil OTF (diffraction): at most one in a list.
-  bool is_pupil() const;
+  bool is_pupil() const { return facts().is_pupil; }
   /// The light-sensitive area of a pixel.
-  bool is_footprint() const;
+  bool is_footprint() const { return facts().is_footprint; }
   /// Turns samples into a continuous image.
-  bool is_reconstruction() const;
+  bool is_reconstruction() const { return facts().is_reconstruction; }
   Traits traits(const Context<S>& ctx) const;
   double cutoff_cy_mm(const Context<S>& ctx) const;
   double deviation(double fx_cy_mm, double fy_cy_mm, const Context<S>& ctx) const;
@@ -286,14 +283,13 @@ class Component {
   Complex<S> otf(const Freq<S>& f, const Context<S>& ctx) const;
   /// h[i] *= otf(f[i]): one dispatch for the whole span.
   void multiply(std::span<const Freq<S>> f, const Context<S>& ctx, std::span<Complex<S>> h) const;
-  /// h[i] *= otf({fx[i], fy}) for any fy, what fx alone decides worked out once. Keeps the view of fx; `h` may be
-  /// shorter.
+  /// h[i] *= otf({fx[i], fy}) for any fy, what fx alone decides worked out once. Keeps fx; `h` may be shorter.
   using Rows = std::function<void(const S& fy, std::span<Complex<S>> h)>;
   Rows rows(std::span<const S> fx, const Context<S>& ctx) const requires std::same_as<S, double>;
   /// Where the OTF is not smooth, see above.
   std::vector<double> kinks_cy_mm(const Context<S>& ctx) const;
   /// It costs microseconds a frequency.
-  bool is_slow() const;
+  bool is_slow() const { return facts().is_slow; }
   /// Unit vector u with otf(f) = otf((f.u) u), where the component knows one.
   std::optional<Freq<double>> line(const Context<S>& ctx) const requires std::same_as<S, double>;
 
@@ -305,6 +301,7 @@ class Component {
   explicit Component(std::shared_ptr<ComponentVariant<S>> value) : value_(std::move(value)) {}
   static Component copy_of(const void* component, const std::type_info& type);
   const void* address_if(const std::type_info& type) const;
+  const KindFacts& facts() const;
 
   std::shared_ptr<ComponentVariant<S>> value_;
 };

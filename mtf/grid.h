@@ -50,8 +50,7 @@ struct FrequencyAxis {
   double nyquist_cy_mm() const { return 500.0 / step_um; }
   /// The k >= 0 frequencies, in order.
   std::vector<double> half_frequencies() const;
-  /// All frequencies in transform order 0 .. L-1 as signed values; for even L one more, -L/2, at the end. Cosine: as
-  /// above.
+  /// All frequencies in transform order 0 .. L-1 as signed values; for even L also -L/2, at the end. Cosine: as above.
   std::vector<double> all_frequencies() const;
   /// Signed k of row r of all_frequencies().
   std::int64_t signed_index(std::int64_t r) const {

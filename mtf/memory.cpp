@@ -14,8 +14,7 @@ namespace {
 
 constexpr std::size_t kAlignment = 64;
 
-/// Asks for pages of 2 MiB where they lie whole within the block: an alignment to them would leave holes between
-/// blocks.
+/// Asks for pages of 2 MiB where they lie whole within the block: aligned to them there would be holes between blocks.
 void ask_for_huge_pages(void* block, std::size_t bytes) {
 #ifdef MADV_HUGEPAGE
   constexpr std::uintptr_t kHugePage = std::uintptr_t{2} << 20;

@@ -30,8 +30,8 @@ bool matches(const Component<double>& component, std::string_view pattern) {
 }
 
 bool matches_one(const Component<double>& component, const std::array<std::string_view, 3>& patterns) {
-  return std::any_of(patterns.begin(), patterns.end(),
-                     [&](std::string_view pattern) { return !pattern.empty() && matches(component, pattern); });
+  return std::ranges::any_of(patterns,
+                             [&](std::string_view pattern) { return !pattern.empty() && matches(component, pattern); });
 }
 
 /// What `entry` counts that another entry of the system counts already.
@@ -64,13 +64,11 @@ std::vector<Finding> doubtful_sampling(const System<double>& system, const Compo
     const double pitch_um = system.frame.pitch_um(axis), q = lambda_n_um / pitch_um;
     if (q >= kLeast && q <= kMost) continue;
     std::array<char, 256> text;
-    std::snprintf(
-        text.data(), text.size(),
-        "Q = lambda N / pitch = %.6g um / %.6g um = %.3g, where most cameras have 0.05 to 5; compare the units "
-        "of the pitch, the wavelength, the focal length and the aperture",
-        lambda_n_um, pitch_um, q);
-    doubts.push_back(
-        {axis == Axis::x ? "frame.pitch_x" : "frame.pitch_y", {.error = false, .field = {}, .text = text.data()}});
+    std::snprintf(text.data(), text.size(),
+                  "Q = lambda N / pitch = %.6g um / %.6g um = %.3g, where most cameras have 0.05 to 5; compare the "
+                  "units of the pitch, the wavelength, the focal length and the aperture",
+                  lambda_n_um, pitch_um, q);
+    doubts.push_back({axis == Axis::x ? "frame.pitch_x" : "frame.pitch_y", {.error = false, .text = text.data()}});
   }
   return doubts;
 }
@@ -117,7 +115,7 @@ std::vector<Finding> findings_of(const System<double>& system, bool doubtful) {
   const std::optional<Band>& band = system.band;
   std::vector<Finding> findings;
   const auto error = [&](std::string where, std::string text) {
-    findings.push_back({std::move(where), {.error = true, .field = {}, .text = std::move(text)}});
+    findings.push_back({std::move(where), {.error = true, .text = std::move(text)}});
   };
   const auto within = [&](std::string_view where, double value, std::string_view unit, double low, double high) {
     const FieldInfo info{.name = where, .lo = low, .hi = high};
@@ -148,7 +146,6 @@ std::vector<Finding> findings_of(const System<double>& system, bool doubtful) {
   if (constexpr double kLeast = 0.5; doubtful && f_number > 0.0 && f_number < kLeast)
     findings.push_back({optics.f_number ? "optics.f_number" : "optics.aperture",
                         {.error = false,
-                         .field = {},
                          .text = "an f-number of " + format_double(f_number) +
                                  "; a lens in air has at least 0.5, where its cone of light is a half-space"}});
 
@@ -165,11 +162,10 @@ std::vector<Finding> findings_of(const System<double>& system, bool doubtful) {
       if (band && problems.empty() && entry.component.traits(system.context()).chromatic)
         for (const double wavelength : {band->lo_um, band->hi_um})
           if (problems.empty()) problems = entry.component.check(system.context(wavelength));
-      const bool varies =
-          stage == Stage::presample && std::any_of(system.field.numbers.begin(), system.field.numbers.end(),
-                                                   [i](const auto& n) { return n.entry == i; });
+      const bool varies = stage == Stage::presample &&
+                          std::ranges::any_of(system.field.numbers, [i](const auto& n) { return n.entry == i; });
       if (problems.empty() && varies) problems = wrong_over_field(system, i);
-      const bool sound = std::none_of(problems.begin(), problems.end(), [](const Problem& p) { return p.error; });
+      const bool sound = std::ranges::none_of(problems, [](const Problem& p) { return p.error; });
       for (Problem& problem : problems)
         if (problem.error || doubtful)
           findings.push_back({where() + (problem.field.empty() ? "" : "." + problem.field), std::move(problem)});
@@ -180,10 +176,9 @@ std::vector<Finding> findings_of(const System<double>& system, bool doubtful) {
       if (doubtful && sound)
         for (Finding& doubt : doubtful_sampling(system, entry.component)) findings.push_back(std::move(doubt));
       if (!pupil.empty())
-        error(where() + ".kind",
-              "a second complete pupil OTF beside \"" + pupil +
-                  "\": aberrations and diffraction are one integral; remove one of the two, as defocus and wavefront "
-                  "contain diffraction, or give all terms in one wavefront");
+        error(where() + ".kind", "a second complete pupil OTF beside \"" + pupil +
+                                     "\": aberrations and diffraction are one integral; remove one of the two, as "
+                                     "defocus and wavefront contain diffraction, or give all terms in one wavefront");
       pupil = entry.label;
     }
   }
@@ -210,7 +205,7 @@ std::string_view stage_name(Stage stage) {
 }
 
 Choice choice_of(std::span<const std::string_view> names, std::string_view word) {
-  const auto found = std::find(names.begin(), names.end(), word);
+  const auto found = std::ranges::find(names, word);
   if (found != names.end()) return {static_cast<int>(found - names.begin()), names};
   std::string known;
   for (const std::string_view name : names) known += (known.empty() ? "" : ", ") + std::string(name);

@@ -2,96 +2,17 @@
 #include "mtf/units.h"
 
 #include <algorithm>
-#include <array>
 #include <cassert>
 #include <charconv>
 #include <cmath>
-#include <numbers>
 #include <vector>
 
 #include "mtf/components/component_docs.h"
-#include "mtf/error.h"
 #include "mtf/quantity.h"
 #include "mtf/words.h"
 
 namespace mtf {
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180.0 * 1e6;  // urad
-constexpr double kAmpere = 1.0 / 1.602176634e-19;           // electrons per second (exact in the SI)
-
-constexpr std::array kUnits{
-    Unit{"nm", Dimension::length, 1e-3},
-    Unit{"um", Dimension::length, 1.0},
-    Unit{"mm", Dimension::length, 1e3},
-    Unit{"cm", Dimension::length, 1e4},
-    Unit{"m", Dimension::length, 1e6},
-    Unit{"km", Dimension::length, 1e9},
-    Unit{"in", Dimension::length, 25400.0},
-    Unit{"nrad", Dimension::angle, 1e-3},
-    Unit{"urad", Dimension::angle, 1.0},
-    Unit{"mrad", Dimension::angle, 1e3},
-    Unit{"rad", Dimension::angle, 1e6},
-    Unit{"deg", Dimension::angle, kDegree},
-    Unit{"arcmin", Dimension::angle, kDegree / 60.0},
-    Unit{"arcsec", Dimension::angle, kDegree / 3600.0},
-    Unit{"px", Dimension::pixel, 1.0},
-    Unit{"cy/mm", Dimension::frequency, 1.0},
-    Unit{"cy/mrad", Dimension::frequency, 1.0},
-    Unit{"cy/px", Dimension::frequency, 1.0},
-    Unit{"Hz", Dimension::temporal, 1.0},
-    Unit{"kHz", Dimension::temporal, 1e3},
-    Unit{"MHz", Dimension::temporal, 1e6},
-    Unit{"GHz", Dimension::temporal, 1e9},
-    Unit{"ns", Dimension::time, 1e-9},
-    Unit{"us", Dimension::time, 1e-6},
-    Unit{"ms", Dimension::time, 1e-3},
-    Unit{"s", Dimension::time, 1.0},
-    Unit{"um/s", Dimension::velocity, 1.0},
-    Unit{"mm/s", Dimension::velocity, 1e3},
-    Unit{"m/s", Dimension::velocity, 1e6},
-    Unit{"urad/s", Dimension::rate, 1.0},
-    Unit{"mrad/s", Dimension::rate, 1e3},
-    Unit{"rad/s", Dimension::rate, 1e6},
-    Unit{"deg/s", Dimension::rate, kDegree},
-    Unit{"cd/m^2", Dimension::luminance, 1.0},
-    Unit{"fL", Dimension::luminance, 1.0 / (std::numbers::pi * 0.3048 * 0.3048)},
-    Unit{"um/s^2", Dimension::acceleration, 1.0},
-    Unit{"mm/s^2", Dimension::acceleration, 1e3},
-    Unit{"m/s^2", Dimension::acceleration, 1e6},
-    Unit{"urad/s^2", Dimension::angular_acceleration, 1.0},
-    Unit{"mrad/s^2", Dimension::angular_acceleration, 1e3},
-    Unit{"rad/s^2", Dimension::angular_acceleration, 1e6},
-    Unit{"deg/s^2", Dimension::angular_acceleration, kDegree},
-    Unit{"mK", Dimension::temperature, 1e-3},
-    Unit{"K", Dimension::temperature, 1.0},
-    Unit{"e-", Dimension::electrons, 1.0},
-    Unit{"ke-", Dimension::electrons, 1e3},
-    Unit{"Me-", Dimension::electrons, 1e6},
-    Unit{"e-/s", Dimension::current, 1.0},
-    Unit{"ke-/s", Dimension::current, 1e3},
-    Unit{"Me-/s", Dimension::current, 1e6},
-    Unit{"aA", Dimension::current, kAmpere * 1e-18},
-    Unit{"fA", Dimension::current, kAmpere * 1e-15},
-    Unit{"pA", Dimension::current, kAmpere * 1e-12},
-    Unit{"nA", Dimension::current, kAmpere * 1e-9},
-    Unit{"fF", Dimension::capacitance, 1e-15},
-    Unit{"pF", Dimension::capacitance, 1e-12},
-    Unit{"F", Dimension::capacitance, 1.0},
-    Unit{"nV", Dimension::voltage, 1e-9},
-    Unit{"uV", Dimension::voltage, 1e-6},
-    Unit{"mV", Dimension::voltage, 1e-3},
-    Unit{"V", Dimension::voltage, 1.0},
-    Unit{"fW", Dimension::power, 1e-15},
-    Unit{"pW", Dimension::power, 1e-12},
-    Unit{"nW", Dimension::power, 1e-9},
-    Unit{"W", Dimension::power, 1.0},
-    Unit{"Pa", Dimension::pressure, 1.0},
-    Unit{"hPa", Dimension::pressure, 1e2},
-    Unit{"mbar", Dimension::pressure, 1e2},
-    Unit{"kPa", Dimension::pressure, 1e3},
-    Unit{"mm/h", Dimension::rain_rate, 1.0},
-};
 
 std::string ascii_micro(std::string_view name) {
   for (const std::string_view micro : {"\xC2\xB5", "\xCE\xBC"})  // MICRO SIGN, GREEK SMALL LETTER MU
@@ -113,13 +34,13 @@ std::string in_quotes(std::string_view text) { return "\"" + std::string(text) +
 
 const Unit* find_unit(std::string_view name) {
   const std::string ascii = ascii_micro(name);
-  const auto found = std::find_if(kUnits.begin(), kUnits.end(), [&](const Unit& u) { return u.name == ascii; });
-  return found == kUnits.end() ? nullptr : &*found;
+  const auto found = std::find_if(kAllUnits.begin(), kAllUnits.end(), [&](const Unit& u) { return u.name == ascii; });
+  return found == kAllUnits.end() ? nullptr : &*found;
 }
 
 std::vector<std::string_view> units_of(Dimension expected) {
   std::vector<std::string_view> names;
-  for (const Unit& unit : kUnits)
+  for (const Unit& unit : kAllUnits)
     if (accepts(expected, unit.dimension)) names.push_back(unit.name);
   if (expected == Dimension::temperature) names.push_back("degC");
   return names;
@@ -194,55 +115,33 @@ std::string with_unit(std::string number, std::string_view unit) {
 }
 
 std::string_view describe(Dimension dimension) {
-  switch (dimension) {
-    case Dimension::none:
-      return "a plain number";
-    case Dimension::length:
-      return "a length such as \"15 um\"";
-    case Dimension::angle:
-      return "an angle such as \"30 deg\"";
-    case Dimension::extent:
-      return "a focal-plane length, an angle or pixels, such as \"2 um\", \"8 urad\" or \"0.5 px\"";
-    case Dimension::frequency:
-      return "a spatial frequency such as \"40 cy/mm\", \"1.5 cy/mrad\" or \"0.6 cy/px\"";
-    case Dimension::temporal:
-      return "a frequency in time such as \"25 kHz\"";
-    case Dimension::cutoff:
-      return "a spatial frequency such as \"40 cy/mm\" or \"0.6 cy/px\", or a frequency in time such as \"25 kHz\"";
-    case Dimension::time:
-      return "a time such as \"10 ms\"";
-    case Dimension::velocity:
-      return "an image velocity such as \"2 mm/s\"";
-    case Dimension::rate:
-      return "an angular rate such as \"20 mrad/s\"";
-    case Dimension::acceleration:
-      return "an image acceleration such as \"60 mm/s^2\"";
-    case Dimension::angular_acceleration:
-      return "an angular acceleration such as \"600 mrad/s^2\"";
-    case Dimension::pixel:
-      return "pixels such as \"0.5 px\"";
-    case Dimension::luminance:
-      return "a luminance such as \"100 cd/m^2\"";
-    case Dimension::temperature_difference:
-      return "a temperature difference such as \"2 K\"";
-    case Dimension::temperature:
-      return "an absolute temperature such as \"300 K\" or \"27 degC\"";
-    case Dimension::electrons:
-      return "a charge such as \"50 e-\" or \"7 Me-\"";
-    case Dimension::current:
-      return "a current such as \"1e5 e-/s\" or \"16 fA\"";
-    case Dimension::capacitance:
-      return "a capacitance such as \"100 fF\"";
-    case Dimension::voltage:
-      return "a voltage such as \"2 mV\"";
-    case Dimension::power:
-      return "a power such as \"20 pW\"";
-    case Dimension::pressure:
-      return "a pressure such as \"1013 hPa\"";
-    case Dimension::rain_rate:
-      return "a rain rate such as \"5 mm/h\"";
-  }
-  return "";
+  constexpr std::array kDescriptions{
+      "a plain number",
+      "a length such as \"15 um\"",
+      "an angle such as \"30 deg\"",
+      "a focal-plane length, an angle or pixels, such as \"2 um\", \"8 urad\" or \"0.5 px\"",
+      "a spatial frequency such as \"40 cy/mm\", \"1.5 cy/mrad\" or \"0.6 cy/px\"",
+      "a frequency in time such as \"25 kHz\"",
+      "a spatial frequency such as \"40 cy/mm\" or \"0.6 cy/px\", or a frequency in time such as \"25 kHz\"",
+      "a time such as \"10 ms\"",
+      "an image velocity such as \"2 mm/s\"",
+      "an angular rate such as \"20 mrad/s\"",
+      "pixels such as \"0.5 px\"",
+      "a luminance such as \"100 cd/m^2\"",
+      "an image acceleration such as \"60 mm/s^2\"",
+      "an angular acceleration such as \"600 mrad/s^2\"",
+      "an absolute temperature such as \"300 K\" or \"27 degC\"",
+      "a temperature difference such as \"2 K\"",
+      "a charge such as \"50 e-\" or \"7 Me-\"",
+      "a current such as \"1e5 e-/s\" or \"16 fA\"",
+      "a capacitance such as \"100 fF\"",
+      "a voltage such as \"2 mV\"",
+      "a power such as \"20 pW\"",
+      "a pressure such as \"1013 hPa\"",
+      "a rain rate such as \"5 mm/h\"",
+  };
+  static_assert(kDescriptions.size() == static_cast<std::size_t>(Dimension::rain_rate) + 1);
+  return kDescriptions[static_cast<std::size_t>(dimension)];
 }
 
 int edit_distance(std::string_view a, std::string_view b) {

@@ -2,12 +2,15 @@
 #pragma once
 
 // Units of configuration values. A dimensional value is written as number and unit ("15 um", "8 urad"); inside the
-// toolkit every raw double carries its unit in its name. The table in units.cpp is the only place with conversion
-// factors.
+// toolkit every raw double carries its unit in its name. The table here is the only place with conversion factors.
 
+#include <array>
+#include <numbers>
 #include <optional>
 #include <string>
 #include <string_view>
+
+#include "mtf/error.h"
 
 namespace mtf {
 
@@ -44,6 +47,89 @@ struct Unit {
   Dimension dimension;
   double factor;  ///< value in this unit x factor = value in the base unit of the dimension
 };
+
+inline constexpr double kDegree_urad = std::numbers::pi / 180.0 * 1e6;
+inline constexpr double kAmpere_e_s = 1.0 / 1.602176634e-19;  // exact in the SI
+
+inline constexpr std::array kAllUnits{
+    Unit{"nm", Dimension::length, 1e-3},
+    Unit{"um", Dimension::length, 1.0},
+    Unit{"mm", Dimension::length, 1e3},
+    Unit{"cm", Dimension::length, 1e4},
+    Unit{"m", Dimension::length, 1e6},
+    Unit{"km", Dimension::length, 1e9},
+    Unit{"in", Dimension::length, 25400.0},
+    Unit{"nrad", Dimension::angle, 1e-3},
+    Unit{"urad", Dimension::angle, 1.0},
+    Unit{"mrad", Dimension::angle, 1e3},
+    Unit{"rad", Dimension::angle, 1e6},
+    Unit{"deg", Dimension::angle, kDegree_urad},
+    Unit{"arcmin", Dimension::angle, kDegree_urad / 60.0},
+    Unit{"arcsec", Dimension::angle, kDegree_urad / 3600.0},
+    Unit{"px", Dimension::pixel, 1.0},
+    Unit{"cy/mm", Dimension::frequency, 1.0},
+    Unit{"cy/mrad", Dimension::frequency, 1.0},
+    Unit{"cy/px", Dimension::frequency, 1.0},
+    Unit{"Hz", Dimension::temporal, 1.0},
+    Unit{"kHz", Dimension::temporal, 1e3},
+    Unit{"MHz", Dimension::temporal, 1e6},
+    Unit{"GHz", Dimension::temporal, 1e9},
+    Unit{"ns", Dimension::time, 1e-9},
+    Unit{"us", Dimension::time, 1e-6},
+    Unit{"ms", Dimension::time, 1e-3},
+    Unit{"s", Dimension::time, 1.0},
+    Unit{"um/s", Dimension::velocity, 1.0},
+    Unit{"mm/s", Dimension::velocity, 1e3},
+    Unit{"m/s", Dimension::velocity, 1e6},
+    Unit{"urad/s", Dimension::rate, 1.0},
+    Unit{"mrad/s", Dimension::rate, 1e3},
+    Unit{"rad/s", Dimension::rate, 1e6},
+    Unit{"deg/s", Dimension::rate, kDegree_urad},
+    Unit{"cd/m^2", Dimension::luminance, 1.0},
+    Unit{"fL", Dimension::luminance, 1.0 / (std::numbers::pi * 0.3048 * 0.3048)},
+    Unit{"um/s^2", Dimension::acceleration, 1.0},
+    Unit{"mm/s^2", Dimension::acceleration, 1e3},
+    Unit{"m/s^2", Dimension::acceleration, 1e6},
+    Unit{"urad/s^2", Dimension::angular_acceleration, 1.0},
+    Unit{"mrad/s^2", Dimension::angular_acceleration, 1e3},
+    Unit{"rad/s^2", Dimension::angular_acceleration, 1e6},
+    Unit{"deg/s^2", Dimension::angular_acceleration, kDegree_urad},
+    Unit{"mK", Dimension::temperature, 1e-3},
+    Unit{"K", Dimension::temperature, 1.0},
+    Unit{"e-", Dimension::electrons, 1.0},
+    Unit{"ke-", Dimension::electrons, 1e3},
+    Unit{"Me-", Dimension::electrons, 1e6},
+    Unit{"e-/s", Dimension::current, 1.0},
+    Unit{"ke-/s", Dimension::current, 1e3},
+    Unit{"Me-/s", Dimension::current, 1e6},
+    Unit{"aA", Dimension::current, kAmpere_e_s * 1e-18},
+    Unit{"fA", Dimension::current, kAmpere_e_s * 1e-15},
+    Unit{"pA", Dimension::current, kAmpere_e_s * 1e-12},
+    Unit{"nA", Dimension::current, kAmpere_e_s * 1e-9},
+    Unit{"fF", Dimension::capacitance, 1e-15},
+    Unit{"pF", Dimension::capacitance, 1e-12},
+    Unit{"F", Dimension::capacitance, 1.0},
+    Unit{"nV", Dimension::voltage, 1e-9},
+    Unit{"uV", Dimension::voltage, 1e-6},
+    Unit{"mV", Dimension::voltage, 1e-3},
+    Unit{"V", Dimension::voltage, 1.0},
+    Unit{"fW", Dimension::power, 1e-15},
+    Unit{"pW", Dimension::power, 1e-12},
+    Unit{"nW", Dimension::power, 1e-9},
+    Unit{"W", Dimension::power, 1.0},
+    Unit{"Pa", Dimension::pressure, 1.0},
+    Unit{"hPa", Dimension::pressure, 1e2},
+    Unit{"mbar", Dimension::pressure, 1e2},
+    Unit{"kPa", Dimension::pressure, 1e3},
+    Unit{"mm/h", Dimension::rain_rate, 1.0},
+};
+
+/// That of a unit, `none` of "".
+constexpr Dimension dimension_of(std::string_view unit) {
+  for (const Unit& known : kAllUnits)
+    if (known.name == unit) return known.dimension;
+  return unit.empty() ? Dimension::none : throw UsageError("unknown unit " + std::string(unit));
+}
 
 /// The unit of that exact name, or null. Case matters (mrad, Mrad); "µm" and "μm" are read as "um".
 const Unit* find_unit(std::string_view name);

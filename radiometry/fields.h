@@ -3,8 +3,8 @@
 
 // Field tables of the value types here, one row a field as for the components of a system (mtf::FieldInfo). Checks,
 // messages, documentation and files are made from them. A type takes part with `static constexpr auto fields()`, a
-// tuple of Field{FieldInfo, pointer to member}. The type of the member says how it stands in a sensor file: double (or
-// optional) a number with unit, int a whole number, bool, std::string the name of a file, ChannelName a text,
+// tuple of optional(&T::x, "x", ...) and the like. The type of the member says how it stands in a sensor file: double
+// (or optional) a number with unit, int a whole number, bool, std::string the name of a file, ChannelName a text,
 // NumberOrFile either, an enum one of words(Enum), which stands beside it.
 
 #include <optional>
@@ -22,7 +22,9 @@ namespace radiometry {
 
 using mtf::Field;
 using mtf::FieldInfo;
+using mtf::optional;
 using mtf::optional_row;
+using mtf::required;
 using mtf::required_row;
 
 /// A number, or the file of a curve in its place.
@@ -48,7 +50,7 @@ namespace radiometry {
 /// Calls visit(info, value) for every field.
 template <class T, class Visit>
 void for_each_field(T& object, Visit visit) {
-  std::apply([&](const auto&... field) { (visit(field.info, object.*field.member), ...); },
+  std::apply([&](const auto&... field) { (visit(field, object.*field.member), ...); },
              std::remove_const_t<T>::fields());
 }
 
@@ -85,7 +87,7 @@ void assign(T& member, const mtf::SettingValue& value) {
     member.name = std::get<std::string>(value);
   } else if constexpr (std::is_same_v<T, NumberOrFile>) {
     if (const auto* number = std::get_if<double>(&value))
-      member = {.number = *number, .file = {}};
+      member = {.number = *number};
     else
       member.file = std::get<std::string>(value);
   } else {

@@ -75,14 +75,8 @@ EdgePoint bend(const EdgeCurve& curve, double u_px, double s_px, double small_st
 }
 
 CurveFoot foot_near(const EdgeCurve& curve, double u_px, double s_px, double near_px, double small_step_px) {
-  switch (curve.shape) {
-    case EdgeCurve::Shape::polynomial:
-      return foot_on_polynomial(curve, s_px, u_px, near_px, small_step_px);
-    case EdgeCurve::Shape::circle:
-      return foot_on_circle(curve.curvature_per_px, s_px, u_px);
-    case EdgeCurve::Shape::line:
-      break;
-  }
+  if (curve.shape == EdgeCurve::Shape::polynomial) return foot_on_polynomial(curve, s_px, u_px, near_px, small_step_px);
+  if (curve.shape == EdgeCurve::Shape::circle) return foot_on_circle(curve.curvature_per_px, s_px, u_px);
   return {u_px, s_px, 0.0, 0.0};
 }
 

@@ -18,8 +18,7 @@ struct PixelLag {
   double correlation = 0.0, share = 1.0;
 };
 
-/// Values on the grid of the pixels, with a margin wide enough that no lag joins the end of a row to the start of
-/// another.
+/// Values on the grid of the pixels, with a margin so wide that no lag joins the end of a row to the next.
 class PixelGrid {
  public:
   static constexpr int kFarthest_px = 10;

@@ -6,7 +6,6 @@
 #include <cstring>
 #include <numeric>
 #include <utility>
-#include <vector>
 
 #include "calib/edge/exponential.h"
 #include "mtf/math/clones.h"

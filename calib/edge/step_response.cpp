@@ -94,7 +94,7 @@ SliceNodes slice_nodes(double top_cy_px, double range_px, std::span<const double
   ends.push_back(top_cy_px);
   std::sort(ends.begin(), ends.end());
 
-  SliceNodes nodes{.f_cy_px = {}, .weight = {}, .range_px = range_px};
+  SliceNodes nodes{.range_px = range_px};
   for (std::size_t piece = 1; piece < ends.size(); ++piece) {
     // Long pieces are cut so that each has a rule of moderate size.
     const double width = ends[piece] - ends[piece - 1];

@@ -19,8 +19,8 @@ namespace calib {
 
 /// Frequencies at which the OTF is asked for, rising, all above 0, and their weights for integrals over [0, top].
 struct SliceNodes {
-  std::vector<double> f_cy_px;
-  std::vector<double> weight;
+  std::vector<double> f_cy_px{};
+  std::vector<double> weight{};
   double range_px = 0.0;  ///< largest |d| of the table
 };
 

@@ -111,8 +111,7 @@ void leave_out_spikes(Cells& cells) {
   for (const std::size_t i : spikes) cells.value[i] = kNone;
 }
 
-/// Weighted mean of five neighbours, `step` elements apart, of those that are numbers; `at` of `count` is the middle
-/// one.
+/// Weighted mean of five neighbours, `step` elements apart, of those that are numbers; `at` is the middle one.
 float binomial_mean(const float* middle, std::int64_t at, std::int64_t count, std::int64_t step) {
   float sum = 0.0F, weight = 0.0F;
   for (std::int64_t k = std::max<std::int64_t>(-2, -at); k <= std::min<std::int64_t>(2, count - 1 - at); ++k) {

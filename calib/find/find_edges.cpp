@@ -141,8 +141,7 @@ std::vector<Piece> pieces_of(Search& search) {
   });
   keep_best();
   const auto strength = [](const Piece& p) { return p.segment.peak * std::sqrt(p.segment.length()); };
-  std::stable_sort(pieces.begin(), pieces.end(),
-                   [&](const Piece& a, const Piece& b) { return strength(a) > strength(b); });
+  std::ranges::stable_sort(pieces, [&](const Piece& a, const Piece& b) { return strength(a) > strength(b); });
   return pieces;
 }
 
@@ -212,8 +211,7 @@ FoundEdges find_edges(mtf::ImageView<const float> image, const FindOptions& opti
     if (place_regions(search, share, pieces)) return search.found;
 
   FoundEdges& found = search.found;
-  std::stable_sort(found.edges.begin(), found.edges.end(),
-                   [](const FoundEdge& a, const FoundEdge& b) { return a.score > b.score; });
+  std::ranges::stable_sort(found.edges, [](const FoundEdge& a, const FoundEdge& b) { return a.score > b.score; });
   if (found.edges.size() > options.most) {
     found.left_out = found.edges.size() - options.most;
     found.edges.resize(options.most);

@@ -31,8 +31,7 @@ struct FindOptions {
   std::size_t most = 64;        ///< regions returned
   double min_length_px = 20.0;  ///< of an edge
   double min_cnr = 8.0;         ///< contrast / noise of a pixel
-  /// Width of the region on each side of the edge, less where the sides are not free. 0 = the best score decides, up to
-  /// 64.
+  /// Width of the region on each side of the edge, less where the sides are not free. 0: the best score, up to 64.
   double half_width_px = 0.0;
   /// Pieces with a plateau on both sides that are held at a time: at most 100 MiB.
   std::size_t most_pieces = std::size_t{1} << 18;

@@ -9,8 +9,7 @@
 
 namespace calib {
 
-/// Pixels become NaN where the mask is 0 or NaN. Returns how many numbers are left. Throws UsageError when the sizes
-/// differ.
+/// Pixels become NaN where the mask is 0 or NaN. Returns how many are left. Throws UsageError when sizes differ.
 std::int64_t apply_mask(mtf::ImageView<float> image, mtf::ImageView<const float> mask);
 
 }  // namespace calib

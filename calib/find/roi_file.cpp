@@ -63,7 +63,7 @@ std::vector<NamedRoi> parse_roi_file(std::string_view text, const std::string& s
     const bool header = header_allowed && cells.size() > 1 && !io::cell_number(cells[0]) && !io::cell_number(cells[1]);
     header_allowed = false;
     if (header) continue;
-    NamedRoi region{.roi = {}, .name = {}, .line = line};
+    NamedRoi region{.line = line};
     std::string error;
     if (cells.size() != 4 && cells.size() != 5)
       error = std::to_string(cells.size()) + " values where 4 or 5 belong: x,y,width,height and a name";

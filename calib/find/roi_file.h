@@ -18,9 +18,9 @@
 namespace calib {
 
 struct NamedRoi {
-  Roi roi;
-  std::string name;  ///< "" when there is none
-  int line = 0;      ///< of the file, from 1
+  Roi roi{};
+  std::string name{};  ///< "" when there is none
+  int line = 0;        ///< of the file, from 1
 };
 
 /// "x,y,width,height". Throws UsageError.

@@ -246,8 +246,7 @@ FitResult fit_one(const FitData& data, std::span<const FitParameter> parameters,
   }
   if (result.status != FitStatus::converged && result.status != FitStatus::converged_model_wrong)
     withdraw_values(result);
-  // The system last: it shares its components with the sensors, which are not changed any more. Bounds at zero are
-  // meant exactly.
+  // The system last: it shares its components with the sensors, which stay as they are. Bounds at zero are exact.
   std::vector<double> values;
   for (const FittedParameter& p : result.parameters) values.push_back(p.value);
   setup.sensors->set(values);

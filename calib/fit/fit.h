@@ -132,10 +132,10 @@ struct FittedParameter {
 
 /// Parameters that have other values together at another minimum, which the data do not tell from the best fit.
 struct Alternative {
-  std::vector<std::size_t> parameters;  ///< those whose values differ
-  std::vector<double> values;
+  std::vector<std::size_t> parameters{};  ///< those whose values differ
+  std::vector<double> values{};
   double chi2_rise = 0.0;  ///< as of OtherValue
-  std::string text;        ///< in words
+  std::string text{};      ///< in words
 };
 
 /// The fit of a sensor that has one more unknown.

@@ -6,7 +6,6 @@
 #include <limits>
 #include <numbers>
 
-#include "calib/fit/fit_problem.h"
 #include "calib/fit/parameter_site.h"
 #include "mtf/error.h"
 

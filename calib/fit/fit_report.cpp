@@ -52,7 +52,7 @@ void identify(Solved& solved) {
   solved.identified = identify(solved.information.matrix, solved.reference);
   solved.variance_ratio.assign(solved.reference.size(), 1.0);
   const auto white = [](const Eigen::MatrixXd& scores) { return scores.size() == 0; };
-  if (std::all_of(solved.scores.begin(), solved.scores.end(), white)) return;
+  if (std::ranges::all_of(solved.scores, white)) return;
   const Eigen::MatrixXd &here = solved.identified.covariance,
                         least = identify(solved.information.independent, solved.reference).covariance;
   for (std::size_t i = 0; i < solved.variance_ratio.size(); ++i) {
@@ -130,40 +130,18 @@ std::vector<FittedParameter> fitted_parameters(const Solved& solved, std::span<c
     const auto index = static_cast<Eigen::Index>(i);
     const double x = problem.x[i], sd = std::sqrt(solved.identified.covariance(index, index));
     FittedParameter p{.parameter = parameters[i], .start = start[i]};
-    const bool at_zero = v.squared && x <= 1e-8;
-    p.value = at_zero ? 0.0 : v.value(x);
-    p.linear_sd = std::abs(sd * v.slope(x));
-    const bool near_lo = x - v.lo < sd, near_hi = v.hi - x < sd;
-    if (!solved.identified.determined[i]) {
-      p.knowledge = Knowledge::not_determined;
-    } else if (problem.priors[i] && p.linear_sd > 0.9 * (*problem.priors[i])[1]) {
-      p.knowledge = Knowledge::prior_only;
-      p.stderr_value = p.linear_sd;
-    } else if (near_lo || near_hi) {
-      // The minimum may press against the bound.
-      p.knowledge = Knowledge::at_bound;
-      double gradient = 0.0;
-      for (std::size_t b = 0; b < solved.normals.size(); ++b) {
-        const Eigen::MatrixXd& normal = solved.normals[b];
-        gradient += normal(static_cast<Eigen::Index>(problem.own[b].size()) + index, normal.cols() - 1) /
-                    trusted_noise(solved.noise_factor[b]);
-      }
-      if (problem.priors[i]) {
-        const auto [mean, width] = *problem.priors[i];
-        gradient += (v.value(x) - mean) / (width * width) * v.slope(x);
-      }
-      // Shared noise makes the profile lower by the ratio of the variances (J. T. Kent, Biometrika 69, 19 (1982)).
-      gradient /= solved.variance_ratio[i];
-      const BoundLimit limit = limit_at_bound(sd, near_lo ? gradient : -gradient);
-      p.limit95 = v.value(near_lo ? std::min(v.hi, x + limit.distance) : std::max(v.lo, x - limit.distance));
-      const double bound = near_lo ? v.lo : v.hi;
-      p.value = v.squared && bound <= 1e-8 ? 0.0 : v.value(bound);
-      p.limit_is_upper = *p.limit95 > p.value;
-      p.pressed_sd = limit.pressed_sd;
-    } else {
-      p.knowledge = Knowledge::determined;
-      p.stderr_value = p.linear_sd;
+    double gradient = 0.0;
+    for (std::size_t b = 0; b < solved.normals.size(); ++b) {
+      const Eigen::MatrixXd& normal = solved.normals[b];
+      gradient += normal(static_cast<Eigen::Index>(problem.own[b].size()) + index, normal.cols() - 1) /
+                  trusted_noise(solved.noise_factor[b]);
     }
+    if (problem.priors[i]) {
+      const auto [mean, width] = *problem.priors[i];
+      gradient += (v.value(x) - mean) / (width * width) * v.slope(x);
+    }
+    // Shared noise makes the profile lower by the ratio of the variances (J. T. Kent, Biometrika 69, 19 (1982)).
+    set_knowledge(p, v, x, sd, solved.identified.determined[i], problem.priors[i], gradient / solved.variance_ratio[i]);
     all.push_back(std::move(p));
   }
   return all;
@@ -182,14 +160,33 @@ double allowed_rise(double z, double from_bound_sd) {
   return 0.5 * (lo + hi);
 }
 
-BoundLimit limit_at_bound(double sd, double inward_gradient) {
-  const double pressed_sd = std::max(0.0, inward_gradient) * sd;
-  double lo = 0.0, hi = k95_sd;
-  for (int i = 0; i < 60; ++i) {
-    const double t = 0.5 * (lo + hi);
-    (std::sqrt(t * (t + 2.0 * pressed_sd)) < allowed_rise(k95_sd, t) ? lo : hi) = t;
+void set_knowledge(FittedParameter& p, const Variable& v, double x, double sd, bool determined,
+                   const std::optional<std::array<double, 2>>& prior, double gradient) {
+  const bool near_lo = x - v.lo < sd, near_hi = v.hi - x < sd;
+  const auto value = [&](double at) { return v.squared && at <= 1e-8 ? 0.0 : v.value(at); };
+  p.value = value(x);
+  p.linear_sd = std::abs(sd * v.slope(x));
+  if (!determined) {
+    p.knowledge = Knowledge::not_determined;
+  } else if (prior && p.linear_sd > 0.9 * (*prior)[1]) {
+    p.knowledge = Knowledge::prior_only;
+    p.stderr_value = p.linear_sd;
+  } else if (near_lo || near_hi) {
+    p.knowledge = Knowledge::at_bound;
+    p.pressed_sd = std::max(0.0, near_lo ? gradient : -gradient) * sd;  // the minimum may press against the bound
+    double lo = 0.0, hi = k95_sd;
+    for (int i = 0; i < 60; ++i) {
+      const double t = 0.5 * (lo + hi);
+      (std::sqrt(t * (t + 2.0 * p.pressed_sd)) < allowed_rise(k95_sd, t) ? lo : hi) = t;
+    }
+    const double distance = 0.5 * (lo + hi) * sd;
+    p.value = value(near_lo ? v.lo : v.hi);
+    p.limit95 = v.value(near_lo ? std::min(v.hi, x + distance) : std::max(v.lo, x - distance));
+    p.limit_is_upper = *p.limit95 > p.value;
+  } else {
+    p.knowledge = Knowledge::determined;
+    p.stderr_value = p.linear_sd;
   }
-  return {0.5 * (lo + hi) * sd, pressed_sd};
 }
 
 std::vector<std::vector<double>> correlations_of(const Eigen::MatrixXd& c) {
@@ -214,8 +211,7 @@ std::vector<std::vector<double>> correlations(const Solved& solved) {
   return all;
 }
 
-// Weak directions in words: which parameters they combine, what is known of these all the same, and what would separate
-// them.
+// Weak directions in words: which parameters they combine, what is known of these, and what would separate them.
 
 namespace {
 
@@ -286,8 +282,7 @@ std::optional<Estimate> combined_moment(FitProblem& problem, const Solved& solve
   problem.x = x;
   problem.apply();
   for (Eigen::Index i = 0; i < moment.gradient.size(); ++i)
-    if (std::find(members.begin(), members.end(), static_cast<std::size_t>(i)) == members.end())
-      moment.gradient[i] = 0.0;
+    if (std::ranges::find(members, static_cast<std::size_t>(i)) == members.end()) moment.gradient[i] = 0.0;
   const Estimate estimate{moment.value, sd_of(solved, moment)};
   return allowed && estimate.sd < 0.3 * std::abs(estimate.value) ? std::optional(estimate) : std::nullopt;
 }
@@ -312,8 +307,7 @@ std::vector<NullDirection> null_directions(FitProblem& problem, const Solved& so
   for (const WeakDirection& weak : solved.identified.weak) {
     const auto lead = static_cast<Eigen::Index>(weak.members.front());
     const bool helped = single && !solved.normals_rad.empty() &&
-                        std::all_of(weak.members.begin(), weak.members.end(),
-                                    [&](std::size_t i) { return with_across.determined[i]; }) &&
+                        std::ranges::all_of(weak.members, [&](std::size_t i) { return with_across.determined[i]; }) &&
                         with_across.covariance(lead, lead) < 0.25 * with_same.covariance(lead, lead);
     std::vector<std::string> names;
     for (const std::size_t i : weak.members)

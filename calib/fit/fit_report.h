@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// The results of a finished fit: errors, limits, what is not separable and its description, the fitted MTF with its
-// band.
+// The results of a finished fit: errors, limits, what is not separable, in words, the fitted MTF with its band.
 
 #include "calib/fit/confidence/identifiability.h"
 #include "calib/fit/confidence/residual_tests.h"
@@ -92,14 +91,12 @@ std::vector<NullDirection> null_directions(FitProblem& problem, const Solved& so
 std::vector<FittedParameter> fitted_parameters(const Solved& solved, std::span<const FitParameter> parameters,
                                                std::span<const double> start);
 
-/// Where a variable is at its bound or within one sd of it: the distance from it of the far end of the 95 % interval
-/// that begins there, and how many sd beyond the bound the minimum lies. The gradient of chi-square / 2 into the
-/// allowed range, the other variables at their best, is the first term of the profile g t + t^2 / (2 sd^2), which is at
-/// the 95 % point (allowed_rise) at t.
-struct BoundLimit {
-  double distance = 0.0, pressed_sd = 0.0;
-};
-BoundLimit limit_at_bound(double sd, double inward_gradient);
+/// Value, error or limit, and what is known of a parameter, from its variable x at the solution. Where that is at its
+/// bound or within one sd of it, the 95 % interval begins there: the gradient of chi-square / 2 by x, the other
+/// variables at their best, is the first term of the profile g t + t^2 / (2 sd^2), which is at the 95 % point
+/// (allowed_rise) at the distance t from the bound.
+void set_knowledge(FittedParameter& parameter, const Variable& variable, double x, double sd, bool determined,
+                   const std::optional<std::array<double, 2>>& prior, double gradient);
 
 /// Of variables; NaN where nothing depends on one.
 std::vector<std::vector<double>> correlations_of(const Eigen::MatrixXd& covariance);

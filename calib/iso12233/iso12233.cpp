@@ -160,10 +160,9 @@ Iso12233Result measure_iso12233(mtf::ImageView<const float> image, const Roi& ro
     result.warnings.push_back(
         text("rows lie %.1f px rms from the fitted edge, above 3 px: noise, or not one smooth edge", fit.rms_px));
   if (profile.empty_bins > 0)
-    result.warnings.push_back(
-        text("%.0f of %.0f bins had no pixel and were filled from their neighbours: the edge's angle "
-             "repeats its phases",
-             static_cast<double>(profile.empty_bins), static_cast<double>(profile.esf.size())));
+    result.warnings.push_back(text(
+        "%.0f of %.0f bins had no pixel and were filled from their neighbours: the edge's angle repeats its phases",
+        static_cast<double>(profile.empty_bins), static_cast<double>(profile.esf.size())));
   result.esf = std::move(profile.esf);
   return result;
 }

@@ -47,6 +47,48 @@ double difference_correction(std::size_t k, std::size_t samples) {
   return std::min(std::abs(x / std::sin(x)), kMaxCorrection);
 }
 
+/// The Tukey window over a row's differences never falls below this, so that an edge far from the first guess counts.
+constexpr double kWindowFloor = 0.05;
+
+std::vector<double> edge_window(std::int64_t n, double centre, bool tukey) {
+  if (!tukey) return hamming_window(n, centre);
+  std::vector<double> window = tukey_window(n, centre);
+  for (double& w : window) w = (1.0 - kWindowFloor) * w + kWindowFloor;
+  return window;
+}
+
+/// Differences of neighbours in a row. The reference repeats the second and the last but one at the ends.
+void differences(const Region& region, std::int64_t row, std::vector<double>& d) {
+  const std::size_t n = d.size();
+  for (std::size_t i = 0; i + 1 < n; ++i) {
+    const auto column = static_cast<std::int64_t>(i);
+    d[i] = region.at(row, column + 1) - region.at(row, column);
+  }
+  d[0] = d[1];
+  d[n - 1] = d[n - 2];
+}
+
+double centroid(const std::vector<double>& d, const std::vector<double>& window) {
+  double sum = 0.0, moment = 0.0;
+  for (std::size_t i = 0; i < d.size(); ++i) {
+    sum += window[i] * d[i];
+    moment += window[i] * d[i] * static_cast<double>(i);
+  }
+  return moment / sum + 0.5;
+}
+
+double mean_of_row(const Region& region, std::int64_t row) {
+  double sum = 0.0;
+  for (std::int64_t i = 0; i < region.columns(); ++i) sum += region.at(row, i);
+  return sum / static_cast<double>(region.columns());
+}
+
+double mean_of_column(const Region& region, std::int64_t column) {
+  double sum = 0.0;
+  for (std::int64_t i = 0; i < region.rows(); ++i) sum += region.at(i, column);
+  return sum / static_cast<double>(region.rows());
+}
+
 }  // namespace
 
 std::int64_t whole_cycles(std::int64_t rows, double slope) {
@@ -124,52 +166,6 @@ std::vector<double> response(const std::vector<double>& esf, bool tukey) {
   for (double& value : sfr) value /= total;
   return sfr;
 }
-
-namespace {
-
-/// The Tukey window over a row's differences never falls below this, so that an edge far from the first guess counts.
-constexpr double kWindowFloor = 0.05;
-
-std::vector<double> edge_window(std::int64_t n, double centre, bool tukey) {
-  if (!tukey) return hamming_window(n, centre);
-  std::vector<double> window = tukey_window(n, centre);
-  for (double& w : window) w = (1.0 - kWindowFloor) * w + kWindowFloor;
-  return window;
-}
-
-/// Differences of neighbours in a row. The reference repeats the second and the last but one at the ends.
-void differences(const Region& region, std::int64_t row, std::vector<double>& d) {
-  const std::size_t n = d.size();
-  for (std::size_t i = 0; i + 1 < n; ++i) {
-    const auto column = static_cast<std::int64_t>(i);
-    d[i] = region.at(row, column + 1) - region.at(row, column);
-  }
-  d[0] = d[1];
-  d[n - 1] = d[n - 2];
-}
-
-double centroid(const std::vector<double>& d, const std::vector<double>& window) {
-  double sum = 0.0, moment = 0.0;
-  for (std::size_t i = 0; i < d.size(); ++i) {
-    sum += window[i] * d[i];
-    moment += window[i] * d[i] * static_cast<double>(i);
-  }
-  return moment / sum + 0.5;
-}
-
-double mean_of_row(const Region& region, std::int64_t row) {
-  double sum = 0.0;
-  for (std::int64_t i = 0; i < region.columns(); ++i) sum += region.at(row, i);
-  return sum / static_cast<double>(region.columns());
-}
-
-double mean_of_column(const Region& region, std::int64_t column) {
-  double sum = 0.0;
-  for (std::int64_t i = 0; i < region.rows(); ++i) sum += region.at(i, column);
-  return sum / static_cast<double>(region.rows());
-}
-
-}  // namespace
 
 std::vector<double> tukey_window(std::int64_t n, double centre) {
   const double count = static_cast<double>(n);

@@ -78,8 +78,7 @@ Basis::Basis(const StepProfile& profile, double contrast, const Unknowns& unknow
 
 const BinRow& Basis::row(int a) const {
   if (a >= kFirstShape) return profile_.slope(static_cast<std::size_t>(a - kFirstShape));
-  // The response is made of the reference and its changes; what turns, bends or shades the edge acts on the step as it
-  // is.
+  // The response is made of the reference and its changes; what turns, bends or shades the edge acts on the step.
   if (a >= kFirstShift) return a == kFirstShift ? profile_.reference_lsf() : profile_.lsf();
   if (a < 2) return a == 0 ? reference_dark_ : profile_.reference_esf();
   return (a % 2 == 0 ? dark_ : bright_)[static_cast<std::size_t>(plateau_powers(a).d)];

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "calib/measure/edge_facts.h"
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>

@@ -9,8 +9,7 @@
 
 namespace calib {
 
-/// Fills the curves and the figures from mtf10 to sampling_efficiency; those that cannot be determined are named in
-/// `absent`.
+/// Fills the curves and the figures from mtf10 to sampling_efficiency; `absent` names what cannot be determined.
 void describe(const EdgeResponse& response, EdgeMeasurement& measurement);
 
 /// Adds the difference from the result of another shape that fits as well to the standard deviations.

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "calib/measure/edge_noise.h"
 
-#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <numeric>

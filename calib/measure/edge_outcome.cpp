@@ -25,9 +25,9 @@ Outcome judge_region(const RegionFacts& facts, const Roi& roi, const MeasureOpti
     return {Trouble::no_data, "only " + std::to_string(facts.finite) + " of " + std::to_string(roi.width * roi.height) +
                                   " pixels hold data: take a larger region or one outside the mask"};
   if (static_cast<double>(facts.clipped) > kClippedShare * static_cast<double>(facts.finite))
-    return {Trouble::clipped, number(100.0 * static_cast<double>(facts.clipped) / static_cast<double>(facts.finite)) +
-                                  " % of the pixels are clipped: expose so that both sides stay between the floor and "
-                                  "the saturation"};
+    return {Trouble::clipped,
+            number(100.0 * static_cast<double>(facts.clipped) / static_cast<double>(facts.finite)) +
+                " % of the pixels are clipped: expose so that both sides stay between the floor and the saturation"};
   if (facts.finite - facts.clipped < kFewestPixels)
     return {Trouble::no_data, "too few pixels between the floor and the saturation: take a larger region"};
   if (!(facts.high - facts.low > options.quantum))
@@ -41,8 +41,7 @@ Outcome judge_edge(const EdgeFacts& facts) {
     return {Trouble::no_edge,
             "the contrast of the best line is " + number(std::max(0.0, cnr)) +
                 " times the noise of a pixel, at least " + number(kLeastCnr) +
-                " is needed: average frames, or choose an edge of more contrast, straight and alone in "
-                "its region"};
+                " is needed: average frames, or choose an edge of more contrast, straight and alone in its region"};
   if (facts.significance < kLeastSignificance)
     return {Trouble::no_edge, "the contrast of the best line is " + number(facts.significance) +
                                   " times its own standard deviation, at least " + number(kLeastSignificance) +
@@ -54,9 +53,9 @@ Outcome judge_edge(const EdgeFacts& facts) {
   const char* side = facts.extent_dark_px < facts.extent_bright_px ? "dark" : "bright";
   const double needed = std::max(2.0, 1.25 * facts.width_px);
   if (facts.width_px > 48.0 || facts.width_px > 0.7 * (facts.extent_dark_px + facts.extent_bright_px))
-    return {Trouble::no_edge,
-            "the region holds a ramp rather than an edge between two plateaus: take a larger region, or "
-            "one on an edge"};
+    return {
+        Trouble::no_edge,
+        "the region holds a ramp rather than an edge between two plateaus: take a larger region, or one on an edge"};
   if (shorter < needed)
     return {Trouble::off_region, "only " + number(shorter) + " px of the " + side + " side are inside the region, " +
                                      number(needed) + " are needed for its plateau: centre the region on the edge"};
@@ -69,14 +68,13 @@ Outcome judge_structure(const EdgeFacts& facts) {
                                         number(100.0 * structure_share(facts)) +
                                         " % of its contrast: draw the region around one edge"};
   if (structure_share(facts) > kStructure)
-    return {Trouble::contaminated,
-            "structure of " + number(100.0 * structure_share(facts)) +
-                " % of the contrast lies beside the edge, or the edge is bent more than its curve can be: narrow the "
-                "region to even sides, or allow a higher order"};
+    return {Trouble::contaminated, "structure of " + number(100.0 * structure_share(facts)) +
+                                       " % of the contrast lies beside the edge, or the edge is bent more than its "
+                                       "curve can be: narrow the region to even sides, or allow a higher order"};
   if (facts.bright_is_flat)
     return {Trouble::clipped,
-            "many pixels of the bright side have the largest value of all while the dark side has "
-            "noise, as saturated sides do: expose so that both sides stay below the saturation"};
+            "many pixels of the bright side have the largest value of all while the dark side has noise, as saturated "
+            "sides do: expose so that both sides stay below the saturation"};
   if (facts.dark_is_flat)
     return {Trouble::clipped,
             "many pixels of the dark side have the smallest value of all while the bright side has noise, as sides at "
@@ -97,8 +95,8 @@ Outcome judge_response(const EdgeMeasurement& out) {
                                              " distances a pixel occur, too few for so sharp an edge (" + what +
                                              "): tilt the edge by 2 to 10 degrees or take a longer one"};
     return Outcome{Trouble::contaminated, what +
-                                              ": a ridge, a glow or another edge is in the region, not a step "
-                                              "between two plateaus; draw the region around one edge"};
+                                              ": a ridge, a glow or another edge is in the region, not a step between "
+                                              "two plateaus; draw the region around one edge"};
   };
   for (std::size_t i = 0; i < out.mtf.size(); ++i) {
     if (!std::isfinite(out.mtf[i]) || !std::isfinite(out.mtf_sd[i]))
@@ -126,9 +124,9 @@ std::vector<std::string> warnings_of(const EdgeFacts& facts, const EdgeMeasureme
     warnings.push_back("the sides are uneven by " + number(100.0 * structure_share(facts)) +
                        " % of the contrast: the MTF below 0.1 cycles per pixel may be off by as much");
   if (facts.oversampling < 4.0)
-    warnings.push_back("the edge runs so close to the pixels' grid that only " + number(facts.oversampling) +
-                       " distances a pixel occur: fine structure of the MTF cannot be seen, tilt the edge by 2 to 10 "
-                       "degrees");
+    warnings.push_back(
+        "the edge runs so close to the pixels' grid that only " + number(facts.oversampling) +
+        " distances a pixel occur: fine structure of the MTF cannot be seen, tilt the edge by 2 to 10 degrees");
   constexpr double kVisibleMisfit = 3e-3;  // of the contrast
   constexpr double kLikely = 0.5, kPossible = 0.2, kCertain = 0.95;
   constexpr double kShown = 0.99;  // before the pixels are seen, far light has the probability 0.9
@@ -137,19 +135,17 @@ std::vector<std::string> warnings_of(const EdgeFacts& facts, const EdgeMeasureme
                        " times further from the model than their noise: something else is in the region");
   const double shorter = std::min(facts.extent_dark_px, facts.extent_bright_px);
   if (facts.short_sides())
-    warnings.push_back(
-        "only " + number(shorter) +
-        " px of one side are inside the region: tails of the blur may count as its plateau, and the intervals "
-        "allow for tails of other sizes");
+    warnings.push_back("only " + number(shorter) +
+                       " px of one side are inside the region: tails of the blur may count as its plateau, and the "
+                       "intervals allow for tails of other sizes");
   if (facts.large_errors)
     warnings.push_back("the contrast is only " + number(out.cnr) +
                        " times the noise of a pixel: the MTF is not linear in errors so large, and the intervals allow "
                        "for a sharper edge; average frames");
   if (facts.neighbour_px > 0.0)
-    warnings.push_back(
-        "another edge or other structure lies " + mtf::fixed(facts.neighbour_px, 0) +
-        " px away, beside the region: the tail of its diffraction is part of the model, and sides that end before "
-        "it make the intervals wider");
+    warnings.push_back("another edge or other structure lies " + mtf::fixed(facts.neighbour_px, 0) +
+                       " px away, beside the region: the tail of its diffraction is part of the model, and sides that "
+                       "end before it make the intervals wider");
   if (facts.unclear_diffraction)
     warnings.emplace_back(
         "the noise hides how much of the blur is diffraction, which lowers the MTF at low frequencies: the intervals "
@@ -163,13 +159,12 @@ std::vector<std::string> warnings_of(const EdgeFacts& facts, const EdgeMeasureme
   if (facts.curvature > kLikely)
     warnings.emplace_back(
         "the sides change nonlinearly with the distance from the edge, as under uneven light, which is taken out");
-  const std::string held =
-      facts.far_reach_px > shorter
-          ? "the intervals allow for what is scattered over " + mtf::fixed(shorter, 0) +
-                " px, as far as the shorter side extends; those of all but FWHM do not cover what is scattered "
-                "further, for which take at least " +
-                number(facts.far_reach_px) + " px on each side"
-          : "the intervals allow for it, take a larger region or average frames for narrower ones";
+  const std::string held = facts.far_reach_px > shorter
+                               ? "the intervals allow for what is scattered over " + mtf::fixed(shorter, 0) +
+                                     " px, as far as the shorter side extends; those of all but FWHM do not cover what "
+                                     "is scattered further, for which take at least " +
+                                     number(facts.far_reach_px) + " px on each side"
+                               : "the intervals allow for it, take a larger region or average frames for narrower ones";
   if (facts.far_light > kShown)
     warnings.push_back(
         "the sides approach their plateaus slowly, as where light is scattered far, which is part of the MTF: " + held);
@@ -180,20 +175,21 @@ std::vector<std::string> warnings_of(const EdgeFacts& facts, const EdgeMeasureme
         "light that is scattered far and a gradient of the illumination cannot be told apart in this region: the "
         "intervals allow for either, take a wider region for narrower ones");
   if (facts.stripes > 0.0)
-    warnings.push_back(
-        "the columns or rows of the image have offsets of their own, of " + number(100.0 * facts.stripes, 2) +
-        " % of the noise of a pixel, as fixed-pattern noise is: the intervals are wider by that; correct "
-        "the offsets for narrower ones");
+    warnings.push_back("the columns or rows of the image have offsets of their own, of " +
+                       number(100.0 * facts.stripes, 2) +
+                       " % of the noise of a pixel, as fixed-pattern noise is: the intervals are wider by that; "
+                       "correct the offsets for narrower ones");
   if (out.ends_abruptly) warnings.emplace_back(kEndsAbruptly);
   const double finite = std::max(1.0, static_cast<double>(out.roi.width * out.roi.height - out.missing));
   const auto percent = [&](double count) { return number(100.0 * count / finite, 2) + " %"; };
   if (facts.outliers > 0)
-    warnings.push_back(std::to_string(facts.outliers) +
-                       (facts.outliers == 1 ? " pixel far from the others at its distance from the edge, as a hot or "
-                                              "dead one is, is left out ("
-                                            : " pixels far from the others at their distances from the edge, as hot "
-                                              "and dead ones are, are left out (") +
-                       percent(static_cast<double>(facts.outliers)) + ")");
+    warnings.push_back(
+        std::to_string(facts.outliers) +
+        (facts.outliers == 1
+             ? " pixel far from the others at its distance from the edge, as a hot or dead one is, is left out ("
+             : " pixels far from the others at their distances from the edge, as hot and dead ones are, are left out "
+               "(") +
+        percent(static_cast<double>(facts.outliers)) + ")");
   if (out.missing > 0 && !sparse)
     warnings.push_back(std::to_string(out.missing) + (out.missing == 1 ? " pixel is" : " pixels are") +
                        " no number or infinite and left out");

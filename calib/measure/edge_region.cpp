@@ -8,7 +8,6 @@
 #include <utility>
 #include <vector>
 
-#include "calib/edge/edge_pixels.h"
 #include "calib/measure/edge_facts.h"
 #include "calib/measure/edge_start.h"
 #include "calib/measure/edge_terms.h"

@@ -57,8 +57,7 @@ void add_lines(const PixelGrid& grid, int rings, NoiseCorrelation& noise) {
   }
 }
 
-/// The correlation of the residuals of a fitted model; without lags where the noise is that of independent pixels, or
-/// rounding.
+/// The correlation of the residuals of a fitted model; without lags for independent pixels, or rounding.
 NoiseCorrelation noise_correlation(const EdgePixels& pixels, const EdgeModel& model, const FitState& state,
                                    const Rounding& rounding) {
   const bool rounded = state.noise.dark < kRoundsAlike_steps2 * rounding.dark * rounding.dark ||
@@ -186,7 +185,7 @@ CorrectedFit correct(const EdgePixels& pixels, EdgeFit fit, const EdgeFacts& fac
     return solve_jointly(at.state, at.model, free, facts.few_distances() ? Detail::none : detail, facts.width_px,
                          extent_px);
   };
-  CorrectedFit best{.fit = std::move(fit), .joint = {}};
+  CorrectedFit best{.fit = std::move(fit)};
   best.fit.state = evaluate(pixels, best.fit.model, settings);
   best.joint = solve(best.fit, Detail::coarse);
   StepProfile reference = best.fit.state.profile;

@@ -10,8 +10,7 @@
 
 namespace calib {
 
-/// The reference step plus the joint fit's changes of shape and its splines, less what moving the model by `taken`
-/// does.
+/// The reference step plus the joint fit's changes of shape and its splines, less what moving by `taken` does.
 StepProfile corrected_profile(const StepProfile& reference, const JointFit& joint, const Vector& taken);
 
 /// The state of the model moved by the joint fit, in plateaus, geometry and shape: residuals and noise are those about
@@ -26,7 +25,7 @@ Vector movement(const JointFit& joint, double shift_px);
 /// A fit with the correction of its edge spread function.
 struct CorrectedFit {
   EdgeFit fit;
-  JointFit joint;
+  JointFit joint{};
   /// Variance of the pixels about the model, half way up the step.
   double misfit() const { return joint.chi2_per_dof * fit.state.noise.at(0.5); }
 };

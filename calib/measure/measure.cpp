@@ -107,25 +107,10 @@ EdgeMeasurement refused(EdgeMeasurement known, const Outcome& outcome) {
 }  // namespace
 
 std::string_view trouble_name(Trouble trouble) {
-  switch (trouble) {
-    case Trouble::none:
-      return "none";
-    case Trouble::no_data:
-      return "no_data";
-    case Trouble::no_edge:
-      return "no_edge";
-    case Trouble::several_edges:
-      return "several_edges";
-    case Trouble::too_short:
-      return "too_short";
-    case Trouble::off_region:
-      return "off_region";
-    case Trouble::clipped:
-      return "clipped";
-    case Trouble::contaminated:
-      return "contaminated";
-  }
-  return "unknown";
+  constexpr std::array kNames{"none",      "no_data",    "no_edge", "several_edges",
+                              "too_short", "off_region", "clipped", "contaminated"};
+  static_assert(kNames.size() == static_cast<std::size_t>(Trouble::contaminated) + 1);
+  return kNames[static_cast<std::size_t>(trouble)];
 }
 
 EdgeMeasurement measure_edge(mtf::ImageView<const float> image, const Roi& roi, const MeasureOptions& options) {

@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "calib/edge/median.h"
-#include "calib/measure/edge_fit.h"
 #include "mtf/work/stop.h"
 
 namespace calib {
@@ -127,8 +126,7 @@ std::size_t remove_outliers(EdgePixels& pixels, const EdgeModel& model, const Fi
   return removed;
 }
 
-// The shape that the fit begins with: half of the Gaussian's variance becomes a footprint, some of the rest
-// diffraction.
+// The shape that the fit begins with: half of the Gaussian's variance as a footprint, some as diffraction.
 void split_blur(ReferenceShape& shape) {
   const double variance = shape.v_px2;
   shape.q_px2 = std::min(1.0, 6.0 * variance);
@@ -165,7 +163,7 @@ EdgeFit fit_edge(const EdgePixels& pixels, EdgeModel start, FitSettings settings
                  double extent_px) {
   constexpr std::size_t kSome = 2000;
   const std::size_t step = step_for(pixels, kSome);
-  EdgeFit fit{.model = std::move(start), .state = {}, .unknowns = basic_unknowns(), .diffraction = {}};
+  EdgeFit fit{.model = std::move(start), .unknowns = basic_unknowns()};
   split_blur(fit.model.shape);
   const auto refine = [&](std::size_t every, int max_iterations, double tolerance) {
     settings.unknowns = fit.unknowns;

@@ -15,7 +15,7 @@ namespace calib {
 
 struct EdgeFit {
   EdgeModel model;
-  FitState state;  ///< of all pixels, at the model
+  FitState state{};  ///< of all pixels, at the model
   Unknowns unknowns;
   Diffraction diffraction = Diffraction::absent;
 };

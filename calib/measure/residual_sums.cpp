@@ -2,13 +2,10 @@
 #include "calib/measure/residual_sums.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstdint>
 #include <cstring>
 #include <span>
 
-#include "calib/edge/edge_curve.h"
 #include "mtf/math/clones.h"
 #include "mtf/work/stop.h"
 

@@ -6,8 +6,6 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
-#include <optional>
-#include <vector>
 
 #include "calib/dense.h"
 #include "calib/fit/confidence/identifiability.h"
@@ -207,7 +205,7 @@ SeriesMinimum minimise(SeriesProblem& problem) {
       changed = changed || pressed != held[i];
       held[i] = pressed;
     }
-    if (std::all_of(held.begin(), held.end(), [](bool one) { return one; }))
+    if (std::ranges::all_of(held, [](bool one) { return one; }))
       minimum.converged = true;
     else if (changed || !minimum.converged)
       continue;
@@ -412,30 +410,10 @@ std::vector<FittedParameter> parameters_of(const SeriesProblem& problem, const J
   std::vector<FittedParameter> all;
   for (std::size_t i = 0; i < parameters.size(); ++i) {
     const auto index = static_cast<Eigen::Index>(i);
-    const double scale = problem.scale[i], x = problem.x[i];
-    const double sd = std::sqrt(judged.identified.covariance(index, index));
     FittedParameter p{.parameter = parameters[i].parameter, .start = parameters[i].start};
-    p.value = scale * x;
-    p.linear_sd = scale * sd;
-    const bool near_lo = x - problem.lo[i] < sd, near_hi = problem.hi[i] - x < sd;
-    if (!judged.identified.determined[i]) {
-      p.knowledge = Knowledge::not_determined;
-    } else if (problem.prior[i] && p.linear_sd > 0.9 * (*problem.prior[i])[1]) {
-      p.knowledge = Knowledge::prior_only;
-      p.stderr_value = p.linear_sd;
-    } else if (near_lo || near_hi) {
-      p.knowledge = Knowledge::at_bound;
-      const double g = judged.gradient[index] / judged.ratio[i];
-      const BoundLimit limit = limit_at_bound(sd, near_lo ? g : -g);
-      p.limit95 =
-          scale * (near_lo ? std::min(problem.hi[i], x + limit.distance) : std::max(problem.lo[i], x - limit.distance));
-      p.value = scale * (near_lo ? problem.lo[i] : problem.hi[i]);
-      p.limit_is_upper = near_lo;
-      p.pressed_sd = limit.pressed_sd;
-    } else {
-      p.knowledge = Knowledge::determined;
-      p.stderr_value = p.linear_sd;
-    }
+    set_knowledge(p, {.step = problem.scale[i], .lo = problem.lo[i], .hi = problem.hi[i]}, problem.x[i],
+                  std::sqrt(judged.identified.covariance(index, index)), judged.identified.determined[i],
+                  problem.prior[i], judged.gradient[index] / judged.ratio[i]);
     all.push_back(std::move(p));
   }
   return all;
@@ -465,8 +443,7 @@ SeriesFit fit_series(const Series& series, std::span<const SeriesParameter> para
   if (fit.before.model.empty()) throw mtf::UsageError("fit: the model cannot be solved at the starting values");
   std::optional<Judged> judged;
   // A prior counts against what the data know, which correlated residuals lessen.
-  const bool priors =
-      std::any_of(problem.prior.begin(), problem.prior.end(), [](const auto& p) { return p.has_value(); });
+  const bool priors = std::ranges::any_of(problem.prior, [](const auto& p) { return p.has_value(); });
   for (int round = 0; round < (priors ? 3 : 1); ++round) {
     if (round > 0) problem.weight *= std::sqrt((1.0 - judged->noise.phi) / (1.0 + judged->noise.phi));
     const SeriesMinimum minimum = minimise(problem);

@@ -29,19 +29,15 @@ struct AcceleratedMotion {
 
   static constexpr auto fields() {
     return std::tuple{
-        Field{excluding("rate", optional_row("velocity", Dimension::velocity, "um/s", 0.0, 1e15, "\"0.5 mm/s\"",
-                                             "image velocity at the focal plane at mid exposure")),
-              &AcceleratedMotion::velocity_um_s},
-        Field{optional_row("acceleration", Dimension::acceleration, "um/s^2", -1e15, 1e15, "\"60 mm/s^2\"",
-                           "image acceleration at the focal plane, with velocity; 0 when absent"),
-              &AcceleratedMotion::acceleration_um_s2},
-        Field{excluding("velocity", optional_row("rate", Dimension::rate, "urad/s", 0.0, 1e15, "\"5 mrad/s\"",
-                                                 "object angle per second at mid exposure, instead of velocity")),
-              &AcceleratedMotion::rate_urad_s},
-        Field{optional_row("angular_acceleration", Dimension::angular_acceleration, "urad/s^2", -1e15, 1e15,
-                           "\"600 mrad/s^2\"", "object angle per second squared, with rate; 0 when absent"),
-              &AcceleratedMotion::angular_acceleration_urad_s2},
-        Field{kDirectionInfo, &AcceleratedMotion::direction_deg}};
+        excluding("rate", optional(&AcceleratedMotion::velocity_um_s, "velocity", "um/s", 0.0, 1e15, "\"0.5 mm/s\"",
+                                   "image velocity at the focal plane at mid exposure")),
+        optional(&AcceleratedMotion::acceleration_um_s2, "acceleration", "um/s^2", -1e15, 1e15, "\"60 mm/s^2\"",
+                 "image acceleration at the focal plane, with velocity; 0 when absent"),
+        excluding("velocity", optional(&AcceleratedMotion::rate_urad_s, "rate", "urad/s", 0.0, 1e15, "\"5 mrad/s\"",
+                                       "object angle per second at mid exposure, instead of velocity")),
+        optional(&AcceleratedMotion::angular_acceleration_urad_s2, "angular_acceleration", "urad/s^2", -1e15, 1e15,
+                 "\"600 mrad/s^2\"", "object angle per second squared, with rate; 0 when absent"),
+        Field{&AcceleratedMotion::direction_deg, kDirectionInfo}};
   }
   /// v t and a t^2/2, mm.
   struct Lengths {
@@ -67,7 +63,6 @@ struct AcceleratedMotion {
     return {lift({h.value.re, h.by_d.re}, d) + lift({0.0, h.by_b.re}, b),
             lift({h.value.im, h.by_d.im}, d) + lift({0.0, h.by_b.im}, b)};
   }
-  double cutoff_cy_mm(const Context<S>&) const { return kInfinity; }
   /// That of sinc(d), and |h(d, b) - sinc(d)| <= mean of 2 pi b s^2 = pi b/6.
   double deviation(double fx, double fy, const Context<S>& ctx) const {
     const auto [cosine, sine] = unit_vector(direction_deg.value);

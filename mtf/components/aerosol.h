@@ -35,21 +35,16 @@ struct Aerosol {
   OptionalIn<S, micrometres> wavelength_um{};
 
   static constexpr auto fields() {
-    return std::tuple{
-        Field{optional_row("scattering", 0.0, 1e3, "0.1",
-                           "scattering coefficient per km, a plain number; else that of [atmosphere]"),
-              &Aerosol::scattering_1_km},
-        Field{optional_row("path_length", Dimension::length, "km", 0.0, 1e6, "\"5 km\"",
-                           "length of the path; else that of [atmosphere]"),
-              &Aerosol::path_length_km},
-        Field{optional_row("mode", "\"blur\"", "contrast (a veil) or blur (a halo)"), &Aerosol::mode},
-        Field{excluding("particle_radius", optional_row("cutoff", Dimension::frequency, "", 1e-9, 1e9, "\"2 cy/mrad\"",
-                                                        "blur: frequency uc from which the loss is constant")),
-              &Aerosol::cutoff},
-        Field{excluding("cutoff", optional_row("particle_radius", Dimension::length, "um", 1e-3, 1e5, "\"100 um\"",
-                                               "blur: uc = radius / wavelength, instead of cutoff")),
-              &Aerosol::particle_radius_um},
-        Field{kWavelengthInfo, &Aerosol::wavelength_um}};
+    return std::tuple{optional(&Aerosol::scattering_1_km, "scattering", 0.0, 1e3, "0.1",
+                               "scattering coefficient per km, a plain number; else that of [atmosphere]"),
+                      optional(&Aerosol::path_length_km, "path_length", "km", 0.0, 1e6, "\"5 km\"",
+                               "length of the path; else that of [atmosphere]"),
+                      optional(&Aerosol::mode, "mode", "\"blur\"", "contrast (a veil) or blur (a halo)"),
+                      excluding("particle_radius", optional(&Aerosol::cutoff, "cutoff", 1e-9, 1e9, "\"2 cy/mrad\"",
+                                                            "blur: frequency uc from which the loss is constant")),
+                      excluding("cutoff", optional(&Aerosol::particle_radius_um, "particle_radius", "um", 1e-3, 1e5,
+                                                   "\"100 um\"", "blur: uc = radius / wavelength, instead of cutoff")),
+                      Field{&Aerosol::wavelength_um, kWavelengthInfo}};
   }
   bool is_blur() const { return mode.index == 1; }
   /// s R.
@@ -86,7 +81,6 @@ struct Aerosol {
     const double h = std::exp(-value_of(depth) * r * r);
     return {lift({h, -r * r * h}, depth) + lift({0.0, -2.0 * value_of(depth) * r * h}, u), S(0)};
   }
-  double cutoff_cy_mm(const Context<S>&) const { return kInfinity; }
   /// Of a blur by the size of particles where its loss begins to be constant.
   std::vector<double> kinks_cy_mm(const Context<S>& ctx) const {
     if (!is_blur() || cutoff.unit != nullptr) return {};

@@ -24,12 +24,10 @@ struct Binning {
   AxisPair<S> spacing{};
 
   static constexpr auto fields() {
-    return std::tuple{
-        Field{required_row("columns", 1.0, 1000.0, "2", "native pixels summed along x"), &Binning::columns},
-        Field{required_row("rows", 1.0, 1000.0, "2", "native pixels summed along y"), &Binning::rows},
-        Field{optional_row("spacing", Dimension::extent, "", 0.0, 1e9, "\"2.5 um\"",
-                           "pitch of the native pixels; frame.pitch / columns and / rows when absent"),
-              &Binning::spacing}};
+    return std::tuple{required(&Binning::columns, "columns", 1.0, 1000.0, "2", "native pixels summed along x"),
+                      required(&Binning::rows, "rows", 1.0, 1000.0, "2", "native pixels summed along y"),
+                      optional(&Binning::spacing, "spacing", 0.0, 1e9, "\"2.5 um\"",
+                               "pitch of the native pixels; frame.pitch / columns and / rows when absent")};
   }
   int count(Axis axis) const { return axis == Axis::x ? columns : rows; }
   S spacing_mm(Axis axis, const Context<S>& ctx) const {
@@ -47,7 +45,6 @@ struct Binning {
   Complex<S> otf(const Freq<S>& f, const Context<S>& ctx) const {
     return {factor(Axis::x, f.x, ctx) * factor(Axis::y, f.y, ctx), S(0)};
   }
-  double cutoff_cy_mm(const Context<S>&) const { return kInfinity; }
   double deviation(double fx, double fy, const Context<S>& ctx) const {
     return std::min(2.0, dirichlet_deviation(columns, value_of(spacing_mm(Axis::x, ctx)) * fx) +
                              dirichlet_deviation(rows, value_of(spacing_mm(Axis::y, ctx)) * fy));

@@ -22,9 +22,8 @@ struct BirefringentFilter {
   AxisPair<S> separation{};
 
   static constexpr auto fields() {
-    return std::tuple{Field{required_row("separation", Dimension::extent, "", 0.0, 1e9, "\"0.5 px\"",
-                                         "distance between the spots, per axis"),
-                            &BirefringentFilter::separation}};
+    return std::tuple{required(&BirefringentFilter::separation, "separation", 0.0, 1e9, "\"0.5 px\"",
+                               "distance between the spots, per axis")};
   }
   S separation_mm(Axis axis, const Context<S>& ctx) const {
     return (axis == Axis::x ? separation.x_um(ctx.frame) : separation.y_um(ctx.frame)) * S(1e-3);
@@ -36,7 +35,6 @@ struct BirefringentFilter {
   Complex<S> otf(const Freq<S>& f, const Context<S>& ctx) const {
     return {cosine(S(separation_mm(Axis::x, ctx) * f.x)) * cosine(S(separation_mm(Axis::y, ctx) * f.y)), S(0)};
   }
-  double cutoff_cy_mm(const Context<S>&) const { return kInfinity; }
   double deviation(double fx, double fy, const Context<S>& ctx) const {
     const auto one_axis = [&](Axis axis, double f) {
       const double s = sin_pi(0.5 * std::min(1.0, value_of(separation_mm(axis, ctx)) * f));
@@ -44,7 +42,6 @@ struct BirefringentFilter {
     };
     return std::min(2.0, one_axis(Axis::x, fx) + one_axis(Axis::y, fy));
   }
-  std::vector<Problem> check(const Context<S>&) const { return {}; }
 
  private:
   /// cos(pi x), the argument reduced exactly.

@@ -27,15 +27,12 @@ struct Bolometer {
 
   static constexpr auto fields() {
     return std::tuple{
-        Field{required_row("time_constant", Dimension::time, "s", 0.0, 1e3, "\"10 ms\"", "thermal time constant"),
-              &Bolometer::time_constant_s},
-        Field{excluding("rate", optional_row("velocity", Dimension::velocity, "um/s", -1e12, 1e12, "\"0.5 mm/s\"",
-                                             "velocity of the image on the focal plane towards +axis")),
-              &Bolometer::velocity_um_s},
-        Field{excluding("velocity", optional_row("rate", Dimension::rate, "urad/s", -1e12, 1e12, "\"20 mrad/s\"",
-                                                 "object angle per second towards +axis, instead of velocity")),
-              &Bolometer::rate_urad_s},
-        Field{kAxisInfo, &Bolometer::axis}};
+        required(&Bolometer::time_constant_s, "time_constant", "s", 0.0, 1e3, "\"10 ms\"", "thermal time constant"),
+        excluding("rate", optional(&Bolometer::velocity_um_s, "velocity", "um/s", -1e12, 1e12, "\"0.5 mm/s\"",
+                                   "velocity of the image on the focal plane towards +axis")),
+        excluding("velocity", optional(&Bolometer::rate_urad_s, "rate", "urad/s", -1e12, 1e12, "\"20 mrad/s\"",
+                                       "object angle per second towards +axis, instead of velocity")),
+        Field{&Bolometer::axis, kAxisInfo}};
   }
   Traits traits(const Context<S>&) const {
     const bool x = axis.index == 0;
@@ -53,7 +50,6 @@ struct Bolometer {
     return {lift({scale, -4.0 * kPi * (u * scale) * scale}, x),
             lift({u * scale, 2.0 * kPi * ((1.0 - u) * scale) * ((1.0 + u) * scale)}, x)};
   }
-  double cutoff_cy_mm(const Context<S>&) const { return kInfinity; }
   double deviation(double fx, double fy, const Context<S>& ctx) const {
     const double u = 2.0 * kPi * std::abs(value_of(lag_mm(ctx))) * (axis.index == 0 ? fx : fy);
     return u < 1e150 ? u / std::sqrt(1.0 + u * u) : 1.0;

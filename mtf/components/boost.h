@@ -23,11 +23,9 @@ struct Boost {
   Choice axis{0, kAxisNames};
 
   static constexpr auto fields() {
-    return std::tuple{Field{required_row("gain", 1.0, 100.0, "2.0", "otf at the peak frequency"), &Boost::gain},
-                      Field{required_row("peak", Dimension::frequency, "", 1e-9, 1e9, "\"0.5 cy/px\"",
-                                         "frequency of the largest gain"),
-                            &Boost::peak},
-                      Field{kAxisInfo, &Boost::axis}};
+    return std::tuple{required(&Boost::gain, "gain", 1.0, 100.0, "2.0", "otf at the peak frequency"),
+                      required(&Boost::peak, "peak", 1e-9, 1e9, "\"0.5 cy/px\"", "frequency of the largest gain"),
+                      Field{&Boost::axis, kAxisInfo}};
   }
   Traits traits(const Context<S>&) const {
     const bool x = axis.index == 0;
@@ -40,7 +38,6 @@ struct Boost {
     const bool steep = std::abs(value_of(half_turns)) < 1e15;  // beyond, doubles are whole periods apart: no slope
     return {S(1) + extra() * lift({s * s, steep ? 2.0 * kPi * s * c : 0.0}, half_turns), S(0)};
   }
-  double cutoff_cy_mm(const Context<S>&) const { return kInfinity; }
   double deviation(double fx, double fy, const Context<S>& ctx) const {
     const double x = 0.5 * (axis.index == 0 ? fx : fy) / value_of(peak.cy_mm(ctx.frame, axis_of(axis)));
     const double s = sin_pi(std::min(x, 0.5));

@@ -26,13 +26,11 @@ struct ChargeTransfer {
   Choice axis{0, kAxisNames};
 
   static constexpr auto fields() {
-    return std::tuple{
-        Field{required_row("inefficiency", 0.0, 0.1, "1e-5",
-                           "fraction of the charge left behind by one transfer, 1 - CTE"),
-              &ChargeTransfer::inefficiency},
-        Field{required_row("transfers", 0.0, 1e6, "1000", "number of transfers to the output: pixels x clock phases"),
-              &ChargeTransfer::transfers},
-        Field{kAxisInfo, &ChargeTransfer::axis}};
+    return std::tuple{required(&ChargeTransfer::inefficiency, "inefficiency", 0.0, 0.1, "1e-5",
+                               "fraction of the charge left behind by one transfer, 1 - CTE"),
+                      required(&ChargeTransfer::transfers, "transfers", 0.0, 1e6, "1000",
+                               "number of transfers to the output: pixels x clock phases"),
+                      Field{&ChargeTransfer::axis, kAxisInfo}};
   }
   Traits traits(const Context<S>&) const {
     const bool x = axis.index == 0;
@@ -50,7 +48,6 @@ struct ChargeTransfer {
     const S scale = lift({modulus, -modulus}, lost);
     return {scale * phase.re, scale * phase.im};
   }
-  double cutoff_cy_mm(const Context<S>&) const { return kInfinity; }
   /// |1 - exp(-z)| <= |z| where Re z >= 0.
   double deviation(double fx, double fy, const Context<S>& ctx) const {
     const double x = (axis.index == 0 ? fx : fy) * value_of(ctx.frame.pitch_um(axis_of(axis))) * 1e-3;

@@ -23,9 +23,8 @@ struct CircularFootprint {
   AxisPair<S> diameter{};
 
   static constexpr auto fields() {
-    return std::tuple{Field{
-        required_row("diameter", Dimension::extent, "", 0.0, 1e9, "\"15 um\"", "diameter of the active area, per axis"),
-        &CircularFootprint::diameter}};
+    return std::tuple{required(&CircularFootprint::diameter, "diameter", 0.0, 1e9, "\"15 um\"",
+                               "diameter of the active area, per axis")};
   }
   Traits traits(const Context<S>& ctx) const {
     return {.radial = diameter.isotropic(ctx.frame), .even_x = true, .even_y = true};
@@ -35,13 +34,11 @@ struct CircularFootprint {
     const ValueSlope h = jinc(kPi * value_of(r));
     return {lift({h.value, kPi * h.slope}, r), S(0)};
   }
-  double cutoff_cy_mm(const Context<S>&) const { return kInfinity; }
   /// Falls monotonically to its deepest lobe, -0.13228 at pi r = 5.136.
   double deviation(double fx, double fy, const Context<S>& ctx) const {
     const double r = std::hypot(value_of(diameter.x_um(ctx.frame)) * fx, value_of(diameter.y_um(ctx.frame)) * fy);
     return kPi * 1e-3 * r < 5.1 ? 1.0 - jinc(kPi * 1e-3 * r).value : 1.1323;
   }
-  std::vector<Problem> check(const Context<S>&) const { return {}; }
 };
 
 }  // namespace mtf

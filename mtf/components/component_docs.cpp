@@ -8,8 +8,7 @@ namespace mtf {
 
 std::string_view component_notes(std::string_view kind) {
   const auto all = all_component_notes();
-  const auto found =
-      std::find_if(all.begin(), all.end(), [&](const ComponentNotes& notes) { return notes.kind == kind; });
+  const auto found = std::ranges::find_if(all, [&](const ComponentNotes& notes) { return notes.kind == kind; });
   return found == all.end() ? std::string_view{} : found->text;
 }
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 
-// Components of doubles, and what is asked of them alone: the sentence for the values in use, checks, and what plans
-// need to know.
+// Components of doubles, and what is asked of them alone: the sentence for the values in use, checks, what plans need.
 
 #include "mtf/components/component_impl.h"
 
@@ -45,14 +44,14 @@ std::optional<Freq<double>> Component<S>::line(const Context<S>& ctx) const requ
 template <class S>
 std::vector<Problem> Component<S>::check(const Context<S>& ctx) const requires std::same_as<S, double> {
   if (std::vector<Problem> problems = detail::check_fields(fields(), ctx); !problems.empty()) return problems;
-  return detail::visit(*value_, [&](const auto& c) { return c.check(ctx); });
+  return detail::visit(*value_, [&](const auto& c) { return detail::own_check(c, ctx); });
 }
 
 template class Component<double>;
 
 std::vector<std::string_view> component_kinds() {
   std::vector<std::string_view> kinds;
-  for (const auto& type : detail::kTypes<double>) kinds.push_back(type.kind);
+  for (const auto& type : detail::kTypes<double>) kinds.push_back(type.facts.kind);
   return kinds;
 }
 

@@ -25,9 +25,7 @@ auto visit(const ComponentVariant<S>& v, auto&& f) {
 /// One type of the list: what it says of itself, and how a handle's value is made of it.
 template <class S>
 struct TypeRow {
-  std::string_view kind, doc;
-  Stages stages;
-  bool is_pupil, is_footprint, is_reconstruction, is_slow;
+  KindFacts facts;
   const std::type_info* type;
   std::shared_ptr<ComponentVariant<S>> (*make)();
   std::shared_ptr<ComponentVariant<S>> (*copy)(const void* component);
@@ -46,13 +44,7 @@ constexpr TypeRow<S> row_of() {
   constexpr bool is_footprint = requires { C::is_footprint; };
   constexpr bool is_reconstruction = requires { C::is_reconstruction; };
   constexpr bool is_slow = requires { C::is_slow; };
-  return {.kind = C::kind,
-          .doc = C::doc,
-          .stages = C::stages,
-          .is_pupil = is_pupil,
-          .is_footprint = is_footprint,
-          .is_reconstruction = is_reconstruction,
-          .is_slow = is_slow,
+  return {.facts = {C::kind, C::doc, C::stages, is_pupil, is_footprint, is_reconstruction, is_slow},
           .type = &typeid(C),
           .make = [] { return held<S, C>(); },
           .copy = [](const void* component) { return held<S, C>(*static_cast<const C*>(component)); }};
@@ -66,11 +58,6 @@ constexpr auto rows_of(const std::variant<C...>*) {
 /// The list, in the order of the variant.
 template <class S>
 constexpr auto kTypes = rows_of<S>(static_cast<decltype(ComponentVariant<S>::value)*>(nullptr));
-
-template <class S>
-const TypeRow<S>& type_of(const ComponentVariant<S>& v) {
-  return kTypes<S>[v.value.index()];
-}
 
 /// h[i] *= otf(at(i)).
 template <class S>
@@ -90,7 +77,7 @@ void multiply(const ComponentVariant<S>& value, const Context<S>& ctx, std::span
 template <class S>
 Component<S> Component<S>::make(std::string_view kind) {
   for (const auto& type : detail::kTypes<S>)
-    if (type.kind == kind) return Component(type.make());
+    if (type.facts.kind == kind) return Component(type.make());
   const auto kinds = component_kinds();
   const auto guess = nearest(kind, kinds);
   std::string known;
@@ -113,16 +100,8 @@ const void* Component<S>::address_if(const std::type_info& type) const {
 }
 
 template <class S>
-std::string_view Component<S>::kind() const {
-  return detail::type_of(*value_).kind;
-}
-template <class S>
-std::string_view Component<S>::doc() const {
-  return detail::type_of(*value_).doc;
-}
-template <class S>
-Stages Component<S>::stages() const {
-  return detail::type_of(*value_).stages;
+const KindFacts& Component<S>::facts() const {
+  return detail::kTypes<S>[value_->value.index()].facts;
 }
 template <class S>
 SensorPart Component<S>::part() const {
@@ -134,24 +113,12 @@ SensorPart Component<S>::part() const {
   });
 }
 template <class S>
-bool Component<S>::is_pupil() const {
-  return detail::type_of(*value_).is_pupil;
-}
-template <class S>
-bool Component<S>::is_footprint() const {
-  return detail::type_of(*value_).is_footprint;
-}
-template <class S>
-bool Component<S>::is_reconstruction() const {
-  return detail::type_of(*value_).is_reconstruction;
-}
-template <class S>
 Traits Component<S>::traits(const Context<S>& ctx) const {
   return detail::visit(*value_, [&](const auto& c) { return c.traits(ctx); });
 }
 template <class S>
 double Component<S>::cutoff_cy_mm(const Context<S>& ctx) const {
-  return detail::visit(*value_, [&](const auto& c) { return c.cutoff_cy_mm(ctx); });
+  return detail::visit(*value_, [&](const auto& c) { return detail::cutoff_of(c, ctx); });
 }
 template <class S>
 double Component<S>::deviation(double fx, double fy, const Context<S>& ctx) const {
@@ -171,14 +138,10 @@ std::vector<double> Component<S>::kinks_cy_mm(const Context<S>& ctx) const {
     if constexpr (requires { c.kinks_cy_mm(ctx); }) {
       return c.kinks_cy_mm(ctx);
     } else {
-      const double cutoff = c.cutoff_cy_mm(ctx);
+      const double cutoff = cutoff_cy_mm(ctx);
       return cutoff < kInfinity ? std::vector{cutoff} : std::vector<double>{};
     }
   });
-}
-template <class S>
-bool Component<S>::is_slow() const {
-  return detail::type_of(*value_).is_slow;
 }
 template <class S>
 std::vector<FieldRef<S>> Component<S>::fields() {

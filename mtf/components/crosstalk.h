@@ -23,12 +23,10 @@ struct Crosstalk {
   std::optional<S> corner{};
 
   static constexpr auto fields() {
-    return std::tuple{
-        Field{required_row("side", 0.0, 0.125, "0.03", "fraction that reaches each of the four side neighbours"),
-              &Crosstalk::side},
-        Field{optional_row("corner", 0.0, 0.125, "0.005",
-                           "fraction that reaches each of the four corner neighbours; 0 when absent"),
-              &Crosstalk::corner}};
+    return std::tuple{required(&Crosstalk::side, "side", 0.0, 0.125, "0.03",
+                               "fraction that reaches each of the four side neighbours"),
+                      optional(&Crosstalk::corner, "corner", 0.0, 0.125, "0.005",
+                               "fraction that reaches each of the four corner neighbours; 0 when absent")};
   }
   Traits traits(const Context<S>& ctx) const { return {.even_x = true, .even_y = true, .square = ctx.frame.square()}; }
   /// sin^2(pi f p), the only form in which the frequency enters: no cancellation at small f.
@@ -55,7 +53,6 @@ struct Crosstalk {
       }
     };
   }
-  double cutoff_cy_mm(const Context<S>&) const { return kInfinity; }
   /// 1 - otf = 4s (a + b) + 8c (a + b - 2ab), every part of it >= 0.
   double deviation(double fx, double fy, const Context<S>& ctx) const {
     const auto largest = [&](double f, Axis axis) {
@@ -65,7 +62,6 @@ struct Crosstalk {
     const double sum = largest(fx, Axis::x) + largest(fy, Axis::y);
     return 4.0 * value_of(side) * sum + 8.0 * value_of(corner.value_or(S(0))) * std::min(1.0, sum);
   }
-  std::vector<Problem> check(const Context<S>&) const { return {}; }
 };
 
 }  // namespace mtf

@@ -30,13 +30,11 @@ struct CurveOtf {
   Choice part{0, kSensorPartNames};
 
   static constexpr auto fields() {
-    return std::tuple{
-        Field{required_row("file", "\"lens.csv\"",
-                           "CSV with two columns, frequency and MTF, the unit in the header: frequency_cy_mm,mtf; or "
-                           "its lines themselves, in a text of several lines"),
-              &CurveOtf::curve},
-        Field{optional_row("axis", "\"radial\"", "radial, or the one axis it acts along"), &CurveOtf::axis},
-        Field{kPartInfo, &CurveOtf::part}};
+    return std::tuple{required(&CurveOtf::curve, "file", "\"lens.csv\"",
+                               "CSV with two columns, frequency and MTF, the unit in the header: frequency_cy_mm,mtf; "
+                               "or its lines themselves, in a text of several lines"),
+                      optional(&CurveOtf::axis, "axis", "\"radial\"", "radial, or the one axis it acts along"),
+                      Field{&CurveOtf::part, kPartInfo}};
   }
   Traits traits(const Context<S>& ctx) const {
     // A radial table in cycles per pixel of non-square pixels is elliptic.

@@ -33,17 +33,14 @@ struct Defocus {
   OptionalIn<S, micrometres> wavelength_um{};
 
   static constexpr auto fields() {
-    return std::tuple{
-        Field{excluding("distance", optional_row("waves", -1e6, 1e6, "0.5",
-                                                 "wavefront error at the pupil's edge, W020; or give distance")),
-              &Defocus::waves},
-        Field{excluding("waves", optional_row("distance", Dimension::length, "um", -1e6, 1e6, "\"60 um\"",
-                                              "image plane's distance from the focus; or give waves")),
-              &Defocus::distance_um},
-        Field{kWavelengthReferenceInfo, &Defocus::wavelength_reference_um},
-        Field{kFNumberInfo, &Defocus::f_number},
-        Field{kQuadratureObscurationInfo, &Defocus::obscuration},
-        Field{kWavelengthInfo, &Defocus::wavelength_um}};
+    return std::tuple{excluding("distance", optional(&Defocus::waves, "waves", -1e6, 1e6, "0.5",
+                                                     "wavefront error at the pupil's edge, W020; or give distance")),
+                      excluding("waves", optional(&Defocus::distance_um, "distance", "um", -1e6, 1e6, "\"60 um\"",
+                                                  "image plane's distance from the focus; or give waves")),
+                      Field{&Defocus::wavelength_reference_um, kWavelengthReferenceInfo},
+                      Field{&Defocus::f_number, kFNumberInfo},
+                      Field{&Defocus::obscuration, kQuadratureObscurationInfo},
+                      Field{&Defocus::wavelength_um, kWavelengthInfo}};
   }
   Traits traits(const Context<S>&) const {
     return {.radial = true, .even_x = true, .even_y = true, .chromatic = !wavelength_um};

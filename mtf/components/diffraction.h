@@ -28,8 +28,8 @@ struct Diffraction {
   OptionalIn<S, micrometres> wavelength_um{};
 
   static constexpr auto fields() {
-    return std::tuple{Field{kFNumberInfo, &Diffraction::f_number}, Field{kObscurationInfo, &Diffraction::obscuration},
-                      Field{kWavelengthInfo, &Diffraction::wavelength_um}};
+    return std::tuple{Field{&Diffraction::f_number, kFNumberInfo}, Field{&Diffraction::obscuration, kObscurationInfo},
+                      Field{&Diffraction::wavelength_um, kWavelengthInfo}};
   }
   Traits traits(const Context<S>&) const {
     return {.radial = true, .even_x = true, .even_y = true, .chromatic = !wavelength_um};
@@ -52,7 +52,6 @@ struct Diffraction {
     if (value_of(obscuration_of(obscuration, ctx)) > 0.0) return 1.0;
     return 1.0 - circular_pupil_mtf(value_of(nu(S(std::hypot(fx, fy)), ctx))).value;
   }
-  std::vector<Problem> check(const Context<S>&) const { return {}; }
 };
 
 }  // namespace mtf

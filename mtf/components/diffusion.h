@@ -25,15 +25,12 @@ struct Diffusion {
   OptionalIn<S, micrometres> diffusion_length_um{};
 
   static constexpr auto fields() {
-    return std::tuple{Field{required_row("absorption_length", Dimension::length, "um", 1e-3, 1e6, "\"10 um\"",
-                                         "depth in which 1/e of the light is left, 1 / absorption coefficient"),
-                            &Diffusion::absorption_length_um},
-                      Field{required_row("depletion_depth", Dimension::length, "um", 0.0, 1e6, "\"3 um\"",
-                                         "depth of the depletion layer"),
-                            &Diffusion::depletion_depth_um},
-                      Field{required_row("diffusion_length", Dimension::length, "um", 1e-6, 1e6, "\"20 um\"",
-                                         "diffusion length of the carriers"),
-                            &Diffusion::diffusion_length_um}};
+    return std::tuple{required(&Diffusion::absorption_length_um, "absorption_length", "um", 1e-3, 1e6, "\"10 um\"",
+                               "depth in which 1/e of the light is left, 1 / absorption coefficient"),
+                      required(&Diffusion::depletion_depth_um, "depletion_depth", "um", 0.0, 1e6, "\"3 um\"",
+                               "depth of the depletion layer"),
+                      required(&Diffusion::diffusion_length_um, "diffusion_length", "um", 1e-6, 1e6, "\"20 um\"",
+                               "diffusion length of the carriers")};
   }
   Traits traits(const Context<S>&) const { return {.radial = true, .even_x = true, .even_y = true}; }
   /// The fraction above with q = 1 - exp(-W/A), s = L(f)/L0: the value from sums of positive terms, the derivatives
@@ -50,12 +47,10 @@ struct Diffusion {
     const S lost = l / (near + l) * (a * lift({left, -left}, depth) / (a + far)) * lift({1.0 - s.value, -s.slope}, x);
     return {lift({value_of(value), 1.0}, S(S(1) - lost)), S(0)};
   }
-  double cutoff_cy_mm(const Context<S>&) const { return kInfinity; }
   /// The otf falls monotonically.
   double deviation(double fx, double fy, const Context<S>& ctx) const {
     return std::max(0.0, 1.0 - value_of(otf({S(std::hypot(fx, fy)), S(0)}, ctx).re));
   }
-  std::vector<Problem> check(const Context<S>&) const { return {}; }
 
  private:
   /// 1/sqrt(1 + (2 pi x)^2).

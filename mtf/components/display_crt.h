@@ -22,17 +22,14 @@ struct DisplayCrt {
   AxisPair<S> sigma{};
 
   static constexpr auto fields() {
-    return std::tuple{Field{required_row("sigma", Dimension::extent, "", 0.0, 1e9, "\"0.4 px\"",
-                                         "standard deviation of the spot, per axis; px are those of the image"),
-                            &DisplayCrt::sigma}};
+    return std::tuple{required(&DisplayCrt::sigma, "sigma", 0.0, 1e9, "\"0.4 px\"",
+                               "standard deviation of the spot, per axis; px are those of the image")};
   }
   Traits traits(const Context<S>& ctx) const { return GaussianOtf<S>::traits(sigma, ctx); }
   Complex<S> otf(const Freq<S>& f, const Context<S>& ctx) const { return GaussianOtf<S>::otf(sigma, f, ctx); }
-  double cutoff_cy_mm(const Context<S>&) const { return kInfinity; }
   double deviation(double fx, double fy, const Context<S>& ctx) const {
     return GaussianOtf<S>::deviation(sigma, fx, fy, ctx);
   }
-  std::vector<Problem> check(const Context<S>&) const { return {}; }
 };
 
 }  // namespace mtf

@@ -28,12 +28,10 @@ struct DisplayFlatPanel {
 
   static constexpr auto fields() {
     return std::tuple{
-        Field{excluding("lcd_pitch", optional_row("width", Dimension::extent, "", 0.0, 1e9, "\"0.9 px\"",
-                                                  "active width of an element, per axis; px are those of the image")),
-              &DisplayFlatPanel::width},
-        Field{excluding("width", optional_row("lcd_pitch", Dimension::extent, "", 0.0, 1e9, "\"1 px\"",
-                                              "pitch of a colour LCD with vertical stripes, instead of width")),
-              &DisplayFlatPanel::lcd_pitch}};
+        excluding("lcd_pitch", optional(&DisplayFlatPanel::width, "width", 0.0, 1e9, "\"0.9 px\"",
+                                        "active width of an element, per axis; px are those of the image")),
+        excluding("width", optional(&DisplayFlatPanel::lcd_pitch, "lcd_pitch", 0.0, 1e9, "\"1 px\"",
+                                    "pitch of a colour LCD with vertical stripes, instead of width"))};
   }
   Traits traits(const Context<S>&) const { return {.separable = true, .even_x = true, .even_y = true}; }
   Complex<S> otf(const Freq<S>& f, const Context<S>& ctx) const {
@@ -42,7 +40,6 @@ struct DisplayFlatPanel {
     if (width.given()) return {sinc_of(x) * sinc_of(y), S(0)};
     return {sinc_of(S(S(0.29) * x)) * stripes(x) * sinc_of(S(S(0.85) * y)), S(0)};
   }
-  double cutoff_cy_mm(const Context<S>&) const { return kInfinity; }
   double deviation(double fx, double fy, const Context<S>& ctx) const {
     const AxisPair<S>& size = width.given() ? width : lcd_pitch;
     const double x = value_of(size.x_um(ctx.frame)) * 1e-3 * fx, y = value_of(size.y_um(ctx.frame)) * 1e-3 * fy;

@@ -21,22 +21,18 @@ struct ElectronicFilter {
   Choice axis{0, kAxisNames};
 
   static constexpr auto fields() {
+    using T = ElectronicFilter;
     return std::tuple{
-        Field{required_row("cutoff", Dimension::cutoff, "", 1e-9, 1e9, "\"40 cy/mm\"",
-                           "frequency where the modulus is 1/sqrt(2); in time (\"400 kHz\") with one "
-                           "of scan_velocity, scan_rate, pixel_clock"),
-              &ElectronicFilter::cutoff},
-        Field{excluding("scan_rate pixel_clock", optional_row("scan_velocity", Dimension::velocity, "um/s", 1e-3, 1e15,
-                                                              "\"10 m/s\"", "speed of the scan over the focal plane")),
-              &ElectronicFilter::scan_velocity_um_s},
-        Field{excluding("scan_velocity pixel_clock", optional_row("scan_rate", Dimension::rate, "urad/s", 1e-3, 1e15,
-                                                                  "\"100 rad/s\"", "object angle scanned per second")),
-              &ElectronicFilter::scan_rate_urad_s},
-        Field{excluding("scan_velocity scan_rate",
-                        optional_row("pixel_clock", Dimension::temporal, "Hz", 1e-3, 1e15, "\"10 MHz\"",
-                                     "pixels read per second along the axis, one after the other")),
-              &ElectronicFilter::pixel_clock_hz},
-        Field{kAxisInfo, &ElectronicFilter::axis}};
+        required(&T::cutoff, "cutoff", Dimension::cutoff, "", 1e-9, 1e9, "\"40 cy/mm\"",
+                 "frequency where the modulus is 1/sqrt(2); in time (\"400 kHz\") with one of scan_velocity, "
+                 "scan_rate, pixel_clock"),
+        excluding("scan_rate pixel_clock", optional(&T::scan_velocity_um_s, "scan_velocity", "um/s", 1e-3, 1e15,
+                                                    "\"10 m/s\"", "speed of the scan over the focal plane")),
+        excluding("scan_velocity pixel_clock", optional(&T::scan_rate_urad_s, "scan_rate", "urad/s", 1e-3, 1e15,
+                                                        "\"100 rad/s\"", "object angle scanned per second")),
+        excluding("scan_velocity scan_rate", optional(&T::pixel_clock_hz, "pixel_clock", "Hz", 1e-3, 1e15, "\"10 MHz\"",
+                                                      "pixels read per second along the axis, one after the other")),
+        Field{&T::axis, kAxisInfo}};
   }
 
   /// Frequency along the axis, and f0 there, both in cy/mm.

@@ -46,19 +46,14 @@ struct Eye {
 
   static constexpr auto fields() {
     return std::tuple{
-        Field{required_row("model", "\"barten_2003\"",
-                           "mtf, or contrast sensitivity barten_2003, barten_short, barten_short_squared"),
-              &Eye::model},
-        Field{required_row("magnification", 0.01, 1e4, "10.0", "angle at the eye / angle in object space"),
-              &Eye::magnification},
-        Field{required_row("luminance", Dimension::luminance, "cd/m^2", kLuminanceLo, kLuminanceHi, "\"34 cd/m^2\"",
-                           "mean luminance of the display"),
-              &Eye::luminance_cd_m2},
-        Field{optional_row("eyes", 1.0, 2.0, "2", "number of eyes, for the pupil of model = \"mtf\""), &Eye::eyes},
-        Field{optional_row("field", Dimension::angle, "deg", 0.1, 180.0, "\"10 deg\"",
-                           "angular size of the picture at the eye, for the contrast sensitivities; 10 deg unless "
-                           "given"),
-              &Eye::field_deg}};
+        required(&Eye::model, "model", "\"barten_2003\"",
+                 "mtf, or contrast sensitivity barten_2003, barten_short, barten_short_squared"),
+        required(&Eye::magnification, "magnification", 0.01, 1e4, "10.0", "angle at the eye / angle in object space"),
+        required(&Eye::luminance_cd_m2, "luminance", "cd/m^2", kLuminanceLo, kLuminanceHi, "\"34 cd/m^2\"",
+                 "mean luminance of the display"),
+        optional(&Eye::eyes, "eyes", 1.0, 2.0, "2", "number of eyes, for the pupil of model = \"mtf\""),
+        optional(&Eye::field_deg, "field", "deg", 0.1, 180.0, "\"10 deg\"",
+                 "angular size of the picture at the eye, for the contrast sensitivities; 10 deg unless given")};
   }
   std::string_view variant_doc() const { return kModelDocs[static_cast<std::size_t>(model.index)]; }
   bool is_mtf() const { return model.index == 0; }
@@ -92,7 +87,6 @@ struct Eye {
     };
   }
   Complex<S> otf(const Freq<S>& f, const Context<S>& ctx) const { return evaluator(ctx)(f); }
-  double cutoff_cy_mm(const Context<S>&) const { return kInfinity; }
   double deviation(double fx, double fy, const Context<S>& ctx) const {
     if (!is_mtf()) return 1.0;
     return 1.0 - value_of(otf({S(fx), S(fy)}, ctx).re);

@@ -1,17 +1,43 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// What every component header needs: the row of a field table, and rows and helpers that several components share.
+// What every component header needs: fields with units, the row of a field table, and rows and helpers that several
+// components share.
 
 #include <array>
 #include <limits>
 #include <string>
 
 #include "mtf/component.h"
-#include "mtf/components/number_in.h"
 #include "mtf/math/special.h"
+#include "mtf/quantity.h"
 
 namespace mtf {
+
+// The dimensional fields of a component that are plain numbers inside. A field holds its number in the unit that ends
+// its name, and only a quantity of that dimension sets it, in any unit:
+//   OptionalIn<S, micrometres> distance_um;    ...{.distance_um = 0.03_mm}    holds 30
+// Lengths on the focal plane that may also be angles or pixels are Extents (mtf/frame.h).
+
+/// `unit` is the function that makes a quantity of a number in the unit: degrees, micrometres (mtf/quantity.h).
+template <class S, auto unit>
+struct NumberIn {
+  using Given = decltype(unit(1.0));
+  S value{};
+
+  NumberIn() = default;
+  NumberIn(const Given& quantity) : value(S(quantity / unit(1.0))) {}
+};
+
+/// The same for a number that may be left out. It is read as a std::optional.
+template <class S, auto unit>
+struct OptionalIn : std::optional<S> {
+  using Given = decltype(unit(1.0));
+
+  OptionalIn() = default;
+  OptionalIn(std::nullopt_t) {}
+  OptionalIn(const Given& quantity) : std::optional<S>(S(quantity / unit(1.0))) {}
+};
 
 /// The type of the row of a member; libraries add those of their own types of members.
 template <class T>
@@ -37,37 +63,57 @@ inline constexpr FieldType kTypeOf<std::string> = FieldType::file;
 template <>
 inline constexpr FieldType kTypeOf<std::shared_ptr<const Curve>> = FieldType::file;
 
-/// FieldInfo plus where the value lives, whose type gives the row its type where it states none, and for an enum E
-/// words(E).
+template <class Value>
+constexpr std::span<const std::string_view> words_of(const Value*) {
+  if constexpr (requires { words(Value{}); })
+    return words(Value{});
+  else
+    return {};
+}
+template <class Value>
+constexpr std::span<const std::string_view> words_of(const std::optional<Value>*) {
+  return words_of(static_cast<const Value*>(nullptr));
+}
+
+/// A row and where its value lives, whose type gives the row its type where it states none, for an enum E words(E), and
+/// the dimension of what has no one unit.
 template <class Member>
-struct Field {
-  FieldInfo info;
+struct Field : FieldInfo {
   Member member;
 
-  constexpr Field(FieldInfo row, Member where) : info(row), member(where) { set_type(where); }
+  constexpr Field(Member where, FieldInfo row) : FieldInfo(row), member(where) { set_type(where); }
+  constexpr Field(FieldInfo row, Member where) : Field(where, row) {}
 
  private:
   template <class Owner, class Value>
   constexpr void set_type(Value Owner::*) {
-    if (info.type == FieldType::number) info.type = kTypeOf<Value>;
-    set_words(static_cast<const Value*>(nullptr));
-  }
-  template <class Value>
-  constexpr void set_words(const Value*) {
-    if constexpr (requires { words(Value{}); }) info.words = words(Value{});
-  }
-  template <class Value>
-  constexpr void set_words(const std::optional<Value>*) {
-    set_words(static_cast<const Value*>(nullptr));
+    if (type == FieldType::number) type = kTypeOf<Value>;
+    if (dimension == Dimension::none && type == FieldType::size) dimension = Dimension::extent;
+    if (dimension == Dimension::none && type == FieldType::frequency) dimension = Dimension::frequency;
+    if (const auto own = words_of(static_cast<const Value*>(nullptr)); !own.empty()) words = own;
   }
 };
+
+// The cells of a row after its member: `optional(&T::width_um, "width", "um", 0.0, 1e6, "\"14 um\"", "of a pixel")`.
+template <class Owner, class Value, class... Cells>
+constexpr Field<Value Owner::*> required(Value Owner::*member, const Cells&... cells) {
+  return {member, required_row(cells...)};
+}
+template <class Owner, class Value, class... Cells>
+constexpr Field<Value Owner::*> optional(Value Owner::*member, const Cells&... cells) {
+  return {member, optional_row(cells...)};
+}
+template <class Owner, class Value, class... Cells>
+constexpr Field<Value Owner::*> shared(Value Owner::*member, const Cells&... cells) {
+  return {member, shared(required_row(cells...))};
+}
 
 inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// Rows that several tables share, word for word.
 inline constexpr FieldInfo kFNumberInfo = shared(required_row("f_number", 0.1, 1e4, "2.0", "focal length / aperture"));
-inline constexpr FieldInfo kWavelengthInfo = shared(required_row("wavelength", Dimension::length, "um", 0.01, 1e5,
-                                                                 "\"4.0 um\"", "fixed wavelength instead of the band"));
+inline constexpr FieldInfo kWavelengthInfo =
+    shared(required_row("wavelength", "um", 0.01, 1e5, "\"4.0 um\"", "fixed wavelength instead of the band"));
 
 inline constexpr FieldInfo kObscurationInfo =
     below(shared(required_row("obscuration", 0.0, 1.0, "0.3", "central obscuration, inner / outer diameter")));
@@ -76,7 +122,7 @@ inline constexpr double kLargestObscuration = 0.999;
 inline constexpr FieldInfo kQuadratureObscurationInfo =
     shared(required_row("obscuration", 0.0, kLargestObscuration, "0.3", "central obscuration, inner / outer diameter"));
 inline constexpr FieldInfo kWavelengthReferenceInfo =
-    optional_row("wavelength_reference", Dimension::length, "um", 0.01, 1e5, "\"0.6328 um\"",
+    optional_row("wavelength_reference", "um", 0.01, 1e5, "\"0.6328 um\"",
                  "wavelength at which the waves are stated; without it they hold at every wavelength");
 
 /// For a component of which the user alone knows the part of the sensor: blur by its size, a measured curve.
@@ -142,7 +188,7 @@ const S& along(const Freq<S>& f, Axis axis) {
 }
 
 inline constexpr FieldInfo kDirectionInfo =
-    optional_row("direction", Dimension::angle, "deg", -360.0, 360.0, "\"30 deg\"", "from +x (right) to +y (down)");
+    optional_row("direction", "deg", -360.0, 360.0, "\"30 deg\"", "from +x (right) to +y (down)");
 
 /// (cos, sin) of a direction, exact at multiples of 90 degrees. The angle is divided in double: rounded to float after
 /// the division, it would turn the frequencies by up to pi x 2^-24, which costs the phase of a motion over n cycles an

@@ -2,7 +2,6 @@
 #include "mtf/components/field_access.h"
 
 #include <algorithm>
-#include <cmath>
 #include <string>
 
 namespace mtf {

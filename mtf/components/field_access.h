@@ -36,7 +36,7 @@ std::vector<FieldRef<S>> field_refs(C& component) {
   static constexpr auto table = C::fields();
   return std::apply(
       [&](const auto&... field) {
-        return std::vector<FieldRef<S>>{{&field.info, number_at(component.*field.member)}...};
+        return std::vector<FieldRef<S>>{{&field, number_at(component.*field.member)}...};
       },
       table);
 }
@@ -53,6 +53,22 @@ S* number_of(const FieldRef<S>& field, std::size_t element) {
   if (auto* const* list = std::get_if<Coefficients<S>*>(&field.value))
     return element < (*list)->size() ? &(**list)[element] : nullptr;
   return nullptr;
+}
+
+/// What a component says, or what one means that does not: no cutoff, nothing to check beyond its table.
+template <class S, class C>
+double cutoff_of(const C& component, const Context<S>& ctx) {
+  if constexpr (requires { &C::cutoff_cy_mm; })
+    return component.cutoff_cy_mm(ctx);
+  else
+    return kInfinity;
+}
+template <class S, class C>
+std::vector<Problem> own_check(const C& component, const Context<S>& ctx) {
+  if constexpr (requires { &C::check; })
+    return component.check(ctx);
+  else
+    return {};
 }
 
 /// What is missing or outside its bounds. A component's own check() may rely on there being nothing.

@@ -22,9 +22,8 @@ struct Fir {
   Taps<S> taps{};
 
   static constexpr auto fields() {
-    return std::tuple{Field{required_row("taps", -1e6, 1e6, "[[0, -0.25, 0], [-0.25, 2.0, -0.25], [0, -0.25, 0]]",
-                                         "rows of an odd by odd kernel; the response to one bright pixel"),
-                            &Fir::taps}};
+    return std::tuple{required(&Fir::taps, "taps", -1e6, 1e6, "[[0, -0.25, 0], [-0.25, 2.0, -0.25], [0, -0.25, 0]]",
+                               "rows of an odd by odd kernel; the response to one bright pixel")};
   }
   bool mirrored(bool in_x, bool in_y) const { return mirrored_taps(taps, in_x, in_y); }
   Traits traits(const Context<S>&) const {
@@ -79,7 +78,6 @@ struct Fir {
         h[i] = h[i] * Complex<S>{sum[i].re, real ? lift({0.0, 1.0}, sum[i].im) : sum[i].im};
     };
   }
-  double cutoff_cy_mm(const Context<S>&) const { return kInfinity; }
   double deviation(double, double, const Context<S>&) const {
     double sum = 0.0;
     for (std::size_t j = 0; j < taps.size(); ++j)
@@ -95,8 +93,8 @@ struct Fir {
       if (row.size() != taps.front().size()) return {{.field = "taps", .text = "rows of different length"}};
     if (taps.size() % 2 == 0 || taps.front().size() % 2 == 0)
       return {{.field = "taps",
-               .text = "rows and columns have to be odd in number, so that the filter has a middle; "
-                       "an even kernel would shift the image by half a pixel"}};
+               .text = "rows and columns have to be odd in number, so that the filter has a middle; an even kernel "
+                       "would shift the image by half a pixel"}};
     return {};
   }
 };

@@ -23,12 +23,10 @@ struct Footprint {
   std::optional<S> fill_factor{};
 
   static constexpr auto fields() {
-    return std::tuple{Field{excluding("fill_factor", optional_row("width", Dimension::extent, "", 0.0, 1e9, "\"15 um\"",
-                                                                  "active width, per axis")),
-                            &Footprint::width},
-                      Field{excluding("width", optional_row("fill_factor", 1e-9, 1.0, "0.9",
-                                                            "active area / cell area, instead of width")),
-                            &Footprint::fill_factor}};
+    return std::tuple{
+        excluding("fill_factor", optional(&Footprint::width, "width", 0.0, 1e9, "\"15 um\"", "active width, per axis")),
+        excluding("width", optional(&Footprint::fill_factor, "fill_factor", 1e-9, 1.0, "0.9",
+                                    "active area / cell area, instead of width"))};
   }
   S width_mm(Axis axis, const Context<S>& ctx) const {
     using std::sqrt;
@@ -44,7 +42,6 @@ struct Footprint {
   Complex<S> otf(const Freq<S>& f, const Context<S>& ctx) const {
     return {sinc_of(S(width_mm(Axis::x, ctx) * f.x)) * sinc_of(S(width_mm(Axis::y, ctx) * f.y)), S(0)};
   }
-  double cutoff_cy_mm(const Context<S>&) const { return kInfinity; }
   double deviation(double fx, double fy, const Context<S>& ctx) const {
     return std::min(1.2173, sinc_deviation(value_of(width_mm(Axis::x, ctx)) * fx) +
                                 sinc_deviation(value_of(width_mm(Axis::y, ctx)) * fy));

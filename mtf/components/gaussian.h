@@ -38,18 +38,15 @@ struct Gaussian {
   Choice part{0, kSensorPartNames};
 
   static constexpr auto fields() {
-    return std::tuple{Field{required_row("sigma", Dimension::extent, "", 0.0, 1e9, "\"3 um\"",
-                                         "standard deviation of the point spread, per axis"),
-                            &Gaussian::sigma},
-                      Field{kPartInfo, &Gaussian::part}};
+    return std::tuple{
+        required(&Gaussian::sigma, "sigma", 0.0, 1e9, "\"3 um\"", "standard deviation of the point spread, per axis"),
+        Field{&Gaussian::part, kPartInfo}};
   }
   Traits traits(const Context<S>& ctx) const { return GaussianOtf<S>::traits(sigma, ctx); }
   Complex<S> otf(const Freq<S>& f, const Context<S>& ctx) const { return GaussianOtf<S>::otf(sigma, f, ctx); }
-  double cutoff_cy_mm(const Context<S>&) const { return kInfinity; }
   double deviation(double fx, double fy, const Context<S>& ctx) const {
     return GaussianOtf<S>::deviation(sigma, fx, fy, ctx);
   }
-  std::vector<Problem> check(const Context<S>&) const { return {}; }
 };
 
 }  // namespace mtf

@@ -30,11 +30,9 @@ struct Halo {
   Choice profile{0, kHaloNames};
 
   static constexpr auto fields() {
-    return std::tuple{
-        Field{required_row("fraction", 0.0, 1.0, "0.05", "part of the light in the halo"), &Halo::fraction},
-        Field{required_row("width", Dimension::extent, "", 1e-6, 1e9, "\"200 um\"", "width w of the halo, per axis"),
-              &Halo::width},
-        Field{optional_row("profile", "\"lorentz\"", "gaussian, exponential or lorentz"), &Halo::profile}};
+    return std::tuple{required(&Halo::fraction, "fraction", 0.0, 1.0, "0.05", "part of the light in the halo"),
+                      required(&Halo::width, "width", 1e-6, 1e9, "\"200 um\"", "width w of the halo, per axis"),
+                      optional(&Halo::profile, "profile", "\"lorentz\"", "gaussian, exponential or lorentz")};
   }
   Traits traits(const Context<S>& ctx) const {
     return {.radial = width.isotropic(ctx.frame), .even_x = true, .even_y = true};
@@ -57,13 +55,11 @@ struct Halo {
     const S q = radius(S(width.x_um(ctx.frame) * S(1e-3) * f.x), S(width.y_um(ctx.frame) * S(1e-3) * f.y));
     return {S(1) - fraction * lift(lost(value_of(q)), q), S(0)};
   }
-  double cutoff_cy_mm(const Context<S>&) const { return kInfinity; }
   /// G falls monotonically.
   double deviation(double fx, double fy, const Context<S>& ctx) const {
     const double x = value_of(width.x_um(ctx.frame)) * 1e-3 * fx, y = value_of(width.y_um(ctx.frame)) * 1e-3 * fy;
     return value_of(fraction) * lost(std::hypot(x, y)).value;
   }
-  std::vector<Problem> check(const Context<S>&) const { return {}; }
 };
 
 }  // namespace mtf

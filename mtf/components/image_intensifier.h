@@ -24,11 +24,10 @@ struct ImageIntensifier {
   S index{1};
 
   static constexpr auto fields() {
-    return std::tuple{Field{required_row("frequency", Dimension::frequency, "", 1e-9, 1e9, "\"30 cy/mm\"",
-                                         "frequency f0 at which the MTF is 1/e"),
-                            &ImageIntensifier::frequency},
-                      Field{required_row("index", 1.0, 4.0, "1.4", "device index n, 1.0 to 2.0 in Johnson's tables"),
-                            &ImageIntensifier::index}};
+    return std::tuple{
+        required(&ImageIntensifier::frequency, "frequency", 1e-9, 1e9, "\"30 cy/mm\"",
+                 "frequency f0 at which the MTF is 1/e"),
+        required(&ImageIntensifier::index, "index", 1.0, 4.0, "1.4", "device index n, 1.0 to 2.0 in Johnson's tables")};
   }
   /// Cycles per pixel of pixels that are not square make circles into ellipses.
   Traits traits(const Context<S>& ctx) const {
@@ -45,7 +44,6 @@ struct ImageIntensifier {
     const double h = std::exp(-power);
     return {lift(h, -n * std::pow(u, n - 1.0) * h, ratio, -power * std::log(u) * h, index), S(0)};
   }
-  double cutoff_cy_mm(const Context<S>&) const { return kInfinity; }
   /// It falls monotonically.
   double deviation(double fx, double fy, const Context<S>& ctx) const {
     return -std::expm1(-std::pow(value_of(relative({S(fx), S(fy)}, ctx)), value_of(index)));

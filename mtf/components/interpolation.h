@@ -108,11 +108,10 @@ struct Interpolation {
   std::optional<S> a{};
 
   static constexpr auto fields() {
-    return std::tuple{Field{required_row("kernel", "\"cubic\"", "nearest, linear, cubic, bspline or six_coefficient"),
-                            &Interpolation::kernel},
-                      Field{optional_row("a", -2.0, 0.0, "-0.5",
-                                         "parameter of the cubic kernel, its slope at one pixel; -0.5 unless given"),
-                            &Interpolation::a}};
+    return std::tuple{
+        required(&Interpolation::kernel, "kernel", "\"cubic\"", "nearest, linear, cubic, bspline or six_coefficient"),
+        optional(&Interpolation::a, "a", -2.0, 0.0, "-0.5",
+                 "parameter of the cubic kernel, its slope at one pixel; -0.5 unless given")};
   }
   double cubic_a() const { return a ? value_of(*a) : -0.5; }
   Traits traits(const Context<S>& ctx) const {
@@ -154,7 +153,6 @@ struct Interpolation {
   Complex<S> otf(const Freq<S>& f, const Context<S>& ctx) const {
     return {response(ctx.frame.cy_per_px(f.x, Axis::x)) * response(ctx.frame.cy_per_px(f.y, Axis::y)), S(0)};
   }
-  double cutoff_cy_mm(const Context<S>&) const { return kInfinity; }
   double deviation(double fx, double fy, const Context<S>& ctx) const {
     const double x = axis_deviation(fx * 1e-3 * value_of(ctx.frame.pitch_x_um)),
                  y = axis_deviation(fy * 1e-3 * value_of(ctx.frame.pitch_y_um));

@@ -23,12 +23,9 @@ struct Jitter {
   OptionalIn<S, microradians> roll_urad{};
 
   static constexpr auto fields() {
-    return std::tuple{Field{required_row("rms", Dimension::extent, "", 0.0, 1e9, "\"8 urad\"",
-                                         "rms displacement of one axis, one sigma"),
-                            &Jitter::rms},
-                      Field{optional_row("roll", Dimension::angle, "urad", 0.0, 1e6, "\"300 urad\"",
-                                         "rms angle of the roll about the optical axis, one sigma"),
-                            &Jitter::roll_urad}};
+    return std::tuple{required(&Jitter::rms, "rms", 0.0, 1e9, "\"8 urad\"", "rms displacement of one axis, one sigma"),
+                      optional(&Jitter::roll_urad, "roll", "urad", 0.0, 1e6, "\"300 urad\"",
+                               "rms angle of the roll about the optical axis, one sigma")};
   }
   Traits traits(const Context<S>& ctx) const {
     Traits traits = GaussianOtf<S>::traits(rms, ctx);
@@ -46,7 +43,6 @@ struct Jitter {
     const Freq<S> arm = roll_mm(ctx);
     return {h.re * gaussian_of(S(arm.x * f.y - arm.y * f.x)), S(0)};
   }
-  double cutoff_cy_mm(const Context<S>&) const { return kInfinity; }
   double deviation(double fx, double fy, const Context<S>& ctx) const {
     const double shift = GaussianOtf<S>::deviation(rms, fx, fy, ctx);
     if (!roll_urad) return shift;
@@ -54,7 +50,6 @@ struct Jitter {
     const double t = std::abs(value_of(arm.x)) * fy + std::abs(value_of(arm.y)) * fx;
     return shift - std::expm1(-2.0 * kPi * kPi * t * t) * (1.0 - shift);
   }
-  std::vector<Problem> check(const Context<S>&) const { return {}; }
 
  private:
   /// rms displacement by the roll, turned by a right angle, in mm.

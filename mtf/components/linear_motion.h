@@ -26,19 +26,15 @@ struct LinearMotion {
 
   static constexpr auto fields() {
     return std::tuple{
-        Field{excluding("velocity rate", optional_row("travel", Dimension::extent, "", 0.0, 1e9, "\"10 um\"",
-                                                      "distance moved in one integration time")),
-              &LinearMotion::travel},
-        Field{excluding(
-                  "travel rate",
-                  optional_row("velocity", Dimension::velocity, "um/s", 0.0, 1e15, "\"2 mm/s\"",
-                               "image velocity at the focal plane, times frame.integration_time, instead of travel")),
-              &LinearMotion::velocity_um_s},
-        Field{excluding("travel velocity",
-                        optional_row("rate", Dimension::rate, "urad/s", 0.0, 1e15, "\"20 mrad/s\"",
-                                     "object angle per second, times frame.integration_time, instead of travel")),
-              &LinearMotion::rate_urad_s},
-        Field{kDirectionInfo, &LinearMotion::direction_deg}};
+        excluding("velocity rate", optional(&LinearMotion::travel, "travel", 0.0, 1e9, "\"10 um\"",
+                                            "distance moved in one integration time")),
+        excluding("travel rate",
+                  optional(&LinearMotion::velocity_um_s, "velocity", "um/s", 0.0, 1e15, "\"2 mm/s\"",
+                           "image velocity at the focal plane, times frame.integration_time, instead of travel")),
+        excluding("travel velocity",
+                  optional(&LinearMotion::rate_urad_s, "rate", "urad/s", 0.0, 1e15, "\"20 mrad/s\"",
+                           "object angle per second, times frame.integration_time, instead of travel")),
+        Field{&LinearMotion::direction_deg, kDirectionInfo}};
   }
   Freq<S> displacement_mm(const Context<S>& ctx) const {
     const auto [cosine, sine] = unit_vector(direction_deg.value);
@@ -55,7 +51,6 @@ struct LinearMotion {
     const Freq<S> d = displacement_mm(ctx);
     return {sinc_of(S(d.x * f.x + d.y * f.y)), S(0)};
   }
-  double cutoff_cy_mm(const Context<S>&) const { return kInfinity; }
   double deviation(double fx, double fy, const Context<S>& ctx) const {
     const Freq<S> d = displacement_mm(ctx);
     return sinc_deviation(std::abs(value_of(d.x)) * fx + std::abs(value_of(d.y)) * fy);

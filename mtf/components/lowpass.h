@@ -36,7 +36,6 @@ struct RcLowpass : ElectronicFilter<S> {
     const S scale = S(1) / (S(1) + v * v);
     return {S(v * v * scale), S(-v * scale)};
   }
-  double cutoff_cy_mm(const Context<S>&) const { return kInfinity; }
   double deviation(double fx, double fy, const Context<S>& ctx) const {
     const double u = this->pair({S(fx), S(fy)}, ctx).ratio();
     return u < 1e150 ? u / std::sqrt(1.0 + u * u) : 1.0;
@@ -53,9 +52,8 @@ struct Butterworth : ElectronicFilter<S> {
   int poles = 0;
 
   static constexpr auto fields() {
-    return std::tuple_cat(
-        ElectronicFilter<S>::fields(),
-        std::tuple{Field{required_row("poles", 1.0, 20.0, "3", "number of poles"), &Butterworth::poles}});
+    return std::tuple_cat(ElectronicFilter<S>::fields(),
+                          std::tuple{required(&Butterworth::poles, "poles", 1.0, 20.0, "3", "number of poles")});
   }
   Traits traits(const Context<S>&) const {
     const bool x = this->axis.index == 0;
@@ -67,7 +65,6 @@ struct Butterworth : ElectronicFilter<S> {
     const S ratio = p.along / p.f0;
     return {lift(modulus(value_of(ratio)), ratio), S(0)};
   }
-  double cutoff_cy_mm(const Context<S>&) const { return kInfinity; }
   double deviation(double fx, double fy, const Context<S>& ctx) const {
     return 1.0 - modulus(this->pair({S(fx), S(fy)}, ctx).ratio()).value;
   }

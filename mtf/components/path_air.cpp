@@ -25,8 +25,7 @@ PathOf path_of(const Component<double>& component) {
 
 bool takes_path_air(const System<double>& system) {
   const auto& list = system.list(Stage::presample);
-  return std::any_of(list.begin(), list.end(),
-                     [](const Entry<double>& entry) { return path_of(entry.component) == PathOf::air; });
+  return std::ranges::any_of(list, [](const Entry<double>& entry) { return path_of(entry.component) == PathOf::air; });
 }
 
 std::string own_path(const System<double>& system) {

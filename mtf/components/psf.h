@@ -31,15 +31,12 @@ struct Psf {
   Choice part{0, kSensorPartNames};
 
   static constexpr auto fields() {
-    return std::tuple{
-        Field{required_row("samples", -1e12, 1e12,
-                           "[[0, 0, 0.01, 0, 0], [0, 0.05, 0.15, 0.04, 0], [0.01, 0.15, 0.6, 0.16, 0.02], "
-                           "[0, 0.04, 0.15, 0.05, 0], [0, 0, 0.01, 0, 0]]",
-                           "rows of the PSF, odd by odd, in any unit; the middle one is its origin"),
-              &Psf::samples},
-        Field{required_row("step", Dimension::extent, "", 1e-6, 1e9, "\"2 um\"", "spacing of the samples, per axis"),
-              &Psf::step},
-        Field{kPartInfo, &Psf::part}};
+    return std::tuple{required(&Psf::samples, "samples", -1e12, 1e12,
+                               "[[0, 0, 0.01, 0, 0], [0, 0.05, 0.15, 0.04, 0], [0.01, 0.15, 0.6, 0.16, 0.02], "
+                               "[0, 0.04, 0.15, 0.05, 0], [0, 0, 0.01, 0, 0]]",
+                               "rows of the PSF, odd by odd, in any unit; the middle one is its origin"),
+                      required(&Psf::step, "step", 1e-6, 1e9, "\"2 um\"", "spacing of the samples, per axis"),
+                      Field{&Psf::part, kPartInfo}};
   }
   Traits traits(const Context<S>&) const {
     const auto [sum, absolute] = sums();
@@ -77,7 +74,6 @@ struct Psf {
       for (std::size_t i = 0; i < h.size(); ++i) h[i] = h[i] * table.normalised(sum[i]);
     };
   }
-  double cutoff_cy_mm(const Context<S>&) const { return kInfinity; }  // a corner, which is next to 0
   /// Where it ends along the axes.
   std::vector<double> kinks_cy_mm(const Context<S>& ctx) const {
     const double x = 500.0 / value_of(step.x_um(ctx.frame)), y = 500.0 / value_of(step.y_um(ctx.frame));
@@ -128,13 +124,13 @@ struct Psf {
                    " at half a cycle per sample, beyond which it is taken to be 0; sample the PSF more finely"});
     const double beyond = light_beyond(), bound = 2.0 * beyond / (1.0 + beyond);
     if (bound > 1e-3)
-      problems.push_back({.error = beyond > kMostBeyond,
-                          .field = "samples",
-                          .text = "they end before the PSF does: beyond them lies about " +
-                                  three_digits(100.0 * beyond) +
-                                  " % of the light that they hold, by the fall of the outermost ones, and makes the "
-                                  "MTF wrong by up to " +
-                                  three_digits(std::min(1.0, bound)) + "; give samples further out"});
+      problems.push_back(
+          {.error = beyond > kMostBeyond,
+           .field = "samples",
+           .text =
+               "they end before the PSF does: beyond them lies about " + three_digits(100.0 * beyond) +
+               " % of the light that they hold, by the fall of the outermost ones, and makes the MTF wrong by up to " +
+               three_digits(std::min(1.0, bound)) + "; give samples further out"});
     return problems;
   }
 
@@ -196,7 +192,7 @@ struct Psf {
   /// Samples by columns, with their steps in mm.
   struct Table {
     std::size_t rows = 0, columns = 0;
-    std::vector<T> sample;  ///< [column * rows + row]
+    std::vector<T> sample{};  ///< [column * rows + row]
     T step_x_mm{}, step_y_mm{}, sum{};
     bool real = false;
 
@@ -229,7 +225,6 @@ struct Psf {
   Table table(const Context<S>& ctx) const {
     Table t{.rows = samples.size(),
             .columns = samples.front().size(),
-            .sample = {},
             .step_x_mm = T(step.x_um(ctx.frame)) * T(1e-3),
             .step_y_mm = T(step.y_um(ctx.frame)) * T(1e-3),
             .sum = T(0),

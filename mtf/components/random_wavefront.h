@@ -31,21 +31,17 @@ struct RandomWavefront {
 
   static constexpr auto fields() {
     return std::tuple{
-        Field{required_row("rms", 0.0, 10.0, "0.1", "rms wavefront error in waves"), &RandomWavefront::rms_waves},
-        Field{optional_row("wavelength_reference", Dimension::length, "um", 0.01, 1e5, "\"3.39 um\"",
-                           "wavelength at which rms is stated; without it rms holds at every wavelength"),
-              &RandomWavefront::wavelength_reference_um},
-        Field{excluding("correlation_length", optional_row("correlation", 1e-6, 1e6, "0.2",
-                                                           "correlation length as a fraction of the aperture")),
-              &RandomWavefront::correlation},
-        Field{
-            excluding("correlation", optional_row("correlation_length", Dimension::length, "mm", 1e-6, 1e9, "\"8 mm\"",
-                                                  "correlation length in the entrance pupil, instead of correlation")),
-            &RandomWavefront::correlation_length_mm},
-        Field{shared(required_row("aperture", Dimension::length, "mm", 1e-3, 1e6, "\"50 mm\"",
-                                  "entrance pupil diameter, for correlation; otherwise focal length / f_number")),
-              &RandomWavefront::aperture_mm},
-        Field{kWavelengthInfo, &RandomWavefront::wavelength_um}};
+        required(&RandomWavefront::rms_waves, "rms", 0.0, 10.0, "0.1", "rms wavefront error in waves"),
+        optional(&RandomWavefront::wavelength_reference_um, "wavelength_reference", "um", 0.01, 1e5, "\"3.39 um\"",
+                 "wavelength at which rms is stated; without it rms holds at every wavelength"),
+        excluding("correlation_length", optional(&RandomWavefront::correlation, "correlation", 1e-6, 1e6, "0.2",
+                                                 "correlation length as a fraction of the aperture")),
+        excluding("correlation",
+                  optional(&RandomWavefront::correlation_length_mm, "correlation_length", "mm", 1e-6, 1e9, "\"8 mm\"",
+                           "correlation length in the entrance pupil, instead of correlation")),
+        shared(&RandomWavefront::aperture_mm, "aperture", "mm", 1e-3, 1e6, "\"50 mm\"",
+               "entrance pupil diameter, for correlation; otherwise focal length / f_number"),
+        Field{&RandomWavefront::wavelength_um, kWavelengthInfo}};
   }
   Traits traits(const Context<S>&) const {
     return {.radial = true, .even_x = true, .even_y = true, .chromatic = !wavelength_um};
@@ -66,7 +62,6 @@ struct RandomWavefront {
     return {lift({h, -2.0 * sv * lost * h}, s) + lift({0.0, far == 0.0 ? 0.0 : -2.0 * sv * sv * qv * far * h}, q),
             S(0)};
   }
-  double cutoff_cy_mm(const Context<S>&) const { return kInfinity; }
   /// The otf falls monotonically.
   double deviation(double fx, double fy, const Context<S>& ctx) const {
     const double s = value_of(phase_rad(ctx));

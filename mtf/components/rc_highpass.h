@@ -27,10 +27,8 @@ struct RcHighpass : ElectronicFilter<S> {
 
   static constexpr auto fields() {
     return std::tuple_cat(ElectronicFilter<S>::fields(),
-                          std::tuple{Field{optional_row("dc", "\"keep\"",
-                                                        "mean of each line along the axis: keep (DC restoration) "
-                                                        "or remove"),
-                                           &RcHighpass::dc}});
+                          std::tuple{optional(&RcHighpass::dc, "dc", "\"keep\"",
+                                              "mean of each line along the axis: keep (DC restoration) or remove")});
   }
   bool keeps_mean() const { return dc.index == 0; }
   Traits traits(const Context<S>&) const {
@@ -56,7 +54,6 @@ struct RcHighpass : ElectronicFilter<S> {
     const S scale = S(1) / (S(1) + v * v);
     return {scale, S(v * scale)};
   }
-  double cutoff_cy_mm(const Context<S>&) const { return kInfinity; }
   /// |1 - otf| = 1/sqrt(1 + u^2) is largest beside the zero line.
   double deviation(double fx, double fy, const Context<S>&) const {
     return keeps_mean() && (this->axis.index == 0 ? fx : fy) == 0.0 ? 0.0 : 1.0;

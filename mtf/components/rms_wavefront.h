@@ -27,10 +27,10 @@ struct RmsWavefront {
   OptionalIn<S, micrometres> wavelength_um{};
 
   static constexpr auto fields() {
-    return std::tuple{
-        Field{required_row("rms", 0.0, 1.0, "0.07", "rms wavefront error in waves"), &RmsWavefront::rms_waves},
-        Field{kWavelengthReferenceInfo, &RmsWavefront::wavelength_reference_um},
-        Field{kFNumberInfo, &RmsWavefront::f_number}, Field{kWavelengthInfo, &RmsWavefront::wavelength_um}};
+    return std::tuple{required(&RmsWavefront::rms_waves, "rms", 0.0, 1.0, "0.07", "rms wavefront error in waves"),
+                      Field{&RmsWavefront::wavelength_reference_um, kWavelengthReferenceInfo},
+                      Field{&RmsWavefront::f_number, kFNumberInfo},
+                      Field{&RmsWavefront::wavelength_um, kWavelengthInfo}};
   }
   Traits traits(const Context<S>&) const {
     return {.radial = true, .even_x = true, .even_y = true, .chromatic = !wavelength_um};
@@ -44,7 +44,6 @@ struct RmsWavefront {
     const S factor = S(1) - S(4) * w * w * nu * (S(1) - nu);
     return {value_of(factor) > 0.0 ? factor : S(0), S(0)};
   }
-  double cutoff_cy_mm(const Context<S>&) const { return kInfinity; }
   double deviation(double fx, double fy, const Context<S>& ctx) const {
     const double w = value_of(rms_at(ctx)) / kLimit;
     const double nu = value_of(relative_frequency(S(std::hypot(fx, fy)), wavelength(ctx), f_number_of(f_number, ctx)));
@@ -54,12 +53,13 @@ struct RmsWavefront {
   std::vector<Problem> check(const Context<S>& ctx) const {
     const double w = value_of(rms_at(ctx));
     if (w <= 0.1) return {};
-    return {{.error = false,
-             .field = "rms",
-             .text = "rms wavefront error " + format_double(w) +
-                     " waves is beyond the validity of the Hufnagel/Shannon factor (0.1); its error there exceeds 0.1 "
-                     "in MTF" +
-                     (w > kLimit ? ", and it is clipped at zero" : "")}};
+    return {
+        {.error = false,
+         .field = "rms",
+         .text =
+             "rms wavefront error " + format_double(w) +
+             " waves is beyond the validity of the Hufnagel/Shannon factor (0.1); its error there exceeds 0.1 in MTF" +
+             (w > kLimit ? ", and it is clipped at zero" : "")}};
   }
 };
 

@@ -23,10 +23,9 @@ struct SampleAndHold {
   Choice axis{0, kAxisNames};
 
   static constexpr auto fields() {
-    return std::tuple{Field{required_row("width", Dimension::extent, "", 0.0, 1e9, "\"1 px\"",
-                                         "width of the hold, at the focal plane"),
-                            &SampleAndHold::width},
-                      Field{kAxisInfo, &SampleAndHold::axis}};
+    return std::tuple{
+        required(&SampleAndHold::width, "width", 0.0, 1e9, "\"1 px\"", "width of the hold, at the focal plane"),
+        Field{&SampleAndHold::axis, kAxisInfo}};
   }
   S width_mm(const Context<S>& ctx) const {
     return (axis.index == 0 ? width.x_um(ctx.frame) : width.y_um(ctx.frame)) * S(1e-3);
@@ -38,7 +37,6 @@ struct SampleAndHold {
   Complex<S> otf(const Freq<S>& f, const Context<S>& ctx) const {
     return {sinc_of(S(width_mm(ctx) * along(f, axis_of(axis)))), S(0)};
   }
-  double cutoff_cy_mm(const Context<S>&) const { return kInfinity; }
   double deviation(double fx, double fy, const Context<S>& ctx) const {
     return sinc_deviation(value_of(width_mm(ctx)) * (axis.index == 0 ? fx : fy));
   }

@@ -25,14 +25,12 @@ struct Tdi {
   Choice axis{0, kAxisNames};
 
   static constexpr auto fields() {
-    return std::tuple{Field{required_row("stages", 1.0, 1e5, "32", "number of stages"), &Tdi::stage_count},
-                      Field{required_row("slip", Dimension::extent, "", 0.0, 1e9, "\"0.34 um\"",
-                                         "displacement of the image against the charge per stage"),
-                            &Tdi::slip},
-                      Field{optional_row("clock_phases", 0.0, 100.0, "3",
-                                         "charge steps per pitch; 0: motion of the charge taken as even"),
-                            &Tdi::clock_phases},
-                      Field{kAxisInfo, &Tdi::axis}};
+    return std::tuple{
+        required(&Tdi::stage_count, "stages", 1.0, 1e5, "32", "number of stages"),
+        required(&Tdi::slip, "slip", 0.0, 1e9, "\"0.34 um\"", "displacement of the image against the charge per stage"),
+        optional(&Tdi::clock_phases, "clock_phases", 0.0, 100.0, "3",
+                 "charge steps per pitch; 0: motion of the charge taken as even"),
+        Field{&Tdi::axis, kAxisInfo}};
   }
   S slip_mm(const Context<S>& ctx) const {
     return (axis.index == 0 ? slip.x_um(ctx.frame) : slip.y_um(ctx.frame)) * S(1e-3);
@@ -49,7 +47,6 @@ struct Tdi {
     const S x = slip_mm(ctx) * u;
     return {dirichlet_of(stage_count, x) * sinc_of(S(step_mm(ctx) * u)), S(0)};
   }
-  double cutoff_cy_mm(const Context<S>&) const { return kInfinity; }
   double deviation(double fx, double fy, const Context<S>& ctx) const {
     const double f = axis.index == 0 ? fx : fy;
     return std::min(

@@ -69,56 +69,35 @@ struct Turbulence {
 
   static constexpr auto fields() {
     return std::tuple{
-        Field{optional_row("fried_parameter", Dimension::length, "mm", 1e-3, 1e6, "\"50 mm\"",
-                           "Fried parameter r0 of the path"),
-              &Turbulence::fried_parameter_mm},
-        Field{optional_row("wavelength_reference", Dimension::length, "um", 0.01, 1e5, "\"0.55 um\"",
-                           "wavelength at which fried_parameter is stated; r0 scales as wavelength^(6/5)"),
-              &Turbulence::wavelength_reference_um},
-        Field{optional_row("exposure", "\"short\"", "long, or short (image motion taken out)"), &Turbulence::exposure},
-        Field{optional_row("alpha", 0.0, 1.0, "0.5",
-                           "short exposure: 1 near field, 0.5 far field (the default), 0 as long exposure"),
-              &Turbulence::alpha},
-        Field{shared(required_row("aperture", Dimension::length, "mm", 1e-3, 1e6, "\"100 mm\"",
-                                  "short exposure: entrance pupil diameter; otherwise focal length / f_number")),
-              &Turbulence::aperture_mm},
-        Field{optional_row("constant", "\"exact\"", "exact (3.44193859) or the usual rounded 3.44"),
-              &Turbulence::constant},
-        Field{kWavelengthInfo, &Turbulence::wavelength_um},
-        Field{optional_row("profile", "\"hufnagel_valley\"",
-                           "Cn2 along the path, instead of fried_parameter: constant or hufnagel_valley"),
-              &Turbulence::profile},
-        Field{optional_row("wave", "\"plane\"", "path: spherical (a target at the end of the path) or plane (a star)"),
-              &Turbulence::wave},
-        Field{optional_row("cn2", 1e-25, 1e-5, "1e-14", "constant profile: Cn2 in m^(-2/3), a plain number"),
-              &Turbulence::cn2},
-        Field{excluding("zenith_angle", optional_row("path_length", Dimension::length, "m", 1e-3, 1e12, "\"4 km\"",
-                                                     "length of the path from target to sensor")),
-              &Turbulence::path_length_m},
-        Field{optional_row("wind", 0.0, 1e3, "21.0",
-                           "hufnagel_valley: wind of the upper atmosphere in m/s, a plain number; 21 when absent"),
-              &Turbulence::wind_m_s},
-        Field{optional_row("ground_cn2", 0.0, 1e-5, "1.7e-14",
-                           "hufnagel_valley: its ground term A in m^(-2/3); 1.7e-14 when absent"),
-              &Turbulence::ground_cn2},
-        Field{altitude_info("target_altitude", "\"2 km\"", "hufnagel_valley: altitude of the target"),
-              &Turbulence::target_altitude_m},
-        Field{altitude_info("sensor_altitude", "\"20 m\"", "hufnagel_valley: altitude of the sensor; 0 when absent"),
-              &Turbulence::sensor_altitude_m},
-        Field{excluding("path_length",
-                        optional_row("zenith_angle", Dimension::angle, "deg", 0.0, 80.0, "\"60 deg\"",
-                                     "hufnagel_valley: angle of the path from the vertical, instead of path_length")),
-              &Turbulence::zenith_angle_deg}};
-  }
-  static constexpr FieldInfo altitude_info(std::string_view name, std::string_view example, std::string_view doc) {
-    return {.name = name,
-            .dimension = Dimension::length,
-            .unit = "m",
-            .lo = 0.0,
-            .hi = 1e9,
-            .presence = Presence::optional,
-            .example = example,
-            .doc = doc};
+        optional(&Turbulence::fried_parameter_mm, "fried_parameter", "mm", 1e-3, 1e6, "\"50 mm\"",
+                 "Fried parameter r0 of the path"),
+        optional(&Turbulence::wavelength_reference_um, "wavelength_reference", "um", 0.01, 1e5, "\"0.55 um\"",
+                 "wavelength at which fried_parameter is stated; r0 scales as wavelength^(6/5)"),
+        optional(&Turbulence::exposure, "exposure", "\"short\"", "long, or short (image motion taken out)"),
+        optional(&Turbulence::alpha, "alpha", 0.0, 1.0, "0.5",
+                 "short exposure: 1 near field, 0.5 far field (the default), 0 as long exposure"),
+        shared(&Turbulence::aperture_mm, "aperture", "mm", 1e-3, 1e6, "\"100 mm\"",
+               "short exposure: entrance pupil diameter; otherwise focal length / f_number"),
+        optional(&Turbulence::constant, "constant", "\"exact\"", "exact (3.44193859) or the usual rounded 3.44"),
+        Field{&Turbulence::wavelength_um, kWavelengthInfo},
+        optional(&Turbulence::profile, "profile", "\"hufnagel_valley\"",
+                 "Cn2 along the path, instead of fried_parameter: constant or hufnagel_valley"),
+        optional(&Turbulence::wave, "wave", "\"plane\"",
+                 "path: spherical (a target at the end of the path) or plane (a star)"),
+        optional(&Turbulence::cn2, "cn2", 1e-25, 1e-5, "1e-14", "constant profile: Cn2 in m^(-2/3), a plain number"),
+        excluding("zenith_angle", optional(&Turbulence::path_length_m, "path_length", "m", 1e-3, 1e12, "\"4 km\"",
+                                           "length of the path from target to sensor")),
+        optional(&Turbulence::wind_m_s, "wind", 0.0, 1e3, "21.0",
+                 "hufnagel_valley: wind of the upper atmosphere in m/s, a plain number; 21 when absent"),
+        optional(&Turbulence::ground_cn2, "ground_cn2", 0.0, 1e-5, "1.7e-14",
+                 "hufnagel_valley: its ground term A in m^(-2/3); 1.7e-14 when absent"),
+        optional(&Turbulence::target_altitude_m, "target_altitude", "m", 0.0, 1e9, "\"2 km\"",
+                 "hufnagel_valley: altitude of the target"),
+        optional(&Turbulence::sensor_altitude_m, "sensor_altitude", "m", 0.0, 1e9, "\"20 m\"",
+                 "hufnagel_valley: altitude of the sensor; 0 when absent"),
+        excluding("path_length",
+                  optional(&Turbulence::zenith_angle_deg, "zenith_angle", "deg", 0.0, 80.0, "\"60 deg\"",
+                           "hufnagel_valley: angle of the path from the vertical, instead of path_length"))};
   }
   double c() const { return constant.index == 0 ? kExact : 3.44; }
   bool is_short() const { return exposure.index == 1; }
@@ -172,7 +151,6 @@ struct Turbulence {
         };
   }
   Complex<S> otf(const Freq<S>& f, const Context<S>& ctx) const { return evaluator(ctx)(f); }
-  double cutoff_cy_mm(const Context<S>&) const { return kInfinity; }
   /// Of the short exposure where the bracket begins to keep its value, lambda u = D.
   std::vector<double> kinks_cy_mm(const Context<S>& ctx) const {
     if (!is_short()) return {};

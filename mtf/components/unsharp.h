@@ -60,15 +60,12 @@ struct Unsharp {
   OptionalIn<S, pixels> sigma_px{};
 
   static constexpr auto fields() {
-    return std::tuple{
-        Field{required_row("amount", 0.0, 100.0, "0.8",
-                           "weight of the difference between the image and its blurred copy"),
-              &Unsharp::amount},
-        Field{excluding("sigma", optional_row("size", 1.0, 1001.0, "3", "side of the box that blurs, in pixels; odd")),
-              &Unsharp::size},
-        Field{excluding("size", optional_row("sigma", Dimension::pixel, "px", 0.05, 1000.0, "\"1.5 px\"",
-                                             "standard deviation of Gaussian taps that blur, instead of the box")),
-              &Unsharp::sigma_px}};
+    return std::tuple{required(&Unsharp::amount, "amount", 0.0, 100.0, "0.8",
+                               "weight of the difference between the image and its blurred copy"),
+                      excluding("sigma", optional(&Unsharp::size, "size", 1.0, 1001.0, "3",
+                                                  "side of the box that blurs, in pixels; odd")),
+                      excluding("size", optional(&Unsharp::sigma_px, "sigma", "px", 0.05, 1000.0, "\"1.5 px\"",
+                                                 "standard deviation of Gaussian taps that blur, instead of the box"))};
   }
   Traits traits(const Context<S>& ctx) const {
     return {.even_x = true, .even_y = true, .square = ctx.frame.square(), .gain = true};
@@ -82,7 +79,6 @@ struct Unsharp {
     const S x = ctx.frame.cy_per_px(f.x, Axis::x), y = ctx.frame.cy_per_px(f.y, Axis::y);
     return {S(1) + amount * (S(1) - blur(x) * blur(y)), S(0)};
   }
-  double cutoff_cy_mm(const Context<S>&) const { return kInfinity; }
   /// 1 - B = sum of taps x (1 - cos 2 pi k x) <= 2 pi^2 x^2 x the variance of the taps, which for the sampled Gaussian
   /// is at most sigma^2; 1 - Bx By <= (1 - Bx) + (1 - By), never above 1 + 1/3, the lobe of three taps.
   double deviation(double fx, double fy, const Context<S>& ctx) const {

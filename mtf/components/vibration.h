@@ -39,24 +39,17 @@ struct Vibration {
 
   static constexpr auto fields() {
     return std::tuple{
-        Field{required_row("amplitude", Dimension::extent, "", 0.0, 1e9, "\"5 um\"",
-                           "peak displacement from the middle, half of peak to peak"),
-              &Vibration::amplitude},
-        Field{kDirectionInfo, &Vibration::direction_deg},
-        Field{optional_row("average", "\"fixed_phase\"",
-                           "many_cycles, fixed_phase (one exposure) or rms (root mean square over all phases)"),
-              &Vibration::average},
-        Field{excluding("period",
-                        optional_row("cycles", 0.0, 1e3, "0.4",
+        required(&Vibration::amplitude, "amplitude", 0.0, 1e9, "\"5 um\"",
+                 "peak displacement from the middle, half of peak to peak"),
+        Field{&Vibration::direction_deg, kDirectionInfo},
+        optional(&Vibration::average, "average", "\"fixed_phase\"",
+                 "many_cycles, fixed_phase (one exposure) or rms (root mean square over all phases)"),
+        excluding("period", optional(&Vibration::cycles, "cycles", 0.0, 1e3, "0.4",
                                      "exposure / period, for fixed_phase and rms; beyond 1000 use many_cycles")),
-              &Vibration::cycles},
-        Field{excluding("cycles",
-                        optional_row("period", Dimension::time, "s", 1e-9, 1e9, "\"25 ms\"",
+        excluding("cycles", optional(&Vibration::period_s, "period", "s", 1e-9, 1e9, "\"25 ms\"",
                                      "period of the vibration, with frame.integration_time, instead of cycles")),
-              &Vibration::period_s},
-        Field{optional_row("phase", Dimension::angle, "deg", -360.0, 360.0, "\"30 deg\"",
-                           "fixed_phase: phase at mid exposure; 0: passing the middle towards the direction"),
-              &Vibration::phase_deg}};
+        optional(&Vibration::phase_deg, "phase", "deg", -360.0, 360.0, "\"30 deg\"",
+                 "fixed_phase: phase at mid exposure; 0: passing the middle towards the direction")};
   }
   bool fixed_phase() const { return average.index == 1; }
   bool many_cycles() const { return average.index == 0; }
@@ -85,7 +78,6 @@ struct Vibration {
     return {lift({h.value.re, h.by_x.re}, x) + lift({0.0, h.by_cycles.re}, c) + lift({0.0, h.by_turns.re}, turns),
             lift({h.value.im, h.by_x.im}, x) + lift({0.0, h.by_cycles.im}, c) + lift({0.0, h.by_turns.im}, turns)};
   }
-  double cutoff_cy_mm(const Context<S>&) const { return kInfinity; }
   /// J0 falls monotonically to its deepest lobe, -0.40276 at 3.83. Any one exposure: no phase beyond x. rms: its square
   /// is the mean cosine of phase differences, whose mean square is at most 2 x^2.
   double deviation(double fx, double fy, const Context<S>& ctx) const {

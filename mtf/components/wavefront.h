@@ -47,24 +47,21 @@ struct Wavefront {
 
   static constexpr auto fields() {
     return std::tuple{
-        Field{wave_coefficient_info("w020", "defocus, waves at the pupil's edge"), &Wavefront::w020},
-        Field{wave_coefficient_info("w040", "spherical aberration"), &Wavefront::w040},
-        Field{wave_coefficient_info("w131", "coma along x"), &Wavefront::w131},
-        Field{wave_coefficient_info("w222", "astigmatism: x^2"), &Wavefront::w222},
-        Field{wave_coefficient_info("w311", "distortion: tilt along x, an image shift"), &Wavefront::w311},
-        Field{optional_row("zernike", -10.0, 10.0, "[0, 0, 0, 0.1, 0.05, 0, 0.08, 0, -0.06]",
-                           "coefficients Z1, Z2, ... in waves"),
-              &Wavefront::zernike},
-        Field{optional_row("numbering", "\"fringe\"",
-                           "of zernike: fringe (unit peak) or noll (unit rms over the full disc)"),
-              &Wavefront::numbering},
-        Field{optional_row("orientation", Dimension::angle, "deg", -360.0, 360.0, "\"30 deg\"",
-                           "turns the wavefront from +x (right) to +y (down)"),
-              &Wavefront::orientation_deg},
-        Field{kWavelengthReferenceInfo, &Wavefront::wavelength_reference_um},
-        Field{kFNumberInfo, &Wavefront::f_number},
-        Field{kQuadratureObscurationInfo, &Wavefront::obscuration},
-        Field{kWavelengthInfo, &Wavefront::wavelength_um}};
+        Field{&Wavefront::w020, wave_coefficient_info("w020", "defocus, waves at the pupil's edge")},
+        Field{&Wavefront::w040, wave_coefficient_info("w040", "spherical aberration")},
+        Field{&Wavefront::w131, wave_coefficient_info("w131", "coma along x")},
+        Field{&Wavefront::w222, wave_coefficient_info("w222", "astigmatism: x^2")},
+        Field{&Wavefront::w311, wave_coefficient_info("w311", "distortion: tilt along x, an image shift")},
+        optional(&Wavefront::zernike, "zernike", -10.0, 10.0, "[0, 0, 0, 0.1, 0.05, 0, 0.08, 0, -0.06]",
+                 "coefficients Z1, Z2, ... in waves"),
+        optional(&Wavefront::numbering, "numbering", "\"fringe\"",
+                 "of zernike: fringe (unit peak) or noll (unit rms over the full disc)"),
+        optional(&Wavefront::orientation_deg, "orientation", "deg", -360.0, 360.0, "\"30 deg\"",
+                 "turns the wavefront from +x (right) to +y (down)"),
+        Field{&Wavefront::wavelength_reference_um, kWavelengthReferenceInfo},
+        Field{&Wavefront::f_number, kFNumberInfo},
+        Field{&Wavefront::obscuration, kQuadratureObscurationInfo},
+        Field{&Wavefront::wavelength_um, kWavelengthInfo}};
   }
 
   S wavelength(const Context<S>& ctx) const { return wavelength_um.value_or(ctx.wavelength_um); }

@@ -2,7 +2,6 @@
 #include "mtf/engines/kernels.h"
 
 #include <algorithm>
-#include <array>
 #include <bit>
 #include <cmath>
 #include <cstring>

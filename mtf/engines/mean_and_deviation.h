@@ -3,8 +3,7 @@
 
 // The mean that is subtracted from a plane before it is filtered, so that rounding is relative to the contrast and not
 // to the brightness, and the scale that keeps the difference within the range of float. Any value near the mean serves.
-// The mean of samples at 64 places is enough for an engine that checks it while it reads the plane, and saves a pass
-// over it.
+// The mean of samples at 64 places is enough for an engine that checks it while it reads the plane, and saves a pass.
 
 #include <optional>
 

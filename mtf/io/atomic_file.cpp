@@ -11,7 +11,6 @@
 #include <memory>
 #include <system_error>
 
-#include "mtf/error.h"
 #include "mtf/io/stage.h"
 
 namespace mtf::io {
@@ -19,20 +18,11 @@ namespace {
 
 constexpr std::size_t buffer_bytes = 256 * 1024;
 
-std::string remedy(int error_number) {
-  switch (error_number) {
-    case ENOSPC:
-    case EDQUOT:
-      return "free space or choose another folder";
-    case EACCES:
-    case EPERM:
-    case EROFS:
-      return "choose a folder you may write to";
-    case EFBIG:
-      return "the file system or a limit (ulimit -f) does not allow a file of this size";
-    default:
-      return "choose another file";
-  }
+std::string remedy(int e) {
+  if (e == ENOSPC || e == EDQUOT) return "free space or choose another folder";
+  if (e == EACCES || e == EPERM || e == EROFS) return "choose a folder you may write to";
+  if (e == EFBIG) return "the file system or a limit (ulimit -f) does not allow a file of this size";
+  return "choose another file";
 }
 
 // Returns 0 or the error number; a short write is continued.

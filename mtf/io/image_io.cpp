@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mtf/io/image_io.h"
 
-#include <array>
 #include <cctype>
 #include <fstream>
 #include <utility>

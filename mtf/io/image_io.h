@@ -26,8 +26,7 @@ enum class Format { exr, png, tiff, jpeg };
 /// Format by the first bytes of a file; nothing where they are those of no image.
 std::optional<Format> format_of(std::string_view start);
 
-/// Format by file content for reading (magic bytes). Throws RuntimeError when the file is missing, empty or none of
-/// ours.
+/// Format by file content for reading (magic bytes). Throws RuntimeError for a missing, empty or foreign file.
 Format detect_format(const std::string& path);
 
 /// Format by extension for writing (.exr .png .tif .tiff, any case). Throws UsageError naming the known extensions.
@@ -66,9 +65,9 @@ struct ReadOptions {
   /// One full channel name, or its last component within `layer`.
   std::optional<std::string> channel;
   /// All colour (or single) channels of this layer; "" = the channels without a layer.
-  std::optional<std::string> layer;
+  std::optional<std::string> layer{};
   /// Part of a multi-part file; needed only when names repeat.
-  std::optional<int> part;
+  std::optional<int> part{};
 };
 
 /// The chosen planes, each width x height of the *display window*. Data window parts outside are cropped, missing

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mtf/io/scene.h"
 
-#include <array>
 #include <charconv>
 #include <cmath>
 #include <cstdio>
@@ -277,11 +276,10 @@ std::vector<std::string> sampling_warnings(const System<double>& system, const S
     const double ratio = system.frame.pitch_um(axis) / step;
     if (ratio >= 2.0 * (1.0 - 1e-9)) continue;
     std::array<char, 256> text;
-    std::snprintf(
-        text.data(), text.size(),
-        "the scene has %.3g samples per pitch along %c: it holds nothing above %.4g cy/mm, so aliasing of finer "
-        "detail (up to the optics' cutoff) is missing; use 2 or more, better 4",
-        ratio, axis == Axis::x ? 'x' : 'y', 500.0 / step);
+    std::snprintf(text.data(), text.size(),
+                  "the scene has %.3g samples per pitch along %c: it holds nothing above %.4g cy/mm, so aliasing of "
+                  "finer detail (up to the optics' cutoff) is missing; use 2 or more, better 4",
+                  ratio, axis == Axis::x ? 'x' : 'y', 500.0 / step);
     warnings.emplace_back(text.data());
   }
   return warnings;

@@ -209,8 +209,7 @@ void Stage::place(const std::string& name) {
       ::chmod(from.c_str(), status.st_mode & 0777);
     }
     make_folders(stage_ + "/old", name);
-    // A second name, so that there is a file of that name at all times; where there are no second names, a moment
-    // later.
+    // A second name, so that there is a file of that name at all times; without second names, a moment later.
     if (::link(target.c_str(), old.c_str()) != 0 && errno != EEXIST && ::rename(target.c_str(), old.c_str()) != 0)
       fail_to_write(target, errno);
     step.replaced = true;

@@ -146,6 +146,12 @@ const std::vector<Temporary>& temporaries_in(const std::string& folder) {
   return at->second;
 }
 
+/// Guards that this thread holds: one inside another is part of its work.
+int& held() {
+  static thread_local constinit int count = 0;
+  return count;
+}
+
 }  // namespace
 
 std::string temporary_stem(const std::string& target) {
@@ -198,14 +204,6 @@ ListedTemporary::ListedTemporary(const std::string& name, bool beside_it) : slot
 ListedTemporary::~ListedTemporary() {
   if (slot_ >= 0) slots()[static_cast<std::size_t>(slot_)].state = slot_free;
 }
-
-namespace {
-/// Guards that this thread holds: one inside another is part of its work.
-int& held() {
-  static thread_local constinit int count = 0;
-  return count;
-}
-}  // namespace
 
 Unstopped::Unstopped() {
   sigset_t stops;

@@ -27,8 +27,7 @@ struct TileStoreLayout {
   std::function<Region(std::int64_t)> region;  ///< of a tile
 };
 
-/// Whole numbers that belong to a tile beside its pixels, TileStoreLayout::counts of them; their meaning is the
-/// caller's.
+/// Whole numbers that belong to a tile beside its pixels, TileStoreLayout::counts of them; with the caller's meaning.
 using TileCounts = std::vector<std::int64_t>;
 
 /// Whose pixels are not kept longer than the process.

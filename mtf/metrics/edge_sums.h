@@ -155,8 +155,7 @@ class EdgeSums {
   }
 
   /// The peak of the lsf, searched about the edge in quarters of a pixel, and the samples around it; NaN where it is
-  /// not within kFurthest_px. The value there does not depend on the place to first order, so that the place carries no
-  /// derivative.
+  /// not within kFurthest_px. The value there does not depend on the place to first order, so it carries no derivative.
   struct Peak {
     S x{};
     EdgeSamples<S> around;

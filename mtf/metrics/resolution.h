@@ -93,8 +93,7 @@ class ResolutionMeter {
   ~ResolutionMeter();
   ResolutionMeter(ResolutionMeter&&) noexcept;
 
-  /// The system has to be valid (System::check). An OTF that 256 panels do not resolve is reported with the error
-  /// reached.
+  /// The system has to be valid (System::check). An OTF that 256 panels do not resolve has the error reached.
   Resolution<S> measure(const System<S>& system);
 
  private:

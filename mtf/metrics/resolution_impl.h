@@ -227,8 +227,7 @@ S ResolutionMeter<S>::Impl::mtf50(Axis axis) {
       h_hi = i < nodes.t.size() ? value_of(modulus(panel.system[i])) - kHalf : excess(1.0);
     }
     if (h_hi > 0.0) continue;
-    // In a panel that begins at f = 0 the value there is above kHalf, which stands for it: the step below makes up for
-    // it.
+    // In a panel that begins at f = 0 the value there is above kHalf, which stands for it; the step below mends that.
     const double t = find_zero(lo, h_lo, hi, h_hi, near(), [&](std::span<const double> at) {
       const ComplexValues<S> values = at_places(h, at);
       std::vector<double> excesses;

@@ -47,8 +47,7 @@ PupilNumbers<S> pupil_numbers(const Component<S>& component, const Context<S>& c
 template <class S>
 bool is_reconstructed(const System<S>& system) {
   const auto& list = system.list(Stage::postsample);
-  return std::any_of(list.begin(), list.end(),
-                     [](const Entry<S>& entry) { return entry.component.is_reconstruction(); });
+  return std::ranges::any_of(list, [](const Entry<S>& entry) { return entry.component.is_reconstruction(); });
 }
 
 template <class S>
@@ -89,20 +88,18 @@ class OtfParts {
   bool chromatic() const { return !chromatic_.empty(); }
   /// True when a component after sampling acts along the axis; digital filters count.
   bool filters(Axis axis) const {
-    return std::any_of(after_.begin(), after_.end(), [axis](const Member& m) { return !is_flat(m, axis); });
+    return std::ranges::any_of(after_, [axis](const Member& m) { return !is_flat(m, axis); });
   }
   bool digital_filters(Axis axis) const {
-    return std::any_of(after_.begin(), after_.end(), [axis](const Member& m) {
-      return m.product == &Products<S>::after_sampling && !is_flat(m, axis);
-    });
+    return std::ranges::any_of(
+        after_, [axis](const Member& m) { return m.product == &Products<S>::after_sampling && !is_flat(m, axis); });
   }
   bool chromatic_optics() const {
-    return std::any_of(chromatic_.begin(), chromatic_.end(), [](const Member& m) { return m.is_optics(); });
+    return std::ranges::any_of(chromatic_, [](const Member& m) { return m.is_optics(); });
   }
   bool radial_optics() const {
     const auto radial = [](const Member& m) { return !m.is_optics() || m.traits.radial; };
-    return std::all_of(steady_.begin(), steady_.end(), radial) &&
-           std::all_of(chromatic_.begin(), chromatic_.end(), radial);
+    return std::ranges::all_of(steady_, radial) && std::ranges::all_of(chromatic_, radial);
   }
 
   /// Where the presample OTF ends, at the shortest wavelength; infinite without a pupil.
@@ -122,7 +119,7 @@ class OtfParts {
       if (pupil_chromatic_ && hi_um_ > 0.0) kinks.push_back(touch / hi_um_);
       kinks.push_back(touch / (pupil_chromatic_ ? lo_um_ : 1.0));
     }
-    std::sort(kinks.begin(), kinks.end());
+    std::ranges::sort(kinks);
     return kinks;
   }
   /// The frequencies where few wavelengths err most: those with kinks at wavelengths amid the band.
@@ -236,7 +233,7 @@ class OtfParts {
   static constexpr bool kValuesAlone = std::is_floating_point_v<S>;
   static bool same_along_both(const Member& m) { return kValuesAlone && (m.traits.radial || m.traits.square); }
   static bool all_same_along_both(const std::vector<Member>& members) {
-    return std::all_of(members.begin(), members.end(), same_along_both);
+    return std::ranges::all_of(members, same_along_both);
   }
   static bool is_flat(const Member& m, Axis axis) {
     return kValuesAlone && (axis == Axis::x ? m.traits.flat_x : m.traits.flat_y);
@@ -294,16 +291,15 @@ class OtfParts {
 
   void find_kinks() {
     touch_.clear();
-    pupil_chromatic_ = pupil_ != nullptr && std::any_of(chromatic_.begin(), chromatic_.end(),
-                                                        [this](const Member& m) { return m.component == pupil_; });
+    pupil_chromatic_ =
+        pupil_ != nullptr && std::ranges::any_of(chromatic_, [this](const Member& m) { return m.component == pupil_; });
     if (pupil_ == nullptr) return;
     const Context<S> ctx = pupil_chromatic_ ? system_->context(S(lo_um_)) : middle_;
     for (const double f : pupil_->kinks_cy_mm(ctx)) touch_.push_back(f * (pupil_chromatic_ ? lo_um_ : 1.0));
   }
 
   void average(std::span<const Freq<S>> f, BandMeans& means) {
-    const bool beyond =
-        !std::all_of(chromatic_.begin(), chromatic_.end(), [](const Member& m) { return m.is_optics(); });
+    const bool beyond = !std::ranges::all_of(chromatic_, [](const Member& m) { return m.is_optics(); });
     means.optics.assign(f.size(), Complex<S>{S(0), S(0)});
     means.presample = means.optics;
     if (wavelengths_ == 0) return split_average(f, means, beyond);

@@ -67,8 +67,7 @@ RadialTable::RadialTable(const Function& f, double end, double target, std::int6
   for (std::size_t i = 0; i < n; ++i)
     steepest_ = std::max(steepest_, static_cast<double>(n) * (std::abs(v[i + 1] - v[i]) + 0.5 * curvature));
 
-  // A kink (the end of a curve) may lie between the midpoints: more points are tested where the third difference is
-  // largest.
+  // A kink (the end of a curve) may lie between the midpoints: more points are tested at the largest third difference.
   std::vector<std::size_t> order(n > 3 ? n - 2 : 0);
   std::iota(order.begin(), order.end(), std::size_t{1});
   const auto third = [&v](std::size_t i) { return std::abs(v[i + 2] - v[i - 1] - 3.0 * (v[i + 1] - v[i])); };

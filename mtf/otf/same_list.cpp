@@ -2,7 +2,6 @@
 #include "mtf/otf/same_list.h"
 
 #include <algorithm>
-#include <cmath>
 
 namespace mtf {
 namespace {

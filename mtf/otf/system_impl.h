@@ -104,8 +104,7 @@ System<S> System<S>::at(const FieldPoint<S>& q) const {
       std::any_of(entries.begin(), entries.end(),
                   [ctx = context()](const Entry<S>& entry) { return entry.component.traits(ctx).placed; }))
     throw UsageError(
-        "the size of the detector is not known, on which displacements over the field depend; give "
-        "frame.format");
+        "the size of the detector is not known, on which displacements over the field depend; give frame.format");
   return here;
 }
 

@@ -67,8 +67,7 @@ class CoarseScene {
   std::vector<double> sum_;
 };
 
-/// Adds the interpolated values of the coarse image `w`, and `offset`, to `out`, whose sample (0, 0) lies at (x_um,
-/// y_um).
+/// Adds the interpolated values of the coarse image `w`, and `offset`, to `out`, sample (0, 0) at (x_um, y_um).
 void add_interpolated(const CoarseGrid& grid, ImageView<const float> w, double x_um, double y_um, double step_x_um,
                       double step_y_um, double offset, ImageView<float> out);
 

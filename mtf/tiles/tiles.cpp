@@ -5,7 +5,6 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <optional>
 #include <string>
 
 #include "mtf/error.h"
@@ -13,7 +12,6 @@
 #include "mtf/plan/padding.h"
 #include "mtf/plan/plan.h"
 #include "mtf/plan/plan_parts.h"
-#include "mtf/tiles/tile_layout.h"
 #include "mtf/tiles/tiles_refusal.h"
 #include "mtf/work/usable_memory.h"
 

@@ -61,6 +61,36 @@ void read_rows(const ReadWindow& read, std::size_t channel, std::int64_t x, std:
                });
 }
 
+constexpr std::int64_t kBlock = 64;
+constexpr double kFewFlatBlocks = 0.3;
+constexpr std::int64_t kWorthPlanning = std::int64_t{1} << 23;  // samples; below, planning costs more than it saves
+constexpr double kWorthIt = 2.0;  // of the work of the whole image, whose planning takes three times as much
+constexpr double kReading = 0.05, kCoarse = 0.3;          // work besides transforms, a sample of the scene
+constexpr std::array<std::int64_t, 2> kSides{512, 1024};  // of a tile in samples
+
+bool is_flat(ImageView<const float> plane, const Region& region) {
+  const float first = plane.at(region.x, region.y);
+  for (std::int64_t y = region.y; y < region.y + region.height; ++y)
+    for (std::int64_t x = region.x; x < region.x + region.width; ++x)
+      if (plane.at(x, y) != first) return false;
+  return true;
+}
+
+// Share of the blocks that are flat in all planes. As a rule a few samples show that a block is not.
+double flat_blocks(std::span<const ImageView<const float>> planes) {
+  const std::int64_t columns = planes[0].width / kBlock, rows = planes[0].height / kBlock;
+  std::int64_t flat = 0;
+  for (std::int64_t j = 0; j < rows; ++j)
+    for (std::int64_t i = 0; i < columns; ++i)
+      flat += std::all_of(planes.begin(), planes.end(),
+                          [&](const auto& plane) {
+                            return is_flat(plane, {i * kBlock, j * kBlock, kBlock, kBlock});
+                          })
+                  ? 1
+                  : 0;
+  return static_cast<double>(flat) / static_cast<double>(std::max<std::int64_t>(1, columns * rows));
+}
+
 }  // namespace
 
 Tile TiledSensorPlan::tile(std::int64_t index) const {
@@ -287,40 +317,6 @@ std::vector<Image> TiledSensorPlan::run(std::span<const ImageView<const float>> 
   if (tally != nullptr) *tally = done;
   return out;
 }
-
-namespace {
-
-constexpr std::int64_t kBlock = 64;
-constexpr double kFewFlatBlocks = 0.3;
-constexpr std::int64_t kWorthPlanning = std::int64_t{1} << 23;  // samples; below, planning costs more than it saves
-constexpr double kWorthIt = 2.0;  // of the work of the whole image, whose planning takes three times as much
-constexpr double kReading = 0.05, kCoarse = 0.3;          // work besides transforms, a sample of the scene
-constexpr std::array<std::int64_t, 2> kSides{512, 1024};  // of a tile in samples
-
-bool is_flat(ImageView<const float> plane, const Region& region) {
-  const float first = plane.at(region.x, region.y);
-  for (std::int64_t y = region.y; y < region.y + region.height; ++y)
-    for (std::int64_t x = region.x; x < region.x + region.width; ++x)
-      if (plane.at(x, y) != first) return false;
-  return true;
-}
-
-// Share of the blocks that are flat in all planes. As a rule a few samples show that a block is not.
-double flat_blocks(std::span<const ImageView<const float>> planes) {
-  const std::int64_t columns = planes[0].width / kBlock, rows = planes[0].height / kBlock;
-  std::int64_t flat = 0;
-  for (std::int64_t j = 0; j < rows; ++j)
-    for (std::int64_t i = 0; i < columns; ++i)
-      flat += std::all_of(planes.begin(), planes.end(),
-                          [&](const auto& plane) {
-                            return is_flat(plane, {i * kBlock, j * kBlock, kBlock, kBlock});
-                          })
-                  ? 1
-                  : 0;
-  return static_cast<double>(flat) / static_cast<double>(std::max<std::int64_t>(1, columns * rows));
-}
-
-}  // namespace
 
 double TiledSensorPlan::flat_share(std::span<const ImageView<const float>> scene, double border_value) const {
   if (report_.whole) return 0.0;

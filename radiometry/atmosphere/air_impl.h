@@ -43,10 +43,8 @@ void require_valid(const Profile<S>& profile) {
 
 template <class S>
 Level<S> with_scalar(const Level<double>& level) {
-  Level<S> out{.altitude_m = level.altitude_m,
-               .pressure_pa = S(level.pressure_pa),
-               .temperature_k = S(level.temperature_k),
-               .ppm = {}};
+  Level<S> out{
+      .altitude_m = level.altitude_m, .pressure_pa = S(level.pressure_pa), .temperature_k = S(level.temperature_k)};
   std::ranges::transform(level.ppm, out.ppm.begin(), [](double ppm) { return S(ppm); });
   return out;
 }
@@ -138,8 +136,7 @@ Level<S> level_between(const Level<S>& below, const Level<S>& above, double alti
   const S share((altitude_m - below.altitude_m) / (above.altitude_m - below.altitude_m));
   Level<S> level{.altitude_m = altitude_m,
                  .pressure_pa = exponential_between(below.pressure_pa, above.pressure_pa, share),
-                 .temperature_k = below.temperature_k + share * (above.temperature_k - below.temperature_k),
-                 .ppm = {}};
+                 .temperature_k = below.temperature_k + share * (above.temperature_k - below.temperature_k)};
   for (std::size_t i = 0; i < kGases; ++i) level.ppm[i] = exponential_between(below.ppm[i], above.ppm[i], share);
   return level;
 }

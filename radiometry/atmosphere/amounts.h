@@ -2,18 +2,15 @@
 #pragma once
 
 // How much of each absorber a line of sight goes through.
-//   lines of a gas    W = integral of u (P / P0)^n (T0 / T)^m ds, one per gas and band (n and m belong to the band); u
-//   in
-//                     1e20 molecules per cm^2, P0 = 1013.25 hPa, T0 = 296 K
-//   water continuum   integral of h (N - h) ds (foreign) and of h^2 ds (self), the latter shared between 296 K and 260
-//   K
+//   lines of a gas    W = integral of u (P / P0)^n (T0 / T)^m ds, one per gas and band (n and m belong to the band);
+//                     u in 1e20 molecules per cm^2, P0 = 1013.25 hPa, T0 = 296 K
+//   water continuum   integral of h (N - h) ds (foreign) and of h^2 ds (self), the latter shared between 296 and 260 K
 //                     by theta = (296 K - T) / 36 K within 0 ... 1; h and N molecules of vapour and air, 1e19 per cm^3
 //   nitrogen          integral of (P / P0)^2 (T0 / T)^1.5 ds
 //   oxygen            collision-induced: integral of u (P / P0) ds, times 1, t, t^2 with t = (T - 250 K) / 100 K
 //   molecules         integral of (P / P0) (T0 / T) ds, Rayleigh scattering
-//   aerosol           optical depth at the wavelengths between which the spectra are straight lines: extinction at 0.55
-//   um
-//                     from the sensor to the layer's end times the spectrum at their mean humidity (weighted by
+//   aerosol           optical depth at the wavelengths between which the spectra are straight lines: extinction at
+//                     0.55 um from the sensor to the layer's end times the spectrum at their mean humidity (weighted by
 //                     extinction), less that to its start. Where that would fall with range it stays
 //   rain              optical depth
 // Lengths in km but for u. A layer lies between two neighbouring levels, those of the profile and, within the profile,

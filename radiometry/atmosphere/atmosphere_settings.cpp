@@ -39,8 +39,7 @@ void require_one_source(const AtmosphereSettings& s) {
   if (!s.model && s.profile.empty() && s.temperature_k && s.relative_humidity)
     throw mtf::UsageError(
         "atmosphere.pressure: missing beside temperature and relative_humidity, for example \"1013 hPa\"; or give "
-        "model, "
-        "whose lowest air they change");
+        "model, whose lowest air they change");
   if (!s.model && s.profile.empty())
     throw mtf::UsageError(
         "[atmosphere]: says nothing of the air; write for example model = \"mid_latitude_summer\", or pressure, "

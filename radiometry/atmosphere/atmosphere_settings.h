@@ -33,41 +33,30 @@ struct AtmosphereSettings {
   std::optional<double> target_altitude_m{}, zenith_deg{}, range_m{};
 
   static constexpr auto fields() {
-    using enum mtf::Dimension;
     using A = AtmosphereSettings;
     return std::tuple{
-        Field{optional_row("model", "\"mid_latitude_summer\"", "model atmosphere of AFGL-TR-86-0110"), &A::model},
-        Field{optional_row(
-                  "profile", "\"sounding.csv\"",
-                  "CSV file of altitude, pressure, temperature and humidity; gases that it lacks, and the air above "
-                  "it, are those of model"),
-              &A::profile},
-        Field{optional_row("pressure", pressure, "Pa", 1.0, 120e3, "\"1013 hPa\"",
-                           "of the air of a horizontal line, with temperature and relative_humidity in place of model"),
-              &A::pressure_pa},
-        Field{optional_row("temperature", temperature, "K", 150.0, 350.0, "\"22 degC\"",
-                           "of the air at the lowest altitude of model or profile, or of that horizontal line"),
-              &A::temperature_k},
-        Field{optional_row("relative_humidity", 0.0, 1.0, "0.6", "there, a fraction"), &A::relative_humidity},
-        Field{optional_row("co2", 0.0, 1e5, "420.0", "carbon dioxide near the ground, parts per million by volume"),
-              &A::carbon_dioxide_ppm},
-        Field{optional_row("haze", "\"rural\"", "what floats in the lowest 2 km"), &A::haze},
-        Field{optional_row("visibility", length, "m", 10.0, 1e6, "\"23 km\"",
-                           "meteorological visibility; else the usual one of the haze"),
-              &A::visibility_m},
-        Field{optional_row("season", "\"autumn_winter\"", "of the aerosol above 2 km; else that of model"), &A::season},
-        Field{optional_row("rain", rain_rate, "mm/h", 0.0, 300.0, "\"5 mm/h\"",
-                           "rain rate from the ground to 6 km; rain saturates the air"),
-              &A::rain_mm_h},
-        Field{optional_row("sensor_altitude", length, "m", 0.0, 1e8, "\"3 km\"", "above the sea"),
-              &A::sensor_altitude_m},
-        Field{optional_row("target_altitude", length, "m", 0.0, 1e8, "\"0 m\"", "above the sea"),
-              &A::target_altitude_m},
-        Field{optional_row("zenith_angle", angle, "deg", 0.0, 180.0, "\"120 deg\"",
-                           "of the line at the sensor: 0 straight up, 180 straight down"),
-              &A::zenith_deg},
-        Field{optional_row("range", length, "m", 0.0, 1e9, "\"2 km\"", "along the line; or scene.depth_channel"),
-              &A::range_m}};
+        optional(&A::model, "model", "\"mid_latitude_summer\"", "model atmosphere of AFGL-TR-86-0110"),
+        optional(&A::profile, "profile", "\"sounding.csv\"",
+                 "CSV file of altitude, pressure, temperature and humidity; gases that it lacks, and the air above it, "
+                 "are those of model"),
+        optional(&A::pressure_pa, "pressure", "Pa", 1.0, 120e3, "\"1013 hPa\"",
+                 "of the air of a horizontal line, with temperature and relative_humidity in place of model"),
+        optional(&A::temperature_k, "temperature", "K", 150.0, 350.0, "\"22 degC\"",
+                 "of the air at the lowest altitude of model or profile, or of that horizontal line"),
+        optional(&A::relative_humidity, "relative_humidity", 0.0, 1.0, "0.6", "there, a fraction"),
+        optional(&A::carbon_dioxide_ppm, "co2", 0.0, 1e5, "420.0",
+                 "carbon dioxide near the ground, parts per million by volume"),
+        optional(&A::haze, "haze", "\"rural\"", "what floats in the lowest 2 km"),
+        optional(&A::visibility_m, "visibility", "m", 10.0, 1e6, "\"23 km\"",
+                 "meteorological visibility; else the usual one of the haze"),
+        optional(&A::season, "season", "\"autumn_winter\"", "of the aerosol above 2 km; else that of model"),
+        optional(&A::rain_mm_h, "rain", "mm/h", 0.0, 300.0, "\"5 mm/h\"",
+                 "rain rate from the ground to 6 km; rain saturates the air"),
+        optional(&A::sensor_altitude_m, "sensor_altitude", "m", 0.0, 1e8, "\"3 km\"", "above the sea"),
+        optional(&A::target_altitude_m, "target_altitude", "m", 0.0, 1e8, "\"0 m\"", "above the sea"),
+        optional(&A::zenith_deg, "zenith_angle", "deg", 0.0, 180.0, "\"120 deg\"",
+                 "of the line at the sensor: 0 straight up, 180 straight down"),
+        optional(&A::range_m, "range", "m", 0.0, 1e9, "\"2 km\"", "along the line; or scene.depth_channel")};
   }
 };
 

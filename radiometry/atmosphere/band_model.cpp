@@ -52,26 +52,11 @@ double wavenumber_cm(std::size_t index) {
 std::span<const BandLaw> band_laws() { return kBands; }
 
 Component component_of(Gas gas) {
-  switch (gas) {
-    case Gas::water:
-      return Component::water_lines;
-    case Gas::carbon_dioxide:
-      return Component::carbon_dioxide;
-    case Gas::ozone:
-      return Component::ozone;
-    case Gas::nitrous_oxide:
-      return Component::nitrous_oxide;
-    case Gas::carbon_monoxide:
-      return Component::carbon_monoxide;
-    case Gas::methane:
-      return Component::methane;
-    case Gas::oxygen:
-      return Component::oxygen;
-    case Gas::nitric_acid:
-      return Component::nitric_acid;
-    default:
-      return Component::trace_gases;
-  }
+  using enum Component;
+  constexpr std::array<Component, kGases> kComponentOf{water_lines,     carbon_dioxide, ozone,       nitrous_oxide,
+                                                       carbon_monoxide, methane,        oxygen,      trace_gases,
+                                                       trace_gases,     trace_gases,    trace_gases, nitric_acid};
+  return kComponentOf[static_cast<std::size_t>(gas)];
 }
 
 const BandModel& band_model() {

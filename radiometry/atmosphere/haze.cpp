@@ -12,18 +12,8 @@ Season season_of(ModelAtmosphere model) {
 }
 
 double usual_visibility_m(HazeKind kind) {
-  switch (kind) {
-    case HazeKind::urban:
-      return 5000.0;
-    case HazeKind::tropospheric:
-      return 50000.0;
-    case HazeKind::advection_fog:
-      return 200.0;
-    case HazeKind::radiation_fog:
-      return 500.0;
-    default:
-      return 23000.0;
-  }
+  constexpr std::array<double, kHazeNames.size()> kVisibility_m{23e3, 23e3, 5e3, 23e3, 50e3, 200.0, 500.0};
+  return kVisibility_m[static_cast<std::size_t>(kind)];
 }
 
 void require_haze(double visibility_m, double rain_mm_h) {

@@ -60,8 +60,7 @@ struct Air {
   S rain_mm_h = S(0.0);
 };
 
-/// Throws UsageError for a profile that is not valid, a visibility outside 10 m ... 1000 km, rain outside 0 ... 300
-/// mm/h.
+/// Throws UsageError for a profile that is not valid, visibility outside 10 m ... 1000 km, rain outside 0 ... 300 mm/h.
 template <class S>
 void require_valid(const Air<S>& air);
 

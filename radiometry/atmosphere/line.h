@@ -10,12 +10,12 @@ namespace radiometry::atmosphere {
 template <class S>
 struct Line {
   bool horizontal = false;
-  Column<S> column;              ///< of Horizontal: one level, the air of the line
-  std::vector<Piece<S>> pieces;  ///< of Horizontal: one
+  Column<S> column{};              ///< of Horizontal: one level, the air of the line
+  std::vector<Piece<S>> pieces{};  ///< of Horizontal: one
   std::array<S, kDensities> at_sensor{};
   HazeKind haze = HazeKind::none;
   AerosolLoss loss = AerosolLoss::extinction;
-  SightNumbers<S> numbers;
+  SightNumbers<S> numbers{};
 };
 
 [[noreturn]] void refuse_sensor(const std::string& source, double altitude_m, double lowest_m, double highest_m);
@@ -39,7 +39,7 @@ double horizon_m(const Column<S>& column, double from_m, double to_m) {
   const double ground = column.altitude_m.front();
   double sum = 0.0;
   for (const double z : {from_m, to_m})
-    if (z > ground) sum += value_of(trace(column, ground, S(0.0), {.range_m = {}, .altitude_m = z}).length_m);
+    if (z > ground) sum += value_of(trace(column, ground, S(0.0), {.altitude_m = z}).length_m);
   return sum;
 }
 
@@ -51,7 +51,7 @@ S cosine_between(const Column<S>& column, double from_m, double to_m, const S& r
   if (range == 0.0) return S(0.0);
   if (std::abs(to_m - from_m) > range * (1.0 + 1e-12)) refuse_nearer(range, from_m, to_m);
   const auto miss = [&](double cosine) {
-    return value_of(trace(column, from_m, S(cosine), {.range_m = S(range), .altitude_m = {}}, true).end_m) - to_m;
+    return value_of(trace(column, from_m, S(cosine), {.range_m = S(range)}, true).end_m) - to_m;
   };
   double lo = -1.0, hi = 1.0, at_lo = miss(lo), at_hi = miss(hi);
   double x = std::clamp((to_m - from_m) / range - range / (2.0 * kEarthRadius_m), -1.0, 1.0);
@@ -71,7 +71,7 @@ S cosine_between(const Column<S>& column, double from_m, double to_m, const S& r
   } else {
     const double h = 1e-6, slope = (miss(std::min(x + h, 1.0)) - miss(std::max(x - h, -1.0))) /
                                    (std::min(x + h, 1.0) - std::max(x - h, -1.0));
-    const S missed = trace(column, from_m, S(x), {.range_m = range_m, .altitude_m = {}}, true).end_m;
+    const S missed = trace(column, from_m, S(x), {.range_m = range_m}, true).end_m;
     return S(x) - (missed - S(value_of(missed))) / slope;
   }
 }
@@ -87,7 +87,7 @@ template <class S>
 Line<S> line_of(const Air<S>& air, const Horizontal<S>& sight) {
   constexpr double kQuarterOfEarth_m = 1e7;
   if (checked_range(value_of(sight.range_m)) > kQuarterOfEarth_m) refuse_level_range(value_of(sight.range_m));
-  Line<S> line{.horizontal = true, .column = {}, .pieces = {}, .numbers = {}};
+  Line<S> line{.horizontal = true};
   if (!(sight.altitude_m >= -500.0 && sight.altitude_m <= 120000.0))
     refuse_sensor(air.profile.source, sight.altitude_m, -500.0, 120000.0);
   line.at_sensor = densities_of(air, level_at(air.profile, sight.altitude_m));
@@ -113,7 +113,7 @@ Line<S> line_from(const Air<S>& air, double altitude_m) {
   if (levels.size() == 1) refuse_one_level(air.profile.source);
   if (!(altitude_m >= levels.front().altitude_m && altitude_m <= levels.back().altitude_m))
     refuse_sensor(air.profile.source, altitude_m, levels.front().altitude_m, levels.back().altitude_m);
-  Line<S> line{.horizontal = false, .column = column_of(air), .pieces = {}, .numbers = {}};
+  Line<S> line{.horizontal = false, .column = column_of(air)};
   line.at_sensor = densities_of(air, level_at(air.profile, altitude_m));
   return line;
 }
@@ -144,7 +144,7 @@ Line<S> line_of(const Air<S>& air, const Between<S>& sight) {
   if (range == 0.0 && sight.sensor_altitude_m != sight.object_altitude_m)
     refuse_nearer(range, sight.sensor_altitude_m, sight.object_altitude_m);
   const S cosine = cosine_between(line.column, sight.sensor_altitude_m, sight.object_altitude_m, sight.range_m);
-  Ray<S> ray = trace(line.column, sight.sensor_altitude_m, cosine, {.range_m = sight.range_m, .altitude_m = {}});
+  Ray<S> ray = trace(line.column, sight.sensor_altitude_m, cosine, {.range_m = sight.range_m});
   if (ray.end == Ray<S>::End::ground && value_of(ray.length_m) < range * (1.0 - 1e-9))
     refuse_horizon(range, sight.sensor_altitude_m, sight.object_altitude_m,
                    horizon_m(line.column, sight.sensor_altitude_m, sight.object_altitude_m));
@@ -158,10 +158,9 @@ Line<S> line_of(const Air<S>& air, const AtAngle<S>& sight) {
   const double range = checked_range(value_of(sight.range_m));
   const S cosine = cosine_of(sight.zenith_rad);
   Line<S> line = line_from(air, sight.sensor_altitude_m);
-  Ray<S> ray = trace(line.column, sight.sensor_altitude_m, cosine, {.range_m = sight.range_m, .altitude_m = {}});
+  Ray<S> ray = trace(line.column, sight.sensor_altitude_m, cosine, {.range_m = sight.range_m});
   if (ray.end == Ray<S>::End::ground) refuse_ground(range, value_of(ray.length_m), sight.sensor_altitude_m);
-  const S beyond =
-      trace(line.column, sight.sensor_altitude_m, cosine, {.range_m = sight.range_m, .altitude_m = {}}, true).end_m;
+  const S beyond = trace(line.column, sight.sensor_altitude_m, cosine, {.range_m = sight.range_m}, true).end_m;
   take(line, std::move(ray), sight.zenith_rad);
   line.numbers.range_m = sight.range_m;  // the end may lie in space
   line.numbers.object_altitude_m = beyond;
@@ -176,16 +175,11 @@ Line<S> line_of(const Air<S>& air, const ToAltitude<S>& sight) {
   if (!(sight.object_altitude_m >= z.front() && sight.object_altitude_m <= z.back()))
     refuse_sensor(air.profile.source, sight.object_altitude_m, z.front(), z.back());
   if (sight.object_altitude_m == sight.sensor_altitude_m) {
-    take(line,
-         Ray<S>{.pieces = {},
-                .end_m = S(sight.sensor_altitude_m),
-                .length_m = S(0.0),
-                .lowest_m = S(sight.sensor_altitude_m)},
+    take(line, Ray<S>{.end_m = S(sight.sensor_altitude_m), .length_m = S(0.0), .lowest_m = S(sight.sensor_altitude_m)},
          sight.zenith_rad);
     return line;
   }
-  Ray<S> ray =
-      trace(line.column, sight.sensor_altitude_m, cosine, {.range_m = {}, .altitude_m = sight.object_altitude_m});
+  Ray<S> ray = trace(line.column, sight.sensor_altitude_m, cosine, {.altitude_m = sight.object_altitude_m});
   if (ray.end == Ray<S>::End::ground) refuse_ground(-1.0, value_of(ray.length_m), sight.sensor_altitude_m);
   if (ray.end == Ray<S>::End::space && value_of(ray.end_m) != sight.object_altitude_m)
     refuse_altitude(sight.object_altitude_m, value_of(sight.zenith_rad), value_of(ray.lowest_m));

@@ -24,7 +24,7 @@ struct Piece {
 
 template <class S>
 struct Ray {
-  std::vector<Piece<S>> pieces;
+  std::vector<Piece<S>> pieces{};
   S end_m{}, length_m{}, lowest_m{};
   enum class End { arrived, ground, space } end = End::arrived;
 };
@@ -119,7 +119,7 @@ Ray<S> trace(const Column<S>& column, double from_m, const S& cosine, const RayE
   next.slope = slope_of(column, next.layer);
   next.bent = column.bent[next.layer] + (from_m - z[next.layer]) * next.slope;
   next.root = next.bent * (next.up ? cosine : S(-cosine));
-  Ray<S> ray{.pieces = {}, .end_m = next.from_m, .length_m = S(0.0), .lowest_m = next.from_m};
+  Ray<S> ray{.end_m = next.from_m, .length_m = S(0.0), .lowest_m = next.from_m};
   for (;;) {
     next.slope = slope_of(column, next.layer);
     const WayThrough<S> way = way_through(column, next, unbounded);

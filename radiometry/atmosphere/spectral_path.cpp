@@ -93,6 +93,25 @@ std::vector<std::string> fit_limits_of(const Air<double>& air) {
   return limits;
 }
 
+/// Straight lines, which refraction bends as if the earth were larger by a sixth, end at the horizon of both ends.
+std::string limit_of_level(const Horizontal<double>& sight) {
+  constexpr double kUsual_m = 100e3, kBent = 7.0 / 6.0;
+  const double seen_m = 2.0 * std::sqrt(2.0 * kBent * kEarthRadius_m * std::max(0.0, sight.altitude_m));
+  const double range_m = sight.range_m;
+  if (range_m <= std::max(kUsual_m, seen_m)) return {};
+  return "a line of one altitude follows the curve of the earth; at " + mtf::format_double(sight.altitude_m) +
+         " m one sees no farther than " + mtf::format_double(std::round(1e-3 * seen_m)) + " km, and this one is " +
+         mtf::format_double(std::round(1e-3 * range_m)) + " km long";
+}
+
+std::string limit_of_fog(const Haze<double>& haze) {
+  constexpr double kFarthest_m = 2000.0;
+  const bool fog = haze.kind == HazeKind::advection_fog || haze.kind == HazeKind::radiation_fog;
+  if (!fog || haze.visibility_m <= kFarthest_m) return {};
+  return "in fog one sees less than 1 km, through large drops that the spectrum is made for; a visibility of " +
+         mtf::format_double(1e-3 * haze.visibility_m) + " km is that of haze";
+}
+
 }  // namespace
 
 double scattering_depth(Air<double> air, const Sight<double>& sight, const Interval& band) {
@@ -119,29 +138,6 @@ double scattering_depth(Air<double> air, const Sight<double>& sight, const Inter
   }
   return sum / width;
 }
-
-namespace {
-
-/// Straight lines, which refraction bends as if the earth were larger by a sixth, end at the horizon of both ends.
-std::string limit_of_level(const Horizontal<double>& sight) {
-  constexpr double kUsual_m = 100e3, kBent = 7.0 / 6.0;
-  const double seen_m = 2.0 * std::sqrt(2.0 * kBent * kEarthRadius_m * std::max(0.0, sight.altitude_m));
-  const double range_m = sight.range_m;
-  if (range_m <= std::max(kUsual_m, seen_m)) return {};
-  return "a line of one altitude follows the curve of the earth; at " + mtf::format_double(sight.altitude_m) +
-         " m one sees no farther than " + mtf::format_double(std::round(1e-3 * seen_m)) + " km, and this one is " +
-         mtf::format_double(std::round(1e-3 * range_m)) + " km long";
-}
-
-std::string limit_of_fog(const Haze<double>& haze) {
-  constexpr double kFarthest_m = 2000.0;
-  const bool fog = haze.kind == HazeKind::advection_fog || haze.kind == HazeKind::radiation_fog;
-  if (!fog || haze.visibility_m <= kFarthest_m) return {};
-  return "in fog one sees less than 1 km, through large drops that the spectrum is made for; a visibility of " +
-         mtf::format_double(1e-3 * haze.visibility_m) + " km is that of haze";
-}
-
-}  // namespace
 
 std::vector<std::string> limits_of(const Air<double>& air, const Interval& band,
                                    const std::optional<Sight<double>>& sight) {

@@ -77,8 +77,7 @@ struct SpectralPath {
   std::vector<LeftOut> left_out;
 };
 
-/// Throws UsageError as require_valid and sight_numbers do, and for a band that is not inside the model's or does not
-/// rise.
+/// Throws UsageError as require_valid and sight_numbers do, and for a band not inside the model's or not rising.
 template <class S>
 SpectralPath<S> spectral_path(const Air<S>& air, const Sight<S>& sight, const SpectralOptions& options = {});
 

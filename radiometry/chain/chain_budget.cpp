@@ -75,7 +75,7 @@ bool is_spectral(std::string_view path) {
       "optics.temperature", "optics.stop_temperature", "detector.shutter_temperature",
       "path.transmission",  "path.radiance",           "path.air_temperature",
       "scene.emissivity",   "scene.surroundings"};
-  return std::find(paths.begin(), paths.end(), path) != paths.end();
+  return std::ranges::find(paths, path) != paths.end();
 }
 
 double kept_of_flicker(const SensorSettings& settings, int frames) {
@@ -143,10 +143,9 @@ std::vector<std::string> budget_notes(const Sensor& sensor, const Budget<double>
         "[noise] shot = false leaves shot noise out of simulated frames; the budget counts it, as light and dark "
         "current have it whatever is simulated");
   if (const double share = filled_by_dark(sensor, budget); share > 3.2e-5 && !budget.saturation.saturated())
-    notes.push_back(
-        "nonuniformity.dcnu gives " + mtf::three_digits(1e2 * share) +
-        " % of the pixels so much dark current that they fill the well; the figures are those of the pixels "
-        "for which it leaves room");
+    notes.push_back("nonuniformity.dcnu gives " + mtf::three_digits(1e2 * share) +
+                    " % of the pixels so much dark current that they fill the well; the figures are those of the "
+                    "pixels for which it leaves room");
   const auto& thermal = sensor.settings.thermal;
   if (thermal && thermal->counts_per_k)
     notes.emplace_back(
@@ -159,10 +158,10 @@ std::vector<std::string> budget_notes(const Sensor& sensor, const Budget<double>
   if (sensor.responsivity) {
     const mtf::Statistics factors = mtf::statistics(sensor.responsivity->view());
     if (!has_mean(*sensor.responsivity, factors, 1.0, 1.0))
-      notes.push_back("the mean of nonuniformity.responsivity is " + mtf::three_digits(factors.mean) +
-                      "; the budget is that of a pixel whose factor is 1, and its prnu is the standard deviation of "
-                      "the factors, " +
-                      mtf::three_digits(factors.std) + ", not divided by their mean");
+      notes.push_back(
+          "the mean of nonuniformity.responsivity is " + mtf::three_digits(factors.mean) +
+          "; the budget is that of a pixel whose factor is 1, and its prnu is the standard deviation of the factors, " +
+          mtf::three_digits(factors.std) + ", not divided by their mean");
   }
   if (sensor.offset) {
     const mtf::Statistics offset = mtf::statistics(sensor.offset->view());
@@ -251,8 +250,7 @@ std::vector<BudgetRow> thermal_noise_rows(const Sensor& sensor, const Camera<dou
   terms.push_back({"other", "V", b.other_e, "[flicker], row, column and 3-D noise of the frames"});
   terms.push_back(
       {"quantisation", "V", b.quantisation_e, "rounding to counts, the part that changes from frame to frame"});
-  const auto largest =
-      std::max_element(terms.begin(), terms.end(), [](const auto& x, const auto& y) { return x.value < y.value; });
+  const auto largest = std::ranges::max_element(terms, [](const auto& x, const auto& y) { return x.value < y.value; });
   const std::string name = largest->name;
   const double share = largest->value * largest->value / (b.temporal_e * b.temporal_e);
   std::vector<BudgetRow> all;
@@ -271,10 +269,9 @@ BudgetRow false_offset(const mtf::System<double>& system, const Sensor& sensor, 
     return own_light(camera_of(system, sensor), pixel_of(system, sensor), own_radiances(sensor.curves, camera))
         .total_e();
   };
-  return {
-      "false_offset", "mK", 1e3 * (volts(warm) - volts(cool)) / signal_per_k,
-      "what shutter_drift adds from a closing of the shutter to the last frame before the next, as a temperature of "
-      "the scene"};
+  return {"false_offset", "mK", 1e3 * (volts(warm) - volts(cool)) / signal_per_k,
+          "what shutter_drift adds from a closing of the shutter to the last frame before the next, as a temperature "
+          "of the scene"};
 }
 
 /// The surface whose signal, beside `rest_e`, meets an end of the converter; 0 where none is that cold, infinity where

@@ -4,6 +4,7 @@
 // The inside of a compiled chain (chain.h): what is the same for every frame and is made once, one frame on its way
 // through the stages, and the table of the stages.
 
+#include <algorithm>
 #include <chrono>
 #include <map>
 #include <memory>
@@ -11,7 +12,7 @@
 #include <optional>
 
 #include "radiometry/chain/chain.h"
-#include "radiometry/stages/detector/held_counter.h"
+#include "radiometry/stages/detector/saturation.h"
 #include "radiometry/stages/noise/frame_flicker.h"
 
 namespace radiometry {
@@ -33,6 +34,52 @@ struct Linear {
 /// image = gain x image + offset. The image has steps x steps samples for each pixel of the maps.
 void multiply_add(mtf::Image& image, const Linear& gain, const Linear& offset, int threads, std::int64_t steps = 1);
 
+/// Counts, while a frame goes through the chain, the pixels that are held at an end of the range: those that light has
+/// brought there, and apart from them the stuck ones, which are defective or blinking.
+class HeldCounter {
+ public:
+  /// Begins a frame of that size, without stuck pixels.
+  void begin(const mtf::Image& image) {
+    stuck_.clear();
+    pixels_ = image.size();
+    width_ = image.width();
+  }
+  /// Marks these pixels as stuck: that an end of the range holds them says nothing of the light.
+  template <class Pixels>
+  void mark(const Pixels& pixels) {
+    for (const auto& pixel : pixels) stuck_.push_back(pixel.y * width_ + pixel.x);
+    std::sort(stuck_.begin(), stuck_.end());
+    stuck_.erase(std::unique(stuck_.begin(), stuck_.end()), stuck_.end());
+  }
+  /// Adds the pixels of the frame to those that light may bring to an end, and the stuck ones apart.
+  void count(HeldPixels& held, HeldPixels& stuck) const {
+    const auto apart = static_cast<std::int64_t>(stuck_.size());
+    held.pixels += pixels_ - apart;
+    stuck.pixels += apart;
+  }
+
+  struct Counts {
+    Clipped all, stuck;
+    Clipped light() const { return {all.low - stuck.low, all.high - stuck.high}; }
+  };
+  /// Runs a stage on an image, and first on a copy of the stuck pixels, so that they are counted apart.
+  template <class Stage>
+  Counts run(mtf::Image& image, const Stage& stage) const {
+    Counts counts;
+    if (!stuck_.empty()) {
+      mtf::Image values(static_cast<std::int64_t>(stuck_.size()), 1);
+      std::transform(stuck_.begin(), stuck_.end(), values.data(), [&](std::int64_t i) { return image.data()[i]; });
+      counts.stuck = stage(values.view());
+    }
+    counts.all = stage(image.view());
+    return counts;
+  }
+
+ private:
+  std::vector<std::int64_t> stuck_;  // indices of pixels, rising
+  std::int64_t pixels_ = 0, width_ = 0;
+};
+
 struct FrameRun;
 struct DetectorSource;
 
@@ -44,8 +91,7 @@ struct StageWords {
 
 /// A row of the table of stages: all that a stage is. A stage that its words leave out does not run.
 struct StageRow {
-  /// The stages that run together: a part ends where the output may be taken or the positions of [microscan] begin or
-  /// end.
+  /// The stages that run together: a part ends where the output may be taken or [microscan] begins or ends.
   enum class Part { optics, detector, conversion, correction, display };
 
   std::string_view name;

@@ -35,7 +35,7 @@ void drop_row(mtf::TableInfo& table, std::string_view name) {
 /// Flat frames of a thermal detector are those of two blackbodies.
 void set_blackbodies(mtf::TableInfo& table) {
   const auto blackbody = [](std::string_view name, std::string_view example, std::string_view doc) {
-    return optional_row(name, mtf::Dimension::temperature, "K", 1.0, kMostTemperature_k, example, doc);
+    return optional_row(name, "K", 1.0, kMostTemperature_k, example, doc);
   };
   for (const auto& [key, row] :
        {std::pair{"low", blackbody("cold", "\"10 degC\"", "of the blackbody that the cold flat frame shows")},

@@ -43,9 +43,8 @@ struct FrameSettings {
   std::optional<double> frame_time_s{};  ///< from a frame to the next; else the integration time
 
   static constexpr auto fields() {
-    return std::tuple{Field{optional_row("frame_time", mtf::Dimension::time, "s", 1e-12, 1e9, "\"20 ms\"",
-                                         "from one frame of a sequence to the next; else the integration time"),
-                            &FrameSettings::frame_time_s}};
+    return std::tuple{optional(&FrameSettings::frame_time_s, "frame_time", "s", 1e-12, 1e9, "\"20 ms\"",
+                               "from one frame of a sequence to the next; else the integration time")};
   }
 };
 
@@ -59,24 +58,18 @@ struct SceneSettings {
   Negative negative = Negative::refuse;
 
   static constexpr auto fields() {
-    using enum mtf::Dimension;
     return std::tuple{
-        Field{optional_row("emissivity", 0.0, 1.0, "0.95",
-                           "emissivity of a scene in K: a number or the CSV file of a curve"),
-              &SceneSettings::emissivity},
-        Field{optional_row("surroundings", temperature, "K", 0.0, kMostTemperature_k, "\"293 K\"",
-                           "what a scene in K reflects where it does not emit"),
-              &SceneSettings::surroundings_k},
-        Field{optional_row("source_temperature", temperature, "K", 0.0, kMostTemperature_k, "\"300 K\"",
-                           "whose spectrum a radiance in the band has; else even in photons"),
-              &SceneSettings::source_temperature_k},
-        Field{optional_row("emissivity_channel", "\"emissivity\"",
-                           "channel of the scene with the emissivity of each pixel"),
-              &SceneSettings::emissivity_channel},
-        Field{optional_row("depth_channel", "\"Z\"", "channel of the scene with the range of each pixel in m"),
-              &SceneSettings::depth_channel},
-        Field{optional_row("negative", "\"clamp\"", "values below 0: refuse, or clamp to 0"),
-              &SceneSettings::negative}};
+        optional(&SceneSettings::emissivity, "emissivity", 0.0, 1.0, "0.95",
+                 "emissivity of a scene in K: a number or the CSV file of a curve"),
+        optional(&SceneSettings::surroundings_k, "surroundings", "K", 0.0, kMostTemperature_k, "\"293 K\"",
+                 "what a scene in K reflects where it does not emit"),
+        optional(&SceneSettings::source_temperature_k, "source_temperature", "K", 0.0, kMostTemperature_k, "\"300 K\"",
+                 "whose spectrum a radiance in the band has; else even in photons"),
+        optional(&SceneSettings::emissivity_channel, "emissivity_channel", "\"emissivity\"",
+                 "channel of the scene with the emissivity of each pixel"),
+        optional(&SceneSettings::depth_channel, "depth_channel", "\"Z\"",
+                 "channel of the scene with the range of each pixel in m"),
+        optional(&SceneSettings::negative, "negative", "\"clamp\"", "values below 0: refuse, or clamp to 0")};
   }
 };
 
@@ -89,22 +82,16 @@ struct PathSettings {
   std::optional<double> range_m{};            ///< of the whole scene
 
   static constexpr auto fields() {
-    using enum mtf::Dimension;
-    return std::tuple{
-        Field{optional_row("transmission", 0.0, 1.0, "0.8", "of the path: a number or the CSV file of a curve"),
-              &PathSettings::transmission},
-        Field{optional_row("radiance", 0.0, 1e30, "0.02",
-                           "of the path, W m^-2 sr^-1 um^-1: a number or the CSV file of a curve"),
-              &PathSettings::radiance},
-        Field{optional_row("air_temperature", temperature, "K", 0.0, kMostTemperature_k, "\"288 K\"",
-                           "of air that absorbs: it emits 1 - transmission of a blackbody"),
-              &PathSettings::air_temperature_k},
-        Field{optional_row("table", "\"path.csv\"",
-                           "CSV file of transmission and radiance over range and wavelength, or a tape7"),
-              &PathSettings::table},
-        Field{
-            optional_row("range", length, "m", 0.0, 1e9, "\"2 km\"", "of the whole scene, where its table has several"),
-            &PathSettings::range_m}};
+    return std::tuple{optional(&PathSettings::transmission, "transmission", 0.0, 1.0, "0.8",
+                               "of the path: a number or the CSV file of a curve"),
+                      optional(&PathSettings::radiance, "radiance", 0.0, 1e30, "0.02",
+                               "of the path, W m^-2 sr^-1 um^-1: a number or the CSV file of a curve"),
+                      optional(&PathSettings::air_temperature_k, "air_temperature", "K", 0.0, kMostTemperature_k,
+                               "\"288 K\"", "of air that absorbs: it emits 1 - transmission of a blackbody"),
+                      optional(&PathSettings::table, "table", "\"path.csv\"",
+                               "CSV file of transmission and radiance over range and wavelength, or a tape7"),
+                      optional(&PathSettings::range_m, "range", "m", 0.0, 1e9, "\"2 km\"",
+                               "of the whole scene, where its table has several")};
   }
 };
 
@@ -121,32 +108,25 @@ struct OpticsSettings {
   Cone cone = Cone::tangent;
 
   static constexpr auto fields() {
-    using enum mtf::Dimension;
     return std::tuple{
-        Field{optional_row("transmission", 0.0, 1.0, "0.85", "of the warm optics: a number or the CSV file of a curve"),
-              &OpticsSettings::transmission},
-        Field{optional_row("cold_transmission", 0.0, 1.0, "0.9",
-                           "of the cold filter: a number or the CSV file of a curve"),
-              &OpticsSettings::cold_transmission},
-        Field{optional_row("emissivity", 0.0, 1.0, "0.1", "of the warm optics"), &OpticsSettings::emissivity},
-        Field{optional_row("obscuration_emissivity", 0.0, 1.0, "0.9", "of the back of the obscuration"),
-              &OpticsSettings::obscuration_emissivity},
-        Field{optional_row("temperature", temperature, "K", 0.0, kMostTemperature_k, "\"293 K\"",
-                           "of the warm optics; without it they do not glow"),
-              &OpticsSettings::temperature_k},
-        Field{optional_row("stop_emissivity", 0.0, 1.0, "1.0", "of what surrounds the cone of light"),
-              &OpticsSettings::stop_emissivity},
-        Field{optional_row("stop_temperature", temperature, "K", 0.0, kMostTemperature_k, "\"77 K\"",
-                           "of what surrounds the cone of light"),
-              &OpticsSettings::stop_temperature_k},
-        Field{optional_row("stop_band", "\"response\"",
-                           "where its emission counts: in the band (band), or over the whole curve of the quantum "
-                           "efficiency (response)"),
-              &OpticsSettings::stop_band},
-        Field{
-            optional_row("cone", "\"sine\"",
-                         "half angle of the cone of light: its tangent is 1/(2 N) (cold stop), or its sine (aplanat)"),
-            &OpticsSettings::cone}};
+        optional(&OpticsSettings::transmission, "transmission", 0.0, 1.0, "0.85",
+                 "of the warm optics: a number or the CSV file of a curve"),
+        optional(&OpticsSettings::cold_transmission, "cold_transmission", 0.0, 1.0, "0.9",
+                 "of the cold filter: a number or the CSV file of a curve"),
+        optional(&OpticsSettings::emissivity, "emissivity", 0.0, 1.0, "0.1", "of the warm optics"),
+        optional(&OpticsSettings::obscuration_emissivity, "obscuration_emissivity", 0.0, 1.0, "0.9",
+                 "of the back of the obscuration"),
+        optional(&OpticsSettings::temperature_k, "temperature", "K", 0.0, kMostTemperature_k, "\"293 K\"",
+                 "of the warm optics; without it they do not glow"),
+        optional(&OpticsSettings::stop_emissivity, "stop_emissivity", 0.0, 1.0, "1.0",
+                 "of what surrounds the cone of light"),
+        optional(&OpticsSettings::stop_temperature_k, "stop_temperature", "K", 0.0, kMostTemperature_k, "\"77 K\"",
+                 "of what surrounds the cone of light"),
+        optional(&OpticsSettings::stop_band, "stop_band", "\"response\"",
+                 "where its emission counts: in the band (band), or over the whole curve of the quantum efficiency "
+                 "(response)"),
+        optional(&OpticsSettings::cone, "cone", "\"sine\"",
+                 "half angle of the cone of light: its tangent is 1/(2 N) (cold stop), or its sine (aplanat)")};
   }
 };
 
@@ -166,34 +146,23 @@ struct DetectorSettings {
   std::optional<double> capacitance_f{}, temperature_k{};  ///< that are reset, in place of reset_e
 
   static constexpr auto fields() {
-    using enum mtf::Dimension;
-    return std::tuple{
-        Field{optional_row("kind", "\"photon\"", "photon: electrons; thermal: a pixel that warms"),
-              &DetectorSettings::kind},
-        Field{optional_row("width", length, "um", 1e-3, 1e6, "\"14 um\"",
-                           "of the active area, alone that of a square; else the pitch"),
-              &DetectorSettings::width_um},
-        Field{optional_row("height", length, "um", 1e-3, 1e6, "\"14 um\"",
-                           "of the active area; with width alone the same, with neither the pitch"),
-              &DetectorSettings::height_um},
-        Field{optional_row("quantum_efficiency", 0.0, 1.0, "0.75",
-                           "electrons per photon: a number or the CSV file of a curve"),
-              &DetectorSettings::quantum_efficiency},
-        Field{optional_row("full_well", electrons, "e-", 1e-3, mtf::kInfinity, "\"7 Me-\"",
-                           "electrons that a pixel can hold"),
-              &DetectorSettings::full_well_e},
-        Field{optional_row("dark_current", current, "e-/s", 0.0, 1e30, "\"1e5 e-/s\"", "of a pixel"),
-              &DetectorSettings::dark_e_s},
-        Field{optional_row("read_noise", electrons, "e-", 0.0, 1e15, "\"300 e-\"", "rms"), &DetectorSettings::read_e},
-        Field{optional_row("reset_noise", electrons, "e-", 0.0, 1e15, "\"100 e-\"", "kTC noise, rms"),
-              &DetectorSettings::reset_e},
-        Field{optional_row("other_noise", electrons, "e-", 0.0, 1e15, "\"50 e-\"", "further temporal noise, rms"),
-              &DetectorSettings::other_e},
-        Field{optional_row("capacitance", capacitance, "F", 0.0, 1.0, "\"100 fF\"",
-                           "that is reset, in place of reset_noise"),
-              &DetectorSettings::capacitance_f},
-        Field{optional_row("temperature", temperature, "K", 0.0, 1e6, "\"77 K\"", "of that capacitance"),
-              &DetectorSettings::temperature_k}};
+    using T = DetectorSettings;
+    return std::tuple{optional(&T::kind, "kind", "\"photon\"", "photon: electrons; thermal: a pixel that warms"),
+                      optional(&T::width_um, "width", "um", 1e-3, 1e6, "\"14 um\"",
+                               "of the active area, alone that of a square; else the pitch"),
+                      optional(&T::height_um, "height", "um", 1e-3, 1e6, "\"14 um\"",
+                               "of the active area; with width alone the same, with neither the pitch"),
+                      optional(&T::quantum_efficiency, "quantum_efficiency", 0.0, 1.0, "0.75",
+                               "electrons per photon: a number or the CSV file of a curve"),
+                      optional(&T::full_well_e, "full_well", "e-", 1e-3, mtf::kInfinity, "\"7 Me-\"",
+                               "electrons that a pixel can hold"),
+                      optional(&T::dark_e_s, "dark_current", "e-/s", 0.0, 1e30, "\"1e5 e-/s\"", "of a pixel"),
+                      optional(&T::read_e, "read_noise", "e-", 0.0, 1e15, "\"300 e-\"", "rms"),
+                      optional(&T::reset_e, "reset_noise", "e-", 0.0, 1e15, "\"100 e-\"", "kTC noise, rms"),
+                      optional(&T::other_e, "other_noise", "e-", 0.0, 1e15, "\"50 e-\"", "further temporal noise, rms"),
+                      optional(&T::capacitance_f, "capacitance", "F", 0.0, 1.0, "\"100 fF\"",
+                               "that is reset, in place of reset_noise"),
+                      optional(&T::temperature_k, "temperature", "K", 0.0, 1e6, "\"77 K\"", "of that capacitance")};
   }
 };
 
@@ -212,19 +181,13 @@ struct NonuniformitySettings {
   std::string offset{};        ///< map of offsets
 
   static constexpr auto fields() {
-    using enum mtf::Dimension;
-    return std::tuple{
-        Field{optional_row("prnu", 0.0, 1.0, "0.01", "responsivity from pixel to pixel, rms fraction"),
-              &NonuniformitySettings::prnu},
-        Field{optional_row("dsnu", electrons, "e-", 0.0, 1e15, "\"200 e-\"", "offset from pixel to pixel, rms"),
-              &NonuniformitySettings::dsnu_e},
-        Field{optional_row("dcnu", 0.0, 10.0, "0.2", "dark current from pixel to pixel, rms fraction"),
-              &NonuniformitySettings::dcnu},
-        Field{optional_row("responsivity", "\"gain.exr\"", "map of factors in place of prnu"),
-              &NonuniformitySettings::responsivity},
-        Field{
-            optional_row("offset", "\"offset.exr\"", "map of offsets in place of dsnu, in electrons or volts as that"),
-            &NonuniformitySettings::offset}};
+    using T = NonuniformitySettings;
+    return std::tuple{optional(&T::prnu, "prnu", 0.0, 1.0, "0.01", "responsivity from pixel to pixel, rms fraction"),
+                      optional(&T::dsnu_e, "dsnu", "e-", 0.0, 1e15, "\"200 e-\"", "offset from pixel to pixel, rms"),
+                      optional(&T::dcnu, "dcnu", 0.0, 10.0, "0.2", "dark current from pixel to pixel, rms fraction"),
+                      optional(&T::responsivity, "responsivity", "\"gain.exr\"", "map of factors in place of prnu"),
+                      optional(&T::offset, "offset", "\"offset.exr\"",
+                               "map of offsets in place of dsnu, in electrons or volts as that")};
   }
 
   bool operator==(const NonuniformitySettings&) const = default;
@@ -236,21 +199,16 @@ struct NoiseSettings {
   double row_e = 0.0, column_e = 0.0, fixed_row_e = 0.0, fixed_column_e = 0.0;
 
   static constexpr auto fields() {
-    using enum mtf::Dimension;
     return std::tuple{
-        Field{optional_row("seed", 0.0, 2147483647.0, "1", "of all random numbers"), &NoiseSettings::seed},
-        Field{optional_row("shot", "true", "shot noise of light and dark current"), &NoiseSettings::shot},
-        Field{optional_row("row", electrons, "e-", 0.0, 1e15, "\"20 e-\"", "of whole rows, new in every frame, rms"),
-              &NoiseSettings::row_e},
-        Field{optional_row("column", electrons, "e-", 0.0, 1e15, "\"20 e-\"",
-                           "of whole columns, new in every frame, rms"),
-              &NoiseSettings::column_e},
-        Field{optional_row("fixed_row", electrons, "e-", 0.0, 1e15, "\"20 e-\"",
-                           "of whole rows, the same in all frames, rms"),
-              &NoiseSettings::fixed_row_e},
-        Field{optional_row("fixed_column", electrons, "e-", 0.0, 1e15, "\"20 e-\"",
-                           "of whole columns, the same in all frames, rms"),
-              &NoiseSettings::fixed_column_e}};
+        optional(&NoiseSettings::seed, "seed", 0.0, 2147483647.0, "1", "of all random numbers"),
+        optional(&NoiseSettings::shot, "shot", "true", "shot noise of light and dark current"),
+        optional(&NoiseSettings::row_e, "row", "e-", 0.0, 1e15, "\"20 e-\"", "of whole rows, new in every frame, rms"),
+        optional(&NoiseSettings::column_e, "column", "e-", 0.0, 1e15, "\"20 e-\"",
+                 "of whole columns, new in every frame, rms"),
+        optional(&NoiseSettings::fixed_row_e, "fixed_row", "e-", 0.0, 1e15, "\"20 e-\"",
+                 "of whole rows, the same in all frames, rms"),
+        optional(&NoiseSettings::fixed_column_e, "fixed_column", "e-", 0.0, 1e15, "\"20 e-\"",
+                 "of whole columns, the same in all frames, rms")};
   }
 };
 
@@ -261,14 +219,11 @@ struct AdcSettings {
   Rounding rounding = Rounding::nearest;
 
   static constexpr auto fields() {
-    using enum mtf::Dimension;
-    return std::tuple{
-        Field{required_row("bits", 1, 32, "14", "bits of a count"), &AdcSettings::bits},
-        Field{optional_row("electrons_per_count", electrons, "e-", 1e-30, 1e30, "\"420 e-\"",
-                           "else the full well fills the range"),
-              &AdcSettings::electrons_per_count},
-        Field{optional_row("offset", -1e10, 1e10, "200.0", "counts without signal"), &AdcSettings::offset_counts},
-        Field{optional_row("rounding", "\"down\"", "nearest (halves upwards), or down"), &AdcSettings::rounding}};
+    return std::tuple{required(&AdcSettings::bits, "bits", 1, 32, "14", "bits of a count"),
+                      optional(&AdcSettings::electrons_per_count, "electrons_per_count", "e-", 1e-30, 1e30,
+                               "\"420 e-\"", "else the full well fills the range"),
+                      optional(&AdcSettings::offset_counts, "offset", -1e10, 1e10, "200.0", "counts without signal"),
+                      optional(&AdcSettings::rounding, "rounding", "\"down\"", "nearest (halves upwards), or down")};
   }
 };
 
@@ -352,8 +307,7 @@ void for_each_table(Visit visit) {
   std::apply([&](const auto&... table) { (visit(table), ...); }, SensorSettings::tables());
 }
 
-/// What a thermal detector has in common with a photon detector: its active area and, as quantum efficiency, its
-/// absorptance.
+/// What a thermal detector has in common with a photon detector: active area and, as quantum efficiency, absorptance.
 DetectorSettings pixel_settings(const ThermalSettings& thermal, bool square = true);
 
 /// What the detector answers to. This alone decides whether a sensor is a thermal one: its curves

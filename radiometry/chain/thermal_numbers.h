@@ -84,8 +84,7 @@ void require_physics(const ThermalSettings& s, const S& absorptance, const S& ar
                     value(absorptance), value(area_m2));
 }
 
-/// Absorbed power for a kelvin at the reference of the NETD. `absorptance`: the number without the curve. `cone`: of
-/// [optics].
+/// Absorbed power for a kelvin at the reference of the NETD. `absorptance`: without the curve. `cone`: of [optics].
 template <class S>
 S reference_watts_per_k(const ThermalSettings& s, const S& area_m2, const S& absorptance, Cone cone,
                         const ThermalReference<S>& reference, const Overrides<S>& numbers) {

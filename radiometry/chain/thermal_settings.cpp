@@ -120,8 +120,7 @@ std::string bandwidth_warning(const ThermalSettings& s, double time_constant_s) 
   const std::string figure = s.netd_k ? "netd" : s.nep_w ? "nep" : s.nep_density ? "nep_density" : "dstar";
   return figure + " is taken from " + mtf::three_digits(from_hz) + " Hz to " + mtf::three_digits(*s.bandwidth_hz) +
          " Hz by the root of the bandwidths, as white noise; the temperature fluctuation of pixels with a time "
-         "constant "
-         "of " +
+         "constant of " +
          mtf::three_digits(time_constant_s) + " s has no more than 1/(4 tau) = " + mtf::three_digits(pixel_hz) +
          " Hz, so that its part comes out " + (from_hz < *s.bandwidth_hz ? "too large" : "too small") +
          "; give the figure for the noise bandwidth of this camera, or the physics";

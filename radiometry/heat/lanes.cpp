@@ -293,23 +293,13 @@ void run_for(const GroupGrid& group, A... a) {
                     : group.front_buoyancy->present || group.back_buoyancy->present ? Film::natural
                                                                                     : Film::forced;
   const auto with = [&]<Sides S>() {
-    switch (film) {
-      case Film::forced:
-        return mtf::simd::run<Kernel<S, Film::forced>>(a...);
-      case Film::natural:
-        return mtf::simd::run<Kernel<S, Film::natural>>(a...);
-      case Film::wet:
-        return mtf::simd::run<Kernel<S, Film::wet>>(a...);
-    }
+    if (film == Film::forced) return mtf::simd::run<Kernel<S, Film::forced>>(a...);
+    if (film == Film::natural) return mtf::simd::run<Kernel<S, Film::natural>>(a...);
+    return mtf::simd::run<Kernel<S, Film::wet>>(a...);
   };
-  switch (group.sides) {
-    case Sides::one:
-      return with.template operator()<Sides::one>();
-    case Sides::two_on_one_node:
-      return with.template operator()<Sides::two_on_one_node>();
-    case Sides::two:
-      return with.template operator()<Sides::two>();
-  }
+  if (group.sides == Sides::one) return with.template operator()<Sides::one>();
+  if (group.sides == Sides::two_on_one_node) return with.template operator()<Sides::two_on_one_node>();
+  return with.template operator()<Sides::two>();
 }
 
 }  // namespace

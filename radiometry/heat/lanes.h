@@ -35,7 +35,7 @@ struct Surface {
 /// What does not change with time: coefficients of natural convection, for air colder and warmer than the surface.
 struct Buoyancy {
   bool present = false;
-  Lanes warm, cold;
+  Lanes warm{}, cold{};
 };
 
 enum class Sides { one, two_on_one_node, two };

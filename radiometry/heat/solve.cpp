@@ -232,12 +232,12 @@ Plan plan_of(const Batch& batch, const Layers& layers, const Guess& guess) {
 /// Neighbouring facets of a batch as a batch of their own.
 struct Trial {
   Batch batch;
-  GroupForcing forcing;
+  GroupForcing forcing{};
 };
 
 Trial trial_of(const Batch& batch, const GroupForcing& forcing, std::size_t begin) {
   const std::size_t count = std::min(kLanes, batch.facets - begin);
-  Trial trial{.batch = {batch.construction, count, {}}, .forcing = {}};
+  Trial trial{.batch = {batch.construction, count, {}}};
   for (std::size_t i = 0; i < count && !batch.up.empty(); ++i) trial.batch.up.push_back(batch.up[begin + i]);
   trial.forcing = [&forcing, begin](std::size_t first, std::size_t facets) -> Forcing {
     return [own = forcing(begin + first, facets), begin](Instant instant, std::size_t at, ForcingValues& values) {

@@ -112,7 +112,7 @@ void scatter(const std::vector<double>& lanes, std::size_t facets, std::size_t f
 
 Buoyancy buoyancy_of(const Convection& convection, const Batch& batch, std::size_t first, std::size_t count,
                      double side) {
-  Buoyancy buoyancy{.present = std::holds_alternative<Tarp>(convection), .warm = {}, .cold = {}};
+  Buoyancy buoyancy{.present = std::holds_alternative<Tarp>(convection)};
   for (std::size_t l = 0; l < kLanes; ++l) {
     const double up = batch.up.empty() ? 0.0 : batch.up[first + std::min(l, count - 1)];
     const NaturalConvection natural = natural_coefficient(convection, side * up);
@@ -391,9 +391,6 @@ State uniform_state(const Plan& plan, double time_s, std::span<const double> tem
     require(t >= 0.0 && std::isfinite(t), "a temperature of the start is below 0 K or not finite");
   State state{.time_s = time_s,
               .facets = facets,
-              .fine = {},
-              .doubled = {},
-              .coarse = {},
               .step_s = std::vector<double>(groups_of(plan), std::numeric_limits<double>::infinity())};
   for (std::size_t i = 0; i < plan.fine.nodes(); ++i)
     state.fine.insert(state.fine.end(), temperature_k.begin(), temperature_k.end());

@@ -48,7 +48,7 @@ struct State {
   double time_s = 0.0;
   std::size_t facets = 0;
   /// [node * facets + facet], K: in steps of h, in steps of 2h, on the coarse grid in steps of 2h.
-  std::vector<double> fine, doubled, coarse;
+  std::vector<double> fine{}, doubled{}, coarse{};
   /// For Runs::one the first is the run in steps of 2h, and the other two are empty.
   std::vector<double> step_s;  ///< per group of facets that share their steps: the step 2h to try next
 

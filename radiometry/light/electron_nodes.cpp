@@ -20,7 +20,7 @@ constexpr int kMostNodes = 256;
 constexpr double kMostPanels = 1e4;
 
 struct Jacobi {
-  std::vector<double> diagonal, square;  // of the side diagonal; square[0] is the total weight
+  std::vector<double> diagonal{}, square{};  // of the side diagonal; square[0] is the total weight
   std::size_t points = 0;
   std::size_t most;
 
@@ -59,8 +59,7 @@ std::vector<BandResponse::Panel> BandResponse::panels(std::optional<double> temp
   return all;
 }
 
-// A piece gets as many points as the integral of a polynomial of degree 2n times the response needs, a narrow one
-// fewer.
+// A piece gets as many points as the integral of a polynomial of degree 2n times the response needs; narrow ones fewer.
 BandResponse::RatePoints BandResponse::rate_points(int n, std::optional<double> temperature_k, Flux flux) const {
   if (temperature_k && !(*temperature_k > 0.0 && *temperature_k <= kHottest_k))
     throw mtf::UsageError("a source of " + mtf::format_double(*temperature_k) +
@@ -103,7 +102,7 @@ mtf::WavelengthNodes BandResponse::electron_nodes(int n, std::optional<double> t
   if (n < 1 || n > kMostNodes)
     throw mtf::UsageError(std::to_string(n) + " wavelengths of a band; give 1 to " + std::to_string(kMostNodes));
   const RatePoints points = rate_points(n, temperature_k, flux);
-  Jacobi jacobi{.diagonal = {}, .square = {}, .most = static_cast<std::size_t>(n)};
+  Jacobi jacobi{.most = static_cast<std::size_t>(n)};
   for (std::size_t i = 0; i < points.rate.size(); ++i)
     if (points.rate[i] > 0.0) jacobi.add(points.wavelength_um[i], points.rate[i]);
   const auto size = static_cast<Eigen::Index>(jacobi.diagonal.size());

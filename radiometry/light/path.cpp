@@ -57,8 +57,7 @@ Path PathTable::at(double range_m) const {
   if (!(range_m >= 0.0 && range_m <= range_m_.back()))
     throw UsageError(source_ + ": a path of " + format_double(range_m) + " m; the table goes from 0 to " +
                      format_double(range_m_.back()) + " m");
-  const std::size_t i =
-      static_cast<std::size_t>(std::lower_bound(range_m_.begin(), range_m_.end(), range_m) - range_m_.begin());
+  const std::size_t i = static_cast<std::size_t>(std::ranges::lower_bound(range_m_, range_m) - range_m_.begin());
   const double from = i == 0 ? 0.0 : range_m_[i - 1], t = (range_m - from) / (range_m_[i] - from);
   std::vector<double> transmission, radiance;
   for (std::size_t j = 0; j < wavelength_um_.size(); ++j) {

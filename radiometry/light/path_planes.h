@@ -22,8 +22,7 @@
 
 namespace radiometry {
 
-/// Throws UsageError for ranges, in m, that are not above 0 or lie beyond the table, with the number of pixels and the
-/// first one.
+/// Throws UsageError for ranges, in m, that are not above 0 or lie beyond the table, with their number and the first.
 void require_ranges(mtf::ImageView<const float> range_m, const PathTable& table, int threads = 1);
 
 class RangeTable {

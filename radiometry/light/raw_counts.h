@@ -9,7 +9,7 @@
 // (F is 1 where the band is narrow: Planck's law with B = c2 / wavelength.)
 
 #include "mtf/image.h"
-#include "radiometry/fields.h"
+#include "radiometry/rows.h"
 
 namespace radiometry {
 
@@ -25,15 +25,11 @@ struct CountCamera {
   double count(double temperature_k) const;
 
   static constexpr auto fields() {
-    constexpr auto row = [](std::string_view name, std::string_view unit, double lo, double hi, std::string_view doc,
-                            auto member) {
-      return Field{above(required_row(name, mtf::Dimension::none, unit, lo, hi, "", doc)), member};
-    };
-    return std::tuple{row("R1", "", 0.0, 1e12, "scale of the counts", &CountCamera::r1),
-                      row("B", "K", 0.0, 1e9, "c2 over the mean wavelength", &CountCamera::b_k),
-                      row("F", "", 0.0, 1e3, "in place of the 1 of Planck's law", &CountCamera::f),
-                      row("O", "", -1e12, 1e12, "added to the counts", &CountCamera::o),
-                      row("R2", "", 0.0, 1e12, "further scale of the counts", &CountCamera::r2)};
+    return std::tuple{above(row_between(&CountCamera::r1, "R1", "", 0.0, 1e12, "scale of the counts")),
+                      above(row_between(&CountCamera::b_k, "B", "K", 0.0, 1e9, "c2 over the mean wavelength")),
+                      above(row_between(&CountCamera::f, "F", "", 0.0, 1e3, "in place of the 1 of Planck's law")),
+                      above(row_between(&CountCamera::o, "O", "", -1e12, 1e12, "added to the counts")),
+                      above(row_between(&CountCamera::r2, "R2", "", 0.0, 1e12, "further scale of the counts"))};
   }
 };
 

@@ -9,7 +9,6 @@
 
 #include "radiometry/light/constants.h"
 #include "radiometry/light/pixel_rules.h"
-#include "radiometry/light/radiance_table.h"
 
 namespace radiometry {
 namespace {

@@ -59,17 +59,16 @@ struct Camera {
   ShutterPlace shutter_place = ShutterPlace::detector;  ///< of a thermal camera with a shutter
 
   static constexpr auto fields() {
-    constexpr auto fraction = [](std::string_view name, std::string_view doc, auto member) {
-      return Field{optional_row(name, 0.0, 1.0, "", doc), member};
-    };
     return std::tuple{
-        Field{required_row("f_number", 0.1, 1e4, "2.0", "f-number at the image"), &Camera::f_number},
-        Field{below(optional_row("obscuration", 0.0, 1.0, "", "linear obscuration")), &Camera::obscuration},
-        fraction("transmission", "transmission of the warm optics", &Camera::transmission),
-        fraction("cold_transmission", "transmission of the cold filter", &Camera::cold_transmission),
-        fraction("optics_emissivity", "emissivity of the warm optics", &Camera::optics_emissivity),
-        fraction("obscuration_emissivity", "emissivity of the obscuration", &Camera::obscuration_emissivity),
-        fraction("stop_emissivity", "emissivity of what surrounds the cone of light", &Camera::stop_emissivity)};
+        required(&Camera::f_number, "f_number", 0.1, 1e4, "2.0", "f-number at the image"),
+        below(optional(&Camera::obscuration, "obscuration", 0.0, 1.0, "", "linear obscuration")),
+        optional(&Camera::transmission, "transmission", 0.0, 1.0, "", "transmission of the warm optics"),
+        optional(&Camera::cold_transmission, "cold_transmission", 0.0, 1.0, "", "transmission of the cold filter"),
+        optional(&Camera::optics_emissivity, "optics_emissivity", 0.0, 1.0, "", "emissivity of the warm optics"),
+        optional(&Camera::obscuration_emissivity, "obscuration_emissivity", 0.0, 1.0, "",
+                 "emissivity of the obscuration"),
+        optional(&Camera::stop_emissivity, "stop_emissivity", 0.0, 1.0, "",
+                 "emissivity of what surrounds the cone of light")};
   }
 };
 
@@ -91,21 +90,14 @@ struct Pixel {
   S area_m2() const { return width_um * height_um * S(1e-12); }
 
   static constexpr auto fields() {
-    constexpr auto positive = [](std::string_view name, mtf::Dimension dimension, std::string_view unit, double hi,
-                                 std::string_view example, std::string_view doc, auto member) {
-      return Field{above(required_row(name, dimension, unit, 0.0, hi, example, doc)), member};
-    };
     return std::tuple{
-        positive("width", mtf::Dimension::length, "um", 1e6, "\"15 um\"", "width of the active area", &Pixel::width_um),
-        positive("height", mtf::Dimension::length, "um", 1e6, "\"15 um\"", "height of the active area",
-                 &Pixel::height_um),
-        Field{optional_row("quantum_efficiency", 0.0, 1.0, "0.75", "electrons per photon"), &Pixel::quantum_efficiency},
-        positive("integration_time", mtf::Dimension::time, "s", 1e9, "\"10 ms\"", "integration time",
-                 &Pixel::integration_s),
-        Field{optional_row("dark_current", mtf::Dimension::current, "e-/s", 0.0, 1e30, "\"1e5 e-/s\"", "dark current"),
-              &Pixel::dark_e_s},
-        positive("full_well", mtf::Dimension::electrons, "e-", std::numeric_limits<double>::infinity(), "\"1e7 e-\"",
-                 "electrons a pixel can hold", &Pixel::full_well_e)};
+        above(required(&Pixel::width_um, "width", "um", 0.0, 1e6, "\"15 um\"", "width of the active area")),
+        above(required(&Pixel::height_um, "height", "um", 0.0, 1e6, "\"15 um\"", "height of the active area")),
+        optional(&Pixel::quantum_efficiency, "quantum_efficiency", 0.0, 1.0, "0.75", "electrons per photon"),
+        above(required(&Pixel::integration_s, "integration_time", "s", 0.0, 1e9, "\"10 ms\"", "integration time")),
+        optional(&Pixel::dark_e_s, "dark_current", "e-/s", 0.0, 1e30, "\"1e5 e-/s\"", "dark current"),
+        above(required(&Pixel::full_well_e, "full_well", "e-", 0.0, std::numeric_limits<double>::infinity(),
+                       "\"1e7 e-\"", "electrons a pixel can hold"))};
   }
 };
 
@@ -115,9 +107,9 @@ S cone_sr(const Camera<S>& camera) {
   const S& n = camera.f_number;
   if (camera.cone == Cone::tangent) return S(mtf::kPi) / (S(1) + S(4) * n * n);
   if (!(mtf::value_of(n) >= 0.5))
-    throw mtf::UsageError("optics.cone = \"sine\": an f-number of " + mtf::format_double(mtf::value_of(n)) +
-                          "; sin theta' = 1/(2 N) is at most 1, so N is 0.5 or above: change it, or take "
-                          "cone = \"tangent\"");
+    throw mtf::UsageError(
+        "optics.cone = \"sine\": an f-number of " + mtf::format_double(mtf::value_of(n)) +
+        "; sin theta' = 1/(2 N) is at most 1, so N is 0.5 or above: change it, or take cone = \"tangent\"");
   return S(mtf::kPi) / (S(4) * n * n);
 }
 /// The rest of the hemisphere, pi minus the cone, without cancellation.

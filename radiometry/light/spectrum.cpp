@@ -81,7 +81,7 @@ double evaluate(const Spectrum& spectrum, double wavelength_um) {
   if (v.size() == 1) return v[0];
   if (!(wavelength_um >= w.front() && wavelength_um <= w.back())) return 0.0;
   const std::size_t i =
-      std::min(static_cast<std::size_t>(std::upper_bound(w.begin(), w.end(), wavelength_um) - w.begin()), w.size() - 1);
+      std::min(static_cast<std::size_t>(std::ranges::upper_bound(w, wavelength_um) - w.begin()), w.size() - 1);
   const double t = (wavelength_um - w[i - 1]) / (w[i] - w[i - 1]);
   return v[i - 1] * (1.0 - t) + v[i] * t;
 }
@@ -111,7 +111,7 @@ std::vector<double> union_grid(const Interval& interval, std::span<const Spectru
     for (const double w : factor.wavelength_um)
       if (w > interval.lo_um && w < interval.hi_um) grid.push_back(w);
   }
-  std::sort(grid.begin(), grid.end());
+  std::ranges::sort(grid);
   grid.erase(std::unique(grid.begin(), grid.end()), grid.end());
   return grid;
 }
@@ -122,8 +122,7 @@ Spectrum product(std::string source, std::span<const Spectrum> factors) {
     for (const Spectrum& factor : factors) value *= evaluate(factor, w);
     return value;
   };
-  const bool constant =
-      std::all_of(factors.begin(), factors.end(), [](const Spectrum& factor) { return factor.value.size() == 1; });
+  const bool constant = std::ranges::all_of(factors, [](const Spectrum& factor) { return factor.value.size() == 1; });
   if (constant) return constant_spectrum(std::move(source), value_at(1.0));
   std::vector<double> grid = union_grid(common_range({kShortest_um, kLongest_um}, factors), factors), value;
   for (const double w : grid) value.push_back(value_at(w));

@@ -33,59 +33,41 @@ struct Conditions {
   double probability = 0.5;  ///< of the tasks at their ranges
 
   static constexpr auto fields() {
-    using enum mtf::Dimension;
     using C = Conditions;
-    constexpr auto above_zero = [](std::string_view name, mtf::Dimension dimension, std::string_view unit, double hi,
-                                   std::string_view example, std::string_view doc) {
-      FieldInfo row = optional_row(name, dimension, unit, 0.0, hi, example, doc);
-      row.lo_open = true;
-      return row;
-    };
-    constexpr auto probability_row = [] {
-      FieldInfo row =
-          optional_row("probability", 0.0, 1.0, "0.5", "of detection, recognition, identification at their ranges");
-      row.lo_open = row.hi_open = true;
-      return row;
-    };
     return std::tuple{
-        Field{above_zero("temperature", temperature, "K", 1e5, "\"300 K\"", "of the surface that the pixel images"),
-              &C::temperature_k},
-        Field{above_zero("range", length, "m", 1e13, "\"5 km\"",
-                         "to the target along the line of sight, for GSD and all that follows from it"),
-              &C::range_m},
-        Field{above_zero("elevation", angle, "deg", 90.0, "\"60 deg\"", "of the sensor seen from the target"),
-              &C::elevation_deg},
-        Field{above_zero("contrast", temperature_difference, "K", 1e5, "\"2 K\"", "of the target to its background"),
-              &C::contrast_k},
-        Field{above_zero("target_size", length, "m", 1e6, "\"3.1 m\"", "square root of the target's area"),
-              &C::target_size_m},
-        Field{above_zero("signal_contrast", none, "", 1.0, "0.5", "(bright - dark)/bright of two reflecting surfaces"),
-              &C::signal_contrast},
-        Field{optional_row("extinction", 0.0, 1e6, "0.2",
-                           "of the apparent contrast with range, per km, for sensor files without air of their own"),
-              &C::extinction_per_km},
-        Field{above_zero("scene_contrast", temperature_difference, "K", 1e5, "\"5 K\"",
-                         "apparent, from dark to mean luminance of the display"),
-              &C::scene_contrast_k},
-        Field{above_zero("snr_threshold", none, "", 1e3, "2.5", "that the observer of bars and squares needs"),
-              &C::snr_threshold},
-        Field{above_zero("eye_time", time, "s", 1e3, "\"0.1 s\"", "integration of the eye"), &C::eye_time_s},
-        Field{above_zero("frame_rate", temporal, "Hz", 1e9, "\"60 Hz\"", "else 1 / frame time"), &C::frame_rate_hz},
-        Field{optional_row("luminance", luminance, "cd/m^2", mtf::kLuminanceLo, mtf::kLuminanceHi, "\"34 cd/m^2\"",
-                           "mean of the display"),
-              &C::luminance_cd_m2},
-        Field{optional_row("magnification", none, "", 1e-3, 1e6, "5.0",
-                           "angle at the eye / angle in object space, in place of the display"),
-              &C::magnification},
-        Field{above_zero("display_height", length, "m", 1e3, "\"200 mm\"", "of the picture of the whole format"),
-              &C::display_height_m},
-        Field{above_zero("viewing_distance", length, "m", 1e3, "\"600 mm\"", "from the eye to the display"),
-              &C::viewing_distance_m},
-        Field{above_zero("v50_detect", none, "", 1e6, "2.0", "cycles on target that half of the trials need"),
-              &C::v50_detect},
-        Field{above_zero("v50_recognise", none, "", 1e6, "7.5", "the same of recognition"), &C::v50_recognise},
-        Field{above_zero("v50_identify", none, "", 1e6, "13.0", "the same of identification"), &C::v50_identify},
-        Field{probability_row(), &C::probability}};
+        above(optional(&C::temperature_k, "temperature", "K", 0.0, 1e5, "\"300 K\"",
+                       "of the surface that the pixel images")),
+        above(optional(&C::range_m, "range", "m", 0.0, 1e13, "\"5 km\"",
+                       "to the target along the line of sight, for GSD and all that follows from it")),
+        above(optional(&C::elevation_deg, "elevation", "deg", 0.0, 90.0, "\"60 deg\"",
+                       "of the sensor seen from the target")),
+        above(optional(&C::contrast_k, "contrast", mtf::Dimension::temperature_difference, "K", 0.0, 1e5, "\"2 K\"",
+                       "of the target to its background")),
+        above(
+            optional(&C::target_size_m, "target_size", "m", 0.0, 1e6, "\"3.1 m\"", "square root of the target's area")),
+        above(optional(&C::signal_contrast, "signal_contrast", 0.0, 1.0, "0.5",
+                       "(bright - dark)/bright of two reflecting surfaces")),
+        optional(&C::extinction_per_km, "extinction", 0.0, 1e6, "0.2",
+                 "of the apparent contrast with range, per km, for sensor files without air of their own"),
+        above(optional(&C::scene_contrast_k, "scene_contrast", mtf::Dimension::temperature_difference, "K", 0.0, 1e5,
+                       "\"5 K\"", "apparent, from dark to mean luminance of the display")),
+        above(optional(&C::snr_threshold, "snr_threshold", 0.0, 1e3, "2.5",
+                       "that the observer of bars and squares needs")),
+        above(optional(&C::eye_time_s, "eye_time", "s", 0.0, 1e3, "\"0.1 s\"", "integration of the eye")),
+        above(optional(&C::frame_rate_hz, "frame_rate", "Hz", 0.0, 1e9, "\"60 Hz\"", "else 1 / frame time")),
+        optional(&C::luminance_cd_m2, "luminance", "cd/m^2", mtf::kLuminanceLo, mtf::kLuminanceHi, "\"34 cd/m^2\"",
+                 "mean of the display"),
+        optional(&C::magnification, "magnification", 1e-3, 1e6, "5.0",
+                 "angle at the eye / angle in object space, in place of the display"),
+        above(optional(&C::display_height_m, "display_height", "m", 0.0, 1e3, "\"200 mm\"",
+                       "of the picture of the whole format")),
+        above(optional(&C::viewing_distance_m, "viewing_distance", "m", 0.0, 1e3, "\"600 mm\"",
+                       "from the eye to the display")),
+        above(optional(&C::v50_detect, "v50_detect", 0.0, 1e6, "2.0", "cycles on target that half of the trials need")),
+        above(optional(&C::v50_recognise, "v50_recognise", 0.0, 1e6, "7.5", "the same of recognition")),
+        above(optional(&C::v50_identify, "v50_identify", 0.0, 1e6, "13.0", "the same of identification")),
+        below(above(optional(&C::probability, "probability", 0.0, 1.0, "0.5",
+                             "of detection, recognition, identification at their ranges")))};
   }
 };
 
@@ -109,8 +91,7 @@ Viewing<S> viewing_of(const Conditions& conditions, const mtf::Frame<S>& frame) 
   if (frame.columns <= 0 || frame.rows <= 0)
     throw mtf::UsageError(
         "no [frame] format, whose picture fills [conditions] display_height; write format = [640, 512] (columns, rows) "
-        "in "
-        "[frame], or give magnification in place of the display");
+        "in [frame], or give magnification in place of the display");
   const S height(*conditions.display_height_m / *conditions.viewing_distance_m);
   const S rows_um = S(frame.rows) * frame.pitch_y_um, columns_um = S(frame.columns) * frame.pitch_x_um;
   const S magnification = height * frame.focal_length_mm * S(1e3) / rows_um;

@@ -41,14 +41,13 @@ struct Observer {
   int eyes = 2;              ///< 1 or 2
 
   static constexpr auto fields() {
+    using T = Observer;
     return std::tuple{
-        row_between("luminance", "cd/m^2", mtf::kLuminanceLo, mtf::kLuminanceHi, "of the display",
-                    &Observer::luminance_cd_m2),
-        row_between("field", "deg", 0.1, 180.0, "size of the picture", &Observer::field_deg),
-        row_between("magnification", "", 1e-3, 1e6, "angle at the eye / angle in object space",
-                    &Observer::magnification),
-        row_between("display_contrast", "", 1e-6, 1.0, "contrast that the display leaves", &Observer::display_contrast),
-        row_between("eyes", "", 1.0, 2.0, "number of eyes", &Observer::eyes)};
+        row_between(&T::luminance_cd_m2, "luminance", "cd/m^2", mtf::kLuminanceLo, mtf::kLuminanceHi, "of the display"),
+        row_between(&T::field_deg, "field", "deg", 0.1, 180.0, "size of the picture"),
+        row_between(&T::magnification, "magnification", "", 1e-3, 1e6, "angle at the eye / angle in object space"),
+        row_between(&T::display_contrast, "display_contrast", "", 1e-6, 1.0, "contrast that the display leaves"),
+        row_between(&T::eyes, "eyes", "", 1.0, 2.0, "number of eyes")};
   }
 };
 

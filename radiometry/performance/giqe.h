@@ -52,12 +52,12 @@ struct Giqe4Input {
 
   static constexpr auto fields() {
     return std::tuple{
-        row_above_zero("gsd", "m", 1e6, "ground sample distance", &Giqe4Input::gsd_m),
-        row_above_zero("rer", "", 10.0, "relative edge response", &Giqe4Input::rer),
-        row_between("overshoot", "", 0.0, 10.0, "height of the edge's overshoot", &Giqe4Input::overshoot),
-        row_between("noise_gain", "", 0.0, 1e6, "gain of the noise by sharpening", &Giqe4Input::noise_gain),
-        row_above_zero("snr", "", mtf::kInfinity, "contrast over noise", &Giqe4Input::snr),
-        row_above_zero("elevation", "deg", 90.0, "of the sensor seen from the target", &Giqe4Input::elevation_deg)};
+        row_above_zero(&Giqe4Input::gsd_m, "gsd", "m", 1e6, "ground sample distance"),
+        row_above_zero(&Giqe4Input::rer, "rer", "", 10.0, "relative edge response"),
+        row_between(&Giqe4Input::overshoot, "overshoot", "", 0.0, 10.0, "height of the edge's overshoot"),
+        row_between(&Giqe4Input::noise_gain, "noise_gain", "", 0.0, 1e6, "gain of the noise by sharpening"),
+        row_above_zero(&Giqe4Input::snr, "snr", "", mtf::kInfinity, "contrast over noise"),
+        row_above_zero(&Giqe4Input::elevation_deg, "elevation", "deg", 90.0, "of the sensor seen from the target")};
   }
 };
 
@@ -71,11 +71,11 @@ struct Giqe5Input {
 
   static constexpr auto fields() {
     return std::tuple{
-        row_above_zero("gsd", "m", 1e6, "ground sample distance", &Giqe5Input::gsd_m),
-        row_above_zero("rer_x", "", 10.0, "relative edge response along x", &Giqe5Input::rer_x),
-        row_above_zero("rer_y", "", 10.0, "relative edge response along y", &Giqe5Input::rer_y),
-        row_above_zero("snr", "", mtf::kInfinity, "contrast over noise", &Giqe5Input::snr),
-        row_above_zero("elevation", "deg", 90.0, "of the sensor seen from the target", &Giqe5Input::elevation_deg)};
+        row_above_zero(&Giqe5Input::gsd_m, "gsd", "m", 1e6, "ground sample distance"),
+        row_above_zero(&Giqe5Input::rer_x, "rer_x", "", 10.0, "relative edge response along x"),
+        row_above_zero(&Giqe5Input::rer_y, "rer_y", "", 10.0, "relative edge response along y"),
+        row_above_zero(&Giqe5Input::snr, "snr", "", mtf::kInfinity, "contrast over noise"),
+        row_above_zero(&Giqe5Input::elevation_deg, "elevation", "deg", 90.0, "of the sensor seen from the target")};
   }
 };
 

@@ -25,9 +25,9 @@ struct GrdInput {
   S range_m{};    ///< along the line of sight, above 0
 
   static constexpr auto fields() {
-    return std::tuple{row_above_zero("snr", "", mtf::kInfinity, "contrast over noise", &GrdInput::snr),
-                      row_between("ifov", "mrad", 1e-12, 1e4, "instantaneous field of view", &GrdInput::ifov_mrad),
-                      row_above_zero("range", "m", 1e12, "range along the line of sight", &GrdInput::range_m)};
+    return std::tuple{row_above_zero(&GrdInput::snr, "snr", "", mtf::kInfinity, "contrast over noise"),
+                      row_between(&GrdInput::ifov_mrad, "ifov", "mrad", 1e-12, 1e4, "instantaneous field of view"),
+                      row_above_zero(&GrdInput::range_m, "range", "m", 1e12, "range along the line of sight")};
   }
 };
 

@@ -38,23 +38,22 @@ struct MrtdInput {
   double bar_aspect = 7.0;                           ///< length of a bar over its width, 0.1 to 1e3
 
   static constexpr auto fields() {
+    using T = MrtdInput;
     return std::tuple{
-        row_between("tvh", "K", 0.0, 1e6, "temporal noise of pixels", &MrtdInput::tvh_k),
-        row_between("vh", "K", 0.0, 1e6, "fixed noise of pixels", &MrtdInput::vh_k),
-        row_between("th", "K", 0.0, 1e6, "temporal noise of columns", &MrtdInput::th_k),
-        row_between("tv", "K", 0.0, 1e6, "temporal noise of rows", &MrtdInput::tv_k),
-        row_between("h", "K", 0.0, 1e6, "fixed noise of columns", &MrtdInput::h_k),
-        row_between("v", "K", 0.0, 1e6, "fixed noise of rows", &MrtdInput::v_k),
-        row_between("spacing_x", "mrad", 1e-12, 1e4, "of samples along x", &MrtdInput::spacing_x_mrad),
-        row_between("spacing_y", "mrad", 1e-12, 1e4, "of samples along y", &MrtdInput::spacing_y_mrad),
-        row_between("noise_band_x", "cy/mrad", 0.0, 1e9, "highest frequency of the noise",
-                    &MrtdInput::noise_band_x_cy_mrad),
-        row_between("noise_band_y", "cy/mrad", 0.0, 1e9, "highest frequency of the noise",
-                    &MrtdInput::noise_band_y_cy_mrad),
-        row_above_zero("snr_threshold", "", 1e3, "that the observer needs", &MrtdInput::snr_threshold),
-        row_above_zero("eye_time", "s", 1e3, "integration of the eye", &MrtdInput::eye_time_s),
-        row_above_zero("frame_rate", "Hz", 1e9, "of the sensor", &MrtdInput::frame_rate_hz),
-        row_between("bar_aspect", "", 0.1, 1e3, "length of a bar over its width", &MrtdInput::bar_aspect)};
+        row_between(&T::tvh_k, "tvh", "K", 0.0, 1e6, "temporal noise of pixels"),
+        row_between(&T::vh_k, "vh", "K", 0.0, 1e6, "fixed noise of pixels"),
+        row_between(&T::th_k, "th", "K", 0.0, 1e6, "temporal noise of columns"),
+        row_between(&T::tv_k, "tv", "K", 0.0, 1e6, "temporal noise of rows"),
+        row_between(&T::h_k, "h", "K", 0.0, 1e6, "fixed noise of columns"),
+        row_between(&T::v_k, "v", "K", 0.0, 1e6, "fixed noise of rows"),
+        row_between(&T::spacing_x_mrad, "spacing_x", "mrad", 1e-12, 1e4, "of samples along x"),
+        row_between(&T::spacing_y_mrad, "spacing_y", "mrad", 1e-12, 1e4, "of samples along y"),
+        row_between(&T::noise_band_x_cy_mrad, "noise_band_x", "cy/mrad", 0.0, 1e9, "highest frequency of the noise"),
+        row_between(&T::noise_band_y_cy_mrad, "noise_band_y", "cy/mrad", 0.0, 1e9, "highest frequency of the noise"),
+        row_above_zero(&T::snr_threshold, "snr_threshold", "", 1e3, "that the observer needs"),
+        row_above_zero(&T::eye_time_s, "eye_time", "s", 1e3, "integration of the eye"),
+        row_above_zero(&T::frame_rate_hz, "frame_rate", "Hz", 1e9, "of the sensor"),
+        row_between(&T::bar_aspect, "bar_aspect", "", 0.1, 1e3, "length of a bar over its width")};
   }
 };
 

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "radiometry/performance/sensitivity.h"
 
-#include <cmath>
-
 namespace radiometry {
 namespace {
 

@@ -43,17 +43,17 @@ struct NoiseTerms {
   S dcnu_e{};   ///< spread of the dark charge from pixel to pixel, which fills the well as light does
 
   static constexpr auto fields() {
-    constexpr auto electrons = [](std::string_view name, std::string_view doc, auto member) {
-      return Field{optional_row(name, mtf::Dimension::electrons, "e-", 0.0, 1e15, "\"30 e-\"", doc), member};
+    constexpr auto electrons = [](auto member, std::string_view name, std::string_view doc) {
+      return optional(member, name, "e-", 0.0, 1e15, "\"30 e-\"", doc);
     };
     return std::tuple{
-        electrons("read", "read noise, rms", &NoiseTerms::read_e),
-        electrons("reset", "kTC noise, rms", &NoiseTerms::reset_e),
-        electrons("other", "further temporal noise, rms", &NoiseTerms::other_e),
-        electrons("step", "electrons per count", &NoiseTerms::step_e),
-        Field{optional_row("prnu", 0.0, 1.0, "0.01", "responsivity non-uniformity, rms fraction"), &NoiseTerms::prnu},
-        electrons("dsnu", "offset non-uniformity, rms", &NoiseTerms::dsnu_e),
-        electrons("dcnu", "dark-current non-uniformity, rms", &NoiseTerms::dcnu_e)};
+        electrons(&NoiseTerms::read_e, "read", "read noise, rms"),
+        electrons(&NoiseTerms::reset_e, "reset", "kTC noise, rms"),
+        electrons(&NoiseTerms::other_e, "other", "further temporal noise, rms"),
+        electrons(&NoiseTerms::step_e, "step", "electrons per count"),
+        optional(&NoiseTerms::prnu, "prnu", 0.0, 1.0, "0.01", "responsivity non-uniformity, rms fraction"),
+        electrons(&NoiseTerms::dsnu_e, "dsnu", "offset non-uniformity, rms"),
+        electrons(&NoiseTerms::dcnu_e, "dcnu", "dark-current non-uniformity, rms")};
   }
 };
 
@@ -79,14 +79,10 @@ struct ResetNoise {
   double rms_e() const { return reset_noise_e(capacitance_f, temperature_k); }
 
   static constexpr auto fields() {
-    constexpr auto row = [](std::string_view name, mtf::Dimension dimension, std::string_view unit,
-                            std::string_view example, std::string_view doc, double ResetNoise::*member) {
-      return Field{required_row(name, dimension, unit, 0.0, 1e6, example, doc), member};
-    };
-    return std::tuple{row("capacitance", mtf::Dimension::capacitance, "F", "\"50 fF\"",
-                          "capacitance that is reset before each integration", &ResetNoise::capacitance_f),
-                      row("temperature", mtf::Dimension::temperature, "K", "\"77 K\"",
-                          "temperature of the circuit that resets it", &ResetNoise::temperature_k)};
+    return std::tuple{required(&ResetNoise::capacitance_f, "capacitance", "F", 0.0, 1e6, "\"50 fF\"",
+                               "capacitance that is reset before each integration"),
+                      required(&ResetNoise::temperature_k, "temperature", "K", 0.0, 1e6, "\"77 K\"",
+                               "temperature of the circuit that resets it")};
   }
 };
 

@@ -10,8 +10,8 @@ void require_bolometer(const std::string& where, const ThermalBody<double>& body
   };
   if (!(body.conductance_w_k > 0.0))
     refuse("conductance", mtf::format_double(body.conductance_w_k) +
-                              " W/K; a pixel that loses no heat has no steady temperature: give the "
-                              "conductance of its legs, for example 1e-8");
+                              " W/K; a pixel that loses no heat has no steady temperature: give the conductance of its "
+                              "legs, for example 1e-8");
   require_valid(where, body);
   require_valid(where, readout);
   const double least = radiation_conductance_w_k(emissivity, area_m2, body.temperature_k);
@@ -24,8 +24,7 @@ void require_bolometer(const std::string& where, const ThermalBody<double>& body
   if (readout.corner_hz > 0.0 && !(readout.lowest_hz > 0.0 && readout.lowest_hz < readout.bandwidth_hz))
     refuse("lowest_frequency",
            mtf::format_double(readout.lowest_hz) +
-               " Hz; 1/f noise has a finite value from a frequency above 0 to below "
-               "the noise bandwidth of " +
+               " Hz; 1/f noise has a finite value from a frequency above 0 to below the noise bandwidth of " +
                mtf::format_double(readout.bandwidth_hz) +
                " Hz: give the inverse of the time between two corrections of the offset, for example \"0.01 Hz\"");
 }

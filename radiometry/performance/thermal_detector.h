@@ -43,10 +43,10 @@ struct ThermalBody {
 
   static constexpr auto fields() {
     return std::tuple{
-        row_above_zero("heat_capacity", "J/K", 1.0, "heat capacity of a pixel", &ThermalBody::heat_capacity_j_k),
-        row_above_zero("conductance", "W/K", 1.0, "thermal conductance from a pixel to its surroundings",
-                       &ThermalBody::conductance_w_k),
-        row_above_zero("temperature", "K", 1e4, "temperature of the pixels", &ThermalBody::temperature_k)};
+        row_above_zero(&ThermalBody::heat_capacity_j_k, "heat_capacity", "J/K", 1.0, "heat capacity of a pixel"),
+        row_above_zero(&ThermalBody::conductance_w_k, "conductance", "W/K", 1.0,
+                       "thermal conductance from a pixel to its surroundings"),
+        row_above_zero(&ThermalBody::temperature_k, "temperature", "K", 1e4, "temperature of the pixels")};
   }
 };
 
@@ -62,19 +62,16 @@ struct BolometerReadout {
   S bandwidth_hz{};  ///< noise bandwidth; 1/(2 t) of an integration over t
 
   static constexpr auto fields() {
+    using T = BolometerReadout;
     constexpr double kAny = std::numeric_limits<double>::max();
     return std::tuple{
-        row_above_zero("resistance", "ohm", 1e12, "resistance of a pixel", &BolometerReadout::resistance_ohm),
-        row_between("tcr", "1/K", -10.0, 10.0, "temperature coefficient of the resistance",
-                    &BolometerReadout::tcr_per_k),
-        row_above_zero("bias", "V", 1e6, "voltage across a pixel while it is read", &BolometerReadout::bias_v),
-        row_between("corner", "Hz", 0.0, kAny, "frequency at which 1/f noise equals Johnson noise",
-                    &BolometerReadout::corner_hz),
-        row_between("lowest_frequency", "Hz", 0.0, kAny, "from which on 1/f noise counts",
-                    &BolometerReadout::lowest_hz),
-        row_between("readout_noise", "V", 0.0, 1e6, "noise of the readout, rms", &BolometerReadout::readout_v),
-        row_above_zero("noise_bandwidth", "Hz", kAny, "noise bandwidth of the readout",
-                       &BolometerReadout::bandwidth_hz)};
+        row_above_zero(&T::resistance_ohm, "resistance", "ohm", 1e12, "resistance of a pixel"),
+        row_between(&T::tcr_per_k, "tcr", "1/K", -10.0, 10.0, "temperature coefficient of the resistance"),
+        row_above_zero(&T::bias_v, "bias", "V", 1e6, "voltage across a pixel while it is read"),
+        row_between(&T::corner_hz, "corner", "Hz", 0.0, kAny, "frequency at which 1/f noise equals Johnson noise"),
+        row_between(&T::lowest_hz, "lowest_frequency", "Hz", 0.0, kAny, "from which on 1/f noise counts"),
+        row_between(&T::readout_v, "readout_noise", "V", 0.0, 1e6, "noise of the readout, rms"),
+        row_above_zero(&T::bandwidth_hz, "noise_bandwidth", "Hz", kAny, "noise bandwidth of the readout")};
   }
 };
 

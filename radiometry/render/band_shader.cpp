@@ -174,7 +174,7 @@ BandShader::Shaded BandShader::shaded(const VisibleSides& sides, std::size_t num
   SixValues sum = tables_->emitted(finish, static_cast<double>(scene_.temperature_k[side]), node);
   if (tables_->reflects(finish)) tables_->add_light(finish, sides.light(number), node, sum);
   sum = sum_of(sum, tables_->path(node));
-  Shaded out{.value = {}, .cell = cell, .finish = finish};
+  Shaded out{.cell = cell, .finish = finish};
   for (std::size_t k = 0; k < sum.size(); ++k) out.value[k] = static_cast<float>(sum[k]);
   return out;
 }

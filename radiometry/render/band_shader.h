@@ -62,8 +62,7 @@ class BandShader {
   double sunlight() const { return sunlight_; }
   /// The mean of a finish's emissivity over the band, weighted by response and blackbody.
   double emissivity(std::size_t finish, double temperature_k) const;
-  /// What a surface of that finish gives off itself and the air before it, from the tables: without the light that it
-  /// reflects.
+  /// What a surface of that finish gives off itself and the air before it, from the tables: without reflected light.
   double own_radiance(std::size_t finish, double temperature_k, double range_m, double height_m) const;
   /// The air that tables were made for; null without air.
   const AirView* air_view() const { return view_.get(); }

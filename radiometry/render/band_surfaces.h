@@ -49,7 +49,7 @@ struct BandSurfaces {
   template <class Light>
   SurfaceLight light(const BandTables& tables, std::size_t node, std::size_t finish, double temperature_k,
                      const Light& of) const {
-    SurfaceLight out{.emitted = tables.emitted(finish, temperature_k, node), .diffuse = {}, .white = {}};
+    SurfaceLight out{.emitted = tables.emitted(finish, temperature_k, node)};
     tables.add_light(finish, of, node, out.diffuse);
     tables.add_light(angular.white(), of, node, out.white);
     return out;

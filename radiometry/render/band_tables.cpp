@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "radiometry/render/band_tables.h"
 
-#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <numeric>

@@ -30,7 +30,7 @@ std::map<Key, std::uint32_t> numbered(const RenderScene& scene, double step_k) {
 
 Patches patches_by_temperature(const RenderScene& scene, std::size_t most) {
   constexpr double kLeast_k = 1.0, kMost_k = 1e4;
-  Patches patches{.patch_of = {}, .sides = {}, .finish = {}, .step_k = kLeast_k};
+  Patches patches{.step_k = kLeast_k};
   std::map<Key, std::uint32_t> number = numbered(scene, patches.step_k);
   while (number.size() > most && patches.step_k < kMost_k) {
     patches.step_k *= 2.0;

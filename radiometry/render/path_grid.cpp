@@ -2,7 +2,6 @@
 #include "radiometry/render/path_grid.h"
 
 #include <algorithm>
-#include <cmath>
 #include <map>
 
 #include "mtf/error.h"
@@ -163,8 +162,7 @@ PathGrid no_air(const BandNodes& nodes) {
   constexpr double kAnywhere_m = 1e12;
   PathGrid grid{.extent = {0.0, kAnywhere_m, -kAnywhere_m, kAnywhere_m},
                 .root = {0.0, 5e5, 1e6},
-                .height_m = {-kAnywhere_m, kAnywhere_m},
-                .node = {}};
+                .height_m = {-kAnywhere_m, kAnywhere_m}};
   grid.node.assign(6, {std::vector<double>(nodes.samples(), 1.0), std::vector<double>(nodes.samples(), 0.0)});
   return grid;
 }
@@ -175,7 +173,7 @@ PathGrid path_grid(const AirView& view, const BandNodes& nodes, const PathExtent
   constexpr double kLeastHeight_m = 1e-3;
   const BandWeights weights(nodes, view.reference_k());
   KnownLines lines(view);
-  PathGrid grid{.extent = extent, .root = {}, .height_m = {}, .node = {}};
+  PathGrid grid{.extent = extent};
   const double near = std::sqrt(extent.nearest_m), far = std::max(std::sqrt(extent.farthest_m), near + kLeastHeight_m);
   const double low = extent.lowest_m, high = std::max(extent.highest_m, low + kLeastHeight_m);
 

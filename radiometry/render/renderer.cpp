@@ -157,9 +157,8 @@ void require_options(const RenderOptions& options, std::size_t bands) {
 }
 
 bool reflects(const RenderScene& scene) {
-  return has_angles(scene) || std::any_of(scene.finish.begin(), scene.finish.end(), [](const Finish& finish) {
-           return std::any_of(finish.emissivity.value.begin(), finish.emissivity.value.end(),
-                              [](double value) { return value < 1.0; });
+  return has_angles(scene) || std::ranges::any_of(scene.finish, [](const Finish& finish) {
+           return std::ranges::any_of(finish.emissivity.value, [](double value) { return value < 1.0; });
          });
 }
 
@@ -283,7 +282,7 @@ void Renderer::Parts::measure_reflected(const Point& camera) {
 /// Where the sun adds next to nothing, as in the long-wave window, the share of each side in the sun will do.
 bool Renderer::Parts::shadows_matter() const {
   constexpr double kSunlight = 1e-3;
-  return std::any_of(shader.begin(), shader.end(), [](const BandShader& one) { return one.sunlight() > kSunlight; });
+  return std::ranges::any_of(shader, [](const BandShader& one) { return one.sunlight() > kSunlight; });
 }
 
 Renderer::Renderer(const RenderScene& scene, std::vector<RenderBand> bands, RenderOptions options) {

@@ -18,8 +18,7 @@ class Beam {
  public:
   /// `direction`: of any length above 0. Throws mtf::UsageError for another one.
   Beam(const Rays& rays, const Vector& direction);
-  /// Takes at most 16 points, finite and near the scene. Bit i of the result is set where the ray from point i is
-  /// blocked.
+  /// Takes at most 16 points, finite and near the scene. Bit i of the result: the ray from point i is blocked.
   std::uint32_t blocked(std::span<const Point> from) const;
   /// How far above a surface its rays have to start.
   double lift_m() const;

@@ -19,8 +19,7 @@ namespace {
 
 constexpr double kLargestFlux_w_m2 = 1e7;
 
-/// The terms of the absorbed flux of each side: the direct one at each direction of the sun, then diffuse and
-/// long-wave.
+/// The terms of the absorbed flux of each side: the direct one at each direction of the sun, diffuse and long-wave.
 class FluxTerms {
  public:
   static constexpr std::size_t kBlock = 16;
@@ -156,8 +155,7 @@ Cube cube_of(const std::array<double, 3>& summary, double width) {
   return cube;
 }
 
-/// Leaders in cubes one tolerance wide: those within the tolerance of a side are in its own cube or one of the 26
-/// around it.
+/// Leaders in cubes one tolerance wide: those within the tolerance of a side are in its cube or the 26 around it.
 class LeaderGrid {
  public:
   struct Leader {
@@ -200,7 +198,7 @@ using Finish = std::tuple<std::uint32_t, double, double>;
 Classes cubes_as_classes(std::span<const SideFinish> finish, std::span<const std::array<double, 3>> summaries,
                          double width, std::size_t most) {
   std::map<std::pair<Finish, Cube>, std::uint32_t> known;
-  Classes classes{.class_of = {}, .leader = {}, .bound_w_m2 = width};
+  Classes classes{.bound_w_m2 = width};
   for (std::uint32_t i = 0; i < finish.size() && classes.size() <= most; ++i) {
     const Finish of_side{finish[i].key, finish[i].solar_absorptance, finish[i].emissivity};
     const auto [at, fresh] =
@@ -220,7 +218,7 @@ Classes classes_of(const Facets& facets, std::span<const Side> sides, std::span<
   if (!(tolerance_w_m2 >= 0.0) || !std::isfinite(tolerance_w_m2))
     throw mtf::UsageError("classes_of: the tolerance is " + std::to_string(tolerance_w_m2) +
                           " W/m2, it must be 0 or more.");
-  Classes classes{.class_of = std::vector<std::uint32_t>(sides.size()), .leader = {}};
+  Classes classes{.class_of = std::vector<std::uint32_t>(sides.size())};
   if (tolerance_w_m2 == 0.0) {
     for (std::uint32_t i = 0; i < sides.size(); ++i) {
       classes.class_of[i] = i;

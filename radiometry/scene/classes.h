@@ -44,9 +44,9 @@ struct SideFinish {
 };
 
 struct Classes {
-  std::vector<std::uint32_t> class_of;  ///< of each side
-  std::vector<std::uint32_t> leader;    ///< of each class: an index into the sides; the one to solve
-  double bound_w_m2 = 0.0;              ///< largest difference of absorbed flux between a side and its leader
+  std::vector<std::uint32_t> class_of{};  ///< of each side
+  std::vector<std::uint32_t> leader{};    ///< of each class: an index into the sides; the one to solve
+  double bound_w_m2 = 0.0;                ///< largest difference of absorbed flux between a side and its leader
 
   std::size_t size() const { return leader.size(); }
 };

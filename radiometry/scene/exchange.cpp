@@ -6,7 +6,6 @@
 #include <numeric>
 #include <string>
 #include <utility>
-#include <vector>
 
 #include "mtf/error.h"
 
@@ -61,7 +60,7 @@ struct Pair {
 
 /// Exchange areas between patches, m^2.
 struct ExchangeAreas {
-  std::vector<Pair> pairs;      // rows, then columns, rising
+  std::vector<Pair> pairs{};    // rows, then columns, rising
   std::vector<double> leaving;  // A_i l_i
   std::vector<double> area;
   std::vector<double> ray_area;  // a_i
@@ -70,7 +69,7 @@ struct ExchangeAreas {
 ExchangeAreas sampled_areas(const Views& views, std::span<const double> receiver_area,
                             std::span<const std::uint32_t> patch_of, std::size_t patches) {
   const std::vector<double> zero(patches, 0.0);
-  ExchangeAreas areas{.pairs = {}, .leaving = zero, .area = zero, .ray_area = zero};
+  ExchangeAreas areas{.leaving = zero, .area = zero, .ray_area = zero};
   std::vector<Pair> parts;
   parts.reserve(views.patches.value.size());
   for (std::size_t i = 0; i < patch_of.size(); ++i) {
@@ -170,7 +169,7 @@ double close(ExchangeAreas& areas) {
 
 SparseRows factors_of(const ExchangeAreas& areas) {
   const std::size_t n = areas.area.size();
-  SparseRows factors{.first = std::vector<std::uint64_t>(n + 1, 0), .column = {}, .value = {}};
+  SparseRows factors{.first = std::vector<std::uint64_t>(n + 1, 0)};
   for (const Pair& pair : areas.pairs) {
     ++factors.first[pair.row + 1];
     if (pair.row != pair.column) ++factors.first[pair.column + 1];

@@ -53,8 +53,8 @@ Exchange exchange_of(const Views& views, std::span<const double> receiver_area_m
                      std::span<const std::uint32_t> patch_of, std::size_t patches);
 
 struct Radiosity {
-  std::vector<double> irradiance_w_m2;  ///< H
-  std::vector<double> radiosity_w_m2;   ///< J
+  std::vector<double> irradiance_w_m2;   ///< H
+  std::vector<double> radiosity_w_m2{};  ///< J
   int iterations = 0;
 };
 

@@ -73,8 +73,7 @@ void append_mesh(Facets& facets, const PlacedMesh& placed, std::uint32_t mesh, M
     const PolygonPlane plane = plane_of(facets.vertices, corners);
     triangles.clear();
     append_triangles(facets.vertices, corners, plane.normal, triangles);
-    Facet facet{.centre = {},
-                .normal = plane.normal,
+    Facet facet{.normal = plane.normal,
                 .area_m2 = 0.0,
                 .mesh = mesh,
                 .face = repaired.source[f],

@@ -48,7 +48,7 @@ struct PlacedMesh {
 };
 
 struct Facet {
-  Point centre;  ///< of area
+  Point centre{};  ///< of area
   Vector normal;
   double area_m2 = 0.0;
   std::uint32_t mesh = 0;      ///< index of the PlacedMesh

@@ -143,7 +143,7 @@ Radiosity radiosity(const Exchange& exchange, std::span<const double> emitted, s
   check_sizes(n * columns, {emitted.size(), from_outside.size()}, "patches");
   check_reflectance(reflectance, "patch");
 
-  Radiosity result{.irradiance_w_m2 = std::vector<double>(n * columns), .radiosity_w_m2 = {}, .iterations = 0};
+  Radiosity result{.irradiance_w_m2 = std::vector<double>(n * columns), .iterations = 0};
   Columns system(exchange, reflectance, columns);
   std::vector<double> z(n * columns);  // rho H = to_flux z
   times(exchange.factors, columns, emitted, z);

@@ -48,8 +48,7 @@ class Rays {
   /// The first facet that the ray meets.
   Hit first_hit(const Ray& ray) const;
   /// The same for many rays, in packets of 16: several times faster when neighbours in the list are neighbours in
-  /// space, as the rays of a camera are. `hits` is as long as `rays`. `threads` 0: all cores; the hits do not depend on
-  /// it.
+  /// space, as the rays of a camera are. `hits` is as long as `rays`. `threads` 0: all cores; the hits are the same.
   void first_hits(std::span<const Ray> rays, std::span<Hit> hits, int threads = 0) const;
 
   const EmbreeScene& embree() const { return *embree_; }  ///< for the sources of this library

@@ -43,7 +43,7 @@ struct HiddenRay {
 /// The rays of one receiver: how many went to each zone, and those that ended on facets.
 struct Sample {
   std::vector<int> sent;
-  std::vector<HiddenRay> hidden;
+  std::vector<HiddenRay> hidden{};
 };
 
 /// The patch that a ray from a side sees when it ends on a triangle: see views.h for insides.
@@ -67,7 +67,7 @@ Sample sample(const Rays& rays, std::span<const Side> sides, std::uint64_t recei
   const EmbreeScene& embree = rays.embree();
   const ReceiverSurface surface(rays.facets(), sides, embree.lift_m());
   const SpreadNumbers<4> numbers(receiver, options.seed);
-  Sample sample{.sent = std::vector<int>(static_cast<std::size_t>(rings.rings()) + 1, 0), .hidden = {}};
+  Sample sample{.sent = std::vector<int>(static_cast<std::size_t>(rings.rings()) + 1, 0)};
   sample.hidden.reserve(static_cast<std::size_t>(count));
   for (int i = 0; i < count; ++i) {
     const auto [u, v, p, q] = numbers(static_cast<std::uint64_t>(i));
@@ -118,7 +118,7 @@ void post_stratify(Sample& sample, std::span<double> zones, std::vector<PatchSha
     zones[z] *= static_cast<double>(sample.sent[from] - hidden[from]) / sample.sent[from];
   }
 
-  std::sort(sample.hidden.begin(), sample.hidden.end(), [](const HiddenRay& a, const HiddenRay& b) {
+  std::ranges::sort(sample.hidden, [](const HiddenRay& a, const HiddenRay& b) {
     return a.patch != b.patch ? a.patch < b.patch : a.zone < b.zone;
   });
   const std::size_t before = row.size();
@@ -143,6 +143,27 @@ SparseRows joined(std::vector<std::vector<PatchShare>>& chunks, const std::vecto
     chunk = {};
   }
   return rows;
+}
+
+void check(const Views& views, std::span<const double> area, std::span<const std::uint32_t> set_of, std::size_t sets,
+           std::span<const std::uint32_t> patch_of, std::size_t patches) {
+  const auto refuse = [](const std::string& what) { throw mtf::UsageError("combined_views: " + what); };
+  if (views.patches.rows() != views.size()) refuse("the views have no shares of patches.");
+  if (area.size() != views.size() || set_of.size() != views.size())
+    refuse("there are " + std::to_string(views.size()) + " receivers, areas of " + std::to_string(area.size()) +
+           " and sets of " + std::to_string(set_of.size()) + ".");
+  if (std::ranges::any_of(set_of, [sets](std::uint32_t s) { return s >= sets; }) ||
+      std::ranges::any_of(patch_of, [patches](std::uint32_t p) { return p >= patches; }))
+    refuse("the number of a set or patch is not below their count.");
+  if (std::ranges::any_of(views.patches.column, [&](std::uint32_t c) { return c >= patch_of.size(); }))
+    refuse("the views name a patch beyond the " + std::to_string(patch_of.size()) + " that are told.");
+}
+
+/// Members of each set, in rising order.
+std::vector<std::vector<std::uint32_t>> members_of(std::span<const std::uint32_t> set_of, std::size_t sets) {
+  std::vector<std::vector<std::uint32_t>> members(sets);
+  for (std::uint32_t i = 0; i < set_of.size(); ++i) members[set_of[i]].push_back(i);
+  return members;
 }
 
 }  // namespace
@@ -173,8 +194,7 @@ Views views(const Rays& rays, const Receivers& receivers, std::span<const std::u
               .sky = std::vector<double>(count * (zones - 1)),
               .ground = std::vector<double>(count),
               .surfaces = std::vector<double>(count),
-              .rays = std::vector<double>(count, options.rays),
-              .patches = {}};
+              .rays = std::vector<double>(count, options.rays)};
   std::copy(options.rays_of.begin(), options.rays_of.end(), views.rays.begin());
   constexpr std::int64_t kChunk = 256;
   std::vector<std::vector<PatchShare>> chunks(count / kChunk + 1);
@@ -187,7 +207,7 @@ Views views(const Rays& rays, const Receivers& receivers, std::span<const std::u
         for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
           double area = 0.0;
           for (const Side& side : receivers[i]) area += facets.facet[side.facet].area_m2;
-          std::fill(seen.begin(), seen.end(), 0.0);
+          std::ranges::fill(seen, 0.0);
           for (const Side& side : receivers[i]) {
             const Facet& facet = facets.facet[side.facet];
             rings.add_shares(side.back ? -facet.normal[2] : facet.normal[2], facet.area_m2 / area, seen);
@@ -231,6 +251,47 @@ std::vector<std::uint32_t> patches_of_sides(const Facets& facets, const Receiver
                             " belongs to a receiver");
   }
   return patch_of;
+}
+
+Views combined_views(const Views& views, std::span<const double> area, std::span<const std::uint32_t> set_of,
+                     std::size_t sets, std::span<const std::uint32_t> patch_of, std::size_t patches) {
+  check(views, area, set_of, sets, patch_of, patches);
+  const auto rings = static_cast<std::size_t>(views.rings);
+  Views combined{.rings = views.rings,
+                 .sky = std::vector<double>(sets * rings, 0.0),
+                 .ground = std::vector<double>(sets, 0.0),
+                 .surfaces = std::vector<double>(sets, 0.0),
+                 .rays = std::vector<double>(sets, 0.0)};
+  std::vector<double> share(patches, 0.0);  // of the set at hand
+  std::vector<std::uint32_t> seen;
+  const std::vector<std::vector<std::uint32_t>> members = members_of(set_of, sets);
+  for (std::size_t set = 0; set < sets; ++set) {
+    double total = 0.0;
+    for (const std::uint32_t i : members[set]) total += area[i];
+    if (!(total > 0.0)) throw mtf::UsageError("combined_views: set " + std::to_string(set) + " has no member.");
+    for (const std::uint32_t i : members[set]) {
+      const double weight = area[i] / total;
+      for (std::size_t r = 0; r < rings; ++r) combined.sky[set * rings + r] += weight * views.sky[i * rings + r];
+      combined.ground[set] += weight * views.ground[i];
+      combined.surfaces[set] += weight * views.surfaces[i];
+      combined.rays[set] += views.rays[i];
+      for (std::uint64_t e = views.patches.first[i]; e < views.patches.first[i + 1]; ++e) {
+        double& sum = share[patch_of[views.patches.column[e]]];
+        if (sum == 0.0) seen.push_back(patch_of[views.patches.column[e]]);
+        sum += weight * views.patches.value[e];
+      }
+    }
+    std::ranges::sort(seen);
+    seen.erase(std::unique(seen.begin(), seen.end()), seen.end());
+    for (const std::uint32_t patch : seen) {
+      combined.patches.column.push_back(patch);
+      combined.patches.value.push_back(share[patch]);
+      share[patch] = 0.0;
+    }
+    seen.clear();
+    combined.patches.first.push_back(combined.patches.column.size());
+  }
+  return combined;
 }
 
 }  // namespace radiometry::scene

@@ -43,8 +43,8 @@ struct ViewOptions {
 /// Rows of a sparse matrix: row i has the entries [first[i], first[i + 1]), columns rising.
 struct SparseRows {
   std::vector<std::uint64_t> first{0};
-  std::vector<std::uint32_t> column;
-  std::vector<double> value;
+  std::vector<std::uint32_t> column{};
+  std::vector<double> value{};
 
   std::size_t rows() const { return first.size() - 1; }
 };
@@ -52,11 +52,11 @@ struct SparseRows {
 /// Row after row, one for each receiver: sky[i * rings + r] + ... + ground[i] + surfaces[i] sum to 1.
 struct Views {
   int rings = 0;
-  std::vector<double> sky;       ///< ring r has zenith angles from 90 deg r / rings to 90 deg (r + 1) / rings
-  std::vector<double> ground;    ///< leaves the scene below the horizon
-  std::vector<double> surfaces;  ///< ends on facets of the scene
-  std::vector<double> rays;      ///< that the row comes from
-  SparseRows patches;            ///< of `surfaces`, by patch; no rows where no patches were asked for
+  std::vector<double> sky{};       ///< ring r has zenith angles from 90 deg r / rings to 90 deg (r + 1) / rings
+  std::vector<double> ground{};    ///< leaves the scene below the horizon
+  std::vector<double> surfaces{};  ///< ends on facets of the scene
+  std::vector<double> rays{};      ///< that the row comes from
+  SparseRows patches{};            ///< of `surfaces`, by patch; no rows where no patches were asked for
 
   std::size_t size() const { return ground.size(); }
   /// Of a receiver, all rings together.

@@ -105,8 +105,7 @@ Grouping group(const Sides& sides, const geometry::Classes& classes, std::size_t
   return g;
 }
 
-/// Puts units of one material together, and those with similar shadows side by side: they share the steps of the
-/// solver.
+/// Puts units of one material together, and those with similar shadows side by side: they share steps.
 void sort_units(Grouping& g, const HeatScene& scene, const geometry::SunVisibility& sun) {
   std::vector<std::uint32_t> order(g.leader.size());
   std::iota(order.begin(), order.end(), 0U);
@@ -179,7 +178,7 @@ void merge_covered(const std::vector<geometry::SideFinish>& finish, const std::v
                    geometry::Classes& classes) {
   std::map<std::uint32_t, std::uint32_t> of_finish;
   std::vector<std::uint32_t> renumbered(classes.size(), geometry::kNone);
-  geometry::Classes merged{.class_of = {}, .leader = {}, .bound_w_m2 = classes.bound_w_m2};
+  geometry::Classes merged{.bound_w_m2 = classes.bound_w_m2};
   for (std::uint32_t i = 0; i < covered.size(); ++i) {
     std::uint32_t& number = covered[i] ? of_finish.try_emplace(finish[i].key, geometry::kNone).first->second
                                        : renumbered[classes.class_of[i]];

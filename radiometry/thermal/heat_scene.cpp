@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "radiometry/thermal/heat_scene.h"
 
-#include <algorithm>
-
 #include "mtf/error.h"
 #include "mtf/words.h"
 #include "mtf/work/stopwatch.h"

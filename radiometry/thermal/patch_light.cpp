@@ -125,6 +125,31 @@ PatchTable make_table(std::size_t patches, std::size_t moments) {
           std::vector<float>(patches * moments, 0.0F)};
 }
 
+/// What each patch gets of the beams of all moments: [patch * moments + moment], W/m2.
+std::vector<double> direct_of_patches(const PatchScene& scene, const std::vector<Beam>& beams) {
+  const Units& units = *scene.units;
+  const geometry::Exchange& exchange = units.exchange;
+  struct Member {
+    std::size_t receiver;
+    const UnitSide* side;
+  };
+  std::vector<std::vector<Member>> members(exchange.patches());
+  for_receivers(units, [&](std::size_t i, const Unit&, const UnitSide& side) {
+    members[exchange.patch_of[i]].push_back({i, &side});
+  });
+  std::vector<double> direct(exchange.patches() * beams.size(), 0.0);
+  mtf::parallel_for(static_cast<std::int64_t>(exchange.patches()), 4, scene.threads,
+                    [&](std::int64_t begin, std::int64_t end) {
+                      for (auto p = static_cast<std::size_t>(begin); p < static_cast<std::size_t>(end); ++p)
+                        for (const Member& member : members[p]) {
+                          const double share = exchange.receiver_area_m2[member.receiver] / exchange.area_m2[p];
+                          for (std::size_t m = 0; m < beams.size(); ++m)
+                            direct[p * beams.size() + m] += share * direct_w_m2(*member.side, units.sun, beams[m]);
+                        }
+                    });
+  return direct;
+}
+
 }  // namespace
 
 void PatchTable::irradiance(const Units& units, std::size_t receiver, std::vector<float>& all) const {
@@ -187,35 +212,6 @@ PatchMeans patch_means(const Units& units) {
   }
   return means;
 }
-
-namespace {
-
-/// What each patch gets of the beams of all moments: [patch * moments + moment], W/m2.
-std::vector<double> direct_of_patches(const PatchScene& scene, const std::vector<Beam>& beams) {
-  const Units& units = *scene.units;
-  const geometry::Exchange& exchange = units.exchange;
-  struct Member {
-    std::size_t receiver;
-    const UnitSide* side;
-  };
-  std::vector<std::vector<Member>> members(exchange.patches());
-  for_receivers(units, [&](std::size_t i, const Unit&, const UnitSide& side) {
-    members[exchange.patch_of[i]].push_back({i, &side});
-  });
-  std::vector<double> direct(exchange.patches() * beams.size(), 0.0);
-  mtf::parallel_for(static_cast<std::int64_t>(exchange.patches()), 4, scene.threads,
-                    [&](std::int64_t begin, std::int64_t end) {
-                      for (auto p = static_cast<std::size_t>(begin); p < static_cast<std::size_t>(end); ++p)
-                        for (const Member& member : members[p]) {
-                          const double share = exchange.receiver_area_m2[member.receiver] / exchange.area_m2[p];
-                          for (std::size_t m = 0; m < beams.size(); ++m)
-                            direct[p * beams.size() + m] += share * direct_w_m2(*member.side, units.sun, beams[m]);
-                        }
-                    });
-  return direct;
-}
-
-}  // namespace
 
 void fill_solar(const PatchScene& scene, PatchLight& light) {
   const Surroundings& s = *scene.surroundings;

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "radiometry/thermal/thermal_scene.h"
 
-#include <algorithm>
 #include <cmath>
 #include <limits>
 

@@ -18,8 +18,7 @@ struct Between {
 
 Between place_of(const std::vector<double>& times, heat::Instant at) {
   const bool before = at.limit == heat::Instant::Limit::before;
-  const auto above = before ? std::lower_bound(times.begin(), times.end(), at.time_s)
-                            : std::upper_bound(times.begin(), times.end(), at.time_s);
+  const auto above = before ? std::ranges::lower_bound(times, at.time_s) : std::ranges::upper_bound(times, at.time_s);
   const auto next = std::clamp<std::ptrdiff_t>(above - times.begin(), 1, static_cast<std::ptrdiff_t>(times.size()) - 1);
   const auto node = static_cast<std::size_t>(next - 1);
   return {node, std::clamp((at.time_s - times[node]) / (times[node + 1] - times[node]), 0.0, 1.0)};

@@ -34,8 +34,7 @@ struct SolarIrradiance {
 };
 
 /// Irradiance with the sun at `zenith_rad`; 0 from 89 deg on, where the air mass formula is no longer good.
-/// `extraterrestrial_w_m2`: normal to the beam outside of the atmosphere, sun.h. Throws UsageError for values that no
-/// air has.
+/// `extraterrestrial_w_m2`: normal to the beam outside of the atmosphere, sun.h. UsageError for values of no air.
 SolarIrradiance clear_sky(const ClearSkyAir& air, double zenith_rad, double extraterrestrial_w_m2);
 
 /// 1 / (cos z + 0.15 (93.885 - z / deg)^-1.25), z below 93 deg; Kasten himself has the exponent 1.253.

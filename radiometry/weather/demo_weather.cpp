@@ -32,7 +32,7 @@ Weather demo_weather(const Place& place, double begin_s, double end_s, double st
   ClearSkyAir air = climate.air;
   air.pressure_pa = standard_pressure_pa(place.altitude_m);
 
-  Weather weather{.source = "demo weather", .stamp = Stamp::instant, .time_s = {}, .values = {}};
+  Weather weather{.source = "demo weather", .stamp = Stamp::instant};
   for (int i = 0; i <= static_cast<int>(steps); ++i) {
     const double t = begin_s + i * step_s;
     const SunPosition sun = sun_position(t, place);

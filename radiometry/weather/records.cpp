@@ -35,16 +35,9 @@ struct Span {
 Span span_of(const std::vector<double>& t, std::size_t i, double step, double most, Stamp stamp) {
   const double before = i > 0 && t[i] - t[i - 1] <= most ? t[i] - t[i - 1] : step;
   const double after = i + 1 < t.size() && t[i + 1] - t[i] <= most ? t[i + 1] - t[i] : step;
-  switch (stamp) {
-    case Stamp::begin:
-      return {t[i], t[i] + after};
-    case Stamp::middle:
-      return {t[i] - 0.5 * before, t[i] + 0.5 * after};
-    case Stamp::end:
-      return {t[i] - before, t[i]};
-    case Stamp::instant:
-      break;
-  }
+  if (stamp == Stamp::begin) return {t[i], t[i] + after};
+  if (stamp == Stamp::middle) return {t[i] - 0.5 * before, t[i] + 0.5 * after};
+  if (stamp == Stamp::end) return {t[i] - before, t[i]};
   return {t[i], t[i]};
 }
 
@@ -82,7 +75,7 @@ MeanSun mean_sun(const Records& records, std::size_t i, const Place& place) {
 Records records_of(const Weather& weather, bool means) {
   constexpr double kMostSteps = 1.5;
   const auto& t = weather.time_s;
-  Records records{.means = means, .step_s = median_step(t), .begin_s = {}, .end_s = {}, .values = {}};
+  Records records{.means = means, .step_s = median_step(t)};
   const double most = kMostSteps * records.step_s;
   const auto add_values = [&](std::size_t i, bool there) {
     for (std::size_t q = 0; q < kQuantities; ++q)

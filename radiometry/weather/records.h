@@ -17,8 +17,8 @@ namespace radiometry::heat {
 struct Records {
   bool means = false;
   double step_s = 0.0;  ///< usual distance of records
-  std::vector<double> begin_s, end_s;
-  std::array<std::vector<double>, kQuantities> values;
+  std::vector<double> begin_s{}, end_s{};
+  std::array<std::vector<double>, kQuantities> values{};
 
   std::size_t size() const { return begin_s.size(); }
   double length_s(std::size_t i) const { return end_s[i] - begin_s[i]; }

@@ -32,15 +32,9 @@ double clear_sky_longwave_w_m2(SkyModel model, double air_temperature_k, double 
     throw mtf::UsageError(
         "clear_sky_longwave: the air temperature has to be above 0 K and the vapour pressure not below 0");
   const double black = kStefanBoltzmann_w_m2_k4 * t * t * t * t;
-  switch (model) {
-    case SkyModel::brunt:
-      return black * (0.52 + 0.065 * std::sqrt(e_hpa));
-    case SkyModel::brutsaert:
-      return black * 1.24 * std::pow(e_hpa / t, 1.0 / 7.0);
-    case SkyModel::swinbank:
-      return 5.31e-13 * std::pow(t, 6);
-  }
-  return 0.0;
+  if (model == SkyModel::brunt) return black * (0.52 + 0.065 * std::sqrt(e_hpa));
+  if (model == SkyModel::brutsaert) return black * 1.24 * std::pow(e_hpa / t, 1.0 / 7.0);
+  return 5.31e-13 * std::pow(t, 6);
 }
 
 double cloud_factor(double cover) {

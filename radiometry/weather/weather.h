@@ -46,10 +46,10 @@ constexpr double to_middle(Stamp stamp) { return stamp == Stamp::begin ? 0.5 : s
 struct Weather {
   std::string source;  ///< file it came from, for messages
   Stamp stamp = Stamp::instant;
-  std::vector<double> time_s;                           ///< UTC (instant.h), strictly rising
-  std::array<std::vector<double>, kQuantities> values;  ///< by WeatherQuantity, as long as time_s; empty: absent
-  std::vector<std::size_t> line{};                      ///< of the source, by record; empty where there are no lines
-  std::array<bool, kQuantities> at_stamp{};             ///< columns that hold at the stamp, whatever it stands for
+  std::vector<double> time_s{};                           ///< UTC (instant.h), strictly rising
+  std::array<std::vector<double>, kQuantities> values{};  ///< by WeatherQuantity, as long as time_s; empty: absent
+  std::vector<std::size_t> line{};                        ///< of the source, by record; empty where there are no lines
+  std::array<bool, kQuantities> at_stamp{};               ///< columns that hold at the stamp, whatever it stands for
 
   bool is_mean(std::size_t quantity) const { return stamp != Stamp::instant && !at_stamp[quantity]; }
   bool has(WeatherQuantity quantity) const { return !values[static_cast<std::size_t>(quantity)].empty(); }

@@ -42,8 +42,8 @@ Spot spot_of(const WeatherSeries& series, double utc_s, Limit limit) {
     throw mtf::UsageError(series.source + ": error: there is no weather at " +
                           (std::isfinite(utc_s) ? instant_text(utc_s) : "a time that is not finite") +
                           "; the records cover " + span_text(t.front(), t.back()));
-  const auto next = limit == Limit::before ? std::lower_bound(t.begin(), t.end(), time - kTolerance_s)
-                                           : std::upper_bound(t.begin(), t.end(), time + kTolerance_s);
+  const auto next = limit == Limit::before ? std::ranges::lower_bound(t, time - kTolerance_s)
+                                           : std::ranges::upper_bound(t, time + kTolerance_s);
   const auto right = static_cast<std::size_t>(
       std::clamp<std::ptrdiff_t>(next - t.begin(), 1, static_cast<std::ptrdiff_t>(t.size()) - 1));
   return {right - 1, right, std::clamp((time - t[right - 1]) / (t[right] - t[right - 1]), 0.0, 1.0)};
@@ -131,8 +131,7 @@ void require(const WeatherSeries& series, const std::vector<WeatherQuantity>& qu
       add("the weather has no " + std::string(quantity_name(quantity)) +
           (is_solar(quantity) ? "; give two of direct_normal, diffuse_horizontal and global_horizontal" : ""));
   for (const WeatherGap& gap : series.gaps)
-    if (std::find(quantities.begin(), quantities.end(), gap.quantity) != quantities.end() &&
-        meets(series, gap, begin_s, end_s))
+    if (std::ranges::find(quantities, gap.quantity) != quantities.end() && meets(series, gap, begin_s, end_s))
       add(std::string(quantity_name(gap.quantity)) + " is missing from " + span_text(gap.begin_s, gap.end_s) +
           ", too long for a straight line; fill the gap or choose another [time]");
   if (!faults.empty()) throw mtf::UsageError(faults);
@@ -149,7 +148,7 @@ std::vector<double> break_times(const WeatherSeries& series, double begin_s, dou
     return std::ranges::any_of(series.value, [&](const auto& v) { return !v.empty() && v[node] != v[next]; });
   };
   const auto add = [&](double shift) {
-    for (auto at = std::upper_bound(t.begin(), t.end(), begin_s - shift); at != t.end() && *at + shift < end_s; ++at)
+    for (auto at = std::ranges::upper_bound(t, begin_s - shift); at != t.end() && *at + shift < end_s; ++at)
       if ((times.empty() || *at + shift > times.back() + kTolerance_s) &&
           (!jumps_alone || jumps(static_cast<std::size_t>(at - t.begin()))))
         times.push_back(*at + shift);

@@ -2,11 +2,8 @@
 #include "radiometry/weather/weather_series.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstddef>
-#include <string>
-#include <vector>
 
 #include "mtf/units.h"
 #include "radiometry/weather/instant.h"

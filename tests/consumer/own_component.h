@@ -17,12 +17,8 @@ struct SubstrateSpread {
   mtf::AxisPair<S> length{};
 
   static constexpr auto fields() {
-    return std::tuple{mtf::Field{mtf::FieldInfo{.name = "length",
-                                                .dimension = mtf::Dimension::extent,
-                                                .hi = 1e6,
-                                                .example = "\"2 um\"",
-                                                .doc = "the 1/e radius of the point spread"},
-                                 &SubstrateSpread::length}};
+    return std::tuple{
+        mtf::required(&SubstrateSpread::length, "length", 0.0, 1e6, "\"2 um\"", "the 1/e radius of the point spread")};
   }
   mtf::Traits traits(const mtf::Context<S>& ctx) const {
     return {.radial = length.isotropic(ctx.frame), .even_x = true, .even_y = true};
@@ -33,10 +29,8 @@ struct SubstrateSpread {
     const S t = S(2.0 * mtf::kPi) * q;
     return {S(1) / pow(S(1) + t * t, S(1.5)), S(0)};
   }
-  double cutoff_cy_mm(const mtf::Context<S>&) const { return mtf::kInfinity; }
   double deviation(double fx, double fy, const mtf::Context<S>& ctx) const {
     const mtf::Complex<S> h = otf({S(fx), S(fy)}, ctx);  // it falls monotonically
     return 1.0 - mtf::value_of(h.re);
   }
-  std::vector<mtf::Problem> check(const mtf::Context<S>&) const { return {}; }
 };

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <limits>
 #include <random>
 
@@ -177,7 +176,7 @@ std::optional<FlatInterval> flat_interval(FitProblem& problem, const FlatPoint& 
   for (int k = point.inside ? -kNodesToASide : 0; k <= kNodesToASide; ++k)
     x.push_back(point.at + point.side * far * k / kNodesToASide);
   for (double& value : x) value = std::clamp(value, v.lo, v.hi);
-  std::sort(x.begin(), x.end());
+  std::ranges::sort(x);
   std::vector<Node> nodes;
   for (const double value : x)
     if (nodes.empty() || value - nodes.back().x > 0.01 * far / kNodesToASide) nodes.push_back({value, INFINITY, {}});
@@ -189,7 +188,7 @@ std::optional<FlatInterval> flat_interval(FitProblem& problem, const FlatPoint& 
   };
   // From the one next to a minimum to either end, each fit beginning where its neighbour ended.
   for (const Mirror& minimum : minima) {
-    const auto nearest = std::min_element(nodes.begin(), nodes.end(), [&](const Node& a, const Node& b) {
+    const auto nearest = std::ranges::min_element(nodes, [&](const Node& a, const Node& b) {
       return std::abs(a.x - minimum.x[i]) < std::abs(b.x - minimum.x[i]);
     });
     go_to(minimum);
@@ -225,7 +224,7 @@ constexpr double kLikeNormal = 0.1;  // of a half interval: to within this the s
 constexpr double kOwnSd = 3.0;       // a first step of the profile, in sd of the parameter with the others fixed
 
 const FlatPoint* flat_of(std::size_t i, std::span<const FlatPoint> flat) {
-  const auto point = std::find_if(flat.begin(), flat.end(), [&](const FlatPoint& f) { return f.parameter == i; });
+  const auto point = std::ranges::find_if(flat, [&](const FlatPoint& f) { return f.parameter == i; });
   return point == flat.end() ? nullptr : &*point;
 }
 
@@ -321,7 +320,7 @@ void forget_correlation(std::size_t i, FitResult& result) {
 /// where the values tried are too far apart for it.
 std::optional<XEnds> split(const FlatInterval& found, const Variable& v, double x, FittedParameter& p) {
   const auto own = [&](const std::vector<IntervalPart>& parts) {
-    return std::find_if(parts.begin(), parts.end(), [&](auto& part) { return part.low <= x && x <= part.high; });
+    return std::ranges::find_if(parts, [&](auto& part) { return part.low <= x && x <= part.high; });
   };
   const auto most = own(found.parts68), all = own(found.parts95);
   if (most == found.parts68.end() || all == found.parts95.end()) return std::nullopt;
@@ -366,7 +365,7 @@ void judge_by_likelihood(FittedParameter& p, const Variable& v, double best, boo
 bool leave_flat_points(FitProblem& problem, Solved& solved, std::span<const FlatPoint> flat, Solution& solution,
                        const MinimiseOptions& options) {
   constexpr double kLower = 0.005;  // half of chi-square: minima within a tenth of a standard deviation are the same
-  if (std::none_of(flat.begin(), flat.end(), [](const FlatPoint& f) { return f.here; })) return false;
+  if (std::ranges::none_of(flat, [](const FlatPoint& f) { return f.here; })) return false;
   const std::vector<double> x = problem.x;
   const std::vector<std::vector<double>> own = problem.own;
   for (const FlatPoint& f : flat) problem.x[f.parameter] = f.off_point(problem.x[f.parameter]);
@@ -446,9 +445,8 @@ void report_intervals(FitProblem& problem, const Solved& solved, std::span<const
   for (const FlatPoint& f : flat)
     if (f.here) forget_correlation(f.parameter, result);
   const auto known = [&](std::size_t i) { return result.parameters[i].knowledge != Knowledge::not_determined; };
-  std::erase_if(result.not_separable, [&](const NullDirection& direction) {
-    return std::all_of(direction.parameters.begin(), direction.parameters.end(), known);
-  });
+  std::erase_if(result.not_separable,
+                [&](const NullDirection& direction) { return std::ranges::all_of(direction.parameters, known); });
 }
 
 }  // namespace calib

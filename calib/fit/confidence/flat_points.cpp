@@ -35,8 +35,7 @@ class InformationAt {
     problem_->x[i_] = x;
     if (!problem_->apply()) return std::nan("");
     const std::vector<Eigen::MatrixXd> normals = problem_->normals();
-    if (!std::all_of(normals.begin(), normals.end(), [](const auto& one) { return one.allFinite(); }))
-      return std::nan("");
+    if (!std::ranges::all_of(normals, [](const auto& one) { return one.allFinite(); })) return std::nan("");
     return left_of(
         information_of(*problem_, normals, problem_->score_covariances(noise_of(solved_->tests)), solved_->noise_factor)
             .matrix);
@@ -152,7 +151,7 @@ void set_apart(Solved& solved, std::span<const FlatPoint> flat) {
     }
   }
   const auto here = [](const FlatPoint& f) { return f.here; };
-  if (std::any_of(flat.begin(), flat.end(), here)) identify(solved);
+  if (std::ranges::any_of(flat, here)) identify(solved);
 }
 
 }  // namespace calib

@@ -58,7 +58,6 @@ Identified identify(const Eigen::MatrixXd& information, std::span<const double> 
   const Eigen::MatrixXd moves = eigen.vectors * step.asDiagonal();
 
   Identified result{.covariance = scale.asDiagonal() * (moves * moves.transpose()) * scale.asDiagonal(),
-                    .weak = {},
                     .determined = std::vector<bool>(static_cast<std::size_t>(n), true)};
   for (Eigen::Index d = 0; d < n; ++d) {
     if (moves.col(d).cwiseAbs().maxCoeff() <= kUndetermined) continue;

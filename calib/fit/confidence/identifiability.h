@@ -25,7 +25,7 @@ struct WeakDirection {
 
 struct Identified {
   Eigen::MatrixXd covariance;  ///< covariance of x; along weak directions it is as large as the data leave it
-  std::vector<WeakDirection> weak;
+  std::vector<WeakDirection> weak{};
   std::vector<bool> determined;
 };
 

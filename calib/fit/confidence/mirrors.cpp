@@ -98,8 +98,8 @@ std::vector<Change> changes(FitProblem& problem, const Solved& solved) {
   std::vector<Change> all = single_changes(problem, solved);
   const std::size_t single = all.size();
   const auto of_others = [](const Change& a, const Change& b) {
-    return std::none_of(a.begin(), a.end(), [&](const auto& one) {
-      return std::any_of(b.begin(), b.end(), [&](const auto& other) { return one.first == other.first; });
+    return std::ranges::none_of(a, [&](const auto& one) {
+      return std::ranges::any_of(b, [&](const auto& other) { return one.first == other.first; });
     });
   };
   for (std::size_t i = 0; i < single; ++i)
@@ -141,7 +141,7 @@ std::vector<std::vector<double>> places_to_try(FitProblem& problem, const Solved
     if (!allowed || !differs(problem, sd, x, problem.x) || !problem.apply()) continue;
     if (const double chi2 = promised_chi2(problem); std::isfinite(chi2)) promises.emplace_back(chi2, problem.x);
   }
-  std::stable_sort(promises.begin(), promises.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  std::ranges::stable_sort(promises, [](const auto& a, const auto& b) { return a.first < b.first; });
   promises.resize(std::min(kFollowed, promises.size()));
   const auto minimum_from = [&](const std::vector<double>& start) {
     problem.x = start;
@@ -180,8 +180,7 @@ void add_opposites(const FitProblem& problem, std::span<const double> sd, const 
     return true;
   };
   const auto find = [&](const Mirror& one) {
-    return std::find_if(found.begin(), found.end(),
-                        [&](const Mirror& other) { return !differs(problem, sd, other.x, one.x); });
+    return std::ranges::find_if(found, [&](const Mirror& other) { return !differs(problem, sd, other.x, one.x); });
   };
   const auto turned = find(opposite(best));
   if (turned == found.end() || turned->rise > kSame_chi2) return;
@@ -248,8 +247,8 @@ std::vector<Mirror> mirrored_minima(FitProblem& problem, Solved& solved, Solutio
         break;
       }
       const double rise = 2.0 * std::max(0.0, there.cost - solution.cost) / noise_factor_of(problem, solved);
-      const bool known = std::any_of(found.begin(), found.end(),
-                                     [&](const Mirror& other) { return !differs(problem, sd, other.x, problem.x); });
+      const bool known =
+          std::ranges::any_of(found, [&](const Mirror& other) { return !differs(problem, sd, other.x, problem.x); });
       if (rise < kToldApart_chi2 && !known) found.push_back({problem.x, problem.own, rise});
     }
     if (left) continue;
@@ -257,7 +256,7 @@ std::vector<Mirror> mirrored_minima(FitProblem& problem, Solved& solved, Solutio
     problem.own = own;
     problem.apply();
     add_opposites(problem, sd, {x, own, 0.0}, found);
-    std::stable_sort(found.begin(), found.end(), [](const Mirror& a, const Mirror& b) { return a.rise < b.rise; });
+    std::ranges::stable_sort(found, [](const Mirror& a, const Mirror& b) { return a.rise < b.rise; });
     return found;
   }
   return {};
@@ -274,7 +273,7 @@ void report_mirrors(FitProblem& problem, const Solved& solved, std::span<const M
       return interval && other.value >= (*interval)[0] && other.value <= (*interval)[1];
     };
     // Of an interval about a flat point all parts are there already.
-    const bool whole = std::any_of(flat.begin(), flat.end(), [&](const FlatPoint& f) { return f.parameter == i; });
+    const bool whole = std::ranges::any_of(flat, [&](const FlatPoint& f) { return f.parameter == i; });
     if (within(p.interval95)) {
       if (!whole) extend_intervals(p, other, problem.variables[i]);
       return false;
@@ -313,7 +312,7 @@ void report_mirrors(FitProblem& problem, const Solved& solved, std::span<const M
     const std::vector<Eigen::MatrixXd> normals = problem.normals();
     const Identified there =
         identify(information_of(problem, normals, solved.scores, solved.noise_factor).matrix, solved.reference);
-    Alternative one{.parameters = {}, .values = {}, .chi2_rise = mirror.rise, .text = {}};
+    Alternative one{.chi2_rise = mirror.rise};
     for (std::size_t i = 0; i < x.size(); ++i) {
       const Variable& v = problem.variables[i];
       if (!(std::abs(difference(v, mirror.x[i], x[i])) > kDiffers_sd * sd[i])) continue;
@@ -343,7 +342,7 @@ void report_mirrors(FitProblem& problem, const Solved& solved, std::span<const M
     if (!v.squared || p.value == 0.0 || std::abs(p.value) > v.other_side) continue;
     OtherValue there{.value = other, .stderr_value = p.stderr_value, .interval95 = p.interval95};
     if (there.interval95) there.interval95 = {-(*p.interval95)[1], -(*p.interval95)[0]};
-    if (add(i, there)) tell({.parameters = {i}, .values = {other}, .chi2_rise = 0.0, .text = {}});
+    if (add(i, there)) tell({.parameters = {i}, .values = {other}, .chi2_rise = 0.0});
   }
 }
 

@@ -61,8 +61,7 @@ Unknown with(std::vector<System<double>> conditions, const char* name, const mtf
 /// The pupil with a defocus; its number of the list stays.
 std::optional<Unknown> with_defocus(std::vector<System<double>> conditions) {
   const Entries& entries = presample(conditions.front());
-  const auto pupil =
-      std::find_if(entries.begin(), entries.end(), [](auto& entry) { return entry.component.is_pupil(); });
+  const auto pupil = std::ranges::find_if(entries, [](auto& entry) { return entry.component.is_pupil(); });
   if (pupil == entries.end()) return std::nullopt;
   const auto place = static_cast<std::size_t>(pupil - entries.begin());
   const bool seidel = pupil->component.kind() == mtf::Wavefront<double>::kind;
@@ -151,8 +150,8 @@ std::string told(const FittedParameter& p) {
 
 /// Where a richer model is better than chance allows.
 void judge(FitResult& result) {
-  const auto best = std::min_element(result.richer_models.begin(), result.richer_models.end(),
-                                     [](const RicherModel& a, const RicherModel& b) { return a.p < b.p; });
+  const auto best = std::ranges::min_element(result.richer_models,
+                                             [](const RicherModel& a, const RicherModel& b) { return a.p < b.p; });
   if (best == result.richer_models.end()) return;
   const double p = best->p * static_cast<double>(result.richer_models.size());
   if (p >= kWrongModel_p) return;
@@ -183,7 +182,7 @@ void add_richer_models(const FitData& data, std::span<const FitParameter> parame
   for (Unknown& unknown : unknowns(data, conditions, parameters)) {
     // As of an obscuration that the pupil of a defocus does not allow.
     const auto faulty = [](const System<double>& system) { return !system.errors().empty(); };
-    if (std::any_of(unknown.conditions.begin(), unknown.conditions.end(), faulty)) continue;
+    if (std::ranges::any_of(unknown.conditions, faulty)) continue;
     FitData richer = data;
     richer.conditions = std::move(unknown.conditions);
     std::vector<FitParameter> all(parameters.begin(), parameters.end());

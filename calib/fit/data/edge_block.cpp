@@ -11,7 +11,6 @@
 
 #include "calib/edge/distance_bins.h"
 #include "calib/edge/edge_pixels.h"
-#include "calib/fit/data/data_block.h"
 #include "calib/fit/data/pixel_scores.h"
 #include "calib/measure/edge_facts.h"
 

@@ -69,9 +69,8 @@ void report_data(const FitData& data, std::span<const std::optional<std::size_t>
     if (const double ratio = tested.left_out.sum(); ratio > 1.0)
       result.warnings.push_back(
           out.name +
-          ": residuals are correlated between neighbouring pixels, but too small against rounding "
-          "or the noise that is assumed to tell what noise they share; the errors given are those "
-          "of independent pixels, and may be up to " +
+          ": residuals are correlated between neighbouring pixels, but too small against rounding or the noise that is "
+          "assumed to tell what noise they share; the errors given are those of independent pixels, and may be up to " +
           rounded(std::sqrt(ratio)) + " times too small");
     out.count = tested.count;
     const double scale = std::visit([](const auto& block) { return block.noise_scale(); }, problem.blocks[b]);

@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "calib/measure/correction/edge_response.h"
 
-#include <algorithm>
-#include <cmath>
-
 #include "mtf/math/special.h"
 
 namespace calib {

@@ -39,22 +39,15 @@ Taps<double> rows_of(std::string_view name, std::string_view text) {
 double draw_number(const FieldInfo& info, double example, Origin from, Random& random) {
   const double lo = info.lo_open ? std::nextafter(info.lo, info.hi) : info.lo;
   const double hi = info.hi_open ? std::nextafter(info.hi, info.lo) : info.hi;
-  switch (from) {
-    case Origin::example:
-      return example;
-    case Origin::near_example: {
-      const double size = std::min(1.0, std::abs(example));
-      const double near_lo = info.lo + 0.02 * size, near_hi = info.hi - 0.1 * size;
-      const double value = example * random.uniform(0.35, 2.9);
-      return near_lo <= near_hi ? std::clamp(value, near_lo, near_hi) : std::clamp(value, lo, hi);
-    }
-    case Origin::lower_bound:
-      return lo;
-    case Origin::upper_bound:
-      return hi;
-    case Origin::whole_range:
-      break;
+  if (from == Origin::example) return example;
+  if (from == Origin::near_example) {
+    const double size = std::min(1.0, std::abs(example));
+    const double near_lo = info.lo + 0.02 * size, near_hi = info.hi - 0.1 * size;
+    const double value = example * random.uniform(0.35, 2.9);
+    return near_lo <= near_hi ? std::clamp(value, near_lo, near_hi) : std::clamp(value, lo, hi);
   }
+  if (from == Origin::lower_bound) return lo;
+  if (from == Origin::upper_bound) return hi;
   const int which = random.below(6);
   if (which == 0) return lo;
   if (which == 1) return hi;
@@ -189,13 +182,12 @@ std::vector<std::uint64_t> field_subsets(std::span<const FieldRef<double>> field
           const std::uint64_t set = required | others[i] | others[j] | others[k];
           if (std::popcount(set ^ required) != size) continue;
           const auto inside = [&](std::uint64_t known) { return (known & set) == known; };
-          if (std::none_of(smallest.begin(), smallest.end(), inside) && accepted({"", set, Origin::example}))
-            smallest.push_back(set);
+          if (std::ranges::none_of(smallest, inside) && accepted({"", set, Origin::example})) smallest.push_back(set);
         }
   for (const std::uint64_t set : smallest)
     for (std::size_t i = 0; i < others.size(); ++i)
       for (std::size_t j = 0; j <= i; ++j) subsets.push_back(set | others[i] | others[j]);
-  std::sort(subsets.begin(), subsets.end());
+  std::ranges::sort(subsets);
   subsets.erase(std::unique(subsets.begin(), subsets.end()), subsets.end());
   return subsets;
 }

@@ -21,8 +21,7 @@ struct Outcome {
   double allowed = 0.0;  ///< there
   bool ok() const { return failed == 0; }
 
-  /// Makes one comparison, which a NaN fails. `place` is a function that gives `where`; it is called for failures
-  /// alone.
+  /// Makes one comparison, which a NaN fails. `place` is a function that gives `where`; called for failures.
   void at_most(double value, double limit, const auto& place) {
     ++compared;
     if (value <= limit) return;

@@ -105,7 +105,7 @@ void declared_symmetry_is_true(const Subject<S, C>& s, Outcome& outcome) {
 /// A finite cutoff is where the OTF ends: it is zero from there on and not much below.
 template <class S, class C>
 void cutoff_is_true_and_tight(const Subject<S, C>& s, Outcome& outcome) {
-  const double cutoff = s.component.cutoff_cy_mm(s.ctx);
+  const double cutoff = mtf::detail::cutoff_of(s.component, s.ctx);
   outcome.holds(cutoff > 0.0, [&] { return s.name + ": the cutoff is not positive"; });
   if (!(cutoff > 0.0 && std::isfinite(cutoff))) return;
   const bool pupil = is_pupil(s.component), all_round = s.traits().radial;

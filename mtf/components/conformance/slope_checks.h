@@ -219,7 +219,7 @@ void gradient_at_zero_frequency(const Pair<Jet, Double, Jets>& pair, Outcome& ou
 
 template <class Jet, class Double, class Jets>
 void gradient_at_and_beyond_the_cutoff(const Pair<Jet, Double, Jets>& pair, Outcome& outcome) {
-  const double cutoff = pair.plain.component.cutoff_cy_mm(pair.plain.ctx);
+  const double cutoff = mtf::detail::cutoff_of(pair.plain.component, pair.plain.ctx);
   if (!std::isfinite(cutoff)) return;
   const std::vector<std::string> names = parameter_names(pair.plain);
   for (std::size_t i = 0; i < names.size(); ++i) {

@@ -45,8 +45,7 @@ std::vector<FieldRef<S>> fields_of(C& component) {
     return mtf::detail::field_refs<C, S>(component);
 }
 
-/// What Component::check finds: values outside the bounds of their fields or, without any, what the component's own
-/// check() says.
+/// What Component::check finds: values outside the bounds of their fields or, without any, what its own check() says.
 template <class S, class C>
 std::vector<Problem> problems_of(const C& component, const Context<S>& ctx) {
   if constexpr (std::is_same_v<C, Component<S>>) {
@@ -54,7 +53,7 @@ std::vector<Problem> problems_of(const C& component, const Context<S>& ctx) {
   } else {
     C copy = component;
     const std::vector<Problem> problems = mtf::detail::check_fields(fields_of<S>(copy), ctx);
-    return problems.empty() ? component.check(ctx) : problems;
+    return problems.empty() ? mtf::detail::own_check(component, ctx) : problems;
   }
 }
 

@@ -59,30 +59,6 @@ PupilPolynomial zernike(int n, int m, bool sine) {
   return product(radial, angular);
 }
 
-}  // namespace
-
-void PupilPolynomial::add(const PupilPolynomial& other, double factor) {
-  if (factor == 0.0) return;
-  degree = std::max(degree, other.degree);
-  each_term(other.degree, [&](int i, int j) { at(*this, i, j) += factor * at(other, i, j); });
-}
-
-double PupilPolynomial::operator()(double x, double y) const {
-  double sum = 0.0;
-  for (int i = degree; i >= 0; --i) {
-    double row = 0.0;
-    for (int j = degree - i; j >= 0; --j) row = row * y + at(*this, i, j);
-    sum = sum * x + row;
-  }
-  return sum;
-}
-
-int zernike_count(ZernikeNumbering numbering) {
-  return numbering == ZernikeNumbering::fringe ? 37 : (kMax + 1) * (kMax + 2) / 2;
-}
-
-namespace {
-
 PupilPolynomial make_zernike(ZernikeNumbering numbering, int number) {
   if (numbering == ZernikeNumbering::fringe) {
     if (number == 37) return zernike(12, 0, false);
@@ -106,7 +82,39 @@ std::vector<PupilPolynomial> make_all(ZernikeNumbering numbering) {
   return all;
 }
 
+// Taylor shift by +-h: the terms of odd (over 2h) or even order.
+PupilPolynomial shifted(const PupilPolynomial& p, double h, bool odd) {
+  PupilPolynomial result{odd ? std::max(p.degree - 1, 0) : p.degree, {}};
+  each_term(p.degree, [&](int i, int j) {
+    if (at(p, i, j) == 0.0) return;
+    double power = 1.0;
+    for (int order = odd ? 1 : 0; order <= i; order += 2, power *= h * h)
+      at(result, i - order, j) += at(p, i, j) * binomial(i, order) * power;
+  });
+  return result;
+}
+
 }  // namespace
+
+void PupilPolynomial::add(const PupilPolynomial& other, double factor) {
+  if (factor == 0.0) return;
+  degree = std::max(degree, other.degree);
+  each_term(other.degree, [&](int i, int j) { at(*this, i, j) += factor * at(other, i, j); });
+}
+
+double PupilPolynomial::operator()(double x, double y) const {
+  double sum = 0.0;
+  for (int i = degree; i >= 0; --i) {
+    double row = 0.0;
+    for (int j = degree - i; j >= 0; --j) row = row * y + at(*this, i, j);
+    sum = sum * x + row;
+  }
+  return sum;
+}
+
+int zernike_count(ZernikeNumbering numbering) {
+  return numbering == ZernikeNumbering::fringe ? 37 : (kMax + 1) * (kMax + 2) / 2;
+}
 
 const PupilPolynomial& zernike_polynomial(ZernikeNumbering numbering, int number) {
   assert(number >= 1 && number <= zernike_count(numbering));
@@ -117,19 +125,10 @@ const PupilPolynomial& zernike_polynomial(ZernikeNumbering numbering, int number
 PupilPolynomial seidel_polynomial(SeidelTerm term) {
   PupilPolynomial square{2, {}};
   at(square, 2, 0) = at(square, 0, 2) = 1.0;
-  switch (term) {
-    case SeidelTerm::w020:
-      return square;
-    case SeidelTerm::w040:
-      return product(square, square);
-    case SeidelTerm::w131:
-      return product(square, monomial(1, 0));
-    case SeidelTerm::w222:
-      return monomial(2, 0);
-    case SeidelTerm::w311:
-      break;
-  }
-  return monomial(1, 0);
+  if (term == SeidelTerm::w020) return square;
+  if (term == SeidelTerm::w040) return product(square, square);
+  if (term == SeidelTerm::w131) return product(square, monomial(1, 0));
+  return monomial(term == SeidelTerm::w222 ? 2 : 1, 0);
 }
 
 PupilPolynomial rotated(const PupilPolynomial& p, double cosine, double sine) {
@@ -155,22 +154,6 @@ PupilPolynomial rotated(const PupilPolynomial& p, double cosine, double sine) {
   });
   return result;
 }
-
-namespace {
-
-// Taylor shift by +-h: the terms of odd (over 2h) or even order.
-PupilPolynomial shifted(const PupilPolynomial& p, double h, bool odd) {
-  PupilPolynomial result{odd ? std::max(p.degree - 1, 0) : p.degree, {}};
-  each_term(p.degree, [&](int i, int j) {
-    if (at(p, i, j) == 0.0) return;
-    double power = 1.0;
-    for (int order = odd ? 1 : 0; order <= i; order += 2, power *= h * h)
-      at(result, i - order, j) += at(p, i, j) * binomial(i, order) * power;
-  });
-  return result;
-}
-
-}  // namespace
 
 PupilPolynomial difference_quotient(const PupilPolynomial& p, double h) { return shifted(p, h, true); }
 PupilPolynomial shifted_mean(const PupilPolynomial& p, double h) { return shifted(p, h, false); }

@@ -18,8 +18,7 @@
 
 namespace mtf {
 
-/// Whether a length has no prime factor above 13. FFTW takes the others by sums and convolutions, whose rounding is
-/// larger.
+/// Whether a length has no prime factor above 13. FFTW takes others by sums and convolutions, which round more.
 bool in_small_steps(std::int64_t n);
 
 template <class S>

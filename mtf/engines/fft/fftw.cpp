@@ -9,7 +9,6 @@
 #include <mutex>
 
 #include "mtf/error.h"
-#include "mtf/image.h"
 
 namespace mtf::fft {
 namespace {

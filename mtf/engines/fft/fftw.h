@@ -54,8 +54,7 @@ class ComplexDouble {
   std::shared_ptr<void> plan_;
 };
 
-/// Real two-dimensional transform and back, float, one thread, on memory of its own: the floor that benchmarks compare
-/// with.
+/// Real two-dimensional transform and back, float, one thread, on memory of its own: the floor of benchmarks.
 class RealPair2d {
  public:
   enum class Place { out, in };

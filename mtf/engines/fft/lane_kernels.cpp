@@ -176,14 +176,11 @@ struct LanesToLines {
 template <class S, Source source>
 void scatter_add_with(Factor factor, std::span<const FoldTerm<S>> terms, const S* from, const S* otf, S* target) {
   const auto count = static_cast<std::int64_t>(terms.size());
-  switch (factor) {
-    case Factor::none:
-      return simd::run<ScatterAdd<S, source, Factor::none>>(terms.data(), count, from, otf, target);
-    case Factor::real:
-      return simd::run<ScatterAdd<S, source, Factor::real>>(terms.data(), count, from, otf, target);
-    case Factor::complex:
-      return simd::run<ScatterAdd<S, source, Factor::complex>>(terms.data(), count, from, otf, target);
-  }
+  if (factor == Factor::none)
+    return simd::run<ScatterAdd<S, source, Factor::none>>(terms.data(), count, from, otf, target);
+  if (factor == Factor::real)
+    return simd::run<ScatterAdd<S, source, Factor::real>>(terms.data(), count, from, otf, target);
+  simd::run<ScatterAdd<S, source, Factor::complex>>(terms.data(), count, from, otf, target);
 }
 
 }  // namespace
@@ -191,14 +188,9 @@ void scatter_add_with(Factor factor, std::span<const FoldTerm<S>> terms, const S
 template <class S>
 void scatter_add(Source source, Factor factor, std::span<const FoldTerm<S>> terms, const S* from, const S* otf,
                  S* target) {
-  switch (source) {
-    case Source::plain:
-      return scatter_add_with<S, Source::plain>(factor, terms, from, otf, target);
-    case Source::cosine:
-      return scatter_add_with<S, Source::cosine>(factor, terms, from, otf, target);
-    case Source::pairs:
-      return scatter_add_with<S, Source::pairs>(factor, terms, from, otf, target);
-  }
+  if (source == Source::plain) return scatter_add_with<S, Source::plain>(factor, terms, from, otf, target);
+  if (source == Source::cosine) return scatter_add_with<S, Source::cosine>(factor, terms, from, otf, target);
+  scatter_add_with<S, Source::pairs>(factor, terms, from, otf, target);
 }
 
 template <class S>

@@ -59,8 +59,7 @@ void multiply_rows(S* data, const S* factors, std::int64_t rows);
 template <class S>
 void transpose(const S* from, std::int64_t from_stride, S* to, std::int64_t to_stride);
 
-/// kRow lines of `count` numbers become lanes: number j of line l is number l of row j. Lines are padded to whole
-/// kLanes.
+/// kRow lines of `count` numbers become lanes: number j of line l is number l of row j. Lines fill whole kLanes.
 template <class S>
 void lines_to_lanes(const S* lines, std::int64_t stride, std::int64_t count, S* data);
 /// The inverse: number j of line l is number l of row rows[j].

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// What the two engines of taps.h share: the rows of scene samples that a tile of the output needs, and weighted sums of
-// rows.
+// What the two engines of taps.h share: rows of scene samples that a tile of the output needs, weighted sums of rows.
 
 #include <algorithm>
 #include <cstdint>

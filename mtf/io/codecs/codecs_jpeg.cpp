@@ -8,8 +8,7 @@
 
 namespace mtf::io::module {
 
-// The luminance plane as it is stored. Of damaged data libjpeg makes some image, with a warning: here the first warning
-// is an error.
+// The luminance plane as it is stored. Of damaged data libjpeg makes some image, with a warning: here that is an error.
 std::vector<Image> decode_jpeg(const std::string& path, const RasterHeader& header) {
   std::vector<unsigned char> file;
   require_same(scan_jpeg(path, &file), header, path, "JPEG");

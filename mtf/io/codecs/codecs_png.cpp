@@ -3,7 +3,6 @@
 #include <zlib.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <csetjmp>
 #include <cstdlib>
 #include <cstring>

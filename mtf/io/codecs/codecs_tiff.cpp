@@ -475,8 +475,7 @@ RasterHeader tiff_header(const std::string& path, std::int64_t file_bytes) {
   return header;
 }
 
-// Strips lie as tiles of the width of the image. A piece that cannot be decoded is an error: some decoders would fill
-// in zeros.
+// Strips lie as tiles of the width of the image. A piece that cannot be decoded is an error: some would fill in zeros.
 std::vector<Image> decode_tiff(const std::string& path, const RasterHeader& header) {
   silence_tiff();
   const TiffHandle handle(TIFFOpen(path.c_str(), "rm"));

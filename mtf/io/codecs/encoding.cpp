@@ -27,7 +27,7 @@ double power(double v, double exponent) { return std::copysign(std::pow(std::abs
 /// y at `at` by straight lines through points of rising x; NaN outside.
 double between(const std::vector<double>& x, const std::vector<double>& y, double at) {
   if (!(at >= x.front() && at <= x.back())) return std::numeric_limits<double>::quiet_NaN();
-  const auto next = std::upper_bound(x.begin(), x.end(), at);
+  const auto next = std::ranges::upper_bound(x, at);
   if (next == x.end()) return y.back();
   const auto i = static_cast<std::size_t>(next - x.begin());
   return std::lerp(y[i - 1], y[i], (at - x[i - 1]) / (x[i] - x[i - 1]));
@@ -35,20 +35,12 @@ double between(const std::vector<double>& x, const std::vector<double>& y, doubl
 
 /// A stored value that decodes to `linear`: the end of a constant part where there is one, the nearest end outside.
 double encode(const Encoding& encoding, double linear, double full_scale) {
-  switch (encoding.kind) {
-    case Encoding::Kind::linear:
-      return linear;
-    case Encoding::Kind::srgb:
-      return full_scale * linear_to_srgb(linear / full_scale);
-    case Encoding::Kind::gamma:
-      return full_scale * power(linear / full_scale, 1.0 / encoding.gamma);
-    case Encoding::Kind::table:
-      break;
-  }
+  if (encoding.kind == Encoding::Kind::linear) return linear;
+  if (encoding.kind == Encoding::Kind::srgb) return full_scale * linear_to_srgb(linear / full_scale);
+  if (encoding.kind == Encoding::Kind::gamma) return full_scale * power(linear / full_scale, 1.0 / encoding.gamma);
   const std::vector<double>&x = encoding.stored, &y = encoding.linear;
   const bool rises = y.back() > y.front();
-  const auto next =
-      std::partition_point(y.begin(), y.end(), [&](double v) { return rises ? v <= linear : v >= linear; });
+  const auto next = std::ranges::partition_point(y, [&](double v) { return rises ? v <= linear : v >= linear; });
   if (next == y.begin()) return x.front();
   if (next == y.end()) return x.back();
   const auto i = static_cast<std::size_t>(next - y.begin());
@@ -59,7 +51,7 @@ double encode(const Encoding& encoding, double linear, double full_scale) {
 
 Encoding parse_oecf(std::string_view text, const std::string& source) {
   text = without_mark(text);
-  Encoding encoding{.kind = Encoding::Kind::table, .gamma = 1.0, .stored = {}, .linear = {}, .name = source};
+  Encoding encoding{.kind = Encoding::Kind::table, .gamma = 1.0, .name = source};
   bool header_allowed = true;
   int direction = 0;
   for (std::size_t line = 1; !text.empty(); ++line) {
@@ -103,7 +95,7 @@ Encoding parse_oecf(std::string_view text, const std::string& source) {
 
 Encoding parse_encoding(const std::string& text, const std::string& folder) {
   if (text == "linear") return {};
-  if (text == "srgb") return {.kind = Encoding::Kind::srgb, .gamma = 1.0, .stored = {}, .linear = {}, .name = text};
+  if (text == "srgb") return {.kind = Encoding::Kind::srgb, .gamma = 1.0, .name = text};
   if (text.starts_with("gamma")) {
     const auto value = text == "gamma"              ? std::optional(2.2)
                        : text.starts_with("gamma:") ? cell_number(text.substr(6))
@@ -111,7 +103,7 @@ Encoding parse_encoding(const std::string& text, const std::string& folder) {
     if (!value || !(*value >= kMinGamma && *value <= kMaxGamma))
       throw UsageError("encoding \"" + printable(text, 60) +
                        "\": gamma takes a number from 0.1 to 10, as in gamma:2.2");
-    return {.kind = Encoding::Kind::gamma, .gamma = *value, .stored = {}, .linear = {}, .name = text};
+    return {.kind = Encoding::Kind::gamma, .gamma = *value, .name = text};
   }
   // A misspelt word is no path that anybody would write: those have a folder or an ending.
   if (text.find_first_of("./\\") == std::string::npos)
@@ -133,16 +125,9 @@ double full_scale(const FileInfo& info) {
 }
 
 double decode(const Encoding& encoding, double stored, double full_scale) {
-  switch (encoding.kind) {
-    case Encoding::Kind::linear:
-      return stored;
-    case Encoding::Kind::srgb:
-      return full_scale * srgb_to_linear(stored / full_scale);
-    case Encoding::Kind::gamma:
-      return full_scale * power(stored / full_scale, encoding.gamma);
-    case Encoding::Kind::table:
-      break;
-  }
+  if (encoding.kind == Encoding::Kind::linear) return stored;
+  if (encoding.kind == Encoding::Kind::srgb) return full_scale * srgb_to_linear(stored / full_scale);
+  if (encoding.kind == Encoding::Kind::gamma) return full_scale * power(stored / full_scale, encoding.gamma);
   return between(encoding.stored, encoding.linear, stored);
 }
 

@@ -25,9 +25,9 @@ struct Encoding {
   enum class Kind { linear, srgb, gamma, table };
 
   Kind kind = Kind::linear;
-  double gamma = 1.0;                  ///< of Kind::gamma
-  std::vector<double> stored, linear;  ///< of Kind::table: stored rises; linear rises or falls, flat parts allowed
-  std::string name = "linear";         ///< as reports call it
+  double gamma = 1.0;                      ///< of Kind::gamma
+  std::vector<double> stored{}, linear{};  ///< of Kind::table: stored rises; linear rises or falls, flat parts allowed
+  std::string name = "linear";             ///< as reports call it
 };
 
 /// "linear", "srgb", "gamma" (2.2), "gamma:1.8" (0.1 to 10) or the path of a table, a relative one from `folder` (with

@@ -35,8 +35,7 @@ std::vector<std::pair<std::string, std::string>> as_text(const IntegerScaling& s
   return text;
 }
 
-// round((value - offset) / gain) clamped to 0..scaling.largest(), colours interleaved; counts what had to be clamped
-// (NaN too).
+// round((value - offset) / gain) clamped to 0..scaling.largest(), colours interleaved; counts the clamped (NaN too).
 RasterData quantise(const std::vector<NamedPlane>& planes, const IntegerScaling& scaling, std::int64_t& clamped) {
   const ImageView<const float>& first = planes[0].plane;
   const double highest = scaling.largest();

@@ -12,17 +12,8 @@ namespace mtf::io {
 namespace {
 
 int border_type(Border border) {
-  switch (border) {
-    case Border::reflect:
-      return cv::BORDER_REFLECT;
-    case Border::replicate:
-      return cv::BORDER_REPLICATE;
-    case Border::constant:
-      return cv::BORDER_CONSTANT;
-    case Border::periodic:
-      return cv::BORDER_WRAP;
-  }
-  return cv::BORDER_REFLECT;
+  constexpr std::array kBorders{cv::BORDER_REFLECT, cv::BORDER_REPLICATE, cv::BORDER_CONSTANT, cv::BORDER_WRAP};
+  return kBorders[static_cast<std::size_t>(border)];
 }
 
 cv::Mat as_floats(const std::vector<double>& values, std::int64_t rows, std::int64_t columns) {

@@ -165,8 +165,7 @@ void read_other(const std::string& type, const unsigned char* data, std::size_t 
   if (type == "pHYs" && size == 9) header.pixel_aspect = aspect_of_densities(big_endian(data), big_endian(data + 4));
   if (type == "sBIT" && size > 0)
     header.notes.push_back(std::to_string(data[0]) +
-                           " bits of each value are significant (sBIT): its steps may be of "
-                           "more than one count");
+                           " bits of each value are significant (sBIT): its steps may be of more than one count");
   if (type == "acTL" && size == 8 && big_endian(data) > 1)
     header.notes.push_back("read as its still image: " + std::to_string(big_endian(data)) +
                            " images of an animation (acTL) are not read");

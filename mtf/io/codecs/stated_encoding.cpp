@@ -51,18 +51,9 @@ StatedEncoding by_gamma(std::uint32_t gamma_e5) {
 /// of scale: the user has to say what is wanted.
 StatedEncoding by_transfer(int transfer) {
   const std::string source = "cICP chunk (transfer function " + std::to_string(transfer) + ")";
-  switch (transfer) {
-    case 4:
-      return {"gamma:2.2", source};
-    case 5:
-      return {"gamma:2.8", source};
-    case 8:
-      return {"linear", source};
-    case 13:
-      return {"srgb", source};
-    default:
-      return {"", source};
-  }
+  for (const auto& [code, word] : {std::pair{4, "gamma:2.2"}, {5, "gamma:2.8"}, {8, "linear"}, {13, "srgb"}})
+    if (transfer == code) return {word, source};
+  return {"", source};
 }
 
 double srgb_light(double v) { return v <= 0.04045 ? v / 12.92 : std::pow((v + 0.055) / 1.055, 2.4); }

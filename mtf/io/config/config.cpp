@@ -59,34 +59,7 @@ void note_what_is_missing(cfg::Reader& reader, const System<double>& system) {
                 true);
 }
 
-}  // namespace
-
-std::string_view quantity_name(Quantity quantity) { return cfg::kQuantityNames[static_cast<std::size_t>(quantity)]; }
-
-std::string_view quantity_unit(Quantity quantity) {
-  switch (quantity) {
-    case Quantity::radiance:
-      return "W.m^-2.sr^-1";
-    case Quantity::photon_radiance:
-      return "ph.s^-1.m^-2.sr^-1";
-    case Quantity::spectral_radiance:
-      return "W.m^-2.sr^-1.um^-1";
-    case Quantity::temperature:
-      return "K";
-    case Quantity::counts:
-      return "counts";
-  }
-  return "";
-}
-
-bool ConfigResult::ok() const {
-  return std::none_of(diagnostics.begin(), diagnostics.end(), [](const Diagnostic& d) { return d.error; });
-}
-
-namespace {
-
-/// The path for components that state none; why there is none where the table cannot be, which is refused where it is
-/// used.
+/// The path for components that state none; why there is none where the table cannot be, refused where it is used.
 std::optional<Diagnostic> read_path_air(const Node& tree, SensorConfig& config) {
   const SettingsTable* scene = find_table(config.tables, "scene");
   if (scene != nullptr && scene->find("depth_channel") != nullptr) return std::nullopt;  // each pixel has its own
@@ -105,16 +78,22 @@ std::optional<Diagnostic> read_path_air(const Node& tree, SensorConfig& config) 
 
 }  // namespace
 
+std::string_view quantity_name(Quantity quantity) { return cfg::kQuantityNames[static_cast<std::size_t>(quantity)]; }
+
+std::string_view quantity_unit(Quantity quantity) {
+  constexpr std::array kUnitNames{"W.m^-2.sr^-1", "ph.s^-1.m^-2.sr^-1", "W.m^-2.sr^-1.um^-1", "K", "counts"};
+  return kUnitNames[static_cast<std::size_t>(quantity)];
+}
+
+bool ConfigResult::ok() const {
+  return std::none_of(diagnostics.begin(), diagnostics.end(), [](const Diagnostic& d) { return d.error; });
+}
+
 namespace cfg {
 
 void interpret(const Node& tree, ConfigResult& result) {
   result.config.schema = schema_of(tree, std::move(result.config.schema));
-  Reader reader{.folder = folder_of(result.config.file),
-                .schema = result.config.schema,
-                .diagnostics = {},
-                .positions = {},
-                .failed = {},
-                .fits = {}};
+  Reader reader{.folder = folder_of(result.config.file), .schema = result.config.schema};
   const Section root{reader, tree, "", ""};
   if (read_version(root, result.config.version)) {
     System<double>& system = result.config.system;

@@ -120,8 +120,7 @@ std::string splice_numbers(std::string_view text, std::span<const FitSpec> fits,
 std::string starter_config();
 
 /// What every number becomes after units and defaults (`mtf config explain`): a table of path, as written, resolved
-/// value with unit, where it came from (file:line, [optics], default), and the derived figures (cutoff, Nyquist, Q,
-/// IFOV).
+/// value with unit, where it came from (file:line, [optics], default), and what follows (cutoff, Nyquist, Q, IFOV).
 std::string explain_config(const SensorConfig& config);
 
 }  // namespace mtf::io

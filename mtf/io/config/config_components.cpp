@@ -68,23 +68,6 @@ std::optional<Component<double>> make_component(const Section& section) {
   return std::nullopt;
 }
 
-}  // namespace
-
-void read_fields(const Section& section, std::span<const FieldRef<double>> fields) {
-  std::vector<std::string> known{"kind", "label"};
-  for (const auto& field : fields)
-    for (std::string& key : keys_of(*field.info)) known.push_back(std::move(key));
-  check_keys(section, known);
-  for (const auto& field : fields) {
-    const std::string path = section.at(field.info->name);
-    if (read_value(section, field) || field.info->presence != Presence::required) continue;
-    const bool axis_failed = section.reader.has_failed(path + "_x") || section.reader.has_failed(path + "_y");
-    if (!section.reader.has_failed(path) && !axis_failed) section.error(field.info->name, missing_text(*field.info));
-  }
-}
-
-namespace {
-
 std::optional<std::string> read_label(const Section& section, std::vector<std::string>& taken) {
   const auto label = read_string(section, "label");
   if (!label) return std::nullopt;
@@ -102,6 +85,19 @@ std::optional<std::string> read_label(const Section& section, std::vector<std::s
 }
 
 }  // namespace
+
+void read_fields(const Section& section, std::span<const FieldRef<double>> fields) {
+  std::vector<std::string> known{"kind", "label"};
+  for (const auto& field : fields)
+    for (std::string& key : keys_of(*field.info)) known.push_back(std::move(key));
+  check_keys(section, known);
+  for (const auto& field : fields) {
+    const std::string path = section.at(field.info->name);
+    if (read_value(section, field) || field.info->presence != Presence::required) continue;
+    const bool axis_failed = section.reader.has_failed(path + "_x") || section.reader.has_failed(path + "_y");
+    if (!section.reader.has_failed(path) && !axis_failed) section.error(field.info->name, missing_text(*field.info));
+  }
+}
 
 std::vector<std::string> complete_labels(const std::vector<std::string>& kinds,
                                          const std::vector<std::optional<std::string>>& labels) {

@@ -18,15 +18,15 @@ Targets targets_of(const SensorConfig& sensor) {
   for (const std::string table : {"frame", "optics", "band"})
     for (const FieldInfo& row : own_rows(table))
       if (table == "band" ? system.band.has_value() : row.type != FieldType::pair)
-        for (const std::string& key : keys_of(row)) add(table, {.table = table, .key = {}, .element = {}}, key);
+        for (const std::string& key : keys_of(row)) add(table, {.table = table}, key);
   for (const TableInfo& info : sensor.schema)
     if (const std::string name(info.name); find_table(sensor.tables, name) != nullptr)
-      for (const FieldInfo& row : info.settings) add(name, {.table = name, .key = {}, .element = {}}, row.name);
+      for (const FieldInfo& row : info.settings) add(name, {.table = name}, row.name);
   for (const Stage stage : kStages)
     for (std::size_t i = 0; i < system.list(stage).size(); ++i) {
       const Entry<double>& entry = system.list(stage)[i];
       const std::string list(stage_name(stage));
-      const Target target{.table = list, .index = i, .component = true, .key = {}, .element = {}};
+      const Target target{.table = list, .index = i, .component = true};
       for (const FieldRef<double>& field : entry.component.fields())
         for (const std::string& owner : {entry.label, list + "[" + std::to_string(i) + "]"})
           for (const std::string& key : keys_of(*field.info)) add(owner, target, key);

@@ -19,8 +19,8 @@ struct Target {
   std::string table;      ///< "frame", "optics", or the list of a component
   std::size_t index = 0;  ///< in that list
   bool component = false;
-  std::string key;
-  std::optional<std::size_t> element;  ///< of a list
+  std::string key{};
+  std::optional<std::size_t> element{};  ///< of a list
 
   /// As diagnostics call it: "presample[1].rms".
   std::string path() const {
@@ -32,8 +32,7 @@ struct Target {
 /// By name; components also as "presample[1]".
 using Targets = std::map<std::string, Target, std::less<>>;
 
-/// Every parameter of the frame, the optics, the components and the other tables in the file, but for elements of
-/// lists.
+/// Every parameter of the frame, the optics, the components and the other tables in the file, not elements of lists.
 Targets targets_of(const SensorConfig& sensor);
 
 /// The target of "owner.field" or "owner.field[3]"; null when there is none.
@@ -48,8 +47,7 @@ Node node_of(const std::string& cell, int line);
 /// "rms" for "rms_x" and "rms_y", none for other keys. A pair of axes is written as one value or as two, never as both.
 std::optional<std::string> pair_of_axis(std::string_view key);
 
-/// Puts the value into the tree, and takes out what it replaces (pitch for pitch_x). What is wrong with that, "" when
-/// nothing is.
+/// Puts the value into the tree, and takes out what it replaces (pitch for pitch_x). What is wrong, "" when nothing is.
 std::string put(Node& root, const Target& target, Node value);
 
 }  // namespace mtf::io::cfg

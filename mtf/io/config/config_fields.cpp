@@ -44,6 +44,12 @@ std::optional<double> read_bare(Reader& reader, const Node& node, const FieldInf
   return node.number;
 }
 
+std::optional<Scalar> read_plain_or_fit(Reader& reader, const Node& node, const FieldInfo& info,
+                                        const std::string& path) {
+  if (is_over_field(node, info)) return read_over_field(reader, node, info, path);
+  return node.kind == Node::Kind::table ? read_fit(reader, node, info, path) : read_plain(reader, node, info, path);
+}
+
 }  // namespace
 
 std::optional<Scalar> read_plain(Reader& reader, const Node& node, const FieldInfo& info, const std::string& path) {
@@ -71,16 +77,6 @@ std::optional<Scalar> read_plain(Reader& reader, const Node& node, const FieldIn
     return fail(printable(error.what(), 400));
   }
 }
-
-namespace {
-
-std::optional<Scalar> read_plain_or_fit(Reader& reader, const Node& node, const FieldInfo& info,
-                                        const std::string& path) {
-  if (is_over_field(node, info)) return read_over_field(reader, node, info, path);
-  return node.kind == Node::Kind::table ? read_fit(reader, node, info, path) : read_plain(reader, node, info, path);
-}
-
-}  // namespace
 
 std::optional<Scalar> read_scalar(const Section& section, const FieldInfo& info, std::string_view key) {
   const Node* node = section.find(key);

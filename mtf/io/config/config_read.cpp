@@ -77,8 +77,7 @@ Node node_of(const toml::node& from) {
 }
 
 // toml++ frees and walks nested tables by recursion and has no limit for dotted keys, so depth is refused beforehand.
-// Up to the first syntax error this scan and the parser agree on what is a string or a comment; later text is not
-// parsed.
+// Up to the first syntax error this scan and the parser agree on strings and comments; later text is not parsed.
 class DepthScan {
  public:
   explicit DepthScan(std::string_view text) : text_(text) {}

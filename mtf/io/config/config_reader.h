@@ -26,10 +26,10 @@ struct FieldTerms {
 struct Reader {
   std::string folder;                 ///< of the sensor file, with a final slash; "" for the current one
   std::span<const TableInfo> schema;  ///< tables beyond those of the system
-  std::vector<Diagnostic> diagnostics;
-  std::map<std::string, Position, std::less<>> positions;  ///< of values, by path
-  std::set<std::string, std::less<>> failed;               ///< paths that were reported already
-  std::vector<FitSpec> fits;
+  std::vector<Diagnostic> diagnostics{};
+  std::map<std::string, Position, std::less<>> positions{};  ///< of values, by path
+  std::set<std::string, std::less<>> failed{};               ///< paths that were reported already
+  std::vector<FitSpec> fits{};
   std::vector<FieldTerms> terms{};   ///< numbers that change over the field
   std::vector<std::string> files{};  ///< that the text names, as `file` gave them
 

@@ -35,7 +35,7 @@ inline constexpr FieldInfo kPitch =
 inline constexpr FieldInfo kFormat = of_type(
     FieldType::pair, optional_row("format", 1.0, 1e6, "[640, 512]", "columns and rows, the largest size of an image"));
 inline constexpr FieldInfo kIntegrationTime =
-    optional_row("integration_time", Dimension::time, "s", 0.0, 0.0, "\"10 ms\"", "exposure of one frame");
+    optional_row("integration_time", "s", 0.0, 0.0, "\"10 ms\"", "exposure of one frame");
 
 // [optics]
 inline constexpr FieldInfo kFNumber = excluding("aperture", optional(kFNumberInfo));
@@ -51,18 +51,17 @@ inline constexpr FieldInfo kBand =
     of_type(FieldType::pair, required(length("wavelength", "um", "[\"3.4 um\", \"4.8 um\"]", "shortest and longest")));
 
 // [scene]
-inline constexpr FieldInfo kSample =
-    of_type(FieldType::size,
-            excluding("ifov gsd", above(optional_row("sample", Dimension::length, "um", 0.0, 1e6, "\"3.75 um\"",
-                                                     "spacing of the scene's samples at the focal plane"))));
+inline constexpr FieldInfo kSample = of_type(
+    FieldType::size, excluding("ifov gsd", above(optional_row("sample", "um", 0.0, 1e6, "\"3.75 um\"",
+                                                              "spacing of the scene's samples at the focal plane"))));
 inline constexpr FieldInfo kIfov =
-    excluding("sample gsd", above(optional_row("ifov", Dimension::angle, "urad", 0.0, 1e6, "\"37.5 urad\"",
+    excluding("sample gsd", above(optional_row("ifov", "urad", 0.0, 1e6, "\"37.5 urad\"",
                                                "spacing of the scene's samples as an object angle")));
-inline constexpr FieldInfo kGsd =
-    excluding("sample ifov", above(optional_row("gsd", Dimension::length, "m", 0.0, 1e9, "\"0.2 m\"",
-                                                "spacing of the scene's samples in the object, with range")));
+inline constexpr FieldInfo kGsd = excluding(
+    "sample ifov",
+    above(optional_row("gsd", "m", 0.0, 1e9, "\"0.2 m\"", "spacing of the scene's samples in the object, with range")));
 inline constexpr FieldInfo kRange =
-    above(optional_row("range", Dimension::length, "m", 0.0, 1e13, "\"5 km\"", "distance of the object, with gsd"));
+    above(optional_row("range", "m", 0.0, 1e13, "\"5 km\"", "distance of the object, with gsd"));
 inline constexpr FieldInfo kQuantity =
     of_type(FieldType::word, optional_row("quantity", "\"radiance\"", "what the values are"), kQuantityNames);
 inline constexpr FieldInfo kGain = optional_row("gain", -1e300, 1e300, "1.0", "value = gain x file + offset");

@@ -57,30 +57,22 @@ std::optional<SettingValue> as_value(const std::optional<T>& value) {
 std::optional<SettingValue> read_setting(const Section& section, const FieldInfo& info) {
   const Node* node = section.find(info.name);
   if (node == nullptr) return std::nullopt;
-  switch (info.type) {
-    case FieldType::number:
-      return read_bounded(section, info);
-    case FieldType::whole:
-      return as_value(read_whole(section, info));
-    case FieldType::flag:
-      return read_flag(section, info.name);
-    case FieldType::word:
-      return as_value(read_word(section, info.name, info.words));
-    case FieldType::file:
-      return read_file(section, info.name);
-    case FieldType::number_or_file:
-      // A text that is no number of this unit is the name of a file.
-      if (node->kind != Node::Kind::string) return read_bounded(section, info);
-      if (info.dimension == Dimension::none) return read_file(section, info.name);
-      try {
-        static_cast<void>(parse_quantity(node->text, info.dimension));
-      } catch (const UsageError&) {
-        return read_file(section, info.name);
-      }
-      return read_bounded(section, info);
-    default:
-      return as_value(read_string(section, info.name));
+  const auto is = [&](FieldType type) { return info.type == type; };
+  if (is(FieldType::number)) return read_bounded(section, info);
+  if (is(FieldType::whole)) return as_value(read_whole(section, info));
+  if (is(FieldType::flag)) return read_flag(section, info.name);
+  if (is(FieldType::word)) return as_value(read_word(section, info.name, info.words));
+  if (is(FieldType::file)) return read_file(section, info.name);
+  if (!is(FieldType::number_or_file)) return as_value(read_string(section, info.name));
+  // A text that is no number of this unit is the name of a file.
+  if (node->kind != Node::Kind::string) return read_bounded(section, info);
+  if (info.dimension == Dimension::none) return read_file(section, info.name);
+  try {
+    static_cast<void>(parse_quantity(node->text, info.dimension));
+  } catch (const UsageError&) {
+    return read_file(section, info.name);
   }
+  return read_bounded(section, info);
 }
 
 SettingsTable read_table(const Section& section, const TableInfo& info) {

@@ -13,43 +13,21 @@ const Node* Node::find(std::string_view key) const {
 }
 
 std::string_view kind_word(Node::Kind kind) {
-  switch (kind) {
-    case Node::Kind::string:
-      return "a string";
-    case Node::Kind::integer:
-      return "a whole number";
-    case Node::Kind::real:
-      return "a number";
-    case Node::Kind::boolean:
-      return "true or false";
-    case Node::Kind::date:
-      return "a date or time";
-    case Node::Kind::array:
-      return "a list";
-    case Node::Kind::table:
-      return "a table";
-  }
-  return "";
+  constexpr std::array kWords{"a string",       "a whole number", "a number", "true or false",
+                              "a date or time", "a list",         "a table"};
+  return kWords[static_cast<std::size_t>(kind)];
 }
 
 std::string shown(const Node& node) {
   constexpr std::size_t limit = 60;
-  switch (node.kind) {
-    case Node::Kind::string:
-      return "\"" + printable(node.text, limit) + "\"";
-    case Node::Kind::integer:
-      return std::to_string(node.integer);
-    case Node::Kind::real: {
-      const std::string text = format_double(node.number);
-      return text.find_first_of(".en") == std::string::npos ? text + ".0" : text;
-    }
-    case Node::Kind::boolean:
-      return node.boolean ? "true" : "false";
-    case Node::Kind::date:
-      return "a date or time";
-    default:
-      break;
+  if (node.kind == Node::Kind::string) return "\"" + printable(node.text, limit) + "\"";
+  if (node.kind == Node::Kind::integer) return std::to_string(node.integer);
+  if (node.kind == Node::Kind::real) {
+    const std::string text = format_double(node.number);
+    return text.find_first_of(".en") == std::string::npos ? text + ".0" : text;
   }
+  if (node.kind == Node::Kind::boolean) return node.boolean ? "true" : "false";
+  if (node.kind == Node::Kind::date) return "a date or time";
   const bool table = node.kind == Node::Kind::table;
   std::string text(table ? "{" : "[");
   const auto add = [&](const std::string& item) {

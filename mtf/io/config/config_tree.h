@@ -49,7 +49,7 @@ std::string_view kind_word(Node::Kind kind);
 std::string shown(const Node& node);
 
 struct Tree {
-  Node root;
+  Node root{};
   std::optional<Diagnostic> error;  ///< syntax, size or nesting: the tree is then empty
 };
 

@@ -12,6 +12,9 @@
 namespace mtf::io {
 namespace {
 
+using cfg::Edit;
+using cfg::end_of_value;
+using cfg::offset_of;
 using cfg::Scalar;
 using cfg::toml_number;
 using cfg::toml_scalar;
@@ -217,6 +220,21 @@ std::vector<std::optional<std::string>> labels_to_write(const System<double>& sy
   return cfg::complete_labels(kinds, own) == labels ? own : all;
 }
 
+// New values and standard errors put into the text of a sensor file, which otherwise stays as its author wrote it:
+// comments, order, units of other numbers. Values are found by their positions in the text.
+
+/// Begin of `, stderr = ` before its value; the value itself where something else comes before it.
+std::size_t begin_of_stderr(std::string_view text, std::size_t value) {
+  std::string_view before = text.substr(0, value);
+  const auto take = [&](std::string_view word) {
+    while (!before.empty() && (before.back() == ' ' || before.back() == '\t')) before.remove_suffix(1);
+    if (!before.ends_with(word)) return false;
+    before.remove_suffix(word.size());
+    return true;
+  };
+  return take("=") && take("stderr") && take(",") ? before.size() : value;
+}
+
 }  // namespace
 
 std::string cfg::toml_scalar(const Scalar& scalar) {
@@ -265,6 +283,31 @@ std::string write_config(const SensorConfig& config, const std::string& destinat
     }
   }
   return out.take();
+}
+
+std::string splice_numbers(std::string_view text, std::span<const FitSpec> fits,
+                           std::span<const std::optional<double>> values,
+                           const std::function<std::string(const FitSpec& fit, double number, bool is_error)>& toml) {
+  std::vector<Edit> edits;
+  for (std::size_t i = 0; i < fits.size() && i < values.size(); ++i) {
+    const FitSpec& fit = fits[i];
+    if (!values[i] || fit.value_at.line == 0) continue;
+    const std::size_t begin = offset_of(text, fit.value_at), end = end_of_value(text, begin);
+    const std::string error = fit.stderr_value ? toml(fit, *fit.stderr_value, true) : "";
+    const bool has_error = fit.stderr_at.line > 0;
+    edits.push_back({begin, end, toml(fit, *values[i], false)});
+    if (!has_error && !error.empty()) edits.back().text += ", stderr = " + error;
+    if (!has_error) continue;
+    const std::size_t old = offset_of(text, fit.stderr_at);
+    edits.push_back({error.empty() ? begin_of_stderr(text, old) : old, end_of_value(text, old), error});
+  }
+  return cfg::edited(text, std::move(edits));
+}
+
+std::string splice_fits(const SensorConfig& config, std::span<const std::optional<double>> values) {
+  return splice_numbers(config.text, config.fits, values, [](const FitSpec& fit, double number, bool) {
+    return cfg::toml_scalar({number, fit.unit.empty() ? nullptr : find_unit(fit.unit)});
+  });
 }
 
 }  // namespace mtf::io

@@ -26,39 +26,23 @@ using cfg::Target;
 /// Equal values under equal keys; the order of keys and their positions do not count.
 bool same_values(const Node& a, const Node& b) {
   if (a.kind != b.kind) return false;
-  switch (a.kind) {
-    case Node::Kind::string:
-    case Node::Kind::date:
-      return a.text == b.text;
-    case Node::Kind::integer:
-      return a.integer == b.integer;
-    case Node::Kind::real:
-      return a.number == b.number || (std::isnan(a.number) && std::isnan(b.number));
-    case Node::Kind::boolean:
-      return a.boolean == b.boolean;
-    case Node::Kind::array:
-      return std::equal(a.items.begin(), a.items.end(), b.items.begin(), b.items.end(), same_values);
-    case Node::Kind::table:
-      break;
-  }
-  return a.members.size() == b.members.size() &&
-         std::all_of(a.members.begin(), a.members.end(), [&](const Member& member) {
+  if (a.kind == Node::Kind::string || a.kind == Node::Kind::date) return a.text == b.text;
+  if (a.kind == Node::Kind::integer) return a.integer == b.integer;
+  if (a.kind == Node::Kind::real) return a.number == b.number || (std::isnan(a.number) && std::isnan(b.number));
+  if (a.kind == Node::Kind::boolean) return a.boolean == b.boolean;
+  if (a.kind == Node::Kind::array)
+    return std::equal(a.items.begin(), a.items.end(), b.items.begin(), b.items.end(), same_values);
+  return a.members.size() == b.members.size() && std::ranges::all_of(a.members, [&](const Member& member) {
            const Node* other = b.find(member.key);
            return other != nullptr && same_values(member.value, *other);
          });
 }
 
 std::string toml_value(const Node& node, std::string_view given) {
-  switch (node.kind) {
-    case Node::Kind::integer:
-      return std::to_string(node.integer);
-    case Node::Kind::real:
-      return cfg::toml_number(node.number);
-    case Node::Kind::string:
-      return cfg::toml_string(node.text);
-    default:
-      return std::string(given);  // a list, true or false, which were read as TOML
-  }
+  if (node.kind == Node::Kind::integer) return std::to_string(node.integer);
+  if (node.kind == Node::Kind::real) return cfg::toml_number(node.number);
+  if (node.kind == Node::Kind::string) return cfg::toml_string(node.text);
+  return std::string(given);  // a list, true or false, which were read as TOML
 }
 
 const Node* table_of(const Node& root, const Target& target) {
@@ -133,18 +117,16 @@ std::optional<Target> target_of(const SensorConfig& config, const cfg::Targets& 
   if (dot == std::string_view::npos) return std::nullopt;
   const std::string_view table = name.substr(0, dot), key = name.substr(dot + 1);
   constexpr std::array<std::string_view, 4> kOwn{"frame", "scene", "optics", "band"};
-  const bool known =
-      std::find(kOwn.begin(), kOwn.end(), table) != kOwn.end() ||
-      std::any_of(config.schema.begin(), config.schema.end(), [&](const TableInfo& t) { return t.name == table; });
+  const bool known = std::ranges::find(kOwn, table) != kOwn.end() ||
+                     std::ranges::any_of(config.schema, [&](const TableInfo& t) { return t.name == table; });
   if (!known) return std::nullopt;
-  Target whole{.table = std::string(table), .key = std::string(key.substr(0, key.find('['))), .element = {}};
+  Target whole{.table = std::string(table), .key = std::string(key.substr(0, key.find('[')))};
   const auto plain = [](char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_'; };
-  if (whole.key.empty() || !std::all_of(whole.key.begin(), whole.key.end(), plain)) return std::nullopt;
+  if (whole.key.empty() || !std::ranges::all_of(whole.key, plain)) return std::nullopt;
   return cfg::find_target({{whole.path(), whole}}, name);
 }
 
-/// A parameter in the tree of the file. Throws UsageError for a text that cannot be read, and for one that the sensor
-/// does not have.
+/// A parameter in the tree of the file. Throws UsageError for a text that cannot be read or is none of the sensor's.
 struct Located {
   cfg::Tree tree;
   Target target;

@@ -6,9 +6,6 @@
 #include <charconv>
 #include <map>
 #include <optional>
-#include <string>
-#include <string_view>
-#include <vector>
 
 #include "mtf/error.h"
 #include "mtf/io/config/config_edit.h"
@@ -31,8 +28,8 @@ constexpr std::string_view kHeader = "the first line has to be frame,parameter,v
 constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
 
 bool is_text(std::string_view line) {
-  return std::all_of(line.begin(), line.end(),
-                     [](char c) { return c == '\t' || (static_cast<unsigned char>(c) >= 0x20 && c != 0x7f); });
+  return std::ranges::all_of(line,
+                             [](char c) { return c == '\t' || (static_cast<unsigned char>(c) >= 0x20 && c != 0x7f); });
 }
 
 /// The next line without its end (LF, CRLF or CR), taken off `rest`.
@@ -90,7 +87,7 @@ std::string read_header(std::string_view line, ScheduleColumns& columns) {
   const std::string found = "; found: " + printable(line, 60);
   if (!cells || cells->size() != names.size()) return std::string(kHeader) + found;
   for (std::size_t i = 0; i < names.size(); ++i) {
-    const auto cell = std::find(cells->begin(), cells->end(), names[i]);
+    const auto cell = std::ranges::find(*cells, names[i]);
     if (cell == cells->end()) return std::string(kHeader) + found;
     columns.at[i] = static_cast<std::size_t>(cell - cells->begin());
   }
@@ -139,7 +136,7 @@ std::vector<Setting> read_settings(std::string_view text, const std::string& fil
       header = true;
       continue;
     }
-    Setting setting{.frame = 0, .parameter = {}, .value = {}, .line = number};
+    Setting setting{.frame = 0, .line = number};
     if (const std::string wrong = read_line(line, columns, setting); wrong.empty())
       settings.push_back(std::move(setting));
     else
@@ -168,8 +165,8 @@ struct ScheduledSensor::State {
   Schedule schedule;
   Node root;
   cfg::Targets targets;
-  std::size_t next = 0;                              ///< first setting that is not in force yet
-  std::map<std::string, Setting, std::less<>> last;  ///< in force, by path
+  std::size_t next = 0;                                ///< first setting that is not in force yet
+  std::map<std::string, Setting, std::less<>> last{};  ///< in force, by path
 
   /// The line that a finding about `path` comes from: the latest that set this value, a part of it, or something in
   /// its table; otherwise the latest of all.
@@ -189,8 +186,7 @@ ScheduledSensor::ScheduledSensor(const SensorConfig& sensor, Schedule schedule)
     : state_(std::make_unique<State>(State{.sensor = sensor,
                                            .schedule = std::move(schedule),
                                            .root = cfg::read_tree(sensor.text).root,
-                                           .targets = cfg::targets_of(sensor),
-                                           .last = {}})) {}
+                                           .targets = cfg::targets_of(sensor)})) {}
 ScheduledSensor::~ScheduledSensor() = default;
 ScheduledSensor::ScheduledSensor(ScheduledSensor&&) noexcept = default;
 ScheduledSensor& ScheduledSensor::operator=(ScheduledSensor&&) noexcept = default;
@@ -248,10 +244,9 @@ bool ScheduledSensor::advance(std::int64_t frame) {
 
 Schedule parse_schedule(std::string_view text, const std::string& file, const SensorConfig& sensor) {
   std::vector<std::string> errors;
-  Schedule schedule{.file = file, .sha256 = sha256_hex(std::string(text)), .settings = {}};
+  Schedule schedule{.file = file, .sha256 = sha256_hex(std::string(text))};
   schedule.settings = read_settings(text, file, errors);
-  std::stable_sort(schedule.settings.begin(), schedule.settings.end(),
-                   [](const Setting& a, const Setting& b) { return a.frame < b.frame; });
+  std::ranges::stable_sort(schedule.settings, [](const Setting& a, const Setting& b) { return a.frame < b.frame; });
   const auto targets = cfg::targets_of(sensor);
   std::map<std::pair<std::int64_t, std::string>, int> seen;
   for (const Setting& setting : schedule.settings) {
@@ -273,8 +268,7 @@ Schedule parse_schedule(std::string_view text, const std::string& file, const Se
   for (const Setting& setting : schedule.settings) {
     if (!check.advance(setting.frame)) continue;
     for (const std::string& named : check.sensor().files)
-      if (std::find(schedule.files.begin(), schedule.files.end(), named) == schedule.files.end())
-        schedule.files.push_back(named);
+      if (std::ranges::find(schedule.files, named) == schedule.files.end()) schedule.files.push_back(named);
   }
   return schedule;
 }

@@ -29,15 +29,15 @@ inline constexpr std::int64_t kLastFrame = 999'999'999;
 /// One line of a schedule.
 struct Setting {
   std::int64_t frame = 0;
-  std::string parameter;  ///< as written: "jitter.rms"
-  std::string value;      ///< as written: "8 urad"
-  int line = 0;           ///< of the file, from 1
+  std::string parameter{};  ///< as written: "jitter.rms"
+  std::string value{};      ///< as written: "8 urad"
+  int line = 0;             ///< of the file, from 1
 };
 
 struct Schedule {
   std::string file;
   std::string sha256;                ///< of the text
-  std::vector<Setting> settings;     ///< by frame
+  std::vector<Setting> settings{};   ///< by frame
   std::vector<std::string> files{};  ///< that its values name, and the sensor
 };
 

@@ -135,11 +135,9 @@ AirProfileColumns parse_air_profile_csv(std::string_view text, const std::string
     if (chosen.humidity) {
       const double humidity = si(column++, *chosen.humidity);
       if (!(humidity >= 0.0 && humidity <= 1.0))
-        throw UsageError(where + "a relative humidity of " + format_double(100.0 * humidity) +
-                         " %; it is from 0 to 100 %" +
-                         (chosen.humidity->factor == 1.0 ? " (call the column relative_humidity_percent if it is in "
-                                                           "percent)"
-                                                         : ""));
+        throw UsageError(
+            where + "a relative humidity of " + format_double(100.0 * humidity) + " %; it is from 0 to 100 %" +
+            (chosen.humidity->factor == 1.0 ? " (call the column relative_humidity_percent if it is in percent)" : ""));
       result.relative_humidity.push_back(humidity);
     }
     for (const std::size_t gas : chosen.gases) {

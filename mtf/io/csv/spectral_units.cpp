@@ -48,8 +48,7 @@ std::string without_ones(std::string_view plain) {
 
 const DensityUnit* find_density(std::string_view plain) {
   const std::string name = without_ones(plain);
-  const auto* found =
-      std::find_if(kDensities.begin(), kDensities.end(), [&](const DensityUnit& unit) { return unit.name == name; });
+  const auto* found = std::ranges::find_if(kDensities, [&](const DensityUnit& unit) { return unit.name == name; });
   return found == kDensities.end() ? nullptr : found;
 }
 
@@ -78,8 +77,7 @@ double SpectralUnit::to_um(double value) const {
 }
 
 std::optional<SpectralUnit> find_spectral_unit(std::string_view plain) {
-  const auto* found =
-      std::find_if(kUnits.begin(), kUnits.end(), [&](const NamedUnit& unit) { return unit.name == plain; });
+  const auto* found = std::ranges::find_if(kUnits, [&](const NamedUnit& unit) { return unit.name == plain; });
   if (found == kUnits.end()) return std::nullopt;
   return found->unit;
 }

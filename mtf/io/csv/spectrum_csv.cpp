@@ -99,8 +99,7 @@ SpectrumColumns parse_spectrum_csv(std::string_view text, const std::string& sou
     wavelength_um.push_back(checked_um(chosen[0], numbers.column[0][row], where(row)));
   std::vector<std::size_t> order(wavelength_um.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
-  std::stable_sort(order.begin(), order.end(),
-                   [&](std::size_t a, std::size_t b) { return wavelength_um[a] < wavelength_um[b]; });
+  std::ranges::stable_sort(order, [&](std::size_t a, std::size_t b) { return wavelength_um[a] < wavelength_um[b]; });
   SpectrumColumns result{source, {}, std::vector<std::vector<double>>(names.size())};
   for (const std::size_t row : order) {
     if (!result.wavelength_um.empty() && wavelength_um[row] == result.wavelength_um.back())
@@ -162,7 +161,7 @@ PathColumns parse_path_csv(std::string_view text, const std::string& source) {
                        " m; leave one");
   }
 
-  PathColumns result{.source = source, .range_m = {}, .wavelength_um = {}, .transmission = {}, .radiance = {}};
+  PathColumns result{.source = source};
   for (const auto& [wavelength_um, row] : table.begin()->second) result.wavelength_um.push_back(wavelength_um);
   for (const auto& [range_m, curve] : table) {
     const bool same =

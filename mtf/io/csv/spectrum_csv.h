@@ -35,10 +35,10 @@ SpectrumColumns parse_spectrum_csv(std::string_view text, const std::string& sou
 /// Transmission and radiance of a path for several ranges, all at the same wavelengths: one curve per range.
 struct PathColumns {
   std::string source;
-  std::vector<double> range_m;                    ///< strictly rising, above 0
-  std::vector<double> wavelength_um;              ///< strictly rising, above 0
-  std::vector<std::vector<double>> transmission;  ///< 0 to 1
-  std::vector<std::vector<double>> radiance;      ///< W m^-2 sr^-1 um^-1, >= 0
+  std::vector<double> range_m{};                    ///< strictly rising, above 0
+  std::vector<double> wavelength_um{};              ///< strictly rising, above 0
+  std::vector<std::vector<double>> transmission{};  ///< 0 to 1
+  std::vector<std::vector<double>> radiance{};      ///< W m^-2 sr^-1 um^-1, >= 0
 };
 
 /// Columns range_m or range_km, wavelength, transmission, radiance with its unit. Errors as above; both terms are

@@ -48,7 +48,7 @@ std::vector<Column> columns_of(std::string_view header) {
 }
 
 const Column* find(const std::vector<Column>& columns, std::string_view name) {
-  const auto found = std::find_if(columns.begin(), columns.end(), [&](const Column& c) { return c.name == name; });
+  const auto found = std::ranges::find_if(columns, [&](const Column& c) { return c.name == name; });
   return found == columns.end() ? nullptr : &*found;
 }
 
@@ -60,8 +60,7 @@ std::optional<double> fortran_number(std::string_view cell) {
   std::string_view mantissa = cell.substr(0, sign);
   if (mantissa.back() == 'E' || mantissa.back() == 'D') mantissa.remove_suffix(1);
   const std::string_view exponent = cell.substr(sign + 1);
-  const bool digits =
-      !exponent.empty() && std::all_of(exponent.begin(), exponent.end(), [](char c) { return c >= '0' && c <= '9'; });
+  const bool digits = !exponent.empty() && std::ranges::all_of(exponent, [](char c) { return c >= '0' && c <= '9'; });
   if (!digits || !cell_number(mantissa) || mantissa.find_first_of("eE") != std::string_view::npos) return std::nullopt;
   if (const auto value = cell_number(std::string(mantissa) + "E" + std::string(cell.substr(sign)))) return value;
   return cell[sign] == '-' ? std::optional(0.0) : std::nullopt;  // beyond the range of a double
@@ -190,11 +189,7 @@ PathColumns path_columns(const std::vector<Tape7Run>& runs, const std::vector<do
   if (runs.size() != range_m.size())
     throw UsageError(file + ": " + std::to_string(runs.size()) + " runs and " + std::to_string(range_m.size()) +
                      " ranges; give the range of each run");
-  PathColumns result{.source = file,
-                     .range_m = range_m,
-                     .wavelength_um = runs.front().wavelength_um,
-                     .transmission = {},
-                     .radiance = {}};
+  PathColumns result{.source = file, .range_m = range_m, .wavelength_um = runs.front().wavelength_um};
   for (std::size_t i = 0; i < runs.size(); ++i) {
     if (!std::isfinite(range_m[i]) || !(range_m[i] > (i == 0 ? 0.0 : range_m[i - 1])))
       throw UsageError(runs[i].source + ": a range of " + format_double(range_m[i]) +

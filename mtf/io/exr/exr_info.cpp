@@ -64,16 +64,7 @@ std::string attribute_text(const Imf::Attribute& attribute) {
   return text;
 }
 
-std::string type_name(Imf::PixelType type) {
-  switch (type) {
-    case Imf::UINT:
-      return "uint";
-    case Imf::HALF:
-      return "half";
-    default:
-      return "float";
-  }
-}
+std::string type_name(Imf::PixelType type) { return type == Imf::UINT ? "uint" : type == Imf::HALF ? "half" : "float"; }
 
 std::string compression_name(Imf::Compression compression) {
   constexpr std::array names{"uncompressed", "rle", "zips", "zip", "piz", "pxr24", "b44", "b44a", "dwaa", "dwab"};

@@ -9,8 +9,6 @@
 
 #include "mtf/io/channel_choice.h"
 #include "mtf/io/exr/exr_info.h"
-#include "mtf/io/exr/exr_scan.h"
-#include "mtf/words.h"
 #include "mtf/work/stop.h"
 
 namespace mtf::io {

@@ -230,7 +230,7 @@ Image read_plane(const std::string& path, const std::vector<std::string>& names)
       if (there.size() < 400) there += (there.empty() ? "" : ", ") + printable(c.name, 80);
     throw UsageError(path + ": there is no channel " + wanted + "; it has " + there);
   }
-  ImageFile file = read_image(path, {.channel = channel, .layer = {}, .part = {}});
+  ImageFile file = read_image(path, {.channel = channel});
   return std::move(file.planes.front());
 }
 

@@ -63,7 +63,7 @@ void close_inside(Grid& grid, const Construction& construction) {
 }
 
 Grid start_of_grid(std::size_t layers) {
-  return {.capacity = {0.0}, .conductance = {}, .depth_m = {0.0}, .layer_m = std::vector<double>(layers, 0.0)};
+  return {.capacity = {0.0}, .depth_m = {0.0}, .layer_m = std::vector<double>(layers, 0.0)};
 }
 
 }  // namespace
@@ -98,7 +98,7 @@ Grids make_grids(const Construction& construction, const GridRequest& request) {
 }
 
 Grids make_one_node(const Construction& construction) {
-  Grid grid{.capacity = {capacity(construction)}, .conductance = {}, .depth_m = {0.0}, .layer_m = {}};
+  Grid grid{.capacity = {capacity(construction)}, .depth_m = {0.0}};
   for (const Layer& layer : construction.layers) grid.layer_m.push_back(layer.thickness_m);
   const double through = resistance(construction);
   if (std::holds_alternative<FixedTemperature>(construction.inside)) grid.inner_w_m2_k = 1.0 / through;

@@ -16,10 +16,10 @@
 namespace radiometry::heat {
 
 struct Grid {
-  std::vector<double> capacity;     ///< of each node, J/m2/K, outside first
-  std::vector<double> conductance;  ///< of each cell, W/m2/K: one fewer than nodes
-  std::vector<double> depth_m;      ///< of each node
-  std::vector<double> layer_m;      ///< [node * layers + layer]: how much of the layer belongs to the node
+  std::vector<double> capacity;       ///< of each node, J/m2/K, outside first
+  std::vector<double> conductance{};  ///< of each cell, W/m2/K: one fewer than nodes
+  std::vector<double> depth_m{};      ///< of each node
+  std::vector<double> layer_m{};      ///< [node * layers + layer]: how much of the layer belongs to the node
   double inner_w_m2_k = 0.0;  ///< from the last node to the inside temperature: a film, or the last cell before a fixed
                               ///< temperature; 0: none
 

@@ -60,8 +60,7 @@ class Projection {
     Vector q(n), before(n, 0.0), w(n);  // of Lanczos' method for K in this basis, from what the surface is joined to
     for (std::size_t j = 0; j < n; ++j) q[j] = basis_[j].front();
     double size = normalise(q), capacity = 1.0 / (size * size), total = grid_.capacity[0] + capacity;
-    Grid chain{
-        .capacity = {grid_.capacity[0], capacity}, .conductance = {grid_.conductance[0]}, .depth_m = {}, .layer_m = {}};
+    Grid chain{.capacity = {grid_.capacity[0], capacity}, .conductance = {grid_.conductance[0]}};
     std::vector<Vector> earlier{q};
     while (earlier.size() < n) {
       for (std::size_t i = 0; i < n; ++i) {

@@ -108,9 +108,7 @@ class LayerShader {
         layers_(layers),
         rings_(options.rings),
         zones_(static_cast<std::size_t>(options.rings) + 1),
-        surfaces_(band.curves, scene, {},
-                  {.rings = options.rings, .sky = {}, .ground = {}, .surfaces = {}, .rays = {}, .patches = {}},
-                  survey.range, survey.extent.lowest_m) {
+        surfaces_(band.curves, scene, {}, {.rings = options.rings}, survey.range, survey.extent.lowest_m) {
     std::iota(zones_.begin(), zones_.end(), 0U);
     const BandNodes& nodes = surfaces_.nodes;
     std::optional<AirView> air;

@@ -23,8 +23,7 @@ struct SurfaceLayers {
   std::optional<mtf::Image> sunlit{};  ///< share of the surface that the sun reaches, 0 ... 1; nothing: no shadows
 };
 
-/// Depths along the optical axis to ranges along the rays: range = depth |d|, d the direction of length 1 along the
-/// axis.
+/// Depths along the optical axis to ranges along the rays: range = depth |d|, d of length 1 along the axis.
 void ranges_of_depths(const Camera& camera, mtf::Image& depth);
 
 struct LayerFrame {

@@ -48,8 +48,7 @@ class SidesInSun {
     InSun in_sun = InSun::unknown;
     SunPicture::Place c{};
     int covers = 0;  ///< triangles that are over c
-    /// Blocks of kBlock lines: x of their beginnings, y of them, x and y of their ends. Lines of no length fill the
-    /// last.
+    /// Blocks of kBlock lines: x of their beginnings, y of them, x and y of their ends. Empty lines fill the last.
     std::vector<float> ends{};
     static constexpr std::size_t kBlock = 16;
   };

@@ -82,9 +82,7 @@ FaceShells shells_of(const Polygons& faces, std::span<const Point> vertices, Win
   const std::vector<EdgeUse> uses = edge_uses(faces);
   const Joints joints = joints_of(uses, faces.size());
   FaceShells shells{.shell_of = std::vector<std::uint32_t>(faces.size(), kNone),
-                    .turn = std::vector<char>(faces.size(), 0),
-                    .closed = {},
-                    .outward = {}};
+                    .turn = std::vector<char>(faces.size(), 0)};
   std::vector<std::vector<std::uint32_t>> members;
   for (std::uint32_t seed = 0; seed < faces.size(); ++seed) {
     if (shells.shell_of[seed] != kNone) continue;

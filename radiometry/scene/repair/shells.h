@@ -25,8 +25,8 @@ struct Polygons {
 struct FaceShells {
   std::vector<std::uint32_t> shell_of;  ///< of each face
   std::vector<char> turn;               ///< of each face: its corners have to be reversed
-  std::vector<char> closed;             ///< of each shell
-  std::vector<char> outward;            ///< of each shell: closed, and its normals point out
+  std::vector<char> closed{};           ///< of each shell
+  std::vector<char> outward{};          ///< of each shell: closed, and its normals point out
   std::uint64_t one_sided = 0;          ///< shells that no winding suits
 };
 

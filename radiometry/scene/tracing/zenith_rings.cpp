@@ -28,8 +28,7 @@ ZenithRings::ZenithRings(int rings) {
 
 int ZenithRings::zone(double up) const {
   // The horizon itself is sky.
-  return static_cast<int>(std::partition_point(cosine_.begin(), cosine_.end(), [up](double c) { return c > up; }) -
-                          cosine_.begin());
+  return static_cast<int>(std::ranges::partition_point(cosine_, [up](double c) { return c > up; }) - cosine_.begin());
 }
 
 void ZenithRings::add_shares(double cos_tilt, double weight, std::span<double> zones) const {

@@ -25,8 +25,7 @@ class ZenithRings {
   int rings() const { return static_cast<int>(cosine_.size()); }
   /// The zone of a direction of length 1 with this upward component: its ring, or rings() for below the horizon.
   int zone(double up) const;
-  /// View factors from a plane to the zones, rings first, then the ground; they sum to 1. Added, times `weight`, to
-  /// `zones`.
+  /// View factors from a plane to the zones, rings first, then the ground; they sum to 1. Times `weight` onto `zones`.
   void add_shares(double cos_tilt, double weight, std::span<double> zones) const;
 
  private:

@@ -32,13 +32,11 @@ struct Adc {
   double most_counts() const;  ///< 2^bits - 1
 
   static constexpr auto fields() {
-    return std::tuple{
-        Field{required_row("electrons_per_count", mtf::Dimension::electrons, "e-", 1e-30, 1e30, "\"420 e-\"",
-                           "electrons of one count"),
-              &Adc::electrons_per_count},
-        Field{optional_row("offset", -1e10, 1e10, "200", "counts without electrons"), &Adc::offset_counts},
-        Field{required_row("bits", 1, 32, "14", "bits of a count"), &Adc::bits},
-        Field{optional_row("rounding", "\"down\"", "nearest (halves upwards), or down"), &Adc::rounding}};
+    return std::tuple{required(&Adc::electrons_per_count, "electrons_per_count", "e-", 1e-30, 1e30, "\"420 e-\"",
+                               "electrons of one count"),
+                      optional(&Adc::offset_counts, "offset", -1e10, 1e10, "200", "counts without electrons"),
+                      required(&Adc::bits, "bits", 1, 32, "14", "bits of a count"),
+                      optional(&Adc::rounding, "rounding", "\"down\"", "nearest (halves upwards), or down")};
   }
 };
 

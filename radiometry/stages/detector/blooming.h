@@ -26,12 +26,10 @@ struct Blooming {
   double drain = 0.0;
 
   static constexpr auto fields() {
-    return std::tuple{
-        Field{optional_row("direction", "\"both\"", "along which lines charge spills: columns, rows or both"),
-              &Blooming::direction},
-        Field{optional_row("drain", 0.0, 1.0, "0.9",
-                           "part of the charge above the full well that an anti-blooming drain takes"),
-              &Blooming::drain}};
+    return std::tuple{optional(&Blooming::direction, "direction", "\"both\"",
+                               "along which lines charge spills: columns, rows or both"),
+                      optional(&Blooming::drain, "drain", 0.0, 1.0, "0.9",
+                               "part of the charge above the full well that an anti-blooming drain takes")};
   }
 };
 

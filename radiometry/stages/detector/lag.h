@@ -21,9 +21,8 @@ struct Lag {
   double time_constant_s = 0.01;
 
   static constexpr auto fields() {
-    return std::tuple{Field{above(required_row("time_constant", mtf::Dimension::time, "s", 0.0, 1e6, "\"10 ms\"",
-                                               "thermal time constant of a pixel")),
-                            &Lag::time_constant_s}};
+    return std::tuple{above(required(&Lag::time_constant_s, "time_constant", "s", 0.0, 1e6, "\"10 ms\"",
+                                     "thermal time constant of a pixel"))};
   }
 };
 

@@ -29,10 +29,9 @@ struct Microscan {
 
   static constexpr auto fields() {
     return std::tuple{
-        Field{optional_row("steps", 1, 16, "3", "positions in a pitch, per axis; 2 for the diagonal pattern"),
-              &Microscan::steps},
-        Field{optional_row("pattern", "\"diagonal\"", "square (steps x steps positions), or diagonal (2 of 2 x 2)"),
-              &Microscan::pattern}};
+        optional(&Microscan::steps, "steps", 1, 16, "3", "positions in a pitch, per axis; 2 for the diagonal pattern"),
+        optional(&Microscan::pattern, "pattern", "\"diagonal\"",
+                 "square (steps x steps positions), or diagonal (2 of 2 x 2)")};
   }
 };
 

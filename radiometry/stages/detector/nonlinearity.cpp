@@ -38,10 +38,9 @@ Response::Response(const Nonlinearity& nonlinearity, double full_well_e)
   const double u = a3_ > 0.0 ? -a2_ / (3.0 * a3_) : 0.0;
   if (u > 0.0 && u < 1.0) lowest = std::min(lowest, 1.0 + a2_ * u);
   if (!(lowest > 0.0))
-    throw mtf::UsageError(
-        "nonlinearity: with a2 = " + mtf::format_double(a2_) + ", a3 = " + mtf::format_double(a3_) +
-        " the response does not rise everywhere up to the full well; keep 1 + 2 a2 u + 3 a3 u^2 above 0 "
-        "for u from 0 to 1");
+    throw mtf::UsageError("nonlinearity: with a2 = " + mtf::format_double(a2_) + ", a3 = " + mtf::format_double(a3_) +
+                          " the response does not rise everywhere up to the full well; keep 1 + 2 a2 u + 3 a3 u^2 "
+                          "above 0 for u from 0 to 1");
 }
 
 double Response::operator()(double electrons) const {

@@ -16,12 +16,10 @@ struct Nonlinearity {
   double a2 = 0.0, a3 = 0.0;
 
   static constexpr auto fields() {
-    constexpr auto row = [](std::string_view name, std::string_view doc, double Nonlinearity::*member) {
-      return Field{optional_row(name, -10.0, 10.0, "-0.02", doc), member};
-    };
     return std::tuple{
-        row("a2", "relative change of the response at full well, growing with the charge", &Nonlinearity::a2),
-        row("a3", "the same, growing with the square of the charge", &Nonlinearity::a3)};
+        optional(&Nonlinearity::a2, "a2", -10.0, 10.0, "-0.02",
+                 "relative change of the response at full well, growing with the charge"),
+        optional(&Nonlinearity::a3, "a3", -10.0, 10.0, "-0.02", "the same, growing with the square of the charge")};
   }
 };
 

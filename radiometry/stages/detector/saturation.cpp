@@ -70,22 +70,17 @@ std::string words(const Saturation& s) {
   std::string text = s.saturated() ? "saturated: " : "near saturation: about ";
   text += percent(s.held) + " of the values are held at ";
   const std::string unit = s.volts ? " V" : " e-", mean = " for a mean of " + mtf::three_digits(s.mean_e) + unit;
-  switch (s.end) {
-    case RangeEnd::full_well:
-      text += "the full well of " + mtf::three_digits(s.end_e) + " e-" + mean + "; " + shorter(s) +
-              ", or raise detector.full_well";
-      break;
-    case RangeEnd::most_count:
-      text += "the largest count of [adc], which stands for " + mtf::three_digits(s.end_e) + unit + "," + mean +
-              "; raise " +
-              (s.volts ? "adc.volts_per_count or adc.bits, or lower adc.offset"
-                       : "adc.electrons_per_count or adc.bits, lower adc.offset, or " + shorter(s));
-      break;
-    default:
-      text +=
-          "count 0 of [adc], which stands for " + mtf::three_digits(s.end_e) + unit + "," + mean + "; raise adc.offset";
-      break;
-  }
+  if (s.end == RangeEnd::full_well)
+    text += "the full well of " + mtf::three_digits(s.end_e) + " e-" + mean + "; " + shorter(s) +
+            ", or raise detector.full_well";
+  else if (s.end == RangeEnd::most_count)
+    text += "the largest count of [adc], which stands for " + mtf::three_digits(s.end_e) + unit + "," + mean +
+            "; raise " +
+            (s.volts ? "adc.volts_per_count or adc.bits, or lower adc.offset"
+                     : "adc.electrons_per_count or adc.bits, lower adc.offset, or " + shorter(s));
+  else
+    text +=
+        "count 0 of [adc], which stands for " + mtf::three_digits(s.end_e) + unit + "," + mean + "; raise adc.offset";
   if (s.saturated()) return text;
   const HeldScatter left = held_scatter(s.sigmas);
   return text + "; slope, noise and NETD are " + mtf::three_digits(left.slope) + ", " + mtf::three_digits(left.sd) +
@@ -124,8 +119,7 @@ std::string where_held(const HeldPixels& held) {
 
 std::string words(const HeldPixels& held) {
   if (!held.any()) return {};
-  // A converter whose range is the well clips values that read noise lifts above a full well; the well is the cause
-  // then.
+  // A converter whose range is the well clips values that read noise lifts above a full well; the well is the cause.
   const bool converter = held.most_count > held.full_well;
   std::string change = held.full_well > 0 ? "shorten frame.integration_time or raise detector.full_well" : "";
   if (converter)

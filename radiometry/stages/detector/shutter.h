@@ -22,10 +22,9 @@ struct Shutter {
   double line_time_s = 0.0;
 
   static constexpr auto fields() {
-    return std::tuple{Field{required_row("kind", "\"rolling\"", "global, or rolling"), &Shutter::kind},
-                      Field{optional_row("line_time", mtf::Dimension::time, "s", 0.0, 1e6, "\"30 us\"",
-                                         "rolling: from a row to the next"),
-                            &Shutter::line_time_s}};
+    return std::tuple{
+        required(&Shutter::kind, "kind", "\"rolling\"", "global, or rolling"),
+        optional(&Shutter::line_time_s, "line_time", "s", 0.0, 1e6, "\"30 us\"", "rolling: from a row to the next")};
   }
 };
 

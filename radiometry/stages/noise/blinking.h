@@ -24,12 +24,10 @@ struct Blinking {
   double dwell_frames = 100.0;
 
   static constexpr auto fields() {
-    return std::tuple{
-        Field{required_row("fraction", 0.0, 1.0, "0.001", "part of the pixels that blink"), &Blinking::fraction},
-        Field{required_row("excess", mtf::Dimension::electrons, "e-", 0.0, 1e30, "\"2000 e-\"",
-                           "mean over the blinking pixels of the excess in the high state"),
-              &Blinking::excess_e},
-        Field{optional_row("dwell", 1.0, 1e9, "250", "mean time in a state, in frames"), &Blinking::dwell_frames}};
+    return std::tuple{required(&Blinking::fraction, "fraction", 0.0, 1.0, "0.001", "part of the pixels that blink"),
+                      required(&Blinking::excess_e, "excess", "e-", 0.0, 1e30, "\"2000 e-\"",
+                               "mean over the blinking pixels of the excess in the high state"),
+                      optional(&Blinking::dwell_frames, "dwell", 1.0, 1e9, "250", "mean time in a state, in frames")};
   }
 
   bool operator==(const Blinking&) const = default;

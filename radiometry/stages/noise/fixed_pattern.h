@@ -39,14 +39,10 @@ struct Defects {
   double hot_e = 0.0;  ///< mean excess electrons of a hot pixel in a frame; each has its own, exponentially distributed
 
   static constexpr auto fields() {
-    constexpr auto part = [](std::string_view name, std::string_view doc, auto member) {
-      return Field{optional_row(name, 0.0, 1.0, "0.001", doc), member};
-    };
-    return std::tuple{part("dead_fraction", "part of the pixels that are dead", &Defects::dead_fraction),
-                      part("hot_fraction", "part of the pixels that are hot", &Defects::hot_fraction),
-                      Field{optional_row("hot", mtf::Dimension::electrons, "e-", 0.0, 1e30, "\"5000 e-\"",
-                                         "mean excess of a hot pixel in a frame"),
-                            &Defects::hot_e}};
+    return std::tuple{
+        optional(&Defects::dead_fraction, "dead_fraction", 0.0, 1.0, "0.001", "part of the pixels that are dead"),
+        optional(&Defects::hot_fraction, "hot_fraction", 0.0, 1.0, "0.001", "part of the pixels that are hot"),
+        optional(&Defects::hot_e, "hot", "e-", 0.0, 1e30, "\"5000 e-\"", "mean excess of a hot pixel in a frame")};
   }
 
   bool operator==(const Defects&) const = default;

@@ -29,14 +29,11 @@ struct Flicker {
 
   static constexpr auto fields() {
     return std::tuple{
-        Field{required_row("white", mtf::Dimension::electrons, "e-", 0.0, 1e15, "\"30 e-\"",
-                           "rms of the white noise that the corner refers to; not added here"),
-              &Flicker::white_e},
-        Field{required_row("corner", 0.0, 1e6, "0.01",
-                           "frequency at which 1/f and white noise are equal, in cycles per pixel: "
-                           "in units of the pixel clock"),
-              &Flicker::corner_cy_px},
-        Field{optional_row("order", "\"columns\"", "whether pixels are read along rows or columns"), &Flicker::order}};
+        required(&Flicker::white_e, "white", "e-", 0.0, 1e15, "\"30 e-\"",
+                 "rms of the white noise that the corner refers to; not added here"),
+        required(&Flicker::corner_cy_px, "corner", 0.0, 1e6, "0.01",
+                 "frequency at which 1/f and white noise are equal, in cycles per pixel: in units of the pixel clock"),
+        optional(&Flicker::order, "order", "\"columns\"", "whether pixels are read along rows or columns")};
   }
 };
 

@@ -22,16 +22,15 @@ struct Noise3d {
   double total() const;  ///< root sum of squares
 
   static constexpr auto fields() {
-    constexpr auto row = [](std::string_view name, std::string_view doc, double Noise3d::*member) {
-      return Field{optional_row(name, mtf::Dimension::electrons, "e-", 0.0, 1e30, "\"20 e-\"", doc), member};
+    using T = Noise3d;
+    constexpr auto row = [](double Noise3d::*member, std::string_view name, std::string_view doc) {
+      return optional(member, name, "e-", 0.0, 1e30, "\"20 e-\"", doc);
     };
-    return std::tuple{row("t", "flicker of whole frames, rms", &Noise3d::t),
-                      row("v", "fixed noise of rows, rms", &Noise3d::v),
-                      row("h", "fixed noise of columns, rms", &Noise3d::h),
-                      row("tv", "temporal noise of rows, rms", &Noise3d::tv),
-                      row("th", "temporal noise of columns, rms", &Noise3d::th),
-                      row("vh", "fixed noise of pixels, rms", &Noise3d::vh),
-                      row("tvh", "temporal noise of pixels, rms", &Noise3d::tvh)};
+    return std::tuple{
+        row(&T::t, "t", "flicker of whole frames, rms"),     row(&T::v, "v", "fixed noise of rows, rms"),
+        row(&T::h, "h", "fixed noise of columns, rms"),      row(&T::tv, "tv", "temporal noise of rows, rms"),
+        row(&T::th, "th", "temporal noise of columns, rms"), row(&T::vh, "vh", "fixed noise of pixels, rms"),
+        row(&T::tvh, "tvh", "temporal noise of pixels, rms")};
   }
 };
 

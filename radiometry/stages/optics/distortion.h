@@ -24,12 +24,10 @@ struct Distortion {
   double k1 = 0.0, k2 = 0.0, k3 = 0.0;
 
   static constexpr auto fields() {
-    constexpr auto row = [](std::string_view name, std::string_view doc, double Distortion::*member) {
-      return Field{optional_row(name, -100.0, 100.0, "-0.05", doc), member};
-    };
-    return std::tuple{row("k1", "coefficient of r^2, r = 1 at half the diagonal; barrel below 0", &Distortion::k1),
-                      row("k2", "coefficient of r^4", &Distortion::k2),
-                      row("k3", "coefficient of r^6", &Distortion::k3)};
+    return std::tuple{optional(&Distortion::k1, "k1", -100.0, 100.0, "-0.05",
+                               "coefficient of r^2, r = 1 at half the diagonal; barrel below 0"),
+                      optional(&Distortion::k2, "k2", -100.0, 100.0, "-0.05", "coefficient of r^4"),
+                      optional(&Distortion::k3, "k3", -100.0, 100.0, "-0.05", "coefficient of r^6")};
   }
 };
 

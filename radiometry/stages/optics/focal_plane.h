@@ -18,11 +18,10 @@ struct OpticalAxis {
   double x_px = 0.0, y_px = 0.0;
 
   static constexpr auto fields() {
-    constexpr auto row = [](std::string_view name, std::string_view doc, double OpticalAxis::*member) {
-      return Field{optional_row(name, mtf::Dimension::pixel, "px", -1e6, 1e6, "\"12 px\"", doc), member};
-    };
-    return std::tuple{row("x", "place of the optical axis, to the right of the detector's middle", &OpticalAxis::x_px),
-                      row("y", "place of the optical axis, below the detector's middle", &OpticalAxis::y_px)};
+    return std::tuple{optional(&OpticalAxis::x_px, "x", "px", -1e6, 1e6, "\"12 px\"",
+                               "place of the optical axis, to the right of the detector's middle"),
+                      optional(&OpticalAxis::y_px, "y", "px", -1e6, 1e6, "\"12 px\"",
+                               "place of the optical axis, below the detector's middle")};
   }
 };
 

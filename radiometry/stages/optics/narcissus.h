@@ -24,11 +24,10 @@ struct Narcissus {
 
   static constexpr auto fields() {
     return std::tuple{
-        Field{required_row("depth", 0.0, 1.0, "0.02", "part of the background that is missing on the axis"),
-              &Narcissus::depth},
-        Field{optional_row("radius", 1e-6, 1e6, "0.3", "radius of half the depth, in half diagonals of the detector"),
-              &Narcissus::radius},
-        Field{optional_row("profile", "\"flat_top\"", "gaussian, or flat_top"), &Narcissus::profile}};
+        required(&Narcissus::depth, "depth", 0.0, 1.0, "0.02", "part of the background that is missing on the axis"),
+        optional(&Narcissus::radius, "radius", 1e-6, 1e6, "0.3",
+                 "radius of half the depth, in half diagonals of the detector"),
+        optional(&Narcissus::profile, "profile", "\"flat_top\"", "gaussian, or flat_top")};
   }
 
   bool operator==(const Narcissus&) const = default;

@@ -21,11 +21,10 @@ struct VeilingGlare {
   double offset = 0.0;
 
   static constexpr auto fields() {
-    return std::tuple{
-        Field{required_row("fraction", 0.0, 1.0, "0.03", "part of the light that is spread evenly over the image"),
-              &VeilingGlare::fraction},
-        Field{optional_row("offset", 0.0, 100.0, "0.01", "light on top of the image's own, as a part of its mean"),
-              &VeilingGlare::offset}};
+    return std::tuple{required(&VeilingGlare::fraction, "fraction", 0.0, 1.0, "0.03",
+                               "part of the light that is spread evenly over the image"),
+                      optional(&VeilingGlare::offset, "offset", 0.0, 100.0, "0.01",
+                               "light on top of the image's own, as a part of its mean")};
   }
 };
 
@@ -35,11 +34,10 @@ struct Ghost {
 
   static constexpr auto fields() {
     return std::tuple{
-        Field{required_row("fraction", 0.0, 1.0, "0.001", "part of the light in the ghost image"), &Ghost::fraction},
-        Field{optional_row("width", mtf::Dimension::pixel, "px", 1.0, 1e6, "\"40 px\"",
-                           "side of the square that a point of the ghost image is spread over, to "
-                           "the nearest odd number of pixels"),
-              &Ghost::width_px}};
+        required(&Ghost::fraction, "fraction", 0.0, 1.0, "0.001", "part of the light in the ghost image"),
+        optional(
+            &Ghost::width_px, "width", "px", 1.0, 1e6, "\"40 px\"",
+            "side of the square that a point of the ghost image is spread over, to the nearest odd number of pixels")};
   }
 };
 

@@ -21,17 +21,13 @@ struct Vignetting {
   std::string map{};  ///< file of factors in place of the polynomial
 
   static constexpr auto fields() {
-    constexpr auto coefficient = [](std::string_view name, std::string_view doc, double Vignetting::*member) {
-      return Field{optional_row(name, -100.0, 100.0, "-0.15", doc), member};
-    };
     return std::tuple{
-        Field{optional_row("cos4", "false", "whether the irradiance falls with cos^4 of the field angle"),
-              &Vignetting::cos4},
-        coefficient("a2", "coefficient of r^2 in the vignetting, r = 1 at half the diagonal", &Vignetting::a2),
-        coefficient("a4", "coefficient of r^4", &Vignetting::a4),
-        coefficient("a6", "coefficient of r^6", &Vignetting::a6),
-        Field{optional_row("map", "\"flat.exr\"", "image of factors, one a pixel, instead of a2, a4, a6"),
-              &Vignetting::map}};
+        optional(&Vignetting::cos4, "cos4", "false", "whether the irradiance falls with cos^4 of the field angle"),
+        optional(&Vignetting::a2, "a2", -100.0, 100.0, "-0.15",
+                 "coefficient of r^2 in the vignetting, r = 1 at half the diagonal"),
+        optional(&Vignetting::a4, "a4", -100.0, 100.0, "-0.15", "coefficient of r^4"),
+        optional(&Vignetting::a6, "a6", -100.0, 100.0, "-0.15", "coefficient of r^6"),
+        optional(&Vignetting::map, "map", "\"flat.exr\"", "image of factors, one a pixel, instead of a2, a4, a6")};
   }
 
   bool operator==(const Vignetting&) const = default;

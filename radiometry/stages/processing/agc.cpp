@@ -223,7 +223,7 @@ ToneCurve tone_curve(mtf::ImageView<const float> frame, const AutomaticGain& gai
     return static_cast<std::int64_t>(std::floor(part * static_cast<double>(extent.count - 1) + 0.5));
   };
   const auto [low, high] = values_at(frame, extent, {rank(gain.clip), rank(1.0 - gain.clip)}, threads);
-  ToneCurve curve{.low = low, .high = high, .level = {}};
+  ToneCurve curve{.low = low, .high = high};
   const auto most = static_cast<float>(gain.most_level);
   if (!(curve.high > curve.low)) {
     // The frame has one value but for the clipped ends: values below it are dark, those above it bright.

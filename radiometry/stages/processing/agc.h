@@ -36,22 +36,14 @@ struct AutomaticGain {
   Polarity polarity = Polarity::white_hot;
 
   static constexpr auto fields() {
-    const auto row = [](std::string_view name, double lo, double hi, bool lo_open, std::string_view doc, auto member) {
-      return Field{
-          FieldInfo{
-              .name = name, .lo = lo, .hi = hi, .lo_open = lo_open, .presence = mtf::Presence::optional, .doc = doc},
-          member};
-    };
-    constexpr auto choice = [](std::string_view name, std::string_view example, std::string_view doc, auto member) {
-      return Field{optional_row(name, example, doc), member};
-    };
-    return std::tuple{choice("method", "\"plateau\"", "linear, or plateau (histogram)", &AutomaticGain::method),
-                      row("clip", 0.0, 0.49, false, "part of the pixels cut at each end", &AutomaticGain::clip),
-                      row("plateau", 0.0, 1.0, true, "largest part of the pixels in one bin", &AutomaticGain::plateau),
-                      row("bins", 2, 65536, false, "bins of the histogram", &AutomaticGain::bins),
-                      row("most_level", 0.0, 1e9, true, "largest display level", &AutomaticGain::most_level),
-                      choice("polarity", "\"white_hot\"", "which end of the signal is bright: white_hot, black_hot",
-                             &AutomaticGain::polarity)};
+    return std::tuple{
+        optional(&AutomaticGain::method, "method", "\"plateau\"", "linear, or plateau (histogram)"),
+        optional(&AutomaticGain::clip, "clip", 0.0, 0.49, "", "part of the pixels cut at each end"),
+        above(optional(&AutomaticGain::plateau, "plateau", 0.0, 1.0, "", "largest part of the pixels in one bin")),
+        optional(&AutomaticGain::bins, "bins", 2, 65536, "", "bins of the histogram"),
+        above(optional(&AutomaticGain::most_level, "most_level", 0.0, 1e9, "", "largest display level")),
+        optional(&AutomaticGain::polarity, "polarity", "\"white_hot\"",
+                 "which end of the signal is bright: white_hot, black_hot")};
   }
 };
 
@@ -59,7 +51,7 @@ struct AutomaticGain {
 /// curve is straight between them and constant outside.
 struct ToneCurve {
   double low = 0.0, high = 1.0;
-  std::vector<float> level;
+  std::vector<float> level{};
 
   /// NaN for NaN. Throws mtf::UsageError for a curve without an interval.
   float at(float value) const;

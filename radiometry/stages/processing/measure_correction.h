@@ -24,27 +24,14 @@ struct CorrectionSettings {
   std::optional<double> cold_k{}, hot_k{};
 
   static constexpr auto fields() {
-    constexpr auto row = [](std::string_view name, double lo, double hi, bool lo_open, std::string_view example,
-                            std::string_view doc, auto member) {
-      return Field{FieldInfo{.name = name,
-                             .lo = lo,
-                             .hi = hi,
-                             .lo_open = lo_open,
-                             .presence = mtf::Presence::optional,
-                             .example = example,
-                             .doc = doc},
-                   member};
-    };
+    using T = CorrectionSettings;
     return std::tuple{
-        row("low", 0.0, 1.0, false, "0.2", "charge of the cold flat frame, part of the full well",
-            &CorrectionSettings::low),
-        row("high", 0.0, 1.0, true, "0.8", "charge of the hot flat frame", &CorrectionSettings::high),
-        row("frames", 1, 4096, false, "64", "frames averaged for each flat frame", &CorrectionSettings::frames),
-        row("limit", 0.0, 1.0, true, "0.5",
-            "a pixel is bad when its response differs from the median one by more than this part of it",
-            &CorrectionSettings::limit),
-        Field{optional_row("replace_bad", "false", "whether bad pixels take the mean of their good neighbours"),
-              &CorrectionSettings::replace_bad}};
+        optional(&T::low, "low", 0.0, 1.0, "0.2", "charge of the cold flat frame, part of the full well"),
+        above(optional(&T::high, "high", 0.0, 1.0, "0.8", "charge of the hot flat frame")),
+        optional(&T::frames, "frames", 1, 4096, "64", "frames averaged for each flat frame"),
+        above(optional(&T::limit, "limit", 0.0, 1.0, "0.5",
+                       "a pixel is bad when its response differs from the median one by more than this part of it")),
+        optional(&T::replace_bad, "replace_bad", "false", "whether bad pixels take the mean of their good neighbours")};
   }
 };
 

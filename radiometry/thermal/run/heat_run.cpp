@@ -2,7 +2,6 @@
 #include "radiometry/thermal/run/heat_run.h"
 
 #include "radiometry/thermal/limits.h"
-#include "radiometry/thermal/run/verify_heat.h"
 
 namespace radiometry::thermal {
 

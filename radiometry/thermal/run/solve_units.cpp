@@ -21,7 +21,7 @@ namespace {
 /// No surface of the scene gets colder: the coldest of air, of the sky as a black body, and of what is given.
 double coldest_k(const HeatScene& scene) {
   const Surroundings& s = scene.surroundings;
-  double coldest = *std::min_element(s.air_k.begin(), s.air_k.end());
+  double coldest = *std::ranges::min_element(s.air_k);
   for (const double sky : s.sky_longwave_w_m2) coldest = std::min(coldest, heat::sky_temperature_k(std::max(sky, 0.0)));
   return std::min(coldest, scene.input.given_range_k()[0]);
 }
@@ -35,7 +35,7 @@ struct Loss {
 Loss loss_of(const HeatScene& scene, const Material& material, bool back, double kelvin) {
   const std::vector<double>& wind = scene.surroundings.wind_m_s;
   return {4.0 * material.emissivity(back) * kStefanBoltzmann_w_m2_k4 * std::pow(kelvin, 3),
-          forced_coefficient(material.construction.convection, *std::min_element(wind.begin(), wind.end()))};
+          forced_coefficient(material.construction.convection, *std::ranges::min_element(wind))};
 }
 
 constexpr std::uint32_t kNone = scene::kNone;
@@ -119,9 +119,7 @@ void require_room(const HeatScene& scene, const Units& units, const std::vector<
 
 constexpr double kSunlit_k = 40.0;  // above the air, for shares of the tolerance; the promise takes the true one
 
-double warmest_air_k(const HeatScene& scene) {
-  return *std::max_element(scene.surroundings.air_k.begin(), scene.surroundings.air_k.end());
-}
+double warmest_air_k(const HeatScene& scene) { return *std::ranges::max_element(scene.surroundings.air_k); }
 
 /// Shares of what is left of the tolerance when exchange passes errors on.
 constexpr double kSolverShare = 0.35, kUnitsShare = 0.15, kGroundShare = 0.03, kExchangeShare = 0.25;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mtf/components/polygon.h"
+#include "mtf/components/polygon_footprint.h"
 
 #include <algorithm>
 #include <array>
