@@ -56,9 +56,41 @@ std::vector<double> number_list(std::string_view option, std::string_view text);
 /// "X,Y,Z", in m.
 std::array<double, 3> point(std::string_view option, std::string_view text);
 
+/// Reads a number that is `good`; of others the message is "OPTION: TEXT" and `otherwise`.
+template <class Good>
+auto number_that_is(const Good& good, const char* otherwise) {
+  return [=](const std::string& option, const std::string& text) {
+    const double value = number(option, text);
+    if (!good(value)) throw mtf::UsageError(option + ": " + text + otherwise);
+    return value;
+  };
+}
+inline auto within(double low, double high, const char* otherwise) {
+  return number_that_is([=](double x) { return x >= low && x <= high; }, otherwise);
+}
+inline auto between(double low, double high, const char* otherwise) {
+  return number_that_is([=](double x) { return x > low && x < high; }, otherwise);
+}
+inline auto fraction() { return between(0.0, 1.0, " is outside (0, 1)"); }
+
+/// Reads a whole number in [low, high].
+inline auto whole(int low, int high) {
+  return [=](const std::string& option, const std::string& text) { return whole_number(option, text, low, high); };
+}
+
+/// Words and what they stand for.
+template <class T, std::size_t N>
+using Words = std::array<std::pair<std::string_view, T>, N>;
+
+/// Words that stand for themselves.
+template <class... Text>
+constexpr Words<std::string_view, sizeof...(Text)> as_they_are(const Text&... words) {
+  return {{{words, words}...}};
+}
+
 /// The value that belongs to a word.
 template <class T, std::size_t N>
-T choice(std::string_view option, std::string_view text, const std::array<std::pair<std::string_view, T>, N>& words) {
+T choice(std::string_view option, std::string_view text, const Words<T, N>& words) {
   std::vector<std::string_view> names;
   std::string all;
   for (const auto& [name, value] : words) {

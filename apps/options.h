@@ -77,10 +77,10 @@ struct LiveOptions {
   std::optional<int> part;
   std::optional<double> tolerance;
   NanPolicy nan = NanPolicy::refuse;
-  int port = 0;            ///< 0 = any free one
-  bool browser = true;     ///< opened where there is a desktop
-  bool stay = false;       ///< without a page too
-  double linger_s = 60.0;  ///< without a page, until it ends
+  int port = 0;             ///< 0 = any free one
+  bool no_browser = false;  ///< else opened where there is a desktop
+  bool stay = false;        ///< without a page too
+  double linger_s = 60.0;   ///< without a page, until it ends
 };
 
 struct BudgetOptions {
@@ -181,12 +181,6 @@ struct CheckOptions {
   std::string out;  ///< "" = stdout
 };
 
-struct ReportOptions {
-  std::string folder;
-  std::string scene;  ///< of the images of the chosen designs; "" = a computed one
-  std::string out;    ///< "" = report.html in the folder
-};
-
 /// What may stand before a name, in place of a study.
 inline constexpr std::array<std::string_view, 4> kSweepVerbs{"plan", "run", "merge", "submit"};
 
@@ -229,13 +223,13 @@ struct SceneOptions {
 /// `mtf heat`.
 struct HeatCommandOptions {
   std::string scene, out;
-  double tolerance_k = 0.1;
-  int rays = 128;            ///< of the view of each side of a facet
-  int directions = 36;       ///< of the table of shadows, a day
-  int sun_points = 4;        ///< of each facet
-  bool every_facet = false;  ///< no classes
-  bool seen = false;         ///< only facets that the camera of the scene sees
-  bool verify = false;       ///< the realised error too
+  std::optional<double> tolerance_k;  ///< else 0.1, with `fit` 0.05
+  int rays = 128;                     ///< of the view of each side of a facet
+  int directions = 36;                ///< of the table of shadows, a day
+  int sun_points = 4;                 ///< of each facet
+  bool every_facet = false;           ///< no classes
+  bool seen = false;                  ///< only facets that the camera of the scene sees
+  bool verify = false;                ///< the realised error too
   bool ply = false, vtk = false;
   double save_every_s = 10.0;  ///< what a run that is killed goes on from is written so often, after a day
   bool anew = false;           ///< an interrupted run in the folder is not continued
@@ -244,7 +238,6 @@ struct HeatCommandOptions {
   bool fit = false;  ///< numbers of the ground to what was measured; `out` is the fitted scene file then
   std::string fit_report, fit_plot;  ///< of a fit: JSON and figure
   bool allow_misfit = false;
-  bool has_tolerance = false;
   Format format = Format::table;  ///< of standard output: table or json
 };
 
@@ -263,7 +256,6 @@ int run_fit(const FitOptions& options, const Global& global);
 int run_sweep(const SweepOptions& options, const Global& global);
 int run_optimize(const OptimizeCommandOptions& options, const Global& global);
 int run_check(const CheckOptions& options, const Global& global);
-int run_report(const ReportOptions& options, const Global& global);
 int run_scene(const SceneOptions& options, const Global& global);
 int run_heat(const HeatCommandOptions& options, const Global& global);
 int run_heat_fit(const HeatCommandOptions& options, const Global& global);

@@ -32,6 +32,4 @@ struct AtmosphereOptions {
 /// What it prints with --format json. Writes no files. Throws UsageError and RuntimeError as the command.
 std::string atmosphere_json(const AtmosphereOptions& options, const Global& global);
 
-int run_atmosphere(const AtmosphereOptions& options, const Global& global);
-
 }  // namespace apps

@@ -197,7 +197,7 @@ int run_live(const LiveOptions& options, const Global& global) {
   print(address + "\n");
   note(global, "the live view is open to this machine alone; Ctrl-C ends it" +
                    (options.stay ? "" : ", as do " + mtf::format_double(options.linger_s) + " s without a page"));
-  if (options.browser) open_browser(address);
+  if (!options.no_browser) open_browser(address);
   bool ready = false;
   while (!interrupt.asked() && (options.stay || !ready || server.seconds_alone() < options.linger_s)) {
     if (ready) {

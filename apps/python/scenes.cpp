@@ -89,7 +89,7 @@ std::string render(const FileName& scene_file, const std::vector<FileName>& sens
                                      .planar_depth = std::nullopt,
                                      .channels = {},
                                      .force = true,
-                                     .json = true};
+                                     .format = Format::json};
   std::string json;
   run_job([&](JobControl&) { json = render_pictures(options, silent(threads)); });
   return json;

@@ -333,7 +333,7 @@ int run_fly(const FlyCommandOptions& options, const Global& global) {
                        {"largest", loosest}};
   json.sort();
   if (!options.report.empty()) emit(options.report, json_document(json));
-  if (options.json) {
+  if (options.format == Format::json) {
     print(json_document(json));
   } else {
     TextTable table({"ms a frame", "least", "median", "most"});

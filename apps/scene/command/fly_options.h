@@ -24,8 +24,8 @@ struct FlyCommandOptions {
   double heat_tolerance_k = 0.1;
   SamplingOptions sampling;
   bool no_air = false;
-  SimulateOptions image;  ///< tolerance, range, nan
-  bool json = false;
+  SimulateOptions image;          ///< tolerance, range, nan
+  Format format = Format::table;  ///< of standard output: table or json
 };
 
 int run_fly(const FlyCommandOptions& options, const Global& global);

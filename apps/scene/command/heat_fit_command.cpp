@@ -37,7 +37,7 @@ int run_heat_fit(const HeatCommandOptions& options, const Global& global) {
   {
     ProgressLine progress(global);
     progress.update("fitting", 0.0);
-    fit = fit_heat(file, {.tolerance_k = options.has_tolerance ? options.tolerance_k : HeatFitOptions{}.tolerance_k,
+    fit = fit_heat(file, {.tolerance_k = options.tolerance_k.value_or(HeatFitOptions{}.tolerance_k),
                           .threads = global.threads,
                           .progress = [&](int solutions) {
                             progress.update("fitting, " + std::to_string(solutions) + " solutions", 0.5);

@@ -364,7 +364,8 @@ std::string render_pictures(const RenderCommandOptions& options, const Global& g
     draw_pictures(outputs.at(options.picture), pictures, global.threads);
   }
   outputs.commit();
-  if (!options.json) return render_summary(options, {scene, sensors, frame, metadata, samples_per_pitch}, names);
+  if (options.format != Format::json)
+    return render_summary(options, {scene, sensors, frame, metadata, samples_per_pitch}, names);
   Json json = render_json({scene, sensors, frame, metadata, samples_per_pitch}, names);
   json["timing_ms"]["write"] = writing.ms();
   json["timing_ms"]["all"] = all.ms();

@@ -36,7 +36,7 @@ struct RenderCommandOptions {
   std::optional<bool> planar_depth;  ///< of `from`; else as the file is
   std::vector<std::pair<std::string, std::string>> channels;  ///< of `from`: role, name
   bool force = false;
-  bool json = false;
+  Format format = Format::table;  ///< of standard output: table or json
 };
 
 /// Writes the files; what the command prints then. Throws as the command.
