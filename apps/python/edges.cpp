@@ -16,8 +16,6 @@
 namespace apps::python {
 namespace {
 
-namespace py = pybind11;
-
 MeasureMethod method_of(const std::string& name) {
   if (name == "regression") return MeasureMethod::regression;
   if (name == "iso12233") return MeasureMethod::iso12233;
@@ -126,9 +124,8 @@ std::vector<EdgePlane> planes_of(EdgeImage&& image, const EdgeInput& input, Regi
 }
 
 void add_edges(py::module_& module) {
-  module.def("measure", &measure, py::arg("image"), py::arg("words"), py::arg("method"), py::arg("order"),
-             py::arg("circle"), py::arg("unit"), py::arg("pitch_um"), py::arg("focal_length_mm"), py::arg("contrasts"),
-             py::arg("threads"));
+  module.def("measure", &measure, "image"_a, "words"_a, "method"_a, "order"_a, "circle"_a, "unit"_a, "pitch_um"_a,
+             "focal_length_mm"_a, "contrasts"_a, "threads"_a);
 }
 
 }  // namespace apps::python

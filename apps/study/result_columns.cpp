@@ -11,6 +11,11 @@
 
 namespace study {
 
+const char* role_word(Column::Role role) {
+  constexpr std::array words{"axis", "link", "metric", "objective", "feasible", "yield", "error", "pareto"};
+  return words[static_cast<std::size_t>(role)];
+}
+
 std::size_t objective_column(const Study& study, const std::vector<Column>& columns, std::size_t objective) {
   const Expression& expression = study.objectives[objective].expression;
   const auto named = [&](const std::string& name, Column::Role role) -> std::optional<std::size_t> {

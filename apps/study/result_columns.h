@@ -14,6 +14,9 @@ namespace study {
 /// none (columns of another study).
 std::size_t objective_column(const Study& study, const std::vector<Column>& columns, std::size_t objective);
 
+/// "axis", "link", "metric", ...
+const char* role_word(Column::Role role);
+
 /// The column of a role that a table has once (feasible, yield, error).
 std::optional<std::size_t> column_of(const std::vector<Column>& columns, Column::Role role);
 

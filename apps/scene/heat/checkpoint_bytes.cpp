@@ -14,24 +14,28 @@ namespace heat = radiometry::heat;
 
 class Writer {
  public:
+  template <class... T>
+  void operator()(const T&... values) {
+    (add(values), ...);
+  }
   template <class T>
-  void operator()(const T& value) {
+  void add(const T& value) {
     static_assert(std::is_trivially_copyable_v<T>);
     bytes_.append(reinterpret_cast<const char*>(&value), sizeof value);
   }
   template <class T>
-  void operator()(const std::vector<T>& values) {
+  void add(const std::vector<T>& values) {
     static_assert(std::is_trivially_copyable_v<T>);
-    (*this)(values.size());
+    add(values.size());
     bytes_.append(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T));
   }
-  void operator()(const std::string& text) {
-    (*this)(text.size());
+  void add(const std::string& text) {
+    add(text.size());
     bytes_.append(text);
   }
   /// How many of something follow.
   std::size_t count(std::size_t size, std::size_t) {
-    (*this)(size);
+    add(size);
     return size;
   }
   std::string& bytes() { return bytes_; }
@@ -43,25 +47,29 @@ class Writer {
 class Reader {
  public:
   explicit Reader(std::string_view bytes) : left_(bytes) {}
+  template <class... T>
+  void operator()(T&... values) {
+    (take_into(values), ...);
+  }
   template <class T>
-  void operator()(T& value) {
+  void take_into(T& value) {
     static_assert(std::is_trivially_copyable_v<T>);
     std::memcpy(&value, take(1, sizeof value), sizeof value);
   }
   template <class T>
-  void operator()(std::vector<T>& values) {
+  void take_into(std::vector<T>& values) {
     const std::size_t size = count(0);
     const char* from = take(size, sizeof(T));
     values.resize(size);
     if (size > 0) std::memcpy(values.data(), from, size * sizeof(T));
   }
-  void operator()(std::string& text) {
+  void take_into(std::string& text) {
     const std::size_t size = count(0);
     text.assign(take(size, 1), size);
   }
   std::size_t count(std::size_t) {
     std::size_t size = 0;
-    (*this)(size);
+    take_into(size);
     return size;
   }
   /// The same of things of at least that many bytes.
@@ -85,56 +93,28 @@ class Reader {
 
 template <class Archive, class Grid>
 void grid(Archive& a, Grid& g) {
-  a(g.capacity);
-  a(g.conductance);
-  a(g.depth_m);
-  a(g.layer_m);
-  a(g.inner_w_m2_k);
+  a(g.capacity, g.conductance, g.depth_m, g.layer_m, g.inner_w_m2_k);
 }
 
 template <class Archive, class State>
 void state(Archive& a, State& s) {
-  a(s.time_s);
-  a(s.facets);
-  a(s.fine);
-  a(s.doubled);
-  a(s.coarse);
-  a(s.step_s);
+  a(s.time_s, s.facets, s.fine, s.doubled, s.coarse, s.step_s);
 }
 
 template <class Archive, class Batch>
 void batch(Archive& a, Batch& b) {
-  a(b.wanted_k);
-  a(b.run.name);
-  a(b.run.units);
-  a(b.run.sample);
-  a(b.run.nodes);
-  a(b.run.promised);
-  a(b.run.steps);
-  a(b.run.drift);
+  a(b.wanted_k, b.run.name, b.run.units, b.run.sample, b.run.nodes, b.run.promised, b.run.steps, b.run.drift);
   grid(a, b.fine);
   grid(a, b.coarse);
-  a(b.request);
-  a(b.step_tolerance_k);
-  a(b.depth_k);
-  state(a, b.all);
-  state(a, b.sample);
-  state(a, b.promise);
+  a(b.request, b.step_tolerance_k, b.depth_k);
+  for (auto* each : {&b.all, &b.sample, &b.promise}) state(a, *each);
 }
 
 /// All of it, whichever way.
 template <class Archive, class Saved>
 void all_of(Archive& a, Saved& c) {
-  a(c.windows);
-  a(c.outputs);
-  a(c.exchange_k);
-  a(c.left_out);
-  a(c.warmest_k);
-  a(c.iterations);
-  a(c.view_spread);
-  a(c.batches.window);
-  a(c.batches.emitted);
-  a(c.batches.beyond_sample);
+  a(c.windows, c.outputs, c.exchange_k, c.left_out, c.warmest_k, c.iterations, c.view_spread);
+  a(c.batches.window, c.batches.emitted, c.batches.beyond_sample);
   constexpr std::size_t kLeast = 256;  // bytes of a batch
   const std::size_t count = a.count(c.batches.batch.size(), kLeast);
   if constexpr (!std::is_const_v<Saved>) c.batches.batch.resize(count);
@@ -144,7 +124,7 @@ void all_of(Archive& a, Saved& c) {
 template <class... Vectors>
 std::string hash_of(const Vectors&... vectors) {
   Writer bytes;
-  (bytes(vectors), ...);
+  bytes(vectors...);
   return mtf::io::sha256_hex(bytes.bytes());
 }
 
