@@ -82,7 +82,7 @@ void add_flag(Command& command, const std::string& names, const std::string& doc
 /// Always the same words.
 Candidates one_of(std::vector<std::string> words);
 template <class T, std::size_t N>
-Candidates one_of(const Words<T, N>& words) {
+Candidates one_of(const Choices<T, N>& words) {
   std::vector<std::string> names;
   for (const auto& [name, value] : words) names.emplace_back(name);
   return one_of(std::move(names));
@@ -90,7 +90,7 @@ Candidates one_of(const Words<T, N>& words) {
 
 template <class Value, std::size_t N, class T>
 OptionSpec& add_choice(Command& command, const std::string& names, const std::string& type, const std::string& doc,
-                       const Words<Value, N>& words, T& target) {
+                       const Choices<Value, N>& words, T& target) {
   OptionSpec& option = add_value(command, names, type, doc, target,
                                  [words](const auto& name, const auto& text) { return choice(name, text, words); });
   option.candidates = one_of(words);
@@ -98,7 +98,7 @@ OptionSpec& add_choice(Command& command, const std::string& names, const std::st
 }
 
 // Options that several commands have.
-inline constexpr Words<Format, 3> kFormats{{{"table", Format::table}, {"csv", Format::csv}, {"json", Format::json}}};
+inline constexpr auto kFormats = enumerated<Format>("table", "csv", "json");
 inline constexpr std::array kTableOrJson{kFormats[0], kFormats[2]};
 void add_format(Command& command, const std::string& doc, Format& format);
 void add_force(Command& command, bool& force);

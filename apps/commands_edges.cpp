@@ -9,14 +9,9 @@
 namespace apps {
 namespace {
 
-constexpr Words<MeasureMethod, 3> kMethods{
-    {{"regression", MeasureMethod::regression}, {"iso12233", MeasureMethod::iso12233}, {"both", MeasureMethod::both}}};
-constexpr Words<bool, 2> kLoss{{{"huber", true}, {"squares", false}}};
-constexpr Words<FrequencyUnit, 5> kUnits{{{"cy/px", FrequencyUnit::cy_px},
-                                          {"cy/mm", FrequencyUnit::cy_mm},
-                                          {"lp/mm", FrequencyUnit::lp_mm},
-                                          {"cy/mrad", FrequencyUnit::cy_mrad},
-                                          {"lw/ph", FrequencyUnit::lw_ph}}};
+constexpr auto kMethods = enumerated<MeasureMethod>("regression", "iso12233", "both");
+constexpr Choices<bool, 2> kLoss{{{"huber", true}, {"squares", false}}};
+constexpr auto kUnits = enumerated<FrequencyUnit>("cy/px", "cy/mm", "lp/mm", "cy/mrad", "lw/ph");
 
 const auto positive = between(0.0, mtf::kInfinity, " has to be above 0");
 

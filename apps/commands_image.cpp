@@ -9,15 +9,9 @@
 namespace apps {
 namespace {
 
-constexpr Words<bool, 2> kRigor{{{"estimate", false}, {"measure", true}}};
-constexpr Words<bool, 2> kResume{{{"auto", true}, {"no", false}}};
-constexpr Words<radiometry::OutputStage, 7> kOutputStages{{{"radiance", radiometry::OutputStage::radiance},
-                                                           {"irradiance", radiometry::OutputStage::irradiance},
-                                                           {"watts", radiometry::OutputStage::watts},
-                                                           {"electrons", radiometry::OutputStage::electrons},
-                                                           {"volts", radiometry::OutputStage::volts},
-                                                           {"dn", radiometry::OutputStage::dn},
-                                                           {"display", radiometry::OutputStage::display}}};
+constexpr auto kRigor = enumerated<bool>("estimate", "measure");
+constexpr Choices<bool, 2> kResume{{{"auto", true}, {"no", false}}};
+constexpr auto kOutputStages = enumerated<radiometry::OutputStage>(radiometry::kOutputStageNames);
 
 int run_any_bench(const BenchOptions& options, const Global& global) {
   const bool pictures = options.scene.ends_with(".toml");

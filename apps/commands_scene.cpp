@@ -32,7 +32,7 @@ Command scene_verb(const char* name, SceneOptions::Action action, const char* do
 }
 
 void add_sampling(Command& app, SamplingOptions& to) {
-  constexpr Words<int, 3> points{{{"1", 1}, {"4", 2}, {"16", 4}}};
+  constexpr Choices<int, 3> points{{{"1", 1}, {"4", 2}, {"16", 4}}};
   add_value(app, "--samples-per-pitch", "N",
             "advanced: along each axis; default: 2, or as many up to 8 as the sensor's MTF asks for",
             to.samples_per_pitch, within(0.5, 64.0, "; it is from 0.5 to 64"));
@@ -118,7 +118,7 @@ Command render_command() {
   add_value(app, "--look-at", "X,Y,Z", "what it looks at, m; default: [camera] of the scene file", options.look_at,
             point);
   add_value(app, "--tolerance", "X", "of the tables of the air, relative; default 5e-6", options.tolerance, fraction());
-  constexpr Words<bool, 2> quantities{{{"weighted", false}, {"radiance", true}}};
+  constexpr Choices<bool, 2> quantities{{{"weighted", false}, {"radiance", true}}};
   add_choice(app, "--quantity", "WORD", "weighted (default), by the sensor's response, or radiance in W m-2 sr-1",
              quantities, options.plain);
   add_text(app, "--from", "FILE",
@@ -127,7 +127,7 @@ Command render_command() {
   add_text(app, "--materials", "FILE",
            "with --from: CSV of index,material[,temperature_K]; default: the materials of the scene file from 0 on",
            options.materials);
-  constexpr Words<bool, 2> depths{{{"planar", true}, {"range", false}}};
+  constexpr Choices<bool, 2> depths{{{"planar", true}, {"range", false}}};
   add_choice(
       app, "--depth", "WORD",
       "with --from: planar, along the optical axis (default), or range, along the ray (default of files of mtf render)",

@@ -11,12 +11,9 @@
 namespace apps {
 namespace {
 
-constexpr Words<ConfigOptions::Layout, 3> kLayouts{{{"table", ConfigOptions::Layout::table},
-                                                    {"markdown", ConfigOptions::Layout::markdown},
-                                                    {"json", ConfigOptions::Layout::json}}};
+constexpr auto kLayouts = enumerated<ConfigOptions::Layout>("table", "markdown", "json");
 using FileKind = ConfigOptions::FileKind;
-constexpr Words<FileKind, 3> kFiles{
-    {{"sensor", FileKind::sensor}, {"study", FileKind::study}, {"scene", FileKind::scene}}};
+constexpr auto kFiles = enumerated<FileKind>("sensor", "study", "scene");
 
 }  // namespace
 

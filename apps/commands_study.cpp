@@ -10,10 +10,8 @@
 namespace apps {
 namespace {
 
-constexpr Words<SweepOptions::Engine, 3> kEngines{{{"slurm", SweepOptions::Engine::slurm},
-                                                   {"parallel", SweepOptions::Engine::parallel},
-                                                   {"local", SweepOptions::Engine::local}}};
-constexpr Words<bool, 2> kSearch{{{"smooth", false}, {"search", true}}};
+constexpr auto kEngines = enumerated<SweepOptions::Engine>("slurm", "parallel", "local");
+constexpr auto kSearch = enumerated<bool>("smooth", "search");
 
 }  // namespace
 

@@ -9,7 +9,6 @@
 #include <CLI/Formatter.hpp>
 
 #include <algorithm>
-#include <array>
 #include <functional>
 #include <iostream>
 #include <new>
@@ -87,8 +86,7 @@ std::string error_lines(std::string message, const std::vector<std::string>& arg
   return lines;
 }
 
-constexpr Words<Progress, 4> kProgress{
-    {{"auto", Progress::automatic}, {"plain", Progress::plain}, {"json", Progress::json}, {"none", Progress::none}}};
+constexpr auto kProgress = enumerated<Progress>("auto", "plain", "json", "none");
 
 void add_option(CLI::App& app, const OptionSpec& option) {
   if (option.flag) {
