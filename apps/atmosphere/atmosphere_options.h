@@ -5,7 +5,6 @@
 
 #include <optional>
 #include <string>
-#include <string_view>
 
 #include "apps/options.h"
 #include "radiometry/atmosphere/atmosphere_settings.h"

@@ -76,23 +76,14 @@ std::optional<double> median_ms(const BenchRow& row) {
   return row.time ? std::optional<double>(row.time->median_ms) : std::nullopt;
 }
 
-Json number_or_null(const std::optional<double>& value) { return value ? Json(*value) : Json(nullptr); }
-
 Json row_json(const BenchRow& row) {
-  return {{"tolerance", row.tolerance},
-          {"method", row.method},
-          {"chosen", row.chosen},
-          {"promised", number_or_null(row.promised)},
-          {"rms_error", number_or_null(row.rms_error)},
-          {"max_error", number_or_null(row.max_error)},
-          {"time_ms_min", number_or_null(min_ms(row))},
-          {"time_ms_median", number_or_null(median_ms(row))},
-          {"plan_ms", number_or_null(row.plan_ms)},
-          {"memory_mib", number_or_null(row.memory_mib)},
-          {"floor_ms", number_or_null(row.floor_ms)},
-          {"floor_image_ms", number_or_null(row.floor_image_ms)},
-          {"detail", row.detail},
-          {"runs", row.time ? Json(row.time->runs) : Json(nullptr)}};
+  return {{"tolerance", row.tolerance}, {"method", row.method},
+          {"chosen", row.chosen},       {"promised", row.promised},
+          {"rms_error", row.rms_error}, {"max_error", row.max_error},
+          {"time_ms_min", min_ms(row)}, {"time_ms_median", median_ms(row)},
+          {"plan_ms", row.plan_ms},     {"memory_mib", row.memory_mib},
+          {"floor_ms", row.floor_ms},   {"floor_image_ms", row.floor_image_ms},
+          {"detail", row.detail},       {"runs", row.time ? Json(row.time->runs) : Json(nullptr)}};
 }
 
 // The least error that can be had within a time: a staircase over the rows that no other beats in both error and time.
@@ -333,7 +324,6 @@ int run_bench(const BenchOptions& given, const Global& global) {
   BenchOptions options = given;
   options.rounds = given.rounds.value_or(kRounds);
   const mtf::Stopwatch watch;
-  if (options.out.empty()) throw mtf::UsageError("-o, --out is missing: name the folder for the results");
   const mtf::io::SensorConfig config = load_sensor(options.sensor, global);
   mtf::require_isoplanatic(config.system, "mtf bench");
   std::vector<std::string> inputs = files_of(config);

@@ -2,7 +2,6 @@
 #include "apps/edges/edge_input.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 

@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "apps/terminal/text_table.h"
-#include "apps/text/message_words.h"
 
 namespace apps {
 namespace {

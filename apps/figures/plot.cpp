@@ -8,16 +8,12 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <array>
 #include <cctype>
 #include <cerrno>
 #include <chrono>
 #include <cmath>
 #include <csignal>
 #include <limits>
-#include <optional>
-#include <span>
-#include <string>
 #include <string_view>
 #include <system_error>
 

@@ -296,8 +296,6 @@ std::string as_text(const ImageFacts& facts) {
   return text + "\n" + (facts.next.empty() ? "" : "next: " + facts.next + "\n");
 }
 
-Json optional_json(const std::optional<double>& value) { return value ? Json(*value) : Json(); }
-
 std::string as_json(const ImageFacts& facts) {
   const mtf::io::FileInfo& info = facts.info;
   Json json{{"file", facts.path},
@@ -309,18 +307,18 @@ std::string as_json(const ImageFacts& facts) {
             {"display_window", info.display_window},
             {"values", facts.values}};
   const auto& [word, source] = info.encoding;
-  json["encoding"] = word.empty() ? Json() : Json(word);
-  json["encoding_source"] = source.empty() ? Json() : Json(source);
+  json["encoding"] = text_or_null(word);
+  json["encoding_source"] = text_or_null(source);
   json["notes"] = facts.remarks;
   Json& channels = json["channels"] = Json::array();
   for (const ChannelFacts& facts_of : facts.channels) {
     const mtf::io::ChannelInfo& c = facts_of.channel;
     Json channel{{"name", c.name}, {"type", c.type},           {"layer", c.layer},
                  {"part", c.part}, {"part_name", c.part_name}, {"sampling", {c.x_sampling, c.y_sampling}}};
-    channel["min"] = optional_json(facts_of.min);
-    channel["max"] = optional_json(facts_of.max);
-    channel["mean"] = optional_json(facts_of.mean);
-    channel["std"] = optional_json(facts_of.std);
+    channel["min"] = facts_of.min;
+    channel["max"] = facts_of.max;
+    channel["mean"] = facts_of.mean;
+    channel["std"] = facts_of.std;
     channel["not_finite"] = facts_of.statistics ? Json(facts_of.statistics->not_finite) : Json();
     channels.push_back(std::move(channel));
   }

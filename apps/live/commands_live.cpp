@@ -5,7 +5,6 @@
 #include "apps/command_line.h"
 #include "apps/commands.h"
 #include "apps/modules/modules.h"
-#include "mtf/error.h"
 
 namespace apps {
 

@@ -3,7 +3,6 @@
 // All designs of a sweep in charts: scatter and Pareto front, metrics over two axes.
 
 #include <algorithm>
-#include <cmath>
 
 #include "apps/report/report_html.h"
 #include "apps/report/report_sections.h"

@@ -14,7 +14,6 @@
 #include "apps/simulate/simulate_parts.h"
 #include "apps/simulate/tiles/simulate_tiles.h"
 #include "apps/text/message_words.h"
-#include "mtf/io/image_io.h"
 
 namespace apps {
 namespace {

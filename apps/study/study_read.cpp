@@ -3,7 +3,6 @@
 // What the parts of a study share: sensor files, names, numbers in the unit of their field, places inside of strings.
 
 #include <algorithm>
-#include <cmath>
 
 #include "apps/sensor/sensor_air.h"
 #include "apps/sensor/sensor_chain.h"

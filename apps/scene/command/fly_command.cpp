@@ -329,8 +329,7 @@ int run_fly(const FlyCommandOptions& options, const Global& global) {
   const std::vector<std::string> left = left_out(source, flight, frame, lights, late);
   Json json = json_of(times, done, first_ms, flight, frame, left);
   json["samples_per_pitch"] = samples_per_pitch;
-  json["tolerance"] = {{"asked", options.image.tolerance ? Json(*options.image.tolerance) : nullptr},
-                       {"largest", loosest}};
+  json["tolerance"] = {{"asked", options.image.tolerance}, {"largest", loosest}};
   json.sort();
   if (!options.report.empty()) emit(options.report, json_document(json));
   if (options.format == Format::json) {

@@ -23,12 +23,6 @@ std::string errors_text(const HeatFit& fit) {
   return text + ";\nwhat the model does wrong on every day alike is not in them\n";
 }
 
-Json numbers(const std::vector<double>& values) {
-  Json json = Json::array();
-  for (const double value : values) json.push_back(std::isfinite(value) ? Json(value) : Json());
-  return json;
-}
-
 }  // namespace
 
 std::string heat_fit_table(const HeatFit& fit) {
@@ -48,7 +42,7 @@ std::string heat_fit_table(const HeatFit& fit) {
 std::string heat_fit_json(const SceneFile& scene, const HeatFit& fit) {
   const calib::SeriesFit& s = fit.series;
   Json json{{"version", mtf::version}, {"status", calib::status_name(s.status)}};
-  json["reason"] = s.reason.empty() ? Json() : Json(s.reason);
+  json["reason"] = text_or_null(s.reason);
   json["warnings"] = fit.warnings;
   add_parameters(json, s.parameters, s.not_separable, s.correlation);
   json["count"] = s.count;
@@ -62,7 +56,7 @@ std::string heat_fit_json(const SceneFile& scene, const HeatFit& fit) {
                        {"independent_values", s.independent_values}};
   json["temperature"] = {{"start", radiometry::heat::instant_text(scene.time.start_s)},
                          {"time_s", fit.measured.time_s},
-                         {"measured_K", numbers(fit.measured.kelvin)},
+                         {"measured_K", fit.measured.kelvin},
                          {"before_K", s.before.model},
                          {"after_K", s.fitted() ? Json(s.after.model) : Json()}};
   json["iterations"] = s.iterations;

@@ -6,12 +6,10 @@
 #include <algorithm>
 #include <cstring>
 #include <mutex>
-#include <optional>
 
 #include "apps/sensor/sensor_place.h"
 #include "apps/simulate/image_output.h"
 #include "apps/simulate/run_watch.h"
-#include "apps/simulate/sensor_run.h"
 #include "apps/simulate/simulate_parts.h"
 #include "apps/simulate/tiles/tile_scene.h"
 #include "apps/text/message_words.h"

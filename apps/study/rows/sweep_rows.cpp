@@ -3,7 +3,6 @@
 
 #include <cmath>
 
-#include "apps/study/statistics/sampling.h"
 #include "mtf/io/csv/number_text.h"
 #include "mtf/io/sha256.h"
 #include "mtf/version.h"
