@@ -8,8 +8,7 @@
 #include "apps/command_line.h"
 #include "apps/commands.h"
 #include "apps/modules/modules.h"
-#include "apps/scene/command/fly_options.h"
-#include "apps/scene/command/render_options.h"
+#include "apps/scene/command/picture_options.h"
 #include "apps/scene/render/layer_file.h"
 
 namespace apps {

@@ -8,7 +8,7 @@
 #include "apps/python/job.h"
 #include "apps/python/topics.h"
 #include "apps/scene/command/heat_files.h"
-#include "apps/scene/command/render_options.h"
+#include "apps/scene/command/picture_options.h"
 #include "apps/terminal/output_set.h"
 
 namespace apps::python {

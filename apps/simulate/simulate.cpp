@@ -8,7 +8,6 @@
 
 #include "apps/simulate/frames/sensor_frame.h"
 #include "apps/simulate/frames/sequence.h"
-#include "apps/simulate/image_output.h"
 #include "apps/simulate/output_files.h"
 #include "apps/simulate/run_watch.h"
 #include "apps/simulate/simulate_parts.h"

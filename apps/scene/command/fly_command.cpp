@@ -10,14 +10,14 @@
 #include <set>
 
 #include "apps/config_command.h"
-#include "apps/scene/command/fly_options.h"
+#include "apps/scene/command/picture_options.h"
 #include "apps/scene/command/read_scene.h"
 #include "apps/scene/fly/flight.h"
 #include "apps/scene/fly/stage_times.h"
 #include "apps/scene/heat/read_temperatures.h"
 #include "apps/simulate/frames/frame_names.h"
-#include "apps/simulate/image_output.h"
 #include "apps/simulate/output_files.h"
+#include "apps/simulate/simulate_parts.h"
 #include "apps/terminal/interrupt.h"
 #include "apps/terminal/output.h"
 #include "apps/terminal/progress_line.h"

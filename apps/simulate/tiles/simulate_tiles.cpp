@@ -8,7 +8,6 @@
 #include <mutex>
 
 #include "apps/sensor/sensor_place.h"
-#include "apps/simulate/image_output.h"
 #include "apps/simulate/run_watch.h"
 #include "apps/simulate/simulate_parts.h"
 #include "apps/simulate/tiles/tile_scene.h"

@@ -6,7 +6,6 @@
 
 #include "apps/study/design/design_light.h"
 #include "apps/study/design/design_model.h"
-#include "apps/study/design/gradient.h"
 #include "apps/study/design/metric_gap.h"
 #include "mtf/error.h"
 

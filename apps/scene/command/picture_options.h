@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// What `mtf render` takes.
+// What `mtf render` and `mtf fly` take.
 
 #include <array>
 #include <optional>
@@ -43,5 +43,23 @@ struct RenderCommandOptions {
 std::string render_pictures(const RenderCommandOptions& options, const Global& global);
 
 int run_render(const RenderCommandOptions& options, const Global& global);
+
+struct FlyCommandOptions {
+  std::string scene, sensor, out;
+  std::string temperatures, time, schedule;
+  std::string report;  ///< JSON file to write, "" = none
+  std::optional<FrameRange> frames;
+  std::optional<double> seconds;
+  double rate_hz = 25.0;
+  double speed = 1.0;  ///< of the scene's clock
+  double light_every_s = 60.0;
+  double heat_tolerance_k = 0.1;
+  SamplingOptions sampling;
+  bool no_air = false;
+  SimulateOptions image;          ///< tolerance, range, nan
+  Format format = Format::table;  ///< of standard output: table or json
+};
+
+int run_fly(const FlyCommandOptions& options, const Global& global);
 
 }  // namespace apps
