@@ -108,20 +108,15 @@ void add_force(Command& command, bool& force) {
   add_flag(command, "--force", "write into a folder that is not empty", force);
 }
 
-void add_channel(Command& command, std::optional<std::string>& channel) {
+void add_channel_choice(Command& command, mtf::io::ReadOptions& read) {
   add_text(command, "--channel", "NAME", "the channel to use, by its full name", [&](const std::string& text) {
-    channel = text;
+    read.channel = text;
   }).candidates = channels_on;
-}
-
-void add_channel_choice(Command& command, std::optional<std::string>& channel, std::optional<std::string>& layer,
-                        std::optional<int>& part) {
-  add_channel(command, channel);
   add_word(command, "--layer", "NAME", "the layer to use; '' = the channels without a layer",
-           [&](const std::string& text) { layer = text; })
+           [&](const std::string& text) { read.layer = text; })
       .candidates = layers_on;
-  add_value(command, "--part", "N", "part of a multi-part OpenEXR file, from 0", part, whole(0, 1'000'000)).candidates =
-      parts_on;
+  add_value(command, "--part", "N", "part of a multi-part OpenEXR file, from 0", read.part, whole(0, 1'000'000))
+      .candidates = parts_on;
 }
 
 }  // namespace apps

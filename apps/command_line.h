@@ -102,9 +102,7 @@ inline constexpr auto kFormats = enumerated<Format>("table", "csv", "json");
 inline constexpr std::array kTableOrJson{kFormats[0], kFormats[2]};
 void add_format(Command& command, const std::string& doc, Format& format);
 void add_force(Command& command, bool& force);
-void add_channel(Command& command, std::optional<std::string>& channel);
 /// --channel, --layer and --part.
-void add_channel_choice(Command& command, std::optional<std::string>& channel, std::optional<std::string>& layer,
-                        std::optional<int>& part);
+void add_channel_choice(Command& command, mtf::io::ReadOptions& read);
 
 }  // namespace apps

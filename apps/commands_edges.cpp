@@ -52,7 +52,7 @@ void add_edge_input(Command& app, EdgeInput& input) {
            "default: what the file says, else linear",
            input.encoding)
       .candidates = one_of({"", "linear", "srgb", "gamma"});
-  add_channel_choice(app, input.channel, input.layer, input.part);
+  add_channel_choice(app, input.read);
   add_choice(app, "--bayer", "COLOUR", "of a mosaic, without interpolation: r, gr, gb, b, g (both greens) or all",
              as_they_are("r", "gr", "gb", "b", "g", "all"), input.bayer);
   add_choice(app, "--cfa-pattern", "PATTERN", "of the mosaic's first four pixels: rggb (default), grbg, gbrg or bggr",

@@ -22,7 +22,7 @@ int run_any_bench(const BenchOptions& options, const Global& global) {
     if (!options.tolerances_k.empty()) throw mtf::UsageError("--tolerance belongs to a scene file without an image");
     return run_bench(options, global);
   }
-  if (options.channel || options.layer || options.part || options.measure)
+  if (options.read.channel || options.read.layer || options.read.part || options.measure)
     throw mtf::UsageError("name the image of the scene; --channel, --layer, --part and --rigor belong to images");
   return scenes_module().bench_heat(options, global);
 }
@@ -63,7 +63,7 @@ Command simulate_command() {
       "draw scene and image for the eye, side by side, with colour bars (.png): counts fill little of the scale of\n"
       "an image file, which a viewer shows black",
       options.picture);
-  add_channel_choice(app, options.channel, options.layer, options.part);
+  add_channel_choice(app, options.read);
   add_value(app, "--tolerance", "X",
             "rms error allowed; default 1e-4, with [adc] in the sensor file a tenth of a count", options.run.tolerance,
             fraction());
@@ -128,7 +128,7 @@ Command bench_command() {
            options.scene)
       .required = false;
   add_text(app, "-o,--out", "FOLDER", "folder to create", options.out).required = true;
-  add_channel_choice(app, options.channel, options.layer, options.part);
+  add_channel_choice(app, options.read);
   add_value(app, "--rounds", "N", "runs of each method; default 15, fewer of slow ones; with a scene file 1",
             options.rounds, whole(1, 10000));
   add_value(app, "--seconds", "S", "time for the whole, about; default 60", options.seconds,

@@ -90,7 +90,7 @@ Command info_command() {
               "  mtf info scene.exr --format json"};
   auto& options = options_of<InfoOptions>(app, run_info);
   add_file(app, "file", "image or sensor file", options.file);
-  add_channel_choice(app, options.channel, options.layer, options.part);
+  add_channel_choice(app, options.read);
   add_format(app, "table (default), csv (of the channels) or json", options.format);
   return app;
 }

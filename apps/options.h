@@ -13,6 +13,7 @@
 
 #include "apps/simulate/simulate_options.h"
 #include "apps/text/frequency_unit.h"
+#include "mtf/io/image_io.h"
 
 namespace apps {
 
@@ -41,8 +42,7 @@ struct CurveOptions {
 struct InfoOptions {
   std::string file;
   Format format = Format::table;
-  std::optional<std::string> channel, layer;
-  std::optional<int> part;
+  mtf::io::ReadOptions read;  ///< which channels of the image
 };
 
 struct ConfigOptions {
@@ -59,9 +59,8 @@ struct ConfigOptions {
 /// `mtf simulate`.
 struct SimulateCommandOptions {
   std::string sensor, scene, report;
-  std::string picture;  ///< PNG of scene and image for the eye, "" = none
-  std::optional<std::string> channel, layer;
-  std::optional<int> part;
+  std::string picture;        ///< PNG of scene and image for the eye, "" = none
+  mtf::io::ReadOptions read;  ///< which channels of the image
   bool explain = false;
   std::string wisdom;         ///< file with what measuring learnt; read before, written after
   bool without_path = false;  ///< [path] and [atmosphere] of the sensor are left out
@@ -73,8 +72,7 @@ struct LiveOptions {
   std::string first, second;       ///< sensor file and image, or scene file and sensor file; both "": the demo
   std::string temperatures, time;  ///< of a 3-D scene, as for `mtf fly`
   bool no_air = false;
-  std::optional<std::string> channel, layer;
-  std::optional<int> part;
+  mtf::io::ReadOptions read;  ///< which channels of the image
   std::optional<double> tolerance;
   NanPolicy nan = NanPolicy::refuse;
   int port = 0;             ///< 0 = any free one
@@ -104,8 +102,7 @@ struct BenchOptions {
   std::string sensor;  ///< or, without an image or with a sensor file, a scene file
   std::string scene;   ///< image; "" = `sensor` is a scene file; a sensor file (.toml) of pictures of it
   std::string out;
-  std::optional<std::string> channel, layer;
-  std::optional<int> part;
+  mtf::io::ReadOptions read;                               ///< which channels of the image
   std::optional<int> rounds;                               ///< else 15; of a scene file 1
   double seconds = 60.0;                                   ///< for everything, about
   std::vector<double> tolerances_k;                        ///< of a scene file; empty: 1, 0.3 and 0.1
@@ -119,9 +116,7 @@ struct BenchOptions {
 /// Images of edges, and how their values become proportional to light.
 struct EdgeInput {
   std::vector<std::string> images;
-  std::optional<std::string> channel;  ///< a full name, "luminance", or "all": each colour for itself
-  std::optional<std::string> layer;
-  std::optional<int> part;
+  mtf::io::ReadOptions read;  ///< which channels; also "luminance", or "all": each colour for itself
   std::string encoding;  ///< linear, srgb, gamma:2.2, or a CSV file of stored and linear values; "" = as the file says
   std::string bayer;     ///< "", or the colours to take of a mosaic: r, gr, gb, b, g, all
   std::string pattern;   ///< of the mosaic; "" = rggb

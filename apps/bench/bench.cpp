@@ -283,9 +283,9 @@ std::string command_line(const BenchOptions& options, const Global& global) {
                      shell_word(options.out) + " --rounds " + std::to_string(*options.rounds) + " --seconds " +
                      mtf::format_double(options.seconds) + " --threads " + std::to_string(global.threads);
   if (options.measure) text += " --rigor measure";
-  if (options.channel) text += " --channel " + shell_word(*options.channel);
-  if (options.layer) text += " --layer " + shell_word(*options.layer);
-  if (options.part) text += " --part " + std::to_string(*options.part);
+  if (options.read.channel) text += " --channel " + shell_word(*options.read.channel);
+  if (options.read.layer) text += " --layer " + shell_word(*options.read.layer);
+  if (options.read.part) text += " --part " + std::to_string(*options.read.part);
   return text;
 }
 
@@ -332,7 +332,7 @@ int run_bench(const BenchOptions& given, const Global& global) {
                      .force = options.force,
                      .names = {"bench.csv", "bench.json", "bench.svg", "bench.png"},
                      .inputs = inputs});
-  mtf::io::Scene scene = mtf::io::load_scene(config, options.scene, {options.channel, options.layer, options.part});
+  mtf::io::Scene scene = mtf::io::load_scene(config, options.scene, options.read);
   require_decoded(scene);
 
   BenchReport report;

@@ -42,7 +42,7 @@ std::vector<NamedImage> chosen_planes(mtf::io::ImageFile& file, double clipped_f
     planes.push_back({"", std::move(file.planes.front())});
     return planes;
   }
-  const bool all = input.channel == "all", luminance = input.channel == "luminance";
+  const bool all = input.read.channel == "all", luminance = input.read.channel == "luminance";
   const bool grey =
       file.planes.size() == 3 && same(file.planes[0], file.planes[1]) && same(file.planes[0], file.planes[2]);
   if (grey && !all) {
@@ -220,8 +220,8 @@ std::vector<EdgeRegion> given_regions(const EdgeInput& input) {
 }  // namespace
 
 std::vector<EdgePlane> load_edge_planes(const std::string& image, const EdgeInput& input, Regions regions) {
-  mtf::io::ReadOptions read{.channel = input.channel, .layer = input.layer, .part = input.part};
-  if (input.channel == "all" || input.channel == "luminance") read.channel.reset();
+  mtf::io::ReadOptions read = input.read;
+  if (read.channel == "all" || read.channel == "luminance") read.channel.reset();
   return edge_planes_of(mtf::io::read_image(image, read), image, input, regions);
 }
 

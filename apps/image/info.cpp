@@ -112,8 +112,7 @@ bool can_be_read(const ChannelInfo& channel) {
 }
 
 void measure_raster(ImageFacts& facts, const InfoOptions& options) {
-  const mtf::io::ImageFile image =
-      mtf::io::read_image(options.file, {.channel = options.channel, .layer = options.layer, .part = options.part});
+  const mtf::io::ImageFile image = mtf::io::read_image(options.file, options.read);
   for (std::size_t i = 0; i < image.names.size(); ++i)
     for (ChannelFacts& channel : facts.channels)
       if (channel.channel.name == image.names[i]) measure(channel, image.planes[i]);
@@ -158,7 +157,7 @@ std::optional<ReadOptions> choice_of(const std::string& path, const FileInfo& in
     }
   };
   std::vector<ReadOptions> tries;
-  const ReadOptions asked{.channel = options.channel, .layer = options.layer, .part = options.part};
+  const ReadOptions& asked = options.read;
   tries.push_back(asked);
   if (!asked.channel) {
     for (const ChannelInfo& c : info.channels) tries.push_back({.channel = {}, .layer = c.layer, .part = asked.part});
@@ -205,19 +204,15 @@ ImageFacts image_facts(const InfoOptions& options) {
   facts.remarks = facts.info.notes;
   for (std::string remark : {encoding_remark(facts.info), mtf::io::aspect_note(facts.info)})
     if (!remark.empty()) facts.remarks.push_back(std::move(remark));
-  const bool narrowed = options.channel || options.layer || options.part;
+  const auto& [wanted, layer, part] = options.read;
   for (const ChannelInfo& channel : facts.info.channels) {
-    const bool in_layer = !options.layer || channel.layer == *options.layer ||
-                          (channel.layer.empty() && channel.part_name == *options.layer);
-    const bool named = !options.channel || channel.name == *options.channel ||
-                       (options.layer && mtf::io::base_of(channel.name) == *options.channel);
-    if (in_layer && named && (!options.part || channel.part == *options.part))
-      facts.channels.push_back({channel, {}, {}, {}, {}, {}});
+    const bool in_layer = !layer || channel.layer == *layer || (channel.layer.empty() && channel.part_name == *layer);
+    const bool named = !wanted || channel.name == *wanted || (layer && mtf::io::base_of(channel.name) == *wanted);
+    if (in_layer && named && (!part || channel.part == *part)) facts.channels.push_back({channel, {}, {}, {}, {}, {}});
   }
   // The refusal of the reader lists what there is.
-  if (facts.channels.empty() && narrowed)
-    static_cast<void>(mtf::io::choose_channels(
-        options.file, facts.info.channels, {.channel = options.channel, .layer = options.layer, .part = options.part}));
+  if (facts.channels.empty() && (wanted || layer || part))
+    static_cast<void>(mtf::io::choose_channels(options.file, facts.info.channels, options.read));
   if (facts.info.format == mtf::io::Format::exr)
     measure_exr(facts, options);
   else

@@ -25,7 +25,7 @@ Command live_command() {
   add_file(app, "second", "image of the scene, or frame.%04d.exr for a sequence; of a 3-D scene the sensor file",
            options.second)
       .required = false;
-  add_channel_choice(app, options.channel, options.layer, options.part);
+  add_channel_choice(app, options.read);
   add_value(app, "--tolerance", "X", "rms error allowed, at the start; default: that of mtf simulate",
             options.tolerance, fraction());
   add_choice(app, "--nan", "POLICY", "NaN and infinite pixels: refuse (default), fill or propagate", kNanPolicies,

@@ -142,7 +142,7 @@ std::shared_ptr<Session> image_session(const LiveOptions& options, SessionOption
     session.sensor_name = options.first;
     session.scene_name = options.second;
     scene.file = options.second;
-    scene.read = {.channel = options.channel, .layer = options.layer, .part = options.part};
+    scene.read = options.read;
   }
   return std::make_shared<Session>(std::move(sensor), std::move(scene), std::move(session));
 }

@@ -79,7 +79,7 @@ EdgeInput edge_input_of(const py::dict& words) {
     take(name, file);
     to = file.bytes;
   };
-  take("channel", input.channel);
+  take("channel", input.read.channel);
   take("encoding", input.encoding);
   take("bayer", input.bayer);
   take("pattern", input.pattern);

@@ -13,10 +13,6 @@
 namespace study {
 namespace {
 
-namespace cfg = mtf::io::cfg;
-using cfg::Node;
-using cfg::Section;
-
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 bool is_identifier(const std::string& name) {

@@ -15,8 +15,6 @@
 namespace study {
 namespace {
 
-namespace cfg = mtf::io::cfg;
-using cfg::Node;
 using mtf::io::Position;
 
 bool continues(char c) { return (static_cast<unsigned char>(c) & 0xC0) == 0x80; }  // of a UTF-8 character

@@ -18,9 +18,6 @@
 namespace study {
 namespace {
 
-namespace cfg = mtf::io::cfg;
-using cfg::Node;
-using cfg::Section;
 using mtf::FieldInfo;
 
 constexpr std::size_t kMaxName = 200;

@@ -15,7 +15,6 @@
 namespace apps::scene {
 namespace {
 
-namespace cfg = mtf::io::cfg;
 using mtf::io::Diagnostic;
 
 /// The air, by the same table as in sensor files.

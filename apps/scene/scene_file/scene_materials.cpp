@@ -13,9 +13,6 @@
 namespace apps::scene {
 namespace {
 
-namespace cfg = mtf::io::cfg;
-using cfg::Node;
-
 /// The largest emissivity along the normal, at any wavelength.
 double largest_along_normal(const Emissivity& emissivity) {
   return emissivity.spectrum ? *std::max_element(emissivity.spectrum->value.begin(), emissivity.spectrum->value.end())

@@ -11,9 +11,6 @@
 namespace apps::scene {
 namespace {
 
-namespace cfg = mtf::io::cfg;
-using cfg::Node;
-
 /// Of a region or the ground: a material, a temperature, or both; then the material is the surface's alone.
 void require_surface(const Section& section) {
   for (const char* key : {"material", "temperature"})

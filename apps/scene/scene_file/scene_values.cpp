@@ -19,8 +19,6 @@
 namespace apps::scene {
 namespace {
 
-namespace cfg = mtf::io::cfg;
-using cfg::Node;
 using mtf::printable;
 using radiometry::heat::Schedule;
 
