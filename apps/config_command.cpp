@@ -101,6 +101,11 @@ std::string schema_text(FileKind kind) {
   return kind == FileKind::study ? study_schema() : sensor_file_schema();
 }
 
+/// `mtf config check` of a sensor file. Returns the exit code. Throws RuntimeError when the file cannot be read.
+int check_sensor(const std::string& file, Format format) {
+  return report_verdict(sensor_verdict(mtf::io::read_text_file(file, mtf::io::cfg::kMaxBytes), file), format);
+}
+
 }  // namespace
 
 mtf::io::SensorConfig read_sensor(const std::string& file, const Global& global) {
@@ -159,10 +164,6 @@ Verdict sensor_verdict(const std::string& text, const std::string& file) {
           .sha256 = result.config.sha256,
           .summary = summary(result.config.system),
           .diagnostics = result.diagnostics};
-}
-
-int check_sensor(const std::string& file, Format format) {
-  return report_verdict(sensor_verdict(mtf::io::read_text_file(file, mtf::io::cfg::kMaxBytes), file), format);
 }
 
 int check_config(const std::string& file, Format format) {

@@ -36,9 +36,6 @@ std::string explain_chain(const mtf::io::SensorConfig& config);
 /// the exit code, 0 or 2.
 int report_verdict(const Verdict& verdict, Format format);
 
-/// `mtf config check` of a sensor file. Returns the exit code. Throws RuntimeError when the file cannot be read.
-int check_sensor(const std::string& file, Format format);
-
 /// The same for a sensor or a study, according to the keys of the file.
 int check_config(const std::string& file, Format format);
 

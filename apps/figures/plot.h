@@ -45,9 +45,6 @@ struct Figure {
   std::string colour_label;  ///< of the colours, with unit
 };
 
-/// "plot.svg" -> "plot.svg.csv": not "plot.csv", which may be a file of the user's.
-std::string figure_data_path(const std::string& path);
-
 /// The files that write_figure makes, of which a command says so before it begins: figure and data; none for "". Throws
 /// UsageError unless the extension is .svg, .pdf or .png (any case).
 std::vector<std::string> figure_files(const std::string& path);
