@@ -150,9 +150,6 @@ Verdict sensor_verdict(const std::string& text, const std::string& file) {
     return {
         .file = file,
         .ok = false,
-        .name = {},
-        .sha256 = {},
-        .summary = {},
         .diagnostics = {{.error = true, .position = {}, .path = {}, .text = kind + "; `mtf scene check` reads it"}}};
   if (result.ok()) {
     for (mtf::io::Diagnostic& warning : chain_warnings(result.config)) result.diagnostics.push_back(std::move(warning));

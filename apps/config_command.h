@@ -20,9 +20,9 @@ mtf::io::SensorConfig load_sensor(const std::string& file, const Global& global)
 struct Verdict {
   std::string file;
   bool ok = false;
-  std::string name, sha256;
-  std::string summary;  ///< of a good one
-  std::vector<mtf::io::Diagnostic> diagnostics;
+  std::string name{}, sha256{};
+  std::string summary{};  ///< of a good one
+  std::vector<mtf::io::Diagnostic> diagnostics{};
 };
 
 /// Of the text of a sensor file, without reading `file`.

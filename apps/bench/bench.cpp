@@ -192,7 +192,7 @@ std::optional<Figure> bench_figure(const BenchReport& report) {
   std::vector<std::string_view> methods(mtf::kMethodNames.begin(), mtf::kMethodNames.end());
   methods.insert(methods.end(), kRivalNames.begin(), kRivalNames.end());
   for (std::size_t i = 0; i < methods.size(); ++i) {
-    Series series{.name = std::string(methods[i]), .x = {}, .y = {}, .mark = Mark::points, .style = i};
+    Series series{.name = std::string(methods[i]), .mark = Mark::points, .style = i};
     for (const BenchRow& row : report.rows) {
       if (row.method != methods[i] || !row.time) continue;
       series.x.push_back(row.time->min_ms);
@@ -251,8 +251,7 @@ void time_all(const ToleranceRuns& results, const BenchOptions& options, double 
     report.floors.push_back({sizes[i], in.min_ms < out.min_ms ? in : out, in.min_ms < out.min_ms});
   }
   const auto floor_ms = [&](const Size& size) {
-    return report.floors[static_cast<std::size_t>(std::find(sizes.begin(), sizes.end(), size) - sizes.begin())]
-        .time.min_ms;
+    return report.floors[static_cast<std::size_t>(std::ranges::find(sizes, size) - sizes.begin())].time.min_ms;
   };
   for (const ToleranceRun& run : results.runs) {
     BenchRow row;

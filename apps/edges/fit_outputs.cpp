@@ -155,7 +155,7 @@ std::vector<Figure> fit_figures(const FitResult& result, const std::vector<Measu
     const std::string name = "edge " + std::to_string(i + 1);
     mtf.series.push_back({.name = name, .x = edge.frequency_cy_px, .y = edge.mtf});
     if (!difference.series.empty()) continue;
-    Series series{.name = name, .x = edge.frequency_cy_px, .y = {}};
+    Series series{.name = name, .x = edge.frequency_cy_px};
     for (std::size_t k = 0; k < edge.mtf.size(); ++k) {
       series.y.push_back(edge.mtf[k] - result.mtf[k]);
       series.low.push_back(series.y[k] - 2.0 * edge.mtf_sd[k]);

@@ -121,8 +121,7 @@ void PairedPicture::add(const Caption& caption, mtf::ImageView<const float> imag
                      .image = copy.view(),
                      .zoom = static_cast<int>(std::max<std::int64_t>(1, width / image.width)),
                      .low = low,
-                     .high = high > low ? high : low + 1.0,
-                     .quantity = ""});
+                     .high = high > low ? high : low + 1.0});
 }
 
 void PairedPicture::write(const std::string& path) const { write_picture(path, panels_, true, 2); }

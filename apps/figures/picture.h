@@ -18,7 +18,7 @@ struct Panel {
   mtf::ImageView<const float> image;
   int zoom = 1;              ///< a pixel becomes a square of so many pixels a side
   double low = 0, high = 1;  ///< the values shown in black and in white; values beyond are clipped
-  std::string quantity;      ///< of the bar, with unit: "radiance [W/m2]"; ASCII
+  std::string quantity{};    ///< of the bar, with unit: "radiance [W/m2]"; ASCII
 };
 
 /// Words at the two ends of a panel's bar, "2.5" or, where values are clipped, "2.5 and below: 0.3 %" of the pixels.

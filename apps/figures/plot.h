@@ -17,8 +17,8 @@ enum class Mark { line, points, large_points };
 
 struct Series {
   std::string name;
-  std::vector<double> x, y;  ///< of one length; what is not finite (or not positive on a log axis) leaves a gap
-  bool emphasised = false;   ///< a thick black line or ring instead of a thin coloured one
+  std::vector<double> x{}, y{};  ///< of one length; what is not finite (or not positive on a log axis) leaves a gap
+  bool emphasised = false;       ///< a thick black line or ring instead of a thin coloured one
   Mark mark = Mark::line;
   std::vector<double> low{}, high{};  ///< a band around the line, shaded; empty or of the same length
   std::vector<double> value{};        ///< colours of points, in Figure::colour_range; empty or of the same length

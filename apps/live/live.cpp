@@ -156,12 +156,7 @@ int run_live(const LiveOptions& options, const Global& global) {
   const bool space = options.second.ends_with(".toml");
   if (!space && (!options.temperatures.empty() || !options.time.empty() || options.no_air))
     throw mtf::UsageError("--temperatures, --time and --no-air are of a 3-D scene: mtf live scene.toml sensor.toml");
-  SessionOptions session{.sensor_name = {},
-                         .scene_name = {},
-                         .command_before = {},
-                         .tolerance = options.tolerance,
-                         .nan = options.nan,
-                         .threads = global.threads};
+  SessionOptions session{.tolerance = options.tolerance, .nan = options.nan, .threads = global.threads};
   // A sensor file that is wrong is said before there is a page. Scene and first picture are made while that is loaded;
   // what is wrong with them ends the command, and is said here, not in a browser.
   Sensor sensor;

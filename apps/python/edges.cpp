@@ -38,9 +38,6 @@ py::tuple measure(const py::object& image, const py::dict& words, const std::str
   if (method.method != MeasureMethod::regression && circle)
     throw mtf::UsageError("circle: ISO 12233 knows polynomials only; leave out one of the two");
   MeasureReport report{.method = method_name,
-                       .edges = {},
-                       .left_out = {},
-                       .failed = {},
                        .unit = unit_of(unit),
                        .contrasts = without_repetitions(contrasts),
                        .further = further_contrasts(contrasts)};

@@ -76,17 +76,12 @@ std::string render(const FileName& scene_file, const std::vector<FileName>& sens
                                      .temperatures = temperatures,
                                      .time = time,
                                      .heat = solve,
-                                     .picture = "",
                                      .position = position,
                                      .look_at = look_at,
                                      .sampling = {.samples_per_pitch = samples_per_pitch, .points = points},
                                      .plain = plain,
                                      .no_air = no_air,
                                      .layers = layers,
-                                     .from = "",
-                                     .materials = "",
-                                     .planar_depth = std::nullopt,
-                                     .channels = {},
                                      .force = true,
                                      .format = Format::json};
   std::string json;

@@ -160,8 +160,7 @@ int parameter_named(StudyReader& s, const std::string& name, std::string& proble
     if (other.path == path) return s.by_name[name] = static_cast<int>(i);
     const auto varies = [&](const AsBuilt& built) { return built.parameter == static_cast<int>(i); };
     const auto& as_built = s.study.as_built;
-    if (overlap(other.path, path) &&
-        (other.role != Parameter::Role::fixed || std::any_of(as_built.begin(), as_built.end(), varies)))
+    if (overlap(other.path, path) && (other.role != Parameter::Role::fixed || std::ranges::any_of(as_built, varies)))
       return fail("is a part of " + other.name + ", which the study changes, or the other way round; name " +
                   other.name);
   }

@@ -91,8 +91,7 @@ Json constraint_json(const SweepReport& report, std::size_t k) {
   for (const auto* side : {&constraint.left, &constraint.right})
     for (const int slot : side->slots()) {
       const std::string& name = study.name_of(slot);
-      if (std::none_of(columns.begin(), columns.end(), [&](const auto& column) { return column.name == name; }))
-        continue;
+      if (std::ranges::none_of(columns, [&](const auto& column) { return column.name == name; })) continue;
       one["columns"].push_back(name);
       const bool left = side == &constraint.left;
       const study::Expression& other = left ? constraint.right : constraint.left;

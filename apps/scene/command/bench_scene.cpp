@@ -63,7 +63,7 @@ Figure figure_of(const Ladder& ladder, const std::string& title, double factor,
   figure.title = "error against run time" + title;
   figure.log_x = figure.log_y = true;
   for (const auto& [name, key] : curves) {
-    Series series{.name = name, .x = {}, .y = {}, .mark = figure.series.empty() ? Mark::large_points : Mark::points};
+    Series series{.name = name, .mark = figure.series.empty() ? Mark::large_points : Mark::points};
     for (const Json& row : ladder.rows) {
       series.x.push_back(factor * row["time_ms_min"].get<double>());
       series.y.push_back(row[key].get<double>());
@@ -235,8 +235,7 @@ std::vector<Seen> seen_of(const Subject& subject) {
   render::Renderer renderer(subject.scene.scene, {subject.band}, options);
   const render::RenderedFrame frame = renderer.render(subject.camera);
   const auto layer = [&](std::string_view name) -> const mtf::Image& {
-    return std::find_if(frame.layers.begin(), frame.layers.end(), [&](const auto& one) { return one.name == name; })
-        ->plane;
+    return std::ranges::find_if(frame.layers, [&](const auto& one) { return one.name == name; })->plane;
   };
   const mtf::Image &kelvin = layer("temperature"), &range = layer("Z"), &finish = layer("material");
   std::vector<Seen> seen;

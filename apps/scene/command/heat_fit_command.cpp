@@ -81,9 +81,8 @@ std::vector<Figure> heat_fit_figures(const SceneFile& scene, const HeatFit& fit)
   kelvin.x_label = difference.x_label = "hours since " + radiometry::heat::instant_text(scene.time.start_s);
   kelvin.y_label = "temperature [K]";
   difference.y_label = "solved - measured [K]";
-  Series measured{.name = "measured", .x = {}, .y = {}},
-      before{.name = "with the numbers of the file", .x = {}, .y = {}},
-      after{.name = "fitted", .x = {}, .y = {}, .emphasised = true}, residual{.name = "fitted", .x = {}, .y = {}};
+  Series measured{.name = "measured"}, before{.name = "with the numbers of the file"},
+      after{.name = "fitted", .emphasised = true}, residual{.name = "fitted"};
   for (std::size_t i = 0; i < fit.measured.time_s.size(); ++i) {
     if (!std::isfinite(fit.measured.kelvin[i])) continue;
     const double hours = fit.measured.time_s[i] / 3600.0;

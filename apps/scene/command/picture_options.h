@@ -24,17 +24,17 @@ struct RenderCommandOptions {
   std::vector<std::string> sensors;  ///< one or more, of one field of view
   std::string temperatures, time;
   bool heat = false;                                       ///< temperatures are solved first
-  std::string picture;                                     ///< PNG to draw, "" = none
+  std::string picture{};                                   ///< PNG to draw, "" = none
   std::optional<std::array<double, 3>> position, look_at;  ///< m; in place of those of [camera]
   SamplingOptions sampling;
   double tolerance = 5e-6;  ///< of the tables of the air
   bool plain = false;       ///< radiance in the band, without weights
   bool no_air = false;
   std::vector<std::string> layers;
-  std::string from;                  ///< layers of another renderer, in place of the meshes; "" = none
-  std::string materials;             ///< table of their indices
-  std::optional<bool> planar_depth;  ///< of `from`; else as the file is
-  std::vector<std::pair<std::string, std::string>> channels;  ///< of `from`: role, name
+  std::string from{};                  ///< layers of another renderer, in place of the meshes; "" = none
+  std::string materials{};             ///< table of their indices
+  std::optional<bool> planar_depth{};  ///< of `from`; else as the file is
+  std::vector<std::pair<std::string, std::string>> channels{};  ///< of `from`: role, name
   bool force = false;
   Format format = Format::table;  ///< of standard output: table or json
 };

@@ -304,9 +304,8 @@ std::string render_pictures(const RenderCommandOptions& options, const Global& g
                      .names = folder ? names : std::vector<std::string>(),
                      .files = folder ? std::vector{options.picture} : std::vector{options.out, options.picture},
                      .inputs = inputs_of(options, file, sensors)});
-  const auto planes = static_cast<double>(
-      sensors.size() - 1 + options.layers.size() +
-      2U * static_cast<std::size_t>(std::count(options.layers.begin(), options.layers.end(), "normal")));
+  const auto planes = static_cast<double>(sensors.size() - 1 + options.layers.size() +
+                                          2U * static_cast<std::size_t>(std::ranges::count(options.layers, "normal")));
   const double shown = options.picture.empty() ? 0.0 : kShownBytes * static_cast<double>(sensors.size());
   if (const std::string words =
           memory_words(sensors.front().config, samples_per_pitch, kPictureBytes + kPlaneBytes * planes + shown);

@@ -34,7 +34,7 @@ MeasuredSurface on_equal_steps(const MeasuredSurface& given) {
   if (!(last <= kMostSteps))
     throw mtf::UsageError(one_line(given.source) + ": the shortest time between two records is " +
                           mtf::format_double(*step) + " s, of which the run has more than a million; average them");
-  MeasuredSurface even{.source = given.source, .from_longwave = given.from_longwave, .time_s = {}, .kelvin = {}};
+  MeasuredSurface even{.source = given.source, .from_longwave = given.from_longwave};
   for (std::size_t i = 0; i < given.time_s.size(); ++i) {
     const double place = (given.time_s[i] - given.time_s.front()) / *step;
     if (std::abs(place - std::round(place)) > kOffGrid)
@@ -63,7 +63,7 @@ MeasuredSurface from_longwave(const SceneFile& scene, double emissivity) {
         one_line(scene.weather.file) +
         ": has no longwave_up beside longwave_down, which tell the temperature of the ground; or write "
         "[measured] with temperature = \"surface.csv\"");
-  MeasuredSurface measured{.source = scene.weather.file, .from_longwave = true, .time_s = {}, .kelvin = {}};
+  MeasuredSurface measured{.source = scene.weather.file, .from_longwave = true};
   const double interval =
       scene.weather.average_s > 0.0 ? scene.weather.average_s : smallest_step(weather.time_s).value_or(0.0);
   for (std::size_t i = 0; i < weather.time_s.size(); ++i) {
@@ -87,8 +87,7 @@ MeasuredSurface measured_surface(const SceneFile& scene, double emissivity) {
   } else {
     measured = from_longwave(scene, emissivity);
   }
-  MeasuredSurface inside{
-      .source = measured.source, .from_longwave = measured.from_longwave, .time_s = {}, .kelvin = {}};
+  MeasuredSurface inside{.source = measured.source, .from_longwave = measured.from_longwave};
   for (std::size_t i = 0; i < measured.time_s.size(); ++i) {
     if (measured.time_s[i] < 0.0 || measured.time_s[i] > scene.time.end_s - scene.time.start_s) continue;
     inside.time_s.push_back(measured.time_s[i]);
@@ -237,8 +236,7 @@ std::string fitted_scene_text(const SceneFile& scene, const HeatFit& fit) {
   std::vector<FitSpec> fits = scene.fits;
   std::vector<std::optional<double>> values(fits.size());
   for (const calib::FittedParameter& p : fit.series.parameters) {
-    const auto spec =
-        std::find_if(fits.begin(), fits.end(), [&](const FitSpec& one) { return one.path == p.parameter.path; });
+    const auto spec = std::ranges::find_if(fits, [&](const FitSpec& one) { return one.path == p.parameter.path; });
     if (spec == fits.end()) continue;
     values[static_cast<std::size_t>(spec - fits.begin())] = p.value;
     spec->stderr_value = p.knowledge == calib::Knowledge::determined ? p.stderr_value : std::nullopt;

@@ -21,8 +21,8 @@ namespace apps::scene {
 struct MeasuredSurface {
   std::string source;
   bool from_longwave = false;
-  std::vector<double> time_s;  ///< from the start of the run, rising
-  std::vector<double> kelvin;  ///< NaN where the record has no value
+  std::vector<double> time_s{};  ///< from the start of the run, rising
+  std::vector<double> kelvin{};  ///< NaN where the record has no value
 };
 
 inline constexpr std::size_t kMostFitted = 6;

@@ -59,8 +59,7 @@ void read_regions(SceneReader& s) {
                     : on_mesh                       ? std::string(s.mesh_names[region.mesh])
                                                     : std::string();
     const auto& regions = s.scene.regions;
-    if (on_mesh &&
-        std::any_of(regions.begin(), regions.end(), [&](const auto& other) { return same_faces(other, region); }))
+    if (on_mesh && std::ranges::any_of(regions, [&](const auto& other) { return same_faces(other, region); }))
       section.error("mesh", "there is a region of the same faces already");
     if (std::any_of(regions.begin(), regions.end(), [&](const auto& other) { return other.name == region.name; }))
       section.error("name", "there is a region \"" + mtf::printable(region.name, 40) +

@@ -73,8 +73,7 @@ struct HourStamp {
 /// typical year and become those of `year`; the 29th of February is left out, with a warning, where that one has none.
 void finish_hours(Weather&& records, const std::vector<HourStamp>& stamps, double zone_h, int year, WeatherFile& file) {
   if (stamps.empty()) throw mtf::UsageError(records.source + ": error: the file has no records");
-  const bool typical =
-      std::any_of(stamps.begin(), stamps.end(), [&](const HourStamp& s) { return s.year != stamps.front().year; });
+  const bool typical = std::ranges::any_of(stamps, [&](const HourStamp& s) { return s.year != stamps.front().year; });
   const auto date_of = [&](const HourStamp& s) { return CalendarDate{typical ? year : s.year, s.month, s.day}; };
   for (std::size_t i = stamps.size(); i-- > 0;) {
     if (radiometry::heat::is_date(date_of(stamps[i]))) continue;

@@ -58,8 +58,7 @@ class DesignModel {
     for (S* number : sites_[parameter]) put(*number, value);
     if (!sites_[parameter].empty()) return;
     const std::string& path = study_->parameters[parameter].path;
-    const auto found =
-        std::find_if(overrides_.begin(), overrides_.end(), [&](const auto& o) { return o.path == path; });
+    const auto found = std::ranges::find_if(overrides_, [&](const auto& o) { return o.path == path; });
     if (found != overrides_.end())
       found->value = value;
     else
