@@ -85,8 +85,7 @@ std::vector<NamedImage> mosaic_planes(std::vector<NamedImage>&& planes, const st
   return colours;
 }
 
-/// Pixels of the display window that an OpenEXR does not hold are no data: zeros would make a perfect edge with the
-/// others.
+/// Pixels of the display window that an OpenEXR does not hold are no data: zeros would make a perfect edge.
 void hide_missing(mtf::io::ImageFile& file) {
   if (file.missing_pixels == 0) return;
   const auto [left, top, right, bottom] = file.info.data_window;

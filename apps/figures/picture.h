@@ -31,8 +31,7 @@ BarEnds bar_ends(const Panel& panel);
 void require_picture_name(const std::string& file);
 
 /// What `--picture` draws: two panels a row in false colours, scene and image, in powers of a thousand of their units.
-/// A hundredth of the pixels is shown in black, and as much as three hundredths in white: hot spots would take all of
-/// the colours.
+/// A hundredth of the pixels is shown in black, and up to three hundredths in white: hot spots would take all colours.
 class PairedPicture {
  public:
   struct Caption {

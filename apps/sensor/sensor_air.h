@@ -20,8 +20,7 @@ radiometry::atmosphere::Sight<double> read_sight(const radiometry::AtmosphereSet
 /// Tables of sensor files, radiometry::sensor_tables(), where [atmosphere] also gives components their path.
 std::vector<mtf::TableInfo> sensor_schema();
 
-/// What the path of such a system loses to haze: absorption alone where an `aerosol` component counts what is
-/// scattered.
+/// What the path of such a system loses to haze: absorption alone where a component `aerosol` scatters.
 radiometry::atmosphere::AerosolLoss loss_in(const mtf::System<double>& system);
 
 /// Fills the path of a sensor with [atmosphere]: the path itself, how it follows from other numbers, or, with

@@ -105,8 +105,7 @@ void require_tileable(const SensorRun& sensor) {
                         (stage ? ", or take the image before them with --stage " + output_stage_name(*stage) : ""));
 }
 
-/// What of a sensor's filters tiles do themselves: all of a linear sensor, the presample OTF and the sampling before a
-/// chain.
+/// What of a sensor's filters tiles do themselves: all of a linear sensor, presample OTF and sampling before a chain.
 mtf::System<double> tiled_system(const SensorRun& sensor) {
   mtf::System<double> system = sensor.system();
   if (sensor.is_linear()) return system;
