@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/arguments.h"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <optional>
 
 #include "apps/sensor/otf_curves.h"
+#include "apps/text/message_words.h"
 #include "mtf/io/config/schedule.h"
 
 namespace apps {
@@ -190,6 +192,15 @@ std::vector<double> frequency_list(std::string_view option, std::string_view tex
     values.push_back(*value);
   }
   return values;
+}
+
+std::size_t place_of(std::string_view option, std::string_view text, std::span<const std::string_view> names) {
+  const auto found = std::ranges::find(names, text);
+  if (found != names.end()) return static_cast<std::size_t>(found - names.begin());
+  const auto meant = mtf::nearest(text, names);
+  throw mtf::UsageError(std::string(option) + ": '" + std::string(text) + "' is not known" +
+                        (meant ? "; did you mean " + *meant + "?" : "") + " (one of " +
+                        joined(std::vector<std::string>(names.begin(), names.end())) + ")");
 }
 
 }  // namespace apps

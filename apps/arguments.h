@@ -6,6 +6,7 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -56,19 +57,59 @@ std::vector<double> number_list(std::string_view option, std::string_view text);
 /// "X,Y,Z", in m.
 std::array<double, 3> point(std::string_view option, std::string_view text);
 
+/// Reads a number that is `good`; of others the message is "OPTION: TEXT" and `otherwise`.
+template <class Good>
+auto number_that_is(const Good& good, const char* otherwise) {
+  return [=](const std::string& option, const std::string& text) {
+    const double value = number(option, text);
+    if (!good(value)) throw mtf::UsageError(option + ": " + text + otherwise);
+    return value;
+  };
+}
+inline auto within(double low, double high, const char* otherwise) {
+  return number_that_is([=](double x) { return x >= low && x <= high; }, otherwise);
+}
+inline auto between(double low, double high, const char* otherwise) {
+  return number_that_is([=](double x) { return x > low && x < high; }, otherwise);
+}
+inline auto fraction() { return between(0.0, 1.0, " is outside (0, 1)"); }
+
+/// Reads a whole number in [low, high].
+inline auto whole(int low, int high) {
+  return [=](const std::string& option, const std::string& text) { return whole_number(option, text, low, high); };
+}
+
+/// Words and what they stand for.
+template <class T, std::size_t N>
+using Choices = std::array<std::pair<std::string_view, T>, N>;
+
+/// The words of an enumeration, in its order.
+template <class T, std::size_t N>
+constexpr Choices<T, N> enumerated(const std::array<std::string_view, N>& names) {
+  Choices<T, N> words{};
+  for (std::size_t i = 0; i < N; ++i) words[i] = {names[i], static_cast<T>(i)};
+  return words;
+}
+template <class T, class... Text>
+constexpr auto enumerated(const Text&... names) {
+  return enumerated<T>(std::array{std::string_view(names)...});
+}
+
+/// Words that stand for themselves.
+template <class... Text>
+constexpr Choices<std::string_view, sizeof...(Text)> as_they_are(const Text&... words) {
+  return {{{words, words}...}};
+}
+
+/// The place of a word among those that are known.
+std::size_t place_of(std::string_view option, std::string_view text, std::span<const std::string_view> names);
+
 /// The value that belongs to a word.
 template <class T, std::size_t N>
-T choice(std::string_view option, std::string_view text, const std::array<std::pair<std::string_view, T>, N>& words) {
-  std::vector<std::string_view> names;
-  std::string all;
-  for (const auto& [name, value] : words) {
-    if (name == text) return value;
-    names.push_back(name);
-    all += (all.empty() ? "" : ", ") + std::string(name);
-  }
-  const auto meant = mtf::nearest(text, names);
-  throw mtf::UsageError(std::string(option) + ": '" + std::string(text) + "' is not known" +
-                        (meant ? "; did you mean " + *meant + "?" : "") + " (one of " + all + ")");
+T choice(std::string_view option, std::string_view text, const Choices<T, N>& words) {
+  std::array<std::string_view, N> names{};
+  for (std::size_t i = 0; i < N; ++i) names[i] = words[i].first;
+  return words[place_of(option, text, names)].second;
 }
 
 }  // namespace apps

@@ -2,7 +2,6 @@
 #include "apps/budget_table.h"
 
 #include <cmath>
-#include <vector>
 
 #include "apps/sensor/air_course.h"
 #include "apps/sensor/otf_curves.h"

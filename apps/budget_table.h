@@ -25,8 +25,7 @@ struct BudgetTable {
   bool without_path = false;           ///< the scene gives the range of each pixel
 };
 
-/// For a surface of that temperature. `loaded`: the chain of `config`. Throws UsageError with the place in the sensor
-/// file.
+/// For a surface of that temperature. `loaded`: the chain of `config`. Throws UsageError with the place in the file.
 BudgetTable budget_table(const mtf::io::SensorConfig& config, const LoadedSensor& loaded, double temperature_k);
 
 /// The sensor that a budget is asked of.

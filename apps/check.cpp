@@ -8,7 +8,6 @@
 #include "apps/terminal/output.h"
 #include "apps/terminal/text_table.h"
 #include "apps/text/json.h"
-#include "mtf/units.h"
 #include "mtf/work/stopwatch.h"
 
 namespace apps {

@@ -82,6 +82,14 @@ OptionSpec& add_text(Command& command, const std::string& names, const std::stri
   return add_text(command, names, type, doc, [&target](const std::string& text) { target = text; });
 }
 
+OptionSpec& add_text(Command& command, const std::string& names, const std::string& type, const std::string& doc,
+                     std::vector<std::string>& target) {
+  OptionSpec& option =
+      add_text(command, names, type, doc, [&target](const std::string& text) { target.push_back(text); });
+  option.repeats = true;
+  return option;
+}
+
 OptionSpec& add_file(Command& command, const std::string& name, const std::string& doc, std::string& target) {
   OptionSpec& option = add_text(command, name, "FILE", doc, target);
   option.required = true;
@@ -100,21 +108,15 @@ void add_force(Command& command, bool& force) {
   add_flag(command, "--force", "write into a folder that is not empty", force);
 }
 
-void add_channel(Command& command, std::optional<std::string>& channel) {
+void add_channel_choice(Command& command, mtf::io::ReadOptions& read) {
   add_text(command, "--channel", "NAME", "the channel to use, by its full name", [&](const std::string& text) {
-    channel = text;
+    read.channel = text;
   }).candidates = channels_on;
-}
-
-void add_channel_choice(Command& command, std::optional<std::string>& channel, std::optional<std::string>& layer,
-                        std::optional<int>& part) {
-  add_channel(command, channel);
   add_word(command, "--layer", "NAME", "the layer to use; '' = the channels without a layer",
-           [&](const std::string& text) { layer = text; })
+           [&](const std::string& text) { read.layer = text; })
       .candidates = layers_on;
-  add_word(command, "--part", "N", "part of a multi-part OpenEXR file, from 0", [&](const std::string& text) {
-    part = whole_number("--part", text, 0, 1'000'000);
-  }).candidates = parts_on;
+  add_value(command, "--part", "N", "part of a multi-part OpenEXR file, from 0", read.part, whole(0, 1'000'000))
+      .candidates = parts_on;
 }
 
 }  // namespace apps

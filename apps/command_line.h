@@ -6,12 +6,9 @@
 // option nor the remedy.
 
 #include <functional>
-#include <optional>
-#include <string>
-#include <vector>
+#include <memory>
 
 #include "apps/arguments.h"
-#include "apps/options.h"
 
 namespace apps {
 
@@ -40,15 +37,42 @@ struct Command {
   std::function<int(const Global&)> run{};
 };
 
+/// The options of `command`, kept for as long as it is, and what runs with them.
+template <class Options, class Run>
+Options& options_of(Command& command, const Run& run) {
+  const auto kept = std::make_shared<Options>();
+  command.run = [kept, run](const Global& global) { return run(*kept, global); };
+  return *kept;
+}
+
 /// An option whose word is read by `set`.
 OptionSpec& add_word(Command& command, const std::string& names, const std::string& type, const std::string& doc,
                      const Setter& set);
 
-/// Text that may not be empty.
+/// An option whose value is what `read(option, word)` gives (arguments.h), of a list one more: then it may be given
+/// again.
+template <class T, class Read>
+OptionSpec& add_value(Command& command, const std::string& names, const std::string& type, const std::string& doc,
+                      T& target, const Read& read) {
+  const std::string name = names.substr(0, names.find(','));
+  constexpr bool listed = requires { target.push_back(read(name, name)); };
+  OptionSpec& option = add_word(command, names, type, doc, [&target, read, name](const std::string& text) {
+    if constexpr (listed)
+      target.push_back(read(name, text));
+    else
+      target = read(name, text);
+  });
+  option.repeats = listed;
+  return option;
+}
+
+/// Text that may not be empty, of a list one more: then it may be given again.
 OptionSpec& add_text(Command& command, const std::string& names, const std::string& type, const std::string& doc,
                      const Setter& set);
 OptionSpec& add_text(Command& command, const std::string& names, const std::string& type, const std::string& doc,
                      std::string& target);
+OptionSpec& add_text(Command& command, const std::string& names, const std::string& type, const std::string& doc,
+                     std::vector<std::string>& target);
 
 /// A file that has to be named.
 OptionSpec& add_file(Command& command, const std::string& name, const std::string& doc, std::string& target);
@@ -58,31 +82,27 @@ void add_flag(Command& command, const std::string& names, const std::string& doc
 /// Always the same words.
 Candidates one_of(std::vector<std::string> words);
 template <class T, std::size_t N>
-Candidates one_of(const std::array<std::pair<std::string_view, T>, N>& words) {
+Candidates one_of(const Choices<T, N>& words) {
   std::vector<std::string> names;
   for (const auto& [name, value] : words) names.emplace_back(name);
   return one_of(std::move(names));
 }
 
-template <class T, std::size_t N>
-void add_choice(Command& command, const std::string& names, const std::string& type, const std::string& doc,
-                const std::array<std::pair<std::string_view, T>, N>& words, T& target) {
-  const std::string name = names.substr(0, names.find(','));
-  add_word(command, names, type, doc, [&words, &target, name](const std::string& text) {
-    target = choice(name, text, words);
-  }).candidates = one_of(words);
+template <class Value, std::size_t N, class T>
+OptionSpec& add_choice(Command& command, const std::string& names, const std::string& type, const std::string& doc,
+                       const Choices<Value, N>& words, T& target) {
+  OptionSpec& option = add_value(command, names, type, doc, target,
+                                 [words](const auto& name, const auto& text) { return choice(name, text, words); });
+  option.candidates = one_of(words);
+  return option;
 }
 
 // Options that several commands have.
-inline constexpr std::array kFormats{std::pair{std::string_view("table"), Format::table},
-                                     std::pair{std::string_view("csv"), Format::csv},
-                                     std::pair{std::string_view("json"), Format::json}};
+inline constexpr auto kFormats = enumerated<Format>("table", "csv", "json");
 inline constexpr std::array kTableOrJson{kFormats[0], kFormats[2]};
 void add_format(Command& command, const std::string& doc, Format& format);
 void add_force(Command& command, bool& force);
-void add_channel(Command& command, std::optional<std::string>& channel);
 /// --channel, --layer and --part.
-void add_channel_choice(Command& command, std::optional<std::string>& channel, std::optional<std::string>& layer,
-                        std::optional<int>& part);
+void add_channel_choice(Command& command, mtf::io::ReadOptions& read);
 
 }  // namespace apps

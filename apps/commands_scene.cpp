@@ -8,8 +8,7 @@
 #include "apps/command_line.h"
 #include "apps/commands.h"
 #include "apps/modules/modules.h"
-#include "apps/scene/command/fly_options.h"
-#include "apps/scene/command/render_options.h"
+#include "apps/scene/command/picture_options.h"
 #include "apps/scene/render/layer_file.h"
 
 namespace apps {
@@ -17,33 +16,53 @@ namespace {
 
 Command scene_verb(const char* name, SceneOptions::Action action, const char* doc, const char* details,
                    const char* examples) {
-  const auto shared = std::make_shared<SceneOptions>();
-  shared->action = action;
   Command verb{name, doc, details, examples};
+  auto& options = options_of<SceneOptions>(
+      verb, [](const auto& given, const Global& global) { return scenes_module().scene(given, global); });
+  options.action = action;
   if (action == SceneOptions::Action::demo) {
-    shared->file = "mtf-scene";
-    add_text(verb, "-o,--out", "FOLDER", "folder to create; default: mtf-scene", shared->file);
-    add_force(verb, shared->force);
+    options.file = "mtf-scene";
+    add_text(verb, "-o,--out", "FOLDER", "folder to create; default: mtf-scene", options.file);
+    add_force(verb, options.force);
   } else {
-    add_file(verb, "scene", "scene file (TOML)", shared->file);
+    add_file(verb, "scene", "scene file (TOML)", options.file);
   }
-  verb.run = [shared](const Global& global) { return scenes_module().scene(*shared, global); };
   return verb;
 }
 
 void add_sampling(Command& app, SamplingOptions& to) {
-  // Words are kept by reference.
-  static constexpr std::array kPoints{std::pair{std::string_view("1"), 1}, std::pair{std::string_view("4"), 2},
-                                      std::pair{std::string_view("16"), 4}};
-  add_word(app, "--samples-per-pitch", "N",
-           "advanced: along each axis; default: 2, or as many up to 8 as the sensor's MTF asks for",
-           [&to](const std::string& text) {
-             to.samples_per_pitch = number("--samples-per-pitch", text);
-             if (!(*to.samples_per_pitch >= 0.5 && *to.samples_per_pitch <= 64.0))
-               throw mtf::UsageError("--samples-per-pitch: " + text + "; it is from 0.5 to 64");
-           });
-  add_choice(app, "--points", "N", "advanced: 1, 4 (default) or 16, of each sample, which is their mean", kPoints,
+  constexpr Choices<int, 3> points{{{"1", 1}, {"4", 2}, {"16", 4}}};
+  add_value(app, "--samples-per-pitch", "N",
+            "advanced: along each axis; default: 2, or as many up to 8 as the sensor's MTF asks for",
+            to.samples_per_pitch, within(0.5, 64.0, "; it is from 0.5 to 64"));
+  add_choice(app, "--points", "N", "advanced: 1, 4 (default) or 16, of each sample, which is their mean", points,
              to.points);
+}
+
+/// Reads a tolerance of temperatures, in K.
+double heat_tolerance(const std::string& option, const std::string& text) {
+  const double kelvin = temperature_difference(option, text);
+  if (kelvin < 1e-4) throw mtf::UsageError(option + ": " + text + " is below 0.0001 K, which rounding does not allow");
+  return kelvin;
+}
+
+/// Reads "ROLE=NAME".
+std::pair<std::string, std::string> layer_channel(const std::string& option, const std::string& text) {
+  const auto split = text.find('=');
+  const std::string role = text.substr(0, split);
+  if (split == std::string::npos || split + 1 == text.size() ||
+      std::ranges::find(scene::kLayerRoles, role) == scene::kLayerRoles.end())
+    throw mtf::UsageError(option + ": " + text + ": write for example depth=ViewLayer.Depth.Z");
+  return {role, text.substr(split + 1)};
+}
+
+int run_either_heat(const HeatCommandOptions& options, const Global& global) {
+#ifdef MTFKIT_HAVE_CALIB
+  if (options.fit) return scenes_module().heat_fit(options, global);
+  if (!options.fit_report.empty() || !options.fit_plot.empty() || options.allow_misfit)
+    throw mtf::UsageError("--report, --plot and --allow-misfit belong to --fit");
+#endif
+  return scenes_module().heat(options, global);
 }
 
 }  // namespace
@@ -66,8 +85,6 @@ Command scene_command() {
 }
 
 Command render_command() {
-  const auto shared = std::make_shared<RenderCommandOptions>();
-  RenderCommandOptions& options = *shared;
   Command app{
       "render", "the picture of a scene that a sensor takes in, for mtf simulate",
       "Facets in the sensor's field of view: their temperature and emissivity, the light that they reflect of sky,\n"
@@ -79,11 +96,11 @@ Command render_command() {
       "  mtf render vehicle/scene.toml vehicle/mwir.toml --temperatures temperatures -o scene.exr\n"
       "  mtf render vehicle/scene.toml vehicle/mwir.toml vehicle/lwir.toml --heat --time 2026-06-21T12:10:00Z "
       "-o dawn --picture dawn.png"};
+  auto& options = options_of<RenderCommandOptions>(
+      app, [](const auto& given, const Global& global) { return scenes_module().render(given, global); });
   add_file(app, "scene", "scene file (TOML)", options.scene);
-  add_text(app, "sensor", "FILE", "sensor files (TOML): one, or several of one field of view",
-           [&](const std::string& text) { options.sensors.push_back(text); })
+  add_text(app, "sensor", "FILE", "sensor files (TOML): one, or several of one field of view", options.sensors)
       .required = true;
-  app.options.back().repeats = true;
   add_text(app, "-o,--out", "PATH", "OpenEXR file to write; of several sensors a folder to create", options.out)
       .required = true;
   add_text(app, "--temperatures", "PATH",
@@ -95,73 +112,45 @@ Command render_command() {
            options.picture);
   add_text(app, "--time", "INSTANT",
            "UTC, as 2026-06-21T11:40:00Z; default: the last of the folder, or the scene's start", options.time);
-  add_word(app, "--position", "X,Y,Z", "of the camera, m; default: [camera] of the scene file",
-           [&](const std::string& text) { options.position = point("--position", text); });
-  add_word(app, "--look-at", "X,Y,Z", "what it looks at, m; default: [camera] of the scene file",
-           [&](const std::string& text) { options.look_at = point("--look-at", text); });
-  add_word(app, "--tolerance", "X", "of the tables of the air, relative; default 5e-6", [&](const std::string& text) {
-    options.tolerance = number("--tolerance", text);
-    if (!(options.tolerance > 0.0 && options.tolerance < 1.0))
-      throw mtf::UsageError("--tolerance: " + text + " is outside (0, 1)");
-  });
-  add_word(app, "--quantity", "WORD", "weighted (default), by the sensor's response, or radiance in W m-2 sr-1",
-           [&](const std::string& text) {
-             constexpr std::array words{std::pair{std::string_view("weighted"), false},
-                                        std::pair{std::string_view("radiance"), true}};
-             options.plain = choice("--quantity", text, words);
-           })
-      .candidates = one_of({"weighted", "radiance"});
+  add_value(app, "--position", "X,Y,Z", "of the camera, m; default: [camera] of the scene file", options.position,
+            point);
+  add_value(app, "--look-at", "X,Y,Z", "what it looks at, m; default: [camera] of the scene file", options.look_at,
+            point);
+  add_value(app, "--tolerance", "X", "of the tables of the air, relative; default 5e-6", options.tolerance, fraction());
+  constexpr Choices<bool, 2> quantities{{{"weighted", false}, {"radiance", true}}};
+  add_choice(app, "--quantity", "WORD", "weighted (default), by the sensor's response, or radiance in W m-2 sr-1",
+             quantities, options.plain);
   add_text(app, "--from", "FILE",
            "layers of another renderer in place of the meshes: OpenEXR with depth, material and temperature",
            options.from);
   add_text(app, "--materials", "FILE",
            "with --from: CSV of index,material[,temperature_K]; default: the materials of the scene file from 0 on",
            options.materials);
-  add_word(
+  constexpr Choices<bool, 2> depths{{{"planar", true}, {"range", false}}};
+  add_choice(
       app, "--depth", "WORD",
       "with --from: planar, along the optical axis (default), or range, along the ray (default of files of mtf render)",
-      [&](const std::string& text) {
-        constexpr std::array words{std::pair{std::string_view("planar"), true},
-                                   std::pair{std::string_view("range"), false}};
-        options.planar_depth = choice("--depth", text, words);
-      })
-      .candidates = one_of({"planar", "range"});
-  OptionSpec& channel =
-      add_word(app, "--channel", "ROLE=NAME",
-               "with --from: a channel by name, of depth, material, temperature, normal.X, normal.Y, normal.Z, sunlit",
-               [&](const std::string& text) {
-                 const auto split = text.find('=');
-                 const std::string role = text.substr(0, split);
-                 if (split == std::string::npos || split + 1 == text.size() ||
-                     std::find(scene::kLayerRoles.begin(), scene::kLayerRoles.end(), role) == scene::kLayerRoles.end())
-                   throw mtf::UsageError("--channel: " + text + ": write for example depth=ViewLayer.Depth.Z");
-                 options.channels.emplace_back(role, text.substr(split + 1));
-               });
-  channel.repeats = true;
+      depths, options.planar_depth);
   std::vector<std::string> roles;
   for (const std::string_view role : scene::kLayerRoles) roles.push_back(std::string(role) + "=");
-  channel.candidates = one_of(roles);
+  add_value(app, "--channel", "ROLE=NAME",
+            "with --from: a channel by name, of depth, material, temperature, normal.X, normal.Y, normal.Z, sunlit",
+            options.channels, layer_channel)
+      .candidates = one_of(roles);
   add_flag(app, "--no-air", "surfaces alone, for sensors that bring a path of their own", options.no_air);
-  OptionSpec& layer = add_word(
-      app, "--layer", "NAME",
-      "write this too: temperature, emissivity, Z (range, m), facet, material, normal, surface (before the air), "
-      "transmittance",
-      [&](const std::string& text) { options.layers.push_back(text); });
-  layer.repeats = true;
-  layer.candidates =
+  add_value(app, "--layer", "NAME",
+            "write this too: temperature, emissivity, Z (range, m), facet, material, normal, surface (before the air), "
+            "transmittance",
+            options.layers, [](const std::string&, const std::string& text) { return text; })
+      .candidates =
       one_of({"temperature", "emissivity", "Z", "facet", "material", "normal", "surface", "transmittance"});
-  add_word(app, "--format", "FORMAT", "of standard output: table (default) or json", [&](const std::string& text) {
-    options.json = choice("--format", text, kTableOrJson) == Format::json;
-  }).candidates = one_of(kTableOrJson);
+  add_choice(app, "--format", "FORMAT", "of standard output: table (default) or json", kTableOrJson, options.format);
   add_force(app, options.force);
   add_sampling(app, options.sampling);
-  app.run = [shared](const Global& global) { return scenes_module().render(*shared, global); };
   return app;
 }
 
 Command fly_command() {
-  const auto shared = std::make_shared<FlyCommandOptions>();
-  FlyCommandOptions& options = *shared;
   Command app{
       "fly", "image after image of a 3-D scene, while everything may change",
       "Each frame is the picture that mtf render makes and the image that mtf simulate makes of it, in one process:\n"
@@ -171,70 +160,45 @@ Command fly_command() {
       "stage; without -o nothing is written. After Ctrl-C the frames that are finished stay.",
       "  mtf fly vehicle/scene.toml camera.toml --time 2026-06-22T05:00:00Z --seconds 4 -o frame.%04d.png\n"
       "  mtf fly scene.toml camera.toml --temperatures temperatures --schedule zoom.csv --frames 0:99"};
+  auto& options = options_of<FlyCommandOptions>(
+      app, [](const auto& given, const Global& global) { return scenes_module().fly(given, global); });
   add_file(app, "scene", "scene file (TOML)", options.scene);
   add_file(app, "sensor", "sensor file (TOML)", options.sensor);
   add_text(app, "-o,--out", "FILE", "files to write, as frame.%04d.png; .exr to measure them", options.out);
-  add_word(app, "--frames", "RANGE", "START:STOP[:STEP], both ends; default: those of the camera's path",
-           [&](const std::string& text) { options.frames = frame_range("--frames", text); });
-  const auto within = [](const char* name, double& to, double least, double most) {
-    return [name, &to, least, most](const std::string& text) {
-      to = number(name, text);
-      if (!(to >= least && to <= most))
-        throw mtf::UsageError(std::string(name) + ": " + text + " is outside [" + mtf::format_double(least) + ", " +
-                              mtf::format_double(most) + "]");
-    };
-  };
-  add_word(app, "--seconds", "N", "how long the flight takes, in place of --frames", [&](const std::string& text) {
-    options.seconds = number("--seconds", text);
-    if (!(*options.seconds >= 0.0)) throw mtf::UsageError("--seconds: " + text + " is below 0");
-  });
-  add_word(app, "--rate", "HZ", "frames a second of the flight; default 25",
-           within("--rate", options.rate_hz, 1e-6, 1e6));
-  add_word(app, "--speed", "X", "of the scene's clock against the flight's; 600: ten minutes a second; default 1",
-           [&](const std::string& text) {
-             options.speed = number("--speed", text);
-             if (!(options.speed >= 0.0 && options.speed <= 1e6))
-               throw mtf::UsageError("--speed: " + text + " is outside [0, 1e6]");
-           });
+  add_value(app, "--frames", "RANGE", "START:STOP[:STEP], both ends; default: those of the camera's path",
+            options.frames, frame_range);
+  add_value(app, "--seconds", "N", "how long the flight takes, in place of --frames", options.seconds,
+            within(0.0, mtf::kInfinity, " is below 0"));
+  add_value(app, "--rate", "HZ", "frames a second of the flight; default 25", options.rate_hz,
+            within(1e-6, 1e6, " is outside [1e-06, 1e+06]"));
+  add_value(app, "--speed", "X", "of the scene's clock against the flight's; 600: ten minutes a second; default 1",
+            options.speed, within(0.0, 1e6, " is outside [0, 1e6]"));
   add_text(app, "--time", "INSTANT", "of frame 0, UTC, as 2026-06-21T11:40:00Z; default: the scene's start",
            options.time);
   add_text(app, "--temperatures", "PATH", "folder that mtf heat wrote, or a table of facets (.npy, .csv)",
            options.temperatures);
-  add_word(app, "--heat-tolerance", "X", "of the heat balance, with its unit; default \"0.1 K\"",
-           [&](const std::string& text) {
-             options.heat_tolerance_k = temperature_difference("--heat-tolerance", text);
-             if (options.heat_tolerance_k < 1e-4)
-               throw mtf::UsageError("--heat-tolerance: " + text + " is below 0.0001 K, which rounding does not allow");
-           });
+  add_value(app, "--heat-tolerance", "X", "of the heat balance, with its unit; default \"0.1 K\"",
+            options.heat_tolerance_k, heat_tolerance);
   add_text(app, "--report", "FILE", "write frames, rates, times of stages and what was left out as JSON",
            options.report);
   add_text(app, "--schedule", "FILE", "CSV frame,parameter,value: parameters of the sensor that change over frames",
            options.schedule);
   add_flag(app, "--no-air", "surfaces alone, for sensors that bring a path of their own", options.no_air);
-  add_word(app, "--tolerance", "X",
-           "rms error of the filters, as for mtf simulate; frames of less contrast than the first may miss it, with a "
-           "warning",
-           [&](const std::string& text) {
-             options.image.tolerance = number("--tolerance", text);
-             if (!(*options.image.tolerance > 0.0 && *options.image.tolerance < 1.0))
-               throw mtf::UsageError("--tolerance: " + text + " is outside (0, 1)");
-           });
-  add_word(app, "--range", "LOW:HIGH", "values that are black and white in PNG and TIFF",
-           [&](const std::string& text) { options.image.range = number_range("--range", text); });
-  add_word(app, "--format", "FORMAT", "of standard output: table (default) or json", [&](const std::string& text) {
-    options.json = choice("--format", text, kTableOrJson) == Format::json;
-  }).candidates = one_of(kTableOrJson);
-  add_word(app, "--light-every", "S",
-           "advanced: of the scene's clock, for which the light of sky, sun and surfaces is kept; default 60",
-           within("--light-every", options.light_every_s, 1e-3, 1e9));
+  add_value(app, "--tolerance", "X",
+            "rms error of the filters, as for mtf simulate; frames of less contrast than the first may miss it, with a "
+            "warning",
+            options.image.tolerance, fraction());
+  add_value(app, "--range", "LOW:HIGH", "values that are black and white in PNG and TIFF", options.image.range,
+            number_range);
+  add_choice(app, "--format", "FORMAT", "of standard output: table (default) or json", kTableOrJson, options.format);
+  add_value(app, "--light-every", "S",
+            "advanced: of the scene's clock, for which the light of sky, sun and surfaces is kept; default 60",
+            options.light_every_s, within(1e-3, 1e9, " is outside [0.001, 1e+09]"));
   add_sampling(app, options.sampling);
-  app.run = [shared](const Global& global) { return scenes_module().fly(*shared, global); };
   return app;
 }
 
 Command heat_command() {
-  const auto shared = std::make_shared<HeatCommandOptions>();
-  HeatCommandOptions& options = *shared;
   Command app{
       "heat", "surface temperatures of a scene over time, by heat balance",
       "Writes a folder with temperatures of all facets (NPY) and of regions (CSV), facets.csv, times.csv,\n"
@@ -248,15 +212,11 @@ Command heat_command() {
       "its measured temperature, with their standard errors.",
       "  mtf heat vehicle/scene.toml -o temperatures\n"
       "  mtf heat scene.toml -o temperatures --tolerance \"0.5 K\" --verify"};
+  auto& options = options_of<HeatCommandOptions>(app, run_either_heat);
   add_file(app, "scene", "scene file (TOML)", options.scene);
   add_text(app, "-o,--out", "PATH", "folder to create; with --fit the fitted scene file", options.out).required = true;
-  add_word(app, "--tolerance", "X", "with its unit; default \"0.1 K\", with --fit \"0.05 K\"",
-           [&](const std::string& text) {
-             options.tolerance_k = temperature_difference("--tolerance", text);
-             options.has_tolerance = true;
-             if (options.tolerance_k < 1e-4)
-               throw mtf::UsageError("--tolerance: " + text + " is below 0.0001 K, which rounding does not allow");
-           });
+  add_value(app, "--tolerance", "X", "with its unit; default \"0.1 K\", with --fit \"0.05 K\"", options.tolerance_k,
+            heat_tolerance);
   add_flag(app, "--every-facet", "solve each facet by itself, without classes: slower, and free of their error",
            options.every_facet);
   add_flag(
@@ -269,9 +229,9 @@ Command heat_command() {
   add_flag(app, "--ply", "write the mesh with the last temperatures too, for ParaView, MeshLab or Blender",
            options.ply);
   add_flag(app, "--vtk", "the same as VTK, which ParaView reads with values of facets", options.vtk);
-  add_word(app, "--save-every", "S",
-           "seconds after which a day that is finished is saved, to go on from when the run is killed; default 10",
-           [&](const std::string& text) { options.save_every_s = whole_number("--save-every", text, 0, 86400); });
+  add_value(app, "--save-every", "S",
+            "seconds after which a day that is finished is saved, to go on from when the run is killed; default 10",
+            options.save_every_s, whole(0, 86400));
   add_flag(app, "--anew", "begin again where the folder holds an interrupted run, which is continued otherwise",
            options.anew);
   add_flag(app, "--sensitivity",
@@ -287,20 +247,12 @@ Command heat_command() {
 #endif
   add_choice(app, "--format", "FORMAT", "of standard output: table (default) or json", kTableOrJson, options.format);
   add_force(app, options.force);
-  add_word(app, "--rays", "N", "advanced: for the view of each side of a facet; default 128, more in a scene of few",
-           [&](const std::string& text) { options.rays = whole_number("--rays", text, 16, 65536); });
-  add_word(app, "--sun-directions", "N", "advanced: of the table of shadows, a day; default 36",
-           [&](const std::string& text) { options.directions = whole_number("--sun-directions", text, 4, 1440); });
-  add_word(app, "--sun-points", "N", "advanced: on each facet, for its share in the sun; default 4",
-           [&](const std::string& text) { options.sun_points = whole_number("--sun-points", text, 1, 255); });
-  app.run = [shared](const Global& global) {
-#ifdef MTFKIT_HAVE_CALIB
-    if (shared->fit) return scenes_module().heat_fit(*shared, global);
-    if (!shared->fit_report.empty() || !shared->fit_plot.empty() || shared->allow_misfit)
-      throw mtf::UsageError("--report, --plot and --allow-misfit belong to --fit");
-#endif
-    return scenes_module().heat(*shared, global);
-  };
+  add_value(app, "--rays", "N", "advanced: for the view of each side of a facet; default 128, more in a scene of few",
+            options.rays, whole(16, 65536));
+  add_value(app, "--sun-directions", "N", "advanced: of the table of shadows, a day; default 36", options.directions,
+            whole(4, 1440));
+  add_value(app, "--sun-points", "N", "advanced: on each facet, for its share in the sun; default 4",
+            options.sun_points, whole(1, 255));
   return app;
 }
 

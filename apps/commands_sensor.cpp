@@ -11,21 +11,13 @@
 namespace apps {
 namespace {
 
-constexpr std::array kLayouts{std::pair{std::string_view("table"), ConfigOptions::Layout::table},
-                              std::pair{std::string_view("markdown"), ConfigOptions::Layout::markdown},
-                              std::pair{std::string_view("json"), ConfigOptions::Layout::json}};
+constexpr auto kLayouts = enumerated<ConfigOptions::Layout>("table", "markdown", "json");
 using FileKind = ConfigOptions::FileKind;
-constexpr std::array kFiles{std::pair{std::string_view("sensor"), FileKind::sensor},
-                            std::pair{std::string_view("study"), FileKind::study},
-                            std::pair{std::string_view("scene"), FileKind::scene}};
-constexpr std::array kUnits{std::pair{std::string_view("cy/mm"), 0}, std::pair{std::string_view("cy/mrad"), 1},
-                            std::pair{std::string_view("cy/px"), 2}};
+constexpr auto kFiles = enumerated<FileKind>("sensor", "study", "scene");
 
 }  // namespace
 
 Command curve_command() {
-  const auto shared = std::make_shared<CurveOptions>();
-  CurveOptions& options = *shared;
   Command app{"curve", "OTF of every component, of each list and of the system",
               "Tables show MTF = |OTF|. In csv the column frequency is in --unit; there is one column a component and "
               "product, or NAME_re and NAME_im where the OTF is\n"
@@ -34,16 +26,16 @@ Command curve_command() {
               "The data of a figure FILE are written to FILE.csv.",
               "  mtf curve sensor.toml --freq 0:60:13 --unit cy/mm\n"
               "  mtf curve sensor.toml --format csv -o curve.csv --plot mtf.svg"};
+  auto& options = options_of<CurveOptions>(app, run_curve);
   add_file(app, "sensor", "sensor file (TOML)", options.sensor);
   add_text(app, "--freq", "LIST", "START:STOP:COUNT (both ends) or a comma list; default: 61 up to the cutoff",
            options.frequencies);
-  add_word(app, "--unit", "UNIT", "of the frequencies: cy/mm (default), cy/mrad or cy/px",
-           [&](const std::string& text) { options.unit = kUnits[choice("--unit", text, kUnits)].first; })
-      .candidates = one_of(kUnits);
-  add_word(app, "--angle", "DEG",
-           "direction in the focal plane, from +x (right) to +y (down); default 0.\n"
-           "With cy/px the vector is in pixels of each axis: 0.5 is Nyquist along both",
-           [&](const std::string& text) { options.angle_deg = number("--angle", text); });
+  add_choice(app, "--unit", "UNIT", "of the frequencies: cy/mm (default), cy/mrad or cy/px",
+             as_they_are("cy/mm", "cy/mrad", "cy/px"), options.unit);
+  add_value(app, "--angle", "DEG",
+            "direction in the focal plane, from +x (right) to +y (down); default 0.\n"
+            "With cy/px the vector is in pixels of each axis: 0.5 is Nyquist along both",
+            options.angle_deg, number);
   add_text(app, "--field", "X,Y",
            "place in the image whose OTF is wanted, of a sensor whose OTF changes over the field: from the optical\n"
            "axis in half diagonals of the detector, 0.7,-0.7, or as a pixel from its upper left corner, 320px,40px",
@@ -57,13 +49,10 @@ Command curve_command() {
   add_text(app, "--plot", "FILE", "figure: a .svg, .pdf or .png file, or ascii for the terminal", options.plot)
       .candidates = one_of({"", "ascii"});
   add_text(app, "-o,--out", "FILE", "write the values here instead of standard output", options.out);
-  app.run = [shared](const Global& global) { return run_curve(*shared, global); };
   return app;
 }
 
 Command budget_command() {
-  const auto shared = std::make_shared<BudgetOptions>();
-  BudgetOptions& options = *shared;
   Command app{
       "budget", "electrons, noise and sensitivity of a pixel",
       "For a pixel on the optical axis that images a surface of one temperature: electrons by their origin, every "
@@ -76,6 +65,7 @@ Command budget_command() {
       "Nyquist, and names rows of 0 in one line; csv and json have every row of the budget with 17 digits.",
       "  mtf budget sensor.toml --temperature 310 --format json\n"
       "  mtf budget sensor.toml --curves --plot mrtd.svg"};
+  auto& options = options_of<BudgetOptions>(app, run_budget);
   add_file(app, "sensor", "sensor file (TOML)", options.sensor);
   add_word(app, "--temperature", "K", "of the surface, such as 288, \"288 K\" or \"15 degC\"; default 300",
            [&](const std::string& text) {
@@ -95,21 +85,18 @@ Command budget_command() {
   add_text(app, "--plot", "FILE", "figure of --curves: a .svg, .pdf or .png file", options.plot);
   add_format(app, "table (default), csv or json", options.format);
   add_text(app, "-o,--out", "FILE", "write the values here instead of standard output", options.out);
-  app.run = [shared](const Global& global) { return run_budget(*shared, global); };
   return app;
 }
 
 Command info_command() {
-  const auto shared = std::make_shared<InfoOptions>();
-  InfoOptions& options = *shared;
   Command app{"info", "what a file holds, and the command to run next",
               "Reads OpenEXR, PNG and TIFF images and sensor files (.toml).",
               "  mtf info scene.exr\n"
               "  mtf info scene.exr --format json"};
+  auto& options = options_of<InfoOptions>(app, run_info);
   add_file(app, "file", "image or sensor file", options.file);
-  add_channel_choice(app, options.channel, options.layer, options.part);
+  add_channel_choice(app, options.read);
   add_format(app, "table (default), csv (of the channels) or json", options.format);
-  app.run = [shared](const Global& global) { return run_info(*shared, global); };
   return app;
 }
 
@@ -148,7 +135,6 @@ Command config_command() {
         else
           throw mtf::UsageError("'" + text + "': " + options.file + " is the file to write already; name one");
       });
-  words.required = false;
   words.repeats = true;
   words.candidates = one_of({"", "sensor", "study", "scene"});
   add_text(init, "-o,--out", "FILE", "file to write; default: standard output", [&options](const std::string& text) {
@@ -191,10 +177,7 @@ Command config_command() {
       "values decide together are left to mtf config check.",
       "  mtf config schema sensor -o sensor.schema.json\n"
       "  mtf config schema study -o study.schema.json"};
-  OptionSpec& file = add_word(schema, "file", "FILE", "sensor, study or scene",
-                              [&options](const std::string& text) { options.kind = choice("file", text, kFiles); });
-  file.required = true;
-  file.candidates = one_of(kFiles);
+  add_choice(schema, "file", "FILE", "sensor, study or scene", kFiles, options.kind).required = true;
   add_text(schema, "-o,--out", "FILE", "file to write; default: standard output", options.file);
   schema.run = action(ConfigOptions::Action::schema);
   app.commands = {init, check, explain, kinds, schema};
@@ -202,8 +185,6 @@ Command config_command() {
 }
 
 Command check_command() {
-  const auto shared = std::make_shared<CheckOptions>();
-  CheckOptions& options = *shared;
   Command app{
       "check", "the accuracy promised, verified on this machine and build",
       "Compares the kernels with tables of high precision (built in), and images filtered at the extremes of size,\n"
@@ -211,11 +192,11 @@ Command check_command() {
       "Absolute and relative errors are the worst found; each value has to keep its own allowance.",
       "  mtf check\n"
       "  mtf check --format json -o check.json"};
+  auto& options = options_of<CheckOptions>(app, run_check);
   add_text(app, "--reference", "FOLDER", "check against your own tables: CSV files named and laid out as the built-in",
            options.reference);
   add_format(app, "table (default), csv or json", options.format);
   add_text(app, "-o,--out", "FILE", "write the results here instead of standard output", options.out);
-  app.run = [shared](const Global& global) { return run_check(*shared, global); };
   return app;
 }
 

@@ -9,7 +9,6 @@
 #include "apps/modules/modules.h"
 #include "apps/schema/schemas.h"
 #include "apps/sensor/sensor_air.h"
-#include "apps/sensor/sensor_chain.h"
 #include "apps/sensor/sensor_place.h"
 #include "apps/sensor/sensor_warnings.h"
 #include "apps/sweep/study_file.h"
@@ -17,7 +16,6 @@
 #include "apps/terminal/text_table.h"
 #include "apps/text/json.h"
 #include "mtf/error.h"
-#include "mtf/io/config/config.h"
 #include "mtf/io/config/config_reader.h"
 #include "mtf/io/config/config_tree.h"
 #include "mtf/io/csv/curve_csv.h"
@@ -103,6 +101,11 @@ std::string schema_text(FileKind kind) {
   return kind == FileKind::study ? study_schema() : sensor_file_schema();
 }
 
+/// `mtf config check` of a sensor file. Returns the exit code. Throws RuntimeError when the file cannot be read.
+int check_sensor(const std::string& file, Format format) {
+  return report_verdict(sensor_verdict(mtf::io::read_text_file(file, mtf::io::cfg::kMaxBytes), file), format);
+}
+
 }  // namespace
 
 mtf::io::SensorConfig read_sensor(const std::string& file, const Global& global) {
@@ -147,9 +150,6 @@ Verdict sensor_verdict(const std::string& text, const std::string& file) {
     return {
         .file = file,
         .ok = false,
-        .name = {},
-        .sha256 = {},
-        .summary = {},
         .diagnostics = {{.error = true, .position = {}, .path = {}, .text = kind + "; `mtf scene check` reads it"}}};
   if (result.ok()) {
     for (mtf::io::Diagnostic& warning : chain_warnings(result.config)) result.diagnostics.push_back(std::move(warning));
@@ -161,10 +161,6 @@ Verdict sensor_verdict(const std::string& text, const std::string& file) {
           .sha256 = result.config.sha256,
           .summary = summary(result.config.system),
           .diagnostics = result.diagnostics};
-}
-
-int check_sensor(const std::string& file, Format format) {
-  return report_verdict(sensor_verdict(mtf::io::read_text_file(file, mtf::io::cfg::kMaxBytes), file), format);
 }
 
 int check_config(const std::string& file, Format format) {

@@ -20,9 +20,9 @@ mtf::io::SensorConfig load_sensor(const std::string& file, const Global& global)
 struct Verdict {
   std::string file;
   bool ok = false;
-  std::string name, sha256;
-  std::string summary;  ///< of a good one
-  std::vector<mtf::io::Diagnostic> diagnostics;
+  std::string name{}, sha256{};
+  std::string summary{};  ///< of a good one
+  std::vector<mtf::io::Diagnostic> diagnostics{};
 };
 
 /// Of the text of a sensor file, without reading `file`.
@@ -35,9 +35,6 @@ std::string explain_chain(const mtf::io::SensorConfig& config);
 /// The verdict and notes on standard output, errors as file:line:col lines on standard error; JSON has both. Returns
 /// the exit code, 0 or 2.
 int report_verdict(const Verdict& verdict, Format format);
-
-/// `mtf config check` of a sensor file. Returns the exit code. Throws RuntimeError when the file cannot be read.
-int check_sensor(const std::string& file, Format format);
 
 /// The same for a sensor or a study, according to the keys of the file.
 int check_config(const std::string& file, Format format);

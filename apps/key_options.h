@@ -44,18 +44,7 @@ void read_key(T& member, const radiometry::FieldInfo& info, const std::string& o
     read_key(value, info, option, text);
     member = value;
   } else if constexpr (std::is_enum_v<T>) {
-    const auto names = words(T{});
-    std::string all;
-    for (std::size_t i = 0; i < names.size(); ++i) {
-      if (names[i] == text) {
-        member = static_cast<T>(i);
-        return;
-      }
-      all += (i == 0 ? "" : ", ") + std::string(names[i]);
-    }
-    const auto meant = mtf::nearest(text, std::vector<std::string_view>(names.begin(), names.end()));
-    throw mtf::UsageError(option + ": '" + text + "' is not known" + (meant ? "; did you mean " + *meant + "?" : "") +
-                          " (one of " + all + ")");
+    member = static_cast<T>(place_of(option, text, words(T{})));
   } else if constexpr (std::is_same_v<T, std::string>) {
     member = text;
   } else if (info.dimension == mtf::Dimension::none) {

@@ -9,7 +9,6 @@
 #include <CLI/Formatter.hpp>
 
 #include <algorithm>
-#include <array>
 #include <functional>
 #include <iostream>
 #include <new>
@@ -87,9 +86,7 @@ std::string error_lines(std::string message, const std::vector<std::string>& arg
   return lines;
 }
 
-constexpr std::array kProgress{
-    std::pair{std::string_view("auto"), Progress::automatic}, std::pair{std::string_view("plain"), Progress::plain},
-    std::pair{std::string_view("json"), Progress::json}, std::pair{std::string_view("none"), Progress::none}};
+constexpr auto kProgress = enumerated<Progress>("auto", "plain", "json", "none");
 
 void add_option(CLI::App& app, const OptionSpec& option) {
   if (option.flag) {
@@ -156,8 +153,7 @@ Command root_command(Global& global, std::vector<std::string>& help_for) {
   add_word(command, "--version", "", "version, commit, compiler, FFT library, and which modules are there",
            [](const std::string&) { throw CLI::CallForVersion(version_text(), 0); })
       .flag = true;
-  add_word(command, "--threads", "N", "threads to use; 0 = all cores (default)",
-           [&](const std::string& text) { global.threads = whole_number("--threads", text, 0, 4096); });
+  add_value(command, "--threads", "N", "threads to use; 0 = all cores (default)", global.threads, whole(0, 4096));
   add_flag(command, "--quiet", "no notes and warnings on standard error, errors only", global.quiet);
   add_choice(command, "--progress", "MODE", "auto (default: on a terminal only), plain, json or none", kProgress,
              global.progress);

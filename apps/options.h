@@ -13,6 +13,7 @@
 
 #include "apps/simulate/simulate_options.h"
 #include "apps/text/frequency_unit.h"
+#include "mtf/io/image_io.h"
 
 namespace apps {
 
@@ -42,8 +43,7 @@ struct CurveOptions {
 struct InfoOptions {
   std::string file;
   Format format = Format::table;
-  std::optional<std::string> channel, layer;
-  std::optional<int> part;
+  mtf::io::ReadOptions read;  ///< which channels of the image
 };
 
 struct ConfigOptions {
@@ -60,9 +60,8 @@ struct ConfigOptions {
 /// `mtf simulate`.
 struct SimulateCommandOptions {
   std::string sensor, scene, report;
-  std::string picture;  ///< PNG of scene and image for the eye, "" = none
-  std::optional<std::string> channel, layer;
-  std::optional<int> part;
+  std::string picture;        ///< PNG of scene and image for the eye, "" = none
+  mtf::io::ReadOptions read;  ///< which channels of the image
   bool explain = false;
   std::string wisdom;         ///< file with what measuring learnt; read before, written after
   bool without_path = false;  ///< [path] and [atmosphere] of the sensor are left out
@@ -74,14 +73,13 @@ struct LiveOptions {
   std::string first, second;       ///< sensor file and image, or scene file and sensor file; both "": the demo
   std::string temperatures, time;  ///< of a 3-D scene, as for `mtf fly`
   bool no_air = false;
-  std::optional<std::string> channel, layer;
-  std::optional<int> part;
+  mtf::io::ReadOptions read;  ///< which channels of the image
   std::optional<double> tolerance;
   NanPolicy nan = NanPolicy::refuse;
-  int port = 0;            ///< 0 = any free one
-  bool browser = true;     ///< opened where there is a desktop
-  bool stay = false;       ///< without a page too
-  double linger_s = 60.0;  ///< without a page, until it ends
+  int port = 0;             ///< 0 = any free one
+  bool no_browser = false;  ///< else opened where there is a desktop
+  bool stay = false;        ///< without a page too
+  double linger_s = 60.0;   ///< without a page, until it ends
 };
 
 struct BudgetOptions {
@@ -105,8 +103,7 @@ struct BenchOptions {
   std::string sensor;  ///< or, without an image or with a sensor file, a scene file
   std::string scene;   ///< image; "" = `sensor` is a scene file; a sensor file (.toml) of pictures of it
   std::string out;
-  std::optional<std::string> channel, layer;
-  std::optional<int> part;
+  mtf::io::ReadOptions read;                               ///< which channels of the image
   std::optional<int> rounds;                               ///< else 15; of a scene file 1
   double seconds = 60.0;                                   ///< for everything, about
   std::vector<double> tolerances_k;                        ///< of a scene file; empty: 1, 0.3 and 0.1
@@ -120,9 +117,7 @@ struct BenchOptions {
 /// Images of edges, and how their values become proportional to light.
 struct EdgeInput {
   std::vector<std::string> images;
-  std::optional<std::string> channel;  ///< a full name, "luminance", or "all": each colour for itself
-  std::optional<std::string> layer;
-  std::optional<int> part;
+  mtf::io::ReadOptions read;  ///< which channels; also "luminance", or "all": each colour for itself
   std::string encoding;  ///< linear, srgb, gamma:2.2, or a CSV file of stored and linear values; "" = as the file says
   std::string bayer;     ///< "", or the colours to take of a mosaic: r, gr, gb, b, g, all
   std::string pattern;   ///< of the mosaic; "" = rggb
@@ -182,12 +177,6 @@ struct CheckOptions {
   std::string out;  ///< "" = stdout
 };
 
-struct ReportOptions {
-  std::string folder;
-  std::string scene;  ///< of the images of the chosen designs; "" = a computed one
-  std::string out;    ///< "" = report.html in the folder
-};
-
 /// What may stand before a name, in place of a study.
 inline constexpr std::array<std::string_view, 4> kSweepVerbs{"plan", "run", "merge", "submit"};
 
@@ -230,13 +219,13 @@ struct SceneOptions {
 /// `mtf heat`.
 struct HeatCommandOptions {
   std::string scene, out;
-  double tolerance_k = 0.1;
-  int rays = 128;            ///< of the view of each side of a facet
-  int directions = 36;       ///< of the table of shadows, a day
-  int sun_points = 4;        ///< of each facet
-  bool every_facet = false;  ///< no classes
-  bool seen = false;         ///< only facets that the camera of the scene sees
-  bool verify = false;       ///< the realised error too
+  std::optional<double> tolerance_k;  ///< else 0.1, with `fit` 0.05
+  int rays = 128;                     ///< of the view of each side of a facet
+  int directions = 36;                ///< of the table of shadows, a day
+  int sun_points = 4;                 ///< of each facet
+  bool every_facet = false;           ///< no classes
+  bool seen = false;                  ///< only facets that the camera of the scene sees
+  bool verify = false;                ///< the realised error too
   bool ply = false, vtk = false;
   double save_every_s = 10.0;  ///< what a run that is killed goes on from is written so often, after a day
   bool anew = false;           ///< an interrupted run in the folder is not continued
@@ -245,7 +234,6 @@ struct HeatCommandOptions {
   bool fit = false;  ///< numbers of the ground to what was measured; `out` is the fitted scene file then
   std::string fit_report, fit_plot;  ///< of a fit: JSON and figure
   bool allow_misfit = false;
-  bool has_tolerance = false;
   Format format = Format::table;  ///< of standard output: table or json
 };
 
@@ -264,7 +252,6 @@ int run_fit(const FitOptions& options, const Global& global);
 int run_sweep(const SweepOptions& options, const Global& global);
 int run_optimize(const OptimizeCommandOptions& options, const Global& global);
 int run_check(const CheckOptions& options, const Global& global);
-int run_report(const ReportOptions& options, const Global& global);
 int run_scene(const SceneOptions& options, const Global& global);
 int run_heat(const HeatCommandOptions& options, const Global& global);
 int run_heat_fit(const HeatCommandOptions& options, const Global& global);

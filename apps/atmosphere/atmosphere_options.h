@@ -5,7 +5,6 @@
 
 #include <optional>
 #include <string>
-#include <string_view>
 
 #include "apps/options.h"
 #include "radiometry/atmosphere/atmosphere_settings.h"
@@ -31,7 +30,5 @@ struct AtmosphereOptions {
 
 /// What it prints with --format json. Writes no files. Throws UsageError and RuntimeError as the command.
 std::string atmosphere_json(const AtmosphereOptions& options, const Global& global);
-
-int run_atmosphere(const AtmosphereOptions& options, const Global& global);
 
 }  // namespace apps

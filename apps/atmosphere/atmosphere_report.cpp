@@ -7,6 +7,7 @@
 
 #include "apps/terminal/text_table.h"
 #include "apps/text/json.h"
+#include "mtf/error.h"
 #include "mtf/units.h"
 
 namespace apps {
@@ -36,6 +37,16 @@ bool acts(const AtmosphereReport& report, std::size_t component) {
                      [&](const BandAverage& b) { return b.component[component] < 0.99995; });
 }
 
+/// The curve of one component over the wavelength.
+radiometry::Path only(const air::SpectralPath<double>& path, std::size_t component) {
+  std::vector<double> wavelength_um, value(path.component[component].rbegin(), path.component[component].rend());
+  for (auto nu = path.wavenumber_cm.rbegin(); nu != path.wavenumber_cm.rend(); ++nu) wavelength_um.push_back(1e4 / *nu);
+  radiometry::Path result;
+  result.transmission = radiometry::make_spectrum(std::string(air::kComponentNames[component]),
+                                                  std::move(wavelength_um), std::move(value), 1.0);
+  return result;
+}
+
 Json sight_json(const air::SightNumbers<double>& sight) {
   return {{"range_m", sight.range_m},
           {"zenith_angle_deg", kDegrees * sight.zenith_rad},
@@ -44,6 +55,24 @@ Json sight_json(const air::SightNumbers<double>& sight) {
 }
 
 }  // namespace
+
+BandAverage band_average(const air::SpectralPath<double>& path, const radiometry::SpectralCamera& camera,
+                         double source_k) {
+  const radiometry::Surface surface{.temperature_k = source_k};
+  const radiometry::Path whole = path_of(path, "the air");
+  const double clear = scene_radiance(camera, surface, {}), clear_slope = scene_derivative(camera, surface, {});
+  if (!(clear > 0.0 && clear_slope > 0.0))
+    throw mtf::UsageError("a blackbody of " + mtf::format_double(source_k) + " K gives nothing from " +
+                          describe(camera.band) + " to weigh the air by; give a hotter --source-temperature");
+  BandAverage average{.band = camera.band};
+  average.transmission = scene_radiance(camera, surface, whole) / clear;
+  average.contrast_transmission = scene_derivative(camera, surface, whole) / clear_slope;
+  average.has_radiance = camera.band.lo_um >= air::kShortestEmission_um;
+  average.radiance = band_radiances(camera, surface, whole, {}).path;
+  for (std::size_t c = 0; c < air::kComponents; ++c)
+    average.component[c] = scene_radiance(camera, surface, only(path, c)) / clear;
+  return average;
+}
 
 std::string air_words(const radiometry::AtmosphereSettings& s, const air::Air<double>& through) {
   std::string text = through.profile.source;

@@ -76,23 +76,14 @@ std::optional<double> median_ms(const BenchRow& row) {
   return row.time ? std::optional<double>(row.time->median_ms) : std::nullopt;
 }
 
-Json number_or_null(const std::optional<double>& value) { return value ? Json(*value) : Json(nullptr); }
-
 Json row_json(const BenchRow& row) {
-  return {{"tolerance", row.tolerance},
-          {"method", row.method},
-          {"chosen", row.chosen},
-          {"promised", number_or_null(row.promised)},
-          {"rms_error", number_or_null(row.rms_error)},
-          {"max_error", number_or_null(row.max_error)},
-          {"time_ms_min", number_or_null(min_ms(row))},
-          {"time_ms_median", number_or_null(median_ms(row))},
-          {"plan_ms", number_or_null(row.plan_ms)},
-          {"memory_mib", number_or_null(row.memory_mib)},
-          {"floor_ms", number_or_null(row.floor_ms)},
-          {"floor_image_ms", number_or_null(row.floor_image_ms)},
-          {"detail", row.detail},
-          {"runs", row.time ? Json(row.time->runs) : Json(nullptr)}};
+  return {{"tolerance", row.tolerance}, {"method", row.method},
+          {"chosen", row.chosen},       {"promised", row.promised},
+          {"rms_error", row.rms_error}, {"max_error", row.max_error},
+          {"time_ms_min", min_ms(row)}, {"time_ms_median", median_ms(row)},
+          {"plan_ms", row.plan_ms},     {"memory_mib", row.memory_mib},
+          {"floor_ms", row.floor_ms},   {"floor_image_ms", row.floor_image_ms},
+          {"detail", row.detail},       {"runs", row.time ? Json(row.time->runs) : Json(nullptr)}};
 }
 
 // The least error that can be had within a time: a staircase over the rows that no other beats in both error and time.
@@ -201,7 +192,7 @@ std::optional<Figure> bench_figure(const BenchReport& report) {
   std::vector<std::string_view> methods(mtf::kMethodNames.begin(), mtf::kMethodNames.end());
   methods.insert(methods.end(), kRivalNames.begin(), kRivalNames.end());
   for (std::size_t i = 0; i < methods.size(); ++i) {
-    Series series{.name = std::string(methods[i]), .x = {}, .y = {}, .mark = Mark::points, .style = i};
+    Series series{.name = std::string(methods[i]), .mark = Mark::points, .style = i};
     for (const BenchRow& row : report.rows) {
       if (row.method != methods[i] || !row.time) continue;
       series.x.push_back(row.time->min_ms);
@@ -260,8 +251,7 @@ void time_all(const ToleranceRuns& results, const BenchOptions& options, double 
     report.floors.push_back({sizes[i], in.min_ms < out.min_ms ? in : out, in.min_ms < out.min_ms});
   }
   const auto floor_ms = [&](const Size& size) {
-    return report.floors[static_cast<std::size_t>(std::find(sizes.begin(), sizes.end(), size) - sizes.begin())]
-        .time.min_ms;
+    return report.floors[static_cast<std::size_t>(std::ranges::find(sizes, size) - sizes.begin())].time.min_ms;
   };
   for (const ToleranceRun& run : results.runs) {
     BenchRow row;
@@ -292,9 +282,9 @@ std::string command_line(const BenchOptions& options, const Global& global) {
                      shell_word(options.out) + " --rounds " + std::to_string(*options.rounds) + " --seconds " +
                      mtf::format_double(options.seconds) + " --threads " + std::to_string(global.threads);
   if (options.measure) text += " --rigor measure";
-  if (options.channel) text += " --channel " + shell_word(*options.channel);
-  if (options.layer) text += " --layer " + shell_word(*options.layer);
-  if (options.part) text += " --part " + std::to_string(*options.part);
+  if (options.read.channel) text += " --channel " + shell_word(*options.read.channel);
+  if (options.read.layer) text += " --layer " + shell_word(*options.read.layer);
+  if (options.read.part) text += " --part " + std::to_string(*options.read.part);
   return text;
 }
 
@@ -333,7 +323,6 @@ int run_bench(const BenchOptions& given, const Global& global) {
   BenchOptions options = given;
   options.rounds = given.rounds.value_or(kRounds);
   const mtf::Stopwatch watch;
-  if (options.out.empty()) throw mtf::UsageError("-o, --out is missing: name the folder for the results");
   const mtf::io::SensorConfig config = load_sensor(options.sensor, global);
   mtf::require_isoplanatic(config.system, "mtf bench");
   std::vector<std::string> inputs = files_of(config);
@@ -342,7 +331,7 @@ int run_bench(const BenchOptions& given, const Global& global) {
                      .force = options.force,
                      .names = {"bench.csv", "bench.json", "bench.svg", "bench.png"},
                      .inputs = inputs});
-  mtf::io::Scene scene = mtf::io::load_scene(config, options.scene, {options.channel, options.layer, options.part});
+  mtf::io::Scene scene = mtf::io::load_scene(config, options.scene, options.read);
   require_decoded(scene);
 
   BenchReport report;

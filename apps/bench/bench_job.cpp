@@ -57,8 +57,7 @@ Realised realised_error(const BenchJob& job, mtf::ImageView<const float> image) 
       largest = d > largest || std::isnan(d) ? d : largest;  // a NaN stays
     }
   const double rms = std::sqrt(squares / (static_cast<double>(image.width) * static_cast<double>(image.height)));
-  // A uniform plane is right to the last bit of a float where it differs from the reference by that bit's rounding
-  // only.
+  // A uniform plane is right to the last bit of a float where it differs from the reference by its rounding only.
   if (job.flat && largest <= std::ldexp(job.scale, -23)) return {};
   return {rms / job.scale, largest / job.scale};
 }

@@ -80,8 +80,7 @@ class Climber {
   void finish() {
     if (rivals_)
       for (const std::string& what : rivals_->too_slow()) leave_out(what, "a run takes too long; see --seconds");
-    const auto refused =
-        std::find_if(results.runs.begin(), results.runs.end(), [](const ToleranceRun& run) { return !run.contender; });
+    const auto refused = std::ranges::find_if(results.runs, [](const ToleranceRun& run) { return !run.contender; });
     if (refused == results.runs.end()) return;
     results.notes.push_back("no plan keeps " + significant(refused->tolerance, 2) + " and less; " +
                             (refused->reachable < 1.0 ? significant(refused->reachable, 2) + " can be kept"
@@ -165,8 +164,7 @@ class Climber {
 
   void leave_out(const std::string& method, const std::string& reason) {
     const std::string text = "no rows for " + method + " at some tolerances: " + reason;
-    if (std::find(results.notes.begin(), results.notes.end(), text) == results.notes.end())
-      results.notes.push_back(text);
+    if (std::ranges::find(results.notes, text) == results.notes.end()) results.notes.push_back(text);
   }
 
   const BenchJob& job_;

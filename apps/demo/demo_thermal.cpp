@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/demo/demo_thermal.h"
 
-#include <cmath>
-#include <vector>
-
 #include "apps/budget_table.h"
 #include "apps/simulate/simulate.h"
 #include "mtf/engines/statistics.h"

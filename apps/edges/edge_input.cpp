@@ -2,7 +2,6 @@
 #include "apps/edges/edge_input.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 
@@ -43,7 +42,7 @@ std::vector<NamedImage> chosen_planes(mtf::io::ImageFile& file, double clipped_f
     planes.push_back({"", std::move(file.planes.front())});
     return planes;
   }
-  const bool all = input.channel == "all", luminance = input.channel == "luminance";
+  const bool all = input.read.channel == "all", luminance = input.read.channel == "luminance";
   const bool grey =
       file.planes.size() == 3 && same(file.planes[0], file.planes[1]) && same(file.planes[0], file.planes[2]);
   if (grey && !all) {
@@ -86,8 +85,7 @@ std::vector<NamedImage> mosaic_planes(std::vector<NamedImage>&& planes, const st
   return colours;
 }
 
-/// Pixels of the display window that an OpenEXR does not hold are no data: zeros would make a perfect edge with the
-/// others.
+/// Pixels of the display window that an OpenEXR does not hold are no data: zeros would make a perfect edge.
 void hide_missing(mtf::io::ImageFile& file) {
   if (file.missing_pixels == 0) return;
   const auto [left, top, right, bottom] = file.info.data_window;
@@ -221,8 +219,8 @@ std::vector<EdgeRegion> given_regions(const EdgeInput& input) {
 }  // namespace
 
 std::vector<EdgePlane> load_edge_planes(const std::string& image, const EdgeInput& input, Regions regions) {
-  mtf::io::ReadOptions read{.channel = input.channel, .layer = input.layer, .part = input.part};
-  if (input.channel == "all" || input.channel == "luminance") read.channel.reset();
+  mtf::io::ReadOptions read = input.read;
+  if (read.channel == "all" || read.channel == "luminance") read.channel.reset();
   return edge_planes_of(mtf::io::read_image(image, read), image, input, regions);
 }
 

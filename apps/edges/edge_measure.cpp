@@ -89,11 +89,8 @@ void warn_of_jpeg(MeasuredEdge& edge) {
 std::vector<MeasuredEdge> measure_plane(const EdgePlane& plane, const EdgeMethod& method, int threads) {
   const MeasuredEdge blank{.image = plane.image,
                            .channel = plane.channel,
-                           .name = "",
                            .linearisation = plane.linearisation,
-                           .quantum = plane.options.quantum,
-                           .edge = {},
-                           .place = {}};
+                           .quantum = plane.options.quantum};
   std::vector<MeasuredEdge> edges(std::max<std::size_t>(1, plane.regions.size()), blank);
   if (plane.regions.empty()) {
     edges.front().edge.roi = {0, 0, plane.plane.width(), plane.plane.height()};

@@ -29,8 +29,7 @@ std::string percent_text(double contrast);
 std::optional<calib::Estimate> in_unit(const std::optional<calib::Estimate>& cy_px, const FrequencyScale& scale);
 std::vector<double> in_unit(std::vector<double> cy_px, const FrequencyScale& scale);
 
-/// Finds the frequencies of these contrasts in the measured curve. Those to which it does not fall are named in
-/// `absent`.
+/// Finds the frequencies of these contrasts in the measured curve. `absent` names those to which it does not fall.
 void add_contrasts(MeasuredEdge& edge, std::span<const double> contrasts);
 
 /// The contrasts without repetitions, and those of them that are no figures of every edge.

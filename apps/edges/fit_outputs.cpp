@@ -9,7 +9,6 @@
 #include "apps/terminal/text_table.h"
 #include "apps/text/json.h"
 #include "mtf/io/sha256.h"
-#include "mtf/units.h"
 #include "mtf/version.h"
 
 namespace apps {
@@ -89,7 +88,7 @@ std::string fit_table(const FitResult& result) {
 std::string fit_json(const FitResult& result, const mtf::io::SensorConfig& sensor,
                      const std::vector<std::string>& inputs) {
   Json json{{"version", mtf::version}, {"status", status_name(result.status)}};
-  json["reason"] = result.reason.empty() ? Json() : Json(result.reason);
+  json["reason"] = text_or_null(result.reason);
   json["warnings"] = result.warnings;
   add_parameters(json, result.parameters, result.not_separable, result.correlation);
   for (std::size_t i = 0; i < result.parameters.size(); ++i)
@@ -156,7 +155,7 @@ std::vector<Figure> fit_figures(const FitResult& result, const std::vector<Measu
     const std::string name = "edge " + std::to_string(i + 1);
     mtf.series.push_back({.name = name, .x = edge.frequency_cy_px, .y = edge.mtf});
     if (!difference.series.empty()) continue;
-    Series series{.name = name, .x = edge.frequency_cy_px, .y = {}};
+    Series series{.name = name, .x = edge.frequency_cy_px};
     for (std::size_t k = 0; k < edge.mtf.size(); ++k) {
       series.y.push_back(edge.mtf[k] - result.mtf[k]);
       series.low.push_back(series.y[k] - 2.0 * edge.mtf_sd[k]);

@@ -102,15 +102,12 @@ std::string correlation_table(std::span<const FittedParameter> parameters, const
   return table.aligned(align);
 }
 
-Json optional_json(const std::optional<double>& value) { return value ? Json(*value) : Json(); }
-Json optional_json(const std::optional<std::array<double, 2>>& value) { return value ? Json(*value) : Json(); }
-
 Json others_json(const FittedParameter& p) {
   Json all = Json::array();
   for (const calib::OtherValue& other : p.others)
     all.push_back({{"value", other.value},
-                   {"stderr", optional_json(other.stderr_value)},
-                   {"interval95", optional_json(other.interval95)},
+                   {"stderr", other.stderr_value},
+                   {"interval95", other.interval95},
                    {"chi2_rise", other.chi2_rise}});
   return all;
 }
@@ -122,18 +119,18 @@ Json parameter_json(const FittedParameter& p) {
   return {{"name", p.parameter.name},
           {"path", p.parameter.path},
           {"value", known ? Json(p.value) : Json()},
-          {"stderr", known ? optional_json(p.stderr_value) : Json()},
+          {"stderr", known ? p.stderr_value : Json()},
           {"unit", p.parameter.unit},
           {"knowledge", knowledge_name(p.knowledge)},
           {"start", p.start},
-          {"limit95", optional_json(p.limit95)},
+          {"limit95", p.limit95},
           {"limit_is", p.limit95 ? Json(p.limit_is_upper ? "upper" : "lower") : Json()},
-          {"interval68", optional_json(p.interval68)},
-          {"interval95", optional_json(p.interval95)},
+          {"interval68", p.interval68},
+          {"interval95", p.interval95},
           {"interval", p.interval ? Json{{"confidence", 0.95},
-                                         {"low", optional_json(p.interval->low)},
-                                         {"high", optional_json(p.interval->high)},
-                                         {"reason", p.interval->reason.empty() ? Json() : Json(p.interval->reason)}}
+                                         {"low", p.interval->low},
+                                         {"high", p.interval->high},
+                                         {"reason", text_or_null(p.interval->reason)}}
                                   : Json()},
           {"other_values", others_json(p)}};
 }

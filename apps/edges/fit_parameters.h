@@ -19,7 +19,7 @@ std::string shown_with_error(double value, double sd);
 /// deviation, or that grows by half.
 bool matters(const calib::Estimate& plain, const calib::Estimate& richer);
 
-/// Values, beside each what a richer model makes of it where that matters, intervals, what is not separable, and the
+/// Values, beside each what a richer model makes of it where that matters, intervals, what is not separable,
 /// correlation.
 std::string parameters_table(std::span<const calib::FittedParameter> parameters,
                              std::span<const calib::NullDirection> not_separable,

@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "apps/terminal/text_table.h"
-#include "apps/text/message_words.h"
 
 namespace apps {
 namespace {
@@ -49,8 +48,7 @@ std::optional<calib::Estimate> shift_between(const calib::EdgeMeasurement& edge,
 
 void add_lateral_shifts(std::span<MeasuredEdge> edges) {
   if (edges.empty()) return;
-  const auto green =
-      std::find_if(edges.begin(), edges.end(), [](const MeasuredEdge& edge) { return is_green(edge.channel); });
+  const auto green = std::ranges::find_if(edges, [](const MeasuredEdge& edge) { return is_green(edge.channel); });
   const std::string reference = green != edges.end() ? green->channel : edges.front().channel;
   std::vector<const calib::EdgeMeasurement*> partners;
   for (const MeasuredEdge& edge : edges)

@@ -328,9 +328,6 @@ int run_measure(const MeasureOptions& options, const Global& global) {
   };
   static_cast<void>(scale_of(1));  // what the unit lacks is said before any image is read
   MeasureReport report{.method = std::string(method_name(options.method)),
-                       .edges = {},
-                       .left_out = {},
-                       .failed = {},
                        .unit = options.unit,
                        .contrasts = without_repetitions(options.contrasts),
                        .further = further_contrasts(options.contrasts)};

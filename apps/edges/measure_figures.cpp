@@ -84,7 +84,7 @@ std::vector<Figure> field_map(const MeasureReport& report) {
   if (low > high) return maps;
   for (const char* direction : {"sagittal", "tangential", ""}) {
     const bool between = *direction == '\0';
-    Series series{.name = between ? "between" : direction, .x = {}, .y = {}, .mark = Mark::large_points};
+    Series series{.name = between ? "between" : direction, .mark = Mark::large_points};
     for (const MeasuredEdge& edge : report.edges) {
       if (!edge.edge.mtf50 || edge.place.direction != direction) continue;
       series.x.push_back(edge.edge.curve.origin.x);

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <string>
 
 #include "apps/edges/edge_merits.h"
 #include "apps/edges/lateral_shift.h"
@@ -33,8 +32,7 @@ FigureChange figures_of(const calib::EdgeMeasurement& edge) {
 }
 
 Json comparison_figures(const FigureChange& figures, const FrequencyScale& scale) {
-  const auto or_null = [](const std::optional<double>& value) { return value ? Json(*value) : Json(); };
-  return {{"mtf50", or_null(mtf50_in_unit(figures, scale))}, {"nyquist", or_null(figures.nyquist)}};
+  return {{"mtf50", mtf50_in_unit(figures, scale)}, {"nyquist", figures.nyquist}};
 }
 
 /// Decimals of MTF50 that are 1e-5 cycles per pixel or finer.
@@ -103,7 +101,7 @@ Json comparison_json(const MeasuredEdge& edge) {
   if (!edge.standard) return {};
   const calib::Iso12233Result& standard = edge.standard->result;
   Json json = comparison_figures(figures_of(standard), edge.scale);
-  json["reason"] = standard.reason.empty() ? Json() : Json(standard.reason);
+  json["reason"] = text_or_null(standard.reason);
   if (!edge.standard->difference) return json;
   const calib::Iso12233Difference& difference = *edge.standard->difference;
   json["difference"] = comparison_figures(difference.total, edge.scale);
@@ -143,7 +141,7 @@ std::string region_text(const calib::Roi& roi) {
 
 Json as_json(const std::optional<Estimate>& estimate) {
   if (!estimate) return {};
-  return {{"value", estimate->value}, {"sd", std::isfinite(estimate->sd) ? Json(estimate->sd) : Json()}};
+  return {{"value", estimate->value}, {"sd", estimate->sd}};
 }
 
 /// Why values are missing: the failure of the edge, or the reason of each missing figure.
@@ -167,33 +165,31 @@ Json geometry(const EdgeMeasurement& edge) {
 /// Where the numbers come from: what was undone to make them proportional to light.
 Json provenance(const MeasuredEdge& measured) {
   const Linearisation& from = measured.linearisation;
-  const auto or_null = [](const std::optional<double>& value) { return value ? Json(*value) : Json(); };
-  const auto word_or_null = [](const std::string& word) { return word.empty() ? Json() : Json(word); };
   return {{"encoding", from.encoding},
           {"encoding_source", from.encoding_source},
-          {"stated_encoding", word_or_null(from.stated.word)},
-          {"stated_by", word_or_null(from.stated.source)},
+          {"stated_encoding", text_or_null(from.stated.word)},
+          {"stated_by", text_or_null(from.stated.source)},
           {"storage", from.storage},
           {"whole_numbers", from.integer},
           {"full_scale", from.full_scale},
           {"step_at_mid_level", measured.quantum > 0.0 ? Json(measured.quantum) : Json()},
           {"dct_rounding_sd", from.dct_rounding_sd > 0.0 ? Json(from.dct_rounding_sd) : Json()},
-          {"floor", or_null(from.dark_end)},
-          {"saturation", or_null(from.light_end)},
-          {"cfa_pattern", word_or_null(from.mosaic)},
-          {"mask", word_or_null(from.mask)}};
+          {"floor", from.dark_end},
+          {"saturation", from.light_end},
+          {"cfa_pattern", text_or_null(from.mosaic)},
+          {"mask", text_or_null(from.mask)}};
 }
 
 Json as_json(const MeasuredEdge& measured, const std::vector<std::string>& names) {
   const EdgeMeasurement& edge = measured.edge;
   Json json{{"image", measured.image}};
-  json["channel"] = measured.channel.empty() ? Json() : Json(measured.channel);
-  json["name"] = measured.name.empty() ? Json() : Json(measured.name);
+  json["channel"] = text_or_null(measured.channel);
+  json["name"] = text_or_null(measured.name);
   json["roi"] = {edge.roi.x, edge.roi.y, edge.roi.width, edge.roi.height};
   json["linearisation"] = provenance(measured);
   json["outcome"] = edge.trouble == calib::Trouble::none ? "measured" : trouble_name(edge.trouble);
   const std::string reason = reason_of(edge);
-  json["reason"] = reason.empty() ? Json() : Json(reason);
+  json["reason"] = text_or_null(reason);
   json["warnings"] = edge.warnings;
   const bool measured_it = edge.trouble == calib::Trouble::none;
   json["clipped_share"] = edge.clipped_share;
@@ -214,7 +210,7 @@ Json as_json(const MeasuredEdge& measured, const std::vector<std::string>& names
   json["field"] = {{"x_px", measured.place.x_px},
                    {"y_px", measured.place.y_px},
                    {"radius_px", measured.place.radius_px},
-                   {"direction", measured.place.direction.empty() ? Json() : Json(measured.place.direction)}};
+                   {"direction", text_or_null(measured.place.direction)}};
   json["length_px"] = edge.length_px;
   json["sagitta_px"] = edge.sagitta_px;
   json["dark"] = edge.dark;
@@ -344,7 +340,7 @@ std::string measure_json(const MeasureReport& report) {
   json["left_out"] = Json::array();
   for (const LeftOutEdges& left : report.left_out)
     json["left_out"].push_back({{"image", left.image},
-                                {"channel", left.channel.empty() ? Json() : Json(left.channel)},
+                                {"channel", text_or_null(left.channel)},
                                 {"usable", left.usable},
                                 {"not_tried", left.not_tried}});
   json["failed"] = Json::array();

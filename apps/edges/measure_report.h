@@ -39,11 +39,11 @@ struct LateralShift {
 };
 
 struct MeasuredEdge {
-  std::string image, channel, name;
+  std::string image, channel, name{};
   Linearisation linearisation;
   double quantum = 0.0;  ///< linear step between neighbouring stored values, in the middle of their range; 0 = none
-  calib::EdgeMeasurement edge;
-  FieldPlace place;
+  calib::EdgeMeasurement edge{};
+  FieldPlace place{};
   FrequencyScale scale{};                                      ///< unit of the frequencies that are shown
   std::vector<std::optional<calib::Estimate>> at_contrasts{};  ///< cycles per pixel, of MeasureReport::further
   std::optional<MethodComparison> standard{};                  ///< where both methods were asked for
@@ -63,9 +63,9 @@ struct LeftOutEdges {
 
 struct MeasureReport {
   std::string method;
-  std::vector<MeasuredEdge> edges;
-  std::vector<LeftOutEdges> left_out;
-  std::vector<FailedImage> failed;
+  std::vector<MeasuredEdge> edges{};
+  std::vector<LeftOutEdges> left_out{};
+  std::vector<FailedImage> failed{};
   FrequencyUnit unit = FrequencyUnit::cy_px;
   std::vector<double> contrasts{};  ///< whose frequencies were asked for
   std::vector<double> further{};    ///< those of them that are no figures of every edge

@@ -17,8 +17,7 @@ inline double modulus(const mtf::Complex<double>& h) { return std::hypot(h.re, h
 /// are drawn where they are neither the system nor a single component.
 Figure curve_figure(const OtfCurves& curves);
 
-/// Cutoff, Nyquist frequency, Q and the MTF of every component at Nyquist along the direction of the curves, a line
-/// each.
+/// Cutoff, Nyquist frequency, Q and the MTF of every component at Nyquist in the direction of the curves, by lines.
 std::string curve_footer(const mtf::System<double>& system, const OtfCurves& curves);
 
 }  // namespace apps

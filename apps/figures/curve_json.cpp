@@ -23,8 +23,8 @@ Json curves_json(const OtfCurves& curves) {
   json["unit"] = curves.direction.unit;
   json["angle_deg"] = curves.direction.angle_deg;
   json["nyquist"] = figures.nyquist;
-  json["cutoff"] = figures.cutoff ? Json(*figures.cutoff) : Json();
-  json["q"] = figures.q ? Json(*figures.q) : Json();
+  json["cutoff"] = figures.cutoff;
+  json["q"] = figures.q;
   if (curves.field) json["field"] = {curves.field->x, curves.field->y};
   json["frequency"] = curves.frequency;
   json["components"] = Json::array();

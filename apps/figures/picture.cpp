@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
-#include <vector>
 
 #include "apps/text/message_words.h"
 #include "mtf/error.h"
@@ -122,8 +121,7 @@ void PairedPicture::add(const Caption& caption, mtf::ImageView<const float> imag
                      .image = copy.view(),
                      .zoom = static_cast<int>(std::max<std::int64_t>(1, width / image.width)),
                      .low = low,
-                     .high = high > low ? high : low + 1.0,
-                     .quantity = ""});
+                     .high = high > low ? high : low + 1.0});
 }
 
 void PairedPicture::write(const std::string& path) const { write_picture(path, panels_, true, 2); }

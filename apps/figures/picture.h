@@ -18,7 +18,7 @@ struct Panel {
   mtf::ImageView<const float> image;
   int zoom = 1;              ///< a pixel becomes a square of so many pixels a side
   double low = 0, high = 1;  ///< the values shown in black and in white; values beyond are clipped
-  std::string quantity;      ///< of the bar, with unit: "radiance [W/m2]"; ASCII
+  std::string quantity{};    ///< of the bar, with unit: "radiance [W/m2]"; ASCII
 };
 
 /// Words at the two ends of a panel's bar, "2.5" or, where values are clipped, "2.5 and below: 0.3 %" of the pixels.
@@ -31,8 +31,7 @@ BarEnds bar_ends(const Panel& panel);
 void require_picture_name(const std::string& file);
 
 /// What `--picture` draws: two panels a row in false colours, scene and image, in powers of a thousand of their units.
-/// A hundredth of the pixels is shown in black, and as much as three hundredths in white: hot spots would take all of
-/// the colours.
+/// A hundredth of the pixels is shown in black, and up to three hundredths in white: hot spots would take all colours.
 class PairedPicture {
  public:
   struct Caption {

@@ -8,16 +8,12 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <array>
 #include <cctype>
 #include <cerrno>
 #include <chrono>
 #include <cmath>
 #include <csignal>
 #include <limits>
-#include <optional>
-#include <span>
-#include <string>
 #include <string_view>
 #include <system_error>
 
@@ -413,9 +409,10 @@ bool draw(const std::string& path, std::span<const Figure> figures) {
   return drawing.has_value();
 }
 
-}  // namespace
-
+/// "plot.svg" -> "plot.svg.csv": not "plot.csv", which may be a file of the user's.
 std::string figure_data_path(const std::string& path) { return path + ".csv"; }
+
+}  // namespace
 
 std::vector<std::string> figure_files(const std::string& path) {
   if (path.empty()) return {};

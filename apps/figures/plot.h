@@ -17,8 +17,8 @@ enum class Mark { line, points, large_points };
 
 struct Series {
   std::string name;
-  std::vector<double> x, y;  ///< of one length; what is not finite (or not positive on a log axis) leaves a gap
-  bool emphasised = false;   ///< a thick black line or ring instead of a thin coloured one
+  std::vector<double> x{}, y{};  ///< of one length; what is not finite (or not positive on a log axis) leaves a gap
+  bool emphasised = false;       ///< a thick black line or ring instead of a thin coloured one
   Mark mark = Mark::line;
   std::vector<double> low{}, high{};  ///< a band around the line, shaded; empty or of the same length
   std::vector<double> value{};        ///< colours of points, in Figure::colour_range; empty or of the same length
@@ -44,9 +44,6 @@ struct Figure {
   std::array<double, 2> colour_range{0.0, 1.0};
   std::string colour_label;  ///< of the colours, with unit
 };
-
-/// "plot.svg" -> "plot.svg.csv": not "plot.csv", which may be a file of the user's.
-std::string figure_data_path(const std::string& path);
 
 /// The files that write_figure makes, of which a command says so before it begins: figure and data; none for "". Throws
 /// UsageError unless the extension is .svg, .pdf or .png (any case).

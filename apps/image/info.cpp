@@ -112,8 +112,7 @@ bool can_be_read(const ChannelInfo& channel) {
 }
 
 void measure_raster(ImageFacts& facts, const InfoOptions& options) {
-  const mtf::io::ImageFile image =
-      mtf::io::read_image(options.file, {.channel = options.channel, .layer = options.layer, .part = options.part});
+  const mtf::io::ImageFile image = mtf::io::read_image(options.file, options.read);
   for (std::size_t i = 0; i < image.names.size(); ++i)
     for (ChannelFacts& channel : facts.channels)
       if (channel.channel.name == image.names[i]) measure(channel, image.planes[i]);
@@ -158,7 +157,7 @@ std::optional<ReadOptions> choice_of(const std::string& path, const FileInfo& in
     }
   };
   std::vector<ReadOptions> tries;
-  const ReadOptions asked{.channel = options.channel, .layer = options.layer, .part = options.part};
+  const ReadOptions& asked = options.read;
   tries.push_back(asked);
   if (!asked.channel) {
     for (const ChannelInfo& c : info.channels) tries.push_back({.channel = {}, .layer = c.layer, .part = asked.part});
@@ -205,19 +204,15 @@ ImageFacts image_facts(const InfoOptions& options) {
   facts.remarks = facts.info.notes;
   for (std::string remark : {encoding_remark(facts.info), mtf::io::aspect_note(facts.info)})
     if (!remark.empty()) facts.remarks.push_back(std::move(remark));
-  const bool narrowed = options.channel || options.layer || options.part;
+  const auto& [wanted, layer, part] = options.read;
   for (const ChannelInfo& channel : facts.info.channels) {
-    const bool in_layer = !options.layer || channel.layer == *options.layer ||
-                          (channel.layer.empty() && channel.part_name == *options.layer);
-    const bool named = !options.channel || channel.name == *options.channel ||
-                       (options.layer && mtf::io::base_of(channel.name) == *options.channel);
-    if (in_layer && named && (!options.part || channel.part == *options.part))
-      facts.channels.push_back({channel, {}, {}, {}, {}, {}});
+    const bool in_layer = !layer || channel.layer == *layer || (channel.layer.empty() && channel.part_name == *layer);
+    const bool named = !wanted || channel.name == *wanted || (layer && mtf::io::base_of(channel.name) == *wanted);
+    if (in_layer && named && (!part || channel.part == *part)) facts.channels.push_back({channel, {}, {}, {}, {}, {}});
   }
   // The refusal of the reader lists what there is.
-  if (facts.channels.empty() && narrowed)
-    static_cast<void>(mtf::io::choose_channels(
-        options.file, facts.info.channels, {.channel = options.channel, .layer = options.layer, .part = options.part}));
+  if (facts.channels.empty() && (wanted || layer || part))
+    static_cast<void>(mtf::io::choose_channels(options.file, facts.info.channels, options.read));
   if (facts.info.format == mtf::io::Format::exr)
     measure_exr(facts, options);
   else
@@ -296,8 +291,6 @@ std::string as_text(const ImageFacts& facts) {
   return text + "\n" + (facts.next.empty() ? "" : "next: " + facts.next + "\n");
 }
 
-Json optional_json(const std::optional<double>& value) { return value ? Json(*value) : Json(); }
-
 std::string as_json(const ImageFacts& facts) {
   const mtf::io::FileInfo& info = facts.info;
   Json json{{"file", facts.path},
@@ -309,18 +302,18 @@ std::string as_json(const ImageFacts& facts) {
             {"display_window", info.display_window},
             {"values", facts.values}};
   const auto& [word, source] = info.encoding;
-  json["encoding"] = word.empty() ? Json() : Json(word);
-  json["encoding_source"] = source.empty() ? Json() : Json(source);
+  json["encoding"] = text_or_null(word);
+  json["encoding_source"] = text_or_null(source);
   json["notes"] = facts.remarks;
   Json& channels = json["channels"] = Json::array();
   for (const ChannelFacts& facts_of : facts.channels) {
     const mtf::io::ChannelInfo& c = facts_of.channel;
     Json channel{{"name", c.name}, {"type", c.type},           {"layer", c.layer},
                  {"part", c.part}, {"part_name", c.part_name}, {"sampling", {c.x_sampling, c.y_sampling}}};
-    channel["min"] = optional_json(facts_of.min);
-    channel["max"] = optional_json(facts_of.max);
-    channel["mean"] = optional_json(facts_of.mean);
-    channel["std"] = optional_json(facts_of.std);
+    channel["min"] = facts_of.min;
+    channel["max"] = facts_of.max;
+    channel["mean"] = facts_of.mean;
+    channel["std"] = facts_of.std;
     channel["not_finite"] = facts_of.statistics ? Json(facts_of.statistics->not_finite) : Json();
     channels.push_back(std::move(channel));
   }

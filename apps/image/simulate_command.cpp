@@ -157,14 +157,13 @@ SimulateResult run_library(const SimulateCommandOptions& options, const Global& 
     print_event(event);
     return true;
   };
-  return simulate(sensor, {.file = options.scene, .read = {options.channel, options.layer, options.part}}, run);
+  return simulate(sensor, {.file = options.scene, .read = options.read}, run);
 }
 
 /// --picture: each plane of the scene beside that of the image.
 void draw_picture(const SimulateCommandOptions& options, const mtf::io::SensorConfig& sensor,
                   const SimulateResult& result) {
-  const mtf::io::Scene scene =
-      mtf::io::load_scene(sensor, options.scene, {options.channel, options.layer, options.part});
+  const mtf::io::Scene scene = mtf::io::load_scene(sensor, options.scene, options.read);
   const std::vector<mtf::Image>& planes = result.images.front().planes;
   PairedPicture page;
   for (std::size_t c = 0; c < planes.size(); ++c) {

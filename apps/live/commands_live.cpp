@@ -5,13 +5,10 @@
 #include "apps/command_line.h"
 #include "apps/commands.h"
 #include "apps/modules/modules.h"
-#include "mtf/error.h"
 
 namespace apps {
 
 Command live_command() {
-  const auto shared = std::make_shared<LiveOptions>();
-  LiveOptions& options = *shared;
   Command app{
       "live", "the live view: a scene through a sensor in the browser, with a slider for every parameter",
       "Prints the address of a page and opens it. Of a sensor file and an image, as mtf simulate; of a scene file\n"
@@ -22,18 +19,15 @@ Command live_command() {
       "changed sensor file, the picture and the command line to the browser's downloads and clipboard.",
       "  mtf live\n"
       "  mtf live sensor.toml scene.exr --tolerance 1e-3"};
-  add_file(app, "first", "sensor file; of a 3-D scene its scene file (TOML)", options.first);
-  app.options.back().required = false;
+  auto& options = options_of<LiveOptions>(
+      app, [](const auto& given, const Global& global) { return live_module().live(given, global); });
+  add_file(app, "first", "sensor file; of a 3-D scene its scene file (TOML)", options.first).required = false;
   add_file(app, "second", "image of the scene, or frame.%04d.exr for a sequence; of a 3-D scene the sensor file",
-           options.second);
-  app.options.back().required = false;
-  add_channel_choice(app, options.channel, options.layer, options.part);
-  add_word(app, "--tolerance", "X", "rms error allowed, at the start; default: that of mtf simulate",
-           [&](const std::string& text) {
-             options.tolerance = number("--tolerance", text);
-             if (!(*options.tolerance > 0.0 && *options.tolerance < 1.0))
-               throw mtf::UsageError("--tolerance: " + text + " is outside (0, 1)");
-           });
+           options.second)
+      .required = false;
+  add_channel_choice(app, options.read);
+  add_value(app, "--tolerance", "X", "rms error allowed, at the start; default: that of mtf simulate",
+            options.tolerance, fraction());
   add_choice(app, "--nan", "POLICY", "NaN and infinite pixels: refuse (default), fill or propagate", kNanPolicies,
              options.nan);
   add_text(app, "--temperatures", "PATH",
@@ -43,18 +37,11 @@ Command live_command() {
            options.time);
   add_flag(app, "--no-air", "of a 3-D scene surfaces alone, for sensors that bring a path of their own",
            options.no_air);
-  add_word(app, "--port", "N", "port on 127.0.0.1; default: one that is free",
-           [&](const std::string& text) { options.port = whole_number("--port", text, 1, 65535); });
-  add_word(app, "--no-browser", "", "print the address only", [&](const std::string&) {
-    options.browser = false;
-  }).flag = true;
+  add_value(app, "--port", "N", "port on 127.0.0.1; default: one that is free", options.port, whole(1, 65535));
+  add_flag(app, "--no-browser", "print the address only", options.no_browser);
   add_flag(app, "--stay", "go on when no page is open; else it ends a minute after the last one", options.stay);
-  add_word(app, "--linger", "S", "seconds without a page until it ends; default 60", [&](const std::string& text) {
-    options.linger_s = number("--linger", text);
-    if (!(options.linger_s >= 1.0 && options.linger_s <= 1e6))
-      throw mtf::UsageError("--linger: " + text + " is outside 1 to 1e6");
-  });
-  app.run = [shared](const Global& global) { return live_module().live(*shared, global); };
+  add_value(app, "--linger", "S", "seconds without a page until it ends; default 60", options.linger_s,
+            within(1.0, 1e6, " is outside 1 to 1e6"));
   return app;
 }
 

@@ -7,9 +7,7 @@
 #include "apps/live/model.h"
 #include "apps/live/toml_blocks.h"
 #include "apps/sensor/sensor_chain.h"
-#include "apps/text/json.h"
 #include "apps/text/message_words.h"
-#include "mtf/error.h"
 #include "mtf/io/config/config_edit.h"
 #include "mtf/io/config/config_reader.h"
 #include "mtf/io/config/replace_value.h"
@@ -217,9 +215,8 @@ std::vector<Edit> read_edits(const Json& list) {
   if (list.size() > kMostEdits) throw fail("more than 1000; save the sensor file and start from it");
   std::vector<Edit> edits;
   for (const Json& item : list.elements()) {
-    const bool words =
-        item.is_array() && item.size() >= 2 && item.size() <= 3 &&
-        std::all_of(item.elements().begin(), item.elements().end(), [](const Json& word) { return word.is_string(); });
+    const bool words = item.is_array() && item.size() >= 2 && item.size() <= 3 &&
+                       std::ranges::all_of(item.elements(), [](const Json& word) { return word.is_string(); });
     if (!words) throw fail("each is a list of two or three texts");
     const auto kind = std::find(kKindNames.begin(), kKindNames.end(), item[0].get<std::string>());
     if (kind == kKindNames.end()) throw fail("set, unset, remove, off, on or add");
@@ -227,8 +224,7 @@ std::vector<Edit> read_edits(const Json& list) {
     if (item.size() == 3) edit.value = item[2].get<std::string>();
     if (edit.name.size() > kLongestName || edit.value.size() > kLongestValue) throw fail("a name or value is too long");
     const auto control = [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; };
-    if (std::any_of(edit.name.begin(), edit.name.end(), control) ||
-        std::any_of(edit.value.begin(), edit.value.end(), control))
+    if (std::ranges::any_of(edit.name, control) || std::any_of(edit.value.begin(), edit.value.end(), control))
       throw fail("control characters");
     edits.push_back(std::move(edit));
   }

@@ -2,8 +2,7 @@
 #pragma once
 
 // Frames for the page: the image of the scene by a sensor, by the same LiveSimulation that other programs call, and
-// that image as whole numbers of 16 bits. The values themselves are kept for the last few frames, for the cursor and
-// for files.
+// that image as whole numbers of 16 bits. The values themselves are kept for the last few frames, for cursor and files.
 
 #include <array>
 #include <cstdint>

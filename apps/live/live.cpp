@@ -142,7 +142,7 @@ std::shared_ptr<Session> image_session(const LiveOptions& options, SessionOption
     session.sensor_name = options.first;
     session.scene_name = options.second;
     scene.file = options.second;
-    scene.read = {.channel = options.channel, .layer = options.layer, .part = options.part};
+    scene.read = options.read;
   }
   return std::make_shared<Session>(std::move(sensor), std::move(scene), std::move(session));
 }
@@ -156,12 +156,7 @@ int run_live(const LiveOptions& options, const Global& global) {
   const bool space = options.second.ends_with(".toml");
   if (!space && (!options.temperatures.empty() || !options.time.empty() || options.no_air))
     throw mtf::UsageError("--temperatures, --time and --no-air are of a 3-D scene: mtf live scene.toml sensor.toml");
-  SessionOptions session{.sensor_name = {},
-                         .scene_name = {},
-                         .command_before = {},
-                         .tolerance = options.tolerance,
-                         .nan = options.nan,
-                         .threads = global.threads};
+  SessionOptions session{.tolerance = options.tolerance, .nan = options.nan, .threads = global.threads};
   // A sensor file that is wrong is said before there is a page. Scene and first picture are made while that is loaded;
   // what is wrong with them ends the command, and is said here, not in a browser.
   Sensor sensor;
@@ -197,7 +192,7 @@ int run_live(const LiveOptions& options, const Global& global) {
   print(address + "\n");
   note(global, "the live view is open to this machine alone; Ctrl-C ends it" +
                    (options.stay ? "" : ", as do " + mtf::format_double(options.linger_s) + " s without a page"));
-  if (options.browser) open_browser(address);
+  if (!options.no_browser) open_browser(address);
   bool ready = false;
   while (!interrupt.asked() && (options.stay || !ready || server.seconds_alone() < options.linger_s)) {
     if (ready) {

@@ -7,7 +7,6 @@
 #include "apps/live/toml_blocks.h"
 #include "mtf/components/component_docs.h"
 #include "mtf/io/config/config_text.h"
-#include "mtf/io/config/config_tree.h"
 #include "mtf/units.h"
 
 namespace apps::live {
@@ -59,8 +58,6 @@ double bound_in(double bound, const Parameter& parameter, const std::string& uni
     return bound;
   return mtf::convert({bound, held}, wanted->name);
 }
-
-Json finite(double value) { return std::isfinite(value) ? Json(value) : Json(); }
 
 /// `node`: what the file has there, null for nothing.
 Json row_json(const Parameter& parameter, const std::string& owner, const std::string& key, const cfg::Node* node) {
@@ -271,8 +268,8 @@ void add_number(Json& row, double number, const std::string& unit, double lo, do
   row["control"] = "number";
   row["number"] = number;
   row["unit"] = unit;
-  row["min"] = finite(lo);
-  row["max"] = finite(hi);
+  row["min"] = lo;
+  row["max"] = hi;
   row["low"] = range.low;
   row["high"] = range.high;
   row["log"] = range.log;

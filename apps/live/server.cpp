@@ -199,8 +199,7 @@ void answer_text(httplib::Response& response, int status, const std::string& tex
 }
 
 /// Sends `bytes` as they are, without a copy; `owner` keeps them. A body that httplib holds itself it would compress,
-/// which within one machine only takes time: 0.16 s of the page's script. httplib does not compare a range with the
-/// size.
+/// which within one machine only takes time: 0.16 s of the page's script. httplib does not check ranges.
 void provide(httplib::Response& response, std::string_view bytes, const std::string& type,
              std::shared_ptr<const void> owner = nullptr) {
   response.set_content_provider(

@@ -9,7 +9,6 @@
 
 #include "apps/budget_table.h"
 #include "apps/figures/curve_json.h"
-#include "apps/live/answers.h"
 #include "apps/live/model.h"
 #include "apps/live/request_body.h"
 #include "apps/sensor/otf_curves.h"
@@ -175,12 +174,8 @@ Answer Session::stop(const RequestBody& request) {
 }
 
 Answer Session::start() {
-  Json json{{"sensor", options_.sensor_name},
-            {"scene", options_.scene_name},
-            {"text", edited_.start()->text},
-            {"before", options_.command_before},
-            {"tolerance", options_.tolerance ? Json(*options_.tolerance) : Json()},
-            {"numbers", frames_.numbers()},
+  Json json{{"sensor", options_.sensor_name},    {"scene", options_.scene_name},    {"text", edited_.start()->text},
+            {"before", options_.command_before}, {"tolerance", options_.tolerance}, {"numbers", frames_.numbers()},
             {"nan", word_of(options_.nan)}};
   if (space_) {
     json["space"] = space_->facts;
@@ -325,7 +320,7 @@ Answer Session::figures(const RequestBody& request) {
     json["budget"] = Json::array();
     for (const radiometry::BudgetRow& row : budget.rows)
       json["budget"].push_back({{"name", row.name},
-                                {"value", std::isfinite(row.value) ? Json(row.value) : Json()},
+                                {"value", row.value},
                                 {"unit", row.unit},
                                 {"doc", row.doc},
                                 {"reason", row.refused},
@@ -337,8 +332,7 @@ Answer Session::figures(const RequestBody& request) {
   const OtfCurves curves = otf_curves(config.system, {}, direction);
   json["curves"] = curves_json(curves);
   json["at_nyquist"] = curves_json(otf_curves(config.system, {curves.figures.nyquist}, direction));
-  const std::optional<double> half = mtf50(config.system, curves);
-  json["mtf50"] = half ? Json(*half) : Json();
+  json["mtf50"] = mtf50(config.system, curves);
   return json_answer(json);
 }
 
@@ -360,7 +354,7 @@ Answer Session::value(const RequestBody& request) {
     const std::int64_t column = static_cast<std::int64_t>(x) / every * every,
                        row = static_cast<std::int64_t>(y) / every * every;
     const double number = static_cast<double>(image.at(column, row));
-    return Json{{"x", column}, {"y", row}, {"value", std::isfinite(number) ? Json(number) : Json()}};
+    return Json{{"x", column}, {"y", row}, {"value", number}};
   };
   const mtf::SampleGrid& out = made->plan->out();
   return json_answer({{"before", at(before, scene->grid.step_x_um, scene->grid.step_y_um, 1)},

@@ -31,8 +31,8 @@
 namespace apps::live {
 
 struct SessionOptions {
-  std::string sensor_name, scene_name;  ///< as on the command line
-  std::string command_before;           ///< what makes the files of the demo where they are missing
+  std::string sensor_name{}, scene_name{};  ///< as on the command line
+  std::string command_before{};             ///< what makes the files of the demo where they are missing
   std::optional<double> tolerance{};
   NanPolicy nan = NanPolicy::refuse;
   int threads = 0;

@@ -3,8 +3,7 @@
 // The module of 3-D scenes.
 
 #include "apps/modules/modules.h"
-#include "apps/scene/command/fly_options.h"
-#include "apps/scene/command/render_options.h"
+#include "apps/scene/command/picture_options.h"
 #include "apps/scene/scene_file/clear_sky_flux.h"
 #include "apps/scene/scene_file/demo_scene_text.h"
 #include "apps/scene/scene_file/scene_file.h"

@@ -10,6 +10,7 @@ namespace apps::python {
 namespace {
 
 namespace py = pybind11;
+using namespace py::literals;
 
 std::string shape_text(const py::array& array) {
   std::string text = "(";
@@ -80,9 +81,9 @@ PlaneView plane_of(const py::object& object, const std::string& name) {
   if (!is_float32(array) || !has_rows(array)) {
     const py::module_ numpy = py::module_::import("numpy");
     // A number beyond float32 becomes infinite. Whoever takes the values refuses infinite ones and names the place.
-    const py::object quiet = numpy.attr("errstate")(py::arg("over") = "ignore");
+    const py::object quiet = numpy.attr("errstate")("over"_a = "ignore");
     quiet.attr("__enter__")();
-    array = numpy.attr("array")(array, py::arg("dtype") = "float32", py::arg("order") = "C", py::arg("copy") = true);
+    array = numpy.attr("array")(array, "dtype"_a = "float32", "order"_a = "C", "copy"_a = true);
     quiet.attr("__exit__")(py::none(), py::none(), py::none());
   }
   const auto* data = static_cast<const float*>(array.data());

@@ -21,7 +21,6 @@
 namespace apps::python {
 namespace {
 
-namespace py = pybind11;
 using Doubles = py::array_t<double, py::array::c_style | py::array::forcecast>;
 
 /// A text that Python gave. Throws UsageError that names the argument.
@@ -89,15 +88,8 @@ py::dict column_of(const OtfColumn& column) {
   py::array_t<std::complex<double>> values(static_cast<py::ssize_t>(column.otf.size()));
   for (std::size_t i = 0; i < column.otf.size(); ++i)
     values.mutable_data()[i] = {column.otf[i].re + 0.0, column.otf[i].im + 0.0};
-  py::dict result;
-  result["label"] = column.label;
-  result["kind"] = column.kind;
-  result["stage"] = column.stage;
-  result["doc"] = column.doc;
-  result["real"] = column.real;
-  result["otf"] = values;
-  result["error"] = to_numpy(column.error);
-  return result;
+  return py::dict("label"_a = column.label, "kind"_a = column.kind, "stage"_a = column.stage, "doc"_a = column.doc,
+                  "real"_a = column.real, "otf"_a = values, "error"_a = to_numpy(column.error));
 }
 
 py::dict curves(SensorHandle& sensor, std::vector<double> frequency, double angle_deg, const py::object& given_unit,
@@ -111,16 +103,9 @@ py::dict curves(SensorHandle& sensor, std::vector<double> frequency, double angl
   });
   py::list columns;
   for (const OtfColumn* column : made.columns()) columns.append(column_of(*column));
-  py::dict result;
-  result["name"] = made.name;
-  result["unit"] = made.direction.unit;
-  result["angle_deg"] = made.direction.angle_deg;
-  result["nyquist"] = made.figures.nyquist;
-  result["cutoff"] = made.figures.cutoff;
-  result["q"] = made.figures.q;
-  result["frequency"] = to_numpy(made.frequency);
-  result["columns"] = columns;
-  return result;
+  return py::dict("name"_a = made.name, "unit"_a = made.direction.unit, "angle_deg"_a = made.direction.angle_deg,
+                  "nyquist"_a = made.figures.nyquist, "cutoff"_a = made.figures.cutoff, "q"_a = made.figures.q,
+                  "frequency"_a = to_numpy(made.frequency), "columns"_a = columns);
 }
 
 }  // namespace
@@ -138,10 +123,8 @@ std::shared_ptr<const mtf::io::SensorConfig> weighted(SensorHandle& sensor) {
 }
 
 void add_curves(py::module_& module) {
-  module.def("otf", &otf, py::arg("sensor"), py::arg("fx"), py::arg("fy"), py::arg("unit"),
-             py::arg("field") = py::none());
-  module.def("curves", &curves, py::arg("sensor"), py::arg("frequency"), py::arg("angle_deg"), py::arg("unit"),
-             py::arg("field") = py::none());
+  module.def("otf", &otf, "sensor"_a, "fx"_a, "fy"_a, "unit"_a, "field"_a = py::none());
+  module.def("curves", &curves, "sensor"_a, "frequency"_a, "angle_deg"_a, "unit"_a, "field"_a = py::none());
 }
 
 }  // namespace apps::python

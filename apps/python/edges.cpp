@@ -16,8 +16,6 @@
 namespace apps::python {
 namespace {
 
-namespace py = pybind11;
-
 MeasureMethod method_of(const std::string& name) {
   if (name == "regression") return MeasureMethod::regression;
   if (name == "iso12233") return MeasureMethod::iso12233;
@@ -40,9 +38,6 @@ py::tuple measure(const py::object& image, const py::dict& words, const std::str
   if (method.method != MeasureMethod::regression && circle)
     throw mtf::UsageError("circle: ISO 12233 knows polynomials only; leave out one of the two");
   MeasureReport report{.method = method_name,
-                       .edges = {},
-                       .left_out = {},
-                       .failed = {},
                        .unit = unit_of(unit),
                        .contrasts = without_repetitions(contrasts),
                        .further = further_contrasts(contrasts)};
@@ -81,7 +76,7 @@ EdgeInput edge_input_of(const py::dict& words) {
     take(name, file);
     to = file.bytes;
   };
-  take("channel", input.channel);
+  take("channel", input.read.channel);
   take("encoding", input.encoding);
   take("bayer", input.bayer);
   take("pattern", input.pattern);
@@ -126,9 +121,8 @@ std::vector<EdgePlane> planes_of(EdgeImage&& image, const EdgeInput& input, Regi
 }
 
 void add_edges(py::module_& module) {
-  module.def("measure", &measure, py::arg("image"), py::arg("words"), py::arg("method"), py::arg("order"),
-             py::arg("circle"), py::arg("unit"), py::arg("pitch_um"), py::arg("focal_length_mm"), py::arg("contrasts"),
-             py::arg("threads"));
+  module.def("measure", &measure, "image"_a, "words"_a, "method"_a, "order"_a, "circle"_a, "unit"_a, "pitch_um"_a,
+             "focal_length_mm"_a, "contrasts"_a, "threads"_a);
 }
 
 }  // namespace apps::python

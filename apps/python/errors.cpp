@@ -14,8 +14,6 @@
 namespace apps::python {
 namespace {
 
-namespace py = pybind11;
-
 std::string with_arguments(const std::string& what) {
   static const std::regex option("(^|[\\s(\"',;:])--([a-z]+)(?:-([a-z]+))?");
   std::string text;

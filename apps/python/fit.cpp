@@ -17,7 +17,6 @@
 namespace apps::python {
 namespace {
 
-namespace py = pybind11;
 using mtf::io::SensorConfig;
 
 /// An image and the sensor that it was taken with; none: the one that is fitted.
@@ -137,9 +136,8 @@ void add_fit(py::module_& module) {
       .def_property_readonly("table", [](const FitHandle& f) { return fit_table(f.result); })
       .def_property_readonly("sensor", &fitted_sensor)
       .def_property_readonly("residuals", &residuals_of);
-  module.def("fit", &fit_sensor, py::arg("sensor"), py::arg("edges"), py::arg("spots"), py::arg("curves"),
-             py::arg("words"), py::arg("robust"), py::arg("starts"), py::arg("profile"), py::arg("residual_otf"),
-             py::arg("threads"), py::arg("progress"));
+  module.def("fit", &fit_sensor, "sensor"_a, "edges"_a, "spots"_a, "curves"_a, "words"_a, "robust"_a, "starts"_a,
+             "profile"_a, "residual_otf"_a, "threads"_a, "progress"_a);
 }
 
 }  // namespace apps::python

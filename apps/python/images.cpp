@@ -18,8 +18,6 @@
 namespace apps::python {
 namespace {
 
-namespace py = pybind11;
-
 ImageHandle read(const FileName& path, const std::optional<std::string>& channel,
                  const std::optional<std::string>& layer, std::optional<int> part) {
   std::shared_ptr<const mtf::io::ImageFile> file;
@@ -41,7 +39,7 @@ py::array plane(const ImageHandle& image, const std::string& name) {
     constexpr auto kSize = static_cast<std::int64_t>(sizeof(float));
     py::array array =
         py::array_t<float>({values.height(), values.width()}, {values.width() * kSize, kSize}, values.data(), free);
-    array.attr("setflags")(py::arg("write") = false);
+    array.attr("setflags")("write"_a = false);
     return array;
   }
   throw mtf::UsageError(image.path + ": has no plane '" + mtf::printable(name, 60) + "'; it has " + joined(file.names));
@@ -140,20 +138,19 @@ void add_images(py::module_& module) {
       .def_property_readonly("notes", [](const ImageHandle& i) { return i.file->info.notes; })
       .def_property_readonly("pitch_um", [](const ImageHandle& i) { return mtf::io::stated_pitch_um(i.file->info); })
       .def_property_readonly("missing_pixels", [](const ImageHandle& i) { return i.file->missing_pixels; })
-      .def("plane", &plane, py::arg("name"))
+      .def("plane", &plane, "name"_a)
       .def(
           "called",
           [](const ImageHandle& i, const FileName& name) {
             return ImageHandle{name.bytes, i.file};
           },
-          py::arg("name"))
+          "name"_a)
       .def(py::pickle(&state_of, &of_state));
   module.def(
-      "plane", [](const py::object& array, const std::string& name) { return plane_of(array, name).array; },
-      py::arg("array"), py::arg("name"));
-  module.def("read", &read, py::arg("path"), py::arg("channel"), py::arg("layer"), py::arg("part"));
-  module.def("write", &write, py::arg("path"), py::arg("planes"), py::arg("text"), py::arg("pairs"), py::arg("lists"),
-             py::arg("history"), py::arg("range"), py::arg("bits"));
+      "plane", [](const py::object& array, const std::string& name) { return plane_of(array, name).array; }, "array"_a,
+      "name"_a);
+  module.def("read", &read, "path"_a, "channel"_a, "layer"_a, "part"_a);
+  module.def("write", &write, "path"_a, "planes"_a, "text"_a, "pairs"_a, "lists"_a, "history"_a, "range"_a, "bits"_a);
 }
 
 }  // namespace apps::python

@@ -11,20 +11,12 @@
 namespace apps::python {
 namespace {
 
-namespace py = pybind11;
-
 py::dict as_dict(const Parameter& parameter) {
-  py::dict entry;
-  entry["name"] = parameter.name;
-  entry["type"] = type_name(parameter.type);
-  entry["unit"] = parameter.unit;
-  entry["range"] = range_of(parameter);
-  entry["words"] = std::vector(parameter.words.begin(), parameter.words.end());
-  entry["presence"] = presence_of(parameter);
-  entry["default"] = parameter.default_value;
-  entry["example"] = parameter.example;
-  entry["doc"] = parameter.doc;
-  return entry;
+  return py::dict("name"_a = parameter.name, "type"_a = type_name(parameter.type), "unit"_a = parameter.unit,
+                  "range"_a = range_of(parameter),
+                  "words"_a = std::vector(parameter.words.begin(), parameter.words.end()),
+                  "presence"_a = presence_of(parameter), "default"_a = parameter.default_value,
+                  "example"_a = parameter.example, "doc"_a = parameter.doc);
 }
 
 py::list parameters_of(const std::vector<Parameter>& parameters) {
@@ -44,27 +36,15 @@ py::dict kinds() {
   const SensorKinds all = sensor_kinds();
   py::list components, tables;
   for (const ComponentKind& kind : all.components) {
-    py::dict entry;
-    entry["kind"] = kind.kind;
-    entry["doc"] = kind.doc;
-    entry["notes"] = kind.notes;
-    entry["stages"] = stages_of(kind.stages);
-    entry["parameters"] = parameters_of(kind.parameters);
-    entry["example"] = kind.example;
-    components.append(entry);
+    components.append(py::dict("kind"_a = kind.kind, "doc"_a = kind.doc, "notes"_a = kind.notes,
+                               "stages"_a = stages_of(kind.stages), "parameters"_a = parameters_of(kind.parameters),
+                               "example"_a = kind.example));
   }
   for (const TableKind& kind : all.tables) {
-    py::dict entry;
-    entry["name"] = kind.name;
-    entry["doc"] = kind.doc;
-    entry["condition"] = kind.condition;
-    entry["parameters"] = parameters_of(kind.parameters);
-    tables.append(entry);
+    tables.append(py::dict("name"_a = kind.name, "doc"_a = kind.doc, "condition"_a = kind.condition,
+                           "parameters"_a = parameters_of(kind.parameters)));
   }
-  py::dict result;
-  result["components"] = components;
-  result["tables"] = tables;
-  return result;
+  return py::dict("components"_a = components, "tables"_a = tables);
 }
 
 }  // namespace

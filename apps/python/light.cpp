@@ -17,7 +17,6 @@
 namespace apps::python {
 namespace {
 
-namespace py = pybind11;
 using Doubles = py::array_t<double, py::array::c_style | py::array::forcecast>;
 using radiometry::BandResponse;
 using radiometry::Flux;
@@ -84,15 +83,14 @@ Doubles response_radiance(const BandResponse& band, const std::string& flux_name
 }  // namespace
 
 void add_light(py::module_& module) {
-  module.def("blackbody", &at_wavelength, py::arg("what"), py::arg("flux"), py::arg("wavelength_um"), py::arg("other"));
-  module.def("blackbody_band", &in_band, py::arg("what"), py::arg("flux"), py::arg("lo_um"), py::arg("hi_um"),
-             py::arg("other"));
+  module.def("blackbody", &at_wavelength, "what"_a, "flux"_a, "wavelength_um"_a, "other"_a);
+  module.def("blackbody_band", &in_band, "what"_a, "flux"_a, "lo_um"_a, "hi_um"_a, "other"_a);
   py::class_<BandResponse>(module, "BandResponse", "A product of curves over a band.")
-      .def(py::init(&response), py::arg("lo_um"), py::arg("hi_um"), py::arg("curves"))
+      .def(py::init(&response), "lo_um"_a, "hi_um"_a, "curves"_a)
       .def_property_readonly("range_um",
                              [](const BandResponse& b) { return py::make_tuple(b.range().lo_um, b.range().hi_um); })
       .def_property_readonly("integral_um", &BandResponse::integral)
-      .def("radiance", &response_radiance, py::arg("flux"), py::arg("temperature_k"), py::arg("derivative"));
+      .def("radiance", &response_radiance, "flux"_a, "temperature_k"_a, "derivative"_a);
 }
 
 // Noise by (seed, frame, pixel): the numbers of the chain, for images that Python makes.
@@ -134,10 +132,9 @@ py::array shot(const py::object& mean, std::uint64_t seed, std::int64_t frame, s
 }  // namespace
 
 void add_noise(py::module_& module) {
-  module.def("gaussian_noise", &gaussian, py::arg("rows"), py::arg("columns"), py::arg("sd"), py::arg("seed"),
-             py::arg("frame"), py::arg("x"), py::arg("y"), py::arg("threads"));
-  module.def("shot_noise", &shot, py::arg("mean"), py::arg("seed"), py::arg("frame"), py::arg("x"), py::arg("y"),
-             py::arg("threads"));
+  module.def("gaussian_noise", &gaussian, "rows"_a, "columns"_a, "sd"_a, "seed"_a, "frame"_a, "x"_a, "y"_a,
+             "threads"_a);
+  module.def("shot_noise", &shot, "mean"_a, "seed"_a, "frame"_a, "x"_a, "y"_a, "threads"_a);
 }
 
 }  // namespace apps::python

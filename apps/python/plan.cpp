@@ -19,8 +19,6 @@
 
 namespace apps::python {
 
-namespace py = pybind11;
-
 namespace {
 
 /// A linear plan, whose runs need no memory of their own result where the caller gives it.
@@ -168,10 +166,9 @@ void add_plan(py::module_& module) {
   py::class_<LinearPlan>(module, "LinearPlan", "A compiled OTF.")
       .def(py::init<const SensorHandle&, std::int64_t, std::int64_t, const SampleWords&,
                     const std::optional<py::object>&, std::optional<double>, bool, int>(),
-           py::arg("sensor"), py::arg("width"), py::arg("height"), py::arg("sample"), py::arg("scene"),
-           py::arg("tolerance"), py::arg("measure"), py::arg("threads"))
-      .def("replaced", &LinearPlan::with, py::arg("sensor"))
-      .def("run", &LinearPlan::run, py::arg("scene"), py::arg("out"), py::arg("threads"))
+           "sensor"_a, "width"_a, "height"_a, "sample"_a, "scene"_a, "tolerance"_a, "measure"_a, "threads"_a)
+      .def("replaced", &LinearPlan::with, "sensor"_a)
+      .def("run", &LinearPlan::run, "scene"_a, "out"_a, "threads"_a)
       .def("explain", &LinearPlan::explain)
       .def_property_readonly("promised", [](const LinearPlan& p) { return p.plan().predicted_error; })
       .def_property_readonly("tolerance", [](const LinearPlan& p) { return p.plan().options.tolerance; })
@@ -181,9 +178,8 @@ void add_plan(py::module_& module) {
       .def_property_readonly("scene_grid", [](const LinearPlan& p) { return as_tuple(p.plan().in()); })
       .def_property_readonly("grid", [](const LinearPlan& p) { return as_tuple(p.plan().out()); });
   py::class_<ChainPlan>(module, "ChainPlan", "A sensor's chain, image after image.")
-      .def(py::init(&chain_plan), py::arg("sample"), py::arg("quantity"), py::arg("tolerance"), py::arg("stage"),
-           py::arg("filter"), py::arg("threads"))
-      .def("run", &ChainPlan::run, py::arg("sensor"), py::arg("scene"), py::arg("out"), py::arg("frame"))
+      .def(py::init(&chain_plan), "sample"_a, "quantity"_a, "tolerance"_a, "stage"_a, "filter"_a, "threads"_a)
+      .def("run", &ChainPlan::run, "sensor"_a, "scene"_a, "out"_a, "frame"_a)
       .def_property_readonly("promised", [](const ChainPlan& p) { return p.plan().predicted_error; })
       .def_property_readonly("compiled", &ChainPlan::compiled)
       .def_property_readonly("updated", &ChainPlan::updated)

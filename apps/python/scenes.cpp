@@ -8,13 +8,12 @@
 #include "apps/python/job.h"
 #include "apps/python/topics.h"
 #include "apps/scene/command/heat_files.h"
-#include "apps/scene/command/render_options.h"
+#include "apps/scene/command/picture_options.h"
 #include "apps/terminal/output_set.h"
 
 namespace apps::python {
 namespace {
 
-namespace py = pybind11;
 using Point = std::array<double, 3>;
 
 Global silent(int threads) { return {.threads = threads, .quiet = true, .progress = Progress::none}; }
@@ -77,19 +76,14 @@ std::string render(const FileName& scene_file, const std::vector<FileName>& sens
                                      .temperatures = temperatures,
                                      .time = time,
                                      .heat = solve,
-                                     .picture = "",
                                      .position = position,
                                      .look_at = look_at,
                                      .sampling = {.samples_per_pitch = samples_per_pitch, .points = points},
                                      .plain = plain,
                                      .no_air = no_air,
                                      .layers = layers,
-                                     .from = "",
-                                     .materials = "",
-                                     .planar_depth = std::nullopt,
-                                     .channels = {},
                                      .force = true,
-                                     .json = true};
+                                     .format = Format::json};
   std::string json;
   run_job([&](JobControl&) { json = render_pictures(options, silent(threads)); });
   return json;
@@ -98,13 +92,12 @@ std::string render(const FileName& scene_file, const std::vector<FileName>& sens
 }  // namespace
 
 void add_scenes(py::module_& module) {
-  module.def("atmosphere", &atmosphere, py::arg("file"), py::arg("settings"), py::arg("bands"), py::arg("source_k"),
-             py::arg("tolerance"), py::arg("sky"), py::arg("cloud_cover"), py::arg("cloud_k"));
-  module.def("heat", &heat, py::arg("file"), py::arg("folder"), py::arg("tolerance_k"), py::arg("rays"),
-             py::arg("every_facet"), py::arg("threads"), py::arg("progress"));
-  module.def("render", &render, py::arg("scene"), py::arg("sensors"), py::arg("out"), py::arg("temperatures"),
-             py::arg("time"), py::arg("solve"), py::arg("position"), py::arg("look_at"), py::arg("samples_per_pitch"),
-             py::arg("points"), py::arg("plain"), py::arg("no_air"), py::arg("layers"), py::arg("threads"));
+  module.def("atmosphere", &atmosphere, "file"_a, "settings"_a, "bands"_a, "source_k"_a, "tolerance"_a, "sky"_a,
+             "cloud_cover"_a, "cloud_k"_a);
+  module.def("heat", &heat, "file"_a, "folder"_a, "tolerance_k"_a, "rays"_a, "every_facet"_a, "threads"_a,
+             "progress"_a);
+  module.def("render", &render, "scene"_a, "sensors"_a, "out"_a, "temperatures"_a, "time"_a, "solve"_a, "position"_a,
+             "look_at"_a, "samples_per_pitch"_a, "points"_a, "plain"_a, "no_air"_a, "layers"_a, "threads"_a);
 }
 
 }  // namespace apps::python

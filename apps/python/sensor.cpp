@@ -23,17 +23,14 @@
 namespace apps::python {
 namespace {
 
-namespace py = pybind11;
 using mtf::io::SensorConfig;
 
 py::dict as_dict(const mtf::io::Diagnostic& diagnostic) {
-  py::dict entry;
-  entry["severity"] = diagnostic.error ? "error" : diagnostic.remark ? "note" : "warning";
-  entry["line"] = diagnostic.position.line;
-  entry["column"] = diagnostic.position.column;
-  entry["path"] = diagnostic.path;
-  entry["text"] = diagnostic.text;
-  return entry;
+  return py::dict("severity"_a = diagnostic.error    ? "error"
+                                 : diagnostic.remark ? "note"
+                                                     : "warning",
+                  "line"_a = diagnostic.position.line, "column"_a = diagnostic.position.column,
+                  "path"_a = diagnostic.path, "text"_a = diagnostic.text);
 }
 
 bool temperature(const mtf::Unit& unit) {
@@ -93,12 +90,8 @@ py::dict budget(const SensorHandle& sensor, double temperature_k) {
   py::list rows;
   for (const radiometry::BudgetRow& row : table.rows)
     rows.append(py::make_tuple(row.name, row.value, row.unit, row.doc, row.refused));
-  py::dict result;
-  result["rows"] = rows;
-  result["notes"] = table.notes;
-  result["saturated"] = table.numbers.saturation.saturated();
-  result["saturation"] = words(table.numbers.saturation);
-  return result;
+  return py::dict("rows"_a = rows, "notes"_a = table.notes, "saturated"_a = table.numbers.saturation.saturated(),
+                  "saturation"_a = words(table.numbers.saturation));
 }
 
 std::string explain(const SensorHandle& sensor) {
@@ -177,7 +170,7 @@ radiometry::OutputStage output_stage(const std::string& name) {
 void add_sensor(py::module_& module) {
   py::class_<SensorHandle>(module, "SensorFile", "A sensor file in memory.")
       .def(py::init([](const std::string& text, const FileName& file) { return read_sensor_text(text, file); }),
-           py::arg("text"), py::arg("file"))
+           "text"_a, "file"_a)
       .def_property_readonly("text", [](const SensorHandle& s) { return s.config->text; })
       .def_property_readonly("file", [](const SensorHandle& s) { return FileName{s.config->file}; })
       .def_property_readonly("name", [](const SensorHandle& s) { return s.config->system.name; })
@@ -197,33 +190,32 @@ void add_sensor(py::module_& module) {
                                return names;
                              })
       .def_property_readonly("contents", [](const SensorHandle& s) { return s.contents; })
-      .def("replaced", &replaced, py::arg("values"))
+      .def("replaced", &replaced, "values"_a)
       .def(
           "canonical",
           [](const SensorHandle& s, const FileName& destination) {
             return mtf::io::write_config(*s.config, destination);
           },
-          py::arg("destination"))
-      .def("stated", &stated, py::arg("parameter"))
+          "destination"_a)
+      .def("stated", &stated, "parameter"_a)
       .def("parameters", &parameters)
       .def("explain", &explain)
       .def("check", &check)
-      .def("budget", &budget, py::arg("temperature_k"));
+      .def("budget", &budget, "temperature_k"_a);
   module.def("starter_config", &mtf::io::starter_config);
   module.def(
-      "read_text", [](const FileName& file) { return mtf::io::read_text_file(file, std::size_t{1} << 20); },
-      py::arg("file"));
+      "read_text", [](const FileName& file) { return mtf::io::read_text_file(file, std::size_t{1} << 20); }, "file"_a);
   module.def(
       "write_text", [](const FileName& file, const std::string& text) { mtf::io::write_text_file(file, text); },
-      py::arg("file"), py::arg("text"));
+      "file"_a, "text"_a);
   const auto reads = [](mtf::Dimension dimension, const char* unit) {
     return
         [dimension, unit](const std::string& text) { return mtf::convert(mtf::parse_quantity(text, dimension), unit); };
   };
-  module.def("to_kelvin", reads(mtf::Dimension::temperature, "K"), py::arg("text"));
-  module.def("angle_deg", reads(mtf::Dimension::angle, "deg"), py::arg("text"));
-  module.def("length_um", reads(mtf::Dimension::length, "um"), py::arg("text"));
-  module.def("convert", &converted, py::arg("value"), py::arg("unit"), py::arg("to"));
+  module.def("to_kelvin", reads(mtf::Dimension::temperature, "K"), "text"_a);
+  module.def("angle_deg", reads(mtf::Dimension::angle, "deg"), "text"_a);
+  module.def("length_um", reads(mtf::Dimension::length, "um"), "text"_a);
+  module.def("convert", &converted, "value"_a, "unit"_a, "to"_a);
 }
 
 }  // namespace apps::python

@@ -36,8 +36,7 @@ std::shared_ptr<const mtf::io::SensorConfig> weighted(SensorHandle& sensor);
 /// object angle, or pixels.
 using SampleWords = std::optional<std::pair<std::string, std::string>>;
 
-/// The grid of a scene of that size. Without words the spacing is that of [scene]; throws UsageError where that has
-/// none.
+/// The grid of a scene of that size. Without words the spacing is that of [scene]; throws UsageError without one.
 mtf::SampleGrid grid_of(const mtf::io::SensorConfig& sensor, std::int64_t width, std::int64_t height,
                         const SampleWords& sample);
 

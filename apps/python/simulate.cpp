@@ -24,7 +24,6 @@
 namespace apps::python {
 namespace {
 
-namespace py = pybind11;
 using Region = std::array<std::int64_t, 4>;
 
 /// Where the scene comes from: one of a file, an image that was read, and arrays.
@@ -215,8 +214,7 @@ void add_simulate(py::module_& module) {
                        const std::string& quantity, double blur_samples) {
              return SceneWords{path.bytes, image, planes, beside, sample, quantity, blur_samples};
            }),
-           py::arg("path"), py::arg("image"), py::arg("planes"), py::arg("beside"), py::arg("sample"),
-           py::arg("quantity"), py::arg("blur_samples"));
+           "path"_a, "image"_a, "planes"_a, "beside"_a, "sample"_a, "quantity"_a, "blur_samples"_a);
   py::class_<RunHandle>(module, "SimulateRun", "A finished simulation.")
       .def_readonly("images", &RunHandle::images)
       .def_property_readonly("names", [](const RunHandle& r) { return r.result.names; })
@@ -237,28 +235,25 @@ void add_simulate(py::module_& module) {
       .def_property_readonly("region", [](const RunHandle& r) { return r.result.report.region; })
       .def_property_readonly("metadata", &metadata_of)
       .def("explain", [](const RunHandle& r) { return explain_text(r.result.report); });
-  module.def("map_points", &map_points, py::arg("sensor"), py::arg("scene_grid"), py::arg("image_grid"),
-             py::arg("region"), py::arg("points"));
-  module.def("save_image", &save_image, py::arg("sensor"), py::arg("stage"), py::arg("planes"), py::arg("metadata"),
-             py::arg("path"), py::arg("range"));
+  module.def("map_points", &map_points, "sensor"_a, "scene_grid"_a, "image_grid"_a, "region"_a, "points"_a);
+  module.def("save_image", &save_image, "sensor"_a, "stage"_a, "planes"_a, "metadata"_a, "path"_a, "range"_a);
   module.def(
       "sample_um",
       [](const SensorHandle& sensor, const SampleWords& sample) {
         const mtf::SampleGrid grid = grid_of(*sensor.config, 1, 1, sample);
         return py::make_tuple(grid.step_x_um, grid.step_y_um);
       },
-      py::arg("sensor"), py::arg("sample"));
+      "sensor"_a, "sample"_a);
   module.def("require_going_on", &mtf::require_going_on);
   module.def(
       "canvas_sensor",
       [](const SensorHandle& sensor, std::int64_t width, std::int64_t height, const SampleWords& sample) {
         return canvas_sensor(sensor, grid_of(*sensor.config, width, height, sample));
       },
-      py::arg("sensor"), py::arg("width"), py::arg("height"), py::arg("sample"));
-  module.def("simulate", &simulate_scene, py::arg("sensor"), py::arg("scene"), py::arg("tolerance"), py::arg("nan"),
-             py::arg("measure"), py::arg("stage"), py::arg("region"), py::arg("memory"), py::arg("frames"),
-             py::arg("schedule"), py::arg("out"), py::arg("range"), py::arg("filter"), py::arg("threads"),
-             py::arg("progress"));
+      "sensor"_a, "width"_a, "height"_a, "sample"_a);
+  module.def("simulate", &simulate_scene, "sensor"_a, "scene"_a, "tolerance"_a, "nan"_a, "measure"_a, "stage"_a,
+             "region"_a, "memory"_a, "frames"_a, "schedule"_a, "out"_a, "range"_a, "filter"_a, "threads"_a,
+             "progress"_a);
 }
 
 }  // namespace apps::python

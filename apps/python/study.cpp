@@ -24,7 +24,6 @@
 namespace apps::python {
 namespace {
 
-namespace py = pybind11;
 using Rows = py::array_t<double, py::array::c_style | py::array::forcecast>;
 
 struct StudyHandle {
@@ -37,40 +36,12 @@ std::unique_ptr<StudyHandle> load(const FileName& file, std::optional<double> to
   return std::make_unique<StudyHandle>(StudyHandle{open_study(file.bytes, tolerance)});
 }
 
-const char* role_word(study::Column::Role role) {
-  using Role = study::Column::Role;
-  switch (role) {
-    case Role::axis:
-      return "axis";
-    case Role::link:
-      return "link";
-    case Role::metric:
-      return "metric";
-    case Role::objective:
-      return "objective";
-    case Role::feasible:
-      return "feasible";
-    case Role::yield:
-      return "yield";
-    case Role::error:
-      return "error";
-    case Role::pareto:
-      return "pareto";
-  }
-  return "";
-}
-
 py::list columns_of(const StudyHandle& handle) {
   py::list columns;
   for (const study::Column& column : handle.sweep.columns) {
-    py::dict entry;
-    entry["name"] = column.name;
-    entry["unit"] = column.unit;
-    entry["definition"] = column.definition;
-    entry["source"] = column.source;
-    entry["role"] = role_word(column.role);
-    entry["levels"] = column.levels;
-    columns.append(entry);
+    columns.append(py::dict("name"_a = column.name, "unit"_a = column.unit, "definition"_a = column.definition,
+                            "source"_a = column.source, "role"_a = study::role_word(column.role),
+                            "levels"_a = column.levels));
   }
   return columns;
 }
@@ -78,11 +49,8 @@ py::list columns_of(const StudyHandle& handle) {
 py::list axes_of(const StudyHandle& handle) {
   py::list axes;
   for (const study::Axis& axis : handle.study().axes) {
-    py::dict entry;
-    entry["name"] = handle.study().parameters[static_cast<std::size_t>(axis.parameter)].name;
-    entry["points"] = axis.points();
-    entry["levels"] = axis.levels;
-    axes.append(entry);
+    axes.append(py::dict("name"_a = handle.study().parameters[static_cast<std::size_t>(axis.parameter)].name,
+                         "points"_a = axis.points(), "levels"_a = axis.levels));
   }
   return axes;
 }
@@ -211,13 +179,9 @@ py::dict gradient_at(const StudyHandle& handle, const std::vector<double>& value
     const py::array flat = to_numpy(numbers);
     return flat.attr("reshape")(-1, count);
   };
-  py::dict result;
-  result["columns"] = gradient.columns;
-  result["parameters"] = gradient.parameters;
-  result["value"] = shaped(gradient.value);
-  result["objective"] = shaped(gradient.objective);
-  result["margin"] = shaped(gradient.margin);
-  return result;
+  return py::dict("columns"_a = gradient.columns, "parameters"_a = gradient.parameters,
+                  "value"_a = shaped(gradient.value), "objective"_a = shaped(gradient.objective),
+                  "margin"_a = shaped(gradient.margin));
 }
 
 py::array evaluate_at(const StudyHandle& handle, const std::vector<double>& values) {
@@ -263,7 +227,7 @@ py::list files(const StudyHandle& handle) {
 
 void add_study(py::module_& module) {
   py::class_<StudyHandle>(module, "StudyFile", "A trade study.")
-      .def(py::init(&load), py::arg("file"), py::arg("tolerance"))
+      .def(py::init(&load), "file"_a, "tolerance"_a)
       .def_property_readonly("file", [](const StudyHandle& s) { return FileName{s.study().file}; })
       .def_property_readonly("text", [](const StudyHandle& s) { return s.study().text; })
       .def_property_readonly("sha256", [](const StudyHandle& s) { return s.study().sha256; })
@@ -282,12 +246,12 @@ void add_study(py::module_& module) {
                              })
       .def_property_readonly("columns", &columns_of)
       .def_property_readonly("axes", &axes_of)
-      .def("rows", &rows, py::arg("first"), py::arg("last"), py::arg("threads"), py::arg("progress"))
-      .def("pareto", &pareto, py::arg("designs"), py::arg("rows"))
-      .def("axis_values", &axis_values, py::arg("design"))
-      .def("evaluate_at", &evaluate_at, py::arg("values"))
-      .def("sensor_at", &sensor_at, py::arg("values"), py::arg("file"))
-      .def("gradient_at", &gradient_at, py::arg("values"))
+      .def("rows", &rows, "first"_a, "last"_a, "threads"_a, "progress"_a)
+      .def("pareto", &pareto, "designs"_a, "rows"_a)
+      .def("axis_values", &axis_values, "design"_a)
+      .def("evaluate_at", &evaluate_at, "values"_a)
+      .def("sensor_at", &sensor_at, "values"_a, "file"_a)
+      .def("gradient_at", &gradient_at, "values"_a)
       .def("gaps",
            [](const StudyHandle& s) {
              study::Evaluator evaluator(s.sweep.study);
@@ -295,8 +259,7 @@ void add_study(py::module_& module) {
              evaluator.evaluate(0, row);
              return std::make_pair(evaluator.gaps(), evaluator.last_refusal() + evaluator.last_problem());
            })
-      .def("optimum", &optimum, py::arg("goals"), py::arg("search"), py::arg("starts"), py::arg("threads"),
-           py::arg("progress"))
+      .def("optimum", &optimum, "goals"_a, "search"_a, "starts"_a, "threads"_a, "progress"_a)
       .def("files", &files);
 }
 

@@ -10,6 +10,9 @@
 
 namespace apps::python {
 
+namespace py = pybind11;
+using namespace py::literals;
+
 /// The name of a file: bytes in C++. In Python it is a text, in which os.fsdecode writes each byte that is not UTF-8 as
 /// a lone surrogate (PEP 383). Ordinary text conversion refuses such texts; this type converts them.
 struct FileName {
@@ -17,19 +20,19 @@ struct FileName {
   operator const std::string&() const { return bytes; }  // NOLINT: a name is a name
 };
 
-void add_errors(pybind11::module_& module);
-void add_kinds(pybind11::module_& module);
-void add_sensor(pybind11::module_& module);
-void add_curves(pybind11::module_& module);
-void add_images(pybind11::module_& module);
-void add_plan(pybind11::module_& module);
-void add_simulate(pybind11::module_& module);
-void add_edges(pybind11::module_& module);
-void add_fit(pybind11::module_& module);
-void add_study(pybind11::module_& module);
-void add_noise(pybind11::module_& module);
-void add_light(pybind11::module_& module);
-void add_scenes(pybind11::module_& module);
+void add_errors(py::module_& module);
+void add_kinds(py::module_& module);
+void add_sensor(py::module_& module);
+void add_curves(py::module_& module);
+void add_images(py::module_& module);
+void add_plan(py::module_& module);
+void add_simulate(py::module_& module);
+void add_edges(py::module_& module);
+void add_fit(py::module_& module);
+void add_study(py::module_& module);
+void add_noise(py::module_& module);
+void add_light(py::module_& module);
+void add_scenes(py::module_& module);
 
 }  // namespace apps::python
 

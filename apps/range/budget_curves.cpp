@@ -150,7 +150,7 @@ std::string as_json(const MinimumTemperatures& found, const BudgetOptions& optio
 
 std::vector<Figure> figures_of(const MinimumTemperatures& found) {
   const auto series = [&](const char* name, double Row::*x, double Row::*y) {
-    Series line{.name = name, .x = {}, .y = {}};
+    Series line{.name = name};
     for (const Row& row : found.rows) {
       line.x.push_back(row.*x);
       line.y.push_back(1e3 * row.*y);

@@ -2,10 +2,11 @@
 
 // `mtf range SENSOR`: how far a sensor detects, recognises and identifies a target.
 
-#include <array>
+#include <algorithm>
 
+#include "apps/commands.h"
 #include "apps/config_command.h"
-#include "apps/range/range_options.h"
+#include "apps/key_options.h"
 #include "apps/range/range_report.h"
 #include "apps/sensor/sensor_chain.h"
 #include "apps/sensor/sensor_place.h"
@@ -18,6 +19,48 @@
 
 namespace apps {
 namespace {
+
+/// A target that others know by name.
+struct StandardTarget {
+  double size_m, contrast_k;
+};
+/// "nato": STANAG 4347 (1995), 2.3 m x 2.3 m, 2 K above its background.
+constexpr std::array kStandardTargets{std::pair{std::string_view("nato"), StandardTarget{2.3, 2.0}}};
+
+struct RangeOptions {
+  std::string sensor;
+  std::optional<StandardTarget> target{};
+  GivenKeys given{};              ///< of [conditions]
+  std::vector<double> range_m{};  ///< of the probabilities; empty = steps that show all tasks
+  Format format = Format::table;
+  std::string plot;  ///< .svg, .pdf or .png
+  std::string out;   ///< "" = stdout
+};
+
+/// Keys of [conditions] that are about other figures.
+bool is_of_ranges(std::string_view key) { return key != "range" && key != "elevation" && key != "signal_contrast"; }
+
+/// "1:10:10 km" or "1,2,5 km", in m.
+std::vector<double> lengths(const std::string& option, const std::string& text) {
+  const std::size_t end = text.find_last_not_of("abcdefghijklmnopqrstuvwxyz") + 1;
+  try {
+    std::vector<double> values = frequency_list(option, text.substr(0, text.find_last_not_of(' ', end - 1) + 1));
+    const double unit_m = mtf::convert(mtf::parse_quantity("1" + text.substr(end), mtf::Dimension::length), "m");
+    for (double& value : values) {
+      value *= unit_m;
+      if (!(value > 0.0)) throw mtf::UsageError(option + ": ranges are above 0");
+    }
+    constexpr std::size_t kMost = 10000;
+    if (values.size() > kMost)
+      throw mtf::UsageError(option + ": more than " + std::to_string(kMost) + " ranges; each takes a millisecond");
+    if (!std::is_sorted(values.begin(), values.end())) throw mtf::UsageError(option + ": ranges rise");
+    return values;
+  } catch (const mtf::UsageError& wrong) {
+    const std::string what = wrong.what();
+    throw mtf::UsageError((what.starts_with(option) ? "" : option + ": ") + what +
+                          "; write START:STOP:COUNT or a list, and a unit, such as '1:10:10 km'");
+  }
+}
 
 /// Keys of [conditions] in a message, as the options that they are here.
 std::string in_options(std::string text) {
@@ -116,8 +159,6 @@ void keep_every(std::size_t steps, study::Acquisition& found) {
     for (auto* values : {&task.probability, &task.probability_error, &task.probability_sd}) thin_out(*values);
 }
 
-}  // namespace
-
 int run_range(const RangeOptions& options, const Global& global) {
   const radiometry::Conditions conditions = conditions_of(options);
   const mtf::io::SensorConfig config = read_sensor(options.sensor, global);
@@ -147,6 +188,35 @@ int run_range(const RangeOptions& options, const Global& global) {
                               : options.format == Format::json ? range_json(found, conditions, config)
                                                                : range_table(found, conditions));
   return 0;
+}
+
+}  // namespace
+
+Command range_command() {
+  Command app{
+      "range", "how far a sensor detects, recognises and identifies a target",
+      "Ranges and probability against range by TTP (NVThermIP) and by Johnson's criteria (MRTD of FLIR92), each with\n"
+      "its error. Target and contrast have to be given; TTP needs what the observer looks at too: --display-height "
+      "and\n"
+      "--viewing-distance, or --magnification. The air is that of the sensor file ([atmosphere], or path.table), up "
+      "to\n"
+      "each range, or --extinction. Numbers that the sensor file states as { value, stderr } give each range a\n"
+      "standard deviation. --target nato is the target of STANAG 4347: 2.3 m x 2.3 m, 2 K.",
+      "  mtf range sensor.toml --target nato --magnification 5\n"
+      "  mtf range sensor.toml --contrast '1 K' --target-size '3 m' --extinction 0.2 --format csv -o range.csv"};
+  auto& options = options_of<RangeOptions>(app, run_range);
+  add_file(app, "sensor", "sensor file (TOML)", options.sensor);
+  add_choice(app, "--target", "NAME", "standard target, whose size and contrast other options replace: nato",
+             kStandardTargets, options.target);
+  add_keys(app, radiometry::Conditions{}, options.given, is_of_ranges);
+  add_value(app, "--ranges", "LIST",
+            "of the probabilities, such as '1:10:10 km' (START:STOP:COUNT) or '1,2,5 km'; default: round lengths "
+            "that show all tasks",
+            options.range_m, lengths);
+  add_text(app, "--plot", "FILE", "figure of probability against range: a .svg, .pdf or .png file", options.plot);
+  add_format(app, "table (default), csv (probabilities) or json (all)", options.format);
+  add_text(app, "-o,--out", "FILE", "write the result here instead of standard output", options.out);
+  return app;
 }
 
 }  // namespace apps

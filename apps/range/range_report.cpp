@@ -200,7 +200,7 @@ Figure range_figure(const Acquisition& found, const std::string& title) {
   figure.y_label = "probability";
   for (const TaskRange* task : in_order(found)) {
     if (task->probability.empty()) continue;
-    Series series{.name = model_words(*task) + " " + task->task, .x = {}, .y = task->probability};
+    Series series{.name = model_words(*task) + " " + task->task, .y = task->probability};
     for (const double range : found.range_m) series.x.push_back(1e-3 * range);
     if (!found.stated.empty())
       for (std::size_t r = 0; r < series.y.size(); ++r) {

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "apps/options.h"
+#include "apps/commands.h"
 #include "apps/report/base64.h"
 #include "apps/report/report_designs.h"
 #include "apps/report/report_files.h"
@@ -27,6 +27,12 @@
 
 namespace apps {
 namespace {
+
+struct ReportOptions {
+  std::string folder;
+  std::string scene;  ///< of the images of the chosen designs; "" = a computed one
+  std::string out;    ///< "" = report.html in the folder
+};
 
 // The whole report as one page that needs nothing else: style, scripts, data and pictures are in it.
 
@@ -213,8 +219,6 @@ TableLimits room_for_designs(const std::vector<ChosenDesign>& chosen) {
   return limits;
 }
 
-}  // namespace
-
 int run_report(const ReportOptions& options, const Global& global) {
   const Sweep sweep = read_sweep(options.folder);
   const std::string out = options.out.empty() ? (sweep.folder / "report.html").string() : options.out;
@@ -235,6 +239,21 @@ int run_report(const ReportOptions& options, const Global& global) {
   print(text + ", " + std::to_string(chosen.size()) + " chosen\nwritten to " + one_line(out) + " (" +
         mtf::io::shown_bytes(static_cast<double>(page.size())) + ")\n");
   return 0;
+}
+
+}  // namespace
+
+Command report_command() {
+  Command app{"report", "one page of HTML from the folder of a sweep",
+              "Summary, charts to interact with, the chosen designs side by side with their curves, images and noise,\n"
+              "sensitivities, error against time. The file needs nothing else: no network, no other files.",
+              "  mtf report sweep\n"
+              "  mtf report sweep -o study.html"};
+  auto& options = options_of<ReportOptions>(app, run_report);
+  add_file(app, "folder", "that `mtf sweep STUDY -o DIR` wrote", options.folder);
+  add_text(app, "--scene", "FILE", "scene for images of the chosen designs; default: a computed one", options.scene);
+  add_text(app, "-o,--out", "FILE", "write the page here; default: report.html in the folder", options.out);
+  return app;
 }
 
 }  // namespace apps

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// designs.csv of a sweep: read once in pieces, checked against sweep.json, thinned out where it is too large for a
-// page.
+// designs.csv of a sweep: read once in pieces, checked against sweep.json, thinned out to fit a page.
 
 #include <cstdint>
 #include <optional>
@@ -88,8 +87,7 @@ std::vector<ChosenDesign> load_chosen(const Sweep& sweep);
 void simulate_chosen(std::vector<ChosenDesign>& designs, const std::string& scene, double temperature_k,
                      const Global& global);
 
-/// A file of the sweep's folder as text. Nothing, and `problem` says why, when it is missing, too large, or not in the
-/// folder.
+/// A file of the sweep's folder as text. Nothing, and `problem` says why, when it is missing, too large or elsewhere.
 std::string text_of(const Sweep& sweep, const std::string& file, std::string& problem);
 
 }  // namespace apps

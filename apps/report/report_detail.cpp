@@ -189,9 +189,8 @@ std::string noise_budget(const Chosen& chosen, double temperature_k) {
     std::vector<std::string> cells{"<abbr title=\"" + html(row.doc) + "\">" + html(row.name) +
                                    "</abbr> <span class=\"unit\">" + html(row.unit) + "</span>"};
     for (const ChosenDesign& design : chosen) {
-      const auto same = std::find_if(design.budget.begin(), design.budget.end(), [&](const auto& other) {
-        return other.name == row.name && other.unit == row.unit;
-      });
+      const auto same = std::ranges::find_if(
+          design.budget, [&](const auto& other) { return other.name == row.name && other.unit == row.unit; });
       cells.push_back(same == design.budget.end() ? html_value("")
                       : same->saturated           ? "saturated"
                                                   : html_value(same->value));

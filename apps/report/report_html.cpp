@@ -138,9 +138,7 @@ HtmlTable::HtmlTable(std::string_view caption, const std::vector<std::string>& h
   html_ += "</tr></thead><tbody>\n";
 }
 
-bool HtmlTable::is_right(std::size_t column) const {
-  return std::find(right_.begin(), right_.end(), column) != right_.end();
-}
+bool HtmlTable::is_right(std::size_t column) const { return std::ranges::find(right_, column) != right_.end(); }
 
 void HtmlTable::add(const std::vector<std::string>& cells) {
   html_ += "<tr>";

@@ -85,7 +85,7 @@ std::string accuracy(const Sweep& sweep) {
   figure.x_label = "time of a design (us)";
   figure.y_label = "error";
   figure.log_x = figure.log_y = true;
-  Series promised{.name = "promised", .x = {}, .y = {}}, realised{.name = "realised", .x = {}, .y = {}};
+  Series promised{.name = "promised"}, realised{.name = "realised"};
   HtmlTable table("Error against run time", {"Tolerance", "Promised", "Realised", "Time of a design (&micro;s)"},
                   {0, 1, 2, 3});
   for (const AccuracyPoint& point : sweep.accuracy) {

@@ -126,8 +126,7 @@ void read_results(const Node& root, Sweep& sweep) {
     sweep.best.push_back(std::move(best));
   }
   for (const Node& node : root.list("pareto")) sweep.pareto.push_back(design(node));
-  if (!std::is_sorted(sweep.pareto.begin(), sweep.pareto.end()))
-    root.at("pareto").fail("the designs are not in rising order");
+  if (!std::ranges::is_sorted(sweep.pareto)) root.at("pareto").fail("the designs are not in rising order");
   sweep.pareto_size = std::max(root.count("pareto_size"), static_cast<std::int64_t>(sweep.pareto.size()));
   for (const Node& node : root.list("chosen"))
     sweep.chosen.push_back({design(node.at("design")), node.text("file"), node.text("why")});

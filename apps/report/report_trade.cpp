@@ -3,7 +3,6 @@
 // All designs of a sweep in charts: scatter and Pareto front, metrics over two axes.
 
 #include <algorithm>
-#include <cmath>
 
 #include "apps/report/report_html.h"
 #include "apps/report/report_sections.h"
@@ -25,8 +24,7 @@ std::vector<std::size_t> axis_columns(const Sweep& sweep) {
 std::vector<std::size_t> interesting(const Sweep& sweep) {
   std::vector<std::size_t> columns;
   const auto add = [&](std::size_t c) {
-    if (sweep.columns[c].gap.empty() && std::find(columns.begin(), columns.end(), c) == columns.end())
-      columns.push_back(c);
+    if (sweep.columns[c].gap.empty() && std::ranges::find(columns, c) == columns.end()) columns.push_back(c);
   };
   for (const SweepObjective& objective : sweep.objectives) add(*sweep.column(objective.column));
   for (std::size_t c = 0; c < sweep.columns.size(); ++c)
@@ -37,7 +35,7 @@ std::vector<std::size_t> interesting(const Sweep& sweep) {
 
 Series series_of(const std::string& name, const DesignTable& table, std::size_t x, std::size_t y,
                  const std::vector<std::size_t>& rows, Mark mark) {
-  Series series{.name = name, .x = {}, .y = {}, .mark = mark};
+  Series series{.name = name, .mark = mark};
   for (const std::size_t row : rows) {
     const auto cx = cell_value(table.cells[row][x]), cy = cell_value(table.cells[row][y]);
     series.x.push_back(cx.value_or(NAN));

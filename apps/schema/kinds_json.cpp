@@ -18,16 +18,13 @@
 namespace apps {
 namespace {
 
-/// A bound; null where there is none.
-Json end_of_range(double value) { return std::isfinite(value) ? Json(value) : Json(); }
-
 Json parameter_json(const Parameter& parameter) {
   Json json{{"name", parameter.name}, {"type", type_name(parameter.type)}, {"unit", parameter.unit}};
   json["units"] = Json::array();
   for (const std::string_view unit : mtf::units_of(parameter.dimension)) json["units"].push_back(std::string(unit));
   if (has_range(parameter)) {
-    json["min"] = end_of_range(parameter.lo);
-    json["max"] = end_of_range(parameter.hi);
+    json["min"] = parameter.lo;
+    json["max"] = parameter.hi;
     json["min_open"] = parameter.lo_open;
     json["max_open"] = parameter.hi_open;
     json["scale"] = wants_log_scale(parameter) ? "log" : "linear";

@@ -24,8 +24,7 @@ std::string doc_of(const FieldInfo& field) {
   return doc + (doc.empty() ? "" : ", ") + "such as " + std::string(field.example);
 }
 
-/// One number: with a unit a text that ends in one, which may be any product of powers; else in its range, or a
-/// percentage.
+/// One number: with a unit a text that ends in one, any product of powers; else in its range, or a percentage.
 Json plain(const FieldInfo& field) {
   constexpr const char* kNumber = "^[ \\t]*[+-]?([0-9]+\\.?[0-9]*|\\.[0-9]+)([eE][+-]?[0-9]+)?[ \\t]*";
   if (!field.unit.empty())

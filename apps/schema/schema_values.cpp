@@ -94,19 +94,7 @@ Json bare_value(const FieldInfo& parameter) {
   return Json::object();
 }
 
-}  // namespace
-
-Json number_schema(const mtf::FieldInfo& parameter) {
-  if (parameter.dimension == mtf::Dimension::none) {
-    Json number{{"type", "number"}};
-    add_range(parameter, number);
-    return number;
-  }
-  return {{"type", "string"},
-          {"pattern", "^[ \\t]*\\+?-?([0-9]+\\.?[0-9]*|\\.[0-9]+)([eE][+-]?[0-9]+)?[ \\t]*(" +
-                          unit_pattern(parameter.dimension) + ")[ \\t]*$"}};
-}
-
+/// What stands after `name =`, with its documentation.
 Json value_schema(const mtf::FieldInfo& parameter) {
   Json schema = bare_value(parameter);
   std::string doc(parameter.doc);
@@ -120,6 +108,19 @@ Json value_schema(const mtf::FieldInfo& parameter) {
   if (!parameter.example.empty()) doc += (doc.empty() ? "such as " : ", such as ") + std::string(parameter.example);
   if (!doc.empty()) schema["description"] = doc;
   return schema;
+}
+
+}  // namespace
+
+Json number_schema(const mtf::FieldInfo& parameter) {
+  if (parameter.dimension == mtf::Dimension::none) {
+    Json number{{"type", "number"}};
+    add_range(parameter, number);
+    return number;
+  }
+  return {{"type", "string"},
+          {"pattern", "^[ \\t]*\\+?-?([0-9]+\\.?[0-9]*|\\.[0-9]+)([eE][+-]?[0-9]+)?[ \\t]*(" +
+                          unit_pattern(parameter.dimension) + ")[ \\t]*$"}};
 }
 
 void add_parameters(const std::vector<Parameter>& parameters, Json& table) {

@@ -15,9 +15,6 @@ Json number_schema(const mtf::FieldInfo& parameter);
 /// What value_schema() refers to: numbers of each dimension, and such numbers as tables of a fit.
 void add_number_definitions(Json& definitions);
 
-/// What stands after `name =`, with its documentation.
-Json value_schema(const mtf::FieldInfo& parameter);
-
 /// The parameters into `properties` of a table, and what of them is required: a size also as NAME_x and NAME_y.
 void add_parameters(const std::vector<Parameter>& parameters, Json& table);
 

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <functional>
-#include <span>
 
 #include "apps/schema/schema_values.h"
 #include "apps/schema/schemas.h"

@@ -165,13 +165,29 @@ class AirTables {
   mutable double nearest_m_ = 0.0, longest_m_ = 0.0;
 };
 
-}  // namespace
+/// The path that components of a system take from [atmosphere]: its length, and what haze scatters in the band; nothing
+/// where the table has no line.
+mtf::PathAir<double> path_air_of(const AtmosphereSettings& settings, const std::optional<air::Profile<double>>& profile,
+                                 const std::optional<mtf::Band>& band) {
+  const auto sight = sight_of(settings);
+  if (!sight) return {};
+  const air::Air<double> through = air_of(settings, profile);
+  mtf::PathAir<double> path{.path_length_m = sight_numbers(through, *sight).range_m, .scattering = {}};
+  if (through.haze.kind != air::HazeKind::none && band)
+    path.scattering = scattering_depth(through, *sight, {band->lo_um, band->hi_um});
+  return path;
+}
 
+/// The profile that the table names; nothing where it names none. Gases that the file lacks are those of
+/// [atmosphere] model, at equal altitudes. Throws UsageError "atmosphere.profile: ...", RuntimeError when it cannot be
+/// read.
 std::optional<air::Profile<double>> read_profile(const AtmosphereSettings& settings) {
   if (settings.profile.empty()) return std::nullopt;
   return at_key("atmosphere.profile",
                 [&] { return std::optional(profile_of(mtf::io::read_air_profile_csv(settings.profile), settings)); });
 }
+
+}  // namespace
 
 air::Sight<double> read_sight(const AtmosphereSettings& settings) {
   if (const auto sight = sight_of(settings)) return *sight;
@@ -186,17 +202,6 @@ air::Air<double> read_air(const AtmosphereSettings& settings) { return air_of(se
 air::AerosolLoss loss_in(const mtf::System<double>& system) {
   const bool kept = any_aerosol(system, [](const auto& aerosol) { return !has_scattering(aerosol); });
   return kept ? air::AerosolLoss::absorption : air::AerosolLoss::extinction;
-}
-
-mtf::PathAir<double> path_air_of(const AtmosphereSettings& settings, const std::optional<air::Profile<double>>& profile,
-                                 const std::optional<mtf::Band>& band) {
-  const auto sight = sight_of(settings);
-  if (!sight) return {};
-  const air::Air<double> through = air_of(settings, profile);
-  mtf::PathAir<double> path{.path_length_m = sight_numbers(through, *sight).range_m, .scattering = {}};
-  if (through.haze.kind != air::HazeKind::none && band)
-    path.scattering = scattering_depth(through, *sight, {band->lo_um, band->hi_um});
-  return path;
 }
 
 std::vector<mtf::TableInfo> sensor_schema() {

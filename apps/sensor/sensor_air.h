@@ -11,11 +11,6 @@
 
 namespace apps {
 
-/// The profile that the table names; nothing where it names none. Gases that the file lacks are those of
-/// [atmosphere] model, at equal altitudes. Throws UsageError "atmosphere.profile: ...", RuntimeError when it cannot be
-/// read.
-std::optional<radiometry::atmosphere::Profile<double>> read_profile(const radiometry::AtmosphereSettings& settings);
-
 /// The air and line of sight that the table states. Throws UsageError as air_of and sight_of do.
 radiometry::atmosphere::Air<double> read_air(const radiometry::AtmosphereSettings& settings);
 
@@ -25,14 +20,7 @@ radiometry::atmosphere::Sight<double> read_sight(const radiometry::AtmosphereSet
 /// Tables of sensor files, radiometry::sensor_tables(), where [atmosphere] also gives components their path.
 std::vector<mtf::TableInfo> sensor_schema();
 
-/// The path that components of a system take from [atmosphere]: its length, and what haze scatters in the band; nothing
-/// where the table has no line.
-mtf::PathAir<double> path_air_of(const radiometry::AtmosphereSettings& settings,
-                                 const std::optional<radiometry::atmosphere::Profile<double>>& profile,
-                                 const std::optional<mtf::Band>& band);
-
-/// What the path of such a system loses to haze: absorption alone where an `aerosol` component counts what is
-/// scattered.
+/// What the path of such a system loses to haze: absorption alone where a component `aerosol` scatters.
 radiometry::atmosphere::AerosolLoss loss_in(const mtf::System<double>& system);
 
 /// Fills the path of a sensor with [atmosphere]: the path itself, how it follows from other numbers, or, with

@@ -67,9 +67,8 @@ void add_example(const Component<double>& blank, ComponentKind& kind) {
     for (const FieldRef<double>& field : fields)
       if (field.info->presence == presence) extras.push_back(&field);
   };
-  const bool some_required = std::any_of(fields.begin(), fields.end(), [](const FieldRef<double>& field) {
-    return field.info->presence == Presence::required;
-  });
+  const bool some_required = std::ranges::any_of(
+      fields, [](const FieldRef<double>& field) { return field.info->presence == Presence::required; });
   if (some_required) extras.push_back(nullptr);
   add_all(Presence::optional);
   if (!some_required) extras.push_back(nullptr);
@@ -118,10 +117,7 @@ ComponentKind component_kind(std::string_view kind) {
                        .notes = mtf::component_notes(kind),
                        .source = mtf::component_source(kind),
                        .stages = blank.stages(),
-                       .part = blank.part(),
-                       .parameters = {},
-                       .example = {},
-                       .traits = {}};
+                       .part = blank.part()};
   for (const FieldRef<double>& field : blank.fields()) result.parameters.push_back(parameter_of(field));
   add_example(blank, result);
   return result;

@@ -31,9 +31,9 @@ struct ComponentKind {
   std::string source;      ///< from the end of the notes, without its parentheses; "" = none
   mtf::Stages stages;      ///< the lists that it may stand in
   mtf::SensorPart part{};
-  std::vector<Parameter> parameters;
-  std::string example;                ///< its TOML with as few parameters as will do
-  std::optional<mtf::Traits> traits;  ///< of the example's OTF; unknown where it needs a file
+  std::vector<Parameter> parameters{};
+  std::string example{};                ///< its TOML with as few parameters as will do
+  std::optional<mtf::Traits> traits{};  ///< of the example's OTF; unknown where it needs a file
 };
 
 /// A table of the chain from light to counts: [detector], [adc] and so on.

@@ -15,15 +15,13 @@ using mtf::io::cfg::Node;
 constexpr std::string_view kLetters = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_";
 
 const Member* member_of(const Node& table, std::string_view key) {
-  const auto found =
-      std::find_if(table.members.begin(), table.members.end(), [&](const Member& m) { return m.key == key; });
+  const auto found = std::ranges::find_if(table.members, [&](const Member& m) { return m.key == key; });
   return found == table.members.end() ? nullptr : &*found;
 }
 
 bool is_key(const mtf::io::SensorConfig& config, std::string_view table, std::string_view key) {
   return std::any_of(config.schema.begin(), config.schema.end(), [&](const mtf::TableInfo& info) {
-    return info.name == table &&
-           std::any_of(info.settings.begin(), info.settings.end(), [&](const auto& row) { return row.name == key; });
+    return info.name == table && std::ranges::any_of(info.settings, [&](const auto& row) { return row.name == key; });
   });
 }
 

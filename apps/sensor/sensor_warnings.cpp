@@ -52,8 +52,7 @@ std::vector<mtf::io::Diagnostic> fill_factor_warnings(const mtf::System<double>&
   return warnings;
 }
 
-/// Of a photon detector the two may differ: microlenses fill the pitch, and a quantum efficiency may be that of the
-/// whole cell.
+/// Of a photon detector the two may differ: microlenses fill the pitch, a quantum efficiency may be that of the cell.
 std::vector<mtf::io::Diagnostic> light_area_notes(const mtf::System<double>& system,
                                                   const radiometry::DetectorSettings& detector) {
   std::vector<mtf::io::Diagnostic> notes;

@@ -24,8 +24,7 @@ struct PixelRanges {
   std::shared_ptr<const radiometry::PathTable> paths;
 };
 
-/// No rate where the band needs no weights, and none, with a warning, where no light gets through the air of the middle
-/// range.
+/// No rate where the band needs no weights, and none, with a warning, where no light gets through its middle range.
 RangeWeights range_weights(const mtf::System<double>& system, const LoadedSensor& loaded, const PixelRanges& ranges);
 
 }  // namespace apps

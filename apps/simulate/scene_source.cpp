@@ -58,12 +58,7 @@ mtf::io::ImageFile copy_of(const mtf::io::ImageFile& file) {
 }
 
 SceneSource clone(const SceneSource& source) {
-  SceneSource copy{.file = source.file,
-                   .read = source.read,
-                   .stored = source.stored,
-                   .image = std::nullopt,
-                   .beside = {},
-                   .filter = source.filter};
+  SceneSource copy{.file = source.file, .read = source.read, .stored = source.stored, .filter = source.filter};
   for (const auto& [name, plane] : source.beside) copy.beside.emplace(name, plane.clone());
   if (!source.image) return copy;
   copy.image = facts_of(*source.image);

@@ -55,8 +55,7 @@ class SensorRun {
   int samples_a_pitch() const { return chain_ ? radiometry::samples_a_pitch(chain_->loaded.sensor) : 1; }
 
   /// The planes of `scene` become the light that the plan filters, which may make one of several masks of bad pixels.
-  /// `source` as to_light() of scene_light.h, whose `rate` is filled in. Throws RuntimeError where light exceeds
-  /// float32.
+  /// `source` as to_light() of scene_light.h, whose `rate` is filled in. Throws RuntimeError beyond float32.
   SceneLight light(mtf::io::Scene& scene, std::vector<mtf::Image>& masks, const SceneSource& source, int threads) const;
 
   /// The tolerance that a scene of that standard deviation is planned for: the one asked for, else the default, 1e-4 or

@@ -75,8 +75,7 @@ struct SimulateOptions {
   std::function<void(const ImagePart&)> sink{};
 
   int threads = 0;  ///< 0 = all cores; the result does not depend on it
-  /// Hears of progress: from any thread, one event at a time. What it throws ends the run; false does so with
-  /// Cancelled.
+  /// Hears of progress: from any thread, one event at a time. What it throws ends the run; false: Cancelled.
   std::function<bool(const SimulateEvent&)> watch{};
 };
 

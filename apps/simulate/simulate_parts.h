@@ -7,11 +7,10 @@
 #include <string>
 #include <vector>
 
-#include "apps/simulate/run_report.h"
 #include "apps/simulate/scene_source.h"
 #include "apps/simulate/sensor_image.h"
 #include "apps/simulate/sensor_run.h"
-#include "apps/simulate/simulate_options.h"
+#include "apps/simulate/simulate.h"
 #include "mtf/io/scene.h"
 
 namespace apps {
@@ -65,5 +64,12 @@ std::optional<mtf::SceneSummary> summarise_all(const mtf::io::Scene& scene, mtf:
 /// One spectrum for all channels that have contrast, where the border has one (mtf/engines/fft/scene_spectrum.h) and
 /// the planes are not huge.
 std::shared_ptr<const mtf::SceneSpectrum> spectrum_of_all(const mtf::io::Scene& scene, mtf::Border border, int threads);
+
+/// Where a finished image goes: a file, the caller's sink, or back to the caller.
+/// `file`: the name to write, "" for none. What is left of `image` afterwards is what the caller gets back: without
+/// planes where a file or the sink has them, but for SimulateOptions::keep_images. Returns how a PNG or TIFF was
+/// scaled. Throws as write_sensor_image.
+Written deliver(const SimulateOptions& options, const std::string& file, const std::vector<std::string>& names,
+                SimulatedImage& image, const IntegerRange& range);
 
 }  // namespace apps

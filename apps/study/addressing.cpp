@@ -12,8 +12,6 @@
 namespace study {
 namespace {
 
-namespace cfg = mtf::io::cfg;
-using cfg::Node;
 using cfg::Target;
 using mtf::FieldType;
 

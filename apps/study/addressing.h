@@ -11,11 +11,14 @@
 
 namespace study {
 
+namespace cfg = mtf::io::cfg;
+using cfg::Node;
+
 /// A sensor file in which names are searched.
 struct SensorView {
   mtf::io::SensorConfig sensor;
-  mtf::io::cfg::Node tree;
-  mtf::io::cfg::Targets targets;
+  Node tree;
+  cfg::Targets targets;
 };
 
 /// The places of a sensor that was read without errors.
@@ -26,7 +29,7 @@ struct Place {
     number,  ///< calib::parameter_site has it, or it is a number of another table of the file
     level    ///< anything else: a value that has to be written into the file
   };
-  mtf::io::cfg::Target target;
+  cfg::Target target;
   Kind kind = Kind::level;
   std::string what{};     ///< what a level is, with its article: "a whole number"
   bool file = false;      ///< true: a text in its place names a file

@@ -56,9 +56,7 @@ std::size_t number_length(std::string_view text, double& value) {
 
 bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r'; }
 
-bool is_function(std::string_view name) {
-  return std::find(kFunctions.begin(), kFunctions.end(), name) != kFunctions.end();
-}
+bool is_function(std::string_view name) { return std::ranges::find(kFunctions, name) != kFunctions.end(); }
 
 }  // namespace
 

@@ -11,6 +11,11 @@
 
 namespace study {
 
+const char* role_word(Column::Role role) {
+  constexpr std::array words{"axis", "link", "metric", "objective", "feasible", "yield", "error", "pareto"};
+  return words[static_cast<std::size_t>(role)];
+}
+
 std::size_t objective_column(const Study& study, const std::vector<Column>& columns, std::size_t objective) {
   const Expression& expression = study.objectives[objective].expression;
   const auto named = [&](const std::string& name, Column::Role role) -> std::optional<std::size_t> {
@@ -41,9 +46,8 @@ struct SlotReader::Variants {
 SlotReader::SlotReader(std::shared_ptr<const Study> study) : study_(std::move(study)) {
   for (const Parameter& parameter : study_->parameters) base_.push_back(parameter.base * parameter.scale.si);
   for (const MetricInfo& metric : study_->metrics) metric_si_.push_back(unit_scale(metric.unit).si);
-  const bool some_fixed = std::any_of(study_->parameters.begin(), study_->parameters.end(), [](const Parameter& p) {
-    return p.role == Parameter::Role::fixed && !p.path.empty();
-  });
+  const bool some_fixed = std::ranges::any_of(
+      study_->parameters, [](const Parameter& p) { return p.role == Parameter::Role::fixed && !p.path.empty(); });
   if (some_fixed && study_->variants > 1) variants_ = std::make_shared<Variants>();
 }
 
@@ -52,8 +56,7 @@ const std::vector<double>& SlotReader::fixed(std::span<const double> row) const 
   std::vector<int> levels(study_->axes.size(), 0);
   for (std::size_t a = 0; a < levels.size(); ++a) {
     const Axis& axis = study_->axes[a];
-    if (axis.discrete())
-      levels[a] = static_cast<int>(std::find(axis.values.begin(), axis.values.end(), row[a]) - axis.values.begin());
+    if (axis.discrete()) levels[a] = static_cast<int>(std::ranges::find(axis.values, row[a]) - axis.values.begin());
   }
   const std::lock_guard guard(variants_->lock);
   const auto found = variants_->base.find(levels);

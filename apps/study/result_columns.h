@@ -14,6 +14,9 @@ namespace study {
 /// none (columns of another study).
 std::size_t objective_column(const Study& study, const std::vector<Column>& columns, std::size_t objective);
 
+/// "axis", "link", "metric", ...
+const char* role_word(Column::Role role);
+
 /// The column of a role that a table has once (feasible, yield, error).
 std::optional<std::size_t> column_of(const std::vector<Column>& columns, Column::Role role);
 
@@ -38,8 +41,7 @@ class SlotReader {
 /// What a tally needs to know of a study.
 TallyJob tally_job(std::shared_ptr<const Study> study, const std::vector<Column>& columns);
 
-/// The columns of designs.csv and designs.npy: those of a row, then `pareto` where the study has two objectives or
-/// more.
+/// The columns of designs.csv and designs.npy: those of a row, then `pareto` with two objectives or more.
 std::vector<Column> file_columns(const Study& study);
 
 /// The columns of a table. The values of a discrete axis that are no numbers stand there as words.

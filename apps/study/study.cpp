@@ -14,7 +14,6 @@
 namespace study {
 namespace {
 
-namespace cfg = mtf::io::cfg;
 using mtf::io::Diagnostic;
 
 /// The parts that refer to the sensor, each after those that it needs.

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <charconv>
-#include <cmath>
 #include <limits>
 
 #include "apps/study/study_reader.h"
@@ -13,10 +12,6 @@
 
 namespace study {
 namespace {
-
-namespace cfg = mtf::io::cfg;
-using cfg::Node;
-using cfg::Section;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 

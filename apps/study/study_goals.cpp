@@ -16,10 +16,6 @@
 namespace study {
 namespace {
 
-namespace cfg = mtf::io::cfg;
-using cfg::Node;
-using cfg::Section;
-
 constexpr std::size_t kMostUnknown = 200;  // guesses what was meant are slow
 constexpr std::array<std::string_view, 4> kDirections{"maximize", "minimize", "maximise", "minimise"};
 

@@ -12,10 +12,6 @@
 namespace study {
 namespace {
 
-namespace cfg = mtf::io::cfg;
-using cfg::Node;
-using cfg::Section;
-
 /// `a.b = "..."` in TOML is a table in a table: their keys joined again.
 void collect(StudyReader& s, const Node& table, const std::string& before) {
   for (const cfg::Member& member : table.members) {

@@ -3,7 +3,6 @@
 // What the parts of a study share: sensor files, names, numbers in the unit of their field, places inside of strings.
 
 #include <algorithm>
-#include <cmath>
 
 #include "apps/sensor/sensor_air.h"
 #include "apps/sensor/sensor_chain.h"
@@ -16,8 +15,6 @@
 namespace study {
 namespace {
 
-namespace cfg = mtf::io::cfg;
-using cfg::Node;
 using mtf::io::Position;
 
 bool continues(char c) { return (static_cast<unsigned char>(c) & 0xC0) == 0x80; }  // of a UTF-8 character
@@ -163,8 +160,7 @@ int parameter_named(StudyReader& s, const std::string& name, std::string& proble
     if (other.path == path) return s.by_name[name] = static_cast<int>(i);
     const auto varies = [&](const AsBuilt& built) { return built.parameter == static_cast<int>(i); };
     const auto& as_built = s.study.as_built;
-    if (overlap(other.path, path) &&
-        (other.role != Parameter::Role::fixed || std::any_of(as_built.begin(), as_built.end(), varies)))
+    if (overlap(other.path, path) && (other.role != Parameter::Role::fixed || std::ranges::any_of(as_built, varies)))
       return fail("is a part of " + other.name + ", which the study changes, or the other way round; name " +
                   other.name);
   }

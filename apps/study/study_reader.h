@@ -14,6 +14,8 @@
 
 namespace study {
 
+using cfg::Section;
+
 inline constexpr std::int64_t kMostDesigns = 1'000'000'000;
 inline constexpr std::int64_t kMostVariants = 10'000;
 inline constexpr std::size_t kMostAxes = 100;
@@ -37,8 +39,8 @@ struct LinkSource {
 };
 
 struct StudyReader {
-  mtf::io::cfg::Reader reader;
-  mtf::io::cfg::Node tree{};
+  cfg::Reader reader;
+  Node tree{};
   Study study{};
   std::vector<SensorView> views{};                        ///< the base, then the levels of the axis over `sensor`
   int sensor_axis = -1;                                   ///< index of the [[axis]] table, and of the axis
@@ -49,7 +51,7 @@ struct StudyReader {
   std::vector<std::string> metric_names{};  ///< names of Study::metrics
   bool axes_good = true;
 
-  mtf::io::cfg::Section root() { return {reader, tree, "", ""}; }
+  Section root() { return {reader, tree, "", ""}; }
   void error(mtf::io::Position position, std::string path, std::string text) {
     reader.error(position, std::move(path), std::move(text));
   }
@@ -61,7 +63,7 @@ struct StudyReader {
 };
 
 /// Unknown keys, as for sensor files; those of the top level below a table with where they belong.
-void check_study_keys(const mtf::io::cfg::Section& section, std::span<const mtf::FieldInfo> keys);
+void check_study_keys(const Section& section, std::span<const mtf::FieldInfo> keys);
 
 /// `sensor` and the levels of an axis over it. False when there is no base sensor to continue with.
 bool read_sensors(StudyReader& s);
@@ -95,16 +97,16 @@ std::optional<Expression> read_expression(StudyReader& s, const Source& source, 
 
 /// A number within the range of `info`, in its unit, which is that of the field as held. `given` says by what, for
 /// units that do not fit.
-std::optional<double> read_held(StudyReader& s, const mtf::io::cfg::Node& node, const mtf::FieldInfo& info,
-                                const std::string& path, const std::string& given = "in the sensor file");
+std::optional<double> read_held(StudyReader& s, const Node& node, const mtf::FieldInfo& info, const std::string& path,
+                                const std::string& given = "in the sensor file");
 
 /// The sensor file with levels, -1 for as it is; `tree` is that of the study.
-mtf::io::ConfigResult with_levels(const Study& study, const mtf::io::cfg::Node& tree, const SensorView& view,
+mtf::io::ConfigResult with_levels(const Study& study, const Node& tree, const SensorView& view,
                                   std::span<const int> levels);
 /// Every level of every discrete axis by itself in the base sensor, and that all sensors have what is varied.
 void check_levels(StudyReader& s);
 /// Level as text.
-std::string level_text(const mtf::io::cfg::Node& node);
+std::string level_text(const Node& node);
 
 /// 'designs' of a grid in full, whatever its size: "1000000000000".
 std::string exact_product(std::span<const std::int64_t> factors);

@@ -18,9 +18,6 @@
 namespace study {
 namespace {
 
-namespace cfg = mtf::io::cfg;
-using cfg::Node;
-using cfg::Section;
 using mtf::FieldInfo;
 
 constexpr std::size_t kMaxName = 200;
@@ -114,8 +111,7 @@ void check_conditions(StudyReader& s) {
       return &s.study.parameters[static_cast<std::size_t>(built.parameter)] == &parameter;
     };
     return parameter.path == "atmosphere.range" || parameter.path == "path.range"
-               ? parameter.role != Parameter::Role::fixed ||
-                     std::any_of(s.study.as_built.begin(), s.study.as_built.end(), varies)
+               ? parameter.role != Parameter::Role::fixed || std::ranges::any_of(s.study.as_built, varies)
                : false;
   };
   for (const SensorView& view : s.views) {

@@ -105,18 +105,18 @@ Json optimum_json(const Study& study, const Optimum& optimum, bool whole) {
     const std::string* level = level_of(study, optimum, c);
     json["design"].push_back({{"name", columns[c].name},
                               {"role", role_name(columns[c].role)},
-                              {"value", level != nullptr ? Json(*level) : number_or_null(optimum.row[c])},
+                              {"value", level != nullptr ? Json(*level) : optimum.row[c]},
                               {"unit", columns[c].unit}});
   }
   for (std::size_t i = 0; i < optimum.objectives.size(); ++i)
     json["objectives"].push_back({{"text", study.objectives[i].text},
                                   {"maximize", study.objectives[i].maximize},
-                                  {"value", number_or_null(optimum.objectives[i])},
+                                  {"value", optimum.objectives[i]},
                                   {"unit", study.objectives[i].unit}});
   for (std::size_t i = 0; i < study.constraints.size(); ++i)
     json["constraints"].push_back({{"text", study.constraints[i].text}, {"state", constraint_text(study, optimum, i)}});
-  json["goal"] = number_or_null(optimum.goal);
-  json["error"] = number_or_null(optimum.row.back());
+  json["goal"] = optimum.goal;
+  json["error"] = optimum.row.back();
   json["feasible"] = optimum.feasible;
   json["limits"] = Json::array();
   for (const Limit& limit : optimum.limits) json["limits"].push_back(limit_json(limit));
@@ -124,10 +124,10 @@ Json optimum_json(const Study& study, const Optimum& optimum, bool whole) {
   json["violations"] = Json::array();
   for (const study::Violation& violation : optimum.violations)
     json["violations"].push_back({{"text", study.constraints[violation.constraint].text},
-                                  {"by", number_or_null(violation.by)},
+                                  {"by", violation.by},
                                   {"unit", violation.unit},
-                                  {"share", number_or_null(violation.share)}});
-  json["residual"] = number_or_null(optimum.residual);
+                                  {"share", violation.share}});
+  json["residual"] = optimum.residual;
   json["converged"] = optimum.converged;
   json["method"] = method_name(optimum.method);
   json["why"] = optimum.why;
@@ -194,7 +194,7 @@ std::string optimize_json(const Study& study, const std::vector<OptimizedGoal>& 
              {"contradiction", outcome.contradiction},
              {"problem", outcome.problem},
              {"says", sentences(study, goal.options, outcome)},
-             {"file", goal.file.empty() ? Json() : Json(goal.file)}};
+             {"file", text_or_null(goal.file)}};
     for (const Optimum& other : outcome.others) one["others"].push_back(optimum_json(study, other, false));
     json["goals"].push_back(std::move(one));
   }

@@ -93,8 +93,7 @@ study::RowRun row_run(const SweepStudy& sweep, study::RowRange range, const fs::
           .range = range,
           .folder = folder,
           .threads = global.threads,
-          .make = study::row_makers(sweep.study),
-          .done = {}};
+          .make = study::row_makers(sweep.study)};
 }
 
 study::RowTally make_rows(const SweepStudy& sweep, study::RowRange range, const fs::path& folder, const Global& global,
@@ -112,8 +111,7 @@ study::RowTally make_rows(const SweepStudy& sweep, study::RowRange range, const 
 }
 
 int run_sweep(const SweepOptions& options, const Global& global) {
-  const auto verb =
-      std::find_if(kVerbs.begin(), kVerbs.end(), [&](const Verb& each) { return each.name == options.words.front(); });
+  const auto verb = std::ranges::find_if(kVerbs, [&](const Verb& each) { return each.name == options.words.front(); });
   const bool is_verb = verb != kVerbs.end();
   const std::string command = "mtf sweep" + (is_verb ? " " + std::string(verb->name) : "");
   if (options.words.size() > (is_verb ? 2U : 1U)) {

@@ -2,8 +2,8 @@
 
 // The folder of a sweep while it is made. parts/ holds the finished rows and parts/key, which says of what study,
 // tolerance and version they are. A sweep is unfinished as long as the key is there: whenever it was stopped, the same
-// command continues it. The key is the first file that is written and the first one that is removed, when all results
-// are there.
+// command continues it. The key is the first file that is written and the first one removed, when all results are
+// there.
 
 #include <algorithm>
 #include <array>
@@ -122,8 +122,7 @@ bool reserved(const fs::path& name) {
 fs::path home_of(const study::Study& study) { return fs::absolute(study.file).parent_path(); }
 
 /// The name of a file from the folder of the study, as the study or its sensor writes it ("curves/../qe.csv"), so that
-/// copies name each other as the files do; empty for a file elsewhere. A link counts where it lies, not where it
-/// points.
+/// copies name each other as the files do; empty for a file elsewhere. A link counts where it lies.
 fs::path name_of(const study::Study& study, const std::string& file) {
   const auto below = [](const fs::path& whole, const fs::path& home) {
     const fs::path name = whole.lexically_relative(home), simple = name.lexically_normal();

@@ -19,7 +19,6 @@ namespace apps {
 namespace {
 
 constexpr std::size_t kMostFront = 10'000;  // designs of the front that are listed
-constexpr std::array kRoles{"axis", "link", "metric", "objective", "feasible", "yield", "error", "pareto"};
 constexpr std::array kMethods{"grid", "latin_hypercube", "sobol"};
 
 std::string machine_text() {
@@ -42,7 +41,7 @@ Json columns_json(const SweepReport& report) {
     const study::Column& column = all[c];
     Json one = {{"name", column.name},
                 {"unit", column.unit},
-                {"role", kRoles[static_cast<std::size_t>(column.role)]},
+                {"role", study::role_word(column.role)},
                 {"definition", column.definition},
                 {"source", column.source}};
     if (!shown[c].levels.empty()) one["levels"] = shown[c].levels;
@@ -58,15 +57,14 @@ Json axis_values_json(const study::Study& study, std::size_t axis) {
   const study::Axis& a = study.axes[axis];
   Json values = Json::array();
   if (a.discrete() || study.method != study::Method::grid) {
-    for (const double v : a.values) values.push_back(number_or_null(v));
-    return values;
+    return a.values;
   }
   std::int64_t stride = 1;  // the last axis is the fastest
   for (std::size_t later = axis + 1; later < study.axes.size(); ++later) stride *= study.axes[later].points();
   std::vector<double> point(study.axes.size());
   for (std::int64_t i = 0; i < a.points(); ++i) {
     study::design_at(study, i * stride, point);
-    values.push_back(number_or_null(point[axis]));
+    values.push_back(point[axis]);
   }
   return values;
 }
@@ -93,14 +91,12 @@ Json constraint_json(const SweepReport& report, std::size_t k) {
   for (const auto* side : {&constraint.left, &constraint.right})
     for (const int slot : side->slots()) {
       const std::string& name = study.name_of(slot);
-      if (std::none_of(columns.begin(), columns.end(), [&](const auto& column) { return column.name == name; }))
-        continue;
+      if (std::ranges::none_of(columns, [&](const auto& column) { return column.name == name; })) continue;
       one["columns"].push_back(name);
       const bool left = side == &constraint.left;
       const study::Expression& other = left ? constraint.right : constraint.left;
       if (!side->only_slot() || !other.constant()) continue;
-      one["limit"] =
-          number_or_null(other.evaluate<double>({}) / study::unit_scale(study::unit_of(study, constraint)).si);
+      one["limit"] = other.evaluate<double>({}) / study::unit_scale(study::unit_of(study, constraint)).si;
       one["relation"] = std::string(constraint.less == left ? "<" : ">") + (constraint.strict ? "" : "=");
     }
   return one;
@@ -114,7 +110,7 @@ Json best_json(const SweepReport& report) {
     if (design.design < 0) continue;
     best.push_back({{"objective", study.objectives[o].text},
                     {"design", design.design},
-                    {"value", number_or_null(design.value)},
+                    {"value", design.value},
                     {"active", Json::array()},
                     {"limits", Json::array()}});
     for (const study::Limit& limit : report.limits[o]) {
@@ -143,7 +139,7 @@ Json sensitivities_json(const SweepReport& report) {
       const std::string of = unit_of(gradient.columns[c]), by = unit_of(gradient.parameters[p]);
       derivatives.push_back({{"column", gradient.columns[c]},
                              {"parameter", gradient.parameters[p]},
-                             {"value", number_or_null(gradient.value[c * gradient.parameters.size() + p])},
+                             {"value", gradient.value[c * gradient.parameters.size() + p]},
                              {"unit", by.empty() ? of : (of.empty() ? "1" : of) + " per " + by}});
     }
   Json indices = Json::array();
@@ -153,10 +149,10 @@ Json sensitivities_json(const SweepReport& report) {
       indices.push_back({{"column", columns[report.indices.columns[r]].name},
                          {"parameter", columns[a].name},
                          {"used", report.indices.indices.used[r]},
-                         {"first", number_or_null(index.first)},
-                         {"first_sd", number_or_null(index.first_sd)},
-                         {"total", number_or_null(index.total)},
-                         {"total_sd", number_or_null(index.total_sd)}});
+                         {"first", index.first},
+                         {"first_sd", index.first_sd},
+                         {"total", index.total},
+                         {"total_sd", index.total_sd}});
     }
   return {{"design", report.gradient_design},
           {"derivatives", derivatives},
@@ -172,9 +168,7 @@ Json yield_json(const SweepReport& report, std::size_t column) {
     if (design.design < 0 || std::find(seen.begin(), seen.end(), design.design) != seen.end()) return;
     seen.push_back(design.design);
     const double yield = design.row[column];
-    best.push_back({{"design", design.design},
-                    {"yield", number_or_null(yield)},
-                    {"sd", number_or_null(study::yield_error(yield, draws))}});
+    best.push_back({{"design", design.design}, {"yield", yield}, {"sd", study::yield_error(yield, draws)}});
   };
   for (const study::TallyDesign& design : report.tally->best()) add(design);
   add(report.tally->highest_yield());
@@ -201,15 +195,13 @@ Json accuracy_json(const SweepReport& report) {
   Json rows = Json::array();
   for (const study::AccuracyRow& row : report.accuracy.rows)
     rows.push_back({{"tolerance", row.tolerance},
-                    {"promised", number_or_null(row.promised)},
-                    {"realised", number_or_null(row.realised)},
-                    {"us_per_design", number_or_null(row.us_per_design)}});
+                    {"promised", row.promised},
+                    {"realised", row.realised},
+                    {"us_per_design", row.us_per_design}});
   return rows;
 }
 
 }  // namespace
-
-Json number_or_null(double value) { return std::isfinite(value) ? Json(value) : Json(); }
 
 Json limit_json(const study::Limit& limit) {
   return {{"text", limit.text},
@@ -217,9 +209,9 @@ Json limit_json(const study::Limit& limit) {
                    : limit.kind == study::Limit::Kind::lower    ? "lower"
                                                                 : "upper"},
           {"state", std::string(study::state_words(limit.kind))},
-          {"value", number_or_null(limit.value)},
+          {"value", limit.value},
           {"unit", limit.unit},
-          {"gain", number_or_null(limit.gain)}};
+          {"gain", limit.gain}};
 }
 
 Json to_json(const SweepReport& report) {
@@ -245,7 +237,7 @@ Json to_json(const SweepReport& report) {
   json["method"] = kMethods[static_cast<std::size_t>(study.method)];
   json["seed"] = study.seed;
   json["tolerance"] = study.tolerance;
-  json["worst_error"] = number_or_null(tally.worst_error());
+  json["worst_error"] = tally.worst_error();
   json["columns"] = columns_json(report);
   json["axes"] = axes_json(report);
   json["constraints"] = Json::array();
@@ -279,8 +271,8 @@ Json to_json(const SweepReport& report) {
   if (const auto column = study::column_of(report.sweep->columns, study::Column::Role::yield))
     json["yield"] = yield_json(report, *column);
   if (!report.accuracy.rows.empty()) json["accuracy"] = accuracy_json(report);
-  json["timing"] = {{"seconds", number_or_null(run.seconds)},
-                    {"designs_per_second", number_or_null(static_cast<double>(run.tally.made) / run.seconds)},
+  json["timing"] = {{"seconds", run.seconds},
+                    {"designs_per_second", static_cast<double>(run.tally.made) / run.seconds},
                     {"threads", report.threads},
                     {"resumed_designs", run.tally.resumed}};
   json["skipped"] = report.skipped;

@@ -54,7 +54,6 @@ bool none_valid(const SweepReport& report);
 std::vector<std::size_t> violated_constraints(const SweepReport& report, std::span<const double> row);
 
 /// A number in JSON; null where it is not finite.
-Json number_or_null(double value);
 /// A limit of an optimum, or of the best design of a sweep, which has no gain.
 Json limit_json(const study::Limit& limit);
 

@@ -22,8 +22,7 @@ class ProgressLine {
   /// `step` is what is being done, `share` of it in [0, 1] is finished; `rate` is shown next to it ("21000 designs/s").
   /// Cheap to call often: the bar moves at most ten times a second, lines come with a new step or another tenth.
   void update(const std::string& step, double share, const std::string& rate = "");
-  /// The same where nobody knows how much is left: `done` says what was finished ("12000 values"). Lines come every ten
-  /// seconds.
+  /// The same where nobody knows how much is left: `done` says what was finished ("12000 values"). A line every 10 s.
   void update_open(const std::string& step, const std::string& done);
 
  private:

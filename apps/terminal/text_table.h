@@ -19,8 +19,7 @@ class TextTable {
   explicit TextTable(std::vector<std::string> header) : rows_{std::move(header)} {}
   void add(std::vector<std::string> row) { rows_.push_back(std::move(row)); }
 
-  /// Columns padded to their widest cell, two spaces apart, no trailing spaces. `align` per column, left beyond its
-  /// end.
+  /// Columns padded to their widest cell, two spaces apart, none trailing. `align` per column, left beyond its end.
   std::string aligned(const std::vector<Align>& align = {}) const;
   std::string csv() const;
 

@@ -48,6 +48,10 @@ class Json {
   requires(!std::same_as<T, bool>) Json(T value) : Json(whole(value)) {}
   template <std::floating_point T>
   Json(T value) : Json(Value(static_cast<double>(value))) {}
+  template <class T>  // null where there is none
+  Json(const std::optional<T>& value) {
+    if (value) *this = Json(*value);
+  }
   template <class A, class B>
   Json(const std::pair<A, B>& both) : Json({Json(both.first), Json(both.second)}) {}
   /// A list, of a map from names an object.
@@ -146,6 +150,9 @@ int Json::get() const;
 /// are null; the others read back as the same double. JSON is UTF-8 and names of files are any bytes: those that are no
 /// UTF-8 become U+FFFD, as a name that ended the writer would take the results of hours with it.
 std::string json_document(const Json& json, int indent = 2);
+
+/// The text; null where it is empty.
+inline Json text_or_null(const std::string& text) { return text.empty() ? Json() : Json(text); }
 
 /// Reads a text. Throws mtf::UsageError with the place where it is no JSON or nested more than 64 deep.
 Json parse_json(std::string_view text);

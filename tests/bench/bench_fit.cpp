@@ -2,7 +2,6 @@
 // Scatter of fitted parameters against the Cramer-Rao bound, and how often the stated intervals hold the truth.
 //   bench_fit [DRAWS] [PART OF A CASE'S NAME]
 #include <cstdio>
-#include <cstdlib>
 #include <string>
 
 #include "tests/calib/fit_study.h"

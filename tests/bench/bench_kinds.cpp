@@ -6,7 +6,6 @@
 // one draw in twenty.
 
 #include <algorithm>
-#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <map>

@@ -4,8 +4,6 @@
 //   bench_study [ROUNDS]
 #include <algorithm>
 #include <cstdio>
-#include <cstdlib>
-#include <ctime>
 
 #include "apps/study/design/evaluator.h"
 #include "tests/apps/study/satellite.h"

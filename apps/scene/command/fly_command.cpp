@@ -10,14 +10,14 @@
 #include <set>
 
 #include "apps/config_command.h"
-#include "apps/scene/command/fly_options.h"
+#include "apps/scene/command/picture_options.h"
 #include "apps/scene/command/read_scene.h"
 #include "apps/scene/fly/flight.h"
 #include "apps/scene/fly/stage_times.h"
 #include "apps/scene/heat/read_temperatures.h"
 #include "apps/simulate/frames/frame_names.h"
-#include "apps/simulate/image_output.h"
 #include "apps/simulate/output_files.h"
+#include "apps/simulate/simulate_parts.h"
 #include "apps/terminal/interrupt.h"
 #include "apps/terminal/output.h"
 #include "apps/terminal/progress_line.h"
@@ -329,11 +329,10 @@ int run_fly(const FlyCommandOptions& options, const Global& global) {
   const std::vector<std::string> left = left_out(source, flight, frame, lights, late);
   Json json = json_of(times, done, first_ms, flight, frame, left);
   json["samples_per_pitch"] = samples_per_pitch;
-  json["tolerance"] = {{"asked", options.image.tolerance ? Json(*options.image.tolerance) : nullptr},
-                       {"largest", loosest}};
+  json["tolerance"] = {{"asked", options.image.tolerance}, {"largest", loosest}};
   json.sort();
   if (!options.report.empty()) emit(options.report, json_document(json));
-  if (options.json) {
+  if (options.format == Format::json) {
     print(json_document(json));
   } else {
     TextTable table({"ms a frame", "least", "median", "most"});

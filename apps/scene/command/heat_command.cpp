@@ -170,7 +170,7 @@ int run_heat(const HeatCommandOptions& options, const Global& global) {
   for (const mtf::io::Diagnostic& finding : findings) note(global, mtf::io::format_diagnostic(finding, file.file));
   StopInGoodOrder interrupt(
       "mtf: interrupted: the day that is being solved is finished and written first; once more to stop at once\n");
-  HeatOptions heat_options{.tolerance_k = options.tolerance_k,
+  HeatOptions heat_options{.tolerance_k = options.tolerance_k.value_or(0.1),
                            .directions = options.directions,
                            .rays = options.rays,
                            .sun_points = options.sun_points,
@@ -264,7 +264,7 @@ int run_heat(const HeatCommandOptions& options, const Global& global) {
   text = options.format == Format::json ? heat_json(file, scene, report, heat_options)
                                         : summary_text(scene, report, files) + sensitivity;
   print(text);
-  if (spread_k > options.tolerance_k)
+  if (spread_k > heat_options.tolerance_k)
     note(global, "warning: what facets see differs from what their class sees by up to " + significant(spread_k, 2) +
                      " K (95 % of them), more than the tolerance; more --rays, or --every-facet, bring it down");
   if (options.format == Format::table) print("written to " + options.out + "/\n");
@@ -281,14 +281,14 @@ int run_heat(const HeatCommandOptions& options, const Global& global) {
              significant(verified->as_units.largest_k, 3) + " K in facet " + std::to_string(verified->as_units.facet));
     return 3;
   }
-  if (verified && verified->by_itself.percentile_95_k > options.tolerance_k)
+  if (verified && verified->by_itself.percentile_95_k > heat_options.tolerance_k)
     note(global, "warning: by itself and with shadows of its own, one facet in twenty is off by more than " +
                      significant(verified->by_itself.percentile_95_k, 2) +
                      " K, above the tolerance; --sun-directions, --sun-points and --every-facet bring it down");
   if (options.verify && !verified) note(global, "note: interrupted: the realised error is not known");
-  if (promised_k <= options.tolerance_k) return 0;
+  if (promised_k <= heat_options.tolerance_k) return 0;
   complain("mtf: warning: the promised error of " + significant(promised_k, 3) + " K is above the tolerance of " +
-           significant(options.tolerance_k, 3) + " K");
+           significant(heat_options.tolerance_k, 3) + " K");
   return 3;
 }
 

@@ -13,8 +13,8 @@
 #include "apps/config_command.h"
 #include "apps/figures/picture.h"
 #include "apps/options.h"
+#include "apps/scene/command/picture_options.h"
 #include "apps/scene/command/read_scene.h"
-#include "apps/scene/command/render_options.h"
 #include "apps/scene/heat/read_temperatures.h"
 #include "apps/scene/render/layer_file.h"
 #include "apps/scene/render/sensor_picture.h"
@@ -304,9 +304,8 @@ std::string render_pictures(const RenderCommandOptions& options, const Global& g
                      .names = folder ? names : std::vector<std::string>(),
                      .files = folder ? std::vector{options.picture} : std::vector{options.out, options.picture},
                      .inputs = inputs_of(options, file, sensors)});
-  const auto planes = static_cast<double>(
-      sensors.size() - 1 + options.layers.size() +
-      2U * static_cast<std::size_t>(std::count(options.layers.begin(), options.layers.end(), "normal")));
+  const auto planes = static_cast<double>(sensors.size() - 1 + options.layers.size() +
+                                          2U * static_cast<std::size_t>(std::ranges::count(options.layers, "normal")));
   const double shown = options.picture.empty() ? 0.0 : kShownBytes * static_cast<double>(sensors.size());
   if (const std::string words =
           memory_words(sensors.front().config, samples_per_pitch, kPictureBytes + kPlaneBytes * planes + shown);
@@ -364,7 +363,8 @@ std::string render_pictures(const RenderCommandOptions& options, const Global& g
     draw_pictures(outputs.at(options.picture), pictures, global.threads);
   }
   outputs.commit();
-  if (!options.json) return render_summary(options, {scene, sensors, frame, metadata, samples_per_pitch}, names);
+  if (options.format != Format::json)
+    return render_summary(options, {scene, sensors, frame, metadata, samples_per_pitch}, names);
   Json json = render_json({scene, sensors, frame, metadata, samples_per_pitch}, names);
   json["timing_ms"]["write"] = writing.ms();
   json["timing_ms"]["all"] = all.ms();

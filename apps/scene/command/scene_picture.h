@@ -19,8 +19,7 @@ std::vector<radiometry::scene::Hit> camera_hits(const HeatScene& scene, const Ca
 /// The name of a mesh whose closed shells the camera sees from inside in most of its pixels.
 std::optional<std::string> mesh_around_camera(const HeatScene& scene, std::span<const radiometry::scene::Hit> hits);
 
-/// Writes a PNG of these pixels with a bar of temperatures. What the camera does not see of the scene, and the sky, is
-/// black.
+/// Writes a PNG of these pixels with a bar of temperatures. What the camera does not see, and the sky, is black.
 void write_scene_picture(const std::string& path, std::span<const radiometry::scene::Hit> hits,
                          std::span<const double> facet_k, const std::string& caption);
 

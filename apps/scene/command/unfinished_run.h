@@ -8,12 +8,17 @@
 // the hashes of all inputs, by which a changed input is recognised and refused.
 
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "apps/scene/command/heat_files.h"
-#include "apps/scene/heat/checkpoint_bytes.h"
 
 namespace apps::scene {
+
+/// Names and hashes of all that the numbers of a run follow from: the scene file, meshes, weather, given temperatures,
+/// options, the program.
+using Fingerprints = std::vector<std::pair<std::string, std::string>>;
+Fingerprints fingerprints_of(const SceneFile& file, const HeatScene& scene, const HeatOptions& options);
 
 struct UnfinishedRun {
   Fingerprints fingerprints;

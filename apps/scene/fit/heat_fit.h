@@ -9,10 +9,21 @@
 #include <string>
 #include <vector>
 
-#include "apps/scene/fit/measured_surface.h"
+#include "apps/scene/scene_file/scene_file.h"
 #include "calib/series/series_fit.h"
 
 namespace apps::scene {
+
+/// What the temperature of the ground was, measured: a table of temperatures, or the long-wave radiation that a station
+/// saw coming up. The ground emits epsilon sigma T^4 and reflects the rest of what the sky sends:
+///   L_up = epsilon sigma T^4 + (1 - epsilon) L_down
+/// Records that are means over an interval stand for its middle.
+struct MeasuredSurface {
+  std::string source;
+  bool from_longwave = false;
+  std::vector<double> time_s{};  ///< from the start of the run, rising
+  std::vector<double> kelvin{};  ///< NaN where the record has no value
+};
 
 inline constexpr std::size_t kMostFitted = 6;
 

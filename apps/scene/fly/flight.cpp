@@ -2,15 +2,11 @@
 #include "apps/scene/fly/flight.h"
 
 #include <algorithm>
-#include <atomic>
 #include <chrono>
 #include <cmath>
 #include <functional>
 #include <future>
-#include <memory>
-#include <optional>
 #include <tuple>
-#include <vector>
 
 #include "apps/scene/fly/flight_light.h"
 #include "apps/sensor/sensor_air.h"

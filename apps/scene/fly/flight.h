@@ -73,8 +73,7 @@ class Flight {
   Flight(PictureSource& source, const SceneFile& file, const PictureOptions& air, const FlightOptions& options);
   ~Flight();
 
-  /// Begins to make the light of that time and sensor, where it is another than that of the last frame and none is
-  /// being made.
+  /// Begins to make the light of that time and sensor, where it differs from the last frame's and none is made yet.
   void prepare(const Sensor& sensor, double utc_s);
   /// Begins to work out, in the background, the views of the sides that are seen from these places, so that a camera
   /// which goes there later does not wait for them. Places that see nothing, or where no camera can be, are passed

@@ -139,8 +139,7 @@ std::vector<std::uint32_t> regions_of_faces(const SceneFile& file, std::size_t m
   return of_face;
 }
 
-/// Measured, by a formula with clouds, or by the air of [atmosphere]; gaps in columns that it does not take do not
-/// matter.
+/// Measured, by a formula with clouds, or by the air of [atmosphere]; gaps in columns that it leaves do not matter.
 LongwaveSky sky_of(const SceneFile& file) {
   using enum heat::WeatherQuantity;
   const SkySection& sky = file.sky;

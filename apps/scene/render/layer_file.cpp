@@ -107,8 +107,7 @@ radiometry::render::SurfaceLayers read_layers(const LayerFile& from, const Scene
   layers.finish = require_channel(from, info, "material");
   const std::map<int, MaterialEntry> table =
       from.materials.empty() ? std::map<int, MaterialEntry>() : read_materials_table(from.materials, scene);
-  const bool of_table =
-      std::any_of(table.begin(), table.end(), [](const auto& row) { return !std::isnan(row.second.kelvin); });
+  const bool of_table = std::ranges::any_of(table, [](const auto& row) { return !std::isnan(row.second.kelvin); });
   layers.temperature_k = !of_table || channel_of(from, info, "temperature")
                              ? require_channel(from, info, "temperature")
                              : mtf::Image(layers.finish.width(), layers.finish.height());

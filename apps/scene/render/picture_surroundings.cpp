@@ -12,7 +12,6 @@ namespace apps::scene {
 namespace {
 
 namespace heat = radiometry::heat;
-using heat::WeatherQuantity;
 
 constexpr int kSkyAngles = 4;  // Gauss's nodes of the flux: within 0.1 W/m2 of eight
 

@@ -30,8 +30,7 @@ struct CameraPath {
 };
 
 /// Throws RuntimeError where the file cannot be read, UsageError "file:line: error: ..." for a wrong or missing column,
-/// times that do not rise or are instants, a camera that looks at its own position, and one that jumps: faster than
-/// 3000 m/s.
+/// times that do not rise or are instants, a camera that looks at itself or jumps (above 3000 m/s).
 CameraPath read_camera_path(const std::string& path);
 CameraPath parse_camera_path(std::string_view text, const std::string& source);
 

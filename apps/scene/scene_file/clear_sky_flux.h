@@ -29,8 +29,7 @@ class ClearSkyFlux {
   /// 0.
   double at(double air_k, double vapour_pressure_pa);
 
-  /// The air with that weather at the ground; without a vapour pressure its relative humidity there stays. Throws as
-  /// at.
+  /// The air with that weather at the ground; without a vapour pressure its relative humidity stays. Throws as at.
   radiometry::atmosphere::Air<double> air_at(double air_k, std::optional<double> vapour_pressure_pa) const;
 
  private:

@@ -22,7 +22,6 @@
 namespace apps::scene {
 namespace {
 
-namespace cfg = mtf::io::cfg;
 using radiometry::Spectrum;
 
 constexpr double kMeanTemperature_k = 300.0;

@@ -15,7 +15,6 @@
 namespace apps::scene {
 namespace {
 
-namespace cfg = mtf::io::cfg;
 using mtf::io::Diagnostic;
 
 /// The air, by the same table as in sensor files.
@@ -57,12 +56,8 @@ bool read_schema(SceneReader& s) {
 void add_open_facet(SceneFile& scene) {
   if (!scene.ground) return;
   scene.meshes.push_back({.name = "ground", .file = {}});
-  scene.regions.push_back({.name = "ground",
-                           .mesh = 0,
-                           .group = {},
-                           .mesh_material = {},
-                           .material = scene.ground->material,
-                           .temperature = scene.ground->temperature});
+  scene.regions.push_back(
+      {.name = "ground", .mesh = 0, .material = scene.ground->material, .temperature = scene.ground->temperature});
 }
 
 /// What is defined and not used is more often a slip than a wish.

@@ -13,9 +13,6 @@
 namespace apps::scene {
 namespace {
 
-namespace cfg = mtf::io::cfg;
-using cfg::Node;
-
 constexpr double kOpenShare = 1e-3;  ///< of the value: how near a fit comes to a bound that is not allowed
 
 /// A standard error or deviation: 0 or more, and no point on a scale of temperature.

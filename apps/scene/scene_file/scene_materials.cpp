@@ -13,13 +13,9 @@
 namespace apps::scene {
 namespace {
 
-namespace cfg = mtf::io::cfg;
-using cfg::Node;
-
 /// The largest emissivity along the normal, at any wavelength.
 double largest_along_normal(const Emissivity& emissivity) {
-  return emissivity.spectrum ? *std::max_element(emissivity.spectrum->value.begin(), emissivity.spectrum->value.end())
-                             : emissivity.along_normal;
+  return emissivity.spectrum ? *std::ranges::max_element(emissivity.spectrum->value) : emissivity.along_normal;
 }
 
 void apply_angles(const Section& material, MaterialSection& out) {
@@ -68,8 +64,7 @@ void read_value(SceneReader& s, const Section& material, const FieldInfo& row, s
     return;
   }
   const auto is_table = [](const Node& item) { return item.kind == Node::Kind::table; };
-  if (node->kind != Node::Kind::array || node->items.empty() ||
-      !std::all_of(node->items.begin(), node->items.end(), is_table))
+  if (node->kind != Node::Kind::array || node->items.empty() || !std::ranges::all_of(node->items, is_table))
     return material.error(row.name, "a list of at least one layer belongs here; " + remedy);
   for (const Node& item : node->items) {
     const std::string path = material.at("layers[" + std::to_string(layers.size()) + "]");

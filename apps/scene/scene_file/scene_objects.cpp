@@ -11,9 +11,6 @@
 namespace apps::scene {
 namespace {
 
-namespace cfg = mtf::io::cfg;
-using cfg::Node;
-
 /// Of a region or the ground: a material, a temperature, or both; then the material is the surface's alone.
 void require_surface(const Section& section) {
   for (const char* key : {"material", "temperature"})
@@ -62,8 +59,7 @@ void read_regions(SceneReader& s) {
                     : on_mesh                       ? std::string(s.mesh_names[region.mesh])
                                                     : std::string();
     const auto& regions = s.scene.regions;
-    if (on_mesh &&
-        std::any_of(regions.begin(), regions.end(), [&](const auto& other) { return same_faces(other, region); }))
+    if (on_mesh && std::ranges::any_of(regions, [&](const auto& other) { return same_faces(other, region); }))
       section.error("mesh", "there is a region of the same faces already");
     if (std::any_of(regions.begin(), regions.end(), [&](const auto& other) { return other.name == region.name; }))
       section.error("name", "there is a region \"" + mtf::printable(region.name, 40) +

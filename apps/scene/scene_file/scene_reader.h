@@ -17,36 +17,39 @@
 
 namespace apps::scene {
 
+namespace cfg = mtf::io::cfg;
+using cfg::Node;
+using cfg::Section;
+
 struct SceneReader {
-  mtf::io::cfg::Reader reader;
-  mtf::io::cfg::Node tree{};
+  cfg::Reader reader;
+  Node tree{};
   SceneFile scene{};
   std::vector<std::string_view> material_names{}, mesh_names{};  ///< of the tables, "" where the name is missing
   std::set<std::string, std::less<>> used_materials{}, used_meshes{};
 
-  mtf::io::cfg::Section root() { return {reader, tree, "", ""}; }
+  Section root() { return {reader, tree, "", ""}; }
 };
 
 /// The value of `field.name` in `field.unit` ("" for plain numbers), which is in the range of `field`; `field.example`
 /// is a value as written. A table { value, fit, min, max, prior, stderr } leaves a FitSpec. Reports a missing required
 /// one.
-std::optional<double> read_si(const mtf::io::cfg::Section& section, const mtf::FieldInfo& field);
+std::optional<double> read_si(const Section& section, const mtf::FieldInfo& field);
 
 /// A fit table; its value when usable. In scene_fits.cpp.
-std::optional<double> read_marked(const mtf::io::cfg::Section& section, const mtf::io::cfg::Node& table,
-                                  const mtf::FieldInfo& field, const std::string& path);
+std::optional<double> read_marked(const Section& section, const Node& table, const mtf::FieldInfo& field,
+                                  const std::string& path);
 /// A number or a string with its unit, no table.
-std::optional<double> read_plain_si(const mtf::io::cfg::Section& section, const mtf::io::cfg::Node& node,
-                                    const mtf::FieldInfo& field, const std::string& path);
+std::optional<double> read_plain_si(const Section& section, const Node& node, const mtf::FieldInfo& field,
+                                    const std::string& path);
 
 /// The table [key] of the file, which has to be there if `remedy` is not empty; reports what is wrong.
-std::optional<mtf::io::cfg::Section> find_section(SceneReader& s, std::string_view key, std::string_view remedy);
+std::optional<Section> find_section(SceneReader& s, std::string_view key, std::string_view remedy);
 /// The tables of the list [[key]]; none when absent, and when it is none (reported). `what` is added to the titles of
 /// those that have a name.
-std::vector<mtf::io::cfg::Section> find_sections(SceneReader& s, std::string_view key);
+std::vector<Section> find_sections(SceneReader& s, std::string_view key);
 
 // The value of a row by the type of its member: unchanged where the file has none or a wrong one, which is reported.
-using mtf::io::cfg::Section;
 void read_value(SceneReader& s, const Section& section, const FieldInfo& row, double& value);
 void read_value(SceneReader& s, const Section& section, const FieldInfo& row, std::optional<double>& value);
 /// A text, or the path of a file.
@@ -73,7 +76,7 @@ void read_value(SceneReader& s, const Section& section, const FieldInfo& row, In
 template <class Word>
 requires std::is_enum_v<Word>
 void read_value(SceneReader&, const Section& section, const FieldInfo& row, Word& value) {
-  if (const auto word = mtf::io::cfg::read_word(section, row.name, row.words)) value = static_cast<Word>(*word);
+  if (const auto word = cfg::read_word(section, row.name, row.words)) value = static_cast<Word>(*word);
 }
 template <class Word>
 requires std::is_enum_v<Word>

@@ -338,7 +338,7 @@ struct GivenTemperature {
 struct RegionSection {
   std::string name;      ///< the file's `name`, else the group, else the mesh file's material, else the mesh
   std::size_t mesh = 0;  ///< index into meshes
-  std::string group, mesh_material;  ///< as the mesh file has them; both empty: every face that no other region has
+  std::string group{}, mesh_material{};  ///< as the mesh file has them; both empty: every face that no other region has
   std::optional<std::size_t> material{};  ///< index into materials; absent: a black surface of that temperature
   std::optional<GivenTemperature> temperature{};
 

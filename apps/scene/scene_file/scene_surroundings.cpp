@@ -12,10 +12,7 @@
 namespace apps::scene {
 namespace {
 
-namespace cfg = mtf::io::cfg;
 namespace heat = radiometry::heat;
-using cfg::Node;
-using heat::WeatherQuantity;
 using enum WeatherQuantity;
 
 /// One record of the values; the relative humidity becomes the vapour pressure.

@@ -19,8 +19,6 @@
 namespace apps::scene {
 namespace {
 
-namespace cfg = mtf::io::cfg;
-using cfg::Node;
 using mtf::printable;
 using radiometry::heat::Schedule;
 
@@ -128,8 +126,7 @@ void add_name(const Section& section, std::vector<std::string_view>& names) {
   const bool good = node != nullptr && !section.reader.has_failed(section.at("name"));
   const std::string_view name = good ? node->text : std::string_view();
   if (good && name.empty()) section.error("name", "an empty name");
-  if (!name.empty() && std::find(names.begin(), names.end(), name) != names.end())
-    section.error("name", "the name stands twice");
+  if (!name.empty() && std::ranges::find(names, name) != names.end()) section.error("name", "the name stands twice");
   names.push_back(name);
 }
 

@@ -14,7 +14,6 @@ namespace apps::scene {
 namespace {
 
 namespace heat = radiometry::heat;
-using heat::WeatherQuantity;
 
 /// Degrees of latitude and longitude by which the place of a weather file may differ before it is said.
 constexpr double kNear_deg = 0.5;

@@ -56,11 +56,12 @@ std::uint32_t number_of(std::vector<std::string>& names, std::string_view name) 
   return number;
 }
 
+/// `length` in cells of about `cell`: at least one.
+int cell_count(double length, double cell) { return std::max(1, static_cast<int>(std::lround(length / cell))); }
+
 }  // namespace
 
 double to_micrometres(double x) { return std::floor(x * 1e6 + 0.5001) / 1e6 + 0.0; }
-
-int cell_count(double length, double cell) { return std::max(1, static_cast<int>(std::lround(length / cell))); }
 
 Section between_lines(const std::vector<std::array<double, 3>>& knots, double cell) {
   std::vector<std::array<double, 3>> columns{knots.front()};

@@ -83,7 +83,4 @@ class SolidBuilder {
 /// Rounded to whole micrometres. Halves, which the noise of the last bit would send up or down, go up; -0 becomes 0.
 double to_micrometres(double x);
 
-/// `length` in cells of about `cell`: at least one.
-int cell_count(double length, double cell);
-
 }  // namespace apps::scene

@@ -104,8 +104,7 @@ class UnitParser {
       const std::size_t start = at_;
       while (at_ < text_.size() && is_letter(text_[at_])) ++at_;
       const std::string_view name = text_.substr(start, at_ - start);
-      const auto found =
-          std::find_if(kSymbols.begin(), kSymbols.end(), [&](const Symbol& symbol) { return symbol.name == name; });
+      const auto found = std::ranges::find_if(kSymbols, [&](const Symbol& symbol) { return symbol.name == name; });
       if (found == kSymbols.end()) return std::nullopt;
       base = found->unit;
     }

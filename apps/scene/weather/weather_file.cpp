@@ -4,16 +4,18 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "apps/scene/weather/timed_table.h"
 #include "apps/scene/weather/weather_csv.h"
-#include "apps/scene/weather/weather_formats.h"
 #include "mtf/error.h"
 #include "mtf/io/csv/csv_cells.h"
 #include "mtf/io/csv/csv_numbers.h"
+#include "mtf/units.h"
 #include "mtf/words.h"
 #include "radiometry/weather/instant.h"
+#include "radiometry/weather/sky.h"
 
 namespace apps::scene {
 namespace {
@@ -22,68 +24,56 @@ using radiometry::heat::CalendarDate;
 using radiometry::heat::Place;
 using radiometry::heat::Stamp;
 using radiometry::heat::Weather;
+using radiometry::heat::WeatherQuantity;
+using enum radiometry::heat::WeatherQuantity;
 
 constexpr std::array<std::string_view, 4> kFormatNames{"CSV", "EPW", "TMY3", "SURFRAD"};
 
-WeatherFormat format_of(std::string_view text) {
-  text = mtf::io::without_mark(text);
-  const std::string_view first = mtf::io::take_text_line(text), second = mtf::io::take_text_line(text);
-  if (first.starts_with("LOCATION,")) return WeatherFormat::epw;
-  if (second.starts_with("Date (MM/DD/YYYY),")) return WeatherFormat::tmy3;
-  const std::size_t version = second.find("version");
-  const bool surfrad =
-      version != std::string_view::npos && second.substr(0, version).find(" m ") != std::string_view::npos;
-  return surfrad && second.find_first_of(",;#") == std::string_view::npos ? WeatherFormat::surfrad : WeatherFormat::csv;
-}
+/// A line of text with its number, and its cells as numbers; throws UsageError with file, line and column.
+class RecordCells {
+ public:
+  RecordCells(const std::string& source, std::size_t line, const std::vector<std::string_view>& cells)
+      : source_(source), line_(line), cells_(cells) {}
 
-}  // namespace
-
-std::string_view format_name(WeatherFormat format) { return kFormatNames[static_cast<std::size_t>(format)]; }
-
-WeatherFile parse_weather(std::string_view text, const std::string& source, const WeatherRequest& request) {
-  switch (format_of(text)) {
-    case WeatherFormat::epw:
-      return parse_epw(text, source, request);
-    case WeatherFormat::tmy3:
-      return parse_tmy3(text, source, request);
-    case WeatherFormat::surfrad:
-      return parse_surfrad(text, source, request);
-    case WeatherFormat::csv:
-      break;
+  [[noreturn]] void fail(const std::string& text) const { throw mtf::UsageError(error_at(source_, line_) + text); }
+  std::string_view text(std::size_t i) const { return cells_[i]; }
+  /// Of a cell that holds a number.
+  double number(std::size_t i, std::string_view name) const {
+    const auto value = mtf::io::cell_number(cells_[i]);
+    if (!value || !std::isfinite(*value))
+      fail(std::string(name) + " \"" + mtf::printable(cells_[i], 40) + "\" is no number");
+    return *value;
   }
-  return parse_weather_csv(text, source, request);
-}
+  int whole(std::size_t i, std::string_view name) const {
+    const double value = number(i, name);
+    if (value != std::round(value) || std::abs(value) > 1e6)
+      fail(std::string(name) + " \"" + mtf::printable(cells_[i], 40) + "\" is no whole number");
+    return static_cast<int>(value);
+  }
+  /// NaN for a value at or beyond the format's mark of missing values; `mark` may be negative (at or below it then).
+  double value(std::size_t i, std::string_view name, double mark) const {
+    const double value = number(i, name);
+    const bool missing = mark > 0.0 ? value >= mark : value <= mark;
+    return missing ? std::nan("") : value;
+  }
 
-WeatherFile read_weather(const std::string& path, const WeatherRequest& request) {
-  return parse_weather(mtf::io::read_table_text(path, std::size_t{256} << 20), path, request);
-}
+ private:
+  const std::string& source_;
+  std::size_t line_;
+  const std::vector<std::string_view>& cells_;
+};
 
-void RecordCells::fail(const std::string& text) const { throw mtf::UsageError(error_at(source_, line_) + text); }
+/// The end of a record in local standard time.
+struct HourStamp {
+  int year = 0, month = 0, day = 0;
+  double seconds = 0.0;  ///< of the day
+};
 
-double RecordCells::number(std::size_t i, std::string_view name) const {
-  const auto value = mtf::io::cell_number(cells_[i]);
-  if (!value || !std::isfinite(*value))
-    fail(std::string(name) + " \"" + mtf::printable(cells_[i], 40) + "\" is no number");
-  return *value;
-}
-
-int RecordCells::whole(std::size_t i, std::string_view name) const {
-  const double value = number(i, name);
-  if (value != std::round(value) || std::abs(value) > 1e6)
-    fail(std::string(name) + " \"" + mtf::printable(cells_[i], 40) + "\" is no whole number");
-  return static_cast<int>(value);
-}
-
-double RecordCells::value(std::size_t i, std::string_view name, double mark) const {
-  const double value = number(i, name);
-  const bool missing = mark > 0.0 ? value >= mark : value <= mark;
-  return missing ? std::nan("") : value;
-}
-
+/// Gives the records their times in UTC and puts them, checked, into `file`. Where their years differ they are of a
+/// typical year and become those of `year`; the 29th of February is left out, with a warning, where that one has none.
 void finish_hours(Weather&& records, const std::vector<HourStamp>& stamps, double zone_h, int year, WeatherFile& file) {
   if (stamps.empty()) throw mtf::UsageError(records.source + ": error: the file has no records");
-  const bool typical =
-      std::any_of(stamps.begin(), stamps.end(), [&](const HourStamp& s) { return s.year != stamps.front().year; });
+  const bool typical = std::ranges::any_of(stamps, [&](const HourStamp& s) { return s.year != stamps.front().year; });
   const auto date_of = [&](const HourStamp& s) { return CalendarDate{typical ? year : s.year, s.month, s.day}; };
   for (std::size_t i = stamps.size(); i-- > 0;) {
     if (radiometry::heat::is_date(date_of(stamps[i]))) continue;
@@ -108,6 +98,7 @@ void finish_hours(Weather&& records, const std::vector<HourStamp>& stamps, doubl
   check_weather(weather);
 }
 
+/// What the stamps of means stand for: what the format states, unless another stamp is asked for, which is noted.
 Stamp stamp_of(const WeatherRequest& request, Stamp stated, WeatherFile& file, const std::string& source) {
   if (!request.stamp || *request.stamp == stated) return stated;
   file.warnings.push_back(source + ": warning: the stamps of " + std::string(format_name(file.format)) + " are the " +
@@ -116,12 +107,14 @@ Stamp stamp_of(const WeatherRequest& request, Stamp stated, WeatherFile& file, c
   return *request.stamp;
 }
 
+/// What the published formats of hours say of temperature, humidity, wind, pressure and clouds: they hold at the time
+/// indicated, where sunlight is the sum of the record before it.
 void set_at_stamp(Weather& weather) {
-  using enum radiometry::heat::WeatherQuantity;
   for (const auto quantity : {air_temperature, vapour_pressure, pressure, wind_speed, cloud_cover})
     weather.at_stamp[static_cast<std::size_t>(quantity)] = true;
 }
 
+/// Latitude and longitude in degrees, altitude in m, checked; throws UsageError with the line.
 Place place_of_degrees(double latitude_deg, double longitude_deg, double altitude_m, const std::string& source,
                        std::size_t line) {
   if (!(std::abs(latitude_deg) <= 90.0 && std::abs(longitude_deg) <= 360.0 && altitude_m >= -1000.0 &&
@@ -129,6 +122,288 @@ Place place_of_degrees(double latitude_deg, double longitude_deg, double altitud
     throw mtf::UsageError(error_at(source, line) + "the station is not on the earth");
   constexpr double degree = std::numbers::pi / 180.0;
   return {latitude_deg * degree, longitude_deg * degree, altitude_m};
+}
+
+/// The offset from UTC of local standard time.
+double zone_h_of(const RecordCells& record, std::size_t cell) {
+  const double zone_h = record.number(cell, "time zone");
+  if (!(std::abs(zone_h) <= 14.0)) record.fail("the time zone is outside of -14 ... 14 h");
+  return zone_h;
+}
+
+/// The vapour pressure of a record whose temperature is there.
+void add_humidity(const RecordCells& record, double percent, Weather& weather) {
+  const double humidity = percent / 100.0;
+  if (humidity < 0.0 || humidity > 1.1) record.fail("the relative humidity is outside of 0 ... 110 %");
+  weather[vapour_pressure].push_back(humidity *
+                                     radiometry::heat::saturation_pressure_pa(weather[air_temperature].back()));
+}
+
+// EPW, EnergyPlus weather (Auxiliary Programs, "EnergyPlus Weather File (EPW) Data Dictionary"): eight header lines, of
+// which LOCATION has the place and the zone, then one line a record with 35 cells. Hours count from 1 and end at their
+// stamp in local standard time. Solar columns are Wh/m2 received in the minutes before the stamp; for hourly records
+// that is the mean in W/m2. So, by its unit, is the long wave, of which the dictionary does not say when it was
+// received. Temperature, humidity, pressure, wind and clouds hold at the time indicated.
+
+constexpr std::size_t kEpwHeaderLines = 8, kEpwCells = 35, kEpwOldCells = 32;  // older files end before albedo and rain
+
+/// A column of the data: where it stands, from which value on it is missing, and how it becomes SI.
+struct EpwColumn {
+  WeatherQuantity quantity;
+  std::size_t cell;
+  double mark, factor, offset;
+  bool is_sum;  ///< Wh/m2 over the record
+};
+constexpr std::array kEpwColumns{EpwColumn{air_temperature, 6, 99.9, 1.0, mtf::kZeroCelsius_k, false},
+                                 EpwColumn{pressure, 9, 999999.0, 1.0, 0.0, false},
+                                 EpwColumn{longwave_down, 12, 9999.0, 1.0, 0.0, true},
+                                 EpwColumn{global_horizontal, 13, 9999.0, 1.0, 0.0, true},
+                                 EpwColumn{direct_normal, 14, 9999.0, 1.0, 0.0, true},
+                                 EpwColumn{diffuse_horizontal, 15, 9999.0, 1.0, 0.0, true},
+                                 EpwColumn{wind_speed, 21, 999.0, 1.0, 0.0, false},
+                                 EpwColumn{cloud_cover, 23, 99.0, 0.1, 0.0, false}};
+constexpr std::size_t kEpwHumidityCell = 8;  // %, missing from 999 on
+
+WeatherFile parse_epw(std::string_view text, const std::string& source, const WeatherRequest& request) {
+  WeatherFile file;
+  file.format = WeatherFormat::epw;
+  double zone_h = 0.0, per_hour = 1.0;
+  std::vector<HourStamp> stamps;
+  Weather all{.source = source, .stamp = stamp_of(request, Stamp::end, file, source), .time_s = {}, .values = {}};
+  set_at_stamp(all);
+  text = mtf::io::without_mark(text);
+  for (std::size_t line = 1; !text.empty(); ++line) {
+    const std::string_view row = mtf::io::take_text_line(text);
+    if (mtf::io::trimmed_cell(row).empty()) continue;
+    const auto cells = mtf::io::split_cells(row, ',', row.size());
+    const RecordCells record(source, line, cells);
+    if (line == 1) {
+      if (cells.size() < 10) record.fail("LOCATION has " + std::to_string(cells.size()) + " cells, 10 are needed");
+      file.place = place_of_degrees(record.number(6, "latitude"), record.number(7, "longitude"),
+                                    record.number(9, "elevation"), source, line);
+      zone_h = zone_h_of(record, 8);
+    }
+    if (line <= kEpwHeaderLines) {
+      if (cells.front() == "DATA PERIODS" && cells.size() > 2) per_hour = record.number(2, "records per hour");
+      if (!(per_hour >= 1.0 && per_hour <= 60.0)) record.fail("records per hour are outside of 1 ... 60");
+      continue;
+    }
+    if (cells.size() != kEpwOldCells && cells.size() < kEpwCells)
+      record.fail(std::to_string(cells.size()) + " cells in a record, " + std::to_string(kEpwCells) + " or " +
+                  std::to_string(kEpwOldCells) + " are needed");
+    const int hour = record.whole(3, "hour"), minute = record.whole(4, "minute");
+    const HourStamp stamp{record.whole(0, "year"), record.whole(1, "month"), record.whole(2, "day"),
+                          3600.0 * (hour - 1) + 60.0 * (minute == 0 ? 60 : minute)};
+    // Year 2000 has every day that any year has.
+    if (!radiometry::heat::is_date({2000, stamp.month, stamp.day}) || hour < 1 || hour > 24 || minute < 0 ||
+        minute > 60)
+      record.fail("no such date or hour; hours are from 1 to 24");
+    stamps.push_back(stamp);
+    all.line.push_back(line);
+    for (const EpwColumn& column : kEpwColumns) {
+      const double factor = column.is_sum ? per_hour : column.factor;
+      all[column.quantity].push_back(record.value(column.cell, quantity_name(column.quantity), column.mark) * factor +
+                                     column.offset);
+    }
+    add_humidity(record, record.value(kEpwHumidityCell, "relative humidity", 999.0), all);
+  }
+  finish_hours(std::move(all), stamps, zone_h, request.year, file);
+  return file;
+}
+
+// TMY3, typical meteorological year, version 3 (Wilcox and Marion, NREL/TP-581-43156 (2008)): the first line has
+// station, zone and place, the second one the names of the columns with their units, then one line an hour, in local
+// standard time (01:00 ... 24:00). Sunlight is that of the 60 minutes that end at the stamp; all else holds at the time
+// indicated. Missing values are -9900.
+
+constexpr double kTmy3MissingMark = -9900.0;
+
+struct Tmy3Column {
+  WeatherQuantity quantity;
+  std::string_view name;
+  double factor, offset;
+};
+constexpr std::array kTmy3Columns{Tmy3Column{global_horizontal, "GHI (W/m^2)", 1.0, 0.0},
+                                  Tmy3Column{direct_normal, "DNI (W/m^2)", 1.0, 0.0},
+                                  Tmy3Column{diffuse_horizontal, "DHI (W/m^2)", 1.0, 0.0},
+                                  Tmy3Column{air_temperature, "Dry-bulb (C)", 1.0, mtf::kZeroCelsius_k},
+                                  Tmy3Column{pressure, "Pressure (mbar)", 100.0, 0.0},
+                                  Tmy3Column{wind_speed, "Wspd (m/s)", 1.0, 0.0},
+                                  Tmy3Column{cloud_cover, "OpqCld (tenths)", 0.1, 0.0}};
+constexpr std::string_view kTmy3Humidity = "RHum (%)";
+
+/// "01/31/1988" and "24:00".
+HourStamp stamp_of(const RecordCells& record) {
+  const std::string_view date = record.text(0), time = record.text(1);
+  const auto part = [&](std::string_view text, std::size_t at, std::size_t size) {
+    return text.size() >= at + size ? mtf::io::cell_number<int>(text.substr(at, size)) : std::nullopt;
+  };
+  const auto month = part(date, 0, 2), day = part(date, 3, 2), year = part(date, 6, 4), hour = part(time, 0, 2),
+             minute = part(time, 3, 2);
+  // Year 2000 has every day that any year has.
+  const bool good = month && day && year && hour && minute && date.size() == 10 && time.size() == 5 && date[2] == '/' &&
+                    date[5] == '/' && time[2] == ':' && radiometry::heat::is_date({2000, *month, *day}) && *hour >= 0 &&
+                    *minute >= 0 && *minute < 60 && 60 * *hour + *minute <= 24 * 60;
+  if (!good)
+    record.fail("\"" + mtf::printable(date, 20) + " " + mtf::printable(time, 20) +
+                "\" is no date and time; they are like 01/31/1988 and 24:00");
+  return {*year, *month, *day, 3600.0 * *hour + 60.0 * *minute};
+}
+
+WeatherFile parse_tmy3(std::string_view text, const std::string& source, const WeatherRequest& request) {
+  WeatherFile file;
+  file.format = WeatherFormat::tmy3;
+  text = mtf::io::without_mark(text);
+
+  const std::string_view station = mtf::io::take_text_line(text);
+  const auto station_cells = mtf::io::split_cells(station, ',', station.size());
+  const RecordCells head(source, 1, station_cells);
+  if (station_cells.size() != 7)
+    head.fail(std::to_string(station_cells.size()) +
+              " cells, 7 are needed: number, name, state, zone, latitude, longitude, elevation");
+  const double zone_h = zone_h_of(head, 3);
+  file.place =
+      place_of_degrees(head.number(4, "latitude"), head.number(5, "longitude"), head.number(6, "elevation"), source, 1);
+
+  const std::string_view names = mtf::io::take_text_line(text);
+  const auto name_cells = mtf::io::split_cells(names, ',', names.size());
+  const RecordCells header(source, 2, name_cells);
+  const auto cell_of = [&](std::string_view name) {
+    const auto found = std::find(name_cells.begin(), name_cells.end(), name);
+    if (found == name_cells.end()) header.fail("the column \"" + std::string(name) + "\" is missing");
+    return static_cast<std::size_t>(found - name_cells.begin());
+  };
+  std::array<std::size_t, kTmy3Columns.size()> cells_of{};
+  std::transform(kTmy3Columns.begin(), kTmy3Columns.end(), cells_of.begin(),
+                 [&](const Tmy3Column& c) { return cell_of(c.name); });
+  const std::size_t humidity_cell = cell_of(kTmy3Humidity);
+
+  Weather all{.source = source, .stamp = stamp_of(request, Stamp::end, file, source), .time_s = {}, .values = {}};
+  set_at_stamp(all);
+  std::vector<HourStamp> stamps;
+  for (std::size_t line = 3; !text.empty(); ++line) {
+    const std::string_view row = mtf::io::take_text_line(text);
+    if (mtf::io::trimmed_cell(row).empty()) continue;
+    const auto cells = mtf::io::split_cells(row, ',', row.size());
+    const RecordCells record(source, line, cells);
+    if (cells.size() != name_cells.size())
+      record.fail(std::to_string(cells.size()) + " cells where the header has " + std::to_string(name_cells.size()));
+    stamps.push_back(stamp_of(record));
+    all.line.push_back(line);
+    for (std::size_t i = 0; i < kTmy3Columns.size(); ++i) {
+      const Tmy3Column& column = kTmy3Columns[i];
+      all[column.quantity].push_back(record.value(cells_of[i], column.name, kTmy3MissingMark) * column.factor +
+                                     column.offset);
+    }
+    add_humidity(record, record.value(humidity_cell, kTmy3Humidity, kTmy3MissingMark), all);
+  }
+  finish_hours(std::move(all), stamps, zone_h, request.year, file);
+  return file;
+}
+
+// SURFRAD, surface radiation budget network, daily files (NOAA Global Monitoring Laboratory, README of the archive):
+// the first line names the station, the second one has latitude, longitude (west positive), altitude and the version,
+// then one line a minute in UTC: 8 numbers of the time, then 20 pairs of a value and its quality flag (0 good, 1 bad, 2
+// doubtful). Values are means over the interval that ends at the stamp. -9999.9 is missing; a value whose flag is not 0
+// is taken as missing, too.
+
+constexpr std::size_t kSurfradCells = 48;
+constexpr double kSurfradMissingMark = -9999.0;
+
+struct SurfradColumn {
+  WeatherQuantity quantity;
+  std::size_t cell;  ///< its flag follows
+  double factor, offset;
+};
+constexpr std::array kSurfradColumns{SurfradColumn{global_horizontal, 8, 1.0, 0.0},
+                                     SurfradColumn{solar_up, 10, 1.0, 0.0},
+                                     SurfradColumn{direct_normal, 12, 1.0, 0.0},
+                                     SurfradColumn{diffuse_horizontal, 14, 1.0, 0.0},
+                                     SurfradColumn{longwave_down, 16, 1.0, 0.0},
+                                     SurfradColumn{longwave_up, 22, 1.0, 0.0},
+                                     SurfradColumn{air_temperature, 38, 1.0, mtf::kZeroCelsius_k},
+                                     SurfradColumn{wind_speed, 42, 1.0, 0.0},
+                                     SurfradColumn{pressure, 46, 100.0, 0.0}};
+constexpr std::size_t kSurfradHumidityCell = 40;
+
+/// Cells that blanks separate.
+std::vector<std::string_view> words_of(std::string_view row) {
+  constexpr std::string_view blanks = " \t\r";
+  std::vector<std::string_view> words;
+  for (std::size_t at = row.find_first_not_of(blanks); at != std::string_view::npos;) {
+    const std::size_t end = std::min(row.find_first_of(blanks, at), row.size());
+    words.push_back(row.substr(at, end - at));
+    at = row.find_first_not_of(blanks, end);
+  }
+  return words;
+}
+
+WeatherFile parse_surfrad(std::string_view text, const std::string& source, const WeatherRequest& request) {
+  WeatherFile file;
+  file.format = WeatherFormat::surfrad;
+  Weather& weather = file.weather;
+  weather.source = source;
+  weather.stamp = stamp_of(request, Stamp::end, file, source);
+  mtf::io::take_text_line(text);
+  const auto station = words_of(mtf::io::take_text_line(text));
+  const RecordCells head(source, 2, station);
+  if (station.size() < 3) head.fail("the line has to state latitude, longitude and altitude");
+  file.place =
+      place_of_degrees(head.number(0, "latitude"), -head.number(1, "longitude"), head.number(2, "altitude"), source, 2);
+
+  std::size_t flagged = 0;
+  for (std::size_t line = 3; !text.empty(); ++line) {
+    const auto cells = words_of(mtf::io::take_text_line(text));
+    if (cells.empty()) continue;
+    const RecordCells record(source, line, cells);
+    if (cells.size() != kSurfradCells)
+      record.fail(std::to_string(cells.size()) + " numbers, " + std::to_string(kSurfradCells) + " are needed");
+    const CalendarDate date{record.whole(0, "year"), record.whole(2, "month"), record.whole(3, "day")};
+    const int hour = record.whole(4, "hour"), minute = record.whole(5, "minute");
+    if (!is_date(date) || hour < 0 || hour > 23 || minute < 0 || minute > 59) record.fail("no such date or time");
+    weather.time_s.push_back(radiometry::heat::instant_of(date, 3600.0 * hour + 60.0 * minute));
+    weather.line.push_back(line);
+    const auto read = [&](std::size_t cell, std::string_view name) {
+      const double value = record.value(cell, name, kSurfradMissingMark);
+      if (record.whole(cell + 1, "quality flag") == 0 || std::isnan(value)) return value;
+      ++flagged;
+      return std::numeric_limits<double>::quiet_NaN();
+    };
+    for (const SurfradColumn& column : kSurfradColumns)
+      weather[column.quantity].push_back(read(column.cell, quantity_name(column.quantity)) * column.factor +
+                                         column.offset);
+    add_humidity(record, read(kSurfradHumidityCell, "relative humidity"), weather);
+  }
+  if (weather.time_s.empty()) throw mtf::UsageError(source + ": error: the file has no records");
+  if (flagged > 0)
+    file.warnings.push_back(source + ": warning: " + std::to_string(flagged) +
+                            " values with a quality flag other than 0 are taken as missing");
+  check_weather(weather);
+  return file;
+}
+
+WeatherFormat format_of(std::string_view text) {
+  text = mtf::io::without_mark(text);
+  const std::string_view first = mtf::io::take_text_line(text), second = mtf::io::take_text_line(text);
+  if (first.starts_with("LOCATION,")) return WeatherFormat::epw;
+  if (second.starts_with("Date (MM/DD/YYYY),")) return WeatherFormat::tmy3;
+  const std::size_t version = second.find("version");
+  const bool surfrad =
+      version != std::string_view::npos && second.substr(0, version).find(" m ") != std::string_view::npos;
+  return surfrad && second.find_first_of(",;#") == std::string_view::npos ? WeatherFormat::surfrad : WeatherFormat::csv;
+}
+
+}  // namespace
+
+std::string_view format_name(WeatherFormat format) { return kFormatNames[static_cast<std::size_t>(format)]; }
+
+WeatherFile parse_weather(std::string_view text, const std::string& source, const WeatherRequest& request) {
+  constexpr std::array readers{parse_weather_csv, parse_epw, parse_tmy3, parse_surfrad};
+  return readers[static_cast<std::size_t>(format_of(text))](text, source, request);
+}
+
+WeatherFile read_weather(const std::string& path, const WeatherRequest& request) {
+  return parse_weather(mtf::io::read_table_text(path, std::size_t{256} << 20), path, request);
 }
 
 }  // namespace apps::scene

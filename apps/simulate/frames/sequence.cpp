@@ -20,7 +20,6 @@
 #include "apps/simulate/frames/frame_names.h"
 #include "apps/simulate/frames/sensor_frame.h"
 #include "apps/simulate/frames/sequence_plan.h"
-#include "apps/simulate/image_output.h"
 #include "apps/simulate/output_files.h"
 #include "apps/simulate/run_watch.h"
 #include "apps/simulate/simulate_parts.h"
@@ -120,8 +119,7 @@ class SequenceFrames {
   void read(Frame& frame);
   void plan(Frame& frame);
   void run(Frame& frame);
-  /// Counts the frame and keeps its image where neither a file nor the sink has it. Throws its error, its number before
-  /// the message.
+  /// Counts the frame and keeps its image where neither a file nor the sink has it. Throws its error with its number.
   void finish(Frame& frame);
 
   /// True when frames have to run one after another: each leaves something to the next.

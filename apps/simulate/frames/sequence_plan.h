@@ -32,8 +32,7 @@ class SequencePlanner {
   /// Gives a frame its plan; frames come in order. Its warnings get what should be said. Throws as compile_sensor.
   void plan(Frame& frame);
 
-  /// And its chain, the one of the frame before where nothing of it has changed. `keep_shading` and errors as those of
-  /// chain_of().
+  /// And its chain, the one of the frame before where nothing of it has changed. `keep_shading`, errors: as chain_of().
   void chain(Frame& frame, bool keep_shading = false);
 
   /// The next chain measures its correction itself, instead of taking that of the first one.

@@ -6,12 +6,9 @@
 #include <algorithm>
 #include <cstring>
 #include <mutex>
-#include <optional>
 
 #include "apps/sensor/sensor_place.h"
-#include "apps/simulate/image_output.h"
 #include "apps/simulate/run_watch.h"
-#include "apps/simulate/sensor_run.h"
 #include "apps/simulate/simulate_parts.h"
 #include "apps/simulate/tiles/tile_scene.h"
 #include "apps/text/message_words.h"
@@ -108,8 +105,7 @@ void require_tileable(const SensorRun& sensor) {
                         (stage ? ", or take the image before them with --stage " + output_stage_name(*stage) : ""));
 }
 
-/// What of a sensor's filters tiles do themselves: all of a linear sensor, the presample OTF and the sampling before a
-/// chain.
+/// What of a sensor's filters tiles do themselves: all of a linear sensor, presample OTF and sampling before a chain.
 mtf::System<double> tiled_system(const SensorRun& sensor) {
   mtf::System<double> system = sensor.system();
   if (sensor.is_linear()) return system;

@@ -7,6 +7,7 @@
 #include <algorithm>
 
 #include "apps/study/design/design_light.h"
+#include "apps/study/design/evaluator.h"
 #include "apps/study/design/range_solver.h"
 #include "apps/study/design/variant_sensor.h"
 #include "calib/fit/parameter_site.h"
@@ -57,8 +58,7 @@ class DesignModel {
     for (S* number : sites_[parameter]) put(*number, value);
     if (!sites_[parameter].empty()) return;
     const std::string& path = study_->parameters[parameter].path;
-    const auto found =
-        std::find_if(overrides_.begin(), overrides_.end(), [&](const auto& o) { return o.path == path; });
+    const auto found = std::ranges::find_if(overrides_, [&](const auto& o) { return o.path == path; });
     if (found != overrides_.end())
       found->value = value;
     else
@@ -267,5 +267,12 @@ class DesignModel {
   bool same_otf_ = false;  ///< as when the ranges were solved last
   std::string refusal_, caution_;
 };
+
+/// Derivatives of the metrics, objectives and constraints of a design by its axes, through the same code as their
+/// values. `light`: of the design; null for one that cannot be (all derivatives are NaN). `parameters`: of the design,
+/// in their units. The series of the OTF are taken to `tolerance`, whatever the study's. Numbers that enter only the
+/// band integrals of radiance (is_spectral) are differentiated by differences of fourth order.
+Gradient gradient_of(const Study& study, const VariantSensor& variant, const DesignLight* light,
+                     std::span<const double> parameters, double tolerance = 1e-9);
 
 }  // namespace study

@@ -6,7 +6,6 @@
 
 #include "apps/study/design/design_light.h"
 #include "apps/study/design/design_model.h"
-#include "apps/study/design/gradient.h"
 #include "apps/study/design/metric_gap.h"
 #include "mtf/error.h"
 
@@ -82,8 +81,7 @@ struct Evaluator::Impl {
     sides.resize(study->constraints.size());
   }
 
-  /// The sensor for these values of the discrete axes. Only so many are kept: the one whose last use is longest ago
-  /// goes first.
+  /// The sensor for these values of the discrete axes. Only so many are kept: the one not used for longest goes.
   Ready& ready(std::span<const double> values) {
     for (std::size_t a = 0; a < study->axes.size(); ++a)
       levels[a] = study->axes[a].discrete() ? static_cast<int>(values[a]) : 0;

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "apps/study/design/gradient.h"
-
 #include <cmath>
 #include <exception>
 

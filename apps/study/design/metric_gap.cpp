@@ -50,9 +50,8 @@ std::string metric_gap(const MetricChoice& choice, const Study& study, const Var
   }
   const auto& list = sensor.system.list(mtf::Stage::presample);
   const mtf::Context<double> middle = sensor.system.context();
-  if (metric == Metric::cutoff && std::none_of(list.begin(), list.end(), [&](const auto& e) {
-        return e.component.cutoff_cy_mm(middle) < mtf::kInfinity;
-      }))
+  if (metric == Metric::cutoff &&
+      std::ranges::none_of(list, [&](const auto& e) { return e.component.cutoff_cy_mm(middle) < mtf::kInfinity; }))
     return "no pupil (diffraction, defocus or wavefront), and no curve that ends at 0";
   const bool pupil = effort == Effort::light || metric == Metric::q;
   if (pupil && std::none_of(list.begin(), list.end(), [](const auto& e) { return e.component.is_pupil(); }))

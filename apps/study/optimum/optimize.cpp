@@ -145,9 +145,8 @@ OptimizeOutcome optimize(const Study& study, const OptimizeOptions& options) {
   // Of searches that have come to one place the one that has shown it to be an optimum speaks for it.
   std::vector<End> places;
   for (End& end : ends) {
-    const auto found = std::find_if(places.begin(), places.end(), [&](const End& place) {
-      return same(place, end, combinations[end.combination].scale.f);
-    });
+    const auto found = std::ranges::find_if(
+        places, [&](const End& place) { return same(place, end, combinations[end.combination].scale.f); });
     if (found == places.end()) {
       places.push_back(std::move(end));
       continue;

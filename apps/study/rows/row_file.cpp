@@ -8,7 +8,6 @@
 #include <fstream>
 #include <optional>
 
-#include "mtf/error.h"
 #include "mtf/io/atomic_file.h"
 #include "mtf/io/file_checks.h"
 #include "mtf/io/sha256.h"

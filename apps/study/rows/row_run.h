@@ -20,7 +20,7 @@ struct RowRun {
   int threads = 0;                 ///< 0 = all cores
   std::function<RowMaker()> make;  ///< called once a thread
   std::function<void(std::int64_t)>
-      done;  ///< called with the designs finished so far, one call at a time; may be empty
+      done{};  ///< called with the designs finished so far, one call at a time; may be empty
 };
 
 /// The result of a run, in numbers of designs.

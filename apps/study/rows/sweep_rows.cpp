@@ -3,7 +3,6 @@
 
 #include <cmath>
 
-#include "apps/study/statistics/sampling.h"
 #include "mtf/io/csv/number_text.h"
 #include "mtf/io/sha256.h"
 #include "mtf/version.h"
@@ -15,8 +14,8 @@ namespace {
 
 constexpr int kRowLayout = 1;  // grows when rows change their meaning
 
-}  // namespace
-
+/// Draws of what is built, in units of the spread: standard normal numbers, or uniform ones in (-1, 1).
+/// [draw][as_built]
 std::vector<double> as_built_draws(const Study& study) {
   std::vector<double> draws;
   for (int d = 0; d < study.draws; ++d)
@@ -29,6 +28,8 @@ std::vector<double> as_built_draws(const Study& study) {
     }
   return draws;
 }
+
+}  // namespace
 
 DesignRows::DesignRows(std::shared_ptr<const Study> study, std::shared_ptr<const std::vector<double>> draws)
     : study_(study),

@@ -13,10 +13,6 @@
 
 namespace study {
 
-/// Draws of what is built, in units of the spread: standard normal numbers, or uniform ones in (-1, 1).
-/// [draw][as_built]
-std::vector<double> as_built_draws(const Study& study);
-
 /// Makes the row of a design with its yield. Each thread has one of its own.
 class DesignRows {
  public:

@@ -108,8 +108,7 @@ Values steady(Values values) {
   std::vector<double> kept;
   for (std::size_t i = 0; i < values.samples(); ++i) {
     const auto f = values.at(i);
-    if (std::all_of(f.begin(), f.end(), [](double v) { return std::isfinite(v); }))
-      kept.insert(kept.end(), f.begin(), f.end());
+    if (std::ranges::all_of(f, [](double v) { return std::isfinite(v); })) kept.insert(kept.end(), f.begin(), f.end());
   }
   values.f = std::move(kept);
   double size = 0.0, mean = 0.0, largest = 0.0;

@@ -31,8 +31,7 @@ std::string percent_decoded(std::string_view text) {
 
 // Whether the name stays in the folder: relative, and never upwards.
 bool stays_inside(const fs::path& name) {
-  return name.is_relative() &&
-         std::none_of(name.begin(), name.end(), [](const fs::path& part) { return part == ".."; });
+  return name.is_relative() && std::ranges::none_of(name, [](const fs::path& part) { return part == ".."; });
 }
 
 // Ordinary files only: the descriptor, or -1. Opening a pipe would wait for its other end but for O_NONBLOCK.

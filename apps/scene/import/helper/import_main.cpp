@@ -16,10 +16,7 @@
 #include <string_view>
 
 #include "apps/scene/import/helper/buffer_file.h"
-#include "apps/scene/import/helper/gltf_reader.h"
-#include "apps/scene/import/helper/obj_reader.h"
-#include "apps/scene/import/helper/ply_reader.h"
-#include "apps/scene/import/helper/stl_reader.h"
+#include "apps/scene/import/helper/mesh_readers.h"
 #include "apps/scene/import/mesh_stream.h"
 
 namespace apps::scene {

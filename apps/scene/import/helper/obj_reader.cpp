@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "apps/scene/import/helper/obj_reader.h"
+#include "apps/scene/import/helper/mesh_readers.h"
 
 #include <limits>
 #include <stdexcept>

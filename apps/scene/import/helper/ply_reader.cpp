@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "apps/scene/import/helper/ply_reader.h"
+#include "apps/scene/import/helper/mesh_readers.h"
 
 #include <algorithm>
 #include <array>
@@ -163,8 +163,7 @@ class Values {
     std::array<char, sizeof(T)> bytes{};
     std::copy_n(left_.begin(), sizeof(T), bytes.begin());
     left_.remove_prefix(sizeof(T));
-    if ((storage_ == Storage::big) != (std::endian::native == std::endian::big))
-      std::reverse(bytes.begin(), bytes.end());
+    if ((storage_ == Storage::big) != (std::endian::native == std::endian::big)) std::ranges::reverse(bytes);
     return std::bit_cast<T>(bytes);
   }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "apps/scene/import/helper/stl_reader.h"
+#include "apps/scene/import/helper/mesh_readers.h"
 
 #include <algorithm>
 #include <array>
