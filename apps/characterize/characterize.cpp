@@ -2,7 +2,9 @@
 
 // `mtf characterize`: the numbers of a camera from stacks of flat frames.
 
-#include <filesystem>
+#include <malloc.h>
+
+#include <cmath>
 
 #include "apps/characterize/camera_file.h"
 #include "apps/characterize/characterize_options.h"
@@ -81,6 +83,7 @@ int run_characterize(const CharacterizeCommandOptions& options, const Global& gl
 
   std::vector<calib::Stack> stacks;
   {
+    mallopt(M_MMAP_THRESHOLD, 1 << 20);  // else the planes of each stack leave holes that those of the next do not fit
     ProgressLine progress(global);
     std::size_t read = 0;
     source.progress = [&] { progress.update("reading", static_cast<double>(++read) / static_cast<double>(total)); };

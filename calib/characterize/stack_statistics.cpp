@@ -15,52 +15,61 @@ namespace {
 
 constexpr std::int64_t kRows = 32;  // of a block; blocks are added in order, whoever worked on them
 
-/// What a block of rows adds to the totals. Sums of whole numbers are exact here: a block has fewer than 2^26 pixels of
-/// values within 2^17 of the reference, and single rows far fewer.
+/// What a block of rows adds to the totals. Sums of counts are exact: those of a row, of up to 2^19 pixels within 2^17
+/// of the reference, in doubles, all others in long doubles up to 2^64.
 struct Block {
   long double squares = 0.0L, row_squares = 0.0L, total = 0.0L;
   std::array<long double, kLags.size()> products{};
   std::vector<double> columns;
   std::int64_t low = 0, high = 0;
   std::uint32_t bits = 0;
-  bool whole = true, finite = true;
+  bool whole = true;
 };
 
-/// One row: the values about the reference into `x`, and the sums.
-struct RowSums {
-  double sum, squares;
+/// Eight partial sums: they are as many lanes, and the order of additions is the same on every machine.
+MTFKIT_CLONES double sum_of_products(const double* a, const double* b, std::int64_t count) {
+  std::array<double, 8> part{};
+  std::int64_t i = 0;
+  for (; i + 8 <= count; i += 8)
+    for (std::int64_t k = 0; k < 8; ++k) part[static_cast<std::size_t>(k)] += a[i + k] * b[i + k];
+  for (; i < count; ++i) part[0] += a[i] * b[i];
+  return ((part[0] + part[1]) + (part[2] + part[3])) + ((part[4] + part[5]) + (part[6] + part[7]));
+}
+
+/// One row: the values about the reference into `x`, the sums of pixels and columns, and what there is to count.
+struct RowCounts {
   std::int64_t low, high;
   std::uint32_t bits;
   bool whole;
 };
-MTFKIT_CLONES RowSums add_row(const float* values, std::int64_t width, double reference, CountRange range, double* x,
-                              double* pixel, double* pixel_squares, double* columns) {
-  double sum = 0.0, squares = 0.0;
-  std::int64_t low = 0, high = 0, fractions = 0;
-  std::uint32_t bits = 0;
+MTFKIT_CLONES RowCounts add_row(const float* values, std::int64_t width, double reference, CountRange range, double* x,
+                                double* pixel, double* pixel_squares, double* columns) {
   for (std::int64_t i = 0; i < width; ++i) {
-    const double value = static_cast<double>(values[i]), d = value - reference;
+    const double d = static_cast<double>(values[i]) - reference;
     x[i] = d;
     pixel[i] += d;
     pixel_squares[i] += d * d;
     columns[i] += d;
-    sum += d;
-    squares += d * d;
-    low += value <= range.low ? 1 : 0;
-    high += value >= range.high ? 1 : 0;
+  }
+  const auto lowest = static_cast<float>(range.low), highest = static_cast<float>(range.high);
+  std::int32_t low = 0, high = 0, fractions = 0;
+  std::uint32_t bits = 0;
+  for (std::int64_t i = 0; i < width; ++i) {
+    low += values[i] <= lowest ? 1 : 0;
+    high += values[i] >= highest ? 1 : 0;
     // What a converter gives; larger values and fractions are no counts.
-    const double within = std::min(std::max(value, -2147483648.0), 2147483647.0);
+    const float within = std::min(std::max(values[i], -2147483648.0F), 2147483520.0F);
     const auto number = static_cast<std::int32_t>(within);
-    fractions += static_cast<double>(number) != value ? 1 : 0;
+    fractions += static_cast<float>(number) != values[i] ? 1 : 0;
     bits |= static_cast<std::uint32_t>(number);
   }
-  return {sum, squares, low, high, bits, fractions == 0};
+  return {low, high, bits, fractions == 0};
 }
 
-MTFKIT_CLONES double sum_of_products(const double* a, const double* b, std::int64_t count) {
-  double sum = 0.0;
-  for (std::int64_t i = 0; i < count; ++i) sum += a[i] * b[i];
-  return sum;
+MTFKIT_CLONES bool all_finite(const float* values, std::int64_t width) {
+  std::int32_t others = 0;
+  for (std::int64_t i = 0; i < width; ++i) others += values[i] - values[i] != 0.0F ? 1 : 0;
+  return others == 0;
 }
 
 /// Of the pairs of a lag in a row: the first columns of the upper (or left) and of the lower pixel, and their number.
@@ -89,7 +98,7 @@ void StackStatistics::add(mtf::ImageView<const float> frame, int threads) {
                           " among frames of " + std::to_string(width_) + " x " + std::to_string(height_) +
                           "; give all one size");
   for (std::int64_t y = 0; y < height_; ++y)
-    for (std::int64_t x = 0; x < width_; ++x)
+    for (std::int64_t x = all_finite(frame.row(y), width_) ? width_ : 0; x < width_; ++x)
       if (!std::isfinite(frame.at(x, y)))
         throw mtf::UsageError("frame " + std::to_string(frames_ + 1) + " holds NaN or infinite values, the first at " +
                               std::to_string(x) + ", " + std::to_string(y) + "; leave it out");
@@ -104,6 +113,7 @@ void StackStatistics::add(mtf::ImageView<const float> frame, int threads) {
   mtf::parallel_for(blocks, 1, threads, [&](std::int64_t begin, std::int64_t end) {
     const auto n = static_cast<std::size_t>(width_);
     std::vector<double> about(3 * n);  // the values of a row and of the two above it
+    const std::vector<double> ones(n, 1.0);
     for (std::int64_t b = begin; b < end; ++b) {
       Block& part = parts[static_cast<std::size_t>(b)];
       part.columns.assign(n, 0.0);
@@ -113,11 +123,12 @@ void StackStatistics::add(mtf::ImageView<const float> frame, int threads) {
         for (std::int64_t x = 0; x < width_; ++x) line(y)[x] = static_cast<double>(frame.at(x, y)) - reference_;
       for (std::int64_t y = first; y < last; ++y) {
         const std::int64_t at = y * width_;
-        const RowSums row = add_row(frame.row(y), width_, reference_, range_, line(y), sum_.data() + at,
-                                    squares_.data() + at, part.columns.data());
-        part.total += row.sum;
-        part.squares += row.squares;
-        part.row_squares += static_cast<long double>(row.sum) * row.sum;
+        const RowCounts row = add_row(frame.row(y), width_, reference_, range_, line(y), sum_.data() + at,
+                                      squares_.data() + at, part.columns.data());
+        const double sum = sum_of_products(line(y), ones.data(), width_);
+        part.total += sum;
+        part.squares += sum_of_products(line(y), line(y), width_);
+        part.row_squares += static_cast<long double>(sum) * sum;
         part.low += row.low;
         part.high += row.high;
         part.bits |= row.bits;
