@@ -25,6 +25,7 @@ Command fly_command();
 // Where calib is built.
 Command measure_command();
 Command fit_command();
+Command characterize_command();
 // Where apps/study is built.
 Command sweep_command();
 Command optimize_command();

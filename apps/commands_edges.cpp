@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 
-// What the commands about edges take.
+// What the commands take that measure a sensor: from edges, and from flat frames.
 
+#include "apps/characterize/characterize_options.h"
 #include "apps/command_line.h"
 #include "apps/commands.h"
 #include "apps/modules/modules.h"
@@ -152,6 +153,37 @@ Command fit_command() {
   add_text(app, "--residuals", "FOLDER", "residual images in standard deviations, an OpenEXR file an edge",
            options.residuals);
   add_force(app, options.force);
+  return app;
+}
+
+Command characterize_command() {
+  const auto shared = std::make_shared<CharacterizeCommandOptions>();
+  CharacterizeCommandOptions& options = *shared;
+  Command app{
+      "characterize", "gain, noise, response and non-uniformity of a camera from its own flat frames",
+      "STACKS (TOML) lists stacks of flat frames at several exposures, with how much light each had:\n"
+      "  [camera]\n"
+      "  bits = 12\n"
+      "  [[stack]]\n"
+      "  frames = \"dark/*.png\"          # PNG, TIFF, OpenEXR, or one NPY cube; at least two frames\n"
+      "  exposure = \"10 ms\"\n"
+      "  light = false\n"
+      "  [[stack]]\n"
+      "  frames = \"bright/*.png\"\n"
+      "  photons = 5200                  # or irradiance, relative, or the exposure alone\n"
+      "The folder of --out gets sensor.toml, which every command reads, with { value, stderr } for each number;\n"
+      "result.json with intervals; levels.csv. What frames cannot tell is named. Where the model of photon transfer\n"
+      "does not describe the frames, the exit code is 3 (--allow-misfit: 0), and all files are written.",
+      "  mtf characterize stacks.toml -o camera\n"
+      "  mtf characterize stacks.toml --nominal sensor.toml --format json"};
+  add_file(app, "stacks", "file that describes the stacks (TOML)", options.stacks);
+  add_text(app, "--nominal", "FILE", "sensor file for what frames do not tell; in place of the one that STACKS names",
+           options.nominal);
+  add_text(app, "-o,--out", "FOLDER", "write sensor.toml, result.json and levels.csv here", options.out);
+  add_flag(app, "--allow-misfit", "exit 0, not 3, where the model does not describe the frames", options.allow_misfit);
+  add_choice(app, "--format", "FORMAT", "table (default) or json", kTableOrJson, options.format);
+  add_force(app, options.force);
+  app.run = [shared](const Global& global) { return fits_module().characterize(*shared, global); };
   return app;
 }
 

@@ -164,7 +164,7 @@ Command root_command(Global& global, std::vector<std::string>& help_for) {
     command.commands.insert(command.commands.end(), more);
   };
 #ifdef MTFKIT_HAVE_CALIB
-  add({measure_command(), fit_command()});
+  add({measure_command(), fit_command(), characterize_command()});
 #endif
   add({scene_command(), heat_command(), render_command(), fly_command()});
 #ifdef MTFKIT_HAVE_STUDY

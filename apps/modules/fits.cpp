@@ -2,13 +2,17 @@
 
 // The module of fits and optima.
 
+#include "apps/characterize/characterize_options.h"
 #include "apps/modules/modules.h"
 #include "mtf/version.h"
 
 namespace apps {
 
 extern "C" const FitsModule* mtfkit_fits_table() {
-  static constexpr FitsModule table{.build = {mtf::version, mtf::git_commit}, .fit = run_fit, .optimize = run_optimize};
+  static constexpr FitsModule table{.build = {mtf::version, mtf::git_commit},
+                                    .fit = run_fit,
+                                    .optimize = run_optimize,
+                                    .characterize = run_characterize};
   return &table;
 }
 

@@ -21,11 +21,13 @@ namespace apps {
 
 struct RenderCommandOptions;
 struct FlyCommandOptions;
+struct CharacterizeCommandOptions;
 
 struct FitsModule {
   mtf::io::ModuleBuild build;
   int (*fit)(const FitOptions&, const Global&);
   int (*optimize)(const OptimizeCommandOptions&, const Global&);
+  int (*characterize)(const CharacterizeCommandOptions&, const Global&);
 };
 
 /// The air that a scene file describes, for `mtf atmosphere`.

@@ -5,9 +5,10 @@
 // hundreds of thousands of facets, of which a picture needs two.
 
 #include <cstdint>
-#include <fstream>
 #include <string>
 #include <vector>
+
+#include "mtf/io/npy.h"
 
 namespace apps::scene {
 
@@ -22,10 +23,8 @@ class NpyRows {
   std::vector<float> row(std::uint64_t row);
 
  private:
-  std::string path_;
-  std::ifstream file_;
-  std::uint64_t rows_ = 1, columns_ = 0, begin_ = 0;
-  std::size_t item_ = sizeof(float);  ///< bytes of a number
+  mtf::io::NpyReader file_;
+  std::uint64_t rows_ = 1, columns_ = 0;
 };
 
 }  // namespace apps::scene

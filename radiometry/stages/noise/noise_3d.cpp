@@ -5,6 +5,7 @@
 
 #include "mtf/error.h"
 #include "radiometry/stages/noise/fixed_pattern.h"
+#include "radiometry/stages/noise/mean_squares.h"
 
 namespace radiometry {
 namespace {
@@ -87,25 +88,24 @@ Noise3d Noise3dEstimator::variances() const {
     columns[i % static_cast<std::size_t>(width_)] += pixel_[i];
     total += pixel_[i];
   }
-  // Sums of squares of the means over the directions that are left out, each times the number of values in a mean; then
-  // the mean squares of the effects.
-  const double all = total * total / (T * V * H);
-  const double by_t = sum_of_squares(frame_) / (V * H), by_v = sum_of_squares(rows) / (T * H);
-  const double by_h = sum_of_squares(columns) / (T * V), by_tv = row_squares_ / H, by_th = column_squares_ / V;
-  const double by_vh = sum_of_squares(pixel_) / T;
-  const double ms_t = (by_t - all) / (T - 1.0), ms_v = (by_v - all) / (V - 1.0), ms_h = (by_h - all) / (H - 1.0);
-  const double ms_tv = (by_tv - by_t - by_v + all) / ((T - 1.0) * (V - 1.0));
-  const double ms_th = (by_th - by_t - by_h + all) / ((T - 1.0) * (H - 1.0));
-  const double ms_vh = (by_vh - by_v - by_h + all) / ((V - 1.0) * (H - 1.0));
-  const double ms_tvh =
-      (squares_ - by_tv - by_th - by_vh + by_t + by_v + by_h - all) / ((T - 1.0) * (V - 1.0) * (H - 1.0));
-  return {.t = (ms_t - ms_tv - ms_th + ms_tvh) / (V * H),
-          .v = (ms_v - ms_tv - ms_vh + ms_tvh) / (T * H),
-          .h = (ms_h - ms_th - ms_vh + ms_tvh) / (T * V),
-          .tv = (ms_tv - ms_tvh) / H,
-          .th = (ms_th - ms_tvh) / V,
-          .vh = (ms_vh - ms_tvh) / T,
-          .tvh = ms_tvh};
+  const MeanSquares ms = mean_squares({.frames = T,
+                                       .rows = V,
+                                       .columns = H,
+                                       .all = total * total / (T * V * H),
+                                       .t = sum_of_squares(frame_) / (V * H),
+                                       .v = sum_of_squares(rows) / (T * H),
+                                       .h = sum_of_squares(columns) / (T * V),
+                                       .tv = row_squares_ / H,
+                                       .th = column_squares_ / V,
+                                       .vh = sum_of_squares(pixel_) / T,
+                                       .tvh = squares_});
+  return {.t = ms.variance(kT),
+          .v = ms.variance(kV),
+          .h = ms.variance(kH),
+          .tv = ms.variance(kTv),
+          .th = ms.variance(kTh),
+          .vh = ms.variance(kVh),
+          .tvh = ms.variance(kTvh)};
 }
 
 Noise3d Noise3dEstimator::estimate() const {

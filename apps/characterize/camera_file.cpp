@@ -1,0 +1,256 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/characterize/camera_file.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "apps/edges/fit_parameters.h"
+#include "apps/sensor/sensor_chain.h"
+#include "apps/terminal/text_table.h"
+#include "mtf/error.h"
+#include "mtf/io/config/config_reader.h"
+#include "mtf/io/config/replace_value.h"
+#include "mtf/io/sha256.h"
+#include "mtf/version.h"
+
+namespace apps {
+namespace {
+
+using calib::Characterization, calib::Finding, calib::Verdict;
+
+/// Which key of a sensor file a number stands in. Rms that may be 0 stand there where they are clearly above it.
+struct Key {
+  std::string_view finding, key, unit;
+};
+constexpr std::array kKeys{Key{"electrons_per_count", "adc.electrons_per_count", " e-"},
+                           Key{"offset", "adc.offset", ""},
+                           Key{"read_noise", "detector.read_noise", " e-"},
+                           Key{"dark_current", "detector.dark_current", " e-/s"},
+                           Key{"a2", "nonlinearity.a2", ""},
+                           Key{"a3", "nonlinearity.a3", ""},
+                           Key{"dsnu", "nonuniformity.dsnu", " e-"},
+                           Key{"prnu", "nonuniformity.prnu", ""},
+                           Key{"dcnu", "nonuniformity.dcnu", ""},
+                           Key{"row_noise", "noise.row", " e-"},
+                           Key{"column_noise", "noise.column", " e-"},
+                           Key{"fixed_row", "noise.fixed_row", " e-"},
+                           Key{"fixed_column", "noise.fixed_column", " e-"},
+                           Key{"frame_noise", "noise_3d.t", " e-"}};
+
+std::string quantity(double value, std::string_view unit) {
+  const std::string number = mtf::format_double(value);
+  return unit.empty() ? number : "\"" + number + std::string(unit) + "\"";
+}
+
+std::string toml(const Finding& f, std::string_view unit) {
+  return "{ value = " + quantity(f.value, unit) + ", stderr = " + quantity(f.sd, unit) + " }";
+}
+
+/// "2.998 +- 0.013 e-", "0 .. 0.11 e-" or the reason.
+std::string shown(const Finding& f) {
+  const std::string unit = f.unit.empty() ? "" : " " + f.unit;
+  if (f.verdict == Verdict::not_determined) return "not determined: " + f.why;
+  if (f.verdict == Verdict::upper_limit)
+    return significant(std::max(0.0, f.low95), 3) + " .. " + significant(f.high95, 3) + unit + " (95 %)";
+  return (f.sd > 0.0 ? shown_with_error(f.value, f.sd) + " +- " + significant(f.sd, 2) : significant(f.value, 4)) +
+         unit;
+}
+
+/// What the numbers that are measured hold already: noise that stands elsewhere in the nominal would count twice.
+constexpr std::array<std::string_view, 9> kCounted{
+    "detector.reset_noise", "detector.other_noise", "detector.capacitance", "noise_3d.v",  "noise_3d.h",
+    "noise_3d.tv",          "noise_3d.th",          "noise_3d.vh",          "noise_3d.tvh"};
+
+/// The sensor of a changed text.
+mtf::io::SensorConfig read_again(const std::string& text, const mtf::io::SensorConfig& before) {
+  mtf::io::ConfigResult read = mtf::io::parse_config(text, before.file, before.schema);
+  mtf::io::cfg::require_no_errors(read.diagnostics, before.file);
+  return std::move(read.config);
+}
+
+bool is_set(const Finding* f) { return f != nullptr && f->verdict == Verdict::determined; }
+
+}  // namespace
+
+std::string least_sensor(std::int64_t columns, std::int64_t rows, int bits, double time_s) {
+  return "schema = 2\nname = \"characterized camera\"\n\n[frame]\nfocal_length = \"50 mm\"\npitch = \"5 um\"\nformat = "
+         "[" +
+         std::to_string(columns) + ", " + std::to_string(rows) + "]\nintegration_time = \"" +
+         mtf::format_double(time_s) +
+         " s\"\n\n[scene]\nsample = \"5 um\"\nquantity = \"photon_radiance\"\n\n[optics]\nf_number = 4.0\n\n[band]\n"
+         "wavelength = [\"0.50 um\", \"0.60 um\"]\n\n[detector]\nquantum_efficiency = 1.0\n\n[adc]\nbits = " +
+         std::to_string(bits) + "\n";
+}
+
+CameraFile camera_file(const Characterization& camera, const StacksFile& stacks, mtf::io::SensorConfig nominal,
+                       int bits, bool placeholders, const std::string& destination) {
+  CameraFile file;
+  const auto set = [&](const std::string& key, const std::string& value) {
+    nominal = mtf::io::replaced(nominal, key, value);
+  };
+  const auto unset = [&](const std::string& key) {
+    const std::size_t dot = key.find('.');
+    const mtf::SettingsTable* table = find_table(nominal.tables, key.substr(0, dot));
+    if (table == nullptr || table->find(key.substr(dot + 1)) == nullptr) return;
+    nominal = read_again(mtf::io::without_value(nominal, key), nominal);
+  };
+  std::string limits;
+  set("adc.bits", std::to_string(bits));
+  if (const auto* epc = find_table(nominal.tables, "adc"); epc->find("rounding") != nullptr)
+    set("adc.rounding", "nearest");
+  // The response is stated by a full well, which the converter may end before.
+  if (camera.full_well_e > 0.0) set("detector.full_well", mtf::format_double(camera.full_well_e) + " e-");
+  for (const std::string_view key : kCounted) unset(std::string(key));
+  for (const Key& one : kKeys) {
+    const Finding* f = camera.find(one.finding);
+    const std::string key(one.key);
+    if (is_set(f) || one.finding == "offset") {
+      set(key, toml(*f, one.unit));
+      continue;
+    }
+    if (f != nullptr && f->verdict == Verdict::upper_limit) limits += "#   " + key + "  " + shown(*f) + ": left out\n";
+    if (f != nullptr && f->verdict == Verdict::not_determined) file.left.push_back(key);
+    // Patterns of the nominal may stay; the dark current of stacks of one exposure is in offset and read noise.
+    const bool may_stay = f != nullptr && f->verdict == Verdict::not_determined && one.finding != "dark_current";
+    if (!may_stay) unset(key);
+  }
+  const Finding* const rate = camera.find("rate");
+  const bool photons = stacks.unit == LightUnit::photons || stacks.unit == LightUnit::irradiance;
+  if (photons && rate->value <= 1.0)
+    set("detector.quantum_efficiency", toml(*rate, ""));
+  else
+    file.left.emplace_back("detector.quantum_efficiency");
+  for (const char* const key : {"optics.transmission", "optics.f_number"}) file.left.emplace_back(key);
+  if (placeholders)
+    for (const char* const key : {"frame.focal_length", "frame.pitch", "band.wavelength"}) file.left.emplace_back(key);
+  const Finding *side = camera.find("crosstalk_side"), *corner = camera.find("crosstalk_corner");
+  const auto& list = nominal.system.list(mtf::Stage::readout);
+  const auto there =
+      std::find_if(list.begin(), list.end(), [](const auto& e) { return e.component.kind() == "crosstalk"; });
+  if (there != list.end()) {
+    const std::string label = there->label;
+    set(label + ".side", is_set(side) ? toml(*side, "") : "0");
+    if (is_set(corner)) set(label + ".corner", toml(*corner, ""));
+  } else if (is_set(side)) {
+    const std::string text = nominal.text + "\n[[readout]]\nkind = \"crosstalk\"\nside = " + toml(*side, "") + "\n" +
+                             (is_set(corner) ? "corner = " + toml(*corner, "") + "\n" : "");
+    nominal = read_again(text, nominal);
+  }
+  std::string head = "# mtf characterize " + one_line(stacks.file) + ", sha256 " + stacks.sha256 + "\n# " +
+                     (camera.misfit ? "the model does not describe the frames: " + camera.misfit_reason
+                                    : "photon transfer: p = " + significant(camera.transfer.p, 2)) +
+                     "\n# not measured: " + joined(file.left) + "\n";
+  if (!limits.empty()) head += "# limits:\n" + limits;
+  // Files that the text names are named from its own folder.
+  file.text = head + (nominal.files.empty() ? nominal.text : write_config(nominal, destination));
+  return file;
+}
+
+std::string characterize_table(const Characterization& camera, const std::vector<std::string>& left) {
+  TextTable table({"number", "value", "from"});
+  for (const Finding& f : camera.findings) table.add({f.name, shown(f), f.from});
+  std::string text = table.aligned();
+  const auto& t = camera.transfer;
+  text += "\nphoton transfer      chi-square " + significant(t.chi2, 4) + ", " + std::to_string(t.dof) +
+          " degrees of freedom, p = " + significant(t.p, 2) + "\n";
+  text += "defects              " + std::to_string(camera.defects.size()) + " pixels of the dark beyond 4.5 sd\n";
+  text += "not measured         " + joined(left) + "\n";
+  if (camera.misfit) text += "the model does not describe the frames: " + camera.misfit_reason + "\n";
+  for (const std::string& warning : camera.warnings) text += "warning: " + warning + "\n";
+  return text;
+}
+
+Json characterize_json(const Characterization& camera, const StacksFile& stacks, const CameraFile& file) {
+  const auto& t = camera.transfer;
+  Json json{{"version", mtf::version}, {"status", camera.misfit ? "model_wrong" : "ok"}};
+  json["reason"] = camera.misfit ? Json(camera.misfit_reason) : Json();
+  json["warnings"] = camera.warnings;
+  json["numbers"] = Json::array();
+  for (const Finding& f : camera.findings) {
+    Json one{{"name", f.name}, {"unit", f.unit}, {"verdict", calib::verdict_name(f.verdict)}};
+    const bool known = f.verdict != Verdict::not_determined;
+    one["value"] = known ? Json(f.value) : Json();
+    one["sd"] = known && f.sd > 0.0 ? Json(f.sd) : Json();
+    one["sd_array"] = f.sd_array ? Json(*f.sd_array) : Json();
+    one["interval95"] = known ? Json(std::vector<double>{f.low95, f.high95}) : Json();
+    one["from"] = f.from;
+    one["why"] = f.why.empty() ? Json() : Json(f.why);
+    json["numbers"].push_back(std::move(one));
+  }
+  Json covariance = Json::array();
+  for (Eigen::Index i = 0; i < t.covariance.rows(); ++i) {
+    std::vector<double> row;
+    for (Eigen::Index j = 0; j < t.covariance.cols(); ++j) row.push_back(t.covariance(i, j));
+    covariance.push_back(Json(row));
+  }
+  json["photon_transfer"] = {{"chi2", t.chi2},
+                             {"dof", t.dof},
+                             {"p", t.p},
+                             {"names", t.names},
+                             {"covariance", covariance},
+                             {"full_well_e", camera.full_well_e}};
+  json["defects"] = Json::array();
+  constexpr std::size_t kMost = 10'000;
+  for (std::size_t i = 0; i < std::min(kMost, camera.defects.size()); ++i)
+    json["defects"].push_back(
+        {{"x", camera.defects[i].x}, {"y", camera.defects[i].y}, {"excess_counts", camera.defects[i].excess}});
+  json["defect_count"] = camera.defects.size();
+  json["light_unit"] = stacks.unit == LightUnit::irradiance ? "photons" : name_of(stacks.unit);
+  json["not_measured"] = file.left;
+  json["provenance"] = {{"stacks", stacks.file}, {"sha256", stacks.sha256}};
+  return json;
+}
+
+std::string levels_csv(const Characterization& camera) {
+  TextTable table({"stack",
+                   "light",
+                   "exposure_s",
+                   "frames",
+                   "used",
+                   "share_low",
+                   "share_high",
+                   "mean",
+                   "model_mean",
+                   "mean_z",
+                   "variance",
+                   "dof",
+                   "model_variance",
+                   "variance_z",
+                   "light_error",
+                   "t",
+                   "v",
+                   "h",
+                   "tv",
+                   "th",
+                   "vh",
+                   "tvh"});
+  for (std::size_t i = 0; i < camera.stacks.size(); ++i) {
+    const calib::Stack& stack = camera.stacks[i];
+    const int level = camera.level_of[i];
+    const auto fitted =
+        level < 0 ? calib::PhotonTransfer::Level() : camera.transfer.levels[static_cast<std::size_t>(level)];
+    const auto& squares = stack.sums.squares;
+    const auto model = [&](double value) { return level < 0 ? std::string() : csv_number(value); };
+    std::vector<std::string> row{csv_field(stack.name),
+                                 csv_number(stack.light),
+                                 csv_number(stack.time_s),
+                                 std::to_string(stack.sums.frames),
+                                 level < 0 ? "0" : "1",
+                                 csv_number(stack.sums.share_low),
+                                 csv_number(stack.sums.share_high),
+                                 csv_number(stack.sums.mean),
+                                 model(fitted.mean),
+                                 model(fitted.mean_z),
+                                 csv_number(squares.value[radiometry::kTvh]),
+                                 csv_number(squares.dof(radiometry::kTvh)),
+                                 model(fitted.variance),
+                                 model(fitted.variance_z),
+                                 model(fitted.light_error)};
+    for (std::size_t part = 0; part < radiometry::kCubeParts; ++part) row.push_back(csv_number(squares.variance(part)));
+    table.add(std::move(row));
+  }
+  return table.csv();
+}
+
+}  // namespace apps

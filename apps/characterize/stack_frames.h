@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// The frames of a stack through the estimators, one after the other: memory is that of a few planes for any number.
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <unordered_map>
+
+#include "apps/characterize/stacks_file.h"
+#include "calib/characterize/characterize.h"
+
+namespace apps {
+
+/// What all stacks share.
+struct FrameSource {
+  int bits = 16;
+  int threads = 1;
+  std::unordered_map<std::uint64_t, std::string> seen{};  ///< hashes of frames, and where they were
+  std::uint32_t used = 0;                                 ///< bits that occur in any value
+  std::vector<std::string> warnings{};
+  std::function<void()> progress{};  ///< after each file
+};
+
+/// Throws UsageError with file and remedy for frames of several planes, of another size than the first, with NaN, with
+/// values beyond the bits or in larger steps than stated, behind a stated curve, JPEG, and for a frame that was there
+/// before; RuntimeError where a file cannot be read.
+calib::Stack read_stack(const StackEntry& entry, const StacksFile& file, FrameSource& source);
+
+}  // namespace apps

@@ -1,0 +1,479 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "calib/characterize/characterize.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "calib/characterize/rounding.h"
+#include "mtf/error.h"
+#include "mtf/words.h"
+
+namespace calib {
+namespace {
+
+using mtf::significant;
+using radiometry::kTh, radiometry::kTv, radiometry::kTvh, radiometry::kVh, radiometry::kV, radiometry::kH,
+    radiometry::kT;
+
+constexpr double kSure_sd = 3.0, kNormal95 = 1.959963984540054;
+
+double square(double x) { return x * x; }
+
+double number_of_values(const Stack& stack) {
+  return stack.sums.squares.frames * stack.sums.squares.rows * stack.sums.squares.columns;
+}
+
+/// Sum of the variances of a part over the stacks by their weights, in its standard deviations.
+double significance(const std::vector<Stack>& stacks, radiometry::CubePart part) {
+  double sum = 0.0, weights = 0.0;
+  for (const Stack& stack : stacks) {
+    const VarianceComponent one = variance_component(stack.sums.squares, part);
+    if (!stack.is_usable() || !(one.sd > 0.0)) continue;
+    sum += one.variance / square(one.sd);
+    weights += 1.0 / square(one.sd);
+  }
+  return weights > 0.0 ? sum / std::sqrt(weights) : 0.0;
+}
+
+void require_sound(const std::vector<Stack>& stacks) {
+  if (stacks.empty()) throw mtf::UsageError("no stacks; give flat frames at several exposures");
+  const radiometry::MeanSquares& first = stacks.front().sums.squares;
+  double ratio = 0.0, spread = 0.0;
+  int counted = 0;
+  for (std::size_t i = 0; i < stacks.size(); ++i) {
+    const Stack& stack = stacks[i];
+    const radiometry::MeanSquares& one = stack.sums.squares;
+    if (one.rows != first.rows || one.columns != first.columns)
+      throw mtf::UsageError(stack.name + ": frames of " + significant(one.columns, 9) + " x " +
+                            significant(one.rows, 9) + ", those of " + stacks.front().name + " are " +
+                            significant(first.columns, 9) + " x " + significant(first.rows, 9) + "; give all one size");
+    if (stack.light > 0.0 && stack.is_usable() && stack.sums.frames >= 4) {
+      const auto T = static_cast<double>(stack.sums.frames);
+      ratio += stack.sums.von_neumann;
+      spread += 4.0 * (T - 2.0) / (T * T - 1.0);
+      ++counted;
+    }
+    if (i == 0 || !stack.is_usable() || !stacks[i - 1].is_usable() || stack.time_s < stacks[i - 1].time_s) continue;
+    const double sd = std::sqrt(one.value[kTvh] / number_of_values(stack)) + 1e-3 * std::abs(stack.sums.mean);
+    if (stack.light > stacks[i - 1].light && stack.sums.mean < stacks[i - 1].sums.mean - 5.0 * sd)
+      throw mtf::UsageError(stack.name + " has more light than " + stacks[i - 1].name + ", but a lower mean (" +
+                            significant(stack.sums.mean, 6) + " after " + significant(stacks[i - 1].sums.mean, 6) +
+                            " counts); stacks and exposures are paired wrongly");
+  }
+  if (counted == 0) return;
+  const double least = std::min(1.2, 2.0 - 4.5 * std::sqrt(spread) / counted);
+  if (ratio / counted < least)
+    throw mtf::UsageError("the light drifts within the stacks: von Neumann's ratio of the frames' means is " +
+                          significant(ratio / counted, 3) +
+                          ", 2 for a steady lamp; let the lamp warm up, or take the exposures in turn");
+}
+
+/// Relative variance of the light from frame to frame, less that of the dark; 0 where it is not above 3 sd.
+double flicker_of(const std::vector<Stack>& stacks, double dark_mean) {
+  double sum = 0.0, weights = 0.0;
+  for (const Stack& stack : stacks) {
+    const double signal = stack.sums.mean - dark_mean;
+    if (!stack.is_usable() || !(stack.light > 0.0) || !(signal > 0.0)) continue;
+    const VarianceComponent t = variance_component(stack.sums.squares, kT);
+    const double weight = square(square(signal)) / square(t.sd);
+    sum += weight * t.variance / square(signal);
+    weights += weight;
+  }
+  return weights > 0.0 && sum > kSure_sd * std::sqrt(weights) ? sum / weights : 0.0;
+}
+
+/// Squared spread of the pixels' means, counts^2.
+double spread2(const radiometry::MeanSquares& squares) {
+  return squares.variance(kVh) + squares.variance(kV) + squares.variance(kH);
+}
+
+/// The stacks whose mean frames tell the patterns; null where there is none with a plane.
+struct Choice {
+  const Stack* dark = nullptr;     ///< in the dark: with the most frames, of those the shortest
+  const Stack* longest = nullptr;  ///< in the dark
+  const Stack* bright = nullptr;   ///< with the most light in all its frames, which the noise of a pattern falls with
+};
+Choice choice_of(const std::vector<Stack>& stacks) {
+  Choice choice;
+  for (const Stack& s : stacks) {
+    if (!s.is_usable() || s.sums.pattern.size() == 0) continue;
+    const auto frames = static_cast<double>(s.sums.frames);
+    if (s.light > 0.0) {
+      const Stack*& best = choice.bright;
+      if (best == nullptr || s.light * frames > best->light * static_cast<double>(best->sums.frames)) best = &s;
+      continue;
+    }
+    const Stack*& best = choice.dark;
+    if (best == nullptr || s.sums.frames > best->sums.frames ||
+        (s.sums.frames == best->sums.frames && s.time_s < best->time_s))
+      best = &s;
+    if (choice.longest == nullptr || s.time_s >= choice.longest->time_s) choice.longest = &s;
+  }
+  return choice;
+}
+
+class Analysis {
+ public:
+  Analysis(std::vector<Stack> stacks, const CharacterizeOptions& options) : options_(options) {
+    std::stable_sort(stacks.begin(), stacks.end(), [](const Stack& a, const Stack& b) {
+      return a.light != b.light ? a.light < b.light : a.time_s < b.time_s;
+    });
+    require_sound(stacks);
+    result_.stacks = std::move(stacks);
+    make_levels();
+    fit();
+    add_transfer();
+    add_lines();
+    add_patterns();
+    add_unknowable();
+  }
+
+  Characterization take() { return std::move(result_); }
+
+ private:
+  void make_levels();
+  void fit();
+  void correct_for_crosstalk();
+  void add_transfer();
+  void add_lines();
+  void add_patterns();
+  void add_unknowable();
+
+  void add(Finding finding) { result_.findings.push_back(std::move(finding)); }
+  void not_determined(const std::string& name, const std::string& unit, const std::string& why) {
+    add({.name = name, .unit = unit, .verdict = Verdict::not_determined, .why = why});
+  }
+  void add_value(const std::string& name, const std::string& unit, const Estimate& e, const std::string& from) {
+    const double half = kNormal95 * e.sd;
+    add({.name = name,
+         .unit = unit,
+         .value = e.value,
+         .sd = e.sd,
+         .low95 = e.value - half,
+         .high95 = e.value + half,
+         .from = from});
+  }
+  /// The root of a variance in counts^2, over `divisor`: a value where the variance is clearly above 0, else a limit.
+  void add_rms(const std::string& name, const std::string& unit, const VarianceComponent& c, double divisor,
+               const std::string& from, std::optional<double> variance_sd_array = std::nullopt) {
+    const auto root = [&](double v) { return std::sqrt(std::max(0.0, v)) / divisor; };
+    Finding f{.name = name, .unit = unit, .from = from};
+    f.value = root(c.variance);
+    f.low95 = root(c.low95);
+    f.high95 = root(c.high95);
+    f.verdict = c.low95 > 0.0 ? Verdict::determined : Verdict::upper_limit;
+    if (f.value > 0.0) f.sd = c.sd / (2.0 * f.value * square(divisor));
+    if (f.value > 0.0 && variance_sd_array) f.sd_array = *variance_sd_array / (2.0 * f.value * square(divisor));
+    if (c.variance < -4.0 * c.sd)
+      result_.warnings.push_back(name + ": the variance is negative by " + significant(-c.variance / c.sd, 2) +
+                                 " standard deviations, so the pattern is not white");
+    add(std::move(f));
+  }
+  const Stack* darkest() const { return choice_of(result_.stacks).dark; }
+  double rounding_of(const Stack& stack) const {
+    return rounding_pattern(unrounded_variance(stack.sums.squares.value[kTvh]));
+  }
+
+  CharacterizeOptions options_;
+  Characterization result_;
+  bool read_hidden_ = false;  ///< by rounding
+  double gain_ = 0.0;         ///< counts per electron, corrected
+};
+
+void Analysis::make_levels() {
+  std::vector<Stack>& stacks = result_.stacks;
+  const bool lines = significance(stacks, kTv) > kSure_sd || significance(stacks, kTh) > kSure_sd;
+  const double dark_mean = stacks.front().sums.mean;
+  const Stack* dark = darkest();
+  const VarianceComponent dark_frames = dark ? variance_component(dark->sums.squares, kT) : VarianceComponent();
+  const bool frames = dark && dark_frames.variance > kSure_sd * dark_frames.sd;
+  const double flicker = frames ? 0.0 : flicker_of(stacks, dark_mean);
+  result_.level_of.assign(stacks.size(), -1);
+  for (std::size_t i = 0; i < stacks.size(); ++i) {
+    const Stack& stack = stacks[i];
+    const StackSummary& s = stack.sums;
+    if (!stack.is_usable()) {
+      result_.warnings.push_back(stack.name + ": " +
+                                 significant(100.0 * (stack.is_clipped_high() ? s.share_high : s.share_low), 3) +
+                                 " % of the values are at the " + (stack.is_clipped_high() ? "upper" : "lower") +
+                                 " end of the scale; left out of the fit");
+      continue;
+    }
+    const double v = s.squares.value[kTvh], n = number_of_values(stack), T = s.squares.frames;
+    const double pattern = rounding_of(stack);
+    TransferLevel level{.light = stack.light, .time_s = stack.time_s, .mean = s.mean};
+    level.mean_variance = (lines ? std::max(v, s.squares.value[kTv] + s.squares.value[kTh] - v) : v) / n +
+                          pattern * T / n + (frames ? dark_frames.variance / T : 0.0);
+    level.variance = v;
+    level.dof = s.squares.dof(kTvh);
+    if (v < 1.5) level.variance_sd = s.variance_sd;  // rounded noise of a pixel is not normal
+    level.light_sd = std::sqrt(square(options_.light_repeatability) + flicker / T);
+    if (unrounded_variance(v) < square(0.4) && spread2(s.squares) < square(0.5)) {
+      level.variance_counts = false;
+      level.mean_variance += 1.0 / 12.0;
+      read_hidden_ = read_hidden_ || stack.light == 0.0;
+      result_.warnings.push_back(
+          stack.name +
+          ": noise below 0.4 counts, and pixels within half a count of each other: what rounding "
+          "makes of it depends on the offset; its variance is left out");
+    }
+    result_.level_of[i] = static_cast<int>(result_.levels.size());
+    result_.levels.push_back(level);
+  }
+  if (result_.levels.empty())
+    throw mtf::UsageError("every stack has values at an end of the scale; expose between the ends, and check bits");
+  if (flicker > 0.0)
+    add_value("light_flicker", "", {std::sqrt(flicker), 0.0}, "from frame to frame; part of the errors of the means");
+}
+
+void Analysis::fit() {
+  std::set<double> dark_times;
+  for (const TransferLevel& level : result_.levels)
+    if (level.light == 0.0) dark_times.insert(level.time_s);
+  TransferOptions how{.nonlinearity = options_.nonlinearity,
+                      .full_well_e = options_.full_well_e,
+                      .dark_current = options_.counts_time && dark_times.size() > 1};
+  if (how.nonlinearity > 0 && !(how.full_well_e > 0.0)) {
+    // Any scale serves: that of the converter's range, by a gain of the levels with little signal.
+    const TransferLevel &low = result_.levels.front(), &high = result_.levels.back();
+    const TransferLevel& middle = result_.levels[result_.levels.size() / 2];
+    const double gain = (middle.variance - low.variance) / (middle.mean - low.mean);
+    const double most = options_.most_counts > 0.0 ? options_.most_counts : high.mean;
+    if (gain > 0.0) how.full_well_e = std::max(high.mean, most) / gain;
+    if (!(how.full_well_e > 0.0)) how.full_well_e = 1.0;  // the fit itself refuses such levels
+    how.full_well_e = std::stod(significant(how.full_well_e, 2));
+  }
+  result_.full_well_e = how.full_well_e;
+  result_.transfer = fit_photon_transfer(result_.levels, how);
+  correct_for_crosstalk();
+  if (result_.crosstalk.found) {
+    const double V = result_.stacks.front().sums.squares.rows, H = result_.stacks.front().sums.squares.columns;
+    const auto& r = result_.crosstalk.ratio;
+    double squares = 1.0, sum = 1.0;
+    for (const Estimate& ratio : r) {
+      squares += 2.0 * square(ratio.value);
+      sum += 2.0 * ratio.value;
+    }
+    // With correlated neighbours the mean square tvh is low, its scatter and that of the mean are larger.
+    for (std::size_t i = 0; i < result_.levels.size(); ++i) {
+      TransferLevel& level = result_.levels[i];
+      const PhotonTransfer::Level& model = result_.transfer.levels[i];
+      const double shot = square(result_.transfer.gain.value * model.slope) * model.electrons;
+      level.variance += 2.0 * shot * (r[0].value / (H - 1.0) + r[1].value / (V - 1.0));
+      level.mean_variance *= 1.0 + (sum - 1.0) * shot / level.variance;
+      level.dof /= squares;
+    }
+    result_.transfer = fit_photon_transfer(result_.levels, how);
+    correct_for_crosstalk();
+  }
+  const PhotonTransfer& t = result_.transfer;
+  gain_ = t.gain.value / result_.crosstalk.power.value;
+  result_.misfit = !t.converged || t.p < options_.misfit_p;
+  if (!result_.misfit) return;
+  const auto size = [](const PhotonTransfer::Level& l) { return std::max(std::abs(l.mean_z), std::abs(l.variance_z)); };
+  const auto worst = std::max_element(t.levels.begin(), t.levels.end(),
+                                      [&](const auto& a, const auto& b) { return size(a) < size(b); });
+  const auto stack = std::find(result_.level_of.begin(), result_.level_of.end(), worst - t.levels.begin());
+  result_.misfit_reason =
+      t.converged ? "chi-square " + significant(t.chi2, 4) + " with " + std::to_string(t.dof) +
+                        " degrees of freedom, p = " + significant(t.p, 2) + "; the level that disagrees most is " +
+                        result_.stacks[static_cast<std::size_t>(stack - result_.level_of.begin())].name + " (mean " +
+                        significant(worst->mean_z, 2) + ", variance " + significant(worst->variance_z, 2) +
+                        " standard deviations): more terms of nonlinearity, or the repeatability of the light"
+                  : "the fit does not converge";
+}
+
+void Analysis::correct_for_crosstalk() {
+  std::vector<CorrelatedLevel> levels;
+  for (std::size_t i = 0; i < result_.stacks.size(); ++i) {
+    if (result_.level_of[i] < 0) continue;
+    const StackSummary& s = result_.stacks[i].sums;
+    const PhotonTransfer::Level& model = result_.transfer.levels[static_cast<std::size_t>(result_.level_of[i])];
+    levels.push_back({.covariance = s.covariance,
+                      .variance = s.squares.value[kTvh],
+                      .shot = square(result_.transfer.gain.value * model.slope) * model.electrons,
+                      .frames = s.squares.frames});
+  }
+  result_.crosstalk = estimate_crosstalk(levels);
+}
+
+void Analysis::add_transfer() {
+  const PhotonTransfer& t = result_.transfer;
+  const Estimate& q = result_.crosstalk.power;
+  const double relative = std::hypot(t.gain.sd / t.gain.value, q.sd / q.value), inverse = 1.0 / gain_;
+  const std::string from = "fit of the means and variances of " + std::to_string(t.levels.size()) + " levels" +
+                           (result_.crosstalk.found ? ", corrected for crosstalk" : "");
+  // There are 1/q apparent electrons for one: rates fall by q, a rises, and the error of q adds.
+  const auto scaled = [&](const Estimate& e, double power) {
+    const double factor = std::pow(q.value, power);
+    return Estimate{e.value * factor, std::hypot(e.sd * factor, power * e.value * factor * q.sd / q.value)};
+  };
+  add_value("electrons_per_count", "e-", {inverse, inverse * relative}, from);
+  add_value("offset", "counts", t.offset, from);
+  const Estimate read2 = scaled(t.read2, 2.0);
+  const VarianceComponent read{.variance = read2.value,
+                               .sd = read2.sd,
+                               .low95 = read2.value - kNormal95 * read2.sd,
+                               .high95 = read2.value + kNormal95 * read2.sd};
+  add_rms("read_noise", "e-", read, 1.0, from);
+  if (read_hidden_) {
+    Finding& finding = result_.findings.back();
+    finding.verdict = Verdict::upper_limit;
+    finding.why = "rounding hides noise below 0.4 counts where all pixels have one offset";
+  }
+  const Estimate rate = scaled(t.rate, 1.0);
+  add_value("rate", "e- per unit of light", rate, from);
+  for (std::size_t k = 0; k < t.a.size(); ++k)
+    add_value(t.names[4 + k], "", scaled(t.a[k], -static_cast<double>(k) - 1.0), from);
+  if (t.dark) {
+    add_value("dark_current", "e-/s", scaled(*t.dark, 1.0), from);
+    Finding& finding = result_.findings.back();
+    if (finding.low95 <= 0.0) finding.verdict = Verdict::upper_limit;
+    if (finding.high95 < 0.0) result_.warnings.push_back("the dark signal falls with the exposure time");
+  } else {
+    not_determined("dark_current", "e-/s", "it takes dark stacks of two exposure times");
+  }
+  const CrosstalkEstimate& c = result_.crosstalk;
+  const std::string by = "covariances of neighbours over the levels";
+  if (!(c.side.sd > 0.0)) {
+    not_determined("crosstalk_side", "", "no level has light");
+  } else {
+    add_value("crosstalk_side", "", c.side, by);
+    if (!c.found) result_.findings.back().verdict = Verdict::upper_limit;
+    if (c.corner_found) add_value("crosstalk_corner", "", c.corner, by);
+  }
+  if (const Stack* dark = darkest()) {
+    const StackSummary& s = dark->sums;
+    for (std::size_t k = 0; k < 2; ++k) {
+      const double r = s.covariance[k].value / s.squares.value[kTvh];
+      const double sd = 1.0 / std::sqrt(s.covariance[k].pairs * (s.squares.frames - 1.0));
+      // Row and column noise correlates whole lines: that is told from a filter by its own component.
+      const double line = std::max(0.0, s.squares.variance(k == 0 ? kTv : kTh)) / s.squares.value[kTvh];
+      if (std::abs(r - line) > 0.02 + 5.0 * sd)
+        result_.warnings.push_back(dark->name + ": the noise of neighbours correlates in the dark (" +
+                                   significant(r, 2) +
+                                   "), as after a filter or a denoiser; gain and noise are those of processed frames");
+    }
+  }
+}
+
+void Analysis::add_lines() {
+  // Row and column noise is pooled by weights; neighbours that share shot noise feign it, so then from the dark alone.
+  const auto pool = [&](radiometry::CubePart part) {
+    std::vector<MeanSquareTerm> terms;
+    double weights = 0.0;
+    for (const Stack& stack : result_.stacks)
+      if (stack.is_usable() && !(result_.crosstalk.found && stack.light > 0.0))
+        weights += 1.0 / square(variance_component(stack.sums.squares, part).sd);
+    for (const Stack& stack : result_.stacks) {
+      if (!stack.is_usable() || (result_.crosstalk.found && stack.light > 0.0)) continue;
+      const double weight = 1.0 / square(variance_component(stack.sums.squares, part).sd) / weights;
+      for (const MeanSquareTerm& term : terms_of(stack.sums.squares, part, weight)) terms.push_back(term);
+    }
+    return variance_component(terms);
+  };
+  const std::string why = "with crosstalk it takes a dark stack that is not clipped";
+  for (const auto& [name, part] : {std::pair{"row_noise", kTv}, std::pair{"column_noise", kTh}}) {
+    if (result_.crosstalk.found && darkest() == nullptr)
+      not_determined(name, "e-", why);
+    else
+      add_rms(name, "e-", pool(part), gain_, result_.crosstalk.found ? "the dark stacks" : "all stacks, pooled");
+  }
+  if (const Stack* dark = darkest())
+    add_rms("frame_noise", "e-", variance_component(dark->sums.squares, kT), gain_, dark->name);
+}
+
+void Analysis::add_patterns() {
+  const auto [dark, longest, bright] = choice_of(result_.stacks);
+  const std::string no_dark = result_.stacks.front().light == 0.0
+                                  ? "the dark stack is clipped at the lower end; raise the offset"
+                                  : "no dark stack; give one with light = false";
+  if (dark == nullptr)
+    for (const char* const name : {"dsnu", "fixed_row", "fixed_column"}) not_determined(name, "e-", no_dark);
+  if (dark == nullptr || bright == nullptr)
+    for (const char* const name : {"prnu", "prnu_row", "prnu_column"})
+      not_determined(name, "", dark == nullptr ? no_dark : "no level has light");
+  if (dark == nullptr) return;
+  const PlaneSquares plane = plane_squares(dark->sums.pattern.view());
+  const AveragedStack dark_stack{dark->sums.squares, rounding_of(*dark)};
+  const Pattern fixed = pattern_of(plane, {dark_stack});
+  add_rms("dsnu", "e-", fixed.pixel, gain_, dark->name, fixed.pixel_sd_array);
+  add_rms("fixed_row", "e-", fixed.row, gain_, dark->name, fixed.row_sd_array);
+  add_rms("fixed_column", "e-", fixed.column, gain_, dark->name, fixed.column_sd_array);
+  result_.defects = plane.defects;
+
+  const auto difference = [&, &dark = *dark](const Stack& other) {
+    mtf::Image d(other.sums.pattern.width(), other.sums.pattern.height());
+    for (std::int64_t i = 0; i < d.size(); ++i)
+      d.data()[i] = other.sums.pattern.data()[i] - dark.sums.pattern.data()[i];
+    return pattern_of(plane_squares(d.view()), {{other.sums.squares, rounding_of(other)}, dark_stack});
+  };
+  if (bright != nullptr) {
+    const auto index = static_cast<std::size_t>(bright - result_.stacks.data());
+    const PhotonTransfer::Level& level = result_.transfer.levels[static_cast<std::size_t>(result_.level_of[index])];
+    // K g' e of the apparent numbers is that of the true ones; crosstalk smooths the pattern of white pixels by its
+    // power.
+    const double signal = result_.transfer.gain.value * level.slope * level.electrons;
+    const double pixels = signal * std::sqrt(result_.crosstalk.power.value);
+    const Pattern response = difference(*bright);
+    const std::string from = bright->name + " less " + dark->name;
+    add_rms("prnu", "", response.pixel, pixels, from, response.pixel_sd_array);
+    add_rms("prnu_row", "", response.row, signal, from, response.row_sd_array);
+    add_rms("prnu_column", "", response.column, signal, from, response.column_sd_array);
+  }
+  const std::optional<Estimate>& rate = result_.transfer.dark;
+  if (!rate || !(longest->time_s > dark->time_s)) return;
+  const double charge = gain_ * rate->value * result_.crosstalk.power.value * (longest->time_s - dark->time_s);
+  const Pattern grown = difference(*longest);
+  if (rate->value > kSure_sd * rate->sd)
+    add_rms("dcnu", "", grown.pixel, charge, longest->name + " less " + dark->name, grown.pixel_sd_array);
+  else
+    not_determined("dcnu", "", "the dark current is not above 3 standard deviations");
+}
+
+void Analysis::add_unknowable() {
+  not_determined("transmission", "", "flat frames tell its product with the quantum efficiency only");
+  not_determined("f_number", "", "flat frames do not tell it");
+  not_determined("fill_factor", "", "flat frames tell its product with the quantum efficiency only");
+}
+
+}  // namespace
+
+std::string_view verdict_name(Verdict verdict) {
+  constexpr std::array<std::string_view, 3> names{"determined", "upper limit", "not determined"};
+  return names[static_cast<std::size_t>(verdict)];
+}
+
+StackSummary summary_of(const StackStatistics& stack) {
+  StackSummary s{.frames = stack.frames(), .mean = stack.mean(), .squares = stack.mean_squares()};
+  for (std::size_t k = 0; k < kLags.size(); ++k)
+    if (stack.width() > std::abs(kLags[k].columns) && stack.height() > kLags[k].rows)
+      s.covariance[k] = stack.covariance(kLags[k]);
+  s.variance_sd = stack.variance_sd();
+  s.share_low = stack.share_low();
+  s.share_high = stack.share_high();
+  s.von_neumann = stack.von_neumann();
+  s.step = stack.step();
+  s.pattern = mtf::Image(stack.width(), stack.height());
+  for (std::int64_t i = 0; i < s.pattern.size(); ++i)
+    s.pattern.data()[i] = static_cast<float>(stack.pixel_mean(i) - s.mean);
+  return s;
+}
+
+void drop_planes(std::vector<Stack>& stacks) {
+  const Choice keep = choice_of(stacks);
+  for (Stack& s : stacks)
+    if (&s != keep.dark && &s != keep.longest && &s != keep.bright) s.sums.pattern = mtf::Image();
+}
+
+const Finding* Characterization::find(std::string_view name) const {
+  const auto found = std::find_if(findings.begin(), findings.end(), [&](const Finding& f) { return f.name == name; });
+  return found == findings.end() ? nullptr : &*found;
+}
+
+Characterization characterize(std::vector<Stack> stacks, const CharacterizeOptions& options) {
+  return Analysis(std::move(stacks), options).take();
+}
+
+}  // namespace calib

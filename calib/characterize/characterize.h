@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// A camera from stacks of flat frames: gain, noise, response, crosstalk and fixed patterns with their errors, as far as
+// frames tell them. Each stack is reduced to a StackSummary in one pass (stack_statistics.h); then
+//   fit of means and temporal variances over the levels (photon_transfer.h), whose chi-square tests the model
+//   crosstalk from the covariances (crosstalk_estimate.h), which corrects the variances, the gain and what follows
+//   patterns: dark signal (DSNU) from the dark stack of the most frames, photo response (PRNU) from the difference of a
+//   bright and that dark mean frame, in which the offsets cancel, over the signal's slope K g'(e) e (pattern.h)
+//   temporal noise of rows, columns and frames, pooled over the stacks (components.h)
+// What frames cannot tell is named with the reason, never guessed: quantum efficiency and transmission apart, f-number,
+// fill factor.
+//   std::vector<calib::Stack> stacks;
+//   stacks.push_back({.name = "dark", .sums = calib::summary_of(dark)});
+//   stacks.push_back({.name = "5 ms", .light = 5.0, .sums = calib::summary_of(bright)}); ...
+//   const calib::Characterization camera = calib::characterize(std::move(stacks), {.nonlinearity = 1});
+//   camera.find("read_noise")->value
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "calib/characterize/crosstalk_estimate.h"
+#include "calib/characterize/pattern.h"
+#include "calib/characterize/photon_transfer.h"
+
+namespace calib {
+
+/// What is kept of a stack.
+struct StackSummary {
+  std::int64_t frames = 0;
+  double mean = 0.0;
+  radiometry::MeanSquares squares;
+  std::array<Covariance, kLags.size()> covariance{};
+  double variance_sd = 0.0, share_low = 0.0, share_high = 0.0, von_neumann = 2.0;
+  std::uint32_t step = 1;
+  mtf::Image pattern{};  ///< pixel means less the mean of all; may be empty
+};
+/// Throws UsageError for a single frame.
+StackSummary summary_of(const StackStatistics& stack);
+
+struct Stack {
+  std::string name;
+  double light = 0.0;   ///< photons, or any unit that is proportional to them; 0 in the dark
+  double time_s = 0.0;  ///< of the exposure
+  StackSummary sums;
+
+  /// Few of its values are at an end of the scale, below and above.
+  bool is_clipped_low() const { return sums.share_low > kClipped; }
+  bool is_clipped_high() const { return sums.share_high > kClipped; }
+  bool is_usable() const { return !is_clipped_low() && !is_clipped_high(); }
+  static constexpr double kClipped = 3.2e-5;  ///< of normal noise 4 sd from the end
+};
+/// Empties the planes that characterize() will not look at, for those who read one stack after the other.
+void drop_planes(std::vector<Stack>& stacks);
+
+struct CharacterizeOptions {
+  int nonlinearity = 0;              ///< terms of the response: 0, 1 (a2), 2 (a2, a3)
+  double full_well_e = 0.0;          ///< to which they refer; 0: the range of counts up to `most_counts` by the gain
+  double most_counts = 0.0;          ///< the largest count of the converter
+  double light_repeatability = 0.0;  ///< relative sd of the light from stack to stack
+  bool counts_time = false;  ///< the times of the stacks are known: dark current where dark stacks differ in them
+  double misfit_p = 1e-3;    ///< below, the model does not describe the frames
+};
+
+enum class Verdict { determined, upper_limit, not_determined };
+std::string_view verdict_name(Verdict verdict);
+
+struct Finding {
+  std::string name, unit;
+  Verdict verdict = Verdict::determined;
+  double value = 0.0, sd = 0.0;
+  double low95 = 0.0, high95 = 0.0;
+  std::optional<double>
+      sd_array{};      ///< of the number of this one array, where `sd` is that of the process it is a draw of
+  std::string from{};  ///< stacks and method
+  std::string why{};   ///< it is not determined
+};
+
+struct Characterization {
+  std::vector<Stack> stacks;  ///< by light, then time
+  std::vector<int> level_of;  ///< of each stack in `transfer.levels`; -1: left out
+  std::vector<TransferLevel> levels;
+  PhotonTransfer transfer;  ///< apparent, before the correction for crosstalk
+  CrosstalkEstimate crosstalk;
+  double full_well_e = 0.0;  ///< of a2 and a3
+  std::vector<Finding> findings;
+  std::vector<Defect> defects;  ///< of the dark, in counts
+  std::vector<std::string> warnings;
+  bool misfit = false;
+  std::string misfit_reason;  ///< with the level that disagrees most
+
+  const Finding* find(std::string_view name) const;
+};
+
+/// Throws UsageError, naming stack and remedy, for stacks of other sizes, without a level that is not clipped, whose
+/// means do not follow the light, whose light drifts, and as fit_photon_transfer().
+Characterization characterize(std::vector<Stack> stacks, const CharacterizeOptions& options);
+
+}  // namespace calib

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "calib/characterize/crosstalk_estimate.h"
+
+#include <cmath>
+
+namespace calib {
+namespace {
+
+constexpr double kSure_sd = 3.0;
+
+double power_of(double s, double c) {
+  const double h0 = 1.0 - 4.0 * s - 4.0 * c;
+  return h0 * h0 + 4.0 * s * s + 4.0 * c * c;
+}
+
+/// The fractions that have those ratios of covariances.
+std::array<double, 2> fractions_of(double side_ratio, double corner_ratio, bool with_corner) {
+  double s = 0.5 * side_ratio, c = with_corner ? 0.5 * corner_ratio : 0.0;
+  for (int i = 0; i < 200; ++i) {
+    const double h0 = 1.0 - 4.0 * s - 4.0 * c, r00 = power_of(s, c);
+    const double next_s = side_ratio * r00 / (2.0 * h0 + 4.0 * c);
+    const double next_c = with_corner ? (corner_ratio * r00 - 2.0 * s * s) / (2.0 * h0) : 0.0;
+    const bool still = std::abs(next_s - s) + std::abs(next_c - c) < 1e-15;
+    // Half steps: the iteration contracts for all fractions that frames show.
+    s = 0.5 * (s + next_s);
+    c = 0.5 * (c + next_c);
+    if (still) break;
+  }
+  return {s, c};
+}
+
+/// Mean of two estimates by their variances.
+Estimate pooled(const Estimate& a, const Estimate& b) {
+  const double wa = 1.0 / (a.sd * a.sd), wb = 1.0 / (b.sd * b.sd);
+  return {(wa * a.value + wb * b.value) / (wa + wb), 1.0 / std::sqrt(wa + wb)};
+}
+
+}  // namespace
+
+CrosstalkEstimate estimate_crosstalk(const std::vector<CorrelatedLevel>& levels) {
+  CrosstalkEstimate result;
+  for (std::size_t k = 0; k < kLags.size(); ++k) {
+    double sum = 0.0, squares = 0.0;
+    for (const CorrelatedLevel& level : levels) {
+      const double weight = level.covariance[k].pairs * (level.frames - 1.0) / (level.variance * level.variance);
+      sum += weight * level.shot * level.covariance[k].value;
+      squares += weight * level.shot * level.shot;
+    }
+    if (!(squares > 0.0)) return result;
+    result.ratio[k] = {sum / squares, 1.0 / std::sqrt(squares)};
+  }
+  const Estimate side = pooled(result.ratio[0], result.ratio[1]), corner = pooled(result.ratio[2], result.ratio[3]);
+  result.found = side.value > kSure_sd * side.sd;
+  // A corner that is there beyond what two sides give it, 2 s^2 = r01^2 / 2.
+  result.corner_found = result.found && corner.value - 0.5 * side.value * side.value > kSure_sd * corner.sd;
+  const auto at = [&](double by_side, double by_corner) {
+    return fractions_of(side.value + by_side * side.sd, corner.value + by_corner * corner.sd, result.corner_found);
+  };
+  const auto centre = at(0.0, 0.0);
+  const auto spread = [&](auto value) {
+    const double by_side = 0.5 * (value(at(1.0, 0.0)) - value(at(-1.0, 0.0)));
+    const double by_corner = 0.5 * (value(at(0.0, 1.0)) - value(at(0.0, -1.0)));
+    return Estimate{value(centre), std::hypot(by_side, by_corner)};
+  };
+  result.side = spread([](const auto& f) { return f[0]; });
+  if (result.corner_found) result.corner = spread([](const auto& f) { return f[1]; });
+  if (result.found) result.power = spread([](const auto& f) { return power_of(f[0], f[1]); });
+  return result;
+}
+
+}  // namespace calib

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// Fixed patterns: the variances over pixels, rows and columns of what does not change from frame to frame. A plane, the
+// mean frame of a stack or the difference of two, holds the pattern, what is left of temporal noise after T frames, and
+// the part of the rounding error that is fixed (rounding.h). Its three mean squares, about the row and column means,
+// are those of an analysis of variance; what is temporal is subtracted:
+//   pixels   MS_pixel - sum MS_tvh/T - sum R
+//   rows     (MS_row - MS_pixel - sum (MS_tv - MS_tvh)/T) / H,   columns with V and MS_th
+// the sums over the stacks in the plane. Without that, temporal row noise / T is taken for a pattern of rows (EMVA 1288
+// subtracts the pixels' noise only). Defects, pixels beyond 4.5 robust standard deviations, take no part: rows and
+// columns are fitted again without them, and the variance of the rest is divided by that of a normal distribution cut
+// there.
+
+#include <vector>
+
+#include "calib/characterize/components.h"
+#include "mtf/image.h"
+
+namespace calib {
+
+struct Defect {
+  std::int64_t x = 0, y = 0;
+  double excess = 0.0;  ///< counts above its row and column
+};
+
+/// Mean squares of a plane, each with the expectation of a single plane: pixels alone have the same in all three.
+struct PlaneSquares {
+  double rows = 0.0, columns = 0.0;  ///< V, H
+  double pixel = 0.0, row = 0.0, column = 0.0;
+  double pixel_dof = 0.0;
+  std::vector<Defect> defects;  ///< along rows
+};
+PlaneSquares plane_squares(mtf::ImageView<const float> plane);
+
+/// A stack whose mean frame is in the plane.
+struct AveragedStack {
+  radiometry::MeanSquares squares;
+  double pattern = 0.0;  ///< R, counts^2
+};
+
+struct Pattern {
+  VarianceComponent pixel, row, column;  ///< in the unit of the plane, squared; of the process of which this is a draw
+  /// Standard deviations of the same variances as numbers of this one sensor: temporal noise alone.
+  double pixel_sd_array = 0.0, row_sd_array = 0.0, column_sd_array = 0.0;
+};
+Pattern pattern_of(const PlaneSquares& plane, const std::vector<AveragedStack>& stacks);
+
+}  // namespace calib

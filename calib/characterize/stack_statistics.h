@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// A stack of frames of one scene that does not change, reduced in one pass to sums, whose memory is that of two planes
+// for any number of frames:
+//   for each pixel     sum and sum of squares
+//   for each frame     squares of the sums of rows, of columns and of all, added to the totals at once
+//   at six lags        sums of the products of pixels that far apart
+// All values are taken about a whole number near their mean, and the sums of counts (whole numbers) are exact. From
+// them follow the seven mean squares of three-dimensional noise, and the temporal covariance of neighbours: as
+//   sum over t of (x_p - mean_p) (x_q - mean_q) = sum over t of x_p x_q - S_p S_q / T
+// needs the sums S of the pixels at the end only, a lag costs one number and no second pass.
+//   calib::StackStatistics dark(640, 512, {.low = 0, .high = 16383});
+//   for (const mtf::Image& frame : frames) dark.add(frame.view());
+//   const radiometry::MeanSquares squares = dark.mean_squares();
+
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+#include "mtf/image.h"
+#include "radiometry/stages/noise/mean_squares.h"
+
+namespace calib {
+
+/// A pixel and the one `rows` below and `columns` to its right.
+struct Lag {
+  int rows = 0, columns = 0;
+};
+inline constexpr std::array kLags{Lag{0, 1}, Lag{1, 0}, Lag{1, 1}, Lag{1, -1}, Lag{0, 2}, Lag{2, 0}};
+
+struct Covariance {
+  double value = 0.0;  ///< without bias
+  double pairs = 0.0;  ///< of pixels
+};
+
+/// Ends of the scale: values there, or beyond, are counted as clipped.
+struct CountRange {
+  double low = -std::numeric_limits<double>::infinity(), high = std::numeric_limits<double>::infinity();
+};
+
+class StackStatistics {
+ public:
+  /// Throws UsageError for fewer than two rows or columns.
+  StackStatistics(std::int64_t width, std::int64_t height, CountRange range = {});
+
+  /// Throws UsageError for a frame of another size, and for NaN and infinite values with the first place. The result
+  /// does not depend on the threads.
+  void add(mtf::ImageView<const float> frame, int threads = 1);
+
+  std::int64_t width() const { return width_; }
+  std::int64_t height() const { return height_; }
+  std::int64_t frames() const { return frames_; }
+  std::int64_t pixels() const { return width_ * height_; }
+  double mean() const;
+  double pixel_mean(std::int64_t i) const;  ///< i counts along rows
+
+  /// The three below need two frames; UsageError with fewer.
+  radiometry::MeanSquares mean_squares() const;
+  Covariance covariance(Lag lag) const;  ///< at one of kLags
+  /// Standard deviation of the mean over the pixels of their temporal variances, from the scatter of these: it holds
+  /// for any distribution of independent pixels.
+  double variance_sd() const;
+
+  /// Parts of all values that are at the ends of the range.
+  double share_low() const { return share(low_); }
+  double share_high() const { return share(high_); }
+  /// The largest power of two that divides all values; 0 where some are not whole. Counts of 12 bits that are stored in
+  /// the upper bits of 16 have 16.
+  std::uint32_t step() const;
+  std::uint32_t bits() const { return bits_; }  ///< that occur in any value, of negative ones the sign
+  /// Von Neumann's ratio of the means of frames: the mean square of the difference of successive ones over their
+  /// variance, 2 for independent ones, towards 0 for a drift (J. von Neumann, Ann. Math. Stat. 12, 367 (1941)).
+  double von_neumann() const;
+
+ private:
+  double share(std::int64_t count) const;
+
+  std::int64_t width_, height_, frames_ = 0, low_ = 0, high_ = 0;
+  CountRange range_;
+  double reference_ = 0.0;
+  std::vector<double> sum_, squares_;  ///< of pixels
+  std::array<long double, kLags.size()> products_{};
+  long double total_ = 0.0L, all_squares_ = 0.0L, frame_squares_ = 0.0L, row_squares_ = 0.0L, column_squares_ = 0.0L;
+  long double step_squares_ = 0.0L;  ///< of the differences of successive frames' sums
+  double last_ = 0.0;                ///< sum of the latest frame
+  std::uint32_t bits_ = 0;           ///< that occur in any value
+  bool whole_ = true;
+};
+
+}  // namespace calib

@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mtf/io/npy.h"
+
+#include <algorithm>
+#include <bit>
+#include <charconv>
+#include <string_view>
+
+#include "mtf/error.h"
+#include "mtf/io/file_checks.h"
+#include "mtf/words.h"
+
+namespace mtf::io {
+namespace {
+
+static_assert(std::endian::native == std::endian::little);
+
+constexpr std::uint64_t kMost = 1ULL << 40;  // numbers of an array
+
+/// What stands behind `'key': ` in the header.
+std::string_view entry(std::string_view header, const std::string& key) {
+  const std::size_t at = header.find("'" + key + "'");
+  if (at == std::string_view::npos) return {};
+  const std::size_t colon = header.find(':', at);
+  return colon == std::string_view::npos ? std::string_view() : header.substr(colon + 1);
+}
+
+/// The whole numbers of "(12, 345)", five of them at most.
+std::vector<std::uint64_t> sizes_of(std::string_view text) {
+  text = text.substr(std::min(text.find('('), text.size()));
+  text = text.substr(0, text.find(')'));
+  std::vector<std::uint64_t> sizes;
+  while (sizes.size() < 5) {
+    text.remove_prefix(std::min(text.find_first_of("0123456789"), text.size()));
+    if (text.empty()) break;
+    std::uint64_t value = 0;
+    const auto end = std::from_chars(text.data(), text.data() + text.size(), value).ptr;
+    text.remove_prefix(static_cast<std::size_t>(end - text.data()));
+    sizes.push_back(value);
+  }
+  return sizes;
+}
+
+}  // namespace
+
+NpyReader::NpyReader(const std::string& path) : path_(path) {
+  const auto bytes = static_cast<std::uint64_t>(ordinary_file_size(path));
+  file_.open(path, std::ios::binary);
+  if (!file_) throw RuntimeError("cannot read " + one_line(path) + ": check its permissions");
+  const auto refuse = [&](const std::string& what) { throw UsageError(one_line(path) + ": " + what); };
+  const auto read = [&](std::size_t count, const char* cut) {
+    std::string part(count, '\0');
+    if (!file_.read(part.data(), static_cast<std::streamsize>(count))) refuse(cut);
+    return part;
+  };
+  constexpr const char *kNone = "is no NPY file", *kCut = "the header of the NPY file is cut off";
+  const std::string head = read(8, kNone);
+  if (!head.starts_with("\x93NUMPY")) refuse(kNone);
+  const std::string size = read(head[6] == 1 ? 2 : 4, kNone);  // of the header, the least byte first
+  std::size_t length = 0;
+  for (std::size_t i = size.size(); i-- > 0;) length = 256 * length + static_cast<unsigned char>(size[i]);
+  begin_ = head.size() + size.size() + length;
+  if (begin_ > bytes) refuse(kCut);
+  const std::string header = read(length, kCut);
+  const std::string_view descr = entry(header, "descr");
+  const std::size_t quote = descr.find('\'');
+  type_ = quote < 3 ? std::string(descr.substr(quote + 1, 3)) : "";
+  constexpr std::string_view kTypes = " f4 f8 u1 i1 u2 i2 u4 i4 ";
+  const bool known = type_.size() == 3 && kTypes.find(" " + type_.substr(1) + " ") != std::string_view::npos &&
+                     descr.substr(quote + 4).starts_with('\'');
+  if (!known || entry(header, "fortran_order").find("False") > 4)
+    refuse("whole numbers or floats in C order belong here, as numpy.save writes them");
+  item_ = static_cast<std::size_t>(type_[2] - '0');
+  shape_ = sizes_of(entry(header, "shape"));
+  std::uint64_t count = 1;
+  for (const std::uint64_t extent : shape_) count = extent > 0 && count <= kMost / extent ? count * extent : kMost + 1;
+  if (count > kMost || (bytes - begin_) / item_ < count) refuse("the NPY file is cut off");
+}
+
+template <class Number>
+void NpyReader::read_as(std::span<float> values) {
+  std::vector<Number> numbers(values.size());
+  auto* const bytes = reinterpret_cast<char*>(numbers.data());
+  file_.read(bytes, static_cast<std::streamsize>(values.size() * sizeof(Number)));
+  if (type_[0] == '>')
+    for (std::size_t i = 0; i < numbers.size(); ++i)
+      std::reverse(bytes + i * sizeof(Number), bytes + (i + 1) * sizeof(Number));
+  std::transform(numbers.begin(), numbers.end(), values.begin(), [](Number n) { return static_cast<float>(n); });
+}
+
+void NpyReader::read(std::uint64_t first, std::span<float> values) {
+  file_.seekg(static_cast<std::streamoff>(begin_ + first * item_));
+  const std::string kind = type_.substr(1);
+  if (kind == "f4") read_as<float>(values);
+  if (kind == "f8") read_as<double>(values);
+  if (kind == "u1") read_as<std::uint8_t>(values);
+  if (kind == "i1") read_as<std::int8_t>(values);
+  if (kind == "u2") read_as<std::uint16_t>(values);
+  if (kind == "i2") read_as<std::int16_t>(values);
+  if (kind == "u4") read_as<std::uint32_t>(values);
+  if (kind == "i4") read_as<std::int32_t>(values);
+  if (!file_) throw RuntimeError(one_line(path_) + ": it cannot be read");
+}
+
+}  // namespace mtf::io

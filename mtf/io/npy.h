@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// Arrays of numpy.save (NPY, versions 1 to 3), in pieces of any size: whole numbers of 8 to 32 bits and floats of 32
+// and 64, either byte order, C order.
+
+#include <cstdint>
+#include <fstream>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace mtf::io {
+
+class NpyReader {
+ public:
+  /// Reads the header. Throws UsageError with the path where this is no such array or one that is cut off, RuntimeError
+  /// where the file cannot be read.
+  explicit NpyReader(const std::string& path);
+
+  const std::vector<std::uint64_t>& shape() const { return shape_; }
+  const std::string& type() const { return type_; }  ///< as numpy has it: "<f4", "|u1", ">u2"
+  bool is_float() const { return type_[1] == 'f'; }
+  /// Values from the `first` one on, as many as `values` holds, rounded to float. Throws RuntimeError.
+  void read(std::uint64_t first, std::span<float> values);
+
+ private:
+  template <class Number>
+  void read_as(std::span<float> values);
+
+  std::string path_, type_;
+  std::vector<std::uint64_t> shape_;
+  std::uint64_t begin_ = 0;  ///< of the values, in bytes
+  std::size_t item_ = 0;     ///< bytes of a value
+  std::ifstream file_;
+};
+
+}  // namespace mtf::io

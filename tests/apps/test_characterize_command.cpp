@@ -1,0 +1,231 @@
+// SPDX-License-Identifier: Apache-2.0
+
+// `mtf characterize`: frames of a sensor file that `mtf simulate` draws, the sensor file that comes back, and refusals.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <random>
+
+#include "mtf/io/image_io.h"
+#include "tests/apps/command.h"
+#include "tests/replaced.h"
+
+namespace apps_test {
+namespace {
+
+using Json = nlohmann::json;
+
+const std::string kSensor = R"(schema = 2
+name = "camera"   # its author's words
+[frame]
+focal_length = "100 mm"
+pitch = "15 um"
+integration_time = "1 ms"
+[scene]
+quantity = "photon_radiance"
+sample = "15 um"
+[optics]
+f_number = 2.0
+[band]
+wavelength = ["3.8 um", "4.2 um"]
+[[readout]]
+kind = "crosstalk"
+side = 0.015
+[detector]
+quantum_efficiency = 0.6
+full_well = "50 ke-"
+read_noise = "3 e-"
+[nonlinearity]
+a2 = -0.03
+[nonuniformity]
+prnu = 0.012
+dsnu = "4 e-"
+[noise]
+seed = 1
+row = "1.5 e-"
+fixed_column = "2 e-"
+[adc]
+bits = 14
+electrons_per_count = "2.5 e-"
+offset = 100.3
+)";
+
+/// Integration times of the levels, in units of 4 ke-: frames 10 k to 10 k + 9 are of level k.
+constexpr std::array kTimes{1e-6, 0.5, 1.0, 2.0, 4.0, 6.0, 8.0};
+constexpr double kUnit_s = 0.128e-3;
+
+/// A scratch folder with flat.exr, and the photons at a pixel in a unit of time.
+class CharacterizeCommand : public testing::Test {
+ protected:
+  CharacterizeCommand() {
+    mtf::Image flat(kSide, kSide);
+    std::fill_n(flat.data(), flat.size(), 8e17F);
+    mtf::io::write_exr((scratch / "flat.exr").string(), {{"Y", flat.view()}}, {});
+    std::string still = replaced(kSensor, "quantum_efficiency = 0.6", "quantum_efficiency = 1.0");
+    still = still.substr(0, still.find("[nonlinearity]"));
+    write_file(scratch / "still.toml", replaced(still, "read_noise = \"3 e-\"", "") + "[noise]\nshot = false\n");
+    const Result run = scratch.run("mtf simulate still.toml flat.exr -o e.exr --stage electrons");
+    if (run.status != 0) throw std::runtime_error(run.err);
+    photons_ =
+        static_cast<double>(mtf::io::read_image((scratch / "e.exr").string()).planes.at(0).at(3, 3)) * kUnit_s / 1e-3;
+  }
+
+  /// The frames of a sensor file below `folder`, and the file that describes them.
+  void simulate(const std::string& sensor, const std::string& folder, int seed, const std::string& more = "") {
+    write_file(scratch / (folder + ".toml"), replaced(sensor, "seed = 1", "seed = " + std::to_string(seed)));
+    std::string schedule = "frame,parameter,value\n", stacks = more;
+    for (std::size_t k = 0; k < kTimes.size(); ++k) {
+      schedule += std::to_string(std::max<std::size_t>(1, 10 * k)) + ",frame.integration_time," +
+                  std::to_string(kTimes[k] * kUnit_s * 1e9) + " ns\n";
+      stacks += "[[stack]]\nframes = \"" + folder + "/f." + std::to_string(k) + "?.png\"\n" +
+                (k == 0 ? "light = false\n" : "photons = " + std::to_string(kTimes[k] * photons_) + "\n");
+    }
+    write_file(scratch / "schedule.csv", schedule);
+    write_file(scratch / (folder + "_stacks.toml"), stacks);
+    const Result run = scratch.run("mkdir " + folder + " && mtf simulate " + folder + ".toml flat.exr -o '" + folder +
+                                   "/f.%02d.png' --schedule schedule.csv --frames 1:69 --quiet");
+    ASSERT_EQ(run.status, 0) << run.err;
+  }
+
+  static std::map<std::string, Json> numbers(const std::string& text) {
+    std::map<std::string, Json> all;
+    for (const Json& one : Json::parse(text).at("numbers")) all[one.at("name")] = one;
+    return all;
+  }
+
+  static constexpr std::int64_t kSide = 128;
+  Scratch scratch;
+  double photons_ = 0.0;
+};
+
+// Sensor file -> frames -> sensor file -> frames: the numbers are those of the first file within their errors, and
+// those of the second set of frames are the same within both.
+TEST_F(CharacterizeCommand, ClosesTheLoop) {
+  simulate(kSensor, "truth", 11, "nominal = \"nominal.toml\"\n[options]\nnonlinearity = 1\n");
+  std::string nominal = replaced(kSensor, "2.5 e-", "2.2 e-");
+  nominal = replaced(nominal, "prnu = 0.012", "prnu = 0.02");
+  write_file(scratch / "nominal.toml", replaced(nominal, "side = 0.015", "side = 0.0"));
+  const Result found = scratch.run("mtf characterize truth_stacks.toml -o camera --format json");
+  ASSERT_EQ(found.status, 0) << found.err << found.out;
+  std::map<std::string, Json> first = numbers(found.out);
+  const std::map<std::string, double> truth{{"electrons_per_count", 2.5},
+                                            {"read_noise", 3.0},
+                                            {"a2", -0.03},
+                                            {"rate", 0.6},
+                                            {"prnu", 0.012},
+                                            {"dsnu", 4.0},
+                                            {"row_noise", 1.5},
+                                            {"fixed_column", 2.0},
+                                            {"crosstalk_side", 0.015},
+                                            {"offset", 100.3}};
+  for (const auto& [name, value] : truth) {
+    const double sd = first.at(name).at("sd").get<double>();
+    // The offset, and the rate by the mean responsivity, are those of an array whose patterns have a mean.
+    const double more = name == "offset" ? 0.4 * std::hypot(4.0 / kSide, 2.0 / std::sqrt(kSide))
+                        : name == "rate" ? 0.6 * 0.012 / kSide
+                                         : 0.0;
+    EXPECT_NEAR(first.at(name).at("value").get<double>(), value, 4.0 * std::hypot(sd, more)) << name;
+    EXPECT_LT(sd, 0.12 * std::abs(value)) << name;
+  }
+  EXPECT_EQ(first.at("transmission").at("verdict"), "not determined");
+  EXPECT_TRUE(first.at("transmission").at("value").is_null());
+
+  const std::string sensor = read_file(scratch / "camera/sensor.toml");
+  expect_says(sensor, {"its author's words", "stderr = ", "not measured: ", "optics.transmission", "limits:"});
+  EXPECT_EQ(Json::parse(read_file(scratch / "camera/result.json")), Json::parse(found.out));
+  EXPECT_EQ(lines(read_file(scratch / "camera/levels.csv")), kTimes.size() + 1);
+  EXPECT_EQ(scratch.run("mtf config check camera/sensor.toml").status, 0);
+  EXPECT_EQ(scratch.run("mtf budget camera/sensor.toml").status, 0);
+
+  simulate(sensor, "twin", 12, "nominal = \"camera/sensor.toml\"\n[options]\nnonlinearity = 1\n");
+  const Result again = scratch.run("mtf characterize twin_stacks.toml --format json");
+  ASSERT_EQ(again.status, 0) << again.err;
+  for (const auto& [name, one] : numbers(again.out)) {
+    const Json& before = first.at(name);
+    const auto is_known = [](const Json& j) { return j.at("verdict") == "determined" && j.at("sd").is_number(); };
+    if (!is_known(one) || !is_known(before) || name == "offset") continue;
+    const double sd = std::hypot(one.at("sd").get<double>(), before.at("sd").get<double>());
+    EXPECT_NEAR(one.at("value").get<double>(), before.at("value").get<double>(), 4.0 * sd) << name;
+  }
+}
+
+// Without a nominal the file has placeholders, which are named; a response that is left out is found, files are
+// written.
+TEST_F(CharacterizeCommand, AMisfitWritesItsFilesAndSaysSo) {
+  simulate(kSensor, "truth", 13, "[camera]\nbits = 14\n");
+  const Result found = scratch.run("mtf characterize truth_stacks.toml -o camera");
+  expect_error(found, 3, {"exit code 3", "--allow-misfit"});
+  expect_says(found.out, {"does not describe", "nonlinearity", "frame.pitch"});
+  EXPECT_EQ(Json::parse(read_file(scratch / "camera/result.json")).at("status"), "model_wrong");
+  EXPECT_EQ(scratch.run("mtf config check camera/sensor.toml").status, 0);
+  EXPECT_EQ(scratch.run("mtf characterize truth_stacks.toml --allow-misfit").status, 0);
+  expect_error(scratch.run("mtf characterize truth_stacks.toml -o camera"), 2, {"not empty", "--force"});
+}
+
+/// A cube of Poisson counts about a mean, as numpy.save writes it.
+void write_cube(const fs::path& path, double mean, int frames, unsigned seed, unsigned factor = 1) {
+  std::mt19937 engine(seed);
+  std::string head = "{'descr': '>u2', 'fortran_order': False, 'shape': (" + std::to_string(frames) + ", 24, 32), }";
+  head.resize(117, ' ');
+  std::string text = std::string("\x93NUMPY\x01\0", 8) + char(118) + '\0' + head + '\n';
+  for (int i = 0; i < frames * 24 * 32; ++i) {
+    const unsigned value = factor * static_cast<unsigned>(std::poisson_distribution<int>(mean)(engine));
+    text += static_cast<char>(value >> 8);
+    text += static_cast<char>(value & 255U);
+  }
+  write_file(path, text);
+}
+
+TEST(CharacterizeRefusals, BadDescriptorsAndFrames) {
+  const Scratch scratch;
+  for (unsigned k = 0; k < 4; ++k) write_cube(scratch / ("c" + std::to_string(k) + ".npy"), 100.0 + 300.0 * k, 4, k);
+  const auto stack = [](const std::string& file, const std::string& light) {
+    return "[[stack]]\nframes = \"" + file + "\"\n" + light + "\n";
+  };
+  const std::string camera = "[camera]\nbits = 12\n", dark = stack("c0.npy", "light = false"),
+                    rest = stack("c1.npy", "relative = 1") + stack("c2.npy", "relative = 2");
+  const auto run = [&](const std::string& text) {
+    write_file(scratch / "stacks.toml", text);
+    return scratch.run("mtf characterize stacks.toml --allow-misfit");
+  };
+  EXPECT_EQ(run(camera + dark + rest).status, 0);
+  expect_error(run(dark + rest), 2, {"bits = 12", "[camera]"});
+  expect_error(run(camera), 2, {"stacks.toml", "[[stack]]"});
+  expect_error(run(camera + "bitz = 3\n" + dark), 2, {"stacks.toml:3", "bitz"});
+  expect_error(run(camera + dark + stack("none/*.png", "relative = 1")), 2, {"stacks.toml:7", "no file"});
+  expect_error(run(camera + dark + rest + stack("c1.npy", "relative = 5")), 2, {"c1.npy", "two stacks"});
+  expect_error(run(camera + dark + rest + stack("c3.npy", "photons = 5")), 2, {"relative", "in one way"});
+  expect_error(run(camera + dark + stack("c1.npy", "")), 2, {"how much light", "photons"});
+  expect_error(run(camera + dark + rest + stack("c3.npy", "relative = 0.5")), 2, {"lower mean", "paired wrongly"});
+  expect_error(run("[camera]\nbits = 8\n" + dark + rest), 2, {"255", "correct bits"});
+  expect_error(run(camera + dark + stack("c1.npy", "relative = 1")), 2, {"2 usable levels", "more exposures"});
+  EXPECT_TRUE(says(run("[camera]\nbits = 16\n" + dark + rest).out, "if the converter has fewer"));
+  fs::copy_file(scratch / "c1.npy", scratch / "copy.npy");
+  expect_error(run(camera + dark + rest + stack("copy.npy", "relative = 3")), 2,
+               {"copy.npy", "same frame as", "c1.npy"});
+  write_cube(scratch / "one.npy", 900.0, 1, 9);
+  expect_error(run(camera + dark + rest + stack("one.npy", "relative = 3")), 2, {"one.npy", "two frames"});
+  write_cube(scratch / "shifted.npy", 900.0, 4, 9, 16);
+  expect_error(run("[camera]\nbits = 16\n" + stack("shifted.npy", "relative = 3")), 2,
+               {"multiples of 16", "step = 16"});
+  EXPECT_EQ(run("[camera]\nbits = 12\nstep = 16\n" + stack("shifted.npy", "relative = 3")).status, 2);
+  const std::string cut = read_file(scratch / "c3.npy");
+  write_file(scratch / "cut.npy", cut.substr(0, cut.size() / 2));
+  expect_error(run(camera + dark + stack("cut.npy", "relative = 1")), 2, {"cut.npy", "cut off"});
+  mtf::Image plane(32, 24), small(8, 8);
+  for (std::int64_t i = 0; i < plane.size(); ++i) plane.data()[i] = static_cast<float>(i % 200);
+  for (std::int64_t i = 0; i < small.size(); ++i) small.data()[i] = static_cast<float>(i % 9);
+  const auto write = [&](const std::string& name, const mtf::Image& image) {
+    mtf::io::write_integer((scratch / name).string(), {{"Y", image.view()}}, {1.0, 0.0, 16}, {});
+  };
+  fs::create_directory(scratch / "mixed");
+  write("mixed/a.tif", plane);
+  write("mixed/b.tif", small);
+  expect_error(run(camera + stack("mixed/*.tif", "relative = 1")), 2, {"mixed/b.tif", "one size"});
+}
+
+}  // namespace
+}  // namespace apps_test

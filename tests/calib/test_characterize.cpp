@@ -1,0 +1,280 @@
+// SPDX-License-Identifier: Apache-2.0
+
+// Cameras of known numbers, drawn with random numbers of the standard library, and what is found of them: intervals
+// that hold as often as they say, and refusals.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <map>
+#include <random>
+
+#include "calib/characterize/characterize.h"
+#include "tests/expect_error.h"
+
+namespace calib {
+namespace {
+
+struct Camera {
+  double gain = 0.4, read_e = 3.0, offset = 100.3, rate = 4000.0, full_well_e = 5e4;
+  double prnu = 0.01, dsnu_e = 2.0, a2 = 0.0, side = 0.0;
+  double row_e = 0.0, fixed_row_e = 0.0, dark_e_s = 0.0, dcnu = 0.0;
+  double hot_share = 0.0;             ///< of pixels with 100 read noises more
+  double lamp_sd = 0.0, drift = 0.0;  ///< of the light: from level to level, over a stack
+  double top = 16383.0;
+};
+
+constexpr std::int64_t kSide = 40;
+constexpr int kFrames = 6;
+const std::vector<double> kLights{0.0, 0.25, 0.5, 1.0, 2.0, 3.0, 5.0, 7.0, 9.0};
+
+/// The camera's own numbers in this array.
+struct Array {
+  std::vector<double> response, offset_e, dark;
+  double mean_response = 0.0, mean_offset_e = 0.0;
+};
+
+using Engine = std::mt19937_64;
+
+Array array_of(const Camera& camera, Engine& engine) {
+  std::normal_distribution<double> normal;
+  Array a;
+  std::vector<double> rows(kSide);
+  for (double& row : rows) row = camera.fixed_row_e * normal(engine);
+  for (std::int64_t i = 0; i < kSide * kSide; ++i) {
+    a.response.push_back(1.0 + camera.prnu * normal(engine));
+    a.offset_e.push_back(camera.dsnu_e * normal(engine) + rows[static_cast<std::size_t>(i / kSide)]);
+    a.dark.push_back(std::max(0.0, 1.0 + camera.dcnu * normal(engine)));
+    if (std::uniform_real_distribution<double>()(engine) < camera.hot_share) a.offset_e.back() += 100.0 * camera.read_e;
+    a.mean_response += a.response.back() / (kSide * kSide);
+    a.mean_offset_e += a.offset_e.back() / (kSide * kSide);
+  }
+  return a;
+}
+
+Stack stack_of(const Camera& camera, const Array& array, double light, double time_s, Engine& engine, int frames) {
+  std::normal_distribution<double> normal;
+  StackStatistics sums(kSide, kSide, {.low = 0.0, .high = camera.top});
+  const double lamp = 1.0 + camera.lamp_sd * normal(engine);
+  std::vector<double> e(kSide * kSide);
+  mtf::Image frame(kSide, kSide);
+  for (int t = 0; t < frames; ++t) {
+    for (std::size_t i = 0; i < e.size(); ++i) {
+      const double mean = camera.rate * light * lamp * (1.0 + camera.drift * t / frames) * array.response[i] +
+                          camera.dark_e_s * time_s * array.dark[i];
+      e[i] = mean > 0.0 ? std::poisson_distribution<int>(mean)(engine) : 0.0;
+      e[i] *= 1.0 + camera.a2 * e[i] / camera.full_well_e;
+    }
+    for (std::int64_t y = 0, i = 0; y < kSide; ++y) {
+      const double row = camera.row_e * normal(engine);
+      for (std::int64_t x = 0; x < kSide; ++x, ++i) {
+        const auto at = [&](std::int64_t dx, std::int64_t dy) {
+          return e[static_cast<std::size_t>((y + dy + kSide) % kSide * kSide + (x + dx + kSide) % kSide)];
+        };
+        const double s = camera.side;
+        const double charge = (1.0 - 4.0 * s) * at(0, 0) + s * (at(1, 0) + at(-1, 0) + at(0, 1) + at(0, -1));
+        const double out = charge + array.offset_e[static_cast<std::size_t>(i)] + camera.read_e * normal(engine) + row;
+        frame.data()[i] =
+            static_cast<float>(std::clamp(std::floor(camera.gain * out + camera.offset + 0.5), 0.0, camera.top));
+      }
+    }
+    sums.add(frame.view());
+  }
+  return {.name = "light " + std::to_string(light), .light = light, .time_s = time_s, .sums = summary_of(sums)};
+}
+
+std::vector<Stack> stacks_of(const Camera& camera, const Array& array, Engine& engine, int frames = kFrames) {
+  std::vector<Stack> stacks;
+  for (const double light : kLights) stacks.push_back(stack_of(camera, array, light, 0.0, engine, frames));
+  return stacks;
+}
+
+/// How often the intervals of a name hold, and where its values lie.
+struct Tally {
+  int held = 0;
+  double error = 0.0, squares = 0.0;
+  bool is_zero = false;
+  void add(const Finding& f, double truth) {
+    is_zero = truth == 0.0;
+    held += f.low95 <= truth && truth <= f.high95 ? 1 : 0;
+    error += f.value - truth;
+    squares += (f.value - truth) * (f.value - truth);
+  }
+};
+
+struct Condition {
+  std::string name;
+  Camera camera{};
+  CharacterizeOptions options{};
+  std::map<std::string, double> more{};  ///< what is true beside what all have
+};
+
+const std::vector<Condition> kConditions{
+    {"Plain"},
+    {"NoiseOfAFifthOfACount", {.gain = 0.125, .read_e = 1.6, .dsnu_e = 6.0}},
+    {"Nonlinear", {.a2 = -0.03}, {.nonlinearity = 1, .full_well_e = 5e4}, {{"a2", -0.03}}},
+    {"Crosstalk", {.side = 0.02}, {}, {{"crosstalk_side", 0.02}}},
+    {"NonlinearCrosstalk",
+     {.a2 = -0.03, .side = 0.02},
+     {.nonlinearity = 1, .full_well_e = 5e4},
+     {{"a2", -0.03}, {"crosstalk_side", 0.02}}},
+    {"Rows",
+     {.row_e = 1.5, .fixed_row_e = 2.0},
+     {},
+     {{"row_noise", 1.5}, {"fixed_row", 2.0}, {"column_noise", 0.0}, {"fixed_column", 0.0}}},
+    {"LampOffByOnePercent", {.lamp_sd = 0.01}, {.light_repeatability = 0.01}},
+    {"HotPixels", {.hot_share = 0.005}}};
+
+/// How many of the 95 % intervals of each number hold, with new frames and a new array in each draw, and that the mean
+/// error is within 4.5 of its standard deviations.
+void expect_coverage(const Condition& condition, int draws, int least, int most) {
+  const Camera& camera = condition.camera;
+  std::map<std::string, Tally> tallies;
+  int misfits = 0;
+  for (int draw = 0; draw < draws; ++draw) {
+    std::seed_seq seed(condition.name.begin(), condition.name.end());
+    Engine engine(seed);
+    engine.seed(engine() + static_cast<std::uint64_t>(draw));
+    const Array array = array_of(camera, engine);
+    const Characterization found = characterize(stacks_of(camera, array, engine), condition.options);
+    misfits += found.misfit ? 1 : 0;
+    std::map<std::string, double> truth{{"electrons_per_count", 1.0 / camera.gain},
+                                        {"read_noise", camera.read_e},
+                                        {"offset", camera.offset + camera.gain * array.mean_offset_e},
+                                        {"rate", camera.rate * array.mean_response},
+                                        {"dsnu", camera.dsnu_e},
+                                        {"prnu", camera.prnu}};
+    truth.insert(condition.more.begin(), condition.more.end());
+    for (const auto& [name, value] : truth) {
+      const Finding* finding = found.find(name);
+      ASSERT_NE(finding, nullptr) << name;
+      ASSERT_NE(finding->verdict, Verdict::not_determined) << name << ": " << finding->why;
+      tallies[name].add(*finding, value);
+    }
+  }
+  EXPECT_LE(misfits, 2 + draws / 250);  // p is below 0.001 once in a thousand
+  for (const auto& [name, tally] : tallies) {
+    EXPECT_GE(tally.held, least) << name;
+    testing::Test::RecordProperty(name, tally.held);
+    if (tally.is_zero) continue;  // an rms of what is not there has a mean above 0, and an interval that begins there
+    EXPECT_LE(tally.held, most) << name;
+    const double mean = tally.error / draws, sd = std::sqrt(tally.squares / draws - mean * mean);
+    EXPECT_LT(std::abs(mean), 4.5 * sd / std::sqrt(draws)) << name << " sd " << sd;
+  }
+}
+
+std::string name_of(const testing::TestParamInfo<Condition>& condition) { return condition.param.name; }
+
+class CharacterizeCoverage : public testing::TestWithParam<Condition> {};
+class CharacterizeCoverageLong : public testing::TestWithParam<Condition> {};
+
+// Of 120 intervals 114 should hold; 104 is 4.2 sd below, of intervals that hold 75 % one set in 500 passes.
+TEST_P(CharacterizeCoverage, HoldsAsStated) { expect_coverage(GetParam(), 120, 104, 120); }
+// Five sd about 950, with the half per cent that the estimators themselves are off by in single conditions.
+TEST_P(CharacterizeCoverageLong, HoldsAsStated) { expect_coverage(GetParam(), 1000, 912, 986); }
+INSTANTIATE_TEST_SUITE_P(Cameras, CharacterizeCoverage, testing::ValuesIn(kConditions), name_of);
+INSTANTIATE_TEST_SUITE_P(Cameras, CharacterizeCoverageLong, testing::ValuesIn(kConditions), name_of);
+
+TEST(Characterize, AModelThatIsTooSimpleIsFound) {
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    Engine engine(seed);
+    const Camera bent{.a2 = -0.03}, wavering{.lamp_sd = 0.01};
+    const Characterization left_out = characterize(stacks_of(bent, array_of(bent, engine), engine), {});
+    EXPECT_TRUE(left_out.misfit) << left_out.transfer.p;
+    expect_says(left_out.misfit_reason, {"chi-square", "nonlinearity"});
+    EXPECT_TRUE(characterize(stacks_of(wavering, array_of(wavering, engine), engine), {}).misfit);
+  }
+}
+
+TEST(Characterize, DarkCurrentAndItsPattern) {
+  const Camera camera{.dark_e_s = 300.0, .dcnu = 0.2};
+  Engine engine(3);
+  const Array array = array_of(camera, engine);
+  std::vector<Stack> stacks = stacks_of(camera, array, engine);
+  for (const double time_s : {1.0, 4.0}) stacks.push_back(stack_of(camera, array, 0.0, time_s, engine, 24));
+  const Characterization found = characterize(std::move(stacks), {.counts_time = true});
+  for (const auto& [name, truth] : {std::pair{"dark_current", 300.0}, std::pair{"dcnu", 0.2}}) {
+    const Finding* finding = found.find(name);
+    ASSERT_NE(finding, nullptr);
+    EXPECT_NEAR(finding->value, truth, 4.0 * finding->sd) << name;
+    EXPECT_LT(finding->sd, 0.05 * truth);
+  }
+  EXPECT_FALSE(found.misfit) << found.misfit_reason;
+}
+
+TEST(Characterize, ClippedLevelsAreLeftOut) {
+  Camera camera{.offset = 2.0, .top = 12000.0};
+  Engine engine(5);
+  const Characterization found = characterize(stacks_of(camera, array_of(camera, engine), engine), {});
+  EXPECT_EQ(found.level_of.front(), -1);  // a dark signal 1.4 sd above zero
+  EXPECT_EQ(found.level_of.back(), -1);   // 14 402 counts
+  EXPECT_TRUE(says(found.warnings, "lower end"));
+  EXPECT_TRUE(says(found.warnings, "upper end"));
+  EXPECT_EQ(found.find("dsnu")->verdict, Verdict::not_determined);
+  EXPECT_NEAR(found.find("electrons_per_count")->value, 2.5, 4.0 * found.find("electrons_per_count")->sd);
+  EXPECT_FALSE(found.misfit);
+}
+
+TEST(Characterize, RoundingThatHidesTheNoiseGivesAnIntervalOnly) {
+  const Camera camera{.gain = 0.05, .read_e = 3.0, .dsnu_e = 0.5};
+  Engine engine(6);
+  const Characterization found = characterize(stacks_of(camera, array_of(camera, engine), engine), {});
+  EXPECT_EQ(found.find("read_noise")->verdict, Verdict::upper_limit);
+  expect_says(found.find("read_noise")->why, {"rounding"});
+  EXPECT_TRUE(says(found.warnings, "below 0.4 counts"));
+}
+
+TEST(Characterize, Refusals) {
+  const Camera camera;
+  Engine engine(7);
+  const Array array = array_of(camera, engine);
+  const auto light = [&](double level, const Camera& of, int frames = kFrames) {
+    return stack_of(of, array, level, 0.0, engine, frames);
+  };
+  const auto refused = [&](std::initializer_list<std::string_view> parts, std::vector<Stack> stacks,
+                           int line = __builtin_LINE()) {
+    expect_refused(
+        parts, [&] { static_cast<void>(characterize(std::move(stacks), {})); }, __FILE__, line);
+  };
+  const auto list = [](auto... stack) {
+    std::vector<Stack> all;
+    (all.push_back(std::move(*stack)), ...);
+    return all;
+  };
+  const auto make = [&](double level, const Camera& of, int frames = kFrames) {
+    return std::make_shared<Stack>(light(level, of, frames));
+  };
+  expect_refused({"1 frame", "two frames"}, [&] { light(1.0, camera, 1); });
+  refused({"2 usable levels", "3 are needed"}, list(make(0.0, camera), make(1.0, camera)));
+  refused({"end of the scale"}, list(make(5.0, {.top = 900.0}), make(7.0, {.top = 900.0})));
+  auto exchanged = list(make(0.0, camera), make(1.0, camera), make(2.0, camera));
+  std::swap(exchanged[1].light, exchanged[2].light);
+  refused({"lower mean", "paired wrongly"}, std::move(exchanged));
+  const Camera drifting{.drift = 0.02};
+  refused({"drifts", "warm up"}, list(make(0.0, camera), make(2.0, drifting, 24), make(5.0, drifting, 24)));
+  // A denoiser that takes the more the brighter it is.
+  std::vector<Stack> processed = list(make(0.0, camera), make(2.0, camera), make(5.0, camera));
+  processed[0].sums.squares.value[radiometry::kTvh] *= 5000.0;
+  refused({"does not rise with the mean", "raw frames"}, std::move(processed));
+  StackStatistics sums(4, 4);
+  mtf::Image frame(4, 4), wider(5, 4);
+  std::fill_n(frame.data(), frame.size(), 1.0F);
+  frame.at(2, 1) = std::nanf("");
+  expect_refused({"NaN", "2, 1"}, [&] { sums.add(frame.view()); });
+  expect_refused({"5 x 4", "one size"}, [&] { sums.add(wider.view()); });
+}
+
+// Counts of 12 bits in the upper bits of 16 have a step of 16, fractions none.
+TEST(Characterize, TheStepOfTheCountsIsSeen) {
+  StackStatistics shifted(8, 8), fractions(8, 8);
+  mtf::Image frame(8, 8);
+  for (std::int64_t i = 0; i < frame.size(); ++i) frame.data()[i] = static_cast<float>(16 * (i + 100));
+  shifted.add(frame.view());
+  EXPECT_EQ(shifted.step(), 16U);
+  frame.data()[3] += 0.5F;
+  fractions.add(frame.view());
+  EXPECT_EQ(fractions.step(), 0U);
+}
+
+}  // namespace
+}  // namespace calib
