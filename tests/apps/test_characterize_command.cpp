@@ -92,7 +92,8 @@ class CharacterizeCommand : public testing::Test {
 
   static std::map<std::string, Json> numbers(const std::string& text) {
     std::map<std::string, Json> all;
-    for (const Json& one : Json::parse(text).at("numbers")) all[one.at("name")] = one;
+    const Json document = Json::parse(text);
+    for (const Json& one : document.at("numbers")) all[one.at("name").get<std::string>()] = one;
     return all;
   }
 
@@ -122,6 +123,7 @@ TEST_F(CharacterizeCommand, ClosesTheLoop) {
                                             {"crosstalk_side", 0.015},
                                             {"offset", 100.3}};
   for (const auto& [name, value] : truth) {
+    ASSERT_TRUE(first.contains(name)) << name << "\n" << found.out;
     const double sd = first.at(name).at("sd").get<double>();
     // The offset, and the rate by the mean responsivity, are those of an array whose patterns have a mean.
     const double more = name == "offset" ? 0.4 * std::hypot(4.0 / kSide, 2.0 / std::sqrt(kSide))
@@ -144,6 +146,7 @@ TEST_F(CharacterizeCommand, ClosesTheLoop) {
   const Result again = scratch.run("mtf characterize twin_stacks.toml --format json");
   ASSERT_EQ(again.status, 0) << again.err;
   for (const auto& [name, one] : numbers(again.out)) {
+    ASSERT_TRUE(first.contains(name)) << name;
     const Json& before = first.at(name);
     const auto is_known = [](const Json& j) { return j.at("verdict") == "determined" && j.at("sd").is_number(); };
     if (!is_known(one) || !is_known(before) || name == "offset") continue;
