@@ -153,9 +153,10 @@ Figure otf_map_figure(const OtfMap& map) {
   figure.y_label = "y, downwards [pixels]";
   figure.equal_axes = true;
   const OtfMap::Place& last = map.places.back();
-  figure.x_range = {0.0, last.x_px + 0.5};
-  figure.y_low = last.y_px + 0.5;
-  figure.y_high = 0.0;
+  const double width = last.x_px + 0.5, height = last.y_px + 0.5, margin = 0.08;  // room for words at the edges
+  figure.x_range = {-margin * width, (1.0 + margin) * width};
+  figure.y_low = (1.0 + margin) * height;
+  figure.y_high = -margin * height;
   figure.colour_label = map.unit.empty() ? "MTF" : "MTF50 [" + map.unit + "]";
   Series series{"places", {}, {}};
   series.mark = Mark::large_points;
