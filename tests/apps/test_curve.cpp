@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <numbers>
@@ -81,7 +82,10 @@ TEST(Curve, AtAFieldPoint) {
   EXPECT_DOUBLE_EQ(value(map.at("places")[2 * 9 + 2]),
                    std::hypot(one.at("system").at("re")[0].get<double>(), one.at("system").at("im")[0].get<double>()));
   for (const Json& place : map.at("places")) EXPECT_LE(value(map.at("worst")), value(place));
-  EXPECT_LT(map.at("mean").get<double>(), value(map.at("axis")));
+  double best = 0.0;  // not on the axis, which is out of focus
+  for (const Json& place : map.at("places")) best = std::max(best, value(place));
+  EXPECT_GT(best, value(map.at("axis")));
+  EXPECT_LT(map.at("mean").get<double>(), best);
   EXPECT_GT(map.at("mean").get<double>(), value(map.at("worst")));
   EXPECT_LT(map.at("mean_error").get<double>(), 0.02);
   expect_error(scratch.run("mtf curve field.toml --map mtf"), 2, {"--map", "mtf@nyquist"});
