@@ -17,7 +17,7 @@
 namespace apps {
 namespace {
 
-using calib::Characterization, calib::Finding, calib::Verdict;
+using calib::Characterization, calib::Finding;
 
 /// Which key of a sensor file a number stands in. Rms that may be 0 stand there where they are clearly above it.
 struct Key {
@@ -50,8 +50,8 @@ std::string toml(const Finding& f, std::string_view unit) {
 /// "2.998 +- 0.013 e-", "0 .. 0.11 e-" or the reason.
 std::string shown(const Finding& f) {
   const std::string unit = f.unit.empty() ? "" : " " + f.unit;
-  if (f.verdict == Verdict::not_determined) return "not determined: " + f.why;
-  if (f.verdict == Verdict::upper_limit)
+  if (f.verdict == calib::Verdict::not_determined) return "not determined: " + f.why;
+  if (f.verdict == calib::Verdict::upper_limit)
     return significant(std::max(0.0, f.low95), 3) + " .. " + significant(f.high95, 3) + unit + " (95 %)";
   return (f.sd > 0.0 ? shown_with_error(f.value, f.sd) + " +- " + significant(f.sd, 2) : significant(f.value, 4)) +
          unit;
@@ -69,7 +69,7 @@ mtf::io::SensorConfig read_again(const std::string& text, const mtf::io::SensorC
   return std::move(read.config);
 }
 
-bool is_set(const Finding* f) { return f != nullptr && f->verdict == Verdict::determined; }
+bool is_set(const Finding* f) { return f != nullptr && f->verdict == calib::Verdict::determined; }
 
 }  // namespace
 
@@ -109,10 +109,11 @@ CameraFile camera_file(const Characterization& camera, const StacksFile& stacks,
       set(key, toml(*f, one.unit));
       continue;
     }
-    if (f != nullptr && f->verdict == Verdict::upper_limit) limits += "#   " + key + "  " + shown(*f) + ": left out\n";
-    if (f != nullptr && f->verdict == Verdict::not_determined) file.left.push_back(key);
+    if (f != nullptr && f->verdict == calib::Verdict::upper_limit)
+      limits += "#   " + key + "  " + shown(*f) + ": left out\n";
+    if (f != nullptr && f->verdict == calib::Verdict::not_determined) file.left.push_back(key);
     // Patterns of the nominal may stay; the dark current of stacks of one exposure is in offset and read noise.
-    const bool may_stay = f != nullptr && f->verdict == Verdict::not_determined && one.finding != "dark_current";
+    const bool may_stay = f != nullptr && f->verdict == calib::Verdict::not_determined && one.finding != "dark_current";
     if (!may_stay) unset(key);
   }
   const Finding* const rate = camera.find("rate");
@@ -169,7 +170,7 @@ Json characterize_json(const Characterization& camera, const StacksFile& stacks,
   json["numbers"] = Json::array();
   for (const Finding& f : camera.findings) {
     Json one{{"name", f.name}, {"unit", f.unit}, {"verdict", calib::verdict_name(f.verdict)}};
-    const bool known = f.verdict != Verdict::not_determined;
+    const bool known = f.verdict != calib::Verdict::not_determined;
     one["value"] = known ? Json(f.value) : Json();
     one["sd"] = known && f.sd > 0.0 ? Json(f.sd) : Json();
     one["sd_array"] = f.sd_array ? Json(*f.sd_array) : Json();
