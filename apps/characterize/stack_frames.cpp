@@ -12,6 +12,7 @@
 #include "mtf/io/file_checks.h"
 #include "mtf/io/image_io.h"
 #include "mtf/io/npy.h"
+#include "mtf/math/word_hash.h"
 
 namespace apps {
 namespace {
@@ -20,18 +21,16 @@ namespace {
   throw mtf::UsageError(one_line(file) + ": " + what);
 }
 
-/// 64-bit hash of the values (FNV-1a over words).
 std::uint64_t hash_of(mtf::ImageView<const float> frame) {
-  constexpr std::uint64_t kPrime = 1099511628211ULL;
   std::array<std::uint64_t, 8> lanes;  // as many multiplications at a time
-  lanes.fill(14695981039346656037ULL);
+  lanes.fill(mtf::kWordHashStart);
   for (std::int64_t y = 0; y < frame.height; ++y)
     for (std::int64_t x = 0; x < frame.width; ++x) {
       std::uint64_t& lane = lanes[static_cast<std::size_t>(x % 8)];
-      lane = (lane ^ std::bit_cast<std::uint32_t>(frame.at(x, y))) * kPrime;
+      lane = mtf::mixed(lane, std::bit_cast<std::uint32_t>(frame.at(x, y)));
     }
   std::uint64_t hash = 0;
-  for (const std::uint64_t lane : lanes) hash = (hash ^ lane) * kPrime;
+  for (const std::uint64_t lane : lanes) hash = mtf::mixed(hash, lane);
   return hash;
 }
 

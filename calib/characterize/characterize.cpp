@@ -6,6 +6,7 @@
 #include <set>
 
 #include "calib/characterize/rounding.h"
+#include "calib/fit/fit_report.h"
 #include "mtf/error.h"
 #include "mtf/words.h"
 
@@ -16,7 +17,7 @@ using mtf::significant;
 using radiometry::kTh, radiometry::kTv, radiometry::kTvh, radiometry::kVh, radiometry::kV, radiometry::kH,
     radiometry::kT;
 
-constexpr double kSure_sd = 3.0, kNormal95 = 1.959963984540054;
+constexpr double kSure_sd = 3.0;
 
 double square(double x) { return x * x; }
 
@@ -145,7 +146,7 @@ class Analysis {
     add({.name = name, .unit = unit, .verdict = Verdict::not_determined, .why = why});
   }
   void add_value(const std::string& name, const std::string& unit, const Estimate& e, const std::string& from) {
-    const double half = kNormal95 * e.sd;
+    const double half = k95_sd * e.sd;
     add({.name = name,
          .unit = unit,
          .value = e.value,
@@ -314,8 +315,8 @@ void Analysis::add_transfer() {
   const Estimate read2 = scaled(t.read2, 2.0);
   const VarianceComponent read{.variance = read2.value,
                                .sd = read2.sd,
-                               .low95 = read2.value - kNormal95 * read2.sd,
-                               .high95 = read2.value + kNormal95 * read2.sd};
+                               .low95 = read2.value - k95_sd * read2.sd,
+                               .high95 = read2.value + k95_sd * read2.sd};
   add_rms("read_noise", "e-", read, 1.0, from);
   if (read_hidden_) {
     Finding& finding = result_.findings.back();

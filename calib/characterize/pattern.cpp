@@ -9,15 +9,16 @@ namespace calib {
 namespace {
 
 constexpr double kFar_sd = 4.5;
+constexpr double kMadToSd = 1.482602218505602;
+constexpr int kPasses = 8;  // with pixels that do not count
+
+using radiometry::kTh, radiometry::kTv, radiometry::kTvh;
+
 double mean_of(const std::vector<double>& values) {
   double sum = 0.0;
   for (const double value : values) sum += value;
   return sum / static_cast<double>(values.size());
 }
-
-constexpr double kMadToSd = 1.482602218505602;
-
-using radiometry::kTh, radiometry::kTv, radiometry::kTvh;
 
 /// Means of rows and columns of the pixels that count; the columns are about the mean. By alternation, which is exact
 /// at once where all count, and to a part in 1e12 with the few that do not.
@@ -40,7 +41,8 @@ Lines lines_of(mtf::ImageView<const float> plane, const std::vector<char>& out) 
       }
     for (std::size_t k = 0; k < mine.size(); ++k) mine[k] = count[k] > 0.0 ? sum[k] / count[k] : 0.0;
   };
-  for (int pass = 0; pass < 8; ++pass) {
+  const bool all = std::find(out.begin(), out.end(), 1) == out.end();
+  for (int pass = 0; pass < (all ? 1 : kPasses); ++pass) {
     average(true);
     average(false);
   }

@@ -12,6 +12,7 @@
 #include "mtf/error.h"
 #include "mtf/field/field_tables.h"
 #include "mtf/math/special.h"
+#include "mtf/otf/otf_series.h"
 #include "mtf/parallel.h"
 #include "mtf/words.h"
 
@@ -47,17 +48,10 @@ std::vector<double> mean_weights(std::size_t n) {
   return weight;
 }
 
-/// Chebyshev coefficients of values at those points, every `stride`-th of `value`, in place.
-void to_series(double* value, std::size_t n, std::size_t stride) {
-  const std::size_t last = n - 1;
-  std::vector<double> series(n, 0.0);
-  for (std::size_t m = 0; m < n; ++m) {
-    for (std::size_t i = 0; i < n; ++i)
-      series[m] += (i == 0 || i == last ? 0.5 : 1.0) * value[i * stride] *
-                   std::cos(kPi * static_cast<double>(m * (last - i)) / static_cast<double>(last));
-    series[m] *= (m == 0 || m == last ? 1.0 : 2.0) / static_cast<double>(last);
-  }
-  for (std::size_t m = 0; m < n; ++m) value[m * stride] = series[m];
+/// Turns values at those points into Chebyshev coefficients: [coefficient][point].
+Matrix to_series(std::size_t n) {
+  const std::vector<double> falling = chebyshev_transform(static_cast<int>(n) - 1);  // [point][coefficient]
+  return Eigen::Map<const Matrix>(falling.data(), static_cast<Index>(n), static_cast<Index>(n)).rowwise().reverse();
 }
 
 /// T_0 .. T_(n-1) at t.
@@ -242,12 +236,11 @@ std::vector<Mode> modes_of(OtfPart part, const Matrix& d, const Vector& weight, 
 }
 
 /// Scales a mode so that the largest of its weights over the image is 1.
-void complete(Mode& mode, std::size_t n, const Matrix& basis, std::span<const std::array<double, 2>> probes) {
-  mode.series.assign(mode.a.data(), mode.a.data() + mode.a.size());
-  for (std::size_t j = 0; j < n; ++j) to_series(mode.series.data() + j * n, n, 1);
-  for (std::size_t i = 0; i < n; ++i) to_series(mode.series.data() + i, n, n);
-  const Matrix over =
-      basis.transpose() * Eigen::Map<const Matrix>(mode.series.data(), basis.rows(), basis.rows()) * basis;
+void complete(Mode& mode, const Matrix& transform, const Matrix& basis, std::span<const std::array<double, 2>> probes) {
+  const Index n = transform.rows();
+  const Matrix series = transform * Eigen::Map<const Matrix>(mode.a.data(), n, n) * transform.transpose();
+  mode.series.assign(series.data(), series.data() + series.size());
+  const Matrix over = basis.transpose() * series * basis;
   mode.everywhere.resize(over.size() + mode.a.size());
   mode.everywhere << Eigen::Map<const Vector>(over.data(), over.size()), mode.a;
   const double largest = 1.02 * std::max(mode.everywhere.cwiseAbs().maxCoeff(), 1e-300);
@@ -257,7 +250,8 @@ void complete(Mode& mode, std::size_t n, const Matrix& basis, std::span<const st
   mode.p *= largest;
   mode.at_probes.resize(static_cast<Index>(probes.size()));
   for (std::size_t i = 0; i < probes.size(); ++i)
-    mode.at_probes(static_cast<Index>(i)) = evaluated(mode.series, n, probes[i][0], probes[i][1]);
+    mode.at_probes(static_cast<Index>(i)) =
+        evaluated(mode.series, static_cast<std::size_t>(n), probes[i][0], probes[i][1]);
 }
 
 /// The bound of a sum of modes that are left out, with three choices of c for weights of at most 1.
@@ -291,11 +285,7 @@ System<double> with_field_radius(System<double> system, const SampleGrid& out) {
 }
 
 FieldModes::FieldModes(const System<double>& given, const SampleGrid& in, const SampleGrid& out,
-                       const FieldModesOptions& options)
-    : in_x_(500.0 / in.step_x_um),
-      in_y_(500.0 / in.step_y_um),
-      ratio_x_(out.step_x_um / in.step_x_um),
-      ratio_y_(out.step_y_um / in.step_y_um) {
+                       const FieldModesOptions& options) {
   const System<double> system = with_field_radius(given, out);
   const Frame<double>& frame = system.frame;
   const double radius = system.field_radius_um();
@@ -316,11 +306,13 @@ FieldModes::FieldModes(const System<double>& given, const SampleGrid& in, const 
       throw UsageError(std::string(error.what()) + " at the field point (" + significant(q.x, 3) + ", " +
                        significant(q.y, 3) + ")");
     }
-  FieldTables tables(system, outline, std::hypot(in_x_, in_y_) * (1.0 + 1e-9), options);
+  const double fx_max = 500.0 / in.step_x_um, fy_max = 500.0 / in.step_y_um;
+  FieldTables tables(system, outline, std::hypot(fx_max, fy_max) * (1.0 + 1e-9), options);
   const std::vector<std::size_t>& changing = tables.factor().entries;
-  const Frequencies at = frequencies_of(tables.system(), changing, options.aperture, in_x_, in_y_);
+  const Frequencies at = frequencies_of(tables.system(), changing, options.aperture, fx_max, fy_max);
   const bool one_part = common_parities(system, changing).is_one();
-  const Rms rms{options, one_part ? options.part_gain : 1.0, ratio_x_, ratio_y_};
+  const Rms rms{options, one_part ? options.part_gain : 1.0, out.step_x_um / in.step_x_um,
+                out.step_y_um / in.step_y_um};
   for (const std::size_t n : kPoints)
     if (make(tables, at, rms, n)) break;
 }
@@ -333,8 +325,9 @@ std::array<double, 2> FieldModes::probe(std::size_t i) {
 
 std::vector<FieldPoint<double>> FieldModes::places(std::size_t n) const {
   std::vector<FieldPoint<double>> list;
-  for (std::size_t j = 0; j < n; ++j)
-    for (std::size_t i = 0; i < n; ++i) list.push_back({x_.at(field_node(i, n)), y_.at(field_node(j, n))});
+  const std::vector<double> nodes = Barycentric::with_ends(n).x;
+  for (const double ty : nodes)
+    for (const double tx : nodes) list.push_back({x_.at(tx), y_.at(ty)});
   for (std::size_t i = 0; i < kProbes; ++i) {
     const auto [tx, ty] = probe(i);
     list.push_back({x_.at(tx), y_.at(ty)});
@@ -389,7 +382,8 @@ bool FieldModes::make(FieldTables& tables, const Frequencies& at, const Rms& rms
   Matrix basis(static_cast<Index>(n), kGrid + 1);
   for (int i = 0; i <= kGrid; ++i)
     basis.col(i) = Eigen::Map<const Vector>(chebyshev(n, 2.0 * i / kGrid - 1.0).data(), basis.rows());
-  for (Mode& mode : modes) complete(mode, n, basis, probes);
+  const Matrix transform = to_series(n);
+  for (Mode& mode : modes) complete(mode, transform, basis, probes);
 
   // What it costs to leave modes out, from the least on, or all of them and the mean as well.
   const Index grid = modes.empty() ? 1 : modes.front().everywhere.size();

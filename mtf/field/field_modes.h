@@ -8,11 +8,14 @@
 // a chromatic one is among them, as a band averages their product). P_0 is the mean of E over the image; P_k(0) = 0, so
 // uniform scenes stay exact with any number of modes. OTFs are made at Chebyshev points of the image, and the modes are
 // the singular vectors of their deviations from the mean, weighted with the power of the scene where that is known
-// (Flicker & Rigaut, JOSA A 22, 504 (2005), for modes of a measured point spread).
+// (Flicker & Rigaut, JOSA A 22, 504 (2005), for modes of a measured point spread), taken apart for each part of E by
+// parity along x and y (mtf/engines/fft/parity.h): such a mode takes one inverse transform of a mirrored scene.
 //
 // The promise. Of a residual D(f; x) = sum of a_k(x) p_k(f), for any c_k > 0, Cauchy-Schwarz at each pixel and Parseval
 // give rms(error)^2 <= max over x of sum a_k^2 / c_k times sum over f of power(f) sum c_k |p_k|^2. With modes scaled so
-// that max |a_k| = 1 the least of c = 1, 1 / |p_k| and 1 / |p_k|^2 is taken. What interpolation between the points
+// that max |a_k| = 1 the least of c = 1, 1 / |p_k| and 1 / |p_k|^2 is taken. What one part filters of a mirrored canvas
+// has a modulus as symmetric as the canvas, so that nothing of it can concentrate in the image: where C has one part,
+// the bound for mirrored scenes is half of that of any error. What interpolation between the points
 // misses is looked at in other places of the image.
 
 #include <array>
@@ -85,7 +88,6 @@ class FieldModes {
   bool make(FieldTables& tables, const Frequencies& at, const Rms& rms, std::size_t n);
 
   Line x_, y_;
-  double in_x_ = 0.0, in_y_ = 0.0, ratio_x_ = 1.0, ratio_y_ = 1.0;
   std::size_t n_ = 0, points_ = 0;  ///< points along an axis
   std::vector<std::shared_ptr<const GivenFactor>> factors_;
   std::vector<std::vector<float>> rows_;  ///< of each weight, for each row the Chebyshev coefficients along x

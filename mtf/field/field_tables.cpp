@@ -23,31 +23,9 @@ constexpr double kRadiusShare = 2.0;   // of the error of a table, for interpola
 constexpr double kMostBytes = 2e9;     // of all tables
 constexpr double kLeastPiece = 0.02;   // of the end of a table
 
-// Weights of the values at n Chebyshev points for the polynomial through them at t (barycentric form).
-std::vector<double> lagrange(std::size_t n, double t) {
-  std::vector<double> weight(n);
-  double sum = 0.0;
-  for (std::size_t i = 0; i < n; ++i) {
-    const double distance = t - field_node(i, n);
-    if (distance == 0.0) {
-      std::fill(weight.begin(), weight.end(), 0.0);
-      weight[i] = 1.0;
-      return weight;
-    }
-    weight[i] = (i % 2 == 0 ? 1.0 : -1.0) * (i == 0 || i == n - 1 ? 0.5 : 1.0) / distance;
-    sum += weight[i];
-  }
-  for (double& w : weight) w /= sum;
-  return weight;
-}
-
 double distance(const Complex<double>& a, const Complex<double>& b) { return std::hypot(a.re - b.re, a.im - b.im); }
 
 }  // namespace
-
-double field_node(std::size_t i, std::size_t n) {
-  return -std::cos(kPi * static_cast<double>(i) / static_cast<double>(n - 1));
-}
 
 double lebesgue(std::size_t n) { return 1.0 + 2.0 / kPi * std::log(static_cast<double>(n)); }
 
@@ -212,11 +190,12 @@ void FieldTables::try_radius(double farthest) {
   std::vector<PolarTable> kept;
   for (const std::size_t n : kRadii) {
     tables_.clear();
+    radii_ = Barycentric::with_ends(n);
     for (std::size_t i = 0; i < n; ++i) {
       const bool made = !kept.empty() && i % 2 == 0;
       tables_.push_back(made ? std::move(kept[i / 2])
                              : table_of(ComponentsAt(system_, factor_.entries, chromatic_,
-                                                     {0.5 * farthest * (1.0 + field_node(i, n)), 0.0})));
+                                                     {0.5 * farthest * (1.0 + radii_.x[i]), 0.0})));
     }
     farthest_ = farthest;
     double worst = 0.0;
@@ -266,7 +245,8 @@ void FieldTables::prepare(std::span<const FieldPoint<double>> places) {
     if (known != places_.end()) continue;
     if (farthest_ > 0.0) {
       const double t = std::clamp(2.0 * std::hypot(q.x, q.y) / farthest_ - 1.0, -1.0, 1.0);
-      places_.push_back({q, 0, lagrange(tables_.size(), t), std::atan2(q.y, q.x)});
+      Place& place = places_.emplace_back(Place{q, 0, Numbers(tables_.size()), std::atan2(q.y, q.x)});
+      radii_.weights_at(t, place.weight.data());
       continue;
     }
     tables_.push_back(table_of(ComponentsAt(system_, factor_.entries, chromatic_, q)));

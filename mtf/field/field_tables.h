@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "mtf/field/field_modes.h"
+#include "mtf/math/barycentric.h"
 #include "mtf/otf/polar_table.h"
 
 namespace mtf {
@@ -62,7 +63,8 @@ class FieldTables {
   std::vector<double> breaks_;
   GivenFactor factor_;
   std::vector<PolarTable> tables_;
-  double farthest_ = 0.0;  ///< where tables are those of a radius: its end
+  double farthest_ = 0.0;  ///< where tables are those of a radius: its end,
+  Barycentric radii_;      ///< and their places along it, -1 .. 1
   std::vector<Place> places_;
   std::vector<std::size_t> last_;  ///< of places_
   double error_ = 0.0, band_error_ = 0.0;
@@ -70,9 +72,7 @@ class FieldTables {
   std::int64_t bytes_ = 0;   ///< of the tables, where each place has its own
 };
 
-/// Chebyshev points -1 .. 1 with both ends.
-double field_node(std::size_t i, std::size_t n);
-/// By how much interpolation between n such points may enlarge an error of the values.
+/// By how much interpolation between n Chebyshev points may enlarge an error of the values.
 double lebesgue(std::size_t n);
 
 }  // namespace mtf

@@ -21,23 +21,6 @@ constexpr double kRounding = 1e-11;         // a derivative below this is taken 
 constexpr int kFewestNodes = 8, kMostNodes = 256;
 constexpr double kConverged = 0.1;  // share of the error that was asked for
 
-/// Weights of the values at the points in the interpolant at x of [-1, 1] (barycentric formula).
-void weights_at(const BandMean::Points& points, double x, double* weight) {
-  const std::size_t n = points.x.size();
-  double sum = 0.0;
-  for (std::size_t k = 0; k < n; ++k) {
-    const double away = x - points.x[k];
-    if (std::abs(away) < 1e-15) {
-      std::fill_n(weight, n, 0.0);
-      weight[k] = 1.0;
-      return;
-    }
-    weight[k] = points.weight[k] / away;
-    sum += weight[k];
-  }
-  for (std::size_t k = 0; k < n; ++k) weight[k] /= sum;
-}
-
 /// Chebyshev coefficient of n values at the points, `stride` numbers apart.
 double coefficient(const double* values, std::size_t stride, std::size_t n, std::size_t order) {
   double sum = 0.0;
@@ -55,14 +38,6 @@ MTFKIT_CLONES void add_product(std::size_t n, std::size_t width, const double* w
 
 }  // namespace
 
-BandMean::Points::Points(std::size_t n) {
-  for (std::size_t k = 0; k < n; ++k) {
-    const double angle = pi * (2.0 * static_cast<double>(k) + 1.0) / (2.0 * static_cast<double>(n));
-    x.push_back(-std::cos(angle));
-    weight.push_back(k % 2 == 0 ? std::sin(angle) : -std::sin(angle));
-  }
-}
-
 BandMean::BandMean(Function p, std::size_t width, const Band& band, std::vector<double> breaks, bool ends,
                    double most_t, const Options& options)
     : p_(std::move(p)),
@@ -71,7 +46,7 @@ BandMean::BandMean(Function p, std::size_t width, const Band& band, std::vector<
       band_(band),
       breaks_(std::move(breaks)),
       ends_(ends),
-      across_panel_(kPoints) {
+      across_panel_(Barycentric::inside(kPoints)) {
   if (!(most_t > 0.0)) return;
   for (int n = kFewestNodes; n <= kMostNodes; n *= 2) whole_.push_back(part_nodes(band_, band_.lo_um, band_.hi_um, n));
   tabulate(ends_ ? std::min(most_t, breaks_.back()) : most_t);
@@ -106,7 +81,7 @@ std::vector<double> BandMean::choose_wavelengths(double most_u) {
   constexpr std::array kShares{0.15, 0.35, 0.6, 0.85};
   std::vector<double> allowed(width_);
   for (const std::size_t trial : {kFewWavelengths, kMostWavelengths}) {
-    across_band_ = Points(trial);
+    across_band_ = Barycentric::inside(trial);
     std::vector<double> values(kShares.size() * trial * width_);
     for (std::size_t i = 0; i < kShares.size() * trial; ++i) {
       const double wavelength = wavelength_at(i % trial), t = kShares[i / trial] * most_u * band_.hi_um / wavelength;
@@ -127,7 +102,7 @@ std::vector<double> BandMean::choose_wavelengths(double most_u) {
     }
     if (wavelengths_ + 2 < trial) break;
   }
-  across_band_ = Points(wavelengths_);
+  across_band_ = Barycentric::inside(wavelengths_);
   return allowed;
 }
 
@@ -174,11 +149,11 @@ void BandMean::look_up(double u, double wavelength_um, double weight, std::span<
   const double cosine = 1.0 - 2.0 * (u - panel.u_begin) / (panel.u_end - panel.u_begin);
   const double angle = std::acos(std::clamp(cosine, -1.0, 1.0));
   std::array<double, kPoints> along{};
-  weights_at(across_panel_, 2.0 * (angle - panel.angle_begin) / (panel.angle_end - panel.angle_begin) - 1.0,
-             along.data());
+  across_panel_.weights_at(2.0 * (angle - panel.angle_begin) / (panel.angle_end - panel.angle_begin) - 1.0,
+                           along.data());
   std::array<double, kMostWavelengths> across{};
   const double turn = (1.0 / wavelength_um - 1.0 / band_.hi_um) / (1.0 / band_.lo_um - 1.0 / band_.hi_um);
-  weights_at(across_band_, 2.0 * turn - 1.0, across.data());
+  across_band_.weights_at(2.0 * turn - 1.0, across.data());
   std::array<double, kPoints * kMostWavelengths> both;
   for (std::size_t i = 0; i < kPoints; ++i)
     for (std::size_t l = 0; l < wavelengths_; ++l) both[i * wavelengths_ + l] = weight * along[i] * across[l];

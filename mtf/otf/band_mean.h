@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "mtf/band.h"
+#include "mtf/math/barycentric.h"
 
 namespace mtf {
 
@@ -43,12 +44,6 @@ class BandMean {
   /// The mean at t >= 0.
   void at(double t, std::span<double> mean) const;
 
-  /// n Chebyshev points in (-1, 1), rising, and their barycentric weights.
-  struct Points {
-    explicit Points(std::size_t n);
-    std::vector<double> x, weight;
-  };
-
  private:
   /// Chebyshev points of an angle between two kinks: u = begin + (end - begin) (1 - cos angle) / 2.
   struct Panel {
@@ -74,7 +69,7 @@ class BandMean {
   std::vector<double> breaks_;
   bool ends_ = false;
   std::size_t wavelengths_ = 0;  ///< number in the table; 0 = there is no table
-  Points across_panel_, across_band_{0};
+  Barycentric across_panel_, across_band_;
   std::vector<Panel> panels_;  ///< in rising order
 };
 

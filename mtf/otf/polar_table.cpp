@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 
+#include "mtf/math/barycentric.h"
 #include "mtf/math/clones.h"
 #include "mtf/math/special.h"
 #include "mtf/parallel.h"
@@ -28,29 +29,8 @@ double variable_at(double begin, double end, double r) {
   return (2.0 / kPi) * std::asin(std::sqrt(std::clamp((r - begin) / (end - begin), 0.0, 1.0)));
 }
 
-// Chebyshev points of the first kind on 0..1.
-double chebyshev(std::size_t i, std::size_t n) {
-  return 0.5 * (1.0 - std::cos(kPi * (static_cast<double>(i) + 0.5) / static_cast<double>(n)));
-}
-
-// Weights of the values at n Chebyshev points for the polynomial through them at t (barycentric form).
-std::vector<double> lagrange(std::size_t n, double t) {
-  std::vector<double> weight(n);
-  double sum = 0.0;
-  for (std::size_t i = 0; i < n; ++i) {
-    const double distance = t - chebyshev(i, n);
-    if (distance == 0.0) {
-      std::fill(weight.begin(), weight.end(), 0.0);
-      weight[i] = 1.0;
-      return weight;
-    }
-    const double sign = i % 2 == 0 ? 1.0 : -1.0;
-    weight[i] = sign * std::sin(kPi * (static_cast<double>(i) + 0.5) / static_cast<double>(n)) / distance;
-    sum += weight[i];
-  }
-  for (double& w : weight) w /= sum;
-  return weight;
-}
+// Chebyshev points of a piece: in 0 .. 1.
+double variable_of(const Barycentric& points, std::size_t i) { return 0.5 * (1.0 + points.x[i]); }
 
 /// Weighted sum of four rows of `count` numbers that follow one another.
 MTFKIT_CLONES void weighted_rows(const double* __restrict rows, std::size_t count, const std::array<double, 4>& weight,
@@ -117,15 +97,17 @@ PolarTable::Rings PolarTable::rings_of(Function h, int threads) {
 
 void PolarTable::tabulate(const Rings& rings, std::size_t spokes, std::size_t points) {
   orders_ = spokes / 2;
+  const Barycentric at = Barycentric::inside(points);
+  std::vector<double> weight(points);
   for (Piece& piece : pieces_) {
     std::vector<double> r(points);
-    for (std::size_t i = 0; i < points; ++i) r[i] = radius_at(piece.begin, piece.end, chebyshev(i, points));
+    for (std::size_t i = 0; i < points; ++i) r[i] = radius_at(piece.begin, piece.end, variable_of(at, i));
     std::vector<Cplx> series(points * orders_);
     evaluations_ += rings(r, spokes, series);
     piece.rows.assign((kKnots + 3) * orders_, {});
     for (std::size_t k = 0; k < kKnots + 3; ++k) {
       const double t = (static_cast<double>(k) - 1.0) / static_cast<double>(kKnots);
-      const std::vector<double> weight = lagrange(points, t);
+      at.weights_at(2.0 * t - 1.0, weight.data());
       for (std::size_t i = 0; i < points; ++i)
         for (std::size_t m = 0; m < orders_; ++m) piece.rows[k * orders_ + m] += weight[i] * series[i * orders_ + m];
     }
@@ -224,6 +206,7 @@ std::size_t PolarTable::probes() const { return std::clamp(kAllProbes / pieces_.
 // The largest error between the spokes, or between the points; there the series and the polynomial are worst.
 double PolarTable::probe(const Function& h, std::size_t spokes, std::size_t points, bool around, int threads) {
   const std::size_t count = probes();
+  const Barycentric at_points = Barycentric::inside(points);
   std::vector<double> error(pieces_.size() * count);
   parallel_for(static_cast<std::int64_t>(error.size()), 4, threads, [&](std::int64_t first, std::int64_t last) {
     for (std::int64_t k = first; k < last; ++k) {
@@ -233,8 +216,8 @@ double PolarTable::probe(const Function& h, std::size_t spokes, std::size_t poin
       const double spread = std::fmod(static_cast<double>(n) * 0.6180339887498949, 1.0);
       const std::size_t i = n * points / count;
       const auto j = static_cast<double>(static_cast<std::size_t>(spread * static_cast<double>(spokes)));
-      const double t = around ? chebyshev(i, points)
-                              : 0.5 * (chebyshev(i, points) + (i + 1 < points ? chebyshev(i + 1, points) : 1.0));
+      const double on = variable_of(at_points, i), next = i + 1 < points ? variable_of(at_points, i + 1) : 1.0;
+      const double t = around ? on : 0.5 * (on + next);
       const double a = 2.0 * (around ? j + 0.5 : j) / static_cast<double>(spokes);
       const double r = radius_at(piece.begin, piece.end, t);
       const Freq<double> f{r * cos_pi(a), r * sin_pi(a)};

@@ -37,8 +37,11 @@ std::optional<SettingValue> read_bounded(const Section& section, const FieldInfo
     return value ? std::optional<SettingValue>(*value) : std::nullopt;
   }
   const auto scalar = read_scalar(section, info, info.name);
-  if (is_over_field(node, info)) refuse_over_field(section.reader);
-  if (!scalar || is_over_field(node, info)) return std::nullopt;
+  if (is_over_field(node, info)) {
+    refuse_over_field(section.reader);
+    return std::nullopt;
+  }
+  if (!scalar) return std::nullopt;
   const FitSpec& spec = section.reader.fits.back();
   if (spec.path == section.at(info.name) && spec.fit) {
     section.error(info.name, "cannot be fitted: it is no part of the OTF; remove fit = true");
