@@ -19,7 +19,7 @@ namespace {
 
 using calib::Characterization, calib::Finding;
 
-/// Which key of a sensor file a number stands in. Rms that may be 0 stand there where they are clearly above it.
+/// Which key of a sensor file a number stands in.
 struct Key {
   std::string_view finding, key, unit;
 };
@@ -43,7 +43,11 @@ std::string quantity(double value, std::string_view unit) {
   return unit.empty() ? number : "\"" + number + std::string(unit) + "\"";
 }
 
+/// With its standard deviation; of what may be 0 with its interval.
 std::string toml(const Finding& f, std::string_view unit) {
+  const auto part = [&](double number) { return quantity(std::max(0.0, number), unit); };
+  if (f.verdict == calib::Verdict::upper_limit)
+    return "{ value = " + part(f.value) + ", interval = [" + part(f.low95) + ", " + part(f.high95) + "] }";
   return "{ value = " + quantity(f.value, unit) + ", stderr = " + quantity(f.sd, unit) + " }";
 }
 
@@ -95,7 +99,6 @@ CameraFile camera_file(const Characterization& camera, const StacksFile& stacks,
     if (table == nullptr || table->find(key.substr(dot + 1)) == nullptr) return;
     nominal = read_again(mtf::io::without_value(nominal, key), nominal);
   };
-  std::string limits;
   set("adc.bits", std::to_string(bits));
   if (const auto* epc = find_table(nominal.tables, "adc"); epc->find("rounding") != nullptr)
     set("adc.rounding", "nearest");
@@ -105,15 +108,13 @@ CameraFile camera_file(const Characterization& camera, const StacksFile& stacks,
   for (const Key& one : kKeys) {
     const Finding* f = camera.find(one.finding);
     const std::string key(one.key);
-    if (is_set(f) || one.finding == "offset") {
+    if (f != nullptr && f->verdict != calib::Verdict::not_determined) {
       set(key, toml(*f, one.unit));
       continue;
     }
-    if (f != nullptr && f->verdict == calib::Verdict::upper_limit)
-      limits += "#   " + key + "  " + shown(*f) + ": left out\n";
-    if (f != nullptr && f->verdict == calib::Verdict::not_determined) file.left.push_back(key);
+    if (f != nullptr) file.left.push_back(key);
     // Patterns of the nominal may stay; the dark current of stacks of one exposure is in offset and read noise.
-    const bool may_stay = f != nullptr && f->verdict == calib::Verdict::not_determined && one.finding != "dark_current";
+    const bool may_stay = f != nullptr && one.finding != "dark_current";
     if (!may_stay) unset(key);
   }
   const Finding* const rate = camera.find("rate");
@@ -142,7 +143,6 @@ CameraFile camera_file(const Characterization& camera, const StacksFile& stacks,
                      (camera.misfit ? "the model does not describe the frames: " + camera.misfit_reason
                                     : "photon transfer: p = " + significant(camera.transfer.p, 2)) +
                      "\n# not measured: " + joined(file.left) + "\n";
-  if (!limits.empty()) head += "# limits:\n" + limits;
   // Files that the text names are named from its own folder.
   file.text = head + (nominal.files.empty() ? nominal.text : write_config(nominal, destination));
   return file;

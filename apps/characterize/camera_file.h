@@ -21,8 +21,8 @@ struct CameraFile {
 /// The least sensor file in which the numbers can stand. What flat frames do not tell is a placeholder.
 std::string least_sensor(std::int64_t columns, std::int64_t rows, int bits, double time_s);
 
-/// The nominal with the numbers that were determined, { value, stderr }; its comments and all else stay. Limits are
-/// named in the lines above it.
+/// The nominal with the numbers that were determined, { value, stderr }, or { value, interval } of what may be 0; its
+/// comments and all else stay.
 CameraFile camera_file(const calib::Characterization& camera, const StacksFile& stacks, mtf::io::SensorConfig nominal,
                        int bits, bool placeholders, const std::string& destination);
 

@@ -183,6 +183,8 @@ Json fit_schema(std::string_view doc, const Json& number) {
   Json table = closed_table(doc);
   for (const char* key : {"value", "min", "max", "stderr"}) table["properties"][key] = number;
   table["properties"]["fit"] = {{"type", "boolean"}};
+  Json& interval = table["properties"]["interval"] = list_schema(number);
+  interval["minItems"] = interval["maxItems"] = 2;
   Json prior = closed_table("what is known beforehand");
   prior["properties"] = {{"mean", number}, {"sd", number}};
   prior["required"] = {"mean", "sd"};

@@ -47,6 +47,7 @@ class Writer {
     if (spec->prior)
       fit += ", prior = { mean = " + like((*spec->prior)[0]) + ", sd = " + like((*spec->prior)[1]) + " }";
     if (spec->stderr_value) fit += ", stderr = " + like(*spec->stderr_value);
+    if (spec->interval) fit += ", interval = [" + like((*spec->interval)[0]) + ", " + like((*spec->interval)[1]) + "]";
     return fit + " }";
   }
   bool is_fit(const std::string& path) const { return find_fit(path) != config_.fits.end(); }
