@@ -34,7 +34,7 @@ constexpr FieldInfo kRepeatability =
     optional_row("repeatability", 0.0, 1.0, "0.002", "relative sd of the light from stack to stack");
 constexpr FieldInfo kWavelength =
     above(optional_row("wavelength", Dimension::length, "um", 0.0, 1e4, "\"530 nm\"", "of the light"));
-constexpr FieldInfo kNonlinearity = optional_row("nonlinearity", 0, 2, "1", "terms of the response");
+constexpr FieldInfo kNonlinearity = optional_row("nonlinearity", 0, 3, "1", "terms of the response");
 
 template <std::size_t N>
 void require_known(const Section& section, const std::array<std::string_view, N>& known) {

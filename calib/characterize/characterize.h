@@ -56,7 +56,7 @@ struct Stack {
 void drop_planes(std::vector<Stack>& stacks);
 
 struct CharacterizeOptions {
-  int nonlinearity = 0;              ///< terms of the response: 0, 1 (a2), 2 (a2, a3)
+  int nonlinearity = 0;              ///< terms of the response: 0, 1 (a2), 2 (a2, a3), 3 (a2, a3, a4)
   double full_well_e = 0.0;          ///< to which they refer; 0: the range of counts up to `most_counts` by the gain
   double most_counts = 0.0;          ///< the largest count of the converter
   double light_repeatability = 0.0;  ///< relative sd of the light from stack to stack
@@ -84,7 +84,7 @@ struct Characterization {
   std::vector<TransferLevel> levels;
   PhotonTransfer transfer;  ///< apparent, before the correction for crosstalk
   CrosstalkEstimate crosstalk;
-  double full_well_e = 0.0;  ///< of a2 and a3
+  double full_well_e = 0.0;  ///< of a2, a3, a4
   std::vector<Finding> findings;
   std::vector<Defect> defects;  ///< of the dark, in counts
   std::vector<std::string> warnings;

@@ -39,12 +39,16 @@ class Problem {
     const TransferLevel& level = levels_[i];
     const double gain = std::exp(x[kLogGain]), d = light_[i] < 0 ? 0.0 : x[light_[i]];
     const int terms = options_.nonlinearity, dark = kFirst + terms;
-    const double a2 = terms > 0 ? x[kFirst] : 0.0, a3 = terms > 1 ? x[kFirst + 1] : 0.0;
     Model m;
     const double e = x[kRate] * level.light * (1.0 + d) + (options_.dark_current ? x[dark] * level.time_s : 0.0);
     const double u = terms > 0 ? e / options_.full_well_e : 0.0;
-    const double g = e * (1.0 + u * (a2 + u * a3)), g1 = 1.0 + u * (2.0 * a2 + 3.0 * u * a3);
-    const double g2 = terms > 0 ? (2.0 * a2 + 6.0 * a3 * u) / options_.full_well_e : 0.0;
+    double g = e, g1 = 1.0, g2 = 0.0;  // the response, its slope and the slope of that
+    for (int k = 0; k < terms; ++k) {
+      const double a = x[kFirst + k], power = std::pow(u, k);
+      g += a * e * u * power;
+      g1 += (k + 2) * a * u * power;
+      g2 += (k + 2) * (k + 1) * a * power / options_.full_well_e;
+    }
     m.electrons = e;
     m.slope = g1;
     m.mean = x[kOffset] + gain * g;

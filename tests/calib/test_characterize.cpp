@@ -186,6 +186,29 @@ TEST(Characterize, AModelThatIsTooSimpleIsFound) {
   }
 }
 
+// Levels without noise of a camera whose response bends as the cube of the charge, as that of EMVA 1288's simulated
+// set.
+TEST(Characterize, AResponseThatBendsWithTheCube) {
+  constexpr double kGain = 0.1, kRead2 = 900.0, kOffset = 29.4, kRate = 0.5, kWell = 4e4, kA4 = -0.02;
+  std::vector<TransferLevel> levels;
+  for (int i = 0; i <= 12; ++i) {
+    const double light = 6000.0 * i, e = kRate * light, u = e / kWell, slope = 1.0 + 4.0 * kA4 * u * u * u;
+    levels.push_back({.light = light,
+                      .mean = kOffset + kGain * e * (1.0 + kA4 * u * u * u),
+                      .mean_variance = 1e-4,
+                      .variance = kGain * kGain * (slope * slope * e + kRead2),
+                      .dof = 1e5});
+  }
+  const auto fit = [&](int terms) {
+    return fit_photon_transfer(levels, {.nonlinearity = terms, .full_well_e = kWell, .step = 0.0});
+  };
+  const PhotonTransfer found = fit(3);
+  EXPECT_NEAR(found.gain.value, kGain, 1e-9);
+  EXPECT_NEAR(found.read2.value, kRead2, 1e-4);
+  for (std::size_t k = 0; k < 3; ++k) EXPECT_NEAR(found.a.at(k).value, k == 2 ? kA4 : 0.0, 1e-7) << k;
+  EXPECT_LT(fit(2).p, 1e-6);
+}
+
 TEST(Characterize, DarkCurrentAndItsPattern) {
   const Camera camera{.dark_e_s = 300.0, .dcnu = 0.2};
   Engine engine(3);
