@@ -40,9 +40,10 @@ DetectorMaps detector_maps(const DetectorSource& source, int threads) {
   DetectorMaps maps;
   if (const auto& unequal = source.nonuniformity) {
     mtf::Image responsivity = part_of(source.responsivity, "nonuniformity.responsivity", source);
-    if (responsivity.size() == 0 && unequal->prnu > 0.0) {
+    if (responsivity.size() == 0 && unequal->has_prnu()) {
       responsivity = mtf::Image(width, height);
-      responsivity_map(responsivity.view(), unequal->prnu, source.seed, source.origin, threads);
+      responsivity_map(responsivity.view(), {unequal->prnu, unequal->prnu_row, unequal->prnu_column}, source.seed,
+                       source.origin, threads);
     }
     maps.responsivity = shared(std::move(responsivity));
   }

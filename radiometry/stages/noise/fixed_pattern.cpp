@@ -51,15 +51,20 @@ void with_map(mtf::ImageView<float> image, mtf::ImageView<const float> map, int 
 
 }  // namespace
 
-void responsivity_map(mtf::ImageView<float> map, double rms, std::uint64_t seed, Origin origin, int threads) {
-  require_rms("responsivity non-uniformity", rms, 1.0);
+void responsivity_map(mtf::ImageView<float> map, const ResponsivityRms& rms, std::uint64_t seed, Origin origin,
+                      int threads) {
+  for (const double one : {rms.pixel, rms.row, rms.column}) require_rms("responsivity non-uniformity", one, 1.0);
   require_on_detector(origin, map.width, map.height);
-  const auto s = static_cast<float>(rms);
+  const auto s = static_cast<float>(rms.pixel);
+  const std::vector<float> rows = line_numbers(rms.row, {seed, 0}, Stream::prnu_row, origin.y, map.height),
+                           columns = line_numbers(rms.column, {seed, 0}, Stream::prnu_column, origin.x, map.width);
   mtf::parallel_for(map.height, kRowsAtOnce, threads, [&](std::int64_t begin, std::int64_t end) {
     for (std::int64_t y = begin; y < end; ++y) {
       float* row = map.row(y);
       gaussian_row({{seed, 0}, Stream::prnu, static_cast<std::uint32_t>(origin.y + y)}, origin.x, map.width, row);
-      for (std::int64_t x = 0; x < map.width; ++x) row[x] = std::max(0.0F, 1.0F + s * row[x]);
+      const float of_row = 1.0F + rows[static_cast<std::size_t>(y)];
+      for (std::int64_t x = 0; x < map.width; ++x)
+        row[x] = std::max(0.0F, of_row + columns[static_cast<std::size_t>(x)] + s * row[x]);
     }
   });
 }
