@@ -158,6 +158,10 @@ std::string unknown_metric(const std::string& name) {
   const std::vector<std::string_view> known = names_of_metrics();
   const auto guess = name.size() <= 64 ? mtf::nearest(name, known) : std::nullopt;
   const std::string unknown = "unknown metric \"" + mtf::printable(name, 60) + "\"; ";
+  const std::string figure = name.substr(0, name.rfind('.'));
+  if (const auto same = find_metric(figure); same && figure != name)
+    return unknown + (choose_metric(figure + ".mean") ? "after the dot stands axis, mean or worst"
+                                                      : figure + " is the same all over the image; write it alone");
   if (guess) return unknown + "did you mean \"" + *guess + "\"?";
   std::string all;
   for (const MetricRow& row : metric_rows()) all += std::string(row.name) + ", ";

@@ -61,9 +61,6 @@ std::optional<SensorView> read_sensor(StudyReader& s, const Node& node, const st
   } catch (const mtf::Error& error) {
     return fail(mtf::printable(error.what(), 600));
   }
-  if (result.ok() && !result.config.system.is_isoplanatic())
-    return fail("the OTF changes over the field by " + mtf::names_over_field(result.config.system) +
-                "; a study takes one OTF for the whole image: name a sensor with numbers in place of terms");
   std::size_t errors = 0;
   for (const mtf::io::Diagnostic& diagnostic : result.diagnostics)
     if (diagnostic.error && ++errors <= kMostSensorErrors)
