@@ -9,6 +9,7 @@
 
 #include "apps/budget_table.h"
 #include "apps/config_command.h"
+#include "apps/figures/otf_map.h"
 #include "apps/options.h"
 #include "apps/range/budget_curves.h"
 #include "apps/sensor/sensor_air.h"
@@ -152,6 +153,7 @@ std::string as_json(const BudgetTable& budget, const BudgetOptions& options, con
             {"saturation", saturation_json(budget.numbers.saturation)},
             {"notes", budget.notes},
             {"conditions", {{"lines", budget.observer}}}};
+  if (!options.field.empty()) json["field"] = {config.system.point.x, config.system.point.y};
   Json& terms = json["terms"] = Json::object();
   for (const auto& row : budget.rows) {
     terms[row.name] = {{"value", row.value}, {"unit", row.unit}, {"doc", row.doc}};
@@ -180,6 +182,7 @@ void note_budget(const BudgetOptions& options, const BudgetTable& budget, const 
 
 mtf::io::SensorConfig read_sensor(const BudgetOptions& options, const Global& global) {
   mtf::io::SensorConfig config = read_sensor(options.sensor, global);
+  if (!options.field.empty()) config.system = system_at(config.system, field_point_of(config.system, options.field));
   return options.without_path ? without_path(std::move(config)) : config;
 }
 

@@ -16,6 +16,10 @@
 
 namespace apps {
 
+/// The field point that --field names: "0.7,-0.7", or the pixel "320px,40px". Throws UsageError for what is neither,
+/// and for a pixel outside the detector.
+mtf::FieldPoint<double> field_point_of(const mtf::System<double>& system, const std::string& text);
+
 struct OtfMap {
   static constexpr std::size_t kSide = mtf::kImagePlaces;
   struct Place {
