@@ -76,9 +76,8 @@ struct SubstrateSpread {
   mtf::AxisPair<S> length{};
 
   static constexpr auto fields() {
-    return std::tuple{mtf::Field{mtf::required_row("length", mtf::Dimension::extent, "", 0.0, 1e6, "\"2 um\"",
-                                                   "1/e radius of the point spread"),
-                                 &SubstrateSpread::length}};
+    return std::tuple{
+        mtf::required(&SubstrateSpread::length, "length", 0.0, 1e6, "\"2 um\"", "1/e radius of the point spread")};
   }
   mtf::Traits traits(const mtf::Context<S>& ctx) const {
     return {.radial = length.isotropic(ctx.frame), .even_x = true, .even_y = true};
@@ -89,11 +88,9 @@ struct SubstrateSpread {
     using std::pow;
     return {S(1) / pow(S(1) + t * t, S(1.5)), S(0)};
   }
-  double cutoff_cy_mm(const mtf::Context<S>&) const { return mtf::kInfinity; }
   double deviation(double fx, double fy, const mtf::Context<S>& ctx) const {
     return 1.0 - mtf::value_of(otf({S(fx), S(fy)}, ctx).re);  // the OTF falls monotonically
   }
-  std::vector<mtf::Problem> check(const mtf::Context<S>&) const { return {}; }
 };
 
 int main() {
