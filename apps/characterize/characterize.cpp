@@ -97,6 +97,7 @@ int run_characterize(const CharacterizeCommandOptions& options, const Global& gl
   calib::Characterization camera = calib::characterize(std::move(stacks), {.nonlinearity = file.nonlinearity,
                                                                            .full_well_e = full_well_of(file, nominal),
                                                                            .most_counts = most,
+                                                                           .trend = file.trend,
                                                                            .light_repeatability = file.repeatability,
                                                                            .counts_time = file.has_times});
   camera.warnings.insert(camera.warnings.begin(), source.warnings.begin(), source.warnings.end());

@@ -36,6 +36,8 @@ constexpr FieldInfo kWavelength =
     above(optional_row("wavelength", Dimension::length, "um", 0.0, 1e4, "\"530 nm\"", "of the light"));
 constexpr FieldInfo kNonlinearity = optional_row("nonlinearity", 0, 3, "1", "terms of the response");
 
+constexpr FieldInfo kTrend = optional_row("trend", 0, 8, "2", "degree of the shading that is no part of PRNU");
+
 template <std::size_t N>
 void require_known(const Section& section, const std::array<std::string_view, N>& known) {
   cfg::check_keys(section, known);
@@ -117,13 +119,14 @@ StacksFile load_stacks(const std::string& file) {
   const Section camera = table_of(root, "camera"), light = table_of(root, "light"), options = table_of(root, "options");
   require_known(camera, std::array<std::string_view, 3>{"bits", "step", "full_well"});
   require_known(light, std::array<std::string_view, 2>{"repeatability", "wavelength"});
-  require_known(options, std::array<std::string_view, 1>{"nonlinearity"});
+  require_known(options, std::array<std::string_view, 2>{"nonlinearity", "trend"});
   result.bits = cfg::read_whole(camera, kBits);
   result.step = cfg::read_number(camera, kStep, "step").value_or(1.0);
   result.full_well_e = cfg::read_number(camera, kFullWell, "full_well");
   result.repeatability = cfg::read_number(light, kRepeatability, "repeatability").value_or(0.0);
   result.wavelength_um = cfg::read_number(light, kWavelength, "wavelength");
   result.nonlinearity = cfg::read_whole(options, kNonlinearity).value_or(0);
+  result.trend = cfg::read_whole(options, kTrend).value_or(2);
   const Node* stacks = cfg::find_tables(root, "stack");
   if (stacks == nullptr && tree.root.find("stack") == nullptr)
     reader.error({}, "stack", "missing; write [[stack]] with frames = \"dark/*.png\" for each exposure");

@@ -43,7 +43,7 @@ struct StacksFile {
   LightUnit unit = LightUnit::exposure;
   double repeatability = 0.0;
   std::optional<double> wavelength_um{};
-  int nonlinearity = 0;
+  int nonlinearity = 0, trend = 2;
   std::vector<StackEntry> stacks{};
   bool has_times = true;  ///< every stack states its exposure
 };

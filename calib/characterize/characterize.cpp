@@ -6,6 +6,7 @@
 #include <set>
 
 #include "calib/characterize/rounding.h"
+#include "calib/characterize/trend.h"
 #include "calib/fit/fit_report.h"
 #include "mtf/error.h"
 #include "mtf/words.h"
@@ -408,7 +409,7 @@ void Analysis::add_patterns() {
     mtf::Image d(other.sums.pattern.width(), other.sums.pattern.height());
     for (std::int64_t i = 0; i < d.size(); ++i)
       d.data()[i] = other.sums.pattern.data()[i] - dark.sums.pattern.data()[i];
-    return pattern_of(plane_squares(d.view()), {{other.sums.squares, rounding_of(other)}, dark_stack});
+    return d;
   };
   if (bright != nullptr) {
     const auto index = static_cast<std::size_t>(bright - result_.stacks.data());
@@ -417,8 +418,28 @@ void Analysis::add_patterns() {
     // power.
     const double signal = result_.transfer.gain.value * level.slope * level.electrons;
     const double pixels = signal * std::sqrt(result_.crosstalk.power.value);
-    const Pattern response = difference(*bright);
+    mtf::Image plane = difference(*bright);
+    const Trend trend = remove_trend(plane.view(), options_.trend);
+    const PlaneSquares squares = plane_squares(plane.view(), trend.degree);
+    const Pattern response = pattern_of(squares, {{bright->sums.squares, rounding_of(*bright)}, dark_stack});
     const std::string from = bright->name + " less " + dark->name;
+    if (trend.degree > 0) {
+      const double pixels_of = squares.rows * squares.columns, n = trend.degree;
+      const auto part = [&](double sum, double terms, double mean_square) {  // of a given shading
+        const double left = std::max(0.0, sum - terms * mean_square);
+        return Estimate{(sum - terms * mean_square) / pixels_of,
+                        std::sqrt(2.0 * terms * mean_square * mean_square + 4.0 * mean_square * left) / pixels_of};
+      };
+      VarianceComponent shading;
+      for (const Estimate& one : {part(trend.rows, n, squares.row), part(trend.columns, n, squares.column),
+                                  part(trend.cross, trend.cross_terms(), squares.pixel)}) {
+        shading.variance += one.value;
+        shading.sd = std::hypot(shading.sd, one.sd);
+      }
+      shading.low95 = shading.variance - k95_sd * shading.sd;
+      shading.high95 = shading.variance + k95_sd * shading.sd;
+      add_rms("shading", "", shading, signal, from + ", degree " + std::to_string(trend.degree));
+    }
     add_rms("prnu", "", response.pixel, pixels, from, response.pixel_sd_array);
     add_rms("prnu_row", "", response.row, signal, from, response.row_sd_array);
     add_rms("prnu_column", "", response.column, signal, from, response.column_sd_array);
@@ -426,7 +447,8 @@ void Analysis::add_patterns() {
   const std::optional<Estimate>& rate = result_.transfer.dark;
   if (!rate || !(longest->time_s > dark->time_s)) return;
   const double charge = gain_ * rate->value * result_.crosstalk.power.value * (longest->time_s - dark->time_s);
-  const Pattern grown = difference(*longest);
+  const Pattern grown = pattern_of(plane_squares(difference(*longest).view()),
+                                   {{longest->sums.squares, rounding_of(*longest)}, dark_stack});
   if (rate->value > kSure_sd * rate->sd)
     add_rms("dcnu", "", grown.pixel, charge, longest->name + " less " + dark->name, grown.pixel_sd_array);
   else

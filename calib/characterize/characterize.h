@@ -59,6 +59,7 @@ struct CharacterizeOptions {
   int nonlinearity = 0;              ///< terms of the response: 0, 1 (a2), 2 (a2, a3), 3 (a2, a3, a4)
   double full_well_e = 0.0;          ///< to which they refer; 0: the range of counts up to `most_counts` by the gain
   double most_counts = 0.0;          ///< the largest count of the converter
+  int trend = 2;                     ///< degree of the shading that is no part of the response's pattern (trend.h)
   double light_repeatability = 0.0;  ///< relative sd of the light from stack to stack
   bool counts_time = false;  ///< the times of the stacks are known: dark current where dark stacks differ in them
   double misfit_p = 1e-3;    ///< below, the model does not describe the frames

@@ -19,6 +19,7 @@ struct Camera {
   double gain = 0.4, read_e = 3.0, offset = 100.3, rate = 4000.0, full_well_e = 5e4;
   double prnu = 0.01, dsnu_e = 2.0, a2 = 0.0, side = 0.0;
   double row_e = 0.0, fixed_row_e = 0.0, dark_e_s = 0.0, dcnu = 0.0;
+  double shading = 0.0;               ///< of the light: relative, from the middle to the right edge
   double hot_share = 0.0;             ///< of pixels with 100 read noises more
   double lamp_sd = 0.0, drift = 0.0;  ///< of the light: from level to level, over a stack
   double top = 16383.0;
@@ -42,7 +43,8 @@ Array array_of(const Camera& camera, Engine& engine) {
   std::vector<double> rows(kSide);
   for (double& row : rows) row = camera.fixed_row_e * normal(engine);
   for (std::int64_t i = 0; i < kSide * kSide; ++i) {
-    a.response.push_back(1.0 + camera.prnu * normal(engine));
+    const double x = 2.0 * static_cast<double>(i % kSide) / (kSide - 1.0) - 1.0;
+    a.response.push_back((1.0 + camera.prnu * normal(engine)) * (1.0 + camera.shading * x));
     a.offset_e.push_back(camera.dsnu_e * normal(engine) + rows[static_cast<std::size_t>(i / kSide)]);
     a.dark.push_back(std::max(0.0, 1.0 + camera.dcnu * normal(engine)));
     if (std::uniform_real_distribution<double>()(engine) < camera.hot_share) a.offset_e.back() += 100.0 * camera.read_e;
@@ -113,6 +115,7 @@ const std::vector<Condition> kConditions{
     {"Plain"},
     {"NoiseOfAFifthOfACount", {.gain = 0.125, .read_e = 1.6, .dsnu_e = 6.0}},
     {"Nonlinear", {.a2 = -0.03}, {.nonlinearity = 1, .full_well_e = 5e4}, {{"a2", -0.03}}},
+    {"Shading", {.shading = 0.05}, {}, {{"shading", 0.05 * std::sqrt((kSide + 1.0) / (3.0 * (kSide - 1.0)))}}},
     {"Crosstalk", {.side = 0.02}, {}, {{"crosstalk_side", 0.02}}},
     {"NonlinearCrosstalk",
      {.a2 = -0.03, .side = 0.02},
