@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "apps/report/report_svg.h"
+#include "apps/page/svg.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "apps/report/report_designs.h"
-#include "apps/report/report_html.h"
+#include "apps/page/html.h"
 #include "apps/terminal/text_table.h"
 
 namespace apps {
