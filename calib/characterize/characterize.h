@@ -87,6 +87,8 @@ struct Characterization {
   double full_well_e = 0.0;  ///< of a2 and a3
   std::vector<Finding> findings;
   std::vector<Defect> defects;  ///< of the dark, in counts
+  int dark = -1, bright = -1;   ///< places in `stacks` of those whose planes tell the patterns; -1: there is none
+  double bright_signal = 0.0;   ///< K g'(e) e of the bright one: counts of the responsivity's pattern
   std::vector<std::string> warnings;
   bool misfit = false;
   std::string misfit_reason;  ///< with the level that disagrees most
