@@ -9,11 +9,11 @@
 #include <numbers>
 
 #include "apps/demo/demo_scene.h"
-#include "apps/report/base64.h"
+#include "apps/page/base64.h"
+#include "apps/page/html.h"
+#include "apps/page/svg.h"
 #include "apps/report/report_designs.h"
-#include "apps/report/report_html.h"
 #include "apps/report/report_sections.h"
-#include "apps/report/report_svg.h"
 #include "apps/simulate/simulate.h"
 #include "apps/study/rows/sweep_rows.h"
 #include "apps/terminal/output.h"

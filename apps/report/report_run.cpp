@@ -6,9 +6,9 @@
 #include <cmath>
 #include <set>
 
-#include "apps/report/report_html.h"
+#include "apps/page/html.h"
+#include "apps/page/svg.h"
 #include "apps/report/report_sections.h"
-#include "apps/report/report_svg.h"
 #include "apps/terminal/text_table.h"
 
 namespace apps {

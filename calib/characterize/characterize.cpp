@@ -397,6 +397,7 @@ void Analysis::add_patterns() {
     for (const char* const name : {"prnu", "prnu_row", "prnu_column"})
       not_determined(name, "", dark == nullptr ? no_dark : "no level has light");
   if (dark == nullptr) return;
+  result_.dark = static_cast<int>(dark - result_.stacks.data());
   const PlaneSquares plane = plane_squares(dark->sums.pattern.view());
   const AveragedStack dark_stack{dark->sums.squares, rounding_of(*dark)};
   const Pattern fixed = pattern_of(plane, {dark_stack});
@@ -417,9 +418,12 @@ void Analysis::add_patterns() {
     // K g' e of the apparent numbers is that of the true ones; crosstalk smooths the pattern of white pixels by its
     // power.
     const double signal = result_.transfer.gain.value * level.slope * level.electrons;
+    result_.bright = static_cast<int>(index);
+    result_.bright_signal = signal;
     const double pixels = signal * std::sqrt(result_.crosstalk.power.value);
     mtf::Image plane = difference(*bright);
     const Trend trend = remove_trend(plane.view(), options_.trend);
+    result_.trend = trend.degree;
     const PlaneSquares squares = plane_squares(plane.view(), trend.degree);
     const Pattern response = pattern_of(squares, {{bright->sums.squares, rounding_of(*bright)}, dark_stack});
     const std::string from = bright->name + " less " + dark->name;

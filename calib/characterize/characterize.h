@@ -88,6 +88,9 @@ struct Characterization {
   double full_well_e = 0.0;  ///< of a2, a3, a4
   std::vector<Finding> findings;
   std::vector<Defect> defects;  ///< of the dark, in counts
+  int dark = -1, bright = -1;   ///< places in `stacks` of those whose planes tell the patterns; -1: there is none
+  double bright_signal = 0.0;   ///< K g'(e) e of the bright one: counts of the responsivity's pattern
+  int trend = 0;                ///< degree of the shading that was taken from it
   std::vector<std::string> warnings;
   bool misfit = false;
   std::string misfit_reason;  ///< with the level that disagrees most

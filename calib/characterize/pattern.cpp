@@ -5,6 +5,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "mtf/engines/statistics.h"
+
 namespace calib {
 namespace {
 
@@ -110,6 +112,8 @@ PlaneSquares plane_squares(mtf::ImageView<const float> plane, int trend) {
   const double mean = mean_of(lines.rows);
   for (const double one : lines.rows) result.row += W * (one - mean) * (one - mean) / result.row_dof;
   for (const double one : lines.columns) result.column += V * one * one / result.column_dof;
+  result.row_means = std::move(lines.rows);
+  result.column_means = std::move(lines.columns);
   return result;
 }
 
@@ -145,6 +149,28 @@ Pattern pattern_of(const PlaneSquares& plane, const std::vector<AveragedStack>& 
   result.row_sd_array = sd_array(temporal_row, plane.row, plane.row_dof, H);
   result.column_sd_array = sd_array(temporal_column, plane.column, plane.column_dof, V);
   return result;
+}
+
+mtf::Image pattern_map(mtf::ImageView<const float> plane, const PlaneSquares& squares, const PatternRms& found) {
+  const auto factor = [](double rms2, double mean_square) {
+    return mean_square > 0.0 ? std::sqrt(std::min(1.0, rms2 / mean_square)) : 0.0;
+  };
+  // White pixels have means of rows and columns too.
+  const double pixel2 = found.pixel * found.pixel, pixel = factor(pixel2, squares.pixel);
+  const double row = factor(pixel2 + squares.columns * found.row * found.row, squares.row);
+  const double column = factor(pixel2 + squares.rows * found.column * found.column, squares.column);
+  const double mean = mean_of(squares.row_means);
+  mtf::Image map(plane.width, plane.height);
+  for (std::int64_t y = 0; y < plane.height; ++y)
+    for (std::int64_t x = 0; x < plane.width; ++x)
+      map.at(x, y) = static_cast<float>(pixel * squares.deviation(plane, x, y) +
+                                        row * (squares.row_means[static_cast<std::size_t>(y)] - mean) +
+                                        column * squares.column_means[static_cast<std::size_t>(x)]);
+  for (const Defect& defect : squares.defects)
+    map.at(defect.x, defect.y) += static_cast<float>((1.0 - pixel) * defect.excess);
+  const double left = mtf::statistics(map.view()).mean;
+  for (std::int64_t i = 0; i < map.size(); ++i) map.data()[i] -= static_cast<float>(left);
+  return map;
 }
 
 }  // namespace calib

@@ -45,6 +45,7 @@ struct TransferOptions {
 };
 
 struct PhotonTransfer {
+  TransferOptions options;
   Estimate gain;                   ///< K, counts per electron
   Estimate read2;                  ///< r^2, electrons^2; below 0 where the data say so
   Estimate offset;                 ///< counts
@@ -71,5 +72,8 @@ struct PhotonTransfer {
 /// Throws UsageError where there are fewer levels than the unknowns need, where light or means do not rise, and where
 /// the variance does not rise with the mean, as after a camera's own processing.
 PhotonTransfer fit_photon_transfer(const std::vector<TransferLevel>& levels, const TransferOptions& options);
+
+/// What the fit gives for that light, whose error is none.
+PhotonTransfer::Level level_at(const PhotonTransfer& fit, double light, double time_s);
 
 }  // namespace calib

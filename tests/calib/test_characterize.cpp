@@ -5,11 +5,14 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <map>
+#include <numbers>
 #include <random>
 
 #include "calib/characterize/characterize.h"
+#include "calib/characterize/line_spectrum.h"
 #include "tests/expect_error.h"
 
 namespace calib {
@@ -291,6 +294,43 @@ TEST(Characterize, Refusals) {
 }
 
 // Counts of 12 bits in the upper bits of 16 have a step of 16, fractions none.
+// White noise has its variance at every frequency, a wave its power n A^2/4 at its own (Parseval), in rows of any
+// length.
+TEST(Characterize, SpectraOfRowsAndColumns) {
+  constexpr std::int64_t kWidth = 49, kHeight = 2000;
+  Engine engine(3);
+  std::normal_distribution<float> normal(0.0F, 2.0F);
+  mtf::Image plane(kWidth, kHeight);
+  for (std::int64_t y = 0; y < kHeight; ++y)
+    for (std::int64_t x = 0; x < kWidth; ++x)
+      plane.at(x, y) =
+          normal(engine) +
+          static_cast<float>(3.0 * std::cos(2.0 * std::numbers::pi * 7.0 * static_cast<double>(x) / kWidth));
+  const std::vector<double> rows = line_spectrum(plane.view(), LineAxis::rows);
+  ASSERT_EQ(rows.size(), 24U);
+  for (std::size_t k = 1; k <= rows.size(); ++k)  // each is the mean of 2000 exponential numbers
+    EXPECT_NEAR(rows[k - 1], k == 7 ? 4.0 + kWidth * 9.0 / 4.0 : 4.0, k == 7 ? 3.0 : 4.5 * 4.0 / std::sqrt(2000.0))
+        << k;
+  EXPECT_EQ(line_spectrum(plane.view(), LineAxis::columns).size(), 1000U);
+}
+
+// Crosstalk forth, by its definition, and back.
+TEST(Characterize, CrosstalkIsUndone) {
+  Engine engine(4);
+  std::normal_distribution<float> normal;
+  mtf::Image before(kSide, kSide), after(kSide, kSide);
+  for (std::int64_t i = 0; i < before.size(); ++i) before.data()[i] = normal(engine);
+  const auto at = [&](std::int64_t x, std::int64_t y) {
+    return before.at(std::clamp<std::int64_t>(x, 0, kSide - 1), std::clamp<std::int64_t>(y, 0, kSide - 1));
+  };
+  for (std::int64_t y = 0; y < kSide; ++y)
+    for (std::int64_t x = 0; x < kSide; ++x)
+      after.at(x, y) = 0.86F * at(x, y) + 0.03F * (at(x - 1, y) + at(x + 1, y) + at(x, y - 1) + at(x, y + 1)) +
+                       0.005F * (at(x - 1, y - 1) + at(x + 1, y - 1) + at(x - 1, y + 1) + at(x + 1, y + 1));
+  undo_crosstalk(after, 0.03, 0.005);
+  for (std::int64_t i = 0; i < before.size(); ++i) ASSERT_NEAR(after.data()[i], before.data()[i], 1e-5) << i;
+}
+
 TEST(Characterize, TheStepOfTheCountsIsSeen) {
   StackStatistics shifted(8, 8), fractions(8, 8);
   mtf::Image frame(8, 8);
