@@ -287,5 +287,38 @@ TEST(CharacterizeRaw, IsReadAsItIsDescribed) {
   refused("width", "wide", {"bad.toml:6", "wide", "width"});
 }
 
+TEST(CharacterizeCheck, SaysWhatTheStacksCanDetermine) {
+  const Scratch scratch;
+  std::string text = "[camera]\nbits = 12\n";
+  for (unsigned k = 0; k < 3; ++k) {
+    const std::string name = "c" + std::to_string(k);
+    write_cube(scratch / (name + ".npy"), 100.0 + 300.0 * k, 3 + static_cast<int>(k), k);
+    text += "[[stack]]\nframes = \"" + name + ".npy\"\n" +
+            (k == 0 ? "light = false\n" : "relative = " + std::to_string(k) + "\n");
+  }
+  const auto check = [&](const std::string& stacks, const std::string& more = "") {
+    write_file(scratch / "stacks.toml", stacks);
+    return scratch.run("mtf characterize check stacks.toml" + more);
+  };
+  const Result good = check(text);
+  ASSERT_EQ(good.status, 0) << good.err;
+  expect_says(good.out, {"32 x 24", "dark", "uint16", "0 to 4095", "yes", "two exposures"});
+  const Json json = Json::parse(check(text, " --format json").out);
+  EXPECT_EQ(json.at("stacks").at(2).at("frames"), 5);
+  for (const Json& one : json.at("numbers"))
+    EXPECT_EQ(one.at("possible").get<bool>(), one.at("name") != "dark current") << one.dump();
+  const Result fewer = check(text + "[options]\nnonlinearity = 1\n");
+  expect_says(fewer.out, {"3 levels of light", "4 are needed", "more exposures"});
+  expect_error(check(replaced(text, "bits = 12", "bits = 12\nstep = 32")), 2, {"12 bits", "uint16", "correct bits"});
+  mtf::Image small(8, 8);
+  std::fill_n(small.data(), small.size(), 3.0F);
+  mtf::io::write_integer((scratch / "small.tif").string(), {{"Y", small.view()}}, {1.0, 0.0, 16}, {});
+  expect_error(check(replaced(text, "c2.npy", "small.tif")), 2, {"small.tif", "8 x 8", "32 x 24"});
+  write_cube(scratch / "c1.npy", 100.0, 1, 9);
+  expect_error(check(text), 2, {"c1.npy", "single frame"});
+  expect_error(scratch.run("mtf characterize check none.toml"), 1, {"none.toml"});
+  expect_error(scratch.run("mtf characterize"), 2, {"file that describes the stacks"});
+}
+
 }  // namespace
 }  // namespace apps_test
