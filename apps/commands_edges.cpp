@@ -165,7 +165,7 @@ Command characterize_command() {
       "  [camera]\n"
       "  bits = 12\n"
       "  [[stack]]\n"
-      "  frames = \"dark/*.png\"          # PNG, TIFF, OpenEXR, or one NPY cube; at least two frames\n"
+      "  frames = \"dark/*.png\"          # PNG, TIFF, OpenEXR, an NPY cube, or raw; at least two frames\n"
       "  exposure = \"10 ms\"\n"
       "  light = false\n"
       "  [[stack]]\n"
@@ -175,9 +175,10 @@ Command characterize_command() {
       "report.html, a page with all numbers and figures; result.json with intervals; levels.csv; defects.csv. What "
       "frames cannot tell is named. Where the model of photon transfer\n"
       "does not describe the frames, the exit code is 3 (--allow-misfit: 0), and all files are written.",
+      "  mtf characterize check stacks.toml\n"
       "  mtf characterize stacks.toml -o camera\n"
       "  mtf characterize stacks.toml --nominal sensor.toml --format json"};
-  add_file(app, "stacks", "file that describes the stacks (TOML)", options.stacks);
+  add_file(app, "stacks", "file that describes the stacks (TOML)", options.stacks).required = false;
   add_text(app, "--nominal", "FILE", "sensor file for what frames do not tell; in place of the one that STACKS names",
            options.nominal);
   add_text(app, "-o,--out", "FOLDER", "write sensor.toml, report.html, result.json, levels.csv and defects.csv here",
@@ -188,7 +189,18 @@ Command characterize_command() {
   add_flag(app, "--allow-misfit", "exit 0, not 3, where the model does not describe the frames", options.allow_misfit);
   add_choice(app, "--format", "FORMAT", "table (default) or json", kTableOrJson, options.format);
   add_force(app, options.force);
-  app.run = [shared](const Global& global) { return fits_module().characterize(*shared, global); };
+  app.run = [shared](const Global& global) {
+    if (shared->stacks.empty()) throw mtf::UsageError("mtf characterize: give the file that describes the stacks");
+    return fits_module().characterize(*shared, global);
+  };
+  Command check{"check", "stacks, frames and light of the file, and which numbers they can determine",
+                "Reads the headers of the frames only.", "  mtf characterize check stacks.toml"};
+  add_file(check, "stacks", "file that describes the stacks (TOML)", options.stacks);
+  check.run = [shared](const Global& global) {
+    shared->check = true;
+    return fits_module().characterize(*shared, global);
+  };
+  app.commands = {check};
   return app;
 }
 

@@ -82,6 +82,10 @@ int run_characterize(const CharacterizeCommandOptions& options, const Global& gl
   require_photon_detector(nominal);
   FrameSource source{.bits = bits_of(file, nominal), .threads = global.threads};
   const double photons = photons_per_irradiance(file, nominal);
+  if (options.check) {
+    check_stacks(file, source.bits, options.format, global.threads);
+    return 0;
+  }
 
   std::vector<std::string> inputs{file.file, file.nominal};
   for (const StackEntry& entry : file.stacks) inputs.insert(inputs.end(), entry.files.begin(), entry.files.end());

@@ -38,6 +38,12 @@ constexpr FieldInfo kNonlinearity = optional_row("nonlinearity", 0, 3, "1", "ter
 
 constexpr FieldInfo kTrend = optional_row("trend", 0, 8, "2", "degree of the shading that is no part of PRNU");
 
+constexpr FieldInfo kWidth = optional_row("width", 2, 1 << 30, "640", "pixels of a row"),
+                    kHeight = optional_row("height", 2, 1 << 30, "512", "rows of a frame"),
+                    kHeader = optional_row("header", 0, 1 << 30, "512", "bytes before the first frame"),
+                    kStride = optional_row("stride", 0, 1 << 30, "1280", "bytes from row to row");
+constexpr std::array<std::string_view, 3> kRawTypes{"uint8", "uint16le", "uint16be"};
+
 template <std::size_t N>
 void require_known(const Section& section, const std::array<std::string_view, N>& known) {
   cfg::check_keys(section, known);
@@ -53,9 +59,34 @@ std::vector<std::string> files_of_pattern(const std::string& pattern) {
   return files;
 }
 
+std::optional<RawLayout> read_raw(const Section& stack) {
+  const Node* table = stack.find("raw");
+  if (table == nullptr) return std::nullopt;
+  const Section section{stack.reader, *table, stack.at("raw"), "raw"};
+  if (table->kind != Node::Kind::table || !table->find("width") || !table->find("height") || !table->find("type"))
+    stack.error("raw", "write raw = { width = 640, height = 512, type = \"uint16le\" }, or uint16be, uint8");
+  if (table->kind != Node::Kind::table) return std::nullopt;
+  require_known(section, std::array<std::string_view, 5>{"width", "height", "type", "header", "stride"});
+  const auto type = cfg::read_word(section, "type", kRawTypes);
+  const auto width = cfg::read_whole(section, kWidth), height = cfg::read_whole(section, kHeight);
+  if (!type || !width || !height) return std::nullopt;
+  const int bytes = *type == 0 ? 1 : 2, header = cfg::read_whole(section, kHeader).value_or(0);
+  const std::int64_t row = std::int64_t{bytes} * *width, stride = cfg::read_whole(section, kStride).value_or(row);
+  if (stride < row || stride % bytes != 0)
+    section.error("stride", std::to_string(stride) + " bytes from row to row; " + std::to_string(*width) +
+                                " pixels of " + std::string(kRawTypes[static_cast<std::size_t>(*type)]) + " take " +
+                                std::to_string(row));
+  constexpr std::array<const char*, 3> kNames{"|u1", "<u2", ">u2"};
+  return RawLayout{.width = static_cast<std::uint64_t>(*width),
+                   .height = static_cast<std::uint64_t>(*height),
+                   .columns = static_cast<std::uint64_t>(stride / bytes),
+                   .type = kNames[static_cast<std::size_t>(*type)],
+                   .header = static_cast<std::uint64_t>(header)};
+}
+
 void read_stack(const Section& section, StacksFile& file) {
-  require_known(section, std::array<std::string_view, 7>{"name", "frames", "light", "photons", "irradiance", "relative",
-                                                         "exposure"});
+  require_known(section, std::array<std::string_view, 8>{"name", "frames", "raw", "light", "photons", "irradiance",
+                                                         "relative", "exposure"});
   StackEntry entry;
   const auto frames = cfg::read_string(section, "frames");
   if (!frames) {
@@ -64,6 +95,7 @@ void read_stack(const Section& section, StacksFile& file) {
     return;
   }
   entry.name = cfg::read_string(section, "name").value_or(*frames);
+  entry.raw = read_raw(section);
   entry.files = files_of_pattern(cfg::beside(section.reader.folder, *frames));
   if (entry.files.empty())
     section.error("frames", "there is no file " + *frames + "; names are relative to the folder of this file");

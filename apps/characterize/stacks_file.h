@@ -11,12 +11,14 @@
 //   exposure = "10 ms"
 //   light = false
 //   [[stack]]
-//   frames = "bright/*.png"
+//   frames = "bright/*.raw"         bare numbers, one frame in a file or several one after the other
+//   raw = { width = 640, height = 512, type = "uint16le" }    or uint16be, uint8; header and stride in bytes
 //   exposure = "10 ms"
 //   photons = 5200                  mean number at a pixel in an exposure; or irradiance = 0.02 (W/m^2, with [light]
 //                                   wavelength), or relative = 3.0; none of them: the light is as the exposure
 // Names of files are relative to the folder of this one.
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -27,10 +29,19 @@ namespace apps {
 /// What the light of stacks is stated in, in the order in which words(LightUnit) names them.
 enum class LightUnit { photons, irradiance, relative, exposure };
 
+/// How the counts of a file lie that has no header to say it.
+struct RawLayout {
+  std::uint64_t width = 0, height = 0;
+  std::uint64_t columns = 0;  ///< of a row, with those that fill it up
+  std::string type;           ///< as mtf::io::NpyReader has it
+  std::uint64_t header = 0;   ///< bytes before the first frame
+};
+
 struct StackEntry {
   std::string name;                ///< as messages call it
   std::vector<std::string> files;  ///< in the order of their names
-  double light = 0.0;              ///< in the unit of the file; of irradiance W/m^2; 0 in the dark
+  std::optional<RawLayout> raw{};
+  double light = 0.0;  ///< in the unit of the file; of irradiance W/m^2; 0 in the dark
   double time_s = 0.0;
 };
 

@@ -74,7 +74,8 @@ std::string listed(const OptionSpec& option) {
 
 std::string synopsis(const std::string& name, const Command& command) {
   std::string text = bold(name) + " [" + italic("options") + "]";
-  if (!command.commands.empty()) text += " " + italic("command") + " ...";
+  if (!command.commands.empty())
+    text += command.run ? " [" + italic("command") + "]" : " " + italic("command") + " ...";
   for (const OptionSpec& option : command.options) {
     const bool argument = option.names.front() != '-';
     if (!argument && !option.required) continue;

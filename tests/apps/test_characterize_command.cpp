@@ -340,5 +340,95 @@ TEST(CharacterizeRefusals, BadDescriptorsAndFrames) {
   expect_error(run(camera + stack("mixed/*.tif", "relative = 1")), 2, {"mixed/b.tif", "one size"});
 }
 
+/// The counts of a cube of write_cube() without its header, rows of 32 counts filled up to `columns`.
+std::string raw_of(const std::string& cube, std::size_t header, std::size_t columns, bool little) {
+  std::string text(header, 'h');
+  for (std::size_t at = 128; at < cube.size(); at += 64) {
+    for (std::size_t i = at; i < at + 64; i += 2) {
+      text += cube[little ? i + 1 : i];
+      text += cube[little ? i : i + 1];
+    }
+    text.append(2 * (columns - 32), '\xff');
+  }
+  return text;
+}
+
+TEST(CharacterizeRaw, IsReadAsItIsDescribed) {
+  const Scratch scratch;
+  std::string npy = "[camera]\nbits = 12\n", raw = npy;
+  const std::string size = "width = 32, height = 24, type = ";
+  for (unsigned k = 0; k < 4; ++k) {
+    const std::string name = "c" + std::to_string(k),
+                      light = k == 0 ? "light = false\n" : "relative = " + std::to_string(k) + "\n";
+    write_cube(scratch / (name + ".npy"), 100.0 + 300.0 * k, 4, k);
+    npy += "[[stack]]\nname = \"" + name + "\"\nframes = \"" + name + ".npy\"\n" + light;
+    const std::string cube = read_file(scratch / (name + ".npy"));
+    std::string frames = name + ".raw",
+                layout = size + (k % 2 == 0 ? "'uint16le'" : "'uint16be', header = 7, stride = 70");
+    if (k == 2) {  // a file for each frame
+      frames = name + "/*.raw";
+      fs::create_directory(scratch / name);
+      for (std::size_t t = 0; t < 4; ++t)
+        write_file(scratch / (name + "/" + std::to_string(t) + ".raw"),
+                   raw_of(cube, 0, 32, true).substr(t * 24 * 64, 24 * 64));
+    } else {
+      write_file(scratch / frames, k == 0 ? raw_of(cube, 0, 32, true) : raw_of(cube, 7, 35, false));
+    }
+    raw += "[[stack]]\nname = \"" + name + "\"\nframes = \"" + frames + "\"\nraw = { " + layout + " }\n" + light;
+  }
+  write_file(scratch / "npy.toml", npy);
+  write_file(scratch / "raw.toml", raw);
+  const Result expected = scratch.run("mtf characterize npy.toml --format json --allow-misfit --threads 1");
+  const Result found = scratch.run("mtf characterize raw.toml --format json --allow-misfit --threads 3");
+  ASSERT_EQ(found.status, 0) << found.err;
+  EXPECT_EQ(Json::parse(found.out).at("numbers"), Json::parse(expected.out).at("numbers"));
+
+  const auto refused = [&](const std::string& from, const std::string& to,
+                           std::initializer_list<std::string_view> words) {
+    write_file(scratch / "bad.toml", replaced(raw, from, to));
+    expect_error(scratch.run("mtf characterize bad.toml"), 2, words);
+  };
+  refused("'uint16le'", "'uint16be'", {"c0.raw frame 1", "neighbours", "write type", "uint16le"});
+  refused("height = 24", "height = 23", {"c0.raw", "6144 bytes", "5888 or 7360", "header = 256"});
+  refused("header = 7", "header = 9", {"c1.raw", "no whole number of frames", "header = 7"});
+  refused("stride = 70", "stride = 62", {"bad.toml:11", "stride", "take 64"});
+  refused("'uint16le'", "'float'", {"bad.toml:6", "float", "uint16be"});
+  refused("width = 32, ", "", {"bad.toml:6", "width = 640"});
+  refused("width", "wide", {"bad.toml:6", "wide", "width"});
+}
+
+TEST(CharacterizeCheck, SaysWhatTheStacksCanDetermine) {
+  const Scratch scratch;
+  std::string text = "[camera]\nbits = 12\n";
+  for (unsigned k = 0; k < 3; ++k) {
+    const std::string name = "c" + std::to_string(k);
+    write_cube(scratch / (name + ".npy"), 100.0 + 300.0 * k, 3 + static_cast<int>(k), k);
+    text += "[[stack]]\nframes = \"" + name + ".npy\"\n" +
+            (k == 0 ? "light = false\n" : "relative = " + std::to_string(k) + "\n");
+  }
+  const auto check = [&](const std::string& stacks, const std::string& more = "") {
+    write_file(scratch / "stacks.toml", stacks);
+    return scratch.run("mtf characterize check stacks.toml" + more);
+  };
+  const Result good = check(text);
+  ASSERT_EQ(good.status, 0) << good.err;
+  expect_says(good.out, {"32 x 24", "dark", "uint16", "0 to 4095", "yes", "two exposures"});
+  const Json json = Json::parse(check(text, " --format json").out);
+  EXPECT_EQ(json.at("stacks").at(2).at("frames"), 5);
+  for (const Json& one : json.at("numbers"))
+    EXPECT_EQ(one.at("possible").get<bool>(), one.at("name") != "dark current") << one.dump();
+  const Result fewer = check(text + "[options]\nnonlinearity = 1\n");
+  expect_says(fewer.out, {"3 levels of light", "4 are needed", "more exposures"});
+  expect_error(check(replaced(text, "bits = 12", "bits = 12\nstep = 32")), 2, {"12 bits", "uint16", "correct bits"});
+  mtf::Image small(8, 8);
+  std::fill_n(small.data(), small.size(), 3.0F);
+  mtf::io::write_integer((scratch / "small.tif").string(), {{"Y", small.view()}}, {1.0, 0.0, 16}, {});
+  expect_error(check(replaced(text, "c2.npy", "small.tif")), 2, {"small.tif", "8 x 8", "32 x 24"});
+  write_cube(scratch / "c1.npy", 100.0, 1, 9);
+  expect_error(check(text), 2, {"c1.npy", "single frame"});
+  expect_error(scratch.run("mtf characterize check none.toml"), 1, {"none.toml"});
+  expect_error(scratch.run("mtf characterize"), 2, {"file that describes the stacks"});
+}
+
 }  // namespace
 }  // namespace apps_test

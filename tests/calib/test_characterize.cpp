@@ -9,6 +9,7 @@
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <numeric>
 #include <random>
 
 #include "calib/characterize/characterize.h"
@@ -291,6 +292,99 @@ TEST(Characterize, Refusals) {
   frame.at(2, 1) = std::nanf("");
   expect_refused({"NaN", "2, 1"}, [&] { sums.add(frame.view()); });
   expect_refused({"5 x 4", "one size"}, [&] { sums.add(wider.view()); });
+}
+
+// Against the definitions in two passes, for counts and for values that are none, frames of several blocks of rows and
+// of no whole number of lanes. Neither threads nor how many frames come at a time change a bit.
+TEST(Characterize, SumsAreThoseOfTheDefinitions) {
+  constexpr std::int64_t kWidth = 37, kHeight = 150;
+  constexpr std::size_t kCount = 5, kSize = kWidth * kHeight;
+  for (const double unit : {1.0, 0.37}) {
+    Engine engine(7);
+    std::normal_distribution<double> normal;
+    std::vector<mtf::Image> images;
+    std::vector<mtf::ImageView<const float>> frames;
+    for (std::size_t t = 0; t < kCount; ++t) {
+      mtf::Image& image = images.emplace_back(kWidth, kHeight);
+      for (std::int64_t i = 0; i < image.size(); ++i)
+        image.data()[i] = static_cast<float>(unit * std::floor(1000.0 + 20.0 * normal(engine)));
+      frames.push_back(image.view());
+    }
+    StackStatistics one(kWidth, kHeight), many(kWidth, kHeight);
+    for (const auto& frame : frames) one.add(frame);
+    many.add(std::span(frames).first(3), 4);
+    many.add(std::span(frames).last(2), 3);
+
+    const auto value = [&](std::size_t t, std::size_t i) { return static_cast<long double>(images[t].data()[i]); };
+    const auto mean_of = [](const std::vector<long double>& all) {
+      return std::accumulate(all.begin(), all.end(), 0.0L) / static_cast<long double>(all.size());
+    };
+    std::vector<long double> pixel(kSize), row(kHeight), column(kWidth), frame(kCount), variance(kSize);
+    std::vector<std::vector<long double>> tv(kCount, row), th(kCount, column);
+    for (std::size_t t = 0; t < kCount; ++t)
+      for (std::size_t i = 0; i < kSize; ++i) {
+        pixel[i] += value(t, i) / kCount;
+        tv[t][i / kWidth] += value(t, i) / kWidth;
+        th[t][i % kWidth] += value(t, i) / kHeight;
+        row[i / kWidth] += value(t, i) / (kCount * kWidth);
+        column[i % kWidth] += value(t, i) / (kCount * kHeight);
+        frame[t] += value(t, i) / kSize;
+      }
+    const long double mean = mean_of(frame);
+    long double rest = 0.0L;
+    for (std::size_t t = 0; t < kCount; ++t)
+      for (std::size_t i = 0; i < kSize; ++i) {
+        const std::size_t y = i / kWidth, x = i % kWidth;
+        const long double d = value(t, i) - tv[t][y] - th[t][x] - pixel[i] + frame[t] + row[y] + column[x] - mean;
+        rest += d * d;
+        variance[i] += (value(t, i) - pixel[i]) * (value(t, i) - pixel[i]) / (kCount - 1);
+      }
+    // Sums of counts are exact; of others each addition rounds by 1e-16 of a sum of up to 1e4 squares.
+    const double tolerance = unit == 1.0 ? 1e-13 : 1e-11;
+    const auto expect_near = [&](double found, long double expected, const char* what) {
+      EXPECT_NEAR(found, static_cast<double>(expected), tolerance * std::abs(static_cast<double>(expected))) << what;
+    };
+    const radiometry::MeanSquares squares = one.mean_squares();
+    expect_near(one.mean(), mean, "mean");
+    expect_near(squares.value[radiometry::kTvh], rest / ((kCount - 1) * (kHeight - 1) * (kWidth - 1)), "tvh");
+    long double scatter = 0.0L;
+    for (const long double v : variance) scatter += (v - mean_of(variance)) * (v - mean_of(variance));
+    expect_near(one.variance_sd(), std::sqrt(scatter / (kSize - 1) / kSize), "variance_sd");
+    for (const Lag lag : kLags) {
+      long double sum = 0.0L;
+      std::int64_t pairs = 0;
+      for (std::int64_t y = lag.rows; y < kHeight; ++y)
+        for (std::int64_t x = std::max(0, lag.columns); x < kWidth + std::min(0, lag.columns); ++x, ++pairs)
+          for (std::size_t t = 0; t < kCount; ++t) {
+            const auto here = static_cast<std::size_t>(y * kWidth + x),
+                       there = static_cast<std::size_t>((y - lag.rows) * kWidth + x - lag.columns);
+            sum += (value(t, here) - pixel[here]) * (value(t, there) - pixel[there]);
+          }
+      const Covariance found = one.covariance(lag);
+      EXPECT_EQ(found.pairs, static_cast<double>(pairs));
+      // Neighbours are independent: the covariance is next to nothing, its error that of the sum of its terms.
+      EXPECT_NEAR(found.value, static_cast<double>(sum / (kCount - 1) / static_cast<long double>(pairs)),
+                  tolerance * squares.value[radiometry::kTvh]);
+      EXPECT_EQ(found.value, many.covariance(lag).value);
+    }
+    EXPECT_EQ(one.mean_squares().value, many.mean_squares().value);
+    EXPECT_EQ(one.variance_sd(), many.variance_sd());
+    EXPECT_EQ(one.von_neumann(), many.von_neumann());
+    EXPECT_EQ(one.step(), unit == 1.0 ? 1U : 0U);
+    EXPECT_EQ(many.step(), one.step());
+  }
+}
+
+// The frames before one that is refused are counted.
+TEST(Characterize, ARefusedFrameIsNamed) {
+  mtf::Image good(9, 70), bad(9, 70);
+  std::fill_n(good.data(), good.size(), 5.0F);
+  std::fill_n(bad.data(), bad.size(), 5.0F);
+  bad.at(8, 69) = std::numeric_limits<float>::infinity();
+  StackStatistics sums(9, 70);
+  const std::vector<mtf::ImageView<const float>> frames{good.view(), good.view(), bad.view()};
+  expect_refused({"frame 3", "8, 69"}, [&] { sums.add(frames, 2); });
+  EXPECT_EQ(sums.frames(), 2);
 }
 
 // Counts of 12 bits in the upper bits of 16 have a step of 16, fractions none.
