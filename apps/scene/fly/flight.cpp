@@ -4,19 +4,49 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <cstdint>
 #include <functional>
 #include <future>
+#include <memory>
+#include <optional>
+#include <string>
 #include <tuple>
 
-#include "apps/scene/fly/flight_light.h"
+#include "apps/scene/render/picture_scene.h"
 #include "apps/sensor/sensor_air.h"
 #include "mtf/error.h"
+#include "mtf/settings.h"
 #include "mtf/work/stop.h"
 #include "mtf/work/stopwatch.h"
+#include "radiometry/render/renderer.h"
 #include "radiometry/weather/instant.h"
 
 namespace apps::scene {
 namespace {
+
+// A scene in the light of one time: what a flight makes once for some time of the scene's clock.
+
+/// What light depends on.
+struct LightKey {
+  std::int64_t interval = 0;  ///< of the scene's clock
+  std::string response{};
+  radiometry::Interval band{};
+  std::optional<mtf::SettingsTable> air{};  ///< [atmosphere] of the sensor file
+
+  bool operator==(const LightKey& other) const { return interval == other.interval && same_but_for_time(other); }
+  bool same_but_for_time(const LightKey& other) const {
+    return response == other.response && band.lo_um == other.band.lo_um && band.hi_um == other.band.hi_um &&
+           air == other.air;
+  }
+};
+
+/// A scene in one light, and what draws it.
+struct Light {
+  LightKey key;
+  PictureScene scene;
+  double temperatures_utc_s = 0.0;
+  std::unique_ptr<radiometry::render::Renderer> renderer{};
+};
 
 // The views of sides that a camera will see, worked out in the background in a copy of the scene, and taken over by the
 // renderer of the frames once they are there.
