@@ -171,11 +171,7 @@ Json text_schema(std::string_view doc) {
   return schema;
 }
 
-Json words_schema(std::span<const std::string_view> words) {
-  Json list = Json::array();
-  for (const std::string_view word : words) list.push_back(std::string(word));
-  return {{"enum", std::move(list)}};
-}
+Json words_schema(std::span<const std::string_view> words) { return {{"enum", words}}; }
 
 Json list_schema(Json items) { return {{"type", "array"}, {"items", std::move(items)}}; }
 

@@ -52,8 +52,8 @@ namespace fs = std::filesystem;
 Json render_json(const RenderOutputs& made, const std::vector<std::string>& outputs) {
   const auto& [scene, sensors, frame, metadata, samples_per_pitch] = made;
   Json json;
-  for (const auto& [name, text] : metadata.front().text) json["attributes"][name] = text;
-  for (const auto& [name, text] : scene.closures) json["closures"][name] = text;
+  json["attributes"] = metadata.front().text;
+  json["closures"] = Json::object(scene.closures);
   json["samples_per_pitch"] = samples_per_pitch;
   json["divided_samples"] = frame.divided;
   json["shadow_rays"] = frame.shadow_rays;
