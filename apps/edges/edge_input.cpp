@@ -61,9 +61,7 @@ std::vector<NamedImage> chosen_planes(mtf::io::ImageFile& file, double clipped_f
                     kLuminance[2] * file.planes[2].data()[i];
     planes.push_back({"luminance", std::move(sum)});
   } else {
-    std::string names;
-    for (const std::string& name : file.names) names += (names.empty() ? "" : ", ") + one_line(name);
-    throw mtf::UsageError(one_line(image) + ": has the channels " + names +
+    throw mtf::UsageError(one_line(image) + ": has the channels " + joined(file.names, one_line) +
                           "; an edge is measured in one: --channel NAME, or luminance, or all for each separately");
   }
   return planes;

@@ -69,9 +69,9 @@ std::string sequence_text(const RunReport& report, const SequenceReport& s) {
           std::to_string(s.plans_updated) + " updated\n";
   text += "predicted error up to " + significant(s.predicted_error, 2) + " of a frame's std (tolerance " +
           tolerance_text(report.tolerance) + ")\n";
-  std::string times;
-  for (const auto& [name, ms] : report.timing_ms)
-    times += (times.empty() ? "" : ", ") + name + " " + fixed(ms / static_cast<double>(s.frames), 1);
+  const std::string times = joined(report.timing_ms, [&](const auto& one) {
+    return one.first + " " + fixed(one.second / static_cast<double>(s.frames), 1);
+  });
   return text + "time " + fixed(s.seconds, 2) + " s, " + significant(s.fps, 3) + " frames/s (ms a frame: " + times +
          "; " + plural(s.in_flight, "frame") + " at a time)\n";
 }

@@ -301,8 +301,7 @@ std::string best_table(const SweepReport& report) {
                                    significant(best.value, 5) + (objective.unit.empty() ? "" : " " + objective.unit),
                                    std::to_string(best.design)};
     for (std::size_t a = 0; a < study.axes.size(); ++a) cells.push_back(axis_text(shown[a], best.row[a]));
-    std::string limits;
-    for (const study::Limit& limit : report.limits[o]) limits += (limits.empty() ? "" : ", ") + one_line(limit.text);
+    const std::string limits = joined(report.limits[o], [](const study::Limit& one) { return one_line(one.text); });
     cells.push_back(limits.empty() ? "-" : limits);
     table.add(cells);
   }

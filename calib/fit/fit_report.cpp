@@ -215,13 +215,6 @@ std::vector<std::vector<double>> correlations(const Solved& solved) {
 
 namespace {
 
-std::string list_of(std::span<const std::string> names) {
-  std::string text;
-  for (std::size_t k = 0; k < names.size(); ++k)
-    text += (k == 0 ? "" : k + 1 == names.size() ? " and " : ", ") + names[k];
-  return text;
-}
-
 /// The largest edge of the fit; nullptr without edges.
 const EdgeBlock* largest_edge(const FitProblem& problem, std::size_t& index) {
   const EdgeBlock* most = nullptr;
@@ -292,7 +285,7 @@ std::optional<Estimate> combined_moment(FitProblem& problem, const Solved& solve
 std::string weak_direction_text(std::span<const std::string> names, const WeakWords& words) {
   if (names.size() == 1)
     return names.front() + " is not determined: the data hardly depend on it; " + words.single_advice;
-  return list_of(names) + " are not separable from " + words.from + ": only " + words.known + "; " + words.advice;
+  return mtf::listed(names) + " are not separable from " + words.from + ": only " + words.known + "; " + words.advice;
 }
 
 std::vector<NullDirection> null_directions(FitProblem& problem, const Solved& solved,

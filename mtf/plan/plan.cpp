@@ -487,10 +487,6 @@ namespace {
 
 std::string short_number(double value) { return significant(value, 2); }
 
-std::string size_text(std::int64_t width, std::int64_t height) {
-  return std::to_string(width) + "x" + std::to_string(height);
-}
-
 }  // namespace
 
 std::string Plan::explain() const {
