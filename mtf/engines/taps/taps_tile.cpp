@@ -14,6 +14,23 @@ using Wide = float __attribute__((vector_size(kVector * sizeof(float)), aligned(
 MTFKIT_INLINE const Wide& wide(const float* p) { return *reinterpret_cast<const Wide*>(p); }
 MTFKIT_INLINE Wide& wide(float* p) { return *reinterpret_cast<Wide*>(p); }
 
+MTFKIT_CLONES void deinterleave(const float* __restrict in, std::int64_t ratio, std::int64_t stride, std::int64_t n,
+                                float* __restrict out) {
+  if (ratio == 2) {
+    for (std::int64_t i = 0; i < n; ++i) out[i] = in[2 * i], out[stride + i] = in[2 * i + 1];
+    return;
+  }
+  if (ratio == 4) {
+    for (std::int64_t i = 0; i < n; ++i) {
+      out[i] = in[4 * i], out[stride + i] = in[4 * i + 1];
+      out[2 * stride + i] = in[4 * i + 2], out[3 * stride + i] = in[4 * i + 3];
+    }
+    return;
+  }
+  for (std::int64_t p = 0; p < ratio; ++p)
+    for (std::int64_t i = 0; i < n; ++i) out[p * stride + i] = in[i * ratio + p];
+}
+
 }  // namespace
 
 // Four vectors at a time, or two, hide the latency of the additions.
@@ -90,27 +107,6 @@ MTFKIT_CLONES void weighted_pairs(const float* const* a, const float* const* b, 
 MTFKIT_CLONES void add_rows(const float* a, const float* b, std::int64_t n, float* out) {
   for (std::int64_t i = 0; i < n; ++i) out[i] = a[i] + b[i];
 }
-
-namespace {
-
-MTFKIT_CLONES void deinterleave(const float* __restrict in, std::int64_t ratio, std::int64_t stride, std::int64_t n,
-                                float* __restrict out) {
-  if (ratio == 2) {
-    for (std::int64_t i = 0; i < n; ++i) out[i] = in[2 * i], out[stride + i] = in[2 * i + 1];
-    return;
-  }
-  if (ratio == 4) {
-    for (std::int64_t i = 0; i < n; ++i) {
-      out[i] = in[4 * i], out[stride + i] = in[4 * i + 1];
-      out[2 * stride + i] = in[4 * i + 2], out[3 * stride + i] = in[4 * i + 3];
-    }
-    return;
-  }
-  for (std::int64_t p = 0; p < ratio; ++p)
-    for (std::int64_t i = 0; i < n; ++i) out[p * stride + i] = in[i * ratio + p];
-}
-
-}  // namespace
 
 TileRows::TileRows(const Channel& channel, const TapAxis& x, const TapAxis& y, Border border, const TileArea& area)
     : channel_(channel),
