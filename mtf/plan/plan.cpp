@@ -127,12 +127,6 @@ bool share_memory(ImageView<const float> a, ImageView<const float> b) {
   return before(a.data, b.row(b.height)) && before(b.data, a.row(a.height));
 }
 
-Image copy_of(ImageView<const float> plane) {
-  Image copy(plane.width, plane.height);
-  for (std::int64_t y = 0; y < plane.height; ++y) std::copy_n(plane.row(y), plane.width, copy.view().row(y));
-  return copy;
-}
-
 std::string short_number(double value) { return significant(value, 2); }
 
 }  // namespace
