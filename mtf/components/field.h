@@ -210,6 +210,11 @@ inline Traits motion_traits(bool in_x, bool in_y, bool even) {
           .real = even};
 }
 
+/// Of what acts along an axis alone; `even`: without a phase.
+inline Traits axis_traits(const Choice& axis, bool even) {
+  return motion_traits(axis.index == 0, axis.index != 0, even);
+}
+
 /// Whether rows of taps are the same read from right to left, or from the last one to the first, or both.
 template <class S>
 bool mirrored_taps(const Taps<S>& taps, bool in_x, bool in_y) {
