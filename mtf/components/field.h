@@ -82,7 +82,6 @@ struct Field : FieldInfo {
   Member member;
 
   constexpr Field(Member where, FieldInfo row) : FieldInfo(row), member(where) { set_type(where); }
-  constexpr Field(FieldInfo row, Member where) : Field(where, row) {}
 
  private:
   template <class Owner, class Value>
