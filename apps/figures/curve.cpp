@@ -51,9 +51,9 @@ std::string as_table(const OtfCurves& curves) {
 
 std::string as_csv(const OtfCurves& curves) {
   const std::vector<TableColumn> table = table_of(curves);
-  std::string text;
-  for (const TableColumn& column : table) text += (text.empty() ? "" : ",") + csv_field(column.name);
-  text += "\n";
+  std::string text = joined(
+                         table, [](const TableColumn& column) { return csv_field(column.name); }, ",") +
+                     "\n";
   for (std::size_t i = 0; i < curves.frequency.size(); ++i)
     for (const TableColumn& column : table)
       text += mtf::format_double(column.values[i]) + (&column == &table.back() ? "\n" : ",");

@@ -144,8 +144,7 @@ Json otf_map_json(const OtfMap& map) {
   json["mean"] = map.mean;
   json["mean_error"] = map.mean_error;
   json["worst"] = place_json(map.worst());
-  json["places"] = Json::array();
-  for (const OtfMap::Place& place : map.places) json["places"].push_back(place_json(place));
+  json["places"] = json_list(map.places, place_json);
   if (!(map.band_error <= mtf::kBandError)) json["error"] = map.band_error;
   return json;
 }

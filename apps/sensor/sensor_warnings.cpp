@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/sensor/sensor_warnings.h"
 
-#include <array>
 #include <cmath>
-#include <cstdio>
 
 #include "apps/sensor/sensor_air.h"
 #include "mtf/components/footprint.h"

@@ -178,93 +178,7 @@ void ask_evaluator(SweepReport& report) {
   report.gradient = evaluator.gradient_at(axis_values(study, report.gradient_design));
 }
 
-}  // namespace
-
-std::vector<std::size_t> spread_over_front(const study::FrontPoints& front, std::size_t most) {
-  std::vector<std::size_t> order(front.size());
-  for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
-  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-    return front.at(a)[0] != front.at(b)[0] ? front.at(a)[0] < front.at(b)[0] : a < b;
-  });
-  const std::size_t some = std::min(most, order.size());
-  std::vector<std::size_t> points;
-  for (std::size_t i = 0; i < some; ++i) points.push_back(order[some == 1 ? 0 : i * (order.size() - 1) / (some - 1)]);
-  return points;
-}
-
-bool none_valid(const SweepReport& report) { return report.tally->invalid().designs == report.tally->designs(); }
-
-std::vector<std::size_t> violated_constraints(const SweepReport& report, std::span<const double> row) {
-  const auto sides = sides_of(report, row);
-  std::vector<std::size_t> found;
-  for (std::size_t k = 0; k < sides.size(); ++k)
-    if (!study::meets(report.tally->job().limits[k], sides[k])) found.push_back(k);
-  return found;
-}
-
-int finish_sweep(const SweepStudy& sweep, const SweepRun& run, const SweepOptions& options, const Global& global) {
-  const mtf::Stopwatch watch;
-  study::Tally tally(study::tally_job(sweep.study, sweep.columns));
-  SweepReport report;
-  report.sweep = &sweep;
-  report.run = &run;
-  report.tally = &tally;
-  report.threads = mtf::threads_of(global.threads);
-  {
-    ProgressLine progress(global);
-    const auto designs = static_cast<double>(sweep.study->designs);
-    // Counted first: which designs are on the front is known only when all of them have been read.
-    study::read_pieces(
-        run.pieces, [&](study::RowRange range, const std::vector<double>& rows) { return tally.count(range, rows); },
-        global.threads, [&](std::int64_t done) { progress.update("counts", static_cast<double>(done) / designs); });
-    report.front = tally.front();
-    const std::vector<study::Column> columns = study::file_columns(*sweep.study);
-    const bool with_front = sweep.study->objectives.size() > 1;
-    study::write_table(
-        {.pieces = run.pieces,
-         .columns = study::table_columns(*sweep.study, columns),
-         .marked = with_front ? std::optional(report.front.designs) : std::nullopt,
-         .csv = run.outputs->in("designs.csv"),
-         .npy = run.outputs->in("designs.npy"),
-         .threads = global.threads,
-         .done = [&](std::int64_t done) { progress.update("tables", static_cast<double>(done) / designs); }});
-    emit(run.outputs->in("columns.csv"), study::columns_csv(columns));
-    ask_evaluator(report);
-    // No longer than the designs took, where they were computed here and now.
-    const bool timed = run.tally.made > 0 && run.tally.resumed == 0 && !std::isnan(run.seconds);
-    const double seconds = timed ? std::clamp(run.seconds, kAnyIndexSeconds, kIndexSeconds) : kIndexSeconds;
-    report.indices = study::study_indices(sweep.study, sweep.columns, seconds, global.threads,
-                                          [&](double share) { progress.update("sensitivities", share); });
-    if (options.accuracy) {
-      progress.update("accuracy", 0.0);
-      report.accuracy = study::accuracy_table(*sweep.study, kAccuracySeconds);
-    }
-  }
-  report.finish_seconds = watch.seconds();
-  const std::string json = mtf::io::without_stages(json_document(to_json(report)));
-  emit(run.outputs->in("sweep.json"), json);
-  run.outputs->commit();
-  print(options.format == Format::json ? json : mtf::io::without_stages(sweep_summary(report)));
-  int status = 0;
-  if (none_valid(report)) {
-    complain(
-        "mtf: every design is invalid, so none is chosen: change the axes, or what the objectives and constraints "
-        "ask for");
-    status = 3;
-  }
-  for (const study::AccuracyRow& row : report.accuracy.rows) {
-    if (!study::broken(report.accuracy, row)) continue;
-    note(global, "mtf: at tolerance " + mtf::format_double(row.tolerance) + " a metric is off by " +
-                     significant(row.realised, 2) + ", more than the promised " + significant(row.promised, 2) +
-                     "; take a tighter tolerance, and please report the study");
-    status = 3;
-  }
-  return status;
-}
-
 // The summary that `mtf sweep` prints.
-
-namespace {
 
 std::string list(const SweepReport& report, const std::vector<std::size_t>& constraints, const std::string& between) {
   std::string text;
@@ -380,6 +294,88 @@ std::string invalid(const SweepReport& report) {
 }
 
 }  // namespace
+
+std::vector<std::size_t> spread_over_front(const study::FrontPoints& front, std::size_t most) {
+  std::vector<std::size_t> order(front.size());
+  for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
+  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    return front.at(a)[0] != front.at(b)[0] ? front.at(a)[0] < front.at(b)[0] : a < b;
+  });
+  const std::size_t some = std::min(most, order.size());
+  std::vector<std::size_t> points;
+  for (std::size_t i = 0; i < some; ++i) points.push_back(order[some == 1 ? 0 : i * (order.size() - 1) / (some - 1)]);
+  return points;
+}
+
+bool none_valid(const SweepReport& report) { return report.tally->invalid().designs == report.tally->designs(); }
+
+std::vector<std::size_t> violated_constraints(const SweepReport& report, std::span<const double> row) {
+  const auto sides = sides_of(report, row);
+  std::vector<std::size_t> found;
+  for (std::size_t k = 0; k < sides.size(); ++k)
+    if (!study::meets(report.tally->job().limits[k], sides[k])) found.push_back(k);
+  return found;
+}
+
+int finish_sweep(const SweepStudy& sweep, const SweepRun& run, const SweepOptions& options, const Global& global) {
+  const mtf::Stopwatch watch;
+  study::Tally tally(study::tally_job(sweep.study, sweep.columns));
+  SweepReport report;
+  report.sweep = &sweep;
+  report.run = &run;
+  report.tally = &tally;
+  report.threads = mtf::threads_of(global.threads);
+  {
+    ProgressLine progress(global);
+    const auto designs = static_cast<double>(sweep.study->designs);
+    // Counted first: which designs are on the front is known only when all of them have been read.
+    study::read_pieces(
+        run.pieces, [&](study::RowRange range, const std::vector<double>& rows) { return tally.count(range, rows); },
+        global.threads, [&](std::int64_t done) { progress.update("counts", static_cast<double>(done) / designs); });
+    report.front = tally.front();
+    const std::vector<study::Column> columns = study::file_columns(*sweep.study);
+    const bool with_front = sweep.study->objectives.size() > 1;
+    study::write_table(
+        {.pieces = run.pieces,
+         .columns = study::table_columns(*sweep.study, columns),
+         .marked = with_front ? std::optional(report.front.designs) : std::nullopt,
+         .csv = run.outputs->in("designs.csv"),
+         .npy = run.outputs->in("designs.npy"),
+         .threads = global.threads,
+         .done = [&](std::int64_t done) { progress.update("tables", static_cast<double>(done) / designs); }});
+    emit(run.outputs->in("columns.csv"), study::columns_csv(columns));
+    ask_evaluator(report);
+    // No longer than the designs took, where they were computed here and now.
+    const bool timed = run.tally.made > 0 && run.tally.resumed == 0 && !std::isnan(run.seconds);
+    const double seconds = timed ? std::clamp(run.seconds, kAnyIndexSeconds, kIndexSeconds) : kIndexSeconds;
+    report.indices = study::study_indices(sweep.study, sweep.columns, seconds, global.threads,
+                                          [&](double share) { progress.update("sensitivities", share); });
+    if (options.accuracy) {
+      progress.update("accuracy", 0.0);
+      report.accuracy = study::accuracy_table(*sweep.study, kAccuracySeconds);
+    }
+  }
+  report.finish_seconds = watch.seconds();
+  const std::string json = mtf::io::without_stages(json_document(to_json(report)));
+  emit(run.outputs->in("sweep.json"), json);
+  run.outputs->commit();
+  print(options.format == Format::json ? json : mtf::io::without_stages(sweep_summary(report)));
+  int status = 0;
+  if (none_valid(report)) {
+    complain(
+        "mtf: every design is invalid, so none is chosen: change the axes, or what the objectives and constraints "
+        "ask for");
+    status = 3;
+  }
+  for (const study::AccuracyRow& row : report.accuracy.rows) {
+    if (!study::broken(report.accuracy, row)) continue;
+    note(global, "mtf: at tolerance " + mtf::format_double(row.tolerance) + " a metric is off by " +
+                     significant(row.realised, 2) + ", more than the promised " + significant(row.promised, 2) +
+                     "; take a tighter tolerance, and please report the study");
+    status = 3;
+  }
+  return status;
+}
 
 std::string sweep_summary(const SweepReport& report) {
   const study::Study& study = *report.sweep->study;

@@ -32,6 +32,8 @@ std::vector<double> probe_radii(double end, std::size_t even, const LowProbes& l
   return radii;
 }
 
+Complex<float> narrow(const Complex<double>& h) { return {static_cast<float>(h.re), static_cast<float>(h.im)}; }
+
 }  // namespace
 
 void FactoredOtf::for_each(std::size_t count, const std::function<void(std::size_t)>& value) const {
@@ -251,12 +253,6 @@ void FactoredOtf::choose_wavelengths(double end, double target) {
   wavelength_rule_ = BandRule(*system_.band, kinks, n);
   wavelengths_ = n;
 }
-
-namespace {
-
-Complex<float> narrow(const Complex<double>& h) { return {static_cast<float>(h.re), static_cast<float>(h.im)}; }
-
-}  // namespace
 
 FactoredOtf::Grid::Grid(const FactoredOtf& sampler, std::vector<double> fx, std::vector<double> fy)
     : sampler_(&sampler), fx_(std::move(fx)), fy_(std::move(fy)) {

@@ -108,6 +108,45 @@ MTFKIT_CLONES void add_scaled(double* __restrict to, const float* __restrict fro
   for (std::int64_t i = 0; i < n; ++i) to[i] += factor * from[i];
 }
 
+// Weights of the coarse samples `low` .. at evenly spaced positions; every run has the same length.
+struct Synthesis {
+  std::int64_t low = 0, span = 0, taps = 0;
+  std::vector<std::int64_t> start;  // of each position, from `low`
+  std::vector<float> weight;        // taps a position
+};
+
+Synthesis synthesis(const CoarseAxis& axis, double first_um, double step_um, std::int64_t count) {
+  Synthesis s;
+  const double half_width = kHalfWidthSigmas * axis.sigma_um;
+  s.taps = (static_cast<std::int64_t>(std::ceil(2.0 * half_width / axis.coarse_um)) + 1 + kLanes - 1) / kLanes * kLanes;
+  for (std::int64_t i = 0; i < count; ++i) {
+    const double x = first_um + static_cast<double>(i) * step_um - axis.origin_um;
+    const auto from = static_cast<std::int64_t>(std::ceil((x - half_width) / axis.coarse_um - 0.5));
+    s.start.push_back(from);
+    for (std::int64_t k = 0; k < s.taps; ++k) {
+      const double centre = (static_cast<double>(from + k) + 0.5) * axis.coarse_um;
+      s.weight.push_back(static_cast<float>(axis.coarse_um * gaussian_weight(x - centre, axis.sigma_um)));
+    }
+  }
+  s.low = s.start.front();
+  s.span = s.start.back() + s.taps - s.low;
+  for (std::int64_t& start : s.start) start -= s.low;
+  return s;
+}
+
+MTFKIT_CLONES void interpolate_row(const float* row, const Synthesis& s, double offset, float* out, std::int64_t n) {
+  for (std::int64_t x = 0; x < n; ++x) {
+    const float* from = row + s.start[static_cast<std::size_t>(x)];
+    const float* weight = s.weight.data() + x * s.taps;
+    std::array<float, kLanes> lanes{};
+    for (std::int64_t k = 0; k < s.taps; k += kLanes)
+      for (std::int64_t l = 0; l < kLanes; ++l) lanes[static_cast<std::size_t>(l)] += from[k + l] * weight[k + l];
+    double sum = offset;
+    for (const float lane : lanes) sum += lane;
+    out[x] = static_cast<float>(out[x] + sum);
+  }
+}
+
 }  // namespace
 
 CoarseGrid coarse_grid(const SampleGrid& scene, Border border, std::int64_t every) {
@@ -165,49 +204,6 @@ Image CoarseScene::image() const {
   for (std::size_t i = 0; i < sum_.size(); ++i) image.data()[i] = static_cast<float>(sum_[i]);
   return image;
 }
-
-namespace {
-
-// Weights of the coarse samples `low` .. at evenly spaced positions; every run has the same length.
-struct Synthesis {
-  std::int64_t low = 0, span = 0, taps = 0;
-  std::vector<std::int64_t> start;  // of each position, from `low`
-  std::vector<float> weight;        // taps a position
-};
-
-Synthesis synthesis(const CoarseAxis& axis, double first_um, double step_um, std::int64_t count) {
-  Synthesis s;
-  const double half_width = kHalfWidthSigmas * axis.sigma_um;
-  s.taps = (static_cast<std::int64_t>(std::ceil(2.0 * half_width / axis.coarse_um)) + 1 + kLanes - 1) / kLanes * kLanes;
-  for (std::int64_t i = 0; i < count; ++i) {
-    const double x = first_um + static_cast<double>(i) * step_um - axis.origin_um;
-    const auto from = static_cast<std::int64_t>(std::ceil((x - half_width) / axis.coarse_um - 0.5));
-    s.start.push_back(from);
-    for (std::int64_t k = 0; k < s.taps; ++k) {
-      const double centre = (static_cast<double>(from + k) + 0.5) * axis.coarse_um;
-      s.weight.push_back(static_cast<float>(axis.coarse_um * gaussian_weight(x - centre, axis.sigma_um)));
-    }
-  }
-  s.low = s.start.front();
-  s.span = s.start.back() + s.taps - s.low;
-  for (std::int64_t& start : s.start) start -= s.low;
-  return s;
-}
-
-MTFKIT_CLONES void interpolate_row(const float* row, const Synthesis& s, double offset, float* out, std::int64_t n) {
-  for (std::int64_t x = 0; x < n; ++x) {
-    const float* from = row + s.start[static_cast<std::size_t>(x)];
-    const float* weight = s.weight.data() + x * s.taps;
-    std::array<float, kLanes> lanes{};
-    for (std::int64_t k = 0; k < s.taps; k += kLanes)
-      for (std::int64_t l = 0; l < kLanes; ++l) lanes[static_cast<std::size_t>(l)] += from[k + l] * weight[k + l];
-    double sum = offset;
-    for (const float lane : lanes) sum += lane;
-    out[x] = static_cast<float>(out[x] + sum);
-  }
-}
-
-}  // namespace
 
 void add_interpolated(const CoarseGrid& grid, ImageView<const float> w, double x_um, double y_um, double step_x_um,
                       double step_y_um, double offset, ImageView<float> out) {

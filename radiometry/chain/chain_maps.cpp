@@ -4,7 +4,6 @@
 // ones are made from the numbers of each pixel's place on the detector. With it the light of the camera itself: warm
 // optics and housing, and the closed shutter of a thermal camera over a sequence (stages/detector/shutter_events.h).
 
-#include <algorithm>
 #include <limits>
 
 #include "mtf/engines/statistics.h"
@@ -89,11 +88,7 @@ Directions<double> closed_at(const CompiledChain& chain, const CameraEmission& c
 mtf::Image part_of(const SharedMap& whole, const char* key, const DetectorSource& source) {
   if (!whole) return {};
   require_size(*whole, key, source.plane.columns, source.plane.rows);
-  mtf::Image part(source.width, source.height);
-  for (std::int64_t y = 0; y < source.height; ++y)
-    std::copy_n(whole->data() + (source.origin.y + y) * whole->width() + source.origin.x, source.width,
-                part.data() + y * source.width);
-  return part;
+  return copy_of(part_of(whole->view(), {source.origin.x, source.origin.y, source.width, source.height}));
 }
 
 void require_maps(const Sensor& sensor, std::int64_t columns, std::int64_t rows) {

@@ -109,9 +109,7 @@ double radiance_at_ranges(mtf::ImageView<float> temperature_k, mtf::ImageView<co
                           const PlaneOptions& options) {
   require_size_of(temperature_k, range_m, "depth");
   require_ranges(range_m, table, options.threads);
-  mtf::Image emitted(temperature_k.width, temperature_k.height);
-  for (std::int64_t y = 0; y < temperature_k.height; ++y)
-    std::copy_n(temperature_k.row(y), temperature_k.width, emitted.view().row(y));
+  mtf::Image emitted = copy_of(temperature_k);
   radiance_of_temperature(emitted.view(), scene, {finish.emissivity, finish.plane, 0.0}, options);
 
   const bool by_pixel = finish.plane.data != nullptr;

@@ -387,7 +387,6 @@ TEST(Characterize, ARefusedFrameIsNamed) {
   EXPECT_EQ(sums.frames(), 2);
 }
 
-// Counts of 12 bits in the upper bits of 16 have a step of 16, fractions none.
 // White noise has its variance at every frequency, a wave its power n A^2/4 at its own (Parseval), in rows of any
 // length.
 TEST(Characterize, SpectraOfRowsAndColumns) {
@@ -425,6 +424,7 @@ TEST(Characterize, CrosstalkIsUndone) {
   for (std::int64_t i = 0; i < before.size(); ++i) ASSERT_NEAR(after.data()[i], before.data()[i], 1e-5) << i;
 }
 
+// Counts of 12 bits in the upper bits of 16 have a step of 16, fractions none.
 TEST(Characterize, TheStepOfTheCountsIsSeen) {
   StackStatistics shifted(8, 8), fractions(8, 8);
   mtf::Image frame(8, 8);

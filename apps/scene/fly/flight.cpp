@@ -131,11 +131,16 @@ struct SeenPicture {
   int points = 0;         ///< n x n of a sample
   std::size_t light = 0;  ///< number of the light
   double temperatures_utc_s = 0.0;
-  mtf::Image radiance{};
-  std::vector<double> promised{}, reflected_k{};
-  int view_rays = 0;
-  std::size_t sides = 0;
+  render::RenderedFrame frame{};
 };
+
+/// All but its layers and times.
+render::RenderedFrame clone(const render::RenderedFrame& frame) {
+  render::RenderedFrame copy{
+      .promised = frame.promised, .reflected_k = frame.reflected_k, .view_rays = frame.view_rays, .sides = frame.sides};
+  copy.radiance.push_back(frame.radiance.front().clone());
+  return copy;
+}
 
 bool same_view(const render::Camera& a, const render::Camera& b) {
   const auto values = [](const render::Camera& c) {
@@ -325,33 +330,13 @@ void Flight::look_ahead(std::span<const CameraPlace> places) {
 }
 
 render::RenderedFrame Flight::State::rendered(const render::Camera& camera, int points) {
-  if (!options.keep_radiance) {
-    render::RenderedFrame frame = light->renderer->render(camera, points);
-    last_camera = camera;
-    return frame;
-  }
   if (seen && seen->light == lights && seen->temperatures_utc_s == light->temperatures_utc_s &&
-      seen->points == points && same_view(seen->camera, camera)) {
-    render::RenderedFrame frame;
-    frame.radiance.push_back(seen->radiance.clone());
-    frame.promised = seen->promised;
-    frame.reflected_k = seen->reflected_k;
-    frame.view_rays = seen->view_rays;
-    frame.sides = seen->sides;
-    return frame;
-  }
+      seen->points == points && same_view(seen->camera, camera))
+    return clone(seen->frame);
   seen.reset();
   render::RenderedFrame frame = light->renderer->render(camera, points);
   last_camera = camera;
-  seen = SeenPicture{.camera = camera,
-                     .points = points,
-                     .light = lights,
-                     .temperatures_utc_s = light->temperatures_utc_s,
-                     .radiance = frame.radiance.front().clone(),
-                     .promised = frame.promised,
-                     .reflected_k = frame.reflected_k,
-                     .view_rays = frame.view_rays,
-                     .sides = frame.sides};
+  if (options.keep_radiance) seen = SeenPicture{camera, points, lights, light->temperatures_utc_s, clone(frame)};
   return frame;
 }
 

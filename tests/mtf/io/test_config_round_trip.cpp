@@ -193,7 +193,7 @@ struct Blur : Gaussian<S> {
                                       : table == Table::same_name_twice ? "sigma"
                                                                         : "kind";
     return std::tuple_cat(Gaussian<S>::fields(),
-                          std::tuple{Field{FieldInfo{.name = name, .hi = 1.0, .example = "0.5"}, &Blur::share}});
+                          std::tuple{Field{&Blur::share, FieldInfo{.name = name, .hi = 1.0, .example = "0.5"}}});
   }
 };
 template <class S>
