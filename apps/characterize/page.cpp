@@ -137,7 +137,8 @@ std::string characterize_page(const Characterization& camera, const std::vector<
         (p.squares.defects.size() > kDefectsDrawn ? "; the largest " + std::to_string(kDefectsDrawn) + " are drawn"
                                                   : "") +
         ".</p>\n";
-  if (!planes.empty()) defects += charts("defect", {defect_figure(planes)});
+  if (std::ranges::any_of(planes, [](const PatternPlane& p) { return !p.squares.defects.empty(); }))
+    defects += charts("defect", {defect_figure(planes)});
   const std::vector<HtmlPart> parts{
       {"summary", "Numbers", summary(camera, words, light)},
       {"transfer", "Photon transfer",

@@ -10,14 +10,14 @@
 
 #include "apps/text/message_words.h"
 #include "calib/characterize/line_spectrum.h"
+#include "calib/fit/fit_report.h"
 
 namespace apps {
 namespace {
 
 using calib::Characterization, calib::Stack, calib::TransferLevel;
 
-constexpr double kLimit_sd = 1.959963984540054;  // of 95 %
-constexpr std::int64_t kMostPoints = 400;        // of a curve of one value a pixel
+constexpr std::int64_t kMostPoints = 400;  // of a curve of one value a pixel
 
 /// The fit between the levels: the dark, then lights in equal ratios, at the exposure times of the levels around them.
 struct CurvePoint {
@@ -105,8 +105,8 @@ std::vector<Figure> transfer_figures(const Characterization& camera) {
   }
   for (const CurvePoint& point : fitted_curve(camera)) put(fit, point.model.mean, point.model.variance);
   for (const double x : {used.x.front(), used.x.back()}) put(band, x, 0.0);
-  band.low.assign(2, -kLimit_sd);
-  band.high.assign(2, kLimit_sd);
+  band.low.assign(2, -calib::k95_sd);
+  band.high.assign(2, calib::k95_sd);
   Figure transfer = figure_of("Photon transfer", "mean (counts)", "temporal variance (counts^2)", {used, fit, out});
   transfer.y_low = 0.0;
   Figure residuals = figure_of("Residuals of the fit", "mean (counts)", "measured - fit (standard deviations)",
@@ -140,8 +140,8 @@ std::vector<Figure> response_figures(const Characterization& camera, const std::
     const double sd = std::hypot(std::sqrt(level.mean_variance) / signal, dark_sd / signal, level.light_sd);
     put(error, level.light, percent(signal, level.light));
     put(band, level.light, 0.0);
-    band.low.push_back(-100.0 * kLimit_sd * sd);
-    band.high.push_back(100.0 * kLimit_sd * sd);
+    band.low.push_back(-100.0 * calib::k95_sd * sd);
+    band.high.push_back(100.0 * calib::k95_sd * sd);
   }
   for (const CurvePoint& point : fitted_curve(camera)) {
     put(fit, point.light, point.model.mean);

@@ -182,7 +182,7 @@ class Page(html.parser.HTMLParser):
 page = Page()
 page.feed(open(sys.argv[1], encoding='utf-8').read())
 page.close()
-sys.exit(' '.join(page.open))
+sys.exit(' '.join(page.open) or 0)
 )";
 
 std::size_t count_of(const std::string& text, const std::string& what) {
@@ -194,7 +194,8 @@ std::size_t count_of(const std::string& text, const std::string& what) {
 // The page needs nothing else, has the numbers of result.json with all their digits, and its figures; a second run
 // makes the same bytes.
 TEST_F(CharacterizeCommand, ThePageHasTheNumbersAndTheFigures) {
-  simulate(kSensor, "truth", 14, "nominal = \"nominal.toml\"\n[options]\nnonlinearity = 1\n");
+  simulate(kSensor + "[defects]\nhot_fraction = 0.001\nhot = \"300 e-\"\n", "truth", 14,
+           "nominal = \"nominal.toml\"\n[options]\nnonlinearity = 1\n");
   write_file(scratch / "nominal.toml", replaced(kSensor, "camera\"", "<b>&camera\""));
   const std::string command = "mtf characterize truth_stacks.toml -o camera";
   ASSERT_EQ(scratch.run(command).status, 0);
@@ -214,10 +215,11 @@ TEST_F(CharacterizeCommand, ThePageHasTheNumbersAndTheFigures) {
   }
   EXPECT_EQ(count_of(page, "<svg "), 2U + 2U + 1U + 2U + 4U + 4U + 2U + 1U);
   EXPECT_FALSE(says(page, "no numbers to draw"));
-  EXPECT_FALSE(says(page, "nan"));
+  EXPECT_FALSE(std::regex_search(page, std::regex("\\bnan\\b")));
   expect_says(page, {command, "&lt;b&gt;&amp;camera", "flat frames do not tell it"});
   const std::string json = read_file(scratch / "camera/result.json");
   expect_says(page, {Json::parse(json).at("provenance").at("sha256").get<std::string>()});
+  EXPECT_EQ(count_of(read_file(scratch / "camera/defects.csv"), "dark signal,"), Json::parse(json).at("defect_count"));
   for (const auto& [name, one] : numbers(json)) {
     const std::size_t row = page.find(">" + name + "</code>"), end = page.find("</tr>", row);
     ASSERT_NE(row, std::string::npos) << name;
