@@ -172,14 +172,19 @@ Command characterize_command() {
       "  frames = \"bright/*.png\"\n"
       "  photons = 5200                  # or irradiance, relative, or the exposure alone\n"
       "The folder of --out gets sensor.toml, which every command reads, with { value, stderr } for each number;\n"
-      "result.json with intervals; levels.csv. What frames cannot tell is named. Where the model of photon transfer\n"
+      "report.html, a page with all numbers and figures; result.json with intervals; levels.csv; defects.csv. What "
+      "frames cannot tell is named. Where the model of photon transfer\n"
       "does not describe the frames, the exit code is 3 (--allow-misfit: 0), and all files are written.",
       "  mtf characterize stacks.toml -o camera\n"
       "  mtf characterize stacks.toml --nominal sensor.toml --format json"};
   add_file(app, "stacks", "file that describes the stacks (TOML)", options.stacks);
   add_text(app, "--nominal", "FILE", "sensor file for what frames do not tell; in place of the one that STACKS names",
            options.nominal);
-  add_text(app, "-o,--out", "FOLDER", "write sensor.toml, result.json and levels.csv here", options.out);
+  add_text(app, "-o,--out", "FOLDER", "write sensor.toml, report.html, result.json, levels.csv and defects.csv here",
+           options.out);
+  add_flag(app, "--maps",
+           "offset.exr and responsivity.exr beside sensor.toml, which names them in place of DSNU and PRNU",
+           options.maps);
   add_flag(app, "--allow-misfit", "exit 0, not 3, where the model does not describe the frames", options.allow_misfit);
   add_choice(app, "--format", "FORMAT", "table (default) or json", kTableOrJson, options.format);
   add_force(app, options.force);

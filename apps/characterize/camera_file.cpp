@@ -84,7 +84,7 @@ std::string least_sensor(std::int64_t columns, std::int64_t rows, int bits, doub
 }
 
 CameraFile camera_file(const Characterization& camera, const StacksFile& stacks, mtf::io::SensorConfig nominal,
-                       int bits, bool placeholders, const std::string& destination) {
+                       int bits, bool placeholders, bool maps, const std::string& destination) {
   CameraFile file;
   const auto set = [&](const std::string& key, const std::string& value) {
     nominal = mtf::io::replaced(nominal, key, value);
@@ -144,7 +144,17 @@ CameraFile camera_file(const Characterization& camera, const StacksFile& stacks,
                      "\n# not measured: " + joined(file.left) + "\n";
   if (!limits.empty()) head += "# limits:\n" + limits;
   // Files that the text names are named from its own folder.
-  file.text = head + (nominal.files.empty() ? nominal.text : write_config(nominal, destination));
+  if (!nominal.files.empty()) nominal.text = write_config(nominal, destination);
+  if (maps) {
+    nominal.file = destination;
+    nominal = read_again(nominal.text, nominal);
+    for (const char* const key : {"nonuniformity.prnu", "nonuniformity.dsnu", "noise.fixed_row", "noise.fixed_column",
+                                  "defects.hot_fraction", "defects.dead_fraction"})
+      unset(key);
+    set("nonuniformity.offset", "offset.exr");
+    set("nonuniformity.responsivity", "responsivity.exr");
+  }
+  file.text = head + nominal.text;
   return file;
 }
 

@@ -22,9 +22,9 @@ struct CameraFile {
 std::string least_sensor(std::int64_t columns, std::int64_t rows, int bits, double time_s);
 
 /// The nominal with the numbers that were determined, { value, stderr }; its comments and all else stay. Limits are
-/// named in the lines above it.
+/// named in the lines above it. `maps`: names those of pattern_planes.h in place of the rms of the patterns.
 CameraFile camera_file(const calib::Characterization& camera, const StacksFile& stacks, mtf::io::SensorConfig nominal,
-                       int bits, bool placeholders, const std::string& destination);
+                       int bits, bool placeholders, bool maps, const std::string& destination);
 
 std::string characterize_table(const calib::Characterization& camera, const std::vector<std::string>& left);
 Json characterize_json(const calib::Characterization& camera, const StacksFile& stacks, const CameraFile& file);

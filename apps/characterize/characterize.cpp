@@ -8,6 +8,7 @@
 
 #include "apps/characterize/camera_file.h"
 #include "apps/characterize/characterize_options.h"
+#include "apps/characterize/page.h"
 #include "apps/characterize/stack_frames.h"
 #include "apps/config_command.h"
 #include "apps/sensor/sensor_air.h"
@@ -16,6 +17,7 @@
 #include "apps/terminal/progress_line.h"
 #include "mtf/error.h"
 #include "mtf/io/config/config_reader.h"
+#include "mtf/io/image_io.h"
 #include "radiometry/chain/sensor_settings.h"
 #include "radiometry/light/constants.h"
 
@@ -62,9 +64,17 @@ double full_well_of(const StacksFile& stacks, const std::optional<mtf::io::Senso
   return std::isfinite(given) ? given : 0.0;
 }
 
+std::string command_of(const CharacterizeCommandOptions& options) {
+  return "mtf characterize " + shell_word(options.stacks) +
+         (options.nominal.empty() ? "" : " --nominal " + shell_word(options.nominal)) + " -o " +
+         shell_word(options.out) + (options.maps ? " --maps" : "") + (options.allow_misfit ? " --allow-misfit" : "");
+}
+
 }  // namespace
 
 int run_characterize(const CharacterizeCommandOptions& options, const Global& global) {
+  if (options.maps && options.out.empty())
+    throw mtf::UsageError("--maps: there is no folder for the maps; give -o FOLDER");
   StacksFile file = load_stacks(options.stacks);
   if (!options.nominal.empty()) file.nominal = options.nominal;
   std::optional<mtf::io::SensorConfig> nominal;
@@ -78,7 +88,8 @@ int run_characterize(const CharacterizeCommandOptions& options, const Global& gl
   const std::size_t total = inputs.size();
   OutputSet outputs({.folder = options.out,
                      .force = options.force,
-                     .names = {"sensor.toml", "result.json", "levels.csv"},
+                     .names = {"sensor.toml", "report.html", "result.json", "levels.csv", "defects.csv", "offset.exr",
+                               "responsivity.exr"},
                      .inputs = std::move(inputs)});
 
   std::vector<calib::Stack> stacks;
@@ -116,12 +127,23 @@ int run_characterize(const CharacterizeCommandOptions& options, const Global& gl
     mtf::io::cfg::require_no_errors(least.diagnostics, destination);
     nominal = std::move(least.config);
   }
-  const CameraFile sensor = camera_file(camera, file, std::move(*nominal), source.bits, placeholders, destination);
+  PageWords words{.camera = nominal->system.name, .command = command_of(options), .bits = source.bits};
+  const CameraFile sensor =
+      camera_file(camera, file, std::move(*nominal), source.bits, placeholders, options.maps, destination);
   const std::string json = json_document(characterize_json(camera, file, sensor));
   if (!options.out.empty()) {
     emit(outputs.in("sensor.toml"), sensor.text);
     emit(outputs.in("result.json"), json);
     emit(outputs.in("levels.csv"), levels_csv(camera));
+    const std::vector<PatternPlane> planes = pattern_planes(camera);
+    emit(outputs.in("defects.csv"), defects_csv(planes));
+    words.left = sensor.left;
+    emit(outputs.in("report.html"), characterize_page(camera, planes, file, words));
+    if (options.maps) {
+      const PatternMaps maps = pattern_maps(camera, planes);
+      mtf::io::write_exr(outputs.in("offset.exr"), {{"Y", maps.offset.view()}}, {});
+      mtf::io::write_exr(outputs.in("responsivity.exr"), {{"Y", maps.responsivity.view()}}, {});
+    }
   }
   outputs.commit();
   print(options.format == Format::json ? json : characterize_table(camera, sensor.left));

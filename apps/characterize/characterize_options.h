@@ -12,6 +12,7 @@ struct CharacterizeCommandOptions {
   std::string nominal;  ///< sensor file, in place of the one that it names
   std::string out;      ///< folder
   bool force = false;
+  bool maps = false;  ///< of offset and responsivity, in the folder
   bool allow_misfit = false;
   Format format = Format::table;
 };
