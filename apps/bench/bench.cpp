@@ -166,7 +166,7 @@ std::string bench_json(const BenchReport& report) {
                               {"time_ms_min", floor.time.min_ms},
                               {"time_ms_median", floor.time.median_ms},
                               {"runs", floor.time.runs}});
-  json["rows"] = json_list(report.rows, row_json);
+  json["rows"] = Json::array(report.rows, row_json);
   json["warnings"] = report.notes;
   // Names of files may hold any bytes; the report stays valid UTF-8.
   return json_document(json);

@@ -182,7 +182,7 @@ std::string parameters_table(std::span<const FittedParameter> parameters,
 
 void add_parameters(Json& json, std::span<const FittedParameter> parameters,
                     std::span<const calib::NullDirection> not_separable, const Correlation& correlation) {
-  json["parameters"] = json_list(parameters, parameter_json);
+  json["parameters"] = Json::array(parameters, parameter_json);
   json["correlation"] = correlation;
   json["not_separable"] = Json::array();
   for (const calib::NullDirection& direction : not_separable) {

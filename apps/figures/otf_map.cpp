@@ -144,7 +144,7 @@ Json otf_map_json(const OtfMap& map) {
   json["mean"] = map.mean;
   json["mean_error"] = map.mean_error;
   json["worst"] = place_json(map.worst());
-  json["places"] = json_list(map.places, place_json);
+  json["places"] = Json::array(map.places, place_json);
   if (!(map.band_error <= mtf::kBandError)) json["error"] = map.band_error;
   return json;
 }

@@ -43,7 +43,7 @@ Json component_json(const ComponentKind& kind) {
   json["lists"] = Json::array();
   for (const mtf::Stage stage : mtf::kStages)
     if (kind.stages.allows(stage)) json["lists"].push_back(std::string(stage_name(stage)));
-  json["parameters"] = json_list(kind.parameters, parameter_json);
+  json["parameters"] = Json::array(kind.parameters, parameter_json);
   json["example"] = kind.example;
   return json;
 }
@@ -52,7 +52,7 @@ Json table_json(const TableKind& kind) {
   return {{"name", kind.name},
           {"doc", kind.doc},
           {"condition", kind.condition},
-          {"parameters", json_list(kind.parameters, parameter_json)}};
+          {"parameters", Json::array(kind.parameters, parameter_json)}};
 }
 
 #ifdef MTFKIT_HAVE_STUDY
@@ -66,8 +66,8 @@ Json metric_json(const study::MetricInfo& metric) {
 
 /// Of a study file; null for another name.
 Json study_json(const std::string& kind) {
-  if (kind == "metrics") return {{"metrics", json_list(study::metric_catalogue(), metric_json)}};
-  if (const auto metric = study::find_metric(kind)) return {{"metrics", json_list(std::array{*metric}, metric_json)}};
+  if (kind == "metrics") return {{"metrics", Json::array(study::metric_catalogue(), metric_json)}};
+  if (const auto metric = study::find_metric(kind)) return {{"metrics", Json::array(std::array{*metric}, metric_json)}};
   if (kind == "study")
     throw mtf::UsageError(
         "--format json has [conditions] and metrics of a study; all of its keys are in "
@@ -92,7 +92,7 @@ std::string kinds_json(const std::string& kind) {
     for (const TableKind& table : *tables)
       if (kind.empty() || table.name == kind) json["tables"].push_back(table_json(table));
   if (kind.empty())
-    json["components"] = json_list(kinds.components, component_json);
+    json["components"] = Json::array(kinds.components, component_json);
   else if (json["tables"].empty())
     json["components"].push_back(component_json(component_kind(kind)));
   return json_document(json, 1);

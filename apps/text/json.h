@@ -75,6 +75,13 @@ class Json {
   ~Json();
 
   static Json array();
+  /// Of what `of`, a function or a member, is for each element.
+  template <class Elements, class Of>
+  static Json array(const Elements& elements, const Of& of) {
+    Json json = array();
+    for (const auto& element : elements) json.push_back(Json(std::invoke(of, element)));
+    return json;
+  }
   static Json object();
   /// Of pairs of a name and a value.
   template <class Pairs>
@@ -139,14 +146,6 @@ class Json {
 
   friend struct JsonText;
 };
-
-/// The list of what `of`, a function or a member, is for each element.
-template <class List, class Of>
-Json json_list(const List& list, const Of& of) {
-  Json json = Json::array();
-  for (const auto& element : list) json.push_back(Json(std::invoke(of, element)));
-  return json;
-}
 
 template <>
 bool Json::get() const;

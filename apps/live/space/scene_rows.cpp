@@ -246,7 +246,7 @@ Json scene_json(const std::string& text) {
   Json tables = Json::array();
   for (const SceneTable& table : scene_tables(tree.root))
     tables.push_back(
-        {{"name", table.title}, {"doc", table.doc}, {"fixed", true}, {"rows", json_list(table.rows, row_json)}});
+        {{"name", table.title}, {"doc", table.doc}, {"fixed", true}, {"rows", Json::array(table.rows, row_json)}});
   return {{"tables", std::move(tables)}};
 }
 

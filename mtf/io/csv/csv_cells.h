@@ -49,7 +49,7 @@ inline char separator_of(std::string_view line) {
 /// The whole cell as a number, whatever the locale.
 template <class T = double>
 std::optional<T> cell_number(std::string_view cell) {
-  if (cell.starts_with('+')) cell.remove_prefix(1);
+  if (cell.starts_with('+') && !cell.starts_with("+-")) cell.remove_prefix(1);
   T value{};
   const auto [end, status] = std::from_chars(cell.data(), cell.data() + cell.size(), value);
   if (status != std::errc{} || end != cell.data() + cell.size()) return std::nullopt;
