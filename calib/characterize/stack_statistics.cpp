@@ -38,8 +38,8 @@ MTFKIT_CLONES RowCounts add_row(const float* values, std::int64_t width, double 
   for (std::int64_t i = 0; i < width; ++i) {
     low += values[i] <= lowest ? 1 : 0;
     high += values[i] >= highest ? 1 : 0;
-    // What a converter gives; larger values and fractions are no counts.
-    const float within = std::min(std::max(values[i], -2147483648.0F), 2147483520.0F);
+    // What a converter gives; larger values and fractions are no counts, nor is NaN, which std::max leaves out here.
+    const float within = std::min(std::max(-2147483648.0F, values[i]), 2147483520.0F);
     const auto number = static_cast<std::int32_t>(within);
     fractions += static_cast<float>(number) != values[i] ? 1 : 0;
     others += values[i] - values[i] != 0.0F ? 1 : 0;
