@@ -157,16 +157,25 @@ class Analysis {
          .from = from});
   }
   /// The root of a variance in counts^2, over `divisor`: a value where the variance is clearly above 0, else a limit.
-  void add_rms(const std::string& name, const std::string& unit, const VarianceComponent& c, double divisor,
+  void add_rms(const std::string& name, const std::string& unit, const VarianceComponent& c, const Estimate& divisor,
                const std::string& from, std::optional<double> variance_sd_array = std::nullopt) {
-    const auto root = [&](double v) { return std::sqrt(std::max(0.0, v)) / divisor; };
+    const auto root = [&](double v) { return std::sqrt(std::max(0.0, v)) / divisor.value; };
     Finding f{.name = name, .unit = unit, .from = from};
     f.value = root(c.variance);
     f.low95 = root(c.low95);
     f.high95 = root(c.high95);
     f.verdict = c.low95 > 0.0 ? Verdict::determined : Verdict::upper_limit;
-    if (f.value > 0.0) f.sd = c.sd / (2.0 * f.value * square(divisor));
-    if (f.value > 0.0 && variance_sd_array) f.sd_array = *variance_sd_array / (2.0 * f.value * square(divisor));
+    if (f.value > 0.0) {
+      // The divisor's error is independent of the variance's.
+      const double by_divisor = f.value * divisor.sd / divisor.value;
+      const auto sd = [&](double of_variance) {
+        return std::hypot(of_variance / (2.0 * f.value * square(divisor.value)), by_divisor);
+      };
+      f.sd = sd(c.sd);
+      if (variance_sd_array) f.sd_array = sd(*variance_sd_array);
+      if (f.low95 > 0.0) f.low95 = std::max(0.0, f.value - std::hypot(f.value - f.low95, k95_sd * by_divisor));
+      f.high95 = f.value + std::hypot(f.high95 - f.value, k95_sd * by_divisor);
+    }
     if (c.variance < -4.0 * c.sd)
       result_.warnings.push_back(name + ": the variance is negative by " + significant(-c.variance / c.sd, 2) +
                                  " standard deviations, so the pattern is not white");
@@ -180,7 +189,7 @@ class Analysis {
   CharacterizeOptions options_;
   Characterization result_;
   bool read_hidden_ = false;  ///< by rounding
-  double gain_ = 0.0;         ///< counts per electron, corrected
+  Estimate gain_;             ///< counts per electron, corrected
 };
 
 void Analysis::make_levels() {
@@ -270,7 +279,9 @@ void Analysis::fit() {
     correct_for_crosstalk();
   }
   const PhotonTransfer& t = result_.transfer;
-  gain_ = t.gain.value / result_.crosstalk.power.value;
+  const Estimate& q = result_.crosstalk.power;
+  gain_.value = t.gain.value / q.value;
+  gain_.sd = gain_.value * std::hypot(t.gain.sd / t.gain.value, q.sd / q.value);
   result_.misfit = !t.converged || t.p < options_.misfit_p;
   if (!result_.misfit) return;
   const auto size = [](const PhotonTransfer::Level& l) { return std::max(std::abs(l.mean_z), std::abs(l.variance_z)); };
@@ -303,7 +314,7 @@ void Analysis::correct_for_crosstalk() {
 void Analysis::add_transfer() {
   const PhotonTransfer& t = result_.transfer;
   const Estimate& q = result_.crosstalk.power;
-  const double relative = std::hypot(t.gain.sd / t.gain.value, q.sd / q.value), inverse = 1.0 / gain_;
+  const double inverse = 1.0 / gain_.value;
   const std::string from = "fit of the means and variances of " + std::to_string(t.levels.size()) + " levels" +
                            (result_.crosstalk.found ? ", corrected for crosstalk" : "");
   // There are 1/q apparent electrons for one: rates fall by q, a rises, and the error of q adds.
@@ -311,14 +322,14 @@ void Analysis::add_transfer() {
     const double factor = std::pow(q.value, power);
     return Estimate{e.value * factor, std::hypot(e.sd * factor, power * e.value * factor * q.sd / q.value)};
   };
-  add_value("electrons_per_count", "e-", {inverse, inverse * relative}, from);
+  add_value("electrons_per_count", "e-", {inverse, inverse * gain_.sd / gain_.value}, from);
   add_value("offset", "counts", t.offset, from);
   const Estimate read2 = scaled(t.read2, 2.0);
   const VarianceComponent read{.variance = read2.value,
                                .sd = read2.sd,
                                .low95 = read2.value - k95_sd * read2.sd,
                                .high95 = read2.value + k95_sd * read2.sd};
-  add_rms("read_noise", "e-", read, 1.0, from);
+  add_rms("read_noise", "e-", read, {1.0, 0.0}, from);
   if (read_hidden_) {
     Finding& finding = result_.findings.back();
     finding.verdict = Verdict::upper_limit;
@@ -420,7 +431,8 @@ void Analysis::add_patterns() {
     const double signal = result_.transfer.gain.value * level.slope * level.electrons;
     result_.bright = static_cast<int>(index);
     result_.bright_signal = signal;
-    const double pixels = signal * std::sqrt(result_.crosstalk.power.value);
+    const Estimate &q = result_.crosstalk.power, lines{signal, 0.0},
+                   pixels{signal * std::sqrt(q.value), signal * 0.5 * q.sd / std::sqrt(q.value)};
     mtf::Image plane = difference(*bright);
     const Trend trend = remove_trend(plane.view(), options_.trend);
     result_.trend = trend.degree;
@@ -442,19 +454,20 @@ void Analysis::add_patterns() {
       }
       shading.low95 = shading.variance - k95_sd * shading.sd;
       shading.high95 = shading.variance + k95_sd * shading.sd;
-      add_rms("shading", "", shading, signal, from + ", degree " + std::to_string(trend.degree));
+      add_rms("shading", "", shading, lines, from + ", degree " + std::to_string(trend.degree));
     }
     add_rms("prnu", "", response.pixel, pixels, from, response.pixel_sd_array);
-    add_rms("prnu_row", "", response.row, signal, from, response.row_sd_array);
-    add_rms("prnu_column", "", response.column, signal, from, response.column_sd_array);
+    add_rms("prnu_row", "", response.row, lines, from, response.row_sd_array);
+    add_rms("prnu_column", "", response.column, lines, from, response.column_sd_array);
   }
   const std::optional<Estimate>& rate = result_.transfer.dark;
   if (!rate || !(longest->time_s > dark->time_s)) return;
-  const double charge = gain_ * rate->value * result_.crosstalk.power.value * (longest->time_s - dark->time_s);
+  const double charge = gain_.value * rate->value * result_.crosstalk.power.value * (longest->time_s - dark->time_s);
   const Pattern grown = pattern_of(plane_squares(difference(*longest).view()),
                                    {{longest->sums.squares, rounding_of(*longest)}, dark_stack});
   if (rate->value > kSure_sd * rate->sd)
-    add_rms("dcnu", "", grown.pixel, charge, longest->name + " less " + dark->name, grown.pixel_sd_array);
+    add_rms("dcnu", "", grown.pixel, {charge, charge * rate->sd / rate->value}, longest->name + " less " + dark->name,
+            grown.pixel_sd_array);
   else
     not_determined("dcnu", "", "the dark current is not above 3 standard deviations");
 }
