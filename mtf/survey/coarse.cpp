@@ -184,17 +184,15 @@ void CoarseScene::sum_along_x(std::span<const float> row, std::span<float> along
 
 void CoarseScene::add(std::int64_t first, ImageView<const float> along, int threads) {
   const std::int64_t width = grid_.x.count;
-  parallel_for(grid_.y.count, 16, threads, [&](std::int64_t begin, std::int64_t end) {
-    for (std::int64_t j = begin; j < end; ++j) {
-      const Stencil& s = y_[static_cast<std::size_t>(j)];
-      const std::int64_t from = std::max(first, s.first);
-      const std::int64_t to = std::min(first + along.height, s.first + static_cast<std::int64_t>(s.weight.size()));
-      double* sums = sum_.data() + j * width;
-      for (std::int64_t y = from; y < to; ++y) {
-        const double w = s.weight[static_cast<std::size_t>(y - s.first)];
-        const float* row = along.row(y - first);
-        if (w != 0.0 && !all_zero(row, width)) add_scaled(sums, row, w, width);
-      }
+  parallel_for_each(grid_.y.count, 16, threads, [&](std::int64_t j) {
+    const Stencil& s = y_[static_cast<std::size_t>(j)];
+    const std::int64_t from = std::max(first, s.first);
+    const std::int64_t to = std::min(first + along.height, s.first + static_cast<std::int64_t>(s.weight.size()));
+    double* sums = sum_.data() + j * width;
+    for (std::int64_t y = from; y < to; ++y) {
+      const double w = s.weight[static_cast<std::size_t>(y - s.first)];
+      const float* row = along.row(y - first);
+      if (w != 0.0 && !all_zero(row, width)) add_scaled(sums, row, w, width);
     }
   });
 }

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <charconv>
 #include <optional>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -36,6 +37,14 @@ inline std::vector<std::string_view> split_cells(std::string_view line, char sep
     at = end + 1;
   }
   return cells;
+}
+
+/// Text as a cell that is written, in quotes where it has to be.
+inline std::string csv_field(std::string_view text) {
+  if (text.find_first_of(",\"\r\n") == std::string_view::npos) return std::string(text);
+  std::string quoted = "\"";
+  for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
+  return quoted + "\"";
 }
 
 /// A tab or semicolon where the line has one, else a comma.

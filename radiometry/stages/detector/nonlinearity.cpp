@@ -13,11 +13,9 @@ constexpr std::int64_t kRowsAtOnce = 16;
 
 template <class Map>
 void over_pixels(mtf::ImageView<float> image, int threads, Map map) {
-  mtf::parallel_for(image.height, kRowsAtOnce, threads, [&](std::int64_t begin, std::int64_t end) {
-    for (std::int64_t y = begin; y < end; ++y) {
-      float* row = image.row(y);
-      for (std::int64_t x = 0; x < image.width; ++x) row[x] = static_cast<float>(map(static_cast<double>(row[x])));
-    }
+  mtf::parallel_for_each(image.height, kRowsAtOnce, threads, [&](std::int64_t y) {
+    float* row = image.row(y);
+    for (std::int64_t x = 0; x < image.width; ++x) row[x] = static_cast<float>(map(static_cast<double>(row[x])));
   });
 }
 
