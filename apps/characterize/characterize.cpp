@@ -6,7 +6,7 @@
 
 #include <cmath>
 
-#include "apps/characterize/camera_file.h"
+#include "apps/characterize/blackbodies.h"
 #include "apps/characterize/characterize_options.h"
 #include "apps/characterize/stack_frames.h"
 #include "apps/config_command.h"
@@ -33,13 +33,16 @@ int bits_of(const StacksFile& stacks, const std::optional<mtf::io::SensorConfig>
                         "a nominal sensor with [adc]");
 }
 
-void require_photon_detector(const std::optional<mtf::io::SensorConfig>& nominal) {
-  const mtf::SettingsTable* detector = nominal ? find_table(nominal->tables, "detector") : nullptr;
-  if (detector != nullptr &&
-      radiometry::from_table<radiometry::DetectorSettings>(*detector).kind == radiometry::DetectorKind::thermal)
+/// The way in which light is stated goes with the detector.
+void require_fitting_light(const StacksFile& stacks, const std::optional<mtf::io::SensorConfig>& nominal) {
+  if (stacks.has_blackbodies() && !nominal)
+    throw mtf::UsageError(stacks.file + ": " + std::string(name_of(stacks.unit)) +
+                          " counts by the radiance in the camera's band; name a nominal sensor with [band]");
+  if (!stacks.has_blackbodies() && nominal && is_thermal(*nominal))
     throw mtf::UsageError(nominal->file +
-                          ": a thermal detector; its frames of blackbodies cannot be characterized yet: photon "
-                          "detectors only");
+                          ": a thermal detector, which is characterized by blackbodies; give temperature = \"308 K\" "
+                          "in each [[stack]] of " +
+                          stacks.file);
 }
 
 /// Photons at a pixel for each W/m^2 and second.
@@ -69,16 +72,18 @@ int run_characterize(const CharacterizeCommandOptions& options, const Global& gl
   if (!options.nominal.empty()) file.nominal = options.nominal;
   std::optional<mtf::io::SensorConfig> nominal;
   if (!file.nominal.empty()) nominal = read_sensor(file.nominal, global);
-  require_photon_detector(nominal);
+  require_fitting_light(file, nominal);
   FrameSource source{.bits = bits_of(file, nominal), .threads = global.threads};
   const double photons = photons_per_irradiance(file, nominal);
 
   std::vector<std::string> inputs{file.file, file.nominal};
   for (const StackEntry& entry : file.stacks) inputs.insert(inputs.end(), entry.files.begin(), entry.files.end());
   const std::size_t total = inputs.size();
+  const bool has_sensor = !file.has_blackbodies() || is_thermal(*nominal);
   OutputSet outputs({.folder = options.out,
                      .force = options.force,
-                     .names = {"sensor.toml", "result.json", "levels.csv"},
+                     .names = has_sensor ? std::vector<std::string>{"sensor.toml", "result.json", "levels.csv"}
+                                         : std::vector<std::string>{"result.json", "levels.csv"},
                      .inputs = std::move(inputs)});
 
   std::vector<calib::Stack> stacks;
@@ -90,15 +95,17 @@ int run_characterize(const CharacterizeCommandOptions& options, const Global& gl
     for (const StackEntry& entry : file.stacks) {
       stacks.push_back(read_stack(entry, file, source));
       if (file.unit == LightUnit::irradiance) stacks.back().light *= photons * entry.time_s;
-      calib::drop_planes(stacks);
+      if (!file.has_blackbodies()) calib::drop_planes(stacks);
     }
   }
   const double most = std::ldexp(1.0, source.bits) - 1.0;
-  calib::Characterization camera = calib::characterize(std::move(stacks), {.nonlinearity = file.nonlinearity,
-                                                                           .full_well_e = full_well_of(file, nominal),
-                                                                           .most_counts = most,
-                                                                           .light_repeatability = file.repeatability,
-                                                                           .counts_time = file.has_times});
+  calib::Characterization camera =
+      file.has_blackbodies() ? characterize_blackbodies(std::move(stacks), file, *nominal)
+                             : calib::characterize(std::move(stacks), {.nonlinearity = file.nonlinearity,
+                                                                       .full_well_e = full_well_of(file, nominal),
+                                                                       .most_counts = most,
+                                                                       .light_repeatability = file.repeatability,
+                                                                       .counts_time = file.has_times});
   camera.warnings.insert(camera.warnings.begin(), source.warnings.begin(), source.warnings.end());
   if (2.0 * source.used < most)
     camera.warnings.push_back("no value needs all of the " + std::to_string(source.bits) +
@@ -116,10 +123,12 @@ int run_characterize(const CharacterizeCommandOptions& options, const Global& gl
     mtf::io::cfg::require_no_errors(least.diagnostics, destination);
     nominal = std::move(least.config);
   }
-  const CameraFile sensor = camera_file(camera, file, std::move(*nominal), source.bits, placeholders, destination);
+  const CameraFile sensor =
+      file.has_blackbodies() ? thermal_camera_file(camera, file, std::move(*nominal), source.bits, destination)
+                             : camera_file(camera, file, std::move(*nominal), source.bits, placeholders, destination);
   const std::string json = json_document(characterize_json(camera, file, sensor));
   if (!options.out.empty()) {
-    emit(outputs.in("sensor.toml"), sensor.text);
+    if (has_sensor) emit(outputs.in("sensor.toml"), sensor.text);
     emit(outputs.in("result.json"), json);
     emit(outputs.in("levels.csv"), levels_csv(camera));
   }
