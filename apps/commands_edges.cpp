@@ -171,6 +171,8 @@ Command characterize_command() {
       "  [[stack]]\n"
       "  frames = \"bright/*.png\"\n"
       "  photons = 5200                  # or irradiance, relative, or the exposure alone\n"
+      "Frames of blackbodies have temperature = \"308 K\" in place of it: two or more with a nominal give SiTF, NETD\n"
+      "and 3-D noise in kelvin.\n"
       "The folder of --out gets sensor.toml, which every command reads, with { value, stderr } for each number;\n"
       "report.html, a page with all numbers and figures; result.json with intervals; levels.csv; defects.csv. What "
       "frames cannot tell is named. Where the model of photon transfer\n"

@@ -27,6 +27,18 @@ std::string least_sensor(std::int64_t columns, std::int64_t rows, int bits, doub
 CameraFile camera_file(const calib::Characterization& camera, const StacksFile& stacks, mtf::io::SensorConfig nominal,
                        int bits, bool placeholders, bool maps, const std::string& destination);
 
+/// "2.998 +- 0.013 e-", "0 .. 0.11 e-" or the reason.
+std::string shown(const calib::Finding& finding);
+/// { value = "2.998 e-", stderr = "0.013 e-" } of the finding times `scale`, or the interval of what may be 0.
+std::string value_with_error(const calib::Finding& finding, std::string_view unit, double scale = 1.0);
+/// The sensor without that key, where it has it.
+mtf::io::SensorConfig without_key(mtf::io::SensorConfig sensor, const std::string& key);
+/// The sensor as a file at `destination`, which names its own files from its folder.
+mtf::io::SensorConfig own_named(const mtf::io::SensorConfig& sensor, const std::string& destination);
+/// Lines above its text: where its numbers are from, and what is not measured.
+std::string file_head(const calib::Characterization& camera, const StacksFile& stacks,
+                      const std::vector<std::string>& left);
+
 std::string characterize_table(const calib::Characterization& camera, const std::vector<std::string>& left);
 Json characterize_json(const calib::Characterization& camera, const StacksFile& stacks, const CameraFile& file);
 std::string levels_csv(const calib::Characterization& camera);

@@ -31,6 +31,9 @@ std::string light_label(LightUnit unit) {
       return "light (relative)";
     case LightUnit::exposure:
       return "light (exposure in s)";
+    case LightUnit::temperature:
+    case LightUnit::radiance:
+      return "radiance (W m^-2 sr^-1)";
   }
   return "";
 }

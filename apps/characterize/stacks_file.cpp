@@ -21,9 +21,11 @@ using cfg::Node, cfg::Section;
 using mtf::above, mtf::Dimension, mtf::FieldInfo, mtf::optional_row;
 
 constexpr double kMost = 1e300;
-constexpr std::array<FieldInfo, 4> kLights{
+constexpr std::array<FieldInfo, 6> kLights{
     above(optional_row("photons", 0.0, kMost, "5200", "mean number at a pixel in an exposure")),
     above(optional_row("irradiance", 0.0, kMost, "0.02", "W/m^2 at the sensor, with wavelength in [light]")),
+    optional_row("temperature", Dimension::temperature, "K", 1.0, 1e6, "\"308 K\"", "of a blackbody"),
+    above(optional_row("radiance", 0.0, kMost, "45.0", "W m^-2 sr^-1 of a blackbody in the band of the nominal")),
     above(optional_row("relative", 0.0, kMost, "3.0", "light in an exposure, in any unit")),
     above(optional_row("exposure", Dimension::time, "s", 0.0, 1e9, "\"10 ms\"", "exposure time of a frame"))};
 constexpr FieldInfo kBits = optional_row("bits", 1, 31, "12", "bits of a count");
@@ -43,6 +45,14 @@ constexpr FieldInfo kWidth = optional_row("width", 2, 1 << 30, "640", "pixels of
                     kHeader = optional_row("header", 0, 1 << 30, "512", "bytes before the first frame"),
                     kStride = optional_row("stride", 0, 1 << 30, "1280", "bytes from row to row");
 constexpr std::array<std::string_view, 3> kRawTypes{"uint8", "uint16le", "uint16be"};
+constexpr FieldInfo kTemperatureSd = optional_row("temperature_sd", Dimension::temperature_difference, "K", 0.0, 1e6,
+                                                  "\"20 mK\"", "standard deviation, of each blackbody");
+constexpr FieldInfo kEmissivity = above(optional_row("emissivity", 0.0, 1.0, "0.98", "of the blackbodies"));
+constexpr FieldInfo kEmissivitySd = optional_row("emissivity_sd", 0.0, 1.0, "0.005", "standard deviation of it");
+constexpr FieldInfo kSurroundings = optional_row("surroundings", Dimension::temperature, "K", 0.0, 1e6, "\"295 K\"",
+                                                 "temperature of what the blackbodies reflect");
+constexpr FieldInfo kReference = optional_row("reference_temperature", Dimension::temperature, "K", 1.0, 1e6,
+                                              "\"300 K\"", "at which SiTF and noise in kelvin hold");
 
 template <std::size_t N>
 void require_known(const Section& section, const std::array<std::string_view, N>& known) {
@@ -85,8 +95,8 @@ std::optional<RawLayout> read_raw(const Section& stack) {
 }
 
 void read_stack(const Section& section, StacksFile& file) {
-  require_known(section, std::array<std::string_view, 8>{"name", "frames", "raw", "light", "photons", "irradiance",
-                                                         "relative", "exposure"});
+  require_known(section, std::array<std::string_view, 10>{"name", "frames", "raw", "light", "photons", "irradiance",
+                                                          "temperature", "radiance", "relative", "exposure"});
   StackEntry entry;
   const auto frames = cfg::read_string(section, "frames");
   if (!frames) {
@@ -111,8 +121,8 @@ void read_stack(const Section& section, StacksFile& file) {
     const auto first = std::find_if(given.begin(), given.end(), [](const auto& g) { return g.has_value(); });
     if (first == given.end())
       return section.error("light",
-                           "how much light is not said; write photons, irradiance, relative or exposure, or "
-                           "light = false");
+                           "how much light is not said; write photons, irradiance, temperature, relative or exposure, "
+                           "or light = false");
     const auto unit = static_cast<LightUnit>(first - given.begin());
     const bool known = std::any_of(file.stacks.begin(), file.stacks.end(), [](const auto& s) { return s.light > 0.0; });
     if (known && unit != file.unit)
@@ -124,6 +134,28 @@ void read_stack(const Section& section, StacksFile& file) {
     entry.light = **first;
   }
   file.stacks.push_back(std::move(entry));
+}
+
+/// What [light] says of blackbodies, which without them it must not.
+Blackbodies read_blackbodies(const Section& light, const Section& options, const StacksFile& file) {
+  Blackbodies bodies;
+  const auto number = [&](const Section& section, const FieldInfo& info, bool belongs, const char* to) {
+    if (!belongs && section.find(info.name) != nullptr)
+      section.error(info.name, std::string("belongs to stacks by ") + to + "; remove it");
+    return cfg::read_number(section, info, info.name);
+  };
+  const bool any = file.has_blackbodies(), temperatures = file.unit == LightUnit::temperature;
+  const char *both = "temperature or radiance", *one = "temperature";
+  bodies.temperature_sd_k = number(light, kTemperatureSd, any, both).value_or(bodies.temperature_sd_k);
+  bodies.emissivity = number(light, kEmissivity, temperatures, one).value_or(bodies.emissivity);
+  bodies.emissivity_sd = number(light, kEmissivitySd, temperatures, one).value_or(bodies.emissivity_sd);
+  bodies.surroundings_k = number(light, kSurroundings, temperatures, one).value_or(bodies.surroundings_k);
+  bodies.reference_k = number(options, kReference, any, both);
+  if (any && light.find("repeatability") != nullptr)
+    light.error("repeatability", "belongs to lamps; of blackbodies write temperature_sd");
+  if (any && options.find("nonlinearity") != nullptr)
+    options.error("nonlinearity", "belongs to photon transfer; counts are taken as linear in the radiance; remove it");
+  return bodies;
 }
 
 /// The table of that name; an empty one where the file has none.
@@ -150,8 +182,9 @@ StacksFile load_stacks(const std::string& file) {
   if (const auto nominal = cfg::read_string(root, "nominal")) result.nominal = cfg::beside(reader.folder, *nominal);
   const Section camera = table_of(root, "camera"), light = table_of(root, "light"), options = table_of(root, "options");
   require_known(camera, std::array<std::string_view, 3>{"bits", "step", "full_well"});
-  require_known(light, std::array<std::string_view, 2>{"repeatability", "wavelength"});
-  require_known(options, std::array<std::string_view, 2>{"nonlinearity", "trend"});
+  require_known(light, std::array<std::string_view, 6>{"repeatability", "wavelength", "temperature_sd", "emissivity",
+                                                       "emissivity_sd", "surroundings"});
+  require_known(options, std::array<std::string_view, 3>{"nonlinearity", "trend", "reference_temperature"});
   result.bits = cfg::read_whole(camera, kBits);
   result.step = cfg::read_number(camera, kStep, "step").value_or(1.0);
   result.full_well_e = cfg::read_number(camera, kFullWell, "full_well");
@@ -164,6 +197,10 @@ StacksFile load_stacks(const std::string& file) {
     reader.error({}, "stack", "missing; write [[stack]] with frames = \"dark/*.png\" for each exposure");
   for (std::size_t i = 0; stacks != nullptr && i < stacks->items.size(); ++i)
     read_stack({reader, stacks->items[i], "stack[" + std::to_string(i) + "]", "[[stack]]"}, result);
+  result.blackbodies = read_blackbodies(light, options, result);
+  for (const StackEntry& entry : result.stacks)
+    if (result.has_blackbodies() && entry.light == 0.0)
+      reader.error({}, "stack", entry.name + " has no light, others are of blackbodies; give all temperatures");
   // Frames that count twice look better than they are.
   std::map<std::filesystem::path, std::string> seen;
   for (const StackEntry& entry : result.stacks)

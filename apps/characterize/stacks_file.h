@@ -16,7 +16,8 @@
 //   exposure = "10 ms"
 //   photons = 5200                  mean number at a pixel in an exposure; or irradiance = 0.02 (W/m^2, with [light]
 //                                   wavelength), or relative = 3.0; none of them: the light is as the exposure
-// Names of files are relative to the folder of this one.
+// Frames of blackbodies have temperature = "308 K" or radiance = 45.0 (W m^-2 sr^-1 in the band of the nominal)
+// instead. Names of files are relative to the folder of this one.
 
 #include <cstdint>
 #include <optional>
@@ -27,7 +28,15 @@
 namespace apps {
 
 /// What the light of stacks is stated in, in the order in which words(LightUnit) names them.
-enum class LightUnit { photons, irradiance, relative, exposure };
+enum class LightUnit { photons, irradiance, temperature, radiance, relative, exposure };
+
+/// What is known of blackbodies.
+struct Blackbodies {
+  double temperature_sd_k = 0.0;  ///< of each, independent of the others
+  double emissivity = 1.0, emissivity_sd = 0.0;
+  double surroundings_k = 295.0;        ///< that they reflect
+  std::optional<double> reference_k{};  ///< of the kelvin in SiTF
+};
 
 /// How the counts of a file lie that has no header to say it.
 struct RawLayout {
@@ -41,7 +50,7 @@ struct StackEntry {
   std::string name;                ///< as messages call it
   std::vector<std::string> files;  ///< in the order of their names
   std::optional<RawLayout> raw{};
-  double light = 0.0;  ///< in the unit of the file; of irradiance W/m^2; 0 in the dark
+  double light = 0.0;  ///< in the unit of the file; of irradiance W/m^2, of blackbodies K or radiance; 0 in the dark
   double time_s = 0.0;
 };
 
@@ -54,9 +63,12 @@ struct StacksFile {
   LightUnit unit = LightUnit::exposure;
   double repeatability = 0.0;
   std::optional<double> wavelength_um{};
+  Blackbodies blackbodies{};
   int nonlinearity = 0, trend = 2;
   std::vector<StackEntry> stacks{};
   bool has_times = true;  ///< every stack states its exposure
+
+  bool has_blackbodies() const { return unit == LightUnit::temperature || unit == LightUnit::radiance; }
 };
 
 std::string_view name_of(LightUnit unit);

@@ -38,6 +38,20 @@ double significance(const std::vector<Stack>& stacks, radiometry::CubePart part)
   return weights > 0.0 ? sum / std::sqrt(weights) : 0.0;
 }
 
+}  // namespace
+
+std::string clipped_words(const Stack& stack) {
+  const bool high = stack.is_clipped_high();
+  return stack.name + ": " + significant(100.0 * (high ? stack.sums.share_high : stack.sums.share_low), 3) +
+         " % of the values are at the " + (high ? "upper" : "lower") + " end of the scale; left out of the fit";
+}
+
+bool is_hidden_by_rounding(const Stack& stack) {
+  const radiometry::MeanSquares& squares = stack.sums.squares;
+  const double spread2 = squares.variance(kVh) + squares.variance(kV) + squares.variance(kH);
+  return unrounded_variance(squares.value[kTvh]) < square(0.4) && spread2 < square(0.5);
+}
+
 void require_sound(const std::vector<Stack>& stacks) {
   if (stacks.empty()) throw mtf::UsageError("no stacks; give flat frames at several exposures");
   const radiometry::MeanSquares& first = stacks.front().sums.squares;
@@ -61,15 +75,18 @@ void require_sound(const std::vector<Stack>& stacks) {
     if (stack.light > stacks[i - 1].light && stack.sums.mean < stacks[i - 1].sums.mean - 5.0 * sd)
       throw mtf::UsageError(stack.name + " has more light than " + stacks[i - 1].name + ", but a lower mean (" +
                             significant(stack.sums.mean, 6) + " after " + significant(stacks[i - 1].sums.mean, 6) +
-                            " counts); stacks and exposures are paired wrongly");
+                            " counts); stacks and their light are paired wrongly");
   }
   if (counted == 0) return;
   const double least = std::min(1.2, 2.0 - 4.5 * std::sqrt(spread) / counted);
   if (ratio / counted < least)
-    throw mtf::UsageError("the light drifts within the stacks: von Neumann's ratio of the frames' means is " +
-                          significant(ratio / counted, 3) +
-                          ", 2 for a steady lamp; let the lamp warm up, or take the exposures in turn");
+    throw mtf::UsageError(
+        "the light drifts within the stacks: von Neumann's ratio of the frames' means is " +
+        significant(ratio / counted, 3) +
+        ", 2 for a steady one; let lamp or blackbody, and camera, warm up, or take the exposures in turn");
 }
+
+namespace {
 
 /// Relative variance of the light from frame to frame, less that of the dark; 0 where it is not above 3 sd.
 double flicker_of(const std::vector<Stack>& stacks, double dark_mean) {
@@ -83,11 +100,6 @@ double flicker_of(const std::vector<Stack>& stacks, double dark_mean) {
     weights += weight;
   }
   return weights > 0.0 && sum > kSure_sd * std::sqrt(weights) ? sum / weights : 0.0;
-}
-
-/// Squared spread of the pixels' means, counts^2.
-double spread2(const radiometry::MeanSquares& squares) {
-  return squares.variance(kVh) + squares.variance(kV) + squares.variance(kH);
 }
 
 /// The stacks whose mean frames tell the patterns; null where there is none with a plane.
@@ -205,10 +217,7 @@ void Analysis::make_levels() {
     const Stack& stack = stacks[i];
     const StackSummary& s = stack.sums;
     if (!stack.is_usable()) {
-      result_.warnings.push_back(stack.name + ": " +
-                                 significant(100.0 * (stack.is_clipped_high() ? s.share_high : s.share_low), 3) +
-                                 " % of the values are at the " + (stack.is_clipped_high() ? "upper" : "lower") +
-                                 " end of the scale; left out of the fit");
+      result_.warnings.push_back(clipped_words(stack));
       continue;
     }
     const double v = s.squares.value[kTvh], n = number_of_values(stack), T = s.squares.frames;
@@ -220,7 +229,7 @@ void Analysis::make_levels() {
     level.dof = s.squares.dof(kTvh);
     if (v < 1.5) level.variance_sd = s.variance_sd;  // rounded noise of a pixel is not normal
     level.light_sd = std::sqrt(square(options_.light_repeatability) + flicker / T);
-    if (unrounded_variance(v) < square(0.4) && spread2(s.squares) < square(0.5)) {
+    if (is_hidden_by_rounding(stack)) {
       level.variance_counts = false;
       level.mean_variance += 1.0 / 12.0;
       read_hidden_ = read_hidden_ || stack.light == 0.0;
@@ -481,7 +490,7 @@ void Analysis::add_unknowable() {
 }  // namespace
 
 std::string_view verdict_name(Verdict verdict) {
-  constexpr std::array<std::string_view, 3> names{"determined", "upper limit", "not determined"};
+  constexpr std::array<std::string_view, 4> names{"determined", "upper limit", "not determined", "predicted"};
   return names[static_cast<std::size_t>(verdict)];
 }
 

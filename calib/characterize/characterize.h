@@ -44,6 +44,7 @@ struct Stack {
   std::string name;
   double light = 0.0;   ///< photons, or any unit that is proportional to them; 0 in the dark
   double time_s = 0.0;  ///< of the exposure
+  double light_per_k = 0.0, light_per_emissivity = 0.0;  ///< of a blackbody (thermal.h): by how much its light grows
   StackSummary sums;
 
   /// Few of its values are at an end of the scale, below and above.
@@ -65,7 +66,7 @@ struct CharacterizeOptions {
   double misfit_p = 1e-3;    ///< below, the model does not describe the frames
 };
 
-enum class Verdict { determined, upper_limit, not_determined };
+enum class Verdict { determined, upper_limit, not_determined, predicted };
 std::string_view verdict_name(Verdict verdict);
 
 struct Finding {
@@ -74,16 +75,18 @@ struct Finding {
   double value = 0.0, sd = 0.0;
   double low95 = 0.0, high95 = 0.0;
   std::optional<double>
-      sd_array{};      ///< of the number of this one array, where `sd` is that of the process it is a draw of
-  std::string from{};  ///< stacks and method
-  std::string why{};   ///< it is not determined
+      sd_array{};  ///< of the number of this one array, where `sd` is that of the process it is a draw of
+  std::optional<double> sd_systematic{};  ///< of what does not average down over frames; beside `sd`, in the interval
+  std::string from{};                     ///< stacks and method
+  std::string why{};                      ///< it is not determined
 };
 
 struct Characterization {
   std::vector<Stack> stacks;  ///< by light, then time
   std::vector<int> level_of;  ///< of each stack in `transfer.levels`; -1: left out
   std::vector<TransferLevel> levels;
-  PhotonTransfer transfer;  ///< apparent, before the correction for crosstalk
+  PhotonTransfer transfer;   ///< apparent, before the correction for crosstalk
+  double reference_k = 0.0;  ///< of the kelvin of thermal.h; 0: frames by light
   CrosstalkEstimate crosstalk;
   double full_well_e = 0.0;  ///< of a2, a3, a4
   std::vector<Finding> findings;
@@ -97,6 +100,13 @@ struct Characterization {
 
   const Finding* find(std::string_view name) const;
 };
+
+/// Why a stack that is not usable is left out, and whether rounding hides the noise of one: it is below 0.4 counts, and
+/// the pixels are within half a count of each other.
+std::string clipped_words(const Stack& stack);
+bool is_hidden_by_rounding(const Stack& stack);
+/// Throws UsageError for no stacks, stacks of other sizes, means that fall while the light rises, and drifts.
+void require_sound(const std::vector<Stack>& by_light);
 
 /// Throws UsageError, naming stack and remedy, for stacks of other sizes, without a level that is not clipped, whose
 /// means do not follow the light, whose light drifts, and as fit_photon_transfer().
