@@ -73,12 +73,14 @@ int run_characterize(const CharacterizeCommandOptions& options, const Global& gl
   FrameSource source{.bits = bits_of(file, nominal), .threads = global.threads};
   const double photons = photons_per_irradiance(file, nominal);
 
+  const bool by_emva = options.method == CharacterizeMethod::emva1288;
   std::vector<std::string> inputs{file.file, file.nominal};
   for (const StackEntry& entry : file.stacks) inputs.insert(inputs.end(), entry.files.begin(), entry.files.end());
   const std::size_t total = inputs.size();
   OutputSet outputs({.folder = options.out,
                      .force = options.force,
-                     .names = {"sensor.toml", "result.json", "levels.csv"},
+                     .names = by_emva ? std::vector<std::string>{"result.json"}
+                                      : std::vector<std::string>{"sensor.toml", "result.json", "levels.csv"},
                      .inputs = std::move(inputs)});
 
   std::vector<calib::Stack> stacks;
@@ -94,15 +96,26 @@ int run_characterize(const CharacterizeCommandOptions& options, const Global& gl
     }
   }
   const double most = std::ldexp(1.0, source.bits) - 1.0;
-  calib::Characterization camera = calib::characterize(std::move(stacks), {.nonlinearity = file.nonlinearity,
-                                                                           .full_well_e = full_well_of(file, nominal),
-                                                                           .most_counts = most,
-                                                                           .light_repeatability = file.repeatability,
-                                                                           .counts_time = file.has_times});
-  camera.warnings.insert(camera.warnings.begin(), source.warnings.begin(), source.warnings.end());
   if (2.0 * source.used < most)
-    camera.warnings.push_back("no value needs all of the " + std::to_string(source.bits) +
+    source.warnings.push_back("no value needs all of the " + std::to_string(source.bits) +
                               " bits: if the converter has fewer, correct bits in [camera], or saturation is not seen");
+  const calib::CharacterizeOptions how{.nonlinearity = file.nonlinearity,
+                                       .full_well_e = full_well_of(file, nominal),
+                                       .most_counts = most,
+                                       .light_repeatability = file.repeatability,
+                                       .counts_time = file.has_times};
+  if (by_emva) {
+    const bool photons_known = file.unit == LightUnit::photons || file.unit == LightUnit::irradiance;
+    calib::Emva1288 standard = calib::emva1288(std::move(stacks), how, photons_known);
+    standard.warnings.insert(standard.warnings.begin(), source.warnings.begin(), source.warnings.end());
+    const std::string json = json_document(emva1288_json(standard, file));
+    if (!options.out.empty()) emit(outputs.in("result.json"), json);
+    outputs.commit();
+    print(options.format == Format::json ? json : emva1288_table(standard));
+    return 0;
+  }
+  calib::Characterization camera = calib::characterize(std::move(stacks), how);
+  camera.warnings.insert(camera.warnings.begin(), source.warnings.begin(), source.warnings.end());
 
   const radiometry::MeanSquares& size = camera.stacks.front().sums.squares;
   const bool placeholders = !nominal;

@@ -15,7 +15,7 @@
 //   exposure = "10 ms"
 //   photons = 5200                  mean number at a pixel in an exposure; or irradiance = 0.02 (W/m^2, with [light]
 //                                   wavelength), or relative = 3.0; none of them: the light is as the exposure
-// Names of files are relative to the folder of this one.
+// Names of files are relative to the folder of this one. EMVA's descriptors give the same (emva_descriptor.h).
 
 #include <optional>
 #include <string>
