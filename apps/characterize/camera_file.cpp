@@ -63,6 +63,22 @@ std::string model_name(const Characterization& camera) {
   return camera.reference_k > 0.0 ? "counts over radiance" : "photon transfer";
 }
 
+Json finding_json(const Finding& f) {
+  Json one{{"name", f.name}, {"unit", f.unit}, {"verdict", calib::verdict_name(f.verdict)}};
+  const bool known = f.verdict != calib::Verdict::not_determined;
+  const bool measured = known && f.verdict != calib::Verdict::predicted;
+  one["value"] = known ? Json(f.value) : Json();
+  one["sd"] = known && f.sd > 0.0 ? Json(f.sd) : Json();
+  one["sd_array"] = f.sd_array ? Json(*f.sd_array) : Json();
+  one["sd_systematic"] = f.sd_systematic ? Json(*f.sd_systematic) : Json();
+  one["interval95"] = measured ? Json(std::vector<double>{f.low95, f.high95}) : Json();
+  one["from"] = f.from;
+  one["why"] = f.why.empty() ? Json() : Json(f.why);
+  return one;
+}
+
+Json provenance_json(const StacksFile& stacks) { return {{"stacks", stacks.file}, {"sha256", stacks.sha256}}; }
+
 bool is_set(const Finding* f) { return f != nullptr && f->verdict == calib::Verdict::determined; }
 
 }  // namespace
@@ -200,19 +216,7 @@ Json characterize_json(const Characterization& camera, const StacksFile& stacks,
   json["reason"] = camera.misfit ? Json(camera.misfit_reason) : Json();
   json["warnings"] = camera.warnings;
   json["numbers"] = Json::array();
-  for (const Finding& f : camera.findings) {
-    Json one{{"name", f.name}, {"unit", f.unit}, {"verdict", calib::verdict_name(f.verdict)}};
-    const bool known = f.verdict != calib::Verdict::not_determined;
-    const bool measured = known && f.verdict != calib::Verdict::predicted;
-    one["value"] = known ? Json(f.value) : Json();
-    one["sd"] = known && f.sd > 0.0 ? Json(f.sd) : Json();
-    one["sd_array"] = f.sd_array ? Json(*f.sd_array) : Json();
-    one["sd_systematic"] = f.sd_systematic ? Json(*f.sd_systematic) : Json();
-    one["interval95"] = measured ? Json(std::vector<double>{f.low95, f.high95}) : Json();
-    one["from"] = f.from;
-    one["why"] = f.why.empty() ? Json() : Json(f.why);
-    json["numbers"].push_back(std::move(one));
-  }
+  for (const Finding& f : camera.findings) json["numbers"].push_back(finding_json(f));
   Json covariance = Json::array();
   for (Eigen::Index i = 0; i < t.covariance.rows(); ++i) {
     std::vector<double> row;
@@ -236,7 +240,37 @@ Json characterize_json(const Characterization& camera, const StacksFile& stacks,
                        : stacks.unit == LightUnit::irradiance ? "photons"
                                                               : name_of(stacks.unit);
   json["not_measured"] = file.left;
-  json["provenance"] = {{"stacks", stacks.file}, {"sha256", stacks.sha256}};
+  json["provenance"] = provenance_json(stacks);
+  return json;
+}
+
+std::string emva1288_table(const calib::Emva1288& standard) {
+  TextTable table({"EMVA 1288", "value", "definition"});
+  std::string notes;
+  for (const calib::EmvaNumber& n : standard.numbers) {
+    table.add({n.finding.name, shown(n.finding), n.finding.from});
+    if (!n.note.empty()) notes += "note: " + n.finding.name + ": " + n.note + "\n";
+  }
+  std::string text = table.aligned() + "\nphoton transfer      " + standard.frames + "\n";
+  if (!standard.patterns.empty()) text += "patterns             " + standard.patterns + "\n";
+  text += "biases               " + standard.biases + "\n" + notes;
+  for (const std::string& warning : standard.warnings) text += "warning: " + warning + "\n";
+  return text;
+}
+
+Json emva1288_json(const calib::Emva1288& standard, const StacksFile& stacks) {
+  Json json{{"version", mtf::version}, {"method", "EMVA 1288 R4.0 Linear"}, {"warnings", standard.warnings}};
+  json["numbers"] = Json::array();
+  for (const calib::EmvaNumber& n : standard.numbers) {
+    Json one = finding_json(n.finding);
+    one["bias_relative"] = n.bias ? Json(*n.bias) : Json();
+    one["note"] = n.note.empty() ? Json() : Json(n.note);
+    json["numbers"].push_back(std::move(one));
+  }
+  json["frames"] = standard.frames;
+  json["patterns"] = standard.patterns;
+  json["biases"] = standard.biases;
+  json["provenance"] = provenance_json(stacks);
   return json;
 }
 

@@ -8,7 +8,7 @@
 
 #include "apps/characterize/stacks_file.h"
 #include "apps/text/json.h"
-#include "calib/characterize/characterize.h"
+#include "calib/characterize/emva1288.h"
 #include "mtf/io/config/config.h"
 
 namespace apps {
@@ -41,6 +41,8 @@ std::string file_head(const calib::Characterization& camera, const StacksFile& s
 
 std::string characterize_table(const calib::Characterization& camera, const std::vector<std::string>& left);
 Json characterize_json(const calib::Characterization& camera, const StacksFile& stacks, const CameraFile& file);
+std::string emva1288_table(const calib::Emva1288& standard);
+Json emva1288_json(const calib::Emva1288& standard, const StacksFile& stacks);
 std::string levels_csv(const calib::Characterization& camera);
 
 }  // namespace apps

@@ -24,7 +24,8 @@ std::string command_of(const CharacterizeCommandOptions& options) {
 }
 
 /// The files of --out, but for its maps.
-std::vector<std::string> outputs_of(const StacksFile& file, bool has_sensor) {
+std::vector<std::string> outputs_of(const StacksFile& file, bool has_sensor, bool by_emva) {
+  if (by_emva) return {"result.json"};
   std::vector<std::string> names{"result.json", "levels.csv"};
   if (has_sensor) names.emplace_back("sensor.toml");
   if (!file.has_blackbodies())
@@ -47,18 +48,32 @@ int run_characterize(const CharacterizeCommandOptions& options, const Global& gl
   }
   if (options.maps && file.has_blackbodies())
     throw mtf::UsageError("--maps: maps are of stacks by light; those of blackbodies have none");
+  const bool by_emva = options.method == CharacterizeMethod::emva1288;
+  if (by_emva && (options.maps || file.has_blackbodies()))
+    throw mtf::UsageError(options.maps ? "--maps: the standard's numbers make no maps; leave --method out"
+                                       : "--method emva1288: the standard knows no blackbodies; leave it out");
 
   std::vector<std::string> inputs{file.file, file.nominal};
   for (const StackEntry& entry : file.stacks) inputs.insert(inputs.end(), entry.files.begin(), entry.files.end());
   const bool has_sensor = !file.has_blackbodies() || (nominal && is_thermal(*nominal));
   OutputSet outputs({.folder = options.out,
                      .force = options.force,
-                     .names = outputs_of(file, has_sensor),
+                     .names = outputs_of(file, has_sensor, by_emva),
                      .inputs = std::move(inputs)});
   ReadStacks read;
   {
     ProgressLine progress(global);
     read = read_stacks(file, nominal, global.threads, [&](double share) { progress.update("reading", share); });
+  }
+  if (by_emva) {
+    const bool photons = file.unit == LightUnit::photons || file.unit == LightUnit::irradiance;
+    calib::Emva1288 standard = calib::emva1288(std::move(read.stacks), read.how, photons);
+    standard.warnings.insert(standard.warnings.begin(), read.warnings.begin(), read.warnings.end());
+    const std::string json = json_document(emva1288_json(standard, file));
+    if (!options.out.empty()) emit(outputs.in("result.json"), json);
+    outputs.commit();
+    print(options.format == Format::json ? json : emva1288_table(standard));
+    return 0;
   }
   const int bits = read.bits;
   const std::string destination = options.out.empty() ? "sensor.toml" : options.out + "/sensor.toml";

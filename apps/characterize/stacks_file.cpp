@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <map>
 
+#include "apps/characterize/emva_descriptor.h"
 #include "mtf/components/field.h"
 #include "mtf/io/config/config_reader.h"
 #include "mtf/io/csv/curve_csv.h"
@@ -170,6 +171,7 @@ Section table_of(const Section& root, std::string_view key) {
 std::string_view name_of(LightUnit unit) { return kLights[static_cast<std::size_t>(unit)].name; }
 
 StacksFile load_stacks(const std::string& file) {
+  if (is_emva_descriptor(file)) return load_emva_descriptor(file);
   const std::string text = mtf::io::read_text_file(file, cfg::kMaxBytes);
   StacksFile result{.file = file, .sha256 = mtf::io::sha256_hex(text)};
   const cfg::Tree tree = cfg::read_tree(text);

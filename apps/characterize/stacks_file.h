@@ -17,7 +17,8 @@
 //   photons = 5200                  mean number at a pixel in an exposure; or irradiance = 0.02 (W/m^2, with [light]
 //                                   wavelength), or relative = 3.0; none of them: the light is as the exposure
 // Frames of blackbodies have temperature = "308 K" or radiance = 45.0 (W m^-2 sr^-1 in the band of the nominal)
-// instead. Names of files are relative to the folder of this one.
+// instead. Names of files are relative to the folder of this one. EMVA's descriptors give the same
+// (emva_descriptor.h).
 
 #include <cstdint>
 #include <optional>
