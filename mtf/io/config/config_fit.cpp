@@ -66,7 +66,8 @@ void read_beside_value(const Section& section, FitSpec& spec, const ReadNumber& 
   if (const Node* interval = section.find("interval")) {
     if (interval->kind != Node::Kind::array || interval->items.size() != 2)
       return section.error("interval", "write [low, high], the ends of 95 %");
-    const auto low = like(section, "interval", interval->items[0]), high = like(section, "interval", interval->items[1]);
+    const auto low = like(section, "interval", interval->items[0]),
+               high = like(section, "interval", interval->items[1]);
     if (low && high && *low > *high) section.error("interval", "its low end is above its high end; write [low, high]");
     if (spec.fit || spec.stderr_value)
       section.error("interval", "is what was measured of a number that may be 0; it stands without " +

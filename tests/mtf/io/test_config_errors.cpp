@@ -260,8 +260,8 @@ TEST(ConfigErrors, FitTables) {
              "s.toml:11:33: error: presample[0].rms.prior.sd: missing");
   expect_one(with("{ value = \"8 um\", interval = [\"9 um\", \"7 um\"] }"),
              "s.toml:11:31: error: presample[0].rms.interval:", {"low end is above"});
-  expect_one(with("{ value = \"8 um\", interval = \"9 um\" }"), "s.toml:11:31: error: presample[0].rms.interval:",
-             {"[low, high]"});
+  expect_one(with("{ value = \"8 um\", interval = \"9 um\" }"),
+             "s.toml:11:31: error: presample[0].rms.interval:", {"[low, high]"});
   expect_one(with("{ value = \"8 um\", interval = [\"1 urad\", \"9 um\"] }"),
              "s.toml:11:31: error: presample[0].rms.interval:", {"\"1 urad\"", "in um"});
   expect_one(with("{ value = \"8 um\", stderr = \"1 um\", interval = [\"0 um\", \"9 um\"] }"),
