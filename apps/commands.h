@@ -8,6 +8,7 @@
 namespace apps {
 
 Command curve_command();
+Command devices_command();
 Command info_command();
 Command config_command();
 Command budget_command();

@@ -13,6 +13,15 @@ constexpr auto kRigor = enumerated<bool>("estimate", "measure");
 constexpr Choices<bool, 2> kResume{{{"auto", true}, {"no", false}}};
 constexpr auto kOutputStages = enumerated<radiometry::OutputStage>(radiometry::kOutputStageNames);
 
+void add_device(Command& app, std::string& device) {
+  add_text(
+      app, "--device", "WORD",
+      "what may filter images: cpu (default), auto (a device where there is one that is admitted), or the id or a\n"
+      "part of the name of one (mtf devices). The plan takes it where that is faster (--explain)",
+      device)
+      .candidates = one_of({"cpu", "auto"});
+}
+
 int run_any_bench(const BenchOptions& options, const Global& global) {
   const bool pictures = options.scene.ends_with(".toml");
   if (!pictures && (!options.temperatures.empty() || options.position || options.look_at))
@@ -22,8 +31,9 @@ int run_any_bench(const BenchOptions& options, const Global& global) {
     if (!options.tolerances_k.empty()) throw mtf::UsageError("--tolerance belongs to a scene file without an image");
     return run_bench(options, global);
   }
-  if (options.read.channel || options.read.layer || options.read.part || options.measure)
-    throw mtf::UsageError("name the image of the scene; --channel, --layer, --part and --rigor belong to images");
+  if (options.read.channel || options.read.layer || options.read.part || options.measure || options.device != "cpu")
+    throw mtf::UsageError(
+        "name the image of the scene; --channel, --layer, --part, --rigor and --device belong to images");
   return scenes_module().bench_heat(options, global);
 }
 
@@ -80,6 +90,7 @@ Command simulate_command() {
   add_flag(app, "--explain", "show what the plan left out, merged and chose", options.explain);
   add_choice(app, "--rigor", "RIGOR", "estimate (default, reproducible) or measure (times candidates first)", kRigor,
              options.run.measure);
+  add_device(app, options.device);
   add_text(
       app, "--wisdom", "FILE",
       "measured run times of methods: read before, written after; default:\na file in ~/.cache/mtfkit, which may be "
@@ -135,6 +146,7 @@ Command bench_command() {
             within(0.1, 1e6, " is outside 0.1 to 1e6"));
   add_choice(app, "--rigor", "RIGOR", "of plans: estimate (default) or measure; bare FFTW is always measured", kRigor,
              options.measure);
+  add_device(app, options.device);
   add_value(app, "--tolerance", "X",
             "with a scene file: such as \"0.5 K\", may be given again; default: 1, 0.3 and 0.1 K", options.tolerances_k,
             temperature_difference);

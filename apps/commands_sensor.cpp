@@ -103,6 +103,20 @@ Command info_command() {
   return app;
 }
 
+Command devices_command() {
+  Command app{
+      "devices", "graphics cards and other devices that filter images, each tested",
+      "Opens every device and tests it: its filter against transforms in double, its random numbers and\n"
+      "elementary functions bit for bit against the processor's. One that fails is not admitted to\n"
+      "mtf simulate and mtf bench (--device), and the reason stands here. Times are of a filter of 1024 x 1024\n"
+      "samples on the device, and of transfers from ordinary memory and back.",
+      "  mtf devices\n"
+      "  mtf devices --format json"};
+  auto& options = options_of<DevicesOptions>(app, run_devices);
+  add_choice(app, "--format", "FORMAT", "table (default) or json", kTableOrJson, options.format);
+  return app;
+}
+
 Command config_command() {
   const auto shared = std::make_shared<ConfigOptions>();
   ConfigOptions& options = *shared;

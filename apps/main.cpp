@@ -162,7 +162,7 @@ Command root_command(Global& global, std::vector<std::string>& help_for) {
              global.progress);
   command.commands = {demo_command(),   info_command(),       config_command(),   curve_command(),
                       budget_command(), atmosphere_command(), simulate_command(), bench_command(),
-                      check_command(),  report_command(),     live_command()};
+                      check_command(),  report_command(),     live_command(),     devices_command()};
   const auto add = [&](const std::initializer_list<Command>& more) {
     command.commands.insert(command.commands.end(), more);
   };

@@ -40,6 +40,10 @@ struct CurveOptions {
   std::string out;   ///< "" = stdout
 };
 
+struct DevicesOptions {
+  Format format = Format::table;
+};
+
 struct InfoOptions {
   std::string file;
   Format format = Format::table;
@@ -65,7 +69,8 @@ struct SimulateCommandOptions {
   bool explain = false;
   std::string wisdom;         ///< file with what measuring learnt; read before, written after
   bool without_path = false;  ///< [path] and [atmosphere] of the sensor are left out
-  SimulateOptions run;        ///< all that is for the library
+  std::string device = "cpu";
+  SimulateOptions run;  ///< all that is for the library
 };
 
 /// `mtf live`.
@@ -112,6 +117,7 @@ struct BenchOptions {
   std::optional<std::array<double, 3>> position, look_at;  ///< of pictures, m
   Format format = Format::table;
   bool measure = false;  ///< --rigor measure
+  std::string device = "cpu";
   bool force = false;
 };
 
@@ -239,6 +245,7 @@ struct HeatCommandOptions {
 };
 
 int run_curve(const CurveOptions& options, const Global& global);
+int run_devices(const DevicesOptions& options, const Global& global);
 int run_info(const InfoOptions& options, const Global& global);
 int run_config(const ConfigOptions& options, const Global& global);
 int run_simulate(const SimulateCommandOptions& options, const Global& global);

@@ -15,7 +15,6 @@
 #include "mtf/image.h"
 #include "mtf/literals.h"
 #include "mtf/quantity.h"
-#include "mtf/rigor.h"
 #include "mtf/settings.h"
 #include "mtf/system.h"
 #include "mtf/units.h"
@@ -26,7 +25,8 @@
 #include "mtf/components/electronics.h"
 #include "mtf/components/field.h"
 
-// Figures, plans, images larger than the memory.
+// Figures, plans, devices, images larger than the memory.
+#include "mtf/device/device.h"
 #include "mtf/metrics/resolution.h"
 #include "mtf/plan/plan.h"
 #include "mtf/plan/sensor_plan.h"

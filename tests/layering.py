@@ -31,6 +31,8 @@ RULES = [
     (r"(OpenEXR|Imath)/|Imf\w*\.h$|openexr\w*\.h$", r"mtf/io/|tests/mtf/io/", "OpenEXR is private to mtf/io"),
     (r"opencv2?/", r"mtf/io/codecs/opencv_filters\.cpp|tests/bench/", "OpenCV is private to its module"),
     (r"(png|tiff|tiffio|turbojpeg)\.h$", r"mtf/io/codecs/codecs_|tests/mtf/io/", "image codecs are private to the codec module"),
+    (r"vkFFT\.h$", r"mtf/device/vkfft\.h$", "VkFFT is private to the modules of devices"),
+    (r"CL/|cuda\w*\.h$|nvrtc\.h$", r"mtf/device/(opencl|cuda)_module\.cpp$", "OpenCL and CUDA are private to their modules"),
     (r"toml\+\+|toml\.hpp$", r"mtf/io/", "toml++ is private to mtf/io"),
     (r"ceres/", r"calib/|tests/|apps/study/", "Ceres is private to calib and apps/study"),
     (r"nlohmann/", r"apps/text/json\.cpp|apps/scene/import/helper/|tests/", "nlohmann/json is private to apps/text/json.cpp"),
@@ -57,7 +59,7 @@ DIRECTIONS = [
 # The rooms of each library (its folders, with all below them), from the ground up: what is in a room includes its own room
 # and those before it. "" is the library's own folder; its sources, unlike its headers, include what they like.
 FLOORS = {
-    "mtf": ["", "math", "work", "engines", "components", "otf", "metrics", "field", "plan", "survey", "tiles", "io"],
+    "mtf": ["", "math", "work", "engines", "device", "components", "otf", "metrics", "field", "plan", "survey", "tiles", "io"],
     "radiometry": ["", "light", "stages", "atmosphere", "performance", "chain", "scene", "weather", "heat", "thermal", "render"],
     "calib": ["", "edge", "find", "measure", "iso12233", "fit", "series", "characterize"],
     "apps": ["text", "sensor", "simulate", "", "check", "study", "terminal", "help", "figures", "page", "edges", "characterize", "bench", "range", "sweep",

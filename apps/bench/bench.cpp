@@ -278,6 +278,7 @@ std::string command_line(const BenchOptions& options, const Global& global) {
                      shell_word(options.out) + " --rounds " + std::to_string(*options.rounds) + " --seconds " +
                      mtf::format_double(options.seconds) + " --threads " + std::to_string(global.threads);
   if (options.measure) text += " --rigor measure";
+  if (options.device != "cpu") text += " --device " + shell_word(options.device);
   if (options.read.channel) text += " --channel " + shell_word(*options.read.channel);
   if (options.read.layer) text += " --layer " + shell_word(*options.read.layer);
   if (options.read.part) text += " --part " + std::to_string(*options.read.part);
@@ -337,6 +338,9 @@ int run_bench(const BenchOptions& given, const Global& global) {
                            " is used (see --channel)");
   BenchJob job = make_job(config, scene, 0, global.threads);
   job.options.rigor = options.measure ? mtf::Rigor::measure : mtf::Rigor::estimate;
+  std::string told;
+  job.options.device = mtf::choose_device(options.device, told);
+  if (!told.empty()) report.notes.push_back(told);
   if (job.flat) report.notes.push_back("the scene is uniform: every method gives it exactly, errors are 0");
   report.job = &job;
   report.command = command_line(options, global);

@@ -16,8 +16,8 @@ namespace apps {
 struct BenchJob {
   mtf::System<double> system;
   mtf::SampleGrid in, out;
-  mtf::PlanOptions
-      options;  ///< border, aperture, scene and its spectrum, rigor and threads; each plan has its own tolerance
+  mtf::PlanOptions options;  ///< border, aperture, scene and its spectrum, rigor, device and threads; each plan has its
+                             ///< own tolerance
   double border_value = 0.0;
   mtf::Image scene;
   std::vector<double> exact;  ///< the reference image

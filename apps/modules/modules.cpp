@@ -7,12 +7,12 @@
 namespace apps {
 namespace {
 
-using mtf::io::has_module, mtf::io::open_module;
+using mtf::has_module, mtf::open_module;
 
-constexpr mtf::io::Module kFits{"mtfkit_fits", "fits and optima (mtf fit, mtf optimize)"};
-constexpr mtf::io::Module kScenes{
+constexpr mtf::Module kFits{"mtfkit_fits", "fits and optima (mtf fit, mtf optimize)"};
+constexpr mtf::Module kScenes{
     .name = "mtfkit_scenes", .what = "3-D scenes (mtf scene, heat, render, fly)", .in_all = true};
-constexpr mtf::io::Module kLive{.name = "mtfkit_live", .what = "the live view (mtf live)", .in_all = true};
+constexpr mtf::Module kLive{.name = "mtfkit_live", .what = "the live view (mtf live)", .in_all = true};
 
 }  // namespace
 
@@ -41,7 +41,7 @@ std::string modules_text() {
   };
   tell(mtf::io::has_codecs(), "PNG, TIFF and JPEG");
   tell(mtf::io::has_opencv(), "OpenCV as the rival of mtf bench");
-  for (const mtf::io::Module& module : {kFits, kScenes, kLive}) tell(has_module(module), module.what);
+  for (const mtf::Module& module : {kFits, kScenes, kLive}) tell(has_module(module), module.what);
   return "present: " + (here.empty() ? "the core only" : here) +
          "\nmissing: " + (missing.empty() ? "nothing" : missing);
 }

@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "apps/options.h"
-#include "mtf/io/module.h"
+#include "mtf/work/module.h"
 #include "radiometry/atmosphere/atmosphere_settings.h"
 
 namespace apps {
@@ -24,7 +24,7 @@ struct FlyCommandOptions;
 struct CharacterizeCommandOptions;
 
 struct FitsModule {
-  mtf::io::ModuleBuild build;
+  mtf::ModuleBuild build;
   int (*fit)(const FitOptions&, const Global&);
   int (*optimize)(const OptimizeCommandOptions&, const Global&);
   int (*characterize)(const CharacterizeCommandOptions&, const Global&);
@@ -38,7 +38,7 @@ struct SceneAir {
 };
 
 struct ScenesModule {
-  mtf::io::ModuleBuild build;
+  mtf::ModuleBuild build;
   int (*scene)(const SceneOptions&, const Global&);
   int (*heat)(const HeatCommandOptions&, const Global&);
   int (*heat_fit)(const HeatCommandOptions&, const Global&);  ///< nullptr in a build without calib
@@ -54,11 +54,11 @@ struct ScenesModule {
 };
 
 struct LiveModule {
-  mtf::io::ModuleBuild build;
+  mtf::ModuleBuild build;
   int (*live)(const LiveOptions&, const Global&);
 };
 
-/// The table of the module, which is opened where it is not yet. Throw as mtf::io::open_module does.
+/// The table of the module, which is opened where it is not yet. Throw as mtf::open_module does.
 const FitsModule& fits_module();
 const ScenesModule& scenes_module();
 const LiveModule& live_module();

@@ -44,7 +44,8 @@ SimulateResult simulate_whole(const SensorRun& sensor, SceneSource& source, cons
   mtf::PlanOptions plan_options = plan_options_of(options, sensor, scene, frame.input->summary);
   plan_options.progress = watch.planning();
   const bool bad = any_bad(frame.input->masks);
-  if (sensor.is_linear() && !bad) frame.tiles = flat_tiles(sensor.config(), scene, plan_options, report);
+  if (sensor.is_linear() && !bad && !options.device.device)
+    frame.tiles = flat_tiles(sensor.config(), scene, plan_options, report);
   // Which pixels a bad one changes is asked of the plan: it has to hold for more than this scene.
   if (!frame.tiles && !bad) plan_options.spectrum = spectrum_of_all(scene, plan_options.border, options.threads);
   frame.plan = std::make_shared<const mtf::SensorPlan>(
@@ -64,6 +65,7 @@ SimulateResult simulate_whole(const SensorRun& sensor, SceneSource& source, cons
   frame.chain = chain_of(sensor, *frame.plan, options.threads);
   SimulatedImage& image = frame.image;
   image.planes = run_planes(frame, nullptr, options.threads);
+  if (const std::string failed = device_words(options.device); !failed.empty()) watch.warn(failed);
   for (const mtf::Image& plane : image.planes) result.statistics.push_back(mtf::statistics(plane.view()));
   if (frame.tiles) report.tiles->tally = frame.tally;
   report.region = options.region;

@@ -13,6 +13,7 @@
 #include <utility>
 #include <vector>
 
+#include "mtf/device/device.h"
 #include "radiometry/output_stage.h"
 
 namespace apps {
@@ -74,6 +75,8 @@ struct SimulateOptions {
   /// tile of an image that goes through in tiles: from several threads at once and in no certain order.
   std::function<void(const ImagePart&)> sink{};
 
+  /// --device: which the plan uses where that is faster; images in tiles are the processor's. Default: none.
+  mtf::DeviceChoice device{};
   int threads = 0;  ///< 0 = all cores; the result does not depend on it
   /// Hears of progress: from any thread, one event at a time. What it throws ends the run; false: Cancelled.
   std::function<bool(const SimulateEvent&)> watch{};

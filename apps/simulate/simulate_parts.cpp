@@ -21,8 +21,14 @@ mtf::PlanOptions plan_options_of(const SimulateOptions& options, const SensorRun
   plan.aperture = aperture_of(defaults, scene);
   plan.scene = summary;
   plan.separate_readout = !sensor.is_linear();
+  plan.device = options.device;
   plan.threads = options.threads;
   return plan;
+}
+
+std::string device_words(const mtf::DeviceChoice& choice) {
+  const std::optional<std::string> why = choice.device ? choice.device->failure() : std::nullopt;
+  return why ? choice.device->info().name + " failed, and the processor did the work: " + *why : "";
 }
 
 mtf::SceneAperture aperture_of(const mtf::io::SceneDefaults& defaults, const mtf::io::Scene& scene) {

@@ -15,10 +15,13 @@
 
 namespace apps {
 
-/// Tolerance, border, rigor, threads and the blur of the samples, as the caller, the sensor file and the scene with
-/// that summary say.
+/// Tolerance, border, rigor, device, threads and the blur of the samples, as the caller, the sensor file and the scene
+/// with that summary say.
 mtf::PlanOptions plan_options_of(const SimulateOptions& options, const SensorRun& sensor, const mtf::io::Scene& scene,
                                  const std::optional<mtf::SceneSummary>& summary);
+
+/// That the device failed and the processor took over; "" where it did not.
+std::string device_words(const mtf::DeviceChoice& choice);
 
 /// The blur of the samples: what the file says (attribute mtf:aperture, "point" or "box" of one sample), else [scene].
 mtf::SceneAperture aperture_of(const mtf::io::SceneDefaults& defaults, const mtf::io::Scene& scene);

@@ -19,6 +19,18 @@ function(mtfkit_library name)
   install(TARGETS ${target} EXPORT mtfkitTargets)
 endfunction()
 
+# mtfkit_plain_module(target COMPONENT)
+# A module (mtf/work/module.h) that is compiled by itself: lib/mtfkit/lib<target>.so, the same place below the build folder
+# and below the prefix.
+function(mtfkit_plain_module target component)
+  target_include_directories(${target} PRIVATE "${PROJECT_SOURCE_DIR}" "${PROJECT_BINARY_DIR}/generated")
+  target_compile_features(${target} PRIVATE cxx_std_20)
+  target_link_options(${target} PRIVATE LINKER:--no-undefined)
+  mtfkit_warnings(${target})
+  set_target_properties(${target} PROPERTIES LIBRARY_OUTPUT_DIRECTORY "${PROJECT_BINARY_DIR}/lib/mtfkit")
+  install(TARGETS ${target} LIBRARY DESTINATION "${CMAKE_INSTALL_LIBDIR}/mtfkit" COMPONENT ${component})
+endfunction()
+
 # mtfkit_precompile(target)
 # With MTFKIT_UNITY the standard headers that sources use most are parsed once, with mtfkit_mtf, for all targets. Sources
 # name what they use all the same: builds without it see what is missing. GCC compiles with the optimisation of the

@@ -51,4 +51,11 @@ class Engine {
   virtual std::int64_t filter_bytes() const = 0;
 };
 
+/// An engine that multiplies a spectrum by an OTF.
+class SpectralFilter : public Engine {
+ public:
+  /// Largest |H| over the frequencies in use.
+  virtual double largest_gain() const = 0;
+};
+
 }  // namespace mtf

@@ -6,6 +6,7 @@
 #include <cstring>
 #include <functional>
 #include <limits>
+#include <mutex>
 #include <vector>
 
 #include "mtf/engines/kept_plane.h"
@@ -18,6 +19,12 @@
 
 namespace mtf {
 
+/// The plan of the processor in place of that of a device that has failed.
+struct ProcessorPlan {
+  std::mutex lock;
+  std::optional<Plan> plan;
+};
+
 struct Plan::Impl {
   System<double> system;
   std::vector<Stage> stages;
@@ -26,9 +33,10 @@ struct Plan::Impl {
   PlanReport report;
   std::shared_ptr<const FactoredOtf> sampler;  ///< whose tables the plan of a changed system shares
   double dc = 1.0;
-  double cost_ms = 0.0;                     ///< predicted, of the chosen candidate
-  double family_choice_ms = 0.0;            ///< the same when all methods were last judged
-  std::shared_ptr<const Engine> engine;     ///< null for the identity
+  double cost_ms = 0.0;                  ///< predicted, of the chosen candidate
+  double family_choice_ms = 0.0;         ///< the same when all methods were last judged
+  std::shared_ptr<const Engine> engine;  ///< null for the identity
+  std::shared_ptr<ProcessorPlan> otherwise = std::make_shared<ProcessorPlan>();  ///< where the device fails
   std::shared_ptr<const FieldModes> field;  ///< of an OTF that changes over the image,
   std::vector<Plan> modes;                  ///< whose modes these filter, the mean first
 };
@@ -110,6 +118,12 @@ PredictedError& operator+=(PredictedError& a, const PredictedError& b) {
   a.dropped += b.dropped, a.table += b.table, a.band += b.band, a.cut += b.cut, a.wrap += b.wrap;
   a.kernel += b.kernel, a.modes += b.modes, a.flat += b.flat, a.arithmetic += b.arithmetic;
   return a;
+}
+
+PlanOptions on_processor(PlanOptions options) {
+  options.device = {};
+  if (options.method == Method::fft_device) options.method.reset();
+  return options;
 }
 
 void check_size(std::int64_t width, std::int64_t height, const SampleGrid& grid, const char* name) {
@@ -230,7 +244,17 @@ Plan compile_stages(const System<double>& system, std::span<const Stage> stages,
                             {how.earlier, how.keep_family, false, how.split, how.mode, how.dc});
     refuse(candidates, options);
   }
-  if (chosen->make) impl->engine = chosen->make(how.earlier != nullptr ? how.earlier->engine.get() : nullptr);
+  if (chosen->make) try {
+      impl->engine = chosen->make(how.earlier != nullptr ? how.earlier->engine.get() : nullptr);
+    } catch (const DeviceError& error) {
+      if (options.device.insisted) throw;
+      Plan plan = compile_stages(system, stages, in, out, on_processor(options), how);
+      auto other = std::make_shared<Plan::Impl>(*plan.impl_);
+      other->report.notes.push_back(options.device.device->info().name +
+                                    " failed, and the processor does the work: " + error.what());
+      plan.impl_ = std::move(other);
+      return plan;
+    }
   impl->cost_ms = chosen->predicted_ms;
   impl->family_choice_ms = how.keep_family ? how.earlier->family_choice_ms : impl->cost_ms;
   describe(*chosen, candidates, impl->engine.get(), task, report);
@@ -287,6 +311,9 @@ Plan compile_over_field(const System<double>& given, const SampleGrid& in, const
       }
     } catch (const UnreachableTolerance&) {  // said below
     }
+  if (options.device.device)
+    notes.push_back("the OTF changes over the field: its modes are the processor's work, not that of " +
+                    options.device.device->info().name);
   // What is added is rounded to the image each time, and so are its weights.
   const auto rounding = [&](std::size_t modes) {
     double error = 0.0;
@@ -315,7 +342,7 @@ Plan compile_over_field(const System<double>& given, const SampleGrid& in, const
   double moduli = 0.0;  // of all modes but the mean: what each may err by is shared out by them
   for (std::size_t k = 1; k <= report.modes; ++k) moduli += field->factor(k)->largest;
   for (std::size_t k = 0; k <= report.modes; ++k) {
-    PlanOptions own = options;
+    PlanOptions own = on_processor(options);
     own.tolerance =
         (k == 0 ? kMeanShare : (1.0 - kModesShare - kMeanShare) * field->factor(k)->largest / moduli) * tolerance;
     const Plan::Impl* earlier = k == 0 ? nullptr : impl->modes.back().impl_.get();  // with whose transforms it goes
@@ -443,7 +470,27 @@ void Plan::run_planes(std::span<const ImageView<const float>> in, std::span<cons
         };
     }
   }
-  if (!channels.empty()) impl_->engine->run(channels, threads);
+  if (!channels.empty()) run_engine(channels, threads);
+}
+
+// The engine of a device has written nothing where it fails.
+void Plan::run_engine(const std::vector<Channel>& channels, int threads) const {
+  try {
+    return impl_->engine->run(channels, threads);
+  } catch (const DeviceError&) {
+    if (impl_->options.device.insisted) throw;
+  }
+  ProcessorPlan& other = *impl_->otherwise;
+  {
+    const std::scoped_lock lock(other.lock);
+    if (!other.plan) {
+      System<double> system = impl_->system;
+      if (!system.is_isoplanatic()) system = with_field_radius(system, out()).at({});
+      other.plan = compile_stages(system, impl_->stages, in(), out(), on_processor(impl_->options),
+                                  {.earlier = impl_.get(), .keep_family = true, .split = impl_->split});
+    }
+  }
+  other.plan->impl_->engine->run(channels, threads);
 }
 
 // The mean first, then what each mode adds with its weights.

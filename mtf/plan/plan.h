@@ -21,6 +21,7 @@
 #include <vector>
 
 #include "mtf/border.h"
+#include "mtf/device/device.h"
 #include "mtf/engines/kept_scene.h"
 #include "mtf/error.h"
 #include "mtf/grid.h"
@@ -70,15 +71,17 @@ enum class Method {
   direct_square,  ///< one two-dimensional kernel on a square, a disc
   direct_disc,    ///< or a diamond |x| + |y| <= r of samples, mirrored samples added first
   direct_diamond,
-  fft_float,  ///< real transforms in float
-  fft_cut,    ///< the same, only the columns below the cutoff
-  fft_double  ///< real transforms in double
+  fft_float,   ///< real transforms in float
+  fft_cut,     ///< the same, only the columns below the cutoff
+  fft_double,  ///< real transforms in double
+  fft_device   ///< real transforms in float on a device (mtf/device), transfers included
 };
-inline constexpr std::array<std::string_view, 9> kMethodNames{"identity",      "separable",   "low_rank",
-                                                              "direct_square", "direct_disc", "direct_diamond",
-                                                              "fft_float",     "fft_cut",     "fft_double"};
+inline constexpr std::array<std::string_view, 10> kMethodNames{
+    "identity",       "separable", "low_rank", "direct_square", "direct_disc",
+    "direct_diamond", "fft_float", "fft_cut",  "fft_double",    "fft_device"};
 
 class SceneSpectrum;
+struct Channel;
 
 struct PlanOptions {
   double tolerance = 1e-4;
@@ -90,6 +93,7 @@ struct PlanOptions {
   std::shared_ptr<const SceneSpectrum> spectrum{};  ///< of this very scene: what an omission costs it, not any scene
   int threads = 0;                                  ///< for making the OTF; 0 = all cores
   OtfProgress progress = {};      ///< where slow components take long: how many of their values were made; may throw
+  DeviceChoice device{};          ///< which the plan uses where that is faster; none: the processor alone
   bool separate_readout = false;  ///< noise comes between readout and postsample filters: a plan for each (SensorPlan)
 };
 
@@ -172,7 +176,8 @@ class Plan {
   /// Filters one plane. Sizes have to be those of in() and out() (UsageError). NaN or infinite pixels: RuntimeError
   /// with their number and first position. A plane of zero contrast comes out as dc x value, exactly. `out` may lie in
   /// the memory of `in`, from its start: all of an input is read before any of its output is written. A plan made with
-  /// a scene's spectrum keeps its promise for that scene.
+  /// a scene's spectrum keeps its promise for that scene. Where a device fails that was not insisted on, the processor
+  /// does the work, with the same promise (Device::failure); else DeviceError.
   void run(ImageView<const float> in, ImageView<float> out, double border_value = 0.0, int threads = 0) const;
   /// All planes in one pass over the OTF.
   void run(std::span<const ImageView<const float>> in, std::span<const ImageView<float>> out, double border_value = 0.0,
@@ -194,6 +199,7 @@ class Plan {
                   double border_value, int threads, std::span<KeptPlane> kept, const Take& take = {}) const;
   friend Plan compile(const System<double>&, const SampleGrid&, const SampleGrid&, const PlanOptions&);
   friend Plan compile_over_field(const System<double>&, const SampleGrid&, const SampleGrid&, const PlanOptions&);
+  void run_engine(const std::vector<Channel>& channels, int threads) const;
   void run_modes(std::span<const ImageView<const float>> in, std::span<const ImageView<float>> out, double border_value,
                  int threads, std::span<KeptPlane> kept) const;
   struct Recompile;

@@ -161,7 +161,10 @@ std::vector<MethodCandidate> all_candidates(const PlanTask& task, Family wanted)
   if (wanted == Family::identity) return candidates;
   std::vector<MethodCandidate> fft = fft_candidates(task);
   double fft_ms = std::numeric_limits<double>::infinity();
-  for (const MethodCandidate& candidate : fft) fft_ms = std::min(fft_ms, candidate.report.cost_ms);
+  for (const MethodCandidate& candidate : fft)
+    if (candidate.report.reason.empty() &&
+        (candidate.report.method != Method::fft_device || keeps_tolerance(candidate, task.options)))
+      fft_ms = std::min(fft_ms, candidate.report.cost_ms);
   if (wanted != Family::fft) append(tap_candidates(task, fft_ms));
   if (wanted != Family::taps) append(std::move(fft));
   return candidates;
@@ -201,6 +204,8 @@ void refuse(const std::vector<MethodCandidate>& candidates, const PlanOptions& o
     if (candidate.axes && candidate.report.method != Method::fft_double)
       in_float = std::min(in_float, candidate.reachable);
   }
+  if (options.method == Method::fft_device && wanted == nullptr)
+    throw UsageError("method fft_device takes a device that is open; name one (--device, PlanOptions::device)");
   if (options.method && wanted == nullptr)
     throw UsageError("method " + std::string(name_of(*options.method)) +
                      " cannot do this work; `mtf simulate --explain` lists those that can");
@@ -293,20 +298,11 @@ double storage_error(const PlanOptions& options) {
   return (std::max(scene.largest * kFloatUnit, kSmallestFloat) + scene.error) / scene.std;
 }
 
-// rms rounding of float32: a transform pair errs by about 0.4 units per doubling of its length (measured in tests), the
-// chirp passes through twice as many; then OTF rounding. Rounding inside the transforms is relative to the rms of the
-// canvas (in units of std), which a constant border far from the mean raises; that of the result is relative to the
-// values with their mean.
+// Rounding inside the transforms is relative to the rms of the canvas (in units of std), which a constant border far
+// from the mean raises; that of the result is relative to the values with their mean.
 double arithmetic_error(const AxisTransform& x, const AxisTransform& y, double canvas_rms, double gain,
                         const PlanOptions& options) {
-  double units = 2.0;
-  for (const AxisTransform* job : {&x, &y}) {
-    const double stages = std::log2(1.0 + static_cast<double>(job->frequency.length));
-    const bool chirps = job->resampling == Resampling::chirp;
-    const bool small = in_small_steps(job->frequency.length) && in_small_steps(inverse_length(*job));
-    units += 0.5 * stages * (chirps ? 4.0 : small ? 1.0 : 3.0);
-  }
-  return gain * (kFloatUnit * units * std::max(canvas_rms, 1.0) + storage_error(options));
+  return gain * (kFloatUnit * rounding_units(x, y) * std::max(canvas_rms, 1.0) + storage_error(options));
 }
 
 bool keeps_tolerance(const MethodCandidate& candidate, const PlanOptions& options) {

@@ -7,6 +7,7 @@
 #include <limits>
 #include <optional>
 
+#include "mtf/device/device_filter.h"
 #include "mtf/engines/fft/scene_spectrum.h"
 #include "mtf/engines/fft/spectral.h"
 #include "mtf/plan/padding.h"
@@ -148,10 +149,11 @@ struct Judged {
   double spread = 0.0;  ///< and in all of them
 };
 
-double rounding(const PlanTask& task, bool in_double, const Judged& judged, double canvas_rms) {
+double rounding(const PlanTask& task, Method method, const Judged& judged, double canvas_rms) {
   const double gain = task.sampler.gain();
-  if (in_double) return gain * storage_error(task.options) * (1.0 + 1e-6);
-  return arithmetic_error(judged.layout.x, judged.layout.y, canvas_rms, gain, task.options);
+  if (method == Method::fft_double) return gain * storage_error(task.options) * (1.0 + 1e-6);
+  const double units = arithmetic_error(judged.layout.x, judged.layout.y, canvas_rms, gain, task.options);
+  return method == Method::fft_device ? task.options.device.device->test().rounding * units : units;
 }
 
 /// An order of the axes: the lines, and what lies across them.
@@ -184,6 +186,20 @@ Order cheaper_order(const AxisTransform& x, const AxisTransform& y, const Pariti
   return columns.flat > 0.0 && cost_ms(columns) < cost_ms(rows) ? columns : rows;
 }
 
+// Detail, cost and engine of a filter on the device.
+void describe_on_device(const PlanTask& task, const AxisTransform& x, const AxisTransform& y, MethodCandidate& d) {
+  const std::shared_ptr<const Device>& device = task.options.device.device;
+  const bool complex = !task.sampler.is_real();
+  d.axes = {x, y};
+  d.report.detail = "x " + axis_text(x) + "; y " + axis_text(y) + "; on " + device->info().name;
+  d.report.reason = device_obstacle(device->info(), x, y, complex);
+  d.report.bytes = device_bytes(x, y, complex);
+  d.report.cost_ms = device_cost_ms(*device, x, y);
+  d.make = [&sampler = task.sampler, x, y, device, threads = task.options.threads](const Engine*) {
+    return make_device_spectral_filter(sampler, x, y, device, threads);
+  };
+}
+
 MethodCandidate make_candidate(const PlanTask& task, Method method, const Judged& judged) {
   const FactoredOtf& sampler = task.sampler;
   const PlanOptions& options = task.options;
@@ -197,12 +213,17 @@ MethodCandidate make_candidate(const PlanTask& task, Method method, const Judged
   predicted.table = sampler.table_error() * judged.spread;
   predicted.band = sampler.quadrature_error() * judged.spread;
   predicted.wrap = judged.layout.wrap;
-  predicted.arithmetic = rounding(task, in_double, judged, judged.canvas_rms);
+  predicted.arithmetic = rounding(task, method, judged, judged.canvas_rms);
   if (method == Method::fft_cut) {
     // Of what the other parts leave of the tolerance: a bound that is looser than the others.
     const double budget = std::min(kCutShare * options.tolerance, 0.9 * (options.tolerance - predicted.total()));
     if (budget > 0.0)
       predicted.cut = cut(task, budget, judged.rms_per_otf, judged.defined, judged.symmetric > 1.5, x, y);
+  }
+  if (method == Method::fft_device) {
+    describe_on_device(task, x, y, d);
+    d.error_per_otf = judged.rms_per_otf * task.alias;
+    return d;
   }
   const std::size_t parts = otf_parts(x, y, sampler.parities()).size();
   const Order order = cheaper_order(x, y, sampler.parities(), options);
@@ -333,8 +354,7 @@ std::vector<MethodCandidate> fft_candidates(const PlanTask& task) {
     MethodCandidate d = make_candidate(task, method, layouts.front());
     for (std::size_t i = 1; i < layouts.size() && !keeps_tolerance(d, task.options); ++i)
       d = make_candidate(task, method, layouts[i]);
-    const double least = rounding(task, method == Method::fft_double, last,
-                                  cosines ? last.canvas_rms : task.canvas_norm / last.symmetric);
+    const double least = rounding(task, method, last, cosines ? last.canvas_rms : task.canvas_norm / last.symmetric);
     const double band = task.sampler.quadrature_error() * last.spread;
     d.reachable = reachable_tolerance(least, band, cosines ? 0.0 : kWrapShare);
     return d;
@@ -344,7 +364,19 @@ std::vector<MethodCandidate> fft_candidates(const PlanTask& task) {
   const auto cuts = [](const AxisTransform& job) { return job.keep < job.frequency.half_count(); };
   if (cuts((*cut.axes)[0]) || cuts((*cut.axes)[1])) candidates.push_back(std::move(cut));
   candidates.push_back(candidate(Method::fft_double));
+  if (task.options.device.device) {
+    const Judged judged(task, fourier_layout(task));
+    MethodCandidate d = make_candidate(task, Method::fft_device, judged);
+    if (d.report.reason.empty())
+      d.reachable = reachable_tolerance(rounding(task, Method::fft_device, judged, task.canvas_norm / judged.symmetric),
+                                        task.sampler.quadrature_error() * judged.spread, kWrapShare);
+    candidates.push_back(std::move(d));
+  }
   return candidates;
+}
+
+Layout fourier_layout(const PlanTask& task) {
+  return *Layouts(task).make({Basis::fourier, false}, {Basis::fourier, false});
 }
 
 // Cosines are exact without padding. Where they are many series (an OTF that is not even) or of an awkward length (a

@@ -61,6 +61,9 @@ struct Layout {
 /// that is dearer.
 std::vector<Layout> fft_layouts(const PlanTask& task);
 
+/// Both axes in the fourier basis, whatever the border.
+Layout fourier_layout(const PlanTask& task);
+
 std::vector<MethodCandidate> fft_candidates(const PlanTask& task);
 /// `fft_ms`: cost of the cheapest FFT method; methods that are far slower are not judged.
 std::vector<MethodCandidate> tap_candidates(const PlanTask& task, double fft_ms);
@@ -120,16 +123,16 @@ double fft_cost_ms(const AxisTransform& x, const AxisTransform& y, const Paritie
 double separable_cost_ms(const TapAxis& x, const TapAxis& y, std::int64_t rank);
 double direct_cost_ms(const TapAxis& x, const TapAxis& y, std::int64_t used, bool mirrored);
 
+/// The filter of a sampler's OTF on a device, both axes in the fourier basis and without obstacle (device_filter.h).
+std::shared_ptr<const SpectralFilter> make_device_spectral_filter(const FactoredOtf& sampler, const AxisTransform& x,
+                                                                  const AxisTransform& y,
+                                                                  const std::shared_ptr<const Device>& device,
+                                                                  int threads);
+
 // The spectral engine with one OTF: what a plan of an FFT method runs.
 
 /// Of everything between the images, which are float32: in double_precision only their storage rounds.
 enum class Precision { single_precision, double_precision };
-
-class SpectralFilter : public Engine {
- public:
-  /// Largest |H| over the frequencies in use.
-  virtual double largest_gain() const = 0;
-};
 
 /// What is to be done by transforms.
 struct SpectralWork {

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 
+#include "mtf/device/device_filter.h"
 #include "mtf/engines/fft/spectral.h"
 #include "mtf/parallel.h"
 
@@ -205,6 +206,32 @@ std::shared_ptr<const SpectralFilter> make_filter(const FactoredOtf& sampler, co
 }
 
 }  // namespace
+
+std::shared_ptr<const SpectralFilter> make_device_spectral_filter(const FactoredOtf& sampler, const AxisTransform& x,
+                                                                  const AxisTransform& y,
+                                                                  const std::shared_ptr<const Device>& device,
+                                                                  int threads) {
+  std::vector<double> along, across;
+  for (std::int64_t k = 0; k < x.keep; ++k) along.push_back(x.frequency.cy_mm(k));
+  for (const std::int64_t k : otf_frequencies(y)) across.push_back(y.frequency.cy_mm(k));
+  const auto columns = along.size(), rows = across.size();
+  DeviceOtf otf{.complex = !sampler.is_real(), .values = {}};
+  otf.values.resize(columns * rows * (otf.complex ? 2 : 1));
+  const FactoredOtf::Grid grid(sampler, std::move(along), std::move(across));
+  parallel_for(static_cast<std::int64_t>(rows), 8, threads, [&](std::int64_t begin, std::int64_t end) {
+    std::vector<Complex<float>> row(otf.complex ? columns : 0);
+    for (auto j = static_cast<std::size_t>(begin); j < static_cast<std::size_t>(end); ++j) {
+      if (!otf.complex) {
+        grid.real_row(j, std::span(otf.values).subspan(j * columns, columns));
+        continue;
+      }
+      grid.complex_row(j, std::span(row));
+      float* to = otf.values.data() + 2 * j * columns;
+      for (const Complex<float>& h : row) *to++ = h.re, *to++ = h.im;
+    }
+  });
+  return make_device_filter(device, x, y, std::move(otf));
+}
 
 std::shared_ptr<const SpectralFilter> make_spectral_filter(const FactoredOtf& sampler, const SpectralWork& work,
                                                            fft::Rigor rigor, int threads, const Engine* earlier) {

@@ -99,7 +99,7 @@ std::string test_name(const testing::TestParamInfo<const char*>& parameter) {
 
 INSTANTIATE_TEST_SUITE_P(Every, HelpOf,
                          testing::Values("", "demo", "info", "config", "config init", "config check", "config explain",
-                                         "config kinds", "curve", "budget", "simulate", "bench", "check", "report",
+                                         "config kinds", "curve", "budget", "simulate", "bench", "check", "devices", "report",
                                          "help"),
                          test_name);
 #ifdef MTFKIT_HAVE_CALIB

@@ -7,7 +7,7 @@
 
 #include "apps/scene/import/import_process.h"
 #include "mtf/error.h"
-#include "mtf/io/module.h"
+#include "mtf/work/module.h"
 
 namespace apps::scene {
 namespace {
@@ -44,7 +44,7 @@ fs::path found_above(fs::path folder) {
 
 fs::path import_program() {
   if (const char* chosen = std::getenv("MTFKIT_IMPORT"); chosen != nullptr && *chosen != '\0') return chosen;
-  const fs::path own = mtf::io::code_folder(reinterpret_cast<const void*>(&import_program));
+  const fs::path own = mtf::code_folder(reinterpret_cast<const void*>(&import_program));
   if (const fs::path program = found_above(own); !program.empty()) return program;
   // A program linked with the static libraries may lie anywhere, but its run path leads to the installation.
   for (const fs::path& folder : run_path())

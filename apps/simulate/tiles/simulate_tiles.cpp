@@ -363,6 +363,9 @@ SurveyedPlan survey_and_plan(const SensorRun& sensor, const SimulateOptions& opt
                                                 watch);
   mtf::PlanOptions plan_options =
       plan_options_of(options, sensor, source.scene, worst_of(surveys, border, border_value));
+  if (plan_options.device.device)
+    watch.note("an image in tiles is the processor's work, not that of " + plan_options.device.device->info().name);
+  plan_options.device = {};
   plan_options.progress = watch.planning();
   watch.lap("survey");
   mtf::TiledSensorPlan plan =

@@ -58,6 +58,14 @@ std::int64_t inverse_length(const AxisTransform& job) {
   return job.resampling == Resampling::fold ? job.out_length : next_smooth(2 * job.keep - 1 + job.outputs - 1);
 }
 
+std::vector<std::int64_t> canvas_sources(const AxisTransform& job) {
+  const std::int64_t length = job.frequency.length, n = job.samples, right = n + (length - n + 1) / 2;
+  std::vector<std::int64_t> sources(static_cast<std::size_t>(length));
+  for (std::int64_t i = 0; i < length; ++i)
+    sources[static_cast<std::size_t>(i)] = border_source(job.border, i < right ? i : i - length, n);
+  return sources;
+}
+
 std::vector<std::int64_t> otf_frequencies(const AxisTransform& job) {
   std::vector<std::int64_t> frequencies;
   const std::int64_t length = job.frequency.length;
@@ -66,6 +74,17 @@ std::vector<std::int64_t> otf_frequencies(const AxisTransform& job) {
   for (std::int64_t r = 0; r < rows; ++r)
     if (const std::int64_t k = job.frequency.signed_index(r); std::abs(k) < job.keep) frequencies.push_back(k);
   return frequencies;
+}
+
+double rounding_units(const AxisTransform& x, const AxisTransform& y) {
+  double units = 2.0;
+  for (const AxisTransform* job : {&x, &y}) {
+    const double stages = std::log2(1.0 + static_cast<double>(job->frequency.length));
+    const bool chirps = job->resampling == Resampling::chirp;
+    const bool small = in_small_steps(job->frequency.length) && in_small_steps(inverse_length(*job));
+    units += 0.5 * stages * (chirps ? 4.0 : small ? 1.0 : 3.0);
+  }
+  return units;
 }
 
 std::vector<Term> axis_terms(const AxisTransform& job, Parity parity) {

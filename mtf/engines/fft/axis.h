@@ -41,6 +41,10 @@ struct AxisTransform {
   double turns_at_first() const;
 };
 
+/// Image sample that stands at each position of the canvas of an axis in the fourier basis; -1 for a constant border.
+/// The right continuation comes after the image, the left one at the end of the canvas.
+std::vector<std::int64_t> canvas_sources(const AxisTransform& job);
+
 /// Contribution of one frequency to the input of the inverse transform: target += factor x OTF x source.
 struct Term {
   std::int32_t k = 0;       ///< signed frequency
@@ -60,6 +64,11 @@ std::vector<Term> axis_terms(const AxisTransform& job, Parity parity);
 
 /// Length of the transform that `target` counts in: out_length for fold, the chirp's convolution length else.
 std::int64_t inverse_length(const AxisTransform& job);
+
+/// What float rounds off in a filter between these axes, rms in units of 2^-24 of the canvas's rms: a pair of
+/// transforms about 0.4 units for each doubling of its length (measured in tests), where the chirp passes through twice
+/// as many; then the OTF.
+double rounding_units(const AxisTransform& x, const AxisTransform& y);
 
 /// Bluestein evaluation of sum_k g_k exp(2 pi i k (t0 + j t)), |k| < keep, j = 0 .. outputs-1, on lanes. The input
 /// holds g_k at row k + keep - 1, times the factors of its terms.

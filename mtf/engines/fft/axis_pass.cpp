@@ -29,12 +29,8 @@ AxisPass<S>::AxisPass(const AxisTransform& job, bool apart, fft::Rigor rigor)
     for (std::int64_t i = 0; i < n; ++i)
       canvas_[static_cast<std::size_t>(rows[static_cast<std::size_t>(i)])] = static_cast<std::int32_t>(i);
   } else {
-    // The right continuation comes after the image, the left one at the end of the canvas.
-    const std::int64_t right = n + (length - n + 1) / 2;
-    for (std::int64_t i = 0; i < length; ++i) {
-      const std::int64_t source = border_source(job.border, i < right ? i : i - length, n);
+    for (const std::int64_t source : canvas_sources(job))
       canvas_.push_back(static_cast<std::int32_t>(source < 0 ? n : source));
-    }
   }
 
   if (job.resampling == Resampling::chirp) {

@@ -2,7 +2,7 @@
 #pragma once
 
 // The interface to PNG, TIFF and JPEG. Their libraries load a dozen others, so the functions of this table are in a
-// module (mtf/io/module.h, CMake target `mtfkit_codecs`), opened on first use: a command that reads no PNG never pays.
+// module (mtf/work/module.h, CMake target `mtfkit_codecs`), opened on first use: reading no PNG costs nothing.
 
 #include <cstdint>
 #include <map>
@@ -13,7 +13,7 @@
 
 #include "mtf/image.h"
 #include "mtf/io/codecs/stated_encoding.h"
-#include "mtf/io/module.h"
+#include "mtf/work/module.h"
 
 namespace mtf::io {
 

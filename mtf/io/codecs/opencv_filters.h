@@ -2,7 +2,7 @@
 #pragma once
 
 // Plain OpenCV doing the work of a plan, as its users write it: what benchmarks compare with. Lives in a module of its
-// own (CMake target `mtfkit_opencv`), opened on first use (mtf/io/module.h): nothing else needs OpenCV.
+// own (CMake target `mtfkit_opencv`), opened on first use (mtf/work/module.h): nothing else needs OpenCV.
 
 #include <cstdint>
 #include <functional>
@@ -10,7 +10,7 @@
 
 #include "mtf/border.h"
 #include "mtf/image.h"
-#include "mtf/io/module.h"
+#include "mtf/work/module.h"
 
 namespace mtf::io {
 
@@ -33,7 +33,7 @@ struct OpenCvJob {
 using OpenCvFilter = std::function<void(ImageView<const float> in, ImageView<float> out)>;
 
 /// Ready to run, kernels and their spectra prepared. Throws RuntimeError when OpenCV refuses, or when the module cannot
-/// be opened (mtf/io/module.h).
+/// be opened (mtf/work/module.h).
 OpenCvFilter opencv_filter(const OpenCvJob& job);
 
 /// Whether the module is there; opens nothing.

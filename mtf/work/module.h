@@ -10,7 +10,7 @@
 #include <filesystem>
 #include <type_traits>
 
-namespace mtf::io {
+namespace mtf {
 
 /// The build that a module is of: {mtf::version, mtf::git_commit}.
 struct ModuleBuild {
@@ -43,4 +43,4 @@ const Table& open_module(const Module& module) {
 /// wherever it has been moved to.
 std::filesystem::path code_folder(const void* code);
 
-}  // namespace mtf::io
+}  // namespace mtf

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mtf/io/module.h"
+#include "mtf/work/module.h"
 
 #include <dlfcn.h>
 #include <elf.h>
@@ -16,7 +16,7 @@
 #include "mtf/version.h"
 #include "mtf/words.h"
 
-namespace mtf::io {
+namespace mtf {
 namespace {
 
 namespace fs = std::filesystem;
@@ -139,4 +139,4 @@ const void* module_table(const Module& module) {
 
 fs::path code_folder(const void* code) { return code_file(code).parent_path(); }
 
-}  // namespace mtf::io
+}  // namespace mtf

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// The inside of an open device: its backend, what runs share, and the test that admits it.
+
+#include <map>
+#include <mutex>
+#include <utility>
+
+#include "mtf/device/backend.h"
+
+namespace mtf {
+
+struct Device::Parts {
+  DeviceInfo info;
+  DeviceTest test;
+  DeviceFault fault = DeviceFault::none;
+  std::unique_ptr<DeviceBackend> backend;
+  DeviceBackend::Queue queue = 0;
+
+  mutable std::mutex lock;  ///< of all below, and held while something runs
+  std::optional<std::string> failure;
+  std::optional<double> kernels_ms;  ///< where it has a value, runs put there the time between the transfers
+
+  /// Memory that every run takes again, as large as the largest has needed.
+  enum class Place { scene, canvas, spectrum, image };
+  const DeviceMemory& memory(Place place, std::size_t bytes);
+  const PinnedMemory& pinned(std::size_t number, std::size_t bytes);
+  DeviceFft& fft(const FftShape& shape);
+
+ private:
+  static constexpr std::size_t kMostFfts = 16;
+  std::array<std::shared_ptr<const DeviceMemory>, 4> places_;
+  std::vector<std::shared_ptr<const PinnedMemory>> pinned_;
+  std::vector<std::pair<FftShape, std::shared_ptr<DeviceFft>>> ffts_;  ///< the latest last
+};
+
+/// The text of mtf/device/kernels.cl.
+extern const char* const kKernelText;
+
+/// What the kernel `bits` writes for an input: four random words, then the bits of -log, cos, sin and a fused sum.
+inline constexpr std::size_t kBitsOfInput = 8;
+/// The same by the processor, from the same text.
+std::vector<std::uint32_t> bits_on_host(std::int64_t inputs);
+
+/// Runs the test, and measures. Throws DeviceError with what is wrong.
+void admit(const std::shared_ptr<const Device>& device);
+
+}  // namespace mtf
