@@ -238,7 +238,12 @@ class DesignModel {
       for (std::size_t i = 0; i < scalars.size(); ++i) *scalars[i] = S(*numbers[i]);
       return budget(to);
     };
-    return {isoplanatic_ ? system_ : here_, study_->conditions, design_.frame_time_s, *light.course, range_meter_, budget_of_light};
+    return {isoplanatic_ ? system_ : here_,
+            study_->conditions,
+            design_.frame_time_s,
+            *light.course,
+            range_meter_,
+            budget_of_light};
   }
 
   void find_ranges(const DesignLight& light, const RangeRoots* roots) {
