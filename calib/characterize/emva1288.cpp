@@ -213,7 +213,7 @@ void Emva::choose_levels() {
 
 void Emva::fit(std::vector<Stack> stacks) {
   joint_ = characterize(std::move(stacks), options_);
-  while (joint_.misfit && options_.nonlinearity < 2) {
+  while (joint_.misfit && options_.nonlinearity < 3) {
     ++options_.nonlinearity;
     try {
       joint_ = characterize(std::move(joint_.stacks), options_);
@@ -468,10 +468,9 @@ void Emva::note_biases() {
   EmvaStacks model = stacks_;
   for (std::size_t i = 0; i < stacks_.size(); ++i) {
     if (joint_.level_of[i] < 0) continue;
-    const PhotonTransfer::Level& level = t.levels[static_cast<std::size_t>(joint_.level_of[i])];
-    const double slope = t.gain.value * level.slope, error = level.light_error * t.rate.value * stacks_[i].light;
-    model[i].mean = level.mean - slope * error;
-    model[i].squares.value.fill(level.variance - square(slope) * error);
+    const PhotonTransfer::Level level = level_at(t, stacks_[i].light, stacks_[i].time_s);
+    model[i].mean = level.mean;
+    model[i].squares.value.fill(level.variance);
   }
   double fitted = 1.0;  // all levels below that share of saturation are in the fit
   for (const EmvaLevel& level : levels_)
@@ -489,7 +488,8 @@ void Emva::note_biases() {
     if (std::abs(*bias * finding.value) > finding.sd) note = percent_off(*bias) + cause;
   };
   const double gain = 1.0 / joint_.find("electrons_per_count")->value, rate = joint_.find("rate")->value;
-  const std::string bends = t.a.empty() ? "" : t.a.size() == 1 ? " (a2)" : " (a2, a3)";
+  const std::vector<std::string> terms(t.names.begin() + 4, t.names.begin() + 4 + std::ssize(t.a));
+  const std::string bends = " (" + mtf::joined(terms) + ")";
   std::vector<std::string> causes;
   if (!t.a.empty())
     causes.push_back("the response bends" + bends + " " + percent_of(of_model[kGain] / t.gain.value - 1.0));

@@ -32,13 +32,13 @@
 // has NaN, are not determined.
 //
 // Biases: the joint fit of the same stacks (characterize.h) has no straight lines and no 1/12. Where it describes the
-// frames, with up to two terms of nonlinearity, the definitions above are applied to the means and variances of its
+// frames, with up to three terms of nonlinearity, the definitions above are applied to the means and variances of its
 // model; what they give, over what the model has, is the bias of a formula for this camera:
 //   K            a response that bends, crosstalk, whose covariances lower every variance; with K all in electrons
 //   sigma_d      the floor and the 1/12, which do not hold below about 0.4 counts
 //   LE           what the fitted response alone has; noise and the lamp give any camera some
-//   DSNU, PRNU   the fixed part without temporal noise of rows, columns and frames, rounding, crosstalk and defects,
-//                which are in the standard's variances
+//   DSNU, PRNU   the fixed part without temporal noise of rows, columns and frames, rounding, crosstalk, shading and
+//                defects, which are in the standard's variances
 // The notes state a bias that is larger than the standard deviation.
 
 #include <optional>
