@@ -99,8 +99,8 @@ std::string test_name(const testing::TestParamInfo<const char*>& parameter) {
 
 INSTANTIATE_TEST_SUITE_P(Every, HelpOf,
                          testing::Values("", "demo", "info", "config", "config init", "config check", "config explain",
-                                         "config kinds", "curve", "budget", "simulate", "bench", "check", "devices", "report",
-                                         "help"),
+                                         "config kinds", "curve", "budget", "simulate", "bench", "check", "devices",
+                                         "report", "help"),
                          test_name);
 #ifdef MTFKIT_HAVE_CALIB
 INSTANTIATE_TEST_SUITE_P(Calib, HelpOf, testing::Values("measure", "fit", "optimize"), test_name);
