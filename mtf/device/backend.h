@@ -3,7 +3,8 @@
 
 // What a module of devices gives: its devices, and one that is open. Nothing above it knows OpenCL or CUDA, nothing
 // below it knows images. Work goes to queues; that of one queue is done in order. Calls for one open device come one
-// after another, from any thread. Whatever fails is a DeviceError with the call and the driver's reason.
+// after another, from any thread; memory alone is given back at any time. Whatever fails is a DeviceError with the call
+// and the driver's reason.
 
 #include <array>
 #include <cstddef>

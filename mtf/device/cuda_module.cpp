@@ -117,7 +117,8 @@ class CudaContext {
   CudaContext(const CudaContext&) = delete;
   CudaContext& operator=(const CudaContext&) = delete;
   /// Every thread chooses the context by itself.
-  void use() const { require(cuCtxSetCurrent(context_), "use it"); }
+  void use() const { require(enter(), "use it"); }
+  CUresult enter() const { return cuCtxSetCurrent(context_); }
 
  private:
   CUdevice device_;
@@ -134,6 +135,7 @@ class CudaBackend final : public DeviceBackend {
   CudaBackend(const CudaBackend&) = delete;
   CudaBackend& operator=(const CudaBackend&) = delete;
   ~CudaBackend() override {
+    if (context_->enter() != CUDA_SUCCESS) return;
     cuCtxSynchronize();
     for (CUevent event : events_)
       if (event != nullptr) cuEventDestroy(event);
@@ -155,7 +157,7 @@ class CudaBackend final : public DeviceBackend {
     require(cuMemAlloc(&memory, bytes), "take memory of the device");
     return {new DeviceMemory{static_cast<std::uint64_t>(memory), bytes},
             [context = context_](const DeviceMemory* given) {
-              cuMemFree(static_cast<CUdeviceptr>(given->handle));
+              if (context->enter() == CUDA_SUCCESS) cuMemFree(static_cast<CUdeviceptr>(given->handle));
               delete given;
             }};
   }
@@ -164,7 +166,7 @@ class CudaBackend final : public DeviceBackend {
     void* memory = nullptr;
     require(cuMemAllocHost(&memory, bytes), "take memory of the host");
     return {new PinnedMemory{memory, bytes}, [context = context_](const PinnedMemory* given) {
-              cuMemFreeHost(given->data);
+              if (context->enter() == CUDA_SUCCESS) cuMemFreeHost(given->data);
               delete given;
             }};
   }

@@ -81,14 +81,15 @@ class DeviceFilter final : public SpectralFilter {
     });
     first_x_ = sent(terms_x.first);
     terms_x_ = sent(terms_x.terms);
-    const std::vector<std::int64_t> rows = otf_frequencies(y);
+    std::vector<std::int32_t> row_of(size_of(2 * y.keep - 1));  // of the OTF, from frequency -(keep - 1) on
+    std::int32_t rows = 0;
+    for (const std::int64_t k : otf_frequencies(y)) row_of[size_of(k + y.keep - 1)] = rows++;
     const auto terms_y = listed<DeviceTermY>(y, y.out_length, [&](const Term& term) {
-      const auto mirror = std::find(rows.begin(), rows.end(), -term.k) - rows.begin();
       const std::int64_t length = y.frequency.length;
       return DeviceTermY{term.source,
                          term.otf,
                          narrow((length - term.k) % length),
-                         narrow(mirror),
+                         row_of[size_of(y.keep - 1 - term.k)],
                          static_cast<float>(term.re),
                          static_cast<float>(term.im)};
     });

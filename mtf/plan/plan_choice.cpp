@@ -74,9 +74,15 @@ void measure_costs(const std::vector<MethodCandidate*>& possible, const PlanTask
         // Any samples that are not all alike: times do not depend on them.
         for (std::int64_t i = 0; i < scene.size(); ++i) scene.data()[i] = static_cast<float>(i * 7919 % 1013) - 506.0F;
       }
-      const auto engine = candidate->make(nullptr);
-      const std::vector<Channel> channel{{.in = scene.view(), .out = image.view()}};
-      ms = time_ms([&] { engine->run(channel, 1); });
+      try {
+        const auto engine = candidate->make(nullptr);
+        const std::vector<Channel> channel{{.in = scene.view(), .out = image.view()}};
+        ms = time_ms([&] { engine->run(channel, 1); });
+      } catch (const DeviceError&) {  // of no use beside others; where it is the only one, its maker says why
+        if (task.options.device.insisted) throw;
+        candidate->report.cost_ms = std::numeric_limits<double>::infinity();
+        continue;
+      }
       remember_ms(work, *ms);
     }
     candidate->report.cost_ms = *ms;

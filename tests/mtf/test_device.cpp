@@ -90,7 +90,10 @@ TEST(Device, WhoseModuleIsMissingIsNotThere) {
   const std::string kept = before != nullptr ? before : "";
   ::setenv("MTFKIT_OPENCL", "/no/such/module.so", 1);
   const DeviceList list = devices();
-  kept.empty() ? ::unsetenv("MTFKIT_OPENCL") : ::setenv("MTFKIT_OPENCL", kept.c_str(), 1);
+  if (before == nullptr)
+    ::unsetenv("MTFKIT_OPENCL");
+  else
+    ::setenv("MTFKIT_OPENCL", kept.c_str(), 1);
   for (const DeviceInfo& info : list.devices) EXPECT_NE(info.backend, "opencl");
   std::string notes;
   for (const std::string& note : list.notes) notes += note + "\n";
