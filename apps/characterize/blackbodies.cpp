@@ -3,10 +3,12 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 #include "apps/budget_table.h"
 #include "apps/sensor/sensor_air.h"
 #include "apps/sensor/sensor_place.h"
+#include "apps/text/message_words.h"
 #include "calib/characterize/thermal.h"
 #include "mtf/io/config/replace_value.h"
 #include "radiometry/chain/chain.h"
@@ -102,7 +104,7 @@ calib::Characterization characterize_blackbodies(std::vector<calib::Stack> stack
   const radiometry::Sensor sensor = load_chain(clear).sensor;
   const Blackbodies& bodies = file.blackbodies;
   const radiometry::Interval& band = sensor.curves.band;
-  double coolest_k = mtf::kInfinity;
+  double coolest_k = mtf::kInfinity, hottest_k = 0.0;
   for (calib::Stack& stack : stacks) {
     const double temperature_k =
         file.unit == LightUnit::temperature
@@ -114,6 +116,7 @@ calib::Characterization characterize_blackbodies(std::vector<calib::Stack> stack
     stack.light_per_emissivity = scene_radiance(sensor.curves, perfect(temperature_k), {}) -
                                  scene_radiance(sensor.curves, perfect(bodies.surroundings_k), {});
     coolest_k = std::min(coolest_k, temperature_k);
+    hottest_k = std::max(hottest_k, temperature_k);
   }
   const auto& thermal = sensor.settings.thermal;
   const bool stated = thermal && thermal->netd_temperature_k;
@@ -131,6 +134,10 @@ calib::Characterization characterize_blackbodies(std::vector<calib::Stack> stack
   camera.findings.front().from += bodies.reference_k ? " (reference_temperature)"
                                   : stated           ? " (netd_temperature of the nominal)"
                                                      : " (the coolest blackbody)";
+  if (std::abs(2.0 * reference_k - coolest_k - hottest_k) > 3.0 * (hottest_k - coolest_k))
+    camera.warnings.push_back("kelvin are those at " + significant(reference_k, 6) + " K, far from the blackbodies (" +
+                              significant(coolest_k, 6) + " to " + significant(hottest_k, 6) +
+                              " K); set reference_temperature in [options]");
   if (sensor.settings.flicker)
     camera.warnings.emplace_back("[flicker] of the nominal is noise beside the components measured here; remove it");
   return camera;
