@@ -68,7 +68,7 @@ ReadStacks read_stacks(const StacksFile& file, const Nominal& nominal, int threa
   FrameSource source{.bits = bits_of(file, nominal), .threads = threads};
   const double photons = photons_per_irradiance(file, nominal), most = std::ldexp(1.0, source.bits) - 1.0;
   std::size_t files = 0, done = 0;
-  for (const StackEntry& entry : file.stacks) files += entry.files.size();
+  for (const StackEntry& entry : file.stacks) files += entry.memory.empty() ? entry.files.size() : 1;
   source.progress = [&] {
     if (progress) progress(static_cast<double>(++done) / static_cast<double>(files));
   };

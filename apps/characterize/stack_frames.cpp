@@ -101,7 +101,12 @@ void require_byte_order(const std::string& type, const StackFrame& frame) {
 void read_frame(const StackEntry& entry, const FramePlace& place, double step, StackFrame& frame) {
   const auto& [path, shape, number] = place;
   frame.where = path;
-  if (auto cube = cube_of(entry, path)) {
+  if (!entry.memory.empty()) {
+    frame.where += " frame " + std::to_string(number + 1);
+    const mtf::ImageView<const float>& from = entry.memory[static_cast<std::size_t>(number)];
+    frame.image = mtf::Image(from.width, from.height);
+    for (std::int64_t y = 0; y < from.height; ++y) std::copy_n(from.row(y), from.width, frame.image.view().row(y));
+  } else if (auto cube = cube_of(entry, path)) {
     frame.where += " frame " + std::to_string(number + 1);
     const auto columns = static_cast<std::int64_t>(entry.raw ? entry.raw->columns : cube->shape().back());
     if (frame.image.size() != columns * shape.height) frame.image = mtf::Image(columns, shape.height);
@@ -191,6 +196,11 @@ FrameShape shape_of(const StackEntry& entry, const std::string& path) {
 
 calib::Stack read_stack(const StackEntry& entry, const StacksFile& file, FrameSource& source) {
   std::vector<FramePlace> places;
+  for (const auto& frame : entry.memory)
+    places.push_back(
+        {entry.name,
+         {.frames = std::ssize(entry.memory), .width = frame.width, .height = frame.height, .type = "float32"},
+         std::ssize(places)});
   for (const std::string& path : entry.files) {
     const FrameShape shape = shape_of(entry, path);
     for (std::int64_t t = 0; t < shape.frames; ++t) places.push_back({path, shape, t});

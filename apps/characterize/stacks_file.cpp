@@ -95,7 +95,7 @@ std::optional<RawLayout> read_raw(const Section& stack) {
                    .header = static_cast<std::uint64_t>(header)};
 }
 
-void read_stack(const Section& section, StacksFile& file) {
+void read_stack(const Section& section, const FramesInMemory& memory, StacksFile& file) {
   require_known(section, std::array<std::string_view, 10>{"name", "frames", "raw", "light", "photons", "irradiance",
                                                           "temperature", "radiance", "relative", "exposure"});
   StackEntry entry;
@@ -107,8 +107,12 @@ void read_stack(const Section& section, StacksFile& file) {
   }
   entry.name = cfg::read_string(section, "name").value_or(*frames);
   entry.raw = read_raw(section);
-  entry.files = files_of_pattern(cfg::beside(section.reader.folder, *frames));
-  if (entry.files.empty())
+  const auto held = memory.find(*frames);
+  if (held != memory.end())
+    entry.memory = held->second;
+  else
+    entry.files = files_of_pattern(cfg::beside(section.reader.folder, *frames));
+  if (held == memory.end() && entry.files.empty())
     section.error("frames", "there is no file " + *frames + "; names are relative to the folder of this file");
   std::array<std::optional<double>, kLights.size()> given;
   for (std::size_t k = 0; k < kLights.size(); ++k) given[k] = cfg::read_number(section, kLights[k], kLights[k].name);
@@ -172,7 +176,10 @@ std::string_view name_of(LightUnit unit) { return kLights[static_cast<std::size_
 
 StacksFile load_stacks(const std::string& file) {
   if (is_emva_descriptor(file)) return load_emva_descriptor(file);
-  const std::string text = mtf::io::read_text_file(file, cfg::kMaxBytes);
+  return parse_stacks(mtf::io::read_text_file(file, cfg::kMaxBytes), file);
+}
+
+StacksFile parse_stacks(const std::string& text, const std::string& file, const FramesInMemory& memory) {
   StacksFile result{.file = file, .sha256 = mtf::io::sha256_hex(text)};
   const cfg::Tree tree = cfg::read_tree(text);
   if (tree.error) cfg::require_no_errors({*tree.error}, file);
@@ -198,7 +205,7 @@ StacksFile load_stacks(const std::string& file) {
   if (stacks == nullptr && tree.root.find("stack") == nullptr)
     reader.error({}, "stack", "missing; write [[stack]] with frames = \"dark/*.png\" for each exposure");
   for (std::size_t i = 0; stacks != nullptr && i < stacks->items.size(); ++i)
-    read_stack({reader, stacks->items[i], "stack[" + std::to_string(i) + "]", "[[stack]]"}, result);
+    read_stack({reader, stacks->items[i], "stack[" + std::to_string(i) + "]", "[[stack]]"}, memory, result);
   result.blackbodies = read_blackbodies(light, options, result);
   for (const StackEntry& entry : result.stacks)
     if (result.has_blackbodies() && entry.light == 0.0)

@@ -21,10 +21,13 @@
 // (emva_descriptor.h).
 
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include "mtf/image.h"
 
 namespace apps {
 
@@ -48,8 +51,9 @@ struct RawLayout {
 };
 
 struct StackEntry {
-  std::string name;                ///< as messages call it
-  std::vector<std::string> files;  ///< in the order of their names
+  std::string name;                                   ///< as messages call it
+  std::vector<std::string> files;                     ///< in the order of their names
+  std::vector<mtf::ImageView<const float>> memory{};  ///< in place of files
   std::optional<RawLayout> raw{};
   double light = 0.0;  ///< in the unit of the file; of irradiance W/m^2, of blackbodies K or radiance; 0 in the dark
   double time_s = 0.0;
@@ -74,8 +78,13 @@ struct StacksFile {
 
 std::string_view name_of(LightUnit unit);
 
-/// Throws RuntimeError where the file cannot be read, UsageError with every error as a "file:line:col: error: ..."
-/// line.
+/// Frames that lie in memory, by the names that stand for them under `frames`.
+using FramesInMemory = std::map<std::string, std::vector<mtf::ImageView<const float>>>;
+
+/// `file`: where the text is from, by whose folder it names files. Throws UsageError with every error as a
+/// "file:line:col: error: ..." line.
+StacksFile parse_stacks(const std::string& text, const std::string& file, const FramesInMemory& memory = {});
+/// The same, of EMVA's descriptors too; RuntimeError where the file cannot be read.
 StacksFile load_stacks(const std::string& file);
 
 }  // namespace apps

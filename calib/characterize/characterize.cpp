@@ -442,10 +442,10 @@ void Analysis::add_patterns() {
     result_.bright_signal = signal;
     const Estimate &q = result_.crosstalk.power, lines{signal, 0.0},
                    pixels{signal * std::sqrt(q.value), signal * 0.5 * q.sd / std::sqrt(q.value)};
-    mtf::Image plane = difference(*bright);
-    const Trend trend = remove_trend(plane.view(), options_.trend);
+    mtf::Image lit = difference(*bright);
+    const Trend trend = remove_trend(lit.view(), options_.trend);
     result_.trend = trend.degree;
-    const PlaneSquares squares = plane_squares(plane.view(), trend.degree);
+    const PlaneSquares squares = plane_squares(lit.view(), trend.degree);
     const Pattern response = pattern_of(squares, {{bright->sums.squares, rounding_of(*bright)}, dark_stack});
     const std::string from = bright->name + " less " + dark->name;
     if (trend.degree > 0) {
