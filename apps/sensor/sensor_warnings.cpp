@@ -87,17 +87,22 @@ std::vector<mtf::io::Diagnostic> one_side_warnings(const mtf::Frame<double>& fra
                      "on width alone is a square; give width and height")};
 }
 
-/// With counts_per_kelvin nobody has said what a count is in volts.
-std::vector<mtf::io::Diagnostic> invented_volts_warnings(const std::vector<mtf::SettingsTable>& tables) {
+/// With counts_per_kelvin nobody has said what a count is in volts. What was measured is in counts x 1 uV, as
+/// `mtf characterize` writes it.
+std::vector<mtf::io::Diagnostic> invented_volts_warnings(const mtf::io::SensorConfig& config) {
   std::vector<mtf::io::Diagnostic> warnings;
   for (const mtf::TableInfo& table : radiometry::sensor_tables())
     for (const mtf::FieldInfo& row : table.settings) {
-      const mtf::SettingsTable* given = find_table(tables, table.name);
-      if (given == nullptr || row.dimension != mtf::Dimension::voltage) continue;
+      const mtf::SettingsTable* given = find_table(config.tables, table.name);
+      const std::string path = std::string(table.name) + "." + std::string(row.name);
+      const bool measured = std::any_of(config.fits.begin(), config.fits.end(), [&](const mtf::io::FitSpec& fit) {
+        return fit.path == path && (fit.stderr_value || fit.interval);
+      });
+      if (measured || given == nullptr || row.dimension != mtf::Dimension::voltage) continue;
       const mtf::SettingValue* value = given->find(row.name);
       const double* volts = value != nullptr ? std::get_if<double>(value) : nullptr;
       if (volts == nullptr || *volts == 0.0) continue;
-      warnings.push_back(warning_at(std::string(table.name) + "." + std::string(row.name),
+      warnings.push_back(warning_at(path,
                                     "in volts beside detector.counts_per_kelvin, which leaves open how many volts a "
                                     "count is and calls it 1 uV, so that this is taken for " +
                                         mtf::three_digits(1e6 * *volts) +
@@ -131,7 +136,7 @@ std::vector<mtf::io::Diagnostic> chain_warnings(const mtf::io::SensorConfig& con
     if (std::string text = bandwidth_warning(thermal, tau_s); !text.empty())
       warnings.push_back(warning_at("detector.noise_bandwidth", std::move(text)));
     if (thermal.fill_factor) add(fill_factor_warnings(config.system, *thermal.fill_factor));
-    if (thermal.counts_per_k) add(invented_volts_warnings(config.tables));
+    if (thermal.counts_per_k) add(invented_volts_warnings(config));
     return warnings;  // [lag] beside a bolometer that moves is refused
   }
   if (given == nullptr || !moving) return warnings;
