@@ -2,13 +2,13 @@
 #include "apps/arguments.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <optional>
 
 #include "apps/sensor/otf_curves.h"
 #include "apps/text/message_words.h"
 #include "mtf/io/config/schedule.h"
+#include "mtf/io/csv/csv_cells.h"
 
 namespace apps {
 namespace {
@@ -21,20 +21,9 @@ constexpr int kMaxFrequencies = 1'000'000;
                         (text.size() > shown ? "..." : "") + "' is not " + std::string(expected));
 }
 
-std::string_view trimmed(std::string_view text) {
-  while (!text.empty() && text.front() == ' ') text.remove_prefix(1);
-  while (!text.empty() && text.back() == ' ') text.remove_suffix(1);
-  return text;
-}
-
 template <class T>
 std::optional<T> read_number(std::string_view text) {
-  text = trimmed(text);
-  if (text.starts_with('+') && !text.starts_with("+-")) text.remove_prefix(1);
-  T value{};
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
-  return value;
+  return mtf::io::cell_number<T>(mtf::trimmed(text));
 }
 
 std::optional<double> finite(std::string_view text) {
@@ -61,7 +50,7 @@ double number(std::string_view option, std::string_view text) {
 }
 
 GivenTemperature temperature(std::string_view option, std::string_view text) {
-  if (const auto value = finite(trimmed(text))) return {*value, false};
+  if (const auto value = finite(text)) return {*value, false};
   try {
     const mtf::Quantity given = mtf::parse_quantity(text, mtf::Dimension::temperature);
     if (given.unit->name == "K") return {given.value, true};
@@ -130,9 +119,7 @@ std::int64_t byte_count(std::string_view option, std::string_view text) {
                              std::pair{"", 1.0}};
   for (const auto& [unit, bytes] : units) {
     if (!text.ends_with(unit)) continue;
-    std::string_view digits = text.substr(0, text.size() - std::string_view(unit).size());
-    while (digits.ends_with(' ')) digits.remove_suffix(1);
-    const auto value = finite(digits);
+    const auto value = finite(text.substr(0, text.size() - std::string_view(unit).size()));
     if (!value || !(*value * bytes >= 1048576.0 && *value * bytes < 9e18)) break;
     return static_cast<std::int64_t>(*value * bytes);
   }

@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "apps/figures/otf_map.h"
 #include "apps/sensor/air_course.h"
 #include "apps/sensor/otf_curves.h"
 #include "apps/sensor/sensor_place.h"
@@ -131,6 +132,17 @@ std::vector<radiometry::BudgetRow> nyquist_rows(const mtf::System<double>& syste
                         mtf::significant(system.frame.nyquist_cy_mm(axis), 4) + " cy/mm"});
     if (nyquist.has_coarse_average())
       rows.back().doc += "; its average over the band errs by up to " + mtf::significant(nyquist.error.front(), 2);
+    if (system.settled)
+      rows.back().doc += ", at the field point (" + mtf::significant(system.point.x, 3) + ", " +
+                         mtf::significant(system.point.y, 3) + ")";
+    if (system.is_isoplanatic() || system.frame.columns == 0 || system.frame.rows == 0) continue;
+    rows.back().doc += ", on the optical axis";
+    const OtfMap map = otf_map(rated, "mtf@nyquist", direction);
+    rows.push_back({"mtf_nyquist_" + name + ".mean", "", map.mean,
+                    "over the image, to about " + mtf::significant(map.mean_error, 1)});
+    rows.push_back({"mtf_nyquist_" + name + ".worst", "", map.worst().value,
+                    "lowest of " + std::to_string(map.places.size()) + " places, at pixel (" +
+                        mtf::significant(map.worst().x_px, 5) + ", " + mtf::significant(map.worst().y_px, 5) + ")"});
   }
   return rows;
 }

@@ -32,7 +32,7 @@ BudgetTable budget_table(const mtf::io::SensorConfig& config, const LoadedSensor
 mtf::io::SensorConfig read_sensor(const BudgetOptions& options, const Global& global);
 
 /// What a person reads beside these rows: the MTF of the system at Nyquist along x and along y, averaged over the band
-/// with the electron rate of `loaded`, as `mtf curve` has it.
+/// with the electron rate of `loaded`, as `mtf curve` has it; where it changes over the image, its mean and the worst.
 std::vector<radiometry::BudgetRow> nyquist_rows(const mtf::System<double>& system, const LoadedSensor& loaded);
 
 /// What the rows do not say: what was assumed, what has no number, saturation where no table says it.

@@ -33,7 +33,7 @@ std::vector<std::string> names_of(const OptionSpec& option);
 struct Command {
   std::string name, doc, details, examples;
   std::vector<OptionSpec> options{};
-  std::vector<Command> commands{};  ///< one of them has to follow; then `run` is that one's
+  std::vector<Command> commands{};  ///< one of them has to follow, or may where there is `run`; then that one's runs
   std::function<int(const Global&)> run{};
 };
 

@@ -165,25 +165,50 @@ Command characterize_command() {
       "  [camera]\n"
       "  bits = 12\n"
       "  [[stack]]\n"
-      "  frames = \"dark/*.png\"          # PNG, TIFF, OpenEXR, or one NPY cube; at least two frames\n"
+      "  frames = \"dark/*.png\"          # PNG, TIFF, OpenEXR, an NPY cube, or raw; at least two frames\n"
       "  exposure = \"10 ms\"\n"
       "  light = false\n"
       "  [[stack]]\n"
       "  frames = \"bright/*.png\"\n"
       "  photons = 5200                  # or irradiance, relative, or the exposure alone\n"
+      "Frames of blackbodies have temperature = \"308 K\" in place of it: two or more with a nominal give SiTF, NETD\n"
+      "and 3-D noise in kelvin.\n"
       "The folder of --out gets sensor.toml, which every command reads, with { value, stderr } for each number;\n"
-      "result.json with intervals; levels.csv. What frames cannot tell is named. Where the model of photon transfer\n"
-      "does not describe the frames, the exit code is 3 (--allow-misfit: 0), and all files are written.",
+      "report.html, a page with all numbers and figures; result.json with intervals; levels.csv; defects.csv. What "
+      "frames cannot tell is named. Where the model of photon transfer\n"
+      "does not describe the frames, the exit code is 3 (--allow-misfit: 0), and all files are written.\n"
+      "STACKS may be EMVA's own descriptor of a set of frames (*.txt) for both methods. --method emva1288 gives the\n"
+      "numbers of EMVA 1288 R4.0 Linear with their standard deviations, and says where its formulas are biased and by\n"
+      "how much for this camera; --out then gets result.json alone.",
+      "  mtf characterize check stacks.toml\n"
       "  mtf characterize stacks.toml -o camera\n"
+      "  mtf characterize EMVA1288_Data.txt --method emva1288\n"
       "  mtf characterize stacks.toml --nominal sensor.toml --format json"};
-  add_file(app, "stacks", "file that describes the stacks (TOML)", options.stacks);
+  add_file(app, "stacks", "file that describes the stacks (TOML, or EMVA's *.txt)", options.stacks).required = false;
+  add_choice(app, "--method", "METHOD", "fit (default), or emva1288 for the standard's own numbers",
+             enumerated<CharacterizeMethod>("fit", "emva1288"), options.method);
   add_text(app, "--nominal", "FILE", "sensor file for what frames do not tell; in place of the one that STACKS names",
            options.nominal);
-  add_text(app, "-o,--out", "FOLDER", "write sensor.toml, result.json and levels.csv here", options.out);
+  add_text(app, "-o,--out", "FOLDER", "write sensor.toml, report.html, result.json, levels.csv and defects.csv here",
+           options.out);
+  add_flag(app, "--maps",
+           "offset.exr and responsivity.exr beside sensor.toml, which names them in place of DSNU and PRNU",
+           options.maps);
   add_flag(app, "--allow-misfit", "exit 0, not 3, where the model does not describe the frames", options.allow_misfit);
   add_choice(app, "--format", "FORMAT", "table (default) or json", kTableOrJson, options.format);
   add_force(app, options.force);
-  app.run = [shared](const Global& global) { return fits_module().characterize(*shared, global); };
+  app.run = [shared](const Global& global) {
+    if (shared->stacks.empty()) throw mtf::UsageError("mtf characterize: give the file that describes the stacks");
+    return fits_module().characterize(*shared, global);
+  };
+  Command check{"check", "stacks, frames and light of the file, and which numbers they can determine",
+                "Reads the headers of the frames only.", "  mtf characterize check stacks.toml"};
+  add_file(check, "stacks", "file that describes the stacks (TOML)", options.stacks);
+  check.run = [shared](const Global& global) {
+    shared->check = true;
+    return fits_module().characterize(*shared, global);
+  };
+  app.commands = {check};
   return app;
 }
 

@@ -55,8 +55,7 @@ Command curve_command() {
 Command budget_command() {
   Command app{
       "budget", "electrons, noise and sensitivity of a pixel",
-      "For a pixel on the optical axis that images a surface of one temperature: electrons by their origin, every "
-      "noise\n"
+      "For a pixel that images a surface of one temperature: electrons by their origin, every noise\n"
       "term, SNR, NETD, NEI, D*, dynamic range. It takes [detector], [nonuniformity], [noise], [noise_3d] and [adc] "
       "of\n"
       "the sensor file; spatial noise is what [correction] leaves of it. The sensor file needs [band] and [detector]:\n"
@@ -80,6 +79,10 @@ Command budget_command() {
       app, "--without-path",
       "of the sensor by itself: leave [path] and [atmosphere] of the file out; blur of turbulence and aerosol stays",
       options.without_path);
+  add_text(app, "--field", "X,Y",
+           "place in the image whose OTF is taken, of a sensor whose OTF changes over the field, as of mtf curve;\n"
+           "default: the optical axis, with mean and worst of the MTF at Nyquist over the image",
+           options.field);
   add_flag(app, "--curves", "MRTD against spatial frequency and MDTD against size, in place of the budget",
            options.curves);
   add_text(app, "--plot", "FILE", "figure of --curves: a .svg, .pdf or .png file", options.plot);

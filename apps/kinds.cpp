@@ -38,12 +38,6 @@ std::string interval(const Parameter& parameter) {
          (parameter.hi_open ? ")" : "]");
 }
 
-std::string joined(std::span<const std::string_view> words, const std::string& between) {
-  std::string text;
-  for (const std::string_view word : words) text += (text.empty() ? "" : between) + std::string(word);
-  return text;
-}
-
 /// Of a key of a table.
 std::string values_of(const Parameter& key) {
   switch (key.type) {
@@ -221,8 +215,8 @@ std::string describe_kinds(const std::string& kind) {
   for (const ComponentKind& each : kinds.components)
     if (kind.empty() || each.kind == kind) add(describe_component(each));
   if (kind.empty()) {
-    add("tables of a sensor file, whose keys `mtf config kinds NAME` lists: " + joined(names, ", ") + "\n");
-    if (!kStudyNames.empty()) text += "of a study file: " + joined(kStudyNames, ", ") + "\n";
+    add("tables of a sensor file, whose keys `mtf config kinds NAME` lists: " + joined(names) + "\n");
+    if (!kStudyNames.empty()) text += "of a study file: " + joined(kStudyNames) + "\n";
   }
   return text.empty() ? describe_of_studies(kind) : text;
 }

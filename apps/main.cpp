@@ -118,9 +118,12 @@ void add_command(CLI::App& parent, const Command& command, std::function<int(con
              "Global options (mtf --help) may follow as well: --threads, --quiet, --progress.\n\nExamples:\n" +
              command.examples);
   for (const OptionSpec& option : command.options) add_option(app, option);
-  if (!command.commands.empty()) app.require_subcommand(1, 1);
+  if (!command.commands.empty()) app.require_subcommand(command.run ? 0 : 1, 1);
   for (const Command& inner : command.commands) add_command(app, inner, chosen);
-  if (command.run) app.callback([run = command.run, &chosen] { chosen = run; });
+  if (!command.run) return;
+  app.callback([run = command.run, &chosen] {
+    if (!chosen) chosen = run;  // else a command below this one was called, whose turn comes first
+  });
 }
 
 std::string version_text() {

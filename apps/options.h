@@ -92,6 +92,7 @@ struct BudgetOptions {
   double temperature_k = 300.0;  ///< of the surface that the pixel images
   bool temperature_has_unit = true, temperature_given = false;
   bool without_path = false;  ///< of the sensor by itself: its [path] and [atmosphere] are left out
+  std::string field;          ///< field point whose OTF is taken, as of CurveOptions; "" = on the optical axis
   bool curves = false;        ///< MRTD and MDTD as curves, in place of the budget
   std::string plot;           ///< figure of the curves: .svg, .pdf or .png
   Format format = Format::table;

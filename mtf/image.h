@@ -4,6 +4,7 @@
 #include <cassert>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <memory>
 
 #include "mtf/memory.h"
@@ -83,5 +84,23 @@ class Image {
   std::int64_t width_ = 0;
   std::int64_t height_ = 0;
 };
+
+/// The samples of a plane in that region of it.
+template <class T>
+ImageView<T> part_of(ImageView<T> plane, const Region& region) {
+  return {plane.row(region.y) + region.x, region.width, region.height, plane.stride};
+}
+
+/// Into a plane of the same size.
+inline void copy(ImageView<const float> from, ImageView<float> to) {
+  for (std::int64_t y = 0; y < from.height; ++y)
+    std::memcpy(to.row(y), from.row(y), static_cast<std::size_t>(from.width) * sizeof(float));
+}
+
+inline Image copy_of(ImageView<const float> plane) {
+  Image image(plane.width, plane.height);
+  copy(plane, image.view());
+  return image;
+}
 
 }  // namespace mtf

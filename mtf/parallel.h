@@ -14,4 +14,11 @@ int threads_of(int asked);
 void parallel_for(std::int64_t count, std::int64_t chunk, int threads,
                   const std::function<void(std::int64_t, std::int64_t)>& work);
 
+/// The same, `work(i)` for each i of [0, count).
+void parallel_for_each(std::int64_t count, std::int64_t chunk, int threads, const auto& work) {
+  parallel_for(count, chunk, threads, [&](std::int64_t begin, std::int64_t end) {
+    for (std::int64_t i = begin; i < end; ++i) work(i);
+  });
+}
+
 }  // namespace mtf

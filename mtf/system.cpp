@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <utility>
 
 #include "mtf/components/double_counting.h"
@@ -63,12 +62,12 @@ std::vector<Finding> doubtful_sampling(const System<double>& system, const Compo
   for (const Axis axis : {Axis::x, Axis::y}) {
     const double pitch_um = system.frame.pitch_um(axis), q = lambda_n_um / pitch_um;
     if (q >= kLeast && q <= kMost) continue;
-    std::array<char, 256> text;
-    std::snprintf(text.data(), text.size(),
-                  "Q = lambda N / pitch = %.6g um / %.6g um = %.3g, where most cameras have 0.05 to 5; compare the "
-                  "units of the pitch, the wavelength, the focal length and the aperture",
-                  lambda_n_um, pitch_um, q);
-    doubts.push_back({axis == Axis::x ? "frame.pitch_x" : "frame.pitch_y", {.error = false, .text = text.data()}});
+    doubts.push_back({axis == Axis::x ? "frame.pitch_x" : "frame.pitch_y",
+                      {.error = false,
+                       .text = "Q = lambda N / pitch = " + significant(lambda_n_um, 6) + " um / " +
+                               significant(pitch_um, 6) + " um = " + significant(q, 3) +
+                               ", where most cameras have 0.05 to 5; compare the units of the pitch, the wavelength, "
+                               "the focal length and the aperture"}});
   }
   return doubts;
 }
@@ -207,9 +206,7 @@ std::string_view stage_name(Stage stage) {
 Choice choice_of(std::span<const std::string_view> names, std::string_view word) {
   const auto found = std::ranges::find(names, word);
   if (found != names.end()) return {static_cast<int>(found - names.begin()), names};
-  std::string known;
-  for (const std::string_view name : names) known += (known.empty() ? "" : ", ") + std::string(name);
-  throw UsageError("\"" + std::string(word) + "\" is none of: " + known);
+  throw UsageError("\"" + std::string(word) + "\" is none of: " + joined(names));
 }
 
 std::string names_over_field(const System<double>& system) {
@@ -237,10 +234,8 @@ void require_isoplanatic(const System<double>& system, std::string_view what) {
 }
 
 void require_valid(const System<double>& system) {
-  std::string message;
-  for (const auto& finding : system.errors())
-    message += (message.empty() ? "" : "; ") + finding.where + ": " + finding.problem.text;
-  if (!message.empty()) throw UsageError(message);
+  const auto said = [](const System<double>::Finding& finding) { return finding.where + ": " + finding.problem.text; };
+  if (const auto errors = system.errors(); !errors.empty()) throw UsageError(joined(errors, said, "; "));
 }
 
 }  // namespace mtf

@@ -51,19 +51,14 @@ Quantity parse_quantity(std::string_view text, Dimension expected) {
   const auto fail = [&](const std::string& why) -> UsageError {
     return UsageError(in_quotes(whole) + ": " + why + "; expected " + std::string(describe(expected)));
   };
-  const auto skip_blanks = [&] {
-    while (!text.empty() && (text.front() == ' ' || text.front() == '\t')) text.remove_prefix(1);
-  };
-  skip_blanks();
+  text = trimmed(text);
   if (text.starts_with('+') && !text.starts_with("+-")) text.remove_prefix(1);
   Quantity result;
   const auto [end, status] = std::from_chars(text.data(), text.data() + text.size(), result.value);
   if (status == std::errc::result_out_of_range) throw fail("number out of range");
   if (status != std::errc{}) throw fail("no number");
   if (!std::isfinite(result.value)) throw fail("number is not finite");
-  text.remove_prefix(static_cast<std::size_t>(end - text.data()));
-  skip_blanks();
-  while (!text.empty() && (text.back() == ' ' || text.back() == '\t')) text.remove_suffix(1);
+  text = trimmed(text.substr(static_cast<std::size_t>(end - text.data())));
   if (text.empty()) throw fail("no unit");
   // The one unit with an offset becomes kelvin here; all others are factors.
   if (text == "degC" || text == "\u00b0C") {

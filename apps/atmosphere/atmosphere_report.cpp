@@ -54,6 +54,14 @@ Json sight_json(const air::SightNumbers<double>& sight) {
           {"lowest_altitude_m", sight.lowest_altitude_m}};
 }
 
+std::vector<std::string> sky_header(const SkyReport& report, const std::string& angle, const std::string& whole,
+                                    const std::string& before, const std::string& after) {
+  std::vector<std::string> header{angle};
+  for (const radiometry::Interval& band : report.bands) header.push_back(before + band_words(band) + after);
+  header.push_back(whole);
+  return header;
+}
+
 }  // namespace
 
 BandAverage band_average(const air::SpectralPath<double>& path, const radiometry::SpectralCamera& camera,
@@ -186,18 +194,6 @@ std::vector<Figure> atmosphere_figures(const AtmosphereReport& report) {
   figures.push_back(std::move(radiance));
   return figures;
 }
-
-namespace {
-
-std::vector<std::string> sky_header(const SkyReport& report, const std::string& angle, const std::string& whole,
-                                    const std::string& before, const std::string& after) {
-  std::vector<std::string> header{angle};
-  for (const radiometry::Interval& band : report.bands) header.push_back(before + band_words(band) + after);
-  header.push_back(whole);
-  return header;
-}
-
-}  // namespace
 
 std::string as_table(const SkyReport& report) {
   TextTable table(sky_header(report, "zenith angle [deg]", "all wavelengths", "", " um"));

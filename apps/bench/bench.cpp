@@ -60,10 +60,6 @@ struct BenchReport {
 
 std::string digits(const std::optional<double>& value, int count) { return value ? significant(*value, count) : ""; }
 
-std::string size_text(const std::array<std::int64_t, 2>& size) {
-  return std::to_string(size[0]) + "x" + std::to_string(size[1]);
-}
-
 std::string speed_text(const BenchRow& row) {
   if (!row.time || !row.floor_image_ms || *row.floor_image_ms <= 0.0) return "";
   return fixed(row.time->min_ms / *row.floor_image_ms, 2);
@@ -123,8 +119,9 @@ std::string bench_table(const BenchReport& report) {
       "> is what the plan chooses; errors are relative to the scene's std; x FFTW compares with bare FFTW of the "
       "image's size\n";
   for (const Floor& floor : report.floors)
-    text += "bare FFTW " + size_text(floor.size) + ", forward and back, " + (floor.in_place ? "in" : "out of") +
-            " place: " + fixed(floor.time.min_ms, 3) + " ms (median " + fixed(floor.time.median_ms, 3) + ")\n";
+    text += "bare FFTW " + mtf::size_text(floor.size[0], floor.size[1]) + ", forward and back, " +
+            (floor.in_place ? "in" : "out of") + " place: " + fixed(floor.time.min_ms, 3) + " ms (median " +
+            fixed(floor.time.median_ms, 3) + ")\n";
   return text;
 }
 
@@ -169,8 +166,7 @@ std::string bench_json(const BenchReport& report) {
                               {"time_ms_min", floor.time.min_ms},
                               {"time_ms_median", floor.time.median_ms},
                               {"runs", floor.time.runs}});
-  json["rows"] = Json::array();
-  for (const BenchRow& row : report.rows) json["rows"].push_back(row_json(row));
+  json["rows"] = Json::array(report.rows, row_json);
   json["warnings"] = report.notes;
   // Names of files may hold any bytes; the report stays valid UTF-8.
   return json_document(json);
@@ -180,8 +176,8 @@ std::string bench_json(const BenchReport& report) {
 std::optional<Figure> bench_figure(const BenchReport& report) {
   Figure figure;
   figure.title = "error against run time: " + (report.sensor_name.empty() ? report.sensor : report.sensor_name) + ", " +
-                 size_text({report.job->in.width, report.job->in.height}) + " samples to " +
-                 size_text({report.job->out.width, report.job->out.height}) + " pixels";
+                 mtf::size_text(report.job->in.width, report.job->in.height) + " samples to " +
+                 mtf::size_text(report.job->out.width, report.job->out.height) + " pixels";
   figure.x_label = "time of one image [ms], minimum of interleaved runs";
   figure.y_label = "realised rms error [std of the scene]";
   figure.log_x = figure.log_y = true;
@@ -208,7 +204,7 @@ std::optional<Figure> bench_figure(const BenchReport& report) {
   for (const Series& series : figure.series)
     for (const double x : series.x) low = std::min(low, x), high = std::max(high, x);
   for (const Floor& floor : report.floors) {
-    figure.vertical_lines.push_back({floor.time.min_ms, "FFTW " + size_text(floor.size)});
+    figure.vertical_lines.push_back({floor.time.min_ms, "FFTW " + mtf::size_text(floor.size[0], floor.size[1])});
     low = std::min(low, floor.time.min_ms), high = std::max(high, floor.time.min_ms);
   }
   std::sort(figure.vertical_lines.begin(), figure.vertical_lines.end(),

@@ -19,7 +19,7 @@ namespace {
 
 using calib::Characterization, calib::Finding;
 
-/// Which key of a sensor file a number stands in. Rms that may be 0 stand there where they are clearly above it.
+/// Which key of a sensor file a number stands in.
 struct Key {
   std::string_view finding, key, unit;
 };
@@ -29,8 +29,11 @@ constexpr std::array kKeys{Key{"electrons_per_count", "adc.electrons_per_count",
                            Key{"dark_current", "detector.dark_current", " e-/s"},
                            Key{"a2", "nonlinearity.a2", ""},
                            Key{"a3", "nonlinearity.a3", ""},
+                           Key{"a4", "nonlinearity.a4", ""},
                            Key{"dsnu", "nonuniformity.dsnu", " e-"},
                            Key{"prnu", "nonuniformity.prnu", ""},
+                           Key{"prnu_row", "nonuniformity.prnu_row", ""},
+                           Key{"prnu_column", "nonuniformity.prnu_column", ""},
                            Key{"dcnu", "nonuniformity.dcnu", ""},
                            Key{"row_noise", "noise.row", " e-"},
                            Key{"column_noise", "noise.column", " e-"},
@@ -41,20 +44,6 @@ constexpr std::array kKeys{Key{"electrons_per_count", "adc.electrons_per_count",
 std::string quantity(double value, std::string_view unit) {
   const std::string number = mtf::format_double(value);
   return unit.empty() ? number : "\"" + number + std::string(unit) + "\"";
-}
-
-std::string toml(const Finding& f, std::string_view unit) {
-  return "{ value = " + quantity(f.value, unit) + ", stderr = " + quantity(f.sd, unit) + " }";
-}
-
-/// "2.998 +- 0.013 e-", "0 .. 0.11 e-" or the reason.
-std::string shown(const Finding& f) {
-  const std::string unit = f.unit.empty() ? "" : " " + f.unit;
-  if (f.verdict == calib::Verdict::not_determined) return "not determined: " + f.why;
-  if (f.verdict == calib::Verdict::upper_limit)
-    return significant(std::max(0.0, f.low95), 3) + " .. " + significant(f.high95, 3) + unit + " (95 %)";
-  return (f.sd > 0.0 ? shown_with_error(f.value, f.sd) + " +- " + significant(f.sd, 2) : significant(f.value, 4)) +
-         unit;
 }
 
 /// What the numbers that are measured hold already: noise that stands elsewhere in the nominal would count twice.
@@ -69,9 +58,71 @@ mtf::io::SensorConfig read_again(const std::string& text, const mtf::io::SensorC
   return std::move(read.config);
 }
 
+/// Of what chi-square is.
+std::string model_name(const Characterization& camera) {
+  return camera.reference_k > 0.0 ? "counts over radiance" : "photon transfer";
+}
+
+Json finding_json(const Finding& f) {
+  Json one{{"name", f.name}, {"unit", f.unit}, {"verdict", calib::verdict_name(f.verdict)}};
+  const bool known = f.verdict != calib::Verdict::not_determined;
+  const bool measured = known && f.verdict != calib::Verdict::predicted;
+  one["value"] = known ? Json(f.value) : Json();
+  one["sd"] = known && f.sd > 0.0 ? Json(f.sd) : Json();
+  one["sd_array"] = f.sd_array ? Json(*f.sd_array) : Json();
+  one["sd_systematic"] = f.sd_systematic ? Json(*f.sd_systematic) : Json();
+  one["interval95"] = measured ? Json(std::vector<double>{f.low95, f.high95}) : Json();
+  one["from"] = f.from;
+  one["why"] = f.why.empty() ? Json() : Json(f.why);
+  return one;
+}
+
+Json provenance_json(const StacksFile& stacks) { return {{"stacks", stacks.file}, {"sha256", stacks.sha256}}; }
+
 bool is_set(const Finding* f) { return f != nullptr && f->verdict == calib::Verdict::determined; }
 
 }  // namespace
+
+std::string value_with_error(const Finding& f, std::string_view unit, double scale) {
+  if (f.verdict == calib::Verdict::upper_limit) {
+    const auto part = [&](double number) { return quantity(scale * std::max(0.0, number), unit); };
+    return "{ value = " + part(f.value) + ", interval = [" + part(f.low95) + ", " + part(f.high95) + "] }";
+  }
+  const double sd = std::hypot(f.sd, f.sd_systematic.value_or(0.0));
+  return "{ value = " + quantity(scale * f.value, unit) + ", stderr = " + quantity(scale * sd, unit) + " }";
+}
+
+std::string shown(const Finding& f) {
+  const std::string unit = f.unit.empty() ? "" : " " + f.unit;
+  if (f.verdict == calib::Verdict::not_determined) return "not determined: " + f.why;
+  if (f.verdict == calib::Verdict::upper_limit)
+    return significant(std::max(0.0, f.low95), 3) + " .. " + significant(f.high95, 3) + unit + " (95 %)";
+  if (f.verdict == calib::Verdict::predicted || !(f.sd > 0.0)) return significant(f.value, 4) + unit;
+  const double systematic = f.sd_systematic.value_or(0.0);
+  return shown_with_error(f.value, f.sd) + " +- " + significant(f.sd, 2) + unit +
+         (systematic > 0.0 ? " (random) +- " + significant(systematic, 2) + unit + " (blackbodies)" : "");
+}
+
+mtf::io::SensorConfig without_key(mtf::io::SensorConfig sensor, const std::string& key) {
+  const std::size_t dot = key.find('.');
+  const mtf::SettingsTable* table = find_table(sensor.tables, key.substr(0, dot));
+  if (table == nullptr || table->find(key.substr(dot + 1)) == nullptr) return sensor;
+  return read_again(mtf::io::without_value(sensor, key), sensor);
+}
+
+mtf::io::SensorConfig own_named(const mtf::io::SensorConfig& sensor, const std::string& destination) {
+  if (sensor.files.empty()) return sensor;
+  mtf::io::SensorConfig there = sensor;
+  there.file = destination;
+  return read_again(write_config(sensor, destination), there);
+}
+
+std::string file_head(const Characterization& camera, const StacksFile& stacks, const std::vector<std::string>& left) {
+  return "# mtf characterize " + one_line(stacks.file) + ", sha256 " + stacks.sha256 + "\n# " +
+         (camera.misfit ? "the model does not describe the frames: " + camera.misfit_reason
+                        : model_name(camera) + ": p = " + significant(camera.transfer.p, 2)) +
+         "\n# not measured: " + joined(left) + "\n";
+}
 
 std::string least_sensor(std::int64_t columns, std::int64_t rows, int bits, double time_s) {
   return "schema = 2\nname = \"characterized camera\"\n\n[frame]\nfocal_length = \"50 mm\"\npitch = \"5 um\"\nformat = "
@@ -84,18 +135,12 @@ std::string least_sensor(std::int64_t columns, std::int64_t rows, int bits, doub
 }
 
 CameraFile camera_file(const Characterization& camera, const StacksFile& stacks, mtf::io::SensorConfig nominal,
-                       int bits, bool placeholders, const std::string& destination) {
+                       int bits, bool placeholders, bool maps, const std::string& destination) {
   CameraFile file;
   const auto set = [&](const std::string& key, const std::string& value) {
     nominal = mtf::io::replaced(nominal, key, value);
   };
-  const auto unset = [&](const std::string& key) {
-    const std::size_t dot = key.find('.');
-    const mtf::SettingsTable* table = find_table(nominal.tables, key.substr(0, dot));
-    if (table == nullptr || table->find(key.substr(dot + 1)) == nullptr) return;
-    nominal = read_again(mtf::io::without_value(nominal, key), nominal);
-  };
-  std::string limits;
+  const auto unset = [&](const std::string& key) { nominal = without_key(std::move(nominal), key); };
   set("adc.bits", std::to_string(bits));
   if (const auto* epc = find_table(nominal.tables, "adc"); epc->find("rounding") != nullptr)
     set("adc.rounding", "nearest");
@@ -105,21 +150,19 @@ CameraFile camera_file(const Characterization& camera, const StacksFile& stacks,
   for (const Key& one : kKeys) {
     const Finding* f = camera.find(one.finding);
     const std::string key(one.key);
-    if (is_set(f) || one.finding == "offset") {
-      set(key, toml(*f, one.unit));
+    if (f != nullptr && f->verdict != calib::Verdict::not_determined) {
+      set(key, value_with_error(*f, one.unit));
       continue;
     }
-    if (f != nullptr && f->verdict == calib::Verdict::upper_limit)
-      limits += "#   " + key + "  " + shown(*f) + ": left out\n";
-    if (f != nullptr && f->verdict == calib::Verdict::not_determined) file.left.push_back(key);
+    if (f != nullptr) file.left.push_back(key);
     // Patterns of the nominal may stay; the dark current of stacks of one exposure is in offset and read noise.
-    const bool may_stay = f != nullptr && f->verdict == calib::Verdict::not_determined && one.finding != "dark_current";
+    const bool may_stay = f != nullptr && one.finding != "dark_current";
     if (!may_stay) unset(key);
   }
   const Finding* const rate = camera.find("rate");
   const bool photons = stacks.unit == LightUnit::photons || stacks.unit == LightUnit::irradiance;
   if (photons && rate->value <= 1.0)
-    set("detector.quantum_efficiency", toml(*rate, ""));
+    set("detector.quantum_efficiency", value_with_error(*rate, ""));
   else
     file.left.emplace_back("detector.quantum_efficiency");
   for (const char* const key : {"optics.transmission", "optics.f_number"}) file.left.emplace_back(key);
@@ -131,20 +174,23 @@ CameraFile camera_file(const Characterization& camera, const StacksFile& stacks,
       std::find_if(list.begin(), list.end(), [](const auto& e) { return e.component.kind() == "crosstalk"; });
   if (there != list.end()) {
     const std::string label = there->label;
-    set(label + ".side", is_set(side) ? toml(*side, "") : "0");
-    if (is_set(corner)) set(label + ".corner", toml(*corner, ""));
+    set(label + ".side", is_set(side) ? value_with_error(*side, "") : "0");
+    if (is_set(corner)) set(label + ".corner", value_with_error(*corner, ""));
   } else if (is_set(side)) {
-    const std::string text = nominal.text + "\n[[readout]]\nkind = \"crosstalk\"\nside = " + toml(*side, "") + "\n" +
-                             (is_set(corner) ? "corner = " + toml(*corner, "") + "\n" : "");
+    const std::string text = nominal.text +
+                             "\n[[readout]]\nkind = \"crosstalk\"\nside = " + value_with_error(*side, "") + "\n" +
+                             (is_set(corner) ? "corner = " + value_with_error(*corner, "") + "\n" : "");
     nominal = read_again(text, nominal);
   }
-  std::string head = "# mtf characterize " + one_line(stacks.file) + ", sha256 " + stacks.sha256 + "\n# " +
-                     (camera.misfit ? "the model does not describe the frames: " + camera.misfit_reason
-                                    : "photon transfer: p = " + significant(camera.transfer.p, 2)) +
-                     "\n# not measured: " + joined(file.left) + "\n";
-  if (!limits.empty()) head += "# limits:\n" + limits;
-  // Files that the text names are named from its own folder.
-  file.text = head + (nominal.files.empty() ? nominal.text : write_config(nominal, destination));
+  nominal = own_named(nominal, destination);
+  if (maps) {
+    for (const char* const key : {"nonuniformity.prnu", "nonuniformity.dsnu", "noise.fixed_row", "noise.fixed_column",
+                                  "defects.hot_fraction", "defects.dead_fraction"})
+      unset(key);
+    set("nonuniformity.offset", "offset.exr");
+    set("nonuniformity.responsivity", "responsivity.exr");
+  }
+  file.text = file_head(camera, stacks, file.left) + nominal.text;
   return file;
 }
 
@@ -153,9 +199,11 @@ std::string characterize_table(const Characterization& camera, const std::vector
   for (const Finding& f : camera.findings) table.add({f.name, shown(f), f.from});
   std::string text = table.aligned();
   const auto& t = camera.transfer;
-  text += "\nphoton transfer      chi-square " + significant(t.chi2, 4) + ", " + std::to_string(t.dof) +
-          " degrees of freedom, p = " + significant(t.p, 2) + "\n";
-  text += "defects              " + std::to_string(camera.defects.size()) + " pixels of the dark beyond 4.5 sd\n";
+  text += "\n" + model_name(camera) + std::string(21 - model_name(camera).size(), ' ') + "chi-square " +
+          significant(t.chi2, 4) + ", " + std::to_string(t.dof) + " degrees of freedom, p = " + significant(t.p, 2) +
+          "\n";
+  if (!(camera.reference_k > 0.0))
+    text += "defects              " + std::to_string(camera.defects.size()) + " pixels of the dark beyond 4.5 sd\n";
   text += "not measured         " + joined(left) + "\n";
   if (camera.misfit) text += "the model does not describe the frames: " + camera.misfit_reason + "\n";
   for (const std::string& warning : camera.warnings) text += "warning: " + warning + "\n";
@@ -168,38 +216,61 @@ Json characterize_json(const Characterization& camera, const StacksFile& stacks,
   json["reason"] = camera.misfit ? Json(camera.misfit_reason) : Json();
   json["warnings"] = camera.warnings;
   json["numbers"] = Json::array();
-  for (const Finding& f : camera.findings) {
-    Json one{{"name", f.name}, {"unit", f.unit}, {"verdict", calib::verdict_name(f.verdict)}};
-    const bool known = f.verdict != calib::Verdict::not_determined;
-    one["value"] = known ? Json(f.value) : Json();
-    one["sd"] = known && f.sd > 0.0 ? Json(f.sd) : Json();
-    one["sd_array"] = f.sd_array ? Json(*f.sd_array) : Json();
-    one["interval95"] = known ? Json(std::vector<double>{f.low95, f.high95}) : Json();
-    one["from"] = f.from;
-    one["why"] = f.why.empty() ? Json() : Json(f.why);
-    json["numbers"].push_back(std::move(one));
-  }
+  for (const Finding& f : camera.findings) json["numbers"].push_back(finding_json(f));
   Json covariance = Json::array();
   for (Eigen::Index i = 0; i < t.covariance.rows(); ++i) {
     std::vector<double> row;
     for (Eigen::Index j = 0; j < t.covariance.cols(); ++j) row.push_back(t.covariance(i, j));
     covariance.push_back(Json(row));
   }
-  json["photon_transfer"] = {{"chi2", t.chi2},
-                             {"dof", t.dof},
-                             {"p", t.p},
-                             {"names", t.names},
-                             {"covariance", covariance},
-                             {"full_well_e", camera.full_well_e}};
+  json[camera.reference_k > 0.0 ? "counts_over_radiance" : "photon_transfer"] = {{"chi2", t.chi2},
+                                                                                 {"dof", t.dof},
+                                                                                 {"p", t.p},
+                                                                                 {"names", t.names},
+                                                                                 {"covariance", covariance},
+                                                                                 {"full_well_e", camera.full_well_e}};
+  json["reference_temperature_k"] = camera.reference_k > 0.0 ? Json(camera.reference_k) : Json();
   json["defects"] = Json::array();
   constexpr std::size_t kMost = 10'000;
   for (std::size_t i = 0; i < std::min(kMost, camera.defects.size()); ++i)
     json["defects"].push_back(
         {{"x", camera.defects[i].x}, {"y", camera.defects[i].y}, {"excess_counts", camera.defects[i].excess}});
   json["defect_count"] = camera.defects.size();
-  json["light_unit"] = stacks.unit == LightUnit::irradiance ? "photons" : name_of(stacks.unit);
+  json["light_unit"] = stacks.has_blackbodies()               ? "weighted radiance"
+                       : stacks.unit == LightUnit::irradiance ? "photons"
+                                                              : name_of(stacks.unit);
   json["not_measured"] = file.left;
-  json["provenance"] = {{"stacks", stacks.file}, {"sha256", stacks.sha256}};
+  json["provenance"] = provenance_json(stacks);
+  return json;
+}
+
+std::string emva1288_table(const calib::Emva1288& standard) {
+  TextTable table({"EMVA 1288", "value", "definition"});
+  std::string notes;
+  for (const calib::EmvaNumber& n : standard.numbers) {
+    table.add({n.finding.name, shown(n.finding), n.finding.from});
+    if (!n.note.empty()) notes += "note: " + n.finding.name + ": " + n.note + "\n";
+  }
+  std::string text = table.aligned() + "\nphoton transfer      " + standard.frames + "\n";
+  if (!standard.patterns.empty()) text += "patterns             " + standard.patterns + "\n";
+  text += "biases               " + standard.biases + "\n" + notes;
+  for (const std::string& warning : standard.warnings) text += "warning: " + warning + "\n";
+  return text;
+}
+
+Json emva1288_json(const calib::Emva1288& standard, const StacksFile& stacks) {
+  Json json{{"version", mtf::version}, {"method", "EMVA 1288 R4.0 Linear"}, {"warnings", standard.warnings}};
+  json["numbers"] = Json::array();
+  for (const calib::EmvaNumber& n : standard.numbers) {
+    Json one = finding_json(n.finding);
+    one["bias_relative"] = n.bias ? Json(*n.bias) : Json();
+    one["note"] = n.note.empty() ? Json() : Json(n.note);
+    json["numbers"].push_back(std::move(one));
+  }
+  json["frames"] = standard.frames;
+  json["patterns"] = standard.patterns;
+  json["biases"] = standard.biases;
+  json["provenance"] = provenance_json(stacks);
   return json;
 }
 

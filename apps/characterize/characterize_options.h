@@ -7,14 +7,25 @@
 
 namespace apps {
 
+struct StacksFile;
+
+enum class CharacterizeMethod { fit, emva1288 };
+
 struct CharacterizeCommandOptions {
   std::string stacks;   ///< the file that describes them
   std::string nominal;  ///< sensor file, in place of the one that it names
   std::string out;      ///< folder
+  bool check = false;   ///< say what could be determined, from headers alone
+  CharacterizeMethod method = CharacterizeMethod::fit;
   bool force = false;
+  bool maps = false;  ///< of offset and responsivity, in the folder
   bool allow_misfit = false;
   Format format = Format::table;
 };
+
+/// Of `check`, on standard output. Throws UsageError for frames of other sizes or types, single ones, and files that
+/// hold fewer bits.
+void check_stacks(const StacksFile& file, int bits, Format format, int threads);
 
 int run_characterize(const CharacterizeCommandOptions& options, const Global& global);
 

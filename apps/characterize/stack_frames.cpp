@@ -5,6 +5,8 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <cstring>
+#include <functional>
 #include <optional>
 
 #include "apps/text/message_words.h"
@@ -12,44 +14,115 @@
 #include "mtf/io/file_checks.h"
 #include "mtf/io/image_io.h"
 #include "mtf/io/npy.h"
+#include "mtf/io/plane_checks.h"
 #include "mtf/math/word_hash.h"
+#include "mtf/parallel.h"
 
 namespace apps {
 namespace {
+
+/// Of the frames that are read at a time, of which there are two at least: as many are added at a time.
+constexpr std::int64_t kBatchBytes = std::int64_t{32} << 20;
 
 [[noreturn]] void refuse(const std::string& file, const std::string& what) {
   throw mtf::UsageError(one_line(file) + ": " + what);
 }
 
-std::uint64_t hash_of(mtf::ImageView<const float> frame) {
-  std::array<std::uint64_t, 8> lanes;  // as many multiplications at a time
+std::uint64_t hash_of(const mtf::Image& frame) {
+  std::array<std::uint64_t, 8> lanes, words;  // as many multiplications at a time, of two pixels each
   lanes.fill(mtf::kWordHashStart);
-  for (std::int64_t y = 0; y < frame.height; ++y)
-    for (std::int64_t x = 0; x < frame.width; ++x) {
-      std::uint64_t& lane = lanes[static_cast<std::size_t>(x % 8)];
-      lane = mtf::mixed(lane, std::bit_cast<std::uint32_t>(frame.at(x, y)));
-    }
+  std::int64_t i = 0;
+  for (; i + 2 * std::ssize(lanes) <= frame.size(); i += 2 * std::ssize(lanes)) {
+    std::memcpy(words.data(), frame.data() + i, sizeof words);
+    for (std::size_t k = 0; k < lanes.size(); ++k) lanes[k] = mtf::mixed(lanes[k], words[k]);
+  }
+  for (; i < frame.size(); ++i) lanes[0] = mtf::mixed(lanes[0], std::bit_cast<std::uint32_t>(frame.data()[i]));
   std::uint64_t hash = 0;
   for (const std::uint64_t lane : lanes) hash = mtf::mixed(hash, lane);
   return hash;
 }
 
-bool same(const mtf::Image& a, const mtf::Image& b) { return std::equal(a.data(), a.data() + a.size(), b.data()); }
+void require_unprocessed(const std::string& path, const mtf::io::FileInfo& info) {
+  if (info.format == mtf::io::Format::jpeg)
+    refuse(path, "JPEG holds what a camera's processing made of its frames; give raw frames as PNG, TIFF or NPY");
+  const std::string& curve = info.encoding.word;
+  if (!info.encoding.source.empty() && curve != "linear" && curve != "gamma:1")
+    refuse(path,
+           "states a curve, " + info.encoding.source + ": radiometry does not go through it; give linear raw frames");
+}
 
 /// The one plane of a picture.
 mtf::Image read_picture(const std::string& path) {
   mtf::io::ImageFile image = mtf::io::read_image(path);
-  if (image.info.format == mtf::io::Format::jpeg)
-    refuse(path, "JPEG holds what a camera's processing made of its frames; give raw frames as PNG, TIFF or NPY");
-  const std::string& curve = image.info.encoding.word;
-  if (!image.info.encoding.source.empty() && curve != "linear" && curve != "gamma:1")
-    refuse(path, "states a curve, " + image.info.encoding.source +
-                     ": radiometry does not go through it; give linear raw frames");
-  const bool grey =
-      image.planes.size() == 3 && same(image.planes[0], image.planes[1]) && same(image.planes[0], image.planes[2]);
-  if (image.planes.size() != 1 && !grey)
+  require_unprocessed(path, image.info);
+  if (image.planes.size() != 1 && !mtf::io::is_grey(image.planes))
     refuse(path, std::to_string(image.planes.size()) + " planes; frames have one, as the sensor gave them");
   return std::move(image.planes.front());
+}
+
+/// The reader of a file of several frames; of a picture none.
+std::optional<mtf::io::NpyReader> cube_of(const StackEntry& entry, const std::string& path) {
+  if (const auto& raw = entry.raw)
+    return std::optional<mtf::io::NpyReader>(std::in_place, path, raw->type, raw->header, raw->height, raw->columns);
+  return path.ends_with(".npy") ? std::optional<mtf::io::NpyReader>(std::in_place, path) : std::nullopt;
+}
+
+struct FramePlace {
+  const std::string& path;
+  FrameShape shape;  ///< of the file
+  std::int64_t number;
+};
+
+struct StackFrame {
+  std::string where;
+  mtf::Image image{};
+  std::uint64_t hash = 0;
+};
+
+/// Neighbours are alike where the bytes of a count are in the order that is stated.
+void require_byte_order(const std::string& type, const StackFrame& frame) {
+  const auto turned = [](float value) {
+    const auto count = static_cast<std::int32_t>(value);
+    return (count & 255) << 8 | count >> 8;
+  };
+  double stated = 0.0, other = 0.0;
+  for (const float* at = frame.image.data() + 1; at < frame.image.data() + frame.image.size(); ++at) {
+    stated += static_cast<double>(std::abs(at[0] - at[-1]));
+    other += std::abs(turned(at[0]) - turned(at[-1]));
+  }
+  const auto mean = [&](double sum) { return significant(sum / static_cast<double>(frame.image.size() - 1), 3); };
+  if (type != "|u1" && other < 0.5 * stated)
+    refuse(frame.where, "neighbours differ by " + mean(stated) + " counts, and by " + mean(other) +
+                            " with the bytes of each in the other order; write type = " +
+                            (type == "<u2" ? "\"uint16be\"" : "\"uint16le\""));
+}
+
+/// Into the memory of the frame that was there before, where it fits.
+void read_frame(const StackEntry& entry, const FramePlace& place, double step, StackFrame& frame) {
+  const auto& [path, shape, number] = place;
+  frame.where = path;
+  if (!entry.memory.empty()) {
+    frame.where += " frame " + std::to_string(number + 1);
+    const mtf::ImageView<const float>& from = entry.memory[static_cast<std::size_t>(number)];
+    frame.image = mtf::Image(from.width, from.height);
+    for (std::int64_t y = 0; y < from.height; ++y) std::copy_n(from.row(y), from.width, frame.image.view().row(y));
+  } else if (auto cube = cube_of(entry, path)) {
+    frame.where += " frame " + std::to_string(number + 1);
+    const auto columns = static_cast<std::int64_t>(entry.raw ? entry.raw->columns : cube->shape().back());
+    if (frame.image.size() != columns * shape.height) frame.image = mtf::Image(columns, shape.height);
+    const auto size = static_cast<std::size_t>(frame.image.size());
+    cube->read(static_cast<std::uint64_t>(number) * size, {frame.image.data(), size});
+    for (std::int64_t y = 1; y < shape.height && columns > shape.width; ++y)
+      std::copy_n(frame.image.data() + y * columns, shape.width, frame.image.data() + y * shape.width);
+    frame.image.reshape(shape.width, shape.height);
+    if (entry.raw && number == 0) require_byte_order(entry.raw->type, frame);
+  } else {
+    frame.image = mtf::Image();  // before there is another one
+    frame.image = read_picture(path);
+  }
+  if (step != 1.0)
+    for (std::int64_t i = 0; i < frame.image.size(); ++i) frame.image.data()[i] /= static_cast<float>(step);
+  frame.hash = hash_of(frame.image);
 }
 
 class Reduction {
@@ -57,20 +130,21 @@ class Reduction {
   Reduction(const StackEntry& entry, const StacksFile& file, FrameSource& source)
       : entry_(entry), file_(file), source_(source), top_(std::ldexp(1.0, source.bits) - 1.0) {}
 
-  void add(mtf::Image frame, const std::string& where) {
-    if (file_.step != 1.0)
-      for (std::int64_t i = 0; i < frame.size(); ++i) frame.data()[i] /= static_cast<float>(file_.step);
-    const mtf::ImageView<const float> view = frame.view();
-    const auto [least, most] = std::minmax_element(frame.data(), frame.data() + frame.size());
-    if (*least < *most) {  // saturated frames are all alike
-      const auto [before, fresh] = source_.seen.emplace(hash_of(view), where);
-      if (!fresh) refuse(where, "is the same frame as " + one_line(before->second) + "; give each frame once");
+  void add(const std::vector<StackFrame>& frames) {
+    std::vector<mtf::ImageView<const float>> views;
+    for (const StackFrame& frame : frames) {
+      views.push_back(frame.image.view());
+      const float *first = frame.image.data(), *end = first + frame.image.size();
+      if (std::adjacent_find(first, end, std::not_equal_to()) == end) continue;  // saturated frames are all alike
+      const auto [before, fresh] = source_.seen.emplace(frame.hash, frame.where);
+      if (!fresh) refuse(frame.where, "is the same frame as " + one_line(before->second) + "; give each frame once");
     }
+    const std::int64_t before = sums_ ? sums_->frames() : 0;
     try {
-      if (!sums_) sums_.emplace(view.width, view.height, calib::CountRange{0.0, top_});
-      sums_->add(view, source_.threads);
+      if (!sums_) sums_.emplace(views[0].width, views[0].height, calib::CountRange{0.0, top_});
+      sums_->add(views, source_.threads);
     } catch (const mtf::UsageError& error) {
-      refuse(where, error.what());
+      refuse(frames[sums_ ? static_cast<std::size_t>(sums_->frames() - before) : 0].where, error.what());
     }
   }
 
@@ -104,26 +178,48 @@ class Reduction {
 
 }  // namespace
 
-calib::Stack read_stack(const StackEntry& entry, const StacksFile& file, FrameSource& source) {
-  Reduction reduction(entry, file, source);
-  for (const std::string& path : entry.files) {
-    if (!path.ends_with(".npy")) {
-      reduction.add(read_picture(path), path);
-    } else {
-      mtf::io::NpyReader cube(path);
-      std::vector<std::uint64_t> shape = cube.shape();
-      if (shape.size() == 2) shape.insert(shape.begin(), 1);
-      if (shape.size() != 3) refuse(path, "a cube of frames x rows x columns belongs here");
-      mtf::io::check_plane_size(path, static_cast<std::int64_t>(shape[2]), static_cast<std::int64_t>(shape[1]), 1);
-      for (std::uint64_t t = 0; t < shape[0]; ++t) {
-        mtf::Image frame(static_cast<std::int64_t>(shape[2]), static_cast<std::int64_t>(shape[1]));
-        const auto size = static_cast<std::size_t>(frame.size());
-        cube.read(t * size, {frame.data(), size});
-        reduction.add(std::move(frame), path + " frame " + std::to_string(t + 1));
-      }
-    }
-    if (source.progress) source.progress();
+FrameShape shape_of(const StackEntry& entry, const std::string& path) {
+  if (const auto cube = cube_of(entry, path)) {
+    std::vector<std::uint64_t> shape = cube->shape();
+    if (shape.size() == 2) shape.insert(shape.begin(), 1);
+    if (shape.size() != 3) refuse(path, "a cube of frames x rows x columns belongs here");
+    const auto rows = static_cast<std::int64_t>(shape[1]), columns = static_cast<std::int64_t>(shape[2]);
+    mtf::io::check_plane_size(path, columns, rows, 1);
+    const std::string kind = cube->type()[1] == 'u' ? "uint" : cube->type()[1] == 'i' ? "int" : "float";
+    return {static_cast<std::int64_t>(shape[0]), entry.raw ? static_cast<std::int64_t>(entry.raw->width) : columns,
+            rows, kind + std::to_string(8 * (cube->type()[2] - '0'))};
   }
+  const mtf::io::FileInfo info = mtf::io::read_info(path);
+  require_unprocessed(path, info);
+  return {1, info.width, info.height, info.channels.front().type};
+}
+
+calib::Stack read_stack(const StackEntry& entry, const StacksFile& file, FrameSource& source) {
+  std::vector<FramePlace> places;
+  for (const auto& frame : entry.memory)
+    places.push_back(
+        {entry.name,
+         {.frames = std::ssize(entry.memory), .width = frame.width, .height = frame.height, .type = "float32"},
+         std::ssize(places)});
+  for (const std::string& path : entry.files) {
+    const FrameShape shape = shape_of(entry, path);
+    for (std::int64_t t = 0; t < shape.frames; ++t) places.push_back({path, shape, t});
+  }
+  const std::int64_t bytes = 4 * places[0].shape.width * places[0].shape.height;
+  const std::int64_t most = std::clamp<std::int64_t>(kBatchBytes / bytes, 2, 64);
+  Reduction reduction(entry, file, source);
+  std::vector<StackFrame> frames;
+  for (std::int64_t begin = 0; begin < std::ssize(places); begin += most) {
+    frames.resize(static_cast<std::size_t>(std::min(most, std::ssize(places) - begin)));
+    const auto place = [&](std::int64_t k) -> const FramePlace& { return places[static_cast<std::size_t>(begin + k)]; };
+    mtf::parallel_for(std::ssize(frames), 1, source.threads, [&](std::int64_t k, std::int64_t) {
+      read_frame(entry, place(k), file.step, frames[static_cast<std::size_t>(k)]);
+    });
+    reduction.add(frames);
+    for (std::int64_t k = 0; source.progress && k < std::ssize(frames); ++k)
+      if (place(k).number + 1 == place(k).shape.frames) source.progress();
+  }
+  frames.clear();
   return reduction.take();
 }
 

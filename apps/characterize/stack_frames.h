@@ -23,9 +23,18 @@ struct FrameSource {
   std::function<void()> progress{};  ///< after each file
 };
 
+/// What a file holds, by its header.
+struct FrameShape {
+  std::int64_t frames = 1, width = 0, height = 0;
+  std::string type;  ///< "uint16"
+};
+/// Throws UsageError for a file that holds no frames, behind a stated curve, and JPEG; RuntimeError where it cannot be
+/// read.
+FrameShape shape_of(const StackEntry& entry, const std::string& path);
+
 /// Throws UsageError with file and remedy for frames of several planes, of another size than the first, with NaN, with
-/// values beyond the bits or in larger steps than stated, behind a stated curve, JPEG, and for a frame that was there
-/// before; RuntimeError where a file cannot be read.
+/// values beyond the bits or in larger steps than stated, bytes in the other order, behind a stated curve, JPEG, and
+/// for a frame that was there before; RuntimeError where a file cannot be read.
 calib::Stack read_stack(const StackEntry& entry, const StacksFile& file, FrameSource& source);
 
 }  // namespace apps

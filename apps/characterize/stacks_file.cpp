@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <map>
 
+#include "apps/characterize/emva_descriptor.h"
 #include "mtf/components/field.h"
 #include "mtf/io/config/config_reader.h"
 #include "mtf/io/csv/curve_csv.h"
@@ -21,9 +22,11 @@ using cfg::Node, cfg::Section;
 using mtf::above, mtf::Dimension, mtf::FieldInfo, mtf::optional_row;
 
 constexpr double kMost = 1e300;
-constexpr std::array<FieldInfo, 4> kLights{
+constexpr std::array<FieldInfo, 6> kLights{
     above(optional_row("photons", 0.0, kMost, "5200", "mean number at a pixel in an exposure")),
     above(optional_row("irradiance", 0.0, kMost, "0.02", "W/m^2 at the sensor, with wavelength in [light]")),
+    optional_row("temperature", Dimension::temperature, "K", 1.0, 1e6, "\"308 K\"", "of a blackbody"),
+    above(optional_row("radiance", 0.0, kMost, "45.0", "W m^-2 sr^-1 of a blackbody in the band of the nominal")),
     above(optional_row("relative", 0.0, kMost, "3.0", "light in an exposure, in any unit")),
     above(optional_row("exposure", Dimension::time, "s", 0.0, 1e9, "\"10 ms\"", "exposure time of a frame"))};
 constexpr FieldInfo kBits = optional_row("bits", 1, 31, "12", "bits of a count");
@@ -34,7 +37,23 @@ constexpr FieldInfo kRepeatability =
     optional_row("repeatability", 0.0, 1.0, "0.002", "relative sd of the light from stack to stack");
 constexpr FieldInfo kWavelength =
     above(optional_row("wavelength", Dimension::length, "um", 0.0, 1e4, "\"530 nm\"", "of the light"));
-constexpr FieldInfo kNonlinearity = optional_row("nonlinearity", 0, 2, "1", "terms of the response");
+constexpr FieldInfo kNonlinearity = optional_row("nonlinearity", 0, 3, "1", "terms of the response");
+
+constexpr FieldInfo kTrend = optional_row("trend", 0, 8, "2", "degree of the shading that is no part of PRNU");
+
+constexpr FieldInfo kWidth = optional_row("width", 2, 1 << 30, "640", "pixels of a row"),
+                    kHeight = optional_row("height", 2, 1 << 30, "512", "rows of a frame"),
+                    kHeader = optional_row("header", 0, 1 << 30, "512", "bytes before the first frame"),
+                    kStride = optional_row("stride", 0, 1 << 30, "1280", "bytes from row to row");
+constexpr std::array<std::string_view, 3> kRawTypes{"uint8", "uint16le", "uint16be"};
+constexpr FieldInfo kTemperatureSd = optional_row("temperature_sd", Dimension::temperature_difference, "K", 0.0, 1e6,
+                                                  "\"20 mK\"", "standard deviation, of each blackbody");
+constexpr FieldInfo kEmissivity = above(optional_row("emissivity", 0.0, 1.0, "0.98", "of the blackbodies"));
+constexpr FieldInfo kEmissivitySd = optional_row("emissivity_sd", 0.0, 1.0, "0.005", "standard deviation of it");
+constexpr FieldInfo kSurroundings = optional_row("surroundings", Dimension::temperature, "K", 0.0, 1e6, "\"295 K\"",
+                                                 "temperature of what the blackbodies reflect");
+constexpr FieldInfo kReference = optional_row("reference_temperature", Dimension::temperature, "K", 1.0, 1e6,
+                                              "\"300 K\"", "at which SiTF and noise in kelvin hold");
 
 template <std::size_t N>
 void require_known(const Section& section, const std::array<std::string_view, N>& known) {
@@ -51,9 +70,34 @@ std::vector<std::string> files_of_pattern(const std::string& pattern) {
   return files;
 }
 
-void read_stack(const Section& section, StacksFile& file) {
-  require_known(section, std::array<std::string_view, 7>{"name", "frames", "light", "photons", "irradiance", "relative",
-                                                         "exposure"});
+std::optional<RawLayout> read_raw(const Section& stack) {
+  const Node* table = stack.find("raw");
+  if (table == nullptr) return std::nullopt;
+  const Section section{stack.reader, *table, stack.at("raw"), "raw"};
+  if (table->kind != Node::Kind::table || !table->find("width") || !table->find("height") || !table->find("type"))
+    stack.error("raw", "write raw = { width = 640, height = 512, type = \"uint16le\" }, or uint16be, uint8");
+  if (table->kind != Node::Kind::table) return std::nullopt;
+  require_known(section, std::array<std::string_view, 5>{"width", "height", "type", "header", "stride"});
+  const auto type = cfg::read_word(section, "type", kRawTypes);
+  const auto width = cfg::read_whole(section, kWidth), height = cfg::read_whole(section, kHeight);
+  if (!type || !width || !height) return std::nullopt;
+  const int bytes = *type == 0 ? 1 : 2, header = cfg::read_whole(section, kHeader).value_or(0);
+  const std::int64_t row = std::int64_t{bytes} * *width, stride = cfg::read_whole(section, kStride).value_or(row);
+  if (stride < row || stride % bytes != 0)
+    section.error("stride", std::to_string(stride) + " bytes from row to row; " + std::to_string(*width) +
+                                " pixels of " + std::string(kRawTypes[static_cast<std::size_t>(*type)]) + " take " +
+                                std::to_string(row));
+  constexpr std::array<const char*, 3> kNames{"|u1", "<u2", ">u2"};
+  return RawLayout{.width = static_cast<std::uint64_t>(*width),
+                   .height = static_cast<std::uint64_t>(*height),
+                   .columns = static_cast<std::uint64_t>(stride / bytes),
+                   .type = kNames[static_cast<std::size_t>(*type)],
+                   .header = static_cast<std::uint64_t>(header)};
+}
+
+void read_stack(const Section& section, const FramesInMemory& memory, StacksFile& file) {
+  require_known(section, std::array<std::string_view, 10>{"name", "frames", "raw", "light", "photons", "irradiance",
+                                                          "temperature", "radiance", "relative", "exposure"});
   StackEntry entry;
   const auto frames = cfg::read_string(section, "frames");
   if (!frames) {
@@ -62,8 +106,13 @@ void read_stack(const Section& section, StacksFile& file) {
     return;
   }
   entry.name = cfg::read_string(section, "name").value_or(*frames);
-  entry.files = files_of_pattern(cfg::beside(section.reader.folder, *frames));
-  if (entry.files.empty())
+  entry.raw = read_raw(section);
+  const auto held = memory.find(*frames);
+  if (held != memory.end())
+    entry.memory = held->second;
+  else
+    entry.files = files_of_pattern(cfg::beside(section.reader.folder, *frames));
+  if (held == memory.end() && entry.files.empty())
     section.error("frames", "there is no file " + *frames + "; names are relative to the folder of this file");
   std::array<std::optional<double>, kLights.size()> given;
   for (std::size_t k = 0; k < kLights.size(); ++k) given[k] = cfg::read_number(section, kLights[k], kLights[k].name);
@@ -77,8 +126,8 @@ void read_stack(const Section& section, StacksFile& file) {
     const auto first = std::find_if(given.begin(), given.end(), [](const auto& g) { return g.has_value(); });
     if (first == given.end())
       return section.error("light",
-                           "how much light is not said; write photons, irradiance, relative or exposure, or "
-                           "light = false");
+                           "how much light is not said; write photons, irradiance, temperature, relative or exposure, "
+                           "or light = false");
     const auto unit = static_cast<LightUnit>(first - given.begin());
     const bool known = std::any_of(file.stacks.begin(), file.stacks.end(), [](const auto& s) { return s.light > 0.0; });
     if (known && unit != file.unit)
@@ -90,6 +139,28 @@ void read_stack(const Section& section, StacksFile& file) {
     entry.light = **first;
   }
   file.stacks.push_back(std::move(entry));
+}
+
+/// What [light] says of blackbodies, which without them it must not.
+Blackbodies read_blackbodies(const Section& light, const Section& options, const StacksFile& file) {
+  Blackbodies bodies;
+  const auto number = [&](const Section& section, const FieldInfo& info, bool belongs, const char* to) {
+    if (!belongs && section.find(info.name) != nullptr)
+      section.error(info.name, std::string("belongs to stacks by ") + to + "; remove it");
+    return cfg::read_number(section, info, info.name);
+  };
+  const bool any = file.has_blackbodies(), temperatures = file.unit == LightUnit::temperature;
+  const char *both = "temperature or radiance", *one = "temperature";
+  bodies.temperature_sd_k = number(light, kTemperatureSd, any, both).value_or(bodies.temperature_sd_k);
+  bodies.emissivity = number(light, kEmissivity, temperatures, one).value_or(bodies.emissivity);
+  bodies.emissivity_sd = number(light, kEmissivitySd, temperatures, one).value_or(bodies.emissivity_sd);
+  bodies.surroundings_k = number(light, kSurroundings, temperatures, one).value_or(bodies.surroundings_k);
+  bodies.reference_k = number(options, kReference, any, both);
+  if (any && light.find("repeatability") != nullptr)
+    light.error("repeatability", "belongs to lamps; of blackbodies write temperature_sd");
+  if (any && options.find("nonlinearity") != nullptr)
+    options.error("nonlinearity", "belongs to photon transfer; counts are taken as linear in the radiance; remove it");
+  return bodies;
 }
 
 /// The table of that name; an empty one where the file has none.
@@ -104,7 +175,11 @@ Section table_of(const Section& root, std::string_view key) {
 std::string_view name_of(LightUnit unit) { return kLights[static_cast<std::size_t>(unit)].name; }
 
 StacksFile load_stacks(const std::string& file) {
-  const std::string text = mtf::io::read_text_file(file, cfg::kMaxBytes);
+  if (is_emva_descriptor(file)) return load_emva_descriptor(file);
+  return parse_stacks(mtf::io::read_text_file(file, cfg::kMaxBytes), file);
+}
+
+StacksFile parse_stacks(const std::string& text, const std::string& file, const FramesInMemory& memory) {
   StacksFile result{.file = file, .sha256 = mtf::io::sha256_hex(text)};
   const cfg::Tree tree = cfg::read_tree(text);
   if (tree.error) cfg::require_no_errors({*tree.error}, file);
@@ -116,19 +191,25 @@ StacksFile load_stacks(const std::string& file) {
   if (const auto nominal = cfg::read_string(root, "nominal")) result.nominal = cfg::beside(reader.folder, *nominal);
   const Section camera = table_of(root, "camera"), light = table_of(root, "light"), options = table_of(root, "options");
   require_known(camera, std::array<std::string_view, 3>{"bits", "step", "full_well"});
-  require_known(light, std::array<std::string_view, 2>{"repeatability", "wavelength"});
-  require_known(options, std::array<std::string_view, 1>{"nonlinearity"});
+  require_known(light, std::array<std::string_view, 6>{"repeatability", "wavelength", "temperature_sd", "emissivity",
+                                                       "emissivity_sd", "surroundings"});
+  require_known(options, std::array<std::string_view, 3>{"nonlinearity", "trend", "reference_temperature"});
   result.bits = cfg::read_whole(camera, kBits);
   result.step = cfg::read_number(camera, kStep, "step").value_or(1.0);
   result.full_well_e = cfg::read_number(camera, kFullWell, "full_well");
   result.repeatability = cfg::read_number(light, kRepeatability, "repeatability").value_or(0.0);
   result.wavelength_um = cfg::read_number(light, kWavelength, "wavelength");
   result.nonlinearity = cfg::read_whole(options, kNonlinearity).value_or(0);
+  result.trend = cfg::read_whole(options, kTrend).value_or(2);
   const Node* stacks = cfg::find_tables(root, "stack");
   if (stacks == nullptr && tree.root.find("stack") == nullptr)
     reader.error({}, "stack", "missing; write [[stack]] with frames = \"dark/*.png\" for each exposure");
   for (std::size_t i = 0; stacks != nullptr && i < stacks->items.size(); ++i)
-    read_stack({reader, stacks->items[i], "stack[" + std::to_string(i) + "]", "[[stack]]"}, result);
+    read_stack({reader, stacks->items[i], "stack[" + std::to_string(i) + "]", "[[stack]]"}, memory, result);
+  result.blackbodies = read_blackbodies(light, options, result);
+  for (const StackEntry& entry : result.stacks)
+    if (result.has_blackbodies() && entry.light == 0.0)
+      reader.error({}, "stack", entry.name + " has no light, others are of blackbodies; give all temperatures");
   // Frames that count twice look better than they are.
   std::map<std::filesystem::path, std::string> seen;
   for (const StackEntry& entry : result.stacks)

@@ -11,26 +11,51 @@
 //   exposure = "10 ms"
 //   light = false
 //   [[stack]]
-//   frames = "bright/*.png"
+//   frames = "bright/*.raw"         bare numbers, one frame in a file or several one after the other
+//   raw = { width = 640, height = 512, type = "uint16le" }    or uint16be, uint8; header and stride in bytes
 //   exposure = "10 ms"
 //   photons = 5200                  mean number at a pixel in an exposure; or irradiance = 0.02 (W/m^2, with [light]
 //                                   wavelength), or relative = 3.0; none of them: the light is as the exposure
-// Names of files are relative to the folder of this one.
+// Frames of blackbodies have temperature = "308 K" or radiance = 45.0 (W m^-2 sr^-1 in the band of the nominal)
+// instead. Names of files are relative to the folder of this one. EMVA's descriptors give the same
+// (emva_descriptor.h).
 
+#include <cstdint>
+#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "mtf/image.h"
+
 namespace apps {
 
 /// What the light of stacks is stated in, in the order in which words(LightUnit) names them.
-enum class LightUnit { photons, irradiance, relative, exposure };
+enum class LightUnit { photons, irradiance, temperature, radiance, relative, exposure };
+
+/// What is known of blackbodies.
+struct Blackbodies {
+  double temperature_sd_k = 0.0;  ///< of each, independent of the others
+  double emissivity = 1.0, emissivity_sd = 0.0;
+  double surroundings_k = 295.0;        ///< that they reflect
+  std::optional<double> reference_k{};  ///< of the kelvin in SiTF
+};
+
+/// How the counts of a file lie that has no header to say it.
+struct RawLayout {
+  std::uint64_t width = 0, height = 0;
+  std::uint64_t columns = 0;  ///< of a row, with those that fill it up
+  std::string type;           ///< as mtf::io::NpyReader has it
+  std::uint64_t header = 0;   ///< bytes before the first frame
+};
 
 struct StackEntry {
-  std::string name;                ///< as messages call it
-  std::vector<std::string> files;  ///< in the order of their names
-  double light = 0.0;              ///< in the unit of the file; of irradiance W/m^2; 0 in the dark
+  std::string name;                                   ///< as messages call it
+  std::vector<std::string> files;                     ///< in the order of their names
+  std::vector<mtf::ImageView<const float>> memory{};  ///< in place of files
+  std::optional<RawLayout> raw{};
+  double light = 0.0;  ///< in the unit of the file; of irradiance W/m^2, of blackbodies K or radiance; 0 in the dark
   double time_s = 0.0;
 };
 
@@ -43,15 +68,23 @@ struct StacksFile {
   LightUnit unit = LightUnit::exposure;
   double repeatability = 0.0;
   std::optional<double> wavelength_um{};
-  int nonlinearity = 0;
+  Blackbodies blackbodies{};
+  int nonlinearity = 0, trend = 2;
   std::vector<StackEntry> stacks{};
   bool has_times = true;  ///< every stack states its exposure
+
+  bool has_blackbodies() const { return unit == LightUnit::temperature || unit == LightUnit::radiance; }
 };
 
 std::string_view name_of(LightUnit unit);
 
-/// Throws RuntimeError where the file cannot be read, UsageError with every error as a "file:line:col: error: ..."
-/// line.
+/// Frames that lie in memory, by the names that stand for them under `frames`.
+using FramesInMemory = std::map<std::string, std::vector<mtf::ImageView<const float>>>;
+
+/// `file`: where the text is from, by whose folder it names files. Throws UsageError with every error as a
+/// "file:line:col: error: ..." line.
+StacksFile parse_stacks(const std::string& text, const std::string& file, const FramesInMemory& memory = {});
+/// The same, of EMVA's descriptors too; RuntimeError where the file cannot be read.
 StacksFile load_stacks(const std::string& file);
 
 }  // namespace apps

@@ -100,21 +100,6 @@ Check aberration_check(const std::string& name) {
           [file = "otf_" + name + ".csv"](const Tables& tables, Tally& tally) { aberrated(tables, file, tally); }};
 }
 
-}  // namespace
-
-std::vector<Check> aberration_checks() {
-  std::vector<Check> checks;
-  for (const bool slopes : {false, true}) {
-    checks.push_back(defocus_check("clear, to 50 waves", "defocus_circular.csv", slopes));
-    checks.push_back(defocus_check("annular, to 10 waves", "defocus_annular.csv", slopes));
-  }
-  for (const char* name : {"defocus", "spherical", "coma", "astigmatism", "mixed"})
-    checks.push_back(aberration_check(name));
-  return checks;
-}
-
-namespace {
-
 void circular(const Tables& tables, Tally& tally) {
   for (const Row& row : tables.rows("circular_mtf_extremes.csv")) {
     const double nu = number(row, "nu_double_hex");
@@ -144,6 +129,17 @@ void annular_slopes(const Tables& tables, Tally& tally) {
 }
 
 }  // namespace
+
+std::vector<Check> aberration_checks() {
+  std::vector<Check> checks;
+  for (const bool slopes : {false, true}) {
+    checks.push_back(defocus_check("clear, to 50 waves", "defocus_circular.csv", slopes));
+    checks.push_back(defocus_check("annular, to 10 waves", "defocus_annular.csv", slopes));
+  }
+  for (const char* name : {"defocus", "spherical", "coma", "astigmatism", "mixed"})
+    checks.push_back(aberration_check(name));
+  return checks;
+}
 
 std::vector<Check> pupil_checks() {
   return {{"diffraction", "circular", "4e-16 and relative 1e-14", circular},

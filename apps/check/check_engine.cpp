@@ -108,36 +108,6 @@ double rms_error(const Image& image, const std::vector<double>& exact, double of
   return std::sqrt(squares / static_cast<double>(image.size()));
 }
 
-}  // namespace
-
-System<double> optics() {
-  return with(
-      {Component<double>::make("diffraction"), make("footprint", 12.0, "um"), make("rc_lowpass", 40.0, "cy/mm")});
-}
-
-Image noisy(std::int64_t width, std::int64_t height, double mean, double std) {
-  Image image(width, height);
-  for (std::int64_t y = 0; y < height; ++y)
-    for (std::int64_t x = 0; x < width; ++x) image.at(x, y) = static_cast<float>(mean + std * noise(x, y));
-  return image;
-}
-
-void keeps_promise(Tally& tally, const System<double>& system, const Image& scene, double ratio, Border border,
-                   const Otf& exact) {
-  const SampleGrid in = grid_of(scene, ratio);
-  const double level = mtf::statistics(scene.view()).mean;
-  const mtf::PlanOptions options = options_for(scene, border, level);
-  if (!options.scene) return;
-  const auto plan = compile_reachable(system, in, options);
-  if (!plan) return;
-  Image image(plan->out().width, plan->out().height);
-  plan->run(scene.view(), image.view(), level, 1);
-  const double rms = rms_error(image, reference_image(scene, in, plan->out(), exact, border, level));
-  tally.error(rms / options.scene->std, 1.0L, plan->report().predicted.total(), describe(scene, ratio, border));
-}
-
-namespace {
-
 void keeps_promise(Tally& tally, const System<double>& system, const Image& scene, double ratio, Border border) {
   check::keeps_promise(tally, system, scene, ratio, border, otf_of(system, mtf::Stage::presample));
 }
@@ -286,6 +256,32 @@ void means(const Tables&, Tally& tally) {
 }
 
 }  // namespace
+
+System<double> optics() {
+  return with(
+      {Component<double>::make("diffraction"), make("footprint", 12.0, "um"), make("rc_lowpass", 40.0, "cy/mm")});
+}
+
+Image noisy(std::int64_t width, std::int64_t height, double mean, double std) {
+  Image image(width, height);
+  for (std::int64_t y = 0; y < height; ++y)
+    for (std::int64_t x = 0; x < width; ++x) image.at(x, y) = static_cast<float>(mean + std * noise(x, y));
+  return image;
+}
+
+void keeps_promise(Tally& tally, const System<double>& system, const Image& scene, double ratio, Border border,
+                   const Otf& exact) {
+  const SampleGrid in = grid_of(scene, ratio);
+  const double level = mtf::statistics(scene.view()).mean;
+  const mtf::PlanOptions options = options_for(scene, border, level);
+  if (!options.scene) return;
+  const auto plan = compile_reachable(system, in, options);
+  if (!plan) return;
+  Image image(plan->out().width, plan->out().height);
+  plan->run(scene.view(), image.view(), level, 1);
+  const double rms = rms_error(image, reference_image(scene, in, plan->out(), exact, border, level));
+  tally.error(rms / options.scene->std, 1.0L, plan->report().predicted.total(), describe(scene, ratio, border));
+}
 
 std::vector<Check> engine_checks() {
   const std::string promise = "rms <= predicted, of the scene's std", exact = "equal bits";

@@ -114,22 +114,7 @@ void golden(const Tables& tables, Tally& tally, std::string_view kind) {
   }
 }
 
-}  // namespace
-
-std::vector<Check> component_checks() {
-  std::vector<std::string> kinds;  // in the order of the table
-  for (const Row& row : Tables().rows("golden_components.csv"))
-    if (std::find(kinds.begin(), kinds.end(), row.at("kind")) == kinds.end()) kinds.push_back(row.at("kind"));
-  std::vector<Check> checks;
-  for (const std::string& kind : kinds)
-    checks.push_back({kind, "golden values", "4 ulp of 1",
-                      [kind](const Tables& tables, Tally& tally) { golden(tables, tally, kind); }});
-  return checks;
-}
-
 // Fresnel integrals, and the OTF of accelerated motion that they give.
-
-namespace {
 
 void fresnel(const Tables& tables, Tally& tally) {
   constexpr long double allowed = 5e-16L;
@@ -153,15 +138,6 @@ void chirp(const Tables& tables, Tally& tally) {
     compare(h.by_b, "_by_b", 1e-15L);
   }
 }
-
-}  // namespace
-
-std::vector<Check> motion_checks() {
-  return {{"accelerated_motion", "Fresnel integrals", "5e-16", fresnel},
-          {"accelerated_motion", "mean phase and slopes", "5e-16, slopes 1e-15", chirp}};
-}
-
-namespace {
 
 // v, w rounded to double, the power and the bracket: a few units in the last place of the exponent.
 void compare(const Row& row, double v, double w, double alpha, Tally& tally) {
@@ -187,6 +163,22 @@ void short_exposure(const Tables& tables, Tally& tally) {
 }
 
 }  // namespace
+
+std::vector<Check> component_checks() {
+  std::vector<std::string> kinds;  // in the order of the table
+  for (const Row& row : Tables().rows("golden_components.csv"))
+    if (std::find(kinds.begin(), kinds.end(), row.at("kind")) == kinds.end()) kinds.push_back(row.at("kind"));
+  std::vector<Check> checks;
+  for (const std::string& kind : kinds)
+    checks.push_back({kind, "golden values", "4 ulp of 1",
+                      [kind](const Tables& tables, Tally& tally) { golden(tables, tally, kind); }});
+  return checks;
+}
+
+std::vector<Check> motion_checks() {
+  return {{"accelerated_motion", "Fresnel integrals", "5e-16", fresnel},
+          {"accelerated_motion", "mean phase and slopes", "5e-16, slopes 1e-15", chirp}};
+}
 
 std::vector<Check> turbulence_checks() {
   const std::string promise = "4 ulp x (1 + 2 |exponent|)";

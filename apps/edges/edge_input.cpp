@@ -14,6 +14,7 @@
 #include "mtf/io/codecs/dct_rounding.h"
 #include "mtf/io/codecs/encoding.h"
 #include "mtf/io/csv/curve_csv.h"
+#include "mtf/io/plane_checks.h"
 #include "mtf/io/scene.h"
 
 namespace apps {
@@ -32,8 +33,6 @@ struct NamedImage {
   Image plane;
 };
 
-bool same(const Image& a, const Image& b) { return std::equal(a.data(), a.data() + a.size(), b.data()); }
-
 /// Takes the planes out of the file. `clipped_from`: linear value at the end of the scale.
 std::vector<NamedImage> chosen_planes(mtf::io::ImageFile& file, double clipped_from, const std::string& image,
                                       const EdgeInput& input) {
@@ -43,9 +42,7 @@ std::vector<NamedImage> chosen_planes(mtf::io::ImageFile& file, double clipped_f
     return planes;
   }
   const bool all = input.read.channel == "all", luminance = input.read.channel == "luminance";
-  const bool grey =
-      file.planes.size() == 3 && same(file.planes[0], file.planes[1]) && same(file.planes[0], file.planes[2]);
-  if (grey && !all) {
+  if (mtf::io::is_grey(file.planes) && !all) {
     planes.push_back({"", std::move(file.planes.front())});
   } else if (all) {
     for (std::size_t i = 0; i < file.planes.size(); ++i) planes.push_back({file.names[i], std::move(file.planes[i])});
@@ -61,9 +58,7 @@ std::vector<NamedImage> chosen_planes(mtf::io::ImageFile& file, double clipped_f
                     kLuminance[2] * file.planes[2].data()[i];
     planes.push_back({"luminance", std::move(sum)});
   } else {
-    std::string names;
-    for (const std::string& name : file.names) names += (names.empty() ? "" : ", ") + one_line(name);
-    throw mtf::UsageError(one_line(image) + ": has the channels " + names +
+    throw mtf::UsageError(one_line(image) + ": has the channels " + joined(file.names, one_line) +
                           "; an edge is measured in one: --channel NAME, or luminance, or all for each separately");
   }
   return planes;

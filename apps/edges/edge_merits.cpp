@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cstdio>
 
 #include "apps/terminal/text_table.h"
 
@@ -45,11 +44,8 @@ std::vector<double> unknown_of(std::vector<double> contrasts, std::vector<std::s
 
 }  // namespace
 
-std::string percent_text(double contrast) {
-  std::array<char, 32> text{};
-  std::snprintf(text.data(), text.size(), "%.12g", 100.0 * contrast);  // few enough digits for 0.29 to be 29
-  return text.data();
-}
+/// Few enough digits for 0.29 to be 29.
+std::string percent_text(double contrast) { return significant(100.0 * contrast, 12); }
 
 std::vector<std::string> merit_names(std::span<const double> contrasts) {
   std::vector<std::string> names;

@@ -182,8 +182,7 @@ std::string parameters_table(std::span<const FittedParameter> parameters,
 
 void add_parameters(Json& json, std::span<const FittedParameter> parameters,
                     std::span<const calib::NullDirection> not_separable, const Correlation& correlation) {
-  json["parameters"] = Json::array();
-  for (const FittedParameter& p : parameters) json["parameters"].push_back(parameter_json(p));
+  json["parameters"] = Json::array(parameters, parameter_json);
   json["correlation"] = correlation;
   json["not_separable"] = Json::array();
   for (const calib::NullDirection& direction : not_separable) {

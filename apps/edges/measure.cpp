@@ -168,7 +168,7 @@ void write_annotated_image(const std::string& path, const mtf::Image& image, std
 
   mtf::Image page(width, legend.bottom_px());
   std::fill_n(page.data(), page.size(), range.low + kGround * (range.high - range.low));
-  for (std::int64_t y = 0; y < image.height(); ++y) std::copy_n(image.view().row(y), image.width(), page.view().row(y));
+  copy(image.view(), part_of(page.view(), {0, 0, image.width(), image.height()}));
   mtf::io::write_annotated_png(path, page.view(), range.low, range.high, drawing);
 }
 

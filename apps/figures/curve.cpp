@@ -51,9 +51,9 @@ std::string as_table(const OtfCurves& curves) {
 
 std::string as_csv(const OtfCurves& curves) {
   const std::vector<TableColumn> table = table_of(curves);
-  std::string text;
-  for (const TableColumn& column : table) text += (text.empty() ? "" : ",") + csv_field(column.name);
-  text += "\n";
+  std::string text = joined(
+                         table, [](const TableColumn& column) { return csv_field(column.name); }, ",") +
+                     "\n";
   for (std::size_t i = 0; i < curves.frequency.size(); ++i)
     for (const TableColumn& column : table)
       text += mtf::format_double(column.values[i]) + (&column == &table.back() ? "\n" : ",");
@@ -81,28 +81,6 @@ std::vector<std::string> outputs_of(const CurveOptions& options) {
   std::vector<std::string> outputs{options.out};
   for (std::string& file : figure_files(ascii ? "" : options.plot)) outputs.push_back(std::move(file));
   return outputs;
-}
-
-/// The field point of "0.7,-0.7", or of the pixel "320px,40px".
-mtf::FieldPoint<double> field_point_of(const mtf::System<double>& system, const std::string& text) {
-  const std::size_t comma = text.find(',');
-  const auto part = [&](std::string one, bool& pixels) {
-    pixels = one.ends_with("px");
-    if (pixels) one.resize(one.size() - 2);
-    return number("--field", one);
-  };
-  if (comma == std::string::npos)
-    throw mtf::UsageError("--field: '" + text + "' is not a place; write X,Y such as 0.7,-0.7 or 320px,40px");
-  bool x_px = false, y_px = false;
-  const double x = part(text.substr(0, comma), x_px), y = part(text.substr(comma + 1), y_px);
-  if (x_px != y_px) throw mtf::UsageError("--field: " + text + ": give both in px, or neither");
-  if (!x_px) return {x, y};
-  const mtf::Frame<double>& frame = system.frame;
-  const mtf::FieldPoint<double> q = system.field_point(x, y);
-  if (!(x >= 0.0 && x <= frame.columns && y >= 0.0 && y <= frame.rows))
-    throw mtf::UsageError("--field: " + text + " is outside the detector of " + std::to_string(frame.columns) + " x " +
-                          std::to_string(frame.rows) + " pixels");
-  return q;
 }
 
 int show_map(const mtf::System<double>& system, const CurveOptions& options, OutputSet& outputs, const Global& global) {

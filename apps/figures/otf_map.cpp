@@ -9,26 +9,13 @@
 #include "apps/figures/curve_figure.h"
 #include "apps/terminal/text_table.h"
 #include "mtf/error.h"
+#include "mtf/field/image_places.h"
 #include "mtf/words.h"
 
 namespace apps {
 namespace {
 
 constexpr std::size_t kSide = OtfMap::kSide;
-
-/// Simpson's rule over every `stride`-th of kSide places along an axis, weights that add up to 1.
-double simpson_weight(std::size_t i, std::size_t stride) {
-  const std::size_t last = (kSide - 1) / stride, k = i / stride;
-  return (k == 0 || k == last ? 1.0 : k % 2 == 1 ? 4.0 : 2.0) / (3.0 * static_cast<double>(last));
-}
-
-double mean_of(const OtfMap& map, std::size_t stride) {
-  double sum = 0.0;
-  for (std::size_t j = 0; j < kSide; j += stride)
-    for (std::size_t i = 0; i < kSide; i += stride)
-      sum += simpson_weight(i, stride) * simpson_weight(j, stride) * map.places[j * kSide + i].value;
-  return sum;
-}
 
 std::string place_text(const OtfMap::Place& place) {
   return "pixel (" + significant(place.x_px, 5) + ", " + significant(place.y_px, 5) + "), field point (" +
@@ -43,6 +30,27 @@ Json place_json(const OtfMap::Place& place) {
 }
 
 }  // namespace
+
+mtf::FieldPoint<double> field_point_of(const mtf::System<double>& system, const std::string& text) {
+  const std::size_t comma = text.find(',');
+  const auto part = [&](std::string one, bool& pixels) {
+    pixels = one.ends_with("px");
+    if (pixels) one.resize(one.size() - 2);
+    return number("--field", one);
+  };
+  if (comma == std::string::npos)
+    throw mtf::UsageError("--field: '" + text + "' is not a place; write X,Y such as 0.7,-0.7 or 320px,40px");
+  bool x_px = false, y_px = false;
+  const double x = part(text.substr(0, comma), x_px), y = part(text.substr(comma + 1), y_px);
+  if (x_px != y_px) throw mtf::UsageError("--field: " + text + ": give both in px, or neither");
+  if (!x_px) return {x, y};
+  const mtf::Frame<double>& frame = system.frame;
+  const mtf::FieldPoint<double> q = system.field_point(x, y);
+  if (!(x >= 0.0 && x <= frame.columns && y >= 0.0 && y <= frame.rows))
+    throw mtf::UsageError("--field: " + text + " is outside the detector of " + std::to_string(frame.columns) + " x " +
+                          std::to_string(frame.rows) + " pixels");
+  return q;
+}
 
 const OtfMap::Place& OtfMap::worst() const {
   return *std::min_element(places.begin(), places.end(),
@@ -81,22 +89,18 @@ OtfMap otf_map(const mtf::System<double>& system, const std::string& quantity, c
                             significant(curves.frequency.back(), 4) + " " + direction.unit + "; use mtf@FREQ");
     }
   };
-  for (std::size_t j = 0; j < kSide; ++j)
-    for (std::size_t i = 0; i < kSide; ++i) {
-      OtfMap::Place& place = map.places[j * kSide + i];
-      const auto at = [](std::size_t k, int count) {
-        return 0.5 + static_cast<double>(k) * static_cast<double>(count - 1) / static_cast<double>(kSide - 1);
-      };
-      place.x_px = at(i, frame.columns);
-      place.y_px = at(j, frame.rows);
-      place.q = system.field_point(place.x_px, place.y_px);
-      value_at(place);
-    }
+  double every_other = 0.0;
+  for (std::size_t i = 0; const mtf::ImagePlace& from : mtf::image_places(frame.columns, frame.rows)) {
+    OtfMap::Place& place = map.places[i++];
+    place = {.x_px = from.x_px, .y_px = from.y_px, .q = system.field_point(from.x_px, from.y_px)};
+    value_at(place);
+    map.mean += from.weight * place.value;
+    every_other += from.every_other * place.value;
+  }
+  map.mean_error = std::abs(map.mean - every_other);
   map.axis.x_px = 0.5 * frame.columns + system.field.axis_x_px;
   map.axis.y_px = 0.5 * frame.rows + system.field.axis_y_px;
   value_at(map.axis);
-  map.mean = mean_of(map, 1);
-  map.mean_error = std::abs(map.mean - mean_of(map, 2));
   return map;
 }
 
@@ -140,8 +144,7 @@ Json otf_map_json(const OtfMap& map) {
   json["mean"] = map.mean;
   json["mean_error"] = map.mean_error;
   json["worst"] = place_json(map.worst());
-  json["places"] = Json::array();
-  for (const OtfMap::Place& place : map.places) json["places"].push_back(place_json(place));
+  json["places"] = Json::array(map.places, place_json);
   if (!(map.band_error <= mtf::kBandError)) json["error"] = map.band_error;
   return json;
 }

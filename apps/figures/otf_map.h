@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// A figure of the OTF of the whole system over the image: at 9 x 9 places, from the centre of one corner pixel to that
-// of the opposite one, and on the optical axis.
+// A figure of the OTF of the whole system over the image (mtf/field/image_places.h), and on the optical axis.
 //
 //   const apps::OtfMap map = apps::otf_map(sensor.system, "mtf@nyquist", apps::make_direction(frame, "cy/px", 0.0));
 //   map.worst().value;
@@ -13,11 +12,16 @@
 #include "apps/figures/plot.h"
 #include "apps/sensor/otf_curves.h"
 #include "apps/text/json.h"
+#include "mtf/field/image_places.h"
 
 namespace apps {
 
+/// The field point that --field names: "0.7,-0.7", or the pixel "320px,40px". Throws UsageError for what is neither,
+/// and for a pixel outside the detector.
+mtf::FieldPoint<double> field_point_of(const mtf::System<double>& system, const std::string& text);
+
 struct OtfMap {
-  static constexpr std::size_t kSide = 9;
+  static constexpr std::size_t kSide = mtf::kImagePlaces;
   struct Place {
     double x_px = 0.0, y_px = 0.0;  ///< from the upper left corner of the detector
     mtf::FieldPoint<double> q;

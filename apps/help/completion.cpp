@@ -60,9 +60,9 @@ Words candidates(const Command& root, const Words& line, const std::string& curr
   if (current.starts_with("--") && current.find('=') != std::string::npos)
     return values_of(find_option(root, *command, current.substr(0, current.find('='))), line);
   if (current.starts_with('-')) return options_of(root, *command);
-  if (const OptionSpec* argument = find_argument(*command, arguments)) return values_of(argument, line);
-  if (command->commands.empty()) return options_of(root, *command);
-  Words names;
+  const OptionSpec* argument = find_argument(*command, arguments);
+  if (argument == nullptr && command->commands.empty()) return options_of(root, *command);
+  Words names = argument != nullptr ? values_of(argument, line) : Words();
   if (arguments == 0)
     for (const Command& inner : command->commands) names.push_back(inner.name);
   return names;

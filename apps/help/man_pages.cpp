@@ -66,17 +66,16 @@ std::string paragraphs(const std::string& text) {
 }
 
 std::string listed(const OptionSpec& option) {
-  std::string names;
-  for (const std::string& name : names_of(option))
-    names += (names.empty() ? "" : ", ") + (name.front() == '-' ? bold(name) : italic(name));
+  const auto shown = [](const std::string& name) { return name.front() == '-' ? bold(name) : italic(name); };
   const bool argument = option.names.front() != '-';
-  return ".TP\n" + names + (option.flag || argument ? "" : " " + italic(option.type)) + "\n" +
+  return ".TP\n" + joined(names_of(option), shown) + (option.flag || argument ? "" : " " + italic(option.type)) + "\n" +
          flowing(option.doc + (option.required && !argument ? " (required)" : ""));
 }
 
 std::string synopsis(const std::string& name, const Command& command) {
   std::string text = bold(name) + " [" + italic("options") + "]";
-  if (!command.commands.empty()) text += " " + italic("command") + " ...";
+  if (!command.commands.empty())
+    text += command.run ? " [" + italic("command") + "]" : " " + italic("command") + " ...";
   for (const OptionSpec& option : command.options) {
     const bool argument = option.names.front() != '-';
     if (!argument && !option.required) continue;

@@ -6,8 +6,6 @@
 namespace apps {
 namespace {
 
-std::string by(std::int64_t width, std::int64_t height) { return std::to_string(width) + "x" + std::to_string(height); }
-
 std::string quantity_text(const RunReport& report) { return report.quantity() + " [" + report.unit() + "]\n"; }
 
 /// A line a channel: extremes, mean and standard deviation.
@@ -41,22 +39,22 @@ std::string costs_text(const RunReport& report) {
 
 std::string tiles_text(const TilesReport& tiles) {
   if (tiles.plan.whole) return "one tile: " + tiles.plan.reason + "\n";
-  return std::to_string(tiles.plan.count) + " tiles of " + by(tiles.plan.side[0], tiles.plan.side[1]) + " px, halo " +
-         by(tiles.plan.halo[0], tiles.plan.halo[1]) + " samples; " + std::to_string(tiles.tally.flat) + " flat, " +
-         std::to_string(tiles.tally.resumed) + " from a stopped run\n";
+  return std::to_string(tiles.plan.count) + " tiles of " + mtf::size_text(tiles.plan.side[0], tiles.plan.side[1]) +
+         " px, halo " + mtf::size_text(tiles.plan.halo[0], tiles.plan.halo[1]) + " samples; " +
+         std::to_string(tiles.tally.flat) + " flat, " + std::to_string(tiles.tally.resumed) + " from a stopped run\n";
 }
 
 std::string image_text(const SimulateResult& result) {
   const RunReport& report = result.report;
   const auto [width, height] = report.out_size();
-  std::string text = one_line(report.out_path) + "  " + by(width, height) + "  " + quantity_text(report);
+  std::string text = one_line(report.out_path) + "  " + mtf::size_text(width, height) + "  " + quantity_text(report);
   if (report.tiles && !report.tiles->for_flat_parts)
     return text + channels_text(result) + tiles_text(*report.tiles) + costs_text(report) + ", peak memory " +
            fixed(peak_rss_mib(), 0) + " MiB\n";
   const mtf::PlanReport& plan = report.plan->presample.report();
   const mtf::SampleGrid& out = report.whole_image();
   if (out.width < plan.whole_pitches_x || out.height < plan.whole_pitches_y)
-    text += "the scene holds " + by(plan.whole_pitches_x, plan.whole_pitches_y) +
+    text += "the scene holds " + mtf::size_text(plan.whole_pitches_x, plan.whole_pitches_y) +
             " whole pixels; frame.format takes the first of them\n";
   return text + channels_text(result) + costs_text(report) + "\n";
 }
@@ -64,14 +62,15 @@ std::string image_text(const SimulateResult& result) {
 std::string sequence_text(const RunReport& report, const SequenceReport& s) {
   const mtf::SampleGrid& out = report.plan->out();
   std::string text = one_line(report.out_path) + "  " + plural(s.frames, "frame") + " (" + std::to_string(s.first) +
-                     " to " + std::to_string(s.last) + ")  " + by(out.width, out.height) + "  " + quantity_text(report);
+                     " to " + std::to_string(s.last) + ")  " + mtf::size_text(out.width, out.height) + "  " +
+                     quantity_text(report);
   text += plural(s.schedule_changes, "change") + " of parameters; " + plural(s.plans_compiled, "plan") + " compiled, " +
           std::to_string(s.plans_updated) + " updated\n";
   text += "predicted error up to " + significant(s.predicted_error, 2) + " of a frame's std (tolerance " +
           tolerance_text(report.tolerance) + ")\n";
-  std::string times;
-  for (const auto& [name, ms] : report.timing_ms)
-    times += (times.empty() ? "" : ", ") + name + " " + fixed(ms / static_cast<double>(s.frames), 1);
+  const std::string times = joined(report.timing_ms, [&](const auto& one) {
+    return one.first + " " + fixed(one.second / static_cast<double>(s.frames), 1);
+  });
   return text + "time " + fixed(s.seconds, 2) + " s, " + significant(s.fps, 3) + " frames/s (ms a frame: " + times +
          "; " + plural(s.in_flight, "frame") + " at a time)\n";
 }
@@ -96,7 +95,7 @@ std::string explain_text(const RunReport& report) {
   if (!report.tiles || report.tiles->plan.whole) return plan_text(*report.plan);
   const mtf::SampleGrid& canvas = report.plan->presample.in();
   const mtf::TileReport& tiles = report.tiles->plan;
-  std::string head = "plan of one tile with its halo, " + by(canvas.width, canvas.height) +
+  std::string head = "plan of one tile with its halo, " + mtf::size_text(canvas.width, canvas.height) +
                      " samples of the scene; all " + std::to_string(tiles.count) + " tiles share it\n";
   if (tiles.every > 0)
     head +=

@@ -71,8 +71,7 @@ Json row_json(const Parameter& parameter, const std::string& owner, const std::s
     row["control"] = "file";
   if (parameter.type == Type::word) {
     row["control"] = "word";
-    row["words"] = Json::array();
-    for (const std::string_view word : parameter.words) row["words"].push_back(std::string(word));
+    row["words"] = parameter.words;
   }
   if (!is_numeric(parameter.type) || row["control"].get<std::string>() == "file") return row;
   // Without a value the slider begins at the example, which shows what is usual.
@@ -82,8 +81,7 @@ Json row_json(const Parameter& parameter, const std::string& owner, const std::s
   const double hi = has_range(parameter) ? bound_in(parameter.hi, parameter, number->unit) : HUGE_VAL;
   const SliderRange range = slider_range(parameter, number->value, lo, hi);
   add_number(row, number->value, number->unit, lo, hi, range);
-  row["units"] = Json::array();
-  for (const std::string_view unit : mtf::units_of(parameter.dimension)) row["units"].push_back(std::string(unit));
+  row["units"] = mtf::units_of(parameter.dimension);
   row["whole"] = parameter.type == Type::whole;
   return row;
 }

@@ -80,22 +80,7 @@ Doubles response_radiance(const BandResponse& band, const std::string& flux_name
                  [&](double t, double) { return derivative ? band.derivative(flux, t) : band.radiance(flux, t); });
 }
 
-}  // namespace
-
-void add_light(py::module_& module) {
-  module.def("blackbody", &at_wavelength, "what"_a, "flux"_a, "wavelength_um"_a, "other"_a);
-  module.def("blackbody_band", &in_band, "what"_a, "flux"_a, "lo_um"_a, "hi_um"_a, "other"_a);
-  py::class_<BandResponse>(module, "BandResponse", "A product of curves over a band.")
-      .def(py::init(&response), "lo_um"_a, "hi_um"_a, "curves"_a)
-      .def_property_readonly("range_um",
-                             [](const BandResponse& b) { return py::make_tuple(b.range().lo_um, b.range().hi_um); })
-      .def_property_readonly("integral_um", &BandResponse::integral)
-      .def("radiance", &response_radiance, "flux"_a, "temperature_k"_a, "derivative"_a);
-}
-
 // Noise by (seed, frame, pixel): the numbers of the chain, for images that Python makes.
-
-namespace {
 
 radiometry::NoiseKey key_of(std::uint64_t seed, std::int64_t frame) {
   if (frame < 0 || frame > 0x7fffffff)
@@ -130,6 +115,17 @@ py::array shot(const py::object& mean, std::uint64_t seed, std::int64_t frame, s
 }
 
 }  // namespace
+
+void add_light(py::module_& module) {
+  module.def("blackbody", &at_wavelength, "what"_a, "flux"_a, "wavelength_um"_a, "other"_a);
+  module.def("blackbody_band", &in_band, "what"_a, "flux"_a, "lo_um"_a, "hi_um"_a, "other"_a);
+  py::class_<BandResponse>(module, "BandResponse", "A product of curves over a band.")
+      .def(py::init(&response), "lo_um"_a, "hi_um"_a, "curves"_a)
+      .def_property_readonly("range_um",
+                             [](const BandResponse& b) { return py::make_tuple(b.range().lo_um, b.range().hi_um); })
+      .def_property_readonly("integral_um", &BandResponse::integral)
+      .def("radiance", &response_radiance, "flux"_a, "temperature_k"_a, "derivative"_a);
+}
 
 void add_noise(py::module_& module) {
   module.def("gaussian_noise", &gaussian, "rows"_a, "columns"_a, "sd"_a, "seed"_a, "frame"_a, "x"_a, "y"_a,

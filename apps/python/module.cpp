@@ -18,6 +18,7 @@ PYBIND11_MODULE(_core, module) {
   add_simulate(module);
   add_edges(module);
   add_fit(module);
+  add_characterize(module);
   add_study(module);
   add_noise(module);
   add_light(module);

@@ -29,6 +29,7 @@ void add_plan(py::module_& module);
 void add_simulate(py::module_& module);
 void add_edges(py::module_& module);
 void add_fit(py::module_& module);
+void add_characterize(py::module_& module);
 void add_study(py::module_& module);
 void add_noise(py::module_& module);
 void add_light(py::module_& module);

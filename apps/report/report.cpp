@@ -3,17 +3,15 @@
 // `mtf report DIR`: one page of HTML from the results of a sweep.
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <map>
 #include <string>
 #include <vector>
 
 #include "apps/commands.h"
-#include "apps/report/base64.h"
+#include "apps/page/base64.h"
+#include "apps/page/html.h"
+#include "apps/page/report_files.h"
 #include "apps/report/report_designs.h"
-#include "apps/report/report_files.h"
-#include "apps/report/report_html.h"
 #include "apps/report/report_sections.h"
 #include "apps/report/report_sweep.h"
 #include "apps/simulate/output_files.h"
@@ -88,18 +86,6 @@ std::string script_hash(std::string_view script) {
   return "'sha256-" + base64(bytes) + "'";
 }
 
-/// The template with every {{name}} replaced, once: names within the replacements stay as they are.
-std::string filled(std::string_view page, const std::map<std::string_view, std::string_view>& parts) {
-  std::string text;
-  for (;;) {
-    const std::size_t open = page.find("{{"), close = page.find("}}");
-    if (open == std::string_view::npos || close == std::string_view::npos) return text + std::string(page);
-    text += page.substr(0, open);
-    text += parts.at(page.substr(open + 2, close - open - 2));
-    page.remove_prefix(close + 2);
-  }
-}
-
 /// What the page's script reads: columns, designs with their cells as in designs.csv, curves. JSON in which no text
 /// ends a script element.
 std::string report_data(const Sweep& sweep, const DesignTable& table, const std::vector<ChosenDesign>& chosen) {
@@ -147,42 +133,28 @@ std::string report_page(const Sweep& sweep, const DesignTable& table, const std:
   const std::string title = sweep.name.empty() ? "Trade study" : html(sweep.name);
   const bool interactive = !files.library.empty();
   const std::string_view script = interactive ? files.script : std::string_view();
-  // Styles are in the page and in its charts; nothing is loaded from elsewhere.
-  const std::string policy =
-      "default-src 'none'; img-src data:; style-src 'unsafe-inline'; base-uri 'none'; "
-      "form-action 'none'; script-src " +
-      (interactive ? script_hash(files.library) + " " + script_hash(script) : "'none'");
   const std::string about = (sweep.date.empty() ? "" : html(sweep.date) + " &middot; ") + "sweep by mtf " +
                             html(sweep.version) + " " + html(sweep.commit) + " &middot; page by mtf " +
                             html(mtf::version) + " " + html(mtf::git_commit);
-  const std::array<std::array<std::string, 3>, 8> parts{
-      {{"summary", "Summary", summary_section(sweep, table)},
-       {"trade", "Trade space", sweep.single() ? "" : trade_section(sweep, table)},
-       {"maps", "Maps", interactive ? map_section(sweep) : ""},
-       {"chosen", sweep.single() ? "Data sheet" : "Chosen designs", chosen_section(sweep, table, chosen, scene)},
-       {"sensitivities", "Sensitivities", sensitivity_section(sweep, table)},
-       {"run", "Error and time", run_section(sweep)},
-       {"definitions", "Definitions", sweep.single() ? "" : columns_section(sweep)},
-       {"files", "Files", files_section(sweep, table, chosen)}}};
-  std::string sections, links;
-  for (const auto& [id, words, body] : parts) {
-    if (body.empty()) continue;
-    sections += body;
-    links += "<a href=\"#" + id + "\">" + words + "</a>\n";
-  }
-  const std::string data = report_data(sweep, table, chosen);
-  const std::string notices =
-      interactive ? html_lines(files.notices) : "This build has no chart libraries: its charts are static.";
-  return filled(files.page, {{"title", title},
-                             {"policy", policy},
-                             {"style", files.style},
-                             {"about", about},
-                             {"links", links},
-                             {"sections", sections},
-                             {"notices", notices},
-                             {"data", data},
-                             {"library", files.library},
-                             {"script", script}});
+  const std::vector<HtmlPart> parts{
+      {"summary", "Summary", summary_section(sweep, table)},
+      {"trade", "Trade space", sweep.single() ? "" : trade_section(sweep, table)},
+      {"maps", "Maps", interactive ? map_section(sweep) : ""},
+      {"chosen", sweep.single() ? "Data sheet" : "Chosen designs", chosen_section(sweep, table, chosen, scene)},
+      {"sensitivities", "Sensitivities", sensitivity_section(sweep, table)},
+      {"run", "Error and time", run_section(sweep)},
+      {"definitions", "Definitions", sweep.single() ? "" : columns_section(sweep)},
+      {"files", "Files", files_section(sweep, table, chosen)},
+      {"notices", "",
+       html_section(
+           "notices", "Notices", "",
+           "<details><summary>Licences of the chart libraries in this page</summary><pre class=\"wrap\">" +
+               (interactive ? html_lines(files.notices) : "This build has no chart libraries: its charts are static.") +
+               "</pre></details>\n")}};
+  const auto element = [](std::string_view text) { return "<script>" + std::string(text) + "</script>\n"; };
+  return html_page(title, about, parts, interactive ? script_hash(files.library) + " " + script_hash(script) : "'none'",
+                   "<script type=\"application/json\" id=\"data\">\n" + report_data(sweep, table, chosen) +
+                       "</script>\n" + element(files.library) + element(script));
 }
 
 void require_no_input(const Sweep& sweep, const ReportOptions& options, const std::string& out) {

@@ -12,7 +12,6 @@
 #include "apps/sensor/sensor_chain.h"
 #include "apps/text/message_words.h"
 #include "mtf/error.h"
-#include "mtf/io/csv/csv_cells.h"
 #include "mtf/io/csv/csv_numbers.h"
 #include "mtf/io/file_checks.h"
 #include "mtf/io/sha256.h"
@@ -140,11 +139,6 @@ std::vector<std::int64_t> plan_subset(const Sweep& sweep, std::int64_t file_byte
 }
 
 }  // namespace
-
-std::optional<double> cell_value(const std::string& cell) {
-  const std::optional<double> value = mtf::io::cell_number(cell);
-  return value && std::isfinite(*value) ? value : std::nullopt;
-}
 
 std::optional<std::size_t> DesignTable::row(std::int64_t wanted) const {
   const auto found = std::lower_bound(design.begin(), design.end(), wanted);

@@ -40,9 +40,6 @@ struct TableLimits {
 /// RuntimeError when it cannot be read.
 DesignTable read_designs(const Sweep& sweep, const TableLimits& limits = {});
 
-/// A cell as a finite number, whatever the locale.
-std::optional<double> cell_value(const std::string& cell);
-
 // The chosen designs of a sweep, one by one: curves, noise budget and a simulated image, each computed here
 // from chosen/design_N.toml. Where one of them is not possible, a sentence says why; it is no error.
 

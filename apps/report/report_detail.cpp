@@ -9,11 +9,11 @@
 #include <numbers>
 
 #include "apps/demo/demo_scene.h"
-#include "apps/report/base64.h"
+#include "apps/page/base64.h"
+#include "apps/page/html.h"
+#include "apps/page/svg.h"
 #include "apps/report/report_designs.h"
-#include "apps/report/report_html.h"
 #include "apps/report/report_sections.h"
-#include "apps/report/report_svg.h"
 #include "apps/simulate/simulate.h"
 #include "apps/study/rows/sweep_rows.h"
 #include "apps/terminal/output.h"
@@ -310,11 +310,7 @@ mtf::Image image_of(mtf::io::SensorConfig config, SceneSource source, int thread
 mtf::Image middle(const mtf::Image& image, std::int64_t width, std::int64_t height) {
   const std::int64_t w = std::clamp<std::int64_t>(width, 1, image.width()),
                      h = std::clamp<std::int64_t>(height, 1, image.height());
-  mtf::Image part(w, h);
-  for (std::int64_t y = 0; y < h; ++y)
-    for (std::int64_t x = 0; x < w; ++x)
-      part.at(x, y) = image.at(x + (image.width() - w) / 2, y + (image.height() - h) / 2);
-  return part;
+  return copy_of(part_of(image.view(), {(image.width() - w) / 2, (image.height() - h) / 2, w, h}));
 }
 
 /// Grey values between the quantiles of 0.5 and 99.5 %.

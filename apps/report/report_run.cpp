@@ -6,9 +6,9 @@
 #include <cmath>
 #include <set>
 
-#include "apps/report/report_html.h"
+#include "apps/page/html.h"
+#include "apps/page/svg.h"
 #include "apps/report/report_sections.h"
-#include "apps/report/report_svg.h"
 #include "apps/terminal/text_table.h"
 
 namespace apps {
@@ -229,9 +229,7 @@ std::string axis_values(const SweepAxis& axis, const Sweep& sweep, const DesignT
     if (axis.values.size() > 6)
       return html_value(axis.values.front()) + " to " + html_value(axis.values.back()) + ", " +
              std::to_string(axis.values.size()) + " values";
-    std::string all;
-    for (const std::string& value : axis.values) all += (all.empty() ? "" : ", ") + html_value(value);
-    return all;
+    return joined(axis.values, [](const std::string& value) { return html_value(value); });
   }
   double lo = HUGE_VAL, hi = -HUGE_VAL;
   for (const double v : column_values(table, *sweep.column(axis.column)))
@@ -268,9 +266,7 @@ std::string constraints(const Sweep& sweep) {
 }
 
 std::string list_of(const std::vector<std::string>& items, const char* none) {
-  std::string text;
-  for (const std::string& item : items) text += (text.empty() ? "" : ", ") + html(item);
-  return text.empty() ? none : text;
+  return items.empty() ? none : joined(items, html);
 }
 
 std::string yield_of(const Sweep& sweep, std::int64_t design) {

@@ -4,9 +4,9 @@
 
 #include <algorithm>
 
-#include "apps/report/report_html.h"
+#include "apps/page/html.h"
+#include "apps/page/svg.h"
 #include "apps/report/report_sections.h"
-#include "apps/report/report_svg.h"
 
 namespace apps {
 namespace {

@@ -2,7 +2,7 @@
 
 // `mtf config kinds --format json`.
 
-#include <cmath>
+#include <array>
 
 #include "apps/kinds.h"
 #include "apps/schema/schemas.h"
@@ -19,9 +19,10 @@ namespace apps {
 namespace {
 
 Json parameter_json(const Parameter& parameter) {
-  Json json{{"name", parameter.name}, {"type", type_name(parameter.type)}, {"unit", parameter.unit}};
-  json["units"] = Json::array();
-  for (const std::string_view unit : mtf::units_of(parameter.dimension)) json["units"].push_back(std::string(unit));
+  Json json{{"name", parameter.name},
+            {"type", type_name(parameter.type)},
+            {"unit", parameter.unit},
+            {"units", mtf::units_of(parameter.dimension)}};
   if (has_range(parameter)) {
     json["min"] = parameter.lo;
     json["max"] = parameter.hi;
@@ -29,10 +30,7 @@ Json parameter_json(const Parameter& parameter) {
     json["max_open"] = parameter.hi_open;
     json["scale"] = wants_log_scale(parameter) ? "log" : "linear";
   }
-  if (!parameter.words.empty()) {
-    json["words"] = Json::array();
-    for (const std::string_view word : parameter.words) json["words"].push_back(std::string(word));
-  }
+  if (!parameter.words.empty()) json["words"] = parameter.words;
   json["presence"] = presence_name(parameter.presence);
   if (!parameter.default_value.empty()) json["default"] = parameter.default_value;
   json["example"] = parameter.example;
@@ -40,18 +38,12 @@ Json parameter_json(const Parameter& parameter) {
   return json;
 }
 
-Json parameters_json(const std::vector<Parameter>& parameters) {
-  Json list = Json::array();
-  for (const Parameter& parameter : parameters) list.push_back(parameter_json(parameter));
-  return list;
-}
-
 Json component_json(const ComponentKind& kind) {
   Json json{{"kind", kind.kind}, {"doc", kind.doc}, {"notes", kind.notes}, {"source", kind.source}};
   json["lists"] = Json::array();
   for (const mtf::Stage stage : mtf::kStages)
     if (kind.stages.allows(stage)) json["lists"].push_back(std::string(stage_name(stage)));
-  json["parameters"] = parameters_json(kind.parameters);
+  json["parameters"] = Json::array(kind.parameters, parameter_json);
   json["example"] = kind.example;
   return json;
 }
@@ -60,7 +52,7 @@ Json table_json(const TableKind& kind) {
   return {{"name", kind.name},
           {"doc", kind.doc},
           {"condition", kind.condition},
-          {"parameters", parameters_json(kind.parameters)}};
+          {"parameters", Json::array(kind.parameters, parameter_json)}};
 }
 
 #ifdef MTFKIT_HAVE_STUDY
@@ -74,12 +66,8 @@ Json metric_json(const study::MetricInfo& metric) {
 
 /// Of a study file; null for another name.
 Json study_json(const std::string& kind) {
-  Json metrics = Json::array();
-  if (kind == "metrics")
-    for (const study::MetricInfo& metric : study::metric_catalogue()) metrics.push_back(metric_json(metric));
-  else if (const auto metric = study::find_metric(kind))
-    metrics.push_back(metric_json(*metric));
-  if (!metrics.empty()) return {{"metrics", std::move(metrics)}};
+  if (kind == "metrics") return {{"metrics", Json::array(study::metric_catalogue(), metric_json)}};
+  if (const auto metric = study::find_metric(kind)) return {{"metrics", Json::array(std::array{*metric}, metric_json)}};
   if (kind == "study")
     throw mtf::UsageError(
         "--format json has [conditions] and metrics of a study; all of its keys are in "
@@ -104,7 +92,7 @@ std::string kinds_json(const std::string& kind) {
     for (const TableKind& table : *tables)
       if (kind.empty() || table.name == kind) json["tables"].push_back(table_json(table));
   if (kind.empty())
-    for (const ComponentKind& component : kinds.components) json["components"].push_back(component_json(component));
+    json["components"] = Json::array(kinds.components, component_json);
   else if (json["tables"].empty())
     json["components"].push_back(component_json(component_kind(kind)));
   return json_document(json, 1);

@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "apps/kinds.h"
+#include "apps/schema/own_component.txt.h"
 #include "mtf/error.h"
 
 namespace apps {
@@ -51,59 +52,6 @@ std::string cell(std::string text) {
 }
 
 std::string code(std::string_view text) { return "`" + std::string(text) + "`"; }
-
-constexpr std::string_view kOwnComponent = R"(
-## A component of your own
-
-A component is a value type over its scalar, as `mtf/component.h` describes it. Before it goes into the list of `mtf/components/all.h`, or
-where it belongs to another project, it is held to the properties that all others keep: `mtf/components/conformance/conformance.h` draws
-values from its field table and gives an outcome for each property, for any test framework.
-`check<SubstrateSpread, ceres::Jet<double, 4>>()` compares the derivatives too.
-
-```cpp
-#include <cstdio>
-
-#include "mtf/io/config/round_trip.h"
-
-// Light that spreads in a substrate, l its mean path to the side: otf = (1 + (2 pi l f)^2)^(-3/2).
-template <class S>
-struct SubstrateSpread {
-  static constexpr std::string_view kind = "substrate_spread";
-  static constexpr std::string_view doc = "light that spreads in the substrate";
-  static constexpr mtf::Stages stages{.presample = true};
-  static constexpr mtf::SensorPart part = mtf::SensorPart::detector;
-
-  mtf::AxisPair<S> length{};
-
-  static constexpr auto fields() {
-    return std::tuple{mtf::Field{mtf::required_row("length", mtf::Dimension::extent, "", 0.0, 1e6, "\"2 um\"",
-                                                   "1/e radius of the point spread"),
-                                 &SubstrateSpread::length}};
-  }
-  mtf::Traits traits(const mtf::Context<S>& ctx) const {
-    return {.radial = length.isotropic(ctx.frame), .even_x = true, .even_y = true};
-  }
-  mtf::Complex<S> otf(const mtf::Freq<S>& f, const mtf::Context<S>& ctx) const {
-    const S x = length.x_um(ctx.frame) * S(1e-3) * f.x, y = length.y_um(ctx.frame) * S(1e-3) * f.y;
-    const S t = S(2.0 * mtf::kPi) * mtf::radius(x, y);
-    using std::pow;
-    return {S(1) / pow(S(1) + t * t, S(1.5)), S(0)};
-  }
-  double cutoff_cy_mm(const mtf::Context<S>&) const { return mtf::kInfinity; }
-  double deviation(double fx, double fy, const mtf::Context<S>& ctx) const {
-    return 1.0 - mtf::value_of(otf({S(fx), S(fy)}, ctx).re);  // the OTF falls monotonically
-  }
-  std::vector<mtf::Problem> check(const mtf::Context<S>&) const { return {}; }
-};
-
-int main() {
-  auto outcomes = mtf::conformance::check<SubstrateSpread>();
-  outcomes.push_back(mtf::io::check_round_trip<SubstrateSpread>());
-  std::fputs(mtf::conformance::describe_failures(outcomes).c_str(), stdout);
-  return mtf::conformance::all_ok(outcomes) ? 0 : 1;
-}
-```
-)";
 
 std::string traits_text(const mtf::Traits& traits) {
   std::string text = traits.real ? "real" : "complex";
@@ -179,7 +127,7 @@ Every analytic MTF that a sensor file may list, one header each. `mtf config kin
 | kind | | lists |
 |---|---|---|
 )" + contents +
-         sections + std::string(kOwnComponent);
+         sections + "\n" + std::string(mtf::embedded::own_component_txt);
 }
 
 }  // namespace apps

@@ -171,11 +171,7 @@ Json text_schema(std::string_view doc) {
   return schema;
 }
 
-Json words_schema(std::span<const std::string_view> words) {
-  Json list = Json::array();
-  for (const std::string_view word : words) list.push_back(std::string(word));
-  return {{"enum", std::move(list)}};
-}
+Json words_schema(std::span<const std::string_view> words) { return {{"enum", words}}; }
 
 Json list_schema(Json items) { return {{"type", "array"}, {"items", std::move(items)}}; }
 
@@ -183,6 +179,8 @@ Json fit_schema(std::string_view doc, const Json& number) {
   Json table = closed_table(doc);
   for (const char* key : {"value", "min", "max", "stderr"}) table["properties"][key] = number;
   table["properties"]["fit"] = {{"type", "boolean"}};
+  Json& interval = table["properties"]["interval"] = list_schema(number);
+  interval["minItems"] = interval["maxItems"] = 2;
   Json prior = closed_table("what is known beforehand");
   prior["properties"] = {{"mean", number}, {"sd", number}};
   prior["required"] = {"mean", "sd"};

@@ -21,7 +21,8 @@ void add_parameters(const std::vector<Parameter>& parameters, Json& table);
 Json text_schema(std::string_view doc = {});
 Json words_schema(std::span<const std::string_view> words);
 Json list_schema(Json items);
-/// { value = ..., fit = true, min = ..., max = ..., prior = { mean, sd }, stderr = ... } of such a number.
+/// { value = ..., fit = true, min = ..., max = ..., prior = { mean, sd }, stderr = ..., interval = ... } of such a
+/// number.
 Json fit_schema(std::string_view doc, const Json& number);
 
 /// A table without other keys than those that are added.

@@ -41,6 +41,36 @@ radiometry::Path at_least(radiometry::Path path, const PathTable& table, double 
   return path;
 }
 
+/// With 15 digits: what a change of unit rounds is not shown.
+std::string shown(double value, std::string_view unit) { return mtf::with_unit(mtf::significant(value, 15), unit); }
+std::string shown(const std::string& text, std::string_view) { return text; }
+std::string shown(const radiometry::NumberOrFile& value, std::string_view unit) {
+  return value.file.empty() ? shown(value.number, unit) : value.file;
+}
+template <class T>
+requires std::is_enum_v<T> std::string shown(T word, std::string_view) {
+  return std::string(words(word)[static_cast<std::size_t>(word)]);
+}
+template <class T>
+std::string shown(const std::optional<T>& value, std::string_view unit) {
+  return value ? shown(*value, unit) : "";
+}
+
+/// What differs from a table without keys.
+template <class T>
+std::string keys_of(std::string text, const T& table) {
+  std::vector<std::string> defaults;
+  const T none{};
+  for_each_field(none,
+                 [&](const radiometry::FieldInfo& info, const auto& v) { defaults.push_back(shown(v, info.unit)); });
+  std::size_t i = 0;
+  for_each_field(table, [&](const radiometry::FieldInfo& info, const auto& value) {
+    const std::string given = shown(value, info.unit);
+    if (given != defaults[i++]) text += (text.ends_with(']') ? " " : ", ") + std::string(info.name) + " " + given;
+  });
+  return text;
+}
+
 }  // namespace
 
 std::string air_course_gap(const mtf::System<double>& system, const LoadedSensor& loaded) {
@@ -85,40 +115,6 @@ AirCourse air_course(const LoadedSensor& loaded, const radiometry::Overrides<dou
     course.path_air = [at, path_air = loaded.path_air](double range_m) { return path_air(at(range_m)); };
   return course;
 }
-
-namespace {
-
-/// With 15 digits: what a change of unit rounds is not shown.
-std::string shown(double value, std::string_view unit) { return mtf::with_unit(mtf::significant(value, 15), unit); }
-std::string shown(const std::string& text, std::string_view) { return text; }
-std::string shown(const radiometry::NumberOrFile& value, std::string_view unit) {
-  return value.file.empty() ? shown(value.number, unit) : value.file;
-}
-template <class T>
-requires std::is_enum_v<T> std::string shown(T word, std::string_view) {
-  return std::string(words(word)[static_cast<std::size_t>(word)]);
-}
-template <class T>
-std::string shown(const std::optional<T>& value, std::string_view unit) {
-  return value ? shown(*value, unit) : "";
-}
-
-/// What differs from a table without keys.
-template <class T>
-std::string keys_of(std::string text, const T& table) {
-  std::vector<std::string> defaults;
-  const T none{};
-  for_each_field(none,
-                 [&](const radiometry::FieldInfo& info, const auto& v) { defaults.push_back(shown(v, info.unit)); });
-  std::size_t i = 0;
-  for_each_field(table, [&](const radiometry::FieldInfo& info, const auto& value) {
-    const std::string given = shown(value, info.unit);
-    if (given != defaults[i++]) text += (text.ends_with(']') ? " " : ", ") + std::string(info.name) + " " + given;
-  });
-  return text;
-}
-
-}  // namespace
 
 std::string air_words(const radiometry::SensorSettings& settings) {
   if (settings.atmosphere) return keys_of("[atmosphere]", *settings.atmosphere);

@@ -1,20 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/sensor/response.h"
 
-#include <array>
-#include <cstdio>
-
 #include "mtf/io/sha256.h"
+#include "mtf/words.h"
 
 namespace apps {
 
 std::string response_sha256(const radiometry::SpectralCamera& curves) {
   std::string text = curves.flux == radiometry::Flux::watts ? "watts" : "photons";
-  const auto add = [&](double number) {
-    std::array<char, 32> digits{};
-    std::snprintf(digits.data(), digits.size(), " %.17g", number);
-    text += digits.data();
-  };
+  const auto add = [&](double number) { text += " " + mtf::significant(number, 17); };
   add(curves.band.lo_um);
   add(curves.band.hi_um);
   for (const auto* list : {&curves.optics, &curves.cold_filter, &curves.quantum_efficiency}) {

@@ -108,33 +108,6 @@ void read_path(const radiometry::SensorSettings& settings, LoadedSensor& loaded)
     throw mtf::UsageError("path.range: missing; path.table needs it, or scene.depth_channel");
 }
 
-}  // namespace
-
-mtf::io::SensorConfig read_sensor_file(const std::string& file, std::vector<mtf::io::Diagnostic>* diagnostics) {
-  mtf::io::SensorConfig config = mtf::io::load_config(file, diagnostics, sensor_schema());
-  if (diagnostics != nullptr)
-    for (mtf::io::Diagnostic& warning : chain_warnings(config)) diagnostics->push_back(std::move(warning));
-  return config;
-}
-
-std::vector<std::string> files_of(const mtf::io::SensorConfig& config) {
-  std::vector<std::string> files{config.file};
-  files.insert(files.end(), config.files.begin(), config.files.end());
-  return files;
-}
-
-bool has_chain(const mtf::io::SensorConfig& config) { return find_table(config.tables, "detector") != nullptr; }
-
-std::optional<double> source_temperature_k(const radiometry::SensorSettings& settings,
-                                           std::optional<mtf::io::Quantity> quantity) {
-  using mtf::io::Quantity;
-  if (settings.scene && settings.scene->source_temperature_k) return settings.scene->source_temperature_k;
-  const bool surfaces = quantity == Quantity::temperature || quantity == Quantity::counts;
-  return surfaces ? std::optional(kSurface_k) : std::nullopt;
-}
-
-namespace {
-
 radiometry::SpectralCamera curves_of(const mtf::io::SensorConfig& config, const radiometry::SensorSettings& settings) {
   if (!config.system.band)
     throw mtf::UsageError("band: missing; electrons need it: write [band] wavelength = [\"3.4 um\", \"4.8 um\"]");
@@ -184,6 +157,29 @@ std::string told(const mtf::io::SensorConfig& config, const std::string& message
 }
 
 }  // namespace
+
+mtf::io::SensorConfig read_sensor_file(const std::string& file, std::vector<mtf::io::Diagnostic>* diagnostics) {
+  mtf::io::SensorConfig config = mtf::io::load_config(file, diagnostics, sensor_schema());
+  if (diagnostics != nullptr)
+    for (mtf::io::Diagnostic& warning : chain_warnings(config)) diagnostics->push_back(std::move(warning));
+  return config;
+}
+
+std::vector<std::string> files_of(const mtf::io::SensorConfig& config) {
+  std::vector<std::string> files{config.file};
+  files.insert(files.end(), config.files.begin(), config.files.end());
+  return files;
+}
+
+bool has_chain(const mtf::io::SensorConfig& config) { return find_table(config.tables, "detector") != nullptr; }
+
+std::optional<double> source_temperature_k(const radiometry::SensorSettings& settings,
+                                           std::optional<mtf::io::Quantity> quantity) {
+  using mtf::io::Quantity;
+  if (settings.scene && settings.scene->source_temperature_k) return settings.scene->source_temperature_k;
+  const bool surfaces = quantity == Quantity::temperature || quantity == Quantity::counts;
+  return surfaces ? std::optional(kSurface_k) : std::nullopt;
+}
 
 radiometry::SpectralCamera load_curves(const mtf::io::SensorConfig& config) try {
   return curves_of(config, radiometry::sensor_settings(config.tables));

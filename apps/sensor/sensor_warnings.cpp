@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/sensor/sensor_warnings.h"
 
-#include <array>
 #include <cmath>
-#include <cstdio>
 
 #include "apps/sensor/sensor_air.h"
 #include "mtf/components/footprint.h"
+#include "mtf/words.h"
 #include "radiometry/chain/sensor_numbers.h"
 
 namespace apps {
@@ -138,11 +137,7 @@ std::vector<mtf::io::Diagnostic> chain_warnings(const mtf::io::SensorConfig& con
   if (given == nullptr || !moving) return warnings;
   const double lag_s = std::get<double>(*given), other_s = moving->time_constant_s;
   const bool same = std::abs(other_s - lag_s) <= 1e-6 * lag_s;
-  const auto milliseconds = [](double s) {
-    std::array<char, 32> text{};
-    std::snprintf(text.data(), text.size(), "%.6g ms", 1e3 * s);
-    return std::string(text.data());
-  };
+  const auto milliseconds = [](double s) { return mtf::significant(1e3 * s, 6) + " ms"; };
   warnings.push_back(
       warning_at("lag.time_constant",
                  milliseconds(lag_s) + " here, " + (same ? "the same" : milliseconds(other_s)) + " in \"" +

@@ -12,6 +12,12 @@ radiometry::ChainState clone(const radiometry::ChainState& state) {
   return {.shutter = {state.shutter.before.clone()}, .lag = state.lag, .closing = state.closing, .last = state.last};
 }
 
+void require_noise_number(std::int64_t number) {
+  if (number < 0 || number > kLastNoiseFrame)
+    throw mtf::UsageError("frame " + std::to_string(number) + ": noise is numbered from 0 to " +
+                          std::to_string(kLastNoiseFrame));
+}
+
 }  // namespace
 
 struct LiveSimulation::State {
@@ -42,16 +48,6 @@ LiveSimulation::LiveSimulation(SceneSource scene, const SimulateOptions& options
 LiveSimulation::~LiveSimulation() = default;
 LiveSimulation::LiveSimulation(LiveSimulation&&) noexcept = default;
 LiveSimulation& LiveSimulation::operator=(LiveSimulation&&) noexcept = default;
-
-namespace {
-
-void require_noise_number(std::int64_t number) {
-  if (number < 0 || number > kLastNoiseFrame)
-    throw mtf::UsageError("frame " + std::to_string(number) + ": noise is numbered from 0 to " +
-                          std::to_string(kLastNoiseFrame));
-}
-
-}  // namespace
 
 SimulatedImage LiveSimulation::image(const mtf::io::SensorConfig& sensor, std::int64_t number, CorrectionOf correction,
                                      std::int64_t noise_rows) {

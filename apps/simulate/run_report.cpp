@@ -92,17 +92,16 @@ Json sequence_json(const SequenceReport& s) {
 }
 
 Json chain_json(const ChainReport& chain) {
-  Json stages = Json::array(), times = Json::object();
+  Json stages = Json::array();
   for (const radiometry::ChainStage& stage : chain.stages)
     stages.push_back({{"name", stage.name}, {"on", stage.on}, {"what", stage.what}});
-  for (const auto& [name, ms] : chain.timing_ms) times[name] = ms;
   Json saturation = held_json(chain.held);
   saturation["share"] = chain.held.share();
   saturation["defective_or_blinking"] = held_json(chain.held_defects);
   saturation["warning"] = chain.held.any() ? Json(words(chain.held)) : Json();
   return {{"tap", chain.stage},
           {"stages", stages},
-          {"timing_ms", times},
+          {"timing_ms", Json::object(chain.timing_ms)},
           {"saturation", saturation},
           {"pixels_at_full_well", chain.well.high},
           {"pixels_at_least_count", chain.adc.low},

@@ -248,10 +248,7 @@ mtf::Image cropped(const mtf::Image& image, const std::array<std::int64_t, 4>& r
     throw mtf::UsageError("--roi: " + std::to_string(width) + "x" + std::to_string(height) + " pixels from (" +
                           std::to_string(x) + ", " + std::to_string(y) + ") are not all inside the image of " +
                           std::to_string(image.width()) + "x" + std::to_string(image.height()));
-  mtf::Image part(width, height);
-  for (std::int64_t row = 0; row < height; ++row)
-    std::copy_n(image.data() + (y + row) * image.width() + x, width, part.data() + row * width);
-  return part;
+  return copy_of(part_of(image.view(), {x, y, width, height}));
 }
 
 }  // namespace apps

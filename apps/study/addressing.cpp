@@ -68,7 +68,7 @@ const mtf::FieldInfo* row_of(const SensorView& view, const Target& target) {
 
 /// The key of the map that stands in the place of a number where the sensor has both, "" for other numbers.
 std::string_view map_in_place_of(std::string_view path) {
-  if (path == "nonuniformity.prnu") return "responsivity";
+  if (path.starts_with("nonuniformity.prnu")) return "responsivity";
   return path == "nonuniformity.dsnu" ? "offset" : "";
 }
 

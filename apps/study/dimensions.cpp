@@ -2,10 +2,10 @@
 #include "apps/study/dimensions.h"
 
 #include <array>
-#include <charconv>
 #include <cmath>
 
 #include "mtf/error.h"
+#include "mtf/io/csv/csv_cells.h"
 #include "mtf/units.h"
 
 namespace study {
@@ -118,11 +118,9 @@ bool multiply(UnitScale& total, std::string_view factor, int sign) {
     const std::size_t hat = factor.rfind('^');
     if (hat == std::string_view::npos) return false;
     scale = one_unit(factor.substr(0, hat));
-    double written = 0.0;
-    const char* end = factor.data() + factor.size();
-    const auto [stop, status] = std::from_chars(factor.data() + hat + 1, end, written);
-    if (!scale || status != std::errc{} || stop != end) return false;
-    exponent *= written;
+    const auto written = mtf::io::cell_number(factor.substr(hat + 1));
+    if (!scale || !written) return false;
+    exponent *= *written;
   }
   const auto raised = power(scale->dimensions, exponent);
   const auto both = raised ? product(total.dimensions, *raised) : std::nullopt;

@@ -43,6 +43,8 @@ struct NameAt {
 
 /// Every name in the text as often as it occurs, without functions and pi; what cannot be read is skipped.
 std::vector<NameAt> names_in(std::string_view text);
+/// Whether a number of the study's own can have that name.
+bool is_identifier(std::string_view name);
 
 class Expression {
  public:

@@ -82,6 +82,11 @@ std::vector<NameAt> names_in(std::string_view text) {
   return names;
 }
 
+bool is_identifier(std::string_view name) {
+  const auto found = names_in(name);
+  return found.size() == 1 && found[0].name == name && name.find_first_of(".[") == std::string_view::npos;
+}
+
 class ExpressionParser {
  public:
   ExpressionParser(std::string_view text, const FindSymbol& find, std::span<const std::string> names)

@@ -8,6 +8,7 @@
 
 #include "apps/study/design/variant_sensor.h"
 #include "mtf/error.h"
+#include "mtf/io/csv/csv_cells.h"
 
 namespace study {
 
@@ -126,7 +127,8 @@ std::vector<TableColumn> table_columns(const Study& study, const std::vector<Col
 std::string columns_csv(const std::vector<Column>& columns) {
   std::string text = "column,unit,definition\ndesign,,\"number of the design, from 0\"\n";
   for (const Column& column : columns)
-    text += csv_cell(column.name) + "," + csv_cell(column.unit) + "," + csv_cell(column.definition) + "\n";
+    text += mtf::io::csv_field(column.name) + "," + mtf::io::csv_field(column.unit) + "," +
+            mtf::io::csv_field(column.definition) + "\n";
   return text;
 }
 

@@ -15,26 +15,15 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-bool is_identifier(const std::string& name) {
-  const auto found = names_in(name);
-  return found.size() == 1 && found[0].name == name && name.find_first_of(".[") == std::string::npos;
-}
-
 /// Unit of "15 um"; null for a plain number and for what is none.
 const mtf::Unit* unit_in(const Node& node) {
   if (node.kind != Node::Kind::string) return nullptr;
-  std::string_view text = node.text;
-  const auto trim = [&] {
-    while (!text.empty() && (text.front() == ' ' || text.front() == '+')) text.remove_prefix(1);
-    while (!text.empty() && text.back() == ' ') text.remove_suffix(1);
-  };
-  trim();
+  std::string_view text = mtf::trimmed(node.text);
+  if (text.starts_with('+')) text.remove_prefix(1);
   double number = 0.0;
   const auto [end, status] = std::from_chars(text.data(), text.data() + text.size(), number);
   if (status == std::errc::invalid_argument) return nullptr;
-  text.remove_prefix(static_cast<std::size_t>(end - text.data()));
-  trim();
-  return mtf::find_unit(text);
+  return mtf::find_unit(mtf::trimmed(text.substr(static_cast<std::size_t>(end - text.data()))));
 }
 
 /// A number of the study's own has the unit of its first value.

@@ -5,6 +5,8 @@
 
 #include "apps/sensor/air_course.h"
 #include "apps/study/design/range_tasks.h"
+#include "apps/study/study_shape.h"
+#include "apps/study/study_starter.toml.h"
 #include "mtf/error.h"
 #include "mtf/words.h"
 #include "radiometry/performance/condition_lines.h"
@@ -88,6 +90,16 @@ std::vector<std::string> condition_lines(const Study& study) {
   if (const std::string scene = scene_of(study); !figures.johnson && !figures.ttp && !scene.empty())
     lines.insert(lines.begin(), scene);
   return lines;
+}
+
+std::string starter_study() {
+  std::string text(mtf::embedded::study_starter_toml);
+  for (const mtf::FieldInfo& field : condition_fields()) {
+    std::string line = "# " + std::string(field.name) + " = " + std::string(field.example);
+    line.resize(std::max<std::size_t>(line.size() + 2, 34), ' ');
+    text += line + "# " + std::string(field.doc) + "\n";
+  }
+  return text;
 }
 
 }  // namespace study

@@ -3,7 +3,6 @@
 // [metrics], constraints and objectives.
 
 #include <algorithm>
-#include <charconv>
 #include <map>
 #include <set>
 
@@ -11,6 +10,7 @@
 #include "apps/study/result_columns.h"
 #include "apps/study/study_reader.h"
 #include "apps/study/study_shape.h"
+#include "mtf/io/csv/csv_cells.h"
 #include "mtf/words.h"
 
 namespace study {
@@ -74,11 +74,7 @@ std::optional<Source> goal_of(const Source& source) {
 }
 
 /// "150", not "150 urad" and not 0, which is the same in every unit.
-bool is_bare_number(std::string_view text) {
-  double value = 0.0;
-  const auto [end, status] = std::from_chars(text.data(), text.data() + text.size(), value);
-  return status == std::errc{} && end == text.data() + text.size() && value != 0.0;
-}
+bool is_bare_number(std::string_view text) { return mtf::io::cell_number(text).value_or(0.0) != 0.0; }
 
 void read_constraint(StudyReader& s, const Source& source) {
   const auto sides = sides_of(source);
@@ -116,12 +112,11 @@ void read_objective(StudyReader& s, const Source& source) {
   auto expression = read_expression(s, *goal, true);
   if (!expression) return;
   if (expression->constant()) return s.error_in(*goal, 0, "has no name in it: all designs are equal");
-  Objective objective{.text = goal->text,
+  Objective objective{.text = std::string(mtf::trimmed(goal->text)),
                       .maximize = source.text.find("maxim") < static_cast<std::size_t>(goal->column),
                       .expression = std::move(*expression),
                       .unit = {},
                       .si = 1.0};
-  while (objective.text.ends_with(' ') || objective.text.ends_with('\t')) objective.text.pop_back();
   if (const auto slot = objective.expression.only_slot()) {
     objective.unit = s.study.unit_of(*slot);
     objective.si = unit_scale(objective.unit).si;
@@ -158,6 +153,10 @@ std::string unknown_metric(const std::string& name) {
   const std::vector<std::string_view> known = names_of_metrics();
   const auto guess = name.size() <= 64 ? mtf::nearest(name, known) : std::nullopt;
   const std::string unknown = "unknown metric \"" + mtf::printable(name, 60) + "\"; ";
+  const std::string figure = name.substr(0, name.rfind('.'));
+  if (const auto same = find_metric(figure); same && figure != name)
+    return unknown + (choose_metric(figure + ".mean") ? "after the dot stands axis, mean or worst"
+                                                      : figure + " is the same all over the image; write it alone");
   if (guess) return unknown + "did you mean \"" + *guess + "\"?";
   std::string all;
   for (const MetricRow& row : metric_rows()) all += std::string(row.name) + ", ";

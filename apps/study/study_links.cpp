@@ -65,10 +65,7 @@ void declare(StudyReader& s, LinkSource& link, bool read_by_others) {
       return fail("is " + found.place->what + "; only numbers follow from others");
   } else {
     // A name that something reads is a number of the study's own; one that nothing reads is misspelt.
-    const auto names = names_in(link.target);
-    const bool identifier =
-        names.size() == 1 && names[0].name == link.target && link.target.find_first_of(".[") == std::string::npos;
-    if (!identifier || !read_by_others) return fail(found.problem);
+    if (!is_identifier(link.target) || !read_by_others) return fail(found.problem);
     if (find_metric(link.target)) return fail(link.target + " is a metric; take another name");
     parameter = {.name = link.target, .path = {}, .unit = {}, .scale = {}, .lo = -HUGE_VAL, .hi = HUGE_VAL};
     parameter.base = std::nan("");

@@ -17,6 +17,8 @@ namespace {
 
 using mtf::io::Position;
 
+__extension__ using Wide = unsigned __int128;
+
 bool continues(char c) { return (static_cast<unsigned char>(c) & 0xC0) == 0x80; }  // of a UTF-8 character
 
 /// Place of byte `column` of a string that is on one line; that of the string itself where it spans several.
@@ -61,9 +63,6 @@ std::optional<SensorView> read_sensor(StudyReader& s, const Node& node, const st
   } catch (const mtf::Error& error) {
     return fail(mtf::printable(error.what(), 600));
   }
-  if (result.ok() && !result.config.system.is_isoplanatic())
-    return fail("the OTF changes over the field by " + mtf::names_over_field(result.config.system) +
-                "; a study takes one OTF for the whole image: name a sensor with numbers in place of terms");
   std::size_t errors = 0;
   for (const mtf::io::Diagnostic& diagnostic : result.diagnostics)
     if (diagnostic.error && ++errors <= kMostSensorErrors)
@@ -223,39 +222,18 @@ std::optional<double> read_held(StudyReader& s, const Node& node, const mtf::Fie
 }
 
 std::string exact_product(std::span<const std::int64_t> factors) {
-  constexpr std::uint64_t base = 1'000'000'000;
-  std::vector<std::uint64_t> digits{1};  // to that base, lowest first
+  std::string digits = "1";  // lowest first
   for (const std::int64_t factor : factors) {
-    // In two parts, so that no product leaves 64 bits: high x 2^32 + low.
-    const auto whole = static_cast<std::uint64_t>(factor);
-    const auto times = [&](std::vector<std::uint64_t> value, std::uint64_t by) {
-      std::uint64_t carry = 0;
-      for (std::uint64_t& digit : value) {
-        carry += digit * by;
-        digit = carry % base;
-        carry /= base;
-      }
-      for (; carry > 0; carry /= base) value.push_back(carry % base);
-      return value;
-    };
-    std::vector<std::uint64_t> sum = times(digits, whole & 0xffffffff);
-    const auto high = times(times(digits, whole >> 32), std::uint64_t{1} << 32);
-    sum.resize(std::max(sum.size(), high.size()) + 1);
-    std::uint64_t carry = 0;
-    for (std::size_t i = 0; i < sum.size(); ++i) {
-      carry += sum[i] + (i < high.size() ? high[i] : 0);
-      sum[i] = carry % base;
-      carry /= base;
+    Wide carry = 0;
+    for (char& digit : digits) {
+      carry += static_cast<Wide>(digit - '0') * static_cast<Wide>(factor);
+      digit = static_cast<char>('0' + static_cast<int>(carry % 10));
+      carry /= 10;
     }
-    while (sum.size() > 1 && sum.back() == 0) sum.pop_back();
-    digits = std::move(sum);
+    for (; carry > 0; carry /= 10) digits += static_cast<char>('0' + static_cast<int>(carry % 10));
   }
-  std::string text = std::to_string(digits.back());
-  for (std::size_t i = digits.size() - 1; i-- > 0;) {
-    const std::string part = std::to_string(digits[i]);
-    text += std::string(9 - part.size(), '0') + part;
-  }
-  return text;
+  while (digits.size() > 1 && digits.back() == '0') digits.pop_back();  // of a product that is 0
+  return {digits.rbegin(), digits.rend()};
 }
 
 std::int64_t bounded_product(std::span<const std::int64_t> factors, std::int64_t limit) {

@@ -72,6 +72,61 @@ void read_head(StudyReader& s) {
   }
 }
 
+// Sensors with the levels of discrete axes: the values replace those in the tree of the sensor file, which is then read
+// like any other.
+
+using mtf::io::ConfigResult;
+
+/// Names of files in a study are relative to its folder; the reader of the sensor takes them relative to the sensor's.
+void find_file(Node& node, const Place& place, const std::string& study_file, const std::string& sensor_file) {
+  if (!place.file || node.kind != Node::Kind::string) return;
+  if (place.info.dimension != mtf::Dimension::none) try {
+      static_cast<void>(mtf::parse_quantity(node.text, place.info.dimension));
+      return;  // a number in place of a file
+    } catch (const mtf::UsageError&) {
+    }
+  const std::string folder = cfg::folder_of(study_file);
+  if (folder == cfg::folder_of(sensor_file) || node.text.empty() || node.text.find('\0') != std::string::npos) return;
+  std::error_code none;
+  const auto path = std::filesystem::absolute(cfg::beside(folder, node.text), none);
+  if (!none) node.text = path.string();
+}
+
+std::string described(const Study& study, std::span<const int> levels) {
+  std::string text;
+  for (std::size_t a = 0; a < study.axes.size(); ++a)
+    if (study.axes[a].discrete() && levels[a] >= 0)
+      text += (text.empty() ? "" : ", ") + study.parameters[static_cast<std::size_t>(study.axes[a].parameter)].name +
+              " = " + mtf::printable(study.axes[a].levels[static_cast<std::size_t>(levels[a])], 80);
+  return text;
+}
+
+const Parameter& parameter_of(const Study& study, std::size_t axis) {
+  return study.parameters[static_cast<std::size_t>(study.axes[axis].parameter)];
+}
+
+bool is_sensor(const Study& study, std::size_t axis) { return parameter_of(study, axis).path == "sensor"; }
+
+/// That a parameter is in each sensor what it is in the base: the same place and unit.
+void check_in_sensors(StudyReader& s, const Parameter& parameter, mtf::io::Position position, const std::string& path) {
+  for (std::size_t i = 1; i < s.views.size(); ++i) {
+    const std::string file = mtf::printable(s.views[i].sensor.file);
+    const Found found = find_place(s.views[i], parameter.name);
+    if (!found.place) {
+      s.error(position, path, parameter.name + " in " + file + ": " + found.problem);
+    } else if (found.place->target.path() != parameter.path) {
+      s.error(position, path,
+              parameter.name + " is " + parameter.path + " in " + mtf::printable(s.study.base.file) + ", but " +
+                  found.place->target.path() + " in " + file + "; list the components in the same order");
+    } else if (found.place->kind == Place::Kind::number && found.place->info.unit != parameter.unit &&
+               !parameter.unit.empty()) {
+      s.error(position, path,
+              parameter.name + " is in " + parameter.unit + " in " + mtf::printable(s.study.base.file) + ", but in " +
+                  std::string(found.place->info.unit) + " in " + file + "; write it in one unit");
+    }
+  }
+}
+
 }  // namespace
 
 std::vector<FieldInfo> condition_fields() { return radiometry::table_info<Conditions>("conditions", "").settings; }
@@ -138,65 +193,6 @@ void read_settings(StudyReader& s) {
   read_yield(s);
   read_conditions(s);
 }
-
-// Sensors with the levels of discrete axes: the values replace those in the tree of the sensor file, which is then read
-// like any other.
-
-namespace {
-
-using mtf::io::ConfigResult;
-
-/// Names of files in a study are relative to its folder; the reader of the sensor takes them relative to the sensor's.
-void find_file(Node& node, const Place& place, const std::string& study_file, const std::string& sensor_file) {
-  if (!place.file || node.kind != Node::Kind::string) return;
-  if (place.info.dimension != mtf::Dimension::none) try {
-      static_cast<void>(mtf::parse_quantity(node.text, place.info.dimension));
-      return;  // a number in place of a file
-    } catch (const mtf::UsageError&) {
-    }
-  const std::string folder = cfg::folder_of(study_file);
-  if (folder == cfg::folder_of(sensor_file) || node.text.empty() || node.text.find('\0') != std::string::npos) return;
-  std::error_code none;
-  const auto path = std::filesystem::absolute(cfg::beside(folder, node.text), none);
-  if (!none) node.text = path.string();
-}
-
-std::string described(const Study& study, std::span<const int> levels) {
-  std::string text;
-  for (std::size_t a = 0; a < study.axes.size(); ++a)
-    if (study.axes[a].discrete() && levels[a] >= 0)
-      text += (text.empty() ? "" : ", ") + study.parameters[static_cast<std::size_t>(study.axes[a].parameter)].name +
-              " = " + mtf::printable(study.axes[a].levels[static_cast<std::size_t>(levels[a])], 80);
-  return text;
-}
-
-const Parameter& parameter_of(const Study& study, std::size_t axis) {
-  return study.parameters[static_cast<std::size_t>(study.axes[axis].parameter)];
-}
-
-bool is_sensor(const Study& study, std::size_t axis) { return parameter_of(study, axis).path == "sensor"; }
-
-/// That a parameter is in each sensor what it is in the base: the same place and unit.
-void check_in_sensors(StudyReader& s, const Parameter& parameter, mtf::io::Position position, const std::string& path) {
-  for (std::size_t i = 1; i < s.views.size(); ++i) {
-    const std::string file = mtf::printable(s.views[i].sensor.file);
-    const Found found = find_place(s.views[i], parameter.name);
-    if (!found.place) {
-      s.error(position, path, parameter.name + " in " + file + ": " + found.problem);
-    } else if (found.place->target.path() != parameter.path) {
-      s.error(position, path,
-              parameter.name + " is " + parameter.path + " in " + mtf::printable(s.study.base.file) + ", but " +
-                  found.place->target.path() + " in " + file + "; list the components in the same order");
-    } else if (found.place->kind == Place::Kind::number && found.place->info.unit != parameter.unit &&
-               !parameter.unit.empty()) {
-      s.error(position, path,
-              parameter.name + " is in " + parameter.unit + " in " + mtf::printable(s.study.base.file) + ", but in " +
-                  std::string(found.place->info.unit) + " in " + file + "; write it in one unit");
-    }
-  }
-}
-
-}  // namespace
 
 std::vector<StudyFile> files_of(const Study& study) {
   const Node tree = cfg::read_tree(study.text).root;

@@ -157,7 +157,7 @@ double half_of(double middle, const double* high, const double* low) {
 void add_stated(const OneSensor& middle, double tolerance, Acquisition& found) {
   const std::vector<mtf::io::FitSpec>& fits = middle.study().base.fits;
   for (std::size_t f = 0; f < fits.size(); ++f) {
-    const double sd = fits[f].stderr_value.value_or(0.0);
+    const double sd = fits[f].sd();
     if (!(sd > 0.0)) continue;
     StatedNumber stated{.path = fits[f].path, .unit = fits[f].unit, .value = fits[f].value, .sd = sd};
     const auto high = moved(middle, f, fits[f].value + sd, tolerance, stated.problem),

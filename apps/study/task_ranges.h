@@ -8,7 +8,8 @@
 //
 // What is uncertain:
 //   error  of the numbers: of the root, the OTF and the light along the range, each worse by what it may err
-//   sd     of what the sensor file states: each number that it writes as { value, stderr } is moved by its standard
+//   sd     of what the sensor file states: each number that it writes as { value, stderr } or { value, interval } is
+//   moved by its standard
 //          deviation to both sides; half of the difference counts, and the numbers are taken as independent
 // How well a model describes observers is in neither.
 

@@ -118,8 +118,7 @@ Json optimum_json(const Study& study, const Optimum& optimum, bool whole) {
   json["goal"] = optimum.goal;
   json["error"] = optimum.row.back();
   json["feasible"] = optimum.feasible;
-  json["limits"] = Json::array();
-  for (const Limit& limit : optimum.limits) json["limits"].push_back(limit_json(limit));
+  json["limits"] = Json::array(optimum.limits, limit_json);
   json["limits_depend"] = optimum.shared;
   json["violations"] = Json::array();
   for (const study::Violation& violation : optimum.violations)

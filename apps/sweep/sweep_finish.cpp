@@ -178,6 +178,121 @@ void ask_evaluator(SweepReport& report) {
   report.gradient = evaluator.gradient_at(axis_values(study, report.gradient_design));
 }
 
+// The summary that `mtf sweep` prints.
+
+std::string list(const SweepReport& report, const std::vector<std::size_t>& constraints, const std::string& between) {
+  std::string text;
+  for (const std::size_t k : constraints)
+    text += (text.empty() ? "" : between) + one_line(report.sweep->study->constraints[k].text);
+  return text;
+}
+
+/// The value of an axis: its word where it has words.
+std::string axis_text(const study::TableColumn& column, double value) {
+  const bool named = !column.levels.empty() && value >= 0.0 && value < static_cast<double>(column.levels.size());
+  return named ? one_line(column.levels[static_cast<std::size_t>(value)]) : significant(value, 5);
+}
+
+/// The best designs with their axes.
+std::string best_table(const SweepReport& report) {
+  const study::Study& study = *report.sweep->study;
+  const std::vector<study::Column>& columns = report.sweep->columns;
+  std::vector<std::string> header{"best", "value", "design"};
+  for (std::size_t a = 0; a < study.axes.size(); ++a)
+    header.push_back(one_line(columns[a].name) + (columns[a].unit.empty() ? "" : " [" + columns[a].unit + "]"));
+  header.push_back("limited by");
+  const auto shown = study::table_columns(study, columns);
+  TextTable table(header);
+  std::vector<Align> align(header.size(), Align::right);
+  align.front() = align.back() = Align::left;
+  bool any = false;
+  for (std::size_t o = 0; o < study.objectives.size(); ++o) {
+    const study::TallyDesign& best = report.tally->best()[o];
+    if (best.design < 0) continue;
+    any = true;
+    const study::Objective& objective = study.objectives[o];
+    std::vector<std::string> cells{(objective.maximize ? "maximize " : "minimize ") + one_line(objective.text),
+                                   significant(best.value, 5) + (objective.unit.empty() ? "" : " " + objective.unit),
+                                   std::to_string(best.design)};
+    for (std::size_t a = 0; a < study.axes.size(); ++a) cells.push_back(axis_text(shown[a], best.row[a]));
+    const std::string limits = joined(report.limits[o], [](const study::Limit& one) { return one_line(one.text); });
+    cells.push_back(limits.empty() ? "-" : limits);
+    table.add(cells);
+  }
+  return any ? table.aligned(align) : "";
+}
+
+/// A few designs from all along the front, with their objectives and axes; the others are counted.
+std::string front_table(const SweepReport& report) {
+  constexpr std::size_t kMost = 10;
+  const study::Study& study = *report.sweep->study;
+  const std::vector<study::Column>& columns = report.sweep->columns;
+  const auto shown = study::table_columns(study, columns);
+  const auto heading = [](const std::string& name, const std::string& unit) {
+    return one_line(name) + (unit.empty() ? "" : " [" + unit + "]");
+  };
+  std::vector<std::string> header{"design"};
+  std::vector<std::size_t> objectives;  // those that are no axis, which has a column anyway
+  for (std::size_t o = 0; o < study.objectives.size(); ++o)
+    if (report.tally->job().goals[o].column >= study.axes.size()) objectives.push_back(o);
+  for (const std::size_t o : objectives) header.push_back(heading(study.objectives[o].text, study.objectives[o].unit));
+  for (std::size_t a = 0; a < study.axes.size(); ++a) header.push_back(heading(columns[a].name, columns[a].unit));
+  TextTable table(header);
+  const std::vector<std::size_t> points = spread_over_front(report.front, kMost);
+  std::vector<double> levels(study.axes.size());
+  for (auto point = points.rbegin(); point != points.rend(); ++point) {
+    std::vector<std::string> cells{std::to_string(report.front.designs[*point])};
+    for (const std::size_t o : objectives)
+      cells.push_back(significant((study.objectives[o].maximize ? 1.0 : -1.0) * report.front.at(*point)[o], 5));
+    study::design_at(study, report.front.designs[*point], levels);
+    for (std::size_t a = 0; a < levels.size(); ++a) {
+      const study::Axis& axis = study.axes[a];
+      cells.push_back(
+          axis_text(shown[a], axis.discrete() ? axis.values[static_cast<std::size_t>(levels[a])] : levels[a]));
+    }
+    table.add(cells);
+  }
+  const std::size_t others = report.front.size() - points.size();
+  return table.aligned(std::vector<Align>(header.size(), Align::right)) +
+         (others > 0 ? "and " + std::to_string(others) + " more, which the column pareto of designs.csv marks\n" : "");
+}
+
+std::string infeasible(const SweepReport& report) {
+  std::string text = "no design meets all constraints\n";
+  for (const auto& set : report.tally->contradictions())
+    text += set.size() == 1 ? "no design meets " + list(report, set, "") + "\n"
+                            : "no design meets all of: " + list(report, set, "; ") + "\n";
+  const study::TallyDesign& nearest = report.tally->nearest();
+  if (nearest.design >= 0 && !none_valid(report))
+    text += "nearest is design " + std::to_string(nearest.design) +
+            ", which misses: " + list(report, violated_constraints(report, nearest.row), "; ") + "\n";
+  return text;
+}
+
+std::string share(std::int64_t count, std::int64_t of) { return std::to_string(count) + " of " + std::to_string(of); }
+
+/// What makes designs invalid, and how many.
+std::string invalid(const SweepReport& report) {
+  const study::InvalidDesigns& invalid = report.tally->invalid();
+  if (invalid.designs == 0) return "";
+  const study::Study& study = *report.sweep->study;
+  std::string text = "invalid " + share(invalid.designs, report.tally->designs()) + ", the first is design " +
+                     std::to_string(invalid.first) + "\n";
+  if (const InvalidCause& cause = report.cause; !cause.text.empty())
+    text += "  the commonest cause, of " + share(cause.designs, cause.looked_at) +
+            " looked at: " + one_line(cause.text) + "\n";
+  if (invalid.impossible > 0) text += "  impossible as a sensor: " + std::to_string(invalid.impossible) + "\n";
+  for (std::size_t g = 0; g < invalid.by_goal.size(); ++g)
+    if (invalid.by_goal[g] > 0)
+      text +=
+          "  " + one_line(study.objectives[g].text) + " is not finite: " + std::to_string(invalid.by_goal[g]) + "\n";
+  for (std::size_t k = 0; k < invalid.by_limit.size(); ++k)
+    if (invalid.by_limit[k] > 0)
+      text += "  " + one_line(study.constraints[k].text) +
+              " compares values that are not finite: " + std::to_string(invalid.by_limit[k]) + "\n";
+  return text;
+}
+
 }  // namespace
 
 std::vector<std::size_t> spread_over_front(const study::FrontPoints& front, std::size_t most) {
@@ -261,126 +376,6 @@ int finish_sweep(const SweepStudy& sweep, const SweepRun& run, const SweepOption
   }
   return status;
 }
-
-// The summary that `mtf sweep` prints.
-
-namespace {
-
-std::string list(const SweepReport& report, const std::vector<std::size_t>& constraints, const std::string& between) {
-  std::string text;
-  for (const std::size_t k : constraints)
-    text += (text.empty() ? "" : between) + one_line(report.sweep->study->constraints[k].text);
-  return text;
-}
-
-/// The value of an axis: its word where it has words.
-std::string axis_text(const study::TableColumn& column, double value) {
-  const bool named = !column.levels.empty() && value >= 0.0 && value < static_cast<double>(column.levels.size());
-  return named ? one_line(column.levels[static_cast<std::size_t>(value)]) : significant(value, 5);
-}
-
-/// The best designs with their axes.
-std::string best_table(const SweepReport& report) {
-  const study::Study& study = *report.sweep->study;
-  const std::vector<study::Column>& columns = report.sweep->columns;
-  std::vector<std::string> header{"best", "value", "design"};
-  for (std::size_t a = 0; a < study.axes.size(); ++a)
-    header.push_back(one_line(columns[a].name) + (columns[a].unit.empty() ? "" : " [" + columns[a].unit + "]"));
-  header.push_back("limited by");
-  const auto shown = study::table_columns(study, columns);
-  TextTable table(header);
-  std::vector<Align> align(header.size(), Align::right);
-  align.front() = align.back() = Align::left;
-  bool any = false;
-  for (std::size_t o = 0; o < study.objectives.size(); ++o) {
-    const study::TallyDesign& best = report.tally->best()[o];
-    if (best.design < 0) continue;
-    any = true;
-    const study::Objective& objective = study.objectives[o];
-    std::vector<std::string> cells{(objective.maximize ? "maximize " : "minimize ") + one_line(objective.text),
-                                   significant(best.value, 5) + (objective.unit.empty() ? "" : " " + objective.unit),
-                                   std::to_string(best.design)};
-    for (std::size_t a = 0; a < study.axes.size(); ++a) cells.push_back(axis_text(shown[a], best.row[a]));
-    std::string limits;
-    for (const study::Limit& limit : report.limits[o]) limits += (limits.empty() ? "" : ", ") + one_line(limit.text);
-    cells.push_back(limits.empty() ? "-" : limits);
-    table.add(cells);
-  }
-  return any ? table.aligned(align) : "";
-}
-
-/// A few designs from all along the front, with their objectives and axes; the others are counted.
-std::string front_table(const SweepReport& report) {
-  constexpr std::size_t kMost = 10;
-  const study::Study& study = *report.sweep->study;
-  const std::vector<study::Column>& columns = report.sweep->columns;
-  const auto shown = study::table_columns(study, columns);
-  const auto heading = [](const std::string& name, const std::string& unit) {
-    return one_line(name) + (unit.empty() ? "" : " [" + unit + "]");
-  };
-  std::vector<std::string> header{"design"};
-  std::vector<std::size_t> objectives;  // those that are no axis, which has a column anyway
-  for (std::size_t o = 0; o < study.objectives.size(); ++o)
-    if (report.tally->job().goals[o].column >= study.axes.size()) objectives.push_back(o);
-  for (const std::size_t o : objectives) header.push_back(heading(study.objectives[o].text, study.objectives[o].unit));
-  for (std::size_t a = 0; a < study.axes.size(); ++a) header.push_back(heading(columns[a].name, columns[a].unit));
-  TextTable table(header);
-  const std::vector<std::size_t> points = spread_over_front(report.front, kMost);
-  std::vector<double> levels(study.axes.size());
-  for (auto point = points.rbegin(); point != points.rend(); ++point) {
-    std::vector<std::string> cells{std::to_string(report.front.designs[*point])};
-    for (const std::size_t o : objectives)
-      cells.push_back(significant((study.objectives[o].maximize ? 1.0 : -1.0) * report.front.at(*point)[o], 5));
-    study::design_at(study, report.front.designs[*point], levels);
-    for (std::size_t a = 0; a < levels.size(); ++a) {
-      const study::Axis& axis = study.axes[a];
-      cells.push_back(
-          axis_text(shown[a], axis.discrete() ? axis.values[static_cast<std::size_t>(levels[a])] : levels[a]));
-    }
-    table.add(cells);
-  }
-  const std::size_t others = report.front.size() - points.size();
-  return table.aligned(std::vector<Align>(header.size(), Align::right)) +
-         (others > 0 ? "and " + std::to_string(others) + " more, which the column pareto of designs.csv marks\n" : "");
-}
-
-std::string infeasible(const SweepReport& report) {
-  std::string text = "no design meets all constraints\n";
-  for (const auto& set : report.tally->contradictions())
-    text += set.size() == 1 ? "no design meets " + list(report, set, "") + "\n"
-                            : "no design meets all of: " + list(report, set, "; ") + "\n";
-  const study::TallyDesign& nearest = report.tally->nearest();
-  if (nearest.design >= 0 && !none_valid(report))
-    text += "nearest is design " + std::to_string(nearest.design) +
-            ", which misses: " + list(report, violated_constraints(report, nearest.row), "; ") + "\n";
-  return text;
-}
-
-std::string share(std::int64_t count, std::int64_t of) { return std::to_string(count) + " of " + std::to_string(of); }
-
-/// What makes designs invalid, and how many.
-std::string invalid(const SweepReport& report) {
-  const study::InvalidDesigns& invalid = report.tally->invalid();
-  if (invalid.designs == 0) return "";
-  const study::Study& study = *report.sweep->study;
-  std::string text = "invalid " + share(invalid.designs, report.tally->designs()) + ", the first is design " +
-                     std::to_string(invalid.first) + "\n";
-  if (const InvalidCause& cause = report.cause; !cause.text.empty())
-    text += "  the commonest cause, of " + share(cause.designs, cause.looked_at) +
-            " looked at: " + one_line(cause.text) + "\n";
-  if (invalid.impossible > 0) text += "  impossible as a sensor: " + std::to_string(invalid.impossible) + "\n";
-  for (std::size_t g = 0; g < invalid.by_goal.size(); ++g)
-    if (invalid.by_goal[g] > 0)
-      text +=
-          "  " + one_line(study.objectives[g].text) + " is not finite: " + std::to_string(invalid.by_goal[g]) + "\n";
-  for (std::size_t k = 0; k < invalid.by_limit.size(); ++k)
-    if (invalid.by_limit[k] > 0)
-      text += "  " + one_line(study.constraints[k].text) +
-              " compares values that are not finite: " + std::to_string(invalid.by_limit[k]) + "\n";
-  return text;
-}
-
-}  // namespace
 
 std::string sweep_summary(const SweepReport& report) {
   const study::Study& study = *report.sweep->study;

@@ -62,47 +62,7 @@ void prepare_parts(const fs::path& folder, const study::RowLayout& layout, const
   mtf::io::write_text_file(key_file(folder).string(), layout.key + "\n");
 }
 
-}  // namespace
-
-fs::path parts_of(const fs::path& folder) { return folder / "parts"; }
-
-void check_sweep_folder(const fs::path& folder, const study::RowLayout& layout, bool force) {
-  std::error_code error;
-  if (holds_key(folder)) {
-    if (!is_of(folder, layout) && !force)
-      throw mtf::UsageError(one_line(folder.string()) +
-                            " holds a stopped sweep of another study, tolerance or version of mtf; choose another "
-                            "folder, or --force to start over");
-    return;
-  }
-  if (fs::exists(folder / "plan.json", error))
-    throw mtf::UsageError(one_line(folder.string()) + " holds a plan and its shards; choose another folder");
-}
-
-std::unique_ptr<OutputSet> open_sweep_folder(const fs::path& folder, const study::RowLayout& layout,
-                                             const std::vector<StudyCopy>& copies, std::vector<std::string> inputs,
-                                             bool force, const Global& global) {
-  check_sweep_folder(folder, layout, force);
-  OutputPlan plan{.folder = folder.string(),
-                  .force = force || holds_key(folder) || has_no_key_yet(folder),
-                  .names = {"sweep.json", "designs.csv", "designs.npy", "columns.csv"},
-                  .subfolders = {"chosen"},
-                  .inputs = std::move(inputs)};
-  for (const StudyCopy& copy : copies) plan.names.push_back(copy.name.lexically_normal().string());
-  auto outputs = std::make_unique<OutputSet>(std::move(plan));
-  prepare_parts(folder, layout, global);
-  return outputs;
-}
-
-void close_sweep_folder(const fs::path& folder) {
-  std::error_code ignored;
-  fs::remove(key_file(folder), ignored);
-  fs::remove_all(parts_of(folder), ignored);
-}
-
 // Copies of a study and of all that it names, so that a folder is complete in itself.
-
-namespace {
 
 std::string bytes_of(const fs::path& file) {
   std::ifstream in(file, std::ios::binary);
@@ -145,6 +105,42 @@ std::string problem_of(const study::Study& study, const std::string& file) {
 }
 
 }  // namespace
+
+fs::path parts_of(const fs::path& folder) { return folder / "parts"; }
+
+void check_sweep_folder(const fs::path& folder, const study::RowLayout& layout, bool force) {
+  std::error_code error;
+  if (holds_key(folder)) {
+    if (!is_of(folder, layout) && !force)
+      throw mtf::UsageError(one_line(folder.string()) +
+                            " holds a stopped sweep of another study, tolerance or version of mtf; choose another "
+                            "folder, or --force to start over");
+    return;
+  }
+  if (fs::exists(folder / "plan.json", error))
+    throw mtf::UsageError(one_line(folder.string()) + " holds a plan and its shards; choose another folder");
+}
+
+std::unique_ptr<OutputSet> open_sweep_folder(const fs::path& folder, const study::RowLayout& layout,
+                                             const std::vector<StudyCopy>& copies, std::vector<std::string> inputs,
+                                             bool force, const Global& global) {
+  check_sweep_folder(folder, layout, force);
+  OutputPlan plan{.folder = folder.string(),
+                  .force = force || holds_key(folder) || has_no_key_yet(folder),
+                  .names = {"sweep.json", "designs.csv", "designs.npy", "columns.csv"},
+                  .subfolders = {"chosen"},
+                  .inputs = std::move(inputs)};
+  for (const StudyCopy& copy : copies) plan.names.push_back(copy.name.lexically_normal().string());
+  auto outputs = std::make_unique<OutputSet>(std::move(plan));
+  prepare_parts(folder, layout, global);
+  return outputs;
+}
+
+void close_sweep_folder(const fs::path& folder) {
+  std::error_code ignored;
+  fs::remove(key_file(folder), ignored);
+  fs::remove_all(parts_of(folder), ignored);
+}
 
 std::vector<mtf::io::Diagnostic> copy_problems(const study::Study& study) {
   std::vector<mtf::io::Diagnostic> problems;

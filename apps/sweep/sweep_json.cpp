@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 
 #include "apps/bench/machine.h"
 #include "apps/study/result_columns.h"

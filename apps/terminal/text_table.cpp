@@ -42,13 +42,6 @@ std::string TextTable::csv() const {
   return text;
 }
 
-std::string csv_field(std::string_view text) {
-  if (text.find_first_of(",\"\r\n") == std::string_view::npos) return std::string(text);
-  std::string quoted = "\"";
-  for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
-  return quoted + "\"";
-}
-
 std::string csv_number(double value) { return std::isfinite(value) ? mtf::format_double(value) : ""; }
 
 }  // namespace apps

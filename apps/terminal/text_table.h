@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "apps/text/message_words.h"
+#include "mtf/io/csv/csv_cells.h"
 
 namespace apps {
 
@@ -27,8 +28,7 @@ class TextTable {
   std::vector<std::vector<std::string>> rows_;
 };
 
-/// A CSV field, quoted where it has to be.
-std::string csv_field(std::string_view text);
+using mtf::io::csv_field;
 
 /// A number of a CSV field with 17 digits, nothing where it is not finite.
 std::string csv_number(double value);

@@ -7,6 +7,7 @@
 
 #include <concepts>
 #include <cstdint>
+#include <functional>
 #include <initializer_list>
 #include <optional>
 #include <string>
@@ -58,8 +59,7 @@ class Json {
   template <JsonList T>
   Json(const T& list) {
     if constexpr (requires { typename T::mapped_type; }) {
-      *this = object();
-      for (const auto& [name, value] : list) (*this)[name] = Json(value);
+      *this = object(list);
     } else {
       *this = array();
       for (const auto& element : list) push_back(Json(element));
@@ -75,7 +75,21 @@ class Json {
   ~Json();
 
   static Json array();
+  /// Of what `of`, a function or a member, is for each element.
+  template <class Elements, class Of>
+  static Json array(const Elements& elements, const Of& of) {
+    Json json = array();
+    for (const auto& element : elements) json.push_back(Json(std::invoke(of, element)));
+    return json;
+  }
   static Json object();
+  /// Of pairs of a name and a value.
+  template <class Pairs>
+  static Json object(const Pairs& members) {
+    Json json = object();
+    for (const auto& [name, value] : members) json[name] = Json(value);
+    return json;
+  }
 
   bool is_null() const noexcept;
   bool is_boolean() const noexcept;

@@ -6,6 +6,7 @@
 #include <set>
 
 #include "calib/characterize/rounding.h"
+#include "calib/characterize/trend.h"
 #include "calib/fit/fit_report.h"
 #include "mtf/error.h"
 #include "mtf/words.h"
@@ -37,6 +38,20 @@ double significance(const std::vector<Stack>& stacks, radiometry::CubePart part)
   return weights > 0.0 ? sum / std::sqrt(weights) : 0.0;
 }
 
+}  // namespace
+
+std::string clipped_words(const Stack& stack) {
+  const bool high = stack.is_clipped_high();
+  return stack.name + ": " + significant(100.0 * (high ? stack.sums.share_high : stack.sums.share_low), 3) +
+         " % of the values are at the " + (high ? "upper" : "lower") + " end of the scale; left out of the fit";
+}
+
+bool is_hidden_by_rounding(const Stack& stack) {
+  const radiometry::MeanSquares& squares = stack.sums.squares;
+  const double spread2 = squares.variance(kVh) + squares.variance(kV) + squares.variance(kH);
+  return unrounded_variance(squares.value[kTvh]) < square(0.4) && spread2 < square(0.5);
+}
+
 void require_sound(const std::vector<Stack>& stacks) {
   if (stacks.empty()) throw mtf::UsageError("no stacks; give flat frames at several exposures");
   const radiometry::MeanSquares& first = stacks.front().sums.squares;
@@ -60,15 +75,18 @@ void require_sound(const std::vector<Stack>& stacks) {
     if (stack.light > stacks[i - 1].light && stack.sums.mean < stacks[i - 1].sums.mean - 5.0 * sd)
       throw mtf::UsageError(stack.name + " has more light than " + stacks[i - 1].name + ", but a lower mean (" +
                             significant(stack.sums.mean, 6) + " after " + significant(stacks[i - 1].sums.mean, 6) +
-                            " counts); stacks and exposures are paired wrongly");
+                            " counts); stacks and their light are paired wrongly");
   }
   if (counted == 0) return;
   const double least = std::min(1.2, 2.0 - 4.5 * std::sqrt(spread) / counted);
   if (ratio / counted < least)
-    throw mtf::UsageError("the light drifts within the stacks: von Neumann's ratio of the frames' means is " +
-                          significant(ratio / counted, 3) +
-                          ", 2 for a steady lamp; let the lamp warm up, or take the exposures in turn");
+    throw mtf::UsageError(
+        "the light drifts within the stacks: von Neumann's ratio of the frames' means is " +
+        significant(ratio / counted, 3) +
+        ", 2 for a steady one; let lamp or blackbody, and camera, warm up, or take the exposures in turn");
 }
+
+namespace {
 
 /// Relative variance of the light from frame to frame, less that of the dark; 0 where it is not above 3 sd.
 double flicker_of(const std::vector<Stack>& stacks, double dark_mean) {
@@ -82,11 +100,6 @@ double flicker_of(const std::vector<Stack>& stacks, double dark_mean) {
     weights += weight;
   }
   return weights > 0.0 && sum > kSure_sd * std::sqrt(weights) ? sum / weights : 0.0;
-}
-
-/// Squared spread of the pixels' means, counts^2.
-double spread2(const radiometry::MeanSquares& squares) {
-  return squares.variance(kVh) + squares.variance(kV) + squares.variance(kH);
 }
 
 /// The stacks whose mean frames tell the patterns; null where there is none with a plane.
@@ -156,16 +169,25 @@ class Analysis {
          .from = from});
   }
   /// The root of a variance in counts^2, over `divisor`: a value where the variance is clearly above 0, else a limit.
-  void add_rms(const std::string& name, const std::string& unit, const VarianceComponent& c, double divisor,
+  void add_rms(const std::string& name, const std::string& unit, const VarianceComponent& c, const Estimate& divisor,
                const std::string& from, std::optional<double> variance_sd_array = std::nullopt) {
-    const auto root = [&](double v) { return std::sqrt(std::max(0.0, v)) / divisor; };
+    const auto root = [&](double v) { return std::sqrt(std::max(0.0, v)) / divisor.value; };
     Finding f{.name = name, .unit = unit, .from = from};
     f.value = root(c.variance);
     f.low95 = root(c.low95);
     f.high95 = root(c.high95);
     f.verdict = c.low95 > 0.0 ? Verdict::determined : Verdict::upper_limit;
-    if (f.value > 0.0) f.sd = c.sd / (2.0 * f.value * square(divisor));
-    if (f.value > 0.0 && variance_sd_array) f.sd_array = *variance_sd_array / (2.0 * f.value * square(divisor));
+    if (f.value > 0.0) {
+      // The divisor's error is independent of the variance's.
+      const double by_divisor = f.value * divisor.sd / divisor.value;
+      const auto sd = [&](double of_variance) {
+        return std::hypot(of_variance / (2.0 * f.value * square(divisor.value)), by_divisor);
+      };
+      f.sd = sd(c.sd);
+      if (variance_sd_array) f.sd_array = sd(*variance_sd_array);
+      if (f.low95 > 0.0) f.low95 = std::max(0.0, f.value - std::hypot(f.value - f.low95, k95_sd * by_divisor));
+      f.high95 = f.value + std::hypot(f.high95 - f.value, k95_sd * by_divisor);
+    }
     if (c.variance < -4.0 * c.sd)
       result_.warnings.push_back(name + ": the variance is negative by " + significant(-c.variance / c.sd, 2) +
                                  " standard deviations, so the pattern is not white");
@@ -179,7 +201,7 @@ class Analysis {
   CharacterizeOptions options_;
   Characterization result_;
   bool read_hidden_ = false;  ///< by rounding
-  double gain_ = 0.0;         ///< counts per electron, corrected
+  Estimate gain_;             ///< counts per electron, corrected
 };
 
 void Analysis::make_levels() {
@@ -195,10 +217,7 @@ void Analysis::make_levels() {
     const Stack& stack = stacks[i];
     const StackSummary& s = stack.sums;
     if (!stack.is_usable()) {
-      result_.warnings.push_back(stack.name + ": " +
-                                 significant(100.0 * (stack.is_clipped_high() ? s.share_high : s.share_low), 3) +
-                                 " % of the values are at the " + (stack.is_clipped_high() ? "upper" : "lower") +
-                                 " end of the scale; left out of the fit");
+      result_.warnings.push_back(clipped_words(stack));
       continue;
     }
     const double v = s.squares.value[kTvh], n = number_of_values(stack), T = s.squares.frames;
@@ -210,7 +229,7 @@ void Analysis::make_levels() {
     level.dof = s.squares.dof(kTvh);
     if (v < 1.5) level.variance_sd = s.variance_sd;  // rounded noise of a pixel is not normal
     level.light_sd = std::sqrt(square(options_.light_repeatability) + flicker / T);
-    if (unrounded_variance(v) < square(0.4) && spread2(s.squares) < square(0.5)) {
+    if (is_hidden_by_rounding(stack)) {
       level.variance_counts = false;
       level.mean_variance += 1.0 / 12.0;
       read_hidden_ = read_hidden_ || stack.light == 0.0;
@@ -269,7 +288,9 @@ void Analysis::fit() {
     correct_for_crosstalk();
   }
   const PhotonTransfer& t = result_.transfer;
-  gain_ = t.gain.value / result_.crosstalk.power.value;
+  const Estimate& q = result_.crosstalk.power;
+  gain_.value = t.gain.value / q.value;
+  gain_.sd = gain_.value * std::hypot(t.gain.sd / t.gain.value, q.sd / q.value);
   result_.misfit = !t.converged || t.p < options_.misfit_p;
   if (!result_.misfit) return;
   const auto size = [](const PhotonTransfer::Level& l) { return std::max(std::abs(l.mean_z), std::abs(l.variance_z)); };
@@ -302,7 +323,7 @@ void Analysis::correct_for_crosstalk() {
 void Analysis::add_transfer() {
   const PhotonTransfer& t = result_.transfer;
   const Estimate& q = result_.crosstalk.power;
-  const double relative = std::hypot(t.gain.sd / t.gain.value, q.sd / q.value), inverse = 1.0 / gain_;
+  const double inverse = 1.0 / gain_.value;
   const std::string from = "fit of the means and variances of " + std::to_string(t.levels.size()) + " levels" +
                            (result_.crosstalk.found ? ", corrected for crosstalk" : "");
   // There are 1/q apparent electrons for one: rates fall by q, a rises, and the error of q adds.
@@ -310,14 +331,14 @@ void Analysis::add_transfer() {
     const double factor = std::pow(q.value, power);
     return Estimate{e.value * factor, std::hypot(e.sd * factor, power * e.value * factor * q.sd / q.value)};
   };
-  add_value("electrons_per_count", "e-", {inverse, inverse * relative}, from);
+  add_value("electrons_per_count", "e-", {inverse, inverse * gain_.sd / gain_.value}, from);
   add_value("offset", "counts", t.offset, from);
   const Estimate read2 = scaled(t.read2, 2.0);
   const VarianceComponent read{.variance = read2.value,
                                .sd = read2.sd,
                                .low95 = read2.value - k95_sd * read2.sd,
                                .high95 = read2.value + k95_sd * read2.sd};
-  add_rms("read_noise", "e-", read, 1.0, from);
+  add_rms("read_noise", "e-", read, {1.0, 0.0}, from);
   if (read_hidden_) {
     Finding& finding = result_.findings.back();
     finding.verdict = Verdict::upper_limit;
@@ -396,6 +417,7 @@ void Analysis::add_patterns() {
     for (const char* const name : {"prnu", "prnu_row", "prnu_column"})
       not_determined(name, "", dark == nullptr ? no_dark : "no level has light");
   if (dark == nullptr) return;
+  result_.dark = static_cast<int>(dark - result_.stacks.data());
   const PlaneSquares plane = plane_squares(dark->sums.pattern.view());
   const AveragedStack dark_stack{dark->sums.squares, rounding_of(*dark)};
   const Pattern fixed = pattern_of(plane, {dark_stack});
@@ -408,7 +430,7 @@ void Analysis::add_patterns() {
     mtf::Image d(other.sums.pattern.width(), other.sums.pattern.height());
     for (std::int64_t i = 0; i < d.size(); ++i)
       d.data()[i] = other.sums.pattern.data()[i] - dark.sums.pattern.data()[i];
-    return pattern_of(plane_squares(d.view()), {{other.sums.squares, rounding_of(other)}, dark_stack});
+    return d;
   };
   if (bright != nullptr) {
     const auto index = static_cast<std::size_t>(bright - result_.stacks.data());
@@ -416,19 +438,45 @@ void Analysis::add_patterns() {
     // K g' e of the apparent numbers is that of the true ones; crosstalk smooths the pattern of white pixels by its
     // power.
     const double signal = result_.transfer.gain.value * level.slope * level.electrons;
-    const double pixels = signal * std::sqrt(result_.crosstalk.power.value);
-    const Pattern response = difference(*bright);
+    result_.bright = static_cast<int>(index);
+    result_.bright_signal = signal;
+    const Estimate &q = result_.crosstalk.power, lines{signal, 0.0},
+                   pixels{signal * std::sqrt(q.value), signal * 0.5 * q.sd / std::sqrt(q.value)};
+    mtf::Image lit = difference(*bright);
+    const Trend trend = remove_trend(lit.view(), options_.trend);
+    result_.trend = trend.degree;
+    const PlaneSquares squares = plane_squares(lit.view(), trend.degree);
+    const Pattern response = pattern_of(squares, {{bright->sums.squares, rounding_of(*bright)}, dark_stack});
     const std::string from = bright->name + " less " + dark->name;
+    if (trend.degree > 0) {
+      const double pixels_of = squares.rows * squares.columns, n = trend.degree;
+      const auto part = [&](double sum, double terms, double mean_square) {  // of a given shading
+        const double left = std::max(0.0, sum - terms * mean_square);
+        return Estimate{(sum - terms * mean_square) / pixels_of,
+                        std::sqrt(2.0 * terms * mean_square * mean_square + 4.0 * mean_square * left) / pixels_of};
+      };
+      VarianceComponent shading;
+      for (const Estimate& one : {part(trend.rows, n, squares.row), part(trend.columns, n, squares.column),
+                                  part(trend.cross, trend.cross_terms(), squares.pixel)}) {
+        shading.variance += one.value;
+        shading.sd = std::hypot(shading.sd, one.sd);
+      }
+      shading.low95 = shading.variance - k95_sd * shading.sd;
+      shading.high95 = shading.variance + k95_sd * shading.sd;
+      add_rms("shading", "", shading, lines, from + ", degree " + std::to_string(trend.degree));
+    }
     add_rms("prnu", "", response.pixel, pixels, from, response.pixel_sd_array);
-    add_rms("prnu_row", "", response.row, signal, from, response.row_sd_array);
-    add_rms("prnu_column", "", response.column, signal, from, response.column_sd_array);
+    add_rms("prnu_row", "", response.row, lines, from, response.row_sd_array);
+    add_rms("prnu_column", "", response.column, lines, from, response.column_sd_array);
   }
   const std::optional<Estimate>& rate = result_.transfer.dark;
   if (!rate || !(longest->time_s > dark->time_s)) return;
-  const double charge = gain_ * rate->value * result_.crosstalk.power.value * (longest->time_s - dark->time_s);
-  const Pattern grown = difference(*longest);
+  const double charge = gain_.value * rate->value * result_.crosstalk.power.value * (longest->time_s - dark->time_s);
+  const Pattern grown = pattern_of(plane_squares(difference(*longest).view()),
+                                   {{longest->sums.squares, rounding_of(*longest)}, dark_stack});
   if (rate->value > kSure_sd * rate->sd)
-    add_rms("dcnu", "", grown.pixel, charge, longest->name + " less " + dark->name, grown.pixel_sd_array);
+    add_rms("dcnu", "", grown.pixel, {charge, charge * rate->sd / rate->value}, longest->name + " less " + dark->name,
+            grown.pixel_sd_array);
   else
     not_determined("dcnu", "", "the dark current is not above 3 standard deviations");
 }
@@ -442,7 +490,7 @@ void Analysis::add_unknowable() {
 }  // namespace
 
 std::string_view verdict_name(Verdict verdict) {
-  constexpr std::array<std::string_view, 3> names{"determined", "upper limit", "not determined"};
+  constexpr std::array<std::string_view, 4> names{"determined", "upper limit", "not determined", "predicted"};
   return names[static_cast<std::size_t>(verdict)];
 }
 

@@ -44,6 +44,7 @@ struct Stack {
   std::string name;
   double light = 0.0;   ///< photons, or any unit that is proportional to them; 0 in the dark
   double time_s = 0.0;  ///< of the exposure
+  double light_per_k = 0.0, light_per_emissivity = 0.0;  ///< of a blackbody (thermal.h): by how much its light grows
   StackSummary sums;
 
   /// Few of its values are at an end of the scale, below and above.
@@ -56,15 +57,16 @@ struct Stack {
 void drop_planes(std::vector<Stack>& stacks);
 
 struct CharacterizeOptions {
-  int nonlinearity = 0;              ///< terms of the response: 0, 1 (a2), 2 (a2, a3)
+  int nonlinearity = 0;              ///< terms of the response: 0, 1 (a2), 2 (a2, a3), 3 (a2, a3, a4)
   double full_well_e = 0.0;          ///< to which they refer; 0: the range of counts up to `most_counts` by the gain
   double most_counts = 0.0;          ///< the largest count of the converter
+  int trend = 2;                     ///< degree of the shading that is no part of the response's pattern (trend.h)
   double light_repeatability = 0.0;  ///< relative sd of the light from stack to stack
   bool counts_time = false;  ///< the times of the stacks are known: dark current where dark stacks differ in them
   double misfit_p = 1e-3;    ///< below, the model does not describe the frames
 };
 
-enum class Verdict { determined, upper_limit, not_determined };
+enum class Verdict { determined, upper_limit, not_determined, predicted };
 std::string_view verdict_name(Verdict verdict);
 
 struct Finding {
@@ -73,26 +75,38 @@ struct Finding {
   double value = 0.0, sd = 0.0;
   double low95 = 0.0, high95 = 0.0;
   std::optional<double>
-      sd_array{};      ///< of the number of this one array, where `sd` is that of the process it is a draw of
-  std::string from{};  ///< stacks and method
-  std::string why{};   ///< it is not determined
+      sd_array{};  ///< of the number of this one array, where `sd` is that of the process it is a draw of
+  std::optional<double> sd_systematic{};  ///< of what does not average down over frames; beside `sd`, in the interval
+  std::string from{};                     ///< stacks and method
+  std::string why{};                      ///< it is not determined
 };
 
 struct Characterization {
   std::vector<Stack> stacks;  ///< by light, then time
   std::vector<int> level_of;  ///< of each stack in `transfer.levels`; -1: left out
   std::vector<TransferLevel> levels;
-  PhotonTransfer transfer;  ///< apparent, before the correction for crosstalk
+  PhotonTransfer transfer;   ///< apparent, before the correction for crosstalk
+  double reference_k = 0.0;  ///< of the kelvin of thermal.h; 0: frames by light
   CrosstalkEstimate crosstalk;
-  double full_well_e = 0.0;  ///< of a2 and a3
+  double full_well_e = 0.0;  ///< of a2, a3, a4
   std::vector<Finding> findings;
   std::vector<Defect> defects;  ///< of the dark, in counts
+  int dark = -1, bright = -1;   ///< places in `stacks` of those whose planes tell the patterns; -1: there is none
+  double bright_signal = 0.0;   ///< K g'(e) e of the bright one: counts of the responsivity's pattern
+  int trend = 0;                ///< degree of the shading that was taken from it
   std::vector<std::string> warnings;
   bool misfit = false;
   std::string misfit_reason;  ///< with the level that disagrees most
 
   const Finding* find(std::string_view name) const;
 };
+
+/// Why a stack that is not usable is left out, and whether rounding hides the noise of one: it is below 0.4 counts, and
+/// the pixels are within half a count of each other.
+std::string clipped_words(const Stack& stack);
+bool is_hidden_by_rounding(const Stack& stack);
+/// Throws UsageError for no stacks, stacks of other sizes, means that fall while the light rises, and drifts.
+void require_sound(const std::vector<Stack>& by_light);
 
 /// Throws UsageError, naming stack and remedy, for stacks of other sizes, without a level that is not clipped, whose
 /// means do not follow the light, whose light drifts, and as fit_photon_transfer().

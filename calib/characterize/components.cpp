@@ -13,12 +13,6 @@ constexpr double kTail = 0.025;  // on each side of an interval
 
 double chi_square_quantile(double p, double dof) { return 2.0 * boost::math::gamma_p_inv(0.5 * dof, p); }
 
-double f_quantile(double p, double dof1, double dof2) {
-  double rest = 0.0;  // 1 - y, which is not the difference near y = 1
-  const double y = boost::math::ibeta_inv(0.5 * dof1, 0.5 * dof2, p, &rest);
-  return y * dof2 / (dof1 * rest);
-}
-
 double below(double dof) { return 1.0 - dof / chi_square_quantile(1.0 - kTail, dof); }
 double above(double dof) { return dof / chi_square_quantile(kTail, dof) - 1.0; }
 double square(double x) { return x * x; }
@@ -64,6 +58,12 @@ VarianceComponent variance_component(const radiometry::MeanSquares& squares, rad
 
 double chi_square_tail(double chi2, double dof) {
   return dof > 0.0 ? boost::math::gamma_q(0.5 * dof, 0.5 * std::max(0.0, chi2)) : 1.0;
+}
+
+double f_quantile(double p, double dof1, double dof2) {
+  double rest = 0.0;  // 1 - y, which is not the difference near y = 1
+  const double y = boost::math::ibeta_inv(0.5 * dof1, 0.5 * dof2, p, &rest);
+  return y * dof2 / (dof1 * rest);
 }
 
 }  // namespace calib

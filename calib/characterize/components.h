@@ -38,5 +38,8 @@ VarianceComponent variance_component(const radiometry::MeanSquares& squares, rad
 
 /// Probability that chi-square of noise is at least as large.
 double chi_square_tail(double chi2, double dof);
+/// The ratio of two mean squares of noise that is not exceeded with the probability p; with dof1 = 1 that of Student's
+/// t squared.
+double f_quantile(double p, double dof1, double dof2);
 
 }  // namespace calib

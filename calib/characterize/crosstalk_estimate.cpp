@@ -68,4 +68,24 @@ CrosstalkEstimate estimate_crosstalk(const std::vector<CorrelatedLevel>& levels)
   return result;
 }
 
+void undo_crosstalk(mtf::Image& plane, double side, double corner) {
+  // x <- x + (measured - h x) converges as (8 side + 4 corner)^n at the worst, where h is below 1.
+  const mtf::Image measured = plane.clone();
+  constexpr int kSteps = 12;
+  for (int step = 0; step < kSteps; ++step) {
+    const mtf::Image before = plane.clone();
+    const auto at = [&](std::int64_t x, std::int64_t y) {
+      return static_cast<double>(before.at(std::clamp<std::int64_t>(x, 0, plane.width() - 1),
+                                           std::clamp<std::int64_t>(y, 0, plane.height() - 1)));
+    };
+    for (std::int64_t y = 0; y < plane.height(); ++y)
+      for (std::int64_t x = 0; x < plane.width(); ++x) {
+        const double sides = at(x - 1, y) + at(x + 1, y) + at(x, y - 1) + at(x, y + 1);
+        const double corners = at(x - 1, y - 1) + at(x + 1, y - 1) + at(x - 1, y + 1) + at(x + 1, y + 1);
+        const double through = (1.0 - 4.0 * (side + corner)) * at(x, y) + side * sides + corner * corners;
+        plane.at(x, y) = static_cast<float>(at(x, y) + static_cast<double>(measured.at(x, y)) - through);
+      }
+  }
+}
+
 }  // namespace calib

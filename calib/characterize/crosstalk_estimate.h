@@ -37,4 +37,7 @@ struct CrosstalkEstimate {
 
 CrosstalkEstimate estimate_crosstalk(const std::vector<CorrelatedLevel>& levels);
 
+/// The plane before crosstalk, by iteration; neighbours beyond the border have the value at the border.
+void undo_crosstalk(mtf::Image& plane, double side, double corner);
+
 }  // namespace calib

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "mtf/engines/statistics.h"
+
 namespace calib {
 namespace {
 
@@ -58,16 +60,6 @@ double residual(mtf::ImageView<const float> plane, const Lines& lines, std::size
          lines.columns[i % H];
 }
 
-/// Robust standard deviation of the residuals of at most a million pixels.
-double robust_sd(mtf::ImageView<const float> plane, const Lines& lines) {
-  const auto n = static_cast<std::size_t>(plane.width * plane.height), stride = n / 1'000'000 + 1;
-  std::vector<double> sizes;
-  for (std::size_t i = 0; i < n; i += stride) sizes.push_back(std::abs(residual(plane, lines, i)));
-  const auto middle = sizes.begin() + std::ssize(sizes) / 2;
-  std::nth_element(sizes.begin(), middle, sizes.end());
-  return kMadToSd * *middle;
-}
-
 /// Variance of a standard normal cut at +- kFar_sd.
 double cut_variance() {
   const double density = std::exp(-0.5 * kFar_sd * kFar_sd) / std::sqrt(2.0 * std::numbers::pi);
@@ -76,13 +68,22 @@ double cut_variance() {
 
 }  // namespace
 
-PlaneSquares plane_squares(mtf::ImageView<const float> plane) {
+double defect_limit(std::size_t count, const std::function<double(std::size_t)>& number) {
+  const std::size_t stride = count / 1'000'000 + 1;
+  std::vector<double> sizes;
+  for (std::size_t i = 0; i < count; i += stride) sizes.push_back(std::abs(number(i)));
+  const auto middle = sizes.begin() + std::ssize(sizes) / 2;
+  std::nth_element(sizes.begin(), middle, sizes.end());
+  return kFar_sd * kMadToSd * *middle;
+}
+
+PlaneSquares plane_squares(mtf::ImageView<const float> plane, int trend) {
   const auto n = static_cast<std::size_t>(plane.width * plane.height), H = static_cast<std::size_t>(plane.width);
   std::vector<char> out(n, 0);
   Lines lines = lines_of(plane, out);
   std::size_t left_out = 0;
   for (int pass = 0; pass < 3; ++pass) {
-    const double far = kFar_sd * robust_sd(plane, lines);
+    const double far = defect_limit(n, [&](std::size_t i) { return residual(plane, lines, i); });
     std::size_t count = 0;
     for (std::size_t i = 0; i < n; ++i) {
       out[i] = far > 0.0 && std::abs(residual(plane, lines, i)) > far ? 1 : 0;
@@ -104,19 +105,24 @@ PlaneSquares plane_squares(mtf::ImageView<const float> plane) {
       result.defects.push_back({static_cast<std::int64_t>(i % H), static_cast<std::int64_t>(i / H), r});
   }
   const double V = result.rows, W = result.columns;
-  result.pixel_dof = (V - 1.0) * (W - 1.0) - static_cast<double>(left_out);
+  result.row_dof = V - 1.0 - trend;
+  result.column_dof = W - 1.0 - trend;
+  result.pixel_dof = (V - 1.0) * (W - 1.0) - static_cast<double>(left_out) - 0.5 * trend * (trend - 1);
   result.pixel = squares / result.pixel_dof / cut_variance();
   const double mean = mean_of(lines.rows);
-  for (const double one : lines.rows) result.row += W * (one - mean) * (one - mean) / (V - 1.0);
-  for (const double one : lines.columns) result.column += V * one * one / (W - 1.0);
+  for (const double one : lines.rows) result.row += W * (one - mean) * (one - mean) / result.row_dof;
+  for (const double one : lines.columns) result.column += V * one * one / result.column_dof;
+  result.row_means = std::move(lines.rows);
+  result.column_means = std::move(lines.columns);
   return result;
 }
 
 Pattern pattern_of(const PlaneSquares& plane, const std::vector<AveragedStack>& stacks) {
   std::vector<MeanSquareTerm> pixel{{1.0, plane.pixel, plane.pixel_dof}};
   const double V = plane.rows, H = plane.columns;
-  std::vector<MeanSquareTerm> row{{1.0 / H, plane.row, V - 1.0}, {-1.0 / H, plane.pixel, plane.pixel_dof}};
-  std::vector<MeanSquareTerm> column{{1.0 / V, plane.column, H - 1.0}, {-1.0 / V, plane.pixel, plane.pixel_dof}};
+  std::vector<MeanSquareTerm> row{{1.0 / H, plane.row, plane.row_dof}, {-1.0 / H, plane.pixel, plane.pixel_dof}};
+  std::vector<MeanSquareTerm> column{{1.0 / V, plane.column, plane.column_dof},
+                                     {-1.0 / V, plane.pixel, plane.pixel_dof}};
   double rounding = 0.0, temporal = 0.0, temporal_row = 0.0, temporal_column = 0.0;
   for (const AveragedStack& stack : stacks) {
     const auto term = [&](std::size_t part, double factor) {
@@ -140,9 +146,31 @@ Pattern pattern_of(const PlaneSquares& plane, const std::vector<AveragedStack>& 
     return std::sqrt((2.0 * a * a + 4.0 * a * std::max(0.0, mean_square - a)) / dof) / divisor;
   };
   result.pixel_sd_array = sd_array(temporal, plane.pixel, plane.pixel_dof, 1.0);
-  result.row_sd_array = sd_array(temporal_row, plane.row, V - 1.0, H);
-  result.column_sd_array = sd_array(temporal_column, plane.column, H - 1.0, V);
+  result.row_sd_array = sd_array(temporal_row, plane.row, plane.row_dof, H);
+  result.column_sd_array = sd_array(temporal_column, plane.column, plane.column_dof, V);
   return result;
+}
+
+mtf::Image pattern_map(mtf::ImageView<const float> plane, const PlaneSquares& squares, const PatternRms& found) {
+  const auto factor = [](double rms2, double mean_square) {
+    return mean_square > 0.0 ? std::sqrt(std::min(1.0, rms2 / mean_square)) : 0.0;
+  };
+  // White pixels have means of rows and columns too.
+  const double pixel2 = found.pixel * found.pixel, pixel = factor(pixel2, squares.pixel);
+  const double row = factor(pixel2 + squares.columns * found.row * found.row, squares.row);
+  const double column = factor(pixel2 + squares.rows * found.column * found.column, squares.column);
+  const double mean = mean_of(squares.row_means);
+  mtf::Image map(plane.width, plane.height);
+  for (std::int64_t y = 0; y < plane.height; ++y)
+    for (std::int64_t x = 0; x < plane.width; ++x)
+      map.at(x, y) = static_cast<float>(pixel * squares.deviation(plane, x, y) +
+                                        row * (squares.row_means[static_cast<std::size_t>(y)] - mean) +
+                                        column * squares.column_means[static_cast<std::size_t>(x)]);
+  for (const Defect& defect : squares.defects)
+    map.at(defect.x, defect.y) += static_cast<float>((1.0 - pixel) * defect.excess);
+  const double left = mtf::statistics(map.view()).mean;
+  for (std::int64_t i = 0; i < map.size(); ++i) map.data()[i] -= static_cast<float>(left);
+  return map;
 }
 
 }  // namespace calib

@@ -12,6 +12,7 @@
 // columns are fitted again without them, and the variance of the rest is divided by that of a normal distribution cut
 // there.
 
+#include <functional>
 #include <vector>
 
 #include "calib/characterize/components.h"
@@ -24,14 +25,25 @@ struct Defect {
   double excess = 0.0;  ///< counts above its row and column
 };
 
+/// 4.5 robust standard deviations of numbers about 0, of at most a million of them: beyond it are defects.
+double defect_limit(std::size_t count, const std::function<double(std::size_t)>& number);
+
 /// Mean squares of a plane, each with the expectation of a single plane: pixels alone have the same in all three.
 struct PlaneSquares {
   double rows = 0.0, columns = 0.0;  ///< V, H
   double pixel = 0.0, row = 0.0, column = 0.0;
-  double pixel_dof = 0.0;
-  std::vector<Defect> defects;  ///< along rows
+  double pixel_dof = 0.0, row_dof = 0.0, column_dof = 0.0;
+  std::vector<Defect> defects;                  ///< along rows
+  std::vector<double> row_means, column_means;  ///< without the defects; the columns about the mean
+
+  /// Of a pixel from its row and column.
+  double deviation(mtf::ImageView<const float> plane, std::int64_t x, std::int64_t y) const {
+    return static_cast<double>(plane.row(y)[x]) - row_means[static_cast<std::size_t>(y)] -
+           column_means[static_cast<std::size_t>(x)];
+  }
 };
-PlaneSquares plane_squares(mtf::ImageView<const float> plane);
+/// `trend`: degree of the one that was removed from the plane (trend.h), which took squares with it.
+PlaneSquares plane_squares(mtf::ImageView<const float> plane, int trend = 0);
 
 /// A stack whose mean frame is in the plane.
 struct AveragedStack {
@@ -45,5 +57,13 @@ struct Pattern {
   double pixel_sd_array = 0.0, row_sd_array = 0.0, column_sd_array = 0.0;
 };
 Pattern pattern_of(const PlaneSquares& plane, const std::vector<AveragedStack>& stacks);
+
+/// Rms of a pattern.
+struct PatternRms {
+  double pixel = 0.0, row = 0.0, column = 0.0;
+};
+/// The pattern without its mean, as a map: what a plane shows is larger by what is left of temporal noise, so the
+/// deviations of pixels, rows and columns are each shrunk to the rms that was found. Defects stay as they are.
+mtf::Image pattern_map(mtf::ImageView<const float> plane, const PlaneSquares& squares, const PatternRms& found);
 
 }  // namespace calib

@@ -39,12 +39,16 @@ class Problem {
     const TransferLevel& level = levels_[i];
     const double gain = std::exp(x[kLogGain]), d = light_[i] < 0 ? 0.0 : x[light_[i]];
     const int terms = options_.nonlinearity, dark = kFirst + terms;
-    const double a2 = terms > 0 ? x[kFirst] : 0.0, a3 = terms > 1 ? x[kFirst + 1] : 0.0;
     Model m;
     const double e = x[kRate] * level.light * (1.0 + d) + (options_.dark_current ? x[dark] * level.time_s : 0.0);
     const double u = terms > 0 ? e / options_.full_well_e : 0.0;
-    const double g = e * (1.0 + u * (a2 + u * a3)), g1 = 1.0 + u * (2.0 * a2 + 3.0 * u * a3);
-    const double g2 = terms > 0 ? (2.0 * a2 + 6.0 * a3 * u) / options_.full_well_e : 0.0;
+    double g = e, g1 = 1.0, g2 = 0.0;  // the response, its slope and the slope of that
+    for (int k = 0; k < terms; ++k) {
+      const double a = x[kFirst + k], power = std::pow(u, k);
+      g += a * e * u * power;
+      g1 += (k + 2) * a * u * power;
+      g2 += (k + 2) * (k + 1) * a * power / options_.full_well_e;
+    }
     m.electrons = e;
     m.slope = g1;
     m.mean = x[kOffset] + gain * g;
@@ -184,6 +188,10 @@ Eigen::VectorXd start_of(const std::vector<TransferLevel>& levels, const Transfe
   return x;
 }
 
+PhotonTransfer::Level level_of(const Model& m) {
+  return {.electrons = m.electrons, .slope = m.slope, .mean = m.mean, .variance = m.variance};
+}
+
 }  // namespace
 
 PhotonTransfer fit_photon_transfer(const std::vector<TransferLevel>& levels, const TransferOptions& options) {
@@ -191,6 +199,7 @@ PhotonTransfer fit_photon_transfer(const std::vector<TransferLevel>& levels, con
   const Problem problem(levels, options);
   Eigen::VectorXd x = start_of(levels, options, problem.unknowns());
   PhotonTransfer fit;
+  fit.options = options;
   double cost = problem.cost(x);
   constexpr int kMost = 200;
   for (fit.iterations = 1; fit.iterations <= kMost && !fit.converged; ++fit.iterations) {
@@ -234,7 +243,7 @@ PhotonTransfer fit_photon_transfer(const std::vector<TransferLevel>& levels, con
   fit.dof = -n;
   for (std::size_t i = 0; i < levels.size(); ++i) {
     const Model m = problem.at(x, i);
-    PhotonTransfer::Level level{.electrons = m.electrons, .slope = m.slope, .mean = m.mean, .variance = m.variance};
+    PhotonTransfer::Level level = level_of(m);
     level.mean_z = (levels[i].mean - m.mean) / std::sqrt(levels[i].mean_variance);
     if (levels[i].variance_counts) level.variance_z = (levels[i].variance - m.variance) / problem.variance_sd(i, m);
     fit.chi2 += level.mean_z * level.mean_z + level.variance_z * level.variance_z;
@@ -247,6 +256,17 @@ PhotonTransfer fit_photon_transfer(const std::vector<TransferLevel>& levels, con
   }
   fit.p = chi_square_tail(fit.chi2, fit.dof);
   return fit;
+}
+
+PhotonTransfer::Level level_at(const PhotonTransfer& fit, double light, double time_s) {
+  const std::vector<TransferLevel> levels{{.light = light, .time_s = time_s}};
+  const Problem problem(levels, fit.options);
+  Eigen::VectorXd x(problem.parameters());
+  x.head(kFirst) << std::log(fit.gain.value), fit.read2.value, fit.offset.value, fit.rate.value;
+  Eigen::Index k = kFirst;
+  for (const Estimate& term : fit.a) x[k++] = term.value;
+  if (fit.dark) x[k] = fit.dark->value;
+  return level_of(problem.at(x, 0));
 }
 
 }  // namespace calib

@@ -3,7 +3,7 @@
 
 // Photon transfer as one fit: gain, noise and response of a camera from the means and the temporal variances of stacks
 // at several levels of light. Light gives e electrons in a pixel, a Poisson number, of which the camera makes counts
-//   mean      m = offset + K g(e),                     g(e) = e (1 + a2 u + a3 u^2),  u = e / full well
+//   mean      m = offset + K g(e),                     g(e) = e (1 + a2 u + a3 u^2 + a4 u^3),  u = e / full well
 //   variance  V = step^2 Q((g'(e)^2 K^2 e + K^2 r^2) / step^2)
 // with K counts per electron, the read noise r, Q of rounding.h, and e = rate light (1 + d) + dark time. The error d of
 // the light of a level is known to be normal with `light_sd`: from the repeatability of the lamp, from its flicker over
@@ -38,20 +38,21 @@ struct TransferLevel {
 };
 
 struct TransferOptions {
-  int nonlinearity = 0;       ///< terms: 0, 1 (a2), 2 (a2, a3)
+  int nonlinearity = 0;       ///< terms: 0, 1 (a2), 2 (a2, a3), 3 (a2, a3, a4)
   double full_well_e = 0.0;   ///< of u; needed with terms
   bool dark_current = false;  ///< the levels tell it: dark stacks of different times
   double step = 1.0;          ///< of the counts; 0: no rounding
 };
 
 struct PhotonTransfer {
+  TransferOptions options;
   Estimate gain;                   ///< K, counts per electron
   Estimate read2;                  ///< r^2, electrons^2; below 0 where the data say so
   Estimate offset;                 ///< counts
   Estimate rate;                   ///< electrons per unit of light
-  std::vector<Estimate> a;         ///< a2, a3
+  std::vector<Estimate> a;         ///< a2, a3, a4
   std::optional<Estimate> dark;    ///< electrons per second
-  std::vector<std::string> names;  ///< of the rows of the covariance: gain, read2, offset, rate, a2, a3, dark
+  std::vector<std::string> names;  ///< of the rows of the covariance: gain, read2, offset, rate, a2, a3, a4, dark
   Eigen::MatrixXd covariance;
 
   struct Level {
@@ -71,5 +72,8 @@ struct PhotonTransfer {
 /// Throws UsageError where there are fewer levels than the unknowns need, where light or means do not rise, and where
 /// the variance does not rise with the mean, as after a camera's own processing.
 PhotonTransfer fit_photon_transfer(const std::vector<TransferLevel>& levels, const TransferOptions& options);
+
+/// What the fit gives for that light, whose error is none.
+PhotonTransfer::Level level_at(const PhotonTransfer& fit, double light, double time_s);
 
 }  // namespace calib

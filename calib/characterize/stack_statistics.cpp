@@ -13,37 +13,18 @@
 namespace calib {
 namespace {
 
-constexpr std::int64_t kRows = 32;  // of a block; blocks are added in order, whoever worked on them
-
-/// What a block of rows adds to the totals. Sums of counts are exact: those of a row, of up to 2^19 pixels within 2^17
-/// of the reference, in doubles, all others in long doubles up to 2^64.
-struct Block {
-  long double squares = 0.0L, row_squares = 0.0L, total = 0.0L;
-  std::array<long double, kLags.size()> products{};
-  std::vector<double> columns;
-  std::int64_t low = 0, high = 0;
-  std::uint32_t bits = 0;
-  bool whole = true;
-};
-
-/// Eight partial sums: they are as many lanes, and the order of additions is the same on every machine.
-MTFKIT_CLONES double sum_of_products(const double* a, const double* b, std::int64_t count) {
-  std::array<double, 8> part{};
-  std::int64_t i = 0;
-  for (; i + 8 <= count; i += 8)
-    for (std::int64_t k = 0; k < 8; ++k) part[static_cast<std::size_t>(k)] += a[i + k] * b[i + k];
-  for (; i < count; ++i) part[0] += a[i] * b[i];
-  return ((part[0] + part[1]) + (part[2] + part[3])) + ((part[4] + part[5]) + (part[6] + part[7]));
-}
+constexpr std::int64_t kRows = 64;  // of a block; blocks are added in order, whoever worked on them
+constexpr std::int64_t kLanes = 8;
 
 /// One row: the values about the reference into `x`, the sums of pixels and columns, and what there is to count.
 struct RowCounts {
   std::int64_t low, high;
   std::uint32_t bits;
-  bool whole;
+  bool whole, finite;
 };
-MTFKIT_CLONES RowCounts add_row(const float* values, std::int64_t width, double reference, CountRange range, double* x,
-                                double* pixel, double* pixel_squares, double* columns) {
+MTFKIT_CLONES RowCounts add_row(const float* values, std::int64_t width, double reference, CountRange range,
+                                double* __restrict x, double* __restrict pixel, double* __restrict pixel_squares,
+                                double* __restrict columns) {
   for (std::int64_t i = 0; i < width; ++i) {
     const double d = static_cast<double>(values[i]) - reference;
     x[i] = d;
@@ -52,24 +33,40 @@ MTFKIT_CLONES RowCounts add_row(const float* values, std::int64_t width, double 
     columns[i] += d;
   }
   const auto lowest = static_cast<float>(range.low), highest = static_cast<float>(range.high);
-  std::int32_t low = 0, high = 0, fractions = 0;
+  std::int32_t low = 0, high = 0, fractions = 0, others = 0;
   std::uint32_t bits = 0;
   for (std::int64_t i = 0; i < width; ++i) {
     low += values[i] <= lowest ? 1 : 0;
     high += values[i] >= highest ? 1 : 0;
-    // What a converter gives; larger values and fractions are no counts.
-    const float within = std::min(std::max(values[i], -2147483648.0F), 2147483520.0F);
+    // What a converter gives; larger values and fractions are no counts, nor is NaN, which std::max leaves out here.
+    const float within = std::min(std::max(-2147483648.0F, values[i]), 2147483520.0F);
     const auto number = static_cast<std::int32_t>(within);
     fractions += static_cast<float>(number) != values[i] ? 1 : 0;
+    others += values[i] - values[i] != 0.0F ? 1 : 0;
     bits |= static_cast<std::uint32_t>(number);
   }
-  return {low, high, bits, fractions == 0};
+  return {low, high, bits, fractions == 0, others == 0};
 }
 
-MTFKIT_CLONES bool all_finite(const float* values, std::int64_t width) {
-  std::int32_t others = 0;
-  for (std::int64_t i = 0; i < width; ++i) others += values[i] - values[i] != 0.0F ? 1 : 0;
-  return others == 0;
+/// The sums of a row of values, of their squares and of their products at kLags, which are exact for counts of up to
+/// 2^19 pixels within 2^17 of the reference. `rows`: the row and the two above it, with zeros around them, so that a
+/// pixel without a neighbour adds none. Eight partial sums each: they are as many lanes, and the order of additions is
+/// the same on every machine.
+using RowSums = std::array<double, 2 + kLags.size()>;
+MTFKIT_CLONES void sum_row(const double* const* rows, std::int64_t width, double* sums) {
+  double part[2 + kLags.size()][kLanes]{};
+  for (std::int64_t i = 0; i < width; i += kLanes)
+    for (std::int64_t k = 0; k < kLanes; ++k) {
+      const double x = rows[0][i + k];
+      part[0][k] += x;
+      part[1][k] += x * x;
+      for (std::size_t j = 0; j < kLags.size(); ++j)
+        part[2 + j][k] += x * rows[kLags[j].rows][i + k - kLags[j].columns];
+    }
+  for (std::size_t j = 0; j < 2 + kLags.size(); ++j) {
+    const double* p = part[j];
+    sums[j] = ((p[0] + p[1]) + (p[2] + p[3])) + ((p[4] + p[5]) + (p[6] + p[7]));
+  }
 }
 
 /// Of the pairs of a lag in a row: the first columns of the upper (or left) and of the lower pixel, and their number.
@@ -83,75 +80,105 @@ Pairs pairs_of(Lag lag, std::int64_t width) {
 
 }  // namespace
 
+/// What a block of rows of a frame adds to the totals. Sums of counts are exact: long doubles are up to 2^64.
+struct StackStatistics::Part {
+  std::array<long double, 2 + kLags.size()> sums{};  ///< as RowSums
+  long double row_squares = 0.0L;
+  std::vector<double> columns{};
+  std::int64_t low = 0, high = 0;
+  std::uint32_t bits = 0;
+  bool whole = true, finite = true;
+};
+
 StackStatistics::StackStatistics(std::int64_t width, std::int64_t height, CountRange range)
-    : width_(width), height_(height), range_(range) {
+    // The scatter of a million pixels is known well enough; an odd step meets rows of either parity.
+    : width_(width), height_(height), range_(range), every_((width * height >> 20) | 1) {
   if (width < 2 || height < 2)
     throw mtf::UsageError("frames of " + std::to_string(width) + " x " + std::to_string(height) +
                           " pixels; at least two columns and two rows are needed");
   sum_.assign(static_cast<std::size_t>(pixels()), 0.0);
-  squares_.assign(static_cast<std::size_t>(pixels()), 0.0);
+  squares_.assign(static_cast<std::size_t>((height_ + every_ - 1) / every_ * width_), 0.0);
 }
 
-void StackStatistics::add(mtf::ImageView<const float> frame, int threads) {
-  if (frame.width != width_ || frame.height != height_)
-    throw mtf::UsageError("a frame of " + std::to_string(frame.width) + " x " + std::to_string(frame.height) +
-                          " among frames of " + std::to_string(width_) + " x " + std::to_string(height_) +
-                          "; give all one size");
-  for (std::int64_t y = 0; y < height_; ++y)
-    for (std::int64_t x = all_finite(frame.row(y), width_) ? width_ : 0; x < width_; ++x)
-      if (!std::isfinite(frame.at(x, y)))
-        throw mtf::UsageError("frame " + std::to_string(frames_ + 1) + " holds NaN or infinite values, the first at " +
-                              std::to_string(x) + ", " + std::to_string(y) + "; leave it out");
+void StackStatistics::add(std::span<const mtf::ImageView<const float>> frames, int threads) {
+  if (frames.empty()) return;
+  for (const auto& frame : frames)
+    if (frame.width != width_ || frame.height != height_) {
+      frames_ += &frame - frames.data();
+      throw mtf::UsageError("a frame of " + std::to_string(frame.width) + " x " + std::to_string(frame.height) +
+                            " among frames of " + std::to_string(width_) + " x " + std::to_string(height_) +
+                            "; give all one size");
+    }
   if (frames_ == 0) {
     double sum = 0.0;
     for (std::int64_t y = 0; y < height_; ++y)
-      for (std::int64_t x = 0; x < width_; ++x) sum += static_cast<double>(frame.at(x, y));
+      for (std::int64_t x = 0; x < width_; ++x) sum += static_cast<double>(frames[0].at(x, y));
     reference_ = std::floor(sum / static_cast<double>(pixels()));
   }
+  const std::vector<Part> parts = reduce(frames, threads);
+  const std::size_t blocks = parts.size() / frames.size();
+  for (std::size_t f = 0; f < frames.size(); ++f) {
+    const std::span<const Part> frame(parts.data() + f * blocks, blocks);
+    if (std::any_of(frame.begin(), frame.end(), [](const Part& part) { return !part.finite; })) {
+      std::int64_t i = 0;
+      while (std::isfinite(frames[f].at(i % width_, i / width_))) ++i;
+      throw mtf::UsageError("frame " + std::to_string(frames_ + 1) + " holds NaN or infinite values, the first at " +
+                            std::to_string(i % width_) + ", " + std::to_string(i / width_) + "; leave it out");
+    }
+    take(frame);
+  }
+}
+
+std::vector<StackStatistics::Part> StackStatistics::reduce(std::span<const mtf::ImageView<const float>> frames,
+                                                           int threads) {
   const std::int64_t blocks = (height_ + kRows - 1) / kRows;
-  std::vector<Block> parts(static_cast<std::size_t>(blocks));
-  mtf::parallel_for(blocks, 1, threads, [&](std::int64_t begin, std::int64_t end) {
-    const auto n = static_cast<std::size_t>(width_);
-    std::vector<double> about(3 * n);  // the values of a row and of the two above it
-    const std::vector<double> ones(n, 1.0);
-    for (std::int64_t b = begin; b < end; ++b) {
-      Block& part = parts[static_cast<std::size_t>(b)];
-      part.columns.assign(n, 0.0);
-      const auto line = [&](std::int64_t y) { return about.data() + static_cast<std::size_t>(y % 3) * n; };
-      const std::int64_t first = b * kRows, last = std::min(height_, first + kRows);
-      for (std::int64_t y = std::max<std::int64_t>(0, first - 2); y < first; ++y)
-        for (std::int64_t x = 0; x < width_; ++x) line(y)[x] = static_cast<double>(frame.at(x, y)) - reference_;
-      for (std::int64_t y = first; y < last; ++y) {
-        const std::int64_t at = y * width_;
-        const RowCounts row = add_row(frame.row(y), width_, reference_, range_, line(y), sum_.data() + at,
-                                      squares_.data() + at, part.columns.data());
-        const double sum = sum_of_products(line(y), ones.data(), width_);
-        part.total += sum;
-        part.squares += sum_of_products(line(y), line(y), width_);
-        part.row_squares += static_cast<long double>(sum) * sum;
+  std::vector<Part> parts(frames.size() * static_cast<std::size_t>(blocks));
+  mtf::parallel_for(blocks, 1, threads, [&](std::int64_t block, std::int64_t) {
+    // Of each frame a row and the two above it, in turn; zeros around them make whole lanes.
+    const std::int64_t stride = (width_ + 3 * kLanes - 1) / kLanes * kLanes;
+    std::vector<double> not_kept(static_cast<std::size_t>(width_)),
+        about(frames.size() * 3 * static_cast<std::size_t>(stride));
+    const std::int64_t first = block * kRows, last = std::min(height_, first + kRows);
+    for (std::int64_t y = std::max<std::int64_t>(0, first - 2); y < last; ++y)
+      for (std::size_t f = 0; f < frames.size(); ++f) {
+        const auto line = [&](std::int64_t row) {
+          return about.data() + (static_cast<std::int64_t>(3 * f) + row % 3) * stride + kLanes;
+        };
+        if (y < first) {
+          for (std::int64_t x = 0; x < width_; ++x) line(y)[x] = static_cast<double>(frames[f].at(x, y)) - reference_;
+          continue;
+        }
+        Part& part = parts[f * static_cast<std::size_t>(blocks) + static_cast<std::size_t>(block)];
+        part.columns.resize(static_cast<std::size_t>(width_));
+        double* squares = y % every_ == 0 ? squares_.data() + y / every_ * width_ : not_kept.data();
+        const RowCounts row = add_row(frames[f].row(y), width_, reference_, range_, line(y), sum_.data() + y * width_,
+                                      squares, part.columns.data());
         part.low += row.low;
         part.high += row.high;
         part.bits |= row.bits;
         part.whole = part.whole && row.whole;
-        for (std::size_t k = 0; k < kLags.size(); ++k) {
-          if (y < kLags[k].rows) continue;
-          const Pairs p = pairs_of(kLags[k], width_);
-          part.products[k] += sum_of_products(line(y - kLags[k].rows) + p.first, line(y) + p.second, p.count);
-        }
+        part.finite = part.finite && row.finite;
+        RowSums sums;
+        sum_row(std::array<const double*, 3>{line(y), line(y + 2), line(y + 1)}.data(), width_, sums.data());
+        for (std::size_t j = 0; j < sums.size(); ++j) part.sums[j] += sums[j];
+        part.row_squares += static_cast<long double>(sums[0]) * sums[0];
       }
-    }
   });
+  return parts;
+}
+
+void StackStatistics::take(std::span<const Part> frame) {
   std::vector<double> columns(static_cast<std::size_t>(width_), 0.0);
   long double total = 0.0L;
-  for (const Block& part : parts) {
-    total += part.total;
-    all_squares_ += part.squares;
+  for (const Part& part : frame) {
+    total += part.sums[0];
+    all_squares_ += part.sums[1];
     row_squares_ += part.row_squares;
     low_ += part.low;
     high_ += part.high;
     bits_ |= part.bits;
     whole_ = whole_ && part.whole;
-    for (std::size_t k = 0; k < kLags.size(); ++k) products_[k] += part.products[k];
+    for (std::size_t k = 0; k < kLags.size(); ++k) products_[k] += part.sums[2 + k];
     for (std::size_t x = 0; x < columns.size(); ++x) columns[x] += part.columns[x];
   }
   for (const double column : columns) column_squares_ += static_cast<long double>(column) * column;
@@ -225,12 +252,15 @@ Covariance StackStatistics::covariance(Lag lag) const {
 
 double StackStatistics::variance_sd() const {
   if (frames_ < 2) throw mtf::UsageError("one frame has no temporal variance; give two frames or more");
-  const auto T = static_cast<double>(frames_), n = static_cast<double>(pixels());
-  const auto variance = [&](std::size_t i) { return (squares_[i] - sum_[i] * sum_[i] / T) / (T - 1.0); };
+  const auto T = static_cast<double>(frames_), n = static_cast<double>(squares_.size());
+  const auto variance = [&](std::int64_t i) {
+    const double sum = sum_[static_cast<std::size_t>(i / width_ * every_ * width_ + i % width_)];
+    return (squares_[static_cast<std::size_t>(i)] - sum * sum / T) / (T - 1.0);
+  };
   double mean = 0.0, squares = 0.0;
-  for (std::size_t i = 0; i < sum_.size(); ++i) mean += variance(i) / n;
-  for (std::size_t i = 0; i < sum_.size(); ++i) squares += (variance(i) - mean) * (variance(i) - mean);
-  return std::sqrt(squares / (n - 1.0) / n);
+  for (std::int64_t i = 0; i < std::ssize(squares_); ++i) mean += variance(i) / n;
+  for (std::int64_t i = 0; i < std::ssize(squares_); ++i) squares += (variance(i) - mean) * (variance(i) - mean);
+  return std::sqrt(squares / (n - 1.0) / static_cast<double>(pixels()));
 }
 
 std::uint32_t StackStatistics::step() const {

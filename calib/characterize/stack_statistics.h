@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// A stack of frames of one scene that does not change, reduced in one pass to sums, whose memory is that of two planes
-// for any number of frames:
-//   for each pixel     sum and sum of squares
+// A stack of frames of one scene that does not change, reduced in one pass to sums, whose memory is that of a plane of
+// doubles for any number of frames:
+//   for each pixel     sum; sum of squares, of frames above two million pixels in some of the rows
 //   for each frame     squares of the sums of rows, of columns and of all, added to the totals at once
 //   at six lags        sums of the products of pixels that far apart
 // All values are taken about a whole number near their mean, and the sums of counts (whole numbers) are exact. From
@@ -17,6 +17,7 @@
 #include <array>
 #include <cstdint>
 #include <limits>
+#include <span>
 #include <vector>
 
 #include "mtf/image.h"
@@ -45,9 +46,11 @@ class StackStatistics {
   /// Throws UsageError for fewer than two rows or columns.
   StackStatistics(std::int64_t width, std::int64_t height, CountRange range = {});
 
-  /// Throws UsageError for a frame of another size, and for NaN and infinite values with the first place. The result
-  /// does not depend on the threads.
-  void add(mtf::ImageView<const float> frame, int threads = 1);
+  /// Several frames at a time are faster, as the sums of a pixel are fetched once for all. The result depends neither
+  /// on that nor on the threads. Throws UsageError for a frame of another size, and for NaN and infinite values with
+  /// the first place; frames() then counts those before it, and the sums are of no use.
+  void add(std::span<const mtf::ImageView<const float>> frames, int threads = 1);
+  void add(mtf::ImageView<const float> frame, int threads = 1) { add({&frame, 1}, threads); }
 
   std::int64_t width() const { return width_; }
   std::int64_t height() const { return height_; }
@@ -75,11 +78,15 @@ class StackStatistics {
   double von_neumann() const;
 
  private:
+  struct Part;
   double share(std::int64_t count) const;
+  std::vector<Part> reduce(std::span<const mtf::ImageView<const float>> frames, int threads);
+  void take(std::span<const Part> frame);
 
   std::int64_t width_, height_, frames_ = 0, low_ = 0, high_ = 0;
   CountRange range_;
   double reference_ = 0.0;
+  std::int64_t every_;                 ///< row has its squares kept
   std::vector<double> sum_, squares_;  ///< of pixels
   std::array<long double, kLags.size()> products_{};
   long double total_ = 0.0L, all_squares_ = 0.0L, frame_squares_ = 0.0L, row_squares_ = 0.0L, column_squares_ = 0.0L;

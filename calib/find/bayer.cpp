@@ -8,6 +8,7 @@
 #include <string>
 
 #include "mtf/error.h"
+#include "mtf/words.h"
 
 namespace calib {
 namespace {
@@ -22,9 +23,8 @@ std::string lower(std::string_view word) {
 std::string known(std::string_view word, std::span<const std::string_view> names, const char* what) {
   const std::string text = lower(word);
   if (std::find(names.begin(), names.end(), text) != names.end()) return text;
-  std::string list;
-  for (const std::string_view name : names) list += (list.empty() ? "" : ", ") + std::string(name);
-  throw mtf::UsageError("unknown Bayer " + std::string(what) + " \"" + text.substr(0, 40) + "\"; it is one of " + list);
+  throw mtf::UsageError("unknown Bayer " + std::string(what) + " \"" + text.substr(0, 40) + "\"; it is one of " +
+                        mtf::joined(names));
 }
 
 }  // namespace

@@ -149,30 +149,6 @@ void withdraw_values(FitResult& result) {
 FitResult fit_one(const FitData& data, std::span<const FitParameter> parameters, const FitOptions& options,
                   const FitResult* plain = nullptr, double* gain = nullptr);
 
-}  // namespace
-
-std::string_view knowledge_name(Knowledge knowledge) {
-  constexpr std::array<std::string_view, 6> kNames{"determined",     "at_bound", "prior_only",
-                                                   "not_determined", "interval", "ambiguous"};
-  return kNames[static_cast<std::size_t>(knowledge)];
-}
-std::string_view status_name(FitStatus status) {
-  constexpr std::array<std::string_view, 5> kNames{"converged", "converged_model_wrong", "not_converged", "no_data",
-                                                   "stopped"};
-  return kNames[static_cast<std::size_t>(status)];
-}
-
-FitResult fit(const FitData& data, std::span<const FitParameter> parameters, const FitOptions& options) {
-  FitResult result = fit_one(data, parameters, options);
-  const auto fit_richer = [](const FitData& richer, std::span<const FitParameter> more, const FitOptions& plain_options,
-                             const FitResult& plain,
-                             double& gain) { return fit_one(richer, more, plain_options, &plain, &gain); };
-  if (options.richer_models) add_richer_models(data, parameters, options, fit_richer, result);
-  return result;
-}
-
-namespace {
-
 FitResult fit_one(const FitData& data, std::span<const FitParameter> parameters, const FitOptions& options,
                   const FitResult* plain, double* gain) {
   FitSetup setup = make_setup(data, parameters, options);
@@ -255,4 +231,25 @@ FitResult fit_one(const FitData& data, std::span<const FitParameter> parameters,
 }
 
 }  // namespace
+
+std::string_view knowledge_name(Knowledge knowledge) {
+  constexpr std::array<std::string_view, 6> kNames{"determined",     "at_bound", "prior_only",
+                                                   "not_determined", "interval", "ambiguous"};
+  return kNames[static_cast<std::size_t>(knowledge)];
+}
+std::string_view status_name(FitStatus status) {
+  constexpr std::array<std::string_view, 5> kNames{"converged", "converged_model_wrong", "not_converged", "no_data",
+                                                   "stopped"};
+  return kNames[static_cast<std::size_t>(status)];
+}
+
+FitResult fit(const FitData& data, std::span<const FitParameter> parameters, const FitOptions& options) {
+  FitResult result = fit_one(data, parameters, options);
+  const auto fit_richer = [](const FitData& richer, std::span<const FitParameter> more, const FitOptions& plain_options,
+                             const FitResult& plain,
+                             double& gain) { return fit_one(richer, more, plain_options, &plain, &gain); };
+  if (options.richer_models) add_richer_models(data, parameters, options, fit_richer, result);
+  return result;
+}
+
 }  // namespace calib

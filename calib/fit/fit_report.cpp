@@ -24,6 +24,73 @@ double reference_of(const Variable& v, double x, const FitParameter& parameter) 
   return reference;
 }
 
+// Weak directions in words: which parameters they combine, what is known of these, and what would separate them.
+
+/// The largest edge of the fit; nullptr without edges.
+const EdgeBlock* largest_edge(const FitProblem& problem, std::size_t& index) {
+  const EdgeBlock* most = nullptr;
+  for (std::size_t b = 0; b < problem.blocks.size(); ++b)
+    if (const auto* edge = std::get_if<EdgeBlock>(&problem.blocks[b]))
+      if (most == nullptr || edge->pixels() > most->pixels()) most = edge, index = b;
+  return most;
+}
+
+/// Information of one more edge as good as the largest one, turned by an angle: what its pixels determine after offset
+/// and plateaus are projected out.
+Eigen::MatrixXd one_more(const Solved& solved, double turn_rad) {
+  const FitProblem& problem = *solved.problem;
+  const std::size_t n = problem.variables.size();
+  Eigen::MatrixXd none = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(n), static_cast<Eigen::Index>(n));
+  std::size_t b = 0;
+  const EdgeBlock* const edge = largest_edge(problem, b);
+  if (edge == nullptr) return none;
+  constexpr double kRange_px = 24.0, kStep_px = 0.125;
+  const double angle = edge->curve(problem.own[b]).angle_rad + turn_rad;
+  const SliceNodes nodes = problem.sensors->slice(edge->condition(), angle, kRange_px);
+  const StepResponse step(nodes, problem.sensors->otf(edge->condition(), along(angle, nodes.f_cy_px)));
+  const double cnr = std::abs(problem.own[b][edge->contrast_index()]) / edge->middle_sd();
+  const double length = std::max(1.0, edge->data().start.length_px);
+  const double noise = trusted_noise(solved.noise_factor[b]) * std::max(1.0, solved.tests[b].noise.sum());
+  const double weight = cnr * std::sqrt(length * kStep_px / noise);
+  NormalMatrix normal(3 + n);
+  std::vector<double> e(step.count());
+  for (double d = -kRange_px; d <= kRange_px; d += kStep_px) {
+    const double spread = step.at(d, e);
+    const std::span<double> row = normal.next();
+    row[0] = weight * spread;
+    row[1] = weight;
+    row[2] = weight * e[0];
+    for (std::size_t i = 0; i < n; ++i) row[3 + i] = weight * e[1 + i] * problem.variables[i].slope(problem.x[i]);
+    row[3 + n] = 0.0;
+    normal.add();
+  }
+  return project_out(normal.matrix(), 3, n);
+}
+
+bool one_direction(std::span<const double> normals_rad) {
+  for (const double a : normals_rad)
+    if (std::abs(std::sin(a - normals_rad.front())) > std::sin(20.0 * std::numbers::pi / 180.0)) return false;
+  return true;
+}
+
+/// Second moment that the members add together, with its sd: known where each acts by its square.
+std::optional<Estimate> combined_moment(FitProblem& problem, const Solved& solved,
+                                        std::span<const std::size_t> members) {
+  for (const std::size_t i : members)
+    if (!problem.variables[i].squared || problem.variables[i].lo > 0.0) return std::nullopt;
+  Functional moment = equivalent_variance(solved);
+  const std::vector<double> x = problem.x;
+  for (const std::size_t i : members) problem.x[i] = 0.0;
+  const bool allowed = problem.apply();
+  if (allowed) moment.value -= equivalent_variance(solved).value;
+  problem.x = x;
+  problem.apply();
+  for (Eigen::Index i = 0; i < moment.gradient.size(); ++i)
+    if (std::ranges::find(members, static_cast<std::size_t>(i)) == members.end()) moment.gradient[i] = 0.0;
+  const Estimate estimate{moment.value, sd_of(solved, moment)};
+  return allowed && estimate.sd < 0.3 * std::abs(estimate.value) ? std::optional(estimate) : std::nullopt;
+}
+
 }  // namespace
 
 Information information_of(const FitProblem& problem, std::span<const Eigen::MatrixXd> normals,
@@ -211,88 +278,10 @@ std::vector<std::vector<double>> correlations(const Solved& solved) {
   return all;
 }
 
-// Weak directions in words: which parameters they combine, what is known of these, and what would separate them.
-
-namespace {
-
-std::string list_of(std::span<const std::string> names) {
-  std::string text;
-  for (std::size_t k = 0; k < names.size(); ++k)
-    text += (k == 0 ? "" : k + 1 == names.size() ? " and " : ", ") + names[k];
-  return text;
-}
-
-/// The largest edge of the fit; nullptr without edges.
-const EdgeBlock* largest_edge(const FitProblem& problem, std::size_t& index) {
-  const EdgeBlock* most = nullptr;
-  for (std::size_t b = 0; b < problem.blocks.size(); ++b)
-    if (const auto* edge = std::get_if<EdgeBlock>(&problem.blocks[b]))
-      if (most == nullptr || edge->pixels() > most->pixels()) most = edge, index = b;
-  return most;
-}
-
-/// Information of one more edge as good as the largest one, turned by an angle: what its pixels determine after offset
-/// and plateaus are projected out.
-Eigen::MatrixXd one_more(const Solved& solved, double turn_rad) {
-  const FitProblem& problem = *solved.problem;
-  const std::size_t n = problem.variables.size();
-  Eigen::MatrixXd none = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(n), static_cast<Eigen::Index>(n));
-  std::size_t b = 0;
-  const EdgeBlock* const edge = largest_edge(problem, b);
-  if (edge == nullptr) return none;
-  constexpr double kRange_px = 24.0, kStep_px = 0.125;
-  const double angle = edge->curve(problem.own[b]).angle_rad + turn_rad;
-  const SliceNodes nodes = problem.sensors->slice(edge->condition(), angle, kRange_px);
-  const StepResponse step(nodes, problem.sensors->otf(edge->condition(), along(angle, nodes.f_cy_px)));
-  const double cnr = std::abs(problem.own[b][edge->contrast_index()]) / edge->middle_sd();
-  const double length = std::max(1.0, edge->data().start.length_px);
-  const double noise = trusted_noise(solved.noise_factor[b]) * std::max(1.0, solved.tests[b].noise.sum());
-  const double weight = cnr * std::sqrt(length * kStep_px / noise);
-  NormalMatrix normal(3 + n);
-  std::vector<double> e(step.count());
-  for (double d = -kRange_px; d <= kRange_px; d += kStep_px) {
-    const double spread = step.at(d, e);
-    const std::span<double> row = normal.next();
-    row[0] = weight * spread;
-    row[1] = weight;
-    row[2] = weight * e[0];
-    for (std::size_t i = 0; i < n; ++i) row[3 + i] = weight * e[1 + i] * problem.variables[i].slope(problem.x[i]);
-    row[3 + n] = 0.0;
-    normal.add();
-  }
-  return project_out(normal.matrix(), 3, n);
-}
-
-bool one_direction(std::span<const double> normals_rad) {
-  for (const double a : normals_rad)
-    if (std::abs(std::sin(a - normals_rad.front())) > std::sin(20.0 * std::numbers::pi / 180.0)) return false;
-  return true;
-}
-
-/// Second moment that the members add together, with its sd: known where each acts by its square.
-std::optional<Estimate> combined_moment(FitProblem& problem, const Solved& solved,
-                                        std::span<const std::size_t> members) {
-  for (const std::size_t i : members)
-    if (!problem.variables[i].squared || problem.variables[i].lo > 0.0) return std::nullopt;
-  Functional moment = equivalent_variance(solved);
-  const std::vector<double> x = problem.x;
-  for (const std::size_t i : members) problem.x[i] = 0.0;
-  const bool allowed = problem.apply();
-  if (allowed) moment.value -= equivalent_variance(solved).value;
-  problem.x = x;
-  problem.apply();
-  for (Eigen::Index i = 0; i < moment.gradient.size(); ++i)
-    if (std::ranges::find(members, static_cast<std::size_t>(i)) == members.end()) moment.gradient[i] = 0.0;
-  const Estimate estimate{moment.value, sd_of(solved, moment)};
-  return allowed && estimate.sd < 0.3 * std::abs(estimate.value) ? std::optional(estimate) : std::nullopt;
-}
-
-}  // namespace
-
 std::string weak_direction_text(std::span<const std::string> names, const WeakWords& words) {
   if (names.size() == 1)
     return names.front() + " is not determined: the data hardly depend on it; " + words.single_advice;
-  return list_of(names) + " are not separable from " + words.from + ": only " + words.known + "; " + words.advice;
+  return mtf::listed(names) + " are not separable from " + words.from + ": only " + words.known + "; " + words.advice;
 }
 
 std::vector<NullDirection> null_directions(FitProblem& problem, const Solved& solved,

@@ -5,6 +5,7 @@
 
 #include "calib/fit/fit.h"
 #include "calib/fit/system_jet.h"
+#include "mtf/components/field_access.h"
 #include "mtf/math/special.h"
 
 namespace calib {
@@ -74,39 +75,23 @@ std::optional<std::size_t> take_index(std::string_view& path) {
   return index;
 }
 
+/// `index`: of an element of a list, or row and column of a tap.
 template <class S>
 S* number_in(const System<S>& system, const FieldRef<S>& field, std::string_view name,
              std::span<const std::size_t> index) {
-  const std::string_view own = field.info->name;
-  const std::string_view suffix = name.substr(own.size());  // "", "_x" or "_y"
-  return std::visit(
-      [&](auto* value) -> S* {
-        using T = std::remove_pointer_t<decltype(value)>;
-        if constexpr (std::is_same_v<T, mtf::AxisPair<S>>) {
-          if (!index.empty() || !value->given() || value->split == suffix.empty()) return nullptr;
-          return suffix == "_y" ? &value->y.value : &value->x.value;
-        } else {
-          if (!suffix.empty()) return nullptr;
-          if constexpr (std::is_same_v<T, mtf::Coefficients<S>>)
-            return index.size() == 1 && index[0] < value->size() ? &(*value)[index[0]] : nullptr;
-          else if constexpr (std::is_same_v<T, mtf::Taps<S>>)
-            return index.size() == 2 && index[0] < value->size() && index[1] < (*value)[index[0]].size()
-                       ? &(*value)[index[0]][index[1]]
-                       : nullptr;
-          else if (!index.empty())
-            return nullptr;
-          else if constexpr (std::is_same_v<T, S>)
-            return value;
-          else if constexpr (std::is_same_v<T, mtf::SpatialFrequency<S>>)
-            return value->unit != nullptr ? &value->value : nullptr;
-          else if constexpr (std::is_same_v<T, std::optional<S>>) {
-            if (!*value && field.info->presence == mtf::Presence::shared) *value = shared_value(system, own);
-            return *value ? &**value : nullptr;
-          }
-        }
-        return nullptr;
-      },
-      field.value);
+  const std::string_view own = field.info->name, suffix = name.substr(own.size());  // "", "_x" or "_y"
+  if (auto* const* taps = std::get_if<mtf::Taps<S>*>(&field.value)) {
+    const bool there =
+        suffix.empty() && index.size() == 2 && index[0] < (*taps)->size() && index[1] < (**taps)[index[0]].size();
+    return there ? &(**taps)[index[0]][index[1]] : nullptr;
+  }
+  const auto* const* pair = std::get_if<mtf::AxisPair<S>*>(&field.value);
+  const bool split = pair != nullptr && (*pair)->split;
+  const std::size_t indices = std::holds_alternative<mtf::Coefficients<S>*>(field.value) ? 1 : 0;
+  if (split == suffix.empty() || index.size() != indices) return nullptr;
+  if (auto* const* value = std::get_if<std::optional<S>*>(&field.value))
+    if (!**value && field.info->presence == mtf::Presence::shared) **value = shared_value(system, own);
+  return mtf::detail::number_of(field, indices == 1 ? index[0] : suffix == "_y" ? 1 : 0);
 }
 
 }  // namespace

@@ -74,6 +74,27 @@ function(mtfkit_unity target)
   endif()
 endfunction()
 
+# mtfkit_embed(files...): texts that stand in the program, FOLDER/NAME.toml as mtf::embedded::NAME_toml of FOLDER/NAME.toml.h.
+function(mtfkit_embed)
+  foreach(file IN LISTS ARGN)
+    cmake_path(ABSOLUTE_PATH file BASE_DIRECTORY "${CMAKE_CURRENT_SOURCE_DIR}")
+    cmake_path(RELATIVE_PATH file BASE_DIRECTORY "${PROJECT_SOURCE_DIR}" OUTPUT_VARIABLE from)
+    cmake_path(GET file FILENAME name)
+    string(MAKE_C_IDENTIFIER "${name}" name)
+    file(READ "${file}" text)
+    set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS "${file}")
+    file(CONFIGURE OUTPUT "${PROJECT_BINARY_DIR}/generated/${from}.h" @ONLY CONTENT [[// Generated from @from@.
+#pragma once
+
+#include <string_view>
+
+namespace mtf::embedded {
+inline constexpr std::string_view @name@ = R"mtfkit_text(@text@)mtfkit_text";
+}
+]])
+  endforeach()
+endfunction()
+
 # mtfkit_install_headers(umbrella): the public headers, which are those that the umbrella header names, and what they include
 # of any library, under include/mtfkit.
 function(mtfkit_install_headers umbrella)

@@ -34,10 +34,7 @@ struct Bolometer {
                                        "object angle per second towards +axis, instead of velocity")),
         Field{&Bolometer::axis, kAxisInfo}};
   }
-  Traits traits(const Context<S>&) const {
-    const bool x = axis.index == 0;
-    return {.separable = true, .even_x = !x, .even_y = x, .flat_x = !x, .flat_y = x, .real = false};
-  }
+  Traits traits(const Context<S>&) const { return axis_traits(axis, false); }
   S lag_mm(const Context<S>& ctx) const {
     const S speed = velocity_um_s ? *velocity_um_s : ctx.frame.um_from_urad(rate_urad_s.value_or(S(0)));
     return speed * time_constant_s.value * S(1e-3);

@@ -32,10 +32,7 @@ struct ChargeTransfer {
                                "number of transfers to the output: pixels x clock phases"),
                       Field{&ChargeTransfer::axis, kAxisInfo}};
   }
-  Traits traits(const Context<S>&) const {
-    const bool x = axis.index == 0;
-    return {.separable = true, .even_x = !x, .even_y = x, .flat_x = !x, .flat_y = x, .real = false};
-  }
+  Traits traits(const Context<S>&) const { return axis_traits(axis, false); }
   S loss() const { return inefficiency * S(static_cast<double>(transfers)); }
   /// 1 - exp(-i t) = 2 sin^2(t/2) + i sin t, without cancellation at small t.
   Complex<S> otf(const Freq<S>& f, const Context<S>& ctx) const {

@@ -13,6 +13,7 @@
 #include "mtf/components/all.h"
 #include "mtf/components/field_access.h"
 #include "mtf/error.h"
+#include "mtf/words.h"
 
 namespace mtf {
 namespace detail {
@@ -80,10 +81,8 @@ Component<S> Component<S>::make(std::string_view kind) {
     if (type.facts.kind == kind) return Component(type.make());
   const auto kinds = component_kinds();
   const auto guess = nearest(kind, kinds);
-  std::string known;
-  for (const std::string_view k : kinds) known += (known.empty() ? "" : ", ") + std::string(k);
   throw UsageError("unknown kind \"" + std::string(kind) + "\"" + (guess ? ", did you mean \"" + *guess + "\"?" : "") +
-                   " (known: " + known + ")");
+                   " (known: " + joined(kinds) + ")");
 }
 
 template <class S>

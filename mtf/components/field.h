@@ -82,7 +82,6 @@ struct Field : FieldInfo {
   Member member;
 
   constexpr Field(Member where, FieldInfo row) : FieldInfo(row), member(where) { set_type(where); }
-  constexpr Field(FieldInfo row, Member where) : Field(where, row) {}
 
  private:
   template <class Owner, class Value>
@@ -208,6 +207,11 @@ inline Traits motion_traits(bool in_x, bool in_y, bool even) {
           .flat_x = in_y,
           .flat_y = in_x,
           .real = even};
+}
+
+/// Of what acts along an axis alone; `even`: without a phase.
+inline Traits axis_traits(const Choice& axis, bool even) {
+  return motion_traits(axis.index == 0, axis.index != 0, even);
 }
 
 /// Whether rows of taps are the same read from right to left, or from the last one to the first, or both.

@@ -49,7 +49,8 @@ S* number_of(const FieldRef<S>& field, std::size_t element) {
   if (auto* const* given = std::get_if<std::optional<S>*>(&field.value)) return *given && **given ? &***given : nullptr;
   if (auto* const* pair = std::get_if<AxisPair<S>*>(&field.value))
     return !(*pair)->given() ? nullptr : element == 1 ? &(*pair)->y.value : &(*pair)->x.value;
-  if (auto* const* frequency = std::get_if<SpatialFrequency<S>*>(&field.value)) return &(*frequency)->value;
+  if (auto* const* frequency = std::get_if<SpatialFrequency<S>*>(&field.value))
+    return (*frequency)->unit != nullptr ? &(*frequency)->value : nullptr;
   if (auto* const* list = std::get_if<Coefficients<S>*>(&field.value))
     return element < (*list)->size() ? &(**list)[element] : nullptr;
   return nullptr;

@@ -21,10 +21,7 @@ struct RcLowpass : ElectronicFilter<S> {
   static constexpr Stages stages{.presample = true, .readout = true};
   static constexpr SensorPart part = SensorPart::electronics;
 
-  Traits traits(const Context<S>&) const {
-    const bool x = this->axis.index == 0;
-    return {.separable = true, .even_x = !x, .even_y = x, .flat_x = !x, .flat_y = x, .real = false};
-  }
+  Traits traits(const Context<S>&) const { return axis_traits(this->axis, false); }
   Complex<S> otf(const Freq<S>& f, const Context<S>& ctx) const {
     const auto p = this->pair(f, ctx);
     if (p.below_f0()) {
@@ -55,10 +52,7 @@ struct Butterworth : ElectronicFilter<S> {
     return std::tuple_cat(ElectronicFilter<S>::fields(),
                           std::tuple{required(&Butterworth::poles, "poles", 1.0, 20.0, "3", "number of poles")});
   }
-  Traits traits(const Context<S>&) const {
-    const bool x = this->axis.index == 0;
-    return {.separable = true, .even_x = true, .even_y = true, .flat_x = !x, .flat_y = x};
-  }
+  Traits traits(const Context<S>&) const { return axis_traits(this->axis, true); }
   Complex<S> otf(const Freq<S>& f, const Context<S>& ctx) const {
     const auto p = this->pair(f, ctx);
     if (!(p.ratio() < 1e100)) return {S(std::pow(p.ratio(), -1.0 * poles)), S(0)};  // no slope left that matters

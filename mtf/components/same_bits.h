@@ -2,7 +2,7 @@
 #pragma once
 
 // Whether two values of a field are the same to the last bit, NaN and the sign of zero included: what a file that was
-// written and read again has to give back.
+// written and read again has to give back, and what two components have in common that have the same OTF.
 
 #include <algorithm>
 #include <bit>
@@ -37,8 +37,7 @@ inline bool same_bits(const Taps<double>& a, const Taps<double>& b) {
                     [](const auto& x, const auto& y) { return same_bits(x, y); });
 }
 inline bool same_bits(const std::shared_ptr<const Curve>& a, const std::shared_ptr<const Curve>& b) {
-  return (a == nullptr) == (b == nullptr) &&
-         (!a || (a->frequency == b->frequency && a->value == b->value && a->unit == b->unit));
+  return a == b || (a && b && a->frequency == b->frequency && a->value == b->value && a->unit == b->unit);
 }
 
 }  // namespace mtf

@@ -30,10 +30,7 @@ struct SampleAndHold {
   S width_mm(const Context<S>& ctx) const {
     return (axis.index == 0 ? width.x_um(ctx.frame) : width.y_um(ctx.frame)) * S(1e-3);
   }
-  Traits traits(const Context<S>&) const {
-    const bool x = axis.index == 0;
-    return {.separable = true, .even_x = true, .even_y = true, .flat_x = !x, .flat_y = x};
-  }
+  Traits traits(const Context<S>&) const { return axis_traits(axis, true); }
   Complex<S> otf(const Freq<S>& f, const Context<S>& ctx) const {
     return {sinc_of(S(width_mm(ctx) * along(f, axis_of(axis)))), S(0)};
   }

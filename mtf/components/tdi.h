@@ -38,10 +38,7 @@ struct Tdi {
   S step_mm(const Context<S>& ctx) const {
     return clock_phases == 0 ? S(0) : S(ctx.frame.pitch_um(axis_of(axis)) * S(1e-3 / clock_phases));
   }
-  Traits traits(const Context<S>&) const {
-    const bool x = axis.index == 0;
-    return {.separable = true, .even_x = true, .even_y = true, .flat_x = !x, .flat_y = x};
-  }
+  Traits traits(const Context<S>&) const { return axis_traits(axis, true); }
   Complex<S> otf(const Freq<S>& f, const Context<S>& ctx) const {
     const S& u = along(f, axis_of(axis));
     const S x = slip_mm(ctx) * u;

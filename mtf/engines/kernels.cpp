@@ -54,6 +54,66 @@ namespace {
 // A change may lie beyond float where its sum with the mean does not.
 bool near_the_end_of_float(double mean, double scale) { return !(std::abs(mean) < 0x1p120 && scale < 0x1p120); }
 
+constexpr std::int64_t kSoon = 8;  // rows ahead that a walk down columns asks for
+
+// One value at a time: `value` is inlined into loops over a whole row of kColumns, which become vectors.
+template <class To, class Value>
+MTFKIT_INLINE void fill_row(std::int64_t count, To* __restrict out, const Value& value) {
+  if (count == kColumns)
+    for (std::int64_t l = 0; l < kColumns; ++l) out[l] = value(l);
+  else
+    for (std::int64_t l = 0; l < count; ++l) out[l] = value(l);
+}
+
+// Each number of a lane is a sum of few: they are summed on in double.
+template <class S>
+MTFKIT_INLINE void add_moments(const S* __restrict in, std::int64_t n, MomentSums& to) {
+  constexpr int kStep = MomentSums::kStep;
+  constexpr std::int64_t kStretch = 512 * kStep;
+  for (std::int64_t first = 0; first < n; first += kStretch) {
+    const std::int64_t last = std::min(n, first + kStretch);
+    std::array<S, kStep> sums{}, squares{};
+    std::int64_t i = first;
+    for (; i + kStep <= last; i += kStep)
+      for (int j = 0; j < kStep; ++j) {
+        sums[j] += in[i + j];
+        squares[j] += in[i + j] * in[i + j];
+      }
+    for (int j = 0; i < last; ++i, ++j) {
+      sums[j] += in[i];
+      squares[j] += in[i] * in[i];
+    }
+    for (int j = 0; j < kStep; ++j) {
+      to.sums[j] += sums[j];
+      to.squares[j] += squares[j];
+    }
+  }
+}
+
+using simd::any_bit, simd::Bits, simd::bits, simd::kBits;
+
+// Vectors of places, then single loads of the knots there, then vectors again: faster than a gather instruction, and
+// than what GCC 12 makes of one loop.
+template <class Place>
+MTFKIT_INLINE void multiply_at(const Knot* __restrict knots, float intervals, std::int64_t n, float* __restrict out,
+                               const Place& place) {
+  constexpr int kTogether = 256;
+  alignas(64) std::array<int, kTogether> index;
+  alignas(64) std::array<float, kTogether> rest;
+  alignas(64) std::array<Knot, kTogether> knot;
+  for (std::int64_t first = 0; first < n; first += kTogether) {
+    const int count = static_cast<int>(std::min<std::int64_t>(kTogether, n - first));
+    for (int i = 0; i < count; ++i) {
+      const float r = place(first + i) * intervals;
+      const float t = r < intervals ? r : intervals;
+      index[i] = static_cast<int>(t);
+      rest[i] = t - static_cast<float>(index[i]);
+    }
+    for (int i = 0; i < count; ++i) knot[i] = knots[index[i]];
+    for (int i = 0; i < count; ++i) out[first + i] *= knot[i][0] + rest[i] * knot[i][1];
+  }
+}
+
 }  // namespace
 
 MTFKIT_CLONES void add_weighted(const float* __restrict in, std::int64_t n, std::span<const Scaled> terms,
@@ -90,21 +150,6 @@ MTFKIT_CLONES void restore(const double* __restrict in, std::int64_t n, double m
                            float* __restrict out) {
   for (std::int64_t i = 0; i < n; ++i) out[i] = static_cast<float>(in[i] * scale + mean);
 }
-
-namespace {
-
-constexpr std::int64_t kSoon = 8;  // rows ahead that a walk down columns asks for
-
-// One value at a time: `value` is inlined into loops over a whole row of kColumns, which become vectors.
-template <class To, class Value>
-MTFKIT_INLINE void fill_row(std::int64_t count, To* __restrict out, const Value& value) {
-  if (count == kColumns)
-    for (std::int64_t l = 0; l < kColumns; ++l) out[l] = value(l);
-  else
-    for (std::int64_t l = 0; l < count; ++l) out[l] = value(l);
-}
-
-}  // namespace
 
 MTFKIT_CLONES void center_columns(const float* in, std::int64_t stride, std::int64_t rows, std::int64_t count,
                                   double mean, double scale, float* out) {
@@ -195,37 +240,6 @@ MTFKIT_CLONES double squares_about(const float* in, std::int64_t n, double about
   return sum;
 }
 
-namespace {
-
-// Each number of a lane is a sum of few: they are summed on in double.
-template <class S>
-MTFKIT_INLINE void add_moments(const S* __restrict in, std::int64_t n, MomentSums& to) {
-  constexpr int kStep = MomentSums::kStep;
-  constexpr std::int64_t kStretch = 512 * kStep;
-  for (std::int64_t first = 0; first < n; first += kStretch) {
-    const std::int64_t last = std::min(n, first + kStretch);
-    std::array<S, kStep> sums{}, squares{};
-    std::int64_t i = first;
-    for (; i + kStep <= last; i += kStep)
-      for (int j = 0; j < kStep; ++j) {
-        sums[j] += in[i + j];
-        squares[j] += in[i + j] * in[i + j];
-      }
-    for (int j = 0; i < last; ++i, ++j) {
-      sums[j] += in[i];
-      squares[j] += in[i] * in[i];
-    }
-    for (int j = 0; j < kStep; ++j) {
-      to.sums[j] += sums[j];
-      to.squares[j] += squares[j];
-    }
-  }
-}
-
-using simd::any_bit, simd::Bits, simd::bits, simd::kBits;
-
-}  // namespace
-
 MTFKIT_CLONES void add(const float* in, std::int64_t n, MomentSums& sums) { add_moments(in, n, sums); }
 MTFKIT_CLONES void add(const double* in, std::int64_t n, MomentSums& sums) { add_moments(in, n, sums); }
 
@@ -254,32 +268,6 @@ MTFKIT_CLONES bool same(const float* a, const float* b, std::int64_t n) {
   for (; i + kBits <= n; i += kBits) differ |= bits(a + i) ^ bits(b + i);
   return !any_bit(differ) && std::memcmp(a + i, b + i, static_cast<std::size_t>(n - i) * sizeof(float)) == 0;
 }
-
-namespace {
-
-// Vectors of places, then single loads of the knots there, then vectors again: faster than a gather instruction, and
-// than what GCC 12 makes of one loop.
-template <class Place>
-MTFKIT_INLINE void multiply_at(const Knot* __restrict knots, float intervals, std::int64_t n, float* __restrict out,
-                               const Place& place) {
-  constexpr int kTogether = 256;
-  alignas(64) std::array<int, kTogether> index;
-  alignas(64) std::array<float, kTogether> rest;
-  alignas(64) std::array<Knot, kTogether> knot;
-  for (std::int64_t first = 0; first < n; first += kTogether) {
-    const int count = static_cast<int>(std::min<std::int64_t>(kTogether, n - first));
-    for (int i = 0; i < count; ++i) {
-      const float r = place(first + i) * intervals;
-      const float t = r < intervals ? r : intervals;
-      index[i] = static_cast<int>(t);
-      rest[i] = t - static_cast<float>(index[i]);
-    }
-    for (int i = 0; i < count; ++i) knot[i] = knots[index[i]];
-    for (int i = 0; i < count; ++i) out[first + i] *= knot[i][0] + rest[i] * knot[i][1];
-  }
-}
-
-}  // namespace
 
 MTFKIT_CLONES void multiply_by_table(const Knot* knots, float intervals, const float* __restrict x2, float y2,
                                      std::int64_t n, float* __restrict out) {

@@ -48,9 +48,8 @@ RowMoments row_moments(const float* values, std::int64_t n) {
 std::vector<RowMoments> row_moments(ImageView<const float> plane, int threads) {
   constexpr std::int64_t kRowsAtOnce = 64;
   std::vector<RowMoments> rows(static_cast<std::size_t>(plane.width > 0 ? plane.height : 0));
-  parallel_for(std::ssize(rows), kRowsAtOnce, threads, [&](std::int64_t begin, std::int64_t end) {
-    for (std::int64_t y = begin; y < end; ++y)
-      rows[static_cast<std::size_t>(y)] = row_moments(plane.row(y), plane.width);
+  parallel_for_each(std::ssize(rows), kRowsAtOnce, threads, [&](std::int64_t y) {
+    rows[static_cast<std::size_t>(y)] = row_moments(plane.row(y), plane.width);
   });
   return rows;
 }

@@ -2,9 +2,11 @@
 #include "mtf/io/npy.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <charconv>
 #include <string_view>
+#include <utility>
 
 #include "mtf/error.h"
 #include "mtf/io/file_checks.h"
@@ -77,15 +79,37 @@ NpyReader::NpyReader(const std::string& path) : path_(path) {
   if (count > kMost || (bytes - begin_) / item_ < count) refuse("the NPY file is cut off");
 }
 
+NpyReader::NpyReader(const std::string& path, std::string type, std::uint64_t begin, std::uint64_t rows,
+                     std::uint64_t columns)
+    : path_(path), type_(std::move(type)), begin_(begin), item_(static_cast<std::size_t>(type_.at(2) - '0')) {
+  const auto bytes = static_cast<std::uint64_t>(ordinary_file_size(path));
+  file_.open(path, std::ios::binary);
+  if (!file_) throw RuntimeError("cannot read " + one_line(path) + ": check its permissions");
+  const std::uint64_t plane = rows * columns * item_, planes = bytes > begin ? (bytes - begin) / plane : 0;
+  if (planes == 0 || begin + planes * plane != bytes) {
+    const auto size_of = [&](std::uint64_t n) { return std::to_string(begin + n * plane); };
+    throw UsageError(one_line(path) + ": " + std::to_string(bytes) + " bytes are no whole number of frames of " +
+                     std::to_string(plane) + " bytes behind a header of " + std::to_string(begin) + "; " +
+                     (planes > 0 ? size_of(planes) + " or " : "") + size_of(planes + 1) + " would be" +
+                     (bytes >= plane ? ", and with header = " + std::to_string(bytes % plane) + " this file is" : ""));
+  }
+  shape_ = {planes, rows, columns};
+}
+
 template <class Number>
 void NpyReader::read_as(std::span<float> values) {
-  std::vector<Number> numbers(values.size());
-  auto* const bytes = reinterpret_cast<char*>(numbers.data());
-  file_.read(bytes, static_cast<std::streamsize>(values.size() * sizeof(Number)));
-  if (type_[0] == '>')
-    for (std::size_t i = 0; i < numbers.size(); ++i)
-      std::reverse(bytes + i * sizeof(Number), bytes + (i + 1) * sizeof(Number));
-  std::transform(numbers.begin(), numbers.end(), values.begin(), [](Number n) { return static_cast<float>(n); });
+  std::array<Number, 16384> numbers;  // stay in cache
+  while (!values.empty()) {
+    const std::size_t count = std::min(values.size(), numbers.size());
+    auto* const bytes = reinterpret_cast<char*>(numbers.data());
+    if (!file_.read(bytes, static_cast<std::streamsize>(count * sizeof(Number)))) return;
+    if (type_[0] == '>')
+      for (std::size_t i = 0; i < count; ++i)
+        std::reverse(bytes + i * sizeof(Number), bytes + (i + 1) * sizeof(Number));
+    std::transform(numbers.data(), numbers.data() + count, values.data(),
+                   [](Number n) { return static_cast<float>(n); });
+    values = values.subspan(count);
+  }
 }
 
 void NpyReader::read(std::uint64_t first, std::span<float> values) {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Arrays of numpy.save (NPY, versions 1 to 3), in pieces of any size: whole numbers of 8 to 32 bits and floats of 32
-// and 64, either byte order, C order.
+// Arrays of numpy.save (NPY, versions 1 to 3), and bare numbers without a header that says what they are (raw), in
+// pieces of any size: whole numbers of 8 to 32 bits and floats of 32 and 64, either byte order, C order.
 
 #include <cstdint>
 #include <fstream>
@@ -17,6 +17,9 @@ class NpyReader {
   /// Reads the header. Throws UsageError with the path where this is no such array or one that is cut off, RuntimeError
   /// where the file cannot be read.
   explicit NpyReader(const std::string& path);
+  /// Planes of bare numbers from that byte on, as many as the file holds. Throws UsageError where that is no whole
+  /// number of planes, with the sizes that would fit.
+  NpyReader(const std::string& path, std::string type, std::uint64_t begin, std::uint64_t rows, std::uint64_t columns);
 
   const std::vector<std::uint64_t>& shape() const { return shape_; }
   const std::string& type() const { return type_; }  ///< as numpy has it: "<f4", "|u1", ">u2"

@@ -163,10 +163,7 @@ bool fits_aspect(const FileInfo& info, double step_x, double step_y) {
 
 std::string aspect_note(const FileInfo& info) {
   if (info.pixel_aspect == 1.0) return "";
-  std::array<char, 96> text;
-  std::snprintf(text.data(), text.size(), "its pixels are %.5g times as wide as they are high, as it states",
-                info.pixel_aspect);
-  return text.data();
+  return "its pixels are " + significant(info.pixel_aspect, 5) + " times as wide as they are high, as it states";
 }
 
 std::int64_t make_physical(const Scene& scene, ImageView<float> image) {
@@ -275,12 +272,10 @@ std::vector<std::string> sampling_warnings(const System<double>& system, const S
     const double step = axis == Axis::x ? grid.step_x_um : grid.step_y_um;
     const double ratio = system.frame.pitch_um(axis) / step;
     if (ratio >= 2.0 * (1.0 - 1e-9)) continue;
-    std::array<char, 256> text;
-    std::snprintf(text.data(), text.size(),
-                  "the scene has %.3g samples per pitch along %c: it holds nothing above %.4g cy/mm, so aliasing of "
-                  "finer detail (up to the optics' cutoff) is missing; use 2 or more, better 4",
-                  ratio, axis == Axis::x ? 'x' : 'y', 500.0 / step);
-    warnings.emplace_back(text.data());
+    warnings.push_back("the scene has " + significant(ratio, 3) + " samples per pitch along " +
+                       (axis == Axis::x ? "x" : "y") + ": it holds nothing above " + significant(500.0 / step, 4) +
+                       " cy/mm, so aliasing of finer detail (up to the optics' cutoff) is missing; use 2 or more, "
+                       "better 4");
   }
   return warnings;
 }

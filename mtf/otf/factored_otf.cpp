@@ -9,6 +9,7 @@
 #include "mtf/error.h"
 #include "mtf/math/special.h"
 #include "mtf/otf/same_list.h"
+#include "mtf/words.h"
 
 namespace mtf {
 namespace {
@@ -25,9 +26,7 @@ double saved_ms(const Traits& traits, std::int64_t samples) {
 }  // namespace
 
 std::string FactoredOtf::join_labels(const Entries& entries) {
-  std::string text;
-  for (const Entry<double>* entry : entries) text += (text.empty() ? "" : ", ") + entry->label;
-  return text;
+  return joined(entries, [](const Entry<double>* entry) { return entry->label; });
 }
 
 FactoredOtf::FactoredOtf(const System<double>& system, std::span<const Stage> stages, const SceneAperture& aperture,

@@ -32,14 +32,14 @@ std::vector<double> probe_radii(double end, std::size_t even, const LowProbes& l
   return radii;
 }
 
+Complex<float> narrow(const Complex<double>& h) { return {static_cast<float>(h.re), static_cast<float>(h.im)}; }
+
 }  // namespace
 
 void FactoredOtf::for_each(std::size_t count, const std::function<void(std::size_t)>& value) const {
   constexpr std::int64_t kAtOnce = 16;
-  parallel_for(static_cast<std::int64_t>(count), kAtOnce, averaged_.empty() ? 1 : options_.threads,
-               [&](std::int64_t begin, std::int64_t end) {
-                 for (std::int64_t i = begin; i < end; ++i) value(static_cast<std::size_t>(i));
-               });
+  parallel_for_each(static_cast<std::int64_t>(count), kAtOnce, averaged_.empty() ? 1 : options_.threads,
+                    [&](std::int64_t i) { value(static_cast<std::size_t>(i)); });
 }
 
 // Motion along one direction depends on f.u alone, an even function where it is real. A table that is too coarse for it
@@ -251,12 +251,6 @@ void FactoredOtf::choose_wavelengths(double end, double target) {
   wavelength_rule_ = BandRule(*system_.band, kinks, n);
   wavelengths_ = n;
 }
-
-namespace {
-
-Complex<float> narrow(const Complex<double>& h) { return {static_cast<float>(h.re), static_cast<float>(h.im)}; }
-
-}  // namespace
 
 FactoredOtf::Grid::Grid(const FactoredOtf& sampler, std::vector<double> fx, std::vector<double> fy)
     : sampler_(&sampler), fx_(std::move(fx)), fy_(std::move(fy)) {

@@ -3,26 +3,10 @@
 
 #include <algorithm>
 
+#include "mtf/components/same_bits.h"
+
 namespace mtf {
 namespace {
-
-bool same(double a, double b) { return a == b; }
-bool same(int a, int b) { return a == b; }
-bool same(const Choice& a, const Choice& b) { return a.index == b.index; }
-bool same(const std::optional<double>& a, const std::optional<double>& b) { return a == b; }
-bool same(const Coefficients<double>& a, const Coefficients<double>& b) { return a == b; }
-bool same(const Taps<double>& a, const Taps<double>& b) { return a == b; }
-bool same(const SpatialFrequency<double>& a, const SpatialFrequency<double>& b) {
-  return a.value == b.value && a.unit == b.unit;
-}
-bool same(const Extent<double>& a, const Extent<double>& b) { return a.value == b.value && a.unit == b.unit; }
-bool same(const AxisPair<double>& a, const AxisPair<double>& b) {
-  return same(a.x, b.x) && same(a.y, b.y) && a.split == b.split;
-}
-bool same(const std::shared_ptr<const Curve>& a, const std::shared_ptr<const Curve>& b) {
-  if (a == b || !a || !b) return a == b;
-  return a->unit == b->unit && a->frequency == b->frequency && a->value == b->value && a->slope == b->slope;
-}
 
 bool same(const Frame<double>& a, const Frame<double>& b) {
   return a.focal_length_mm == b.focal_length_mm && a.pitch_x_um == b.pitch_x_um && a.pitch_y_um == b.pitch_y_um &&
@@ -70,7 +54,7 @@ bool same_component(const Component<double>& a, const Component<double>& b) {
     const bool equal = std::visit(
         [&](const auto* value) {
           using T = std::remove_cvref_t<decltype(value)>;
-          return same(*value, *std::get<std::remove_const_t<std::remove_pointer_t<T>>*>(others[i].value));
+          return same_bits(*value, *std::get<std::remove_const_t<std::remove_pointer_t<T>>*>(others[i].value));
         },
         fields[i].value);
     if (!equal) return false;

@@ -73,29 +73,6 @@ double whole_pitches(std::int64_t n, double step, double pitch) {
   return std::floor(static_cast<double>(n) * step / pitch + kWholeEpsilon);
 }
 
-}  // namespace
-
-SampleGrid detector_grid(const System<double>& system, const SampleGrid& scene) {
-  check_grid(scene, "scene");
-  const auto side = [](std::int64_t n, double step, double pitch, int format, const char* name) {
-    const double whole = whole_pitches(n, step, pitch);
-    if (whole < 1.0)
-      throw UsageError(std::string("the scene is smaller than one detector pixel along ") + name + ": " +
-                       std::to_string(n) + " samples of " + format_double(step) + " um, pitch " + format_double(pitch) +
-                       " um; check scene.sample and frame.pitch");
-    if (whole > static_cast<double>(kLargestSide))
-      throw UsageError("the scene holds " + format_double(whole) + " pitches along " + name +
-                       "; check scene.sample and frame.pitch, or set frame.format");
-    const auto count = static_cast<std::int64_t>(whole);
-    return format > 0 ? std::min<std::int64_t>(count, format) : count;
-  };
-  const Frame<double>& frame = system.frame;
-  return {side(scene.width, scene.step_x_um, frame.pitch_x_um, frame.columns, "x"),
-          side(scene.height, scene.step_y_um, frame.pitch_y_um, frame.rows, "y"), frame.pitch_x_um, frame.pitch_y_um};
-}
-
-namespace {
-
 // The share of the columns that lie in groups whose columns are all uniform.
 double flat_columns(ImageView<const float> scene) {
   constexpr std::int64_t kGroup = UniformRuns::kGroup;
@@ -108,21 +85,6 @@ double flat_columns(ImageView<const float> scene) {
     });
   return static_cast<double>(groups.size()) * static_cast<double>(kGroup) / static_cast<double>(scene.width);
 }
-
-}  // namespace
-
-std::optional<SceneSummary> summarise(ImageView<const float> scene, Border border, double border_value) {
-  const std::vector<RowMoments> rows = row_moments(scene);
-  const Statistics s = statistics_of(rows, scene.width);
-  if (s.std == 0.0) return std::nullopt;
-  const double beyond = border == Border::constant ? std::abs(border_value) : 0.0;  // its light enters the image
-  const auto flat = std::count_if(rows.begin(), rows.end(), [](const RowMoments& row) { return row.min == row.max; });
-  return SceneSummary{s.std, std::max({std::abs(s.min), std::abs(s.max), beyond}),
-                      canvas_norm_of(rows, scene.width, border, border_value, s.mean),
-                      static_cast<double>(flat) / static_cast<double>(scene.height), flat_columns(scene)};
-}
-
-namespace {
 
 UsageError other_spectrum() {
   return UsageError("PlanOptions::spectrum is of a scene of another size or border; make it from this one");
@@ -148,9 +110,15 @@ struct Norms {
   double of_any() const { return alias * norm; }
 };
 
-}  // namespace
+// How the tolerance is shared out over a field: modes that are left out, the mean OTF, the others.
+constexpr double kModesShare = 0.75, kMeanShare = 0.125;
+constexpr double kEnoughShare = 0.1;  // for modes alone
 
-namespace {
+PredictedError& operator+=(PredictedError& a, const PredictedError& b) {
+  a.dropped += b.dropped, a.table += b.table, a.band += b.band, a.cut += b.cut, a.wrap += b.wrap;
+  a.kernel += b.kernel, a.modes += b.modes, a.flat += b.flat, a.arithmetic += b.arithmetic;
+  return a;
+}
 
 PlanOptions on_processor(PlanOptions options) {
   options.device = {};
@@ -158,7 +126,54 @@ PlanOptions on_processor(PlanOptions options) {
   return options;
 }
 
+void check_size(std::int64_t width, std::int64_t height, const SampleGrid& grid, const char* name) {
+  if (width == grid.width && height == grid.height) return;
+  throw UsageError(std::string(name) + " image is " + std::to_string(width) + "x" + std::to_string(height) +
+                   ", the plan was made for " + std::to_string(grid.width) + "x" + std::to_string(grid.height));
+}
+
+void fill(ImageView<float> out, float value) {
+  for (std::int64_t y = 0; y < out.height; ++y) std::fill_n(out.row(y), out.width, value);
+}
+
+bool share_memory(ImageView<const float> a, ImageView<const float> b) {
+  const std::less<const float*> before;
+  return before(a.data, b.row(b.height)) && before(b.data, a.row(a.height));
+}
+
+std::string short_number(double value) { return significant(value, 2); }
+
 }  // namespace
+
+SampleGrid detector_grid(const System<double>& system, const SampleGrid& scene) {
+  check_grid(scene, "scene");
+  const auto side = [](std::int64_t n, double step, double pitch, int format, const char* name) {
+    const double whole = whole_pitches(n, step, pitch);
+    if (whole < 1.0)
+      throw UsageError(std::string("the scene is smaller than one detector pixel along ") + name + ": " +
+                       std::to_string(n) + " samples of " + format_double(step) + " um, pitch " + format_double(pitch) +
+                       " um; check scene.sample and frame.pitch");
+    if (whole > static_cast<double>(kLargestSide))
+      throw UsageError("the scene holds " + format_double(whole) + " pitches along " + name +
+                       "; check scene.sample and frame.pitch, or set frame.format");
+    const auto count = static_cast<std::int64_t>(whole);
+    return format > 0 ? std::min<std::int64_t>(count, format) : count;
+  };
+  const Frame<double>& frame = system.frame;
+  return {side(scene.width, scene.step_x_um, frame.pitch_x_um, frame.columns, "x"),
+          side(scene.height, scene.step_y_um, frame.pitch_y_um, frame.rows, "y"), frame.pitch_x_um, frame.pitch_y_um};
+}
+
+std::optional<SceneSummary> summarise(ImageView<const float> scene, Border border, double border_value) {
+  const std::vector<RowMoments> rows = row_moments(scene);
+  const Statistics s = statistics_of(rows, scene.width);
+  if (s.std == 0.0) return std::nullopt;
+  const double beyond = border == Border::constant ? std::abs(border_value) : 0.0;  // its light enters the image
+  const auto flat = std::count_if(rows.begin(), rows.end(), [](const RowMoments& row) { return row.min == row.max; });
+  return SceneSummary{s.std, std::max({std::abs(s.min), std::abs(s.max), beyond}),
+                      canvas_norm_of(rows, scene.width, border, border_value, s.mean),
+                      static_cast<double>(flat) / static_cast<double>(scene.height), flat_columns(scene)};
+}
 
 Plan compile_stages(const System<double>& system, std::span<const Stage> stages, const SampleGrid& in,
                     const SampleGrid& out, const PlanOptions& options, const Plan::Recompile& how) {
@@ -248,20 +263,6 @@ Plan compile_stages(const System<double>& system, std::span<const Stage> stages,
   plan.impl_ = std::move(impl);
   return plan;
 }
-
-namespace {
-
-// How the tolerance is shared out over a field: modes that are left out, the mean OTF, the others.
-constexpr double kModesShare = 0.75, kMeanShare = 0.125;
-constexpr double kEnoughShare = 0.1;  // for modes alone
-
-PredictedError& operator+=(PredictedError& a, const PredictedError& b) {
-  a.dropped += b.dropped, a.table += b.table, a.band += b.band, a.cut += b.cut, a.wrap += b.wrap;
-  a.kernel += b.kernel, a.modes += b.modes, a.flat += b.flat, a.arithmetic += b.arithmetic;
-  return a;
-}
-
-}  // namespace
 
 Plan compile_over_field(const System<double>& given, const SampleGrid& in, const SampleGrid& out,
                         const PlanOptions& options) {
@@ -415,31 +416,6 @@ Plan compile_post(const System<double>& system, const SampleGrid& detector, std:
   return compile_stages(system, stages, detector, detector, options, {});
 }
 
-namespace {
-
-void check_size(std::int64_t width, std::int64_t height, const SampleGrid& grid, const char* name) {
-  if (width == grid.width && height == grid.height) return;
-  throw UsageError(std::string(name) + " image is " + std::to_string(width) + "x" + std::to_string(height) +
-                   ", the plan was made for " + std::to_string(grid.width) + "x" + std::to_string(grid.height));
-}
-
-void fill(ImageView<float> out, float value) {
-  for (std::int64_t y = 0; y < out.height; ++y) std::fill_n(out.row(y), out.width, value);
-}
-
-bool share_memory(ImageView<const float> a, ImageView<const float> b) {
-  const std::less<const float*> before;
-  return before(a.data, b.row(b.height)) && before(b.data, a.row(a.height));
-}
-
-Image copy_of(ImageView<const float> plane) {
-  Image copy(plane.width, plane.height);
-  for (std::int64_t y = 0; y < plane.height; ++y) std::copy_n(plane.row(y), plane.width, copy.view().row(y));
-  return copy;
-}
-
-}  // namespace
-
 const PlanReport& Plan::report() const { return impl_->report; }
 double Plan::dc() const { return impl_->dc; }
 
@@ -533,16 +509,6 @@ void Plan::run_modes(std::span<const ImageView<const float>> in, std::span<const
                                  impl_->field->add(k, y, x, samples, out[c].row(y));
                                });
 }
-
-namespace {
-
-std::string short_number(double value) { return significant(value, 2); }
-
-std::string size_text(std::int64_t width, std::int64_t height) {
-  return std::to_string(width) + "x" + std::to_string(height);
-}
-
-}  // namespace
 
 std::string Plan::explain() const {
   const PlanReport& r = impl_->report;

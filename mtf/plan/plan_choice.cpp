@@ -45,33 +45,6 @@ std::vector<MethodCandidate> identity_candidates(const PlanTask& task) {
   return candidates;
 }
 
-}  // namespace
-
-Family family(std::string_view method_name) {
-  if (method_name.starts_with("fft")) return Family::fft;
-  return method_name == "identity" ? Family::identity : Family::taps;
-}
-
-std::vector<MethodCandidate> all_candidates(const PlanTask& task, Family wanted) {
-  std::vector<MethodCandidate> candidates;
-  const auto append = [&candidates](std::vector<MethodCandidate> more) {
-    std::move(more.begin(), more.end(), std::back_inserter(candidates));
-  };
-  if (wanted == Family::all || wanted == Family::identity) append(identity_candidates(task));
-  if (wanted == Family::identity) return candidates;
-  std::vector<MethodCandidate> fft = fft_candidates(task);
-  double fft_ms = std::numeric_limits<double>::infinity();
-  for (const MethodCandidate& candidate : fft)
-    if (candidate.report.reason.empty() &&
-        (candidate.report.method != Method::fft_device || keeps_tolerance(candidate, task.options)))
-      fft_ms = std::min(fft_ms, candidate.report.cost_ms);
-  if (wanted != Family::fft) append(tap_candidates(task, fft_ms));
-  if (wanted != Family::taps) append(std::move(fft));
-  return candidates;
-}
-
-namespace {
-
 // The same work on this machine takes the same time again: the method, both grids, and for the FFT methods whether the
 // OTF is complex.
 std::string work_of(const MethodCandidate& candidate, const PlanTask& task) {
@@ -117,7 +90,91 @@ void measure_costs(const std::vector<MethodCandidate*>& possible, const PlanTask
   }
 }
 
+// What was left out, what it costs at most, and the time it saves.
+void list_omissions(const MethodCandidate& chosen, const std::vector<MethodCandidate>& candidates, const PlanTask& task,
+                    PlanReport& report) {
+  if (chosen.report.method == Method::identity) {
+    double other = std::numeric_limits<double>::infinity();
+    for (const MethodCandidate& candidate : candidates)
+      if (candidate.report.possible && &candidate != &chosen) other = std::min(other, candidate.report.cost_ms);
+    const double saved = std::isfinite(other) ? other - chosen.report.cost_ms : 0.0;
+    report.omitted.push_back({"all components: the samples pass as they are", chosen.report.predicted.dropped, saved});
+    return;
+  }
+  for (const Dropped& d : task.sampler.dropped())
+    report.omitted.push_back({d.label, d.bound * task.sampler.gain() * chosen.error_per_otf, d.saved_ms});
+  if (const double flat = chosen.report.predicted.flat; flat > 0.0)
+    report.omitted.push_back({"transforms of " + std::string(chosen.lines == Lines::rows ? "rows" : "columns") +
+                                  " that are of one level, or nearly so when filtered",
+                              flat, chosen.lines_saved_ms});
+  if (chosen.report.method != Method::fft_cut) return;
+  const auto& [x, y] = *chosen.axes;
+  for (const MethodCandidate& candidate : candidates)
+    if (candidate.report.method == Method::fft_float)
+      report.omitted.push_back({"frequencies beyond " + std::to_string(x.keep) + "x" + std::to_string(y.keep) + " of " +
+                                    std::to_string(x.frequency.half_count()) + "x" +
+                                    std::to_string(y.frequency.half_count()),
+                                chosen.report.predicted.cut, candidate.report.cost_ms - chosen.report.cost_ms});
+}
+
+double count(std::int64_t n) { return static_cast<double>(n); }
+
+double groups(std::int64_t n, std::int64_t size) { return std::ceil(count(n) / count(size)); }
+
+// Nanoseconds of a transform of kLanes sequences of length n: by its prime factors up to 13, FFTW's beyond.
+double transform_ns(std::int64_t n) {
+  double weight = 0.0;
+  std::int64_t rest = n;
+  for (const auto& [p, w] : {std::pair{2, 1.0}, {3, 1.8}, {5, 2.6}, {7, 3.6}, {11, 5.5}, {13, 6.5}})
+    for (; rest % p == 0; rest /= p) weight += w;
+  return rest == 1 ? 0.88 * count(n) * weight : 25.0 * count(n) * std::log2(count(n));
+}
+
+// A chirp goes forwards and backwards.
+double inverse_ns(const AxisTransform& job) {
+  return transform_ns(inverse_length(job)) * (job.resampling == Resampling::chirp ? 2.0 : 1.0);
+}
+
+double whole_vectors(std::int64_t n) { return 16.0 * std::ceil(static_cast<double>(n) / 16.0); }
+
+// Nanoseconds of one pass over the whole scene (its mean), and of fetching the rows of samples that tiles of
+// `tile_rows` output rows need: a call a row, samples beyond the edges one by one, and the others, which ratios other
+// than 1, 2 and 4 sort into phases with strides.
+double load_ns(const TapAxis& x, const TapAxis& y, double tile_rows, double& rows) {
+  const double tiles = std::ceil(count(y.outputs) / tile_rows);
+  rows = count(y.outputs * y.ratio) + tiles * count(y.count);
+  const double sample = x.ratio == 1 ? 0.22 : x.ratio == 2 || x.ratio == 4 ? 0.36 : 0.6;
+  const double row = 35.0 * groups(x.outputs, 256) + 5.5 * count(x.count) + sample * count(x.outputs * x.ratio);
+  return count(y.samples) * (20.0 + 0.15 * count(x.samples)) + rows * row;
+}
+
+constexpr double kFloatUnit = 5.9604644775390625e-8;  // 2^-24
+constexpr double kSmallestFloat = 0x1p-150;           // half the step of denormal floats
+
 }  // namespace
+
+Family family(std::string_view method_name) {
+  if (method_name.starts_with("fft")) return Family::fft;
+  return method_name == "identity" ? Family::identity : Family::taps;
+}
+
+std::vector<MethodCandidate> all_candidates(const PlanTask& task, Family wanted) {
+  std::vector<MethodCandidate> candidates;
+  const auto append = [&candidates](std::vector<MethodCandidate> more) {
+    std::move(more.begin(), more.end(), std::back_inserter(candidates));
+  };
+  if (wanted == Family::all || wanted == Family::identity) append(identity_candidates(task));
+  if (wanted == Family::identity) return candidates;
+  std::vector<MethodCandidate> fft = fft_candidates(task);
+  double fft_ms = std::numeric_limits<double>::infinity();
+  for (const MethodCandidate& candidate : fft)
+    if (candidate.report.reason.empty() &&
+        (candidate.report.method != Method::fft_device || keeps_tolerance(candidate, task.options)))
+      fft_ms = std::min(fft_ms, candidate.report.cost_ms);
+  if (wanted != Family::fft) append(tap_candidates(task, fft_ms));
+  if (wanted != Family::taps) append(std::move(fft));
+  return candidates;
+}
 
 MethodCandidate* choose(std::vector<MethodCandidate>& candidates, const PlanTask& task, bool measure) {
   const PlanOptions& options = task.options;
@@ -163,37 +220,6 @@ void refuse(const std::vector<MethodCandidate>& candidates, const PlanOptions& o
   throw unreachable_tolerance(options.tolerance, reachable, options.scene, in_float);
 }
 
-namespace {
-
-// What was left out, what it costs at most, and the time it saves.
-void list_omissions(const MethodCandidate& chosen, const std::vector<MethodCandidate>& candidates, const PlanTask& task,
-                    PlanReport& report) {
-  if (chosen.report.method == Method::identity) {
-    double other = std::numeric_limits<double>::infinity();
-    for (const MethodCandidate& candidate : candidates)
-      if (candidate.report.possible && &candidate != &chosen) other = std::min(other, candidate.report.cost_ms);
-    const double saved = std::isfinite(other) ? other - chosen.report.cost_ms : 0.0;
-    report.omitted.push_back({"all components: the samples pass as they are", chosen.report.predicted.dropped, saved});
-    return;
-  }
-  for (const Dropped& d : task.sampler.dropped())
-    report.omitted.push_back({d.label, d.bound * task.sampler.gain() * chosen.error_per_otf, d.saved_ms});
-  if (const double flat = chosen.report.predicted.flat; flat > 0.0)
-    report.omitted.push_back({"transforms of " + std::string(chosen.lines == Lines::rows ? "rows" : "columns") +
-                                  " that are of one level, or nearly so when filtered",
-                              flat, chosen.lines_saved_ms});
-  if (chosen.report.method != Method::fft_cut) return;
-  const auto& [x, y] = *chosen.axes;
-  for (const MethodCandidate& candidate : candidates)
-    if (candidate.report.method == Method::fft_float)
-      report.omitted.push_back({"frequencies beyond " + std::to_string(x.keep) + "x" + std::to_string(y.keep) + " of " +
-                                    std::to_string(x.frequency.half_count()) + "x" +
-                                    std::to_string(y.frequency.half_count()),
-                                chosen.report.predicted.cut, candidate.report.cost_ms - chosen.report.cost_ms});
-}
-
-}  // namespace
-
 void describe(const MethodCandidate& chosen, const std::vector<MethodCandidate>& candidates, const Engine* engine,
               const PlanTask& task, PlanReport& report) {
   report.method = name_of(chosen.report.method);
@@ -214,28 +240,6 @@ void describe(const MethodCandidate& chosen, const std::vector<MethodCandidate>&
   const auto* filter = dynamic_cast<const SpectralFilter*>(engine);
   if (task.sampler.has_gain() && filter != nullptr) report.largest_gain = filter->largest_gain();
 }
-
-namespace {
-
-double count(std::int64_t n) { return static_cast<double>(n); }
-
-double groups(std::int64_t n, std::int64_t size) { return std::ceil(count(n) / count(size)); }
-
-// Nanoseconds of a transform of kLanes sequences of length n: by its prime factors up to 13, FFTW's beyond.
-double transform_ns(std::int64_t n) {
-  double weight = 0.0;
-  std::int64_t rest = n;
-  for (const auto& [p, w] : {std::pair{2, 1.0}, {3, 1.8}, {5, 2.6}, {7, 3.6}, {11, 5.5}, {13, 6.5}})
-    for (; rest % p == 0; rest /= p) weight += w;
-  return rest == 1 ? 0.88 * count(n) * weight : 25.0 * count(n) * std::log2(count(n));
-}
-
-// A chirp goes forwards and backwards.
-double inverse_ns(const AxisTransform& job) {
-  return transform_ns(inverse_length(job)) * (job.resampling == Resampling::chirp ? 2.0 : 1.0);
-}
-
-}  // namespace
 
 // Costs are counted in rows of kRow numbers: 5.7 ns each time an axis rearranges one, and 7.3 ns more for each row by
 // which image, buffer and OTF together exceed the second-level cache.
@@ -260,23 +264,6 @@ double fft_cost_ms(const AxisTransform& x, const AxisTransform& y, const Paritie
                  7.3 * far + 700.0);
 }
 
-namespace {
-
-double whole_vectors(std::int64_t n) { return 16.0 * std::ceil(static_cast<double>(n) / 16.0); }
-
-// Nanoseconds of one pass over the whole scene (its mean), and of fetching the rows of samples that tiles of
-// `tile_rows` output rows need: a call a row, samples beyond the edges one by one, and the others, which ratios other
-// than 1, 2 and 4 sort into phases with strides.
-double load_ns(const TapAxis& x, const TapAxis& y, double tile_rows, double& rows) {
-  const double tiles = std::ceil(count(y.outputs) / tile_rows);
-  rows = count(y.outputs * y.ratio) + tiles * count(y.count);
-  const double sample = x.ratio == 1 ? 0.22 : x.ratio == 2 || x.ratio == 4 ? 0.36 : 0.6;
-  const double row = 35.0 * groups(x.outputs, 256) + 5.5 * count(x.count) + sample * count(x.outputs * x.ratio);
-  return count(y.samples) * (20.0 + 0.15 * count(x.samples)) + rows * row;
-}
-
-}  // namespace
-
 double separable_cost_ms(const TapAxis& x, const TapAxis& y, std::int64_t rank) {
   const double tile_rows = std::clamp((384.0 / count(rank) - count(y.count)) / count(y.ratio),
                                       std::max(16.0, count(y.count) / count(y.ratio)), 256.0);
@@ -297,13 +284,6 @@ double direct_cost_ms(const TapAxis& x, const TapAxis& y, std::int64_t used, boo
       mirrored ? width * (0.5 + 0.0132 * taps) + 0.0085 * added + 2.1 * calls : width * 0.0286 * taps + 6.3 * calls;
   return 1e-6 * (load + height * row) + 1e-3;
 }
-
-namespace {
-
-constexpr double kFloatUnit = 5.9604644775390625e-8;  // 2^-24
-constexpr double kSmallestFloat = 0x1p-150;           // half the step of denormal floats
-
-}  // namespace
 
 double aliases(const AxisTransform& job) {
   const double detector_band = job.frequency.period_um() / job.pitch_um;

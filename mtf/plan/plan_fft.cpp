@@ -121,20 +121,6 @@ double cut(const PlanTask& task, double budget, double rms_per_otf, bool full_ca
   return by_scene ? cost : largest * spread;
 }
 
-}  // namespace
-
-std::string axis_text(const AxisTransform& job) {
-  const bool cosine = job.frequency.basis == Basis::cosine;
-  std::string text =
-      (cosine ? job.odd ? "cosine-sine " : "cosine " : "fourier ") + std::to_string(job.frequency.length);
-  if (job.keep < job.frequency.half_count()) text += ", " + std::to_string(job.keep) + " kept";
-  if (job.resampling == Resampling::chirp) return text + ", chirp to " + std::to_string(job.outputs);
-  if (job.out_length == job.frequency.length) return text;
-  return text + ", fold to " + std::to_string(job.out_length);
-}
-
-namespace {
-
 /// A layout as the prediction of errors sees it.
 struct Judged {
   explicit Judged(const PlanTask& task, const Layout& l) : layout(l) {
@@ -265,42 +251,7 @@ MethodCandidate make_candidate(const PlanTask& task, Method method, const Judged
   return d;
 }
 
-}  // namespace
-
-std::vector<MethodCandidate> fft_candidates(const PlanTask& task) {
-  std::vector<Judged> layouts;
-  for (const Layout& layout : fft_layouts(task)) layouts.emplace_back(task, layout);
-  // The last one keeps what any of them can. With cosines alone its canvas is the same at any tolerance.
-  const Judged& last = layouts.back();
-  const bool cosines = last.layout.x.frequency.basis == Basis::cosine && last.layout.y.frequency.basis == Basis::cosine;
-  const auto candidate = [&](Method method) {
-    MethodCandidate d = make_candidate(task, method, layouts.front());
-    for (std::size_t i = 1; i < layouts.size() && !keeps_tolerance(d, task.options); ++i)
-      d = make_candidate(task, method, layouts[i]);
-    const double least = rounding(task, method, last, cosines ? last.canvas_rms : task.canvas_norm / last.symmetric);
-    const double band = task.sampler.quadrature_error() * last.spread;
-    d.reachable = reachable_tolerance(least, band, cosines ? 0.0 : kWrapShare);
-    return d;
-  };
-  std::vector<MethodCandidate> candidates{candidate(Method::fft_float)};
-  MethodCandidate cut = candidate(Method::fft_cut);
-  const auto cuts = [](const AxisTransform& job) { return job.keep < job.frequency.half_count(); };
-  if (cuts((*cut.axes)[0]) || cuts((*cut.axes)[1])) candidates.push_back(std::move(cut));
-  candidates.push_back(candidate(Method::fft_double));
-  if (task.options.device.device) {
-    const Judged judged(task, fourier_layout(task));
-    MethodCandidate d = make_candidate(task, Method::fft_device, judged);
-    if (d.report.reason.empty())
-      d.reachable = reachable_tolerance(rounding(task, Method::fft_device, judged, task.canvas_norm / judged.symmetric),
-                                        task.sampler.quadrature_error() * judged.spread, kWrapShare);
-    candidates.push_back(std::move(d));
-  }
-  return candidates;
-}
-
 // Basis and length of both axes of an FFT method.
-
-namespace {
 
 /// How an axis is expanded: `odd` as in AxisTransform.
 struct Expansion {
@@ -382,6 +333,47 @@ class Layouts {
 };
 
 }  // namespace
+
+std::string axis_text(const AxisTransform& job) {
+  const bool cosine = job.frequency.basis == Basis::cosine;
+  std::string text =
+      (cosine ? job.odd ? "cosine-sine " : "cosine " : "fourier ") + std::to_string(job.frequency.length);
+  if (job.keep < job.frequency.half_count()) text += ", " + std::to_string(job.keep) + " kept";
+  if (job.resampling == Resampling::chirp) return text + ", chirp to " + std::to_string(job.outputs);
+  if (job.out_length == job.frequency.length) return text;
+  return text + ", fold to " + std::to_string(job.out_length);
+}
+
+std::vector<MethodCandidate> fft_candidates(const PlanTask& task) {
+  std::vector<Judged> layouts;
+  for (const Layout& layout : fft_layouts(task)) layouts.emplace_back(task, layout);
+  // The last one keeps what any of them can. With cosines alone its canvas is the same at any tolerance.
+  const Judged& last = layouts.back();
+  const bool cosines = last.layout.x.frequency.basis == Basis::cosine && last.layout.y.frequency.basis == Basis::cosine;
+  const auto candidate = [&](Method method) {
+    MethodCandidate d = make_candidate(task, method, layouts.front());
+    for (std::size_t i = 1; i < layouts.size() && !keeps_tolerance(d, task.options); ++i)
+      d = make_candidate(task, method, layouts[i]);
+    const double least = rounding(task, method, last, cosines ? last.canvas_rms : task.canvas_norm / last.symmetric);
+    const double band = task.sampler.quadrature_error() * last.spread;
+    d.reachable = reachable_tolerance(least, band, cosines ? 0.0 : kWrapShare);
+    return d;
+  };
+  std::vector<MethodCandidate> candidates{candidate(Method::fft_float)};
+  MethodCandidate cut = candidate(Method::fft_cut);
+  const auto cuts = [](const AxisTransform& job) { return job.keep < job.frequency.half_count(); };
+  if (cuts((*cut.axes)[0]) || cuts((*cut.axes)[1])) candidates.push_back(std::move(cut));
+  candidates.push_back(candidate(Method::fft_double));
+  if (task.options.device.device) {
+    const Judged judged(task, fourier_layout(task));
+    MethodCandidate d = make_candidate(task, Method::fft_device, judged);
+    if (d.report.reason.empty())
+      d.reachable = reachable_tolerance(rounding(task, Method::fft_device, judged, task.canvas_norm / judged.symmetric),
+                                        task.sampler.quadrature_error() * judged.spread, kWrapShare);
+    candidates.push_back(std::move(d));
+  }
+  return candidates;
+}
 
 Layout fourier_layout(const PlanTask& task) {
   return *Layouts(task).make({Basis::fourier, false}, {Basis::fourier, false});

@@ -46,6 +46,19 @@ std::size_t index(std::int64_t row, std::int64_t column, std::int64_t columns) {
   return static_cast<std::size_t>(row * columns + column);
 }
 
+constexpr std::int64_t kFine = 1024, kFinePerCell = kFine / (2 * kCells);
+
+// Largest of the values about each corner, from one cell before it to one after.
+std::vector<double> about_corners(const std::vector<double>& fine) {
+  std::vector<double> corners;
+  for (std::int64_t i = 0; i <= kCells; ++i) {
+    const std::int64_t lo = std::max<std::int64_t>(0, (i - 1) * kFinePerCell),
+                       hi = std::min(kFine / 2, (i + 1) * kFinePerCell);
+    corners.push_back(*std::max_element(fine.begin() + lo, fine.begin() + hi + 1));
+  }
+  return corners;
+}
+
 }  // namespace
 
 double TapBox::sum() const { return std::accumulate(value.begin(), value.end(), 0.0); }
@@ -167,23 +180,6 @@ double PointResponse::largest() const {
   for (const Complex<double>& h : otf_) squares = std::max(squares, h.re * h.re + h.im * h.im);
   return std::sqrt(squares);
 }
-
-namespace {
-
-constexpr std::int64_t kFine = 1024, kFinePerCell = kFine / (2 * kCells);
-
-// Largest of the values about each corner, from one cell before it to one after.
-std::vector<double> about_corners(const std::vector<double>& fine) {
-  std::vector<double> corners;
-  for (std::int64_t i = 0; i <= kCells; ++i) {
-    const std::int64_t lo = std::max<std::int64_t>(0, (i - 1) * kFinePerCell),
-                       hi = std::min(kFine / 2, (i + 1) * kFinePerCell);
-    corners.push_back(*std::max_element(fine.begin() + lo, fine.begin() + hi + 1));
-  }
-  return corners;
-}
-
-}  // namespace
 
 AxisResponse::AxisResponse(const FactoredOtf& sampler, Axis axis, double step_um, std::int64_t ratio)
     : offset_(ratio % 2 == 0 ? 0.5 : 0.0) {

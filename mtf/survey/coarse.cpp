@@ -108,66 +108,6 @@ MTFKIT_CLONES void add_scaled(double* __restrict to, const float* __restrict fro
   for (std::int64_t i = 0; i < n; ++i) to[i] += factor * from[i];
 }
 
-}  // namespace
-
-CoarseGrid coarse_grid(const SampleGrid& scene, Border border, std::int64_t every) {
-  const double coarse = static_cast<double>(every) * std::max(scene.step_x_um, scene.step_y_um);
-  CoarseGrid grid{coarse_axis(border, scene.width, scene.step_x_um, coarse),
-                  coarse_axis(border, scene.height, scene.step_y_um, coarse)};
-  // One round Gaussian for both axes keeps the split a function of |f|.
-  grid.x.sigma_um = grid.y.sigma_um = kSigmaSteps * std::max(grid.x.coarse_um, grid.y.coarse_um);
-  return grid;
-}
-
-CoarseScene::CoarseScene(const CoarseGrid& grid, double shift)
-    : grid_(grid),
-      shift_(static_cast<float>(shift)),
-      x_(analysis(grid.x)),
-      y_(analysis(grid.y)),
-      sum_(static_cast<std::size_t>(grid.x.count * grid.y.count)) {}
-
-void CoarseScene::sum_along_x(std::span<const float> row, std::span<float> along) const {
-  const auto n = static_cast<std::int64_t>(row.size());
-  std::vector<float> centred(row.size());
-  kernels::center(row.data(), n, shift_, 1.0, centred.data());
-  // Ends of a row that equal the shift, as all of the row may do, add nothing.
-  std::int64_t first = 0, last = n;
-  while (first < last && all_zero(centred.data() + first, std::min(kVector, last - first))) first += kVector;
-  while (last > first && all_zero(centred.data() + std::max(last - kVector, first), std::min(kVector, last - first)))
-    last -= kVector;
-  for (std::size_t j = 0; j < along.size(); ++j) {
-    const Stencil& s = x_[j];
-    const auto count = static_cast<std::int64_t>(s.weight.size());
-    const bool outside = s.first >= last || s.first + count <= first;
-    along[j] = outside ? 0.0F : dot(centred.data() + s.first, s.weight.data(), count);
-  }
-}
-
-void CoarseScene::add(std::int64_t first, ImageView<const float> along, int threads) {
-  const std::int64_t width = grid_.x.count;
-  parallel_for(grid_.y.count, 16, threads, [&](std::int64_t begin, std::int64_t end) {
-    for (std::int64_t j = begin; j < end; ++j) {
-      const Stencil& s = y_[static_cast<std::size_t>(j)];
-      const std::int64_t from = std::max(first, s.first);
-      const std::int64_t to = std::min(first + along.height, s.first + static_cast<std::int64_t>(s.weight.size()));
-      double* sums = sum_.data() + j * width;
-      for (std::int64_t y = from; y < to; ++y) {
-        const double w = s.weight[static_cast<std::size_t>(y - s.first)];
-        const float* row = along.row(y - first);
-        if (w != 0.0 && !all_zero(row, width)) add_scaled(sums, row, w, width);
-      }
-    }
-  });
-}
-
-Image CoarseScene::image() const {
-  Image image(grid_.x.count, grid_.y.count);
-  for (std::size_t i = 0; i < sum_.size(); ++i) image.data()[i] = static_cast<float>(sum_[i]);
-  return image;
-}
-
-namespace {
-
 // Weights of the coarse samples `low` .. at evenly spaced positions; every run has the same length.
 struct Synthesis {
   std::int64_t low = 0, span = 0, taps = 0;
@@ -208,6 +148,60 @@ MTFKIT_CLONES void interpolate_row(const float* row, const Synthesis& s, double 
 }
 
 }  // namespace
+
+CoarseGrid coarse_grid(const SampleGrid& scene, Border border, std::int64_t every) {
+  const double coarse = static_cast<double>(every) * std::max(scene.step_x_um, scene.step_y_um);
+  CoarseGrid grid{coarse_axis(border, scene.width, scene.step_x_um, coarse),
+                  coarse_axis(border, scene.height, scene.step_y_um, coarse)};
+  // One round Gaussian for both axes keeps the split a function of |f|.
+  grid.x.sigma_um = grid.y.sigma_um = kSigmaSteps * std::max(grid.x.coarse_um, grid.y.coarse_um);
+  return grid;
+}
+
+CoarseScene::CoarseScene(const CoarseGrid& grid, double shift)
+    : grid_(grid),
+      shift_(static_cast<float>(shift)),
+      x_(analysis(grid.x)),
+      y_(analysis(grid.y)),
+      sum_(static_cast<std::size_t>(grid.x.count * grid.y.count)) {}
+
+void CoarseScene::sum_along_x(std::span<const float> row, std::span<float> along) const {
+  const auto n = static_cast<std::int64_t>(row.size());
+  std::vector<float> centred(row.size());
+  kernels::center(row.data(), n, shift_, 1.0, centred.data());
+  // Ends of a row that equal the shift, as all of the row may do, add nothing.
+  std::int64_t first = 0, last = n;
+  while (first < last && all_zero(centred.data() + first, std::min(kVector, last - first))) first += kVector;
+  while (last > first && all_zero(centred.data() + std::max(last - kVector, first), std::min(kVector, last - first)))
+    last -= kVector;
+  for (std::size_t j = 0; j < along.size(); ++j) {
+    const Stencil& s = x_[j];
+    const auto count = static_cast<std::int64_t>(s.weight.size());
+    const bool outside = s.first >= last || s.first + count <= first;
+    along[j] = outside ? 0.0F : dot(centred.data() + s.first, s.weight.data(), count);
+  }
+}
+
+void CoarseScene::add(std::int64_t first, ImageView<const float> along, int threads) {
+  const std::int64_t width = grid_.x.count;
+  parallel_for_each(grid_.y.count, 16, threads, [&](std::int64_t j) {
+    const Stencil& s = y_[static_cast<std::size_t>(j)];
+    const std::int64_t from = std::max(first, s.first);
+    const std::int64_t to = std::min(first + along.height, s.first + static_cast<std::int64_t>(s.weight.size()));
+    double* sums = sum_.data() + j * width;
+    for (std::int64_t y = from; y < to; ++y) {
+      const double w = s.weight[static_cast<std::size_t>(y - s.first)];
+      const float* row = along.row(y - first);
+      if (w != 0.0 && !all_zero(row, width)) add_scaled(sums, row, w, width);
+    }
+  });
+}
+
+Image CoarseScene::image() const {
+  Image image(grid_.x.count, grid_.y.count);
+  for (std::size_t i = 0; i < sum_.size(); ++i) image.data()[i] = static_cast<float>(sum_[i]);
+  return image;
+}
 
 void add_interpolated(const CoarseGrid& grid, ImageView<const float> w, double x_um, double y_um, double step_x_um,
                       double step_y_um, double offset, ImageView<float> out) {

@@ -86,8 +86,7 @@ class ChannelSums {
 
 ReadWindow windows_of(std::span<const ImageView<const float>> planes) {
   return [planes](std::size_t channel, std::int64_t x, std::int64_t y, ImageView<float> out) {
-    for (std::int64_t j = 0; j < out.height; ++j)
-      std::memcpy(out.row(j), planes[channel].row(y + j) + x, static_cast<std::size_t>(out.width) * sizeof(float));
+    copy(part_of(planes[channel], {x, y, out.width, out.height}), out);
   };
 }
 

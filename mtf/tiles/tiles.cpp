@@ -432,8 +432,13 @@ TiledSensorPlan compile_tiled(const System<double>& system, const SampleGrid& sc
     return count(plan.report().count) * count(plan.inner().presample.in().width) *
            count(plan.inner().presample.in().height) * (plan.report().every > 0 ? 1.2 : 1.0);
   };
+  const bool one_otf = system.is_isoplanatic();
+  if (!one_otf) {
+    require_valid(system);
+    reason = "the OTF changes over the field by " + names_over_field(system) + ", and tiles share one";
+  }
   for (const std::int64_t every : {std::int64_t{0}, coarse_every(scene, options.border, tiles.memory)}) {
-    if (best && every == 0) continue;
+    if (!one_otf || (best && every == 0)) continue;
     try {
       auto plan = cut_into_tiles(system, scene, options, tiles, every, reason);
       if (plan && (!best || work(*plan) < work(*best))) best = std::move(plan);
@@ -450,6 +455,9 @@ TiledSensorPlan compile_tiled(const System<double>& system, const SampleGrid& sc
 
   const auto require_room = [&](double bytes) {
     if (!(bytes > limit)) return;
+    if (!one_otf)
+      throw UsageError(reason + ": the scene is filtered at once, which needs " + mebibytes(bytes) + "; the limit is " +
+                       mebibytes(limit));
     TileOptions given = tiles;
     given.memory = static_cast<std::int64_t>(limit);
     refuse_memory(system, scene, options, given, reason, too_small, bytes);

@@ -12,7 +12,7 @@
 // all output pixels is at most tolerance x std of the scene. Where the halo of the whole OTF would be too long the OTF
 // is split (mtf/otf/split.h): tiles do the near part, a coarse image of the whole scene the far part. Where even that
 // does not help (an OTF with a step or kink at the scene's Nyquist frequency, a ratio of pitch to sample that is not
-// p/q) the scene is one tile, if memory allows.
+// p/q; an OTF that changes over the field) the scene is one tile, if memory allows.
 
 #include <functional>
 #include <optional>

@@ -9,10 +9,6 @@
 namespace mtf {
 namespace {
 
-std::string mib(double bytes) {
-  return std::to_string(static_cast<std::int64_t>(std::ceil(bytes / 1048576.0))) + "MiB";
-}
-
 // Whether the scene goes through in tiles. Throws UnreachableTolerance where no plan keeps the tolerance.
 bool goes_through(const System<double>& system, const SampleGrid& scene, const PlanOptions& options,
                   const TileOptions& tiles) {
@@ -55,13 +51,17 @@ std::optional<double> rounding_of(const System<double>& system, const PlanOption
 
 }  // namespace
 
+std::string mebibytes(double bytes) {
+  return std::to_string(static_cast<std::int64_t>(std::ceil(bytes / 1048576.0))) + "MiB";
+}
+
 void refuse_memory(const System<double>& system, const SampleGrid& scene, const PlanOptions& options,
                    const TileOptions& tiles, const std::string& reason, std::optional<double> share, double whole) {
   const auto text = [](double tolerance) {
     constexpr double kUp = 1.06;  // so that its two digits are not below it
     return "a tolerance of " + significant(kUp * tolerance, 2) + " or more";
   };
-  const std::string limit = mib(static_cast<double>(tiles.memory));
+  const std::string limit = mebibytes(static_cast<double>(tiles.memory));
   constexpr double kLeast = 1.1, kEnough = 1.25;  // a plan rounds a little more than its samples
   const std::optional<double> rounding = rounding_of(system, options);
   std::optional<double> at_once, in_tiles;
@@ -69,9 +69,9 @@ void refuse_memory(const System<double>& system, const SampleGrid& scene, const 
   if (rounding && share) in_tiles = least_tolerance(system, scene, options, tiles, kEnough * *rounding / *share);
   const double memory = at_once ? whole : static_cast<double>(least_memory(system, scene, options, tiles, whole));
   throw UsageError("the scene does not go through " + limit + " of memory in tiles at tolerance " +
-                   format_double(options.tolerance) + ": " + reason + "; all of it at once needs " + mib(whole) +
+                   format_double(options.tolerance) + ": " + reason + "; all of it at once needs " + mebibytes(whole) +
                    (at_once ? ", with " + text(*at_once) + " as its samples are float32" : "") + "; allow " +
-                   mib(memory) + " or more" + (at_once ? " and that tolerance" : "") +
+                   mebibytes(memory) + " or more" + (at_once ? " and that tolerance" : "") +
                    (in_tiles ? ", or " + text(*in_tiles) : ", or a larger tolerance"));
 }
 

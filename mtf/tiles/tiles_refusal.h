@@ -17,6 +17,9 @@ std::optional<TiledSensorPlan> cut_into_tiles(const System<double>& system, cons
                                               const PlanOptions& options, const TileOptions& tiles, std::int64_t every,
                                               std::string& reason);
 
+/// "12MiB", rounded up.
+std::string mebibytes(double bytes);
+
 /// Throws UsageError. `tiles.memory` is the limit, `reason` why tiles do not keep it, `share` the least share of the
 /// tolerance that a part of their work has where that is the reason, `whole` the bytes that one plan for all of the
 /// scene takes.

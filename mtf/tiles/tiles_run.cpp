@@ -48,10 +48,6 @@ bool is_flat(const Image& image) {
   return true;
 }
 
-ImageView<float> part(Image& image, std::int64_t x, std::int64_t y, std::int64_t width, std::int64_t height) {
-  return {image.view().row(y) + x, width, height, image.width()};
-}
-
 // One thread reads all at once, several share the rows.
 void read_rows(const ReadWindow& read, std::size_t channel, std::int64_t x, std::int64_t y, ImageView<float> to,
                int threads) {
@@ -123,7 +119,7 @@ void TiledSensorPlan::read_canvas(const ReadWindow& read, std::size_t channel, s
   const auto ys = runs_of(border_, y_.first_sample(index / x_.count()), canvas.height(), in_.height);
   for (const Run& y : ys)
     for (const Run& x : xs) {
-      const ImageView<float> to = part(canvas, x.at, y.at, x.count, y.count);
+      const ImageView<float> to = part_of(canvas.view(), {x.at, y.at, x.count, y.count});
       if (x.source < 0 || y.source < 0) {
         for (std::int64_t j = 0; j < y.count; ++j) std::fill_n(to.row(j), x.count, static_cast<float>(border_value));
         continue;
@@ -182,9 +178,8 @@ bool TiledSensorPlan::run_tile(std::int64_t index, double border_value, const Im
     std::fill_n(pixels.data(), pixels.size(), static_cast<float>(near.dc() * canvas.data()[0]));
   } else {
     near.run(canvas.view(), wide.view(), 0.0, helpers());
-    for (std::int64_t y = 0; y < pixels.height(); ++y)
-      std::memcpy(pixels.view().row(y), wide.view().row(y + y_.margin - y_.post) + x_.margin - x_.post,
-                  static_cast<std::size_t>(pixels.width()) * sizeof(float));
+    const Region inside{x_.margin - x_.post, y_.margin - y_.post, pixels.width(), pixels.height()};
+    copy(part_of(wide.view(), inside), pixels.view());
   }
   if (far != nullptr) {
     const auto centre = [](const TileAxis& axis, std::int64_t i, double pitch) {
@@ -197,12 +192,9 @@ bool TiledSensorPlan::run_tile(std::int64_t index, double border_value, const Im
   // Values beyond float32 stay infinite, for the receiver of the tile to see.
   if (inner_->post && all_finite(pixels.view())) filter_after_sampling(index, border_value, pixels);
   const Region region = tile(index).region;
-  out = Image(region.width, region.height);
   const std::int64_t skip_x = region.x + x_.skipped - index % x_.count() * x_.tile + x_.post;
   const std::int64_t skip_y = region.y + y_.skipped - index / x_.count() * y_.tile + y_.post;
-  for (std::int64_t y = 0; y < region.height; ++y)
-    std::memcpy(out.view().row(y), pixels.view().row(y + skip_y) + skip_x,
-                static_cast<std::size_t>(region.width) * sizeof(float));
+  out = copy_of(part_of(pixels.view(), {skip_x, skip_y, region.width, region.height}));
   return flat;
 }
 
@@ -220,9 +212,7 @@ TileTally TiledSensorPlan::run_whole(const ReadWindow& read, std::size_t channel
     scene.emplace_back(in_.width, in_.height);
     read_rows(read, c, 0, 0, scene[0].view(), threads_);
     std::vector<Image> filtered = inner_->run(std::move(scene), options.border_value, threads_);
-    const ImageView<const float> wanted = part(filtered[0], region_.x, region_.y, region_.width, region_.height);
-    planes.emplace_back(region_.width, region_.height);
-    for (std::int64_t y = 0; y < wanted.height; ++y) std::copy_n(wanted.row(y), wanted.width, planes[c].view().row(y));
+    planes.push_back(copy_of(part_of(filtered[0].view(), region_)));
     views.push_back(planes[c].view());
   }
   write(tile(0), views);
@@ -308,10 +298,7 @@ std::vector<Image> TiledSensorPlan::run(std::span<const ImageView<const float>> 
     out.emplace_back(out_.width, out_.height);
   }
   const auto write = [&](const Tile& tile, std::span<const ImageView<const float>> planes) {
-    for (std::size_t c = 0; c < planes.size(); ++c)
-      for (std::int64_t y = 0; y < tile.region.height; ++y)
-        std::memcpy(out[c].view().row(tile.region.y + y) + tile.region.x, planes[c].row(y),
-                    static_cast<std::size_t>(tile.region.width) * sizeof(float));
+    for (std::size_t c = 0; c < planes.size(); ++c) copy(planes[c], part_of(out[c].view(), tile.region));
   };
   const TileTally done = run(read, surveys, write, {.border_value = border_value});
   if (tally != nullptr) *tally = done;

@@ -130,8 +130,12 @@ SpectralNumbers<double> behind_path(SpectralNumbers<double> own, const Sensor& s
 SensorSettings budget_settings(const Sensor& sensor) {
   SensorSettings settings = sensor.settings;
   if (!settings.nonuniformity) return settings;
-  if (sensor.responsivity) settings.nonuniformity->prnu = mtf::statistics(sensor.responsivity->view()).std;
-  if (sensor.offset) settings.nonuniformity->dsnu_e = mtf::statistics(sensor.offset->view()).std;
+  NonuniformitySettings& unequal = *settings.nonuniformity;
+  if (sensor.responsivity) {
+    unequal.prnu = mtf::statistics(sensor.responsivity->view()).std;
+    unequal.prnu_row = unequal.prnu_column = 0.0;
+  }
+  if (sensor.offset) unequal.dsnu_e = mtf::statistics(sensor.offset->view()).std;
   return settings;
 }
 

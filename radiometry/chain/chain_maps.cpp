@@ -4,7 +4,6 @@
 // ones are made from the numbers of each pixel's place on the detector. With it the light of the camera itself: warm
 // optics and housing, and the closed shutter of a thermal camera over a sequence (stages/detector/shutter_events.h).
 
-#include <algorithm>
 #include <limits>
 
 #include "mtf/engines/statistics.h"
@@ -40,9 +39,10 @@ DetectorMaps detector_maps(const DetectorSource& source, int threads) {
   DetectorMaps maps;
   if (const auto& unequal = source.nonuniformity) {
     mtf::Image responsivity = part_of(source.responsivity, "nonuniformity.responsivity", source);
-    if (responsivity.size() == 0 && unequal->prnu > 0.0) {
+    if (responsivity.size() == 0 && unequal->has_prnu()) {
       responsivity = mtf::Image(width, height);
-      responsivity_map(responsivity.view(), unequal->prnu, source.seed, source.origin, threads);
+      responsivity_map(responsivity.view(), {unequal->prnu, unequal->prnu_row, unequal->prnu_column}, source.seed,
+                       source.origin, threads);
     }
     maps.responsivity = shared(std::move(responsivity));
   }
@@ -88,11 +88,7 @@ Directions<double> closed_at(const CompiledChain& chain, const CameraEmission& c
 mtf::Image part_of(const SharedMap& whole, const char* key, const DetectorSource& source) {
   if (!whole) return {};
   require_size(*whole, key, source.plane.columns, source.plane.rows);
-  mtf::Image part(source.width, source.height);
-  for (std::int64_t y = 0; y < source.height; ++y)
-    std::copy_n(whole->data() + (source.origin.y + y) * whole->width() + source.origin.x, source.width,
-                part.data() + y * source.width);
-  return part;
+  return copy_of(part_of(whole->view(), {source.origin.x, source.origin.y, source.width, source.height}));
 }
 
 void require_maps(const Sensor& sensor, std::int64_t columns, std::int64_t rows) {

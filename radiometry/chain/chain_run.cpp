@@ -208,7 +208,7 @@ TwoPoint CompiledChain::measure(int threads) const {
     std::fill_n(image.data(), image.size(), static_cast<float>(run.border));
     run_detector(run, image, OutputStage::dn);
     require_unsaturated(flats, fill, run.frame.held);
-    for (std::int64_t y = 0; y < out.height; ++y) std::copy_n(image.data() + y * out.width, out.width, out.row(y));
+    copy(image.view(), out);
   };
   return measure_correction(plan.out().width / steps, plan.out().height / steps, flats, flat);
 }

@@ -39,7 +39,7 @@ double tile_bytes_a_pixel(const mtf::System<double>& system, const Sensor& senso
   const auto one = [](bool there) { return there ? 1.0 : 0.0; };
   const auto& unequal = s.nonuniformity;
   const bool corners = s.vignetting.has_value(), around = s.narcissus.has_value();
-  const bool responsivity = unequal && (sensor.responsivity || unequal->prnu > 0.0);
+  const bool responsivity = unequal && (sensor.responsivity || unequal->has_prnu());
   // Dark current of 0 has no stage, and all the same its map.
   const bool dark = unequal && unequal->dcnu > 0.0;
   const auto own = static_cast<double>(std::ranges::count_if(stage_table(), [&](const StageRow& row) {

@@ -16,7 +16,7 @@
 namespace radiometry {
 
 /// The numbers that the functions below read from overrides.
-inline constexpr std::array<std::string_view, 33> kBudgetNumbers{"optics.transmission",
+inline constexpr std::array<std::string_view, 35> kBudgetNumbers{"optics.transmission",
                                                                  "optics.cold_transmission",
                                                                  "optics.emissivity",
                                                                  "optics.obscuration_emissivity",
@@ -46,6 +46,8 @@ inline constexpr std::array<std::string_view, 33> kBudgetNumbers{"optics.transmi
                                                                  "noise_3d.h",
                                                                  "noise_3d.vh",
                                                                  "nonuniformity.prnu",
+                                                                 "nonuniformity.prnu_row",
+                                                                 "nonuniformity.prnu_column",
                                                                  "nonuniformity.dsnu",
                                                                  "nonuniformity.dcnu",
                                                                  "narcissus.depth"};
@@ -217,7 +219,9 @@ NoiseTerms<S> noise_numbers(const SensorSettings& settings, const Pixel<S>& pixe
                            numbers("noise_3d.t", cube.t), numbers("noise_3d.tv", cube.tv),
                            numbers("noise_3d.th", cube.th), numbers("noise_3d.tvh", cube.tvh)}),
       .step_e = electrons_per_count(settings, pixel.full_well_e, numbers),
-      .prnu = numbers("nonuniformity.prnu", unequal.prnu),
+      .prnu =
+          root_sum({numbers("nonuniformity.prnu", unequal.prnu), numbers("nonuniformity.prnu_row", unequal.prnu_row),
+                    numbers("nonuniformity.prnu_column", unequal.prnu_column)}),
       .dsnu_e = root_sum({numbers("nonuniformity.dsnu", unequal.dsnu_e), numbers("noise.fixed_row", lines.fixed_row_e),
                           numbers("noise.fixed_column", lines.fixed_column_e), numbers("noise_3d.v", cube.v),
                           numbers("noise_3d.h", cube.h), numbers("noise_3d.vh", cube.vh)}),

@@ -174,7 +174,7 @@ inline double reset_e_of(const DetectorSettings& detector) {
 }
 
 struct NonuniformitySettings {
-  double prnu = 0.0;
+  double prnu = 0.0, prnu_row = 0.0, prnu_column = 0.0;
   double dsnu_e = 0.0;
   double dcnu = 0.0;
   std::string responsivity{};  ///< map of factors
@@ -182,13 +182,18 @@ struct NonuniformitySettings {
 
   static constexpr auto fields() {
     using T = NonuniformitySettings;
-    return std::tuple{optional(&T::prnu, "prnu", 0.0, 1.0, "0.01", "responsivity from pixel to pixel, rms fraction"),
-                      optional(&T::dsnu_e, "dsnu", "e-", 0.0, 1e15, "\"200 e-\"", "offset from pixel to pixel, rms"),
-                      optional(&T::dcnu, "dcnu", 0.0, 10.0, "0.2", "dark current from pixel to pixel, rms fraction"),
-                      optional(&T::responsivity, "responsivity", "\"gain.exr\"", "map of factors in place of prnu"),
-                      optional(&T::offset, "offset", "\"offset.exr\"",
-                               "map of offsets in place of dsnu, in electrons or volts as that")};
+    return std::tuple{
+        optional(&T::prnu, "prnu", 0.0, 1.0, "0.01", "responsivity from pixel to pixel, rms fraction"),
+        optional(&T::prnu_row, "prnu_row", 0.0, 1.0, "0.002", "responsivity of whole rows, rms fraction"),
+        optional(&T::prnu_column, "prnu_column", 0.0, 1.0, "0.002", "responsivity of whole columns, rms fraction"),
+        optional(&T::dsnu_e, "dsnu", "e-", 0.0, 1e15, "\"200 e-\"", "offset from pixel to pixel, rms"),
+        optional(&T::dcnu, "dcnu", 0.0, 10.0, "0.2", "dark current from pixel to pixel, rms fraction"),
+        optional(&T::responsivity, "responsivity", "\"gain.exr\"", "map of factors in place of all prnu"),
+        optional(&T::offset, "offset", "\"offset.exr\"",
+                 "map of offsets in place of dsnu, in electrons or volts as that")};
   }
+
+  bool has_prnu() const { return prnu > 0.0 || prnu_row > 0.0 || prnu_column > 0.0; }
 
   bool operator==(const NonuniformitySettings&) const = default;
 };

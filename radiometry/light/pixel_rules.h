@@ -28,17 +28,15 @@ template <class Bad>
 void refuse_pixels(mtf::ImageView<const float> plane, const PixelRule& rule, int threads, Bad bad) {
   std::mutex joining;
   std::int64_t count = 0, first = plane.width * plane.height;
-  mtf::parallel_for(plane.height, kRowsAtOnce, threads, [&](std::int64_t begin, std::int64_t end) {
-    for (std::int64_t y = begin; y < end; ++y) {
-      const float* row = plane.row(y);
-      std::int64_t here = 0;
-      for (std::int64_t x = 0; x < plane.width; ++x) here += bad(row[x]) ? 1 : 0;
-      if (here == 0) continue;
-      const std::int64_t x = std::find_if(row, row + plane.width, bad) - row;
-      const std::lock_guard lock(joining);
-      count += here;
-      first = std::min(first, y * plane.width + x);
-    }
+  mtf::parallel_for_each(plane.height, kRowsAtOnce, threads, [&](std::int64_t y) {
+    const float* row = plane.row(y);
+    std::int64_t here = 0;
+    for (std::int64_t x = 0; x < plane.width; ++x) here += bad(row[x]) ? 1 : 0;
+    if (here == 0) return;
+    const std::int64_t x = std::find_if(row, row + plane.width, bad) - row;
+    const std::lock_guard lock(joining);
+    count += here;
+    first = std::min(first, y * plane.width + x);
   });
   if (count == 0) return;
   const std::int64_t x = first % plane.width, y = first / plane.width;
@@ -59,23 +57,19 @@ inline void require_size_of(mtf::ImageView<const float> scene, mtf::ImageView<co
 /// Replaces each pixel by change(pixel), rows on `threads` threads.
 template <class Change>
 void for_each_pixel(mtf::ImageView<float> plane, int threads, Change change) {
-  mtf::parallel_for(plane.height, kRowsAtOnce, threads, [&](std::int64_t begin, std::int64_t end) {
-    for (std::int64_t y = begin; y < end; ++y) {
-      float* row = plane.row(y);
-      for (std::int64_t x = 0; x < plane.width; ++x) row[x] = change(row[x]);
-    }
+  mtf::parallel_for_each(plane.height, kRowsAtOnce, threads, [&](std::int64_t y) {
+    float* row = plane.row(y);
+    for (std::int64_t x = 0; x < plane.width; ++x) row[x] = change(row[x]);
   });
 }
 
 /// The same with the pixel of another plane of that size.
 template <class Change>
 void for_each_pixel(mtf::ImageView<float> plane, mtf::ImageView<const float> other, int threads, Change change) {
-  mtf::parallel_for(plane.height, kRowsAtOnce, threads, [&](std::int64_t begin, std::int64_t end) {
-    for (std::int64_t y = begin; y < end; ++y) {
-      float* row = plane.row(y);
-      const float* beside = other.row(y);
-      for (std::int64_t x = 0; x < plane.width; ++x) row[x] = change(row[x], beside[x]);
-    }
+  mtf::parallel_for_each(plane.height, kRowsAtOnce, threads, [&](std::int64_t y) {
+    float* row = plane.row(y);
+    const float* beside = other.row(y);
+    for (std::int64_t x = 0; x < plane.width; ++x) row[x] = change(row[x], beside[x]);
   });
 }
 

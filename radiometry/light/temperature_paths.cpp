@@ -109,9 +109,7 @@ double radiance_at_ranges(mtf::ImageView<float> temperature_k, mtf::ImageView<co
                           const PlaneOptions& options) {
   require_size_of(temperature_k, range_m, "depth");
   require_ranges(range_m, table, options.threads);
-  mtf::Image emitted(temperature_k.width, temperature_k.height);
-  for (std::int64_t y = 0; y < temperature_k.height; ++y)
-    std::copy_n(temperature_k.row(y), temperature_k.width, emitted.view().row(y));
+  mtf::Image emitted = copy_of(temperature_k);
   radiance_of_temperature(emitted.view(), scene, {finish.emissivity, finish.plane, 0.0}, options);
 
   const bool by_pixel = finish.plane.data != nullptr;
@@ -132,20 +130,18 @@ double radiance_at_ranges(mtf::ImageView<float> temperature_k, mtf::ImageView<co
   std::optional<RangeTable> tau_reflected;
   if (reflected > 0.0) tau_reflected.emplace(mirror, table, finish.surroundings_k);
 
-  mtf::parallel_for(temperature_k.height, kRowsAtOnce, options.threads, [&](std::int64_t begin, std::int64_t end) {
-    for (std::int64_t y = begin; y < end; ++y) {
-      float* row = temperature_k.row(y);
-      const float *light = emitted.view().row(y), *range = range_m.row(y);
-      for (std::int64_t x = 0; x < temperature_k.width; ++x) {
-        const double r = std::min(static_cast<double>(range[x]), added.longest_m());
-        double sum = added.radiance(r);
-        if (tau) sum += tau->transmission(static_cast<double>(row[x]), r) * static_cast<double>(light[x]);
-        if (tau_reflected) {
-          const double share = by_pixel ? 1.0 - static_cast<double>(finish.plane.at(x, y)) : 1.0;
-          sum += share * reflected * tau_reflected->transmission(r);
-        }
-        row[x] = static_cast<float>(sum);
+  mtf::parallel_for_each(temperature_k.height, kRowsAtOnce, options.threads, [&](std::int64_t y) {
+    float* row = temperature_k.row(y);
+    const float *light = emitted.view().row(y), *range = range_m.row(y);
+    for (std::int64_t x = 0; x < temperature_k.width; ++x) {
+      const double r = std::min(static_cast<double>(range[x]), added.longest_m());
+      double sum = added.radiance(r);
+      if (tau) sum += tau->transmission(static_cast<double>(row[x]), r) * static_cast<double>(light[x]);
+      if (tau_reflected) {
+        const double share = by_pixel ? 1.0 - static_cast<double>(finish.plane.at(x, y)) : 1.0;
+        sum += share * reflected * tau_reflected->transmission(r);
       }
+      row[x] = static_cast<float>(sum);
     }
   });
   return tau ? tau->error() : 0.0;

@@ -45,10 +45,11 @@ struct Bow {
 
   Bow(const FlatFrames<S>& f, const S& x) {
     const S held = mtf::value_of(x) < mtf::value_of(f.full_well_e) ? x : f.full_well_e;
-    const S u = held / f.full_well_e, first = S(f.response.a2) * u, second = S(f.response.a3) * u * u;
-    slope = S(2) * first + S(3) * second;
-    value = held * (first + second) + (x - held) * slope;
-    spread = slope * (held - f.dark_e) - held * (first + second);
+    const S u = held / f.full_well_e, first = S(f.response.a2) * u, second = S(f.response.a3) * u * u,
+            third = S(f.response.a4) * u * u * u, all = first + second + third;
+    slope = S(2) * first + S(3) * second + S(4) * third;
+    value = held * all + (x - held) * slope;
+    spread = slope * (held - f.dark_e) - held * all;
   }
 };
 }  // namespace detail

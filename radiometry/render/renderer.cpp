@@ -38,12 +38,10 @@ constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 template <class Value>
 mtf::Image made(const LayerInputs& in, const Value& value) {
   mtf::Image image(in.camera.width, in.camera.height);
-  mtf::parallel_for(static_cast<std::int64_t>(in.middles.band.size()), 1, in.threads,
-                    [&](std::int64_t begin, std::int64_t end) {
-                      for (std::int64_t b = begin; b < end; ++b)
-                        for (const SamplePart& part : in.middles.band[static_cast<std::size_t>(b)])
-                          image.at(part.column, part.row) = value(part);
-                    });
+  mtf::parallel_for_each(static_cast<std::int64_t>(in.middles.band.size()), 1, in.threads, [&](std::int64_t b) {
+    for (const SamplePart& part : in.middles.band[static_cast<std::size_t>(b)])
+      image.at(part.column, part.row) = value(part);
+  });
   return image;
 }
 

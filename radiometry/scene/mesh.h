@@ -6,6 +6,7 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -24,6 +25,9 @@ struct Mesh {
   std::vector<std::string> notes{};  ///< what the file holds and is not in the mesh: "2 lines (l) make no face"
 
   std::size_t faces() const { return group.size(); }
+  std::span<const std::uint32_t> corners_of(std::size_t face) const {
+    return std::span(corners).subspan(first[face], first[face + 1] - first[face]);
+  }
 };
 
 }  // namespace radiometry::scene

@@ -121,6 +121,32 @@ TEST_F(BudgetCommand, TheTableHasTheMtfAtNyquistAlongBothAxes) {
   expect_says(table, {"along x, 25 cy/mm", "along y, 16.67 cy/mm"});
 }
 
+// Of a lens that changes over the field: the budget of one place is that of the sensor as it is there.
+TEST_F(BudgetCommand, APlaceInTheImage) {
+  const std::string sensor = replaced(kSensor, "pitch = \"15 um\"", "pitch = \"15 um\"\nformat = [640, 512]");
+  const auto lens = [&](const std::string& w020) {
+    return replaced(sensor, "kind = \"diffraction\"", "kind = \"wavefront\"\nw020 = " + w020);
+  };
+  write_file(scratch / "field.toml", lens("{ r2 = 0.8 }"));
+  write_file(scratch / "there.toml", lens("0.4"));
+  const auto terms = [&](const std::string& command) {
+    const Result run = scratch.run("mtf budget " + command + " --format json");
+    EXPECT_EQ(run.status, 0) << run.err;
+    return Json::parse(run.out).at("terms");
+  };
+  const std::string half = " --field 0.5,0.5";  // r^2 of 1/2
+  const Json here = terms("field.toml" + half), there = terms("there.toml");
+  for (const auto& [name, row] : there.items())
+    if (row.at("value").is_number())
+      EXPECT_NEAR(here.at(name).at("value").get<double>(), row.at("value").get<double>(),
+                  1e-9 * std::abs(row.at("value").get<double>()))
+          << name;
+  expect_says(scratch.run("mtf budget field.toml").out,
+              {"on the optical axis", "mtf_nyquist_x.mean", "mtf_nyquist_y.worst", "of 81 places, at pixel"});
+  expect_says(scratch.run("mtf budget field.toml" + half).out, {"at the field point (0.5, 0.5)"});
+  expect_error(scratch.run("mtf budget field.toml --field 1"), 2, {"--field"});
+}
+
 TEST_F(BudgetCommand, ATemperatureMayHaveItsUnit) {
   sensor("");
   const std::string plain = scratch.run("mtf budget s.toml --temperature 288").out;

@@ -59,7 +59,7 @@ int main() {
   });
   // A frame as a sensor makes it: 2e4 electrons, everything on. The readout is not filtered here.
   mtf::Image gains(kWidth, kHeight), offsets(kWidth, kHeight);
-  radiometry::responsivity_map(gains.view(), 0.01, key.seed);
+  radiometry::responsivity_map(gains.view(), {0.01}, key.seed);
   radiometry::offset_map(offsets.view(), 50.0, key.seed);
   names.emplace_back("map x image");
   work.emplace_back([&] {

@@ -11,6 +11,7 @@
 #include "mtf/engines/fft/scene_spectrum.h"
 #include "mtf/field/field_modes.h"
 #include "mtf/plan/sensor_plan.h"
+#include "mtf/tiles/tiles.h"
 #include "tests/csv_fields.h"
 #include "tests/expect_error.h"
 #include "tests/mtf/field_systems.h"
@@ -218,6 +219,26 @@ TEST(Field, AKeptSceneAndItsOwnMemoryGiveTheSame) {
 }
 
 // Rows or columns that are uniform take no transform; a plan that knows nothing of the scene transforms all.
+// A region of an image, and a limit of memory: the scene is filtered at once, field points are those of the detector.
+TEST(Field, ARegionIsThatOfTheWholeImage) {
+  System<double> system = seidel(0.05, 0.3, 0.2, 0.1, 0.1);
+  system.frame.columns = 48, system.frame.rows = 40;
+  const Image scene = random_image(48, 40, 5, 3.0, 1.0);
+  const SampleGrid in = scene_grid(system, 48, 40, 1.0, 1.0);
+  PlanOptions options;
+  options.tolerance = 1e-2;
+  options.scene = summarise(scene.view(), options.border, 0.0);
+  const ImageView<const float> view = scene.view();
+  const Image whole = std::move(compile_sensor(system, in, options).run(std::span(&view, 1), 0.0, 1).front());
+  const TiledSensorPlan plan = compile_tiled(system, in, options, {.threads = 1, .region = Region{7, 30, 20, 9}});
+  EXPECT_TRUE(plan.report().whole);
+  const Image part = std::move(plan.run(std::span(&view, 1)).front());
+  for (std::int64_t y = 0; y < 9; ++y)
+    for (std::int64_t x = 0; x < 20; ++x) ASSERT_EQ(part.at(x, y), whole.at(7 + x, 30 + y));
+  expect_refused({"changes over the field by presample[0].w131", "at once", "limit is 1MiB"},
+                 [&] { compile_tiled(system, in, options, {.memory = 1 << 20}); });
+}
+
 TEST(Field, UniformLinesAreLeftOut) {
   const System<double> s = seidel(0.1, 0.3, 0.4, 0.2, 0.0);
   constexpr std::int64_t kSide = 192;

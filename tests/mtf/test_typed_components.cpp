@@ -30,7 +30,7 @@ template <class S>
 struct Unlisted {
   static constexpr std::string_view kind = "unlisted";
   S value{};
-  static constexpr auto fields() { return std::tuple{Field{FieldInfo{.name = "value"}, &Unlisted::value}}; }
+  static constexpr auto fields() { return std::tuple{Field{&Unlisted::value, FieldInfo{.name = "value"}}}; }
 };
 
 TEST(TypedComponent, system_equals_the_one_made_by_names) {

@@ -18,7 +18,7 @@ using test::samples;
 /// A flat scene seen by pixels of unlike response and offset; two of them defective.
 mtf::Image seen(float electrons) {
   mtf::Image image = flat(160, 120, electrons), map(160, 120);
-  responsivity_map(map.view(), 0.03, 6);
+  responsivity_map(map.view(), {0.03}, 6);
   multiply_by(image.view(), map.view());
   offset_map(map.view(), 200.0, 6);
   add_map(image.view(), map.view());

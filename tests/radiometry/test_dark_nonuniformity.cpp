@@ -72,7 +72,7 @@ TEST(DarkNonuniformity, belongs_to_the_pixel_and_the_seed) {
   const mtf::Image a = factors(0.3, 1), b = factors(0.3, 2);
   EXPECT_LT(std::abs(test::correlation_sigmas(samples(a), samples(b))), kMostSigmas);
   mtf::Image gains(512, 512), offsets(512, 512);
-  responsivity_map(gains.view(), 0.1, 1);
+  responsivity_map(gains.view(), {0.1}, 1);
   offset_map(offsets.view(), 1.0, 1);
   EXPECT_LT(std::abs(test::correlation_sigmas(samples(a), samples(gains))), kMostSigmas);
   EXPECT_LT(std::abs(test::correlation_sigmas(samples(a), samples(offsets))), kMostSigmas);

@@ -19,8 +19,8 @@ using test::samples;
 
 TEST(FixedPattern, maps_have_their_rms_and_are_fixed_by_the_seed) {
   mtf::Image gain = flat(512, 512, 0.0F), offset = flat(512, 512, 7.0F), again = flat(512, 512, 0.0F);
-  responsivity_map(gain.view(), 0.02, 5);
-  responsivity_map(again.view(), 0.02, 5, {}, 2);
+  responsivity_map(gain.view(), {0.02}, 5);
+  responsivity_map(again.view(), {0.02}, 5, {}, 2);
   offset_map(offset.view(), 30.0, 5);
   const double n = 512 * 512;
   const auto g = moments(samples(gain)), o = moments(samples(offset));
@@ -32,11 +32,25 @@ TEST(FixedPattern, maps_have_their_rms_and_are_fixed_by_the_seed) {
   EXPECT_LT(std::abs(test::correlation_sigmas(samples(gain), samples(offset))), kMostSigmas);
 
   mtf::Image part(100, 3);
-  responsivity_map(part.view(), 0.02, 5, {57, 200});
+  responsivity_map(part.view(), {0.02}, 5, {57, 200});
   for (std::int64_t x = 0; x < 100; ++x) ASSERT_EQ(part.at(x, 2), gain.at(57 + x, 202));
 
+  // Rows and columns of their own, the same for any region.
+  mtf::Image lines = flat(512, 512, 0.0F);
+  responsivity_map(lines.view(), {.row = 0.03, .column = 0.01}, 5);
+  std::vector<float> rows, columns;
+  for (std::int64_t i = 0; i < 512; ++i) {
+    rows.push_back(lines.at(0, i));
+    columns.push_back(lines.at(i, 0));
+    ASSERT_NEAR(lines.at(i, 7) - lines.at(i, 0), lines.at(0, 7) - lines.at(0, 0), 1e-6F);
+  }
+  EXPECT_LT(std::abs(moments(std::span<const float>(rows)).variance / 9e-4 - 1.0) * std::sqrt(256.0), kMostSigmas);
+  EXPECT_LT(std::abs(moments(std::span<const float>(columns)).variance / 1e-4 - 1.0) * std::sqrt(256.0), kMostSigmas);
+  responsivity_map(part.view(), {.row = 0.03, .column = 0.01}, 5, {57, 200});
+  for (std::int64_t x = 0; x < 100; ++x) ASSERT_EQ(part.at(x, 2), lines.at(57 + x, 202));
+
   // The response is never negative, however large the rms.
-  responsivity_map(gain.view(), 1.0, 5);
+  responsivity_map(gain.view(), {1.0}, 5);
   EXPECT_GE(*std::min_element(gain.data(), gain.data() + gain.size()), 0.0F);
 
   mtf::Image image = flat(512, 512, 100.0F);
@@ -104,7 +118,7 @@ TEST(Defects, fractions_excess_and_regions) {
 
 TEST(FixedPattern, refusals) {
   mtf::Image image = flat(4, 3, 1.0F), other = flat(3, 4, 1.0F);
-  expect_refused({"1.5 rms", "0 to 1"}, [&] { responsivity_map(image.view(), 1.5, 1); });
+  expect_refused({"1.5 rms", "0 to 1"}, [&] { responsivity_map(image.view(), {1.5}, 1); });
   expect_refused({"-1 rms"}, [&] { offset_map(image.view(), -1.0, 1); });
   expect_refused({"map of 3 x 4", "image of 4 x 3"}, [&] { multiply_by(image.view(), other.view()); });
   expect_refused({"map of 3 x 4"}, [&] { add_map(image.view(), other.view()); });

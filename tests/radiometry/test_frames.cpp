@@ -43,7 +43,7 @@ struct Sensor {
     mtf::Image image = flat(320, 256, static_cast<float>(s.total_e() - s.dark_e));
     if (spatial) {
       mtf::Image map(320, 256);
-      responsivity_map(map.view(), noise.prnu, 4);
+      responsivity_map(map.view(), {noise.prnu}, 4);
       multiply_by(image.view(), map.view());
     }
     for (float& v : std::span(image.data(), samples(image).size())) v += static_cast<float>(s.dark_e);

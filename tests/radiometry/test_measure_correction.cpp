@@ -26,7 +26,7 @@ FlatFrame detector(double read_e, double a2, std::set<std::uint32_t>* numbers = 
       EXPECT_TRUE(numbers->insert(frame).second) << frame;
     }
     mtf::Image map(out.width, out.height);
-    responsivity_map(map.view(), 0.05, 6);
+    responsivity_map(map.view(), {0.05}, 6);
     for (std::int64_t y = 0; y < out.height; ++y)
       for (std::int64_t x = 0; x < out.width; ++x) out.at(x, y) = static_cast<float>(fill * kWell_e) * map.at(x, y);
     offset_map(map.view(), 300.0, 6);

@@ -14,11 +14,13 @@ namespace {
 TEST(Nonlinearity, polynomial_and_its_inverse) {
   for (const double well : {1.0, 3e4, 1e12})
     for (const Nonlinearity& shape :
-         {Nonlinearity{-0.05, 0.0}, Nonlinearity{0.1, -0.2}, Nonlinearity{-1.0, 0.5}, Nonlinearity{10.0, 10.0}}) {
+         {Nonlinearity{-0.05, 0.0}, Nonlinearity{0.1, -0.2}, Nonlinearity{-1.0, 0.5}, Nonlinearity{10.0, 10.0},
+          Nonlinearity{-1.0, 1.0, -0.2}, Nonlinearity{.a4 = -0.02}}) {
       const Response response(shape, well);
       double before = -1.0;
       for (int i = 0; i <= 1000; ++i) {
-        const double u = i / 1000.0, expected = well * (u + shape.a2 * u * u + shape.a3 * u * u * u);
+        const double u = i / 1000.0,
+                     expected = well * (u + shape.a2 * u * u + shape.a3 * u * u * u + shape.a4 * u * u * u * u);
         EXPECT_NEAR(response(u * well), expected, 1e-14 * well);
         EXPECT_GT(response(u * well), before);
         EXPECT_NEAR(response.inverse(response(u * well)), u * well, 1e-13 * well);
@@ -61,6 +63,8 @@ TEST(Nonlinearity, refusals) {
   expect_refused({"a2 = -0.5", "does not rise"}, [] { Response({.a2 = -0.5}, 1e5); });
   // Falls in between only: 1 - 4 u + 3.6 u^2 is -0.11 at 0.56 and 0.6 at 1.
   expect_refused({"a2 = -2", "does not rise"}, [] { Response({.a2 = -2.0, .a3 = 1.2}, 1e5); });
+  // 1 - 6 u + 9 u^2 - 3.6 u^3 is -0.2 at 0.5, and above 0 at both ends.
+  expect_refused({"a4 = -0.9", "does not rise"}, [] { Response({.a2 = -3.0, .a3 = 3.0, .a4 = -0.9}, 1e5); });
   expect_refused({"nonlinearity.a2 = 11"}, [] { Response({.a2 = 11.0}, 1e5); });
   expect_refused({"full well of inf"}, [] { Response({}, INFINITY); });
   expect_refused({"full well of 0"}, [] { Response({}, 0.0); });

@@ -141,6 +141,23 @@ TEST(SensorBudget, spatial_noise_is_what_the_corrected_chain_leaves) {
   }
 }
 
+// Rows and columns of a responsivity of their own: in the budget with the pixels', in frames as whole lines.
+TEST(SensorBudget, prnu_of_rows_and_columns_counts_with_that_of_pixels) {
+  Sensor sensor = noisy_sensor();
+  const auto prnu_e = [&](const NonuniformitySettings& unequal) {
+    sensor.settings.nonuniformity = unequal;
+    return budget_of(mwir_system(), sensor, 300.0).prnu_e;
+  };
+  EXPECT_NEAR(prnu_e({.prnu = 0.006, .prnu_row = 0.003, .prnu_column = 0.002}) / prnu_e({.prnu = 0.007}), 1.0, 1e-12);
+  prnu_e({.prnu_row = 0.02});
+  sensor.settings.noise = NoiseSettings{.seed = 3, .shot = false};
+  sensor.settings.detector->read_e = sensor.settings.detector->dark_e_s = 0.0;
+  const Chain chain = make_chain(mwir_system(), sensor, 16, 16, 15.0);
+  const mtf::Image image = chain.run(test::flat(16, 16, 1e20F), 0, OutputStage::electrons).image;
+  EXPECT_GT(std::abs(image.at(3, 2) / image.at(3, 3) - 1.0F), 1e-4F);
+  for (std::int64_t y = 0; y < 16; ++y) EXPECT_NEAR(image.at(3, y) / image.at(11, y), 1.0, 3e-7);
+}
+
 // The bow of the response turns PRNU into a pattern again; electrons at the output are those of the budget times the
 // slope of the response. To first order in PRNU, here 1 %.
 TEST(SensorBudget, prnu_after_correction_is_what_the_bow_of_the_response_makes_of_it) {

@@ -244,11 +244,9 @@ std::vector<SceneTable> scene_tables(const Node& root) {
 Json scene_json(const std::string& text) {
   const cfg::Tree tree = cfg::read_tree(text);
   Json tables = Json::array();
-  for (const SceneTable& table : scene_tables(tree.root)) {
-    Json rows = Json::array();
-    for (const SceneRow& row : table.rows) rows.push_back(row_json(row));
-    tables.push_back({{"name", table.title}, {"doc", table.doc}, {"fixed", true}, {"rows", std::move(rows)}});
-  }
+  for (const SceneTable& table : scene_tables(tree.root))
+    tables.push_back(
+        {{"name", table.title}, {"doc", table.doc}, {"fixed", true}, {"rows", Json::array(table.rows, row_json)}});
   return {{"tables", std::move(tables)}};
 }
 

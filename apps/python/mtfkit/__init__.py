@@ -20,6 +20,7 @@ del importlib, platform
 from mtfkit import air, components, light, noise, targets
 from mtfkit._core import __version__
 from mtfkit.budgets import Budget, Figure, Figures
+from mtfkit.cameras import Camera, CameraNumber, Stack, characterize
 from mtfkit.components import Component, kinds
 from mtfkit.curves import Column, Curves
 from mtfkit.custom import Custom, General, Sampled, custom
@@ -38,10 +39,10 @@ from mtfkit.study_results import Gradient, Optimum, StudyColumn
 if TYPE_CHECKING:  # a class for each kind of component, made when one is asked for
     from mtfkit.components import *
 
-__all__ = ["Budget", "Column", "Component", "CurveData", "Curves", "Custom", "DataError", "Edge", "Edges", "Error",
+__all__ = ["Budget", "Camera", "CameraNumber", "Column", "Component", "CurveData", "Curves", "Custom", "DataError", "Edge", "Edges", "Error",
            "Estimate", "Figure", "Figures", "Finding", "Findings", "Fit", "General", "Gradient", "Heat", "Image", "Optimum",
-           "Parameter", "Picture", "Plan", "Run", "Sampled", "Sensor", "Study", "StudyColumn", "ToleranceError", "UsageError",
-           "__version__", "air", "components", "custom", "fit", "heat", "kinds", "light", "measure", "metrics", "noise", "read",
+           "Parameter", "Picture", "Plan", "Run", "Sampled", "Sensor", "Stack", "Study", "StudyColumn", "ToleranceError", "UsageError",
+           "__version__", "air", "characterize", "components", "custom", "fit", "heat", "kinds", "light", "measure", "metrics", "noise", "read",
            "render", "targets", "write"]
 
 

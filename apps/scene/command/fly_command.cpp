@@ -197,7 +197,7 @@ Json json_of(const StageTimes& times, std::size_t frames, double first_ms, const
     json["stage_ms"][row.name] = {{"min", row.least}, {"median", row.median}, {"most", row.most}};
     if (row.name == "frame") json["fps"] = {{"median", 1e3 / row.median}, {"least", 1e3 / row.most}};
   }
-  for (const auto& [name, words] : flight.closures()) json["closures"][name] = words;
+  json["closures"] = Json::object(flight.closures());
   json["promised_error"] = last.promised;
   json["reflected_error_K"] = last.reflected_k;
   json["view_rays"] = last.view_rays;

@@ -77,10 +77,8 @@ void write_mesh_of(const std::string& path, const HeatScene& scene, std::span<co
 }
 
 std::string covered_text(const HeatScene& scene, const HeatReport& report) {
-  std::string names;
-  for (const auto& [name, count] : covered_by_region(scene, report))
-    names += (names.empty() ? "" : ", ") + one_line(name) + " " + std::to_string(count);
-  return "facets inside other solids, without sun and sky: " + names + "\n";
+  const auto said = [](const auto& region) { return one_line(region.first) + " " + std::to_string(region.second); };
+  return "facets inside other solids, without sun and sky: " + joined(covered_by_region(scene, report), said) + "\n";
 }
 
 std::string left_out_text(const HeatReport& report) {

@@ -47,13 +47,6 @@ Json error_json(const radiometry::scene::TableError& error) {
   return {{"rms", error.rms}, {"percentile_95", error.percentile_95}, {"count", error.count}};
 }
 
-/// By region.
-Json covered_json(const HeatScene& scene, const HeatReport& report) {
-  Json regions = Json::object();
-  for (const auto& [name, count] : covered_by_region(scene, report)) regions[name] = count;
-  return regions;
-}
-
 /// null where all facets are asked for.
 Json seen_json(const HeatReport& report) {
   if (!report.left_out) return nullptr;
@@ -104,8 +97,6 @@ std::string heat_json(const SceneFile& file, const HeatScene& scene, const HeatR
     residual = std::max(residual, run.promised.start_k);
     steps += run.steps.facet_steps;
   }
-  Json timing = Json::object();
-  for (const auto& [name, ms] : report.timing_ms) timing[name] = ms;
   const HeatPromise& p = report.promised;
   const Json json = {{"scene", file.file},
                      {"scene_sha256", file.sha256},
@@ -118,7 +109,7 @@ std::string heat_json(const SceneFile& file, const HeatScene& scene, const HeatR
                      {"facets", report.facets},
                      {"classes", report.units},
                      {"patches", report.patches},
-                     {"covered_facets", covered_json(scene, report)},
+                     {"covered_facets", Json::object(covered_by_region(scene, report))},
                      {"seen", seen_json(report)},
                      {"steps", steps},
                      {"tolerance_K", options.tolerance_k},
@@ -147,7 +138,7 @@ std::string heat_json(const SceneFile& file, const HeatScene& scene, const HeatR
                          {"count", report.view_spread.error_k.count}}}}},
                      {"closures", closures(file, scene)},
                      {"materials", materials},
-                     {"timing_ms", timing},
+                     {"timing_ms", Json::object(report.timing_ms)},
                      {"warnings", report.warnings}};
   return json_document(json);
 }

@@ -52,8 +52,8 @@ namespace fs = std::filesystem;
 Json render_json(const RenderOutputs& made, const std::vector<std::string>& outputs) {
   const auto& [scene, sensors, frame, metadata, samples_per_pitch] = made;
   Json json;
-  for (const auto& [name, text] : metadata.front().text) json["attributes"][name] = text;
-  for (const auto& [name, text] : scene.closures) json["closures"][name] = text;
+  json["attributes"] = metadata.front().text;
+  json["closures"] = Json::object(scene.closures);
   json["samples_per_pitch"] = samples_per_pitch;
   json["divided_samples"] = frame.divided;
   json["shadow_rays"] = frame.shadow_rays;
@@ -155,11 +155,9 @@ render::LayerChoice layers_of(const std::vector<std::string>& names) {
   }};
   for (const std::string& name : names) {
     const auto found = std::find_if(known.begin(), known.end(), [&](const auto& one) { return one.first == name; });
-    if (found == known.end()) {
-      std::string all;
-      for (const auto& [word, member] : known) all += (all.empty() ? "" : ", ") + std::string(word);
-      throw mtf::UsageError("--layer: there is no layer " + one_line(name) + "; there are " + all);
-    }
+    if (found == known.end())
+      throw mtf::UsageError("--layer: there is no layer " + one_line(name) + "; there are " +
+                            joined(known, [](const auto& one) { return std::string(one.first); }));
     choice.*(found->second) = true;
   }
   return choice;

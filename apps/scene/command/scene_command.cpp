@@ -9,6 +9,8 @@
 #include "apps/scene/heat/read_thermal_scene.h"
 #include "apps/scene/outputs/mesh_files.h"
 #include "apps/scene/render/picture_surroundings.h"
+#include "apps/scene/scene_file/demo_lwir.toml.h"
+#include "apps/scene/scene_file/demo_mwir.toml.h"
 #include "apps/scene/scene_file/demo_scene_text.h"
 #include "apps/scene/vehicle/vehicle.h"
 #include "apps/terminal/output.h"
@@ -31,8 +33,8 @@ int write_demo(const SceneOptions& options) {
   emit(outputs.in("scene.toml"), demo_scene_text());
   emit(outputs.in("weather.csv"), demo_weather_text());
   emit(outputs.in("engine.csv"), demo_engine_text());
-  emit(outputs.in("mwir.toml"), demo_mwir_text());
-  emit(outputs.in("lwir.toml"), demo_lwir_text());
+  emit(outputs.in("mwir.toml"), mtf::embedded::demo_mwir_toml);
+  emit(outputs.in("lwir.toml"), mtf::embedded::demo_lwir_toml);
   write_obj(outputs.in("vehicle.obj"), make_vehicle());
   write_obj(outputs.in("terrain.obj"), make_terrain());
   outputs.commit();

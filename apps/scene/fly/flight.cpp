@@ -4,19 +4,49 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <cstdint>
 #include <functional>
 #include <future>
+#include <memory>
+#include <optional>
+#include <string>
 #include <tuple>
 
-#include "apps/scene/fly/flight_light.h"
+#include "apps/scene/render/picture_scene.h"
 #include "apps/sensor/sensor_air.h"
 #include "mtf/error.h"
+#include "mtf/settings.h"
 #include "mtf/work/stop.h"
 #include "mtf/work/stopwatch.h"
+#include "radiometry/render/renderer.h"
 #include "radiometry/weather/instant.h"
 
 namespace apps::scene {
 namespace {
+
+// A scene in the light of one time: what a flight makes once for some time of the scene's clock.
+
+/// What light depends on.
+struct LightKey {
+  std::int64_t interval = 0;  ///< of the scene's clock
+  std::string response{};
+  radiometry::Interval band{};
+  std::optional<mtf::SettingsTable> air{};  ///< [atmosphere] of the sensor file
+
+  bool operator==(const LightKey& other) const { return interval == other.interval && same_but_for_time(other); }
+  bool same_but_for_time(const LightKey& other) const {
+    return response == other.response && band.lo_um == other.band.lo_um && band.hi_um == other.band.hi_um &&
+           air == other.air;
+  }
+};
+
+/// A scene in one light, and what draws it.
+struct Light {
+  LightKey key;
+  PictureScene scene;
+  double temperatures_utc_s = 0.0;
+  std::unique_ptr<radiometry::render::Renderer> renderer{};
+};
 
 // The views of sides that a camera will see, worked out in the background in a copy of the scene, and taken over by the
 // renderer of the frames once they are there.
@@ -101,11 +131,16 @@ struct SeenPicture {
   int points = 0;         ///< n x n of a sample
   std::size_t light = 0;  ///< number of the light
   double temperatures_utc_s = 0.0;
-  mtf::Image radiance{};
-  std::vector<double> promised{}, reflected_k{};
-  int view_rays = 0;
-  std::size_t sides = 0;
+  render::RenderedFrame frame{};
 };
+
+/// All but its layers and times.
+render::RenderedFrame clone(const render::RenderedFrame& frame) {
+  render::RenderedFrame copy{
+      .promised = frame.promised, .reflected_k = frame.reflected_k, .view_rays = frame.view_rays, .sides = frame.sides};
+  copy.radiance.push_back(frame.radiance.front().clone());
+  return copy;
+}
 
 bool same_view(const render::Camera& a, const render::Camera& b) {
   const auto values = [](const render::Camera& c) {
@@ -295,33 +330,13 @@ void Flight::look_ahead(std::span<const CameraPlace> places) {
 }
 
 render::RenderedFrame Flight::State::rendered(const render::Camera& camera, int points) {
-  if (!options.keep_radiance) {
-    render::RenderedFrame frame = light->renderer->render(camera, points);
-    last_camera = camera;
-    return frame;
-  }
   if (seen && seen->light == lights && seen->temperatures_utc_s == light->temperatures_utc_s &&
-      seen->points == points && same_view(seen->camera, camera)) {
-    render::RenderedFrame frame;
-    frame.radiance.push_back(seen->radiance.clone());
-    frame.promised = seen->promised;
-    frame.reflected_k = seen->reflected_k;
-    frame.view_rays = seen->view_rays;
-    frame.sides = seen->sides;
-    return frame;
-  }
+      seen->points == points && same_view(seen->camera, camera))
+    return clone(seen->frame);
   seen.reset();
   render::RenderedFrame frame = light->renderer->render(camera, points);
   last_camera = camera;
-  seen = SeenPicture{.camera = camera,
-                     .points = points,
-                     .light = lights,
-                     .temperatures_utc_s = light->temperatures_utc_s,
-                     .radiance = frame.radiance.front().clone(),
-                     .promised = frame.promised,
-                     .reflected_k = frame.reflected_k,
-                     .view_rays = frame.view_rays,
-                     .sides = frame.sides};
+  if (options.keep_radiance) seen = SeenPicture{camera, points, lights, light->temperatures_utc_s, clone(frame)};
   return frame;
 }
 

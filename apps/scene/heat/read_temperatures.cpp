@@ -3,18 +3,50 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <filesystem>
 #include <limits>
+#include <string>
+#include <vector>
 
-#include "apps/scene/heat/npy_rows.h"
 #include "apps/text/message_words.h"
 #include "mtf/error.h"
 #include "mtf/io/csv/csv_cells.h"
 #include "mtf/io/csv/csv_numbers.h"
+#include "mtf/io/npy.h"
 #include "radiometry/weather/instant.h"
 
 namespace apps::scene {
 namespace {
+
+// Rows of a table of facets in an NPY file, '<f4' or '<f8', one at a time: tables of a run hold hundreds of rows of
+// hundreds of thousands of facets, of which a picture needs two.
+
+class NpyRows {
+ public:
+  /// Throws RuntimeError for a file that cannot be read, UsageError with its name for one that is no table of floats in
+  /// C order of one or two dimensions, or is cut off.
+  explicit NpyRows(const std::string& path) : file_(path) {
+    const auto refuse = [&](const std::string& what) { throw mtf::UsageError(one_line(path) + ": " + what); };
+    if (!file_.is_float()) refuse("float32 or float64 in C order belongs here, as numpy.save writes it");
+    const std::vector<std::uint64_t>& sizes = file_.shape();
+    if (sizes.empty() || sizes.size() > 2) refuse("a table of facets, or of times x facets, belongs here");
+    columns_ = sizes.back();
+    if (sizes.size() == 2) rows_ = sizes.front();
+  }
+
+  std::uint64_t rows() const { return rows_; }
+  std::uint64_t columns() const { return columns_; }
+  std::vector<float> row(std::uint64_t row) {
+    std::vector<float> values(columns_);
+    file_.read(row * columns_, values);
+    return values;
+  }
+
+ private:
+  mtf::io::NpyReader file_;
+  std::uint64_t rows_ = 1, columns_ = 0;
+};
 
 namespace fs = std::filesystem;
 using radiometry::thermal::is_temperature, radiometry::thermal::TemperatureRows;

@@ -23,10 +23,6 @@ using radiometry::scene::Point;
   throw mtf::UsageError("cannot write the mesh " + mtf::printable(file.string(), 1000) + ": " + what);
 }
 
-std::span<const std::uint32_t> corners_of(const Mesh& mesh, std::size_t face) {
-  return std::span(mesh.corners).subspan(mesh.first[face], mesh.first[face + 1] - mesh.first[face]);
-}
-
 void append(mtf::io::AtomicFile& file, std::string_view text) { file.write(text.data(), text.size()); }
 
 static_assert(std::endian::native == std::endian::little, "append_binary is for such machines");
@@ -80,7 +76,7 @@ void check_values(const fs::path& file, const Mesh& mesh, const std::vector<Mesh
 /// Whether every face has few enough corners for the type of their number that all programs read.
 bool has_small_faces(const Mesh& mesh) {
   for (std::size_t face = 0; face < mesh.faces(); ++face)
-    if (corners_of(mesh, face).size() > std::numeric_limits<std::uint8_t>::max()) return false;
+    if (mesh.corners_of(face).size() > std::numeric_limits<std::uint8_t>::max()) return false;
   return true;
 }
 
@@ -126,7 +122,7 @@ void write_obj(const fs::path& file, const Mesh& mesh) {
     if (mesh.group[face] != group) line += "g " + mesh.group_names[group = mesh.group[face]] + "\n";
     if (mesh.material[face] != material) line += "usemtl " + mesh.material_names[material = mesh.material[face]] + "\n";
     line += "f";
-    for (const std::uint32_t corner : corners_of(mesh, face))
+    for (const std::uint32_t corner : mesh.corners_of(face))
       line += " " + mtf::io::number_text(corner + std::uint64_t{1});
     append(out, line + "\n");
   }
@@ -144,7 +140,7 @@ void write_ply(const fs::path& file, const Mesh& mesh, const std::vector<MeshVal
     for (const MeshValues& values : of_vertices) append_binary(out, values.values[i]);
   }
   for (std::size_t face = 0; face < mesh.faces(); ++face) {
-    const std::span<const std::uint32_t> corners = corners_of(mesh, face);
+    const std::span<const std::uint32_t> corners = mesh.corners_of(face);
     if (small)
       append_binary(out, static_cast<std::uint8_t>(corners.size()));
     else
@@ -175,7 +171,7 @@ void write_vtk(const fs::path& file, const Mesh& mesh, const std::vector<MeshVal
   append(out, "\nPOLYGONS " + std::to_string(mesh.faces()) + " " + std::to_string(mesh.corners.size() + mesh.faces()) +
                   "\n");
   for (std::size_t face = 0; face < mesh.faces(); ++face) {
-    const std::span<const std::uint32_t> corners = corners_of(mesh, face);
+    const std::span<const std::uint32_t> corners = mesh.corners_of(face);
     append_big_endian(out, static_cast<std::uint32_t>(corners.size()));
     for (const std::uint32_t corner : corners) append_big_endian(out, corner);
   }

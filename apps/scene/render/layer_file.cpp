@@ -44,8 +44,7 @@ mtf::Image read_channel(const LayerFile& from, const std::string& name) {
 mtf::Image require_channel(const LayerFile& from, const mtf::io::FileInfo& info, std::string_view role) {
   const auto name = channel_of(from, info, role);
   if (name) return read_channel(from, *name);
-  std::string all;
-  for (const mtf::io::ChannelInfo& channel : info.channels) all += (all.empty() ? "" : ", ") + one_line(channel.name);
+  const std::string all = joined(info.channels, [](const auto& channel) { return one_line(channel.name); });
   throw mtf::UsageError(one_line(from.file) + ": has no channel for the " + std::string(role) + "; it has " + all +
                         ": write --channel " + std::string(role) + "=NAME");
 }

@@ -16,10 +16,6 @@ constexpr std::array<std::string_view, 6> kColumns{"x", "y", "z", "look_x", "loo
 constexpr double kFastest_m_s = 3000.0, kFarthest_m = 1e6;
 constexpr double kFirstInstant_s = 1e8;  // seconds of a flight are fewer; instants are since 1970
 
-double distance(const std::array<double, 3>& a, const std::array<double, 3>& b) {
-  return std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
-}
-
 std::array<double, 3> between(const std::array<double, 3>& a, const std::array<double, 3>& b, double share) {
   return {std::lerp(a[0], b[0], share), std::lerp(a[1], b[1], share), std::lerp(a[2], b[2], share)};
 }
@@ -76,13 +72,13 @@ CameraPath parse_camera_path(std::string_view text, const std::string& source) {
     const CameraPlace place{{v[0], v[1], v[2]}, {v[3], v[4], v[5]}};
     if (std::abs(path.time_s[i]) > kFirstInstant_s)
       throw mtf::UsageError(here + "time counts from the first frame, in s: write time (s)");
-    if (distance(place.position_m, place.look_at_m) == 0.0)
-      throw mtf::UsageError(here + "the camera looks at its own position");
+    if (place.position_m == place.look_at_m) throw mtf::UsageError(here + "the camera looks at its own position");
     if (i > 0 && !(path.time_s[i] > path.time_s[i - 1]))
       throw mtf::UsageError(here + "the time is not after that of the line above it");
     if (i > 0) {
+      const auto &from = path.place.back().position_m, &to = place.position_m;
       const double speed =
-          distance(place.position_m, path.place.back().position_m) / (path.time_s[i] - path.time_s[i - 1]);
+          std::hypot(to[0] - from[0], to[1] - from[1], to[2] - from[2]) / (path.time_s[i] - path.time_s[i - 1]);
       if (speed > kFastest_m_s)
         throw mtf::UsageError(here + "the camera jumps: " + significant(speed, 3) + " m/s from the line above it");
     }

@@ -11,10 +11,6 @@ namespace apps::scene {
 
 /// scene.toml. It names vehicle.obj, terrain.obj, weather.csv, engine.csv.
 std::string demo_scene_text();
-/// Sensor files of two cameras that see the same 512 x 320 pixels: a cooled one of 3.7 to 4.8 um, an uncooled one of 8
-/// to 13 um.
-std::string demo_mwir_text();
-std::string demo_lwir_text();
 /// weather.csv: the clear days of demo_weather.h over the time of the scene.
 std::string demo_weather_text();
 /// engine.csv: temperature of the air in the engine bay, two runs a day.

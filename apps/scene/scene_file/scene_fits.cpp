@@ -16,10 +16,9 @@ namespace {
 constexpr double kOpenShare = 1e-3;  ///< of the value: how near a fit comes to a bound that is not allowed
 
 /// A standard error or deviation: 0 or more, and no point on a scale of temperature.
-std::optional<double> read_spread(const Section& section, const FieldInfo& field, std::string_view key) {
-  const Node* node = section.find(key);
-  if (node == nullptr) return std::nullopt;
-  if (node->kind == Node::Kind::string && node->text.ends_with("degC")) {
+std::optional<double> read_spread(const Section& section, const FieldInfo& field, std::string_view key,
+                                  const Node& node) {
+  if (node.kind == Node::Kind::string && node.text.ends_with("degC")) {
     section.error(key, "a difference of temperatures; write it in K");
     return std::nullopt;
   }
@@ -28,12 +27,7 @@ std::optional<double> read_spread(const Section& section, const FieldInfo& field
   spread.lo = 0.0;
   spread.hi = 1e12;
   spread.lo_open = false;
-  return read_plain_si(section, *node, spread, section.at(key));
-}
-
-std::optional<double> read_like(const Section& section, const FieldInfo& field, std::string_view key) {
-  const Node* node = section.find(key);
-  return node == nullptr ? std::nullopt : read_plain_si(section, *node, field, section.at(key));
+  return read_plain_si(section, node, spread, section.at(key));
 }
 
 /// The unit of a value that was read: what follows the number.
@@ -58,6 +52,8 @@ void to_written_unit(const FieldInfo& field, mtf::io::FitSpec& spec) {
   point(*spec.min);
   point(*spec.max);
   if (spec.stderr_value) *spec.stderr_value *= factor;
+  if (spec.interval)
+    for (double& end : *spec.interval) point(end);
   if (spec.prior) {
     point((*spec.prior)[0]);
     (*spec.prior)[1] *= factor;
@@ -81,8 +77,13 @@ std::optional<double> read_marked(const Section& outer, const Node& table, const
   spec.unit = written_unit(*node);
   spec.value = *value;
   cfg::read_beside_value(
-      section, spec, [&](const Section& from, std::string_view key) { return read_like(from, field, key); },
-      [&](const Section& from, std::string_view key) { return read_spread(from, field, key); });
+      section, spec,
+      [&](const Section& from, std::string_view key, const Node& number) {
+        return read_plain_si(from, number, field, from.at(key));
+      },
+      [&](const Section& from, std::string_view key, const Node& number) {
+        return read_spread(from, field, key, number);
+      });
   if (!spec.min) spec.min = field.lo_open ? field.lo + kOpenShare * (*value - field.lo) : field.lo;
   if (!spec.max) spec.max = field.hi;
   to_written_unit(field, spec);

@@ -3,7 +3,6 @@
 // [[mesh]], [[region]], [ground] and [camera] of a scene file.
 
 #include <algorithm>
-#include <cmath>
 
 #include "apps/scene/scene_file/scene_reader.h"
 #include "mtf/words.h"
@@ -20,10 +19,6 @@ void require_surface(const Section& section) {
 
 bool same_faces(const RegionSection& a, const RegionSection& b) {
   return a.mesh == b.mesh && a.group == b.group && a.mesh_material == b.mesh_material;
-}
-
-double distance(const std::array<double, 3>& a, const std::array<double, 3>& b) {
-  return std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
 }
 
 }  // namespace
@@ -100,7 +95,7 @@ void read_camera(SceneReader& s) {
   const Section& section = *found;
   CameraSection camera;
   read_table(s, section, camera);
-  if (distance(camera.up, {}) == 0.0) section.error("up", "a direction of length 0");
+  if (camera.up == std::array<double, 3>{}) section.error("up", "a direction of length 0");
   if (section.find("path") != nullptr) {
     for (const std::string_view key : {"position", "look_at"})
       if (section.find(key) != nullptr) section.error(key, "the camera has a path already; leave out one of them");
@@ -111,8 +106,7 @@ void read_camera(SceneReader& s) {
     for (const FieldInfo& row : rows_of<CameraSection>())
       if (row.name == "position" || row.name == "look_at") require_value(section, required(row));
     if (s.reader.has_failed("camera.position") || s.reader.has_failed("camera.look_at")) return;
-    if (distance(camera.position_m, camera.look_at_m) == 0.0)
-      section.error("look_at", "the camera looks at its own position");
+    if (camera.position_m == camera.look_at_m) section.error("look_at", "the camera looks at its own position");
   }
   s.scene.camera = std::move(camera);
 }

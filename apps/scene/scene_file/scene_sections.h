@@ -31,7 +31,9 @@ namespace apps::scene {
 using mtf::Field;
 using mtf::FieldInfo;
 using mtf::FieldType;
+using mtf::optional;
 using mtf::optional_row;
+using mtf::required;
 using radiometry::heat::WeatherQuantity;
 
 /// A row of a number from lo to hi that need not be given; `unit` as of weather/si_units.h, "" for plain numbers.
@@ -39,12 +41,18 @@ constexpr FieldInfo number_row(std::string_view name, std::string_view unit, dou
                                std::string_view example, std::string_view doc) {
   return optional_row(name, mtf::Dimension::none, unit, lo, hi, example, doc);
 }
-/// A row of a text.
-constexpr FieldInfo text_row(std::string_view name, std::string_view example, std::string_view doc) {
-  return of_type(FieldType::text, optional_row(name, example, doc));
+/// Rows of a member, as mtf::required and mtf::optional make them: a number in such a unit, a text, one of the words.
+template <class Member, class... Cells>
+constexpr auto number(Member member, const Cells&... cells) {
+  return Field{member, number_row(cells...)};
 }
-constexpr FieldInfo word_row(std::string_view name, std::span<const std::string_view> words) {
-  return of_type(FieldType::word, optional_row(name, "", ""), words);
+template <class Member>
+constexpr auto text(Member member, std::string_view name, std::string_view example, std::string_view doc) {
+  return of_type(FieldType::text, optional(member, name, example, doc));
+}
+template <class Member>
+constexpr auto word(Member member, std::string_view name, std::span<const std::string_view> words) {
+  return of_type(FieldType::word, optional(member, name, "", ""), words);
 }
 /// Temperatures of surfaces that are given.
 inline constexpr FieldInfo kTemperature =
@@ -63,12 +71,10 @@ struct PlaceSection {
   static constexpr auto fields() {
     using P = PlaceSection;
     return std::tuple{
-        Field{required(number_row("latitude", "deg", -90.0, 90.0, "\"37.70 deg\"", "north positive")),
-              &P::latitude_deg},
-        Field{required(number_row("longitude", "deg", -360.0, 360.0, "\"-105.92 deg\"", "east positive")),
-              &P::longitude_deg},
-        Field{required(number_row("altitude", "m", -500.0, 9000.0, "\"2317 m\"", "above the sea")), &P::altitude_m},
-        Field{number_row("north", "deg", -360.0, 360.0, "\"0 deg\"", "azimuth of +y"), &P::north_deg}};
+        required(number(&P::latitude_deg, "latitude", "deg", -90.0, 90.0, "\"37.70 deg\"", "north positive")),
+        required(number(&P::longitude_deg, "longitude", "deg", -360.0, 360.0, "\"-105.92 deg\"", "east positive")),
+        required(number(&P::altitude_m, "altitude", "m", -500.0, 9000.0, "\"2317 m\"", "above the sea")),
+        number(&P::north_deg, "north", "deg", -360.0, 360.0, "\"0 deg\"", "azimuth of +y")};
   }
 };
 
@@ -78,14 +84,14 @@ struct TimeSection {
   double step_s = 600.0;  ///< between outputs; a divisor of the span
 
   static constexpr auto fields() {
-    constexpr auto date = [](std::string_view name, std::string_view example, std::string_view doc) {
-      return of_type(FieldType::date, required(optional_row(name, example, doc)));
+    constexpr auto date = [](auto member, const auto&... cells) {
+      return of_type(FieldType::date, required(member, cells...));
     };
     using T = TimeSection;
     return std::tuple{
-        Field{date("start", "2016-01-01T00:00:00Z", "with its time zone, such as 2016-01-01T00:00:00Z"), &T::start_s},
-        Field{date("end", "2016-01-02T00:00:00Z", "after the start"), &T::end_s},
-        Field{number_row("step", "s", 0.1, radiometry::heat::kDay_s, "\"10 min\"", "between outputs"), &T::step_s}};
+        date(&T::start_s, "start", "2016-01-01T00:00:00Z", "with its time zone, such as 2016-01-01T00:00:00Z"),
+        date(&T::end_s, "end", "2016-01-02T00:00:00Z", "after the start"),
+        number(&T::step_s, "step", "s", 0.1, radiometry::heat::kDay_s, "\"10 min\"", "between outputs")};
   }
 };
 
@@ -101,16 +107,13 @@ struct WeatherChange {
   static constexpr auto fields() {
     using W = WeatherChange;
     return std::tuple{
-        Field{number_row("air_temperature_offset", "K", -60.0, 60.0, "\"5 K\"",
-                         "added to the file's air temperature; vapour pressure and long wave stay"),
-              &W::air_temperature_offset_k},
-        Field{number_row("wind_speed_factor", "", 0.0, 20.0, "0.5", "times the file's wind speed"),
-              &W::wind_speed_factor},
-        Field{number_row("solar_factor", "", 0.0, 1.5, "0.3", "times the file's direct, diffuse and global irradiance"),
-              &W::solar_factor},
-        Field{number_row("longwave_down_offset", "W/m2", -300.0, 300.0, "\"20 W/m2\"",
-                         "added to the file's long wave of the sky"),
-              &W::longwave_down_offset_w_m2}};
+        number(&W::air_temperature_offset_k, "air_temperature_offset", "K", -60.0, 60.0, "\"5 K\"",
+               "added to the file's air temperature; vapour pressure and long wave stay"),
+        number(&W::wind_speed_factor, "wind_speed_factor", "", 0.0, 20.0, "0.5", "times the file's wind speed"),
+        number(&W::solar_factor, "solar_factor", "", 0.0, 1.5, "0.3",
+               "times the file's direct, diffuse and global irradiance"),
+        number(&W::longwave_down_offset_w_m2, "longwave_down_offset", "W/m2", -300.0, 300.0, "\"20 W/m2\"",
+               "added to the file's long wave of the sky")};
   }
 };
 
@@ -151,13 +154,11 @@ struct WeatherSection {
     using radiometry::heat::kDay_s;
     using W = WeatherSection;
     return std::tuple{
-        Field{optional_row("file", "\"weather.csv\"", "CSV, EPW, TMY3 or SURFRAD"), &W::file},
-        Field{word_row("stamp", radiometry::heat::kStampNames), &W::stamp},
-        Field{word_row("repeat", radiometry::heat::kRepeatNames), &W::repeat},
-        Field{number_row("bridge", "s", 0.0, kDay_s, "\"1 h\"", "longest gap that a straight line closes"),
-              &W::longest_bridge_s},
-        Field{number_row("average", "s", 0.0, kDay_s, "\"5 min\"", "records become means over so long"),
-              &W::average_s}};
+        optional(&W::file, "file", "\"weather.csv\"", "CSV, EPW, TMY3 or SURFRAD"),
+        word(&W::stamp, "stamp", radiometry::heat::kStampNames),
+        word(&W::repeat, "repeat", radiometry::heat::kRepeatNames),
+        number(&W::longest_bridge_s, "bridge", "s", 0.0, kDay_s, "\"1 h\"", "longest gap that a straight line closes"),
+        number(&W::average_s, "average", "s", 0.0, kDay_s, "\"5 min\"", "records become means over so long")};
   }
 };
 
@@ -179,8 +180,7 @@ struct SkySection {
   static constexpr auto fields() {
     FieldInfo cover = number_row("cloud", "", 0.0, 1.0, "0.3", "share of the sky");
     cover.words = std::span(kCloudNames).first(3);
-    return std::tuple{Field{word_row("longwave", kLongwaveNames), &SkySection::longwave},
-                      Field{cover, &SkySection::cloud}};
+    return std::tuple{word(&SkySection::longwave, "longwave", kLongwaveNames), Field{&SkySection::cloud, cover}};
   }
 };
 
@@ -193,19 +193,18 @@ struct LayerSection {
   radiometry::heat::Schedule source{};  ///< W/m3, heat that the layer generates; empty: none
 
   static constexpr auto fields() {
-    constexpr auto row = [](std::string_view name, std::string_view unit, double hi, std::string_view example,
-                            std::string_view doc) {
-      return required(above(number_row(name, unit, 0.0, hi, example, doc)));
+    constexpr auto row = [](auto member, std::string_view name, std::string_view unit, double hi,
+                            const auto&... cells) {
+      return required(above(number(member, name, unit, 0.0, hi, cells...)));
     };
     using L = LayerSection;
-    return std::tuple{Field{row("conductivity", "W/m/K", 1e4, "\"45 W/m/K\"", "thermal"), &L::conductivity_w_m_k},
-                      Field{row("density", "kg/m3", 3e4, "\"7800 kg/m3\"", "mass per volume"), &L::density_kg_m3},
-                      Field{row("heat_capacity", "J/kg/K", 2e4, "\"480 J/kg/K\"", "per mass, at constant pressure"),
-                            &L::heat_capacity_j_kg_k},
-                      Field{row("thickness", "m", 100.0, "\"20 mm\"", "of the layer"), &L::thickness_m},
-                      Field{number_row("source", "W/m3", -1e9, 1e9, "\"500 W/m3\"",
-                                       "heat that the layer generates; a constant, or the name of a schedule.csv"),
-                            &L::source}};
+    return std::tuple{row(&L::conductivity_w_m_k, "conductivity", "W/m/K", 1e4, "\"45 W/m/K\"", "thermal"),
+                      row(&L::density_kg_m3, "density", "kg/m3", 3e4, "\"7800 kg/m3\"", "mass per volume"),
+                      row(&L::heat_capacity_j_kg_k, "heat_capacity", "J/kg/K", 2e4, "\"480 J/kg/K\"",
+                          "per mass, at constant pressure"),
+                      row(&L::thickness_m, "thickness", "m", 100.0, "\"20 mm\"", "of the layer"),
+                      number(&L::source, "source", "W/m3", -1e9, 1e9, "\"500 W/m3\"",
+                             "heat that the layer generates; a constant, or the name of a schedule.csv")};
   }
 };
 
@@ -230,9 +229,8 @@ struct Convection {
 
   static constexpr auto fields() {
     return std::tuple{
-        Field{required(number_row("h0", "W/m2/K", 0.0, 1e5, "\"5 W/m2/K\"", "without wind")), &Convection::h0_w_m2_k},
-        Field{required(number_row("h1", "J/m3/K", 0.0, 1e5, "\"3.8 W/m2/K/(m/s)\"", "per wind speed")),
-              &Convection::h1_j_m3_k}};
+        required(number(&Convection::h0_w_m2_k, "h0", "W/m2/K", 0.0, 1e5, "\"5 W/m2/K\"", "without wind")),
+        required(number(&Convection::h1_j_m3_k, "h1", "J/m3/K", 0.0, 1e5, "\"3.8 W/m2/K/(m/s)\"", "per wind speed"))};
   }
 };
 
@@ -256,20 +254,17 @@ struct Inside {
 
   static constexpr auto fields() {
     using I = Inside;
-    return std::tuple{Field{required(word_row("kind", kInsideNames)), &I::kind},
-                      Field{of_kinds("film", required(number_row("h", "W/m2/K", 0.0, 1e5, "\"10 W/m2/K\"",
-                                                                 "heat transfer coefficient"))),
-                            &I::h_w_m2_k},
-                      Field{of_kinds("fixed film", required(kTemperature)), &I::temperature},
-                      Field{of_kinds("flux", required(number_row("flux", "W/m2", -1e6, 1e6, "\"200 W/m2\"",
-                                                                 "into the inner surface; a constant, or the name of a "
-                                                                 "schedule.csv"))),
-                            &I::flux},
-                      Field{of_kinds("sheet", kSolarAbsorptance), &I::back_solar_absorptance},
-                      Field{of_kinds("sheet", kEmissivity), &I::back_emissivity},
-                      Field{of_kinds("pair", above(number_row("thickness", "m", 0.0, 100.0, "\"50 mm\"",
-                                                              "longest distance to the opposite face"))),
-                            &I::thickness_m}};
+    return std::tuple{required(word(&I::kind, "kind", kInsideNames)),
+                      of_kinds("film", required(number(&I::h_w_m2_k, "h", "W/m2/K", 0.0, 1e5, "\"10 W/m2/K\"",
+                                                       "heat transfer coefficient"))),
+                      Field{&I::temperature, of_kinds("fixed film", required(kTemperature))},
+                      of_kinds("flux", required(number(&I::flux, "flux", "W/m2", -1e6, 1e6, "\"200 W/m2\"",
+                                                       "into the inner surface; a constant, or the name of a "
+                                                       "schedule.csv"))),
+                      Field{&I::back_solar_absorptance, of_kinds("sheet", kSolarAbsorptance)},
+                      Field{&I::back_emissivity, of_kinds("sheet", kEmissivity)},
+                      of_kinds("pair", above(number(&I::thickness_m, "thickness", "m", 0.0, 100.0, "\"50 mm\"",
+                                                    "longest distance to the opposite face")))};
   }
 };
 
@@ -291,26 +286,22 @@ struct MaterialSection {
   static constexpr auto fields() {
     using M = MaterialSection;
     return std::tuple{
-        Field{required(text_row("name", "\"armour\"", "which regions refer to")), &M::name},
-        Field{required(kSolarAbsorptance), &M::solar_absorptance},
-        Field{required(kEmissivity), &M::emissivity},
-        Field{number_row("wet_fraction", "", 0.0, 1.0, "0.2", "of the surface that evaporates"), &M::wet_fraction},
-        Field{optional_row("convection", "\"mcadams\"", ""), &M::convection},
-        Field{required(optional_row("layers", "", "")), &M::layers},
-        Field{optional_row("inside", "{ kind = \"adiabatic\" }", ""), &M::inside},
-        Field{number_row("gloss", "", 0.0, 1.0, "0.8", "share of the reflected light that a mirror would show"),
-              &M::gloss},
-        Field{excluding("refractive_index emissivity_angles",
-                        number_row("schlick_exponent", "", 1.0, 100.0, "5",
-                                   "emissivity by angle: 1 - (1 - cos)^exponent of that along the normal")),
-              &M::schlick_exponent},
-        Field{excluding("schlick_exponent emissivity_angles",
-                        above(number_row("refractive_index", "", 1.0, 10.0, "1.5",
-                                         "emissivity by angle: Fresnel's law for a dielectric"))),
-              &M::refractive_index},
-        Field{excluding("schlick_exponent refractive_index",
-                        optional_row("emissivity_angles", "\"angles.csv\"", "table of angle_deg,relative")),
-              &M::emissivity_angles}};
+        required(text(&M::name, "name", "\"armour\"", "which regions refer to")),
+        Field{&M::solar_absorptance, required(kSolarAbsorptance)},
+        Field{&M::emissivity, required(kEmissivity)},
+        number(&M::wet_fraction, "wet_fraction", "", 0.0, 1.0, "0.2", "of the surface that evaporates"),
+        optional(&M::convection, "convection", "\"mcadams\"", ""),
+        required(&M::layers, "layers", "", ""),
+        optional(&M::inside, "inside", "{ kind = \"adiabatic\" }", ""),
+        number(&M::gloss, "gloss", "", 0.0, 1.0, "0.8", "share of the reflected light that a mirror would show"),
+        excluding("refractive_index emissivity_angles",
+                  number(&M::schlick_exponent, "schlick_exponent", "", 1.0, 100.0, "5",
+                         "emissivity by angle: 1 - (1 - cos)^exponent of that along the normal")),
+        excluding("schlick_exponent emissivity_angles",
+                  above(number(&M::refractive_index, "refractive_index", "", 1.0, 10.0, "1.5",
+                               "emissivity by angle: Fresnel's law for a dielectric"))),
+        excluding("schlick_exponent refractive_index", optional(&M::emissivity_angles, "emissivity_angles",
+                                                                "\"angles.csv\"", "table of angle_deg,relative"))};
   }
 };
 
@@ -322,9 +313,9 @@ struct MeshSection {
 
   static constexpr auto fields() {
     using M = MeshSection;
-    return std::tuple{Field{required(text_row("name", "\"vehicle\"", "which regions refer to")), &M::name},
-                      Field{required(optional_row("file", "\"vehicle.obj\"", "OBJ, PLY, STL or glTF 2")), &M::file},
-                      Field{number_row("unit", "m", 1e-6, 1e4, "\"1 mm\"", "of the file's numbers"), &M::unit_m}};
+    return std::tuple{required(text(&M::name, "name", "\"vehicle\"", "which regions refer to")),
+                      required(&M::file, "file", "\"vehicle.obj\"", "OBJ, PLY, STL or glTF 2"),
+                      number(&M::unit_m, "unit", "m", 1e-6, 1e4, "\"1 mm\"", "of the file's numbers")};
   }
 };
 
@@ -344,12 +335,10 @@ struct RegionSection {
 
   static constexpr auto fields() {
     using R = RegionSection;
-    return std::tuple{Field{text_row("name", "\"hull\"", ""), &R::name},
-                      Field{required(text_row("mesh", "\"vehicle\"", "")), &R::mesh},
-                      Field{text_row("group", "\"hull\"", ""), &R::group},
-                      Field{text_row("mesh_material", "\"steel\"", ""), &R::mesh_material},
-                      Field{text_row("material", "\"armour\"", ""), &R::material},
-                      Field{kTemperature, &R::temperature}};
+    return std::tuple{
+        text(&R::name, "name", "\"hull\"", ""),           required(text(&R::mesh, "mesh", "\"vehicle\"", "")),
+        text(&R::group, "group", "\"hull\"", ""),         text(&R::mesh_material, "mesh_material", "\"steel\"", ""),
+        text(&R::material, "material", "\"armour\"", ""), Field{&R::temperature, kTemperature}};
   }
 };
 
@@ -359,8 +348,8 @@ struct GroundSection {
   std::optional<GivenTemperature> temperature{};  ///< instead of solving
 
   static constexpr auto fields() {
-    return std::tuple{Field{text_row("material", "\"soil\"", ""), &GroundSection::material},
-                      Field{kTemperature, &GroundSection::temperature}};
+    using G = GroundSection;
+    return std::tuple{text(&G::material, "material", "\"soil\"", ""), Field{&G::temperature, kTemperature}};
   }
 };
 
@@ -373,9 +362,8 @@ struct MeasuredSection {
     FieldInfo day = of_type(FieldType::file, kTemperature);
     day.example = "\"surface.csv\"";
     day.doc = "a table of times";
-    return std::tuple{
-        Field{day, &MeasuredSection::temperature},
-        Field{above(number_row("sd", "K", 0.0, 100.0, "\"0.3 K\"", "of a value")), &MeasuredSection::sd_k}};
+    return std::tuple{Field{&MeasuredSection::temperature, day},
+                      above(number(&MeasuredSection::sd_k, "sd", "K", 0.0, 100.0, "\"0.3 K\"", "of a value"))};
   }
 };
 
@@ -386,12 +374,11 @@ struct CameraSection {
   static constexpr auto fields() {
     constexpr std::string_view point = "[\"14 m\", \"-12 m\", \"5 m\"]";
     using C = CameraSection;
-    return std::tuple{Field{excluding("path", optional_row("position", point, "of the camera")), &C::position_m},
-                      Field{excluding("path", optional_row("look_at", point, "what it looks at")), &C::look_at_m},
-                      Field{optional_row("up", "[\"0 m\", \"0 m\", \"1 m\"]", "what is up in the image"), &C::up},
-                      Field{excluding("position look_at",
-                                      optional_row("path", "\"path.csv\"", "CSV of both over time, in place of them")),
-                            &C::path}};
+    return std::tuple{excluding("path", optional(&C::position_m, "position", point, "of the camera")),
+                      excluding("path", optional(&C::look_at_m, "look_at", point, "what it looks at")),
+                      optional(&C::up, "up", "[\"0 m\", \"0 m\", \"1 m\"]", "what is up in the image"),
+                      excluding("position look_at",
+                                optional(&C::path, "path", "\"path.csv\"", "CSV of both over time, in place of them"))};
   }
 };
 

@@ -43,6 +43,47 @@ std::string first_cell(std::string_view text) {
   return {};
 }
 
+/// An instant as a TOML date and time, or the same in quotes.
+std::optional<double> read_instant(const Section& section, const FieldInfo& row) {
+  const Node* node = section.find(row.name);
+  if (node == nullptr) return std::nullopt;
+  if (node->kind != Node::Kind::date && node->kind != Node::Kind::string) {
+    section.error(row.name, std::string(cfg::kind_word(node->kind)) +
+                                " where a date and time belongs; write for example " + std::string(row.name) + " = " +
+                                std::string(row.example));
+    return std::nullopt;
+  }
+  radiometry::heat::InstantError error;
+  const auto instant = radiometry::heat::parse_instant(node->text, error);
+  if (!instant) section.error(row.name, printable(node->text, 60) + ": " + error.text);
+  return instant;
+}
+
+std::optional<std::string> read_path(const Section& section, std::string_view key) {
+  const auto name = cfg::read_string(section, key);
+  if (!name) return std::nullopt;
+  if (!name->empty() && name->find('\0') == std::string::npos) return section.reader.file(*name);
+  section.error(key, "no file name");
+  return std::nullopt;
+}
+
+/// A schedule has to stay within the range of a field; the value that does not, in words.
+std::optional<std::string> out_of_range(const Schedule& schedule, const FieldInfo& field, double origin_s) {
+  for (std::size_t i = 0; i < schedule.value.size(); ++i) {
+    if (mtf::in_range(field, schedule.value[i])) continue;
+    const TimedTable table = parse_timed_table(mtf::io::read_table_text(schedule.source), schedule.source, origin_s);
+    const auto at = std::find(table.time_s.begin(), table.time_s.end(), schedule.time_s[i]) - table.time_s.begin();
+    return error_at(schedule.source, table.line.at(static_cast<std::size_t>(at))) +
+           mtf::outside_text(field, schedule.value[i], field.unit);
+  }
+  return std::nullopt;
+}
+
+template <class T>
+void assign(T& value, std::optional<T>&& read) {
+  if (read) value = *std::move(read);
+}
+
 }  // namespace
 
 std::optional<double> read_plain_si(const Section& section, const Node& node, const FieldInfo& field,
@@ -129,51 +170,6 @@ void add_name(const Section& section, std::vector<std::string_view>& names) {
   if (!name.empty() && std::ranges::find(names, name) != names.end()) section.error("name", "the name stands twice");
   names.push_back(name);
 }
-
-namespace {
-
-/// An instant as a TOML date and time, or the same in quotes.
-std::optional<double> read_instant(const Section& section, const FieldInfo& row) {
-  const Node* node = section.find(row.name);
-  if (node == nullptr) return std::nullopt;
-  if (node->kind != Node::Kind::date && node->kind != Node::Kind::string) {
-    section.error(row.name, std::string(cfg::kind_word(node->kind)) +
-                                " where a date and time belongs; write for example " + std::string(row.name) + " = " +
-                                std::string(row.example));
-    return std::nullopt;
-  }
-  radiometry::heat::InstantError error;
-  const auto instant = radiometry::heat::parse_instant(node->text, error);
-  if (!instant) section.error(row.name, printable(node->text, 60) + ": " + error.text);
-  return instant;
-}
-
-std::optional<std::string> read_path(const Section& section, std::string_view key) {
-  const auto name = cfg::read_string(section, key);
-  if (!name) return std::nullopt;
-  if (!name->empty() && name->find('\0') == std::string::npos) return section.reader.file(*name);
-  section.error(key, "no file name");
-  return std::nullopt;
-}
-
-/// A schedule has to stay within the range of a field; the value that does not, in words.
-std::optional<std::string> out_of_range(const Schedule& schedule, const FieldInfo& field, double origin_s) {
-  for (std::size_t i = 0; i < schedule.value.size(); ++i) {
-    if (mtf::in_range(field, schedule.value[i])) continue;
-    const TimedTable table = parse_timed_table(mtf::io::read_table_text(schedule.source), schedule.source, origin_s);
-    const auto at = std::find(table.time_s.begin(), table.time_s.end(), schedule.time_s[i]) - table.time_s.begin();
-    return error_at(schedule.source, table.line.at(static_cast<std::size_t>(at))) +
-           mtf::outside_text(field, schedule.value[i], field.unit);
-  }
-  return std::nullopt;
-}
-
-template <class T>
-void assign(T& value, std::optional<T>&& read) {
-  if (read) value = *std::move(read);
-}
-
-}  // namespace
 
 void read_value(SceneReader&, const Section& section, const FieldInfo& row, double& value) {
   assign(value, row.type == mtf::FieldType::date ? read_instant(section, row) : read_si(section, row));

@@ -196,10 +196,6 @@ void attempt(Frame& frame, double& ms, const Work& work) {
   }
 }
 
-std::string size_text(const mtf::SampleGrid& grid) {
-  return std::to_string(grid.width) + "x" + std::to_string(grid.height);
-}
-
 std::string step_text(const mtf::SampleGrid& grid) {
   return mtf::format_double(grid.step_x_um) + " x " + mtf::format_double(grid.step_y_um) + " um";
 }
@@ -248,8 +244,9 @@ void SequenceFrames::require_room() const {
                        static_cast<double>(first_scene_.names.size()) * static_cast<double>(count());
   const mtf::UsableMemory memory = mtf::usable_memory();
   if (bytes > memory.bytes)
-    throw mtf::UsageError("frames: " + std::to_string(count()) + " images of " + size_text(grid) + " pixels need " +
-                          mtf::io::shown_bytes(bytes) + "; " + memory.whose + " " + mtf::io::shown_bytes(memory.bytes) +
+    throw mtf::UsageError("frames: " + std::to_string(count()) + " images of " +
+                          mtf::size_text(grid.width, grid.height) + " pixels need " + mtf::io::shown_bytes(bytes) +
+                          "; " + memory.whose + " " + mtf::io::shown_bytes(memory.bytes) +
                           ": write them to files by an output with a number in its name (frame.%04d.exr), or run them "
                           "in parts");
 }
@@ -305,7 +302,8 @@ void SequenceFrames::require_like_first(const Frame& frame) {
   if (first_plan_) {
     const mtf::io::Scene& first = first_scene_;
     if (scene.grid.width != first.grid.width || scene.grid.height != first.grid.height)
-      fail("size", size_text(scene.grid), size_text(first.grid));
+      fail("size", mtf::size_text(scene.grid.width, scene.grid.height),
+           mtf::size_text(first.grid.width, first.grid.height));
     if (scene.names != first.names) fail("channels", one_line(joined(scene.names)), one_line(joined(first.names)));
     if (scene.quantity != first.quantity)
       fail("quantity", std::string(mtf::io::quantity_name(scene.quantity)),

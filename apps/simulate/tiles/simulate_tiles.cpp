@@ -4,7 +4,6 @@
 #include <malloc.h>
 
 #include <algorithm>
-#include <cstring>
 #include <mutex>
 
 #include "apps/sensor/sensor_place.h"
@@ -158,11 +157,8 @@ ChainOfTiles::ChainOfTiles(const SensorRun& sensor, const mtf::TiledSensorPlan& 
 
 void ChainOfTiles::run(const mtf::Tile& tile, Planes filtered, const Take& take) {
   if (!chain_) return take(tile, filtered, {});
-  const mtf::ImageView<const float>& light = filtered.front();
-  mtf::Image image(light.width, light.height);
-  for (std::int64_t y = 0; y < light.height; ++y) std::copy_n(light.row(y), light.width, image.view().row(y));
   const radiometry::ChainFrame frame =
-      chain_->run(std::move(image), {first_.x + tile.region.x, first_.y + tile.region.y}, 0, threads_);
+      chain_->run(copy_of(filtered.front()), {first_.x + tile.region.x, first_.y + tile.region.y}, 0, threads_);
   {
     const std::scoped_lock guard(lock_);
     report_->add(frame);
@@ -241,13 +237,6 @@ struct TileRun {
   SimulateResult& result;
 };
 
-void copy_rows(Planes planes, const mtf::Region& region, std::vector<mtf::Image>& images) {
-  for (std::size_t c = 0; c < planes.size(); ++c)
-    for (std::int64_t y = 0; y < region.height; ++y)
-      std::memcpy(images[c].view().row(region.y + y) + region.x, planes[c].row(y),
-                  static_cast<std::size_t>(region.width) * sizeof(float));
-}
-
 void run_tiles(
     TileRun& all, const ChainOfTiles::Take& take, const std::function<void()>& before_refusal = [] {}) {
   const auto finite = [&](const mtf::Tile& tile, Planes planes, const mtf::io::TileCounts& counts) {
@@ -270,7 +259,7 @@ std::vector<mtf::Image> run_to_memory(TileRun& all) {
   std::vector<mtf::Image> images;
   for (std::size_t c = 0; c < all.planned.surveys.size(); ++c) images.emplace_back(out.width, out.height);
   run_tiles(all, [&](const mtf::Tile& tile, Planes planes, const mtf::io::TileCounts&) {
-    copy_rows(planes, tile.region, images);
+    for (std::size_t c = 0; c < planes.size(); ++c) copy(planes[c], part_of(images[c].view(), tile.region));
   });
   return images;
 }

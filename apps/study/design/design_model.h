@@ -12,6 +12,7 @@
 #include "apps/study/design/variant_sensor.h"
 #include "calib/fit/parameter_site.h"
 #include "mtf/error.h"
+#include "mtf/field/image_places.h"
 
 namespace study {
 
@@ -23,6 +24,8 @@ struct MetricPlan {
   bool resolution = false, budget = false, spatial = false, giqe = false, bars = false, air = false, ttp = false;
   std::array<bool, kRangeTasks> range{};  ///< of range_tasks()
   std::vector<UnitScale> scale;
+  std::vector<std::size_t> over_field;             ///< metrics that are wanted over the image: of choices, and
+  std::shared_ptr<const MetricPlan> at_a_place{};  ///< what they alone need; null without any
 };
 
 MetricPlan plan_metrics(const Study& study, double tolerance);
@@ -30,13 +33,20 @@ MetricPlan plan_metrics(const Study& study, double tolerance);
 template <class S>
 class DesignModel {
  public:
-  DesignModel(const Study& study, const MetricPlan& plan, const VariantSensor& variant, mtf::System<S> system)
+  /// `place`: in the image; null for the optical axis. One for the axis holds one for each place where metrics want it.
+  DesignModel(const Study& study, const MetricPlan& plan, const VariantSensor& variant, mtf::System<S> system,
+              const mtf::ImagePlace* place = nullptr)
       : study_(&study),
         plan_(&plan),
         variant_(&variant),
+        isoplanatic_(system.is_isoplanatic()),
         system_(std::move(system)),
         meter_(plan.needs),
         range_meter_(curves_alone(std::is_same_v<S, double> ? kForDifferences : kForSlopes)) {
+    if (place != nullptr) place_ = *place;
+    if (!isoplanatic_ && plan.at_a_place)
+      for (const mtf::ImagePlace& one : mtf::image_places(system_.frame.columns, system_.frame.rows))
+        places_.push_back(std::make_unique<DesignModel>(study, *plan.at_a_place, variant, system_, &one));
     for (const Parameter& parameter : study.parameters)
       sites_.push_back(calib::parameter_site(system_, parameter.path).numbers);
   }
@@ -52,9 +62,11 @@ class DesignModel {
       for (S* number : sites_[i]) put(*number, parameters[i]);
       if (sites_[i].empty()) overrides_.push_back({parameter.path, parameters[i]});
     }
+    for (const auto& place : places_) place->set(parameters);
   }
   /// The same as set(), also for parameters that vary as built.
   void set_fixed(std::size_t parameter, const S& value) {
+    for (const auto& place : places_) place->set_fixed(parameter, value);
     for (S* number : sites_[parameter]) put(*number, value);
     if (!sites_[parameter].empty()) return;
     const std::string& path = study_->parameters[parameter].path;
@@ -72,8 +84,10 @@ class DesignModel {
       return value ? std::optional<S>(*value) : std::nullopt;
     };
     system_.air = {scalar(light.air.path_length_m), scalar(light.air.scattering)};
+    for (const auto& place : places_) place->set_light(light);
   }
 
+  /// With the numbers that are set, and with what changes over the image.
   const mtf::System<S>& system() const { return system_; }
   std::span<const radiometry::Override<S>> overrides() const { return overrides_; }
 
@@ -81,11 +95,13 @@ class DesignModel {
   /// another light or another scalar; without them they are solved for.
   void metrics(const radiometry::SpectralNumbers<S>& spectral, const DesignLight& light, std::span<S> values,
                const RangeRoots* roots = nullptr) {
-    design_.system = &system_;
+    if (!isoplanatic_)
+      here_ = system_.at(place_ ? system_.field_point(place_->x_px, place_->y_px) : mtf::FieldPoint<S>{});
+    design_.system = &here();
     design_.conditions = &study_->conditions;
     design_.range_m = target_range();
-    if (variant_->loaded) design_.frame_time_s = radiometry::frame_time_s(system_, variant_->loaded->sensor.settings);
-    if (plan_->resolution) design_.resolution = meter_.measure(system_);
+    if (variant_->loaded) design_.frame_time_s = radiometry::frame_time_s(here(), variant_->loaded->sensor.settings);
+    if (plan_->resolution) design_.resolution = meter_.measure(here());
     design_.budget.reset();
     if (plan_->budget && variant_->loaded) design_.budget = budget(spectral);
     const bool saturated = design_.budget && design_.budget->saturation.saturated();
@@ -126,6 +142,7 @@ class DesignModel {
       refusal_ =
           "no mtf50: next to f = 0 the MTF is below 1/2 already; what takes contrast from all frequencies (light "
           "scattered by aerosol, AC coupling) is no blur";
+    take_over_field(spectral, light, values);
   }
   const RangeRoots& roots() const { return roots_; }
   /// What is resolved on the target at ranges within the reach of the air, by the design whose metrics() were made last
@@ -158,10 +175,42 @@ class DesignModel {
   double error() const {
     double worst = plan_->resolution ? design_.resolution.error : 0.0;
     for (const RangeRoot& root : roots_) worst = std::max(worst, root.error);
-    return worst;
+    for (const auto& place : places_) worst = std::max(worst, place->error());
+    return std::max(worst, mean_error_);
   }
 
  private:
+  /// As a pixel at its place sees it.
+  const mtf::System<S>& here() const { return isoplanatic_ ? system_ : here_; }
+
+  /// In place of the metrics that are wanted over the image: their mean, or the worst, of all places.
+  void take_over_field(const radiometry::SpectralNumbers<S>& spectral, const DesignLight& light, std::span<S> values) {
+    mean_error_ = 0.0;
+    if (places_.empty()) return;
+    const std::vector<std::size_t>& wanted = plan_->over_field;
+    std::vector<S> at_place(wanted.size()), mean(wanted.size()), every_other(wanted.size()), worst(wanted.size());
+    for (std::size_t p = 0; p < places_.size(); ++p) {
+      DesignModel& place = *places_[p];
+      place.metrics(spectral, light, at_place);
+      if (refusal_.empty()) refusal_ = place.refusal();
+      for (std::size_t k = 0; k < wanted.size(); ++k) {
+        const S& value = at_place[k];
+        mean[k] += S(place.place_->weight) * value;
+        every_other[k] += S(place.place_->every_other) * value;
+        const double now = mtf::value_of(value), before = mtf::value_of(worst[k]);
+        const bool is_worse = plan_->choices[wanted[k]].row->less_is_better ? now > before : now < before;
+        // Where a place has no value there is no worst of all.
+        if (p == 0 || std::isnan(now) || is_worse) worst[k] = value;
+      }
+    }
+    for (std::size_t k = 0; k < wanted.size(); ++k) {
+      const bool is_mean = plan_->choices[wanted[k]].over == Over::mean;
+      values[wanted[k]] = is_mean ? mean[k] : worst[k];
+      const double value = mtf::value_of(mean[k]), miss = std::abs(value - mtf::value_of(every_other[k]));
+      if (is_mean) mean_error_ = std::max(mean_error_, miss / std::max(1.0, std::abs(value)));
+    }
+  }
+
   void put(S& number, const S& value) {
     same_otf_ = same_otf_ && mtf::value_of(number) == mtf::value_of(value);
     number = value;
@@ -189,7 +238,12 @@ class DesignModel {
       for (std::size_t i = 0; i < scalars.size(); ++i) *scalars[i] = S(*numbers[i]);
       return budget(to);
     };
-    return {system_, study_->conditions, design_.frame_time_s, *light.course, range_meter_, budget_of_light};
+    return {isoplanatic_ ? system_ : here_,
+            study_->conditions,
+            design_.frame_time_s,
+            *light.course,
+            range_meter_,
+            budget_of_light};
   }
 
   void find_ranges(const DesignLight& light, const RangeRoots* roots) {
@@ -212,22 +266,21 @@ class DesignModel {
   }
 
   radiometry::Budget<S> budget(const radiometry::SpectralNumbers<S>& spectral) const {
-    return radiometry::sensor_budget(system_, variant_->loaded->sensor.settings, spectral, variant_->flicker_e,
+    return radiometry::sensor_budget(here(), variant_->loaded->sensor.settings, spectral, variant_->flicker_e,
                                      radiometry::Overrides<S>{std::span<const radiometry::Override<S>>(overrides_)});
   }
 
   /// Root of the mean of |OTF|^2 of the digital filters over the base band: the factor by which they raise white noise.
   S noise_gain() const {
     using std::sqrt;
-    const auto& list = system_.list(mtf::Stage::postsample);
+    const auto& list = here().list(mtf::Stage::postsample);
     if (list.empty()) return S(1);
-    const mtf::Context<S> context = system_.context();
+    const mtf::Context<S> context = here().context();
     const bool separable = std::all_of(list.begin(), list.end(),
                                        [&](const auto& entry) { return entry.component.traits(context).separable; });
     constexpr std::size_t kNodes = 12, kHalf = kNodes / 2;
     const mtf::GaussRule& rule = mtf::gauss_legendre(kNodes);
-    const S nyquist_x = system_.frame.nyquist_cy_mm(mtf::Axis::x),
-            nyquist_y = system_.frame.nyquist_cy_mm(mtf::Axis::y);
+    const S nyquist_x = here().frame.nyquist_cy_mm(mtf::Axis::x), nyquist_y = here().frame.nyquist_cy_mm(mtf::Axis::y);
     // |OTF| is the same at f and -f: half of the nodes, with twice their weights.
     std::vector<mtf::Freq<S>> f;
     for (std::size_t i = 0; i < kHalf; ++i)
@@ -237,7 +290,7 @@ class DesignModel {
       } else {
         for (const double y : rule.node) f.push_back({S(rule.node[i]) * nyquist_x, S(y) * nyquist_y});
       }
-    const auto h = system_.otf(std::span(list), f);
+    const auto h = here().otf(std::span(list), f);
     const auto square = [&](std::size_t i) { return h[i].re * h[i].re + h[i].im * h[i].im; };
     S mean(0), mean_x(0), mean_y(0);
     for (std::size_t i = 0; i < kHalf; ++i)
@@ -257,7 +310,12 @@ class DesignModel {
   const Study* study_;
   const MetricPlan* plan_;
   const VariantSensor* variant_;
+  bool isoplanatic_ = true;
+  std::optional<mtf::ImagePlace> place_{};
   mtf::System<S> system_;
+  mtf::System<S> here_{};  ///< of a system that changes over the image
+  std::vector<std::unique_ptr<DesignModel>> places_{};
+  double mean_error_ = 0.0;  ///< of means over the image, as the metrics' errors are counted
   mtf::ResolutionMeter<S> meter_, range_meter_;
   std::vector<std::vector<S*>> sites_;
   std::vector<radiometry::Override<S>> overrides_;

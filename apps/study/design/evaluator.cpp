@@ -302,6 +302,10 @@ std::vector<std::string> Evaluator::skipped() const {
     sentences.push_back("designs that are impossible as a sensor have no numbers; the first: " + impl_->first_problem);
   if (!impl_->first_refusal.empty())
     sentences.push_back("metrics without a number; the first: " + impl_->first_refusal);
+  const mtf::System<double>& base = impl_->study->base.system;
+  if (plan.resolution && !base.is_isoplanatic() && plan.over_field.size() < plan.choices.size())
+    sentences.push_back("the OTF changes over the field by " + mtf::names_over_field(base) +
+                        ": metrics without .mean or .worst are those of the optical axis");
   const auto skip = [&](bool needed, const char* what) {
     if (!needed) sentences.emplace_back(std::string(what) + ": no metric needs it");
   };

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "apps/study/design/metric_rows.h"
+#include "mtf/field/image_places.h"
 #include "mtf/units.h"
 
 namespace study {
@@ -64,20 +65,22 @@ constexpr std::array kRows{
     MetricRow{rer, "rer", true, "", "relative edge response: rise of the edge from -0.5 to +0.5 px", kFiete, "",
               Effort::edge},
     MetricRow{edge_overshoot, "edge_overshoot", true, "", "largest value of the edge from 1 to 3 px beyond it, less 1",
-              kMeasure, "", Effort::overshoot},
+              kMeasure, "", Effort::overshoot, true},
     MetricRow{edge_height, "edge_height", true, "",
               "GIQE's H: the edge at 1.25 px where it rises up to 3 px, else its largest value from 1 to 3 px", kGiqe4,
               "", Effort::overshoot},
-    MetricRow{fwhm, "fwhm", true, "px", "full width of the line spread at half of its peak", kOtf, "", Effort::fwhm},
+    MetricRow{fwhm, "fwhm", true, "px", "full width of the line spread at half of its peak", kOtf, "", Effort::fwhm,
+              true},
     MetricRow{aliasing_ratio, "aliasing_ratio", true, "",
-              "integral of the presample MTF beyond Nyquist / integral up to it", kSampled, "", Effort::aliasing},
+              "integral of the presample MTF beyond Nyquist / integral up to it", kSampled, "", Effort::aliasing, true},
     MetricRow{spurious_in_band, "spurious_in_band", true, "",
-              "replicas below Nyquist, filtered by what follows sampling / base band", kSampled, "", Effort::aliasing},
+              "replicas below Nyquist, filtered by what follows sampling / base band", kSampled, "", Effort::aliasing,
+              true},
     MetricRow{spurious_out_of_band, "spurious_out_of_band", true, "",
               "replicas beyond Nyquist, filtered by the display / base band", kSampled,
-              "a display, interpolation or eye in [[postsample]]", Effort::spurious},
+              "a display, interpolation or eye in [[postsample]]", Effort::spurious, true},
     MetricRow{spurious_response, "spurious_response", true, "", "spurious_in_band + spurious_out_of_band", kSampled,
-              "a display, interpolation or eye in [[postsample]]", Effort::spurious},
+              "a display, interpolation or eye in [[postsample]]", Effort::spurious, true},
     MetricRow{strehl, "strehl", false, "",
               "optics' point spread at the image of the axis / the peak of the same pupil without aberration", kOptics,
               "a pupil: diffraction, defocus or wavefront", Effort::light},
@@ -141,14 +144,14 @@ constexpr std::array kRows{
               "NGA, General Image Quality Equation 5.0 (2015)", kQuality, Effort::giqe},
     MetricRow{grd, "grd", false, "m",
               "ground resolved distance: period of the finest bars that can be seen in the noise",
-              "IBSM 4 (ERIM 253885-4-F), 3-54", kQuality, Effort::grd},
+              "IBSM 4 (ERIM 253885-4-F), 3-54", kQuality, Effort::grd, true},
     MetricRow{mrtd, "mrtd", false, "mK", "2-D minimum resolvable temperature difference at half of Nyquist", kMrtd,
-              "[detector]", Effort::bars},
+              "[detector]", Effort::bars, true},
     MetricRow{
         mdtd,
         "mdtd", false, "mK",
         "minimum detectable temperature difference of a square of 2 pixels (1 / Nyquist), the width of a bar of mrtd",
-        kMdtd, "[detector]", Effort::bars},
+        kMdtd, "[detector]", Effort::bars, true},
     MetricRow{johnson_detect, "johnson_range_detect", false, "m",
               "range of detection with [conditions] probability, Johnson's criteria", kJohnson, kTarget, Effort::air},
     MetricRow{johnson_recognise, "johnson_range_recognise", false, "m",
@@ -197,15 +200,8 @@ MetricInfo info_of(const MetricRow& row, std::string name, std::optional<mtf::Ax
           std::string(row.needs)};
 }
 
-}  // namespace
-
-std::span<const MetricRow> metric_rows() { return kRows; }
-
-const MetricRow& row_of(Metric metric) {
-  return *std::find_if(kRows.begin(), kRows.end(), [&](const MetricRow& row) { return row.metric == metric; });
-}
-
-std::optional<MetricChoice> choose_metric(std::string_view name) {
+/// The metric of a name without the place in the image.
+std::optional<MetricChoice> choose_figure(std::string_view name) {
   for (const MetricRow& row : kRows)
     if (row.name == name) return MetricChoice{&row};
   std::optional<mtf::Axis> axis;
@@ -215,6 +211,28 @@ std::optional<MetricChoice> choose_metric(std::string_view name) {
   for (const MetricRow& row : kRows)
     if (axis && row.directional && row.name == name) return MetricChoice{&row, axis};
   return choose_mtf_at(name, axis);
+}
+
+}  // namespace
+
+std::span<const MetricRow> metric_rows() { return kRows; }
+
+const MetricRow& row_of(Metric metric) {
+  return *std::find_if(kRows.begin(), kRows.end(), [&](const MetricRow& row) { return row.metric == metric; });
+}
+
+std::optional<MetricChoice> choose_metric(std::string_view name) {
+  constexpr std::array<std::pair<std::string_view, Over>, 3> endings{
+      {{".axis", Over::axis}, {".mean", Over::mean}, {".worst", Over::worst}}};
+  for (const auto& [ending, over] : endings) {
+    if (!name.ends_with(ending)) continue;
+    auto choice = choose_figure(name.substr(0, name.size() - ending.size()));
+    if (!choice || choice->row->effort == Effort::geometry || choice->row->effort == Effort::budget)
+      return std::nullopt;  // it is the same all over the image
+    choice->over = over;
+    return choice;
+  }
+  return choose_figure(name);
 }
 
 std::span<const MetricInfo> metric_catalogue() {
@@ -237,6 +255,10 @@ std::optional<MetricInfo> find_metric(std::string_view name) {
   MetricInfo info = info_of(*choice->row, std::string(name), choice->axis);
   if (choice->row->metric == Metric::mtf_at)
     info.definition += ", " + mtf::format_double(choice->at.value) + " " + std::string(choice->at.unit->name);
+  if (choice->over == Over::mean) info.definition += "; mean over the image";
+  if (choice->over == Over::worst)
+    info.definition +=
+        "; the worst of " + std::to_string(mtf::kImagePlaces * mtf::kImagePlaces) + " places of the image";
   return info;
 }
 

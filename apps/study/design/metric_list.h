@@ -22,7 +22,7 @@ struct MetricInfo {
 std::span<const MetricInfo> metric_catalogue();
 
 /// Finds a metric of the catalogue, or the MTF at a frequency: "mtf_at_20_cy_mm", "mtf_at_0.25_cy_px_y",
-/// "mtf_at_5_cy_mrad_x".
+/// "mtf_at_5_cy_mrad_x"; each that an OTF changes also with .axis (as without), .mean or .worst: over the image.
 std::optional<MetricInfo> find_metric(std::string_view name);
 
 }  // namespace study

@@ -6,12 +6,15 @@
 
 namespace study {
 
-MetricPlan plan_metrics(const Study& study, double tolerance) {
+namespace {
+
+MetricPlan plan_of(const Study& study, std::span<const MetricInfo> metrics, double tolerance) {
   MetricPlan plan;
   plan.needs.tolerance = tolerance;
   plan.needs.y = false;
-  for (const MetricInfo& info : study.metrics) {
+  for (const MetricInfo& info : metrics) {
     const MetricChoice choice = *choose_metric(info.name);
+    if (choice.over != Over::axis) plan.over_field.push_back(plan.choices.size());
     plan.choices.push_back(choice);
     plan.scale.push_back(unit_scale(info.unit));
     plan.at.push_back(plan.needs.at.size());
@@ -77,6 +80,16 @@ MetricPlan plan_metrics(const Study& study, double tolerance) {
     const std::array<RangeTask, kRangeTasks> tasks = range_tasks(study.conditions);
     for (std::size_t i = 0; i < tasks.size(); ++i) plan.range[i] = plan.range[i] || tasks[i].metric == metric;
   }
+  return plan;
+}
+
+}  // namespace
+
+MetricPlan plan_metrics(const Study& study, double tolerance) {
+  MetricPlan plan = plan_of(study, study.metrics, tolerance);
+  std::vector<MetricInfo> over_field;
+  for (const std::size_t i : plan.over_field) over_field.push_back(study.metrics[i]);
+  if (!over_field.empty()) plan.at_a_place = std::make_shared<const MetricPlan>(plan_of(study, over_field, tolerance));
   return plan;
 }
 

@@ -99,16 +99,22 @@ struct MetricRow {
   bool directional;  ///< also NAME_x and NAME_y; NAME is their geometric mean
   std::string_view unit, definition, source, needs;
   Effort effort;
+  bool less_is_better = false;
 };
 
 std::span<const MetricRow> metric_rows();
 const MetricRow& row_of(Metric metric);
 
-/// A metric as asked for: which, along which axis (none: the geometric mean), and for mtf_at the frequency.
+/// Where in the image a metric of the OTF is taken: on the optical axis, or at the places of mtf/field/image_places.h.
+enum class Over { axis, mean, worst };
+
+/// A metric as asked for: which, along which axis (none: the geometric mean), for mtf_at the frequency, and where in
+/// the image.
 struct MetricChoice {
   const MetricRow* row = nullptr;
   std::optional<mtf::Axis> axis{};
   mtf::SpatialFrequency<double> at{};
+  Over over = Over::axis;
 };
 
 /// Null for a name that no metric has.

@@ -109,12 +109,10 @@ OptimizeOutcome optimize(const Study& study, const OptimizeOptions& options) {
   };
 
   std::vector<Combination> combinations(static_cast<std::size_t>(study.variants));
-  mtf::parallel_for(study.variants, 1, options.threads, [&](std::int64_t begin, std::int64_t end) {
-    for (std::int64_t c = begin; c < end; ++c) {
-      combinations[static_cast<std::size_t>(c)] =
-          prepare_combination(sharp, goal, levels_of(study, c), std::max(1, options.starts));
-      advance(study.variants, 0.0, 0.1);
-    }
+  mtf::parallel_for_each(study.variants, 1, options.threads, [&](std::int64_t c) {
+    combinations[static_cast<std::size_t>(c)] =
+        prepare_combination(sharp, goal, levels_of(study, c), std::max(1, options.starts));
+    advance(study.variants, 0.0, 0.1);
   });
 
   OptimizeOutcome outcome;
@@ -131,13 +129,11 @@ OptimizeOutcome optimize(const Study& study, const OptimizeOptions& options) {
   outcome.problem.clear();
   std::vector<End> ends(tasks.size());
   done = 0;
-  mtf::parallel_for(std::ssize(tasks), 1, options.threads, [&](std::int64_t begin, std::int64_t end) {
-    for (std::int64_t t = begin; t < end; ++t) {
-      const auto i = static_cast<std::size_t>(t);
-      const auto [c, s] = tasks[i];
-      ends[i] = {local_optimum(sharp, goal, combinations[c], s, options.method), c};
-      advance(std::ssize(tasks), 0.1, 1.0);
-    }
+  mtf::parallel_for_each(std::ssize(tasks), 1, options.threads, [&](std::int64_t t) {
+    const auto i = static_cast<std::size_t>(t);
+    const auto [c, s] = tasks[i];
+    ends[i] = {local_optimum(sharp, goal, combinations[c], s, options.method), c};
+    advance(std::ssize(tasks), 0.1, 1.0);
   });
   for (const End& end : ends) outcome.evaluations += end.local.evaluations;
 

@@ -3,21 +3,15 @@
 // Limits and outcomes in words.
 
 #include <cmath>
-#include <cstdio>
 
 #include "apps/study/optimum/optimize.h"
 #include "mtf/units.h"
+#include "mtf/words.h"
 
 namespace study {
 namespace {
 
 using Status = OptimizeOutcome::Status;
-
-std::string digits(double value, int count) {
-  char text[40];
-  static_cast<void>(std::snprintf(text, sizeof text, "%.*g", count, value));
-  return text;
-}
 
 /// The power of ten about a hundredth of the limit, to say what a little more room gives.
 double little(double limit) {
@@ -32,17 +26,10 @@ std::string gain_text(const Study& study, const OptimizeOptions& options, double
       ++used;
       which = i;
     }
-  if (used > 1) return "improve the weighted sum by " + digits(gain, 3);
+  if (used > 1) return "improve the weighted sum by " + mtf::significant(gain, 3);
   const Objective& objective = study.objectives[which];
   return (objective.maximize ? "raise " : "lower ") + objective.text + " by " +
-         mtf::with_unit(digits(gain / options.weights[which], 3), objective.unit);
-}
-
-std::string joined(const std::vector<std::string>& parts) {
-  std::string text;
-  for (std::size_t i = 0; i < parts.size(); ++i)
-    text += (i == 0 ? "" : i + 1 == parts.size() ? " and " : ", ") + parts[i];
-  return text;
+         mtf::with_unit(mtf::significant(gain / options.weights[which], 3), objective.unit);
 }
 
 void limits(const Study& study, const OptimizeOptions& options, const Optimum& best, std::vector<std::string>& lines) {
@@ -56,11 +43,11 @@ void limits(const Study& study, const OptimizeOptions& options, const Optimum& b
     } else {
       const double step = little(limit.value);
       limited = true;
-      lines.push_back(limit.text + " limits: relaxing it by " + mtf::with_unit(digits(step, 3), limit.unit) +
+      lines.push_back(limit.text + " limits: relaxing it by " + mtf::with_unit(mtf::significant(step, 3), limit.unit) +
                       " would " + gain_text(study, options, limit.gain * step));
     }
   }
-  if (!idle.empty()) lines.push_back("active without limiting: " + joined(idle));
+  if (!idle.empty()) lines.push_back("active without limiting: " + mtf::listed(idle));
   if (best.shared && limited)
     lines.push_back("these limits depend on each other: relaxing one alone may gain less than stated");
   if (best.converged && !limited) lines.push_back("nothing limits it: the best design lies inside of all limits");
@@ -110,8 +97,10 @@ std::vector<std::string> sentences(const Study& study, const OptimizeOptions& op
     lines.push_back("no design found that meets every constraint; this is the nearest");
     for (const Violation& v : best.violations)
       lines.push_back(study.constraints[v.constraint].text + " is missed by " +
-                      mtf::with_unit(digits(v.by, 4), v.unit) + " (" + digits(100.0 * v.share, 3) + " %)");
-    if (outcome.contradiction.size() > 1) lines.push_back("contradict each other: " + joined(outcome.contradiction));
+                      mtf::with_unit(mtf::significant(v.by, 4), v.unit) + " (" + mtf::significant(100.0 * v.share, 3) +
+                      " %)");
+    if (outcome.contradiction.size() > 1)
+      lines.push_back("contradict each other: " + mtf::listed(outcome.contradiction));
     return lines;
   }
   limits(study, options, best, lines);

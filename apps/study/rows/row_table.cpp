@@ -10,6 +10,7 @@
 #include <memory>
 
 #include "mtf/io/atomic_file.h"
+#include "mtf/io/csv/csv_cells.h"
 #include "mtf/parallel.h"
 
 namespace study {
@@ -32,7 +33,7 @@ struct Cells {
   explicit Cells(const std::vector<TableColumn>& columns) {
     for (const TableColumn& column : columns) {
       std::vector<std::string>& cells = levels.emplace_back();
-      for (const std::string& level : column.levels) cells.push_back(csv_cell(level));
+      for (const std::string& level : column.levels) cells.push_back(mtf::io::csv_field(level));
     }
   }
 
@@ -64,7 +65,7 @@ std::string csv_rows(const Cells& cells, RowRange range, std::span<const double>
 
 std::string csv_header(const std::vector<TableColumn>& columns) {
   std::string text = "design";
-  for (const TableColumn& column : columns) text += "," + csv_cell(column.name);
+  for (const TableColumn& column : columns) text += "," + mtf::io::csv_field(column.name);
   return text + "\n";
 }
 
@@ -98,13 +99,6 @@ std::vector<double> with_mark(RowRange range, const std::vector<double>& rows,
 }
 
 }  // namespace
-
-std::string csv_cell(std::string_view text) {
-  if (text.find_first_of(",\"\n\r") == std::string_view::npos) return std::string(text);
-  std::string quoted = "\"";
-  for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
-  return quoted + "\"";
-}
 
 void read_pieces(const std::vector<RowPiece>& pieces, const PieceWork& work, int threads, const RowsDone& done) {
   using Next = std::shared_ptr<Token>;

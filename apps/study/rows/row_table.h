@@ -43,7 +43,4 @@ struct TableJob {
 /// same bytes for any pieces and threads. Throws RuntimeError (a damaged piece, disk full, ...).
 void write_table(const TableJob& job);
 
-/// A cell of text, in quotes where CSV needs them.
-std::string csv_cell(std::string_view text);
-
 }  // namespace study

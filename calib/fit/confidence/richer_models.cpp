@@ -155,11 +155,9 @@ void judge(FitResult& result) {
   if (best == result.richer_models.end()) return;
   const double p = best->p * static_cast<double>(result.richer_models.size());
   if (p >= kWrongModel_p) return;
-  std::string values;
-  for (const FittedParameter& one : best->parameters) values += (values.empty() ? "" : ", ") + told(one);
   const std::string found = "with " + best->unknown + " unknown it describes them better: chi-square falls by " +
                             mtf::significant(best->chi2_gain, 3) + " (p = " + mtf::significant(p, 1) + "), with " +
-                            values;
+                            mtf::joined(best->parameters, told);
   result.reason = result.status == FitStatus::converged ? "the sensor does not describe the data; " + found +
                                                               "; the errors given are those of the sensor without it"
                                                         : result.reason + "; " + found;

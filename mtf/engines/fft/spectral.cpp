@@ -399,17 +399,16 @@ void SpectralEngine<S>::uniform_inverse(const Plane& plane, const std::vector<st
     });
     return;
   }
-  parallel_for(x().outputs, kRow, threads, [&](std::int64_t begin, std::int64_t end) {
-    for (std::int64_t i = begin; i < end; ++i)
-      for (const std::int64_t group : groups) {
-        const std::span<const float> here = std::span(values).subspan(
-            static_cast<std::size_t>(group * kRow),
-            static_cast<std::size_t>(std::min<std::int64_t>(kRow, y().outputs - group * kRow)));
-        if (channel.take)
-          channel.take(i, group * kRow, here);
-        else
-          std::copy(here.begin(), here.end(), channel.out.row(i) + group * kRow);
-      }
+  parallel_for_each(x().outputs, kRow, threads, [&](std::int64_t i) {
+    for (const std::int64_t group : groups) {
+      const std::span<const float> here =
+          std::span(values).subspan(static_cast<std::size_t>(group * kRow),
+                                    static_cast<std::size_t>(std::min<std::int64_t>(kRow, y().outputs - group * kRow)));
+      if (channel.take)
+        channel.take(i, group * kRow, here);
+      else
+        std::copy(here.begin(), here.end(), channel.out.row(i) + group * kRow);
+    }
   });
 }
 

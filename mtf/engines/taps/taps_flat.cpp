@@ -140,9 +140,7 @@ void for_each_tile(const std::vector<Channel>& channels, const TapAxis& x, const
   std::vector<Task> tasks;
   for (std::size_t c = 0; c < channels.size(); ++c) {
     flat.emplace_back(channels[c], x, y, border);
-    parallel_for(y.outputs, 64, threads, [&](std::int64_t begin, std::int64_t end) {
-      for (std::int64_t j = begin; j < end; ++j) flat.back().fill_row(channels[c], j);
-    });
+    parallel_for_each(y.outputs, 64, threads, [&](std::int64_t j) { flat.back().fill_row(channels[c], j); });
     // Tiles of about the same width: a narrow tile costs as much as a wider one.
     const TileArea work = flat.back().rest({0, 0, x.outputs, y.outputs});
     const std::int64_t across = (work.columns + kTileColumns - 1) / kTileColumns;

@@ -14,84 +14,22 @@ using Wide = float __attribute__((vector_size(kVector * sizeof(float)), aligned(
 MTFKIT_INLINE const Wide& wide(const float* p) { return *reinterpret_cast<const Wide*>(p); }
 MTFKIT_INLINE Wide& wide(float* p) { return *reinterpret_cast<Wide*>(p); }
 
-}  // namespace
-
-// Four vectors at a time, or two, hide the latency of the additions.
-MTFKIT_CLONES void weighted_sum(const float* const* a, const float* weights, std::int64_t count, std::int64_t first,
-                                std::int64_t last, float* out) {
+// Sums of vectors, four at once where there are so many: `add(c, i, sum)` adds what row c has from i on.
+template <class Add>
+MTFKIT_INLINE void add_weighted(std::int64_t count, std::int64_t first, std::int64_t last, float* out, const Add& add) {
+  const auto sums = [&]<int N>(std::int64_t i) __attribute__((always_inline)) {
+    Wide sum[N]{};
+    for (std::int64_t c = 0; c < count; ++c)
+#pragma GCC unroll 4
+      for (int k = 0; k < N; ++k) add(c, i + k * kVector, sum[k]);
+#pragma GCC unroll 4
+    for (int k = 0; k < N; ++k) wide(out + i + k * kVector) = sum[k];
+  };
   std::int64_t i = first;
-  for (; i + 4 * kVector <= last; i += 4 * kVector) {
-    Wide s0{}, s1{}, s2{}, s3{};
-    for (std::int64_t c = 0; c < count; ++c) {
-      const float* p = a[c] + i;
-      const float w = weights[c];
-      s0 += w * wide(p);
-      s1 += w * wide(p + kVector);
-      s2 += w * wide(p + 2 * kVector);
-      s3 += w * wide(p + 3 * kVector);
-    }
-    wide(out + i) = s0;
-    wide(out + i + kVector) = s1;
-    wide(out + i + 2 * kVector) = s2;
-    wide(out + i + 3 * kVector) = s3;
-  }
-  for (; i + 2 * kVector <= last; i += 2 * kVector) {
-    Wide s0{}, s1{};
-    for (std::int64_t c = 0; c < count; ++c) {
-      const float* p = a[c] + i;
-      s0 += weights[c] * wide(p);
-      s1 += weights[c] * wide(p + kVector);
-    }
-    wide(out + i) = s0;
-    wide(out + i + kVector) = s1;
-  }
-  for (; i < last; i += kVector) {
-    Wide s{};
-    for (std::int64_t c = 0; c < count; ++c) s += weights[c] * wide(a[c] + i);
-    wide(out + i) = s;
-  }
+  for (; i + 4 * kVector <= last; i += 4 * kVector) sums.template operator()<4>(i);
+  for (; i + 2 * kVector <= last; i += 2 * kVector) sums.template operator()<2>(i);
+  for (; i < last; i += kVector) sums.template operator()<1>(i);
 }
-
-MTFKIT_CLONES void weighted_pairs(const float* const* a, const float* const* b, const float* weights,
-                                  std::int64_t count, std::int64_t first, std::int64_t last, float* out) {
-  std::int64_t i = first;
-  for (; i + 4 * kVector <= last; i += 4 * kVector) {
-    Wide s0{}, s1{}, s2{}, s3{};
-    for (std::int64_t c = 0; c < count; ++c) {
-      const float *p = a[c] + i, *q = b[c] + i;
-      const float w = weights[c];
-      s0 += w * (wide(p) + wide(q));
-      s1 += w * (wide(p + kVector) + wide(q + kVector));
-      s2 += w * (wide(p + 2 * kVector) + wide(q + 2 * kVector));
-      s3 += w * (wide(p + 3 * kVector) + wide(q + 3 * kVector));
-    }
-    wide(out + i) = s0;
-    wide(out + i + kVector) = s1;
-    wide(out + i + 2 * kVector) = s2;
-    wide(out + i + 3 * kVector) = s3;
-  }
-  for (; i + 2 * kVector <= last; i += 2 * kVector) {
-    Wide s0{}, s1{};
-    for (std::int64_t c = 0; c < count; ++c) {
-      const float *p = a[c] + i, *q = b[c] + i;
-      s0 += weights[c] * (wide(p) + wide(q));
-      s1 += weights[c] * (wide(p + kVector) + wide(q + kVector));
-    }
-    wide(out + i) = s0;
-    wide(out + i + kVector) = s1;
-  }
-  for (; i < last; i += kVector) {
-    Wide s{};
-    for (std::int64_t c = 0; c < count; ++c) s += weights[c] * (wide(a[c] + i) + wide(b[c] + i));
-    wide(out + i) = s;
-  }
-}
-
-MTFKIT_CLONES void add_rows(const float* a, const float* b, std::int64_t n, float* out) {
-  for (std::int64_t i = 0; i < n; ++i) out[i] = a[i] + b[i];
-}
-
-namespace {
 
 MTFKIT_CLONES void deinterleave(const float* __restrict in, std::int64_t ratio, std::int64_t stride, std::int64_t n,
                                 float* __restrict out) {
@@ -111,6 +49,27 @@ MTFKIT_CLONES void deinterleave(const float* __restrict in, std::int64_t ratio, 
 }
 
 }  // namespace
+
+// Four vectors at a time, or two, hide the latency of the additions.
+MTFKIT_CLONES void weighted_sum(const float* const* a, const float* weights, std::int64_t count, std::int64_t first,
+                                std::int64_t last, float* out) {
+  add_weighted(
+      count, first, last, out, [=](std::int64_t c, std::int64_t i, Wide & sum) __attribute__((always_inline)) {
+        sum += weights[c] * wide(a[c] + i);
+      });
+}
+
+MTFKIT_CLONES void weighted_pairs(const float* const* a, const float* const* b, const float* weights,
+                                  std::int64_t count, std::int64_t first, std::int64_t last, float* out) {
+  add_weighted(
+      count, first, last, out, [=](std::int64_t c, std::int64_t i, Wide & sum) __attribute__((always_inline)) {
+        sum += weights[c] * (wide(a[c] + i) + wide(b[c] + i));
+      });
+}
+
+MTFKIT_CLONES void add_rows(const float* a, const float* b, std::int64_t n, float* out) {
+  for (std::int64_t i = 0; i < n; ++i) out[i] = a[i] + b[i];
+}
 
 TileRows::TileRows(const Channel& channel, const TapAxis& x, const TapAxis& y, Border border, const TileArea& area)
     : channel_(channel),

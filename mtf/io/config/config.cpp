@@ -7,6 +7,7 @@
 #include "mtf/components/path_air.h"
 #include "mtf/error.h"
 #include "mtf/io/config/config_reader.h"
+#include "mtf/io/config/sensor_starter.toml.h"
 #include "mtf/io/csv/curve_csv.h"
 #include "mtf/io/sha256.h"
 
@@ -158,5 +159,7 @@ SensorConfig load_config(const std::string& file, std::vector<Diagnostic>* warni
     std::move(result.diagnostics.begin(), result.diagnostics.end(), std::back_inserter(*warnings));
   return std::move(result.config);
 }
+
+std::string starter_config() { return std::string(embedded::sensor_starter_toml); }
 
 }  // namespace mtf::io

@@ -49,7 +49,7 @@ struct Position {
   int column = 0;
 };
 
-/// A number written as a table { value, fit, min, max, prior, stderr }; `path` is e.g. "presample[1].rms" or
+/// A number written as a table { value, fit, min, max, prior, stderr, interval }; `path` is e.g. "presample[1].rms" or
 /// "frame.focal_length". Numbers are in the unit that the System holds the value in: FieldInfo::unit of the field, or
 /// the own unit of an Extent or SpatialFrequency, which is the one `value` was written in.
 struct FitSpec {
@@ -58,8 +58,12 @@ struct FitSpec {
   std::string unit{};  ///< that the numbers are in, "" for plain ones
   double value = 0.0;  ///< as the file has it
   std::optional<double> min, max, stderr_value;
-  std::optional<std::array<double, 2>> prior;  ///< mean, sd
-  Position value_at{}, stderr_at{};            ///< where the file has them
+  std::optional<std::array<double, 2>> prior{};     ///< mean, sd
+  std::optional<std::array<double, 2>> interval{};  ///< ends of 95 %, of a number that may be 0, in place of stderr
+  Position value_at{}, stderr_at{};                 ///< where the file has them
+
+  /// Of the value: stderr, or what the width of the interval is of a normal number; 0 where neither is stated.
+  double sd() const { return interval ? ((*interval)[1] - (*interval)[0]) / (2.0 * 1.96) : stderr_value.value_or(0.0); }
 };
 
 struct Diagnostic {

@@ -4,23 +4,19 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <numbers>
 #include <sstream>
 
 #include "mtf/components/component_docs.h"
 #include "mtf/io/config/config_reader.h"
+#include "mtf/words.h"
 
 namespace mtf::io {
 namespace {
 
 using cfg::Node;
 
-std::string rounded(double value) {
-  std::array<char, 40> text{};
-  static_cast<void>(std::snprintf(text.data(), text.size(), "%.10g", value));
-  return text.data();
-}
+std::string rounded(double value) { return significant(value, 10); }
 
 std::string with_unit(double value, std::string_view unit) { return mtf::with_unit(rounded(value), unit); }
 
@@ -219,9 +215,7 @@ Resolved resolved(const FieldRef<double>& field, const System<double>& system, c
         } else if constexpr (std::is_same_v<T, Choice>) {
           return {std::string(value->names[static_cast<std::size_t>(value->index)])};
         } else if constexpr (std::is_same_v<T, Coefficients<double>>) {
-          std::string list;
-          for (const double coefficient : *value) list += (list.empty() ? "" : ", ") + rounded(coefficient);
-          return value->empty() ? Resolved{} : Resolved{"[" + list + "]"};
+          return value->empty() ? Resolved{} : Resolved{"[" + joined(*value, rounded) + "]"};
         } else if constexpr (std::is_same_v<T, Taps<double>>) {
           double sum = 0.0;
           for (const auto& row : *value)

@@ -1,26 +1,25 @@
 // SPDX-License-Identifier: Apache-2.0
 
 // rms = { value = "8 urad", fit = true, min = "0 urad", max = "50 urad", prior = { mean, sd }, stderr = "0.1 urad" }
+// read_noise = { value = "0.03 e-", interval = ["0 e-", "0.11 e-"] }
 
 #include "mtf/io/config/config_reader.h"
 
 namespace mtf::io::cfg {
 namespace {
 
-constexpr std::array<std::string_view, 6> kFitKeys{"value", "fit", "min", "max", "prior", "stderr"};
+constexpr std::array<std::string_view, 7> kFitKeys{"value", "fit", "min", "max", "prior", "stderr", "interval"};
 constexpr std::array<std::string_view, 2> kPriorKeys{"mean", "sd"};
 
 /// The other numbers of a fit table, in the unit of its value.
-std::optional<double> read_like(const Section& section, const FieldInfo& info, std::string_view key,
+std::optional<double> read_like(const Section& section, std::string_view key, const Node& node, const FieldInfo& info,
                                 const Scalar& value) {
-  const Node* node = section.find(key);
-  if (node == nullptr) return std::nullopt;
-  const auto scalar = read_plain(section.reader, *node, info, section.at(key));
+  const auto scalar = read_plain(section.reader, node, info, section.at(key));
   if (!scalar || scalar->unit == value.unit) return scalar ? std::optional(scalar->value) : std::nullopt;
   const std::string unit(value.unit->name);
   // Cycles per mm, mrad and pixel are one dimension, but only the frame converts them.
   if (scalar->unit->dimension != value.unit->dimension || value.unit->dimension == Dimension::frequency) {
-    section.error(key, shown(*node) + " does not go with the value in " + unit + "; write it in " + unit);
+    section.error(key, shown(node) + " does not go with the value in " + unit + "; write it in " + unit);
     return std::nullopt;
   }
   return convert({scalar->value, scalar->unit}, value.unit->name);
@@ -41,15 +40,19 @@ const Node* find_value(const Section& table, const FieldInfo& info) {
 }
 
 void read_beside_value(const Section& section, FitSpec& spec, const ReadNumber& like, const ReadNumber& spread) {
+  const auto number = [](const ReadNumber& read, const Section& from, std::string_view key) {
+    const Node* node = from.find(key);
+    return node != nullptr ? read(from, key, *node) : std::nullopt;
+  };
   const auto shown_at = [](const Section& table, std::string_view key) { return shown(*table.find(key)); };
   if (const Node* fit = section.find("fit")) {
     if (fit->kind != Node::Kind::boolean)
       section.error("fit", std::string(kind_word(fit->kind)) + " where true or false belongs");
     spec.fit = fit->boolean;
   }
-  spec.min = like(section, "min");
-  spec.max = like(section, "max");
-  spec.stderr_value = spread(section, "stderr");
+  spec.min = number(like, section, "min");
+  spec.max = number(like, section, "max");
+  spec.stderr_value = number(spread, section, "stderr");
   spec.value_at = section.find("value")->position;
   if (const Node* node = section.find("stderr")) spec.stderr_at = node->position;
   if (spec.min && spec.max && *spec.min > *spec.max)
@@ -60,6 +63,18 @@ void read_beside_value(const Section& section, FitSpec& spec, const ReadNumber& 
     section.error("max", shown_at(section, "max") + " is below the value " + shown_at(section, "value"));
   if (spec.stderr_value && *spec.stderr_value < 0.0) section.error("stderr", "has to be 0 or more");
 
+  if (const Node* interval = section.find("interval")) {
+    if (interval->kind != Node::Kind::array || interval->items.size() != 2)
+      return section.error("interval", "write [low, high], the ends of 95 %");
+    const auto low = like(section, "interval", interval->items[0]),
+               high = like(section, "interval", interval->items[1]);
+    if (low && high && *low > *high) section.error("interval", "its low end is above its high end; write [low, high]");
+    if (spec.fit || spec.stderr_value)
+      section.error("interval", "is what was measured of a number that may be 0; it stands without " +
+                                    std::string(spec.fit ? "fit = true" : "stderr"));
+    if (low && high) spec.interval = {*low, *high};
+  }
+
   const Node* node = section.find("prior");
   if (node == nullptr) return;
   if (node->kind != Node::Kind::table)
@@ -69,7 +84,7 @@ void read_beside_value(const Section& section, FitSpec& spec, const ReadNumber& 
   for (const std::string_view key : kPriorKeys)
     if (prior.find(key) == nullptr && !section.reader.has_failed(prior.at(key)))
       prior.error(key, "missing; a prior is { mean = …, sd = … }");
-  const auto mean = like(prior, "mean"), sd = spread(prior, "sd");
+  const auto mean = number(like, prior, "mean"), sd = number(spread, prior, "sd");
   if (sd && !(*sd > 0.0)) prior.error("sd", shown_at(prior, "sd") + " has to be above 0");
   if (mean && sd) spec.prior = {*mean, *sd};
 }
@@ -87,7 +102,9 @@ std::optional<Scalar> read_fit(Reader& reader, const Node& table, const FieldInf
   spec.path = path;
   if (value->unit != nullptr) spec.unit = value->unit->name;
   spec.value = value->value;
-  const ReadNumber like = [&](const Section& from, std::string_view key) { return read_like(from, info, key, *value); };
+  const ReadNumber like = [&](const Section& from, std::string_view key, const Node& number) {
+    return read_like(from, key, number, info, *value);
+  };
   read_beside_value(section, spec, like, like);
   reader.fits.push_back(std::move(spec));
   return value;

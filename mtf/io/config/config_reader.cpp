@@ -60,8 +60,7 @@ std::string suggestion(std::string_view word, std::span<const std::string_view> 
   if (word.size() <= kMaxGuess)
     if (const auto guess = nearest(word, known)) text += "; did you mean \"" + *guess + "\"?";
   text += text.empty() ? "; known: " : " (known: ";
-  for (std::size_t i = 0; i < known.size(); ++i) text += (i > 0 ? ", " : "") + std::string(known[i]);
-  return text + (text.find("(known: ") != std::string::npos ? ")" : "");
+  return text + joined(known) + (text.find("(known: ") != std::string::npos ? ")" : "");
 }
 
 void check_keys(const Section& section, std::span<const std::string_view> known) {

@@ -75,7 +75,7 @@ struct Scalar {
 /// The value in info.unit; in the unit it was written in where info.unit is empty. No table.
 std::optional<Scalar> read_plain(Reader& reader, const Node& node, const FieldInfo& info, const std::string& path);
 
-/// A value or a table { value, fit, min, max, prior, stderr }, which leaves a FitSpec.
+/// A value or a table { value, fit, min, max, prior, stderr, interval }, which leaves a FitSpec.
 std::optional<Scalar> read_scalar(const Section& section, const FieldInfo& info, std::string_view key);
 
 /// A value within the range of `info`, no table: for what is never fitted.
@@ -112,9 +112,10 @@ std::string write_fields(std::span<const FieldRef<double>> fields);
 std::string toml_scalar(const Scalar& scalar);
 
 /// A number that stands under `key`, read as the value of the same table is.
-using ReadNumber = std::function<std::optional<double>(const Section& section, std::string_view key)>;
+using ReadNumber =
+    std::function<std::optional<double>(const Section& section, std::string_view key, const Node& number)>;
 
-// A table { value, fit, min, max, prior, stderr }, whose value its reader knows. In config_fit.cpp.
+// A table { value, fit, min, max, prior, stderr, interval }, whose value its reader knows. In config_fit.cpp.
 /// The value; null when there is none (reported). Checks the keys.
 const Node* find_value(const Section& table, const FieldInfo& info);
 /// All other keys, into a spec whose value is there. `spread`: of standard errors and deviations.

@@ -8,6 +8,7 @@
 
 #include "mtf/io/config/config_reader.h"
 #include "mtf/io/config/config_text.h"
+#include "mtf/words.h"
 
 namespace mtf::io {
 namespace {
@@ -47,6 +48,7 @@ class Writer {
     if (spec->prior)
       fit += ", prior = { mean = " + like((*spec->prior)[0]) + ", sd = " + like((*spec->prior)[1]) + " }";
     if (spec->stderr_value) fit += ", stderr = " + like(*spec->stderr_value);
+    if (spec->interval) fit += ", interval = [" + like((*spec->interval)[0]) + ", " + like((*spec->interval)[1]) + "]";
     return fit + " }";
   }
   bool is_fit(const std::string& path) const { return find_fit(path) != config_.fits.end(); }
@@ -120,13 +122,8 @@ void Writer::field(const FieldRef<double>& field) {
                     with_fit(std::string(info.name) + "[" + std::to_string(i) + "]", {(*value)[i], nullptr});
           if (!value->empty()) raw(info.name, "[" + list + "]");
         } else if constexpr (std::is_same_v<T, Taps<double>>) {
-          std::string rows;
-          for (const auto& row : *value) {
-            std::string taps;
-            for (const double tap : row) taps += (taps.empty() ? "" : ", ") + toml_number(tap);
-            rows += (rows.empty() ? "[" : ", [") + taps + "]";
-          }
-          raw(info.name, "[" + rows + "]");
+          const auto row = [](const auto& taps) { return "[" + joined(taps, toml_number) + "]"; };
+          raw(info.name, "[" + joined(*value, row) + "]");
         } else {
           curve(info.name, *value);
         }

@@ -152,10 +152,10 @@ using cfg::Node;
 
 constexpr std::size_t kMaxScheduleBytes = std::size_t{64} << 20;
 
-std::string joined(const std::vector<std::string>& lines) {
-  std::string text;
-  for (std::size_t i = 0; i < std::min(lines.size(), kMostScheduleErrors); ++i) text += (i > 0 ? "\n" : "") + lines[i];
-  return text;
+/// As many as are shown, where there are any.
+void require_none(std::vector<std::string> errors) {
+  errors.resize(std::min(errors.size(), kMostScheduleErrors));
+  if (!errors.empty()) throw UsageError(joined(errors, "\n"));
 }
 
 }  // namespace
@@ -194,10 +194,8 @@ ScheduledSensor& ScheduledSensor::operator=(ScheduledSensor&&) noexcept = defaul
 const SensorConfig& ScheduledSensor::sensor() const { return state_->sensor; }
 
 std::string ScheduledSensor::in_force() const {
-  std::string text;
-  for (const auto& [path, setting] : state_->last)
-    text += (text.empty() ? "" : "; ") + setting.parameter + " = " + setting.value;
-  return text;
+  const auto said = [](const auto& last) { return last.second.parameter + " = " + last.second.value; };
+  return joined(state_->last, said, "; ");
 }
 
 bool ScheduledSensor::advance(std::int64_t frame) {
@@ -221,7 +219,7 @@ bool ScheduledSensor::advance(std::int64_t frame) {
     s.last.insert_or_assign(path, setting);
     changed = true;
   }
-  if (!errors.empty()) throw UsageError(joined(errors));
+  require_none(errors);
   if (!changed) return false;
 
   ConfigResult result;
@@ -237,7 +235,7 @@ bool ScheduledSensor::advance(std::int64_t frame) {
                                     printable(cause.parameter, 80) + " = " + printable(cause.value, 80) + " at frame " +
                                         std::to_string(cause.frame) + ": " + diagnostic.text));
   }
-  if (!errors.empty()) throw UsageError(joined(errors));
+  require_none(errors);
   s.sensor = std::move(result.config);
   return true;
 }
@@ -263,7 +261,7 @@ Schedule parse_schedule(std::string_view text, const std::string& file, const Se
                                         std::to_string(setting.frame) + " by line " + std::to_string(first->second) +
                                         " already; leave one"));
   }
-  if (!errors.empty()) throw UsageError(joined(errors));
+  require_none(errors);
   ScheduledSensor check(sensor, schedule);
   for (const Setting& setting : schedule.settings) {
     if (!check.advance(setting.frame)) continue;

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <charconv>
 #include <optional>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -38,6 +39,14 @@ inline std::vector<std::string_view> split_cells(std::string_view line, char sep
   return cells;
 }
 
+/// Text as a cell that is written, in quotes where it has to be.
+inline std::string csv_field(std::string_view text) {
+  if (text.find_first_of(",\"\r\n") == std::string_view::npos) return std::string(text);
+  std::string quoted = "\"";
+  for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
+  return quoted + "\"";
+}
+
 /// A tab or semicolon where the line has one, else a comma.
 inline char separator_of(std::string_view line) {
   char separator = ',';
@@ -49,7 +58,7 @@ inline char separator_of(std::string_view line) {
 /// The whole cell as a number, whatever the locale.
 template <class T = double>
 std::optional<T> cell_number(std::string_view cell) {
-  if (cell.starts_with('+')) cell.remove_prefix(1);
+  if (cell.starts_with('+') && !cell.starts_with("+-")) cell.remove_prefix(1);
   T value{};
   const auto [end, status] = std::from_chars(cell.data(), cell.data() + cell.size(), value);
   if (status != std::errc{} || end != cell.data() + cell.size()) return std::nullopt;

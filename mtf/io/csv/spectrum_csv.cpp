@@ -24,9 +24,7 @@ const std::string kPathRemedy =
     "write the first line like this: range_m,wavelength_um,transmission,radiance_w_m2_sr_um";
 
 std::string listed(const Cells& cells) {
-  std::string names;
-  for (const std::string_view cell : cells) names += (names.empty() ? "" : ", ") + printable(cell, 40);
-  return printable(names);
+  return printable(joined(cells, [](std::string_view cell) { return printable(cell, 40); }));
 }
 
 /// The column of wavelength, wavenumber or frequency.

@@ -224,11 +224,10 @@ Image read_plane(const std::string& path, const std::vector<std::string>& names)
   const FileInfo info = read_info(path);
   const std::string channel = find_channel(path, info, names);
   if (channel.empty()) {
-    std::string wanted, there;
-    for (const std::string& name : names) wanted += (wanted.empty() ? "" : " or ") + name;
+    std::string there;
     for (const ChannelInfo& c : info.channels)
       if (there.size() < 400) there += (there.empty() ? "" : ", ") + printable(c.name, 80);
-    throw UsageError(path + ": there is no channel " + wanted + "; it has " + there);
+    throw UsageError(path + ": there is no channel " + joined(names, " or ") + "; it has " + there);
   }
   ImageFile file = read_image(path, {.channel = channel});
   return std::move(file.planes.front());

@@ -119,7 +119,8 @@ std::span<const StageRow> charge_rows() {
        },
        .words = [](const System&, const Sensor& sensor) -> StageWords {
          const auto& bent = sensor.settings.nonlinearity;
-         return said(bent ? "a2 " + rounded(bent->a2) + ", a3 " + rounded(bent->a3) : "", "no [nonlinearity]");
+         return said(bent ? "a2 " + rounded(bent->a2) + ", a3 " + rounded(bent->a3) + ", a4 " + rounded(bent->a4) : "",
+                     "no [nonlinearity]");
        },
        .step = [](FrameRun& run, mtf::Image& electrons) -> void {
          apply_response(electrons.view(), *run.chain.response, run.threads);

@@ -182,7 +182,9 @@ std::span<const StageRow> light_rows() {
        .words = [](const System&, const Sensor& sensor) -> StageWords {
          const auto& unequal = sensor.settings.nonuniformity;
          if (sensor.responsivity && unequal) return {true, map_words(unequal->responsivity)};
-         return said(terms({{"prnu", unequal ? unequal->prnu : 0.0}}, "rms"), "no prnu in [nonuniformity]");
+         const NonuniformitySettings rms = unequal.value_or(NonuniformitySettings{});
+         return said(terms({{"prnu", rms.prnu}, {"rows", rms.prnu_row}, {"columns", rms.prnu_column}}, "rms"),
+                     "no prnu in [nonuniformity]");
        }},
       {.name = "dark current",
        .words = [](const System& system, const Sensor& sensor) -> StageWords {

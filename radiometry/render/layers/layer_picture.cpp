@@ -211,9 +211,8 @@ LayerFrame render_layers(const RenderScene& scene, std::span<const RenderBand> b
   for (const RenderBand& band : bands) {
     const LayerShader shader(scene, band, camera, layers, survey, options);
     mtf::Image image(camera.width, camera.height);
-    mtf::parallel_for(camera.height, 8, options.threads, [&](std::int64_t begin, std::int64_t end) {
-      for (std::int64_t y = begin; y < end; ++y)
-        for (std::int64_t x = 0; x < camera.width; ++x) image.at(x, y) = shader.radiance(x, y);
+    mtf::parallel_for_each(camera.height, 8, options.threads, [&](std::int64_t y) {
+      for (std::int64_t x = 0; x < camera.width; ++x) image.at(x, y) = shader.radiance(x, y);
     });
     frame.promised.push_back(shader.promised());
     frame.radiance.push_back(std::move(image));

@@ -35,15 +35,11 @@ void check_arrays(const PlacedMesh& placed) {
                             std::to_string(kMostCorners) + " are possible: divide it in the program that made it.");
 }
 
-std::span<const std::uint32_t> corners_of(const Mesh& mesh, std::size_t face) {
-  return std::span(mesh.corners).subspan(mesh.first[face], mesh.first[face + 1] - mesh.first[face]);
-}
-
 /// Faces whose corners are vertices with finite coordinates.
 std::vector<std::uint32_t> readable_faces(const Mesh& mesh, MeshReport& report) {
   std::vector<std::uint32_t> faces;
   for (std::size_t f = 0; f < mesh.faces(); ++f) {
-    const auto corners = corners_of(mesh, f);
+    const auto corners = mesh.corners_of(f);
     if (std::any_of(corners.begin(), corners.end(), [&](std::uint32_t c) { return c >= mesh.vertices.size(); }))
       ++report.bad_index;
     else if (!std::all_of(corners.begin(), corners.end(), [&](std::uint32_t c) { return finite(mesh.vertices[c]); }))
@@ -60,7 +56,7 @@ std::vector<std::uint32_t> weld(const Mesh& mesh, std::span<const std::uint32_t>
                                 MeshReport& report) {
   std::vector<std::uint32_t> number(mesh.vertices.size(), kNone), used;
   for (const std::uint32_t f : faces)
-    for (const std::uint32_t corner : corners_of(mesh, f)) number[corner] = 0;
+    for (const std::uint32_t corner : mesh.corners_of(f)) number[corner] = 0;
   for (std::uint32_t v = 0; v < number.size(); ++v)
     if (number[v] == 0) used.push_back(v);
   std::vector<std::uint32_t> sorted = used;
@@ -138,7 +134,7 @@ RepairedMesh repaired_mesh(const PlacedMesh& placed, MeshReport& report) {
   std::vector<std::uint32_t> source, corners;
   for (const std::uint32_t f : readable) {
     corners.clear();
-    for (const std::uint32_t corner : corners_of(mesh, f))
+    for (const std::uint32_t corner : mesh.corners_of(f))
       if (corners.empty() || corners.back() != number[corner]) corners.push_back(number[corner]);
     while (corners.size() > 1 && corners.back() == corners.front()) corners.pop_back();
     if (corners.size() < 3 || !has_area(repaired.vertices, corners)) {

@@ -2,7 +2,7 @@
 #pragma once
 
 // Response of a pixel that is not proportional to its charge.
-//   e' = e (1 + a2 u + a3 u^2),   u = e / full well
+//   e' = e (1 + a2 u + a3 u^2 + a4 u^3),   u = e / full well
 // holds for e from 0 to the full well. Below 0 (noise about a dark signal) e' = e, and above the full well the response
 // goes on along its last slope, so that it rises everywhere. The inverse is the correction. (EMVA 1288, release 4, on
 // linearity; Janesick, Photon Transfer, ch. 7.)
@@ -13,13 +13,14 @@
 namespace radiometry {
 
 struct Nonlinearity {
-  double a2 = 0.0, a3 = 0.0;
+  double a2 = 0.0, a3 = 0.0, a4 = 0.0;
 
   static constexpr auto fields() {
     return std::tuple{
         optional(&Nonlinearity::a2, "a2", -10.0, 10.0, "-0.02",
                  "relative change of the response at full well, growing with the charge"),
-        optional(&Nonlinearity::a3, "a3", -10.0, 10.0, "-0.02", "the same, growing with the square of the charge")};
+        optional(&Nonlinearity::a3, "a3", -10.0, 10.0, "-0.02", "the same, growing with the square of the charge"),
+        optional(&Nonlinearity::a4, "a4", -10.0, 10.0, "-0.02", "the same, growing with its cube")};
   }
 };
 
@@ -33,7 +34,10 @@ class Response {
   double inverse(double response_e) const;
 
  private:
-  double a2_, a3_, full_well_e_, at_full_, slope_at_full_;
+  /// Of the response, at a part u of the full well.
+  double slope(double u) const { return 1.0 + u * (2.0 * a2_ + u * (3.0 * a3_ + u * 4.0 * a4_)); }
+
+  double a2_, a3_, a4_, full_well_e_, at_full_, slope_at_full_;
 };
 
 /// image = response(image), NaN stays NaN.

@@ -40,26 +40,29 @@ void with_map(mtf::ImageView<float> image, mtf::ImageView<const float> map, int 
     throw mtf::UsageError("a map of " + std::to_string(map.width) + " x " + std::to_string(map.height) +
                           " pixels for an image of " + std::to_string(image.width) + " x " +
                           std::to_string(image.height) + "; give one of its size");
-  mtf::parallel_for(image.height, 4 * kRowsAtOnce, threads, [&](std::int64_t begin, std::int64_t end) {
-    for (std::int64_t y = begin; y < end; ++y) {
-      float* row = image.row(y);
-      const float* other = map.row(y);
-      for (std::int64_t x = 0; x < image.width; ++x) combine(row[x], other[x]);
-    }
+  mtf::parallel_for_each(image.height, 4 * kRowsAtOnce, threads, [&](std::int64_t y) {
+    float* row = image.row(y);
+    const float* other = map.row(y);
+    for (std::int64_t x = 0; x < image.width; ++x) combine(row[x], other[x]);
   });
 }
 
 }  // namespace
 
-void responsivity_map(mtf::ImageView<float> map, double rms, std::uint64_t seed, Origin origin, int threads) {
-  require_rms("responsivity non-uniformity", rms, 1.0);
+void responsivity_map(mtf::ImageView<float> map, const ResponsivityRms& rms, std::uint64_t seed, Origin origin,
+                      int threads) {
+  for (const double one : {rms.pixel, rms.row, rms.column}) require_rms("responsivity non-uniformity", one, 1.0);
   require_on_detector(origin, map.width, map.height);
-  const auto s = static_cast<float>(rms);
+  const auto s = static_cast<float>(rms.pixel);
+  const std::vector<float> rows = line_numbers(rms.row, {seed, 0}, Stream::prnu_row, origin.y, map.height),
+                           columns = line_numbers(rms.column, {seed, 0}, Stream::prnu_column, origin.x, map.width);
   mtf::parallel_for(map.height, kRowsAtOnce, threads, [&](std::int64_t begin, std::int64_t end) {
     for (std::int64_t y = begin; y < end; ++y) {
       float* row = map.row(y);
       gaussian_row({{seed, 0}, Stream::prnu, static_cast<std::uint32_t>(origin.y + y)}, origin.x, map.width, row);
-      for (std::int64_t x = 0; x < map.width; ++x) row[x] = std::max(0.0F, 1.0F + s * row[x]);
+      const float of_row = 1.0F + rows[static_cast<std::size_t>(y)];
+      for (std::int64_t x = 0; x < map.width; ++x)
+        row[x] = std::max(0.0F, of_row + columns[static_cast<std::size_t>(x)] + s * row[x]);
     }
   });
 }
@@ -111,7 +114,7 @@ std::vector<DefectivePixel> find_defects(std::int64_t width, std::int64_t height
   const double dead = defects.dead_fraction, hot = defects.hot_fraction;
   if (dead + hot == 0.0) return {};
   std::vector<std::vector<DefectivePixel>> rows(static_cast<std::size_t>(height));
-  const auto search = [&](std::int64_t y) {
+  mtf::parallel_for_each(height, kRowsAtOnce, threads, [&](std::int64_t y) {
     std::vector<DefectivePixel>& found = rows[static_cast<std::size_t>(y)];
     const RandomRow random{{seed, 0}, Stream::defects, static_cast<std::uint32_t>(origin.y + y)};
     for (std::int64_t x = 0; x < width; ++x) {
@@ -122,9 +125,6 @@ std::vector<DefectivePixel> find_defects(std::int64_t width, std::int64_t height
       else if (u < dead + hot)
         found.push_back({x, y, false, static_cast<float>(-defects.hot_e * std::log1p(-(u - dead) / hot))});
     }
-  };
-  mtf::parallel_for(height, kRowsAtOnce, threads, [&](std::int64_t begin, std::int64_t end) {
-    for (std::int64_t y = begin; y < end; ++y) search(y);
   });
   std::vector<DefectivePixel> found;
   for (const auto& row : rows) found.insert(found.end(), row.begin(), row.end());

@@ -13,9 +13,14 @@
 
 namespace radiometry {
 
-/// Responsivity non-uniformity as a map of factors, max(0, 1 + rms x standard normal), rms in [0, 1]. It is made
-/// once for a sequence; a measured map may take its place.
-void responsivity_map(mtf::ImageView<float> map, double rms, std::uint64_t seed, Origin origin = {}, int threads = 1);
+/// Rms of the responsivity from pixel to pixel, and of whole rows and columns, as fractions in [0, 1].
+struct ResponsivityRms {
+  double pixel = 0.0, row = 0.0, column = 0.0;
+};
+/// Responsivity non-uniformity as a map of factors, max(0, 1 + the sum of rms x standard normal). It is made once for a
+/// sequence; a measured map may take its place.
+void responsivity_map(mtf::ImageView<float> map, const ResponsivityRms& rms, std::uint64_t seed, Origin origin = {},
+                      int threads = 1);
 /// Offset non-uniformity: rms x standard normal.
 void offset_map(mtf::ImageView<float> map, double rms, std::uint64_t seed, Origin origin = {}, int threads = 1);
 

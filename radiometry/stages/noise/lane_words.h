@@ -29,6 +29,15 @@ LANES_INLINE T unit_interval(std::int32_t a, std::int32_t b) {
 LANES_INLINE std::int32_t upper31(std::uint32_t word) { return static_cast<std::int32_t>(word >> 1); }
 LANES_INLINE std::int32_t mirrored(std::int32_t a) { return 0x7fffffff - a; }
 
+/// c[0] x^(N - 1) + ... + c[N - 1]
+template <class T, int N>
+LANES_INLINE T polynomial(const T (&c)[N], T x) {
+  T p = c[0];
+#pragma GCC unroll 32
+  for (int k = 1; k < N; ++k) p = p * x + c[k];
+  return p;
+}
+
 /// -log(u), relative error 2e-7 also next to u = 1, where `rest` = 1 - u is used.
 LANES_INLINE float minus_log(float u, float rest) {
   const std::int32_t bits = std::bit_cast<std::int32_t>(u);
@@ -36,17 +45,9 @@ LANES_INLINE float minus_log(float u, float rest) {
   const float mantissa = std::bit_cast<float>(bits - exponent * (1 << 23));
   const float f = exponent == 0 ? -rest : mantissa - 1.0F;
   // log(1 + f) / f by a polynomial of least deviation, 5e-9.
-  float p = -0.07451196828F;
-  p = p * f + 0.1280662843F;
-  p = p * f - 0.1326603638F;
-  p = p * f + 0.1419964791F;
-  p = p * f - 0.1660836859F;
-  p = p * f + 0.2000093951F;
-  p = p * f - 0.2500157913F;
-  p = p * f + 0.3333334535F;
-  p = p * f - 0.499999885F;
-  p = p * f + 1.0F;
-  return -(static_cast<float>(exponent) * 0.69314718056F + f * p);
+  constexpr float c[] = {-0.07451196828F, 0.1280662843F,  -0.1326603638F, 0.1419964791F, -0.1660836859F,
+                         0.2000093951F,   -0.2500157913F, 0.3333334535F,  -0.499999885F, 1.0F};
+  return -(static_cast<float>(exponent) * 0.69314718056F + f * polynomial(c, f));
 }
 
 }  // namespace radiometry

@@ -21,17 +21,9 @@ LANES_INLINE double log_double(double x) {
   mantissa = large ? 0.5 * mantissa : mantissa;
   exponent = large ? exponent + 1.0 : exponent;
   const double s = (mantissa - 1.0) / (mantissa + 1.0), q = s * s;  // log = 2 atanh(s), |s| < 0.1716
-  double p = 2.0 / 19.0;
-  p = p * q + 2.0 / 17.0;
-  p = p * q + 2.0 / 15.0;
-  p = p * q + 2.0 / 13.0;
-  p = p * q + 2.0 / 11.0;
-  p = p * q + 2.0 / 9.0;
-  p = p * q + 2.0 / 7.0;
-  p = p * q + 2.0 / 5.0;
-  p = p * q + 2.0 / 3.0;
-  p = p * q + 2.0;
-  return exponent * 0.69314718055994530942 + s * p;
+  constexpr double c[] = {2.0 / 19.0, 2.0 / 17.0, 2.0 / 15.0, 2.0 / 13.0, 2.0 / 11.0,
+                          2.0 / 9.0,  2.0 / 7.0,  2.0 / 5.0,  2.0 / 3.0,  2.0};
+  return exponent * 0.69314718055994530942 + s * polynomial(c, q);
 }
 
 /// exp(-x) for x in [0, 64], relative error 1e-15.
@@ -39,22 +31,22 @@ LANES_INLINE double exp_minus(double x) {
   const double turns = x * 1.4426950408889634074 + 0x1.8p52;  // rounds to an integer in the low bits
   const double n = turns - 0x1.8p52;
   const double r = (n * 0.693147180369123816490 - x) + n * 1.90821492927058770002e-10;
-  double p = 1.0 / 6227020800.0;
-  p = p * r + 1.0 / 479001600.0;
-  p = p * r + 1.0 / 39916800.0;
-  p = p * r + 1.0 / 3628800.0;
-  p = p * r + 1.0 / 362880.0;
-  p = p * r + 1.0 / 40320.0;
-  p = p * r + 1.0 / 5040.0;
-  p = p * r + 1.0 / 720.0;
-  p = p * r + 1.0 / 120.0;
-  p = p * r + 1.0 / 24.0;
-  p = p * r + 1.0 / 6.0;
-  p = p * r + 0.5;
-  p = p * r + 1.0;
-  p = p * r + 1.0;
+  constexpr double c[] = {1.0 / 6227020800.0,
+                          1.0 / 479001600.0,
+                          1.0 / 39916800.0,
+                          1.0 / 3628800.0,
+                          1.0 / 362880.0,
+                          1.0 / 40320.0,
+                          1.0 / 5040.0,
+                          1.0 / 720.0,
+                          1.0 / 120.0,
+                          1.0 / 24.0,
+                          1.0 / 6.0,
+                          0.5,
+                          1.0,
+                          1.0};
   const std::uint64_t exponent = 1023 - (std::bit_cast<std::uint64_t>(turns) & 0x7ff);  // n <= 93
-  return p * std::bit_cast<double>(exponent << 52);
+  return polynomial(c, r) * std::bit_cast<double>(exponent << 52);
 }
 
 /// The largest -log(4 u (1 - u)) that quantile covers, |w| = 4.006.
@@ -69,11 +61,7 @@ LANES_INLINE double quantile_over_x(double t) {
                           -0.00550344652450229798,   0.00333866703179220183,    0.0105117634501789913,
                           -0.0348193395513713737,    0.0478730432098852384,     -0.00044538306811529229,
                           -0.210990227913001496,     1.40666032436943938,       2.78760252330192895};
-  const double s = t * (1.0 / 4.5) - 1.0;
-  double p = c[0];
-#pragma GCC unroll 20
-  for (int k = 1; k <= 20; ++k) p = p * s + c[k];
-  return p;
+  return polynomial(c, t * (1.0 / 4.5) - 1.0);
 }
 
 /// A mean from kSmallMean on, by the expansion: the number, unless it lies next to an integer.
@@ -169,11 +157,7 @@ LANES_INLINE float single_quantile_over_x(float t) {
   constexpr float c[] = {-6.580621634e-4F, 8.901692361e-4F,  2.306393041e-3F,  -6.286894377e-3F,
                          3.584114741e-3F,  1.085004070e-2F,  -3.489720634e-2F, 4.780312006e-2F,
                          -4.351840282e-4F, -2.109847588e-1F, 1.406659949F,     2.787602452F};
-  const float s = t * (1.0F / 4.5F) - 1.0F;
-  float p = c[0];
-#pragma GCC unroll 11
-  for (int k = 1; k <= 11; ++k) p = p * s + c[k];
-  return p;
+  return polynomial(c, t * (1.0F / 4.5F) - 1.0F);
 }
 
 constexpr float kLeastSingle = static_cast<float>(kSmallMean);

@@ -49,6 +49,8 @@ enum class Stream : std::uint32_t {
   cube_th = 18,
   frame_flicker = 19,  ///< + 2^8 i: octave i
   dcnu = 20,
+  prnu_row = 21,
+  prnu_column = 22,
 };
 
 /// A seed and the number of a frame. Fixed patterns take frame 0.

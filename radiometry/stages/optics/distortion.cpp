@@ -158,16 +158,15 @@ void distort(mtf::ImageView<const float> scene, const Distortion& distortion, co
   const double far_y = std::max(std::abs(grid.y_um(0)), std::abs(grid.y_um(grid.rows - 1)));
   const UndistortedRadius undistorted(distortion, std::hypot(far_x, far_y) * scale);
   const Scene source(scene, border, static_cast<double>(border_value));
-  mtf::parallel_for(out.height, kRowsAtOnce, threads, [&](std::int64_t begin, std::int64_t end) {
-    for (std::int64_t y = begin; y < end; ++y)
-      for (std::int64_t x = 0; x < out.width; ++x) {
-        const std::int64_t column = origin.x + x, row = origin.y + y;
-        const double x_um = grid.x_um(column), y_um = grid.y_um(row);
-        // The distance from this sample's own place, which is exactly 0 without distortion.
-        const double shift = undistorted.part(std::hypot(x_um, y_um) * scale) - 1.0;
-        out.at(x, y) = static_cast<float>(source.at(static_cast<double>(column) + shift * x_um / grid.step_x_um,
-                                                    static_cast<double>(row) + shift * y_um / grid.step_y_um));
-      }
+  mtf::parallel_for_each(out.height, kRowsAtOnce, threads, [&](std::int64_t y) {
+    for (std::int64_t x = 0; x < out.width; ++x) {
+      const std::int64_t column = origin.x + x, row = origin.y + y;
+      const double x_um = grid.x_um(column), y_um = grid.y_um(row);
+      // The distance from this sample's own place, which is exactly 0 without distortion.
+      const double shift = undistorted.part(std::hypot(x_um, y_um) * scale) - 1.0;
+      out.at(x, y) = static_cast<float>(source.at(static_cast<double>(column) + shift * x_um / grid.step_x_um,
+                                                  static_cast<double>(row) + shift * y_um / grid.step_y_um));
+    }
   });
 }
 

@@ -27,13 +27,6 @@ void running_mean(std::int64_t n, std::int64_t reach, double outside, std::vecto
   }
 }
 
-template <class Mix>
-void over_rows(std::int64_t height, int threads, Mix mix) {
-  mtf::parallel_for(height, kRowsAtOnce, threads, [&](std::int64_t begin, std::int64_t end) {
-    for (std::int64_t y = begin; y < end; ++y) mix(y);
-  });
-}
-
 }  // namespace
 
 double finite_mean(mtf::ImageView<const float> image) {
@@ -54,7 +47,7 @@ void add_glare(mtf::ImageView<float> image, const VeilingGlare& glare, double me
   require_valid("veiling_glare", glare);
   if (!std::isfinite(mean)) throw mtf::UsageError("veiling_glare: a mean of the image that is not finite");
   const double kept = 1.0 - glare.fraction, added = (glare.fraction + glare.offset) * mean;
-  over_rows(image.height, threads, [&](std::int64_t y) {
+  mtf::parallel_for_each(image.height, kRowsAtOnce, threads, [&](std::int64_t y) {
     float* row = image.row(y);
     for (std::int64_t x = 0; x < image.width; ++x)
       row[x] = static_cast<float>(kept * static_cast<double>(row[x]) + added);
@@ -104,7 +97,7 @@ void add_ghost(mtf::ImageView<float> image, const Ghost& ghost, mtf::ImageView<c
                           std::to_string(ghosts.height) + " pixels for an image of " + std::to_string(image.width) +
                           " x " + std::to_string(image.height) + "; give both one size");
   const double q = ghost.fraction;
-  over_rows(image.height, threads, [&](std::int64_t y) {
+  mtf::parallel_for_each(image.height, kRowsAtOnce, threads, [&](std::int64_t y) {
     float* row = image.row(y);
     const float* other = ghosts.row(y);
     for (std::int64_t x = 0; x < image.width; ++x)

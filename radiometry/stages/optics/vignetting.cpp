@@ -41,7 +41,8 @@ void vignetting_map(mtf::ImageView<float> factors, const Vignetting& vignetting,
                by_focal_length = vignetting.cos4 ? square_of(1.0 / focal_length_um) : 0.0;
   std::vector<double> x2;
   for (std::int64_t x = 0; x < factors.width; ++x) x2.push_back(square_of(detector.x_um(origin.x + x)));
-  const auto row = [&](std::int64_t y) {
+  constexpr std::int64_t kRowsAtOnce = 16;
+  mtf::parallel_for_each(factors.height, kRowsAtOnce, threads, [&](std::int64_t y) {
     const double y2 = square_of(detector.y_um(origin.y + y));
     float* out = factors.row(y);
     for (std::int64_t x = 0; x < factors.width; ++x) {
@@ -50,10 +51,6 @@ void vignetting_map(mtf::ImageView<float> factors, const Vignetting& vignetting,
       const double lost = has_map ? static_cast<double>(given.at(x, y)) : std::max(0.0, polynomial);
       out[x] = static_cast<float>(cos4_factor(distance2 * by_focal_length) * lost);
     }
-  };
-  constexpr std::int64_t kRowsAtOnce = 16;
-  mtf::parallel_for(factors.height, kRowsAtOnce, threads, [&](std::int64_t begin, std::int64_t end) {
-    for (std::int64_t y = begin; y < end; ++y) row(y);
   });
 }
 

@@ -250,9 +250,8 @@ ToneCurve tone_curve(mtf::ImageView<const float> frame, const AutomaticGain& gai
 
 void apply(mtf::ImageView<float> image, const ToneCurve& curve, int threads) {
   require_curve(curve);
-  mtf::parallel_for(image.height, kRowsAtOnce, threads, [&](std::int64_t begin, std::int64_t end) {
-    for (std::int64_t y = begin; y < end; ++y) on_curve(image.row(y), image.width, curve);
-  });
+  mtf::parallel_for_each(image.height, kRowsAtOnce, threads,
+                         [&](std::int64_t y) { on_curve(image.row(y), image.width, curve); });
 }
 
 void invert_polarity(mtf::ImageView<float> image, double most_level) {

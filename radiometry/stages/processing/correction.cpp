@@ -84,12 +84,10 @@ void correct(mtf::ImageView<float> image, const TwoPoint& correction, int thread
   if (gain.width != image.width || gain.height != image.height)
     throw UsageError("two-point correction: maps of " + size_of(gain) + " for an image of " + size_of(image) +
                      " pixels; measure the correction with frames of its size");
-  mtf::parallel_for(image.height, kRowsAtOnce, threads, [&](std::int64_t begin, std::int64_t end) {
-    for (std::int64_t y = begin; y < end; ++y) {
-      float* row = image.row(y);
-      const float *g = gain.row(y), *o = offset.row(y);
-      for (std::int64_t x = 0; x < image.width; ++x) row[x] = g[x] * row[x] + o[x];
-    }
+  mtf::parallel_for_each(image.height, kRowsAtOnce, threads, [&](std::int64_t y) {
+    float* row = image.row(y);
+    const float *g = gain.row(y), *o = offset.row(y);
+    for (std::int64_t x = 0; x < image.width; ++x) row[x] = g[x] * row[x] + o[x];
   });
 }
 

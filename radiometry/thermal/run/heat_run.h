@@ -20,20 +20,14 @@
 
 namespace radiometry::thermal {
 
-struct HeatReport {
-  HeatPromise promised;
-  std::vector<MaterialRun> materials;  ///< with units; the ground is last, where it is solved
-  std::size_t facets = 0, units = 0, patches = 0, outputs = 0;
-  std::optional<LeftOut> left_out;     ///< where only what the camera sees is asked for
-  std::vector<std::uint32_t> covered;  ///< facets that lie inside other solids and see nothing else
-  int iterations = 0;                  ///< the most of any window
-  scene::ViewError view_error;
-  scene::SunError sun_error;
-  ViewSpread view_spread;                ///< facets against their units, in the first day
-  std::optional<Verification> verified;  ///< where the options ask for it and the run went to its end
-  std::optional<Checkpoint> checkpoint;  ///< after an interrupt: what HeatOptions::from continues
-  std::vector<std::pair<std::string, double>> timing_ms;
-  std::vector<std::string> warnings;
+struct HeatReport : UnitsRun {
+  std::size_t facets = 0, units = 0, patches = 0;
+  std::vector<std::uint32_t> covered{};  ///< facets that lie inside other solids and see nothing else
+  scene::ViewError view_error{};
+  scene::SunError sun_error{};
+  std::optional<Verification> verified{};  ///< where the options ask for it and the run went to its end
+  std::vector<std::pair<std::string, double>> timing_ms{};
+  std::vector<std::string> warnings{};
 };
 
 /// Calls `output` for every output time, in order, and `progress` with the share that is done. A promise above the

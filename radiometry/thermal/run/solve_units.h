@@ -34,13 +34,13 @@ using HeatProgress = std::function<void(const std::string& step, double share)>;
 
 struct UnitsRun {
   HeatPromise promised;
-  std::vector<MaterialRun> materials;  ///< with units; the ground is last, where it is solved
-  std::size_t outputs = 0;             ///< fewer than the scene has after an interrupt
-  int iterations = 0;                  ///< the most of any window
-  ViewSpread view_spread;              ///< facets against their units, in the first day
-  std::optional<LeftOut> left_out;     ///< where only what the camera sees is asked for, in the first day
-  double ms = 0.0;
-  std::optional<Checkpoint> checkpoint;  ///< after an interrupt
+  std::vector<MaterialRun> materials;    ///< with units; the ground is last, where it is solved
+  std::size_t outputs = 0;               ///< fewer than the scene has after an interrupt
+  int iterations = 0;                    ///< the most of any window
+  ViewSpread view_spread;                ///< facets against their units, in the first day
+  std::optional<LeftOut> left_out;       ///< where only what the camera sees is asked for, in the first day
+  double ms = 0.0;                       ///< of the solution
+  std::optional<Checkpoint> checkpoint;  ///< after an interrupt: what HeatOptions::from continues
 };
 
 /// What a surface that is solved gives off for each kelvin, at least, W/m2/K: a difference of its absorbed flux is no

@@ -36,15 +36,15 @@ struct Blur {
   Choice axis{0, kAxisNames};
 
   static constexpr auto fields() {
-    return std::tuple{Field{FieldInfo{.name = "width",
-                                      .dimension = Dimension::length,
-                                      .unit = "um",
-                                      .lo = 0.0,
-                                      .hi = 1e6,
-                                      .example = fault == Fault::example_outside ? "\"-3 um\"" : "\"3 um\"",
-                                      .doc = "standard deviation"},
-                            &Blur::width_um},
-                      Field{kAxisInfo, &Blur::axis}};
+    return std::tuple{
+        Field{&Blur::width_um, FieldInfo{.name = "width",
+                                         .dimension = Dimension::length,
+                                         .unit = "um",
+                                         .lo = 0.0,
+                                         .hi = 1e6,
+                                         .example = fault == Fault::example_outside ? "\"-3 um\"" : "\"3 um\"",
+                                         .doc = "standard deviation"}},
+        Field{&Blur::axis, kAxisInfo}};
   }
   Traits traits(const Context<S>&) const {
     return {.radial = true,

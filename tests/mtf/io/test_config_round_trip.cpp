@@ -193,7 +193,7 @@ struct Blur : Gaussian<S> {
                                       : table == Table::same_name_twice ? "sigma"
                                                                         : "kind";
     return std::tuple_cat(Gaussian<S>::fields(),
-                          std::tuple{Field{FieldInfo{.name = name, .hi = 1.0, .example = "0.5"}, &Blur::share}});
+                          std::tuple{Field{&Blur::share, FieldInfo{.name = name, .hi = 1.0, .example = "0.5"}}});
   }
 };
 template <class S>
@@ -261,11 +261,14 @@ TEST(ConfigRoundTrip, FitTables) {
       "= \"15 um\"\n"
       "[[presample]]\nkind = \"jitter\"\nrms_x = { value = \"8 urad\", fit = true, min = \"0 urad\", max = \"0.05 "
       "mrad\", "
-      "prior = { mean = \"7 urad\", sd = \"1 urad\" }, stderr = \"0.3 urad\" }\nrms_y = \"1 um\"\n"
+      "prior = { mean = \"7 urad\", sd = \"1 urad\" }, stderr = \"0.3 urad\" }\n"
+      "rms_y = { value = \"1 um\", interval = [\"0 m\", \"3.92 um\"] }\n"
       "[[readout]]\nkind = \"rc_lowpass\"\ncutoff = { value = \"0.6 cy/px\", fit = false, min = \"0.1 cy/px\" }\n",
       sensor_path());
   ASSERT_TRUE(result.ok()) << first_error(result);
-  ASSERT_EQ(result.config.fits.size(), 4u);
+  ASSERT_EQ(result.config.fits.size(), 5u);
+  EXPECT_EQ(result.config.fits[3].interval, (std::array<double, 2>{0.0, 3.92}));
+  EXPECT_DOUBLE_EQ(result.config.fits[3].sd(), 1.0);
   EXPECT_EQ(result.config.fits[0].path, "frame.focal_length");
   EXPECT_DOUBLE_EQ(result.config.fits[0].max.value(), 110.0);
   EXPECT_EQ(result.config.fits[2].path, "presample[0].rms_x");

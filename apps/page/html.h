@@ -3,6 +3,7 @@
 
 // Pieces of HTML. Everything that comes from a file goes through html() or html_lines().
 
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -15,6 +16,9 @@ std::string html(std::string_view text);
 
 /// The same with its lines and tabs.
 std::string html_lines(std::string_view text);
+
+/// A cell of a table as a finite number, whatever the locale.
+std::optional<double> cell_value(const std::string& cell);
 
 /// Five digits, without an exponent where that is readable.
 std::string five_digits(double value);
@@ -52,5 +56,15 @@ std::string html_section(std::string_view id, std::string_view heading, std::str
 
 /// A place for a chart: the static one, which the script replaces by one to interact with.
 std::string html_chart(std::string_view id, const std::string& svg, std::string_view controls = {});
+
+struct HtmlPart {
+  std::string id, words;  ///< of the link to it; "" for none
+  std::string body;       ///< html_section(); left out where it is empty
+};
+
+/// The whole page, which needs nothing else: its policy allows the scripts of these hashes in `tail` ("'none'") and
+/// nothing from elsewhere. Title and about are HTML.
+std::string html_page(std::string_view title, std::string_view about, const std::vector<HtmlPart>& parts,
+                      std::string_view scripts = "'none'", std::string_view tail = {});
 
 }  // namespace apps

@@ -17,13 +17,14 @@ namespace apps {
 /// axis, is left out.
 std::string svg_figure(const Figure& figure);
 
+/// Ends of the axis of bars, which are clipped there, or of a whisker.
+using Ends = std::array<double, 2>;
+
 struct Bar {
   std::string label;
   double value = 0.0, spread = 0.0;  ///< with a whisker where the spread is above 0
+  std::optional<Ends> interval{};    ///< of the whisker, where it is not value +- spread
 };
-
-/// Ends of the axis of bars, which are clipped there.
-using Ends = std::array<double, 2>;
 
 /// Horizontal bars from 0.
 std::string svg_bars(const std::string& title, const std::string& x_label, std::span<const Bar> bars,

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "apps/report/report_svg.h"
+#include "apps/page/svg.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "apps/report/report_designs.h"
-#include "apps/report/report_html.h"
+#include "apps/page/html.h"
 #include "apps/terminal/text_table.h"
 
 namespace apps {
@@ -41,6 +40,13 @@ class Scale {
         step = m * power;
         break;
       }
+    if (log_ && hi_ - lo_ < 2.5) {  // too few powers of ten: 1, 2 and 5 of each
+      for (double k = std::floor(lo_); k <= hi_; k += 1.0)
+        for (const double m : {1.0, 2.0, 5.0})
+          if (const double v = k + std::log10(m); v >= lo_ - 1e-9 && v <= hi_ + 1e-9)
+            values.push_back(m * std::pow(10.0, k));
+      return values;
+    }
     if (log_) step = std::max(1.0, std::round(step));
     for (double k = std::ceil(lo_ / step - 1e-9); k * step <= hi_ + 1e-9 * step && values.size() < 20; k += 1.0)
       values.push_back(log_ ? std::pow(10.0, k * step) : k * step + 0.0);  // + 0.0 makes 0 of -0
@@ -77,15 +83,15 @@ std::string open(const std::string& title, double height = kHeight) {
          html(title) + "\">" + text(kLeft, 20, "title", title);
 }
 
-std::string axes(const Scale& x, const Scale& y, const std::string& x_label, const std::string& y_label) {
-  const double right = kWidth - kRight, bottom = kHeight - kBottom;
+std::string axes(const Scale& x, const Scale& y, double right, double bottom, const std::string& x_label,
+                 const std::string& y_label) {
   std::string svg;
   for (const double v : x.ticks())
     svg += line(x.at(v), kTop, x.at(v), bottom, "grid") + text(x.at(v), bottom + 16, "tick", five_digits(v), "middle");
   for (const double v : y.ticks())
     svg += line(kLeft, y.at(v), right, y.at(v), "grid") + text(kLeft - 6, y.at(v) + 4, "tick", five_digits(v), "end");
   return svg + line(kLeft, bottom, right, bottom, "axis") + line(kLeft, kTop, kLeft, bottom, "axis") +
-         text(0.5 * (kLeft + right), kHeight - 14, "label", x_label, "middle") +
+         text(0.5 * (kLeft + right), bottom + 38, "label", x_label, "middle") +
          "<text class=\"label\" text-anchor=\"middle\" transform=\"translate(16 " + px(0.5 * (kTop + bottom)) +
          ") rotate(-90)\">" + html(y_label) + "</text>";
 }
@@ -104,12 +110,27 @@ std::string path_of(const Series& series, const Scale& x, const Scale& y, const 
   return "<path class=\"" + style + "\" d=\"" + d + "\"/>";
 }
 
+/// Between `low` and `high`, of the colour of the line.
+std::string band_of(const Series& series, const Scale& x, const Scale& y, const std::string& style) {
+  std::string there, back;
+  for (std::size_t i = 0; i < series.low.size(); ++i) {
+    if (!x.shows(series.x[i]) || !y.shows(series.low[i]) || !y.shows(series.high[i])) continue;
+    there += (there.empty() ? "M" : "L") + px(x.at(series.x[i])) + " " + px(y.at(series.high[i]));
+    back = "L" + px(x.at(series.x[i])) + " " + px(y.at(series.low[i])) + back;
+  }
+  return there.empty() ? "" : "<path class=\"band " + style + "\" d=\"" + there + back + "Z\"/>";
+}
+
+std::string dot(double x, double y, bool large, const std::string& style) {
+  return "<circle cx=\"" + px(x) + "\" cy=\"" + px(y) + "\" r=\"" + (large ? "5" : "2.6") + "\" class=\"" + style +
+         "\"/>";
+}
+
 std::string points_of(const Series& series, const Scale& x, const Scale& y, const std::string& style) {
   std::string svg;
   for (std::size_t i = 0; i < series.x.size(); ++i)
     if (x.shows(series.x[i]) && y.shows(series.y[i]))
-      svg += "<circle cx=\"" + px(x.at(series.x[i])) + "\" cy=\"" + px(y.at(series.y[i])) + "\" r=\"" +
-             (series.mark == Mark::large_points ? "5" : "2.6") + "\" class=\"" + style + "\"/>";
+      svg += dot(x.at(series.x[i]), y.at(series.y[i]), series.mark == Mark::large_points, style);
   return svg;
 }
 
@@ -119,21 +140,33 @@ std::string svg_figure(const Figure& figure) {
   Range xs, ys;
   for (const Series& series : figure.series) {
     for (const double v : series.x) xs.take(v, figure.log_x);
-    for (const double v : series.y) ys.take(v, figure.log_y);
+    for (const auto* const values : {&series.y, &series.low, &series.high})
+      for (const double v : *values) ys.take(v, figure.log_y);
   }
   if (xs.empty() || ys.empty())
     return "<p class=\"none\">" + html(figure.title) + ": there are no numbers to draw.</p>";
-  const Scale x(figure.x_range ? (*figure.x_range)[0] : xs.lo, figure.x_range ? (*figure.x_range)[1] : xs.hi, kLeft,
-                kWidth - kRight, figure.log_x);
-  const Scale y(figure.y_low.value_or(ys.lo), figure.y_high.value_or(ys.hi), kHeight - kBottom, kTop, figure.log_y);
-  std::string svg = open(figure.title) + axes(x, y, figure.x_label, figure.y_label);
+  if (figure.x_range) xs = {(*figure.x_range)[0], (*figure.x_range)[1]};
+  ys = {figure.y_low.value_or(ys.lo), figure.y_high.value_or(ys.hi)};
+  double right = kWidth - kRight, bottom = kHeight - kBottom;
+  if (figure.equal_axes) {
+    const double unit = std::min((right - kLeft) / (xs.hi - xs.lo), (bottom - kTop) / std::abs(ys.hi - ys.lo));
+    right = kLeft + unit * (xs.hi - xs.lo);
+    bottom = kTop + unit * std::abs(ys.hi - ys.lo);
+  }
+  const Scale x(xs.lo, xs.hi, kLeft, right, figure.log_x);
+  const Scale y = ys.hi < ys.lo ? Scale(ys.hi, ys.lo, kTop, bottom, figure.log_y)  // the axis falls
+                                : Scale(ys.lo, ys.hi, bottom, kTop, figure.log_y);
+  std::string svg = open(figure.title, bottom + kBottom) + axes(x, y, right, bottom, figure.x_label, figure.y_label);
   double legend = kTop + 8.0;
   int number = 0;
   for (const Series& series : figure.series) {
+    const bool is_line = series.mark == Mark::line;
     const std::string style = series.emphasised ? "series strong" : "series s" + std::to_string(number++ % 8);
-    svg += series.mark == Mark::line ? path_of(series, x, y, style) : points_of(series, x, y, style + " dot");
-    if (series.name.empty() || legend > kHeight - 20) continue;
-    svg += line(kWidth - kRight + 14, legend - 4, kWidth - kRight + 32, legend - 4, style) +
+    svg += band_of(series, x, y, style);
+    svg += is_line ? path_of(series, x, y, style) : points_of(series, x, y, style + " dot");
+    if (series.name.empty() || series.x.empty() || legend > kHeight - 20) continue;
+    svg += (is_line ? line(kWidth - kRight + 14, legend - 4, kWidth - kRight + 32, legend - 4, style)
+                    : dot(kWidth - kRight + 23, legend - 4, series.mark == Mark::large_points, style + " dot")) +
            text(kWidth - kRight + 38, legend, "tick", series.name);
     legend += 17.0;
   }
@@ -144,10 +177,11 @@ std::string svg_bars(const std::string& title, const std::string& x_label, std::
                      std::optional<Ends> ends) {
   Range range;
   range.take(0.0, false);
-  for (const Bar& bar : bars) {
-    range.take(bar.value - bar.spread, false);
-    range.take(bar.value + bar.spread, false);
-  }
+  const auto whisker = [](const Bar& bar) {
+    return bar.interval.value_or(Ends{bar.value - bar.spread, bar.value + bar.spread});
+  };
+  for (const Bar& bar : bars)
+    for (const double end : whisker(bar)) range.take(end, false);
   constexpr double row = 22.0, character = 7.2;  // its mean width in the type of labels
   std::size_t longest = 0;
   for (const Bar& bar : bars) longest = std::max(longest, bar.label.size());
@@ -165,9 +199,9 @@ std::string svg_bars(const std::string& title, const std::string& x_label, std::
       const double a = std::min(x.at(0.0), x.at(bar.value)), b = std::max(x.at(0.0), x.at(bar.value));
       svg += "<rect class=\"bar\" x=\"" + px(a) + "\" y=\"" + px(y + 4) + "\" width=\"" + px(std::max(b - a, 0.5)) +
              "\" height=\"14\"/>" +
-             text(std::max(b, x.at(bar.value + bar.spread)) + 6, y + 15, "tick", significant(bar.value, 3));
-      if (bar.spread > 0.0)
-        svg += line(x.at(bar.value - bar.spread), y + 11, x.at(bar.value + bar.spread), y + 11, "axis");
+             text(std::max(b, x.at(whisker(bar)[1])) + 6, y + 15, "tick", significant(bar.value, 3));
+      if (whisker(bar)[1] > whisker(bar)[0])
+        svg += line(x.at(whisker(bar)[0]), y + 11, x.at(whisker(bar)[1]), y + 11, "axis");
     }
     y += row;
   }

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "apps/report/report_html.h"
+#include "apps/page/html.h"
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
-#include "apps/report/report_designs.h"
+#include "apps/page/report_files.h"
 #include "apps/terminal/text_table.h"
+#include "mtf/io/csv/csv_cells.h"
 #include "mtf/units.h"
 
 namespace apps {
@@ -61,7 +63,24 @@ bool is_json_number(std::string_view text) {
   return text.empty();
 }
 
+/// The template with every {{name}} replaced, once: names within the replacements stay as they are.
+std::string filled(std::string_view page, const std::map<std::string_view, std::string_view>& parts) {
+  std::string text;
+  for (;;) {
+    const std::size_t open = page.find("{{"), close = page.find("}}");
+    if (open == std::string_view::npos || close == std::string_view::npos) return text + std::string(page);
+    text += page.substr(0, open);
+    text += parts.at(page.substr(open + 2, close - open - 2));
+    page.remove_prefix(close + 2);
+  }
+}
+
 }  // namespace
+
+std::optional<double> cell_value(const std::string& cell) {
+  const std::optional<double> value = mtf::io::cell_number(cell);
+  return value && std::isfinite(*value) ? value : std::nullopt;
+}
 
 std::string five_digits(double value) {
   const double size = std::abs(value);
@@ -158,6 +177,29 @@ std::string html_section(std::string_view id, std::string_view heading, std::str
 std::string html_chart(std::string_view id, const std::string& svg, std::string_view controls) {
   return "<figure class=\"chart\" id=\"" + std::string(id) + "\"><div class=\"controls\">" + std::string(controls) +
          "</div><div class=\"view\">" + svg + "</div></figure>\n";
+}
+
+std::string html_page(std::string_view title, std::string_view about, const std::vector<HtmlPart>& parts,
+                      std::string_view scripts, std::string_view tail) {
+  // Styles are in the page and in its charts; nothing is loaded from elsewhere.
+  const std::string policy =
+      "default-src 'none'; img-src data:; style-src 'unsafe-inline'; base-uri 'none'; form-action 'none'; script-src " +
+      std::string(scripts);
+  std::string sections, links;
+  for (const HtmlPart& part : parts) {
+    if (part.body.empty()) continue;
+    sections += part.body;
+    if (part.words.empty()) continue;
+    links += "<a href=\"#" + part.id + "\">" + part.words + "</a>\n";
+  }
+  const ReportFiles& files = report_files();
+  return filled(files.page, {{"title", title},
+                             {"policy", policy},
+                             {"style", files.style},
+                             {"about", about},
+                             {"links", links},
+                             {"sections", sections},
+                             {"tail", tail}});
 }
 
 }  // namespace apps

@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/characterize/find_camera.h"
+
+#include <malloc.h>
+
+#include <cmath>
+
+#include "apps/characterize/blackbodies.h"
+#include "apps/characterize/stack_frames.h"
+#include "apps/sensor/sensor_air.h"
+#include "mtf/error.h"
+#include "mtf/io/config/config_reader.h"
+#include "radiometry/chain/sensor_settings.h"
+#include "radiometry/light/constants.h"
+
+namespace apps {
+namespace {
+
+using Nominal = std::optional<mtf::io::SensorConfig>;
+
+/// The way in which light is stated goes with the detector.
+void require_fitting_light(const StacksFile& stacks, const Nominal& nominal) {
+  if (stacks.has_blackbodies() && !nominal)
+    throw mtf::UsageError(stacks.file + ": " + std::string(name_of(stacks.unit)) +
+                          " counts by the radiance in the camera's band; name a nominal sensor with [band]");
+  if (!stacks.has_blackbodies() && nominal && is_thermal(*nominal))
+    throw mtf::UsageError(nominal->file +
+                          ": a thermal detector, which is characterized by blackbodies; give temperature = \"308 K\" "
+                          "in each [[stack]] of " +
+                          stacks.file);
+}
+
+/// Photons at a pixel for each W/m^2 and second.
+double photons_per_irradiance(const StacksFile& stacks, const Nominal& nominal) {
+  if (stacks.unit != LightUnit::irradiance) return 1.0;
+  if (!nominal)
+    throw mtf::UsageError(stacks.file +
+                          ": irradiance gives photons by the area of a pixel; name a nominal sensor with "
+                          "its pitch, or give photons");
+  const auto& frame = nominal->system.frame;
+  const double area_m2 = frame.pitch_um(mtf::Axis::x) * frame.pitch_um(mtf::Axis::y) * 1e-12;
+  return area_m2 * *stacks.wavelength_um / radiometry::kPhotonEnergy_j_um;
+}
+
+double full_well_of(const StacksFile& stacks, const Nominal& nominal) {
+  if (stacks.full_well_e) return *stacks.full_well_e;
+  const mtf::SettingsTable* detector = nominal ? find_table(nominal->tables, "detector") : nullptr;
+  if (detector == nullptr) return 0.0;
+  const double given = radiometry::from_table<radiometry::DetectorSettings>(*detector).full_well_e;
+  return std::isfinite(given) ? given : 0.0;
+}
+
+}  // namespace
+
+int bits_of(const StacksFile& file, const Nominal& nominal) {
+  if (file.bits) return *file.bits;
+  if (nominal)
+    if (const mtf::SettingsTable* adc = find_table(nominal->tables, "adc"))
+      return radiometry::from_table<radiometry::AdcSettings>(*adc).bits;
+  throw mtf::UsageError(file.file +
+                        ": the bits of the converter are not known; write bits = 12 in [camera], or name "
+                        "a nominal sensor with [adc]");
+}
+
+ReadStacks read_stacks(const StacksFile& file, const Nominal& nominal, int threads,
+                       const std::function<void(double)>& progress) {
+  require_fitting_light(file, nominal);
+  FrameSource source{.bits = bits_of(file, nominal), .threads = threads};
+  const double photons = photons_per_irradiance(file, nominal), most = std::ldexp(1.0, source.bits) - 1.0;
+  std::size_t files = 0, done = 0;
+  for (const StackEntry& entry : file.stacks) files += entry.memory.empty() ? entry.files.size() : 1;
+  source.progress = [&] {
+    if (progress) progress(static_cast<double>(++done) / static_cast<double>(files));
+  };
+#ifdef __GLIBC__
+  mallopt(M_MMAP_THRESHOLD, 1 << 20);  // else the planes of each stack leave holes that those of the next do not fit
+#endif
+  ReadStacks read{.bits = source.bits,
+                  .how = {.nonlinearity = file.nonlinearity,
+                          .full_well_e = full_well_of(file, nominal),
+                          .most_counts = most,
+                          .trend = file.trend,
+                          .light_repeatability = file.repeatability,
+                          .counts_time = file.has_times}};
+  for (const StackEntry& entry : file.stacks) {
+    read.stacks.push_back(read_stack(entry, file, source));
+    if (file.unit == LightUnit::irradiance) read.stacks.back().light *= photons * entry.time_s;
+    if (!file.has_blackbodies()) calib::drop_planes(read.stacks);
+  }
+  read.warnings = std::move(source.warnings);
+  if (2.0 * source.used < most)
+    read.warnings.push_back("no value needs all of the " + std::to_string(source.bits) +
+                            " bits: if the converter has fewer, correct bits in [camera], or saturation is not seen");
+  return read;
+}
+
+FoundCamera find_camera(const StacksFile& file, Nominal nominal, ReadStacks read, const std::string& destination,
+                        bool maps) {
+  FoundCamera found;
+  found.camera = file.has_blackbodies() ? characterize_blackbodies(std::move(read.stacks), file, *nominal)
+                                        : calib::characterize(std::move(read.stacks), read.how);
+  found.camera.warnings.insert(found.camera.warnings.begin(), read.warnings.begin(), read.warnings.end());
+  const bool placeholders = !nominal;
+  if (placeholders) {
+    const radiometry::MeanSquares& size = found.camera.stacks.front().sums.squares;
+    const double time_s = found.camera.stacks.back().time_s;
+    mtf::io::ConfigResult least = mtf::io::parse_config(
+        least_sensor(static_cast<std::int64_t>(size.columns), static_cast<std::int64_t>(size.rows), read.bits,
+                     time_s > 0.0 ? time_s : 0.01),
+        destination, sensor_schema());
+    mtf::io::cfg::require_no_errors(least.diagnostics, destination);
+    nominal = std::move(least.config);
+  }
+  found.name = nominal->system.name;
+  found.sensor = file.has_blackbodies()
+                     ? thermal_camera_file(found.camera, file, std::move(*nominal), read.bits, destination)
+                     : camera_file(found.camera, file, std::move(*nominal), read.bits, placeholders, maps, destination);
+  found.report = characterize_json(found.camera, file, found.sensor);
+  return found;
+}
+
+}  // namespace apps

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "apps/characterize/pattern_planes.h"
+#include "apps/characterize/stacks_file.h"
+
+namespace apps {
+
+/// What the page of results says beside what was found.
+struct PageWords {
+  std::string camera;               ///< name of the nominal sensor
+  std::string command;              ///< that made it
+  std::vector<std::string> left{};  ///< keys of the sensor file that hold nothing measured
+  int bits = 0;
+};
+
+/// One page that needs nothing else: the numbers, and figures in the order of the summary sheet of EMVA 1288 (release
+/// 4). The same results make the same bytes.
+std::string characterize_page(const calib::Characterization& camera, const std::vector<PatternPlane>& planes,
+                              const StacksFile& stacks, const PageWords& words);
+
+}  // namespace apps

@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/characterize/pattern_planes.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "apps/terminal/text_table.h"
+#include "calib/characterize/rounding.h"
+#include "calib/characterize/trend.h"
+#include "mtf/error.h"
+
+namespace apps {
+namespace {
+
+using calib::Characterization, calib::Stack;
+
+/// (a - b) scale without its shading; without b: a scale.
+PatternPlane scaled_plane(std::string name, std::string unit, const Stack& a, const Stack* b, double scale, int trend) {
+  PatternPlane p{.name = std::move(name), .unit = std::move(unit), .plane = a.sums.pattern.clone()};
+  for (std::int64_t i = 0; i < p.plane.size(); ++i) {
+    const float less = b != nullptr ? b->sums.pattern.data()[i] : 0.0F;
+    p.plane.data()[i] = (p.plane.data()[i] - less) * static_cast<float>(scale);
+  }
+  for (const Stack* const stack : {&a, b}) {
+    if (stack == nullptr) continue;
+    const double v = stack->sums.squares.value[radiometry::kTvh];
+    p.temporal2 +=
+        scale * scale * (v / stack->sums.squares.frames + calib::rounding_pattern(calib::unrounded_variance(v)));
+  }
+  p.squares = calib::plane_squares(p.plane.view(), calib::remove_trend(p.plane.view(), trend).degree);
+  return p;
+}
+
+calib::PatternRms rms_of(const Characterization& camera, std::array<const char*, 3> names, double unit) {
+  const auto value = [&](const char* name) {
+    const calib::Finding* const f = camera.find(name);
+    return f != nullptr ? unit * f->value : 0.0;
+  };
+  return {value(names[0]), value(names[1]), value(names[2])};
+}
+
+}  // namespace
+
+double PatternPlane::rms() const { return std::sqrt(std::max(0.0, squares.pixel - temporal2)); }
+
+std::vector<PatternPlane> pattern_planes(const Characterization& camera) {
+  std::vector<PatternPlane> planes;
+  if (camera.dark < 0) return planes;
+  const Stack& dark = camera.stacks[static_cast<std::size_t>(camera.dark)];
+  planes.push_back(scaled_plane("dark signal", "e-", dark, nullptr, camera.find("electrons_per_count")->value, 0));
+  if (camera.bright >= 0 && camera.bright_signal > 0.0)
+    planes.push_back(scaled_plane("response", "%", camera.stacks[static_cast<std::size_t>(camera.bright)], &dark,
+                                  100.0 / camera.bright_signal, camera.trend));
+  return planes;
+}
+
+PatternMaps pattern_maps(const Characterization& camera, const std::vector<PatternPlane>& planes) {
+  if (planes.size() < 2)
+    throw mtf::UsageError(
+        "--maps: the maps are of a dark stack that is not clipped, and of one with light; give a stack with light = "
+        "false whose values stay above the lower end");
+  PatternMaps maps;
+  const PatternPlane &dark = planes[0], &bright = planes[1];
+  maps.offset =
+      calib::pattern_map(dark.plane.view(), dark.squares, rms_of(camera, {"dsnu", "fixed_row", "fixed_column"}, 1.0));
+  mtf::Image plane = bright.plane.clone();
+  const calib::CrosstalkEstimate& c = camera.crosstalk;
+  if (c.found) calib::undo_crosstalk(plane, c.side.value, c.corner_found ? c.corner.value : 0.0);
+  maps.responsivity = calib::pattern_map(plane.view(), calib::plane_squares(plane.view(), camera.trend),
+                                         rms_of(camera, {"prnu", "prnu_row", "prnu_column"}, 100.0));
+  for (std::int64_t i = 0; i < plane.size(); ++i)
+    maps.responsivity.data()[i] = std::max(0.0F, 1.0F + 0.01F * maps.responsivity.data()[i]);
+  return maps;
+}
+
+std::string defects_csv(const std::vector<PatternPlane>& planes) {
+  TextTable table({"plane", "x", "y", "excess", "unit"});
+  for (const PatternPlane& p : planes)
+    for (const calib::Defect& d : p.squares.defects)
+      table.add({p.name, std::to_string(d.x), std::to_string(d.y), csv_number(d.excess), p.unit});
+  return table.csv();
+}
+
+}  // namespace apps

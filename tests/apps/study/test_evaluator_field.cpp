@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: Apache-2.0
+
+// Metrics over the image of a lens that changes over the field: their mean and their worst, against the map of the OTF,
+// which goes another way.
+
+#include <gtest/gtest.h>
+
+#include "apps/figures/otf_map.h"
+#include "apps/sensor/sensor_chain.h"
+#include "tests/apps/study/evaluated.h"
+#include "tests/expect_error.h"
+#include "tests/replaced.h"
+
+namespace {
+
+using study_test::Evaluated;
+using study_test::evaluated;
+using study_test::Folder;
+
+/// The camera with astigmatism and coma that grow to the corners, which turn with the field point.
+std::string lens(const std::string& terms) {
+  return replaced(study_test::kCamera, "zernike = [0.0, 0.0, 0.0, 0.05]", terms);
+}
+const std::string kTerms =
+    "orientation = \"field\"\nw222 = { r2 = 0.5 }\nw131 = { r = 0.4 }\nw020 = { 1 = 0.1, x = 0.1 }";
+
+std::string study_of(const std::string& axis, const std::string& metrics) {
+  return "schema = 1\nsensor = \"camera.toml\"\ntolerance = 1e-9\n" + axis + "[metrics]\nlist = [" + metrics + "]\n";
+}
+const std::string kPitches = "[[axis]]\nparameter = \"frame.pitch\"\nfrom = \"6 um\"\nto = \"10 um\"\ncount = 3\n";
+
+TEST(EvaluatorField, MeanAndWorstAreThoseOfTheMap) {
+  const Folder folder;
+  folder.write("camera.toml", lens(kTerms));
+  Evaluated e = evaluated(folder, study_of(kPitches, R"("mtf_nyquist_x", "mtf_nyquist_x.axis", "mtf_nyquist_x.mean",
+    "mtf_nyquist_x.worst", "mtf50_y.worst", "fwhm_x.worst", "fwhm_x")"));
+  for (const std::int64_t design : {0, 2}) {
+    e.at(design);
+    std::vector<double> axes(1);
+    study::design_at(*e.study, design, axes);
+    const mtf::io::SensorConfig config = e.evaluator->sensor_at(axes);
+    ASSERT_FALSE(config.system.is_isoplanatic());
+    const mtf::System<double> system = apps::with_electron_rate(config.system, apps::load_chain(config));
+    const apps::Direction x = apps::make_direction(system.frame, "cy/px", 0.0),
+                          y = apps::make_direction(system.frame, "cy/px", 90.0);
+    const apps::OtfMap map = apps::otf_map(system, "mtf@nyquist", x);
+    EXPECT_NEAR(e["mtf_nyquist_x"], map.axis.value, 1e-8);
+    EXPECT_EQ(e["mtf_nyquist_x.axis"], e["mtf_nyquist_x"]);
+    EXPECT_NEAR(e["mtf_nyquist_x.mean"], map.mean, 1e-8);
+    EXPECT_NEAR(e["mtf_nyquist_x.worst"], map.worst().value, 1e-8);
+    EXPECT_NEAR(e["mtf50_y.worst"], apps::otf_map(system, "mtf50", y).worst().value, 1e-4);
+    EXPECT_GT(e["fwhm_x.worst"], 1.01 * e["fwhm_x"]);  // the widest
+    EXPECT_LT(e["mtf_nyquist_x.worst"], e["mtf_nyquist_x.mean"]);
+    EXPECT_GE(e["error"], map.mean_error - 1e-8);
+  }
+  const std::vector<std::string> said = e.evaluator->skipped();
+  EXPECT_TRUE(std::any_of(said.begin(), said.end(), [](const std::string& one) {
+    return one.find("without .mean or .worst are those of the optical axis") != std::string::npos;
+  }));
+}
+
+TEST(EvaluatorField, DerivativesGoOverTheImage) {
+  const Folder folder;
+  folder.write("camera.toml", lens(kTerms));
+  study_test::expect_gradient(
+      folder, study_of(kPitches, R"("mtf_nyquist_x.mean", "mtf_nyquist_y.worst", "rer_x.mean")"), 1, 1e-5);
+}
+
+// What does not change is the same everywhere, to the bit and at no cost.
+TEST(EvaluatorField, WithoutTermsAllPlacesAreOne) {
+  const Folder folder;
+  Evaluated e = evaluated(folder, study_of(kPitches, R"("rer", "rer.mean", "rer.worst")"));
+  e.at(1);
+  EXPECT_EQ(e["rer.mean"], e["rer"]);
+  EXPECT_EQ(e["rer.worst"], e["rer"]);
+}
+
+TEST(EvaluatorField, Refusals) {
+  const Folder folder;
+  EXPECT_TRUE(says(folder.lines(study_of(kPitches, R"("netd.worst")")), "netd is the same all over the image"));
+  EXPECT_TRUE(says(folder.lines(study_of(kPitches, R"("rer.best")")), "axis, mean or worst"));
+  folder.write("camera.toml", replaced(lens(kTerms), "format = [640, 512]\n", ""));
+  Evaluated e = evaluated(folder, study_of(kPitches, R"("rer.worst", "rer")"));
+  EXPECT_TRUE(says(e.evaluator->gaps().at(1), "no [frame] format"));
+}
+
+}  // namespace

@@ -1,0 +1,179 @@
+// SPDX-License-Identifier: Apache-2.0
+
+// Thermal cameras of known numbers before blackbodies: intervals that hold as often as they say, errors that do and
+// that do not fall with the frames, a response that is not linear, and refusals. Radiances in 8 to 13 um are integrals
+// of Planck's law by scipy.integrate.quad (relative 1e-13).
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <random>
+
+#include "calib/characterize/thermal.h"
+#include "tests/expect_error.h"
+
+namespace calib {
+namespace {
+
+struct Planck {
+  double temperature_k = 0.0, radiance = 0.0, per_k = 0.0;  ///< W m^-2 sr^-1
+};
+constexpr Planck k295{295.0, 43.475788718962356, 0.7070152258434235};
+constexpr Planck k298{298.0, 45.628435587757856, 0.7280999986991666};
+constexpr Planck k303{303.0, 49.35721966184293, 0.7634552666458726};
+constexpr Planck k308{308.0, 53.26336543095506, 0.7990369095110202};
+
+constexpr double kSitf = 40.0, kOffset = 3000.0, kOwn = -40.0;  // counts/K at 298 K, counts, radiance
+constexpr double kSlope = kSitf / k298.per_k;
+constexpr double kWhite = 2.0, kRow = 0.8, kFrame = 0.5, kFixed = 3.0, kPrnu = 0.01, kTop = 16383.0;  // counts
+
+using Engine = std::mt19937_64;
+
+struct ThermalScene {
+  double temperature_sd_k = 0.0, emissivity = 1.0, emissivity_sd = 0.0, bend = 0.0;
+  std::int64_t side = 24;
+  int frames = 6;
+};
+
+/// Stacks of blackbodies that are not quite as warm and as black as stated.
+std::vector<Stack> draw(const ThermalScene& scene, const std::vector<Planck>& bodies, Engine& engine,
+                        double* mean_response = nullptr, double top = kTop) {
+  std::normal_distribution<double> normal;
+  const auto count = static_cast<std::size_t>(scene.side * scene.side);
+  std::vector<double> response(count), fixed(count);
+  double mean = 0.0;
+  for (std::size_t i = 0; i < count; ++i) {
+    response[i] = 1.0 + kPrnu * normal(engine);
+    fixed[i] = kFixed * normal(engine);
+    mean += response[i] / static_cast<double>(count);
+  }
+  if (mean_response != nullptr) *mean_response = mean;
+  const double emissivity = scene.emissivity + scene.emissivity_sd * normal(engine);
+  std::vector<Stack> stacks;
+  for (const Planck& body : bodies) {
+    const double warmer = body.per_k * scene.temperature_sd_k * normal(engine);
+    const double light = emissivity * (body.radiance + warmer) + (1.0 - emissivity) * k295.radiance;
+    StackStatistics sums(scene.side, scene.side, {.low = 0.0, .high = top});
+    mtf::Image frame(scene.side, scene.side);
+    for (int t = 0; t < scene.frames; ++t) {
+      const double flicker = kFrame * normal(engine);
+      for (std::int64_t i = 0, y = 0; y < scene.side; ++y) {
+        const double line = kRow * normal(engine) + flicker;
+        for (std::int64_t x = 0; x < scene.side; ++x, ++i) {
+          const auto at = static_cast<std::size_t>(i);
+          double signal = kSlope * (light + kOwn) * response[at];
+          signal *= 1.0 + scene.bend * signal;
+          const double value = kOffset + signal + fixed[at] + line + kWhite * normal(engine);
+          frame.data()[i] = static_cast<float>(std::clamp(std::floor(value + 0.5), 0.0, top));
+        }
+      }
+      sums.add(frame.view());
+    }
+    stacks.push_back({.name = std::to_string(static_cast<int>(body.temperature_k)) + " K",
+                      .light = scene.emissivity * body.radiance + (1.0 - scene.emissivity) * k295.radiance,
+                      .light_per_k = scene.emissivity * body.per_k,
+                      .light_per_emissivity = body.radiance - k295.radiance,
+                      .sums = summary_of(sums)});
+  }
+  return stacks;
+}
+
+ThermalOptions options_of(const ThermalScene& scene) {
+  return {.reference_k = 298.0,
+          .radiance = k298.radiance,
+          .radiance_per_k = k298.per_k,
+          .own_radiance = kOwn,
+          .temperature_sd_k = scene.temperature_sd_k,
+          .emissivity_sd = scene.emissivity_sd};
+}
+
+// Of 200 intervals 190 should hold: 175 and 200 are five standard deviations (3.1) away, or the end. Components that
+// are 0 have intervals that begin there.
+TEST(CharacterizeThermal, IntervalsHoldAsStated) {
+  const std::vector<std::pair<ThermalScene, std::vector<Planck>>> conditions{
+      {{}, {k298, k308}}, {{.temperature_sd_k = 0.05, .emissivity = 0.97, .emissivity_sd = 0.005}, {k298, k303, k308}}};
+  for (const auto& [scene, bodies] : conditions) {
+    std::map<std::string, int> held;
+    int misfits = 0;
+    for (std::uint64_t seed = 0; seed < 200; ++seed) {
+      Engine engine(1000 * bodies.size() + seed);
+      double response = 1.0;
+      std::vector<Stack> stacks = draw(scene, bodies, engine, &response);
+      const Characterization found = characterize_thermal(std::move(stacks), options_of(scene));
+      misfits += found.misfit ? 1 : 0;
+      const double mk = 1e3 / (kSitf * response), white = std::sqrt(kWhite * kWhite + 1.0 / 12.0);
+      // The fixed noise of pixels is that of this array, whose spread is not that of the process.
+      for (const auto& [name, truth] :
+           {std::pair{"sitf", kSitf * response}, std::pair{"netd", mk * white}, std::pair{"noise_tvh", mk * white},
+            std::pair{"noise_tv", mk * kRow}, std::pair{"noise_t", mk * kFrame}, std::pair{"noise_th", 0.0},
+            std::pair{"noise_v", 0.0}, std::pair{"noise_h", 0.0}, std::pair{"prnu", kPrnu / response},
+            std::pair{"offset", kOffset}, std::pair{"dsnu", mk * kFixed}}) {
+        const Finding* finding = found.find(name);
+        ASSERT_NE(finding, nullptr) << name;
+        held[name] += finding->low95 <= truth && truth <= finding->high95 ? 1 : 0;
+      }
+    }
+    for (const auto& [name, count] : held) {
+      EXPECT_GE(count, 175) << name << " with " << bodies.size();
+      testing::Test::RecordProperty(name + std::to_string(bodies.size()), count);
+    }
+    EXPECT_LE(misfits, 3);
+  }
+}
+
+TEST(CharacterizeThermal, FramesBringDownTheRandomErrorAlone) {
+  const ThermalScene few{.temperature_sd_k = 0.05, .emissivity_sd = 0.01, .frames = 12};
+  ThermalScene many = few;
+  many.frames = 192;
+  Engine engine(5);
+  const Characterization a = characterize_thermal(draw(few, {k298, k308}, engine), options_of(few));
+  const Characterization b = characterize_thermal(draw(many, {k298, k308}, engine), options_of(many));
+  const Finding &one = *a.find("sitf"), &other = *b.find("sitf");
+  EXPECT_NEAR(other.sd / one.sd, 0.25, 0.12);  // the variance of 11 differences of frames is known to a fifth
+  // Counts of an error of temperature at both ends, over their distance, and of the common emissivity.
+  const double span = k308.radiance - k298.radiance;
+  const double expected = std::hypot(0.05 * std::hypot(k298.per_k, k308.per_k) / span, 0.01);
+  EXPECT_NEAR(*one.sd_systematic / one.value, expected, 1e-9);
+  EXPECT_NEAR(*other.sd_systematic / other.value, expected, 1e-9);
+  EXPECT_NEAR(*b.find("netd")->sd_systematic / b.find("netd")->value, expected, 1e-9);
+  EXPECT_GT(other.high95 - other.value, 1.95 * *other.sd_systematic);
+}
+
+TEST(CharacterizeThermal, AResponseThatIsNotLinearIsFound) {
+  Engine engine(6);
+  const ThermalScene bent{.bend = 2e-5, .frames = 24};  // a count off the line at 303 K
+  const Characterization found = characterize_thermal(draw(bent, {k298, k303, k308}, engine), options_of(bent));
+  EXPECT_TRUE(found.misfit);
+  expect_says(found.misfit_reason, {"303 K", "temperature_sd"});
+  ThermalOptions loose = options_of(bent);
+  loose.temperature_sd_k = 0.2;
+  EXPECT_FALSE(characterize_thermal(draw(bent, {k298, k303, k308}, engine), loose).misfit);
+}
+
+TEST(CharacterizeThermal, Refusals) {
+  const ThermalScene scene;
+  Engine engine(7);
+  const auto refused = [&](std::initializer_list<std::string_view> parts, std::vector<Stack> stacks,
+                           int line = __builtin_LINE()) {
+    expect_refused(
+        parts, [&] { static_cast<void>(characterize_thermal(std::move(stacks), options_of(scene))); }, __FILE__, line);
+  };
+  refused({"1 usable stack", "two temperatures"}, draw(scene, {k298}, engine));
+  refused({"one radiance", "two temperatures"}, draw(scene, {k298, k298}, engine));
+  refused({"1 usable stack", "308 K", "end of the scale"}, draw(scene, {k298, k308}, engine, nullptr, 3600.0));
+  std::vector<Stack> falling = draw(scene, {k298, k308}, engine);
+  std::swap(falling[0].light, falling[1].light);
+  refused({"lower mean", "paired wrongly"}, std::move(falling));
+  Planck near = k298;
+  near.temperature_k = 299.0;
+  near.radiance += 1e-4;
+  refused({"do not rise", "too close"}, draw(scene, {k298, near}, engine));
+  std::vector<Stack> sizes = draw(scene, {k298}, engine), other = draw({.side = 25}, {k308}, engine);
+  sizes.push_back(std::move(other.front()));
+  refused({"25 x 25", "one size"}, std::move(sizes));
+}
+
+}  // namespace
+}  // namespace calib
