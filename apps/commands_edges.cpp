@@ -174,9 +174,9 @@ Command characterize_command() {
       "Frames of blackbodies have temperature = \"308 K\" in place of it: two or more with a nominal give SiTF, NETD\n"
       "and 3-D noise in kelvin.\n"
       "The folder of --out gets sensor.toml, which every command reads, with { value, stderr } for each number;\n"
-      "report.html, a page with all numbers and figures; result.json with intervals; levels.csv; defects.csv. What "
-      "frames cannot tell is named. Where the model of photon transfer\n"
-      "does not describe the frames, the exit code is 3 (--allow-misfit: 0), and all files are written.\n"
+      "report.html, a page with all numbers and figures; result.json with intervals; levels.csv; defects.csv. What\n"
+      "frames cannot tell is named. Where the model of photon transfer does not describe the frames, the exit code is\n"
+      "3 (--allow-misfit: 0), and all files are written.\n"
       "STACKS may be EMVA's own descriptor of a set of frames (*.txt) for both methods. --method emva1288 gives the\n"
       "numbers of EMVA 1288 R4.0 Linear with their standard deviations, and says where its formulas are biased and by\n"
       "how much for this camera; --out then gets result.json alone.",
