@@ -39,7 +39,7 @@ CharacterizeHandle characterized(const FileName& path, const std::string& text, 
   const void* function = progress.is_none() ? nullptr : progress.ptr();
   run_job([&](JobControl& control) {
     const ProgressCall report(function, control);
-    const StacksFile file = frames.empty() ? load_stacks(path) : parse_stacks(text, path, memory);
+    const StacksFile file = text.empty() ? load_stacks(path) : parse_stacks(text, path, memory);
     std::optional<mtf::io::SensorConfig> own;
     if (nominal)
       own = *nominal->config;
