@@ -184,8 +184,9 @@ CameraFile camera_file(const Characterization& camera, const StacksFile& stacks,
   }
   nominal = own_named(nominal, destination);
   if (maps) {
-    for (const char* const key : {"nonuniformity.prnu", "nonuniformity.dsnu", "noise.fixed_row", "noise.fixed_column",
-                                  "defects.hot_fraction", "defects.dead_fraction"})
+    for (const char* const key :
+         {"nonuniformity.prnu", "nonuniformity.prnu_row", "nonuniformity.prnu_column", "nonuniformity.dsnu",
+          "noise.fixed_row", "noise.fixed_column", "defects.hot_fraction", "defects.dead_fraction"})
       unset(key);
     set("nonuniformity.offset", "offset.exr");
     set("nonuniformity.responsivity", "responsivity.exr");

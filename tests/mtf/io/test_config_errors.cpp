@@ -259,13 +259,13 @@ TEST(ConfigErrors, FitTables) {
   expect_one(with("{ value = \"8 um\", prior = { mean = \"8 um\" } }"),
              "s.toml:11:33: error: presample[0].rms.prior.sd: missing");
   expect_one(with("{ value = \"8 um\", interval = [\"9 um\", \"7 um\"] }"),
-             "s.toml:11:31: error: presample[0].rms.interval:", {"low end is above"});
+             "s.toml:11:36: error: presample[0].rms.interval:", {"low end is above"});
   expect_one(with("{ value = \"8 um\", interval = \"9 um\" }"),
-             "s.toml:11:31: error: presample[0].rms.interval:", {"[low, high]"});
+             "s.toml:11:36: error: presample[0].rms.interval:", {"[low, high]"});
   expect_one(with("{ value = \"8 um\", interval = [\"1 urad\", \"9 um\"] }"),
-             "s.toml:11:31: error: presample[0].rms.interval:", {"\"1 urad\"", "in um"});
+             "s.toml:11:36: error: presample[0].rms.interval:", {"\"1 urad\"", "in um"});
   expect_one(with("{ value = \"8 um\", stderr = \"1 um\", interval = [\"0 um\", \"9 um\"] }"),
-             "s.toml:11:46: error: presample[0].rms.interval:", {"without stderr"});
+             "s.toml:11:53: error: presample[0].rms.interval:", {"without stderr"});
   expect_one(with("{ value = \"-8 um\" }"), "s.toml:11:17: error: presample[0].rms: -8 um is outside [0, 1e+09]");
 }
 
