@@ -414,9 +414,9 @@ std::string sweep_summary(const SweepReport& report) {
   for (const std::string& skipped : report.skipped) text += one_line(skipped) + "\n";
   text += "error at most " + (std::isnan(tally.worst_error()) ? "unknown" : significant(tally.worst_error(), 2)) +
           " (tolerance " + mtf::format_double(study.tolerance) + ")" +
-          (tally.worst_error() > 1.01 * study.tolerance
-               ? ": the column error shows the designs above it, whose OTF, table of air or mean over the image allows no better\n"
-               : "\n");
+          (tally.worst_error() > 1.01 * study.tolerance ? ": the column error shows the designs above it, whose OTF, "
+                                                          "table of air or mean over the image allows no better\n"
+                                                        : "\n");
   if (run.tally.made > 0)
     text += "time " + fixed(run.seconds, 2) + " s, " +
             significant(static_cast<double>(run.tally.made) / run.seconds, 3) + " designs/s on " +

@@ -87,6 +87,16 @@ class DesignModel {
     for (const auto& place : places_) place->set_light(light);
   }
 
+  /// Of each metric that is wanted over the image, the place whose value was the worst in the last metrics().
+  const std::vector<std::size_t>& worst_places() const { return worst_at_; }
+  /// From now on a worst value is that of its place in `plain`, another scalar's model of the same design: the others
+  /// are not looked at, unless a mean takes them all.
+  template <class Plain>
+  void follow(const DesignModel<Plain>& plain) {
+    worst_at_ = plain.worst_places();
+    follows_ = true;
+  }
+
   /// With the numbers that are set, and with what changes over the image.
   const mtf::System<S>& system() const { return system_; }
   std::span<const radiometry::Override<S>> overrides() const { return overrides_; }
@@ -188,8 +198,13 @@ class DesignModel {
     mean_error_ = 0.0;
     if (places_.empty()) return;
     const std::vector<std::size_t>& wanted = plan_->over_field;
+    const auto is_mean = [&](std::size_t k) { return plan_->choices[wanted[k]].over == Over::mean; };
+    bool all = !follows_;
+    for (std::size_t k = 0; k < wanted.size(); ++k) all = all || is_mean(k);
+    if (!follows_) worst_at_.assign(wanted.size(), 0);
     std::vector<S> at_place(wanted.size()), mean(wanted.size()), every_other(wanted.size()), worst(wanted.size());
     for (std::size_t p = 0; p < places_.size(); ++p) {
+      if (!all && std::find(worst_at_.begin(), worst_at_.end(), p) == worst_at_.end()) continue;
       DesignModel& place = *places_[p];
       place.metrics(spectral, light, at_place);
       if (refusal_.empty()) refusal_ = place.refusal();
@@ -197,17 +212,22 @@ class DesignModel {
         const S& value = at_place[k];
         mean[k] += S(place.place_->weight) * value;
         every_other[k] += S(place.place_->every_other) * value;
+        if (follows_) {
+          if (worst_at_[k] == p) worst[k] = value;
+          continue;
+        }
         const double now = mtf::value_of(value), before = mtf::value_of(worst[k]);
         const bool is_worse = plan_->choices[wanted[k]].row->less_is_better ? now > before : now < before;
         // Where a place has no value there is no worst of all.
-        if (p == 0 || std::isnan(now) || is_worse) worst[k] = value;
+        if (p > 0 && !std::isnan(now) && !is_worse) continue;
+        worst[k] = value;
+        worst_at_[k] = p;
       }
     }
     for (std::size_t k = 0; k < wanted.size(); ++k) {
-      const bool is_mean = plan_->choices[wanted[k]].over == Over::mean;
-      values[wanted[k]] = is_mean ? mean[k] : worst[k];
+      values[wanted[k]] = is_mean(k) ? mean[k] : worst[k];
       const double value = mtf::value_of(mean[k]), miss = std::abs(value - mtf::value_of(every_other[k]));
-      if (is_mean) mean_error_ = std::max(mean_error_, miss / std::max(1.0, std::abs(value)));
+      if (is_mean(k)) mean_error_ = std::max(mean_error_, miss / std::max(1.0, std::abs(value)));
     }
   }
 
@@ -315,6 +335,8 @@ class DesignModel {
   mtf::System<S> system_;
   mtf::System<S> here_{};  ///< of a system that changes over the image
   std::vector<std::unique_ptr<DesignModel>> places_{};
+  std::vector<std::size_t> worst_at_{};
+  bool follows_ = false;
   double mean_error_ = 0.0;  ///< of means over the image, as the metrics' errors are counted
   mtf::ResolutionMeter<S> meter_, range_meter_;
   std::vector<std::vector<S*>> sites_;

@@ -164,7 +164,7 @@ Gradient gradient_of(const Study& study, const VariantSensor& variant, const Des
   const MetricPlan plan = plan_metrics(study, std::min(study.tolerance, tolerance));
   DesignModel<Jet4> model(study, plan, variant, mtf::cast<Jet4>(variant.system));
   DesignModel<double> plain_model(study, plan, variant, variant.system);
-  if (plan.air) try {
+  if (plan.air || plan.at_a_place) try {
       std::vector<double> values(study.metrics.size());
       plain_model.set(parameters);
       plain_model.set_light(*light);
@@ -172,6 +172,7 @@ Gradient gradient_of(const Study& study, const VariantSensor& variant, const Des
     } catch (const mtf::UsageError&) {
       return gradient;  // as the row of this design: no metrics
     }
+  model.follow(plain_model);
   const RangeRoots roots = plain_model.roots();
   for (std::size_t first = 0; first < axes.size(); first += kStride) {
     std::vector<Jet4> values(parameters.begin(), parameters.end()), slots(study.slots()), metrics(study.metrics.size());

@@ -68,7 +68,7 @@ constexpr std::array kRows{
               kMeasure, "", Effort::overshoot, true},
     MetricRow{edge_height, "edge_height", true, "",
               "GIQE's H: the edge at 1.25 px where it rises up to 3 px, else its largest value from 1 to 3 px", kGiqe4,
-              "", Effort::overshoot},
+              "", Effort::overshoot, true},
     MetricRow{fwhm, "fwhm", true, "px", "full width of the line spread at half of its peak", kOtf, "", Effort::fwhm,
               true},
     MetricRow{aliasing_ratio, "aliasing_ratio", true, "",
@@ -227,8 +227,8 @@ std::optional<MetricChoice> choose_metric(std::string_view name) {
   for (const auto& [ending, over] : endings) {
     if (!name.ends_with(ending)) continue;
     auto choice = choose_figure(name.substr(0, name.size() - ending.size()));
-    if (!choice || choice->row->effort == Effort::geometry || choice->row->effort == Effort::budget)
-      return std::nullopt;  // it is the same all over the image
+    const Effort effort = choice ? choice->row->effort : Effort::geometry;
+    if (effort == Effort::geometry || effort == Effort::budget || effort == Effort::air) return std::nullopt;
     choice->over = over;
     return choice;
   }

@@ -89,7 +89,11 @@ MetricPlan plan_metrics(const Study& study, double tolerance) {
   MetricPlan plan = plan_of(study, study.metrics, tolerance);
   std::vector<MetricInfo> over_field;
   for (const std::size_t i : plan.over_field) over_field.push_back(study.metrics[i]);
-  if (!over_field.empty()) plan.at_a_place = std::make_shared<const MetricPlan>(plan_of(study, over_field, tolerance));
+  // There are many places: slopes of a place are no finer than the study, or a millionth.
+  constexpr double kOfAPlace = 1e-6;
+  if (!over_field.empty())
+    plan.at_a_place = std::make_shared<const MetricPlan>(
+        plan_of(study, over_field, std::max(tolerance, std::min(study.tolerance, kOfAPlace))));
   return plan;
 }
 

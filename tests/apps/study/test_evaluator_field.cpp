@@ -23,7 +23,8 @@ std::string lens(const std::string& terms) {
   return replaced(study_test::kCamera, "zernike = [0.0, 0.0, 0.0, 0.05]", terms);
 }
 const std::string kTerms =
-    "orientation = \"field\"\nw222 = { r2 = 0.5 }\nw131 = { r = 0.4 }\nw020 = { 1 = 0.1, x = 0.1 }";
+    "wavelength = \"0.57 um\"\norientation = \"field\"\nw222 = { r2 = 0.5 }\nw131 = { r = 0.4 }\nw020 = { 1 = 0.1, x = "
+    "0.1 }";
 
 std::string study_of(const std::string& axis, const std::string& metrics) {
   return "schema = 1\nsensor = \"camera.toml\"\ntolerance = 1e-9\n" + axis + "[metrics]\nlist = [" + metrics + "]\n";
@@ -85,6 +86,8 @@ TEST(EvaluatorField, DerivativesGoOverTheImage) {
   folder.write("camera.toml", lens(kTerms));
   study_test::expect_gradient(
       folder, study_of(kPitches, R"("mtf_nyquist_x.mean", "mtf_nyquist_y.worst", "rer_x.mean")"), 1, 1e-5);
+  // The worst alone follows its place.
+  study_test::expect_gradient(folder, study_of(kPitches, R"("mtf_nyquist_y.worst", "fwhm_x.worst")"), 1, 1e-5);
 }
 
 // What does not change is the same everywhere, to the bit and at no cost.
