@@ -28,7 +28,7 @@ radiometry::Surface perfect(double temperature_k) { return {.temperature_k = tem
 
 /// Keys of the nominal in whose place measured ones stand: other forms of the noise and of the signal, and noise that
 /// would count twice.
-constexpr std::array<std::string_view, 32> kReplaced{"detector.responsivity",
+constexpr std::array<std::string_view, 34> kReplaced{"detector.responsivity",
                                                      "adc.volts_per_count",
                                                      "detector.readout_noise",
                                                      "detector.nep",
@@ -48,6 +48,8 @@ constexpr std::array<std::string_view, 32> kReplaced{"detector.responsivity",
                                                      "detector.netd_longest",
                                                      "detector.netd_frame_rate",
                                                      "nonuniformity.prnu",
+                                                     "nonuniformity.prnu_row",
+                                                     "nonuniformity.prnu_column",
                                                      "nonuniformity.dsnu",
                                                      "nonuniformity.responsivity",
                                                      "nonuniformity.offset",
@@ -138,6 +140,9 @@ calib::Characterization characterize_blackbodies(std::vector<calib::Stack> stack
     camera.warnings.push_back("kelvin are those at " + significant(reference_k, 6) + " K, far from the blackbodies (" +
                               significant(coolest_k, 6) + " to " + significant(hottest_k, 6) +
                               " K); set reference_temperature in [options]");
+  if (sensor.settings.correction)
+    camera.warnings.emplace_back(
+        "[correction] of the nominal would be made once more on what the frames have after it; remove it");
   if (sensor.settings.flicker)
     camera.warnings.emplace_back("[flicker] of the nominal is noise beside the components measured here; remove it");
   return camera;

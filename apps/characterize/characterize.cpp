@@ -2,6 +2,8 @@
 
 // `mtf characterize`: the numbers of a camera from stacks of flat frames.
 
+#include <malloc.h>
+
 #include "apps/characterize/blackbodies.h"
 #include "apps/characterize/characterize_options.h"
 #include "apps/characterize/find_camera.h"
@@ -21,16 +23,6 @@ std::string command_of(const CharacterizeCommandOptions& options) {
   return "mtf characterize " + shell_word(options.stacks) +
          (options.nominal.empty() ? "" : " --nominal " + shell_word(options.nominal)) + " -o " +
          shell_word(options.out) + (options.maps ? " --maps" : "") + (options.allow_misfit ? " --allow-misfit" : "");
-}
-
-/// The files of --out, but for its maps.
-std::vector<std::string> outputs_of(const StacksFile& file, bool has_sensor, bool by_emva) {
-  if (by_emva) return {"result.json"};
-  std::vector<std::string> names{"result.json", "levels.csv"};
-  if (has_sensor) names.emplace_back("sensor.toml");
-  if (!file.has_blackbodies())
-    names.insert(names.end(), {"report.html", "defects.csv", "offset.exr", "responsivity.exr"});
-  return names;
 }
 
 }  // namespace
@@ -56,10 +48,15 @@ int run_characterize(const CharacterizeCommandOptions& options, const Global& gl
   std::vector<std::string> inputs{file.file, file.nominal};
   for (const StackEntry& entry : file.stacks) inputs.insert(inputs.end(), entry.files.begin(), entry.files.end());
   const bool has_sensor = !file.has_blackbodies() || (nominal && is_thermal(*nominal));
-  OutputSet outputs({.folder = options.out,
-                     .force = options.force,
-                     .names = outputs_of(file, has_sensor, by_emva),
-                     .inputs = std::move(inputs)});
+  OutputSet outputs(
+      {.folder = options.out,
+       .force = options.force,  // Those that a run does not make are removed, as they would be of another one.
+       .names = {"sensor.toml", "report.html", "result.json", "levels.csv", "defects.csv", "offset.exr",
+                 "responsivity.exr"},
+       .inputs = std::move(inputs)});
+#ifdef __GLIBC__
+  mallopt(M_MMAP_THRESHOLD, 1 << 20);  // else the planes of each stack leave holes that those of the next do not fit
+#endif
   ReadStacks read;
   {
     ProgressLine progress(global);

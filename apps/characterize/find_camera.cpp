@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/characterize/find_camera.h"
 
-#include <malloc.h>
-
 #include <cmath>
 
 #include "apps/characterize/blackbodies.h"
@@ -72,9 +70,6 @@ ReadStacks read_stacks(const StacksFile& file, const Nominal& nominal, int threa
   source.progress = [&] {
     if (progress) progress(static_cast<double>(++done) / static_cast<double>(files));
   };
-#ifdef __GLIBC__
-  mallopt(M_MMAP_THRESHOLD, 1 << 20);  // else the planes of each stack leave holes that those of the next do not fit
-#endif
   ReadStacks read{.bits = source.bits,
                   .how = {.nonlinearity = file.nonlinearity,
                           .full_well_e = full_well_of(file, nominal),

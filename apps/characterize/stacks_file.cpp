@@ -122,7 +122,15 @@ void read_stack(const Section& section, const FramesInMemory& memory, StacksFile
   const Node* light = section.find("light");
   if (light != nullptr && light->kind != Node::Kind::boolean)
     return section.error("light", "write light = false for a dark stack; of others how much: photons = 5200");
-  if (light == nullptr || light->boolean) {
+  // One word on the light; the exposure time may stand beside it.
+  std::vector<std::string_view> said;
+  for (std::size_t k = 0; k < kLights.size(); ++k)
+    if (given[k] && k != static_cast<std::size_t>(LightUnit::exposure)) said.push_back(kLights[k].name);
+  const bool dark = light != nullptr && !light->boolean;
+  if (said.size() > 1 || (dark && !said.empty()))
+    return section.error(said.back(), "contradicts " + std::string(dark ? "light = false" : said.front()) +
+                                          "; state the light in one way");
+  if (!dark) {
     const auto first = std::find_if(given.begin(), given.end(), [](const auto& g) { return g.has_value(); });
     if (first == given.end())
       return section.error("light",
@@ -207,6 +215,13 @@ StacksFile parse_stacks(const std::string& text, const std::string& file, const 
   for (std::size_t i = 0; stacks != nullptr && i < stacks->items.size(); ++i)
     read_stack({reader, stacks->items[i], "stack[" + std::to_string(i) + "]", "[[stack]]"}, memory, result);
   result.blackbodies = read_blackbodies(light, options, result);
+  if (result.stacks.empty() && reader.diagnostics.empty())
+    reader.error({}, "stack", "there is none; write [[stack]] with frames = \"dark/*.png\" for each exposure");
+  for (const StackEntry& entry : result.stacks)
+    if (result.has_blackbodies() && entry.time_s != result.stacks.front().time_s)
+      reader.error({}, "stack",
+                   entry.name + " has another exposure than " + result.stacks.front().name +
+                       ": counts go by the radiance of blackbodies alone; give frames of one exposure");
   for (const StackEntry& entry : result.stacks)
     if (result.has_blackbodies() && entry.light == 0.0)
       reader.error({}, "stack", entry.name + " has no light, others are of blackbodies; give all temperatures");

@@ -175,7 +175,7 @@ class Analysis {
     Finding f{.name = name, .unit = unit, .from = from};
     f.value = root(c.variance);
     f.low95 = root(c.low95);
-    f.high95 = root(c.high95);
+    f.high95 = root(c.high95 > 0.0 ? c.high95 : k95_sd * c.sd);  // chance alone can put both ends below 0
     f.verdict = c.low95 > 0.0 ? Verdict::determined : Verdict::upper_limit;
     if (f.value > 0.0) {
       // The divisor's error is independent of the variance's.

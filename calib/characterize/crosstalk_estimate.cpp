@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "calib/characterize/crosstalk_estimate.h"
 
+#include <algorithm>
 #include <cmath>
+
+#include "mtf/error.h"
+#include "mtf/words.h"
 
 namespace calib {
 namespace {
@@ -69,10 +73,15 @@ CrosstalkEstimate estimate_crosstalk(const std::vector<CorrelatedLevel>& levels)
 }
 
 void undo_crosstalk(mtf::Image& plane, double side, double corner) {
-  // x <- x + (measured - h x) converges as (8 side + 4 corner)^n at the worst, where h is below 1.
+  // x <- x + (measured - h x) converges as (1 - h)^n, h at its least over all frequencies.
+  const double rate = std::max(8.0 * side, 4.0 * side + 8.0 * corner);
+  constexpr double kMost = 0.9, kLeft = 1e-4;
+  if (!(rate < kMost))
+    throw mtf::UsageError("crosstalk of " + mtf::significant(side, 3) + " to each side and " +
+                          mtf::significant(corner, 3) + " to each corner leaves too little of the finest pattern");
   const mtf::Image measured = plane.clone();
-  constexpr int kSteps = 12;
-  for (int step = 0; step < kSteps; ++step) {
+  const int steps = rate > 0.0 ? static_cast<int>(std::ceil(std::log(kLeft) / std::log(rate))) : 0;
+  for (int step = 0; step < steps; ++step) {
     const mtf::Image before = plane.clone();
     const auto at = [&](std::int64_t x, std::int64_t y) {
       return static_cast<double>(before.at(std::clamp<std::int64_t>(x, 0, plane.width() - 1),

@@ -137,6 +137,8 @@ class Emva {
     std::stable_sort(stacks.begin(), stacks.end(), [](const Stack& a, const Stack& b) {
       return a.light != b.light ? a.light < b.light : a.time_s < b.time_s;
     });
+    if (!stacks.empty() && std::min(stacks[0].sums.squares.rows, stacks[0].sums.squares.columns) < 3.0)
+      throw mtf::UsageError("frames of fewer than three rows or columns; the standard's patterns need three");
     for (const Stack& s : stacks)
       stacks_.push_back(
           {s.name, s.light, s.time_s, s.is_clipped_low() ? s.sums.share_low : 0.0, s.sums.mean, s.sums.squares});
@@ -338,7 +340,7 @@ EmvaValues Emva::spread_of(const EmvaValues& values) const {
   std::mt19937_64 bits(1);
   std::normal_distribution<double> normal;
   std::uniform_real_distribution<double> between(-0.5, 0.5);
-  EmvaValues sum{}, squares{}, sd{};
+  EmvaValues sum{}, squares{}, sd{}, count{};
   for (int draw = 0; draw < kDraws; ++draw) {
     EmvaStacks drawn = stacks_;
     for (std::size_t i = 0; i < drawn.size(); ++i) {
@@ -369,11 +371,14 @@ EmvaValues Emva::spread_of(const EmvaValues& values) const {
     for (std::size_t place = 0; place < kEmvaPlaces; ++place) {
       const double away = one[place] - values[place];
       if (!std::isfinite(away)) continue;
-      sum[place] += away / kDraws;
-      squares[place] += away * away / kDraws;
+      sum[place] += away;
+      squares[place] += away * away;
+      count[place] += 1.0;
     }
   }
-  for (std::size_t place = 0; place < kEmvaPlaces; ++place) sd[place] = std::sqrt(squares[place] - square(sum[place]));
+  for (std::size_t place = 0; place < kEmvaPlaces; ++place)
+    if (const double n = count[place]; n > 0.0)
+      sd[place] = std::sqrt(std::max(0.0, squares[place] / n - square(sum[place] / n)));
   return sd;
 }
 

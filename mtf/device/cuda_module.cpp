@@ -83,7 +83,12 @@ class CudaFft final : public DeviceFft {
         stream_(stream),
         bytes_(vkfft_bytes(shape)),
         forward_(shape.forward),
-        plan_(configured(vkfft_planes(shape))) {}
+        plan_(configured(vkfft_planes(shape))) {
+    cuCtxGetCurrent(&context_);
+  }
+  ~CudaFft() override { cuCtxSetCurrent(context_); }  // the plan is given up in it, by whatever thread
+  CudaFft(const CudaFft&) = delete;
+  CudaFft& operator=(const CudaFft&) = delete;
 
   void run(const DeviceMemory& planes) override {
     auto* memory = reinterpret_cast<void*>(planes.handle);
@@ -100,6 +105,7 @@ class CudaFft final : public DeviceFft {
     plan.bufferSize = &bytes_;
     return plan;
   }
+  CUcontext context_ = nullptr;
   CUdevice device_;
   cudaStream_t stream_;
   std::uint64_t bytes_;

@@ -6,7 +6,7 @@
 #pragma OPENCL FP_CONTRACT OFF
 #define KERNEL __kernel
 #define GLOBAL __global
-#define FUNCTION inline
+#define FUNCTION static inline
 typedef uint u32;
 typedef ulong u64;
 #define GX ((int)get_global_id(0))

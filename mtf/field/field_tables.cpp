@@ -102,6 +102,7 @@ FieldTables::FieldTables(const System<double>& system, std::span<const FieldPoin
   for (std::size_t i = 0; i < list.size(); ++i)
     if (changes[i] || (chromatic_ && list[i].component.traits(ctx).chromatic)) factor_.entries.push_back(i);
 
+  if (chromatic_) system_.band_nodes = 4;  // until they are chosen
   double cutoff = 0.0, farthest = 0.0;
   for (const FieldPoint<double>& q : outline) {
     const ComponentsAt part(system_, factor_.entries, chromatic_, q);
