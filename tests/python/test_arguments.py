@@ -41,6 +41,7 @@ def calls(folder, demo):
     mk.write(folder / "edge.png", sensor.simulate(mk.targets.edge(size=(320, 320))).image)
     edge, at = folder / "edge.png", dict(wavelength_um=10.0, temperature_k=300.0)
     band, size = dict(band=("3 um", "5 um")), dict(size=(40, 40))
+    flat = [mk.Stack(np.random.default_rng(light).poisson(100.0 + 200 * light, (4, 16, 16)).astype("u2"), relative=light) for light in (1, 2, 4)]
     plan, parts = sensor.compile(scene, **how), dict(frame=dict(focal_length="100 mm", pitch="15 um"))
     return [
         (mk.Sensor, parts), (mk.Sensor.load, dict(path=demo / "camera.toml")), (mk.Sensor.parse, dict(text=sensor.text)),
@@ -51,6 +52,7 @@ def calls(folder, demo):
         (mk.fit, dict(sensor=sensor, edges=[edge], free=["jitter.rms"])), (run.map_points, dict(points=[[0, 0]])),
         (run.save, dict(path=folder / "a.exr")), (run.plane, dict(name="Y")), (run.plot, {}), (sensor.curves().plot, {}), (mk.read, dict(path=edge)),
         (mk.write, dict(path=folder / "b.exr", planes=scene)), (mk.read(edge).plane, dict(name="Y")), (mk.measure, dict(image=edge)),
+        (mk.characterize, dict(stacks=flat, bits=12)),
         (mk.metrics, dict(sensor=sensor, names=["q"])), (mk.Study, dict(sensor=sensor, axes={"jitter.rms": ["10 urad"]}, metrics=["q"])),
         (mk.Study.load, dict(file=folder / "study.toml")), (study.save, dict(file=folder / "c.toml")), (study.rows, {}), (study.run, {}),
         (study.frame, dict(rows=study.rows())), (study.pareto, dict(frame=table)), (study.to_xarray, dict(frame=table)), (study.axes, design),
