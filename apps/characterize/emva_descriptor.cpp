@@ -48,8 +48,7 @@ class EmvaReader {
         return;
       case 'n':
         if (result_.bits) refuse("a second line n; the frames of a set have one format");
-        result_.bits = static_cast<int>(numbers(rest, 3, "n 12 640 480: bits, columns and rows").front());
-        if (*result_.bits < 1 || *result_.bits > 31) refuse("counts have 1 to 31 bits");
+        result_.bits = bits_of(numbers(rest, 3, "n 12 640 480: bits, columns and rows").front());
         return;
       case 'b':
         return add_stack(line, numbers(rest, 2, "b 40000 120: exposure in ns and photons"));
@@ -74,6 +73,11 @@ class EmvaReader {
     }
     if (values.size() != count) refuse("write " + example);
     return values;
+  }
+
+  int bits_of(double bits) const {
+    if (!(bits >= 1.0 && bits <= 31.0 && bits == std::floor(bits))) refuse("counts have 1 to 31 bits, a whole number");
+    return static_cast<int>(bits);
   }
 
   void add_stack(std::string_view line, const std::vector<double>& given) {

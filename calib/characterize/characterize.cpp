@@ -31,9 +31,9 @@ double significance(const std::vector<Stack>& stacks, radiometry::CubePart part)
   double sum = 0.0, weights = 0.0;
   for (const Stack& stack : stacks) {
     const VarianceComponent one = variance_component(stack.sums.squares, part);
-    if (!stack.is_usable() || !(one.sd > 0.0)) continue;
-    sum += one.variance / square(one.sd);
-    weights += 1.0 / square(one.sd);
+    if (!stack.is_usable() || !(one.sd_of_zero > 0.0)) continue;
+    sum += one.variance / square(one.sd_of_zero);
+    weights += 1.0 / square(one.sd_of_zero);
   }
   return weights > 0.0 ? sum / std::sqrt(weights) : 0.0;
 }
@@ -95,7 +95,7 @@ double flicker_of(const std::vector<Stack>& stacks, double dark_mean) {
     const double signal = stack.sums.mean - dark_mean;
     if (!stack.is_usable() || !(stack.light > 0.0) || !(signal > 0.0)) continue;
     const VarianceComponent t = variance_component(stack.sums.squares, kT);
-    const double weight = square(square(signal)) / square(t.sd);
+    const double weight = square(square(signal)) / square(t.sd_of_zero);
     sum += weight * t.variance / square(signal);
     weights += weight;
   }
@@ -188,10 +188,13 @@ class Analysis {
       if (f.low95 > 0.0) f.low95 = std::max(0.0, f.value - std::hypot(f.value - f.low95, k95_sd * by_divisor));
       f.high95 = f.value + std::hypot(f.high95 - f.value, k95_sd * by_divisor);
     }
-    if (c.variance < -4.0 * c.sd)
-      result_.warnings.push_back(name + ": the variance is negative by " + significant(-c.variance / c.sd, 2) +
-                                 " standard deviations, so the pattern is not white");
+    if (c.sd_of_zero > 0.0 && c.variance < -4.0 * c.sd_of_zero)
+      result_.warnings.push_back(name + ": the variance is negative by " + significant(-c.variance / c.sd_of_zero, 2) +
+                                 " standard deviations, as independent pixels do not give it");
     add(std::move(f));
+  }
+  void warn_of_shape(const std::string& name, const PlaneSquares& plane) {
+    if (const std::string words = shape_words(plane); !words.empty()) result_.warnings.push_back(name + ": " + words);
   }
   const Stack* darkest() const { return choice_of(result_.stacks).dark; }
   double rounding_of(const Stack& stack) const {
@@ -337,7 +340,8 @@ void Analysis::add_transfer() {
   const VarianceComponent read{.variance = read2.value,
                                .sd = read2.sd,
                                .low95 = read2.value - k95_sd * read2.sd,
-                               .high95 = read2.value + k95_sd * read2.sd};
+                               .high95 = read2.value + k95_sd * read2.sd,
+                               .sd_of_zero = read2.sd};
   add_rms("read_noise", "e-", read, {1.0, 0.0}, from);
   if (read_hidden_) {
     Finding& finding = result_.findings.back();
@@ -387,10 +391,10 @@ void Analysis::add_lines() {
     double weights = 0.0;
     for (const Stack& stack : result_.stacks)
       if (stack.is_usable() && !(result_.crosstalk.found && stack.light > 0.0))
-        weights += 1.0 / square(variance_component(stack.sums.squares, part).sd);
+        weights += 1.0 / square(variance_component(stack.sums.squares, part).sd_of_zero);
     for (const Stack& stack : result_.stacks) {
       if (!stack.is_usable() || (result_.crosstalk.found && stack.light > 0.0)) continue;
-      const double weight = 1.0 / square(variance_component(stack.sums.squares, part).sd) / weights;
+      const double weight = 1.0 / square(variance_component(stack.sums.squares, part).sd_of_zero) / weights;
       for (const MeanSquareTerm& term : terms_of(stack.sums.squares, part, weight)) terms.push_back(term);
     }
     return variance_component(terms);
@@ -425,6 +429,7 @@ void Analysis::add_patterns() {
   add_rms("fixed_row", "e-", fixed.row, gain_, dark->name, fixed.row_sd_array);
   add_rms("fixed_column", "e-", fixed.column, gain_, dark->name, fixed.column_sd_array);
   result_.defects = plane.defects;
+  if (!is_hidden_by_rounding(*dark)) warn_of_shape("dsnu", plane);
 
   const auto difference = [&, &dark = *dark](const Stack& other) {
     mtf::Image d(other.sums.pattern.width(), other.sums.pattern.height());
@@ -466,6 +471,7 @@ void Analysis::add_patterns() {
       add_rms("shading", "", shading, lines, from + ", degree " + std::to_string(trend.degree));
     }
     add_rms("prnu", "", response.pixel, pixels, from, response.pixel_sd_array);
+    warn_of_shape("prnu", squares);
     add_rms("prnu_row", "", response.row, lines, from, response.row_sd_array);
     add_rms("prnu_column", "", response.column, lines, from, response.column_sd_array);
   }

@@ -21,11 +21,16 @@ double square(double x) { return x * x; }
 
 VarianceComponent variance_component(std::span<const MeanSquareTerm> terms) {
   VarianceComponent result;
-  double variance = 0.0, low = 0.0, high = 0.0;
+  if (terms.empty()) return result;
+  const auto dof_where_positive = [](const MeanSquareTerm& term) {
+    return term.coefficient > 0.0 ? term.dof : HUGE_VAL;
+  };
+  const MeanSquareTerm& own = *std::ranges::min_element(terms, {}, dof_where_positive);
+  double others = 0.0, low = 0.0, high = 0.0;
   for (const MeanSquareTerm& term : terms) {
     const double value = term.coefficient * term.mean_square;
     result.variance += value;
-    variance += 2.0 * value * value / term.dof;
+    if (&term != &own) others += 2.0 * value * value / term.dof;
     const double g = below(term.dof) * value, h = above(term.dof) * value;
     low += value > 0.0 ? g * g : h * h;
     high += value > 0.0 ? h * h : g * g;
@@ -38,7 +43,9 @@ VarianceComponent variance_component(std::span<const MeanSquareTerm> terms) {
       low += (square(far - 1.0) - square(below(p.dof) * far) - square(above(r.dof))) / far * positive * negative;
       high += (square(1.0 - near) - square(above(p.dof) * near) - square(below(r.dof))) / near * positive * negative;
     }
-  result.sd = std::sqrt(variance);
+  const double own_value = own.coefficient * own.mean_square;
+  result.sd = std::sqrt(others + 2.0 * square(own_value) / own.dof);
+  result.sd_of_zero = std::sqrt(others + 2.0 * square(own_value - result.variance) / own.dof);
   result.low95 = result.variance - std::sqrt(std::max(0.0, low));
   result.high95 = result.variance + std::sqrt(std::max(0.0, high));
   return result;

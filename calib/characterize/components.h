@@ -26,6 +26,9 @@ struct MeanSquareTerm {
 struct VarianceComponent {
   double variance = 0.0, sd = 0.0;
   double low95 = 0.0, high95 = 0.0;
+  /// Standard deviation were the truth 0: the positive term of fewest degrees of freedom is then what the others tell.
+  /// Unlike sd it is no smaller where that term came out small by chance, so it serves for tests and weights.
+  double sd_of_zero = 0.0;
 };
 
 /// Of the sum of the terms, which are independent.

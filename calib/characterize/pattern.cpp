@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "mtf/engines/statistics.h"
+#include "mtf/words.h"
 
 namespace calib {
 namespace {
@@ -96,11 +97,11 @@ PlaneSquares plane_squares(mtf::ImageView<const float> plane, int trend) {
   PlaneSquares result;
   result.rows = static_cast<double>(plane.height);
   result.columns = static_cast<double>(plane.width);
-  double squares = 0.0;
+  double squares = 0.0, cubes = 0.0, fourths = 0.0;
   for (std::size_t i = 0; i < n; ++i) {
-    const double r = residual(plane, lines, i);
+    const double r = residual(plane, lines, i), r2 = r * r;
     if (out[i] == 0)
-      squares += r * r;
+      squares += r2, cubes += r2 * r, fourths += r2 * r2;
     else
       result.defects.push_back({static_cast<std::int64_t>(i % H), static_cast<std::int64_t>(i / H), r});
   }
@@ -112,9 +113,27 @@ PlaneSquares plane_squares(mtf::ImageView<const float> plane, int trend) {
   const double mean = mean_of(lines.rows);
   for (const double one : lines.rows) result.row += W * (one - mean) * (one - mean) / result.row_dof;
   for (const double one : lines.columns) result.column += V * one * one / result.column_dof;
+  if (const double kept = static_cast<double>(n - left_out), variance = squares / kept; squares > 0.0) {
+    result.skewness = cubes / kept / std::pow(variance, 1.5);
+    result.kurtosis = fourths / kept / (variance * variance);
+  }
   result.row_means = std::move(lines.rows);
   result.column_means = std::move(lines.columns);
   return result;
+}
+
+std::string shape_words(const PlaneSquares& plane) {
+  const double chance =
+      5.0 * std::sqrt(6.0 / std::max(1.0, plane.pixel_dof));  // of the skewness; twice it the kurtosis
+  if (!(plane.kurtosis > 0.0) ||
+      (std::abs(plane.skewness) < std::max(1.0, chance) && plane.kurtosis > 3.0 - std::max(1.0, 2.0 * chance) &&
+       plane.kurtosis < 3.0 + std::max(2.0, 2.0 * chance)))
+    return "";
+  return "its pixels are far from normal (skewness " + mtf::significant(plane.skewness, 2) + ", kurtosis " +
+         mtf::significant(plane.kurtosis, 2) +
+         ", where 0 and 3 are normal), as when they fall into two groups: one rms describes them badly, and its error "
+         "is "
+         "that of a normal pattern";
 }
 
 Pattern pattern_of(const PlaneSquares& plane, const std::vector<AveragedStack>& stacks) {

@@ -13,6 +13,7 @@
 // there.
 
 #include <functional>
+#include <string>
 #include <vector>
 
 #include "calib/characterize/components.h"
@@ -33,6 +34,7 @@ struct PlaneSquares {
   double rows = 0.0, columns = 0.0;  ///< V, H
   double pixel = 0.0, row = 0.0, column = 0.0;
   double pixel_dof = 0.0, row_dof = 0.0, column_dof = 0.0;
+  double skewness = 0.0, kurtosis = 0.0;        ///< of the pixels that are no defects; 0 and 3 are normal
   std::vector<Defect> defects;                  ///< along rows
   std::vector<double> row_means, column_means;  ///< without the defects; the columns about the mean
 
@@ -44,6 +46,11 @@ struct PlaneSquares {
 };
 /// `trend`: degree of the one that was removed from the plane (trend.h), which took squares with it.
 PlaneSquares plane_squares(mtf::ImageView<const float> plane, int trend = 0);
+
+/// Says that one rms describes these pixels badly, as when they fall into two groups; "" of a pattern near normal. The
+/// limits are a skewness of 1 and a kurtosis of 2 and 5, on planes so small that chance passes these five of its
+/// standard deviations.
+std::string shape_words(const PlaneSquares& plane);
 
 /// A stack whose mean frame is in the plane.
 struct AveragedStack {

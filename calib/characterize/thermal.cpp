@@ -126,8 +126,8 @@ std::vector<LinePoint> line_points(const std::vector<Stack>& stacks, std::vector
 
 class FindingList {
  public:
-  FindingList(double dof, std::vector<Finding>& found)
-      : student_(std::sqrt(f_quantile(0.95, 1.0, dof))), found_(found) {}
+  FindingList(double dof, Characterization& result)
+      : student_(std::sqrt(f_quantile(0.95, 1.0, dof))), found_(result.findings), warnings_(result.warnings) {}
 
   void add_value(const std::string& name, const std::string& unit, double value, NumberErrors sd,
                  const std::string& from) {
@@ -154,12 +154,16 @@ class FindingList {
     f.sd_systematic = f.value * relative.systematic;
     found_.push_back(std::move(f));
   }
+  void warn_of_shape(const std::string& name, const PlaneSquares& plane) {
+    if (const std::string words = shape_words(plane); !words.empty()) warnings_.push_back(name + ": " + words);
+  }
 
  private:
   double half95(NumberErrors sd) const { return std::hypot(student_ * sd.random, k95_sd * sd.systematic); }
 
   double student_;
   std::vector<Finding>& found_;
+  std::vector<std::string>& warnings_;
 };
 
 constexpr std::array<const char*, radiometry::kCubeParts> kNoiseNames{"noise_t",  "noise_v",  "noise_h",  "noise_tv",
@@ -181,12 +185,13 @@ void add_noise(const MeanLine& line, const ThermalOptions& options, NumberErrors
   mtf::Image difference(hot.sums.pattern.width(), hot.sums.pattern.height());
   for (std::int64_t i = 0; i < difference.size(); ++i)
     difference.data()[i] = hot.sums.pattern.data()[i] - cold.sums.pattern.data()[i];
+  const PlaneSquares plane = plane_squares(difference.view());
   const VarianceComponent response =
-      pattern_of(plane_squares(difference.view()),
-                 {{hot.sums.squares, rounding_of(hot)}, {cold.sums.squares, rounding_of(cold)}})
-          .pixel;
+      pattern_of(plane, {{hot.sums.squares, rounding_of(hot)}, {cold.sums.squares, rounding_of(cold)}}).pixel;
   const double span = line.slope() * (hot.light - cold.light), signal = nearest.sums.mean - offset;
   findings.add_rms("prnu", "", response, span, {slope.random, 0.0}, hot.name + " less " + cold.name);
+  findings.warn_of_shape("noise_vh", plane_squares(nearest.sums.pattern.view()));
+  findings.warn_of_shape("prnu", plane);
 
   // What the responses of the pixels make of the signal is no offset; the distances of both limits add as squares.
   const double scale = squared(signal / span);
@@ -239,7 +244,7 @@ Characterization characterize_thermal(std::vector<Stack> stacks, const ThermalOp
         "wrongly, or lie too close");
   judge(line, options.misfit_p, result);
   const NumberErrors relative{slope.random / line.slope(), slope.systematic / line.slope()};
-  FindingList findings(line.dof(), result.findings);
+  FindingList findings(line.dof(), result);
   const std::string from = "line through the means of " + std::to_string(line.points().size()) + " stacks";
   const double sitf = line.slope() * options.radiance_per_k, offset = line.count(-options.own_radiance);
   findings.add_value("sitf", "counts/K", sitf, {sitf * relative.random, sitf * relative.systematic},

@@ -341,6 +341,8 @@ TEST(CharacterizeRefusals, BadDescriptorsAndFrames) {
   write("mixed/a.tif", plane);
   write("mixed/b.tif", small);
   expect_error(run(camera + stack("mixed/*.tif", "relative = 1")), 2, {"mixed/b.tif", "one size"});
+  write_file(scratch / "set.txt", "v 3.1\nn 12.7 32 24\n");
+  expect_error(scratch.run("mtf characterize set.txt"), 2, {"set.txt:2", "a whole number"});
 }
 
 /// The counts of a cube of write_cube() without its header, rows of 32 counts filled up to `columns`.

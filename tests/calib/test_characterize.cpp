@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <numbers>
@@ -252,6 +253,34 @@ TEST(Characterize, RoundingThatHidesTheNoiseGivesAnIntervalOnly) {
   EXPECT_EQ(found.find("read_noise")->verdict, Verdict::upper_limit);
   expect_says(found.find("read_noise")->why, {"rounding"});
   EXPECT_TRUE(says(found.warnings, "below 0.4 counts"));
+}
+
+// Of two groups of pixels the smaller one may be half of all: then no robust limit takes it for defects.
+TEST(Characterize, TwoGroupsOfPixelsAreSaid) {
+  Engine engine(8);
+  const auto warned = [&](const Camera& camera) {
+    return says(characterize(stacks_of(camera, array_of(camera, engine), engine), {}).warnings, "far from normal");
+  };
+  for (const double share : {0.2, 0.35, 0.5}) EXPECT_TRUE(warned({.hot_share = share})) << share;
+  for (int draw = 0; draw < 20; ++draw) EXPECT_FALSE(warned({.hot_share = draw % 2 * 0.005})) << draw;
+}
+
+// Rows that are two only: their mean square is near 0 in many draws, and its own standard deviation with it.
+TEST(Characterize, ChanceMakesNoVarianceClearlyNegative) {
+  Engine engine(9);
+  std::normal_distribution<double> normal;
+  constexpr int kDraws = 2000;
+  double squares = 0.0, sd = 0.0;
+  for (int draw = 0; draw < kDraws; ++draw) {
+    const double z = normal(engine);
+    const std::array<MeanSquareTerm, 2> terms{{{0.1, z * z, 1.0}, {-0.1, 1.0 + 0.04 * normal(engine), 1250.0}}};
+    const VarianceComponent rows = variance_component(terms);
+    squares += rows.variance * rows.variance / kDraws;
+    sd += rows.sd_of_zero / kDraws;
+    ASSERT_GT(rows.variance, -4.0 * rows.sd_of_zero) << z;
+  }
+  EXPECT_NEAR(sd, 0.1 * std::sqrt(2.0), 0.001);
+  EXPECT_NEAR(std::sqrt(squares) / sd, 1.0, 0.15);  // chance makes 4 % of 2,000 squares of chi-square
 }
 
 TEST(Characterize, Refusals) {

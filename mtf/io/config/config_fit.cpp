@@ -33,7 +33,7 @@ const Node* find_value(const Section& table, const FieldInfo& info) {
   const Node* value = table.find("value");
   if (value == nullptr)
     table.reader.error(table.table.position, table.path,
-                       "has no value; write { value = " + std::string(info.example) + ", fit = true }");
+                       "has no value; write { value = " + std::string(info.example) + ", ... }");
   else
     table.reader.positions[table.path] = value->position;
   return value;
@@ -68,7 +68,10 @@ void read_beside_value(const Section& section, FitSpec& spec, const ReadNumber& 
       return section.error("interval", "write [low, high], the ends of 95 %");
     const auto low = like(section, "interval", interval->items[0]),
                high = like(section, "interval", interval->items[1]);
-    if (low && high && *low > *high) section.error("interval", "its low end is above its high end; write [low, high]");
+    if (low && high && *low > *high)
+      section.error("interval", "its low end is above its high end; write [low, high]");
+    else if (low && high && !(*low <= spec.value && spec.value <= *high))
+      section.error("interval", "does not hold the value " + shown_at(section, "value"));
     if (spec.fit || spec.stderr_value)
       section.error("interval", "is what was measured of a number that may be 0; it stands without " +
                                     std::string(spec.fit ? "fit = true" : "stderr"));

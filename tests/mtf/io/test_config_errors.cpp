@@ -260,6 +260,8 @@ TEST(ConfigErrors, FitTables) {
              "s.toml:11:33: error: presample[0].rms.prior.sd: missing");
   expect_one(with("{ value = \"8 um\", interval = [\"9 um\", \"7 um\"] }"),
              "s.toml:11:36: error: presample[0].rms.interval:", {"low end is above"});
+  expect_one(with("{ value = \"8 um\", interval = [\"9 um\", \"10 um\"] }"),
+             "s.toml:11:36: error: presample[0].rms.interval:", {"does not hold the value \"8 um\""});
   expect_one(with("{ value = \"8 um\", interval = \"9 um\" }"),
              "s.toml:11:36: error: presample[0].rms.interval:", {"[low, high]"});
   expect_one(with("{ value = \"8 um\", interval = [\"1 urad\", \"9 um\"] }"),
