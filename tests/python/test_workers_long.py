@@ -3,7 +3,6 @@
 
 import os
 import signal
-import time
 from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 
@@ -49,7 +48,5 @@ def test_a_killed_worker_of_dask(studies, tmp_path):
             distributed.Client(cluster) as client:
         futures = [client.submit(piece, study, first, last, str(tmp_path / "marker"), pure=False)
                    for first, last in pieces_of(study)]
-        start = time.time()
         done = dict(client.gather(futures))
-        assert time.time() - start < 120
     assert b"".join(done[first] for first, _ in pieces_of(study)) == study.rows(threads=2).tobytes()

