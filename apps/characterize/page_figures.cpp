@@ -10,6 +10,7 @@
 
 #include "apps/text/message_words.h"
 #include "calib/characterize/line_spectrum.h"
+#include "calib/edge/median.h"
 #include "calib/fit/fit_report.h"
 
 namespace apps {
@@ -59,12 +60,6 @@ double signal_of(const Characterization& camera, const TransferLevel& level) {
 
 /// How many neighbours are put together, so that there are few enough to draw.
 std::int64_t group_of(std::int64_t values) { return (values + kMostPoints - 1) / kMostPoints; }
-
-double middle_of(std::vector<double> values) {
-  const auto middle = values.begin() + std::ssize(values) / 2;
-  std::ranges::nth_element(values, middle);
-  return *middle;
-}
 
 Figure figure_of(const std::string& title, const std::string& x_label, const std::string& y_label,
                  std::vector<Series> series) {
@@ -226,7 +221,8 @@ std::vector<Figure> profile_figures(const Stack& stack, const std::string& name)
     }
     Figure figure = figure_of("Profile of the " + name, columns ? "column" : "row", "counts", {means});
     const auto [low, high] = std::ranges::minmax(means.y);
-    const double room = 2.0 * std::min(low - middle_of(means.low), middle_of(means.high) - high);
+    std::vector<double> lows = means.low, highs = means.high;
+    const double room = 2.0 * std::min(low - calib::median(lows), calib::median(highs) - high);
     if (room > 0.0) {
       figure.y_low = low - room;
       figure.y_high = high + room;

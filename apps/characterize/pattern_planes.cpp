@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "apps/terminal/text_table.h"
-#include "calib/characterize/rounding.h"
 #include "calib/characterize/trend.h"
 #include "mtf/error.h"
 
@@ -16,16 +15,14 @@ using calib::Characterization, calib::Stack;
 
 /// (a - b) scale without its shading; without b: a scale.
 PatternPlane scaled_plane(std::string name, std::string unit, const Stack& a, const Stack* b, double scale, int trend) {
-  PatternPlane p{.name = std::move(name), .unit = std::move(unit), .plane = a.sums.pattern.clone()};
-  for (std::int64_t i = 0; i < p.plane.size(); ++i) {
-    const float less = b != nullptr ? b->sums.pattern.data()[i] : 0.0F;
-    p.plane.data()[i] = (p.plane.data()[i] - less) * static_cast<float>(scale);
-  }
+  PatternPlane p{.name = std::move(name),
+                 .unit = std::move(unit),
+                 .plane = b != nullptr ? calib::pattern_difference(a, *b) : a.sums.pattern.clone()};
+  for (std::int64_t i = 0; i < p.plane.size(); ++i) p.plane.data()[i] *= static_cast<float>(scale);
   for (const Stack* const stack : {&a, b}) {
     if (stack == nullptr) continue;
-    const double v = stack->sums.squares.value[radiometry::kTvh];
-    p.temporal2 +=
-        scale * scale * (v / stack->sums.squares.frames + calib::rounding_pattern(calib::unrounded_variance(v)));
+    const radiometry::MeanSquares& squares = stack->sums.squares;
+    p.temporal2 += scale * scale * (squares.value[radiometry::kTvh] / squares.frames + calib::rounding_of(*stack));
   }
   p.squares = calib::plane_squares(p.plane.view(), calib::remove_trend(p.plane.view(), trend).degree);
   return p;

@@ -52,6 +52,14 @@ bool is_hidden_by_rounding(const Stack& stack) {
   return unrounded_variance(squares.value[kTvh]) < square(0.4) && spread2 < square(0.5);
 }
 
+double rounding_of(const Stack& stack) { return rounding_pattern(unrounded_variance(stack.sums.squares.value[kTvh])); }
+
+mtf::Image pattern_difference(const Stack& stack, const Stack& other) {
+  mtf::Image d = stack.sums.pattern.clone();
+  for (std::int64_t i = 0; i < d.size(); ++i) d.data()[i] -= other.sums.pattern.data()[i];
+  return d;
+}
+
 void require_sound(const std::vector<Stack>& stacks) {
   if (stacks.empty()) throw mtf::UsageError("no stacks; give flat frames at several exposures");
   const radiometry::MeanSquares& first = stacks.front().sums.squares;
@@ -193,13 +201,7 @@ class Analysis {
                                  " standard deviations, as independent pixels do not give it");
     add(std::move(f));
   }
-  void warn_of_shape(const std::string& name, const PlaneSquares& plane) {
-    if (const std::string words = shape_words(plane); !words.empty()) result_.warnings.push_back(name + ": " + words);
-  }
   const Stack* darkest() const { return choice_of(result_.stacks).dark; }
-  double rounding_of(const Stack& stack) const {
-    return rounding_pattern(unrounded_variance(stack.sums.squares.value[kTvh]));
-  }
 
   CharacterizeOptions options_;
   Characterization result_;
@@ -429,14 +431,8 @@ void Analysis::add_patterns() {
   add_rms("fixed_row", "e-", fixed.row, gain_, dark->name, fixed.row_sd_array);
   add_rms("fixed_column", "e-", fixed.column, gain_, dark->name, fixed.column_sd_array);
   result_.defects = plane.defects;
-  if (!is_hidden_by_rounding(*dark)) warn_of_shape("dsnu", plane);
+  if (!is_hidden_by_rounding(*dark)) warn_of_shape("dsnu", plane, result_.warnings);
 
-  const auto difference = [&, &dark = *dark](const Stack& other) {
-    mtf::Image d(other.sums.pattern.width(), other.sums.pattern.height());
-    for (std::int64_t i = 0; i < d.size(); ++i)
-      d.data()[i] = other.sums.pattern.data()[i] - dark.sums.pattern.data()[i];
-    return d;
-  };
   if (bright != nullptr) {
     const auto index = static_cast<std::size_t>(bright - result_.stacks.data());
     const PhotonTransfer::Level& level = result_.transfer.levels[static_cast<std::size_t>(result_.level_of[index])];
@@ -447,7 +443,7 @@ void Analysis::add_patterns() {
     result_.bright_signal = signal;
     const Estimate &q = result_.crosstalk.power, lines{signal, 0.0},
                    pixels{signal * std::sqrt(q.value), signal * 0.5 * q.sd / std::sqrt(q.value)};
-    mtf::Image lit = difference(*bright);
+    mtf::Image lit = pattern_difference(*bright, *dark);
     const Trend trend = remove_trend(lit.view(), options_.trend);
     result_.trend = trend.degree;
     const PlaneSquares squares = plane_squares(lit.view(), trend.degree);
@@ -471,14 +467,14 @@ void Analysis::add_patterns() {
       add_rms("shading", "", shading, lines, from + ", degree " + std::to_string(trend.degree));
     }
     add_rms("prnu", "", response.pixel, pixels, from, response.pixel_sd_array);
-    warn_of_shape("prnu", squares);
+    warn_of_shape("prnu", squares, result_.warnings);
     add_rms("prnu_row", "", response.row, lines, from, response.row_sd_array);
     add_rms("prnu_column", "", response.column, lines, from, response.column_sd_array);
   }
   const std::optional<Estimate>& rate = result_.transfer.dark;
   if (!rate || !(longest->time_s > dark->time_s)) return;
   const double charge = gain_.value * rate->value * result_.crosstalk.power.value * (longest->time_s - dark->time_s);
-  const Pattern grown = pattern_of(plane_squares(difference(*longest).view()),
+  const Pattern grown = pattern_of(plane_squares(pattern_difference(*longest, *dark).view()),
                                    {{longest->sums.squares, rounding_of(*longest)}, dark_stack});
   if (rate->value > kSure_sd * rate->sd)
     add_rms("dcnu", "", grown.pixel, {charge, charge * rate->sd / rate->value}, longest->name + " less " + dark->name,

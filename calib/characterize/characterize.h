@@ -105,6 +105,10 @@ struct Characterization {
 /// the pixels are within half a count of each other.
 std::string clipped_words(const Stack& stack);
 bool is_hidden_by_rounding(const Stack& stack);
+/// The part of the rounding error of a pixel that does not change from frame to frame, in counts^2.
+double rounding_of(const Stack& stack);
+/// The mean frame of `stack` less that of `other`.
+mtf::Image pattern_difference(const Stack& stack, const Stack& other);
 /// Throws UsageError for no stacks, stacks of other sizes, means that fall while the light rises, and drifts.
 void require_sound(const std::vector<Stack>& by_light);
 

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "calib/edge/median.h"
 #include "mtf/engines/statistics.h"
 #include "mtf/words.h"
 
@@ -73,9 +74,7 @@ double defect_limit(std::size_t count, const std::function<double(std::size_t)>&
   const std::size_t stride = count / 1'000'000 + 1;
   std::vector<double> sizes;
   for (std::size_t i = 0; i < count; i += stride) sizes.push_back(std::abs(number(i)));
-  const auto middle = sizes.begin() + std::ssize(sizes) / 2;
-  std::nth_element(sizes.begin(), middle, sizes.end());
-  return kFar_sd * kMadToSd * *middle;
+  return kFar_sd * kMadToSd * median(sizes);
 }
 
 PlaneSquares plane_squares(mtf::ImageView<const float> plane, int trend) {
@@ -122,18 +121,17 @@ PlaneSquares plane_squares(mtf::ImageView<const float> plane, int trend) {
   return result;
 }
 
-std::string shape_words(const PlaneSquares& plane) {
+void warn_of_shape(const std::string& name, const PlaneSquares& plane, std::vector<std::string>& warnings) {
   const double chance =
       5.0 * std::sqrt(6.0 / std::max(1.0, plane.pixel_dof));  // of the skewness; twice it the kurtosis
   if (!(plane.kurtosis > 0.0) ||
       (std::abs(plane.skewness) < std::max(1.0, chance) && plane.kurtosis > 3.0 - std::max(1.0, 2.0 * chance) &&
        plane.kurtosis < 3.0 + std::max(2.0, 2.0 * chance)))
-    return "";
-  return "its pixels are far from normal (skewness " + mtf::significant(plane.skewness, 2) + ", kurtosis " +
-         mtf::significant(plane.kurtosis, 2) +
-         ", where 0 and 3 are normal), as when they fall into two groups: one rms describes them badly, and its error "
-         "is "
-         "that of a normal pattern";
+    return;
+  warnings.push_back(name + ": its pixels are far from normal (skewness " + mtf::significant(plane.skewness, 2) +
+                     ", kurtosis " + mtf::significant(plane.kurtosis, 2) +
+                     ", where 0 and 3 are normal), as when they fall into two groups: one rms describes them badly, "
+                     "and its error is that of a normal pattern");
 }
 
 Pattern pattern_of(const PlaneSquares& plane, const std::vector<AveragedStack>& stacks) {

@@ -47,10 +47,10 @@ struct PlaneSquares {
 /// `trend`: degree of the one that was removed from the plane (trend.h), which took squares with it.
 PlaneSquares plane_squares(mtf::ImageView<const float> plane, int trend = 0);
 
-/// Says that one rms describes these pixels badly, as when they fall into two groups; "" of a pattern near normal. The
-/// limits are a skewness of 1 and a kurtosis of 2 and 5, on planes so small that chance passes these five of its
-/// standard deviations.
-std::string shape_words(const PlaneSquares& plane);
+/// Adds a warning where one rms describes these pixels badly, as when they fall into two groups. The limits are a
+/// skewness of 1 and a kurtosis of 2 and 5, on planes so small that chance passes these five of its standard
+/// deviations.
+void warn_of_shape(const std::string& name, const PlaneSquares& plane, std::vector<std::string>& warnings);
 
 /// A stack whose mean frame is in the plane.
 struct AveragedStack {

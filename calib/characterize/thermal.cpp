@@ -19,8 +19,6 @@ using radiometry::kT, radiometry::kV, radiometry::kH, radiometry::kTv, radiometr
 
 double squared(double x) { return x * x; }
 
-double rounding_of(const Stack& stack) { return rounding_pattern(unrounded_variance(stack.sums.squares.value[kTvh])); }
-
 /// A stack that counts in the line.
 struct LinePoint {
   const Stack* stack = nullptr;
@@ -154,9 +152,7 @@ class FindingList {
     f.sd_systematic = f.value * relative.systematic;
     found_.push_back(std::move(f));
   }
-  void warn_of_shape(const std::string& name, const PlaneSquares& plane) {
-    if (const std::string words = shape_words(plane); !words.empty()) warnings_.push_back(name + ": " + words);
-  }
+  std::vector<std::string>& warnings() { return warnings_; }
 
  private:
   double half95(NumberErrors sd) const { return std::hypot(student_ * sd.random, k95_sd * sd.systematic); }
@@ -182,16 +178,13 @@ void add_noise(const MeanLine& line, const ThermalOptions& options, NumberErrors
   for (const radiometry::CubePart part : {kT, kV, kH, kTv, kTh, kVh, kTvh})
     findings.add_rms(kNoiseNames[part], "mK", variance_component(squares, part), counts_per_mk, slope, nearest.name);
 
-  mtf::Image difference(hot.sums.pattern.width(), hot.sums.pattern.height());
-  for (std::int64_t i = 0; i < difference.size(); ++i)
-    difference.data()[i] = hot.sums.pattern.data()[i] - cold.sums.pattern.data()[i];
-  const PlaneSquares plane = plane_squares(difference.view());
+  const PlaneSquares plane = plane_squares(pattern_difference(hot, cold).view());
   const VarianceComponent response =
       pattern_of(plane, {{hot.sums.squares, rounding_of(hot)}, {cold.sums.squares, rounding_of(cold)}}).pixel;
   const double span = line.slope() * (hot.light - cold.light), signal = nearest.sums.mean - offset;
   findings.add_rms("prnu", "", response, span, {slope.random, 0.0}, hot.name + " less " + cold.name);
-  findings.warn_of_shape("noise_vh", plane_squares(nearest.sums.pattern.view()));
-  findings.warn_of_shape("prnu", plane);
+  warn_of_shape("noise_vh", plane_squares(nearest.sums.pattern.view()), findings.warnings());
+  warn_of_shape("prnu", plane, findings.warnings());
 
   // What the responses of the pixels make of the signal is no offset; the distances of both limits add as squares.
   const double scale = squared(signal / span);
