@@ -8,7 +8,6 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cerrno>
 #include <chrono>
 #include <cmath>
@@ -378,9 +377,7 @@ std::optional<std::string> run_gnuplot(const std::string& script) {
 std::string extension(const std::string& path) {
   const std::size_t dot = path.rfind('.');
   if (dot == std::string::npos || path.find('/', dot) != std::string::npos) return "";
-  std::string text = path.substr(dot);
-  for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return text;
+  return mtf::lower_case(path.substr(dot));
 }
 
 Medium medium_of(const std::string& path) {

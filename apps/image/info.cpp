@@ -3,7 +3,6 @@
 // `mtf info FILE`: format and metadata of a file, statistics of its pixels, and the command to run next.
 
 #include <algorithm>
-#include <cctype>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -322,12 +321,7 @@ std::string as_json(const ImageFacts& facts) {
   return json_document(json);
 }
 
-bool is_config_file(const std::string& path) {
-  if (path.size() < 5) return false;
-  std::string ending = path.substr(path.size() - 5);
-  for (char& c : ending) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return ending == ".toml";
-}
+bool is_config_file(const std::string& path) { return mtf::lower_case(path).ends_with(".toml"); }
 
 int info_of_config(const InfoOptions& options) {
   const int status = check_config(options.file, options.format);

@@ -2,7 +2,6 @@
 #include "calib/find/bayer.h"
 
 #include <algorithm>
-#include <cctype>
 #include <limits>
 #include <span>
 #include <string>
@@ -13,15 +12,8 @@
 namespace calib {
 namespace {
 
-std::string lower(std::string_view word) {
-  std::string text(word);
-  std::transform(text.begin(), text.end(), text.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return text;
-}
-
 std::string known(std::string_view word, std::span<const std::string_view> names, const char* what) {
-  const std::string text = lower(word);
+  const std::string text = mtf::lower_case(word);
   if (std::find(names.begin(), names.end(), text) != names.end()) return text;
   throw mtf::UsageError("unknown Bayer " + std::string(what) + " \"" + text.substr(0, 40) + "\"; it is one of " +
                         mtf::joined(names));

@@ -4,7 +4,6 @@
 #include <dlfcn.h>
 
 #include <algorithm>
-#include <cctype>
 #include <map>
 
 #include "mtf/device/device_parts.h"
@@ -31,19 +30,6 @@ std::string absence(const BackendModule& backend) {
   if (backend.driver == nullptr) return "";
   void* const driver = ::dlopen(backend.driver, RTLD_LAZY | RTLD_LOCAL);
   return driver != nullptr ? "" : std::string("no driver on this machine (") + backend.driver + ")";
-}
-
-std::string lower(std::string_view text) {
-  std::string low(text);
-  std::transform(low.begin(), low.end(), low.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return low;
-}
-
-std::string joined(const std::vector<std::string>& list, const char* between) {
-  std::string text;
-  for (const std::string& word : list) text += (text.empty() ? "" : between) + word;
-  return text;
 }
 
 }  // namespace
@@ -139,7 +125,8 @@ DeviceChoice choose_device(std::string_view word, std::string& note) {
   for (const DeviceInfo& info : list.devices) {
     names.push_back(info.id + " (" + info.name + ")");
     if (word != "auto") {
-      if (word == info.id || lower(info.name).find(lower(word)) != std::string::npos) return {open_device(info), true};
+      if (word == info.id || lower_case(info.name).find(lower_case(word)) != std::string::npos)
+        return {open_device(info), true};
       continue;
     }
     if (info.cpu) continue;
@@ -154,7 +141,7 @@ DeviceChoice choose_device(std::string_view word, std::string& note) {
     return {};
   }
   throw UsageError("there is no device " + printable(std::string(word), 60) + "; " +
-                   (names.empty() ? "none is here: " + joined(reasons, "; ") : "there are " + joined(names, ", ")));
+                   (names.empty() ? "none is here: " + joined(reasons, "; ") : "there are " + joined(names)));
 }
 
 }  // namespace mtf
