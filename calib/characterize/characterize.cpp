@@ -148,6 +148,7 @@ class Analysis {
     add_transfer();
     add_lines();
     add_patterns();
+    add_noise_in_time(result_.stacks, result_.findings, result_.warnings);
     add_unknowable();
   }
 
@@ -502,6 +503,20 @@ StackSummary summary_of(const StackStatistics& stack) {
     if (stack.width() > std::abs(kLags[k].columns) && stack.height() > kLags[k].rows)
       s.covariance[k] = stack.covariance(kLags[k]);
   s.variance_sd = stack.variance_sd();
+  const double T = s.squares.frames, kept = static_cast<double>(stack.pixels_kept()), v = s.squares.value[kTvh];
+  if (s.frames > 2 && v > 0.0) {
+    // Rows, columns and frames that share noise are fewer than pixels, and their sums scatter by the share's square.
+    double all = v, squares = square(v) / kept;
+    for (const auto& [part, number] :
+         {std::pair{kTv, kept / s.squares.columns}, std::pair{kTh, s.squares.columns}, std::pair{kT, 1.0}}) {
+      const double shared = std::max(0.0, s.squares.variance(part));
+      all += shared;
+      squares += square(shared) / number + 2.0 * shared * v / kept;
+    }
+    s.frame_correlation = {stack.frame_correlation(), std::sqrt((T - 2.0) * squares) / ((T - 1.0) * all)};
+  }
+  s.looked_at = stack.pixels_kept();
+  s.noisy = stack.pixels_above(v * f_quantile(1.0 - kNoisy_p, T - 1.0, (T - 1.0) * kept));
   s.share_low = stack.share_low();
   s.share_high = stack.share_high();
   s.von_neumann = stack.von_neumann();

@@ -34,11 +34,17 @@ struct StackSummary {
   radiometry::MeanSquares squares;
   std::array<Covariance, kLags.size()> covariance{};
   double variance_sd = 0.0, share_low = 0.0, share_high = 0.0, von_neumann = 2.0;
+  Estimate frame_correlation{};  ///< of a pixel's noise in successive frames; sd of independent ones, 0: not known
+  std::int64_t noisy = 0,
+               looked_at = 0;  ///< pixels whose variance the noise of the others hardly makes, and of how many
   std::uint32_t step = 1;
   mtf::Image pattern{};  ///< pixel means less the mean of all; may be empty
 };
 /// Throws UsageError for a single frame.
 StackSummary summary_of(const StackStatistics& stack);
+
+/// The probability that a pixel of normal noise, as the others have, is counted as noisy.
+inline constexpr double kNoisy_p = 1e-7;
 
 struct Stack {
   std::string name;
@@ -109,6 +115,11 @@ bool is_hidden_by_rounding(const Stack& stack);
 double rounding_of(const Stack& stack);
 /// The mean frame of `stack` less that of `other`.
 mtf::Image pattern_difference(const Stack& stack, const Stack& other);
+/// Adds what the noise of a pixel is in time, and warnings where frames are not independent, or some pixels are noisier
+/// than normal noise makes any: `frame_correlation` of the stack in which it is clearest, `noisy_pixels` of the one
+/// with the least light, as blinking does not grow with it.
+void add_noise_in_time(const std::vector<Stack>& by_light, std::vector<Finding>& findings,
+                       std::vector<std::string>& warnings);
 /// Throws UsageError for no stacks, stacks of other sizes, means that fall while the light rises, and drifts.
 void require_sound(const std::vector<Stack>& by_light);
 

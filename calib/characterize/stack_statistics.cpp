@@ -69,6 +69,20 @@ MTFKIT_CLONES void sum_row(const double* const* rows, std::int64_t width, double
   }
 }
 
+/// Squares of the differences of two rows, by as many lanes.
+MTFKIT_CLONES double squared_steps(const float* row, const float* before, std::int64_t width) {
+  double part[kLanes]{};
+  const auto square = [&](std::int64_t i) {
+    const double step = static_cast<double>(row[i]) - static_cast<double>(before[i]);
+    return step * step;
+  };
+  std::int64_t i = 0;
+  for (; i + kLanes <= width; i += kLanes)
+    for (std::int64_t k = 0; k < kLanes; ++k) part[k] += square(i + k);
+  for (std::int64_t k = 0; i + k < width; ++k) part[k] += square(i + k);
+  return ((part[0] + part[1]) + (part[2] + part[3])) + ((part[4] + part[5]) + (part[6] + part[7]));
+}
+
 /// Of the pairs of a lag in a row: the first columns of the upper (or left) and of the lower pixel, and their number.
 struct Pairs {
   std::int64_t first, second, count;
@@ -83,7 +97,7 @@ Pairs pairs_of(Lag lag, std::int64_t width) {
 /// What a block of rows of a frame adds to the totals. Sums of counts are exact: long doubles are up to 2^64.
 struct StackStatistics::Part {
   std::array<long double, 2 + kLags.size()> sums{};  ///< as RowSums
-  long double row_squares = 0.0L;
+  long double row_squares = 0.0L, steps = 0.0L;
   std::vector<double> columns{};
   std::int64_t low = 0, high = 0;
   std::uint32_t bits = 0;
@@ -98,6 +112,7 @@ StackStatistics::StackStatistics(std::int64_t width, std::int64_t height, CountR
                           " pixels; at least two columns and two rows are needed");
   sum_.assign(static_cast<std::size_t>(pixels()), 0.0);
   squares_.assign(static_cast<std::size_t>((height_ + every_ - 1) / every_ * width_), 0.0);
+  before_.resize(squares_.size());
 }
 
 void StackStatistics::add(std::span<const mtf::ImageView<const float>> frames, int threads) {
@@ -150,7 +165,8 @@ std::vector<StackStatistics::Part> StackStatistics::reduce(std::span<const mtf::
         }
         Part& part = parts[f * static_cast<std::size_t>(blocks) + static_cast<std::size_t>(block)];
         part.columns.resize(static_cast<std::size_t>(width_));
-        double* squares = y % every_ == 0 ? squares_.data() + y / every_ * width_ : not_kept.data();
+        const bool kept = y % every_ == 0;
+        double* squares = kept ? squares_.data() + y / every_ * width_ : not_kept.data();
         const RowCounts row = add_row(frames[f].row(y), width_, reference_, range_, line(y), sum_.data() + y * width_,
                                       squares, part.columns.data());
         part.low += row.low;
@@ -162,6 +178,11 @@ std::vector<StackStatistics::Part> StackStatistics::reduce(std::span<const mtf::
         sum_row(std::array<const double*, 3>{line(y), line(y + 2), line(y + 1)}.data(), width_, sums.data());
         for (std::size_t j = 0; j < sums.size(); ++j) part.sums[j] += sums[j];
         part.row_squares += static_cast<long double>(sums[0]) * sums[0];
+        if (!kept) continue;
+        float* const before = before_.data() + y / every_ * width_;
+        if (f > 0 || frames_ > 0)
+          part.steps += squared_steps(frames[f].row(y), f > 0 ? frames[f - 1].row(y) : before, width_);
+        if (f + 1 == frames.size()) std::copy_n(frames[f].row(y), width_, before);
       }
   });
   return parts;
@@ -174,6 +195,7 @@ void StackStatistics::take(std::span<const Part> frame) {
     total += part.sums[0];
     all_squares_ += part.sums[1];
     row_squares_ += part.row_squares;
+    pixel_steps_ += part.steps;
     low_ += part.low;
     high_ += part.high;
     bits_ |= part.bits;
@@ -250,17 +272,32 @@ Covariance StackStatistics::covariance(Lag lag) const {
   return {static_cast<double>(sum / (T - 1.0L)) / pairs, pairs};
 }
 
-double StackStatistics::variance_sd() const {
+double StackStatistics::kept_variance(std::int64_t i) const {
   if (frames_ < 2) throw mtf::UsageError("one frame has no temporal variance; give two frames or more");
-  const auto T = static_cast<double>(frames_), n = static_cast<double>(squares_.size());
-  const auto variance = [&](std::int64_t i) {
-    const double sum = sum_[static_cast<std::size_t>(i / width_ * every_ * width_ + i % width_)];
-    return (squares_[static_cast<std::size_t>(i)] - sum * sum / T) / (T - 1.0);
-  };
+  const auto T = static_cast<double>(frames_);
+  const double sum = sum_[static_cast<std::size_t>(i / width_ * every_ * width_ + i % width_)];
+  return (squares_[static_cast<std::size_t>(i)] - sum * sum / T) / (T - 1.0);
+}
+
+double StackStatistics::variance_sd() const {
+  const auto n = static_cast<double>(pixels_kept());
   double mean = 0.0, squares = 0.0;
-  for (std::int64_t i = 0; i < std::ssize(squares_); ++i) mean += variance(i) / n;
-  for (std::int64_t i = 0; i < std::ssize(squares_); ++i) squares += (variance(i) - mean) * (variance(i) - mean);
+  for (std::int64_t i = 0; i < pixels_kept(); ++i) mean += kept_variance(i) / n;
+  for (std::int64_t i = 0; i < pixels_kept(); ++i) squares += (kept_variance(i) - mean) * (kept_variance(i) - mean);
   return std::sqrt(squares / (n - 1.0) / static_cast<double>(pixels()));
+}
+
+double StackStatistics::frame_correlation() const {
+  long double variances = 0.0L;
+  for (std::int64_t i = 0; i < pixels_kept(); ++i) variances += kept_variance(i);
+  if (frames_ < 3 || !(variances > 0.0L)) return 0.0;
+  return static_cast<double>(1.0L - pixel_steps_ / static_cast<long double>(frames_ - 1) / (2.0L * variances));
+}
+
+std::int64_t StackStatistics::pixels_above(double limit) const {
+  std::int64_t above = 0;
+  for (std::int64_t i = 0; i < pixels_kept(); ++i) above += kept_variance(i) > limit ? 1 : 0;
+  return above;
 }
 
 std::uint32_t StackStatistics::step() const {

@@ -6,6 +6,7 @@
 //   for each pixel     sum; sum of squares, of frames above two million pixels in some of the rows
 //   for each frame     squares of the sums of rows, of columns and of all, added to the totals at once
 //   at six lags        sums of the products of pixels that far apart
+//   in time            the squares of the differences of a pixel in successive frames, of the same rows
 // All values are taken about a whole number near their mean, and the sums of counts (whole numbers) are exact. From
 // them follow the seven mean squares of three-dimensional noise, and the temporal covariance of neighbours: as
 //   sum over t of (x_p - mean_p) (x_q - mean_q) = sum over t of x_p x_q - S_p S_q / T
@@ -65,6 +66,13 @@ class StackStatistics {
   /// Standard deviation of the mean over the pixels of their temporal variances, from the scatter of these: it holds
   /// for any distribution of independent pixels.
   double variance_sd() const;
+  /// Correlation of a pixel's noise in successive frames, 1 - (mean square of the differences) / (twice the variance):
+  /// 0 for frames of independent noise, whatever it is, above it for 1/f noise, lag and averages over frames (J. von
+  /// Neumann, Ann. Math. Stat. 12, 367 (1941)). 0 for two frames, which do not tell.
+  double frame_correlation() const;
+  /// Of the pixels whose squares are kept: those whose variance is above `limit`, and how many there are.
+  std::int64_t pixels_above(double limit) const;
+  std::int64_t pixels_kept() const { return static_cast<std::int64_t>(squares_.size()); }
 
   /// Parts of all values that are at the ends of the range.
   double share_low() const { return share(low_); }
@@ -82,15 +90,18 @@ class StackStatistics {
   double share(std::int64_t count) const;
   std::vector<Part> reduce(std::span<const mtf::ImageView<const float>> frames, int threads);
   void take(std::span<const Part> frame);
+  double kept_variance(std::int64_t i) const;
 
   std::int64_t width_, height_, frames_ = 0, low_ = 0, high_ = 0;
   CountRange range_;
   double reference_ = 0.0;
   std::int64_t every_;                 ///< row has its squares kept
   std::vector<double> sum_, squares_;  ///< of pixels
+  std::vector<float> before_;          ///< the rows of the latest frame whose squares are kept
   std::array<long double, kLags.size()> products_{};
   long double total_ = 0.0L, all_squares_ = 0.0L, frame_squares_ = 0.0L, row_squares_ = 0.0L, column_squares_ = 0.0L;
   long double step_squares_ = 0.0L;  ///< of the differences of successive frames' sums
+  long double pixel_steps_ = 0.0L;   ///< of those of pixels
   double last_ = 0.0;                ///< sum of the latest frame
   std::uint32_t bits_ = 0;           ///< that occur in any value
   bool whole_ = true;

@@ -244,6 +244,7 @@ Characterization characterize_thermal(std::vector<Stack> stacks, const ThermalOp
                      from + ", at " + significant(options.reference_k, 6) + " K");
   findings.add_value("offset", "counts", offset, line.errors_of_count(-options.own_radiance), from);
   add_noise(line, options, relative, offset, findings);
+  add_noise_in_time(stacks, result.findings, result.warnings);
   for (const char* const name : {"transmission", "absorptance", "f_number"})
     result.findings.push_back({.name = name,
                                .unit = "",

@@ -27,6 +27,8 @@ struct Camera {
   double shading = 0.0;               ///< of the light: relative, from the middle to the right edge
   double hot_share = 0.0;             ///< of pixels with 100 read noises more
   double lamp_sd = 0.0, drift = 0.0;  ///< of the light: from level to level, over a stack
+  double lasting = 0.0;               ///< correlation of the read noise from frame to frame
+  double blinking_share = 0.0;        ///< of pixels whose read noise is ten times that of others
   double top = 16383.0;
 };
 
@@ -63,7 +65,7 @@ Stack stack_of(const Camera& camera, const Array& array, double light, double ti
   std::normal_distribution<double> normal;
   StackStatistics sums(kSide, kSide, {.low = 0.0, .high = camera.top});
   const double lamp = 1.0 + camera.lamp_sd * normal(engine);
-  std::vector<double> e(kSide * kSide);
+  std::vector<double> e(kSide * kSide), noise(e.size());
   mtf::Image frame(kSide, kSide);
   for (int t = 0; t < frames; ++t) {
     for (std::size_t i = 0; i < e.size(); ++i) {
@@ -80,7 +82,12 @@ Stack stack_of(const Camera& camera, const Array& array, double light, double ti
         };
         const double s = camera.side;
         const double charge = (1.0 - 4.0 * s) * at(0, 0) + s * (at(1, 0) + at(-1, 0) + at(0, 1) + at(0, -1));
-        const double out = charge + array.offset_e[static_cast<std::size_t>(i)] + camera.read_e * normal(engine) + row;
+        double& lasts = noise[static_cast<std::size_t>(i)];
+        const double r = t > 0 ? camera.lasting : 0.0;
+        lasts = r * lasts + std::sqrt(1.0 - r * r) * normal(engine);
+        const bool blinks = static_cast<double>(i) < camera.blinking_share * static_cast<double>(e.size());
+        const double out =
+            charge + array.offset_e[static_cast<std::size_t>(i)] + (blinks ? 10.0 : 1.0) * camera.read_e * lasts + row;
         frame.data()[i] =
             static_cast<float>(std::clamp(std::floor(camera.gain * out + camera.offset + 0.5), 0.0, camera.top));
       }
@@ -396,12 +403,64 @@ TEST(Characterize, SumsAreThoseOfTheDefinitions) {
                   tolerance * squares.value[radiometry::kTvh]);
       EXPECT_EQ(found.value, many.covariance(lag).value);
     }
+    long double steps = 0.0L;
+    for (std::size_t t = 1; t < kCount; ++t)
+      for (std::size_t i = 0; i < kSize; ++i)
+        steps += (value(t, i) - value(t - 1, i)) * (value(t, i) - value(t - 1, i));
+    EXPECT_NEAR(one.frame_correlation(),
+                static_cast<double>(1.0L - steps / ((kCount - 1) * kSize) / (2.0L * mean_of(variance))), tolerance);
+    EXPECT_EQ(one.frame_correlation(), many.frame_correlation());
     EXPECT_EQ(one.mean_squares().value, many.mean_squares().value);
     EXPECT_EQ(one.variance_sd(), many.variance_sd());
     EXPECT_EQ(one.von_neumann(), many.von_neumann());
     EXPECT_EQ(one.step(), unit == 1.0 ? 1U : 0U);
     EXPECT_EQ(many.step(), one.step());
   }
+}
+
+// Frames of independent noise, of rows too, have a correlation of 0 within its error; noise that lasts has its own, and
+// pixels that are noisier than normal noise makes any are counted. Six frames: 1 - von Neumann's ratio / 2 of noise
+// with correlation r^k after k frames is 1 - (1 - r) / (1 - 2 / (T (T - 1)) sum over k of (T - k) r^k).
+TEST(Characterize, NoiseThatLastsIsSaid) {
+  Engine engine(11);
+  const auto dark = [&](const Camera& camera) {
+    return stack_of(camera, array_of(camera, engine), 0.0, 0.0, engine, kFrames);
+  };
+  for (const Camera& camera : {Camera{}, Camera{.row_e = 2.0}}) {
+    double squares = 0.0;
+    constexpr int kDraws = 300;
+    for (int i = 0; i < kDraws; ++i) {
+      const Estimate e = dark(camera).sums.frame_correlation;
+      squares += e.value * e.value / (e.sd * e.sd) / kDraws;
+    }
+    EXPECT_NEAR(squares, 1.0, 4.5 * std::sqrt(2.0 / kDraws)) << camera.row_e;
+  }
+  const auto found = [&](const Camera& camera) {
+    return characterize(stacks_of(camera, array_of(camera, engine), engine), {});
+  };
+  const auto warned = [](const Characterization& camera, const std::string& words) {
+    return std::ranges::any_of(camera.warnings,
+                               [&](const std::string& w) { return w.find(words) != std::string::npos; });
+  };
+  const Characterization good = found({});
+  EXPECT_LT(std::abs(good.find("frame_correlation")->value), 4.5 * good.find("frame_correlation")->sd);
+  EXPECT_EQ(good.find("noisy_pixels")->value, 0.0);
+  EXPECT_NEAR(good.find("noisy_pixels")->high95, 3.689 / (kSide * kSide), 1e-6);  // no event: -ln 0.025
+  EXPECT_TRUE(good.warnings.empty()) << good.warnings.front();
+
+  constexpr double kR = 0.3;
+  const Characterization lasting = found({.lasting = kR});
+  double sum = 0.0;
+  for (int k = 1; k < kFrames; ++k) sum += 2.0 * (kFrames - k) * std::pow(kR, k) / (kFrames * (kFrames - 1.0));
+  const Finding& r = *lasting.find("frame_correlation");
+  const double rounded = 1.0 + 1.0 / 12.0 / (0.16 * 9.0);  // white noise of rounding beside that of reading
+  EXPECT_NEAR(r.value, (1.0 - (1.0 - kR) / (1.0 - sum)) / rounded, 5.0 * r.sd);
+  EXPECT_EQ(r.from.substr(0, 10), "light 0.00");
+  EXPECT_TRUE(warned(lasting, "correlated from frame to frame"));
+
+  const Characterization blinking = found({.blinking_share = 20.0 / (kSide * kSide)});
+  EXPECT_NEAR(blinking.find("noisy_pixels")->value * kSide * kSide, 20.0, 2.0);
+  EXPECT_TRUE(warned(blinking, "noisier than"));
 }
 
 // The frames before one that is refused are counted.

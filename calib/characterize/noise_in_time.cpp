@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+
+// What the noise of a pixel is in time. All other numbers take the frames as independent: noise that lasts from one to
+// the next (1/f, lag, blinking, averages over frames) is missing in the temporal noise of a short stack, and stands in
+// its fixed pattern.
+
+#include <algorithm>
+#include <cmath>
+
+#include "calib/characterize/characterize.h"
+#include "calib/fit/fit_report.h"
+#include "mtf/words.h"
+
+namespace calib {
+namespace {
+
+constexpr double kSure_sd = 5.0, kLeast = 0.01;  // a correlation below changes no number by its error
+
+}  // namespace
+
+void add_noise_in_time(const std::vector<Stack>& stacks, std::vector<Finding>& findings,
+                       std::vector<std::string>& warnings) {
+  const Stack *clearest = nullptr, *least = nullptr;
+  const auto clear = [](const Stack& one) {
+    const Estimate& e = one.sums.frame_correlation;
+    return e.sd > 0.0 ? std::abs(e.value) / e.sd : 0.0;
+  };
+  for (const Stack& one : stacks) {
+    if (!one.is_usable() || is_hidden_by_rounding(one)) continue;
+    if (one.sums.frame_correlation.sd > 0.0 && (clearest == nullptr || clear(one) > clear(*clearest))) clearest = &one;
+    if (least == nullptr) least = &one;
+  }
+  if (clearest != nullptr) {
+    const Estimate& e = clearest->sums.frame_correlation;
+    const double half = k95_sd * e.sd;
+    findings.push_back({.name = "frame_correlation",
+                        .unit = "",
+                        .value = e.value,
+                        .sd = e.sd,
+                        .low95 = e.value - half,
+                        .high95 = e.value + half,
+                        .from = clearest->name + ", a pixel's noise in successive frames"});
+    if (std::abs(e.value) > std::max(kLeast, kSure_sd * e.sd))
+      warnings.push_back(
+          clearest->name + ": the noise of a pixel is correlated from frame to frame (" + mtf::significant(e.value, 2) +
+          " +- " + mtf::significant(e.sd, 2) +
+          "), as 1/f noise, lag, blinking or a filter over frames make it: what is temporal and what is fixed "
+          "depends on the number of frames, and errors are those of independent frames");
+  }
+  if (least == nullptr || least->sums.looked_at == 0) return;
+  const auto count = static_cast<double>(least->sums.noisy), of = static_cast<double>(least->sums.looked_at);
+  constexpr double many = 1e9;  // degrees of freedom: chi-square by F; the limits of a Poisson number
+  findings.push_back({.name = "noisy_pixels",
+                      .unit = "",
+                      .value = count / of,
+                      .sd = std::sqrt(count) / of,
+                      .low95 = count > 0.0 ? count * f_quantile(0.025, 2.0 * count, many) / of : 0.0,
+                      .high95 = (count + 1.0) * f_quantile(0.975, 2.0 * count + 2.0, many) / of,
+                      .from = least->name + ", temporal variance above that of the others"});
+  if (count > 0.0 && 1.0 - chi_square_tail(2.0 * kNoisy_p * of, 2.0 * count) < 1e-3)
+    warnings.push_back(
+        least->name + ": " + mtf::plural(least->sums.noisy, "pixel") + " of " + std::to_string(least->sums.looked_at) +
+        " are noisier than the noise of the others makes any, as pixels that blink: the twin's pixels are all "
+        "alike, with the same mean variance");
+}
+
+}  // namespace calib

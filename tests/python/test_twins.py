@@ -1,0 +1,31 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The twin of one camera of each kind, and that the comparisons see a twin that is wrong. Twelve cameras: test_twins_long.py."""
+
+import numpy as np
+import pytest
+from twins import PhotonCamera, ThermalCamera, compared, twin_of
+
+
+@pytest.mark.parametrize("kind", [PhotonCamera, ThermalCamera])
+def test_frames_of_the_twin_are_as_the_camera_s_own(kind):
+    camera = kind(np.random.default_rng(2026))
+    twin = twin_of(camera)
+    assert twin.adequate, twin.reason
+    z = compared(camera, twin, seed=4711)
+    # 5 % of good comparisons are beyond 1.96; of these 40 to 50 more than seven are with a probability of 1e-3.
+    assert sum(abs(value) > 1.96 for value in z.values()) <= 7, z
+    assert max(abs(value) for value in z.values()) < 4.5, z
+
+
+@pytest.mark.parametrize(("key", "factor", "test"), [
+    ("detector.read_noise", 1.1, "tvh"), ("nonuniformity.dsnu", 1.1, "vh"), ("noise.row", 1.5, "tv"), ("adc.electrons_per_count", 0.97, "tvh"),
+    ("readout[1].side", 0.0, "lag row")])
+def test_a_wrong_twin_is_told(key, factor, test):
+    camera = PhotonCamera(np.random.default_rng(2026))
+    number, _, unit = str(camera.sensor[key]).partition(" ")
+    changed = camera.sensor.replace({key: f"{float(number) * factor} {unit}".strip()})
+
+    class Twin:
+        sensor = changed
+
+    assert max(abs(z) for (_, name), z in compared(camera, Twin, seed=4711).items() if name == test) > 4.5
