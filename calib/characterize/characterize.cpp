@@ -60,6 +60,26 @@ mtf::Image pattern_difference(const Stack& stack, const Stack& other) {
   return d;
 }
 
+std::array<Estimate, kLags.size()> pixel_covariance(const StackSummary& stack) {
+  const radiometry::MeanSquares& squares = stack.squares;
+  const double v = squares.value[kTvh], times = squares.frames - 1.0, V = squares.rows, H = squares.columns;
+  const double t = squares.variance(kT), tv = std::max(0.0, squares.variance(kTv)),
+               th = std::max(0.0, squares.variance(kTh));
+  std::array<Estimate, kLags.size()> result{};
+  for (std::size_t k = 0; k < kLags.size(); ++k) {
+    const bool one_row = kLags[k].rows == 0, one_column = kLags[k].columns == 0;
+    const double shared = t + (one_row ? squares.variance(kTv) : 0.0) + (one_column ? squares.variance(kTh) : 0.0);
+    const double kept = 1.0 - 2.0 / ((one_row ? H : one_column ? V : 2e9) - 1.0);
+    if (!(kept > 0.0) || stack.covariance[k].pairs == 0.0) continue;
+    // Noise of two rows that differ has products too, few of them: one a pair of rows.
+    const double rows = one_row ? 0.0 : tv, columns = one_column ? 0.0 : th;
+    const double variance =
+        v * (v + 2.0 * (rows + columns)) / stack.covariance[k].pairs + square(rows) / V + square(columns) / H;
+    result[k] = {(stack.covariance[k].value - shared) / kept, std::sqrt(variance / times) / kept};
+  }
+  return result;
+}
+
 void require_sound(const std::vector<Stack>& stacks) {
   if (stacks.empty()) throw mtf::UsageError("no stacks; give flat frames at several exposures");
   const radiometry::MeanSquares& first = stacks.front().sums.squares;
@@ -315,13 +335,11 @@ void Analysis::fit() {
 void Analysis::correct_for_crosstalk() {
   std::vector<CorrelatedLevel> levels;
   for (std::size_t i = 0; i < result_.stacks.size(); ++i) {
-    if (result_.level_of[i] < 0) continue;
+    if (result_.level_of[i] < 0 || is_hidden_by_rounding(result_.stacks[i])) continue;
     const StackSummary& s = result_.stacks[i].sums;
     const PhotonTransfer::Level& model = result_.transfer.levels[static_cast<std::size_t>(result_.level_of[i])];
-    levels.push_back({.covariance = s.covariance,
-                      .variance = s.squares.value[kTvh],
-                      .shot = square(result_.transfer.gain.value * model.slope) * model.electrons,
-                      .frames = s.squares.frames});
+    levels.push_back({.covariance = pixel_covariance(s),
+                      .shot = square(result_.transfer.gain.value * model.slope) * model.electrons});
   }
   result_.crosstalk = estimate_crosstalk(levels);
 }

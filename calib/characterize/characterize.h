@@ -107,6 +107,10 @@ struct Characterization {
   const Finding* find(std::string_view name) const;
 };
 
+/// The covariances of the noise of pixels: less the components that rows, columns and frames share, which the same
+/// frames tell. Neighbours that share noise raise the component of their row of H pixels by 2/(H - 1) of it, which is
+/// undone.
+std::array<Estimate, kLags.size()> pixel_covariance(const StackSummary& stack);
 /// Why a stack that is not usable is left out, and whether rounding hides the noise of one: it is below 0.4 counts, and
 /// the pixels are within half a count of each other.
 std::string clipped_words(const Stack& stack);

@@ -44,11 +44,19 @@ Estimate pooled(const Estimate& a, const Estimate& b) {
 CrosstalkEstimate estimate_crosstalk(const std::vector<CorrelatedLevel>& levels) {
   CrosstalkEstimate result;
   for (std::size_t k = 0; k < kLags.size(); ++k) {
-    double sum = 0.0, squares = 0.0;
+    const auto weight = [&](const CorrelatedLevel& level) {
+      const double sd = level.covariance[k].sd;
+      return sd > 0.0 ? 1.0 / (sd * sd) : 0.0;
+    };
+    double weights = 0.0, shot = 0.0, sum = 0.0, squares = 0.0;
     for (const CorrelatedLevel& level : levels) {
-      const double weight = level.covariance[k].pairs * (level.frames - 1.0) / (level.variance * level.variance);
-      sum += weight * level.shot * level.covariance[k].value;
-      squares += weight * level.shot * level.shot;
+      weights += weight(level);
+      shot += weight(level) * level.shot;
+    }
+    for (const CorrelatedLevel& level : levels) {
+      const double above = level.shot - shot / weights;
+      sum += weight(level) * above * level.covariance[k].value;
+      squares += weight(level) * above * above;
     }
     if (!(squares > 0.0)) return result;
     result.ratio[k] = {sum / squares, 1.0 / std::sqrt(squares)};

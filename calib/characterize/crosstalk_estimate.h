@@ -19,12 +19,10 @@
 
 namespace calib {
 
-/// A stack with light: its covariances at kLags, and variances in counts^2.
+/// A stack: the covariances of its pixels' noise at kLags, and the shot noise of a pixel, in counts^2.
 struct CorrelatedLevel {
-  std::array<Covariance, kLags.size()> covariance;
-  double variance = 0.0;  ///< of a pixel
-  double shot = 0.0;      ///< the part of it that is shot noise
-  double frames = 0.0;
+  std::array<Estimate, kLags.size()> covariance{};  ///< sd 0: not known
+  double shot = 0.0;
 };
 
 struct CrosstalkEstimate {

@@ -137,6 +137,9 @@ const std::vector<Condition> kConditions{
      {.row_e = 1.5, .fixed_row_e = 2.0},
      {},
      {{"row_noise", 1.5}, {"fixed_row", 2.0}, {"column_noise", 0.0}, {"fixed_column", 0.0}}},
+    // What a row shares is no covariance of neighbours, with crosstalk and without.
+    {"StrongRows", {.row_e = 10.0, .fixed_row_e = 20.0}, {}, {{"row_noise", 10.0}, {"crosstalk_side", 0.0}}},
+    {"StrongRowsCrosstalk", {.side = 0.01, .row_e = 10.0}, {}, {{"row_noise", 10.0}, {"crosstalk_side", 0.01}}},
     {"LampOffByOnePercent", {.lamp_sd = 0.01}, {.light_repeatability = 0.01}},
     {"HotPixels", {.hot_share = 0.005}}};
 

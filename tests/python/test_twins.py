@@ -19,7 +19,7 @@ def test_frames_of_the_twin_are_as_the_camera_s_own(kind):
 
 @pytest.mark.parametrize(("key", "factor", "test"), [
     ("detector.read_noise", 1.1, "tvh"), ("nonuniformity.dsnu", 1.1, "vh"), ("noise.row", 1.5, "tv"), ("adc.electrons_per_count", 0.97, "tvh"),
-    ("readout[1].side", 0.0, "lag row")])
+    ("readout[0].side", 0.0, "lag row")])
 def test_a_wrong_twin_is_told(key, factor, test):
     camera = PhotonCamera(np.random.default_rng(2026))
     number, _, unit = str(camera.sensor[key]).partition(" ")
