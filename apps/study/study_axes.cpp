@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <charconv>
 #include <limits>
+#include <map>
 
 #include "apps/study/study_reader.h"
 #include "apps/study/study_shape.h"
@@ -149,10 +150,11 @@ struct AxisReader {
   /// A value that stands twice would be swept twice. `read`: of the nodes, one for each.
   template <class T>
   void require_each_once(const Node& values, const std::vector<T>& read) {
-    for (std::size_t i = 1; i < read.size(); ++i) {
-      const auto first = std::find(read.begin(), read.begin() + static_cast<std::ptrdiff_t>(i), read[i]);
-      if (first == read.begin() + static_cast<std::ptrdiff_t>(i)) continue;
-      const Node& same = values.items[static_cast<std::size_t>(first - read.begin())];
+    std::map<T, std::size_t> first;
+    for (std::size_t i = 0; i < read.size(); ++i) {
+      const auto [known, is_new] = first.try_emplace(read[i], i);
+      if (is_new) continue;
+      const Node& same = values.items[known->second];
       s.error(values.items[i].position, section.at("values"),
               cfg::shown(values.items[i]) + " is the value " + cfg::shown(same) +
                   " of this list again; its designs would be swept twice, so remove one of them");
