@@ -140,11 +140,6 @@ calib::Characterization characterize_blackbodies(std::vector<calib::Stack> stack
     camera.warnings.push_back("kelvin are those at " + significant(reference_k, 6) + " K, far from the blackbodies (" +
                               significant(coolest_k, 6) + " to " + significant(hottest_k, 6) +
                               " K); set reference_temperature in [options]");
-  if (sensor.settings.correction)
-    camera.warnings.emplace_back(
-        "[correction] of the nominal would be made once more on what the frames have after it; remove it");
-  if (sensor.settings.flicker)
-    camera.warnings.emplace_back("[flicker] of the nominal is noise beside the components measured here; remove it");
   return camera;
 }
 

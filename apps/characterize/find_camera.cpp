@@ -48,6 +48,17 @@ double full_well_of(const StacksFile& stacks, const Nominal& nominal) {
   return std::isfinite(given) ? given : 0.0;
 }
 
+/// What the frames have gone through, or hold, already: the twin would have it twice.
+void warn_of_nominal(const mtf::io::SensorConfig& nominal, std::vector<std::string>& warnings) {
+  if (find_table(nominal.tables, "correction") != nullptr)
+    warnings.emplace_back(
+        "[correction] of the nominal would be made once more on what the frames have after it; remove it");
+  for (const char* const table : {"flicker", "blinking"})
+    if (find_table(nominal.tables, table) != nullptr)
+      warnings.push_back("[" + std::string(table) +
+                         "] of the nominal is noise beside the components measured here; remove it");
+}
+
 }  // namespace
 
 int bits_of(const StacksFile& file, const Nominal& nominal) {
@@ -107,6 +118,7 @@ FoundCamera find_camera(const StacksFile& file, Nominal nominal, ReadStacks read
     nominal = std::move(least.config);
   }
   found.name = nominal->system.name;
+  warn_of_nominal(*nominal, found.camera.warnings);
   found.sensor = file.has_blackbodies()
                      ? thermal_camera_file(found.camera, file, std::move(*nominal), read.bits, destination)
                      : camera_file(found.camera, file, std::move(*nominal), read.bits, placeholders, maps, destination);

@@ -19,6 +19,7 @@ using radiometry::kTh, radiometry::kTv, radiometry::kTvh, radiometry::kVh, radio
     radiometry::kT;
 
 constexpr double kSure_sd = 3.0;
+constexpr const char* kHidden = "rounding hides noise below 0.4 counts where all pixels have one offset";
 
 double square(double x) { return x * x; }
 
@@ -38,6 +39,18 @@ double significance(const std::vector<Stack>& stacks, radiometry::CubePart part)
   return weights > 0.0 ? sum / std::sqrt(weights) : 0.0;
 }
 
+/// Temporal variance that a pixel has in common with others of its row, column or frame.
+double shared_variance(const radiometry::MeanSquares& squares) {
+  double sum = 0.0;
+  for (const radiometry::CubePart part : {kTv, kTh, kT}) sum += std::max(0.0, squares.variance(part));
+  return sum;
+}
+
+/// Of the noise of a pixel in time, all of it, before rounding.
+double unrounded_noise(const radiometry::MeanSquares& squares) {
+  return unrounded_variance(squares.value[kTvh] + shared_variance(squares));
+}
+
 }  // namespace
 
 std::string clipped_words(const Stack& stack) {
@@ -49,10 +62,10 @@ std::string clipped_words(const Stack& stack) {
 bool is_hidden_by_rounding(const Stack& stack) {
   const radiometry::MeanSquares& squares = stack.sums.squares;
   const double spread2 = squares.variance(kVh) + squares.variance(kV) + squares.variance(kH);
-  return unrounded_variance(squares.value[kTvh]) < square(0.4) && spread2 < square(0.5);
+  return unrounded_noise(squares) < square(0.4) && spread2 < square(0.5);
 }
 
-double rounding_of(const Stack& stack) { return rounding_pattern(unrounded_variance(stack.sums.squares.value[kTvh])); }
+double rounding_of(const Stack& stack) { return rounding_pattern(unrounded_noise(stack.sums.squares)); }
 
 mtf::Image pattern_difference(const Stack& stack, const Stack& other) {
   mtf::Image d = stack.sums.pattern.clone();
@@ -252,8 +265,10 @@ void Analysis::make_levels() {
     level.mean_variance = (lines ? std::max(v, s.squares.value[kTv] + s.squares.value[kTh] - v) : v) / n +
                           pattern * T / n + (frames ? dark_frames.variance / T : 0.0);
     level.variance = v;
+    level.shared = shared_variance(s.squares);
     level.dof = s.squares.dof(kTvh);
-    if (v < 1.5) level.variance_sd = s.variance_sd;  // rounded noise of a pixel is not normal
+    // Rounded noise of a pixel is not normal; what it shares scatters with it.
+    if (v < 1.5) level.variance_sd = s.variance_sd * v / (v + level.shared);
     level.light_sd = std::sqrt(square(options_.light_repeatability) + flicker / T);
     if (is_hidden_by_rounding(stack)) {
       level.variance_counts = false;
@@ -367,7 +382,7 @@ void Analysis::add_transfer() {
   if (read_hidden_) {
     Finding& finding = result_.findings.back();
     finding.verdict = Verdict::upper_limit;
-    finding.why = "rounding hides noise below 0.4 counts where all pixels have one offset";
+    finding.why = kHidden;
   }
   const Estimate rate = scaled(t.rate, 1.0);
   add_value("rate", "e- per unit of light", rate, from);
@@ -393,41 +408,44 @@ void Analysis::add_transfer() {
   if (const Stack* dark = darkest()) {
     const StackSummary& s = dark->sums;
     for (std::size_t k = 0; k < 2; ++k) {
-      const double r = s.covariance[k].value / s.squares.value[kTvh];
-      const double sd = 1.0 / std::sqrt(s.covariance[k].pairs * (s.squares.frames - 1.0));
-      // Row and column noise correlates whole lines: that is told from a filter by its own component.
-      const double line = std::max(0.0, s.squares.variance(k == 0 ? kTv : kTh)) / s.squares.value[kTvh];
-      if (std::abs(r - line) > 0.02 + 5.0 * sd)
-        result_.warnings.push_back(dark->name + ": the noise of neighbours correlates in the dark (" +
-                                   significant(r, 2) +
-                                   "), as after a filter or a denoiser; gain and noise are those of processed frames");
+      const Estimate covariance = pixel_covariance(s)[k];
+      const double r = covariance.value / s.squares.value[kTvh], sd = covariance.sd / s.squares.value[kTvh];
+      if (std::abs(r) > 0.02 + 5.0 * sd)
+        result_.warnings.push_back(
+            dark->name + ": the noise of neighbours " + (k == 0 ? "in rows" : "in columns") +
+            " correlates in the dark (" + significant(r, 2) +
+            "), as 1/f noise of the readout, a filter or a denoiser makes it; gain and noise are "
+            "those of such frames");
     }
   }
 }
 
 void Analysis::add_lines() {
   // Row and column noise is pooled by weights; neighbours that share shot noise feign it, so then from the dark alone.
+  std::vector<const Stack*> pooled;
+  for (const Stack& stack : result_.stacks)
+    if (stack.is_usable() && !is_hidden_by_rounding(stack) && !(result_.crosstalk.found && stack.light > 0.0))
+      pooled.push_back(&stack);
   const auto pool = [&](radiometry::CubePart part) {
     std::vector<MeanSquareTerm> terms;
     double weights = 0.0;
-    for (const Stack& stack : result_.stacks)
-      if (stack.is_usable() && !(result_.crosstalk.found && stack.light > 0.0))
-        weights += 1.0 / square(variance_component(stack.sums.squares, part).sd_of_zero);
-    for (const Stack& stack : result_.stacks) {
-      if (!stack.is_usable() || (result_.crosstalk.found && stack.light > 0.0)) continue;
-      const double weight = 1.0 / square(variance_component(stack.sums.squares, part).sd_of_zero) / weights;
-      for (const MeanSquareTerm& term : terms_of(stack.sums.squares, part, weight)) terms.push_back(term);
+    for (const Stack* stack : pooled) weights += 1.0 / square(variance_component(stack->sums.squares, part).sd_of_zero);
+    for (const Stack* stack : pooled) {
+      const double weight = 1.0 / square(variance_component(stack->sums.squares, part).sd_of_zero) / weights;
+      for (const MeanSquareTerm& term : terms_of(stack->sums.squares, part, weight)) terms.push_back(term);
     }
     return variance_component(terms);
   };
   const std::string why = "with crosstalk it takes a dark stack that is not clipped";
   for (const auto& [name, part] : {std::pair{"row_noise", kTv}, std::pair{"column_noise", kTh}}) {
-    if (result_.crosstalk.found && darkest() == nullptr)
-      not_determined(name, "e-", why);
+    if (pooled.empty())
+      not_determined(name, "e-", darkest() == nullptr ? why : kHidden);
     else
       add_rms(name, "e-", pool(part), gain_, result_.crosstalk.found ? "the dark stacks" : "all stacks, pooled");
   }
-  if (const Stack* dark = darkest())
+  if (const Stack* dark = darkest(); dark != nullptr && is_hidden_by_rounding(*dark))
+    not_determined("frame_noise", "e-", kHidden);
+  else if (dark != nullptr)
     add_rms("frame_noise", "e-", variance_component(dark->sums.squares, kT), gain_, dark->name);
 }
 
@@ -436,8 +454,10 @@ void Analysis::add_patterns() {
   const std::string no_dark = result_.stacks.front().light == 0.0
                                   ? "the dark stack is clipped at the lower end; raise the offset"
                                   : "no dark stack; give one with light = false";
-  if (dark == nullptr)
-    for (const char* const name : {"dsnu", "fixed_row", "fixed_column"}) not_determined(name, "e-", no_dark);
+  const bool hidden = dark != nullptr && is_hidden_by_rounding(*dark);
+  if (dark == nullptr || hidden)
+    for (const char* const name : {"dsnu", "fixed_row", "fixed_column"})
+      not_determined(name, "e-", hidden ? kHidden : no_dark);
   if (dark == nullptr || bright == nullptr)
     for (const char* const name : {"prnu", "prnu_row", "prnu_column"})
       not_determined(name, "", dark == nullptr ? no_dark : "no level has light");
@@ -446,11 +466,13 @@ void Analysis::add_patterns() {
   const PlaneSquares plane = plane_squares(dark->sums.pattern.view());
   const AveragedStack dark_stack{dark->sums.squares, rounding_of(*dark)};
   const Pattern fixed = pattern_of(plane, {dark_stack});
-  add_rms("dsnu", "e-", fixed.pixel, gain_, dark->name, fixed.pixel_sd_array);
-  add_rms("fixed_row", "e-", fixed.row, gain_, dark->name, fixed.row_sd_array);
-  add_rms("fixed_column", "e-", fixed.column, gain_, dark->name, fixed.column_sd_array);
+  if (!hidden) {
+    add_rms("dsnu", "e-", fixed.pixel, gain_, dark->name, fixed.pixel_sd_array);
+    add_rms("fixed_row", "e-", fixed.row, gain_, dark->name, fixed.row_sd_array);
+    add_rms("fixed_column", "e-", fixed.column, gain_, dark->name, fixed.column_sd_array);
+    warn_of_shape("dsnu", plane, result_.warnings);
+  }
   result_.defects = plane.defects;
-  if (!is_hidden_by_rounding(*dark)) warn_of_shape("dsnu", plane, result_.warnings);
 
   if (bright != nullptr) {
     const auto index = static_cast<std::size_t>(bright - result_.stacks.data());
@@ -534,7 +556,7 @@ StackSummary summary_of(const StackStatistics& stack) {
     s.frame_correlation = {stack.frame_correlation(), std::sqrt((T - 2.0) * squares) / ((T - 1.0) * all)};
   }
   s.looked_at = stack.pixels_kept();
-  s.noisy = stack.pixels_above(v * f_quantile(1.0 - kNoisy_p, T - 1.0, (T - 1.0) * kept));
+  s.noisy = stack.pixels_above(f_quantile(1.0 - kNoisy_p, T - 1.0, (T - 1.0) * kept));
   s.share_low = stack.share_low();
   s.share_high = stack.share_high();
   s.von_neumann = stack.von_neumann();

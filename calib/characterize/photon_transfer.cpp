@@ -56,8 +56,8 @@ class Problem {
     double by_before = 1.0;
     if (options_.step > 0.0) {
       // Below, the noise is next to none in a count: the likelihood falls without bound, and the step is not taken.
-      const RoundedVariance q = rounded_variance(std::max(1e-8, before / step2));
-      m.variance = step2 * q.value;
+      const RoundedVariance q = rounded_variance(std::max(1e-8, (before + level.shared) / step2));
+      m.variance = std::max(1e-300, step2 * q.value - level.shared);
       by_before = q.slope;
     } else {
       m.variance = std::max(before, 1e-300);
@@ -183,7 +183,9 @@ Eigen::VectorXd start_of(const std::vector<TransferLevel>& levels, const Transfe
   x[kRate] = (bright.mean - dark.mean) / gain / (bright.light - dark.light);
   x[kOffset] = dark.mean - gain * x[kRate] * dark.light;
   const double step2 = options.step * options.step;
-  const double read = step2 > 0.0 ? step2 * unrounded_variance(dark.variance / step2) : dark.variance;
+  const double read =
+      step2 > 0.0 ? std::max(0.0, step2 * unrounded_variance((dark.variance + dark.shared) / step2) - dark.shared)
+                  : dark.variance;
   x[kRead2] = std::max(read / (gain * gain) - x[kRate] * dark.light, 0.1 * read / (gain * gain));
   return x;
 }

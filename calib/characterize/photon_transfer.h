@@ -33,6 +33,7 @@ struct TransferLevel {
   double light_sd = 0.0;  ///< relative
   double mean = 0.0, mean_variance = 0.0;
   double variance = 0.0, dof = 1.0;
+  double shared = 0.0;          ///< temporal variance of whole rows, columns and frames, which rounding sees too
   double variance_sd = 0.0;     ///< at least that much, besides chi-square's
   bool variance_counts = true;  ///< false where rounding spoils it
 };

@@ -70,8 +70,9 @@ class StackStatistics {
   /// 0 for frames of independent noise, whatever it is, above it for 1/f noise, lag and averages over frames (J. von
   /// Neumann, Ann. Math. Stat. 12, 367 (1941)). 0 for two frames, which do not tell.
   double frame_correlation() const;
-  /// Of the pixels whose squares are kept: those whose variance is above `limit`, and how many there are.
-  std::int64_t pixels_above(double limit) const;
+  /// Of the pixels whose squares are kept: those whose variance is above `factor` times the mean, and how many there
+  /// are.
+  std::int64_t pixels_above(double factor) const;
   std::int64_t pixels_kept() const { return static_cast<std::int64_t>(squares_.size()); }
 
   /// Parts of all values that are at the ends of the range.
@@ -91,6 +92,7 @@ class StackStatistics {
   std::vector<Part> reduce(std::span<const mtf::ImageView<const float>> frames, int threads);
   void take(std::span<const Part> frame);
   double kept_variance(std::int64_t i) const;
+  double mean_kept_variance() const;
 
   std::int64_t width_, height_, frames_ = 0, low_ = 0, high_ = 0;
   CountRange range_;

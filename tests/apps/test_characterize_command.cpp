@@ -156,6 +156,9 @@ TEST_F(CharacterizeCommand, ClosesTheLoop) {
     const double sd = std::hypot(one.at("sd").get<double>(), before.at("sd").get<double>());
     EXPECT_NEAR(one.at("value").get<double>(), before.at("value").get<double>(), 4.0 * sd) << name;
   }
+  write_file(scratch / "flicker.toml", kSensor + "[flicker]\nwhite = \"3 e-\"\ncorner = 0.01\n");
+  const Result twice = scratch.run("mtf characterize truth_stacks.toml --nominal flicker.toml");
+  expect_says(twice.out, {"[flicker] of the nominal is noise beside the components measured here"});
 }
 
 // Without a nominal the file has placeholders, which are named; a response that is left out is found, files are

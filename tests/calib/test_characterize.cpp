@@ -126,6 +126,11 @@ struct Condition {
 const std::vector<Condition> kConditions{
     {"Plain"},
     {"NoiseOfAFifthOfACount", {.gain = 0.125, .read_e = 1.6, .dsnu_e = 6.0}},
+    // The noise of rows moves pixels over the steps too.
+    {"RowsBelowACount",
+     {.gain = 0.125, .read_e = 1.2, .dsnu_e = 6.0, .row_e = 3.0},
+     {},
+     {{"row_noise", 3.0}, {"column_noise", 0.0}}},
     {"Nonlinear", {.a2 = -0.03}, {.nonlinearity = 1, .full_well_e = 5e4}, {{"a2", -0.03}}},
     {"Shading", {.shading = 0.05}, {}, {{"shading", 0.05 * std::sqrt((kSide + 1.0) / (3.0 * (kSide - 1.0)))}}},
     {"Crosstalk", {.side = 0.02}, {}, {{"crosstalk_side", 0.02}}},
@@ -450,6 +455,8 @@ TEST(Characterize, NoiseThatLastsIsSaid) {
   EXPECT_EQ(good.find("noisy_pixels")->value, 0.0);
   EXPECT_NEAR(good.find("noisy_pixels")->high95, 3.689 / (kSide * kSide), 1e-6);  // no event: -ln 0.025
   EXPECT_TRUE(good.warnings.empty()) << good.warnings.front();
+  const Characterization rows = found({.row_e = 10.0});  // which is no filter, and makes no pixel noisy
+  EXPECT_TRUE(rows.warnings.empty()) << rows.warnings.front();
 
   constexpr double kR = 0.3;
   const Characterization lasting = found({.lasting = kR});
@@ -464,6 +471,21 @@ TEST(Characterize, NoiseThatLastsIsSaid) {
   const Characterization blinking = found({.blinking_share = 20.0 / (kSide * kSide)});
   EXPECT_NEAR(blinking.find("noisy_pixels")->value * kSide * kSide, 20.0, 2.0);
   EXPECT_TRUE(warned(blinking, "noisier than"));
+}
+
+// Below 0.4 counts, where all pixels have one offset, rounding decides what the dark frames show.
+TEST(Characterize, WhatRoundingHidesIsNotDetermined) {
+  Engine engine(5);
+  const Camera camera{.gain = 0.02, .row_e = 2.0};
+  const Characterization found = characterize(stacks_of(camera, array_of(camera, engine), engine), {});
+  for (const char* const name : {"dsnu", "fixed_row", "fixed_column", "frame_noise"}) {
+    ASSERT_NE(found.find(name), nullptr) << name;
+    EXPECT_EQ(found.find(name)->verdict, Verdict::not_determined) << name;
+    expect_says(found.find(name)->why, {"rounding"});
+  }
+  EXPECT_EQ(found.find("read_noise")->verdict, Verdict::upper_limit);
+  const Finding& prnu = *found.find("prnu");
+  EXPECT_NEAR(prnu.value, 0.01, 4.5 * prnu.sd);
 }
 
 // The frames before one that is refused are counted.
