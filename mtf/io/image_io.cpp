@@ -8,8 +8,7 @@
 #include "mtf/error.h"
 #include "mtf/io/channel_choice.h"
 #include "mtf/io/codecs/codecs.h"
-#include "mtf/io/codecs/jpeg_scan.h"
-#include "mtf/io/codecs/png_scan.h"
+#include "mtf/io/codecs/raster_scan.h"
 #include "mtf/io/exr/exr_read.h"
 #include "mtf/io/file_checks.h"
 
