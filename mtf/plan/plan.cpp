@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "mtf/engines/kept_plane.h"
-#include "mtf/engines/row_moments.h"
+#include "mtf/engines/statistics.h"
 #include "mtf/error.h"
 #include "mtf/field/field_modes.h"
 #include "mtf/parallel.h"

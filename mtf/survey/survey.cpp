@@ -7,7 +7,7 @@
 #include <cmath>
 #include <cstring>
 
-#include "mtf/engines/row_moments.h"
+#include "mtf/engines/statistics.h"
 #include "mtf/engines/uniform_runs.h"
 #include "mtf/math/word_hash.h"
 #include "mtf/parallel.h"

@@ -5,7 +5,7 @@
 #include <numeric>
 
 #include "mtf/engines/kernels.h"
-#include "mtf/engines/taps/taps_flat.h"
+#include "mtf/engines/taps/taps_tiles.h"
 
 namespace mtf {
 namespace {
@@ -16,8 +16,10 @@ constexpr std::int64_t kTileFloats = std::int64_t{96} << 10;  // of rows between
 
 constexpr std::int64_t kDirectRows = 64;
 
+// Taps that equal themselves backwards.
 bool all_mirrored(const std::vector<std::vector<float>>& lists) {
-  return std::all_of(lists.begin(), lists.end(), [](const auto& list) { return mirrored(list); });
+  return std::ranges::all_of(lists,
+                             [](const auto& list) { return std::equal(list.begin(), list.end(), list.rbegin()); });
 }
 
 // The taps that a sum of `count` mirrored ones needs: the middle one counts once.
