@@ -6,7 +6,6 @@
 #include <cmath>
 
 #include "mtf/engines/taps/taps.h"
-#include "mtf/plan/low_rank.h"
 #include "mtf/plan/plan_parts.h"
 #include "mtf/plan/point_response.h"
 

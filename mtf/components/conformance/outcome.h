@@ -3,10 +3,13 @@
 
 // What the check of one property of a component has found.
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <string>
 #include <vector>
+
+#include "mtf/units.h"
 
 namespace mtf::conformance {
 
@@ -35,10 +38,20 @@ struct Outcome {
   void holds(bool is_true, const auto& place) { at_most(is_true ? 0.0 : 1.0, 0.0, place); }
 };
 
-bool all_ok(const std::vector<Outcome>& outcomes);
+inline bool all_ok(const std::vector<Outcome>& outcomes) {
+  return std::all_of(outcomes.begin(), outcomes.end(), [](const Outcome& outcome) { return outcome.ok(); });
+}
 
 /// A line for each property that fails: "hermitian: 3 of 50 comparisons fail; the worst gives 0.2 where at most 1e-15
 /// is allowed: jitter rms #3 at (20, -5) cy/mm". Empty when none does.
-std::string describe_failures(const std::vector<Outcome>& outcomes);
+inline std::string describe_failures(const std::vector<Outcome>& outcomes) {
+  std::string text;
+  for (const Outcome& outcome : outcomes)
+    if (!outcome.ok())
+      text += outcome.property + ": " + std::to_string(outcome.failed) + " of " + std::to_string(outcome.compared) +
+              " comparisons fail; the worst gives " + format_double(outcome.found) + " where at most " +
+              format_double(outcome.allowed) + " is allowed: " + outcome.where + "\n";
+  return text;
+}
 
 }  // namespace mtf::conformance

@@ -6,7 +6,6 @@
 #include <complex>
 
 #include "mtf/components/pupil/pupil.h"
-#include "mtf/components/pupil/pupil_circles.h"
 #include "mtf/math/clones.h"
 #include "mtf/math/quadrature.h"
 #include "mtf/math/special.h"
