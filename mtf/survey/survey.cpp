@@ -40,6 +40,12 @@ double gaussian_weight(double distance, double sigma) {
   return std::exp(-0.5 * z * z) / (sigma * 2.5066282746310002);
 }
 
+/// A dense run of weights: sum of weight[k] x value[first + k].
+struct Stencil {
+  std::int64_t first = 0;
+  std::vector<float> weight;
+};
+
 // Weights of the scene's samples in each coarse sample. The canvas repeats samples, so they add up; a run spans all
 // that are touched, which is the whole axis where the canvas closes on itself.
 std::vector<Stencil> analysis(const CoarseAxis& axis) {
@@ -167,6 +173,64 @@ std::uint64_t fingerprint_of(const float* values, std::int64_t n) {
   return hashes[0];
 }
 
+/// Sums c while the scene is read row by row. `shift` is subtracted from all samples: the value of a constant border
+/// where there is one, else any value of the scene.
+class CoarseScene {
+ public:
+  /// The shift is rounded to float. Rows that equal it cost next to nothing.
+  CoarseScene(const CoarseGrid& grid, double shift)
+      : grid_(grid),
+        shift_(static_cast<float>(shift)),
+        x_(analysis(grid.x)),
+        y_(analysis(grid.y)),
+        sum_(static_cast<std::size_t>(grid.x.count * grid.y.count)) {}
+  /// The sums of one row of the scene along x, as many as the coarse image is wide. From any thread.
+  void sum_along_x(std::span<const float> row, std::span<float> along) const {
+    const auto n = static_cast<std::int64_t>(row.size());
+    std::vector<float> centred(row.size());
+    kernels::center(row.data(), n, shift_, 1.0, centred.data());
+    // Ends of a row that equal the shift, as all of the row may do, add nothing.
+    std::int64_t first = 0, last = n;
+    while (first < last && all_zero(centred.data() + first, std::min(kVector, last - first))) first += kVector;
+    while (last > first && all_zero(centred.data() + std::max(last - kVector, first), std::min(kVector, last - first)))
+      last -= kVector;
+    for (std::size_t j = 0; j < along.size(); ++j) {
+      const Stencil& s = x_[j];
+      const auto count = static_cast<std::int64_t>(s.weight.size());
+      const bool outside = s.first >= last || s.first + count <= first;
+      along[j] = outside ? 0.0F : dot(centred.data() + s.first, s.weight.data(), count);
+    }
+  }
+  /// Takes such sums of the rows first .. first + along.height - 1; they may come in any order, each row once.
+  void add(std::int64_t first, ImageView<const float> along, int threads) {
+    const std::int64_t width = grid_.x.count;
+    parallel_for_each(grid_.y.count, 16, threads, [&](std::int64_t j) {
+      const Stencil& s = y_[static_cast<std::size_t>(j)];
+      const std::int64_t from = std::max(first, s.first);
+      const std::int64_t to = std::min(first + along.height, s.first + static_cast<std::int64_t>(s.weight.size()));
+      double* sums = sum_.data() + j * width;
+      for (std::int64_t y = from; y < to; ++y) {
+        const double w = s.weight[static_cast<std::size_t>(y - s.first)];
+        const float* row = along.row(y - first);
+        if (w != 0.0 && !all_zero(row, width)) add_scaled(sums, row, w, width);
+      }
+    });
+  }
+  double shift() const { return shift_; }
+  /// c about the shift.
+  Image image() const {
+    Image image(grid_.x.count, grid_.y.count);
+    for (std::size_t i = 0; i < sum_.size(); ++i) image.data()[i] = static_cast<float>(sum_[i]);
+    return image;
+  }
+
+ private:
+  CoarseGrid grid_;
+  double shift_;
+  std::vector<Stencil> x_, y_;
+  std::vector<double> sum_;
+};
+
 // The sums over one channel.
 class ChannelSums {
  public:
@@ -228,51 +292,6 @@ CoarseGrid coarse_grid(const SampleGrid& scene, Border border, std::int64_t ever
   // One round Gaussian for both axes keeps the split a function of |f|.
   grid.x.sigma_um = grid.y.sigma_um = kSigmaSteps * std::max(grid.x.coarse_um, grid.y.coarse_um);
   return grid;
-}
-
-CoarseScene::CoarseScene(const CoarseGrid& grid, double shift)
-    : grid_(grid),
-      shift_(static_cast<float>(shift)),
-      x_(analysis(grid.x)),
-      y_(analysis(grid.y)),
-      sum_(static_cast<std::size_t>(grid.x.count * grid.y.count)) {}
-
-void CoarseScene::sum_along_x(std::span<const float> row, std::span<float> along) const {
-  const auto n = static_cast<std::int64_t>(row.size());
-  std::vector<float> centred(row.size());
-  kernels::center(row.data(), n, shift_, 1.0, centred.data());
-  // Ends of a row that equal the shift, as all of the row may do, add nothing.
-  std::int64_t first = 0, last = n;
-  while (first < last && all_zero(centred.data() + first, std::min(kVector, last - first))) first += kVector;
-  while (last > first && all_zero(centred.data() + std::max(last - kVector, first), std::min(kVector, last - first)))
-    last -= kVector;
-  for (std::size_t j = 0; j < along.size(); ++j) {
-    const Stencil& s = x_[j];
-    const auto count = static_cast<std::int64_t>(s.weight.size());
-    const bool outside = s.first >= last || s.first + count <= first;
-    along[j] = outside ? 0.0F : dot(centred.data() + s.first, s.weight.data(), count);
-  }
-}
-
-void CoarseScene::add(std::int64_t first, ImageView<const float> along, int threads) {
-  const std::int64_t width = grid_.x.count;
-  parallel_for_each(grid_.y.count, 16, threads, [&](std::int64_t j) {
-    const Stencil& s = y_[static_cast<std::size_t>(j)];
-    const std::int64_t from = std::max(first, s.first);
-    const std::int64_t to = std::min(first + along.height, s.first + static_cast<std::int64_t>(s.weight.size()));
-    double* sums = sum_.data() + j * width;
-    for (std::int64_t y = from; y < to; ++y) {
-      const double w = s.weight[static_cast<std::size_t>(y - s.first)];
-      const float* row = along.row(y - first);
-      if (w != 0.0 && !all_zero(row, width)) add_scaled(sums, row, w, width);
-    }
-  });
-}
-
-Image CoarseScene::image() const {
-  Image image(grid_.x.count, grid_.y.count);
-  for (std::size_t i = 0; i < sum_.size(); ++i) image.data()[i] = static_cast<float>(sum_[i]);
-  return image;
 }
 
 void add_interpolated(const CoarseGrid& grid, ImageView<const float> w, double x_um, double y_um, double step_x_um,

@@ -47,33 +47,6 @@ CoarseGrid coarse_grid(const SampleGrid& scene, Border border, std::int64_t ever
 /// Error of the coarse image and of reading it, relative to the canvas.
 inline constexpr double kCoarseError = 5e-8;
 
-/// A dense run of weights: sum of weight[k] x value[first + k].
-struct Stencil {
-  std::int64_t first = 0;
-  std::vector<float> weight;
-};
-
-/// Sums c while the scene is read row by row. `shift` is subtracted from all samples: the value of a constant border
-/// where there is one, else any value of the scene.
-class CoarseScene {
- public:
-  /// The shift is rounded to float. Rows that equal it cost next to nothing.
-  CoarseScene(const CoarseGrid& grid, double shift);
-  /// The sums of one row of the scene along x, as many as the coarse image is wide. From any thread.
-  void sum_along_x(std::span<const float> row, std::span<float> along) const;
-  /// Takes such sums of the rows first .. first + along.height - 1; they may come in any order, each row once.
-  void add(std::int64_t first, ImageView<const float> along, int threads);
-  double shift() const { return shift_; }
-  /// c about the shift.
-  Image image() const;
-
- private:
-  CoarseGrid grid_;
-  double shift_;
-  std::vector<Stencil> x_, y_;
-  std::vector<double> sum_;
-};
-
 /// Adds the interpolated values of the coarse image `w`, and `offset`, to `out`, sample (0, 0) at (x_um, y_um).
 void add_interpolated(const CoarseGrid& grid, ImageView<const float> w, double x_um, double y_um, double step_x_um,
                       double step_y_um, double offset, ImageView<float> out);
