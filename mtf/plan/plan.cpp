@@ -557,4 +557,16 @@ std::string Plan::explain() const {
   return text;
 }
 
+SampleGrid grid_of(const SceneView& scene, const Frame<double>& frame) {
+  if (!scene.step.given()) throw UsageError("the scene has no sample step; give one, such as 3.75_um or 0.25_px");
+  return {scene.samples.width, scene.samples.height, scene.step.x_um(frame), scene.step.y_um(frame)};
+}
+
+Plan compile(const System<double>& system, const SceneView& scene, PlanOptions options) {
+  const SampleGrid grid = grid_of(scene, system.frame);
+  const SampleGrid detector = detector_grid(system, grid);
+  options.scene = summarise(scene.samples, options.border, scene.border_value);
+  return compile(system, grid, detector, options);
+}
+
 }  // namespace mtf

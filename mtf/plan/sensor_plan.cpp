@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 
 #include "mtf/otf/same_list.h"
 
@@ -177,6 +178,26 @@ std::vector<Image> SensorPlan::run_filters(std::vector<Image> sampled, double bo
     border *= (*filter)->dc();
   }
   return sampled;
+}
+
+SensorPlan compile_sensor(const System<double>& system, const SceneView& scene, PlanOptions options,
+                          int samples_a_pitch) {
+  const SampleGrid grid = grid_of(scene, system.frame);
+  sensor_grid(system, grid, samples_a_pitch);  // a grid that no sensor can have is refused before the samples are read
+  options.scene = summarise(scene.samples, options.border, scene.border_value);
+  return compile_sensor(system, grid, options, samples_a_pitch);
+}
+
+Image SensorPlan::run(const SceneView& scene, int threads) const {
+  const SampleGrid grid = grid_of(scene, system.frame);
+  if (grid != in())
+    throw UsageError("the scene is " + std::to_string(grid.width) + "x" + std::to_string(grid.height) + " samples of " +
+                     format_double(grid.step_x_um) + " um by " + format_double(grid.step_y_um) +
+                     " um, the plan was made for " + std::to_string(in().width) + "x" + std::to_string(in().height) +
+                     " of " + format_double(in().step_x_um) + " um by " + format_double(in().step_y_um) +
+                     " um; compile a plan for this scene");
+  std::vector<Image> image = run(std::span(&scene.samples, 1), scene.border_value, threads);
+  return std::move(image.front());
 }
 
 }  // namespace mtf
