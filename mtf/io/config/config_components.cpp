@@ -27,17 +27,14 @@ bool read_value(const Section& section, const FieldRef<double>& field) {
     if (value) target = *value;
     return value.has_value();
   };
+  const auto number = [&](auto& target) {
+    const auto scalar = read_scalar(section, info, info.name);
+    if (scalar) target = scalar->value;
+    return scalar.has_value();
+  };
   return std::visit(
-      Overloads{[&](double* value) {
-                  const auto scalar = read_scalar(section, info, info.name);
-                  if (scalar) *value = scalar->value;
-                  return scalar.has_value();
-                },
-                [&](std::optional<double>* value) {
-                  const auto scalar = read_scalar(section, info, info.name);
-                  if (scalar) *value = scalar->value;
-                  return scalar.has_value();
-                },
+      Overloads{[&](double* value) { return number(*value); },
+                [&](std::optional<double>* value) { return number(*value); },
                 [&](SpatialFrequency<double>* value) {
                   const auto scalar = read_scalar(section, info, info.name);
                   if (scalar) *value = {scalar->value, scalar->unit};
