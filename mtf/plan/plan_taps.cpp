@@ -142,7 +142,7 @@ MethodCandidate separable_candidate(const Work& work, Method method, std::vector
   std::vector<std::vector<float>> fx, fy;
   for (const auto& taps : x_taps) fx.push_back(narrow(taps));
   for (const auto& taps : y_taps) fy.push_back(narrow(taps));
-  auto engine = std::make_shared<SeparableEngine>(x, y, work.task.options.border, std::move(fx), std::move(fy));
+  auto engine = make_separable_engine(x, y, work.task.options.border, std::move(fx), std::move(fy));
   c.bytes = engine->filter_bytes() + engine->run_bytes(1, 1);
   candidate.make = [engine](const Engine*) { return engine; };
   return candidate;
@@ -277,7 +277,7 @@ MethodCandidate direct(const Work& work, const PointResponse& response, Method m
         narrowed[static_cast<std::size_t>(r * box.columns + t)] =
             narrowed[static_cast<std::size_t>(mr * box.columns + mt)];
       }
-  auto engine = std::make_shared<DirectEngine>(x, y, work.task.options.border, std::move(narrowed));
+  auto engine = make_direct_engine(x, y, work.task.options.border, std::move(narrowed));
   c.bytes = engine->filter_bytes() + engine->run_bytes(1, 1);
   candidate.make = [engine](const Engine*) { return engine; };
   return candidate;

@@ -253,9 +253,9 @@ void for_each_tile(const std::vector<Channel>& channels, const TapAxis& x, const
         tasks.push_back(
             {c, {work.x0 + x0, work.y0 + y0, std::min(width, work.columns - x0), std::min(rows, work.rows - y0)}});
   }
-  parallel_for(static_cast<std::int64_t>(tasks.size()), 1, threads, [&](std::int64_t begin, std::int64_t end) {
-    for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i)
-      tile(channels[tasks[i].channel], flat[tasks[i].channel], tasks[i].area);
+  parallel_for_each(std::ssize(tasks), 1, threads, [&](std::int64_t i) {
+    const Task& task = tasks[static_cast<std::size_t>(i)];
+    tile(channels[task.channel], flat[task.channel], task.area);
   });
 }
 
