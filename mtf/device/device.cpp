@@ -40,12 +40,6 @@ std::string lower(std::string_view text) {
   return low;
 }
 
-std::string joined(const std::vector<std::string>& list, const char* between) {
-  std::string text;
-  for (const std::string& word : list) text += (text.empty() ? "" : between) + word;
-  return text;
-}
-
 }  // namespace
 
 DeviceList devices() {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Statistics of an image plane from the moments of its rows, each about its own mean: they combine without cancellation,
-// in any number of threads, while a scene is read row by row.
+// Statistics of an image plane from the moments of its rows, each about its own mean: they combine without
+// cancellation, in any number of threads, while a scene is read row by row.
 
 #include <span>
 #include <vector>

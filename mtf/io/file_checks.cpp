@@ -5,10 +5,10 @@
 
 #include <array>
 #include <cerrno>
-#include <cstdio>
 #include <system_error>
 
 #include "mtf/error.h"
+#include "mtf/words.h"
 #include "mtf/work/usable_memory.h"
 
 namespace mtf::io {
@@ -64,9 +64,7 @@ std::string shown_bytes(double bytes) {
     bytes /= 1024;
     ++unit;
   }
-  std::array<char, 64> text{};
-  static_cast<void>(std::snprintf(text.data(), text.size(), unit == 0 ? "%.0f %s" : "%.3g %s", bytes, units[unit]));
-  return text.data();
+  return (unit == 0 ? fixed(bytes, 0) : significant(bytes, 3)) + " " + units[unit];
 }
 
 }  // namespace mtf::io
