@@ -21,7 +21,7 @@
 #include "mtf/error.h"
 #include "mtf/io/codecs/codecs.h"
 #include "mtf/io/codecs/codecs_parts.h"
-#include "mtf/io/csv/number_text.h"
+#include "mtf/io/csv/csv_cells.h"
 #include "mtf/io/file_checks.h"
 #include "mtf/words.h"
 

@@ -7,7 +7,7 @@
 #include "mtf/io/atomic_file.h"
 #include "mtf/io/codecs/codecs.h"
 #include "mtf/io/codecs/drawing.h"
-#include "mtf/io/csv/number_text.h"
+#include "mtf/io/csv/csv_cells.h"
 #include "mtf/io/file_checks.h"
 #include "mtf/io/image_io.h"
 #include "mtf/io/plane_checks.h"

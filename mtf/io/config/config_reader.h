@@ -122,11 +122,9 @@ const Node* find_value(const Section& table, const FieldInfo& info);
 void read_beside_value(const Section& table, FitSpec& spec, const ReadNumber& like, const ReadNumber& spread);
 
 /// A table of terms over the field, or the word that lets an angle turn with the field point: its value on the axis,
-/// when usable. Null for what is neither. In config_field.cpp.
+/// when usable. Null for what is neither. In config_components.cpp.
 bool is_over_field(const Node& node, const FieldInfo& info);
 std::optional<Scalar> read_over_field(Reader& reader, const Node& node, const FieldInfo& info, const std::string& path);
-/// Gives the terms that were read of a component, the `entry`-th of its list, to the system.
-void take_over_field(const Section& section, Stage stage, std::size_t entry, System<double>& system);
 /// Reports terms of numbers that are no component's, such as the focal length.
 void refuse_over_field(Reader& reader);
 /// How a sensor file has the number at that path: { 1 = "2 urad", r2 = "0.5 urad" }; "" where it is one number.

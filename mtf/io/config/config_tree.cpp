@@ -11,7 +11,7 @@
 #include <charconv>
 #include <sstream>
 
-#include "mtf/io/config/config_text.h"
+#include "mtf/io/config/config_edit.h"
 #include "mtf/io/csv/csv_cells.h"
 #include "mtf/io/file_checks.h"
 #include "mtf/words.h"

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mtf/io/config/round_trip.h"
 
+#include "mtf/io/config/config_edit.h"
 #include "mtf/io/config/config_reader.h"
-#include "mtf/io/config/config_text.h"
 #include "mtf/otf/same_list.h"
 
 namespace mtf::io {

@@ -23,7 +23,7 @@
 #include <initializer_list>
 
 #include "mtf/io/channel_choice.h"
-#include "mtf/io/csv/number_text.h"
+#include "mtf/io/csv/csv_cells.h"
 #include "mtf/work/stop.h"
 
 namespace mtf::io {
