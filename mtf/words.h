@@ -24,6 +24,9 @@ std::string one_line(std::string_view text);
 /// The text without blanks and tabs at its ends.
 std::string_view trimmed(std::string_view text);
 
+/// ASCII letters in lower case, all else as it is.
+std::string lower_case(std::string_view text);
+
 /// "a, b, c".
 std::string joined(const std::vector<std::string>& parts, std::string_view between = ", ");
 std::string joined(std::span<const std::string_view> parts, std::string_view between = ", ");

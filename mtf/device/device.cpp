@@ -4,7 +4,6 @@
 #include <dlfcn.h>
 
 #include <algorithm>
-#include <cctype>
 #include <map>
 
 #include "mtf/device/device_parts.h"
@@ -31,13 +30,6 @@ std::string absence(const BackendModule& backend) {
   if (backend.driver == nullptr) return "";
   void* const driver = ::dlopen(backend.driver, RTLD_LAZY | RTLD_LOCAL);
   return driver != nullptr ? "" : std::string("no driver on this machine (") + backend.driver + ")";
-}
-
-std::string lower(std::string_view text) {
-  std::string low(text);
-  std::transform(low.begin(), low.end(), low.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return low;
 }
 
 }  // namespace
@@ -133,7 +125,8 @@ DeviceChoice choose_device(std::string_view word, std::string& note) {
   for (const DeviceInfo& info : list.devices) {
     names.push_back(info.id + " (" + info.name + ")");
     if (word != "auto") {
-      if (word == info.id || lower(info.name).find(lower(word)) != std::string::npos) return {open_device(info), true};
+      if (word == info.id || lower_case(info.name).find(lower_case(word)) != std::string::npos)
+        return {open_device(info), true};
       continue;
     }
     if (info.cpu) continue;

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mtf/io/image_io.h"
 
-#include <cctype>
 #include <fstream>
 #include <utility>
 
@@ -11,6 +10,7 @@
 #include "mtf/io/codecs/raster_scan.h"
 #include "mtf/io/exr/exr_read.h"
 #include "mtf/io/file_checks.h"
+#include "mtf/words.h"
 
 namespace mtf::io {
 namespace {
@@ -101,8 +101,7 @@ Format format_from_extension(const std::string& path) {
   const auto slash = path.rfind('/');
   const std::string name = slash == std::string::npos ? path : path.substr(slash + 1);
   const auto dot = name.rfind('.');
-  std::string extension = dot == std::string::npos ? "" : name.substr(dot);
-  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  const std::string extension = dot == std::string::npos ? "" : lower_case(name.substr(dot));
   if (extension == ".exr") return Format::exr;
   if (extension == ".png") return Format::png;
   if (extension == ".tif" || extension == ".tiff") return Format::tiff;

@@ -22,16 +22,8 @@ std::vector<std::pair<std::string, std::string>> as_text(const IntegerScaling& s
   for (const auto& [name, value] : metadata.text) text.emplace_back(name, value);
   for (const auto& [name, pair] : metadata.pairs)
     text.emplace_back(name, number_text(pair[0]) + " " + number_text(pair[1]));
-  for (const auto& [name, list] : metadata.lists) {
-    std::string values;
-    for (const float value : list) append_word(values, number_text(value));
-    text.emplace_back(name, values);
-  }
-  if (!metadata.history.empty()) {
-    std::string lines;
-    for (const std::string& line : metadata.history) append_word(lines, line, '\n');
-    text.emplace_back("mtf:history", lines);
-  }
+  for (const auto& [name, list] : metadata.lists) text.emplace_back(name, joined(list, number_text<float>, " "));
+  if (!metadata.history.empty()) text.emplace_back("mtf:history", joined(metadata.history, "\n"));
   return text;
 }
 

@@ -31,9 +31,7 @@ namespace {
 
 template <class T>
 std::string numbers(std::initializer_list<T> values) {
-  std::string text;
-  for (const T value : values) append_word(text, number_text(value));
-  return text;
+  return joined(values, number_text<T>, " ");
 }
 
 // "" for types that have no useful text.
@@ -58,12 +56,10 @@ std::string attribute_text(const Imf::Attribute& attribute) {
     const Imf::Chromaticities& p = c->value();
     return numbers({p.red.x, p.red.y, p.green.x, p.green.y, p.blue.x, p.blue.y, p.white.x, p.white.y});
   }
-  std::string text;
   if (const auto* list = dynamic_cast<const Imf::FloatVectorAttribute*>(a))
-    for (const float value : list->value()) append_word(text, number_text(value));
-  if (const auto* list = dynamic_cast<const Imf::StringVectorAttribute*>(a))
-    for (const std::string& line : list->value()) append_word(text, line, '\n');
-  return text;
+    return joined(list->value(), number_text<float>, " ");
+  if (const auto* list = dynamic_cast<const Imf::StringVectorAttribute*>(a)) return joined(list->value(), "\n");
+  return "";
 }
 
 std::string type_name(Imf::PixelType type) { return type == Imf::UINT ? "uint" : type == Imf::HALF ? "half" : "float"; }
@@ -143,17 +139,14 @@ void add_notes(FileInfo& info, const Imf::Header& header) {
   if (loses(header))
     info.notes.push_back("compressed with a loss that it does not state (" + compression_name(header.compression()) +
                          "): fine structure and noise may be gone");
-  if (Imf::hasMultiView(header) && Imf::multiView(header).size() > 1) {
-    std::string views;
-    for (const std::string& view : Imf::multiView(header)) append_word(views, view, ',');
-    info.notes.push_back("it has the views " + views + " (multiView): channels without a layer are those of the first");
-  }
+  if (Imf::hasMultiView(header) && Imf::multiView(header).size() > 1)
+    info.notes.push_back("it has the views " + joined(Imf::multiView(header), ",") +
+                         " (multiView): channels without a layer are those of the first");
   if (Imf::hasEnvmap(header)) info.notes.push_back("an image of all directions (envmap), which no lens takes");
   if (const std::string white = stated("whiteLuminance"); !white.empty())
     info.notes.push_back("white is " + white + " cd/m2 by its attribute whiteLuminance, which is not used");
   for (const char* name : {"colorInteropID", "oiio:ColorSpace"}) {
-    std::string space = stated(name);
-    for (char& c : space) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+    const std::string space = lower_case(stated(name));
     if (!space.empty() && space.find("lin") == std::string::npos && !space.starts_with("aces") && space != "data" &&
         space != "raw")
       info.notes.push_back("its " + std::string(name) + " is " + info.attributes[name] +

@@ -77,11 +77,6 @@ std::string attribute(const FileInfo& info, const std::string& name) {
   return found == info.attributes.end() ? "" : found->second;
 }
 
-std::string lower(std::string text) {
-  for (char& c : text) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-  return text;
-}
-
 }  // namespace
 
 std::optional<SpectralChannel> parse_spectral_channel(std::string_view name) {
@@ -206,9 +201,9 @@ std::string find_channel(const std::string& path, const FileInfo& info, const st
   for (const std::string& name : names) {
     std::vector<const ChannelInfo*> whole, last;
     for (const ChannelInfo& channel : info.channels) {
-      if (lower(channel.name) == lower(name))
+      if (lower_case(channel.name) == lower_case(name))
         whole.push_back(&channel);
-      else if (lower(base_of(channel.name)) == lower(name))
+      else if (lower_case(base_of(channel.name)) == lower_case(name))
         last.push_back(&channel);
     }
     const auto& found = whole.empty() ? last : whole;
