@@ -148,8 +148,7 @@ double load_ns(const TapAxis& x, const TapAxis& y, double tile_rows, double& row
   return count(y.samples) * (20.0 + 0.15 * count(x.samples)) + rows * row;
 }
 
-constexpr double kFloatUnit = 5.9604644775390625e-8;  // 2^-24
-constexpr double kSmallestFloat = 0x1p-150;           // half the step of denormal floats
+constexpr double kSmallestFloat = 0x1p-150;  // half the step of denormal floats
 
 }  // namespace
 

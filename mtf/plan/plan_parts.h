@@ -19,6 +19,8 @@ namespace mtf {
 // How the tolerance is shared out; what is left over is for arithmetic.
 inline constexpr double kDropShare = 0.05, kTableShare = 0.02, kWrapShare = 0.25, kBandShare = 0.05;
 
+inline constexpr double kFloatUnit = 0x1p-24;  ///< half a unit in the last place of floats of 1 to 2
+
 /// Compiles one part of the presample OTF by scale, for tiles (mtf/otf/split.h). Errors as compile().
 Plan compile_part(const System<double>& system, const SampleGrid& scene, const SampleGrid& detector,
                   const PlanOptions& options, const ScaleSplit& split);

@@ -14,7 +14,6 @@ namespace {
 
 constexpr std::int64_t kLargestRatio = 16, kDirectHalfWidth = 8;
 constexpr std::size_t kLargestRank = 6;
-constexpr double kFloatUnit = 5.9604644775390625e-8;  // 2^-24
 
 std::optional<std::int64_t> whole_ratio(double step, double pitch) {
   const double ratio = pitch / step;
