@@ -30,13 +30,6 @@ Component<To> cast_component(const Component<From>& from) {
   return to;
 }
 
-/// Whether what a component does depends on its place in the image.
-template <class S>
-bool any_placed(const System<S>& system, const Context<S>& ctx) {
-  return std::ranges::any_of(system.list(Stage::presample),
-                             [&](const Entry<S>& entry) { return entry.component.traits(ctx).placed; });
-}
-
 /// Wavelengths times frequencies of the kinks of all components, um cycles/mm.
 template <class S>
 std::vector<double> chromatic_kinks(const System<S>& system, std::span<const Component<S>* const> chromatic) {
@@ -166,7 +159,9 @@ bool System<S>::is_isoplanatic() const {
   if (!field.empty()) return false;
   // A system at a field point has its place for good.
   if (value_of(point.x) != 0.0 || value_of(point.y) != 0.0 || settled) return true;
-  return !detail::any_placed(*this, context());
+  const auto& entries = list(Stage::presample);
+  return std::none_of(entries.begin(), entries.end(),
+                      [ctx = context()](const Entry<S>& entry) { return entry.component.traits(ctx).placed; });
 }
 
 template <class S>
@@ -208,7 +203,10 @@ System<S> System<S>::at(const FieldPoint<S>& q) const {
     if (value == nullptr) throw UsageError("an angle that turns with the field is not there");
     if (!on_axis) *value += atan2(q.y, q.x) * S(180.0 / kPi);
   }
-  if (!on_axis && !(value_of(field_radius_um()) > 0.0) && detail::any_placed(here, context()))
+  const auto& entries = here.list(Stage::presample);
+  if (!on_axis && !(value_of(field_radius_um()) > 0.0) &&
+      std::any_of(entries.begin(), entries.end(),
+                  [ctx = context()](const Entry<S>& entry) { return entry.component.traits(ctx).placed; }))
     throw UsageError(
         "the size of the detector is not known, on which displacements over the field depend; give frame.format");
   return here;
