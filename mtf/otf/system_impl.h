@@ -260,17 +260,9 @@ System<To> cast(const System<From>& from) {
   to.name = from.name;
   to.band = from.band;
   to.band_nodes = from.band_nodes;
-  to.frame = {detail::cast_value<To>(from.frame.focal_length_mm),
-              detail::cast_value<To>(from.frame.pitch_x_um),
-              detail::cast_value<To>(from.frame.pitch_y_um),
-              detail::cast_value<To>(from.frame.integration_time_s),
-              from.frame.columns,
-              from.frame.rows};
+  to.frame = detail::cast_frame<To>(from.frame);
   to.optics = detail::cast_optics<To>(from.optics);
-  const auto optional = [](const std::optional<From>& value) {
-    return value ? std::optional<To>(detail::cast_value<To>(*value)) : std::nullopt;
-  };
-  to.air = {optional(from.air.path_length_m), optional(from.air.scattering)};
+  to.air = {detail::cast_value<To>(from.air.path_length_m), detail::cast_value<To>(from.air.scattering)};
   to.field.axis_x_px = detail::cast_value<To>(from.field.axis_x_px);
   to.field.axis_y_px = detail::cast_value<To>(from.field.axis_y_px);
   to.field.angles = from.field.angles;

@@ -91,13 +91,8 @@ void read_ihdr(const std::string& path, const unsigned char* data, std::size_t s
   header.width = big_endian(data);
   header.height = big_endian(data + 4);
   const int bits = data[8], colour = data[9];
-  constexpr std::int64_t max_side = 1 << 20;
   if (header.width == 0 || header.height == 0) damaged(path, "the image has no pixels");
-  if (header.width > max_side || header.height > max_side || header.width * header.height > max_plane_pixels / 2)
-    throw RuntimeError(path + ": a PNG of " + std::to_string(header.width) + " x " + std::to_string(header.height) +
-                       " pixels needs " +
-                       shown_bytes(static_cast<double>(header.width) * static_cast<double>(header.height) * 4) +
-                       " a plane; the limit is 2^30 pixels and 2^20 a side: crop it, or store the image as OpenEXR");
+  check_raster_size(path, "PNG", header.width, header.height);
   const bool grey = colour == 0 || colour == 4, indexed = colour == 3;
   const bool known = (grey || indexed || colour == 2 || colour == 6) &&
                      (bits == 8 || (bits == 16 && !indexed) ||
