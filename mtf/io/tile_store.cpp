@@ -15,6 +15,7 @@
 #include "mtf/io/file_checks.h"
 #include "mtf/io/sha256.h"
 #include "mtf/math/word_hash.h"
+#include "mtf/words.h"
 
 namespace mtf::io {
 namespace {
@@ -82,9 +83,8 @@ void require_ours(const std::string& pixels, const std::string& journal) {
 
 std::string header_of(const TileStoreLayout& layout) {
   return "mtfkit tiles 3 " +
-         sha256_hex(layout.key + " " + std::to_string(layout.width) + "x" + std::to_string(layout.height) + "x" +
-                    std::to_string(layout.planes) + " in " + std::to_string(layout.tiles) + " with " +
-                    std::to_string(layout.counts)) +
+         sha256_hex(layout.key + " " + size_text(layout.width, layout.height) + "x" + std::to_string(layout.planes) +
+                    " in " + std::to_string(layout.tiles) + " with " + std::to_string(layout.counts)) +
          "\n";
 }
 

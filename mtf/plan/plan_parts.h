@@ -70,6 +70,8 @@ std::vector<MethodCandidate> fft_candidates(const PlanTask& task);
 /// `fft_ms`: cost of the cheapest FFT method; methods that are far slower are not judged.
 std::vector<MethodCandidate> tap_candidates(const PlanTask& task, double fft_ms);
 
+inline std::string_view name_of(Method method) { return kMethodNames[static_cast<std::size_t>(method)]; }
+
 /// Methods that share their engine, or all methods.
 enum class Family { all, identity, taps, fft };
 Family family(std::string_view method_name);

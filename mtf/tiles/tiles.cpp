@@ -14,6 +14,7 @@
 #include "mtf/plan/plan.h"
 #include "mtf/plan/plan_parts.h"
 #include "mtf/tiles/tiles_refusal.h"
+#include "mtf/words.h"
 #include "mtf/work/usable_memory.h"
 
 namespace mtf {
@@ -286,8 +287,8 @@ void require_region(const Region& region, const SampleGrid& detector) {
     return;
   throw UsageError("the region " + std::to_string(region.x) + "," + std::to_string(region.y) + "," +
                    std::to_string(region.width) + "," + std::to_string(region.height) +
-                   " does not lie within the output of " + std::to_string(detector.width) + "x" +
-                   std::to_string(detector.height) + " pixels; give x,y,width,height in pixels within it");
+                   " does not lie within the output of " + size_text(detector.width, detector.height) +
+                   " pixels; give x,y,width,height in pixels within it");
 }
 
 // What the whole image needs at once, one channel after the other, beside the bytes of the plans.

@@ -10,6 +10,7 @@
 #include "mtf/parallel.h"
 #include "mtf/tiles/tile_queue.h"
 #include "mtf/tiles/tiles.h"
+#include "mtf/words.h"
 #include "mtf/work/stopwatch.h"
 
 namespace mtf {
@@ -281,8 +282,8 @@ std::vector<Image> TiledSensorPlan::run(std::span<const ImageView<const float>> 
   std::vector<Image> out;
   for (std::size_t c = 0; c < scene.size(); ++c) {
     if (scene[c].width != in_.width || scene[c].height != in_.height)
-      throw UsageError("a plane is " + std::to_string(scene[c].width) + "x" + std::to_string(scene[c].height) +
-                       ", the plan was made for " + std::to_string(in_.width) + "x" + std::to_string(in_.height));
+      throw UsageError("a plane is " + size_text(scene[c].width, scene[c].height) + ", the plan was made for " +
+                       size_text(in_.width, in_.height));
     surveys.push_back(survey(
         read, c, in_, {.border = border_, .border_value = border_value, .every = report_.every, .threads = threads_}));
     out.emplace_back(out_.width, out_.height);

@@ -278,7 +278,7 @@ void read_frame(const std::string& path, int marker, Segment data, JpegFacts& fa
   if (facts.components == 3) {
     facts.rgb = data[6] == 'R' && data[9] == 'G' && data[12] == 'B';
     const int across = std::max(1, data[10] >> 4), down = std::max(1, data[10] & 15);
-    facts.sampling = std::to_string((data[7] >> 4) / across) + "x" + std::to_string((data[7] & 15) / down);
+    facts.sampling = size_text((data[7] >> 4) / across, (data[7] & 15) / down);
   }
   facts.header.storage = marker == kSof2 ? "8-bit progressive" : "8-bit";
 }
