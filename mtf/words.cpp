@@ -58,9 +58,9 @@ std::string_view trimmed(std::string_view text) {
 }
 
 std::string lower_case(std::string_view text) {
-  std::string small(text);
-  for (char& c : small) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-  return small;
+  std::string lower(text);
+  for (char& c : lower) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  return lower;
 }
 
 std::string joined(const std::vector<std::string>& parts, std::string_view between) {

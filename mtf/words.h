@@ -24,7 +24,7 @@ std::string one_line(std::string_view text);
 /// The text without blanks and tabs at its ends.
 std::string_view trimmed(std::string_view text);
 
-/// The text with the letters A to Z as small ones.
+/// ASCII letters in lower case, all else as it is.
 std::string lower_case(std::string_view text);
 
 /// "a, b, c".

@@ -9,7 +9,7 @@
 #include <sstream>
 
 #include "apps/check/families.h"
-#include "mtf/components/chirp.h"
+#include "mtf/components/motion_means.h"
 #include "mtf/components/turbulence.h"
 #include "mtf/error.h"
 #include "mtf/math/fresnel.h"

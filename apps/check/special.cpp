@@ -5,7 +5,6 @@
 #include <limits>
 
 #include "apps/check/families.h"
-#include "mtf/math/bessel.h"
 
 namespace apps::check {
 namespace {

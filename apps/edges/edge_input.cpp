@@ -11,7 +11,6 @@
 #include "calib/find/mask.h"
 #include "calib/find/roi_file.h"
 #include "mtf/error.h"
-#include "mtf/io/codecs/dct_rounding.h"
 #include "mtf/io/codecs/encoding.h"
 #include "mtf/io/csv/curve_csv.h"
 #include "mtf/io/plane_checks.h"

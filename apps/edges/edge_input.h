@@ -29,7 +29,7 @@ struct Linearisation {
   bool integer = false;                       ///< stored as whole numbers
   double full_scale = 1.0;                    ///< largest stored value
   std::optional<double> dark_end, light_end;  ///< linear values where the scale ends; absent for floating point
-  double dct_rounding_sd = 0.0;  ///< of a JPEG: largest error of a pixel in counts, rms (mtf/io/codecs/dct_rounding.h)
+  double dct_rounding_sd = 0.0;  ///< of a JPEG: largest error of a pixel in counts, rms (mtf/io/codecs/encoding.h)
   std::string mosaic;            ///< pattern of a colour filter mosaic; "" = none
   std::string mask;              ///< file; "" = none
 };

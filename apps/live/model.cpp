@@ -6,7 +6,7 @@
 
 #include "apps/live/toml_blocks.h"
 #include "mtf/components/component_docs.h"
-#include "mtf/io/config/config_text.h"
+#include "mtf/io/config/config_edit.h"
 #include "mtf/units.h"
 
 namespace apps::live {

@@ -3,7 +3,7 @@
 
 // An exponential for loops that the compiler vectorises, which a call of std::exp would prevent: without branches or
 // calls. Its relative error is below 5e-16 (tests/calib/test_reference_step.cpp). For sines and cosines of many angles
-// see mtf/math/turns.h.
+// see mtf/math/special.h.
 
 #include <array>
 #include <bit>

@@ -11,7 +11,6 @@
 #include "mtf/math/clones.h"
 #include "mtf/math/quadrature.h"
 #include "mtf/math/special.h"
-#include "mtf/math/turns.h"
 
 namespace calib {
 namespace {

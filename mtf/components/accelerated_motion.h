@@ -9,8 +9,8 @@
 // is constant over the integration time. In closed form by Fresnel integrals; the phases pi f.v t and pi f.a t^2/4
 // carry the rounding of their products, a few 2^-53 of themselves. (Hadar, Dror, Kopeika, Opt. Eng. 33, 566 (1994).)
 
-#include "mtf/components/chirp.h"
 #include "mtf/components/field.h"
+#include "mtf/components/motion_means.h"
 
 namespace mtf {
 

@@ -8,7 +8,7 @@
 // ch. 2.)
 
 #include "mtf/components/field.h"
-#include "mtf/math/bessel.h"
+#include "mtf/math/special.h"
 
 namespace mtf {
 

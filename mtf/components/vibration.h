@@ -15,8 +15,8 @@
 // Electro-Optical Systems, ch. 6.)
 
 #include "mtf/components/field.h"
-#include "mtf/components/sine_motion.h"
-#include "mtf/math/bessel.h"
+#include "mtf/components/motion_means.h"
+#include "mtf/math/special.h"
 
 namespace mtf {
 

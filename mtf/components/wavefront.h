@@ -7,7 +7,7 @@
 // p = (x, y) in the pupil of area A, x right and y down as in the image, rho = 1 at the outer edge; lambda =
 // wavelength, N = f-number. Zernike terms by `numbering`: fringe (37 terms, each of unit peak) or noll (91 terms, each
 // of unit rms over the full disc); list element 0 is Z1, piston, without effect
-// (`mtf/components/pupil/pupil_polynomial.h`). `orientation` turns the whole wavefront from +x to +y. Complex unless W
+// (`mtf/components/pupil/wavefront_pupil.h`). `orientation` turns the whole wavefront from +x to +y. Complex unless W
 // is even; W311 > 0 moves the image by -2 lambda N W311 along x. The wavefront is one path difference: waves are at
 // `wavelength_reference` and scale as 1/lambda; without it they hold at every wavelength. By exact-geometry quadrature:
 // absolute error 1e-13, 1e-15 / (1 - e^2) for a narrow annulus of obscuration e. A complete pupil OTF, zero from |f| =

@@ -211,9 +211,9 @@ void admit(const std::shared_ptr<const Device>& device) {
     parts.test.filter_ms[t] = least;
     const double rms = parts.test.rms[t] = error_of(trial, scene, image);
     if (!(rms <= kMostRms))
-      throw DeviceError("its filter of " + std::to_string(trial.x.samples) + "x" + std::to_string(trial.y.samples) +
-                        " samples errs by " + significant(rms, 2) + " of their standard deviation, rms, against " +
-                        significant(kMostRms, 1) + " allowed");
+      throw DeviceError("its filter of " + size_text(trial.x.samples, trial.y.samples) + " samples errs by " +
+                        significant(rms, 2) + " of their standard deviation, rms, against " + significant(kMostRms, 1) +
+                        " allowed");
     constexpr double kMargin = 2.0;  // of an error that two scenes have shown
     parts.test.rounding = std::max(parts.test.rounding, kMargin * rms / (0x1p-24 * rounding_units(trial.x, trial.y)));
   }

@@ -176,14 +176,12 @@ class DeviceFilter final : public SpectralFilter {
     const bool on_host = is_extreme(channel);
     const double mean = on_host ? 0.0 : channel.mean, scale = on_host ? 1.0 : channel.scale;
     const double out_mean = on_host ? 0.0 : channel.out_mean();
-    parallel_for(y_.samples, 64, threads, [&](std::int64_t begin, std::int64_t end) {
-      for (std::int64_t y = begin; y < end; ++y) {
-        float* const row = from.floats() + y * x_.samples;
-        if (on_host)
-          kernels::center(channel.in.row(y), x_.samples, channel.mean, channel.scale, row);
-        else
-          std::copy_n(channel.in.row(y), x_.samples, row);
-      }
+    parallel_for_each(y_.samples, 64, threads, [&](std::int64_t y) {
+      float* const row = from.floats() + y * x_.samples;
+      if (on_host)
+        kernels::center(channel.in.row(y), x_.samples, channel.mean, channel.scale, row);
+      else
+        std::copy_n(channel.in.row(y), x_.samples, row);
     });
     device.upload(parts.queue, from.data, scene, scene_bytes());
     const bool timed = parts.kernels_ms.has_value();
@@ -209,15 +207,13 @@ class DeviceFilter final : public SpectralFilter {
   }
 
   void deliver(const Channel& channel, const PinnedMemory& image, int threads) const {
-    parallel_for(y_.outputs, 64, threads, [&](std::int64_t begin, std::int64_t end) {
-      for (std::int64_t y = begin; y < end; ++y) {
-        float* const row = image.floats() + y * x_.outputs;
-        if (is_extreme(channel)) kernels::restore(row, x_.outputs, channel.out_mean(), 1.0 / channel.scale, row);
-        if (channel.take)
-          channel.take(y, 0, {row, size_of(x_.outputs)});
-        else
-          std::copy_n(row, x_.outputs, channel.out.row(y));
-      }
+    parallel_for_each(y_.outputs, 64, threads, [&](std::int64_t y) {
+      float* const row = image.floats() + y * x_.outputs;
+      if (is_extreme(channel)) kernels::restore(row, x_.outputs, channel.out_mean(), 1.0 / channel.scale, row);
+      if (channel.take)
+        channel.take(y, 0, {row, size_of(x_.outputs)});
+      else
+        std::copy_n(row, x_.outputs, channel.out.row(y));
     });
   }
 

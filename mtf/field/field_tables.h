@@ -2,7 +2,7 @@
 #pragma once
 
 // The components of a presample list whose OTF changes over the image: their product at any place of the image, as
-// tables over radius and direction (mtf/otf/polar_table.h) with the same breaks. Of a system whose OTF only turns with
+// tables over radius and direction (mtf/otf/otf_tables.h) with the same breaks. Of a system whose OTF only turns with
 // the direction of the field point and depends on its distance besides, a few tables along a radius serve all places.
 
 #include <complex>
@@ -11,7 +11,7 @@
 
 #include "mtf/field/field_modes.h"
 #include "mtf/math/barycentric.h"
-#include "mtf/otf/polar_table.h"
+#include "mtf/otf/otf_tables.h"
 
 namespace mtf {
 

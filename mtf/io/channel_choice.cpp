@@ -33,8 +33,7 @@ std::string listed(const std::vector<ChannelInfo>& channels) {
   for (std::size_t i = 0; i < std::min(channels.size(), shown); ++i) {
     const ChannelInfo& c = channels[i];
     text += (i ? ", " : "") + printable(c.name, 80) + " (" + c.type;
-    if (c.x_sampling != 1 || c.y_sampling != 1)
-      text += ", subsampled " + std::to_string(c.x_sampling) + "x" + std::to_string(c.y_sampling);
+    if (c.x_sampling != 1 || c.y_sampling != 1) text += ", subsampled " + size_text(c.x_sampling, c.y_sampling);
     if (parts) text += ", part " + std::to_string(c.part);
     text += ")";
   }
@@ -173,10 +172,9 @@ ChannelChoice choose_channels(const std::string& path, const std::vector<Channel
   for (std::size_t i : choice.indices) {
     const ChannelInfo& c = channels[i];
     if (c.x_sampling != 1 || c.y_sampling != 1)
-      throw UsageError(path + ": channel " + printable(c.name) + " is subsampled " + std::to_string(c.x_sampling) +
-                       "x" + std::to_string(c.y_sampling) +
-                       "; choose a channel at full resolution (Y of a luminance-chroma file): --channel NAME; " +
-                       listed(channels));
+      throw UsageError(
+          path + ": channel " + printable(c.name) + " is subsampled " + size_text(c.x_sampling, c.y_sampling) +
+          "; choose a channel at full resolution (Y of a luminance-chroma file): --channel NAME; " + listed(channels));
     choice.names.push_back(triple ? upper(base_of(c.name)) : c.name);
   }
   return choice;

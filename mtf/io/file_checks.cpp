@@ -5,10 +5,10 @@
 
 #include <array>
 #include <cerrno>
-#include <cstdio>
 #include <system_error>
 
 #include "mtf/error.h"
+#include "mtf/words.h"
 #include "mtf/work/usable_memory.h"
 
 namespace mtf::io {
@@ -50,6 +50,14 @@ void check_plane_size(const std::string& path, std::int64_t width, std::int64_t 
                        ": crop it or choose one channel");
 }
 
+void check_raster_size(const std::string& path, const std::string& what, std::int64_t width, std::int64_t height) {
+  constexpr std::int64_t max_side = 1 << 20;
+  if (width <= max_side && height <= max_side && width * height <= max_plane_pixels / 2) return;
+  throw RuntimeError(path + ": a " + what + " of " + std::to_string(width) + " x " + std::to_string(height) +
+                     " pixels needs " + shown_bytes(static_cast<double>(width) * static_cast<double>(height) * 4) +
+                     " a plane; the limit is 2^30 pixels and 2^20 a side: crop it, or store the image as OpenEXR");
+}
+
 void check_compression(const std::string& path, double data_bytes, std::int64_t file_bytes, double ratio) {
   if (data_bytes <= static_cast<double>(file_bytes) * ratio) return;
   throw RuntimeError(path + ": damaged or incomplete: its header announces " + shown_bytes(data_bytes) +
@@ -64,9 +72,7 @@ std::string shown_bytes(double bytes) {
     bytes /= 1024;
     ++unit;
   }
-  std::array<char, 64> text{};
-  static_cast<void>(std::snprintf(text.data(), text.size(), unit == 0 ? "%.0f %s" : "%.3g %s", bytes, units[unit]));
-  return text.data();
+  return (unit == 0 ? fixed(bytes, 0) : significant(bytes, 3)) + " " + units[unit];
 }
 
 }  // namespace mtf::io

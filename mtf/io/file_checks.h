@@ -25,6 +25,9 @@ void check_plane_pixels(const std::string& path, std::int64_t width, std::int64_
 /// or more than the usable memory. Nothing is allocated.
 void check_plane_size(const std::string& path, std::int64_t width, std::int64_t height, std::int64_t planes);
 
+/// Throws RuntimeError when a PNG or TIFF, as `what` says, has more than 2^20 pixels a side or 2^30 in all.
+void check_raster_size(const std::string& path, const std::string& what, std::int64_t width, std::int64_t height);
+
 /// Throws RuntimeError when a file of `file_bytes` cannot hold `data_bytes` at a compression of `ratio`.
 void check_compression(const std::string& path, double data_bytes, std::int64_t file_bytes, double ratio);
 

@@ -52,7 +52,7 @@ struct FileInfo {
   std::vector<ChannelInfo> channels;              ///< in the file's order
   std::map<std::string, std::string> attributes;  ///< other attributes that can be shown as text
   StatedEncoding encoding;                        ///< curve of the values of PNG, TIFF and JPEG; OpenEXR is linear
-  std::vector<std::uint16_t> dct_steps{};         ///< of a JPEG, in counts (mtf/io/codecs/dct_rounding.h)
+  std::vector<std::uint16_t> dct_steps{};         ///< of a JPEG, in counts (mtf/io/codecs/encoding.h)
   std::string no_data{};  ///< stored value of pixels that have none and are read as NaN, "0 (GDAL_NODATA)"; "" = none
   double pixel_aspect = 1.0;  ///< width of a pixel over its height, as the file states it; 1 where it states none
   /// What the file holds and is not read, and what else a user has to know of the values: "read as page 1 of 3: ...".

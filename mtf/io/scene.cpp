@@ -3,7 +3,6 @@
 
 #include <charconv>
 #include <cmath>
-#include <cstdio>
 
 #include "mtf/error.h"
 #include "mtf/io/csv/csv_cells.h"
@@ -30,13 +29,7 @@ std::optional<std::array<double, 2>> two_numbers(const std::string& text) {
 }
 
 // A file holds metres; the decimal of 15 digits takes back what the change of unit rounded.
-double um_from_m(double value_m) {
-  std::array<char, 32> text;
-  const int length = std::snprintf(text.data(), text.size(), "%.15g", value_m * 1e6);
-  double value = 0.0;
-  std::from_chars(text.data(), text.data() + length, value);
-  return value;
-}
+double um_from_m(double value_m) { return *cell_number(significant(value_m * 1e6, 15)); }
 
 SampleGrid grid_of(const SensorConfig& config, const ImageFile& file, const std::string& path) {
   const SampleGrid size{file.info.width, file.info.height, 0.0, 0.0};

@@ -15,36 +15,14 @@
 #include "mtf/io/file_checks.h"
 #include "mtf/io/sha256.h"
 #include "mtf/math/word_hash.h"
+#include "mtf/words.h"
 
 namespace mtf::io {
 namespace {
 
 /// A line of the journal: the counts of a tile, its number and the checksum, each of 8 bytes.
-struct Record {
-  TileCounts counts;
-  std::int64_t tile = 0;
-  std::uint64_t hash = 0;
-};
-
 std::int64_t record_bytes(const TileStoreLayout& layout) {
   return static_cast<std::int64_t>((layout.counts + 2) * sizeof(std::int64_t));
-}
-
-std::vector<std::int64_t> words_of(const Record& record) {
-  std::vector<std::int64_t> words = record.counts;
-  words.push_back(record.tile);
-  words.push_back(std::bit_cast<std::int64_t>(record.hash));
-  return words;
-}
-
-Record record_of(std::vector<std::int64_t> words) {
-  Record record;
-  record.hash = std::bit_cast<std::uint64_t>(words.back());
-  words.pop_back();
-  record.tile = words.back();
-  words.pop_back();
-  record.counts = std::move(words);
-  return record;
 }
 
 std::uint64_t hash_of(const TileCounts& counts) {
@@ -105,9 +83,8 @@ void require_ours(const std::string& pixels, const std::string& journal) {
 
 std::string header_of(const TileStoreLayout& layout) {
   return "mtfkit tiles 3 " +
-         sha256_hex(layout.key + " " + std::to_string(layout.width) + "x" + std::to_string(layout.height) + "x" +
-                    std::to_string(layout.planes) + " in " + std::to_string(layout.tiles) + " with " +
-                    std::to_string(layout.counts)) +
+         sha256_hex(layout.key + " " + size_text(layout.width, layout.height) + "x" + std::to_string(layout.planes) +
+                    " in " + std::to_string(layout.tiles) + " with " + std::to_string(layout.counts)) +
          "\n";
 }
 
@@ -166,28 +143,29 @@ bool TileStore::load() {
   for (std::int64_t at = length; at + record_size <= status.st_size; at += record_size) {
     std::vector<std::int64_t> words(layout_.counts + 2);
     if (transfer_all(::pread, journal_, reinterpret_cast<char*>(words.data()), record_size, at) != 0) return false;
-    const Record record = record_of(std::move(words));
-    bool whole = record.tile >= 0 && record.tile < layout_.tiles;
-    std::uint64_t hash = hash_of(record.counts);
+    const TileCounts counts(words.begin(), words.end() - 2);
+    const std::int64_t tile = words[layout_.counts];
+    bool whole = tile >= 0 && tile < layout_.tiles;
+    std::uint64_t hash = hash_of(counts);
     if (whole) {
-      const Region region = layout_.region(record.tile);
+      const Region region = layout_.region(tile);
       for (std::size_t plane = 0; whole && plane < layout_.planes; ++plane)
         for (std::int64_t y = 0; whole && y < region.height; ++y) {
           whole = read_at(pixels_, row.data(), region.width, position(layout_, plane, region.x, region.y + y)) == 0;
           hash = hash_row(hash, row.data(), region.width);
         }
     }
-    if (!whole || hash != record.hash) {
+    if (!whole || hash != std::bit_cast<std::uint64_t>(words.back())) {
       note_ = "is damaged";
       resumed_ = 0;
       resumed_counts_.clear();
       done_.assign(done_.size(), 0);
       return false;
     }
-    char& mark = done_[static_cast<std::size_t>(record.tile)];
+    char& mark = done_[static_cast<std::size_t>(tile)];
     if (mark == 0) {
       ++resumed_;
-      resumed_counts_.push_back(record.counts);
+      resumed_counts_.push_back(counts);
     }
     mark = 1;
   }
@@ -219,16 +197,18 @@ void TileStore::write(std::int64_t tile, std::span<const ImageView<const float>>
     throw UsageError("a tile with " + std::to_string(counts.size()) + " counts; those of " + pixels_path_ + " have " +
                      std::to_string(layout_.counts) + ", as TileStoreLayout::counts says");
   const Region region = layout_.region(tile);
-  Record record{counts, tile, hash_of(counts)};
+  std::uint64_t hash = hash_of(counts);
   for (std::size_t plane = 0; plane < planes.size(); ++plane)
     for (std::int64_t y = 0; y < region.height; ++y) {
       const float* row = planes[plane].row(y);
       if (const int error = write_at(pixels_, row, region.width, position(layout_, plane, region.x, region.y + y)))
         fail(pixels_path_, error);
-      record.hash = hash_row(record.hash, row, region.width);
+      hash = hash_row(hash, row, region.width);
     }
   // One append a record: they neither mix nor come before their pixels.
-  const std::vector<std::int64_t> words = words_of(record);
+  std::vector<std::int64_t> words = counts;
+  words.push_back(tile);
+  words.push_back(std::bit_cast<std::int64_t>(hash));
   const auto size = static_cast<ssize_t>(words.size() * sizeof(std::int64_t));
   const std::scoped_lock lock(journal_lock_);
   const off_t before = ::lseek(journal_, 0, SEEK_END);

@@ -8,7 +8,7 @@
 #include <type_traits>
 #include <vector>
 
-#include "mtf/math/turns.h"
+#include "mtf/math/special.h"
 #include "mtf/otf/otf_series.h"
 
 namespace mtf {

@@ -7,7 +7,7 @@
 // kinks where t lambda is a constant: at fixed t they are inside the band, over u = t lambda / hi they are at the same
 // place for all wavelengths, and at one u what still changes with the wavelength (waves of aberration, r0) is smooth
 // in 1 / lambda. So P becomes a table over u and 1 / lambda: Chebyshev points, in u on panels between the kinks, in the
-// angle that takes away the half-integer powers at their ends (as mtf/otf/polar_table.h). A few hundred samples of P
+// angle that takes away the half-integer powers at their ends (as mtf/otf/otf_tables.h). A few hundred samples of P
 // serve all frequencies. The integral itself is taken between the wavelengths that have a kink at t (mtf/band.h), the
 // number of nodes doubled until the mean converges.
 

@@ -22,8 +22,7 @@
 #include "mtf/engines/fft/parity.h"
 #include "mtf/engines/fft/scene_spectrum.h"
 #include "mtf/otf/band_mean.h"
-#include "mtf/otf/polar_table.h"
-#include "mtf/otf/radial_table.h"
+#include "mtf/otf/otf_tables.h"
 #include "mtf/otf/split.h"
 #include "mtf/system.h"
 

@@ -6,7 +6,7 @@
 #include <mutex>
 
 #include "mtf/math/simd.h"
-#include "mtf/math/turns.h"
+#include "mtf/math/special.h"
 
 namespace mtf {
 namespace {

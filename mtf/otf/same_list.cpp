@@ -3,8 +3,6 @@
 
 #include <algorithm>
 
-#include "mtf/components/same_bits.h"
-
 namespace mtf {
 namespace {
 
@@ -47,19 +45,16 @@ bool same(const std::optional<Band>& a, const std::optional<Band>& b) {
 
 }  // namespace
 
+bool same_value(const FieldRef<double>& a, const FieldRef<double>& b) {
+  return std::visit(
+      [&](const auto* value) { return same_bits(*value, *std::get<std::remove_cvref_t<decltype(*value)>*>(b.value)); },
+      a.value);
+}
+
 bool same_component(const Component<double>& a, const Component<double>& b) {
   if (a.kind() != b.kind()) return false;
   const auto fields = a.fields(), others = b.fields();
-  for (std::size_t i = 0; i < fields.size(); ++i) {
-    const bool equal = std::visit(
-        [&](const auto* value) {
-          using T = std::remove_cvref_t<decltype(value)>;
-          return same_bits(*value, *std::get<std::remove_const_t<std::remove_pointer_t<T>>*>(others[i].value));
-        },
-        fields[i].value);
-    if (!equal) return false;
-  }
-  return true;
+  return std::equal(fields.begin(), fields.end(), others.begin(), &same_value);
 }
 
 bool same_surroundings(const System<double>& a, const System<double>& b) {

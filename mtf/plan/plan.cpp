@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "mtf/engines/kept_plane.h"
-#include "mtf/engines/row_moments.h"
+#include "mtf/engines/statistics.h"
 #include "mtf/error.h"
 #include "mtf/field/field_modes.h"
 #include "mtf/parallel.h"
@@ -128,8 +128,8 @@ PlanOptions on_processor(PlanOptions options) {
 
 void check_size(std::int64_t width, std::int64_t height, const SampleGrid& grid, const char* name) {
   if (width == grid.width && height == grid.height) return;
-  throw UsageError(std::string(name) + " image is " + std::to_string(width) + "x" + std::to_string(height) +
-                   ", the plan was made for " + std::to_string(grid.width) + "x" + std::to_string(grid.height));
+  throw UsageError(std::string(name) + " image is " + size_text(width, height) + ", the plan was made for " +
+                   size_text(grid.width, grid.height));
 }
 
 void fill(ImageView<float> out, float value) {
@@ -196,9 +196,9 @@ Plan compile_stages(const System<double>& system, std::span<const Stage> stages,
   report.whole_pitches_x = static_cast<std::int64_t>(whole_pitches(in.width, in.step_x_um, out.step_x_um));
   report.whole_pitches_y = static_cast<std::int64_t>(whole_pitches(in.height, in.step_y_um, out.step_y_um));
   if (out.width > report.whole_pitches_x || out.height > report.whole_pitches_y)
-    throw UsageError("the detector grid of " + std::to_string(out.width) + "x" + std::to_string(out.height) +
-                     " is larger than the scene, which holds " + std::to_string(report.whole_pitches_x) + "x" +
-                     std::to_string(report.whole_pitches_y) + " whole pixels; use detector_grid()");
+    throw UsageError("the detector grid of " + size_text(out.width, out.height) +
+                     " is larger than the scene, which holds " +
+                     size_text(report.whole_pitches_x, report.whole_pitches_y) + " whole pixels; use detector_grid()");
 
   if (options.spectrum && !options.spectrum->is_of(in.width, in.height, options.border)) throw other_spectrum();
   const Norms norms(in, out, options);
@@ -232,7 +232,7 @@ Plan compile_stages(const System<double>& system, std::span<const Stage> stages,
   const PlanTask task{sampler, in, out, options, how.split, norms.canvas, norms.norm, norms.alias, norms.spectrum_gain};
   Family wanted = Family::all;
   if (how.mode) wanted = Family::fft;
-  if (options.method) wanted = family(kMethodNames[static_cast<std::size_t>(*options.method)]);
+  if (options.method) wanted = family(name_of(*options.method));
   if (how.keep_family) wanted = family(how.earlier->report.method);
   std::vector<MethodCandidate> candidates = all_candidates(task, wanted);
   MethodCandidate* chosen = choose(candidates, task, options.rigor == Rigor::measure && !how.keep_family);
@@ -271,8 +271,8 @@ Plan compile_over_field(const System<double>& given, const SampleGrid& in, const
   const double tolerance = options.tolerance;
   const System<double> axis = system.at({});
   if (!(tolerance > 0.0 && tolerance < 1.0)) return compile_stages(axis, stages, in, out, options, {});  // refused
-  if (options.method && family(kMethodNames[static_cast<std::size_t>(*options.method)]) != Family::fft)
-    throw UsageError("method " + std::string(kMethodNames[static_cast<std::size_t>(*options.method)]) +
+  if (options.method && family(name_of(*options.method)) != Family::fft)
+    throw UsageError("method " + std::string(name_of(*options.method)) +
                      " takes one OTF for the whole image; here it changes over the field by " +
                      names_over_field(given) + ": leave --method out");
   if (options.spectrum && !options.spectrum->is_of(in.width, in.height, options.border)) throw other_spectrum();
@@ -292,9 +292,8 @@ Plan compile_over_field(const System<double>& given, const SampleGrid& in, const
   FieldReport report{field->points(), 0, field->error_of_axis()};
   std::vector<std::string> notes;
   if (system.frame.columns > out.width || system.frame.rows > out.height)
-    notes.push_back("the scene covers " + std::to_string(out.width) + "x" + std::to_string(out.height) +
-                    " pixels of the detector's " + std::to_string(system.frame.columns) + "x" +
-                    std::to_string(system.frame.rows) +
+    notes.push_back("the scene covers " + size_text(out.width, out.height) + " pixels of the detector's " +
+                    size_text(system.frame.columns, system.frame.rows) +
                     ", from its upper left corner: field points are those of the "
                     "whole detector");
   if (report.one_otf_error < tolerance) try {
@@ -536,8 +535,7 @@ std::string Plan::explain() const {
             short_number(o.saved_ms) + " ms)\n";
   for (const std::string& note : r.notes) text += "note      " + note + "\n";
   for (const Candidate& c : r.candidates) {
-    text += (c.reason.empty() ? "chosen    " : "other     ") +
-            std::string(kMethodNames[static_cast<std::size_t>(c.method)]);
+    text += (c.reason.empty() ? "chosen    " : "other     ") + std::string(name_of(c.method));
     if (!c.detail.empty()) text += ": " + c.detail;
     if (c.cost_ms > 0.0)
       text += "; predicted error " + short_number(c.predicted.total()) + ", " + short_number(c.cost_ms) +
@@ -555,6 +553,18 @@ std::string Plan::explain() const {
   text += "memory    OTF " + short_number(static_cast<double>(r.otf_bytes) * mib) + " MiB, buffers " +
           short_number(static_cast<double>(r.run_bytes) * mib) + " MiB\n";
   return text;
+}
+
+SampleGrid grid_of(const SceneView& scene, const Frame<double>& frame) {
+  if (!scene.step.given()) throw UsageError("the scene has no sample step; give one, such as 3.75_um or 0.25_px");
+  return {scene.samples.width, scene.samples.height, scene.step.x_um(frame), scene.step.y_um(frame)};
+}
+
+Plan compile(const System<double>& system, const SceneView& scene, PlanOptions options) {
+  const SampleGrid grid = grid_of(scene, system.frame);
+  const SampleGrid detector = detector_grid(system, grid);
+  options.scene = summarise(scene.samples, options.border, scene.border_value);
+  return compile(system, grid, detector, options);
 }
 
 }  // namespace mtf

@@ -24,14 +24,24 @@
 #include "mtf/device/device.h"
 #include "mtf/engines/kept_scene.h"
 #include "mtf/error.h"
+#include "mtf/frame.h"
 #include "mtf/grid.h"
 #include "mtf/image.h"
 #include "mtf/otf/factored_otf.h"
-#include "mtf/plan/scene_view.h"
 #include "mtf/rigor.h"
 #include "mtf/system.h"
 
 namespace mtf {
+
+/// A scene in memory: one plane of samples, and how far they lie apart.
+struct SceneView {
+  ImageView<const float> samples;
+  AxisPair<double> step;      ///< length at the focal plane, object angle, or detector pixels; one, or x and y apart
+  double border_value = 0.0;  ///< of what lies beyond the scene with Border::constant
+};
+
+/// The scene's samples at the focal plane of that frame.
+SampleGrid grid_of(const SceneView& scene, const Frame<double>& frame);
 
 /// What the plan knows of the scene before it runs; predictions hold for scenes like it.
 struct SceneSummary {

@@ -20,8 +20,6 @@
 namespace mtf {
 namespace {
 
-std::string_view name_of(Method method) { return kMethodNames[static_cast<std::size_t>(method)]; }
-
 std::string times_text(double ratio) { return fixed(ratio, ratio < 10.0 ? 1 : 0); }
 
 // Leaving out everything may cost the whole tolerance, where other methods spend a small share of it.
@@ -48,9 +46,7 @@ std::vector<MethodCandidate> identity_candidates(const PlanTask& task) {
 // The same work on this machine takes the same time again: the method, both grids, and for the FFT methods whether the
 // OTF is complex.
 std::string work_of(const MethodCandidate& candidate, const PlanTask& task) {
-  const auto size = [](const SampleGrid& grid) {
-    return std::to_string(grid.width) + "x" + std::to_string(grid.height);
-  };
+  const auto size = [](const SampleGrid& grid) { return size_text(grid.width, grid.height); };
   return std::string(name_of(candidate.report.method)) + " " + size(task.in) + " to " + size(task.out) + ", " +
          candidate.report.detail + (task.sampler.is_real() ? "" : ", complex") +
          (task.sampler.is_even_x() && task.sampler.is_even_y() ? "" : ", not mirrored");
@@ -111,9 +107,8 @@ void list_omissions(const MethodCandidate& chosen, const std::vector<MethodCandi
   const auto& [x, y] = *chosen.axes;
   for (const MethodCandidate& candidate : candidates)
     if (candidate.report.method == Method::fft_float)
-      report.omitted.push_back({"frequencies beyond " + std::to_string(x.keep) + "x" + std::to_string(y.keep) + " of " +
-                                    std::to_string(x.frequency.half_count()) + "x" +
-                                    std::to_string(y.frequency.half_count()),
+      report.omitted.push_back({"frequencies beyond " + size_text(x.keep, y.keep) + " of " +
+                                    size_text(x.frequency.half_count(), y.frequency.half_count()),
                                 chosen.report.predicted.cut, candidate.report.cost_ms - chosen.report.cost_ms});
 }
 
@@ -148,8 +143,7 @@ double load_ns(const TapAxis& x, const TapAxis& y, double tile_rows, double& row
   return count(y.samples) * (20.0 + 0.15 * count(x.samples)) + rows * row;
 }
 
-constexpr double kFloatUnit = 5.9604644775390625e-8;  // 2^-24
-constexpr double kSmallestFloat = 0x1p-150;           // half the step of denormal floats
+constexpr double kSmallestFloat = 0x1p-150;  // half the step of denormal floats
 
 }  // namespace
 

@@ -19,6 +19,8 @@ namespace mtf {
 // How the tolerance is shared out; what is left over is for arithmetic.
 inline constexpr double kDropShare = 0.05, kTableShare = 0.02, kWrapShare = 0.25, kBandShare = 0.05;
 
+inline constexpr double kFloatUnit = 0x1p-24;  ///< half a unit in the last place of floats of 1 to 2
+
 /// Compiles one part of the presample OTF by scale, for tiles (mtf/otf/split.h). Errors as compile().
 Plan compile_part(const System<double>& system, const SampleGrid& scene, const SampleGrid& detector,
                   const PlanOptions& options, const ScaleSplit& split);
@@ -67,6 +69,8 @@ Layout fourier_layout(const PlanTask& task);
 std::vector<MethodCandidate> fft_candidates(const PlanTask& task);
 /// `fft_ms`: cost of the cheapest FFT method; methods that are far slower are not judged.
 std::vector<MethodCandidate> tap_candidates(const PlanTask& task, double fft_ms);
+
+inline std::string_view name_of(Method method) { return kMethodNames[static_cast<std::size_t>(method)]; }
 
 /// Methods that share their engine, or all methods.
 enum class Family { all, identity, taps, fft };

@@ -6,7 +6,6 @@
 #include <cmath>
 
 #include "mtf/engines/taps/taps.h"
-#include "mtf/plan/low_rank.h"
 #include "mtf/plan/plan_parts.h"
 #include "mtf/plan/point_response.h"
 
@@ -15,7 +14,6 @@ namespace {
 
 constexpr std::int64_t kLargestRatio = 16, kDirectHalfWidth = 8;
 constexpr std::size_t kLargestRank = 6;
-constexpr double kFloatUnit = 5.9604644775390625e-8;  // 2^-24
 
 std::optional<std::int64_t> whole_ratio(double step, double pitch) {
   const double ratio = pitch / step;
@@ -143,7 +141,7 @@ MethodCandidate separable_candidate(const Work& work, Method method, std::vector
   std::vector<std::vector<float>> fx, fy;
   for (const auto& taps : x_taps) fx.push_back(narrow(taps));
   for (const auto& taps : y_taps) fy.push_back(narrow(taps));
-  auto engine = std::make_shared<SeparableEngine>(x, y, work.task.options.border, std::move(fx), std::move(fy));
+  auto engine = make_separable_engine(x, y, work.task.options.border, std::move(fx), std::move(fy));
   c.bytes = engine->filter_bytes() + engine->run_bytes(1, 1);
   candidate.make = [engine](const Engine*) { return engine; };
   return candidate;
@@ -278,7 +276,7 @@ MethodCandidate direct(const Work& work, const PointResponse& response, Method m
         narrowed[static_cast<std::size_t>(r * box.columns + t)] =
             narrowed[static_cast<std::size_t>(mr * box.columns + mt)];
       }
-  auto engine = std::make_shared<DirectEngine>(x, y, work.task.options.border, std::move(narrowed));
+  auto engine = make_direct_engine(x, y, work.task.options.border, std::move(narrowed));
   c.bytes = engine->filter_bytes() + engine->run_bytes(1, 1);
   candidate.make = [engine](const Engine*) { return engine; };
   return candidate;

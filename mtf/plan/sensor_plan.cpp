@@ -3,8 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 
 #include "mtf/otf/same_list.h"
+#include "mtf/words.h"
 
 namespace mtf {
 // Plan::run has read all input before it writes any output; where the output is no larger it takes the input's place.
@@ -16,9 +18,8 @@ std::vector<Image> run_in_place(const Plan& plan, std::vector<Image> images, dou
   std::vector<ImageView<float>> out;
   for (Image& image : images) {
     if (image.width() != plan.in().width || image.height() != plan.in().height)
-      throw UsageError("a plane is " + std::to_string(image.width()) + "x" + std::to_string(image.height()) +
-                       ", the plan was made for " + std::to_string(plan.in().width) + "x" +
-                       std::to_string(plan.in().height));
+      throw UsageError("a plane is " + size_text(image.width(), image.height()) + ", the plan was made for " +
+                       size_text(plan.in().width, plan.in().height));
     if (!fits) larger.emplace_back(width, height);
     in.push_back(image.view());
     out.push_back(fits ? ImageView<float>{image.data(), width, height, width} : larger.back().view());
@@ -177,6 +178,26 @@ std::vector<Image> SensorPlan::run_filters(std::vector<Image> sampled, double bo
     border *= (*filter)->dc();
   }
   return sampled;
+}
+
+SensorPlan compile_sensor(const System<double>& system, const SceneView& scene, PlanOptions options,
+                          int samples_a_pitch) {
+  const SampleGrid grid = grid_of(scene, system.frame);
+  sensor_grid(system, grid, samples_a_pitch);  // a grid that no sensor can have is refused before the samples are read
+  options.scene = summarise(scene.samples, options.border, scene.border_value);
+  return compile_sensor(system, grid, options, samples_a_pitch);
+}
+
+Image SensorPlan::run(const SceneView& scene, int threads) const {
+  const SampleGrid grid = grid_of(scene, system.frame);
+  if (grid != in())
+    throw UsageError("the scene is " + size_text(grid.width, grid.height) + " samples of " +
+                     format_double(grid.step_x_um) + " um by " + format_double(grid.step_y_um) +
+                     " um, the plan was made for " + size_text(in().width, in().height) + " of " +
+                     format_double(in().step_x_um) + " um by " + format_double(in().step_y_um) +
+                     " um; compile a plan for this scene");
+  std::vector<Image> image = run(std::span(&scene.samples, 1), scene.border_value, threads);
+  return std::move(image.front());
 }
 
 }  // namespace mtf

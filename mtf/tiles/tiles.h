@@ -14,12 +14,13 @@
 // does not help (an OTF with a step or kink at the scene's Nyquist frequency, a ratio of pitch to sample that is not
 // p/q; an OTF that changes over the field) the scene is one tile, if memory allows.
 
+#include <cstdint>
 #include <functional>
 #include <optional>
 
+#include "mtf/grid.h"
 #include "mtf/plan/sensor_plan.h"
 #include "mtf/survey/survey.h"
-#include "mtf/tiles/tile_layout.h"
 
 namespace mtf {
 
@@ -68,6 +69,30 @@ struct TileRunOptions {
 struct TileTally {
   std::int64_t computed = 0, flat = 0, resumed = 0;  ///< tiles; flat in every channel, with the halo
   double saved_ms = 0.0;                             ///< that the flat ones would have taken, estimated
+};
+
+struct PitchRatio {
+  std::int64_t samples = 1, pixels = 1;  ///< p, q
+};
+
+/// How an output is cut into equal tiles along an axis. A tile starts at a whole number of pixels and of scene samples,
+/// so that one plan serves them all: with pitch / sample = p/q every q pixels are p samples.
+///
+///   |margin|      tile      |margin|     canvas of the plan, in pixels; all three are multiples of q
+///          |post|    |post|              pixels that the filters after the sampling read
+struct TileAxis {
+  PitchRatio ratio;
+  std::int64_t outputs = 0;  ///< pixels of the output along this axis
+  std::int64_t first = 0;    ///< detector pixel at which tile 0 starts, a multiple of q
+  std::int64_t skipped = 0;  ///< pixels of tile 0 before the output starts
+  std::int64_t tile = 0, margin = 0, post = 0;
+
+  std::int64_t count() const { return (skipped + outputs + tile - 1) / tile; }
+  std::int64_t canvas_pixels() const { return tile + 2 * margin; }
+  std::int64_t canvas_samples() const { return canvas_pixels() / ratio.pixels * ratio.samples; }
+  /// First sample of the canvas of tile i; negative beyond the edge.
+  std::int64_t first_sample(std::int64_t i) const { return (first + i * tile - margin) / ratio.pixels * ratio.samples; }
+  double overlap() const { return static_cast<double>(canvas_pixels()) / static_cast<double>(tile); }
 };
 
 class TiledSensorPlan {

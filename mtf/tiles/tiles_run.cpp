@@ -10,6 +10,7 @@
 #include "mtf/parallel.h"
 #include "mtf/tiles/tile_queue.h"
 #include "mtf/tiles/tiles.h"
+#include "mtf/words.h"
 #include "mtf/work/stopwatch.h"
 
 namespace mtf {
@@ -39,13 +40,6 @@ std::vector<Run> runs_of(Border border, std::int64_t first, std::int64_t count, 
     runs.push_back({i, 1, source, 0});
   }
   return runs;
-}
-
-bool is_flat(const Image& image) {
-  const float first = image.data()[0];
-  for (std::int64_t i = 0; i < image.size(); ++i)
-    if (image.data()[i] != first) return false;
-  return true;
 }
 
 // One thread reads all at once, several share the rows.
@@ -78,12 +72,9 @@ double flat_blocks(std::span<const ImageView<const float>> planes) {
   std::int64_t flat = 0;
   for (std::int64_t j = 0; j < rows; ++j)
     for (std::int64_t i = 0; i < columns; ++i)
-      flat += std::all_of(planes.begin(), planes.end(),
-                          [&](const auto& plane) {
-                            return is_flat(plane, {i * kBlock, j * kBlock, kBlock, kBlock});
-                          })
-                  ? 1
-                  : 0;
+      flat += std::ranges::all_of(planes, [&](const auto& plane) {
+        return is_flat(plane, {i * kBlock, j * kBlock, kBlock, kBlock});
+      });
   return static_cast<double>(flat) / static_cast<double>(std::max<std::int64_t>(1, columns * rows));
 }
 
@@ -173,7 +164,7 @@ bool TiledSensorPlan::run_tile(std::int64_t index, double border_value, const Im
                                Workspace& memory, Image& out) const {
   auto& [canvas, wide, pixels] = memory;
   const Plan& near = inner_->presample;
-  const bool flat = is_flat(canvas);
+  const bool flat = is_flat(canvas.view(), {0, 0, canvas.width(), canvas.height()});
   if (flat) {
     std::fill_n(pixels.data(), pixels.size(), static_cast<float>(near.dc() * canvas.data()[0]));
   } else {
@@ -291,8 +282,8 @@ std::vector<Image> TiledSensorPlan::run(std::span<const ImageView<const float>> 
   std::vector<Image> out;
   for (std::size_t c = 0; c < scene.size(); ++c) {
     if (scene[c].width != in_.width || scene[c].height != in_.height)
-      throw UsageError("a plane is " + std::to_string(scene[c].width) + "x" + std::to_string(scene[c].height) +
-                       ", the plan was made for " + std::to_string(in_.width) + "x" + std::to_string(in_.height));
+      throw UsageError("a plane is " + size_text(scene[c].width, scene[c].height) + ", the plan was made for " +
+                       size_text(in_.width, in_.height));
     surveys.push_back(survey(
         read, c, in_, {.border = border_, .border_value = border_value, .every = report_.every, .threads = threads_}));
     out.emplace_back(out_.width, out_.height);
@@ -317,14 +308,11 @@ double TiledSensorPlan::flat_share(std::span<const ImageView<const float>> scene
     const auto [x, width] = within(x_.first_sample(index % x_.count()), x_.canvas_samples(), in_.width);
     const auto [y, height] = within(y_.first_sample(index / x_.count()), y_.canvas_samples(), in_.height);
     const Region region{x, y, width, height};
-    flat += std::all_of(scene.begin(), scene.end(),
-                        [&](const ImageView<const float>& plane) {
-                          const bool continued = border_ != Border::constant ||
-                                                 plane.at(region.x, region.y) == static_cast<float>(border_value);
-                          return continued && is_flat(plane, region);
-                        })
-                ? 1
-                : 0;
+    flat += std::ranges::all_of(scene, [&](const ImageView<const float>& plane) {
+      const bool continued =
+          border_ != Border::constant || plane.at(region.x, region.y) == static_cast<float>(border_value);
+      return continued && is_flat(plane, region);
+    });
   }
   return static_cast<double>(flat) / static_cast<double>(report_.count);
 }

@@ -8,7 +8,6 @@
 #include <filesystem>
 
 #include "calib/measure/measure.h"
-#include "mtf/io/codecs/dct_rounding.h"
 #include "mtf/io/codecs/encoding.h"
 #include "mtf/io/image_io.h"
 #include "tests/calib/made_edges.h"

@@ -3,7 +3,7 @@
 // And what a plan says when a method is impossible.
 
 #include "mtf/engines/fft/scene_spectrum.h"
-#include "mtf/plan/low_rank.h"
+#include "mtf/plan/point_response.h"
 #include "tests/expect_error.h"
 #include "tests/mtf/plan_support.h"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mtf/otf/radial_table.h"
+#include "mtf/otf/otf_tables.h"
 
 #include <gtest/gtest.h>
 

@@ -10,7 +10,6 @@
 #include "mtf/error.h"
 #include "mtf/math/quadrature.h"
 #include "mtf/math/special.h"
-#include "mtf/math/turns.h"
 #include "tests/mtf/builders.h"
 #include "tests/mtf/random_systems.h"
 

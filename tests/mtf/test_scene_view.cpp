@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mtf/plan/scene_view.h"
+#include "mtf/plan/plan.h"
 
 #include <gtest/gtest.h>
 

@@ -9,7 +9,6 @@
 #include "mtf/error.h"
 #include "mtf/io/config/config_edit.h"
 #include "mtf/io/config/config_reader.h"
-#include "mtf/io/config/config_text.h"
 
 namespace apps::live {
 namespace {

@@ -15,7 +15,7 @@
 #include "apps/scene/fly/flight.h"
 #include "apps/terminal/progress_line.h"
 #include "mtf/error.h"
-#include "mtf/io/config/config_text.h"
+#include "mtf/io/config/config_edit.h"
 #include "mtf/io/config/config_tree.h"
 #include "mtf/work/stop.h"
 

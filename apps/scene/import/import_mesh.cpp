@@ -14,7 +14,7 @@
 #include "apps/scene/import/import_process.h"
 #include "apps/scene/import/mesh_stream.h"
 #include "mtf/error.h"
-#include "mtf/io/csv/number_text.h"
+#include "mtf/io/csv/csv_cells.h"
 #include "mtf/io/file_checks.h"
 #include "mtf/words.h"
 #include "mtf/work/usable_memory.h"

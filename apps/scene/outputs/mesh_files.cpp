@@ -9,7 +9,7 @@
 
 #include "mtf/error.h"
 #include "mtf/io/atomic_file.h"
-#include "mtf/io/csv/number_text.h"
+#include "mtf/io/csv/csv_cells.h"
 #include "mtf/words.h"
 
 namespace apps::scene {

@@ -7,7 +7,7 @@
 
 #include "apps/scene/scene_file/scene_reader.h"
 #include "apps/scene/weather/si_units.h"
-#include "mtf/io/config/config_text.h"
+#include "mtf/io/config/config_edit.h"
 #include "mtf/units.h"
 
 namespace apps::scene {

@@ -6,8 +6,8 @@
 
 #include "apps/scene/weather/timed_table.h"
 #include "mtf/error.h"
+#include "mtf/io/csv/csv_cells.h"
 #include "mtf/io/csv/csv_numbers.h"
-#include "mtf/io/csv/number_text.h"
 #include "mtf/units.h"
 #include "mtf/words.h"
 #include "radiometry/weather/instant.h"

@@ -9,7 +9,7 @@
 
 #include "apps/simulate/run_watch.h"
 #include "apps/simulate/scene_source.h"
-#include "mtf/io/exr/exr_windows.h"
+#include "mtf/io/exr/exr_read.h"
 #include "mtf/tiles/tiles.h"
 
 namespace apps {

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "mtf/io/csv/number_text.h"
+#include "mtf/io/csv/csv_cells.h"
 #include "mtf/io/sha256.h"
 #include "mtf/version.h"
 #include "radiometry/stages/noise/poisson.h"

@@ -14,7 +14,6 @@
 #include <cmath>
 #include <limits>
 
-#include "mtf/components/conformance/outcome.h"
 #include "mtf/components/conformance/subject.h"
 
 namespace mtf::conformance {

@@ -10,7 +10,6 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "mtf/components/conformance/outcome.h"
 #include "mtf/components/conformance/subject.h"
 
 namespace mtf::conformance {

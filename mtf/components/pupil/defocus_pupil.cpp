@@ -6,9 +6,8 @@
 #include <complex>
 
 #include "mtf/components/pupil/pupil.h"
-#include "mtf/components/pupil/pupil_circles.h"
-#include "mtf/math/bessel.h"
 #include "mtf/math/quadrature.h"
+#include "mtf/math/special.h"
 
 namespace mtf {
 namespace {

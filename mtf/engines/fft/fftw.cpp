@@ -145,15 +145,9 @@ void RealPair2d::execute() const {
 
 void inverse(std::vector<Complex<double>>& data) {
   fftw_complex* p = complexes(data.data());
-  fftw_plan plan = nullptr;
-  {
-    const std::scoped_lock lock(planner());
-    plan = fftw_plan_dft_1d(checked(static_cast<std::int64_t>(data.size())), p, p, FFTW_BACKWARD, FFTW_ESTIMATE);
-  }
-  if (plan == nullptr) throw RuntimeError("FFTW could not plan a transform");
-  fftw_execute(plan);
-  const std::scoped_lock lock(planner());
-  fftw_destroy_plan(plan);
+  const int length = checked(static_cast<std::int64_t>(data.size()));
+  const auto plan = planned<double>([&] { return fftw_plan_dft_1d(length, p, p, FFTW_BACKWARD, FFTW_ESTIMATE); });
+  fftw_execute(static_cast<fftw_plan>(plan.get()));
 }
 
 bool import_wisdom(const std::string& text) {

@@ -22,9 +22,8 @@ constexpr std::int64_t block_rows(std::int64_t lines) { return round_up(lines, k
 
 /// work(group, place in the list) for all groups of a list.
 void for_groups(const std::vector<std::int64_t>& groups, int threads, const auto& work) {
-  parallel_for(static_cast<std::int64_t>(groups.size()), 1, threads, [&](std::int64_t begin, std::int64_t end) {
-    for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) work(groups[i], i);
-  });
+  parallel_for_each(std::ssize(groups), 1, threads,
+                    [&](std::int64_t i) { work(groups[static_cast<std::size_t>(i)], static_cast<std::size_t>(i)); });
 }
 
 template <class S>

@@ -35,7 +35,7 @@
 
 #include "mtf/engines/buffer_pool.h"
 #include "mtf/engines/engine.h"
-#include "mtf/engines/fft/axis_pass.h"
+#include "mtf/engines/fft/axis.h"
 #include "mtf/engines/fft/line_groups.h"
 #include "mtf/engines/kept_plane.h"
 #include "mtf/engines/kernels.h"

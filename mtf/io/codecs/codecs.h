@@ -32,7 +32,7 @@ struct RasterHeader {
   std::string storage;
   std::map<std::string, std::string> attributes;
   StatedEncoding encoding;
-  std::vector<std::uint16_t> dct_steps{};  ///< of a JPEG (mtf/io/codecs/dct_rounding.h)
+  std::vector<std::uint16_t> dct_steps{};  ///< of a JPEG (mtf/io/codecs/encoding.h)
   std::optional<NoData> no_data{};
   double pixel_aspect = 1.0;         ///< as in FileInfo
   std::vector<std::string> notes{};  ///< as in FileInfo

@@ -8,7 +8,7 @@
 #include <cstring>
 
 #include "mtf/io/codecs/codecs_parts.h"
-#include "mtf/io/codecs/png_scan.h"
+#include "mtf/io/codecs/raster_scan.h"
 
 namespace mtf::io::module {
 namespace {

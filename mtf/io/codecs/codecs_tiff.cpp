@@ -21,7 +21,7 @@
 #include "mtf/error.h"
 #include "mtf/io/codecs/codecs.h"
 #include "mtf/io/codecs/codecs_parts.h"
-#include "mtf/io/csv/number_text.h"
+#include "mtf/io/csv/csv_cells.h"
 #include "mtf/io/file_checks.h"
 #include "mtf/words.h"
 
@@ -453,12 +453,7 @@ RasterHeader tiff_header(const std::string& path, std::int64_t file_bytes) {
     unsupported(path, "colours in separate planes");
   if (field<std::uint16_t>(tiff, TIFFTAG_ORIENTATION, ORIENTATION_TOPLEFT) != ORIENTATION_TOPLEFT)
     unsupported(path, "a rotated or mirrored orientation");
-  constexpr std::int64_t max_side = 1 << 20;
-  if (header.width > max_side || header.height > max_side || header.width * header.height > max_plane_pixels / 2)
-    throw RuntimeError(path + ": a TIFF of " + std::to_string(header.width) + " x " + std::to_string(header.height) +
-                       " pixels needs " +
-                       shown_bytes(static_cast<double>(header.width) * static_cast<double>(header.height) * 4) +
-                       " a plane; the limit is 2^30 pixels and 2^20 a side: crop it, or store the image as OpenEXR");
+  check_raster_size(path, "TIFF", header.width, header.height);
   check_compression(path, static_cast<double>(header.width * header.height) * samples * bits / 8, file_bytes, 2048);
   if (TIFFIsTiled(tiff) != 0) {
     const double tile = static_cast<double>(field<std::uint32_t>(tiff, TIFFTAG_TILEWIDTH, 0)) *

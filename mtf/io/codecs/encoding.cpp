@@ -144,6 +144,13 @@ std::int64_t decode(const Encoding& encoding, ImageView<float> image, double ful
   return outside;
 }
 
+double dct_rounding_sd(const std::vector<std::uint16_t>& steps) {
+  if (steps.empty()) return 0.0;
+  double sum = 0.0;
+  for (const std::uint16_t step : steps) sum += static_cast<double>(step) * static_cast<double>(step);
+  return std::sqrt(sum / (12.0 * static_cast<double>(steps.size())));
+}
+
 double quantum_at(const Encoding& encoding, double linear, double full_scale, double step) {
   if (encoding.kind == Encoding::Kind::linear) return step;
   double low = encode(encoding, linear, full_scale) - 0.5 * step, high = low + step;

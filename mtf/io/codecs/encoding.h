@@ -55,6 +55,16 @@ double decode(const Encoding& encoding, double stored, double full_scale);
 /// All samples in place. Returns how many became NaN because they lie outside the table.
 std::int64_t decode(const Encoding& encoding, ImageView<float> image, double full_scale);
 
+/// What the rounding of JPEG does to pixels, the standard deviation of its error in counts, for the steps q(u, v) of
+/// FileInfo::dct_steps (ITU-T T.81, A.3.3 and A.3.4); 0 for an empty list. A plane is coded in blocks of 8 x 8 pixels,
+/// whose orthonormal cosine transforms are rounded to whole multiples of the steps. Rounding errors that are spread
+/// evenly over a step have a variance of q^2 / 12, and as the transform is orthonormal, those of a pixel have
+///   sd = sqrt(sum of q(u, v)^2 / 12 / 64)
+/// That is an upper limit where a coefficient is smaller than half of its step: then it is set to zero, and the error
+/// is the coefficient itself, which removes noise and fine structure alike. Errors are not independent: those of a
+/// block belong together.
+double dct_rounding_sd(const std::vector<std::uint16_t>& steps);
+
 /// The step in linear values that one `step` of stored values makes at the value `level`: the size of rounding to
 /// whole counts there. 0 where no stored value decodes to it.
 double quantum_at(const Encoding& encoding, double level, double full_scale, double step = 1.0);

@@ -7,7 +7,7 @@
 #include "mtf/io/atomic_file.h"
 #include "mtf/io/codecs/codecs.h"
 #include "mtf/io/codecs/drawing.h"
-#include "mtf/io/csv/number_text.h"
+#include "mtf/io/csv/csv_cells.h"
 #include "mtf/io/file_checks.h"
 #include "mtf/io/image_io.h"
 #include "mtf/io/plane_checks.h"
@@ -22,16 +22,8 @@ std::vector<std::pair<std::string, std::string>> as_text(const IntegerScaling& s
   for (const auto& [name, value] : metadata.text) text.emplace_back(name, value);
   for (const auto& [name, pair] : metadata.pairs)
     text.emplace_back(name, number_text(pair[0]) + " " + number_text(pair[1]));
-  for (const auto& [name, list] : metadata.lists) {
-    std::string values;
-    for (const float value : list) append_word(values, number_text(value));
-    text.emplace_back(name, values);
-  }
-  if (!metadata.history.empty()) {
-    std::string lines;
-    for (const std::string& line : metadata.history) append_word(lines, line, '\n');
-    text.emplace_back("mtf:history", lines);
-  }
+  for (const auto& [name, list] : metadata.lists) text.emplace_back(name, joined(list, number_text<float>, " "));
+  if (!metadata.history.empty()) text.emplace_back("mtf:history", joined(metadata.history, "\n"));
   return text;
 }
 

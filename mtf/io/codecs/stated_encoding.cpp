@@ -3,19 +3,14 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
+
+#include "mtf/io/csv/csv_cells.h"
 
 namespace mtf::io {
 namespace {
 
-/// The shortest decimal that text can have.
-std::string decimal(double value) {
-  std::array<char, 32> text;
-  return {text.data(), std::to_chars(text.data(), text.data() + text.size(), value).ptr};
-}
-
-std::string gamma_word(double exponent) { return exponent == 1.0 ? "linear" : "gamma:" + decimal(exponent); }
+std::string gamma_word(double exponent) { return exponent == 1.0 ? "linear" : "gamma:" + number_text(exponent); }
 
 /// The exponent with the fewest decimals for which `fits` holds.
 template <class Fits>
@@ -40,7 +35,7 @@ std::string quoted_profile(const std::string& name) {
 
 StatedEncoding by_gamma(std::uint32_t gamma_e5) {
   const double stored = gamma_e5;
-  const std::string source = "gAMA chunk (" + decimal(stored / 1e5) + ")";
+  const std::string source = "gAMA chunk (" + number_text(stored / 1e5) + ")";
   if (!(stored >= 1e4 && stored <= 1e6)) return {"", source};
   // Five digits were kept of 1 / exponent: 45455 was 1 / 2.2.
   const auto fits = [&](double exponent) { return exponent > 0.0 && std::round(1e5 / exponent) == stored; };

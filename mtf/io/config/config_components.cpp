@@ -1,9 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 
-// The three lists of components: every field through the field table of its kind.
+// The three lists of components: every field through the field table of its kind. Numbers of them may change over the
+// field of view (mtf/field_terms.h):
+//   w020 = { 1 = -0.3, r2 = 0.5 }      rms = { 1 = "2 urad", x = "0.5 urad" }      orientation = "field"
+// The term 1 is the value on the optical axis, 0 where it is not given.
 
 #include <algorithm>
+#include <charconv>
 
+#include "mtf/components/field_access.h"
 #include "mtf/io/config/config_reader.h"
 #include "mtf/words.h"
 
@@ -27,17 +32,14 @@ bool read_value(const Section& section, const FieldRef<double>& field) {
     if (value) target = *value;
     return value.has_value();
   };
+  const auto number = [&](auto& target) {
+    const auto scalar = read_scalar(section, info, info.name);
+    if (scalar) target = scalar->value;
+    return scalar.has_value();
+  };
   return std::visit(
-      Overloads{[&](double* value) {
-                  const auto scalar = read_scalar(section, info, info.name);
-                  if (scalar) *value = scalar->value;
-                  return scalar.has_value();
-                },
-                [&](std::optional<double>* value) {
-                  const auto scalar = read_scalar(section, info, info.name);
-                  if (scalar) *value = scalar->value;
-                  return scalar.has_value();
-                },
+      Overloads{[&](double* value) { return number(*value); },
+                [&](std::optional<double>* value) { return number(*value); },
                 [&](SpatialFrequency<double>* value) {
                   const auto scalar = read_scalar(section, info, info.name);
                   if (scalar) *value = {scalar->value, scalar->unit};
@@ -82,6 +84,84 @@ std::optional<std::string> read_label(const Section& section, std::vector<std::s
   }
   taken.push_back(*label);
   return label;
+}
+
+constexpr std::string_view kConstant = "1", kTurns = "field";
+constexpr std::size_t kRadius = 0;  // of the terms: the only one that is not smooth on the axis
+static_assert(kFieldTerms[kRadius] == "r");
+
+bool is_zero(double value) { return value == 0.0; }
+
+std::optional<std::size_t> term_of(std::string_view key) {
+  const auto found = std::find(kFieldTerms.begin(), kFieldTerms.end(), key);
+  if (found == kFieldTerms.end()) return std::nullopt;
+  return static_cast<std::size_t>(found - kFieldTerms.begin());
+}
+
+bool is_angle(const FieldInfo& info) { return info.dimension == Dimension::angle && info.unit == "deg"; }
+
+/// Where in a component a number lies.
+struct Place {
+  std::size_t field = 0, element = 0;
+};
+
+/// Of "rms", "rms_y" or "zernike[3]".
+std::optional<Place> place_of(std::span<const FieldRef<double>> fields, std::string_view key) {
+  for (std::size_t i = 0; i < fields.size(); ++i) {
+    const std::string_view name = fields[i].info->name;
+    if (!key.starts_with(name)) continue;
+    const std::string_view rest = key.substr(name.size());
+    if (rest.empty() || rest == "_x") return Place{i, 0};
+    if (rest == "_y") return Place{i, 1};
+    std::size_t element = 0;
+    if (rest.starts_with('[') && rest.ends_with(']') &&
+        std::from_chars(rest.data() + 1, rest.data() + rest.size() - 1, element).ec == std::errc{})
+      return Place{i, element};
+  }
+  return std::nullopt;
+}
+
+// What grows with the distance from the axis but keeps its direction has a kink on the axis, which lenses do not have.
+void warn_of_kinks(Reader& reader, const System<double>& system, std::size_t entry, const std::string& path) {
+  const auto fields = system.list(Stage::presample).at(entry).component.fields();
+  const auto turns = [&](const FieldAngle& angle) { return angle.entry == entry; };
+  if (std::any_of(system.field.angles.begin(), system.field.angles.end(), turns)) return;
+  const auto angle =
+      std::find_if(fields.begin(), fields.end(), [](const auto& field) { return is_angle(*field.info); });
+  if (angle == fields.end()) return;
+  for (const FieldNumber<double>& number : system.field.numbers)
+    if (number.entry == entry && number.coefficient[kRadius] != 0.0) {
+      const std::string name(angle->info->name);
+      return reader.note(
+          {}, path + "." + name,
+          "numbers that grow with r in one direction have a kink on the optical axis; for a lens write " + name +
+              " = \"field\"",
+          true);
+    }
+}
+
+/// Gives the terms that were read of a component, the `entry`-th of its list, to the system.
+void take_over_field(const Section& section, Stage stage, std::size_t entry, System<double>& system) {
+  const std::string before = section.path + ".";
+  const auto fields = system.list(stage).at(entry).component.fields();
+  std::erase_if(section.reader.terms, [&](const FieldTerms& terms) {
+    if (!terms.path.starts_with(before)) return false;
+    const auto place = place_of(fields, std::string_view(terms.path).substr(before.size()));
+    if (stage != Stage::presample) {
+      section.reader.error(terms.position, terms.path,
+                           "changes over the field, which components of [[presample]] alone may; write one number");
+    } else if (!place || detail::number_of(fields[place->field], place->element) == nullptr) {
+      // Something else about it was wrong, and is said.
+    } else if (!terms.angle && std::all_of(terms.coefficient.begin(), terms.coefficient.end(), is_zero)) {
+      // The same everywhere.
+    } else if (terms.angle) {
+      system.field.angles.push_back({entry, place->field});
+    } else {
+      system.field.numbers.push_back({entry, place->field, place->element, terms.coefficient});
+    }
+    return true;
+  });
+  if (stage == Stage::presample) warn_of_kinks(section.reader, system, entry, section.path);
 }
 
 }  // namespace
@@ -154,6 +234,95 @@ Origin read_components(const Section& root, System<double>& system) {
   for (const Stage stage : kStages)
     for (auto& entry : system.list(stage)) entry.label = complete[n++];
   return origin;
+}
+
+bool is_over_field(const Node& node, const FieldInfo& info) {
+  if (node.kind == Node::Kind::string) return is_angle(info) && node.text == kTurns;
+  if (node.kind != Node::Kind::table || node.members.empty()) return false;
+  // Keys of a fit are longer than those of terms, which may be mistyped.
+  const auto any = [&](const auto& is) { return std::any_of(node.members.begin(), node.members.end(), is); };
+  if (any([](const Member& member) { return member.key == kConstant || term_of(member.key); })) return true;
+  constexpr std::size_t kShort = 2;
+  return !any([](const Member& member) { return member.key.size() > kShort; });
+}
+
+std::optional<Scalar> read_over_field(Reader& reader, const Node& node, const FieldInfo& info,
+                                      const std::string& path) {
+  reader.positions[path] = node.position;
+  FieldTerms terms{.path = path, .position = node.position};
+  if (node.kind == Node::Kind::string) {
+    terms.angle = true;
+    reader.terms.push_back(std::move(terms));
+    return Scalar{0.0, find_unit(info.unit)};
+  }
+  const Section section{reader, node, path, "the terms of " + std::string(info.name)};
+  std::vector<std::string_view> known{kConstant};
+  known.insert(known.end(), kFieldTerms.begin(), kFieldTerms.end());
+  check_keys(section, known);
+  std::optional<Scalar> on_axis;
+  bool good = !reader.has_failed(path);
+  std::optional<Scalar> first;  // in whose unit all are held
+  for (const Member& member : node.members) {
+    const std::optional<std::size_t> term = term_of(member.key);
+    if (!term && member.key != kConstant) {
+      good = false;
+      continue;
+    }
+    auto scalar = read_plain(reader, member.value, info, section.at(member.key));
+    if (scalar && first && scalar->unit != first->unit) {
+      if (scalar->unit->dimension == first->unit->dimension && scalar->unit->dimension != Dimension::frequency) {
+        scalar = Scalar{convert({scalar->value, scalar->unit}, first->unit->name), first->unit};
+      } else {
+        section.error(member.key, shown(member.value) + " does not go with terms in " + std::string(first->unit->name) +
+                                      "; write all in one unit");
+        scalar.reset();
+      }
+    }
+    good = good && scalar;
+    if (!scalar) continue;
+    if (!first) first = scalar;
+    if (term)
+      terms.coefficient[*term] = scalar->value;
+    else
+      on_axis = scalar;
+  }
+  if (!good) {
+    reader.failed.insert(path);
+    return std::nullopt;
+  }
+  reader.terms.push_back(std::move(terms));
+  return on_axis.value_or(Scalar{0.0, first->unit});
+}
+
+void refuse_over_field(Reader& reader) {
+  for (const FieldTerms& terms : reader.terms)
+    if (!reader.has_failed(terms.path))
+      reader.error(terms.position, terms.path,
+                   "cannot change over the field; numbers of [[presample]] components can, here write one number");
+  reader.terms.clear();
+}
+
+std::string over_field_text(const System<double>& system, std::string_view path, const Scalar& on_axis) {
+  const std::string start = std::string(stage_name(Stage::presample)) + "[";
+  if (!path.starts_with(start)) return {};
+  std::size_t entry = 0;
+  const auto [end, status] = std::from_chars(path.data() + start.size(), path.data() + path.size(), entry);
+  const auto& list = system.list(Stage::presample);
+  const std::string_view rest = path.substr(static_cast<std::size_t>(end - path.data()));
+  if (status != std::errc{} || !rest.starts_with("].") || entry >= list.size()) return {};
+  const auto place = place_of(list[entry].component.fields(), rest.substr(2));
+  if (!place) return {};
+  for (const FieldAngle& angle : system.field.angles)
+    if (angle == FieldAngle{entry, place->field}) return "\"" + std::string(kTurns) + "\"";
+  for (const FieldNumber<double>& number : system.field.numbers) {
+    if (number.entry != entry || number.field != place->field || number.element != place->element) continue;
+    std::string text = "{ 1 = " + toml_scalar(on_axis);
+    for (std::size_t i = 0; i < kFieldTerms.size(); ++i)
+      if (number.coefficient[i] != 0.0)
+        text += ", " + std::string(kFieldTerms[i]) + " = " + toml_scalar({number.coefficient[i], on_axis.unit});
+    return text + " }";
+  }
+  return {};
 }
 
 }  // namespace mtf::io::cfg

@@ -115,25 +115,20 @@ std::string toml_scalar(const Scalar& scalar);
 using ReadNumber =
     std::function<std::optional<double>(const Section& section, std::string_view key, const Node& number)>;
 
-// A table { value, fit, min, max, prior, stderr, interval }, whose value its reader knows. In config_fit.cpp.
+// A table { value, fit, min, max, prior, stderr, interval }, whose value its reader knows. In config_fields.cpp.
 /// The value; null when there is none (reported). Checks the keys.
 const Node* find_value(const Section& table, const FieldInfo& info);
 /// All other keys, into a spec whose value is there. `spread`: of standard errors and deviations.
 void read_beside_value(const Section& table, FitSpec& spec, const ReadNumber& like, const ReadNumber& spread);
 
 /// A table of terms over the field, or the word that lets an angle turn with the field point: its value on the axis,
-/// when usable. Null for what is neither. In config_field.cpp.
+/// when usable. Null for what is neither. In config_components.cpp.
 bool is_over_field(const Node& node, const FieldInfo& info);
 std::optional<Scalar> read_over_field(Reader& reader, const Node& node, const FieldInfo& info, const std::string& path);
-/// Gives the terms that were read of a component, the `entry`-th of its list, to the system.
-void take_over_field(const Section& section, Stage stage, std::size_t entry, System<double>& system);
 /// Reports terms of numbers that are no component's, such as the focal length.
 void refuse_over_field(Reader& reader);
 /// How a sensor file has the number at that path: { 1 = "2 urad", r2 = "0.5 urad" }; "" where it is one number.
 std::string over_field_text(const System<double>& system, std::string_view path, const Scalar& on_axis);
-
-/// A fit table; the value of it when usable. In config_fit.cpp.
-std::optional<Scalar> read_fit(Reader& reader, const Node& table, const FieldInfo& info, const std::string& path);
 
 /// `missing; write rms = "8 urad" (rms displacement of one axis, one sigma)`
 std::string missing_text(const FieldInfo& info);
@@ -142,9 +137,8 @@ std::string lacks_unit_text(const Node& node, const FieldInfo& info);
 /// "did you mean …" and the list of what is known.
 std::string suggestion(std::string_view word, std::span<const std::string_view> known);
 
-/// Findings of System::check at their positions. `origin[stage][i]` is the place in the file of list(stage)[i].
+/// `origin[stage][i]` is the place in the file of list(stage)[i].
 using Origin = std::array<std::vector<std::size_t>, 3>;
-void check_system(Reader& reader, const System<double>& system, const Origin& origin);
 
 /// [frame], [optics], [band], [scene] into the configuration. In config_sections.cpp.
 void read_sections(const Section& root, SensorConfig& config);
@@ -159,14 +153,14 @@ Origin read_components(const Section& root, System<double>& system);
 /// file's name has to be there already. In config.cpp.
 void interpret(const Node& tree, ConfigResult& result);
 
-/// Names of all tables; the keys of one, with those that the schema adds to it. In config_settings.cpp.
+/// Names of all tables; the keys of one, with those that the schema adds to it. In config_sections.cpp.
 std::vector<std::string_view> known_tables(std::span<const TableInfo> schema);
 std::vector<std::string> known_keys(std::span<const TableInfo> schema, std::string_view table);
 
 /// The tables that hold for this file: of those of one name the one whose condition the file fulfils. In
-/// config_settings.cpp.
+/// config_sections.cpp.
 std::vector<TableInfo> schema_of(const Node& root, std::vector<TableInfo> schema);
-/// The tables of the schema that are in the file. In config_settings.cpp.
+/// The tables of the schema that are in the file. In config_sections.cpp.
 std::vector<SettingsTable> read_settings(const Section& root);
 
 /// Labels of a list of components, explicit where given: the kind, numbered from the second one.

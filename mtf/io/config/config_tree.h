@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// A TOML document as a small tree with the position of every key and value. config_read.cpp makes it and is the only
+// A TOML document as a small tree with the position of every key and value. config_tree.cpp makes it and is the only
 // file that sees toml++; everything else about sensor files works on this tree.
 
 #include <cstdint>

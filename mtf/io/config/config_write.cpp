@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "mtf/io/config/config_edit.h"
 #include "mtf/io/config/config_reader.h"
-#include "mtf/io/config/config_text.h"
 #include "mtf/words.h"
 
 namespace mtf::io {

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mtf/io/config/round_trip.h"
 
-#include "mtf/components/same_bits.h"
+#include "mtf/io/config/config_edit.h"
 #include "mtf/io/config/config_reader.h"
-#include "mtf/io/config/config_text.h"
+#include "mtf/otf/same_list.h"
 
 namespace mtf::io {
 namespace {
@@ -27,14 +27,9 @@ std::string round_trip(std::string_view kind, std::span<const FieldRef<double>> 
   cfg::read_fields({reader, tree.root, "", "the component"}, to);
   for (const Diagnostic& diagnostic : reader.diagnostics)
     if (diagnostic.error) return format_diagnostic(diagnostic, "") + "\n" + text;
-  for (std::size_t i = 0; i < from.size(); ++i) {
-    const bool equal = std::visit(
-        [&](const auto* value) {
-          return same_bits(*value, *std::get<std::remove_cvref_t<decltype(*value)>*>(to[i].value));
-        },
-        from[i].value);
-    if (!equal) return "\"" + std::string(from[i].info->name) + "\" comes back as another value\n" + text;
-  }
+  for (std::size_t i = 0; i < from.size(); ++i)
+    if (!same_value(from[i], to[i]))
+      return "\"" + std::string(from[i].info->name) + "\" comes back as another value\n" + text;
   return "";
 }
 

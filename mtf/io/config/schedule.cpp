@@ -10,6 +10,7 @@
 #include "mtf/error.h"
 #include "mtf/io/config/config_edit.h"
 #include "mtf/io/config/config_reader.h"
+#include "mtf/io/csv/csv_cells.h"
 #include "mtf/io/csv/curve_csv.h"
 #include "mtf/io/sha256.h"
 #include "mtf/words.h"
@@ -25,7 +26,6 @@ inline constexpr std::size_t kMostScheduleErrors = 20;
 constexpr int kMaxLines = 1'000'000;
 constexpr std::size_t kMaxCell = 4096;
 constexpr std::string_view kHeader = "the first line has to be frame,parameter,value";
-constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
 
 bool is_text(std::string_view line) {
   return std::ranges::all_of(line,
@@ -81,8 +81,7 @@ struct ScheduleColumns {
 /// What is wrong with the header, "" when it is good.
 std::string read_header(std::string_view line, ScheduleColumns& columns) {
   constexpr std::array<std::string_view, 3> names{"frame", "parameter", "value"};
-  for (const char c : {';', '\t'})
-    if (line.find(c) != std::string_view::npos) columns.separator = c;
+  columns.separator = separator_of(line);
   const auto cells = cells_of(line, columns.separator);
   const std::string found = "; found: " + printable(line, 60);
   if (!cells || cells->size() != names.size()) return std::string(kHeader) + found;
@@ -123,7 +122,7 @@ std::string schedule_error(const std::string& file, int line, const std::string&
 std::vector<Setting> read_settings(std::string_view text, const std::string& file, std::vector<std::string>& errors) {
   std::vector<Setting> settings;
   const auto fail = [&](int line, const std::string& what) { errors.push_back(schedule_error(file, line, what)); };
-  if (text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
+  text = without_mark(text);
   ScheduleColumns columns;
   bool header = false;
   for (int number = 1; !text.empty() && errors.size() < kMostScheduleErrors; ++number) {

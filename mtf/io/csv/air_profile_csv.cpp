@@ -13,7 +13,6 @@ namespace mtf::io {
 namespace {
 
 constexpr std::size_t kMostRows = 10'000;
-constexpr double kZeroCelsius_k = 273.15;
 const std::string kRemedy =
     "write the first line like this: altitude_m,pressure_hpa,temperature_k,relative_humidity_percent";
 

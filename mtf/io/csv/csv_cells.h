@@ -5,6 +5,7 @@
 // library for it.
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <optional>
 #include <string>
@@ -83,6 +84,19 @@ inline std::string_view without_mark(std::string_view text) {
 inline bool is_comment(std::string_view line) {
   const std::string_view cell = trimmed_cell(line);
   return cell.empty() || cell.starts_with('#');
+}
+
+/// The shortest text that reads back as the same number, whatever the locale.
+template <class T>
+std::string number_text(T value) {
+  std::array<char, 64> text{};
+  return {text.data(), std::to_chars(text.data(), text.data() + text.size(), value).ptr};
+}
+
+/// Appends `word`, with `separator` before it unless the text is empty.
+inline void append_word(std::string& text, std::string_view word, char separator = ' ') {
+  if (!text.empty()) text += separator;
+  text += word;
 }
 
 }  // namespace mtf::io

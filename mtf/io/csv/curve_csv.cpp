@@ -7,12 +7,10 @@
 #include <cmath>
 #include <cstdio>
 #include <memory>
-#include <optional>
 #include <system_error>
 #include <vector>
 
 #include "mtf/error.h"
-#include "mtf/io/csv/csv_cells.h"
 #include "mtf/io/csv/csv_numbers.h"
 #include "mtf/io/csv/spectral_units.h"
 #include "mtf/io/file_checks.h"
@@ -22,7 +20,7 @@
 namespace mtf::io {
 namespace {
 
-constexpr std::string_view kHeaderRemedy = "write the first line like this: frequency_cy_mm,mtf (or _cy_mrad, _cy_px)";
+const std::string kHeaderRemedy = "write the first line like this: frequency_cy_mm,mtf (or _cy_mrad, _cy_px)";
 
 struct Frequency {
   bool is = false;
@@ -51,21 +49,13 @@ Frequency frequency_column(std::string_view cell) {
 }
 
 struct CurveColumns {
-  char separator = ',';
-  std::size_t count = 0, frequency = 0, value = 0;
+  std::size_t frequency = 0, value = 0;
   const Unit* unit = nullptr;
 };
 
-CurveColumns read_header(std::string_view line, const std::string& where) {
-  const auto fail = [&](const std::string& why) { return UsageError(where + why + "; " + std::string(kHeaderRemedy)); };
+CurveColumns choose_columns(const std::vector<std::string_view>& cells, const std::string& where) {
+  const auto fail = [&](const std::string& why) { return UsageError(where + why + "; " + kHeaderRemedy); };
   CurveColumns columns;
-  columns.separator = separator_of(line);
-  const auto cells = split_cells(line, columns.separator, kMaxTableColumns);
-  columns.count = cells.size();
-  if (cell_number(cells.front())) throw fail("the header is missing");
-  if (cells.size() < 2) throw fail("one column only, two are needed (separator: comma, semicolon or tab)");
-  if (cells.size() > kMaxTableColumns)
-    throw UsageError(where + "more than " + std::to_string(kMaxTableColumns) + " columns");
   std::vector<std::size_t> frequencies, values;
   std::string names;
   for (std::size_t i = 0; i < cells.size(); ++i) {
@@ -125,40 +115,25 @@ std::string read_file(const std::string& path, std::size_t limit) { return read_
 std::string read_text_file(const std::string& path, std::size_t limit) { return read_whole(path, limit, true); }
 
 Curve parse_curve_csv(std::string_view text, const std::string& source) {
-  text = without_mark(text);
-  std::optional<CurveColumns> columns;
-  std::vector<double> frequency, value;
-  for (std::size_t line = 1; !text.empty(); ++line) {
-    const std::string_view row = take_text_line(text);
-    if (is_comment(row)) continue;
-    const std::string where = source + ":" + std::to_string(line) + ": ";
-    if (!columns) {
-      columns = read_header(row, where);
-      continue;
-    }
-    const auto fail = [&](const std::string& why) { return UsageError(where + why); };
-    const auto cells = split_cells(row, columns->separator, kMaxTableColumns);
-    if (cells.size() != columns->count)
-      throw fail(std::to_string(cells.size()) + " values where the header has " + std::to_string(columns->count) +
-                 "; numbers have a decimal point, not a comma");
-    const auto cell = [&](std::size_t i) {
-      const auto number_there = cell_number(cells[i]);
-      if (!number_there || !std::isfinite(*number_there))
-        throw fail("\"" + printable(cells[i], 40) + "\" is no finite number; write it like 0.93");
-      return *number_there;
+  const Unit* unit = nullptr;
+  CsvNumbers numbers = read_csv_numbers(text, source, kHeaderRemedy, [&](const auto& cells, const std::string& where) {
+    const CurveColumns columns = choose_columns(cells, where);
+    unit = columns.unit;
+    return std::vector{columns.frequency, columns.value};
+  });
+  std::vector<double>&frequency = numbers.column[0], &value = numbers.column[1];
+  for (std::size_t i = 0; i < frequency.size(); ++i) {
+    const auto fail = [&](const std::string& why) {
+      return UsageError(source + ":" + std::to_string(numbers.line[i]) + ": " + why);
     };
-    const double f = cell(columns->frequency), v = cell(columns->value);
+    const double f = frequency[i], v = value[i];
     if (f < 0.0) throw fail("negative frequency " + format_double(f) + "; MTFs start at 0");
-    if (!frequency.empty() && f <= frequency.back())
-      throw fail("frequency " + format_double(f) + " after " + format_double(frequency.back()) +
+    if (i > 0 && f <= frequency[i - 1])
+      throw fail("frequency " + format_double(f) + " after " + format_double(frequency[i - 1]) +
                  "; frequencies have to increase");
     if (std::abs(v) > 1.05) throw fail("|MTF| " + format_double(v) + " above 1.05; divide by 100 if it is in percent");
-    if (frequency.size() == kMaxTableRows) throw fail("more than a million rows; thin the curve out");
-    frequency.push_back(f);
-    value.push_back(v);
   }
-  if (!columns) throw UsageError(source + ": no header and no data; " + std::string(kHeaderRemedy));
-  return make_curve(source, *columns->unit, std::move(frequency), std::move(value));
+  return make_curve(source, *unit, std::move(frequency), std::move(value));
 }
 
 Curve read_curve_csv(const std::string& path) { return parse_curve_csv(read_table_text(path), path); }

@@ -15,13 +15,13 @@
 #include <algorithm>
 #include <exception>
 #include <set>
-#include <thread>
 
 #include "mtf/error.h"
 #include "mtf/io/atomic_file.h"
 #include "mtf/io/file_checks.h"
 #include "mtf/io/image_io.h"
 #include "mtf/io/plane_checks.h"
+#include "mtf/parallel.h"
 #include "mtf/words.h"
 #include "mtf/work/stop.h"
 
@@ -29,8 +29,8 @@ namespace mtf::io {
 namespace {
 
 /// The library's pool of threads is one for the whole process; it only grows here. 0 = all cores.
-inline void use_exr_threads(int threads) {
-  const int wanted = threads > 0 ? threads : static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
+void use_exr_threads(int threads) {
+  const int wanted = threads_of(threads);
   if (Imf::globalThreadCount() < wanted) Imf::setGlobalThreadCount(wanted);
 }
 
@@ -47,11 +47,14 @@ class AtomicStream : public Imf::OStream {
   AtomicFile& file_;
 };
 
+void check_name(const std::string& path, const std::string& what, const std::string& name) {
+  const std::string named = path + ": " + what + " name '" + printable(name, 40);
+  if (name.empty() || name.size() > 255) throw UsageError(named + "' must have 1 to 255 characters");
+  if (name.find('\0') != std::string::npos) throw UsageError(named + "' has a zero byte in it");
+}
+
 void check_attribute_name(const std::string& path, const Imf::Header& header, const std::string& name) {
-  if (name.empty() || name.size() > 255)
-    throw UsageError(path + ": attribute name '" + printable(name, 40) + "' must have 1 to 255 characters");
-  if (name.find('\0') != std::string::npos)
-    throw UsageError(path + ": attribute name '" + printable(name, 40) + "' has a zero byte in it");
+  check_name(path, "attribute", name);
   if (header.find(name) != header.end())
     throw UsageError(path + ": attribute '" + printable(name, 40) +
                      "' is given twice or reserved by OpenEXR; rename it");
@@ -71,10 +74,7 @@ void insert_metadata(const std::string& path, Imf::Header& header, const Metadat
 void check_names(const std::string& path, const std::vector<std::string>& names) {
   std::set<std::string> seen;
   for (const std::string& name : names) {
-    if (name.empty() || name.size() > 255)
-      throw UsageError(path + ": channel name '" + printable(name, 40) + "' must have 1 to 255 characters");
-    if (name.find('\0') != std::string::npos)
-      throw UsageError(path + ": channel name '" + printable(name, 40) + "' has a zero byte in it");
+    check_name(path, "channel", name);
     if (!seen.insert(name).second)
       throw UsageError(path + ": two channels are called '" + printable(name, 40) + "'; rename one");
   }

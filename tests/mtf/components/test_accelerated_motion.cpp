@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
-#include "mtf/components/chirp.h"
+#include "mtf/components/motion_means.h"
 #include "mtf/math/fresnel.h"
 #include "tests/mtf/components/one_component.h"
 #include "tests/mtf/reference_table.h"

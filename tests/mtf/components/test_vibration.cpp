@@ -3,8 +3,8 @@
 
 #include <limits>
 
-#include "mtf/components/sine_motion.h"
-#include "mtf/math/bessel.h"
+#include "mtf/components/motion_means.h"
+#include "mtf/math/special.h"
 #include "tests/mtf/components/one_component.h"
 #include "tests/mtf/reference_table.h"
 

@@ -10,9 +10,9 @@
 
 #include "mtf/components/curve.h"
 #include "mtf/components/gaussian.h"
-#include "mtf/components/same_bits.h"
 #include "mtf/io/config/config.h"
 #include "mtf/io/config/round_trip.h"
+#include "mtf/otf/same_list.h"
 #include "tests/expect_error.h"
 #include "tests/mtf/conformance.h"
 

@@ -8,7 +8,7 @@
 #include <string>
 
 #include "mtf/error.h"
-#include "mtf/io/codecs/dct_rounding.h"
+#include "mtf/io/codecs/encoding.h"
 #include "mtf/io/image_io.h"
 #include "tests/expect_error.h"
 #include "tests/mtf/io/io_test_files.h"

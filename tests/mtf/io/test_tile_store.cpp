@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "mtf/error.h"
-#include "mtf/io/exr/exr_windows.h"
+#include "mtf/io/exr/exr_read.h"
 #include "tests/expect_error.h"
 #include "tests/mtf/io/io_test_files.h"
 

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// What reading whole OpenEXR images and reading windows of them share: opening with every check, and bands of pixels.
+// What reading whole OpenEXR images and reading windows of them share: opening with every check, what the headers say,
+// and bands of pixels.
 
 #include <OpenEXR/ImfFrameBuffer.h>
 #include <OpenEXR/ImfInputPart.h>
@@ -72,5 +73,9 @@ struct OpenedExr {
   int part = 0;
   Window data{}, display{};
 };
+
+/// What the headers of an open file say. Windows, shape of pixels and notes are those of `part`, and so are the
+/// attributes that it has.
+FileInfo describe_exr(const Imf::MultiPartInputFile& file, int part = 0);
 
 }  // namespace mtf::io

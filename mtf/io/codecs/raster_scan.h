@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// JPEG files segment by segment, without decoding pixels (ITU-T T.81, annex B; JFIF; the Adobe marker of T.872).
+// PNG files chunk by chunk (PNG specification, ISO/IEC 15948) and JPEG files segment by segment (ITU-T T.81, annex B;
+// JFIF; the Adobe marker of T.872), without decoding pixels.
 
 #include <string>
 #include <vector>
@@ -9,6 +10,12 @@
 #include "mtf/io/codecs/codecs.h"
 
 namespace mtf::io {
+
+/// Reads header, text and the chunks that say how values follow from light, and checks the length and CRC of every
+/// chunk up to IEND: a file that is cut short or altered is refused with RuntimeError before anything decodes it. When
+/// `critical` is given it receives the file with only the chunks that the pixels need (colour profiles and the like
+/// make decoders talk).
+RasterHeader scan_png(const std::string& path, std::vector<unsigned char>* critical = nullptr);
 
 /// The header for the luminance plane, the only one that is read: chroma is mixed of colours, and mostly of fewer
 /// pixels. Checks every segment up to the end of the image; a file that is cut short, of more than 8 bits, stored as
