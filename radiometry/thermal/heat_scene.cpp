@@ -7,7 +7,7 @@
 #include "radiometry/scene/opposite.h"
 #include "radiometry/scene/views.h"
 #include "radiometry/thermal/limits.h"
-#include "radiometry/thermal/seen/seen_facets.h"
+#include "radiometry/thermal/seen_facets.h"
 
 namespace radiometry::thermal {
 namespace {

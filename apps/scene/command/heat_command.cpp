@@ -132,7 +132,7 @@ std::string summary_text(const HeatScene& scene, const HeatReport& report, const
           significant(100.0 * report.sun_error.of_sides.percentile_95, 2) + " % in 95 % of the facets\n";
   if (report.left_out) text += left_out_text(report);
   text += "models of convection and sky: 1 to 3 K\n";
-  if (report.verified) text += verification_text(*report.verified, report.left_out.has_value());
+  if (report.verified) text += verification_text(*report.verified, report.unit_errors.has_value());
   double total = 0.0;
   std::string times;
   for (const auto& [name, ms] : report.timing_ms) {
