@@ -10,7 +10,7 @@
 #include "mtf/error.h"
 #include "mtf/work/stopwatch.h"
 #include "radiometry/atmosphere/spectral_path.h"
-#include "radiometry/heat/layer_sources.h"
+#include "radiometry/heat/construction.h"
 #include "radiometry/weather/clear_sky.h"
 #include "radiometry/weather/instant.h"
 
