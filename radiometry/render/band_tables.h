@@ -86,7 +86,7 @@ struct CubicPlace {
 };
 CubicPlace cubic_place(const EmissionFolds::Table& table, double temperature_k);
 
-/// A surface that no side has by itself (angular_finishes.h), at the nodes.
+/// A surface that no side has by itself (band_surfaces.h), at the nodes.
 struct MadeFinish {
   std::vector<double> emits{}, reflects{};
   bool light = false;  ///< it reflects all sources, not the sun alone

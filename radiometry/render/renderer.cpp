@@ -8,7 +8,7 @@
 
 #include "mtf/error.h"
 #include "mtf/parallel.h"
-#include "radiometry/render/visibility/shadows.h"
+#include "radiometry/render/visibility/sides_in_sun.h"
 #include "radiometry/scene/beam.h"
 
 namespace radiometry::render {

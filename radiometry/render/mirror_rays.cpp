@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "radiometry/render/angles/mirror_rays.h"
+#include "radiometry/render/mirror_rays.h"
 
 #include <algorithm>
 #include <cmath>
