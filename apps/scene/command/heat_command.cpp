@@ -286,14 +286,11 @@ void write_mesh_of(const std::string& path, const HeatScene& scene, std::span<co
   for (std::size_t t = 0; t < facets.triangles.size(); ++t) {
     const std::uint32_t facet = facets.facet_of[t];
     for (const std::uint32_t corner : facets.triangles[t]) {
-      mesh.corners.push_back(corner);
       if (std::isnan(facet_k[facet])) continue;  // not asked for
       sum[corner] += facets.facet[facet].area_m2 * facet_k[facet];
       area[corner] += facets.facet[facet].area_m2;
     }
-    mesh.first.push_back(mesh.corners.size());
-    mesh.group.push_back(0);
-    mesh.material.push_back(0);
+    mesh.add_face(facets.triangles[t]);
     of_face.push_back(static_cast<float>(facet_k[facet]));
   }
   std::vector<float> of_vertex;
