@@ -11,7 +11,7 @@
 
 #include "mtf/error.h"
 #include "mtf/units.h"
-#include "radiometry/heat/depth/short_chain.h"
+#include "radiometry/heat/depth/depth_grid.h"
 #include "radiometry/heat/forcing.h"
 #include "radiometry/heat/lanes.h"
 #include "radiometry/heat/surface_loss.h"
@@ -190,7 +190,7 @@ struct Layers {
   bool one_node = false;
   double error_k = 0.0;
   double short_time_s = 0.0;                                      ///< of the grid
-  double flux_w_m2 = 0.0, duration_s = 0.0, chain_error_k = 0.0;  ///< see short_chain.h
+  double flux_w_m2 = 0.0, duration_s = 0.0, chain_error_k = 0.0;  ///< see ShortChain
 };
 
 /// The shortest time at which the surface has to be right: the shortest lag from a break to an output, but not less

@@ -55,7 +55,7 @@ void add(heat::StepCount& sum, const heat::StepCount& steps) {
   sum.facet_steps += steps.facet_steps;
 }
 
-/// A shortened chain has no depths (radiometry/heat/depth/short_chain.h); layers that generate heat need them.
+/// A shortened chain has no depths (radiometry/heat/depth/depth_grid.h); layers that generate heat need them.
 bool is_whole(const heat::Grid& grid, const heat::Construction& construction) {
   const std::size_t nodes = grid.nodes();
   const bool chain = grid.depth_m.empty() && grid.layer_m.empty() && !construction.generates;
