@@ -11,7 +11,6 @@
 
 #include "apps/scene/scene_file/scene_reader.h"
 #include "apps/scene/weather/si_units.h"
-#include "apps/scene/weather/timed_table.h"
 #include "apps/scene/weather/weather_csv.h"
 #include "apps/text/message_words.h"
 #include "mtf/error.h"
