@@ -300,15 +300,9 @@ struct Problem {
   double tolerance_k;
 };
 
-struct Found {
-  Plan plan;
-  Run run;
-};
-
 /// Runs the problem with better and better guesses until the tolerance is kept; with `economise` also with coarser ones
-/// where that pays.
-/// `guess` is the first one and becomes the last.
-Found find(const Problem& problem, const Layers& layers, Guess& guess, bool economise, int threads) {
+/// where that pays. `guess` is the first one and becomes the last.
+Solution find(const Problem& problem, const Layers& layers, Guess& guess, bool economise, int threads) {
   const double tolerance_k = problem.tolerance_k;
   for (int trial = 1;; ++trial) {
     Plan plan = plan_of(*problem.batch, layers, guess);
@@ -375,8 +369,7 @@ Solution solve(const Batch& batch, const GroupForcing& forcing, const Timeline& 
                double tolerance_k, int threads) {
   const Problem problem{&batch, &forcing, &timeline, &start, tolerance_k};
   Prepared prepared = prepare(problem);
-  Found found = find(problem, prepared.layers, prepared.guess, false, threads);
-  return {std::move(found.plan), std::move(found.run)};
+  return find(problem, prepared.layers, prepared.guess, false, threads);
 }
 
 }  // namespace radiometry::heat

@@ -23,8 +23,10 @@ void check(const Ray& ray, const Point& middle, std::size_t number) {
   if (!(norm > 1e-150 && norm < 1e150)) refuse("has a direction without a length from 1e-150 to 1e150.");
 }
 
-/// The distance to the plane of a triangle along a direction of any length, in that length.
-double distance_to(const Facets& facets, std::uint32_t triangle, const Point& origin, const Vector& direction) {
+/// The hit of a triangle, with the distance to its plane along a direction of any length, in that length, in double
+/// precision.
+Hit hit_of(const Facets& facets, std::uint32_t triangle, const Point& origin, const Vector& direction) {
+  if (triangle == kNone) return {};
   const auto& [a, b, c] = facets.triangles[triangle];
   const Point& corner = facets.vertices[a];
   const Vector normal = cross(facets.vertices[b] - corner, facets.vertices[c] - corner);
@@ -32,16 +34,7 @@ double distance_to(const Facets& facets, std::uint32_t triangle, const Point& or
   // A ray in the plane of the triangle, to rounding, has no better distance than that of the corner.
   const double distance = towards != 0.0 ? dot(normal, corner - origin) / towards
                                          : dot(corner - origin, direction) / dot(direction, direction);
-  return std::max(0.0, distance);
-}
-
-/// The hit of a triangle, with the distance to its plane in double precision.
-Hit hit_of(const Facets& facets, std::uint32_t triangle, const Point& origin, const Vector& direction) {
-  if (triangle == kNone) return {};
-  const auto& [a, b, c] = facets.triangles[triangle];
-  const Point& corner = facets.vertices[a];
-  const double towards = dot(cross(facets.vertices[b] - corner, facets.vertices[c] - corner), direction);
-  return {facets.facet_of[triangle], towards > 0.0, distance_to(facets, triangle, origin, direction)};
+  return {facets.facet_of[triangle], towards > 0.0, std::max(0.0, distance)};
 }
 
 }  // namespace
