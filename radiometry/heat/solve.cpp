@@ -317,6 +317,19 @@ Solution find(const Problem& problem, const Layers& layers, Guess& guess, bool e
   }
 }
 
+/// Throws UsageError for a construction that is not valid, no facets, or `up` of another size or outside -1 ... 1.
+void require_valid(const Batch& batch) {
+  require_valid(batch.construction, "construction");
+  if (batch.facets == 0) throw mtf::UsageError("heat: a batch without facets");
+  if (!batch.up.empty() && batch.up.size() != batch.facets)
+    throw mtf::UsageError("heat: " + std::to_string(batch.up.size()) + " values of `up` for " +
+                          std::to_string(batch.facets) + " facets: give one for each, or none");
+  for (const double up : batch.up)
+    if (!(std::abs(up) <= 1.0))
+      throw mtf::UsageError("heat: a value of `up` is " + mtf::format_double(up) +
+                            ", has to be between -1 and 1: the vertical component of a unit normal");
+}
+
 struct Prepared {
   Layers layers;
   Guess guess;
