@@ -77,7 +77,7 @@ SixValues mirrored(const BandSurfaces& surfaces, const BandTables& tables, std::
       tables.add_reflected(reflected, surfaces.sources.ground(), 1.0, node, sum);
       return sum;
     }
-    const ElevationPlace place = elevation_place(elevation);
+    const CubicPlace place = elevation_place(elevation);
     for (std::size_t i = 0; i < 4; ++i)
       tables.add_reflected(reflected, surfaces.sources.first_elevation + place.first + i, place.weight[i], node, sum);
     return sum;

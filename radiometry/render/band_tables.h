@@ -79,11 +79,13 @@ class EmissionFolds {
   std::vector<Table> table_;
 };
 
-/// Four neighbouring temperatures of a table, and their weights.
+/// Four neighbouring values of a table of equal steps, and the weights of a cubic through them.
 struct CubicPlace {
   std::size_t first = 0;
   std::array<double, 4> weight{};
 };
+/// `at` steps from the first of `of` values.
+CubicPlace cubic_place(double at, std::size_t of);
 CubicPlace cubic_place(const EmissionFolds::Table& table, double temperature_k);
 
 /// A surface that no side has by itself (band_surfaces.h), at the nodes.
