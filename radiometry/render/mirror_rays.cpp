@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "mtf/parallel.h"
-#include "radiometry/scene/beam.h"
+#include "radiometry/scene/rays.h"
 
 namespace radiometry::render {
 

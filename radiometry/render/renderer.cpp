@@ -9,7 +9,7 @@
 #include "mtf/parallel.h"
 #include "mtf/work/stopwatch.h"
 #include "radiometry/render/visibility/sides_in_sun.h"
-#include "radiometry/scene/beam.h"
+#include "radiometry/scene/rays.h"
 
 namespace radiometry::render {
 namespace {

@@ -4,7 +4,7 @@
 #include "mtf/error.h"
 #include "mtf/words.h"
 #include "mtf/work/stopwatch.h"
-#include "radiometry/scene/opposite.h"
+#include "radiometry/scene/rays.h"
 #include "radiometry/scene/views.h"
 #include "radiometry/thermal/limits.h"
 #include "radiometry/thermal/seen_facets.h"

@@ -9,7 +9,7 @@
 
 #include "mtf/math/simd.h"
 #include "mtf/parallel.h"
-#include "radiometry/scene/beam.h"
+#include "radiometry/scene/rays.h"
 
 namespace radiometry::render {
 namespace {
