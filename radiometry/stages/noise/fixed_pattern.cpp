@@ -67,6 +67,14 @@ void offset_map(mtf::ImageView<float> map, double rms, std::uint64_t seed, Origi
   add_gaussian(map, rms, {seed, 0}, Stream::dsnu, origin, threads);
 }
 
+void dark_current_map(mtf::ImageView<float> map, double rms, std::uint64_t seed, Origin origin, int threads) {
+  require_rms("dark-current non-uniformity", rms, 10.0);
+  const double s2 = std::log1p(rms * rms);
+  for (std::int64_t y = 0; y < map.height; ++y) std::fill_n(map.row(y), map.width, 0.0F);
+  add_gaussian(map, std::sqrt(s2), {seed, 0}, Stream::dcnu, origin, threads);
+  for_each_pixel(map, threads, [&](double value) { return static_cast<float>(std::exp(value - 0.5 * s2)); });
+}
+
 void require_numbers(const std::string& name, mtf::ImageView<const float> map, float least, Origin origin) {
   for (std::int64_t y = 0; y < map.height; ++y)
     for (std::int64_t x = 0; x < map.width; ++x)
