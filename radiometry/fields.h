@@ -27,6 +27,21 @@ using mtf::optional_row;
 using mtf::required;
 using mtf::required_row;
 
+/// Rows of field tables that stand in no sensor file: name, unit, bounds and what it is, for checks and messages.
+/// From lo to hi, both allowed.
+template <class Member>
+constexpr Field<Member> row_between(Member member, std::string_view name, std::string_view unit, double lo, double hi,
+                                    std::string_view doc) {
+  return {member, required_row(name, mtf::Dimension::none, unit, lo, hi, "", doc)};
+}
+
+/// Above 0, to hi.
+template <class Member>
+constexpr Field<Member> row_above_zero(Member member, std::string_view name, std::string_view unit, double hi,
+                                       std::string_view doc) {
+  return above(row_between(member, name, unit, 0.0, hi, doc));
+}
+
 /// A number, or the file of a curve in its place.
 struct NumberOrFile {
   double number = 0.0;

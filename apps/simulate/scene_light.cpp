@@ -9,7 +9,6 @@
 #include "radiometry/light/path_planes.h"
 #include "radiometry/light/pixel_rules.h"
 #include "radiometry/light/scene_radiance.h"
-#include "radiometry/light/temperature_paths.h"
 
 namespace apps {
 namespace {

@@ -2,10 +2,280 @@
 #pragma once
 
 // A line of sight in its layers: what the spectral stage goes along.
+//   column   what the air holds at each altitude that the model computes with: the amount of every absorber per km,
+//            and, for refraction, the refractive index times the distance from the centre of the earth (n r)
+//   ray      the way of light through spherical shells: n r sin theta = c. In a layer n r is a straight line of the
+//            altitude with the slope g, so that the way is a straight line past a centre at the distance m / g, m = n
+//            r; with C = m^2 - c^2 the length from one altitude to another is |sqrt(C1) - sqrt(C2)| / g
+//   line     either, or level air, from the sensor on, checked
 
-#include "radiometry/atmosphere/ray.h"
+#include <array>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <vector>
+
+#include "radiometry/atmosphere/haze_impl.h"
 
 namespace radiometry::atmosphere {
+
+/// Indices of the densities, in the order of Amounts; self: h^2, oxygen: u P / P0.
+enum Density : std::size_t {
+  kForeign = kLineBands,
+  kSelf,
+  kNitrogenDensity,
+  kOxygenDensity,
+  kMoleculesDensity,
+  kRainDensity,
+  kPressureDensity,  ///< Pa
+  kMassDensity,      ///< Pa / K
+  kAerosolDensity,   ///< extinction at 0.55 um, of each region
+  kHumidAerosolDensity =
+      kAerosolDensity + kAerosolRegions,  ///< that of the boundary region times the humidity in percent
+  kDensities
+};
+
+template <class S>
+struct Column {
+  std::vector<double> altitude_m;
+  std::vector<S> bent;  ///< n r at the levels, up to a common factor; a straight line of the altitude between them
+  std::vector<std::array<S, kDensities>> density;
+  std::vector<std::array<S, kDensities>> log_ratio;  ///< of each layer: ln(above / below), where both are above 0
+  std::size_t densities = kDensities;                ///< without aerosol: fewer
+};
+
+/// (n - 1) of air at 2000 cm^-1, Edlen's formula.
+template <class S>
+S refractivity(const Level<S>& level) {
+  const double nu = 2000.0;
+  const double dry = 83.42 + 185.08 / (1.0 - nu * nu / (1.14e5 * 1.14e5)) + 4.11 / (1.0 - nu * nu / (6.24e4 * 6.24e4));
+  const double vapour = 43.49 - nu * nu / (1.7e4 * 1.7e4);
+  const S pressure = level.pressure_pa / kStandard_pa;
+  return 1e-6 * pressure * (dry * 288.15 / level.temperature_k - vapour * 1e-6 * level[Gas::water]);
+}
+
+template <class S>
+std::array<S, kDensities> densities_of(const Air<S>& air, Level<S> level) {
+  using std::exp, std::log, std::sqrt;
+  constexpr double kReference_k = 296.0, kRainTop_m = 6000.0;
+  const bool rains = value_of(air.rain_mm_h) > 0.0 && level.altitude_m <= kRainTop_m;
+  if (rains) level[Gas::water] = water_ppm(level.pressure_pa, level.temperature_k, S(100.0));
+  std::array<S, kDensities> out;
+  const S n = air_per_cm3(level.pressure_pa, level.temperature_k);
+  const S pressure = level.pressure_pa / kStandard_pa, cold = kReference_k / level.temperature_k;
+  const S log_pressure = log(pressure), log_cold = log(cold);
+  const auto laws = band_laws();
+  for (std::size_t i = 0; i < kLineBands; ++i)  // 1e20 molecules per cm^2 and km
+    out[i] = 1e-21 * n * level[laws[i].gas] * exp(laws[i].n * log_pressure + laws[i].m * log_cold);
+  const S h = 1e-25 * n * level[Gas::water], whole = 1e-19 * n;
+  out[kForeign] = h * (whole - h);
+  out[kSelf] = h * h;
+  out[kNitrogenDensity] = pressure * pressure * cold * sqrt(cold);
+  out[kOxygenDensity] = 1e-21 * n * level[Gas::oxygen] * pressure;
+  out[kMoleculesDensity] = pressure * cold;
+  out[kRainDensity] = level.altitude_m <= kRainTop_m ? rain_per_km(air.rain_mm_h) : S(0.0);
+  out[kPressureDensity] = level.pressure_pa;
+  out[kMassDensity] = level.pressure_pa / level.temperature_k;
+  const auto aerosol = aerosol_per_km(air.haze, level.altitude_m);
+  std::ranges::copy(aerosol, out.begin() + kAerosolDensity);
+  out[kHumidAerosolDensity] =
+      value_of(aerosol[0]) > 0.0 ? S(aerosol[0] * (rains ? S(100.0) : relative_humidity_percent(level))) : S(0.0);
+  return out;
+}
+
+/// The levels of the profile, and between them the altitudes at which the model divides its layers.
+template <class S>
+std::vector<Level<S>> refined_levels(const Profile<S>& profile) {
+  std::vector<double> altitudes;
+  for (int km = 0; km <= 25; ++km) altitudes.push_back(1000.0 * km);
+  for (const double km : {30.0, 35.0, 40.0, 45.0, 50.0, 70.0, 100.0}) altitudes.push_back(1000.0 * km);
+  std::vector<Level<S>> levels;
+  for (std::size_t i = 0; i < profile.levels.size(); ++i) {
+    if (i > 0)
+      for (const double z : altitudes)
+        if (z > profile.levels[i - 1].altitude_m && z < profile.levels[i].altitude_m)
+          levels.push_back(level_between(profile.levels[i - 1], profile.levels[i], z));
+    levels.push_back(profile.levels[i]);
+  }
+  return levels;
+}
+
+template <class S>
+Column<S> column_of(const Air<S>& air) {
+  using std::log;
+  constexpr double kLeastBend = 0.1;  // of d(n r)/dr: below it light would circle the earth, in layers that do not last
+  Column<S> column;
+  if (air.haze.kind == HazeKind::none) column.densities = kAerosolDensity;
+  const auto levels = refined_levels(air.profile);
+  for (const Level<S>& level : levels) {
+    column.altitude_m.push_back(level.altitude_m);
+    column.density.push_back(densities_of(air, level));
+  }
+  column.bent.push_back(S(kEarthRadius_m + levels.front().altitude_m));
+  column.log_ratio.resize(levels.size() - 1);
+  for (std::size_t i = 0; i + 1 < levels.size(); ++i) {
+    const double radius = kEarthRadius_m + levels[i].altitude_m, step = levels[i + 1].altitude_m - levels[i].altitude_m;
+    const S index = (1.0 + refractivity(levels[i + 1])) / (1.0 + refractivity(levels[i]));
+    S rise = index * (1.0 + step / radius) - 1.0;
+    if (value_of(rise) < kLeastBend * step / radius) rise = S(kLeastBend * step / radius);
+    column.bent.push_back(column.bent[i] + column.bent[i] * rise);
+    for (std::size_t k = 0; k < column.densities; ++k) {
+      const S &below = column.density[i][k], &above = column.density[i + 1][k];
+      if (value_of(below) > 0.0 && value_of(above) > 0.0) column.log_ratio[i][k] = log(above / below);
+    }
+  }
+  return column;
+}
+
+/// A part of a ray in one layer, up or down all along.
+template <class S>
+struct Piece {
+  std::size_t layer = 0;
+  bool up = true;
+  S from_m{}, to_m{}, length_m{};
+  S bent{}, root{}, slope{};  ///< m and sqrt(C) where it starts, g
+};
+
+template <class S>
+struct Ray {
+  std::vector<Piece<S>> pieces{};
+  S end_m{}, length_m{}, lowest_m{};
+  enum class End { arrived, ground, space } end = End::arrived;
+};
+
+template <class S>
+struct RayEnd {
+  std::optional<S> range_m{};
+  std::optional<double> altitude_m{};
+};
+
+/// How far a line may dip below the lowest level: no ground is even to a metre.
+inline constexpr double kGroundSlack_m = 1.0;
+
+template <class S>
+S root_of(const S& x) {
+  using std::sqrt;
+  return value_of(x) > 0.0 ? S(sqrt(x)) : S(0.0);
+}
+
+template <class S>
+S slope_of(const Column<S>& column, std::size_t layer) {
+  return (column.bent[layer + 1] - column.bent[layer]) / (column.altitude_m[layer + 1] - column.altitude_m[layer]);
+}
+
+/// The altitude at a length from the start of a piece.
+template <class S>
+S altitude_along(const Piece<S>& piece, const S& length_m) {
+  using std::sqrt;
+  const S root = piece.up ? S(piece.root + piece.slope * length_m) : S(piece.root - piece.slope * length_m);
+  const S more = (root - piece.root) * (root + piece.root);
+  return piece.from_m + more / ((sqrt(piece.bent * piece.bent + more) + piece.bent) * piece.slope);
+}
+
+/// The first part of a piece.
+template <class S>
+Piece<S> cut(const Piece<S>& piece, const S& length_m) {
+  Piece<S> out = piece;
+  out.to_m = altitude_along(piece, length_m);
+  out.length_m = length_m;
+  return out;
+}
+
+/// A piece from where a ray is to where it leaves the layer or, on the way down, has its tangent height. `unbounded`:
+/// the lowest and the highest layer go on for ever.
+template <class S>
+struct WayThrough {
+  Piece<S> piece;
+  S bent{}, root{};  ///< m and sqrt(C) at its end
+  bool turns = false;
+};
+template <class S>
+WayThrough<S> way_through(const Column<S>& column, Piece<S> piece, bool unbounded) {
+  using std::sqrt;
+  const auto& z = column.altitude_m;
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  const bool lowest = piece.layer == 0, highest = piece.layer + 2 == z.size();
+  const double stop = piece.up ? (highest && unbounded ? kInfinity : z[piece.layer + 1])
+                               : (!lowest     ? z[piece.layer]
+                                  : unbounded ? -kInfinity
+                                              : z[0] - kGroundSlack_m);
+  WayThrough<S> way{.piece = piece, .bent = S(0.0), .root = S(0.0)};
+  if (std::isfinite(stop)) {
+    way.bent = column.bent[piece.layer] + (stop - z[piece.layer]) * piece.slope;
+    const S more = (way.bent - piece.bent) * (way.bent + piece.bent), left = more + piece.root * piece.root;
+    way.turns = !piece.up && value_of(left) <= 0.0;
+    way.root = root_of(left);
+    const S sum = way.root + piece.root;
+    way.piece.length_m = value_of(sum) > 0.0 ? S(more / (piece.slope * sum)) : S(0.0);
+    if (!piece.up) way.piece.length_m = -way.piece.length_m;
+    way.piece.to_m = S(stop);
+  } else {
+    way.turns = !piece.up;
+    way.piece.length_m = S(kInfinity);
+  }
+  if (way.turns) {
+    way.bent = sqrt(piece.bent * piece.bent - piece.root * piece.root);
+    way.root = S(0.0);
+    way.piece.length_m = piece.root / piece.slope;
+    way.piece.to_m = piece.from_m - piece.root * piece.root / ((way.bent + piece.bent) * piece.slope);
+  }
+  return way;
+}
+
+/// From an altitude within the column along the cosine of the zenith angle, to the end or, if `unbounded` is false, to
+/// the ground or the highest level.
+template <class S>
+Ray<S> trace(const Column<S>& column, double from_m, const S& cosine, const RayEnd<S>& end, bool unbounded = false) {
+  const auto& z = column.altitude_m;
+  const std::size_t last = z.size() - 2;
+  Piece<S> next{.layer = 0, .up = value_of(cosine) >= 0.0, .from_m = S(from_m), .to_m = S(from_m), .length_m = S(0.0)};
+  while (next.layer < last && (next.up ? from_m >= z[next.layer + 1] : from_m > z[next.layer + 1])) ++next.layer;
+  next.slope = slope_of(column, next.layer);
+  next.bent = column.bent[next.layer] + (from_m - z[next.layer]) * next.slope;
+  next.root = next.bent * (next.up ? cosine : S(-cosine));
+  Ray<S> ray{.end_m = next.from_m, .length_m = S(0.0), .lowest_m = next.from_m};
+  for (;;) {
+    next.slope = slope_of(column, next.layer);
+    const WayThrough<S> way = way_through(column, next, unbounded);
+    Piece<S> piece = way.piece;
+    bool arrives = false;
+    if (end.altitude_m) {
+      const double to = *end.altitude_m, at = value_of(piece.from_m), stop = value_of(piece.to_m);
+      if (piece.up ? to > at && to <= stop : to < at && to >= stop) {
+        const S bent = piece.bent + (S(to) - piece.from_m) * piece.slope;
+        const S more = (bent - piece.bent) * (bent + piece.bent);
+        const S sum = root_of(S(more + piece.root * piece.root)) + piece.root;
+        piece.to_m = S(to);
+        piece.length_m = value_of(sum) > 0.0 ? S(more / (piece.slope * sum)) : S(0.0);
+        if (!piece.up) piece.length_m = -piece.length_m;
+        arrives = true;
+      }
+    }
+    if (end.range_m && value_of(ray.length_m + piece.length_m) >= value_of(*end.range_m)) {
+      piece = cut(piece, S(*end.range_m - ray.length_m));
+      arrives = true;
+    }
+    if (value_of(piece.length_m) > 0.0 || arrives) ray.pieces.push_back(piece);
+    ray.length_m = ray.length_m + piece.length_m;
+    ray.end_m = piece.to_m;
+    if (value_of(ray.end_m) < value_of(ray.lowest_m)) ray.lowest_m = ray.end_m;
+    if (arrives) return ray;
+    next = {.layer = next.layer,
+            .up = next.up || way.turns,
+            .from_m = piece.to_m,
+            .to_m = piece.to_m,
+            .length_m = S(0.0),
+            .bent = way.bent,
+            .root = way.root,
+            .slope = next.slope};
+    if (way.turns) continue;
+    if (next.layer == (next.up ? last : 0)) {
+      ray.end = next.up ? Ray<S>::End::space : Ray<S>::End::ground;
+      return ray;
+    }
+    next.up ? ++next.layer : --next.layer;
+  }
+}
 
 template <class S>
 struct Line {

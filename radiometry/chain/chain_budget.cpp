@@ -43,7 +43,7 @@ bool has_mean(const mtf::Image& map, const mtf::Statistics& measured, double exp
   return std::abs(measured.mean - expected) <= std::max(1e-3 * scale, sampling);
 }
 
-/// Part of the pixels whose dark charge, log-normal (dark_nonuniformity.h), takes the mean signal beyond the full well.
+/// Part of the pixels whose dark charge, log-normal (fixed_pattern.h), takes the mean signal beyond the full well.
 double filled_by_dark(const Sensor& sensor, const Budget<double>& budget) {
   const auto& unequal = sensor.settings.nonuniformity;
   const double dark_e = budget.signal.dark_e;

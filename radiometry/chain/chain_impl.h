@@ -5,12 +5,12 @@
 // through the stages, and the table of the stages.
 
 #include <algorithm>
-#include <chrono>
 #include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
 
+#include "mtf/work/stopwatch.h"
 #include "radiometry/chain/chain.h"
 #include "radiometry/stages/detector/saturation.h"
 #include "radiometry/stages/noise/frame_flicker.h"
@@ -254,8 +254,8 @@ struct FrameRun {
   std::int64_t noise_rows = 1;      ///< shot and read noise are wanted in the first row and each so-many-th after it
   ChainFrame frame{};
   HeldCounter counter{};
-  SharedMap map{};  ///< of the stage that runs
-  std::chrono::steady_clock::time_point last = std::chrono::steady_clock::now();
+  SharedMap map{};         ///< of the stage that runs
+  mtf::Stopwatch watch{};  ///< since the last lap
 
   /// Notes the time since the last lap; times of a stage that runs for several positions add up.
   void lap(std::string_view stage);

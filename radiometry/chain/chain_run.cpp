@@ -111,12 +111,7 @@ void multiply_add(mtf::Image& image, const Linear& gain, const Linear& offset, i
   });
 }
 
-void FrameRun::lap(std::string_view stage) {
-  const auto now = std::chrono::steady_clock::now();
-  const double ms = std::chrono::duration<double, std::milli>(now - last).count();
-  last = now;
-  add_time(frame.timing_ms, stage, ms);
-}
+void FrameRun::lap(std::string_view stage) { add_time(frame.timing_ms, stage, std::exchange(watch, {}).ms()); }
 
 void FrameRun::run(Part part, mtf::Image& image) {
   for (const StageRow& stage : chain.stages) {

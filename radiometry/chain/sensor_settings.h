@@ -31,7 +31,7 @@
 #include "radiometry/stages/optics/veiling_glare.h"
 #include "radiometry/stages/optics/vignetting.h"
 #include "radiometry/stages/processing/agc.h"
-#include "radiometry/stages/processing/measure_correction.h"
+#include "radiometry/stages/processing/correction.h"
 
 namespace radiometry {
 

@@ -3,6 +3,8 @@
 
 // What the chain and the budget take from [detector] kind = "thermal": volts for a watt and the noise, in any scalar.
 
+#include <array>
+
 #include "radiometry/chain/sensor_settings.h"
 #include "radiometry/performance/overrides.h"
 #include "radiometry/performance/thermal_detector.h"
@@ -17,25 +19,12 @@ struct ThermalReference {
 };
 
 /// The numbers of `sensor_settings` that these functions read.
-inline constexpr std::array<std::string_view, 19> kThermalNumbers{"detector.absorptance",
-                                                                  "detector.fill_factor",
-                                                                  "detector.counts_per_kelvin",
-                                                                  "detector.responsivity",
-                                                                  "detector.noise_bandwidth",
-                                                                  "detector.readout_noise",
-                                                                  "detector.netd",
-                                                                  "detector.netd_f_number",
-                                                                  "detector.netd_transmission",
-                                                                  "detector.nep",
-                                                                  "detector.nep_density",
-                                                                  "detector.dstar",
-                                                                  "detector.heat_capacity",
-                                                                  "detector.conductance",
-                                                                  "detector.resistance",
-                                                                  "detector.tcr",
-                                                                  "detector.bias",
-                                                                  "detector.corner",
-                                                                  "detector.lowest_frequency"};
+inline constexpr auto kThermalNumbers = std::to_array<std::string_view>(
+    {"detector.absorptance", "detector.fill_factor", "detector.counts_per_kelvin", "detector.responsivity",
+     "detector.noise_bandwidth", "detector.readout_noise", "detector.netd", "detector.netd_f_number",
+     "detector.netd_transmission", "detector.nep", "detector.nep_density", "detector.dstar", "detector.heat_capacity",
+     "detector.conductance", "detector.resistance", "detector.tcr", "detector.bias", "detector.corner",
+     "detector.lowest_frequency"});
 
 namespace detail {
 

@@ -17,7 +17,7 @@ void require_fraction(double value, std::string_view where, const std::string& n
   if (!(value >= 0.0 && value <= 1.0)) refuse(where, name, value, "between 0 and 1");
 }
 
-/// Vapour goes with the heat that the film carries (evaporation.h).
+/// Vapour goes with the heat that the film carries (surface_loss.h).
 void require_film(double wet_fraction, const Convection& convection, std::string_view where) {
   if (wet_fraction > 0.0 && forced_coefficient(convection, 1.0) == 0.0)
     throw mtf::UsageError(std::string(where) +
@@ -72,6 +72,25 @@ double in_plane_length_m(const Construction& construction, double loss_w_m2_k) {
   double sum = 0.0;
   for (const Layer& layer : construction.layers) sum += layer.conductivity_w_m_k * layer.thickness_m;
   return std::sqrt(sum / loss_w_m2_k);
+}
+
+SourceHeat source_heat(const Construction& construction, std::span<const double> source_w_m3) {
+  const auto* film = std::get_if<InnerFilm>(&construction.inside);
+  const bool held = construction.is_sheet() || std::holds_alternative<FixedTemperature>(construction.inside) ||
+                    (film != nullptr && film->h_w_m2_k > 0.0);
+  const double whole = resistance(construction) + (film != nullptr && held ? 1.0 / film->h_w_m2_k : 0.0);
+  SourceHeat heat;
+  double before = 0.0;
+  for (std::size_t i = 0; i < construction.layers.size(); ++i) {
+    const Layer& layer = construction.layers[i];
+    const double generated = source_w_m3[i] * layer.thickness_m;
+    // Uniform in the layer: as if at its middle.
+    const double inwards = held ? (before + 0.5 * layer.resistance()) / whole : 0.0;
+    heat.front_w_m2 += (1.0 - inwards) * generated;
+    if (construction.is_sheet()) heat.back_w_m2 += inwards * generated;
+    before += layer.resistance();
+  }
+  return heat;
 }
 
 }  // namespace radiometry::heat

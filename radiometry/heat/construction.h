@@ -13,6 +13,7 @@
 // Conduction along the surface is left out. Over the length sqrt(k d / h), with d the thickness and h the sum of the
 // film and 4 epsilon sigma T^3, it evens out differences: facets that are larger and lit uniformly do not need it.
 
+#include <span>
 #include <string_view>
 #include <variant>
 #include <vector>
@@ -49,7 +50,7 @@ struct Construction {
   double emissivity = 0.9;    ///< of the outer surface, its Planck mean
   Convection convection = McAdams{};
   Inside inside = Adiabatic{};
-  double wet_fraction = 0.0;          ///< of the outer surface, that evaporates (evaporation.h)
+  double wet_fraction = 0.0;          ///< of the outer surface, that evaporates (surface_loss.h)
   double air_pressure_pa = 101325.0;  ///< of evaporation alone
   bool generates = false;             ///< layers generate heat, as ForcingValues::source_w_m3 says
 
@@ -73,5 +74,21 @@ double capacity(const Construction& construction);
 /// sqrt(k d / h): facets much smaller than this exchange heat along the surface, which is not modelled. k d is summed
 /// over the layers; `loss_w_m2_k` is h + 4 epsilon sigma T^3.
 double in_plane_length_m(const Construction& construction, double loss_w_m2_k);
+
+// Constant heat sources q(x) in the layers, W/m3, as heat at the surfaces. The temperature is the sum T = theta + S of
+//   S       steady, (k S')' = -q, S = 0 at the exposed surfaces; inside it has no flow (adiabatic, flux), or gives
+//           h S to a film, or is 0 at a fixed temperature
+//   theta   without sources, with the heat that S brings to the surfaces added to what they absorb
+// S is 0 at the surfaces, so theta is the temperature there at all times, exactly: nothing of the solver changes. Of a
+// source at a depth the part R' / R comes out of the front, R' the resistance from there to where S is 0 inside, R that
+// of the whole way; all of it where no heat passes inside. A source that changes with time would move S: then the
+// solver has the sources of all layers at its nodes (Construction::generates, ForcingValues::source_w_m3).
+
+/// What a film or a fixed temperature takes is in neither; the back is that of sheets.
+struct SourceHeat {
+  double front_w_m2 = 0.0, back_w_m2 = 0.0;
+};
+/// `source_w_m3`: of each layer.
+SourceHeat source_heat(const Construction& construction, std::span<const double> source_w_m3);
 
 }  // namespace radiometry::heat

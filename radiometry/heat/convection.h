@@ -16,14 +16,40 @@
 //             and forced h = 2.537 R sqrt(P v / A), R the roughness (1.0 glass ... 2.17 stucco), P the perimeter and A
 //             the area of the whole plane surface, all sides taken as windward; from plates in winds of some m/s
 
+#include <algorithm>
+#include <cstddef>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <variant>
 
-#include "radiometry/heat/validity.h"
-
 namespace radiometry::heat {
+
+/// Where a closure, or another formula, holds: the range of the quantity that it is made for, and what it is off by
+/// beyond it.
+struct Validity {
+  std::string_view closure, quantity, unit;
+  double lo = 0.0, hi = 0.0;
+  std::string_view beyond;  ///< what is wrong there
+};
+
+/// Values that a run saw outside of such a range: how many, the first of them, and the one that is farthest out.
+struct Beyond {
+  std::size_t values = 0;
+  double first_s = 0.0, extreme = 0.0;
+  std::size_t first_place = 0;
+
+  void see(const Validity& validity, double value, double time_s, std::size_t place = 0) {
+    if (value >= validity.lo && value <= validity.hi) return;
+    const auto out = [&](double x) { return std::max(validity.lo - x, x - validity.hi); };
+    if (values++ == 0) {
+      first_s = time_s;
+      first_place = place;
+      extreme = value;
+    }
+    if (out(value) > out(extreme)) extreme = value;
+  }
+};
 
 struct NoConvection {};
 struct LinearConvection {

@@ -46,7 +46,9 @@ using Forcing = std::function<void(Instant, std::size_t first, ForcingValues& va
 using GroupForcing = std::function<Forcing(std::size_t first, std::size_t count)>;
 
 /// The same forcing for all groups; `forcing` has to live as long.
-GroupForcing for_all_groups(const Forcing& forcing);
+inline GroupForcing for_all_groups(const Forcing& forcing) {
+  return [&forcing](std::size_t, std::size_t) -> Forcing { return Forcing(std::cref(forcing)); };
+}
 
 /// Facets of one construction that are advanced side by side. Neighbours in the batch share their time steps, so facets
 /// with similar forcing (the same shadows at the same times) should stand together.
@@ -55,9 +57,6 @@ struct Batch {
   std::size_t facets = 0;
   std::vector<double> up;  ///< per facet: vertical component of the outward normal, for tarp; empty: all vertical, 0
 };
-
-/// Throws UsageError for a construction that is not valid, no facets, or `up` of another size or outside -1 ... 1.
-void require_valid(const Batch& batch);
 
 /// The times of a run. Outputs rise; times outside [start, end] are ignored.
 struct Timeline {

@@ -11,7 +11,7 @@
 
 #include "mtf/error.h"
 #include "mtf/units.h"
-#include "radiometry/heat/depth/short_chain.h"
+#include "radiometry/heat/depth/depth_grid.h"
 #include "radiometry/heat/forcing.h"
 #include "radiometry/heat/lanes.h"
 #include "radiometry/heat/surface_loss.h"
@@ -190,7 +190,7 @@ struct Layers {
   bool one_node = false;
   double error_k = 0.0;
   double short_time_s = 0.0;                                      ///< of the grid
-  double flux_w_m2 = 0.0, duration_s = 0.0, chain_error_k = 0.0;  ///< see short_chain.h
+  double flux_w_m2 = 0.0, duration_s = 0.0, chain_error_k = 0.0;  ///< see ShortChain
 };
 
 /// The shortest time at which the surface has to be right: the shortest lag from a break to an output, but not less
@@ -300,15 +300,9 @@ struct Problem {
   double tolerance_k;
 };
 
-struct Found {
-  Plan plan;
-  Run run;
-};
-
 /// Runs the problem with better and better guesses until the tolerance is kept; with `economise` also with coarser ones
-/// where that pays.
-/// `guess` is the first one and becomes the last.
-Found find(const Problem& problem, const Layers& layers, Guess& guess, bool economise, int threads) {
+/// where that pays. `guess` is the first one and becomes the last.
+Solution find(const Problem& problem, const Layers& layers, Guess& guess, bool economise, int threads) {
   const double tolerance_k = problem.tolerance_k;
   for (int trial = 1;; ++trial) {
     Plan plan = plan_of(*problem.batch, layers, guess);
@@ -321,6 +315,19 @@ Found find(const Problem& problem, const Layers& layers, Guess& guess, bool econ
     if (trial == kMostTrials || next.density > kFinestDensity) give_up(promised, tolerance_k);
     guess = next;
   }
+}
+
+/// Throws UsageError for a construction that is not valid, no facets, or `up` of another size or outside -1 ... 1.
+void require_valid(const Batch& batch) {
+  require_valid(batch.construction, "construction");
+  if (batch.facets == 0) throw mtf::UsageError("heat: a batch without facets");
+  if (!batch.up.empty() && batch.up.size() != batch.facets)
+    throw mtf::UsageError("heat: " + std::to_string(batch.up.size()) + " values of `up` for " +
+                          std::to_string(batch.facets) + " facets: give one for each, or none");
+  for (const double up : batch.up)
+    if (!(std::abs(up) <= 1.0))
+      throw mtf::UsageError("heat: a value of `up` is " + mtf::format_double(up) +
+                            ", has to be between -1 and 1: the vertical component of a unit normal");
 }
 
 struct Prepared {
@@ -375,8 +382,7 @@ Solution solve(const Batch& batch, const GroupForcing& forcing, const Timeline& 
                double tolerance_k, int threads) {
   const Problem problem{&batch, &forcing, &timeline, &start, tolerance_k};
   Prepared prepared = prepare(problem);
-  Found found = find(problem, prepared.layers, prepared.guess, false, threads);
-  return {std::move(found.plan), std::move(found.run)};
+  return find(problem, prepared.layers, prepared.guess, false, threads);
 }
 
 }  // namespace radiometry::heat

@@ -4,77 +4,93 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <mutex>
 #include <string>
+#include <vector>
 
 #include "mtf/error.h"
 #include "mtf/parallel.h"
 #include "mtf/units.h"
-#include "radiometry/heat/steps.h"
+#include "radiometry/heat/lanes.h"
 #include "radiometry/heat/surface_loss.h"
 
 namespace radiometry::heat {
 namespace {
 
-// One group of facets over time: the three runs of solver.h side by side, with steps that all lanes share.
+// TR-BDF2 for a group of facets: a trapezoidal stage to t + gamma h, then the second-order backward difference to
+// t + h, gamma = 2 - sqrt(2), so that both stages have the matrix M + a K with a = gamma h / 2 (Bank et al., IEEE
+// Trans. Electron Devices 32, 1992, 1985; Hosea & Shampine, Appl. Numer. Math. 20, 21, 1996, for the embedded error
+// estimate of third order, smoothed by one more solution with that matrix). It is L-stable: what is faster than a step
+// dies out.
+//   M (T_(n+1) - T_n) = h [w F_n + w F_g + d F_(n+1)],  w = sqrt(2)/4, d = gamma/2
+// so the heat of a step is the sum of the flows at the three instants with these weights, to rounding.
 
-/// The eliminations that a thread keeps from group to group.
-struct PlanEliminations {
-  explicit PlanEliminations(const Plan& plan)
-      : fine(plan.fine, plan.batch.construction.is_sheet()), coarse(plan.coarse, plan.batch.construction.is_sheet()) {}
-  Eliminations fine, coarse;
-};
+constexpr double kGamma = 0.58578643762690495120;  ///< 2 - sqrt(2)
 
-/// Surface temperatures of the three runs; of Runs::one the last two are null.
-struct Surfaces {
-  const double *fine, *doubled, *coarse;  ///< kLanes each
-};
-
-class GroupRun {
+/// Eliminations of one grid by the length of the step.
+class Eliminations {
  public:
-  /// Facets `first` and up to kLanes - 1 more of the batch.
-  GroupRun(const Plan& plan, const State& start, const Forcing& forcing, std::size_t first, PlanEliminations& kept);
-
-  /// Advances from t0 to t1, between which there is no break. `after_step` is called with the begin and the end of
-  /// every step that was taken. Throws RuntimeError as advance does.
-  void advance(double t0_s, double t1_s, const std::function<void(double, double)>& after_step);
-
-  std::size_t count() const { return count_; }
-  Surfaces front() const;
-  Surfaces back() const;
-  /// Of Runs::one, within the last step: `share` of it is over. See Timeline::between_s.
-  Lanes front_within(double share) const { return within(share, 0); }
-  Lanes back_within(double share) const { return within(share, fine_.t.size() - kLanes); }
-  const HeatSums& heat() const { return heat_; }
-  const StepCount& steps() const { return steps_; }
-  void store(State& end) const;
+  Eliminations(const Grid& grid, bool sheet) : grid_(&grid), sheet_(sheet) {}
+  const Elimination<double>& of_step(double step_s) {
+    const auto found = of_step_.find(step_s);
+    if (found != of_step_.end()) return found->second;
+    return of_step_.emplace(step_s, eliminate(*grid_, sheet_, 0.5 * kGamma * step_s)).first->second;
+  }
+  /// Forgets all when there are too many; references end.
+  void limit() {
+    constexpr std::size_t kMostEliminations = 1024;
+    if (of_step_.size() > kMostEliminations) of_step_.clear();
+  }
 
  private:
-  /// One step of 2h by all runs, from `begin` at a position of an interval; false where it is refused.
-  struct Interval;
-  bool step_of_three(const Interval& interval, double from, double whole);
-  bool step_of_one(const Interval& interval, double from, double whole);
-  /// Whether the film changes little enough from begin_ to end_; else half the step is tried next.
-  bool is_short_enough(double step_s, double whole);
-  /// Whether a step of 2h with that error is taken, and the next one to try.
-  bool accept(double step_s, double error_k);
-  void evaluate(Instant instant, Boundary& boundary) const;
-  Lanes within(double share, std::size_t node) const;
-
-  const Plan* plan_;
-  const Forcing* forcing_;
-  PlanEliminations* kept_;
-  std::size_t first_, count_;
-  Buoyancy front_buoyancy_, back_buoyancy_;
-  GroupGrid fine_grid_, coarse_grid_;
-  bool three_;
-  GroupState fine_, doubled_, coarse_;
-  Boundary begin_, early_, quarter_, late_, doubled_middle_, end_;
-  std::vector<double> before_;
-  double wanted_s_;  ///< the step 2h to try next
-  HeatSums heat_;
-  StepCount steps_;
+  const Grid* grid_;
+  bool sheet_;
+  std::map<double, Elimination<double>> of_step_;
 };
+
+/// Temperatures of a group on one grid, and what a step leaves.
+struct GroupState {
+  explicit GroupState(std::size_t nodes) : t(nodes * kLanes), first(nodes * kLanes), second(t), scratch(t) {}
+  std::vector<double> t;              ///< K
+  std::vector<double> first, second;  ///< increments of the two stages of the last step
+  std::vector<double> scratch;
+};
+
+/// The boundaries at the three instants of a step: t, t + gamma h and t + h.
+struct StepBoundaries {
+  const Boundary *begin, *middle, *end;
+};
+
+/// M D2 = kKeep M D1 + a F_(n+1)
+constexpr double kKeep = (1.0 - kGamma) * (1.0 - kGamma) / (kGamma * (2.0 - kGamma));
+
+// 2 k h [F_n / gamma - F_g / (gamma (1 - gamma)) + F_(n+1) / (1 - gamma)] with h = 2 a / gamma,
+// a F_g = M D1 - a F_n and a F_(n+1) = M (D2 - kKeep D1).
+constexpr double kError = (-3.0 * kGamma * kGamma + 4.0 * kGamma - 2.0) / (12.0 * (2.0 - kGamma)) * 4.0 / kGamma;
+constexpr ErrorWeights kErrorWeights{.of_flow = kError * (1.0 / kGamma + 1.0 / (kGamma * (1.0 - kGamma))),
+                                     .of_first = -kError * (1.0 / (kGamma * (1.0 - kGamma)) + kKeep / (1.0 - kGamma)),
+                                     .of_second = kError / (1.0 - kGamma)};
+
+/// `heat`: the heat over the boundaries is added there, unless it is null.
+void take_step(const GroupGrid& group, const Elimination<double>& elimination, const StepBoundaries& boundaries,
+               GroupState& state, HeatSums* heat) {
+  const double outer = (1.0 + kKeep) * elimination.a;  // w h
+  if (heat) add_heat(group, *boundaries.begin, state.t, outer, *heat);
+  run_stage(group, {&elimination, 0.0, boundaries.begin, boundaries.middle}, state.t, state.first, state.scratch);
+  if (heat) add_heat(group, *boundaries.middle, state.t, outer, *heat);
+  std::copy(state.first.begin(), state.first.end(), state.second.begin());
+  run_stage(group, {&elimination, kKeep, nullptr, boundaries.end}, state.t, state.second, state.scratch);
+  if (heat) add_heat(group, *boundaries.end, state.t, elimination.a, *heat);
+}
+
+/// The error of the step that was just taken from the temperatures `before`, K: the largest of the lanes.
+double step_error(const GroupGrid& group, const Elimination<double>& elimination, const Boundary& begin,
+                  const std::vector<double>& before, GroupState& after) {
+  return surface_error(group, elimination, kErrorWeights, begin, before, after.first, after.second, after.scratch);
+}
+
+// One group of facets over time: the three runs of solver.h side by side, with steps that all lanes share.
 
 /// Positions in an interval between breaks count in 2^-kFinest of it. A step is the interval halved a number of times,
 /// so intervals of equal length share their eliminations.
@@ -127,93 +143,20 @@ GroupGrid group_grid(const Grid& grid, const Construction& construction, const B
   return {&grid, sides, std::holds_alternative<InnerFlux>(construction.inside), construction.is_wet(), &front, &back};
 }
 
-GroupRun::GroupRun(const Plan& plan, const State& start, const Forcing& forcing, std::size_t first,
-                   PlanEliminations& kept)
-    : plan_(&plan),
-      forcing_(&forcing),
-      kept_(&kept),
-      first_(first),
-      count_(std::min(kLanes, plan.batch.facets - first)),
-      three_(start.runs() == Runs::three),
-      fine_(plan.fine.nodes()),
-      doubled_(three_ ? plan.fine.nodes() : 0),
-      coarse_(three_ ? plan.coarse.nodes() : 0),
-      before_(plan.fine.nodes() * kLanes),
-      wanted_s_(start.step_s[first / kLanes]) {
-  const Construction& construction = plan.batch.construction;
-  front_buoyancy_ = buoyancy_of(construction.convection, plan.batch, first, count_, 1.0);
-  if (const auto* sheet = std::get_if<Sheet>(&construction.inside))
-    back_buoyancy_ = buoyancy_of(sheet->convection, plan.batch, first, count_, -1.0);
-  fine_grid_ = group_grid(plan.fine, construction, front_buoyancy_, back_buoyancy_);
-  coarse_grid_ = group_grid(plan.coarse, construction, front_buoyancy_, back_buoyancy_);
-  gather(start.fine, start.facets, first, count_, fine_.t);
-  if (!three_) return;
-  gather(start.doubled, start.facets, first, count_, doubled_.t);
-  gather(start.coarse, start.facets, first, count_, coarse_.t);
-}
+/// The eliminations that a thread keeps from group to group.
+struct PlanEliminations {
+  explicit PlanEliminations(const Plan& plan)
+      : fine(plan.fine, plan.batch.construction.is_sheet()), coarse(plan.coarse, plan.batch.construction.is_sheet()) {}
+  Eliminations fine, coarse;
+};
 
-Surfaces GroupRun::front() const {
-  return {fine_.t.data(), three_ ? doubled_.t.data() : nullptr, three_ ? coarse_.t.data() : nullptr};
-}
-
-Surfaces GroupRun::back() const {
-  const auto last = [](const GroupState& state) { return state.t.data() + (state.t.size() - kLanes); };
-  return {last(fine_), three_ ? last(doubled_) : nullptr, three_ ? last(coarse_) : nullptr};
-}
-
-Lanes GroupRun::within(double share, std::size_t node) const {
-  const double of_stage = share * (1.0 - share) / (kGamma * (1.0 - kGamma));
-  const double of_end = share * (share - kGamma) / (1.0 - kGamma);
-  Lanes kelvin;
-  for (std::size_t l = 0; l < kLanes; ++l) {
-    const double to_stage = fine_.first[node + l], to_end = to_stage + fine_.second[node + l];
-    kelvin[l] = before_[node + l] + of_stage * to_stage + of_end * to_end;
-  }
-  return kelvin;
-}
-
-void GroupRun::store(State& end) const {
-  scatter(fine_.t, end.facets, first_, count_, end.fine);
-  end.step_s[first_ / kLanes] = wanted_s_;
-  if (!three_) return;
-  scatter(doubled_.t, end.facets, first_, count_, end.doubled);
-  scatter(coarse_.t, end.facets, first_, count_, end.coarse);
-}
-
-void GroupRun::evaluate(Instant instant, Boundary& boundary) const {
-  const Construction& construction = plan_->batch.construction;
-  const auto* sheet = std::get_if<Sheet>(&construction.inside);
-  ForcingValues values;
-  values.front.absorbed_w_m2 = {boundary.front.absorbed.at.data(), count_};
-  if (sheet) values.back.absorbed_w_m2 = {boundary.back.absorbed.at.data(), count_};
-  if (construction.generates) boundary.source_w_m3.resize(construction.layers.size());
-  values.source_w_m3 = boundary.source_w_m3;
-  (*forcing_)(instant, first_, values);
-
-  double sum = values.inside;
-  for (const double source : boundary.source_w_m3) sum += source;
-  const auto take = [&](const SideForcing& from, double emissivity, const Convection& convection, double wet,
-                        Surface& to) {
-    to.emission = emissivity * kStefanBoltzmann_w_m2_k4;
-    to.film = forced_coefficient(convection, from.wind_m_s);
-    to.air_k = from.air_k;
-    to.latent = latent_coefficient(wet, to.film, construction.air_pressure_pa);
-    to.vapour_pa = from.vapour_pa;
-    for (std::size_t l = count_; l < kLanes; ++l) to.absorbed[l] = to.absorbed[count_ - 1];
-    for (const double absorbed : to.absorbed.at) sum += absorbed;
-    sum += to.film + to.air_k + to.latent + to.vapour_pa;
-  };
-  take(values.front, construction.emissivity, construction.convection, construction.wet_fraction, boundary.front);
-  if (sheet) take(values.back, sheet->emissivity, sheet->convection, sheet->wet_fraction, boundary.back);
-  boundary.inside = values.inside;
-  if (!std::isfinite(sum))
-    throw mtf::RuntimeError("heat: the forcing of facets " + std::to_string(first_) + " to " +
-                            std::to_string(first_ + count_ - 1) + " at " + mtf::format_double(instant.time_s) +
-                            " s has a value that is not finite, or a wind below 0");
-}
+/// Surface temperatures of the three runs; of Runs::one the last two are null.
+struct Surfaces {
+  const double *fine, *doubled, *coarse;  ///< kLanes each
+};
 
 /// An interval between breaks. Positions in it count in 2^-kFinest of its length.
-struct GroupRun::Interval {
+struct Interval {
   double t0_s, t1_s;
   double length_s() const { return t1_s - t0_s; }
   Instant at(double position) const {
@@ -222,85 +165,192 @@ struct GroupRun::Interval {
   }
 };
 
-bool GroupRun::step_of_three(const Interval& interval, double from, double whole) {
-  const double half = 0.5 * whole, step_s = interval.length_s() * (whole * kUnit);
-  const Elimination<double>& long_step = kept_->fine.of_step(step_s);
-  evaluate(interval.at(from + whole), end_);
-  if (!is_short_enough(step_s, whole)) return false;
-  evaluate(interval.at(from + kGamma * whole), doubled_middle_);
-  before_ = doubled_.t;
-  take_step(fine_grid_, long_step, {&begin_, &doubled_middle_, &end_}, doubled_, nullptr);
-  steps_.facet_steps += static_cast<std::int64_t>(count_);
-  const double error = step_error(fine_grid_, long_step, begin_, before_, doubled_);
-  if (!accept(step_s, error)) {
-    doubled_.t = before_;
+class GroupRun {
+ public:
+  /// Facets `first` and up to kLanes - 1 more of the batch.
+  GroupRun(const Plan& plan, const State& start, const Forcing& forcing, std::size_t first, PlanEliminations& kept)
+      : plan_(&plan),
+        forcing_(&forcing),
+        kept_(&kept),
+        first_(first),
+        count_(std::min(kLanes, plan.batch.facets - first)),
+        three_(start.runs() == Runs::three),
+        fine_(plan.fine.nodes()),
+        doubled_(three_ ? plan.fine.nodes() : 0),
+        coarse_(three_ ? plan.coarse.nodes() : 0),
+        before_(plan.fine.nodes() * kLanes),
+        wanted_s_(start.step_s[first / kLanes]) {
+    const Construction& construction = plan.batch.construction;
+    front_buoyancy_ = buoyancy_of(construction.convection, plan.batch, first, count_, 1.0);
+    if (const auto* sheet = std::get_if<Sheet>(&construction.inside))
+      back_buoyancy_ = buoyancy_of(sheet->convection, plan.batch, first, count_, -1.0);
+    fine_grid_ = group_grid(plan.fine, construction, front_buoyancy_, back_buoyancy_);
+    coarse_grid_ = group_grid(plan.coarse, construction, front_buoyancy_, back_buoyancy_);
+    gather(start.fine, start.facets, first, count_, fine_.t);
+    if (!three_) return;
+    gather(start.doubled, start.facets, first, count_, doubled_.t);
+    gather(start.coarse, start.facets, first, count_, coarse_.t);
+  }
+
+  /// Advances from t0 to t1, between which there is no break. `after_step` is called with the begin and the end of
+  /// every step that was taken. Throws RuntimeError as advance does.
+  void advance(double t0_s, double t1_s, const std::function<void(double, double)>& after_step) {
+    const Interval interval{t0_s, t1_s};
+    kept_->fine.limit();
+    kept_->coarse.limit();
+    evaluate(interval.at(0.0), begin_);
+    for (std::int64_t at = 0; at < kWhole;) {
+      std::int64_t step = kWhole;
+      while (step > 2 && (step > kWhole - at || interval.length_s() * (static_cast<double>(step) * kUnit) > wanted_s_))
+        step /= 2;
+      if (step <= 2)
+        throw mtf::RuntimeError("heat: no step keeps the tolerance at " +
+                                mtf::format_double(interval.at(static_cast<double>(at)).time_s) +
+                                " s: has the forcing a jump that is not in the breaks?");
+      const double from = static_cast<double>(at), whole = static_cast<double>(step);
+      if (!(three_ ? step_of_three(interval, from, whole) : step_of_one(interval, from, whole))) continue;
+      std::swap(begin_, end_);
+      at += step;
+      after_step(interval.at(from).time_s, interval.at(from + whole).time_s);
+    }
+  }
+
+  std::size_t count() const { return count_; }
+  Surfaces front() const {
+    return {fine_.t.data(), three_ ? doubled_.t.data() : nullptr, three_ ? coarse_.t.data() : nullptr};
+  }
+  Surfaces back() const {
+    const auto last = [](const GroupState& state) { return state.t.data() + (state.t.size() - kLanes); };
+    return {last(fine_), three_ ? last(doubled_) : nullptr, three_ ? last(coarse_) : nullptr};
+  }
+  /// Of Runs::one, within the last step: `share` of it is over. See Timeline::between_s.
+  Lanes front_within(double share) const { return within(share, 0); }
+  Lanes back_within(double share) const { return within(share, fine_.t.size() - kLanes); }
+  const HeatSums& heat() const { return heat_; }
+  const StepCount& steps() const { return steps_; }
+  void store(State& end) const {
+    scatter(fine_.t, end.facets, first_, count_, end.fine);
+    end.step_s[first_ / kLanes] = wanted_s_;
+    if (!three_) return;
+    scatter(doubled_.t, end.facets, first_, count_, end.doubled);
+    scatter(coarse_.t, end.facets, first_, count_, end.coarse);
+  }
+
+ private:
+  /// One step of 2h by all runs, from `begin` at a position of an interval; false where it is refused.
+  bool step_of_three(const Interval& interval, double from, double whole) {
+    const double half = 0.5 * whole, step_s = interval.length_s() * (whole * kUnit);
+    const Elimination<double>& long_step = kept_->fine.of_step(step_s);
+    evaluate(interval.at(from + whole), end_);
+    if (!is_short_enough(step_s, whole)) return false;
+    evaluate(interval.at(from + kGamma * whole), doubled_middle_);
+    before_ = doubled_.t;
+    take_step(fine_grid_, long_step, {&begin_, &doubled_middle_, &end_}, doubled_, nullptr);
+    steps_.facet_steps += static_cast<std::int64_t>(count_);
+    const double error = step_error(fine_grid_, long_step, begin_, before_, doubled_);
+    if (!accept(step_s, error)) {
+      doubled_.t = before_;
+      return false;
+    }
+    evaluate(interval.at(from + kGamma * half), early_);
+    evaluate(interval.at(from + half), quarter_);
+    evaluate(interval.at(from + half + kGamma * half), late_);
+    const Elimination<double>& short_step = kept_->fine.of_step(0.5 * step_s);
+    take_step(fine_grid_, short_step, {&begin_, &early_, &quarter_}, fine_, &heat_);
+    take_step(fine_grid_, short_step, {&quarter_, &late_, &end_}, fine_, &heat_);
+    take_step(coarse_grid_, kept_->coarse.of_step(step_s), {&begin_, &doubled_middle_, &end_}, coarse_, nullptr);
+    steps_.facet_steps += 3 * static_cast<std::int64_t>(count_);
+    return true;
+  }
+  bool step_of_one(const Interval& interval, double from, double whole) {
+    const double step_s = interval.length_s() * (whole * kUnit);
+    const Elimination<double>& elimination = kept_->fine.of_step(step_s);
+    evaluate(interval.at(from + whole), end_);
+    if (!is_short_enough(step_s, whole)) return false;
+    evaluate(interval.at(from + kGamma * whole), doubled_middle_);
+    before_ = fine_.t;
+    take_step(fine_grid_, elimination, {&begin_, &doubled_middle_, &end_}, fine_, nullptr);
+    steps_.facet_steps += static_cast<std::int64_t>(count_);
+    if (accept(step_s, step_error(fine_grid_, elimination, begin_, before_, fine_))) return true;
+    fine_.t = before_;
     return false;
   }
-  evaluate(interval.at(from + kGamma * half), early_);
-  evaluate(interval.at(from + half), quarter_);
-  evaluate(interval.at(from + half + kGamma * half), late_);
-  const Elimination<double>& short_step = kept_->fine.of_step(0.5 * step_s);
-  take_step(fine_grid_, short_step, {&begin_, &early_, &quarter_}, fine_, &heat_);
-  take_step(fine_grid_, short_step, {&quarter_, &late_, &end_}, fine_, &heat_);
-  take_step(coarse_grid_, kept_->coarse.of_step(step_s), {&begin_, &doubled_middle_, &end_}, coarse_, nullptr);
-  steps_.facet_steps += 3 * static_cast<std::int64_t>(count_);
-  return true;
-}
-
-bool GroupRun::step_of_one(const Interval& interval, double from, double whole) {
-  const double step_s = interval.length_s() * (whole * kUnit);
-  const Elimination<double>& elimination = kept_->fine.of_step(step_s);
-  evaluate(interval.at(from + whole), end_);
-  if (!is_short_enough(step_s, whole)) return false;
-  evaluate(interval.at(from + kGamma * whole), doubled_middle_);
-  before_ = fine_.t;
-  take_step(fine_grid_, elimination, {&begin_, &doubled_middle_, &end_}, fine_, nullptr);
-  steps_.facet_steps += static_cast<std::int64_t>(count_);
-  if (accept(step_s, step_error(fine_grid_, elimination, begin_, before_, fine_))) return true;
-  fine_.t = before_;
-  return false;
-}
-
-bool GroupRun::is_short_enough(double step_s, double whole) {
-  if (whole <= static_cast<double>(kSmallPart) || (is_smooth(front_buoyancy_, begin_.front.film, end_.front.film) &&
-                                                   is_smooth(back_buoyancy_, begin_.back.film, end_.back.film)))
-    return true;
-  wanted_s_ = 0.5 * step_s;
-  ++steps_.refused;
-  return false;
-}
-
-bool GroupRun::accept(double step_s, double error_k) {
-  wanted_s_ = next_step(step_s, error_k, plan_->step_tolerance_k);
-  if (error_k <= plan_->step_tolerance_k) {
-    ++steps_.taken;
-    return true;
+  /// Whether the film changes little enough from begin_ to end_; else half the step is tried next.
+  bool is_short_enough(double step_s, double whole) {
+    if (whole <= static_cast<double>(kSmallPart) || (is_smooth(front_buoyancy_, begin_.front.film, end_.front.film) &&
+                                                     is_smooth(back_buoyancy_, begin_.back.film, end_.back.film)))
+      return true;
+    wanted_s_ = 0.5 * step_s;
+    ++steps_.refused;
+    return false;
   }
-  wanted_s_ = std::min(0.5 * step_s, wanted_s_);  // the first where the error is not a number
-  ++steps_.refused;
-  return false;
-}
-
-void GroupRun::advance(double t0_s, double t1_s, const std::function<void(double, double)>& after_step) {
-  const Interval interval{t0_s, t1_s};
-  kept_->fine.limit();
-  kept_->coarse.limit();
-  evaluate(interval.at(0.0), begin_);
-  for (std::int64_t at = 0; at < kWhole;) {
-    std::int64_t step = kWhole;
-    while (step > 2 && (step > kWhole - at || interval.length_s() * (static_cast<double>(step) * kUnit) > wanted_s_))
-      step /= 2;
-    if (step <= 2)
-      throw mtf::RuntimeError("heat: no step keeps the tolerance at " +
-                              mtf::format_double(interval.at(static_cast<double>(at)).time_s) +
-                              " s: has the forcing a jump that is not in the breaks?");
-    const double from = static_cast<double>(at), whole = static_cast<double>(step);
-    if (!(three_ ? step_of_three(interval, from, whole) : step_of_one(interval, from, whole))) continue;
-    std::swap(begin_, end_);
-    at += step;
-    after_step(interval.at(from).time_s, interval.at(from + whole).time_s);
+  /// Whether a step of 2h with that error is taken, and the next one to try.
+  bool accept(double step_s, double error_k) {
+    wanted_s_ = next_step(step_s, error_k, plan_->step_tolerance_k);
+    if (error_k <= plan_->step_tolerance_k) {
+      ++steps_.taken;
+      return true;
+    }
+    wanted_s_ = std::min(0.5 * step_s, wanted_s_);  // the first where the error is not a number
+    ++steps_.refused;
+    return false;
   }
-}
+  void evaluate(Instant instant, Boundary& boundary) const {
+    const Construction& construction = plan_->batch.construction;
+    const auto* sheet = std::get_if<Sheet>(&construction.inside);
+    ForcingValues values;
+    values.front.absorbed_w_m2 = {boundary.front.absorbed.at.data(), count_};
+    if (sheet) values.back.absorbed_w_m2 = {boundary.back.absorbed.at.data(), count_};
+    if (construction.generates) boundary.source_w_m3.resize(construction.layers.size());
+    values.source_w_m3 = boundary.source_w_m3;
+    (*forcing_)(instant, first_, values);
+
+    double sum = values.inside;
+    for (const double source : boundary.source_w_m3) sum += source;
+    const auto take = [&](const SideForcing& from, double emissivity, const Convection& convection, double wet,
+                          Surface& to) {
+      to.emission = emissivity * kStefanBoltzmann_w_m2_k4;
+      to.film = forced_coefficient(convection, from.wind_m_s);
+      to.air_k = from.air_k;
+      to.latent = latent_coefficient(wet, to.film, construction.air_pressure_pa);
+      to.vapour_pa = from.vapour_pa;
+      for (std::size_t l = count_; l < kLanes; ++l) to.absorbed[l] = to.absorbed[count_ - 1];
+      for (const double absorbed : to.absorbed.at) sum += absorbed;
+      sum += to.film + to.air_k + to.latent + to.vapour_pa;
+    };
+    take(values.front, construction.emissivity, construction.convection, construction.wet_fraction, boundary.front);
+    if (sheet) take(values.back, sheet->emissivity, sheet->convection, sheet->wet_fraction, boundary.back);
+    boundary.inside = values.inside;
+    if (!std::isfinite(sum))
+      throw mtf::RuntimeError("heat: the forcing of facets " + std::to_string(first_) + " to " +
+                              std::to_string(first_ + count_ - 1) + " at " + mtf::format_double(instant.time_s) +
+                              " s has a value that is not finite, or a wind below 0");
+  }
+  Lanes within(double share, std::size_t node) const {
+    const double of_stage = share * (1.0 - share) / (kGamma * (1.0 - kGamma));
+    const double of_end = share * (share - kGamma) / (1.0 - kGamma);
+    Lanes kelvin;
+    for (std::size_t l = 0; l < kLanes; ++l) {
+      const double to_stage = fine_.first[node + l], to_end = to_stage + fine_.second[node + l];
+      kelvin[l] = before_[node + l] + of_stage * to_stage + of_end * to_end;
+    }
+    return kelvin;
+  }
+
+  const Plan* plan_;
+  const Forcing* forcing_;
+  PlanEliminations* kept_;
+  std::size_t first_, count_;
+  Buoyancy front_buoyancy_, back_buoyancy_;
+  GroupGrid fine_grid_, coarse_grid_;
+  bool three_;
+  GroupState fine_, doubled_, coarse_;
+  Boundary begin_, early_, quarter_, late_, doubled_middle_, end_;
+  std::vector<double> before_;
+  double wanted_s_;  ///< the step 2h to try next
+  HeatSums heat_;
+  StepCount steps_;
+};
 
 /// Pieces of the batch for each thread: a piece shares its eliminations, more than one evens out the load.
 constexpr std::int64_t kPieces = 4;

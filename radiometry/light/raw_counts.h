@@ -9,7 +9,7 @@
 // (F is 1 where the band is narrow: Planck's law with B = c2 / wavelength.)
 
 #include "mtf/image.h"
-#include "radiometry/rows.h"
+#include "radiometry/fields.h"
 
 namespace radiometry {
 

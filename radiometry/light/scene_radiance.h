@@ -24,7 +24,6 @@
 
 #include "mtf/image.h"
 #include "radiometry/light/band_response.h"
-#include "radiometry/light/radiance_table.h"
 #include "radiometry/light/spectral_signal.h"
 
 namespace radiometry {

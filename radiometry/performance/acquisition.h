@@ -18,8 +18,8 @@
 
 #include "mtf/error.h"
 #include "mtf/units.h"
+#include "radiometry/fields.h"
 #include "radiometry/performance/implicit_root.h"
-#include "radiometry/rows.h"
 
 namespace radiometry {
 

@@ -20,8 +20,8 @@
 // named with results.)
 
 #include "mtf/components/eye_fits.h"
+#include "radiometry/fields.h"
 #include "radiometry/light/adaptive_integral.h"
-#include "radiometry/rows.h"
 
 namespace radiometry {
 

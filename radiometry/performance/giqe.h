@@ -19,7 +19,7 @@
 // (GIQE 3: Image Based Sensor Model, ERIM 253885-4-F vol. 4 (1996), eq. 3-56. GIQE 4: Leachtenauer et al., Appl. Opt.
 // 36, 8322 (1997); pyBSM has 0.334 there for 0.344. GIQE 5: NGA, General Image Quality Equation 5.0 (2015).)
 
-#include "radiometry/rows.h"
+#include "radiometry/fields.h"
 
 namespace radiometry {
 

@@ -7,8 +7,8 @@
 //        period of the finest bars that stand out of the noise by a factor of 3, never finer than two samples
 // (Image Based Sensor Model, IBSM: ERIM 253885-4-F vol. 4 (1996), eq. 3-54, as pyBSM has it.)
 
+#include "radiometry/fields.h"
 #include "radiometry/performance/implicit_root.h"
-#include "radiometry/rows.h"
 
 namespace radiometry {
 

@@ -21,9 +21,9 @@
 #include <complex>
 
 #include "mtf/frame.h"
+#include "radiometry/fields.h"
 #include "radiometry/light/adaptive_integral.h"
 #include "radiometry/performance/implicit_root.h"
-#include "radiometry/rows.h"
 
 namespace radiometry {
 

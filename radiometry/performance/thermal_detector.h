@@ -26,9 +26,9 @@
 
 #include <cmath>
 
+#include "radiometry/fields.h"
 #include "radiometry/light/constants.h"
 #include "radiometry/performance/sensitivity.h"
-#include "radiometry/rows.h"
 
 namespace radiometry {
 

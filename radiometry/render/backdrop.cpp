@@ -16,15 +16,11 @@ constexpr double kNearest_m = 0.01;
 constexpr double kFarthest_m = 300e3;  // of a ground that the air does not hide
 
 /// At a share of the way through `of` values.
-ElevationPlace cubic_between(double share, std::size_t of) {
-  const double at = std::clamp(share, 0.0, 1.0) * static_cast<double>(of - 1);
-  const double below = std::clamp(std::floor(at), 1.0, static_cast<double>(of - 3)), t = at - below;
-  return {static_cast<std::size_t>(below) - 1,
-          {-t * (t - 1.0) * (t - 2.0) / 6.0, (t + 1.0) * (t - 1.0) * (t - 2.0) / 2.0, -(t + 1.0) * t * (t - 2.0) / 2.0,
-           (t + 1.0) * t * (t - 1.0) / 6.0}};
+CubicPlace cubic_between(double share, std::size_t of) {
+  return cubic_place(std::clamp(share, 0.0, 1.0) * static_cast<double>(of - 1), of);
 }
 
-double interpolated(const std::vector<double>& values, const ElevationPlace& place) {
+double interpolated(const std::vector<double>& values, const CubicPlace& place) {
   double sum = 0.0;
   for (std::size_t k = 0; k < 4; ++k) sum += place.weight[k] * values[place.first + k];
   return sum;
@@ -37,7 +33,7 @@ double sky_elevation(std::size_t k) {
   return std::max(kRight * root * root, kLowest);
 }
 
-ElevationPlace elevation_place(double elevation_rad) {
+CubicPlace elevation_place(double elevation_rad) {
   return cubic_between(std::sqrt(std::clamp(elevation_rad / kRight, 0.0, 1.0)), kSkyElevations);
 }
 
@@ -83,8 +79,7 @@ Backdrop Backdrop::between(const Backdrop& low, const Backdrop& high, double sha
 double Backdrop::below(std::vector<double> Below::*what, double sine_of_depression) const {
   if (camera_above_m_ <= 0.0) return (below_.front().*what).front();
   const double range_m = camera_above_m_ / sine_of_depression;
-  const ElevationPlace place =
-      cubic_between(std::log(range_m / nearest_m_) / std::log(kFarthest_m / nearest_m_), kRanges);
+  const CubicPlace place = cubic_between(std::log(range_m / nearest_m_) / std::log(kFarthest_m / nearest_m_), kRanges);
   const double low = interpolated(below_.front().*what, place);
   return below_.size() == 1 ? low : std::lerp(low, interpolated(below_.back().*what, place), share_);
 }

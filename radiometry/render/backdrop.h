@@ -7,18 +7,14 @@
 
 #include <optional>
 
-#include "radiometry/render/light_sources.h"
+#include "radiometry/render/band_tables.h"
 
 namespace radiometry::render {
 
 /// Elevations that the sky is known at, from the horizon to the zenith, and the weights of a cubic between them.
 inline constexpr std::size_t kSkyElevations = 33;
 double sky_elevation(std::size_t k);
-struct ElevationPlace {
-  std::size_t first = 0;
-  std::array<double, 4> weight{};
-};
-ElevationPlace elevation_place(double elevation_rad);
+CubicPlace elevation_place(double elevation_rad);
 
 class Backdrop {
  public:

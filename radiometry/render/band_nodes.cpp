@@ -7,18 +7,12 @@
 #include "mtf/error.h"
 #include "mtf/math/quadrature.h"
 #include "radiometry/light/band_response.h"
+#include "radiometry/light/scene_radiance.h"
 
 namespace radiometry::render {
 namespace {
 
 constexpr double kAirStep_cm = 5.0;
-
-std::vector<Spectrum> curves_of(const SpectralCamera& camera) {
-  std::vector<Spectrum> curves = camera.optics;
-  curves.insert(curves.end(), camera.cold_filter.begin(), camera.cold_filter.end());
-  curves.insert(curves.end(), camera.quantum_efficiency.begin(), camera.quantum_efficiency.end());
-  return curves;
-}
 
 /// The wavenumbers of the air model from one at or below the range to one at or above it, by rising wavelength.
 std::vector<double> air_samples(const Interval& range) {
@@ -32,7 +26,7 @@ std::vector<double> air_samples(const Interval& range) {
 }  // namespace
 
 BandNodes band_nodes(const SpectralCamera& camera, std::span<const Spectrum> more, int nodes) {
-  const std::vector<Spectrum> curves = curves_of(camera);
+  const std::vector<Spectrum> curves = scene_band(camera).curves;
   BandNodes out{.flux = camera.flux, .range = common_range(camera.band, curves)};
   if (!(out.range.lo_um >= kThermalBands.lo_um && out.range.hi_um <= kThermalBands.hi_um))
     throw mtf::UsageError("a band of " + describe(out.range) + ": pictures of scenes are made from " +

@@ -11,9 +11,9 @@
 #include <string>
 
 #include "mtf/image.h"
-#include "radiometry/render/angles/mirror_rays.h"
 #include "radiometry/render/backdrop.h"
 #include "radiometry/render/band_surfaces.h"
+#include "radiometry/render/mirror_rays.h"
 #include "radiometry/render/visible_sides.h"
 
 namespace radiometry::render {
@@ -44,8 +44,8 @@ class BandShader {
   /// many.
   std::size_t shade(const VisibleSides& sides, const Point& camera, int threads);
   /// The radiance of each sample. Unless shadows were found (`lit` of parts and runs) sides are lit by the share of
-  /// them that is in the sun. `mirrors`: of the parts whose radiance depends on the angle (angles/), where there are
-  /// any; all sides that they show are among `sides`.
+  /// them that is in the sun. `mirrors`: of the parts whose radiance depends on the angle (mirror_rays.h), where there
+  /// are any; all sides that they show are among `sides`.
   void radiance(const VisibleParts& parts, const VisibleSides& sides, const MirrorRays& mirrors, bool shadows,
                 mtf::Image& out, int threads) const;
 

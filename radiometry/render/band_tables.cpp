@@ -65,14 +65,15 @@ EmissionFolds::EmissionFolds(const BandNodes& nodes, std::span<const std::vector
   }
 }
 
-CubicPlace cubic_place(const EmissionFolds::Table& table, double temperature_k) {
-  const double at = std::max(temperature_k, kColdest_k) - table.first_k;
-  const auto last = static_cast<double>(table.temperatures - 3);
-  const double below = std::clamp(std::floor(at / table.step_k), 1.0, last);
-  const double t = at / table.step_k - below;
+CubicPlace cubic_place(double at, std::size_t of) {
+  const double below = std::clamp(std::floor(at), 1.0, static_cast<double>(of - 3)), t = at - below;
   return {static_cast<std::size_t>(below) - 1,
           {-t * (t - 1.0) * (t - 2.0) / 6.0, (t + 1.0) * (t - 1.0) * (t - 2.0) / 2.0, -(t + 1.0) * t * (t - 2.0) / 2.0,
            (t + 1.0) * t * (t - 1.0) / 6.0}};
+}
+
+CubicPlace cubic_place(const EmissionFolds::Table& table, double temperature_k) {
+  return cubic_place((std::max(temperature_k, kColdest_k) - table.first_k) / table.step_k, table.temperatures);
 }
 
 BandTables::BandTables(const BandNodes& nodes, const EmissionFolds& folds,

@@ -79,14 +79,16 @@ class EmissionFolds {
   std::vector<Table> table_;
 };
 
-/// Four neighbouring temperatures of a table, and their weights.
+/// Four neighbouring values of a table of equal steps, and the weights of a cubic through them.
 struct CubicPlace {
   std::size_t first = 0;
   std::array<double, 4> weight{};
 };
+/// `at` steps from the first of `of` values.
+CubicPlace cubic_place(double at, std::size_t of);
 CubicPlace cubic_place(const EmissionFolds::Table& table, double temperature_k);
 
-/// A surface that no side has by itself (angular_finishes.h), at the nodes.
+/// A surface that no side has by itself (band_surfaces.h), at the nodes.
 struct MadeFinish {
   std::vector<double> emits{}, reflects{};
   bool light = false;  ///< it reflects all sources, not the sun alone

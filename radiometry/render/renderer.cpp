@@ -2,14 +2,14 @@
 #include "radiometry/render/renderer.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <limits>
 
 #include "mtf/error.h"
 #include "mtf/parallel.h"
-#include "radiometry/render/visibility/shadows.h"
-#include "radiometry/scene/beam.h"
+#include "mtf/work/stopwatch.h"
+#include "radiometry/render/visibility/sides_in_sun.h"
+#include "radiometry/scene/rays.h"
 
 namespace radiometry::render {
 namespace {
@@ -124,9 +124,7 @@ class Laps {
  public:
   explicit Laps(Times& times) : times_(times) {}
   void lap(const std::string& name) {
-    const auto now = std::chrono::steady_clock::now();
-    const double ms = std::chrono::duration<double, std::milli>(now - last_).count();
-    last_ = now;
+    const double ms = std::exchange(watch_, {}).ms();
     for (auto& [known, sum] : times_)
       if (known == name) {
         sum += ms;
@@ -137,7 +135,7 @@ class Laps {
 
  private:
   Times& times_;
-  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
+  mtf::Stopwatch watch_;
 };
 
 [[noreturn]] void refuse(const std::string& what) { throw mtf::UsageError("render: " + what); }

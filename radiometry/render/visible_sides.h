@@ -5,7 +5,7 @@
 // is first seen, and kept. What was never seen costs nothing. The rays that find the view of a side belong to the side,
 // so that its light does not depend on what else was seen before.
 
-#include "radiometry/render/patches.h"
+#include "radiometry/render/light_sources.h"
 #include "radiometry/render/visibility/visible_parts.h"
 
 namespace radiometry::render {

@@ -24,6 +24,13 @@ struct Mesh {
   std::vector<std::string> group_names, material_names;
   std::vector<std::string> notes{};  ///< what the file holds and is not in the mesh: "2 lines (l) make no face"
 
+  /// `first` has to hold its 0.
+  void add_face(std::span<const std::uint32_t> of_vertices, std::uint32_t of_group = 0, std::uint32_t of_material = 0) {
+    corners.insert(corners.end(), of_vertices.begin(), of_vertices.end());
+    first.push_back(corners.size());
+    group.push_back(of_group);
+    material.push_back(of_material);
+  }
   std::size_t faces() const { return group.size(); }
   std::span<const std::uint32_t> corners_of(std::size_t face) const {
     return std::span(corners).subspan(first[face], first[face + 1] - first[face]);

@@ -9,8 +9,10 @@
 // Debian's Embree has its assertions on: a ray or a vertex that is not finite, or beyond 1.8e18, would end the process.
 // Facets hold none (facets.h), and rays are checked here: such a ray is a mtf::UsageError that names it.
 
+#include <cstdint>
 #include <memory>
 #include <span>
+#include <vector>
 
 #include "radiometry/scene/facets.h"
 
@@ -57,5 +59,39 @@ class Rays {
   Facets facets_;
   std::unique_ptr<EmbreeScene> embree_;
 };
+
+inline constexpr std::size_t kBeamRays = 16;
+
+/// Rays in one direction, as shadow rays to the sun are, in packets of 16 that Embree takes as they are: in single
+/// precision about the middle of the scene, without the checks and the distances in double precision of Rays, for many
+/// rays at a time. The same triangles are met as there.
+class Beam {
+ public:
+  /// `direction`: of any length above 0. Throws mtf::UsageError for another one.
+  Beam(const Rays& rays, const Vector& direction);
+  /// Takes at most 16 points, finite and near the scene. Bit i of the result: the ray from point i is blocked.
+  std::uint32_t blocked(std::span<const Point> from) const;
+  /// How far above a surface its rays have to start.
+  double lift_m() const;
+  const Vector& direction() const { return direction_; }
+
+ private:
+  const Rays& rays_;
+  Vector direction_;
+};
+
+/// Walls of closed shells: the facet on the other side of the wall, for conduction through it.
+struct OppositeFacets {
+  std::vector<std::uint32_t> opposite;  ///< of each of the facets asked for, or kNone
+  std::vector<double> distance_m;       ///< to it; 0 where there is none
+  std::size_t unpaired = 0;             ///< facets without one, those of open shells included
+};
+
+/// A ray from the centre of a facet goes inwards, against the normal; where it meets the back of a facet of a closed
+/// shell within the thickness, the two are opposite. The relation need not be mutual: the faces of a wedge, or facets
+/// of different size, are opposite to whichever facet their centre projects on. Throws mtf::UsageError for a thickness
+/// that is not above 0.
+OppositeFacets opposite_facets(const Rays& rays, std::span<const std::uint32_t> facets, double thickness_m,
+                               int threads = 0);
 
 }  // namespace radiometry::scene

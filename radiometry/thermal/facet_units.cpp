@@ -7,9 +7,13 @@
 #include <numeric>
 #include <set>
 
+#include "mtf/error.h"
 #include "mtf/parallel.h"
+#include "mtf/words.h"
 #include "mtf/work/stopwatch.h"
-#include "radiometry/thermal/sides.h"
+#include "radiometry/scene/sun_visibility.h"
+#include "radiometry/scene/views.h"
+#include "radiometry/thermal/heat_scene.h"
 #include "radiometry/thermal/unit_flux.h"
 #include "radiometry/weather/sky.h"
 
@@ -18,6 +22,63 @@ namespace {
 
 namespace geometry = radiometry::scene;
 using geometry::Side;
+
+/// The number of rays of each side, empty where all have `rays`: what no one asks for is only seen by others, patch by
+/// patch, so that few rays do for each.
+std::vector<int> rays_of(const HeatScene& scene, const Sides& all, int rays) {
+  constexpr int kFewer = 16, kLeast = 8;
+  std::vector<int> of_side;
+  if (!scene.seen.empty())
+    for (const Side side : all.sides)
+      of_side.push_back(scene.is_seen(side.facet) ? rays : std::min(rays, std::max(kLeast, rays / kFewer)));
+  return of_side;
+}
+
+/// Whether no ray from a side left the scene, nor met anything but the inside of the solid that covers it: then it sees
+/// its own patch alone.
+std::vector<bool> covered_sides(const geometry::Views& seen) {
+  std::vector<bool> covered(seen.size());
+  for (std::size_t i = 0; i < seen.size(); ++i) {
+    const std::uint64_t first = seen.patches.first[i], count = seen.patches.first[i + 1] - first;
+    covered[i] = seen.ground[i] == 0.0 && seen.sky_share(i) == 0.0 && count == 1 && seen.patches.column[first] == i;
+  }
+  return covered;
+}
+
+/// Shadows of the sides that see any sky; the others are dark.
+geometry::SunVisibility sun_of(const HeatScene& scene, const Sides& all, const geometry::Views& seen,
+                               const geometry::SunOptions& options) {
+  const std::vector<Side>& sides = all.sides;
+  std::vector<Side> open;
+  std::vector<std::size_t> row;
+  for (std::size_t i = 0; i < sides.size(); ++i)
+    if (seen.sky_share(i) > 0.0) {
+      open.push_back(sides[i]);
+      row.push_back(i);
+    }
+  const std::vector<geometry::Vector>& to_sun = scene.surroundings.shadow_to_sun;
+  const geometry::SunVisibility traced = sun_visibility(scene.rays, open, to_sun, options);
+  geometry::SunVisibility sun{options.points, to_sun.size(),
+                              std::vector<std::uint8_t>(sides.size() * to_sun.size(), 0)};
+  for (std::size_t i = 0; i < row.size(); ++i)
+    std::copy_n(traced.lit.begin() + static_cast<std::ptrdiff_t>(i * to_sun.size()), to_sun.size(),
+                sun.lit.begin() + static_cast<std::ptrdiff_t>(row[i] * to_sun.size()));
+  return sun;
+}
+
+/// Throws UsageError where the table of shadows has no room: it has a byte, and classes have four, for each side and
+/// direction.
+void require_room(const HeatScene& scene, const Sides& all) {
+  const std::size_t sides = all.sides.size();
+  constexpr double kMost = 4.0 * 1024 * 1024 * 1024;
+  const double directions = static_cast<double>(scene.surroundings.shadow_to_sun.size());
+  const double bytes = 5.0 * static_cast<double>(sides) * directions;
+  if (bytes > kMost)
+    throw mtf::UsageError(mtf::one_line(scene.input.name) + ": the table of shadows of " + std::to_string(sides) +
+                          " surfaces and " + mtf::significant(directions, 6) + " directions of the sun would take " +
+                          mtf::significant(bytes / (1024.0 * 1024 * 1024), 3) +
+                          " GiB; shorten [time], or ask for fewer directions a day (--sun-directions)");
+}
 
 constexpr std::uint32_t kTilts = 1024;  // steps of the vertical component of the normal that buoyancy depends on
 
@@ -57,20 +118,26 @@ std::vector<geometry::SideFinish> finishes_of(const HeatScene& scene, const std:
   return finishes;
 }
 
+/// The largest direct irradiance of the run from each direction of the table of shadows, W/m2.
+std::vector<double> largest_direct(const Surroundings& s) {
+  std::vector<double> direct(s.shadow_to_sun.size(), 0.0);
+  for (std::size_t k = 0; k + 1 < s.nodes(); ++k)
+    if (s.shadow_entry[k] >= 0)
+      for (const int entry : {s.shadow_entry[k], s.shadow_entry[k] + 1}) {
+        double& most = direct[static_cast<std::size_t>(entry)];
+        most = std::max({most, s.direct_w_m2[k], s.direct_w_m2[k + 1]});
+      }
+  return direct;
+}
+
 /// Largest irradiances of the run. Long-wave shares sum to 1, so that only differences matter, here those from the sky:
 /// it is colder than the air; ground and other surfaces may be warmer than the air, by as much as a given temperature
 /// or an inside is, or, where only the sun heats them, as the sky is colder. What facets of a unit see differently is
-/// measured afterwards (view_spread.h).
+/// measured afterwards (unit_errors.h).
 geometry::FluxAmplitudes amplitudes_of(const HeatScene& scene, int rings) {
   const Surroundings& s = scene.surroundings;
   geometry::FluxAmplitudes a;
-  a.direct.assign(s.shadow_to_sun.size(), 0.0);
-  for (std::size_t k = 0; k + 1 < s.nodes(); ++k)
-    if (s.shadow_entry[k] >= 0)
-      for (const int entry : {s.shadow_entry[k], s.shadow_entry[k] + 1})
-        for (const std::size_t node : {k, k + 1})
-          a.direct[static_cast<std::size_t>(entry)] =
-              std::max(a.direct[static_cast<std::size_t>(entry)], s.direct_w_m2[node]);
+  a.direct = largest_direct(s);
   double colder = 0.0;
   for (std::size_t k = 0; k < s.nodes(); ++k)
     colder = std::max(colder, std::abs(heat::blackbody_w_m2(s.air_k[k]) - s.sky_longwave_w_m2[k]));
@@ -145,7 +212,7 @@ geometry::Classes patches_of(const HeatScene& scene, const std::vector<Side>& si
 
 /// Two facets that see equal shares of other surfaces may see warmer and colder ones. So surfaces are sorted into a few
 /// kinds of like flux, and the keys get the shares of the view that each kind has, in steps: of the tolerance, but no
-/// finer than sampling resolves. What remains is measured (view_spread.h).
+/// finer than sampling resolves. What remains is measured (unit_errors.h).
 void add_seen_kinds(const HeatScene& scene, const std::vector<Side>& sides, const geometry::Views& seen,
                     const geometry::SunVisibility& sun, const geometry::FluxAmplitudes& amplitudes,
                     double tolerance_w_m2, const HeatOptions& options, std::vector<geometry::SideFinish>& finish) {
@@ -241,7 +308,57 @@ UnitSide side_of(const HeatScene& scene, const Unit& unit, std::uint32_t facet, 
   return side;
 }
 
+constexpr std::size_t kOfPatch = 6, kOfMaterial = 64, kWorthwhile = 4;
+constexpr std::size_t kStandIn = 24;  // of a patch that no one asks for
+
+/// The units to be solved of each patch, in their order.
+std::vector<std::vector<std::uint32_t>> units_of_patches(const Units& units) {
+  std::vector<std::vector<std::uint32_t>> of_patch(units.exchange.patches());
+  for (std::uint32_t i = 0; i < units.unit.size(); ++i) {
+    const Unit& unit = units.unit[i];
+    if (unit.given) continue;
+    of_patch[units.exchange.patch_of[unit.receiver]].push_back(i);
+    if (unit.has_own_back()) of_patch[units.exchange.patch_of[unit.back_receiver]].push_back(i);
+  }
+  return of_patch;
+}
+
+/// Calls `take` for so many of a list, evenly through it.
+template <class Take>
+void for_some_of(const std::vector<std::uint32_t>& list, std::size_t count, const Take& take) {
+  count = std::min(count, list.size());
+  for (std::size_t j = 0; j < count; ++j) take(list[(2 * j + 1) * list.size() / (2 * count)]);
+}
+
+/// The largest change of direct light between neighbouring directions, W/m2 absorbed.
+double largest_jump(const Unit& unit, const Units& units, const Surroundings& s, const std::vector<double>& direct) {
+  double most = 0.0, before = 0.0;
+  const std::uint8_t* lit = units.sun.lit.data() + unit.front.sun_row * units.sun.directions;
+  for (std::size_t d = 0; d < units.sun.directions; ++d) {
+    const double here = unit.front.absorptance * direct[d] *
+                        std::max(0.0, scene::dot(unit.front.normal, s.shadow_to_sun[d])) * lit[d] / units.sun.points;
+    most = std::max(most, std::abs(here - before));
+    before = here;
+  }
+  return most;
+}
+
 }  // namespace
+
+Sides sides_of(const HeatScene& scene) {
+  Sides all;
+  const auto facets = static_cast<std::uint32_t>(scene.facets().size());
+  all.back_of.assign(facets, geometry::kNone);
+  for (std::uint32_t f = 0; f < facets; ++f) all.sides.push_back({f, false});
+  for (std::uint32_t f = 0; f < facets; ++f)
+    if (const std::uint32_t opposite = scene.opposite_of(f); opposite != geometry::kNone) {
+      all.back_of[f] = opposite;
+    } else if (scene.is_sheet(f)) {
+      all.back_of[f] = static_cast<std::uint32_t>(all.sides.size());
+      all.sides.push_back({f, true});
+    }
+  return all;
+}
 
 Units units_of(const HeatScene& scene, const HeatOptions& options, double tolerance_w_m2, const Units* like) {
   const mtf::Stopwatch watch;
@@ -351,6 +468,49 @@ Units units_of(const HeatScene& scene, const HeatOptions& options, double tolera
   units.sun_error = sun_error(scene.rays, all.sides, sun_checks(scene.surroundings), units.sun, sun_options, checked);
   units.error_ms = errors.ms();
   return units;
+}
+
+std::vector<bool> sampled_units(const Units& units, const HeatScene& scene) {
+  const Surroundings& s = scene.surroundings;
+  std::vector<std::vector<std::pair<double, std::uint32_t>>> of_material;
+  const std::vector<double> direct = largest_direct(s);
+  std::size_t solved = 0;
+  for (std::uint32_t i = 0; i < units.unit.size(); ++i) {
+    const Unit& unit = units.unit[i];
+    if (unit.given) continue;
+    solved += scene.is_seen(unit.leader) ? 1 : 0;
+    of_material.resize(std::max<std::size_t>(of_material.size(), *unit.material + 1));
+    of_material[*unit.material].emplace_back(-largest_jump(unit, units, s, direct), i);
+  }
+  std::vector<bool> sampled(units.unit.size(), false);
+  std::size_t count = 0;
+  const auto take = [&](std::uint32_t i) {
+    count += sampled[i] ? 0 : 1;
+    sampled[i] = true;
+  };
+  for (const std::vector<std::uint32_t>& of : units_of_patches(units)) for_some_of(of, kOfPatch, take);
+  for (auto& of : of_material) {
+    const std::size_t some = std::min(kOfMaterial, of.size());
+    std::partial_sort(of.begin(), of.begin() + static_cast<std::ptrdiff_t>(some), of.end());
+    for (std::size_t j = 0; j < some; ++j) take(of[j].second);
+  }
+  if (kWorthwhile * count < solved) return sampled;
+  for (std::size_t i = 0; i < sampled.size(); ++i)
+    sampled[i] = sampled[i] || (!units.unit[i].given && scene.is_seen(units.unit[i].leader));
+  return sampled;
+}
+
+std::vector<bool> solved_units(const Units& units, const HeatScene& scene) {
+  std::vector<bool> solved(units.unit.size());
+  for (std::size_t i = 0; i < solved.size(); ++i)
+    solved[i] = !units.unit[i].given && scene.is_seen(units.unit[i].leader);
+  if (scene.seen.empty()) return solved;
+  const std::vector<bool> sampled = sampled_units(units, scene);
+  for (std::size_t i = 0; i < solved.size(); ++i) solved[i] = solved[i] || sampled[i];
+  for (const std::vector<std::uint32_t>& of : units_of_patches(units))
+    if (!of.empty() && !scene.is_seen(units.unit[of.front()].leader))
+      for_some_of(of, kStandIn, [&](std::uint32_t i) { solved[i] = true; });
+  return solved;
 }
 
 }  // namespace radiometry::thermal

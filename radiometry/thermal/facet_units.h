@@ -3,7 +3,8 @@
 
 // What is solved: units. A unit is a set of facets of one material whose absorbed flux is nearly the same all the time
 // (radiometry/scene/classes.h); the one that leads it is solved for all. Sides of units exchange radiation through
-// patches, coarser sets of nearly equal flux.
+// patches, coarser sets of nearly equal flux. Rays of sides are traced once, with each side a patch of its own: what is
+// merged, they tell.
 
 #include "radiometry/scene/classes.h"
 #include "radiometry/scene/exchange.h"
@@ -62,8 +63,25 @@ void for_receivers(const Units& units, const Visit& visit) {
   }
 }
 
+/// The fronts of all facets, then the backs of sheets; where the back of each facet stands: for a pair, the front of
+/// the opposite facet.
+struct Sides {
+  std::vector<scene::Side> sides;
+  std::vector<std::uint32_t> back_of;  ///< of each facet, kNone without
+};
+Sides sides_of(const HeatScene& scene);
+
 /// `tolerance_w_m2`: the largest difference of absorbed flux within a unit. `like`: units of the same facets and rays,
 /// whose patches are taken.
 Units units_of(const HeatScene& scene, const HeatOptions& options, double tolerance_w_m2, const Units* like = nullptr);
+
+/// The units that stand for all: some of every patch, evenly through the order of the units, and of every material
+/// those whose direct light changes most from one direction of the sun to the next. All that are asked for, where that
+/// is not many fewer. The result is of each unit.
+std::vector<bool> sampled_units(const Units& units, const HeatScene& scene);
+
+/// Those whose temperatures are asked for (HeatScene::seen), the sample, and more of the patches that no one asks for,
+/// evenly, since these are known by them alone. All but units of given temperature, where all are asked for.
+std::vector<bool> solved_units(const Units& units, const HeatScene& scene);
 
 }  // namespace radiometry::thermal

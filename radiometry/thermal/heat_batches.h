@@ -15,10 +15,9 @@
 // The sample also carries what the promise of the solver needs (Runs::three), the other units are carried once, in the
 // steps of the second of the three runs. Its error is 4/3 of the difference to the first; the promise is twice the
 // difference.
-
 //
 // Where only a part of the scene is asked for (HeatScene::seen), "all units" are those and the sample: a patch that is
-// not asked for emits what its sample does (seen/left_out.h).
+// not asked for emits what its sample does (unit_errors.h).
 
 #include <optional>
 
@@ -48,7 +47,24 @@ struct Relaxed {
   double error_k = 0.0;  ///< what further iterations would change, and parabolas between nodes leave out
 };
 
-struct SavedBatches;
+/// Units of one material at the end of a window.
+struct SavedBatch {
+  double wanted_k = 0.0;
+  MaterialRun run;
+  heat::Grid fine, coarse;
+  heat::GridRequest request;
+  double step_tolerance_k = 0.0, depth_k = 0.0;
+  heat::State all, sample, promise;
+};
+
+struct SavedBatches {
+  Window window;
+  std::vector<double> emitted, beyond_sample;
+  std::vector<SavedBatch> batch;
+};
+
+/// Throws RuntimeError.
+[[noreturn]] void damaged_checkpoint();
 
 class HeatBatches {
  public:
@@ -72,7 +88,7 @@ class HeatBatches {
 
   std::vector<MaterialRun> materials() const;
 
-  /// What the next window is solved from, to go on in another process (checkpoint.h).
+  /// What the next window is solved from, to go on in another process (run/solve_units.h).
   SavedBatches save() const;
   /// Throws RuntimeError for what other units saved, or after another window.
   void restore(const SavedBatches& saved, const Window& window);

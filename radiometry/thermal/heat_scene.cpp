@@ -4,10 +4,10 @@
 #include "mtf/error.h"
 #include "mtf/words.h"
 #include "mtf/work/stopwatch.h"
-#include "radiometry/scene/opposite.h"
+#include "radiometry/scene/rays.h"
 #include "radiometry/scene/views.h"
 #include "radiometry/thermal/limits.h"
-#include "radiometry/thermal/seen/seen_facets.h"
+#include "radiometry/thermal/seen_facets.h"
 
 namespace radiometry::thermal {
 namespace {

@@ -25,7 +25,7 @@ struct HeatOptions {
   std::uint64_t sun_seed = 0;  ///< another one gives other points
   std::size_t patches = 500;   ///< that surfaces exchange radiation by, at most
   bool every_facet = false;    ///< no facets are solved as one but those that others cover
-  /// Temperatures of those facets alone that the camera of the scene can see (seen/seen_facets.h), which it has to
+  /// Temperatures of those facets alone that the camera of the scene can see (seen_facets.h), which it has to
   /// have.
   bool seen = false;
   bool verify = false;  ///< the realised error too, by runs at a tenth of the tolerance; all facets for tables
@@ -43,7 +43,7 @@ struct HeatOptions {
   /// Gets what a run that is killed can go on from, after a day where `keep_every_s` have passed since the last time.
   std::function<void(const Checkpoint&)> keep{};
   double keep_every_s = 10.0;
-  /// Where an earlier run of the same inputs and options was ended (checkpoint.h); it is continued from there.
+  /// Where an earlier run of the same inputs and options was ended (run/solve_units.h); it is continued from there.
   const Checkpoint* from = nullptr;
 };
 

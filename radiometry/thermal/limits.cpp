@@ -5,7 +5,7 @@
 #include <set>
 
 #include "mtf/words.h"
-#include "radiometry/heat/evaporation.h"
+#include "radiometry/heat/surface_loss.h"
 #include "radiometry/weather/instant.h"
 
 namespace radiometry::thermal {

@@ -32,7 +32,7 @@ struct Material {
   std::string name;
   heat::Construction construction;
   double solar_absorptance = 0.0, back_solar_absorptance = 0.0;  ///< 0 to 1; the second of the back of a sheet
-  /// Heat generated in the layers that comes out of the front and of the back, W/m2 (layer_sources.h).
+  /// Heat generated in the layers that comes out of the front and of the back, W/m2 (heat/construction.h).
   double source_w_m2 = 0.0, back_source_w_m2 = 0.0;
   /// Of each layer, W/m3, where one changes with time: then the solver has them and the two above are 0. Else empty.
   std::vector<heat::Schedule> sources{};

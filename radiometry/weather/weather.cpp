@@ -6,6 +6,7 @@
 
 #include "mtf/error.h"
 #include "mtf/units.h"
+#include "mtf/words.h"
 #include "radiometry/weather/instant.h"
 #include "radiometry/weather/sky.h"
 
@@ -118,9 +119,7 @@ void check_weather(const Weather& weather) {
   }
   for (const Range& range : kRanges) check_column(weather, range, faults);
   check_humidity(weather, faults);
-  std::string text;
-  for (const std::string& fault : faults) text += (text.empty() ? "" : "\n") + fault;
-  if (!text.empty()) throw mtf::UsageError(text);
+  if (!faults.empty()) throw mtf::UsageError(mtf::joined(faults, "\n"));
 }
 
 std::vector<std::string> doubts_of(const Weather& weather) {

@@ -7,10 +7,10 @@
 //               e = min(line through the middles, 2a, 2b), the middle m = 2a - (e_left + e_right)/2. So the mean over
 //               every interval is the record's, exactly (a = (e_left + 2m + e_right)/4), nothing leaves [0, 2 max], and
 //               0 at night stays 0. (The idea: Rymes and Myers, Sol. Energy 71, 225 (2001).)
-//   sunlight    means of an interval follow the course of the sun in it (sun_course.h), times one number that keeps the
-//               mean, with nodes 10 minutes apart and at sunrise and sunset. So light ends with the day, nothing is
-//               above what the sun's height explains of a record, and from record to record the line jumps where the
-//               sky changed: a line without jumps would have to overshoot, by up to the double
+//   sunlight    means of an interval follow the course of the sun in it, times one number that keeps the mean, with
+//               nodes 10 minutes apart and at sunrise and sunset. So light ends with the day, nothing is above what the
+//               sun's height explains of a record, and from record to record the line jumps where the sky changed: a
+//               line without jumps would have to overshoot, by up to the double
 // A single record is constant weather, as it is given. Of others a missing one of direct normal B, diffuse D and global
 // G is closed by G = B cos z + D with the true sun: of the instant, or of the interval, as its beam sees it; B is then
 // at most the extraterrestrial irradiance and 0 while the mean cosine is below 0.01. Values that are missing for at

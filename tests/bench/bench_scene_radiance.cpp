@@ -14,8 +14,8 @@
 #include <vector>
 
 #include "mtf/version.h"
+#include "radiometry/light/band_response.h"
 #include "radiometry/light/path_planes.h"
-#include "radiometry/light/radiance_table.h"
 #include "radiometry/light/raw_counts.h"
 
 namespace {

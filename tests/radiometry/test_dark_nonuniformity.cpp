@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "radiometry/stages/noise/dark_nonuniformity.h"
 
 #include <gtest/gtest.h>
 

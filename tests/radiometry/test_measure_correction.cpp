@@ -6,7 +6,7 @@
 
 #include "radiometry/stages/detector/nonlinearity.h"
 #include "radiometry/stages/noise/fixed_pattern.h"
-#include "radiometry/stages/processing/measure_correction.h"
+#include "radiometry/stages/processing/correction.h"
 #include "tests/expect_error.h"
 #include "tests/radiometry/frames.h"
 #include "tests/radiometry/statistics.h"

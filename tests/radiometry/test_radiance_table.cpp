@@ -5,7 +5,7 @@
 #include <limits>
 #include <random>
 
-#include "radiometry/light/radiance_table.h"
+#include "radiometry/light/band_response.h"
 #include "tests/expect_error.h"
 
 namespace radiometry {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
-#include "radiometry/stages/noise/lane_words.h"
+#include "radiometry/stages/noise/noise_lanes.h"
 #include "radiometry/stages/noise/random.h"
 
 namespace radiometry {

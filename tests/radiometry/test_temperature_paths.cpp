@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "radiometry/light/temperature_paths.h"
+#include "radiometry/light/path_planes.h"
 #include "tests/expect_error.h"
 #include "tests/radiometry/frames.h"
 #include "tests/radiometry/path_cases.h"

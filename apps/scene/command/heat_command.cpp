@@ -6,13 +6,18 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <functional>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
 
+#include "apps/figures/picture.h"
 #include "apps/figures/plot.h"
 #include "apps/options.h"
 #include "apps/scene/command/heat_files.h"
-#include "apps/scene/command/heat_sensitivity.h"
-#include "apps/scene/command/scene_picture.h"
 #include "apps/scene/command/unfinished_run.h"
+#include "apps/scene/heat/read_thermal_scene.h"
 #include "apps/scene/outputs/mesh_files.h"
 #include "apps/simulate/output_files.h"
 #include "apps/terminal/interrupt.h"
@@ -21,19 +26,241 @@
 #include "apps/terminal/progress_line.h"
 #include "apps/terminal/text_table.h"
 #include "apps/text/json.h"
+#include "apps/text/message_words.h"
 #include "mtf/error.h"
+#include "mtf/image.h"
 #include "radiometry/weather/instant.h"
 
 namespace apps {
 namespace {
 
 namespace fs = std::filesystem;
+namespace geometry = radiometry::scene;
+namespace heat = radiometry::heat;
 using namespace scene;
+using geometry::Vector;
+
+// A picture of facets in false colours, seen by the camera of the scene, for the eye.
+
+constexpr std::int64_t kWidth = 1280, kHeight = 960;
+constexpr double kHalfWidth = 0.364;  // tan 20 deg
+
+Vector unit(const Vector& v) {
+  const double size = geometry::length(v);
+  return {v[0] / size, v[1] / size, v[2] / size};
+}
+
+std::vector<geometry::Ray> camera_rays(const std::string& name, const CameraSection& camera) {
+  using geometry::operator-, geometry::operator+, geometry::operator*;
+  const Vector forward = camera.look_at_m - camera.position_m;
+  const Vector across = geometry::cross(forward, camera.up);
+  if (!(geometry::length(forward) > 0.0) || !(geometry::length(across) > 0.0))
+    throw mtf::UsageError(one_line(name) +
+                          ": [camera]: it looks at itself or along `up`; move look_at or choose another up");
+  const Vector ahead = unit(forward), right = unit(across), up = geometry::cross(right, ahead);
+  std::vector<geometry::Ray> rays;
+  for (std::int64_t y = 0; y < kHeight; ++y)
+    for (std::int64_t x = 0; x < kWidth; ++x) {
+      const double u = (2.0 * (static_cast<double>(x) + 0.5) / kWidth - 1.0) * kHalfWidth;
+      const double v = (1.0 - 2.0 * (static_cast<double>(y) + 0.5) / kHeight) * kHalfWidth * kHeight / kWidth;
+      rays.push_back({camera.position_m, ahead + u * right + v * up});
+    }
+  return rays;
+}
+
+/// What the pixels of a picture of 1280 x 960, 40 degrees wide, show; empty when none of them shows a facet. Throws
+/// UsageError for a camera whose view is not defined.
+std::vector<geometry::Hit> camera_hits(const HeatScene& scene, const CameraSection& camera) {
+  const std::vector<geometry::Ray> rays = camera_rays(scene.input.name, camera);
+  std::vector<geometry::Hit> hits(rays.size());
+  scene.rays.first_hits(rays, hits);
+  if (std::none_of(hits.begin(), hits.end(), [](const geometry::Hit& hit) { return geometry::hits(hit); })) return {};
+  return hits;
+}
+
+/// The name of a mesh whose closed shells the camera sees from inside in most of its pixels.
+std::optional<std::string> mesh_around_camera(const HeatScene& scene, std::span<const geometry::Hit> hits) {
+  const geometry::Facets& facets = scene.facets();
+  std::vector<std::size_t> inside(facets.report.size(), 0);
+  for (const geometry::Hit& hit : hits)
+    if (geometry::hits(hit) && hit.back && facets.shells[facets.facet[hit.facet].shell].closed)
+      ++inside[facets.facet[hit.facet].mesh];
+  const auto most = std::max_element(inside.begin(), inside.end());
+  if (most == inside.end() || 2 * *most <= hits.size()) return std::nullopt;
+  return facets.report[static_cast<std::size_t>(most - inside.begin())].name;
+}
+
+/// Writes a PNG of these pixels with a bar of temperatures. What the camera does not see, and the sky, is black.
+void write_scene_picture(const std::string& path, std::span<const geometry::Hit> hits, std::span<const double> facet_k,
+                         const std::string& caption) {
+  std::vector<float> seen;
+  for (const geometry::Hit& hit : hits)
+    if (geometry::hits(hit)) seen.push_back(static_cast<float>(facet_k[hit.facet]));
+  // A hundredth of the pixels may be clipped at each end: single hot facets would take all of the colours.
+  std::sort(seen.begin(), seen.end());
+  const double low = seen[seen.size() / 100], high = seen[seen.size() - 1 - seen.size() / 100];
+  mtf::Image image(kWidth, kHeight);
+  for (std::int64_t y = 0; y < kHeight; ++y)
+    for (std::int64_t x = 0; x < kWidth; ++x) {
+      const geometry::Hit& hit = hits[static_cast<std::size_t>(y * kWidth + x)];
+      image.at(x, y) = geometry::hits(hit) ? static_cast<float>(facet_k[hit.facet]) : static_cast<float>(low);
+    }
+  write_picture(path, std::array{Panel{caption, image.view(), 1, low, std::max(high, low + 0.1), ""}}, true);
+}
+
+// What the temperatures depend on: the whole run again, with one thing changed at a time. Formulas of convection and
+// sky and the numbers of materials are known to 10 % and less well, which is kelvins; a tolerance says nothing about
+// that.
+
+/// Mean temperatures of regions by area, [output][region], as a run has them.
+using RegionMeans = std::vector<std::vector<double>>;
+
+/// How a change moves the mean temperature of a region.
+struct RegionChange {
+  double mean_k = 0.0;     ///< over the outputs
+  double largest_k = 0.0;  ///< at the output where it is largest, with its sign
+};
+
+struct Sensitivity {
+  std::string change;                 ///< "convection +10 %"
+  std::vector<RegionChange> regions;  ///< as ThermalScene::regions
+};
+
+constexpr double kMore = 1.1;       ///< + 10 %
+constexpr double kSky_w_m2 = 10.0;  ///< of long wave
+constexpr double kFinish = 0.02;    ///< of absorptance and emissivity
+constexpr double kMcAdamsStill = 5.7, kMcAdamsWind = 3.8;
+
+heat::Convection stronger(const heat::Convection& convection) {
+  if (std::holds_alternative<heat::McAdams>(convection))
+    return heat::LinearConvection{kMore * kMcAdamsStill, kMore * kMcAdamsWind};
+  heat::Convection more = convection;
+  if (auto* linear = std::get_if<heat::LinearConvection>(&more)) {
+    linear->h0_w_m2_k *= kMore;
+    linear->h1_j_m3_k *= kMore;
+  }
+  if (auto* tarp = std::get_if<heat::Tarp>(&more)) tarp->roughness *= kMore;
+  return more;
+}
+
+struct Change {
+  std::string name;
+  std::function<void(Material&)> of_material;
+  double sky_w_m2 = 0.0;
+};
+
+std::vector<Change> changes() {
+  const auto both = [](double value, double step) { return std::clamp(value + step, 0.0, 1.0); };
+  return {{"convection +10 %",
+           [](Material& s) {
+             s.construction.convection = stronger(s.construction.convection);
+             if (auto* sheet = std::get_if<heat::Sheet>(&s.construction.inside))
+               sheet->convection = stronger(sheet->convection);
+           }},
+          {"long wave of the sky +10 W/m2", {}, kSky_w_m2},
+          {"solar absorptance +0.02",
+           [both](Material& s) {
+             s.solar_absorptance = both(s.solar_absorptance, kFinish);
+             s.back_solar_absorptance = both(s.back_solar_absorptance, kFinish);
+           }},
+          {"emissivity -0.02",
+           [both](Material& s) {
+             s.construction.emissivity = both(s.construction.emissivity, -kFinish);
+             if (auto* sheet = std::get_if<heat::Sheet>(&s.construction.inside))
+               sheet->emissivity = both(sheet->emissivity, -kFinish);
+           }},
+          {"conductivity +10 %",
+           [](Material& s) {
+             for (heat::Layer& layer : s.construction.layers) layer.conductivity_w_m_k *= kMore;
+           }},
+          {"heat capacity +10 %", [](Material& s) {
+             for (heat::Layer& layer : s.construction.layers) layer.heat_capacity_j_kg_k *= kMore;
+           }}};
+}
+
+std::vector<double> means_of(const HeatScene& scene, std::span<const double> facet_k) {
+  std::vector<double> sum(scene.input.regions.size(), 0.0), area(sum.size(), 0.0);
+  for (std::size_t f = 0; f < facet_k.size(); ++f) {
+    if (std::isnan(facet_k[f])) continue;  // not asked for
+    const double of_facet = scene.facets().facet[f].area_m2;
+    sum[scene.input.region_of[f]] += of_facet * facet_k[f];
+    area[scene.input.region_of[f]] += of_facet;
+  }
+  for (std::size_t r = 0; r < sum.size(); ++r) sum[r] /= area[r];
+  return sum;
+}
+
+std::vector<RegionChange> difference(const RegionMeans& changed, const RegionMeans& base) {
+  std::vector<RegionChange> regions(base.front().size());
+  for (std::size_t i = 0; i < base.size(); ++i)
+    for (std::size_t r = 0; r < regions.size(); ++r) {
+      const double kelvin = changed[i][r] - base[i][r];
+      regions[r].mean_k += kelvin / static_cast<double>(base.size());
+      if (!(std::abs(kelvin) <= std::abs(regions[r].largest_k))) regions[r].largest_k = kelvin;
+    }
+  return regions;
+}
+
+std::string signed_text(double kelvin) {
+  return std::isnan(kelvin) ? "not seen" : (kelvin < 0.0 ? "" : "+") + fixed(kelvin, 2);
+}
+
+/// Six runs: convection, long wave of the sky, solar absorptance, emissivity, conductivity, heat capacity. `base`: of
+/// the scene as it is. Changes below the promise of a run are rounding of its classes, steps and cells. Of tarp only
+/// the part of the wind is changed.
+std::vector<Sensitivity> sensitivities(HeatScene& scene, const HeatOptions& options, const RegionMeans& base,
+                                       const std::function<void(const std::string&, double)>& progress) {
+  std::vector<Sensitivity> all;
+  for (const Change& change : changes()) {
+    progress(change.name, static_cast<double>(all.size()) / 6.0);
+    const std::vector<Material> materials = scene.material;
+    const std::vector<double> sky = scene.surroundings.sky_longwave_w_m2;
+    if (change.of_material)
+      for (Material& material : scene.material) change.of_material(material);
+    for (double& longwave : scene.surroundings.sky_longwave_w_m2) longwave += change.sky_w_m2;
+    RegionMeans means;
+    run_heat(
+        scene, options, [&](const HeatOutput& output) { means.push_back(means_of(scene, output.front_k)); },
+        [](const std::string&, double) {});
+    scene.material = materials;
+    scene.surroundings.sky_longwave_w_m2 = sky;
+    if (means.size() < base.size()) break;  // interrupted
+    all.push_back({change.name, difference(means, base)});
+  }
+  return all;
+}
+
+std::string sensitivity_table(const HeatScene& scene, const std::vector<Sensitivity>& all) {
+  std::vector<std::string> header{"change of the mean [K], largest in brackets"};
+  std::vector<Align> align{Align::left};
+  for (const Region& region : scene.input.regions) {
+    header.push_back(one_line(region.name));
+    align.push_back(Align::right);
+  }
+  TextTable table(std::move(header));
+  for (const Sensitivity& one : all) {
+    std::vector<std::string> row{one.change};
+    for (const RegionChange& region : one.regions)
+      row.push_back(signed_text(region.mean_k) + " (" + signed_text(region.largest_k) + ")");
+    table.add(std::move(row));
+  }
+  return table.aligned(align);
+}
+
+/// change,region,mean_K,largest_K
+std::string sensitivity_csv(const HeatScene& scene, const std::vector<Sensitivity>& all) {
+  std::string text = "change,region,mean_K,largest_K\n";
+  for (const Sensitivity& one : all)
+    for (std::size_t r = 0; r < one.regions.size(); ++r)
+      text += csv_field(one.change) + "," + csv_field(scene.input.regions[r].name) + "," +
+              csv_number(one.regions[r].mean_k) + "," + csv_number(one.regions[r].largest_k) + "\n";
+  return text;
+}
 
 Figure region_figure(const SceneFile& file, const HeatFiles& files) {
   Figure figure;
   figure.title = "mean temperatures of regions";
-  figure.x_label = "hours since " + radiometry::heat::instant_text(file.time.start_s);
+  figure.x_label = "hours since " + heat::instant_text(file.time.start_s);
   figure.y_label = "temperature [K]";
   for (std::size_t r = 0; r < file.regions.size(); ++r) {
     Series series;
@@ -49,8 +276,8 @@ Figure region_figure(const SceneFile& file, const HeatFiles& files) {
 
 /// The facets as a mesh of triangles, with their temperatures.
 void write_mesh_of(const std::string& path, const HeatScene& scene, std::span<const double> facet_k, bool vtk) {
-  const radiometry::scene::Facets& facets = scene.facets();
-  radiometry::scene::Mesh mesh;
+  const geometry::Facets& facets = scene.facets();
+  geometry::Mesh mesh;
   mesh.vertices = facets.vertices;
   mesh.group_names = mesh.material_names = {""};
   mesh.first.push_back(0);
@@ -59,14 +286,11 @@ void write_mesh_of(const std::string& path, const HeatScene& scene, std::span<co
   for (std::size_t t = 0; t < facets.triangles.size(); ++t) {
     const std::uint32_t facet = facets.facet_of[t];
     for (const std::uint32_t corner : facets.triangles[t]) {
-      mesh.corners.push_back(corner);
       if (std::isnan(facet_k[facet])) continue;  // not asked for
       sum[corner] += facets.facet[facet].area_m2 * facet_k[facet];
       area[corner] += facets.facet[facet].area_m2;
     }
-    mesh.first.push_back(mesh.corners.size());
-    mesh.group.push_back(0);
-    mesh.material.push_back(0);
+    mesh.add_face(facets.triangles[t]);
     of_face.push_back(static_cast<float>(facet_k[facet]));
   }
   std::vector<float> of_vertex;
@@ -191,12 +415,12 @@ int run_heat(const HeatCommandOptions& options, const Global& global) {
     earlier = read_unfinished(options.out, fingerprints_of(file, scene, heat_options), file.regions.size());
     heat_options.from = &earlier->checkpoint;
     note(global, "note: going on after " + std::to_string(earlier->checkpoint.outputs) + " outputs, at " +
-                     radiometry::heat::instant_text(file.time.start_s + earlier->outputs.times_s.back()));
+                     heat::instant_text(file.time.start_s + earlier->outputs.times_s.back()));
   }
-  std::vector<radiometry::scene::Hit> seen;
+  std::vector<geometry::Hit> seen;
   if (file.camera) seen = camera_hits(scene, *file.camera);
   if (options.seen)
-    for (const radiometry::scene::Hit& hit : seen)
+    for (const geometry::Hit& hit : seen)
       if (hits(hit)) scene.seen[hit.facet] = true;
   if (file.camera && seen.empty())
     note(global, "warning: [camera] sees nothing of the scene, so there is no picture of it");
@@ -242,7 +466,7 @@ int run_heat(const HeatCommandOptions& options, const Global& global) {
   write_figure(outputs.in("regions.svg"), region_figure(file, files));
   if (!seen.empty())
     write_scene_picture(outputs.in("scene.png"), seen, last,
-                        "surface temperatures [K] at " + radiometry::heat::instant_text(file.time.start_s + until_s));
+                        "surface temperatures [K] at " + heat::instant_text(file.time.start_s + until_s));
   if (options.ply) write_mesh_of(outputs.in("facets.ply"), scene, last, false);
   if (options.vtk) write_mesh_of(outputs.in("facets.vtk"), scene, last, true);
   if (options.sensitivity && until_s + 0.01 >= file.time.end_s - file.time.start_s) {
@@ -267,8 +491,8 @@ int run_heat(const HeatCommandOptions& options, const Global& global) {
                      " K (95 % of them), more than the tolerance; more --rays, or --every-facet, bring it down");
   if (options.format == Format::table) print("written to " + options.out + "/\n");
   if (until_s + 0.01 < file.time.end_s - file.time.start_s) {
-    complain("mtf: interrupted: the temperatures end at " +
-             radiometry::heat::instant_text(file.time.start_s + until_s) + "; the same command goes on from there");
+    complain("mtf: interrupted: the temperatures end at " + heat::instant_text(file.time.start_s + until_s) +
+             "; the same command goes on from there");
     return 130;
   }
   // What is left out is no part of the promise: its standard error is stated beside it.

@@ -8,7 +8,7 @@
 #include "apps/options.h"
 #include "apps/scene/heat/read_thermal_scene.h"
 #include "apps/scene/outputs/mesh_files.h"
-#include "apps/scene/render/picture_surroundings.h"
+#include "apps/scene/render/picture_scene.h"
 #include "apps/scene/scene_file/demo_lwir.toml.h"
 #include "apps/scene/scene_file/demo_mwir.toml.h"
 #include "apps/scene/scene_file/demo_scene_text.h"
@@ -127,8 +127,10 @@ std::string weather_text(const HeatScene& scene) {
 /// What `mtf render` says of the same scene at its start.
 std::string pictures_text(const SceneFile& file) {
   std::string text = "pictures at " + radiometry::heat::instant_text(file.time.start_s) + ":\n";
-  for (const auto& [name, words] : picture_surroundings(file, file.time.start_s, {}).closures)
-    text += "  " + name + ": " + words + "\n";
+  PictureScene picture;
+  picture.utc_s = file.time.start_s;
+  add_surroundings(file, {}, picture);
+  for (const auto& [name, words] : picture.closures) text += "  " + name + ": " + words + "\n";
   return text;
 }
 

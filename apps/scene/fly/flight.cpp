@@ -24,6 +24,8 @@
 namespace apps::scene {
 namespace {
 
+namespace render = radiometry::render;
+
 // A scene in the light of one time: what a flight makes once for some time of the scene's clock.
 
 /// What light depends on.
@@ -45,7 +47,7 @@ struct Light {
   LightKey key;
   PictureScene scene;
   double temperatures_utc_s = 0.0;
-  std::unique_ptr<radiometry::render::Renderer> renderer{};
+  std::unique_ptr<render::Renderer> renderer{};
 };
 
 // The views of sides that a camera will see, worked out in the background in a copy of the scene, and taken over by the
@@ -62,68 +64,60 @@ class LookAhead {
   bool is_working() const { return found_.valid(); }
   /// Starts a thread that calls `make` for a copy of the scene and renders it from each camera in turn. Only where
   /// is_working() is false.
-  void begin(std::vector<radiometry::render::Camera> cameras, std::function<std::unique_ptr<Light>()> make);
+  void begin(std::vector<render::Camera> cameras, std::function<std::unique_ptr<Light>()> make) {
+    enough_ = false;
+    found_ = std::async(std::launch::async, [this, cameras = std::move(cameras), make = std::move(make)] {
+      const mtf::StopScope scope(&ended_);
+      Found found;
+      const std::unique_ptr<Light> copy = make();
+      for (const render::Camera& camera : cameras) {
+        try {
+          require_above_ground(copy->scene, camera.position);
+          copy->renderer->render(camera);
+        } catch (const mtf::UsageError&) {  // there is no picture from there
+        }
+        found.looked_from.push_back(camera);
+        if (enough_) break;  // not before the first one: frame after frame, all of them have their turn
+      }
+      found.known = copy->renderer->known();
+      return found;
+    });
+  }
   /// The thread ends once the picture that it renders now is done.
   void enough() { enough_ = true; }
   /// Gives the views that were found to `renderer`, if the thread has ended; else does nothing.
-  void take(radiometry::render::Renderer& renderer);
+  void take(render::Renderer& renderer) {
+    if (!found_.valid() || found_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return;
+    try {
+      Found found = found_.get();
+      renderer.learn(*found.known);
+      looked_from_.insert(looked_from_.end(), found.looked_from.begin(), found.looked_from.end());
+    } catch (const std::exception&) {  // such as too little memory for a copy: frames do without
+    }
+  }
   /// Whether a camera with the same lens and format, less than `near_m` away from this one and pointing in nearly the
   /// same direction (cosine above 0.999), has had its turn; it may be in a place that there is no picture from.
-  bool has_seen(const radiometry::render::Camera& camera, double near_m) const;
+  bool has_seen(const render::Camera& camera, double near_m) const {
+    using radiometry::scene::operator-;
+    constexpr double kSameDirection = 0.999;
+    return std::any_of(looked_from_.begin(), looked_from_.end(), [&](const render::Camera& other) {
+      return radiometry::scene::length(camera.position - other.position) < near_m &&
+             radiometry::scene::dot(camera.ahead, other.ahead) > kSameDirection && camera.step_x == other.step_x &&
+             camera.step_y == other.step_y && camera.width == other.width && camera.height == other.height;
+    });
+  }
   void forget() { looked_from_.clear(); }  ///< for another light, which needs views of its own
 
  private:
   struct Found {
-    std::shared_ptr<const radiometry::render::Renderer::Known> known{};
-    std::vector<radiometry::render::Camera> looked_from{};
+    std::shared_ptr<const render::Renderer::Known> known{};
+    std::vector<render::Camera> looked_from{};
   };
 
-  std::vector<radiometry::render::Camera> looked_from_{};
+  std::vector<render::Camera> looked_from_{};
   std::atomic<bool> enough_{false}, ended_{false};
   std::future<Found> found_{};
 };
-
-namespace render = radiometry::render;
-
-void LookAhead::begin(std::vector<render::Camera> cameras, std::function<std::unique_ptr<Light>()> make) {
-  enough_ = false;
-  found_ = std::async(std::launch::async, [this, cameras = std::move(cameras), make = std::move(make)] {
-    const mtf::StopScope scope(&ended_);
-    Found found;
-    const std::unique_ptr<Light> copy = make();
-    for (const render::Camera& camera : cameras) {
-      try {
-        require_above_ground(copy->scene, camera.position);
-        copy->renderer->render(camera);
-      } catch (const mtf::UsageError&) {  // there is no picture from there
-      }
-      found.looked_from.push_back(camera);
-      if (enough_) break;  // not before the first one: frame after frame, all of them have their turn
-    }
-    found.known = copy->renderer->known();
-    return found;
-  });
-}
-
-void LookAhead::take(render::Renderer& renderer) {
-  if (!found_.valid() || found_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return;
-  try {
-    Found found = found_.get();
-    renderer.learn(*found.known);
-    looked_from_.insert(looked_from_.end(), found.looked_from.begin(), found.looked_from.end());
-  } catch (const std::exception&) {  // such as too little memory for a copy: frames do without
-  }
-}
-
-bool LookAhead::has_seen(const render::Camera& camera, double near_m) const {
-  using radiometry::scene::operator-;
-  constexpr double kSameDirection = 0.999;
-  return std::any_of(looked_from_.begin(), looked_from_.end(), [&](const render::Camera& other) {
-    return radiometry::scene::length(camera.position - other.position) < near_m &&
-           radiometry::scene::dot(camera.ahead, other.ahead) > kSameDirection && camera.step_x == other.step_x &&
-           camera.step_y == other.step_y && camera.width == other.width && camera.height == other.height;
-  });
-}
 
 /// A picture that was made, kept for sensors that change while it does not.
 struct SeenPicture {

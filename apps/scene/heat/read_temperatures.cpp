@@ -19,9 +19,11 @@
 namespace apps::scene {
 namespace {
 
-// Rows of a table of facets in an NPY file, '<f4' or '<f8', one at a time: tables of a run hold hundreds of rows of
-// hundreds of thousands of facets, of which a picture needs two.
+namespace fs = std::filesystem;
+using radiometry::thermal::is_temperature, radiometry::thermal::TemperatureRows;
 
+/// Rows of a table of facets in an NPY file, '<f4' or '<f8': tables of a run hold hundreds of rows of hundreds of
+/// thousands of facets, of which a picture needs two.
 class NpyRows {
  public:
   /// Throws RuntimeError for a file that cannot be read, UsageError with its name for one that is no table of floats in
@@ -37,9 +39,9 @@ class NpyRows {
 
   std::uint64_t rows() const { return rows_; }
   std::uint64_t columns() const { return columns_; }
-  std::vector<float> row(std::uint64_t row) {
-    std::vector<float> values(columns_);
-    file_.read(row * columns_, values);
+  std::vector<float> values(std::uint64_t first, std::uint64_t count) {
+    std::vector<float> values(count * columns_);
+    file_.read(first * columns_, values);
     return values;
   }
 
@@ -47,9 +49,6 @@ class NpyRows {
   mtf::io::NpyReader file_;
   std::uint64_t rows_ = 1, columns_ = 0;
 };
-
-namespace fs = std::filesystem;
-using radiometry::thermal::is_temperature, radiometry::thermal::TemperatureRows;
 
 [[noreturn]] void fail(const std::string& source, const std::string& text) {
   throw mtf::UsageError(one_line(source) + ": " + text);
@@ -108,13 +107,7 @@ std::vector<float> values_of(NpyRows& file, const std::string& path, std::size_t
   if (end - first > kMostBytes / sizeof(float) / facets)
     fail(path, std::to_string(end - first) + " rows of " + std::to_string(facets) + " facets are more than " +
                    std::to_string(kMostBytes >> 30) + " GiB; give fewer rows");
-  std::vector<float> values;
-  values.reserve((end - first) * facets);
-  for (std::uint64_t i = first; i < end; ++i) {
-    const std::vector<float> row = file.row(i);
-    values.insert(values.end(), row.begin(), row.end());
-  }
-  return values;
+  return file.values(first, end - first);
 }
 
 TemperatureRows read_npy(const std::string& path, const Files& files, std::size_t facets,

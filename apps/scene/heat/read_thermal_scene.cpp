@@ -10,7 +10,7 @@
 #include "mtf/error.h"
 #include "mtf/work/stopwatch.h"
 #include "radiometry/atmosphere/spectral_path.h"
-#include "radiometry/heat/layer_sources.h"
+#include "radiometry/heat/construction.h"
 #include "radiometry/weather/clear_sky.h"
 #include "radiometry/weather/instant.h"
 
@@ -102,9 +102,8 @@ std::vector<std::uint32_t> regions_of_faces(const SceneFile& file, std::size_t m
   std::vector<std::uint32_t> of_material(mesh.material_names.size(), kNobody);
   std::uint32_t of_rest = kNobody;
   const auto names_text = [](const std::vector<std::string>& names) {
-    std::string text;
-    for (const std::string& name : names) text += (text.empty() ? "" : ", ") + one_line(name.empty() ? "''" : name);
-    return text.empty() ? std::string("none") : text;
+    if (names.empty()) return std::string("none");
+    return joined(names, [](const std::string& name) { return one_line(name.empty() ? "''" : name); });
   };
   for (std::size_t r = 0; r < file.regions.size(); ++r) {
     const RegionSection& region = file.regions[r];

@@ -6,10 +6,10 @@
 #include <limits>
 
 #include "apps/scene/heat/read_temperatures.h"
-#include "apps/scene/render/picture_surroundings.h"
 #include "apps/text/message_words.h"
 #include "mtf/error.h"
 #include "mtf/work/stopwatch.h"
+#include "radiometry/atmosphere/sky_radiance.h"
 #include "radiometry/atmosphere/spectral_path.h"
 #include "radiometry/thermal/ground.h"
 #include "radiometry/weather/instant.h"
@@ -17,7 +17,58 @@
 namespace apps::scene {
 namespace {
 
+namespace heat = radiometry::heat;
 namespace render = radiometry::render;
+
+constexpr int kSkyAngles = 4;  // Gauss's nodes of the flux: within 0.1 W/m2 of eight
+
+std::string words(double value, int decimals, const char* unit) { return fixed(value, decimals) + " " + unit; }
+
+bool has_layers(const std::optional<radiometry::atmosphere::Air<double>>& air) {
+  return air && air->profile.levels.size() > 1;
+}
+
+void set_air(const SceneFile& file, const heat::WeatherAt& weather, const PictureOptions& options, double air_k,
+             PictureScene& out) {
+  if (options.air && options.sensor_air && file.atmosphere)
+    throw mtf::UsageError(one_line(options.sensor_file) + " and " + one_line(file.file) +
+                          " both have [atmosphere]; the air belongs to one of them");
+  if (options.air && file.atmosphere) {
+    const double vapour = weather[WeatherQuantity::vapour_pressure];
+    const ClearSkyFlux model(*file.atmosphere, file.place.altitude_m);
+    out.scene.air = model.air_at(air_k, std::isnan(vapour) ? std::nullopt : std::optional(vapour));
+    out.closures.emplace_back("air",
+                              "[atmosphere] of " + one_line(file.file) + ", its lowest 2 km as the weather has them");
+  } else if (options.air && options.sensor_air) {
+    out.scene.air = options.sensor_air;
+    out.closures.emplace_back("air", "[atmosphere] of " + one_line(options.sensor_file));
+  } else {
+    out.closures.emplace_back("air", "none: the path is not in the picture");
+  }
+}
+
+void set_sky(const SceneFile& file, const SkyLongwave& longwave, double air_k, PictureScene& out) {
+  render::Sky& sky = out.scene.sky;
+  const auto& air = out.scene.air;
+  sky = {.longwave_w_m2 = longwave.irradiance_w_m2, .cloud_cover = longwave.cloud_cover, .cloud_k = air_k};
+  if (!has_layers(air)) {
+    out.closures.emplace_back("sky", "blackbody of " +
+                                         words(heat::sky_temperature_k(longwave.irradiance_w_m2), 1, "K for ") +
+                                         words(longwave.irradiance_w_m2, 1, "W/m2 of long wave"));
+    return;
+  }
+  const double from_m = std::max(file.place.altitude_m, air->profile.levels.front().altitude_m);
+  const auto clear = sky_flux(*air, from_m, kSkyAngles);
+  // Where nothing else says how much of the sky is clear, as much as gives the long wave that was measured.
+  if (file.sky.longwave == LongwaveModel::measured && file.sky.cloud == CloudSource::none)
+    sky.cloud_cover = radiometry::atmosphere::cloud_cover(longwave.irradiance_w_m2, clear.total_w_m2, sky.cloud_k);
+  const double cover = sky.cloud_cover;
+  const double flux = under_clouds(clear, {cover, sky.cloud_k}).total_w_m2;
+  out.closures.emplace_back("sky", "clear sky of the air, " + fixed(100.0 * (1.0 - cover), 0) + " % of it" +
+                                       (cover > 0.0 ? ", and clouds at " + words(sky.cloud_k, 1, "K") : std::string()) +
+                                       ": " + words(flux, 1, "W/m2 of long wave, ") +
+                                       words(longwave.irradiance_w_m2, 1, "W/m2 in the heat balance"));
+}
 
 radiometry::Spectrum spectrum_of(const Emissivity& emissivity, const std::string& name) {
   return emissivity.spectrum ? *emissivity.spectrum
@@ -58,7 +109,7 @@ void set_finishes(const SceneFile& file, const ThermalScene& surfaces, render::R
 }
 
 double ground_k(const SceneFile& file, const ThermalScene& surfaces, double utc_s, double air_k,
-                std::optional<radiometry::heat::Schedule>& solved) {
+                std::optional<heat::Schedule>& solved) {
   constexpr double kTolerance_k = 0.1;
   constexpr int kDirections = 36;
   if (!file.ground) return air_k;
@@ -69,21 +120,6 @@ double ground_k(const SceneFile& file, const ThermalScene& surfaces, double utc_
               level_run(s, file.time.start_s, surfaces.materials[*file.ground->material], kTolerance_k).kelvin};
   }
   return value_at(*solved, utc_s - file.time.start_s);
-}
-
-/// At the time of `out`.
-void set_surroundings(const SceneFile& file, const ThermalScene& surfaces, const PictureOptions& options,
-                      std::optional<radiometry::heat::Schedule>& ground, PictureScene& out) {
-  const PictureSurroundings around = picture_surroundings(
-      file, out.utc_s, {.of_sensor = options.sensor_air, .sensor_file = options.sensor_file, .wanted = options.air});
-  out.scene.sky = around.sky;
-  out.scene.sun = around.sun;
-  out.scene.air = around.air;
-  out.closures = around.closures;
-  out.scene.ground.temperature_k = ground_k(file, surfaces, out.utc_s, around.air_k, ground);
-  out.closures.emplace_back("ground", "level, " + fixed(out.scene.ground.temperature_k, 2) + " K, " +
-                                          one_line(out.scene.finish[out.scene.ground.finish].name));
-  out.scene.altitude_m = file.place.altitude_m;
 }
 
 /// Throws UsageError, with the regions, where a front has no temperature.
@@ -100,7 +136,36 @@ void require_all(const ThermalScene& surfaces, const std::string& source, const 
     throw mtf::UsageError(one_line(source) + ": has no temperature for facets of the regions " + missing);
 }
 
+/// With the ground, and the altitude.
+void surround(const SceneFile& file, const ThermalScene& surfaces, const PictureOptions& options,
+              std::optional<heat::Schedule>& ground, PictureScene& out) {
+  const double air_k = add_surroundings(file, options, out);
+  out.scene.ground.temperature_k = ground_k(file, surfaces, out.utc_s, air_k, ground);
+  out.closures.emplace_back("ground", "level, " + fixed(out.scene.ground.temperature_k, 2) + " K, " +
+                                          one_line(out.scene.finish[out.scene.ground.finish].name));
+  out.scene.altitude_m = file.place.altitude_m;
+}
+
 }  // namespace
+
+double add_surroundings(const SceneFile& file, const PictureOptions& options, PictureScene& picture) {
+  const heat::WeatherSeries series = scene_weather(file);
+  require(series, {WeatherQuantity::air_temperature, WeatherQuantity::direct_normal}, picture.utc_s, picture.utc_s);
+  const heat::WeatherAt weather = weather_at(series, picture.utc_s);
+  const double air_k = weather[WeatherQuantity::air_temperature];
+  set_air(file, weather, options, air_k, picture);
+  std::optional<ClearSkyFlux> clear = clear_sky_of(file);
+  set_sky(file, sky_longwave(file.sky, weather, clear ? &*clear : nullptr), air_k, picture);
+
+  const heat::SunPosition sun = sun_position(picture.utc_s, file.place);
+  const double direct = std::max(weather[WeatherQuantity::direct_normal], 0.0);
+  const bool shines = sun.direction[2] > 0.0 && direct > 0.0, layered = has_layers(picture.scene.air);
+  if (shines) picture.scene.sun = render::Sun{heat::in_scene_axes(sun.direction, file.north_rad), direct};
+  picture.closures.emplace_back("sun", shines ? "Planck at 5772 K, scaled to " + words(direct, 0, "W/m2") +
+                                                    (layered ? ", through the air above" : "")
+                                              : std::string("none"));
+  return air_k;
+}
 
 std::string regions_to_solve(const SceneFile& file) {
   std::string missing;
@@ -111,7 +176,7 @@ std::string regions_to_solve(const SceneFile& file) {
 
 TemperatureRows solved_rows(const SceneFile& file, double from_s, double to_s, const HeatOptions& options,
                             const HeatProgress& progress) {
-  using radiometry::heat::instant_text;
+  using heat::instant_text;
   SceneFile until = file;
   TimeSection& time = until.time;
   if (!(from_s >= time.start_s && to_s <= time.end_s))
@@ -141,8 +206,8 @@ PictureScene read_layer_scene(const SceneFile& file, const PictureOptions& optio
   ThermalScene surfaces = values_of(file);
   read_meshes(file, surfaces);
   set_finishes(file, surfaces, out.scene);
-  std::optional<radiometry::heat::Schedule> ground;
-  set_surroundings(file, surfaces, options, ground, out);
+  std::optional<heat::Schedule> ground;
+  surround(file, surfaces, options, ground, out);
   return out;
 }
 
@@ -206,7 +271,7 @@ PictureScene PictureSource::at(std::optional<double> utc_s, const PictureOptions
   const mtf::Stopwatch weather;
   {
     const std::scoped_lock guard(reading_);
-    set_surroundings(file_, surfaces_, air, ground_, out);
+    surround(file_, surfaces_, air, ground_, out);
   }
   out.timing_ms.emplace_back("weather", weather.ms());
   return out;

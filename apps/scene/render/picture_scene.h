@@ -2,10 +2,15 @@
 #pragma once
 
 // From a scene file and temperatures to what radiometry/render makes pictures of: facets, finishes and temperatures of
-// all sides, sky, ground and sun of the weather at that time, and the air (picture_surroundings.h).
-// Temperatures are those of a folder that `mtf heat` wrote or of a table of facets (read_temperatures.h); where neither
-// is given, those that the regions of the file have. The ground is that of [ground], of given
-// temperature or solved as a level surface from the start of the run; without it black and as warm as the air.
+// all sides, sky, ground and sun of the weather at that time, and the air. Temperatures are those of a folder that `mtf
+// heat` wrote or of a table of facets (read_temperatures.h); where neither is given, those that the regions of the file
+// have. The ground is that of [ground], of given temperature or solved as a level surface from the start of the run;
+// without it black and as warm as the air.
+//   air  [atmosphere] of the scene file, its lowest 2 km as the weather has them; or that of the sensor file, as it
+//        stands there
+//   sky  with layered air its clear sky, and clouds as black as the air is warm: as many as [sky] says, or as give the
+//        long wave that the weather has; else a blackbody of the long wave that [sky] makes of the weather
+//   sun  of the weather's direct irradiance
 
 #include <memory>
 #include <mutex>
@@ -36,6 +41,10 @@ struct PictureScene {
   std::vector<std::string> warnings;
   std::vector<std::pair<std::string, double>> timing_ms;
 };
+
+/// Air, sky and sun of the weather at the picture's time, and the words for them; returns the temperature of the air,
+/// K. Throws UsageError for times that the weather does not have, and for air in both files.
+double add_surroundings(const SceneFile& file, const PictureOptions& options, PictureScene& picture);
 
 /// The regions of the file that have no temperature, as words: 'a', 'b'; "" where all have.
 std::string regions_to_solve(const SceneFile& file);

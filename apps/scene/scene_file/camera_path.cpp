@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "apps/scene/weather/timed_table.h"
+#include "apps/scene/weather/weather_csv.h"
 #include "apps/text/message_words.h"
 #include "mtf/error.h"
 #include "mtf/io/csv/csv_numbers.h"

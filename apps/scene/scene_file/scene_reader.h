@@ -36,19 +36,6 @@ struct SceneReader {
 /// one.
 std::optional<double> read_si(const Section& section, const mtf::FieldInfo& field);
 
-/// A fit table; its value when usable. In scene_fits.cpp.
-std::optional<double> read_marked(const Section& section, const Node& table, const mtf::FieldInfo& field,
-                                  const std::string& path);
-/// A number or a string with its unit, no table.
-std::optional<double> read_plain_si(const Section& section, const Node& node, const mtf::FieldInfo& field,
-                                    const std::string& path);
-
-/// The table [key] of the file, which has to be there if `remedy` is not empty; reports what is wrong.
-std::optional<Section> find_section(SceneReader& s, std::string_view key, std::string_view remedy);
-/// The tables of the list [[key]]; none when absent, and when it is none (reported). `what` is added to the titles of
-/// those that have a name.
-std::vector<Section> find_sections(SceneReader& s, std::string_view key);
-
 // The value of a row by the type of its member: unchanged where the file has none or a wrong one, which is reported.
 void read_value(SceneReader& s, const Section& section, const FieldInfo& row, double& value);
 void read_value(SceneReader& s, const Section& section, const FieldInfo& row, std::optional<double>& value);
@@ -58,7 +45,7 @@ void read_value(SceneReader& s, const Section& section, const FieldInfo& row, st
 void read_value(SceneReader& s, const Section& section, const FieldInfo& row, radiometry::heat::Schedule& value);
 /// The same, or the path of a table of facets.
 void read_value(SceneReader& s, const Section& section, const FieldInfo& row, std::optional<GivenTemperature>& value);
-/// A number, or the name of a file with bands or a spectrum. In emissivity.cpp.
+/// A number, or the name of a file with bands or a spectrum.
 void read_value(SceneReader& s, const Section& section, const FieldInfo& row, std::optional<Emissivity>& value);
 void read_value(SceneReader& s, const Section& section, const FieldInfo& row, Emissivity& value);
 /// A list of three lengths.
@@ -66,10 +53,8 @@ void read_value(SceneReader& s, const Section& section, const FieldInfo& row, st
 /// The place of a name among the meshes or materials; reports an unknown one with the nearest.
 void read_value(SceneReader& s, const Section& section, const FieldInfo& row, std::optional<std::size_t>& value);
 void read_value(SceneReader& s, const Section& section, const FieldInfo& row, std::size_t& value);
-/// In scene_objects.cpp, and in scene_surroundings.cpp what the cloud is besides a word.
 void read_value(SceneReader& s, const Section& section, const FieldInfo& row, std::optional<CameraPath>& value);
 void read_value(SceneReader& s, const Section& section, const FieldInfo& row, CloudSource& value);
-/// In scene_materials.cpp.
 void read_value(SceneReader& s, const Section& section, const FieldInfo& row, Convection& value);
 void read_value(SceneReader& s, const Section& section, const FieldInfo& row, std::vector<LayerSection>& value);
 void read_value(SceneReader& s, const Section& section, const FieldInfo& row, Inside& value);
@@ -115,24 +100,5 @@ void read_table(SceneReader& s, const Section& section, T& values) {
   check_rows(section, rows_of<T>());
   read_rows(s, section, values);
 }
-
-/// A name that others refer to: not empty, not that of another; it joins `names`, "" where it is missing or wrong.
-void add_name(const Section& section, std::vector<std::string_view>& names);
-
-/// [place], [time], [weather], [sky].
-void read_place(SceneReader& s);
-void read_time(SceneReader& s);
-void read_weather_section(SceneReader& s);
-void read_sky(SceneReader& s);
-/// [[material]].
-void read_materials(SceneReader& s);
-/// Whether the file has [ground] and neither meshes nor regions.
-bool is_ground_alone(const SceneReader& s);
-/// [[mesh]], [[region]], [ground], [measured], [camera].
-void read_meshes(SceneReader& s);
-void read_regions(SceneReader& s);
-void read_ground(SceneReader& s);
-void read_measured(SceneReader& s);
-void read_camera(SceneReader& s);
 
 }  // namespace apps::scene

@@ -3,18 +3,25 @@
 // One value of each kind, from the tree of a scene file into SI.
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <filesystem>
+#include <limits>
+#include <numbers>
 
 #include "apps/scene/scene_file/scene_reader.h"
 #include "apps/scene/weather/si_units.h"
-#include "apps/scene/weather/timed_table.h"
 #include "apps/scene/weather/weather_csv.h"
 #include "apps/text/message_words.h"
 #include "mtf/error.h"
+#include "mtf/io/config/config_text.h"
 #include "mtf/io/csv/csv_cells.h"
 #include "mtf/io/csv/csv_numbers.h"
+#include "mtf/io/csv/spectrum_csv.h"
+#include "mtf/units.h"
 #include "mtf/words.h"
+#include "radiometry/light/blackbody.h"
+#include "radiometry/light/constants.h"
 
 namespace apps::scene {
 namespace {
@@ -84,8 +91,45 @@ void assign(T& value, std::optional<T>&& read) {
   if (read) value = *std::move(read);
 }
 
-}  // namespace
+using radiometry::Spectrum;
 
+constexpr double kMeanTemperature_k = 300.0;
+
+/// Bands as a spectrum that jumps: both samples of a jump are as close as doubles can be.
+Spectrum spectrum_of_bands(std::string_view text, const std::string& path) {
+  const std::string remedy = "write from_um,to_um,emissivity";
+  const auto table = mtf::io::read_csv_numbers(text, path, remedy, [&](const auto& cells, const std::string& where) {
+    if (cells.size() != 3 || cells[1] != "to_um" || cells[2] != "emissivity")
+      throw mtf::UsageError(where + "a table of bands has other columns; " + remedy);
+    return std::vector<std::size_t>{0, 1, 2};
+  });
+  std::vector<double> wavelength_um, value;
+  for (std::size_t i = 0; i < table.line.size(); ++i) {
+    const double from = table.column[0][i], to = table.column[1][i];
+    const auto where = [&] { return path + ":" + std::to_string(table.line[i]) + ": "; };
+    if (!(from > 0.0 && to > from))
+      throw mtf::UsageError(where() + "the band has to go from above 0 um to a longer wavelength");
+    if (i > 0 && from < table.column[1][i - 1])
+      throw mtf::UsageError(where() + "the band overlaps the one above it; sort the bands by wavelength");
+    wavelength_um.insert(wavelength_um.end(), {from, std::nextafter(to, 0.0)});
+    value.insert(value.end(), {table.column[2][i], table.column[2][i]});
+  }
+  return radiometry::make_spectrum(path, std::move(wavelength_um), std::move(value), 1.0);
+}
+
+Spectrum read_table(const std::string& path) {
+  const std::string text = mtf::io::read_table_text(path);
+  std::string_view rest = mtf::io::without_mark(text);
+  std::string_view header;
+  while (!rest.empty() && mtf::io::is_comment(header)) header = mtf::io::take_text_line(rest);
+  if (mtf::io::trimmed_cell(header).starts_with("from_")) return spectrum_of_bands(text, path);
+  auto columns = mtf::io::parse_spectrum_csv(text, path, {"emissivity"});
+  return radiometry::make_spectrum(path, std::move(columns.wavelength_um), std::move(columns.columns.front()), 1.0);
+}
+
+constexpr double kOpenShare = 1e-3;  ///< of the value: how near a fit comes to a bound that is not allowed
+
+/// A number or a string with its unit, no table.
 std::optional<double> read_plain_si(const Section& section, const Node& node, const FieldInfo& field,
                                     const std::string& path) {
   const auto fail = [&](const std::string& text) {
@@ -117,6 +161,83 @@ std::optional<double> read_plain_si(const Section& section, const Node& node, co
   return fail(given + " is outside " + mtf::range_text(field, field.unit));
 }
 
+/// A standard error or deviation: 0 or more, and no point on a scale of temperature.
+std::optional<double> read_spread(const Section& section, const FieldInfo& field, std::string_view key,
+                                  const Node& node) {
+  if (node.kind == Node::Kind::string && node.text.ends_with("degC")) {
+    section.error(key, "a difference of temperatures; write it in K");
+    return std::nullopt;
+  }
+  FieldInfo spread = field;
+  spread.name = key;
+  spread.lo = 0.0;
+  spread.hi = 1e12;
+  spread.lo_open = false;
+  return read_plain_si(section, node, spread, section.at(key));
+}
+
+/// The unit of a value that was read: what follows the number.
+std::string written_unit(const Node& node) {
+  if (node.kind != Node::Kind::string) return {};
+  double number = 0.0;
+  std::string_view rest = node.text;
+  rest.remove_prefix(std::min(rest.find_first_not_of(" \t+"), rest.size()));
+  rest.remove_prefix(
+      static_cast<std::size_t>(std::from_chars(rest.data(), rest.data() + rest.size(), number).ptr - rest.data()));
+  rest.remove_prefix(std::min(rest.find_first_not_of(" \t"), rest.size()));
+  return std::string(rest);
+}
+
+/// Numbers in the unit of the key into that of the value as written; a spread has no zero of its own.
+void to_written_unit(const FieldInfo& field, mtf::io::FitSpec& spec) {
+  const SiUnit key = field.unit.empty() ? SiUnit{} : parse_unit(field.unit).value();
+  const SiUnit own = spec.unit.empty() ? SiUnit{} : parse_unit(spec.unit).value();
+  const double factor = key.factor / own.factor, offset = (key.offset - own.offset) / own.factor;
+  const auto point = [&](double& number) { number = number * factor + offset; };
+  point(spec.value);
+  point(*spec.min);
+  point(*spec.max);
+  if (spec.stderr_value) *spec.stderr_value *= factor;
+  if (spec.interval)
+    for (double& end : *spec.interval) point(end);
+  if (spec.prior) {
+    point((*spec.prior)[0]);
+    (*spec.prior)[1] *= factor;
+  }
+}
+
+/// A fit table; its value when usable.
+std::optional<double> read_marked(const Section& outer, const Node& table, const FieldInfo& field,
+                                  const std::string& path) {
+  const Section section{outer.reader, table, path, "the table of " + std::string(field.name)};
+  const Node* node = cfg::find_value(section, field);
+  if (node == nullptr) return std::nullopt;
+  const auto value = read_plain_si(section, *node, field, path + ".value");
+  if (!value) {
+    section.reader.failed.insert(path);
+    return std::nullopt;
+  }
+  mtf::io::FitSpec spec;
+  spec.path = path;
+  spec.unit = written_unit(*node);
+  spec.value = *value;
+  cfg::read_beside_value(
+      section, spec,
+      [&](const Section& from, std::string_view key, const Node& number) {
+        return read_plain_si(from, number, field, from.at(key));
+      },
+      [&](const Section& from, std::string_view key, const Node& number) {
+        return read_spread(from, field, key, number);
+      });
+  if (!spec.min) spec.min = field.lo_open ? field.lo + kOpenShare * (*value - field.lo) : field.lo;
+  if (!spec.max) spec.max = field.hi;
+  to_written_unit(field, spec);
+  section.reader.fits.push_back(std::move(spec));
+  return value;
+}
+
+}  // namespace
+
 std::optional<double> read_si(const Section& section, const FieldInfo& field) {
   const Node* node = section.find(field.name);
   const std::string path = section.at(field.name);
@@ -125,24 +246,6 @@ std::optional<double> read_si(const Section& section, const FieldInfo& field) {
   if (field.presence == mtf::Presence::required && !section.reader.has_failed(path))
     section.error(field.name, cfg::missing_text(field));
   return std::nullopt;
-}
-
-std::optional<Section> find_section(SceneReader& s, std::string_view key, std::string_view remedy) {
-  const Node* node = cfg::find_table(s.root(), key);
-  if (node != nullptr) return Section{s.reader, *node, std::string(key), "[" + std::string(key) + "]"};
-  if (!remedy.empty() && !s.reader.has_failed(key))
-    s.reader.error({}, std::string(key), "missing; " + std::string(remedy));
-  return std::nullopt;
-}
-
-std::vector<Section> find_sections(SceneReader& s, std::string_view key) {
-  const Node* node = cfg::find_tables(s.root(), key);
-  if (node == nullptr) return {};
-  std::vector<Section> sections;
-  for (const Node& item : node->items)
-    sections.push_back({s.reader, item, std::string(key) + "[" + std::to_string(sections.size()) + "]",
-                        "[[" + std::string(key) + "]]"});
-  return sections;
 }
 
 bool counts_with(const FieldInfo& row, std::string_view kind) {
@@ -160,15 +263,6 @@ void require_value(const Section& section, const FieldInfo& row) {
   if (row.presence == mtf::Presence::required && section.find(row.name) == nullptr &&
       !section.reader.has_failed(section.at(row.name)))
     section.error(row.name, cfg::missing_text(row));
-}
-
-void add_name(const Section& section, std::vector<std::string_view>& names) {
-  const Node* node = section.find("name");
-  const bool good = node != nullptr && !section.reader.has_failed(section.at("name"));
-  const std::string_view name = good ? node->text : std::string_view();
-  if (good && name.empty()) section.error("name", "an empty name");
-  if (!name.empty() && std::ranges::find(names, name) != names.end()) section.error("name", "the name stands twice");
-  names.push_back(name);
 }
 
 void read_value(SceneReader&, const Section& section, const FieldInfo& row, double& value) {
@@ -275,6 +369,58 @@ void read_value(SceneReader& s, const Section& section, const FieldInfo& row, Em
   std::optional<Emissivity> emissivity;
   read_value(s, section, row, emissivity);
   assign(value, std::move(emissivity));
+}
+
+double planck_mean(const Spectrum& emissivity, double temperature_k) {
+  constexpr double kWidestPart = 0.01;  // of the wavelength
+  constexpr int kMostParts = 400;
+  const auto& l = emissivity.wavelength_um;
+  const auto& e = emissivity.value;
+  const auto radiance = [&](double lo, double hi) {
+    return radiometry::band_radiance(radiometry::Flux::watts, lo, hi, temperature_k);
+  };
+  double sum =
+      e.front() * radiance(0.0, l.front()) + e.back() * radiance(l.back(), std::numeric_limits<double>::infinity());
+  for (std::size_t i = 0; i + 1 < l.size(); ++i) {
+    const double width = l[i + 1] - l[i];
+    const int parts =
+        e[i] == e[i + 1] ? 1 : std::clamp(static_cast<int>(std::ceil(width / (kWidestPart * l[i]))), 1, kMostParts);
+    for (int k = 0; k < parts; ++k)
+      sum += std::lerp(e[i], e[i + 1], (k + 0.5) / parts) *
+             radiance(l[i] + width * k / parts, l[i] + width * (k + 1) / parts);
+  }
+  return sum * std::numbers::pi / (radiometry::kStefanBoltzmann_w_m2_k4 * std::pow(temperature_k, 4));
+}
+
+void read_value(SceneReader& s, const Section& section, const FieldInfo& row, std::optional<Emissivity>& value) {
+  const cfg::Node* node = section.find(row.name);
+  if (node == nullptr) return;
+  const auto fail = [&](const std::string& text) { section.error(row.name, mtf::printable(text, 600)); };
+  if (node->kind != cfg::Node::Kind::string) {
+    if (const auto number = read_si(section, row)) value = {.value = *number, .spectrum = {}, .along_normal = *number};
+    return;
+  }
+  if (mtf::io::cell_number(node->text))
+    return fail(cfg::shown(*node) + " is a string; write the number without quotes");
+  std::string path;
+  read_value(s, section, of_type(FieldType::file, row), path);
+  if (path.empty()) return;
+  try {
+    Spectrum spectrum = read_table(path);
+    const double mean = planck_mean(spectrum, kMeanTemperature_k);
+    value = {.value = std::min(mean, 1.0), .spectrum = std::move(spectrum), .along_normal = mean};
+  } catch (const mtf::Error& error) {
+    fail(error.what());
+  }
+}
+
+std::string scene_text_with(const SceneFile& scene, std::span<const mtf::io::FitSpec> fits,
+                            std::span<const std::optional<double>> values) {
+  return mtf::io::splice_numbers(
+      scene.text, fits, values, [](const mtf::io::FitSpec& fit, double number, bool is_error) -> std::string {
+        if (fit.unit.empty()) return cfg::toml_number(number);
+        return cfg::toml_string(mtf::format_double(number) + " " + (is_error && fit.unit == "degC" ? "K" : fit.unit));
+      });
 }
 
 }  // namespace apps::scene

@@ -202,14 +202,9 @@ void SolidBuilder::draw(const Section& section, Axis axis, const std::vector<Lay
       }
 }
 
-void SolidBuilder::add_quad(const std::array<std::uint32_t, 4>& vertices, bool reversed) {
-  if (reversed)
-    mesh_.corners.insert(mesh_.corners.end(), vertices.rbegin(), vertices.rend());
-  else
-    mesh_.corners.insert(mesh_.corners.end(), vertices.begin(), vertices.end());
-  mesh_.first.push_back(mesh_.corners.size());
-  mesh_.group.push_back(group_);
-  mesh_.material.push_back(material_);
+void SolidBuilder::add_quad(std::array<std::uint32_t, 4> vertices, bool reversed) {
+  if (reversed) std::ranges::reverse(vertices);
+  mesh_.add_face(vertices, group_, material_);
 }
 
 }  // namespace apps::scene

@@ -72,7 +72,7 @@ class SolidBuilder {
     Point2 scale{1.0, 1.0}, shift{};
   };
   void draw(const Section& section, Axis axis, const std::vector<Layer>& layers);
-  void add_quad(const std::array<std::uint32_t, 4>& vertices, bool reversed);
+  void add_quad(std::array<std::uint32_t, 4> vertices, bool reversed);
   int cells_in(Range range) const;
 
   double cell_;

@@ -4,7 +4,7 @@
 
 #include "radiometry/chain/sensor_budget.h"
 #include "radiometry/chain/steps/stage_rows.h"
-#include "radiometry/stages/noise/dark_nonuniformity.h"
+#include "radiometry/stages/noise/fixed_pattern.h"
 
 namespace radiometry {
 namespace {

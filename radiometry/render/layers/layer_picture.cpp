@@ -25,8 +25,7 @@ constexpr double kHottest_k = 3000.0, kFarthest_m = 1e6;
 bool has_surface(const SurfaceLayers& layers, std::int64_t x, std::int64_t y) { return layers.finish.at(x, y) >= 0.0F; }
 
 Vector unit_direction(const Camera& camera, std::int64_t x, std::int64_t y) {
-  const Vector d = camera.direction(static_cast<double>(x) + 0.5, static_cast<double>(y) + 0.5);
-  return (1.0 / scene::length(d)) * d;
+  return scene::unit(camera.direction(static_cast<double>(x) + 0.5, static_cast<double>(y) + 0.5));
 }
 
 /// What the tables have to cover.

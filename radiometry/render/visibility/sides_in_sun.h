@@ -70,4 +70,11 @@ class SidesInSun {
   std::vector<float> ends_{};
 };
 
+/// Which parts of samples the sun reaches: fills `lit` of all parts and runs, and returns the number of shadow rays.
+/// Sides that are in the sun as a whole, or in the shadow, take no work; runs on sides in part are divided. Where a
+/// side is `unknown`, each part has a ray. With a null `in_sun` every part that faces the sun has. The sides of the
+/// parts are among `sides`.
+std::size_t find_shadows(const RenderScene& scene, const VisibleSides& sides, const SidesInSun* in_sun,
+                         VisibleParts& parts, int threads);
+
 }  // namespace radiometry::render

@@ -9,7 +9,7 @@
 #include <mutex>
 
 #include "mtf/parallel.h"
-#include "radiometry/render/angles/mirror_rays.h"
+#include "radiometry/render/mirror_rays.h"
 
 namespace radiometry::render {
 namespace {

@@ -4,22 +4,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "mtf/parallel.h"
+#include "radiometry/light/pixel_rules.h"
 
 namespace radiometry {
-namespace {
-
-constexpr std::int64_t kRowsAtOnce = 16;
-
-template <class Map>
-void over_pixels(mtf::ImageView<float> image, int threads, Map map) {
-  mtf::parallel_for_each(image.height, kRowsAtOnce, threads, [&](std::int64_t y) {
-    float* row = image.row(y);
-    for (std::int64_t x = 0; x < image.width; ++x) row[x] = static_cast<float>(map(static_cast<double>(row[x])));
-  });
-}
-
-}  // namespace
 
 Response::Response(const Nonlinearity& nonlinearity, double full_well_e)
     : a2_(nonlinearity.a2),
@@ -72,11 +59,11 @@ double Response::inverse(double response_e) const {
 }
 
 void apply_response(mtf::ImageView<float> image, const Response& response, int threads) {
-  over_pixels(image, threads, response);
+  for_each_pixel(image, threads, [&](double electrons) { return static_cast<float>(response(electrons)); });
 }
 
 void linearise(mtf::ImageView<float> image, const Response& response, int threads) {
-  over_pixels(image, threads, [&](double electrons) { return response.inverse(electrons); });
+  for_each_pixel(image, threads, [&](double electrons) { return static_cast<float>(response.inverse(electrons)); });
 }
 
 }  // namespace radiometry

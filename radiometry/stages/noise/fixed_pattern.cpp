@@ -3,13 +3,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
-#include "mtf/parallel.h"
+#include "radiometry/light/pixel_rules.h"
 
 namespace radiometry {
 namespace {
-
-constexpr std::int64_t kRowsAtOnce = 16;
 
 void require_rms(const char* what, double rms, double most) {
   if (!(rms >= 0.0 && rms <= most))
@@ -40,11 +39,7 @@ void with_map(mtf::ImageView<float> image, mtf::ImageView<const float> map, int 
     throw mtf::UsageError("a map of " + std::to_string(map.width) + " x " + std::to_string(map.height) +
                           " pixels for an image of " + std::to_string(image.width) + " x " +
                           std::to_string(image.height) + "; give one of its size");
-  mtf::parallel_for_each(image.height, 4 * kRowsAtOnce, threads, [&](std::int64_t y) {
-    float* row = image.row(y);
-    const float* other = map.row(y);
-    for (std::int64_t x = 0; x < image.width; ++x) combine(row[x], other[x]);
-  });
+  for_each_pixel(image, map, threads, combine);
 }
 
 }  // namespace
@@ -72,6 +67,14 @@ void offset_map(mtf::ImageView<float> map, double rms, std::uint64_t seed, Origi
   add_gaussian(map, rms, {seed, 0}, Stream::dsnu, origin, threads);
 }
 
+void dark_current_map(mtf::ImageView<float> map, double rms, std::uint64_t seed, Origin origin, int threads) {
+  require_rms("dark-current non-uniformity", rms, 10.0);
+  const double s2 = std::log1p(rms * rms);
+  for (std::int64_t y = 0; y < map.height; ++y) std::fill_n(map.row(y), map.width, 0.0F);
+  add_gaussian(map, std::sqrt(s2), {seed, 0}, Stream::dcnu, origin, threads);
+  for_each_pixel(map, threads, [&](double value) { return static_cast<float>(std::exp(value - 0.5 * s2)); });
+}
+
 void require_numbers(const std::string& name, mtf::ImageView<const float> map, float least, Origin origin) {
   for (std::int64_t y = 0; y < map.height; ++y)
     for (std::int64_t x = 0; x < map.width; ++x)
@@ -82,11 +85,11 @@ void require_numbers(const std::string& name, mtf::ImageView<const float> map, f
 }
 
 void multiply_by(mtf::ImageView<float> image, mtf::ImageView<const float> map) {
-  with_map(image, map, 1, [](float& value, float factor) { value *= factor; });
+  with_map(image, map, 1, std::multiplies<float>());
 }
 
 void add_map(mtf::ImageView<float> image, mtf::ImageView<const float> map, int threads) {
-  with_map(image, map, threads, [](float& value, float offset) { value += offset; });
+  with_map(image, map, threads, std::plus<float>());
 }
 
 void add_row_noise(mtf::ImageView<float> image, double rms, const NoiseKey& key, Stream stream, Origin origin) {

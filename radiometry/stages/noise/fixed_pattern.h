@@ -23,6 +23,16 @@ void responsivity_map(mtf::ImageView<float> map, const ResponsivityRms& rms, std
                       int threads = 1);
 /// Offset non-uniformity: rms x standard normal.
 void offset_map(mtf::ImageView<float> map, double rms, std::uint64_t seed, Origin origin = {}, int threads = 1);
+/// Dark current that differs from pixel to pixel (DCNU): the mean dark current times a factor of each pixel, the same
+/// in all frames,
+///   f = exp(s z - s^2 / 2),   s^2 = ln(1 + rms^2),   z standard normal
+/// log-normal with mean 1 and standard deviation rms exactly, never below 0: a rate that falls exponentially with an
+/// energy that scatters normally. So it has the tail of warm pixels that detectors have, and unlike an offset (DSNU) it
+/// grows with the exposure time and with everything that raises the dark current. Each pixel has the shot noise of its
+/// own dark charge. Silicon has rms of 0.1 to 0.4. (Janesick, Photon Transfer, 2007, on dark current; Gow et al., IEEE
+/// Trans. Electron Devices 54, 1321 (2007).)
+/// Throws UsageError for rms that is not from 0 to 10, and for an origin out of its range.
+void dark_current_map(mtf::ImageView<float> map, double rms, std::uint64_t seed, Origin origin = {}, int threads = 1);
 
 /// Throws UsageError for a map with a number that is not finite or below `least`: it says the number and its pixel on
 /// the detector. `name` is the map's, `origin` the pixel at which the map begins.

@@ -6,14 +6,14 @@
 #include <cmath>
 
 #include "mtf/math/clones.h"
-#include "radiometry/stages/noise/lane_words.h"
+#include "radiometry/stages/noise/noise_lanes.h"
 #include "radiometry/stages/noise/poisson.h"
 
 namespace radiometry {
 namespace {
 
 /// log(x) for normal x > 0, absolute error 1e-15 + 1e-15 |log x|.
-LANES_INLINE double log_double(double x) {
+MTFKIT_INLINE double log_double(double x) {
   const auto bits = std::bit_cast<std::uint64_t>(x);
   double mantissa = std::bit_cast<double>((bits & 0x000fffffffffffffULL) | 0x3ff0000000000000ULL);
   double exponent = std::bit_cast<double>((bits >> 52) | 0x4330000000000000ULL) - (0x1p52 + 1023.0);
@@ -27,7 +27,7 @@ LANES_INLINE double log_double(double x) {
 }
 
 /// exp(-x) for x in [0, 64], relative error 1e-15.
-LANES_INLINE double exp_minus(double x) {
+MTFKIT_INLINE double exp_minus(double x) {
   const double turns = x * 1.4426950408889634074 + 0x1.8p52;  // rounds to an integer in the low bits
   const double n = turns - 0x1.8p52;
   const double r = (n * 0.693147180369123816490 - x) + n * 1.90821492927058770002e-10;
@@ -53,7 +53,7 @@ LANES_INLINE double exp_minus(double x) {
 constexpr double kMostT = 9.0;
 
 /// sqrt(2) erfinv(x) / x with t = -log(1 - x^2), t in [0, 9]: a polynomial of least deviation, 1.1e-12.
-LANES_INLINE double quantile_over_x(double t) {
+MTFKIT_INLINE double quantile_over_x(double t) {
   constexpr double c[] = {-3.00455630725053981e-6,   2.63989426676429014e-6,    0.0000196994609146873524,
                           -0.0000301733728886916126, -0.0000347679085325622356, 0.000124034112558126002,
                           -0.000103125323658543611,  -0.000122021760702882347,  0.000544608835323060565,
@@ -69,7 +69,7 @@ struct Guess {
   double count;
   bool doubt;
 };
-LANES_INLINE Guess large_mean(double u, double rest, double mean) {
+MTFKIT_INLINE Guess large_mean(double u, double rest, double mean) {
   const double root = std::sqrt(mean), t = -log_double(4.0 * u * rest);
   const double guess = poisson_guess(mean, root, (u - rest) * quantile_over_x(t)), n = std::floor(guess);
   const double part = guess - n, error = mean < kLargeMean ? poisson_guess_error(mean, root) : 0.0;
@@ -80,7 +80,7 @@ struct PoissonBlock {
   alignas(64) double u[kNoiseLanes], rest[kNoiseLanes], mean[kNoiseLanes], count[kNoiseLanes], unsure[kNoiseLanes];
 };
 
-LANES_INLINE void uniforms(const Words& words, PoissonBlock& b) {
+MTFKIT_INLINE void uniforms(const Words& words, PoissonBlock& b) {
   for (int i = 0; i < kPairs; ++i) {
     const std::int32_t a0 = upper31(words.w[0][i]), b0 = upper31(words.w[1][i]);
     const std::int32_t a1 = upper31(words.w[2][i]), b1 = upper31(words.w[3][i]);
@@ -91,7 +91,7 @@ LANES_INLINE void uniforms(const Words& words, PoissonBlock& b) {
   }
 }
 
-LANES_INLINE void large_means(PoissonBlock& b) {
+MTFKIT_INLINE void large_means(PoissonBlock& b) {
   for (int i = 0; i < kNoiseLanes; ++i) {
     const Guess guess = large_mean(b.u[i], b.rest[i], b.mean[i]);
     const bool mine = b.mean[i] >= kSmallMean;
@@ -102,7 +102,7 @@ LANES_INLINE void large_means(PoissonBlock& b) {
 
 /// Means below kSmallMean: the distribution function summed upwards until all lanes have passed their u. A u
 /// within 1e-12 of a step, a hundred times the error of the sum, is left to poisson_exact.
-LANES_INLINE void small_means(PoissonBlock& b) {
+MTFKIT_INLINE void small_means(PoissonBlock& b) {
   constexpr double kDoubt = 1e-12;
   constexpr int kMost = 256, kBatch = 4;
   alignas(64) double sum[kNoiseLanes], term[kNoiseLanes], mean[kNoiseLanes];
@@ -153,7 +153,7 @@ MTFKIT_CLONES bool double_block(const Words& words, const float* mean, PoissonBl
 }
 
 /// sqrt(2) erfinv(x) / x as quantile_over_x has it, in single precision: a polynomial of least deviation, 3e-8.
-LANES_INLINE float single_quantile_over_x(float t) {
+MTFKIT_INLINE float single_quantile_over_x(float t) {
   constexpr float c[] = {-6.580621634e-4F, 8.901692361e-4F,  2.306393041e-3F,  -6.286894377e-3F,
                          3.584114741e-3F,  1.085004070e-2F,  -3.489720634e-2F, 4.780312006e-2F,
                          -4.351840282e-4F, -2.109847588e-1F, 1.406659949F,     2.787602452F};

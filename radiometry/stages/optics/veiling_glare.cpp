@@ -5,12 +5,10 @@
 #include <cmath>
 #include <vector>
 
-#include "mtf/parallel.h"
+#include "radiometry/light/pixel_rules.h"
 
 namespace radiometry {
 namespace {
-
-constexpr std::int64_t kRowsAtOnce = 16;
 
 /// Mean of the 2 reach + 1 values about each of `n`, those beyond the ends being `outside`. `sums` is scratch.
 template <class Read, class Write>
@@ -47,11 +45,7 @@ void add_glare(mtf::ImageView<float> image, const VeilingGlare& glare, double me
   require_valid("veiling_glare", glare);
   if (!std::isfinite(mean)) throw mtf::UsageError("veiling_glare: a mean of the image that is not finite");
   const double kept = 1.0 - glare.fraction, added = (glare.fraction + glare.offset) * mean;
-  mtf::parallel_for_each(image.height, kRowsAtOnce, threads, [&](std::int64_t y) {
-    float* row = image.row(y);
-    for (std::int64_t x = 0; x < image.width; ++x)
-      row[x] = static_cast<float>(kept * static_cast<double>(row[x]) + added);
-  });
+  for_each_pixel(image, threads, [&](double value) { return static_cast<float>(kept * value + added); });
 }
 
 mtf::Image ghost_image(mtf::ImageView<const float> image, const Ghost& ghost, const FocalPlane& detector) {
@@ -97,12 +91,8 @@ void add_ghost(mtf::ImageView<float> image, const Ghost& ghost, mtf::ImageView<c
                           std::to_string(ghosts.height) + " pixels for an image of " + std::to_string(image.width) +
                           " x " + std::to_string(image.height) + "; give both one size");
   const double q = ghost.fraction;
-  mtf::parallel_for_each(image.height, kRowsAtOnce, threads, [&](std::int64_t y) {
-    float* row = image.row(y);
-    const float* other = ghosts.row(y);
-    for (std::int64_t x = 0; x < image.width; ++x)
-      row[x] = static_cast<float>((1.0 - q) * static_cast<double>(row[x]) + q * static_cast<double>(other[x]));
-  });
+  for_each_pixel(image, ghosts, threads,
+                 [&](double value, double other) { return static_cast<float>((1.0 - q) * value + q * other); });
 }
 
 }  // namespace radiometry

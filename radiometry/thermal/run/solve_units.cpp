@@ -12,7 +12,7 @@
 #include "mtf/work/usable_memory.h"
 #include "radiometry/light/constants.h"
 #include "radiometry/thermal/ground.h"
-#include "radiometry/thermal/seen/left_out.h"
+#include "radiometry/thermal/unit_errors.h"
 #include "radiometry/weather/sky.h"
 
 namespace radiometry::thermal {
@@ -211,9 +211,7 @@ UnitsRun solve_units(const HeatScene& scene, const Units& units, const HeatOptio
     solved.promised.exchange_k = std::max(solved.promised.exchange_k, relaxed.error_k);
     if (w == 0 && !scene.seen.empty())
       solved.left_out = left_out(scene, units, batches, windows[w], loss, options.threads);
-    if (w == 0)
-      solved.view_spread = view_spread(scene, units, ground.light, batches, windows[w], options, loss,
-                                       options.measured(scene.facets().size()));
+    if (w == 0) solved.view_spread = view_spread(scene, units, ground.light, batches, windows[w], options, loss);
     for (; next != s.outputs.end() && *next <= windows[w].last; ++next) emit(*next);
   }
 

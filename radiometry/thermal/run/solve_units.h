@@ -9,9 +9,24 @@
 #include <string>
 #include <vector>
 
-#include "radiometry/thermal/run/checkpoint.h"
+#include "radiometry/thermal/heat_batches.h"
+#include "radiometry/thermal/unit_errors.h"
 
 namespace radiometry::thermal {
+
+/// What a run needs that goes on after the last day that was finished: the state of all units at the end of that day
+/// with the plans they are solved by, what the exchange of the next day begins with, and what the report has gathered.
+/// Facets, weather, rays and units are made anew: they follow from the inputs, bit by bit. So a run that was
+/// interrupted and continued has the numbers of one that was not.
+struct Checkpoint {
+  std::size_t windows = 0, outputs = 0;  ///< that are finished
+  double exchange_k = 0.0;
+  LeftOut left_out;  ///< empty where all is asked for
+  double warmest_k = 0.0;
+  int iterations = 0;
+  ViewSpread view_spread;
+  SavedBatches batches;
+};
 
 /// Bounds in K: of the worst facet at any output time, given the tables.
 struct HeatPromise {

@@ -11,7 +11,7 @@
 #include <limits>
 
 #include "mtf/error.h"
-#include "radiometry/heat/evaporation.h"
+#include "radiometry/heat/surface_loss.h"
 #include "radiometry/light/constants.h"
 #include "tests/expect_error.h"
 #include "tests/radiometry/heat/exact_cases.h"

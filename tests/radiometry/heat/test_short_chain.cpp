@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "radiometry/heat/depth/short_chain.h"
+#include "radiometry/heat/depth/depth_grid.h"
 
 #include <gtest/gtest.h>
 

@@ -10,7 +10,7 @@
 #include <optional>
 
 #include "radiometry/render/renderer.h"
-#include "radiometry/scene/beam.h"
+#include "radiometry/scene/rays.h"
 #include "render_cases.h"
 
 namespace radiometry::render::test {

@@ -8,7 +8,7 @@
 #include <limits>
 
 #include "mtf/error.h"
-#include "radiometry/scene/opposite.h"
+#include "radiometry/scene/rays.h"
 #include "radiometry/scene/sun_visibility.h"
 #include "radiometry/scene/views.h"
 #include "tests/radiometry/scene/scene_cases.h"

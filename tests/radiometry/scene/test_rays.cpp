@@ -6,7 +6,7 @@
 
 #include <limits>
 
-#include "radiometry/scene/opposite.h"
+#include "radiometry/scene/rays.h"
 #include "tests/expect_error.h"
 #include "tests/radiometry/scene/scene_cases.h"
 

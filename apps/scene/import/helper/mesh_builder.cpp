@@ -48,10 +48,7 @@ std::uint32_t MeshBuilder::vertex(radiometry::scene::Point point) {
 void MeshBuilder::add_face(std::span<const std::uint32_t> vertices) {
   if (!group_) group_ = number_of(groups_, mesh_.group_names, group_name_);
   if (!material_) material_ = number_of(materials_, mesh_.material_names, material_name_);
-  mesh_.corners.insert(mesh_.corners.end(), vertices.begin(), vertices.end());
-  mesh_.first.push_back(mesh_.corners.size());
-  mesh_.group.push_back(*group_);
-  mesh_.material.push_back(*material_);
+  mesh_.add_face(vertices, *group_, *material_);
 }
 
 void MeshBuilder::note(const std::string& text) {

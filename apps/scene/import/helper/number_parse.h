@@ -3,6 +3,7 @@
 
 // Words and numbers of a text, whatever the locale.
 
+#include <algorithm>
 #include <charconv>
 #include <string_view>
 
@@ -18,12 +19,9 @@ inline std::string_view trimmed(std::string_view text) {
 
 /// Takes the next word off `text`; empty at the end.
 inline std::string_view next_word(std::string_view& text) {
-  std::size_t begin = text.find_first_not_of(blanks);
-  if (begin == std::string_view::npos) begin = text.size();
-  std::size_t end = text.find_first_of(blanks, begin);
-  if (end == std::string_view::npos) end = text.size();
-  const std::string_view word = text.substr(begin, end - begin);
-  text.remove_prefix(end);
+  text.remove_prefix(std::min(text.find_first_not_of(blanks), text.size()));
+  const std::string_view word = text.substr(0, text.find_first_of(blanks));
+  text.remove_prefix(word.size());
   return word;
 }
 

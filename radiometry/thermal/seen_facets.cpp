@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "radiometry/thermal/seen/seen_facets.h"
+#include "radiometry/thermal/seen_facets.h"
 
 #include <algorithm>
 #include <array>

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "radiometry/render/angles/mirror_rays.h"
+#include "radiometry/render/mirror_rays.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include "mtf/parallel.h"
-#include "radiometry/scene/beam.h"
+#include "radiometry/scene/rays.h"
 
 namespace radiometry::render {
 
