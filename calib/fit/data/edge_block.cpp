@@ -9,8 +9,8 @@
 #include <span>
 #include <vector>
 
-#include "calib/edge/distance_bins.h"
 #include "calib/edge/edge_pixels.h"
+#include "calib/edge/reference_step.h"
 #include "calib/fit/data/pixel_scores.h"
 #include "calib/measure/edge_facts.h"
 
