@@ -34,7 +34,7 @@ struct FitProblem {
   /// C^T C of every block at the present values, columns: own, x, residual. Apply first. `gradients`: the
   /// columns of an edge's gradients follow its own unknowns also where they are not fitted.
   std::vector<Eigen::MatrixXd> normals(bool gradients = false) const;
-  /// The covariance of the scores of each block, by what its pixels share of their noise (pixel_scores.h), columns as
+  /// The covariance of the scores of each block, by what its pixels share of their noise (edge_block.h), columns as
   /// in normals() without the residual; an empty matrix for a block whose pixels are independent.
   std::vector<Eigen::MatrixXd> score_covariances(std::span<const NoiseCorrelation> noise) const;
 };
@@ -59,8 +59,5 @@ struct SolveOptions {
   double tolerance = 1e-8;
 };
 Solution solve(FitProblem& problem, const SolveOptions& options = {});
-
-/// Makes one run of the minimiser, with the `held` variables as they are, whatever `fixed` says.
-Solution solve_holding(FitProblem& problem, const SolveOptions& options, const std::vector<int>& held);
 
 }  // namespace calib

@@ -8,11 +8,91 @@
 
 #include "calib/dense.h"
 #include "calib/fit/confidence/flat_points.h"
-#include "calib/fit/confidence/profile.h"
 #include "mtf/units.h"
 
 namespace calib {
 namespace {
+
+// Profile likelihood: how far a parameter can move, everything else fitted anew, until chi-square has risen by
+// a quantile (allowed_rise). It holds also where the likelihood is not a parabola, and costs a few fits per end.
+
+/// Fits with variable i held. `cost` and `noise_factor`: as for profile().
+struct Profiler {
+  FitProblem& problem;
+  std::size_t i;
+  double cost, noise_factor;
+  std::span<const FlatPoint> flat;
+  const std::function<bool()>& go_on;
+  bool stopped = false;
+
+  /// The root of the rise of chi-square at x, in sd of the noise: nearly linear in x. The problem is at that fit then,
+  /// and the next one begins there.
+  double at(double x) {
+    for (const FlatPoint& point : flat) problem.x[point.parameter] = point.off_point(problem.x[point.parameter]);
+    problem.x[i] = x;
+    // To a hundredth of a standard deviation.
+    constexpr double kCost = 1e-3;
+    const Solution solution =
+        solve(problem, {.fixed = i, .go_on = go_on, .tolerance = std::clamp(kCost / cost, 1e-10, 1e-6)});
+    stopped = stopped || solution.stopped;
+    return std::sqrt(std::max(0.0, 2.0 * (solution.cost - cost) / noise_factor));
+  }
+};
+
+/// Ends of intervals, in x; a bound where chi-square does not rise that far.
+struct XEnds {
+  std::array<double, 2> x68{}, x95{};
+};
+
+/// x in the direction of `side` at which the root of the rise is that of `z` sd.
+double end_of(Profiler& profiler, double from, double sd, double side, double z) {
+  const Variable& v = profiler.problem.variables[profiler.i];
+  const double bound = side > 0.0 ? v.hi : v.lo;
+  const auto excess = [&](double x) { return profiler.at(x) - allowed_rise(z, std::min(x - v.lo, v.hi - x) / sd); };
+  double low = from, low_value = -z, step = std::max(1e-12, sd * z);
+  for (int grow = 0; grow < 40 && !profiler.stopped; ++grow) {
+    const double high = side > 0.0 ? std::min(bound, low + step) : std::max(bound, low - step);
+    const double high_value = excess(high);
+    if (high_value < 0.0) {
+      if (high == bound) return bound;
+      low = high, low_value = high_value, step *= 1.5;
+      continue;
+    }
+    // The root is nearly linear: false position, halved where it stalls.
+    double a = low, fa = low_value, b = high, fb = high_value;
+    for (int refine = 0; refine < 12 && !profiler.stopped; ++refine) {
+      double x = b - fb * (b - a) / (fb - fa);
+      if (refine % 4 == 3) x = 0.5 * (a + b);
+      const double fx = excess(x);
+      if (std::abs(fx) < 1e-3 * z) return x;
+      (fx < 0.0 ? a : b) = x;
+      (fx < 0.0 ? fa : fb) = fx;
+    }
+    return 0.5 * (a + b);
+  }
+  return bound;
+}
+
+/// The profile of variable i around the minimum, at which the problem is before and after. `sd`: of x. `noise_factor`:
+/// chi-square per degree of freedom, times the ratio of the variance to that with independent pixels (J. T. Kent,
+/// Biometrika 69, 19 (1982)), by which rises are divided. Refits begin away from the `flat` points, which the minimiser
+/// would not leave. The result is empty when the fit was stopped.
+std::optional<XEnds> profile(FitProblem& problem, std::size_t i, double sd, double cost, double noise_factor,
+                             std::span<const FlatPoint> flat, const std::function<bool()>& go_on) {
+  const std::vector<double> x = problem.x;
+  const std::vector<std::vector<double>> own = problem.own;
+  Profiler profiler{problem, i, cost, noise_factor, flat, go_on};
+  const auto end = [&](double side, double z) {
+    problem.x = x;
+    problem.own = own;
+    return end_of(profiler, x[i], sd, side, z);
+  };
+  const XEnds ends{{end(-1.0, 1.0), end(1.0, 1.0)}, {end(-1.0, k95_sd), end(1.0, k95_sd)}};
+  problem.x = x;
+  problem.own = own;
+  problem.apply();
+  return profiler.stopped ? std::nullopt : std::optional(ends);
+}
 
 // The 95 % interval of a parameter about a flat point (flat_points.h), where chi-square is no parabola. Where the
 // effect is mirrored, the interval may be two parts, one for each sign, or hold the centre.
@@ -361,6 +441,18 @@ void judge_by_likelihood(FittedParameter& p, const Variable& v, double best, boo
 }
 
 }  // namespace
+
+double rise_at(FitProblem& problem, std::size_t i, double x, double cost, double noise_factor,
+               std::span<const FlatPoint> flat, const std::function<bool()>& go_on) {
+  const std::vector<double> minimum = problem.x;
+  const std::vector<std::vector<double>> own = problem.own;
+  Profiler profiler{problem, i, cost, noise_factor, flat, go_on};
+  const double rise = profiler.at(x);
+  problem.x = minimum;
+  problem.own = own;
+  problem.apply();
+  return rise;
+}
 
 bool leave_flat_points(FitProblem& problem, Solved& solved, std::span<const FlatPoint> flat, Solution& solution,
                        const MinimiseOptions& options) {
