@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <limits>
 
-#include "apps/edges/edge_merits.h"
 #include "apps/edges/measure_report.h"
 #include "apps/terminal/text_table.h"
 
