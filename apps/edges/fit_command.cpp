@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <numbers>
 
 #include "apps/arguments.h"
@@ -198,12 +199,7 @@ std::vector<Figure> fit_figures(const FitResult& result, const std::vector<Measu
   mtf.x_label = difference.x_label = "spatial frequency [cycles/pixel]";
   mtf.y_label = "MTF along the first edge's normal";
   difference.y_label = "measured - fitted, with 2 sd";
-  Series fitted{.name = "fitted, 2 sd", .x = result.frequency_cy_px, .y = result.mtf, .emphasised = true};
-  for (std::size_t i = 0; i < result.mtf_sd.size(); ++i) {
-    fitted.low.push_back(result.mtf[i] - 2.0 * result.mtf_sd[i]);
-    fitted.high.push_back(result.mtf[i] + 2.0 * result.mtf_sd[i]);
-  }
-  mtf.series.push_back(std::move(fitted));
+  mtf.series.push_back(with_band("fitted, 2 sd", result.frequency_cy_px, result.mtf, result.mtf_sd));
   mtf.y_low = 0.0;
   mtf.vertical_lines.push_back({0.5, "Nyquist"});
   for (std::size_t i = 0; i < measured.size() && mtf.series.size() <= kMost; ++i) {
@@ -214,13 +210,10 @@ std::vector<Figure> fit_figures(const FitResult& result, const std::vector<Measu
     const std::string name = "edge " + std::to_string(i + 1);
     mtf.series.push_back({.name = name, .x = edge.frequency_cy_px, .y = edge.mtf});
     if (!difference.series.empty()) continue;
-    Series series{.name = name, .x = edge.frequency_cy_px};
-    for (std::size_t k = 0; k < edge.mtf.size(); ++k) {
-      series.y.push_back(edge.mtf[k] - result.mtf[k]);
-      series.low.push_back(series.y[k] - 2.0 * edge.mtf_sd[k]);
-      series.high.push_back(series.y[k] + 2.0 * edge.mtf_sd[k]);
-    }
-    difference.series.push_back(std::move(series));
+    std::vector<double> less(edge.mtf.size());
+    std::ranges::transform(edge.mtf, result.mtf, less.begin(), std::minus<>());
+    difference.series.push_back(with_band(name, edge.frequency_cy_px, less, edge.mtf_sd));
+    difference.series.back().emphasised = false;
   }
   std::vector<Figure> figures{std::move(mtf)};
   if (!difference.series.empty()) figures.push_back(std::move(difference));

@@ -37,6 +37,25 @@ constexpr std::array kMerits{Merit{"mtf50", &EdgeMeasurement::mtf50, true},
 
 std::string merit_name(double contrast) { return "mtf" + percent_text(contrast); }
 
+/// Names of the figures of merit, then those of the contrasts that were asked for.
+std::vector<std::string> merit_names(std::span<const double> contrasts) {
+  std::vector<std::string> names;
+  for (const Merit& merit : kMerits) names.emplace_back(merit.name);
+  for (const double contrast : contrasts) names.push_back(merit_name(contrast));
+  return names;
+}
+
+/// Their values in the same order, frequencies in the unit of the edge.
+std::vector<std::optional<Estimate>> merits_of(const MeasuredEdge& edge) {
+  std::vector<std::optional<Estimate>> values;
+  for (const Merit& merit : kMerits) {
+    const std::optional<Estimate>& value = edge.edge.*merit.value;
+    values.push_back(merit.frequency ? in_unit(value, edge.scale) : value);
+  }
+  for (const std::optional<Estimate>& frequency : edge.at_contrasts) values.push_back(in_unit(frequency, edge.scale));
+  return values;
+}
+
 /// The contrasts whose names are neither known nor those of earlier ones.
 std::vector<double> unknown_of(std::vector<double> contrasts, std::vector<std::string> known) {
   std::erase_if(contrasts, [&](double contrast) {
@@ -293,23 +312,6 @@ Json as_json(const MeasuredEdge& measured, const std::vector<std::string>& names
 
 /// Few enough digits for 0.29 to be 29.
 std::string percent_text(double contrast) { return significant(100.0 * contrast, 12); }
-
-std::vector<std::string> merit_names(std::span<const double> contrasts) {
-  std::vector<std::string> names;
-  for (const Merit& merit : kMerits) names.emplace_back(merit.name);
-  for (const double contrast : contrasts) names.push_back(merit_name(contrast));
-  return names;
-}
-
-std::vector<std::optional<Estimate>> merits_of(const MeasuredEdge& edge) {
-  std::vector<std::optional<Estimate>> values;
-  for (const Merit& merit : kMerits) {
-    const std::optional<Estimate>& value = edge.edge.*merit.value;
-    values.push_back(merit.frequency ? in_unit(value, edge.scale) : value);
-  }
-  for (const std::optional<Estimate>& frequency : edge.at_contrasts) values.push_back(in_unit(frequency, edge.scale));
-  return values;
-}
 
 std::optional<Estimate> at_contrast(const MeasuredEdge& edge, double contrast, std::span<const double> further) {
   const std::vector<std::string> names = merit_names(further);

@@ -72,14 +72,6 @@ struct MeasureReport {
   std::vector<double> further{};    ///< those of them that are no figures of every edge
 };
 
-// The figures of merit, in one order and one unit for every output.
-
-/// Names of the figures: "mtf50", ..., then those of the contrasts that were asked for.
-std::vector<std::string> merit_names(std::span<const double> contrasts);
-
-/// Their values in the same order, frequencies in the unit of the edge.
-std::vector<std::optional<calib::Estimate>> merits_of(const MeasuredEdge& edge);
-
 /// The frequency of one contrast in the unit of the edge, be it a figure of every edge or one of `further`.
 std::optional<calib::Estimate> at_contrast(const MeasuredEdge& edge, double contrast, std::span<const double> further);
 
@@ -113,6 +105,9 @@ std::vector<Figure> field_map(const MeasureReport& report);
 /// The data of the maps: edge,image,channel,direction,x_px,y_px,field_x_px,field_y_px,field_radius_px,mtf50,
 /// mtf50_sd,frequency_unit.
 std::string field_map_csv(const MeasureReport& report);
+/// A thick line with a band of two standard deviations; without one where there are none.
+Series with_band(std::string name, const std::vector<double>& x, const std::vector<double>& y,
+                 const std::vector<double>& sd);
 /// MTF50 in the unit of the edge, "-" where there is none.
 std::string mtf50_text(const MeasuredEdge& edge);
 

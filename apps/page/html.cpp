@@ -3,9 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <map>
 
-#include "apps/page/report_files.h"
 #include "apps/terminal/text_table.h"
 #include "mtf/io/csv/csv_cells.h"
 #include "mtf/units.h"
@@ -200,6 +200,23 @@ std::string html_page(std::string_view title, std::string_view about, const std:
                              {"links", links},
                              {"sections", sections},
                              {"tail", tail}});
+}
+
+std::string base64(std::string_view bytes) {
+  constexpr std::string_view alphabet = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string text;
+  text.reserve((bytes.size() + 2) / 3 * 4);
+  for (std::size_t i = 0; i < bytes.size(); i += 3) {
+    const auto at = [&](std::size_t k) {
+      return k < bytes.size() ? std::uint32_t{static_cast<unsigned char>(bytes[k])} : 0U;
+    };
+    const std::uint32_t word = at(i) << 16 | at(i + 1) << 8 | at(i + 2);
+    text += alphabet[word >> 18];
+    text += alphabet[word >> 12 & 63];
+    text += i + 1 < bytes.size() ? alphabet[word >> 6 & 63] : '=';
+    text += i + 2 < bytes.size() ? alphabet[word & 63] : '=';
+  }
+  return text;
 }
 
 }  // namespace apps

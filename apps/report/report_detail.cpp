@@ -9,7 +9,6 @@
 #include <numbers>
 
 #include "apps/demo/demo_scene.h"
-#include "apps/page/base64.h"
 #include "apps/page/html.h"
 #include "apps/page/svg.h"
 #include "apps/report/report_designs.h"
