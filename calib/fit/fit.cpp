@@ -84,8 +84,6 @@ void report_mtf(FitProblem& problem, const Solved& solved, std::span<const FlatP
   problem.apply();
 }
 
-std::string name_of(const FitParameter& parameter) { return parameter.name.empty() ? parameter.path : parameter.name; }
-
 /// What holds the fit off the minimum of the data: bounds, priors, a start from which nothing can be seen.
 void report_obstacles(const Solved& solved, FitResult& result) {
   constexpr double kClearly_sd = 4.0, kFar_chi2 = 4.0, kNoContrast = 0.02;

@@ -288,6 +288,11 @@ bool any_leaves(const FitProblem& problem, const std::vector<int>& held) {
 
 }  // namespace
 
+std::vector<Residual> FitProblem::residuals(std::size_t b, std::size_t every) const {
+  if (const auto* edge = std::get_if<EdgeBlock>(&blocks[b])) return edge->residuals(*sensors, own[b], every);
+  return std::visit([&](const auto& block) { return block.residuals(*sensors, own[b]); }, blocks[b]);
+}
+
 std::vector<Eigen::MatrixXd> FitProblem::normals(bool gradients) const {
   std::vector<Eigen::MatrixXd> all(blocks.size());
   const auto normal_of = [&](std::size_t b) {

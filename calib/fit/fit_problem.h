@@ -19,6 +19,12 @@ namespace calib {
 
 using Block = std::variant<EdgeBlock, CurveBlock, SpotBlock>;
 
+/// Values of all unknowns.
+struct FitPoint {
+  std::vector<double> x;
+  std::vector<std::vector<double>> own;  ///< of every block
+};
+
 struct FitProblem {
   Sensors* sensors = nullptr;
   std::vector<Variable> variables;
@@ -29,8 +35,16 @@ struct FitProblem {
   std::vector<double> x;                 ///< present values
   std::vector<std::vector<double>> own;  ///< own unknowns of every block
 
+  FitPoint here() const { return {x, own}; }
   /// Sets the sensors to x; returns false when they do not allow it.
   bool apply() const { return sensors->set(values_at(variables, x)); }
+  bool go_to(const FitPoint& point) {
+    x = point.x;
+    own = point.own;
+    return apply();
+  }
+  /// Of a block, at the present values; of an edge one pixel in so many.
+  std::vector<Residual> residuals(std::size_t block, std::size_t every = 1) const;
   /// C^T C of every block at the present values, columns: own, x, residual. Apply first. `gradients`: the
   /// columns of an edge's gradients follow its own unknowns also where they are not fitted.
   std::vector<Eigen::MatrixXd> normals(bool gradients = false) const;

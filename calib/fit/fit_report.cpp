@@ -131,8 +131,7 @@ std::vector<ResidualTests> test_residuals(const FitProblem& problem, std::span<c
   std::vector<ResidualTests> all(problem.blocks.size());
   for (std::size_t b = 0; b < all.size(); ++b) {
     const Block& block = problem.blocks[b];
-    const std::vector<Residual> residuals =
-        std::visit([&](const auto& one) { return one.residuals(*problem.sensors, problem.own[b]); }, block);
+    const std::vector<Residual> residuals = problem.residuals(b);
     all[b].count = residuals.size();
     if (std::holds_alternative<EdgeBlock>(block))
       test_edge(problem, b, residuals, noise_factor[b], all[b]);
@@ -173,6 +172,8 @@ double contrast_sd(const Solved& solved, std::size_t b, const EdgeBlock& edge) {
 }
 
 }  // namespace
+
+std::string name_of(const FitParameter& parameter) { return parameter.name.empty() ? parameter.path : parameter.name; }
 
 std::string rounded(double value) { return mtf::format_double(std::round(10.0 * value) / 10.0); }
 
@@ -388,8 +389,7 @@ std::vector<NullDirection> null_directions(FitProblem& problem, const Solved& so
                         std::ranges::all_of(weak.members, [&](std::size_t i) { return with_across.determined[i]; }) &&
                         with_across.covariance(lead, lead) < 0.25 * with_same.covariance(lead, lead);
     std::vector<std::string> names;
-    for (const std::size_t i : weak.members)
-      names.push_back(parameters[i].name.empty() ? parameters[i].path : parameters[i].name);
+    for (const std::size_t i : weak.members) names.push_back(name_of(parameters[i]));
     WeakWords words{.from = solved.normals_rad.empty()       ? "these data"
                             : solved.normals_rad.size() == 1 ? "one edge"
                             : single                         ? "edges of one direction"

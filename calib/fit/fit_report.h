@@ -14,7 +14,8 @@ inline constexpr double kWrongModel_p = 1e-4;
 /// Structure in the residuals that matters: rms over the region, of the contrast. Below, tables and rounding show.
 inline constexpr double kStructureMatters = 1e-5;
 
-/// To a tenth, for messages.
+/// For messages: of a parameter without a name its path; a number to a tenth.
+std::string name_of(const FitParameter& parameter);
 std::string rounded(double value);
 
 /// Half of a 95 % interval, in standard deviations.

@@ -79,18 +79,14 @@ double end_of(Profiler& profiler, double from, double sd, double side, double z)
 /// would not leave. The result is empty when the fit was stopped.
 std::optional<XEnds> profile(FitProblem& problem, std::size_t i, double sd, double cost, double noise_factor,
                              std::span<const FlatPoint> flat, const std::function<bool()>& go_on) {
-  const std::vector<double> x = problem.x;
-  const std::vector<std::vector<double>> own = problem.own;
+  const FitPoint minimum = problem.here();
   Profiler profiler{problem, i, cost, noise_factor, flat, go_on};
   const auto end = [&](double side, double z) {
-    problem.x = x;
-    problem.own = own;
-    return end_of(profiler, x[i], sd, side, z);
+    problem.go_to(minimum);
+    return end_of(profiler, minimum.x[i], sd, side, z);
   };
   const XEnds ends{{end(-1.0, 1.0), end(1.0, 1.0)}, {end(-1.0, k95_sd), end(1.0, k95_sd)}};
-  problem.x = x;
-  problem.own = own;
-  problem.apply();
+  problem.go_to(minimum);
   return profiler.stopped ? std::nullopt : std::optional(ends);
 }
 
@@ -124,16 +120,10 @@ constexpr double kSmall_sd = 0.02;     // of a dimension that does not matter
 Eigen::VectorXd residuals(const FitProblem& problem, double noise_factor) {
   std::vector<double> all;
   for (std::size_t b = 0; b < problem.blocks.size(); ++b) {
-    std::size_t every = 1;
     const auto* edge = std::get_if<EdgeBlock>(&problem.blocks[b]);
-    if (edge != nullptr) every = std::max<std::size_t>(1, edge->pixels() / kPixels);
-    const std::vector<Residual> some =
-        edge != nullptr
-            ? edge->residuals(*problem.sensors, problem.own[b], every)
-            : std::visit([&](const auto& block) { return block.residuals(*problem.sensors, problem.own[b]); },
-                         problem.blocks[b]);
+    const std::size_t every = edge != nullptr ? edge->every_for(kPixels) : 1;
     const double scale = std::sqrt(static_cast<double>(every) / noise_factor);
-    for (const Residual& r : some) all.push_back(scale * r.value);
+    for (const Residual& r : problem.residuals(b, every)) all.push_back(scale * r.value);
   }
   for (std::size_t i = 0; i < problem.priors.size(); ++i)
     if (const auto& prior = problem.priors[i])
@@ -226,13 +216,9 @@ std::optional<FlatInterval> flat_interval(FitProblem& problem, const FlatPoint& 
                                           std::span<const Mirror> mirrors, const std::function<bool()>& go_on) {
   const std::size_t i = point.parameter;
   const Variable& v = problem.variables[i];
-  std::vector<Mirror> minima{{problem.x, problem.own, 0.0}};
+  std::vector<Mirror> minima{{problem.here(), 0.0}};
   minima.insert(minima.end(), mirrors.begin(), mirrors.end());
   Profiler profiler{problem, i, cost, noise_factor, flat, go_on};
-  const auto go_to = [&](const Mirror& minimum) {
-    problem.x = minimum.x;
-    problem.own = minimum.own;
-  };
   // How far from the point values need to be tried, on either side.
   double far = point.off;
   for (const Mirror& minimum : minima) far = std::max(far, std::abs(minimum.x[i] - point.at));
@@ -244,7 +230,7 @@ std::optional<FlatInterval> flat_interval(FitProblem& problem, const FlatPoint& 
   for (const Mirror& minimum : minima)
     for (const double side : {point.side, -point.side}) {
       if (side != point.side && !point.inside) continue;
-      go_to(minimum);
+      problem.go_to(minimum);
       for (double step = first_step; too_near(side) && !profiler.stopped; step *= 1.5) far += step;
     }
   // The minima and what is opposite are among the values, as the root of the rise has its kinks there.
@@ -271,13 +257,12 @@ std::optional<FlatInterval> flat_interval(FitProblem& problem, const FlatPoint& 
     const auto nearest = std::ranges::min_element(nodes, [&](const Node& a, const Node& b) {
       return std::abs(a.x - minimum.x[i]) < std::abs(b.x - minimum.x[i]);
     });
-    go_to(minimum);
+    problem.go_to(minimum);
     for (auto node = nearest; node != nodes.end() && !profiler.stopped; ++node) try_value(*node);
-    go_to(minimum);
+    problem.go_to(minimum);
     for (auto node = nearest; node != nodes.begin() && !profiler.stopped;) try_value(*--node);
   }
-  go_to(minima.front());
-  problem.apply();
+  problem.go_to(minima.front());
   if (profiler.stopped) return std::nullopt;
   // Values that the model refuses end the range.
   std::erase_if(nodes, [](const Node& node) { return !std::isfinite(node.rise); });
@@ -444,13 +429,10 @@ void judge_by_likelihood(FittedParameter& p, const Variable& v, double best, boo
 
 double rise_at(FitProblem& problem, std::size_t i, double x, double cost, double noise_factor,
                std::span<const FlatPoint> flat, const std::function<bool()>& go_on) {
-  const std::vector<double> minimum = problem.x;
-  const std::vector<std::vector<double>> own = problem.own;
+  const FitPoint minimum = problem.here();
   Profiler profiler{problem, i, cost, noise_factor, flat, go_on};
   const double rise = profiler.at(x);
-  problem.x = minimum;
-  problem.own = own;
-  problem.apply();
+  problem.go_to(minimum);
   return rise;
 }
 
@@ -458,15 +440,12 @@ bool leave_flat_points(FitProblem& problem, Solved& solved, std::span<const Flat
                        const MinimiseOptions& options) {
   constexpr double kLower = 0.005;  // half of chi-square: minima within a tenth of a standard deviation are the same
   if (std::ranges::none_of(flat, [](const FlatPoint& f) { return f.here; })) return false;
-  const std::vector<double> x = problem.x;
-  const std::vector<std::vector<double>> own = problem.own;
+  const FitPoint before = problem.here();
   for (const FlatPoint& f : flat) problem.x[f.parameter] = f.off_point(problem.x[f.parameter]);
   Solution again = solve(problem, {.go_on = options.go_on});
   solution.stopped = solution.stopped || again.stopped;
   if (!again.converged || !(again.cost < solution.cost - kLower)) {
-    problem.x = x;
-    problem.own = own;
-    problem.apply();
+    problem.go_to(before);
     return false;
   }
   again.iterations += solution.iterations;

@@ -10,6 +10,7 @@
 // curve's origin: over a bend of phi the OTF differs by the square of phi.
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -34,6 +35,8 @@ class EdgeBlock {
   bool gradients() const { return gradients_; }
   void use_gradients() { gradients_ = true; }
   void set_robust(bool robust) { robust_ = robust; }
+  /// One pixel in so many are about `some`.
+  std::size_t every_for(std::size_t some) const { return std::max<std::size_t>(1, pixels_.size() / some); }
   /// Makes normal() use one pixel in so many, which is enough to come close to the minimum.
   void thin_out(std::size_t every) { every_ = every; }
   /// Multiplies all noise variances.
