@@ -264,7 +264,7 @@ constexpr std::array<double, kSideBins> bulges() {
 }
 
 // An odd function halfway between knots, on both sides.
-MTFKIT_CLONES void halfway(const std::array<double, kSideBins + 1>& values, BinRow& out) {
+MTFKIT_CLONES void halfway(const SideKnots& values, BinRow& out) {
   static constexpr std::array<double, kSideBins> kBulge = bulges();
   const auto put = [&](std::size_t i, double before, double after) {
     const double sum = values[i] + values[i + 1], value = 0.5 * sum + kBulge[i] * (sum - before - after);

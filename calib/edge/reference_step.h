@@ -78,9 +78,10 @@ std::vector<ReferenceOtf> reference_otfs(const ReferenceShape& shape, Point norm
 
 /// E - 1/2, the line spread and the derivatives of E, at the knots of the bright side (all but the line spread are
 /// odd).
+using SideKnots = std::array<double, kSideBins + 1>;
 struct ReferenceTable {
-  std::array<double, kSideBins + 1> odd{}, lsf{};
-  std::array<std::array<double, kSideBins + 1>, kShapes> slope{};
+  SideKnots odd{}, lsf{};
+  std::array<SideKnots, kShapes> slope{};
 };
 ReferenceTable tabulate(const ReferenceShape& shape, double angle_rad);
 

@@ -145,8 +145,7 @@ Solution solve_from(FitProblem& problem, const MinimiseOptions& options) {
   return best;
 }
 
-}  // namespace
-
+/// The number of pixels or samples of every block.
 std::vector<std::size_t> counts_of(const FitProblem& problem) {
   std::vector<std::size_t> counts;
   for (std::size_t b = 0; b < problem.blocks.size(); ++b) {
@@ -159,6 +158,8 @@ std::vector<std::size_t> counts_of(const FitProblem& problem) {
   }
   return counts;
 }
+
+}  // namespace
 
 void add_gradients(FitProblem& problem, std::size_t edge) {
   std::get<EdgeBlock>(problem.blocks[edge]).use_gradients();

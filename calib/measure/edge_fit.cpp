@@ -144,6 +144,13 @@ double misfit_of(const ReferenceShape& shape, const Unknowns& unknowns) {
   return unknowns[kFirstShape + 2] ? off * off : 0.0;
 }
 
+/// Whether the unknowns have square terms of the plateaus: sums of powers above t are needed in all bins then.
+bool has_curvature(const Unknowns& unknowns) {
+  for (std::size_t a = kFirstCurvature; a < kPlateauTerms; ++a)
+    if (unknowns[a]) return true;
+  return false;
+}
+
 }  // namespace
 
 int order_of(const Unknowns& unknowns) {
@@ -266,12 +273,6 @@ void add_prior(NormalEquations& normal, const ReferenceShape& shape, const Unkno
 NoiseModel noise_of(const EdgeSums& sums, const StepProfile& profile, const FitSettings& settings) {
   if (settings.variance) return {.dark = *settings.variance, .bright = *settings.variance};
   return estimate_noise(sums, profile, settings.least_variance, settings.rounding);
-}
-
-bool has_curvature(const Unknowns& unknowns) {
-  for (std::size_t a = kFirstCurvature; a < kPlateauTerms; ++a)
-    if (unknowns[a]) return true;
-  return false;
 }
 
 StepProfile profile_of(const EdgeModel& model, const FitSettings& settings) {

@@ -46,6 +46,42 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
+/// `width_px`: equivalent width of the line spread; `extent_px`: how far there are pixels on both sides; odd splines,
+/// then wide steps, then even splines.
+std::vector<StepChange> place_changes(double width_px, double extent_px, Detail detail) {
+  const bool fine = detail == Detail::fine;
+  std::vector<StepChange> changes;
+  const double end =
+      std::min(extent_px, fine ? std::clamp(6.0 * width_px, 16.0, 32.0) : std::clamp(4.0 * width_px, 8.0, 24.0));
+  const auto place_splines = [&](Kind kind) {
+    double h = std::clamp(width_px / 8.0, 0.25, 1.5),
+           zone_end = fine ? std::max(4.0, 2.0 * width_px) : std::max(2.5, 1.25 * width_px);
+    double x = kind == Kind::odd ? h : 0.0;
+    while (detail != Detail::none && x + 2.0 * h < end) {
+      const double away = x / (1.0 + width_px);
+      changes.push_back({kind, x, h, 1.0 / (1.0 + away * away)});
+      if (x + h > zone_end) {
+        x += 0.5 * h;  // the mean of the steps of both zones
+        h *= 2.0;
+        zone_end *= 2.0;
+      }
+      x += h;
+    }
+  };
+  place_splines(Kind::odd);
+  // Of a Gaussian blur the width is 2.5 standard deviations. Light scattered further than the pixels extend can hardly
+  // be told from their plateaus.
+  constexpr double kNarrow = 0.4, kGaussians = 1.5, kLorentzians = 5.0, kBeyond = 2.5;
+  const double narrow_px = kNarrow * width_px;
+  for (const double px : {2.0, 4.0, 8.0, 16.0, 32.0})
+    if (px >= kGaussians * narrow_px && px < extent_px) changes.push_back({Kind::gaussian, narrow_px, px});
+  for (const double px : {6.0, 12.0, 24.0, 48.0, 96.0})
+    if (px >= kLorentzians * narrow_px && px < kBeyond * extent_px)
+      changes.push_back({Kind::lorentzian, narrow_px, px});
+  place_splines(Kind::even);
+  return changes;
+}
+
 using SideRow = std::array<double, kSideBins>;
 
 // A change's values in the bins of the bright side where it is not zero. Even splines are the same on the dark side,
@@ -218,40 +254,6 @@ double change_slope(const StepChange& change, double d_px) {
 double wide_otf(const StepChange& change, double f_cy_px) {
   const double turn = 2.0 * kPi * f_cy_px, wide = turn * change.h_px, narrow = turn * change.x_px;
   return std::exp(change.kind == Kind::lorentzian ? -wide : -0.5 * wide * wide) - std::exp(-0.5 * narrow * narrow);
-}
-
-std::vector<StepChange> place_changes(double width_px, double extent_px, Detail detail) {
-  const bool fine = detail == Detail::fine;
-  std::vector<StepChange> changes;
-  const double end =
-      std::min(extent_px, fine ? std::clamp(6.0 * width_px, 16.0, 32.0) : std::clamp(4.0 * width_px, 8.0, 24.0));
-  const auto place_splines = [&](Kind kind) {
-    double h = std::clamp(width_px / 8.0, 0.25, 1.5),
-           zone_end = fine ? std::max(4.0, 2.0 * width_px) : std::max(2.5, 1.25 * width_px);
-    double x = kind == Kind::odd ? h : 0.0;
-    while (detail != Detail::none && x + 2.0 * h < end) {
-      const double away = x / (1.0 + width_px);
-      changes.push_back({kind, x, h, 1.0 / (1.0 + away * away)});
-      if (x + h > zone_end) {
-        x += 0.5 * h;  // the mean of the steps of both zones
-        h *= 2.0;
-        zone_end *= 2.0;
-      }
-      x += h;
-    }
-  };
-  place_splines(Kind::odd);
-  // Of a Gaussian blur the width is 2.5 standard deviations. Light scattered further than the pixels extend can hardly
-  // be told from their plateaus.
-  constexpr double kNarrow = 0.4, kGaussians = 1.5, kLorentzians = 5.0, kBeyond = 2.5;
-  const double narrow_px = kNarrow * width_px;
-  for (const double px : {2.0, 4.0, 8.0, 16.0, 32.0})
-    if (px >= kGaussians * narrow_px && px < extent_px) changes.push_back({Kind::gaussian, narrow_px, px});
-  for (const double px : {6.0, 12.0, 24.0, 48.0, 96.0})
-    if (px >= kLorentzians * narrow_px && px < kBeyond * extent_px)
-      changes.push_back({Kind::lorentzian, narrow_px, px});
-  place_splines(Kind::even);
-  return changes;
 }
 
 JointFit solve_jointly(const FitState& state, const EdgeModel& model, const Unknowns& unknowns, Detail detail,

@@ -43,9 +43,6 @@ double wide_otf(const StepChange& change, double f_cy_px);
 /// How many splines: none where too few distances a pixel occur to tell a correction from aliases; fine ones, which
 /// also extend further out, where the residuals exceed the noise.
 enum class Detail { none, coarse, fine };
-/// `width_px`: equivalent width of the line spread; `extent_px`: how far there are pixels on both sides; odd splines,
-/// then wide steps, then even splines.
-std::vector<StepChange> place_changes(double width_px, double extent_px, Detail detail);
 
 struct JointFit {
   std::vector<int> unknowns;        ///< of the model, in the order of `value`
