@@ -2,6 +2,7 @@
 #include "apps/page/html.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <map>
@@ -12,33 +13,6 @@
 
 namespace apps {
 namespace {
-
-std::string escaped(std::string_view text) {
-  std::string out;
-  out.reserve(text.size());
-  for (const char c : text) {
-    switch (c) {
-      case '&':
-        out += "&amp;";
-        break;
-      case '<':
-        out += "&lt;";
-        break;
-      case '>':
-        out += "&gt;";
-        break;
-      case '"':
-        out += "&quot;";
-        break;
-      case '\'':
-        out += "&#39;";
-        break;
-      default:
-        out += c;
-    }
-  }
-  return out;
-}
 
 /// RFC 8259, section 6.
 bool is_json_number(std::string_view text) {
@@ -93,7 +67,16 @@ std::string five_digits(double value) {
   return text;
 }
 
-std::string html(std::string_view text) { return escaped(one_line(text)); }
+std::string html(std::string_view text) {
+  constexpr std::string_view special = "&<>\"'";
+  constexpr std::array entities{"&amp;", "&lt;", "&gt;", "&quot;", "&#39;"};
+  std::string out;
+  for (const char c : one_line(text)) {
+    const std::size_t at = special.find(c);
+    out += at == std::string_view::npos ? std::string(1, c) : entities[at];
+  }
+  return out;
+}
 
 std::string html_lines(std::string_view text) {
   std::string out;
