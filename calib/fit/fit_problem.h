@@ -2,7 +2,7 @@
 #pragma once
 
 // The least-squares problem of a fit, and its solution by Ceres: shared variables x, the unknowns of each set of data,
-// priors as residuals. Sets of data are evaluated in parallel and enter as their triangular factors (normal_matrix.h),
+// priors as residuals. Sets of data are evaluated in parallel and enter as their triangular factors (dense.h),
 // so that Ceres itself works on a dozen residuals each, in one thread: the result has the same bits for any number of
 // threads.
 

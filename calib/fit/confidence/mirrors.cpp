@@ -37,7 +37,7 @@ bool differs(const FitProblem& problem, std::span<const double> sd, const std::v
   return false;
 }
 
-/// C^T C of all blocks and the priors (normal_matrix.h), their own unknowns projected out.
+/// C^T C of all blocks and the priors (dense.h), their own unknowns projected out.
 Eigen::MatrixXd shared_normal(const FitProblem& problem) {
   const std::size_t n = problem.variables.size();
   const auto last = static_cast<Eigen::Index>(n);
