@@ -69,7 +69,6 @@ class NormalMatrix {
 
   /// C^T C.
   const Eigen::MatrixXd& matrix();
-  std::size_t unknowns() const { return static_cast<std::size_t>(sum_.cols()) - 1; }
 
  private:
   static constexpr Eigen::Index kPanel = 128;
