@@ -14,7 +14,11 @@
 namespace calib {
 namespace {
 
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
 using Kind = StepChange::Kind;
+
 constexpr double kPi = std::numbers::pi;
 
 // The cubic B-spline of unit knots and its slope.
@@ -41,10 +45,6 @@ double pair_of(const StepChange& pair, double d_px, const Function& function) {
 
 double phi(double x) { return 0.5 * std::erfc(-x / std::numbers::sqrt2); }
 double density(double x) { return std::exp(-0.5 * x * x) / std::sqrt(2.0 * kPi); }
-
-using Eigen::Index;
-using Eigen::MatrixXd;
-using Eigen::VectorXd;
 
 /// `width_px`: equivalent width of the line spread; `extent_px`: how far there are pixels on both sides; odd splines,
 /// then wide steps, then even splines.
