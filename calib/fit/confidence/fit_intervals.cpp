@@ -207,7 +207,7 @@ std::vector<IntervalPart> parts_of(std::span<const Node> nodes, std::span<const 
   return parts;
 }
 
-/// `cost` at the minimum, at which the problem is before and after; `noise_factor` as for profile.h. The other `flat`
+/// `cost` at the minimum, at which the problem is before and after; `noise_factor` as for profile(). The other `flat`
 /// points are left by every fit. Values are tried from the minimum and from each of the `mirrors`, and the lower
 /// chi-square counts: a partner may have a valley of its own for each, as the spherical aberration beside a defocus.
 /// Empty when the fit was stopped.
