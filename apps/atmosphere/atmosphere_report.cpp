@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <numbers>
 
 #include "apps/terminal/text_table.h"
@@ -37,13 +38,20 @@ bool acts(const AtmosphereReport& report, std::size_t component) {
                      [&](const BandAverage& b) { return b.component[component] < 0.99995; });
 }
 
+/// Of curves over the wavenumber those over the wavelength.
+std::vector<double> reversed(const std::vector<double>& values) { return {values.rbegin(), values.rend()}; }
+
+std::vector<double> wavelengths_um(const air::SpectralPath<double>& path) {
+  std::vector<double> all = reversed(path.wavenumber_cm);
+  for (double& one : all) one = 1e4 / one;
+  return all;
+}
+
 /// The curve of one component over the wavelength.
 radiometry::Path only(const air::SpectralPath<double>& path, std::size_t component) {
-  std::vector<double> wavelength_um, value(path.component[component].rbegin(), path.component[component].rend());
-  for (auto nu = path.wavenumber_cm.rbegin(); nu != path.wavenumber_cm.rend(); ++nu) wavelength_um.push_back(1e4 / *nu);
   radiometry::Path result;
-  result.transmission = radiometry::make_spectrum(std::string(air::kComponentNames[component]),
-                                                  std::move(wavelength_um), std::move(value), 1.0);
+  result.transmission = radiometry::make_spectrum(std::string(air::kComponentNames[component]), wavelengths_um(path),
+                                                  reversed(path.component[component]), 1.0);
   return result;
 }
 
@@ -54,12 +62,17 @@ Json sight_json(const air::SightNumbers<double>& sight) {
           {"lowest_altitude_m", sight.lowest_altitude_m}};
 }
 
-std::vector<std::string> sky_header(const SkyReport& report, const std::string& angle, const std::string& whole,
-                                    const std::string& before, const std::string& after) {
-  std::vector<std::string> header{angle};
-  for (const radiometry::Interval& band : report.bands) header.push_back(before + band_words(band) + after);
-  header.push_back(whole);
-  return header;
+/// A row an angle: it, the radiance in each band, that of all wavelengths.
+TextTable sky_rows(const SkyReport& report, std::vector<std::string> header,
+                   const std::function<std::string(double)>& number) {
+  TextTable table(std::move(header));
+  for (std::size_t i = 0; i < report.zenith_deg.size(); ++i) {
+    std::vector<std::string> row{number(report.zenith_deg[i])};
+    for (const double value : report.band_radiance[i]) row.push_back(number(value));
+    row.push_back(number(report.radiance[i]));
+    table.add(std::move(row));
+  }
+  return table;
 }
 
 }  // namespace
@@ -162,9 +175,7 @@ std::string as_json(const AtmosphereReport& report) {
 
 std::vector<Figure> atmosphere_figures(const AtmosphereReport& report) {
   const air::SpectralPath<double>& path = report.path;
-  std::vector<double> wavelength_um;
-  for (auto nu = path.wavenumber_cm.rbegin(); nu != path.wavenumber_cm.rend(); ++nu) wavelength_um.push_back(1e4 / *nu);
-  const auto reversed = [](const std::vector<double>& v) { return std::vector<double>(v.rbegin(), v.rend()); };
+  const std::vector<double> wavelength_um = wavelengths_um(path);
   Figure transmission;
   transmission.title = "transmission over " + length_words(path.sight.range_m);
   transmission.x_label = "wavelength [um]";
@@ -196,13 +207,10 @@ std::vector<Figure> atmosphere_figures(const AtmosphereReport& report) {
 }
 
 std::string as_table(const SkyReport& report) {
-  TextTable table(sky_header(report, "zenith angle [deg]", "all wavelengths", "", " um"));
-  for (std::size_t i = 0; i < report.zenith_deg.size(); ++i) {
-    std::vector<std::string> row{significant(report.zenith_deg[i], 5)};
-    for (const double value : report.band_radiance[i]) row.push_back(significant(value, 5));
-    row.push_back(significant(report.radiance[i], 5));
-    table.add(std::move(row));
-  }
+  std::vector<std::string> header{"zenith angle [deg]"};
+  for (const radiometry::Interval& band : report.bands) header.push_back(band_words(band) + " um");
+  header.emplace_back("all wavelengths");
+  const TextTable table = sky_rows(report, std::move(header), [](double value) { return significant(value, 5); });
   return "air   " + one_line(report.air) + "\nsky   radiance in W m^-2 sr^-1, seen from an altitude of " +
          length_words(report.altitude_m) + "\n" +
          table.aligned(std::vector<Align>(report.bands.size() + 2, Align::right)) +
@@ -215,14 +223,11 @@ std::string as_table(const SkyReport& report) {
 }
 
 std::string as_csv(const SkyReport& report) {
-  TextTable table(sky_header(report, "zenith_angle_deg", "all_wavelengths_W_m-2_sr-1", "radiance_", "_um_W_m-2_sr-1"));
-  for (std::size_t i = 0; i < report.zenith_deg.size(); ++i) {
-    std::vector<std::string> row{mtf::format_double(report.zenith_deg[i])};
-    for (const double value : report.band_radiance[i]) row.push_back(mtf::format_double(value));
-    row.push_back(mtf::format_double(report.radiance[i]));
-    table.add(std::move(row));
-  }
-  return table.csv();
+  std::vector<std::string> header{"zenith_angle_deg"};
+  for (const radiometry::Interval& band : report.bands)
+    header.push_back("radiance_" + band_words(band) + "_um_W_m-2_sr-1");
+  header.emplace_back("all_wavelengths_W_m-2_sr-1");
+  return sky_rows(report, std::move(header), [](double value) { return mtf::format_double(value); }).csv();
 }
 
 std::string as_json(const SkyReport& report) {

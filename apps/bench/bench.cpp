@@ -4,22 +4,25 @@
 // that keeps it, with bare FFTW and plain OpenCV in the same interleaved rounds.
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
 #include "apps/bench/bench_rivals.h"
 #include "apps/bench/interleave.h"
 #include "apps/bench/machine.h"
-#include "apps/bench/tolerance_runs.h"
 #include "apps/check/reference_fft.h"
 #include "apps/config_command.h"
 #include "apps/figures/plot.h"
 #include "apps/options.h"
 #include "apps/terminal/output.h"
 #include "apps/terminal/output_set.h"
+#include "apps/terminal/progress_line.h"
 #include "apps/terminal/text_table.h"
 #include "apps/text/json.h"
 #include "mtf/engines/fft/fftw.h"
@@ -35,10 +38,12 @@ namespace {
 
 struct BenchRow {
   double tolerance = 0.0;
-  std::string method, detail;
+  std::string method, detail{};
+  std::optional<std::size_t>
+      contender{};  ///< which may appear at several tolerances; none where no plan keeps this one
   bool chosen = false;
-  std::optional<double> promised, rms_error, max_error, plan_ms, memory_mib, floor_ms, floor_image_ms;
-  std::optional<Timing> time;
+  std::optional<double> promised{}, rms_error{}, max_error{}, plan_ms{}, memory_mib{}, floor_ms{}, floor_image_ms{};
+  std::optional<Timing> time{};
 };
 
 /// Bare FFTW, forward and back, in place or out of place, whichever is faster.
@@ -213,6 +218,172 @@ std::optional<Figure> bench_figure(const BenchReport& report) {
   return figure;
 }
 
+// Every decade of tolerance from 1e-1 to 1e-7: the plan that is chosen, every other method that keeps the tolerance,
+// and plain OpenCV; each is run once and compared with the exact image.
+
+/// Methods whose predicted cost is above `slowest_ms` are left out, unless they are chosen. `out` is where all images
+/// go, the size of job.out.
+class Climber {
+ public:
+  Climber(const BenchJob& job, mtf::ImageView<float> out, double slowest_ms)
+      : job_(job), out_(out), slowest_ms_(slowest_ms), memory_(this_machine().memory_bytes / 4) {}
+
+  void plans(double tolerance) {
+    mtf::PlanOptions options = job_.options;
+    options.tolerance = tolerance;
+    const mtf::Stopwatch watch;
+    std::optional<mtf::SensorPlan> chosen;
+    try {
+      chosen = mtf::compile_sensor(job_.system, job_.in, options);
+    } catch (const mtf::UnreachableTolerance& refusal) {
+      const std::string kept = refusal.reachable() < 1.0 ? significant(refusal.reachable(), 2) : "";
+      if (refused_.empty())
+        refused_ = "no plan keeps " + significant(tolerance, 2) + " and less; " +
+                   (kept.empty() ? "no tolerance can be kept for this scene" : kept + " can be kept");
+      rows.push_back({.tolerance = tolerance,
+                      .method = "refused",
+                      .detail = kept.empty() ? "no tolerance is reachable" : "reachable: " + kept});
+      return;
+    }
+    add(tolerance, *chosen, watch.ms(), true);
+    const mtf::PlanReport& report = chosen->presample.report();
+    std::set<mtf::Method> seen;
+    for (const mtf::Candidate& candidate : report.candidates) {
+      const std::string_view name = mtf::kMethodNames[static_cast<std::size_t>(candidate.method)];
+      if (!candidate.possible || name == report.method || !seen.insert(candidate.method).second) continue;
+      if (candidate.cost_ms > slowest_ms_) {
+        leave_out(std::string(name), "a run takes about " + fixed(1e-3 * candidate.cost_ms, 1) + " s; see --seconds");
+        continue;
+      }
+      if (bytes_ + candidate.bytes > memory_) {
+        leave_out(std::string(name), "all filters together would take more than a quarter of the memory");
+        continue;
+      }
+      try {
+        another_way(tolerance, *chosen, candidate.method, options);
+      } catch (const mtf::UsageError& refusal) {
+        leave_out(std::string(name), refusal.what());
+      }
+    }
+  }
+
+  void rivals(double tolerance) {
+    if (!rivals_) return;
+    for (Contender& rival : rivals_->at(tolerance)) add_row(tolerance, std::move(rival));
+  }
+
+  void invite_rivals() {
+    if (job_.flat) return;
+    std::string obstacle = Rivals::obstacle(job_);
+    if (obstacle.empty()) try {
+        rivals_ = std::make_unique<Rivals>(job_, out_, slowest_ms_);
+      } catch (const mtf::RuntimeError& error) {
+        obstacle = error.what();
+      }
+    if (!obstacle.empty()) notes.push_back("no rows for OpenCV: " + obstacle);
+  }
+
+  /// Which rows are left out, and why.
+  void finish() {
+    if (rivals_)
+      for (const std::string& what : rivals_->too_slow()) leave_out(what, "a run takes too long; see --seconds");
+    if (!refused_.empty()) notes.push_back(refused_);
+  }
+
+  std::vector<Contender> contenders;
+  std::vector<BenchRow> rows;      ///< without their times
+  std::vector<std::string> notes;  ///< what was left out, and why
+
+ private:
+  // The chosen plan with its presample step done by another method; the tolerance of that step stays.
+  void another_way(double tolerance, const mtf::SensorPlan& chosen, mtf::Method method, mtf::PlanOptions options) {
+    options.tolerance = chosen.presample.report().tolerance;
+    options.method = method;
+    const mtf::Stopwatch watch;
+    mtf::SensorPlan plan = chosen;
+    plan.presample = mtf::compile(job_.system, job_.in, job_.out, options);
+    const double ms = watch.ms();
+    double predicted = plan.presample.report().predicted.total();
+    if (chosen.post) {
+      const mtf::PlanReport& post = chosen.post->report();
+      predicted = predicted * std::max(1.0, post.largest_gain) + post.predicted.total();
+    }
+    plan.predicted_error = predicted;
+    add(tolerance, plan, ms, false);
+  }
+
+  void add(double tolerance, const mtf::SensorPlan& plan, double plan_ms, bool chosen) {
+    const mtf::PlanReport& report = plan.presample.report();
+    Contender contender;
+    contender.method = report.method;
+    for (const mtf::Candidate& candidate : report.candidates)
+      if (candidate.reason.empty() && mtf::kMethodNames[static_cast<std::size_t>(candidate.method)] == contender.method)
+        contender.detail = candidate.detail;
+    if (plan.post) contender.detail += "; then " + plan.post->report().method;
+    contender.size = report.size;
+    contender.bytes = report.otf_bytes + report.run_bytes;
+    std::int64_t filters = report.otf_bytes;
+    if (plan.post) {
+      contender.bytes += plan.post->report().otf_bytes + 4 * job_.out.width * job_.out.height;
+      filters += plan.post->report().otf_bytes;
+    }
+    contender.run = runner(plan);
+    contender.run();
+    contender.error = realised_error(job_, out_);
+    const std::size_t count = contenders.size();
+    BenchRow& row = add_row(tolerance, std::move(contender));
+    row.chosen = chosen;
+    row.promised = plan.predicted_error;
+    row.plan_ms = plan_ms;
+    if (contenders.size() > count) bytes_ += filters;
+  }
+
+  std::function<void()> runner(const mtf::SensorPlan& plan) const {
+    const auto scene = job_.scene.view();
+    const double level = job_.border_value;
+    const int threads = job_.options.threads;
+    const mtf::ImageView<float> out = out_;
+    if (!plan.post) return [=] { plan.presample.run(scene, out, level, threads); };
+    const auto sampled = std::make_shared<mtf::Image>(out.width, out.height);
+    return [=] {
+      plan.presample.run(scene, sampled->view(), level, threads);
+      plan.post->run(sampled->view(), out, plan.presample.dc() * level, threads);
+    };
+  }
+
+  /// One contender at one tolerance. Plans of one shape and one result to the last digit are one contender.
+  BenchRow& add_row(double tolerance, Contender contender) {
+    const auto same = [&](const Contender& other) {
+      return other.method == contender.method && other.detail == contender.detail && other.size == contender.size &&
+             other.bytes == contender.bytes && other.error.rms == contender.error.rms &&
+             other.error.largest == contender.error.largest;
+    };
+    const auto known = std::ranges::find_if(contenders, same);
+    const auto index = static_cast<std::size_t>(known - contenders.begin());
+    rows.push_back({.tolerance = tolerance,
+                    .method = contender.method,
+                    .detail = contender.detail,
+                    .contender = index,
+                    .rms_error = contender.error.rms,
+                    .max_error = contender.error.largest,
+                    .memory_mib = static_cast<double>(contender.bytes) / 1048576.0});
+    if (index == contenders.size()) contenders.push_back(std::move(contender));
+    return rows.back();
+  }
+
+  void leave_out(const std::string& method, const std::string& reason) {
+    const std::string text = "no rows for " + method + " at some tolerances: " + reason;
+    if (std::ranges::find(notes, text) == notes.end()) notes.push_back(text);
+  }
+
+  const BenchJob& job_;
+  mtf::ImageView<float> out_;
+  double slowest_ms_;
+  std::int64_t memory_, bytes_ = 0;
+  std::string refused_;  // of the largest tolerance that no plan keeps
+  std::unique_ptr<Rivals> rivals_;
+};
+
 using Size = std::array<std::int64_t, 2>;
 
 constexpr int kRounds = 15;
@@ -225,13 +396,13 @@ std::vector<Size> floor_sizes(const BenchJob& job, const std::vector<Contender>&
   return sizes;
 }
 
-void time_all(const ToleranceRuns& results, const BenchOptions& options, double seconds, ProgressLine& progress,
-              BenchReport& report) {
-  const BenchJob& job = *report.job;
+/// Adds the times of the contenders to the rows.
+void time_all(const std::vector<Contender>& contenders, const BenchOptions& options, double seconds,
+              ProgressLine& progress, BenchReport& report) {
   std::vector<std::function<void()>> cases;
-  for (const Contender& contender : results.contenders) cases.push_back(contender.run);
+  for (const Contender& contender : contenders) cases.push_back(contender.run);
   progress.update("planning bare FFTW", 0.0);
-  const std::vector<Size> sizes = floor_sizes(job, results.contenders);
+  const std::vector<Size> sizes = floor_sizes(*report.job, contenders);
   using Pair = mtf::fft::RealPair2d;
   for (const Size& size : sizes)
     for (const Pair::Place place : {Pair::Place::out, Pair::Place::in})
@@ -241,7 +412,7 @@ void time_all(const ToleranceRuns& results, const BenchOptions& options, double 
       interleave(cases, {.rounds = *options.rounds, .seconds = seconds, .progress = [&](double share) {
                            progress.update("timing", share);
                          }});
-  const std::size_t count = results.contenders.size();
+  const std::size_t count = contenders.size();
   for (std::size_t i = 0; i < sizes.size(); ++i) {
     const Timing &out = times[count + 2 * i], &in = times[count + 2 * i + 1];
     report.floors.push_back({sizes[i], in.min_ms < out.min_ms ? in : out, in.min_ms < out.min_ms});
@@ -249,27 +420,11 @@ void time_all(const ToleranceRuns& results, const BenchOptions& options, double 
   const auto floor_ms = [&](const Size& size) {
     return report.floors[static_cast<std::size_t>(std::ranges::find(sizes, size) - sizes.begin())].time.min_ms;
   };
-  for (const ToleranceRun& run : results.runs) {
-    BenchRow row;
-    row.tolerance = run.tolerance;
-    row.promised = run.promised;
-    row.plan_ms = run.plan_ms;
-    row.chosen = run.chosen;
-    if (run.contender) {
-      const Contender& contender = results.contenders[*run.contender];
-      row.method = contender.method;
-      row.detail = contender.detail;
-      row.rms_error = contender.error.rms;
-      row.max_error = contender.error.largest;
-      row.time = times[*run.contender];
-      row.memory_mib = static_cast<double>(contender.bytes) / 1048576.0;
-      row.floor_ms = floor_ms(contender.size);
-      row.floor_image_ms = report.floors.front().time.min_ms;
-    } else {
-      row.method = "refused";
-      row.detail = run.reachable < 1.0 ? "reachable: " + significant(run.reachable, 2) : "no tolerance is reachable";
-    }
-    report.rows.push_back(std::move(row));
+  for (BenchRow& row : report.rows) {
+    if (!row.contender) continue;
+    row.time = times[*row.contender];
+    row.floor_ms = floor_ms(contenders[*row.contender].size);
+    row.floor_image_ms = report.floors.front().time.min_ms;
   }
 }
 
@@ -364,11 +519,20 @@ int run_bench(const BenchOptions& given, const Global& global) {
                     [](double v) { return !(std::abs(v) <= std::numeric_limits<float>::max()); }))
       throw mtf::RuntimeError("filtered values exceed what float32 holds (3.4e38); scale the scene with scene.gain");
     mtf::Image out(job.out.width, job.out.height);
-    const ToleranceRuns results = run_tolerances(job, out.view(), 1e3 * options.seconds / 60.0, progress);
-    report.notes.insert(report.notes.end(), results.notes.begin(), results.notes.end());
+    Climber climber(job, out.view(), 1e3 * options.seconds / 60.0);
+    climber.invite_rivals();
+    constexpr std::array kTolerances{1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7};
+    for (std::size_t i = 0; i < kTolerances.size(); ++i) {
+      progress.update("plans", static_cast<double>(i) / static_cast<double>(kTolerances.size()));
+      climber.plans(kTolerances[i]);
+      climber.rivals(kTolerances[i]);
+    }
+    climber.finish();
+    report.rows = std::move(climber.rows);
+    report.notes.insert(report.notes.end(), climber.notes.begin(), climber.notes.end());
     // What remains of the time asked for, at least half of it.
     const double seconds = std::max(0.5 * options.seconds, options.seconds - watch.seconds());
-    time_all(results, options, seconds, progress, report);
+    time_all(climber.contenders, options, seconds, progress, report);
   }
   for (const std::string& text : report.notes) note(global, "note: " + one_line(text));
   const std::string written = write_results(outputs, report, global);

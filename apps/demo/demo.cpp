@@ -11,7 +11,6 @@
 #include <random>
 
 #include "apps/demo/demo_scene.h"
-#include "apps/demo/demo_thermal.h"
 #include "apps/figures/curve_figure.h"
 #include "apps/figures/picture.h"
 #include "apps/figures/plot.h"

@@ -6,6 +6,13 @@
 #include <cmath>
 #include <numbers>
 
+#include "apps/budget_table.h"
+#include "apps/demo/demo_cooled.toml.h"
+#include "apps/demo/demo_uncooled.toml.h"
+#include "apps/simulate/simulate.h"
+#include "mtf/engines/statistics.h"
+#include "mtf/io/atomic_file.h"
+#include "mtf/io/image_io.h"
 #include "mtf/parallel.h"
 
 namespace apps {
@@ -147,6 +154,35 @@ bool may_hold_object(Point corner, double step) {
          meets(0.20, 0.12, 0.22, 0.14) || meets(0.61, 0.07, 0.63, 0.09) || meets(0.83, 0.21, 0.85, 0.23);
 }
 
+struct Camera {
+  const char* stem;  ///< of its file and its image
+  std::string_view text;
+};
+
+/// Writes the file of a camera and its image of the scene; returns both lines of the summary and the image.
+std::pair<std::string, mtf::Image> through(const Camera& camera, const std::filesystem::path& folder,
+                                           const mtf::Image& temperatures, double step_um, int threads) {
+  const std::string file = std::string(camera.stem) + ".toml", out = std::string(camera.stem) + ".exr";
+  mtf::io::write_text_file((folder / file).string(), camera.text);
+  const mtf::io::SensorConfig config = read_sensor_file((folder / file).string());
+  mtf::io::Scene scene;
+  scene.names = {"Y"};
+  scene.grid = {temperatures.width(), temperatures.height(), step_um, step_um};
+  scene.quantity = mtf::io::Quantity::temperature;
+  scene.planes.push_back(temperatures.clone());
+  SimulateResult result =
+      simulate(config, {.file = (folder / "thermal.exr").string(), .image = std::move(scene)}, {.threads = threads});
+  SimulatedImage& simulated = result.images.front();
+  mtf::Image image = std::move(simulated.planes.front());
+  mtf::io::write_exr((folder / out).string(), {{"Y", image.view()}}, simulated.metadata);
+
+  const BudgetTable budget = budget_table(config, load_chain(config), 288.0);
+  std::string text = "\nthermal scene through the whole chain of " + file + ", and its noise budget at 288 K\n" +
+                     budget_text(budget, budget.rows);
+  if (result.report.chain->held.any()) text += out + " is " + words(result.report.chain->held) + "\n";
+  return {std::move(text), std::move(image)};
+}
+
 }  // namespace
 
 mtf::Image demo_landscape(std::int64_t size) {
@@ -201,6 +237,32 @@ double cosine_amplitude(mtf::ImageView<const float> image, int half_cycles) {
     sum += column * std::cos(kPi * half_cycles * (static_cast<double>(x) + 0.5) / static_cast<double>(image.width));
   }
   return 2.0 * sum / (static_cast<double>(image.width) * static_cast<double>(image.height));
+}
+
+std::string_view demo_camera() { return mtf::embedded::demo_cooled_toml; }
+
+mtf::Image demo_temperatures(const mtf::Image& landscape) {
+  // So little contrast, as before sunrise, that the camera's noise is seen and nothing fills the wells.
+  constexpr double kMean_k = 288.0, kContrast_k = 0.5;
+  const mtf::Statistics s = mtf::statistics(landscape.view());
+  mtf::Image scene = landscape.clone();
+  for (float& v : std::span(scene.data(), static_cast<std::size_t>(scene.size())))
+    v = static_cast<float>(kMean_k + kContrast_k * (static_cast<double>(v) - s.mean) / s.std);
+  return scene;
+}
+
+std::string demo_thermal(const std::filesystem::path& folder, const mtf::Image& landscape, double step_um, int threads,
+                         mtf::Image& scene, mtf::Image& image) {
+  scene = demo_temperatures(landscape);
+  mtf::io::Metadata metadata;
+  metadata.text["mtf:quantity"] = "temperature";
+  metadata.text["mtf:units"] = "K";
+  metadata.pairs["mtf:pixelPitch"] = {step_um / 1e6, step_um / 1e6};
+  mtf::io::write_exr((folder / "thermal.exr").string(), {{"Y", scene.view()}}, metadata);
+
+  auto [text, counts] = through({"camera", mtf::embedded::demo_cooled_toml}, folder, scene, step_um, threads);
+  image = std::move(counts);
+  return text + through({"uncooled", mtf::embedded::demo_uncooled_toml}, folder, scene, step_um, threads).first;
 }
 
 }  // namespace apps

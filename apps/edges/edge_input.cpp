@@ -6,9 +6,8 @@
 #include <limits>
 
 #include "apps/terminal/output.h"
-#include "calib/find/bayer.h"
 #include "calib/find/find_edges.h"
-#include "calib/find/mask.h"
+#include "calib/find/no_data.h"
 #include "calib/find/roi_file.h"
 #include "mtf/error.h"
 #include "mtf/io/codecs/encoding.h"

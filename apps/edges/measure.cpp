@@ -11,8 +11,6 @@
 #include <vector>
 
 #include "apps/edges/edge_measure.h"
-#include "apps/edges/edge_merits.h"
-#include "apps/edges/lateral_shift.h"
 #include "apps/edges/measure_report.h"
 #include "apps/terminal/output.h"
 #include "apps/terminal/output_set.h"

@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <limits>
 
-#include "apps/edges/edge_merits.h"
 #include "apps/edges/measure_report.h"
 #include "apps/terminal/text_table.h"
 
@@ -15,6 +14,13 @@ using calib::Trouble;
 /// Distances from the edge that figures show.
 constexpr double kShown_px = 8.0;
 
+/// Three decimals of cycles per pixel, as many digits of a larger number.
+std::string frequency_text(double frequency, FrequencyUnit unit) {
+  return unit == FrequencyUnit::cy_px ? fixed(frequency, 3) : significant(frequency, 4);
+}
+
+}  // namespace
+
 Series with_band(std::string name, const std::vector<double>& x, const std::vector<double>& y,
                  const std::vector<double>& sd) {
   Series series{.name = std::move(name), .x = x, .y = y, .emphasised = true};
@@ -25,13 +31,6 @@ Series with_band(std::string name, const std::vector<double>& x, const std::vect
   }
   return series;
 }
-
-/// Three decimals of cycles per pixel, as many digits of a larger number.
-std::string frequency_text(double frequency, FrequencyUnit unit) {
-  return unit == FrequencyUnit::cy_px ? fixed(frequency, 3) : significant(frequency, 4);
-}
-
-}  // namespace
 
 std::string mtf50_text(const MeasuredEdge& edge) {
   const auto mtf50 = in_unit(edge.edge.mtf50, edge.scale);

@@ -4,6 +4,7 @@
 // Measured edges as table, CSV, JSON and figures. Every frequency in them is in the unit that they name.
 
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -32,7 +33,7 @@ struct MethodComparison {
   std::optional<calib::Iso12233Difference> difference;
 };
 
-/// From the same edge in another plane of the image, along the normal (apps/edges/lateral_shift.h).
+/// From the same edge in another plane of the image, along the normal (apps/edges/edge_measure.h).
 struct LateralShift {
   std::string from;    ///< the other plane
   calib::Estimate px;  ///< positive along the normal that angle_deg gives
@@ -71,6 +72,23 @@ struct MeasureReport {
   std::vector<double> further{};    ///< those of them that are no figures of every edge
 };
 
+/// The frequency of one contrast in the unit of the edge, be it a figure of every edge or one of `further`.
+std::optional<calib::Estimate> at_contrast(const MeasuredEdge& edge, double contrast, std::span<const double> further);
+
+/// "35" for 0.35.
+std::string percent_text(double contrast);
+
+/// A frequency in the unit of the edge.
+std::optional<calib::Estimate> in_unit(const std::optional<calib::Estimate>& cy_px, const FrequencyScale& scale);
+std::vector<double> in_unit(std::vector<double> cy_px, const FrequencyScale& scale);
+
+/// Finds the frequencies of these contrasts in the measured curve. `absent` names those to which it does not fall.
+void add_contrasts(MeasuredEdge& edge, std::span<const double> contrasts);
+
+/// The contrasts without repetitions, and those of them that are no figures of every edge.
+std::vector<double> without_repetitions(const std::vector<double>& asked);
+std::vector<double> further_contrasts(const std::vector<double>& asked);
+
 std::string measure_table(const MeasureReport& report);
 /// A line an edge.
 std::string measure_csv(const MeasureReport& report);
@@ -87,6 +105,9 @@ std::vector<Figure> field_map(const MeasureReport& report);
 /// The data of the maps: edge,image,channel,direction,x_px,y_px,field_x_px,field_y_px,field_radius_px,mtf50,
 /// mtf50_sd,frequency_unit.
 std::string field_map_csv(const MeasureReport& report);
+/// A thick line with a band of two standard deviations; without one where there are none.
+Series with_band(std::string name, const std::vector<double>& x, const std::vector<double>& y,
+                 const std::vector<double>& sd);
 /// MTF50 in the unit of the edge, "-" where there is none.
 std::string mtf50_text(const MeasuredEdge& edge);
 

@@ -12,7 +12,6 @@
 #include "apps/arguments.h"
 #include "apps/config_command.h"
 #include "apps/figures/curve_figure.h"
-#include "apps/figures/curve_json.h"
 #include "apps/figures/otf_map.h"
 #include "apps/figures/plot.h"
 #include "apps/sensor/otf_curves.h"

@@ -128,12 +128,10 @@ std::string otf_map_table(const OtfMap& map) {
 
 std::string otf_map_csv(const OtfMap& map) {
   std::string text = "x_px,y_px,field_x,field_y,value\n";
-  const auto add = [&](const OtfMap::Place& place) {
+  for (const OtfMap::Place& place : map.places)
     text += mtf::format_double(place.x_px) + "," + mtf::format_double(place.y_px) + "," +
             mtf::format_double(place.q.x) + "," + mtf::format_double(place.q.y) + "," +
             mtf::format_double(place.value) + "\n";
-  };
-  for (const OtfMap::Place& place : map.places) add(place);
   return text;
 }
 

@@ -14,7 +14,6 @@
 #include <thread>
 
 #include "apps/demo/demo_scene.h"
-#include "apps/demo/demo_thermal.h"
 #include "apps/live/access.h"
 #include "apps/live/answers.h"
 #include "apps/live/page_files.h"

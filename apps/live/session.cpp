@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "apps/budget_table.h"
-#include "apps/figures/curve_json.h"
+#include "apps/figures/curve_figure.h"
 #include "apps/live/edits.h"
 #include "apps/live/model.h"
 #include "apps/sensor/otf_curves.h"

@@ -2,43 +2,17 @@
 #include "apps/page/html.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdint>
 #include <map>
 
-#include "apps/page/report_files.h"
 #include "apps/terminal/text_table.h"
 #include "mtf/io/csv/csv_cells.h"
 #include "mtf/units.h"
 
 namespace apps {
 namespace {
-
-std::string escaped(std::string_view text) {
-  std::string out;
-  out.reserve(text.size());
-  for (const char c : text) {
-    switch (c) {
-      case '&':
-        out += "&amp;";
-        break;
-      case '<':
-        out += "&lt;";
-        break;
-      case '>':
-        out += "&gt;";
-        break;
-      case '"':
-        out += "&quot;";
-        break;
-      case '\'':
-        out += "&#39;";
-        break;
-      default:
-        out += c;
-    }
-  }
-  return out;
-}
 
 /// RFC 8259, section 6.
 bool is_json_number(std::string_view text) {
@@ -93,7 +67,16 @@ std::string five_digits(double value) {
   return text;
 }
 
-std::string html(std::string_view text) { return escaped(one_line(text)); }
+std::string html(std::string_view text) {
+  constexpr std::string_view special = "&<>\"'";
+  constexpr std::array entities{"&amp;", "&lt;", "&gt;", "&quot;", "&#39;"};
+  std::string out;
+  for (const char c : one_line(text)) {
+    const std::size_t at = special.find(c);
+    out += at == std::string_view::npos ? std::string(1, c) : entities[at];
+  }
+  return out;
+}
 
 std::string html_lines(std::string_view text) {
   std::string out;
@@ -200,6 +183,23 @@ std::string html_page(std::string_view title, std::string_view about, const std:
                              {"links", links},
                              {"sections", sections},
                              {"tail", tail}});
+}
+
+std::string base64(std::string_view bytes) {
+  constexpr std::string_view alphabet = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string text;
+  text.reserve((bytes.size() + 2) / 3 * 4);
+  for (std::size_t i = 0; i < bytes.size(); i += 3) {
+    const auto at = [&](std::size_t k) {
+      return k < bytes.size() ? std::uint32_t{static_cast<unsigned char>(bytes[k])} : 0U;
+    };
+    const std::uint32_t word = at(i) << 16 | at(i + 1) << 8 | at(i + 2);
+    text += alphabet[word >> 18];
+    text += alphabet[word >> 12 & 63];
+    text += i + 1 < bytes.size() ? alphabet[word >> 6 & 63] : '=';
+    text += i + 2 < bytes.size() ? alphabet[word & 63] : '=';
+  }
+  return text;
 }
 
 }  // namespace apps

@@ -67,4 +67,18 @@ struct HtmlPart {
 std::string html_page(std::string_view title, std::string_view about, const std::vector<HtmlPart>& parts,
                       std::string_view scripts = "'none'", std::string_view tail = {});
 
+/// Base 64 with padding (RFC 4648, section 4).
+std::string base64(std::string_view bytes);
+
+/// The text files of apps/report and of its npm packages, built into the command.
+struct ReportFiles {
+  std::string_view page;     ///< HTML with {{names}} of what is put in
+  std::string_view style;    ///< CSS
+  std::string_view script;   ///< ours
+  std::string_view library;  ///< Vega, Vega-Lite and Vega-Embed; empty in a build without node, npm or network
+  std::string_view notices;  ///< their licences
+};
+
+const ReportFiles& report_files();
+
 }  // namespace apps

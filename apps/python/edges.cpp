@@ -5,8 +5,6 @@
 #include <pybind11/stl.h>
 
 #include "apps/edges/edge_measure.h"
-#include "apps/edges/edge_merits.h"
-#include "apps/edges/lateral_shift.h"
 #include "apps/python/edge_images.h"
 #include "apps/python/job.h"
 #include "apps/python/topics.h"

@@ -6,8 +6,7 @@
 
 #include <pybind11/stl.h>
 
-#include "apps/edges/fit_data.h"
-#include "apps/edges/fit_outputs.h"
+#include "apps/edges/fit_command.h"
 #include "apps/python/edge_images.h"
 #include "apps/python/job.h"
 #include "apps/python/sensor.h"

@@ -8,10 +8,7 @@
 #include <vector>
 
 #include "apps/commands.h"
-#include "apps/page/base64.h"
 #include "apps/page/html.h"
-#include "apps/page/report_files.h"
-#include "apps/report/report_designs.h"
 #include "apps/report/report_sections.h"
 #include "apps/report/report_sweep.h"
 #include "apps/simulate/output_files.h"

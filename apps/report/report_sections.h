@@ -6,7 +6,6 @@
 #include <string>
 #include <vector>
 
-#include "apps/report/report_designs.h"
 #include "apps/report/report_sweep.h"
 
 namespace apps {
@@ -29,11 +28,7 @@ std::string columns_section(const Sweep& sweep);
 /// The study and sensor files as text, versions and hashes.
 std::string files_section(const Sweep& sweep, const DesignTable& table, const std::vector<ChosenDesign>& chosen);
 
-/// "name" with its definition on hovering, "name (unit)" for axes of charts.
+/// "name" with its definition on hovering.
 std::string column_html(const SweepColumn& column);
-std::string column_label(const SweepColumn& column);
-
-/// Values of a column at every row of the table, NaN where a cell is empty or no number.
-std::vector<double> column_values(const DesignTable& table, std::size_t column);
 
 }  // namespace apps

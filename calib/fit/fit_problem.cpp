@@ -2,7 +2,6 @@
 #include "calib/fit/fit_problem.h"
 
 #include <ceres/ceres.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -187,45 +186,7 @@ void to_variables(const FitProblem& problem, Eigen::Index end, Eigen::MatrixXd& 
   }
 }
 
-}  // namespace
-
-std::vector<Eigen::MatrixXd> FitProblem::normals(bool gradients) const {
-  std::vector<Eigen::MatrixXd> all(blocks.size());
-  const auto normal_of = [&](std::size_t b) {
-    if (const auto* edge = std::get_if<EdgeBlock>(&blocks[b]); edge != nullptr && gradients)
-      return edge->normal_with_gradients(*sensors, own[b]).matrix();
-    return std::visit([&](const auto& block) { return block.normal(*sensors, own[b]).matrix(); }, blocks[b]);
-  };
-  mtf::parallel_for(static_cast<std::int64_t>(blocks.size()), 1, threads, [&](std::int64_t first, std::int64_t last) {
-    for (auto b = static_cast<std::size_t>(first); b < static_cast<std::size_t>(last); ++b) {
-      try {
-        all[b] = normal_of(b);
-      } catch (const mtf::Error&) {  // data that cannot be modelled there: the step is not allowed
-        const auto* edge = std::get_if<EdgeBlock>(&blocks[b]);
-        const std::size_t added = edge != nullptr && gradients && !edge->gradients() ? 4 : 0;
-        const auto columns = static_cast<Eigen::Index>(own[b].size() + variables.size() + 1 + added);
-        all[b] = Eigen::MatrixXd::Constant(columns, columns, std::numeric_limits<double>::quiet_NaN());
-        continue;
-      }
-      to_variables(*this, all[b].cols() - 1, all[b]);
-    }
-  });
-  return all;
-}
-
-std::vector<Eigen::MatrixXd> FitProblem::score_covariances(std::span<const NoiseCorrelation> noise) const {
-  std::vector<Eigen::MatrixXd> all(blocks.size());
-  mtf::parallel_for(static_cast<std::int64_t>(blocks.size()), 1, threads, [&](std::int64_t first, std::int64_t last) {
-    for (auto b = static_cast<std::size_t>(first); b < static_cast<std::size_t>(last); ++b) {
-      const auto* edge = std::get_if<EdgeBlock>(&blocks[b]);
-      if (edge == nullptr || noise[b].white()) continue;
-      all[b] = edge->score_covariance(*sensors, own[b], noise[b]);
-      to_variables(*this, all[b].cols(), all[b]);
-    }
-  });
-  return all;
-}
-
+/// One run of the minimiser, with the `held` variables as they are.
 Solution solve_holding(FitProblem& problem, const SolveOptions& asked, const std::vector<int>& held) {
   const Unknowns unknowns(problem);
   Evaluator evaluator(problem, unknowns);
@@ -291,6 +252,111 @@ Solution solve_holding(FitProblem& problem, const SolveOptions& asked, const std
           .cost = summary.final_cost,
           .iterations = static_cast<int>(summary.iterations.size()),
           .cut_off = cut_off};
+}
+
+// A minimum at bounds. The minimiser cuts its steps where they leave the allowed range, and so leaves the other
+// variables at values that compensate for what lies beyond, or takes many steps to bring them back. With the variables
+// on their bounds held there, the others come to their minimum in a few steps.
+
+bool at_bound(const FitProblem& problem, std::size_t i) {
+  const Variable& v = problem.variables[i];
+  return v.period == 0.0 && (problem.x[i] <= v.lo || problem.x[i] >= v.hi);
+}
+
+/// Whether the cost falls away from the bound of one of these variables, by more than rounding.
+bool any_leaves(const FitProblem& problem, const std::vector<int>& held) {
+  constexpr double kPull_sd = 0.01;
+  const std::vector<Eigen::MatrixXd> normals = problem.normals();
+  return std::any_of(held.begin(), held.end(), [&](int index) {
+    const auto i = static_cast<std::size_t>(index);
+    double gradient = 0.0, information = 0.0;
+    for (std::size_t b = 0; b < normals.size(); ++b) {
+      const Eigen::Index row = std::ssize(problem.own[b]) + index;
+      gradient += normals[b](row, normals[b].cols() - 1);
+      information += normals[b](row, row);
+    }
+    if (problem.priors[i]) {
+      const auto [mean, sd] = *problem.priors[i];
+      const double slope = problem.variables[i].slope(problem.x[i]) / sd;
+      gradient += (problem.variables[i].value(problem.x[i]) - mean) / sd * slope;
+      information += slope * slope;
+    }
+    const double inward = problem.x[i] <= problem.variables[i].lo ? -gradient : gradient;
+    return inward > kPull_sd * std::sqrt(information);
+  });
+}
+
+}  // namespace
+
+std::vector<Residual> FitProblem::residuals(std::size_t b, std::size_t every) const {
+  if (const auto* edge = std::get_if<EdgeBlock>(&blocks[b])) return edge->residuals(*sensors, own[b], every);
+  return std::visit([&](const auto& block) { return block.residuals(*sensors, own[b]); }, blocks[b]);
+}
+
+std::vector<Eigen::MatrixXd> FitProblem::normals(bool gradients) const {
+  std::vector<Eigen::MatrixXd> all(blocks.size());
+  const auto normal_of = [&](std::size_t b) {
+    if (const auto* edge = std::get_if<EdgeBlock>(&blocks[b]); edge != nullptr && gradients)
+      return edge->normal_with_gradients(*sensors, own[b]).matrix();
+    return std::visit([&](const auto& block) { return block.normal(*sensors, own[b]).matrix(); }, blocks[b]);
+  };
+  mtf::parallel_for(static_cast<std::int64_t>(blocks.size()), 1, threads, [&](std::int64_t first, std::int64_t last) {
+    for (auto b = static_cast<std::size_t>(first); b < static_cast<std::size_t>(last); ++b) {
+      try {
+        all[b] = normal_of(b);
+      } catch (const mtf::Error&) {  // data that cannot be modelled there: the step is not allowed
+        const auto* edge = std::get_if<EdgeBlock>(&blocks[b]);
+        const std::size_t added = edge != nullptr && gradients && !edge->gradients() ? 4 : 0;
+        const auto columns = static_cast<Eigen::Index>(own[b].size() + variables.size() + 1 + added);
+        all[b] = Eigen::MatrixXd::Constant(columns, columns, std::numeric_limits<double>::quiet_NaN());
+        continue;
+      }
+      to_variables(*this, all[b].cols() - 1, all[b]);
+    }
+  });
+  return all;
+}
+
+std::vector<Eigen::MatrixXd> FitProblem::score_covariances(std::span<const NoiseCorrelation> noise) const {
+  std::vector<Eigen::MatrixXd> all(blocks.size());
+  mtf::parallel_for(static_cast<std::int64_t>(blocks.size()), 1, threads, [&](std::int64_t first, std::int64_t last) {
+    for (auto b = static_cast<std::size_t>(first); b < static_cast<std::size_t>(last); ++b) {
+      const auto* edge = std::get_if<EdgeBlock>(&blocks[b]);
+      if (edge == nullptr || noise[b].white()) continue;
+      all[b] = edge->score_covariance(*sensors, own[b], noise[b]);
+      to_variables(*this, all[b].cols(), all[b]);
+    }
+  });
+  return all;
+}
+
+Solution solve(FitProblem& problem, const SolveOptions& asked) {
+  std::vector<int> fixed;
+  if (asked.fixed) fixed.push_back(static_cast<int>(*asked.fixed));
+  const auto at_bounds = [&] {
+    std::vector<int> all;
+    for (std::size_t i = 0; i < problem.x.size(); ++i)
+      if (i != asked.fixed && at_bound(problem, i)) all.push_back(static_cast<int>(i));
+    return all;
+  };
+  Solution solution;
+  const auto go_on_holding = [&](std::vector<int> held) {
+    held.insert(held.end(), fixed.begin(), fixed.end());
+    for (int round = 0; round == 0 || (solution.cut_off && round < 3); ++round) {
+      const int before = solution.iterations;
+      solution = solve_holding(problem, asked, held);
+      solution.iterations += before;
+    }
+  };
+  go_on_holding({});
+  for (int round = 0; round < 2 && solution.converged; ++round) {
+    const std::vector<int> held = at_bounds();
+    if (held.empty()) break;
+    go_on_holding(held);
+    if (round > 0 || !solution.converged || !any_leaves(problem, held)) break;
+    go_on_holding({});
+  }
+  return solution;
 }
 
 }  // namespace calib

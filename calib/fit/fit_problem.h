@@ -2,7 +2,7 @@
 #pragma once
 
 // The least-squares problem of a fit, and its solution by Ceres: shared variables x, the unknowns of each set of data,
-// priors as residuals. Sets of data are evaluated in parallel and enter as their triangular factors (normal_matrix.h),
+// priors as residuals. Sets of data are evaluated in parallel and enter as their triangular factors (dense.h),
 // so that Ceres itself works on a dozen residuals each, in one thread: the result has the same bits for any number of
 // threads.
 
@@ -19,6 +19,12 @@ namespace calib {
 
 using Block = std::variant<EdgeBlock, CurveBlock, SpotBlock>;
 
+/// Values of all unknowns.
+struct FitPoint {
+  std::vector<double> x;
+  std::vector<std::vector<double>> own;  ///< of every block
+};
+
 struct FitProblem {
   Sensors* sensors = nullptr;
   std::vector<Variable> variables;
@@ -29,12 +35,20 @@ struct FitProblem {
   std::vector<double> x;                 ///< present values
   std::vector<std::vector<double>> own;  ///< own unknowns of every block
 
+  FitPoint here() const { return {x, own}; }
   /// Sets the sensors to x; returns false when they do not allow it.
   bool apply() const { return sensors->set(values_at(variables, x)); }
+  bool go_to(const FitPoint& point) {
+    x = point.x;
+    own = point.own;
+    return apply();
+  }
+  /// Of a block, at the present values; of an edge one pixel in so many.
+  std::vector<Residual> residuals(std::size_t block, std::size_t every = 1) const;
   /// C^T C of every block at the present values, columns: own, x, residual. Apply first. `gradients`: the
   /// columns of an edge's gradients follow its own unknowns also where they are not fitted.
   std::vector<Eigen::MatrixXd> normals(bool gradients = false) const;
-  /// The covariance of the scores of each block, by what its pixels share of their noise (pixel_scores.h), columns as
+  /// The covariance of the scores of each block, by what its pixels share of their noise (edge_block.h), columns as
   /// in normals() without the residual; an empty matrix for a block whose pixels are independent.
   std::vector<Eigen::MatrixXd> score_covariances(std::span<const NoiseCorrelation> noise) const;
 };
@@ -59,8 +73,5 @@ struct SolveOptions {
   double tolerance = 1e-8;
 };
 Solution solve(FitProblem& problem, const SolveOptions& options = {});
-
-/// Makes one run of the minimiser, with the `held` variables as they are, whatever `fixed` says.
-Solution solve_holding(FitProblem& problem, const SolveOptions& options, const std::vector<int>& held);
 
 }  // namespace calib

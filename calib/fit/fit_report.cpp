@@ -2,11 +2,14 @@
 #include "calib/fit/fit_report.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdio>
 #include <limits>
 #include <numbers>
 
 #include "calib/dense.h"
+#include "mtf/units.h"
 #include "mtf/words.h"
 
 namespace calib {
@@ -91,7 +94,94 @@ std::optional<Estimate> combined_moment(FitProblem& problem, const Solved& solve
   return allowed && estimate.sd < 0.3 * std::abs(estimate.value) ? std::optional(estimate) : std::nullopt;
 }
 
+mtf::Image residual_image(const Roi& roi, std::span<const Residual> residuals) {
+  mtf::Image image(roi.width, roi.height);
+  std::fill_n(image.data(), image.size(), std::numeric_limits<float>::quiet_NaN());
+  for (const Residual& r : residuals) image.at(r.x - roi.x, r.y - roi.y) = static_cast<float>(r.value);
+  return image;
+}
+
+void test_edge(const FitProblem& problem, std::size_t b, std::span<const Residual> residuals, double noise_factor,
+               ResidualTests& tests) {
+  constexpr double kTables = 0.1;  // chi-square per degree of freedom: residuals below are those of tables and rounding
+  constexpr double kFlatWidths = 2.0, kFlat_px = 6.0;
+  const EdgeBlock& edge = std::get<EdgeBlock>(problem.blocks[b]);
+  const std::optional<Estimate>& fwhm_px = edge.data().start.fwhm_px;
+  const double flat_px = fwhm_px ? kFlatWidths * fwhm_px->value : kFlat_px;
+  const auto judge = [&](std::span<const Residual> some) {
+    // The unknowns that change E: offset, plateaus and parameters.
+    return judge_edge(some, 3 + problem.variables.size(), std::abs(problem.own[b][edge.contrast_index()]),
+                      edge.data().quantum);
+  };
+  tests.image = residual_image(edge.data().roi, residuals);
+  tests.adequacy = judge(residuals);
+  IndependentResiduals some =
+      independent({residuals.begin(), residuals.end()}, edge.curve(problem.own[b]).normal(), flat_px);
+  if (some.spacing_px == 1) return;
+  const double chi2 = tests.adequacy.chi2, outlier_share = tests.adequacy.outlier_share;
+  tests.adequacy = judge(some.residuals);
+  tests.adequacy.chi2 = chi2;
+  tests.adequacy.outlier_share = outlier_share;
+  const bool noise = noise_factor >= kTables && !edge.rounding_hides_noise();
+  (noise ? tests.noise : tests.left_out) = std::move(some.noise);
+}
+
+/// One for each block. `noise_factor`: chi-square per degree of freedom of each.
+std::vector<ResidualTests> test_residuals(const FitProblem& problem, std::span<const double> noise_factor) {
+  std::vector<ResidualTests> all(problem.blocks.size());
+  for (std::size_t b = 0; b < all.size(); ++b) {
+    const Block& block = problem.blocks[b];
+    const std::vector<Residual> residuals = problem.residuals(b);
+    all[b].count = residuals.size();
+    if (std::holds_alternative<EdgeBlock>(block))
+      test_edge(problem, b, residuals, noise_factor[b], all[b]);
+    else
+      all[b].adequacy = judge_sequence(residuals);
+    if (const auto* spot = std::get_if<SpotBlock>(&block)) all[b].image = residual_image(spot->roi(), residuals);
+  }
+  return all;
+}
+
+// Residuals set by set, and the verdict on the model.
+
+constexpr double kNoiseDoubt = 1.5;  // residuals / noise
+/// Residuals of curves and spots far below the noise that was given are those of tables and rounding.
+constexpr double kBelowNoiseChi2 = 0.04;
+/// Residuals this many times the noise are no noise, whatever their structure: the sd of a curve may be known to a
+/// factor of two, a spot's own photons may make its peak noisier than the background is.
+constexpr double kCurveChi2 = 6.0, kSpotChi2 = 30.0;
+
+/// Chi-square a degree of freedom that noise cannot explain.
+bool beyond_noise(const Block& block, double chi2_per_dof, std::size_t count) {
+  const double chance = 1.0 + 5.0 * std::sqrt(2.0 / static_cast<double>(std::max<std::size_t>(1, count)));
+  if (std::holds_alternative<CurveBlock>(block)) return chi2_per_dof > std::max(kCurveChi2, chance);
+  return std::holds_alternative<SpotBlock>(block) && chi2_per_dof > kSpotChi2;
+}
+
+/// sd of an edge's contrast, the shared variables as fitted.
+double contrast_sd(const Solved& solved, std::size_t b, const EdgeBlock& edge) {
+  const auto k = static_cast<Eigen::Index>(edge.contrast_index());
+  const auto own = static_cast<Eigen::Index>(solved.problem->own[b].size());
+  const Eigen::MatrixXd inverse = inverse_of(solved.normals[b].topLeftCorner(own, own));
+  double variance = inverse(k, k);
+  if (solved.scores[b].size() > 0) {
+    const Eigen::MatrixXd sandwich = inverse * solved.scores[b].topLeftCorner(own, own) * inverse;
+    variance = std::max(variance, sandwich(k, k));
+  }
+  return std::sqrt(std::max(0.0, variance * trusted_noise(solved.noise_factor[b])));
+}
+
 }  // namespace
+
+std::string name_of(const FitParameter& parameter) { return parameter.name.empty() ? parameter.path : parameter.name; }
+
+std::string rounded(double value) { return mtf::format_double(std::round(10.0 * value) / 10.0); }
+
+std::vector<NoiseCorrelation> noise_of(std::span<const ResidualTests> tests) {
+  std::vector<NoiseCorrelation> all;
+  for (const ResidualTests& one : tests) all.push_back(one.noise);
+  return all;
+}
 
 Information information_of(const FitProblem& problem, std::span<const Eigen::MatrixXd> normals,
                            std::span<const Eigen::MatrixXd> scores, std::span<const double> noise_factor) {
@@ -299,8 +389,7 @@ std::vector<NullDirection> null_directions(FitProblem& problem, const Solved& so
                         std::ranges::all_of(weak.members, [&](std::size_t i) { return with_across.determined[i]; }) &&
                         with_across.covariance(lead, lead) < 0.25 * with_same.covariance(lead, lead);
     std::vector<std::string> names;
-    for (const std::size_t i : weak.members)
-      names.push_back(parameters[i].name.empty() ? parameters[i].path : parameters[i].name);
+    for (const std::size_t i : weak.members) names.push_back(name_of(parameters[i]));
     WeakWords words{.from = solved.normals_rad.empty()       ? "these data"
                             : solved.normals_rad.size() == 1 ? "one edge"
                             : single                         ? "edges of one direction"
@@ -314,6 +403,88 @@ std::vector<NullDirection> null_directions(FitProblem& problem, const Solved& so
     all.push_back({weak.members, weak.weight, std::move(text)});
   }
   return all;
+}
+
+void report_data(const FitData& data, std::span<const std::optional<std::size_t>> block_of, Solved& solved,
+                 FitResult& result) {
+  const FitProblem& problem = *solved.problem;
+  double chi2 = 0.0, dof = -static_cast<double>(problem.variables.size());
+  double least_p = 1.0;
+  int tests = 0;
+  std::optional<std::size_t> worst, far;
+  for (std::size_t i = 0; i < block_of.size(); ++i) {
+    FitResiduals& out = result.data.emplace_back();
+    const std::size_t edges = data.edges.size(), curves = data.curves.size();
+    out.name = i < edges            ? data.edges[i].name
+               : i < edges + curves ? data.curves[i - edges].name
+                                    : data.spots[i - edges - curves].name;
+    if (!block_of[i]) continue;
+    const std::size_t b = *block_of[i];
+    ResidualTests& tested = solved.tests[b];
+    const Adequacy& adequacy = tested.adequacy;
+    if (!tested.noise.white())
+      result.warnings.push_back(out.name +
+                                ": noise is correlated between neighbouring pixels, as after demosaicing, denoising or "
+                                "JPEG; the errors and intervals given include it");
+    if (const double ratio = tested.left_out.sum(); ratio > 1.0)
+      result.warnings.push_back(
+          out.name +
+          ": residuals are correlated between neighbouring pixels, but too small against rounding or the noise that is "
+          "assumed to tell what noise they share; the errors given are those of independent pixels, and may be up to " +
+          rounded(std::sqrt(ratio)) + " times too small");
+    out.count = tested.count;
+    const double scale = std::visit([](const auto& block) { return block.noise_scale(); }, problem.blocks[b]);
+    out.chi2_per_dof = solved.noise_factor[b] * scale;
+    out.outlier_share = adequacy.outlier_share;
+    out.whiteness_p = adequacy.whiteness_p;
+    chi2 += adequacy.chi2 * scale;
+    dof += static_cast<double>(out.count - problem.own[b].size());
+    double matters = 0.0;
+    if (const auto* edge = std::get_if<EdgeBlock>(&problem.blocks[b])) {
+      out.curve = edge->curve(problem.own[b]);
+      out.gradients = edge->gradients();
+      out.contrast = {problem.own[b][edge->contrast_index()], contrast_sd(solved, b, *edge)};
+      matters = kStructureMatters * std::abs(out.contrast.value) / edge->middle_sd();
+      if (!result.residual_otf.empty() && b == 0)
+        result.residual_otf =
+            residual_otf(adequacy, std::abs(out.contrast.value) / edge->middle_sd(), result.frequency_cy_px);
+    }
+    out.residual = std::move(tested.image);
+    if (beyond_noise(problem.blocks[b], out.chi2_per_dof, out.count) &&
+        (!far || out.chi2_per_dof > result.data[*far].chi2_per_dof))
+      far = i;
+    // What is given of each is what counts.
+    const bool edge = std::holds_alternative<EdgeBlock>(problem.blocks[b]);
+    if (out.whiteness_p < kWrongModel_p && (edge ? adequacy.structure < matters : out.chi2_per_dof < kBelowNoiseChi2))
+      out.whiteness_p = 1.0;
+    ++tests;
+    if (out.whiteness_p < least_p) worst = i;
+    least_p = std::min(least_p, out.whiteness_p);
+  }
+  result.chi2_per_dof = chi2 / std::max(1.0, dof);
+  result.whiteness_p = std::min(1.0, least_p * tests);
+  for (const FitResiduals& one : result.data)
+    if (one.chi2_per_dof > kNoiseDoubt * kNoiseDoubt)
+      result.warnings.push_back(one.name + ": the residuals are " + rounded(std::sqrt(one.chi2_per_dof)) +
+                                " times the noise that is assumed; the errors are scaled to them");
+  if (result.status == FitStatus::converged && far) {
+    const FitResiduals& one = result.data[*far];
+    const bool spot = *far >= data.edges.size() + data.curves.size();
+    result.status = FitStatus::converged_model_wrong;
+    result.reason =
+        "the residuals of " + one.name + " are " + rounded(std::sqrt(one.chi2_per_dof)) +
+        (spot ? " times the noise of its background: it is saturated, not alone, or the model has the wrong shape"
+              : " times the standard deviation that was given: the model has the wrong shape, or the curve is that of "
+                "another sensor");
+    return;
+  }
+  if (result.status != FitStatus::converged || result.whiteness_p >= kWrongModel_p) return;
+  result.status = FitStatus::converged_model_wrong;
+  std::array<char, 16> p{};
+  std::snprintf(p.data(), p.size(), "%.0e", result.whiteness_p);
+  result.reason = "the residuals of " + result.data[*worst].name +
+                  " have structure that noise does not explain (p = " + p.data() +
+                  "): the model lacks something or has the wrong shape; the errors given are those of noise alone";
 }
 
 }  // namespace calib

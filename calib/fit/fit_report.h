@@ -3,8 +3,9 @@
 
 // The results of a finished fit: errors, limits, what is not separable, in words, the fitted MTF with its band.
 
+#include "calib/fit/confidence/adequacy.h"
 #include "calib/fit/confidence/identifiability.h"
-#include "calib/fit/confidence/residual_tests.h"
+#include "calib/fit/fit_problem.h"
 
 namespace calib {
 
@@ -12,6 +13,10 @@ namespace calib {
 inline constexpr double kWrongModel_p = 1e-4;
 /// Structure in the residuals that matters: rms over the region, of the contrast. Below, tables and rounding show.
 inline constexpr double kStructureMatters = 1e-5;
+
+/// For messages: of a parameter without a name its path; a number to a tenth.
+std::string name_of(const FitParameter& parameter);
+std::string rounded(double value);
 
 /// Half of a 95 % interval, in standard deviations.
 inline constexpr double k95_sd = 1.959963984540054;
@@ -22,6 +27,17 @@ inline constexpr double k95_sd = 1.959963984540054;
 /// Interval and limit are one construction, as the data themselves choose between them. (Feldman and Cousins, Phys.
 /// Rev. D 57, 3873 (1998).)
 double allowed_rise(double z, double from_bound_sd);
+
+/// What the residuals of each set of data tell about the noise and about the model, at the solution.
+struct ResidualTests {
+  std::size_t count = 0;
+  Adequacy adequacy;         ///< of an edge by pixels that do not share their noise
+  NoiseCorrelation noise{};  ///< of an edge: what the errors take into account
+  /// What the residuals of an edge share that is not its noise: most of them are errors of rounding or of tables.
+  NoiseCorrelation left_out{};
+  mtf::Image image;  ///< edges and spots: as in FitResiduals
+};
+std::vector<NoiseCorrelation> noise_of(std::span<const ResidualTests> tests);
 
 /// A function of the shared variables at the solution, with its derivatives by x.
 struct Functional {

@@ -14,14 +14,6 @@ constexpr double kGradientChi2 = 18.47;  // of four more unknowns: one edge in a
 constexpr int kMostRounds = 3;
 constexpr std::size_t kSomePixels = 2000;  // enough to come close, and for a median
 
-/// Of all pixels, or of about `some` of an edge's.
-std::vector<Residual> residuals_of(const FitProblem& problem, std::size_t b, std::size_t some = 0) {
-  if (const auto* edge = std::get_if<EdgeBlock>(&problem.blocks[b]); edge != nullptr && some > 0)
-    return edge->residuals(*problem.sensors, problem.own[b], std::max<std::size_t>(1, edge->pixels() / some));
-  return std::visit([&](const auto& block) { return block.residuals(*problem.sensors, problem.own[b]); },
-                    problem.blocks[b]);
-}
-
 /// Chi-square of each block a degree of freedom; the shared parameters are counted by the blocks' sizes.
 std::vector<double> noise_factors(const FitProblem& problem, std::span<const Eigen::MatrixXd> normals,
                                   std::span<const std::size_t> counts) {
@@ -96,11 +88,12 @@ bool update_weights(FitProblem& problem, std::span<const double> noise) {
 void estimate_noise_scale(FitProblem& problem) {
   for (std::size_t b = 0; b < problem.blocks.size(); ++b) {
     if (std::holds_alternative<CurveBlock>(problem.blocks[b])) continue;
+    const auto* edge = std::get_if<EdgeBlock>(&problem.blocks[b]);
     std::vector<double> sizes;
-    for (const Residual& r : residuals_of(problem, b, kSomePixels)) sizes.push_back(std::abs(r.value));
+    for (const Residual& r : problem.residuals(b, edge != nullptr ? edge->every_for(kSomePixels) : 1))
+      sizes.push_back(std::abs(r.value));
     const double middle = median(sizes), scale = middle / 0.6744897501960817;
     // Residuals within half a step of the image's values are rounding.
-    const auto* edge = std::get_if<EdgeBlock>(&problem.blocks[b]);
     if (edge != nullptr && middle * edge->middle_sd() < 0.6 * edge->data().quantum) continue;
     if (scale > 1.25) std::visit([&](auto& block) { block.scale_noise(scale * scale); }, problem.blocks[b]);
   }
@@ -114,8 +107,7 @@ Solution solve_robustly(FitProblem& problem, const MinimiseOptions& options, boo
   const auto set_up = [&](bool coarse) {
     for (Block& block : problem.blocks) {
       std::visit([&](auto& b) { b.set_robust(options.robust && !coarse); }, block);
-      if (auto* edge = std::get_if<EdgeBlock>(&block))
-        edge->thin_out(coarse ? std::max<std::size_t>(1, edge->pixels() / kSomePixels) : 1);
+      if (auto* edge = std::get_if<EdgeBlock>(&block)) edge->thin_out(coarse ? edge->every_for(kSomePixels) : 1);
     }
   };
   set_up(true);
@@ -133,8 +125,7 @@ Solution solve_from(FitProblem& problem, const MinimiseOptions& options) {
   const auto own = problem.own;
   Solution best = solve_robustly(problem, options, true);
   std::vector<double> costs{best.cost};
-  auto best_x = problem.x;
-  auto best_own = problem.own;
+  FitPoint minimum = problem.here();
   for (int run = 1; run < options.starts && !best.stopped; ++run) {
     problem.x = other_start(problem.variables, run);
     problem.own = own;
@@ -145,20 +136,16 @@ Solution solve_from(FitProblem& problem, const MinimiseOptions& options) {
     if (!(next.cost < best.cost) || !next.converged) continue;
     best.cost = next.cost;
     best.converged = true;
-    best_x = problem.x;
-    best_own = problem.own;
+    minimum = problem.here();
   }
-  problem.x = best_x;
-  problem.own = best_own;
-  problem.apply();
+  problem.go_to(minimum);
   // Minima within a tenth of a standard deviation count as the same.
   best.agreeing = static_cast<int>(
       std::count_if(costs.begin(), costs.end(), [&](double c) { return c < best.cost + 0.01 + 1e-7 * best.cost; }));
   return best;
 }
 
-}  // namespace
-
+/// The number of pixels or samples of every block.
 std::vector<std::size_t> counts_of(const FitProblem& problem) {
   std::vector<std::size_t> counts;
   for (std::size_t b = 0; b < problem.blocks.size(); ++b) {
@@ -171,6 +158,8 @@ std::vector<std::size_t> counts_of(const FitProblem& problem) {
   }
   return counts;
 }
+
+}  // namespace
 
 void add_gradients(FitProblem& problem, std::size_t edge) {
   std::get<EdgeBlock>(problem.blocks[edge]).use_gradients();

@@ -25,9 +25,6 @@ Solution finish(FitProblem& problem, Solved& solved, const Solution& first, cons
 /// Gives the plateaus of an edge gradients, 0 so far.
 void add_gradients(FitProblem& problem, std::size_t edge);
 
-/// The number of pixels or samples of every block.
-std::vector<std::size_t> counts_of(const FitProblem& problem);
-
 /// Chi-square per degree of freedom of all data, by which rises of chi-square are divided.
 double noise_factor_of(const FitProblem& problem, const Solved& solved);
 

@@ -1,25 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Facts about a region that follow from the fit of a step: how far its pixels extend, their noise, other structure.
-// The judgement (edge_outcome.h) is made from these facts.
+// Facts about a region that follow from the fit of a step: how far its pixels extend, their noise, other structure; and
+// the judgement made from them, whether the region holds one edge that can be measured, and if not, what to change.
 
 #include <algorithm>
 #include <cstddef>
+#include <string>
+#include <vector>
 
 #include "calib/edge/edge_pixels.h"
 #include "calib/measure/edge_fit.h"
+#include "calib/measure/measure.h"
 
 namespace calib {
 
-/// Structure beside the edge, as a share of the contrast, from which a warning is given.
-inline constexpr double kVisibleStructure = 0.03;
-
 /// Distances a pixel below which the shape of a step is hardly known.
 inline constexpr double kFewDistances = 3.0;
-
-/// Widths of the blur, 1 / (largest line spread), below which a side is short.
-inline constexpr double kShortSide = 4.4;
 
 struct EdgeFacts {
   double length_px = 0.0;                               ///< of the edge inside the region
@@ -50,18 +47,34 @@ struct EdgeFacts {
   double far_reach_px = 0.0;                                ///< half width of the widest halo that the fit allows for
 
   /// Sides so short that tails of the blur may count as their plateaus.
-  bool short_sides() const { return std::min(extent_dark_px, extent_bright_px) < kShortSide * width_px; }
+  bool short_sides() const {
+    constexpr double kWidths = 4.4;  // of the blur, 1 / (largest line spread)
+    return std::min(extent_dark_px, extent_bright_px) < kWidths * width_px;
+  }
   /// With fewer distances a pixel than three, a correction of the reference cannot be told from aliases.
   bool few_distances() const { return oversampling < kFewDistances; }
 };
 EdgeFacts facts_of(const EdgePixels& pixels, const FitState& state, const EdgeModel& model, double local_noise_sd);
 
-/// What pixels of the plateaus differ by from the model, and pixels at equal distances from each other, beyond what
-/// neighbouring pixels differ by, as a share of the contrast; of the range of the values, 1, where the fitted contrast
-/// is larger than that.
-double structure_share(const EdgeFacts& facts);
-
 /// Noise from differences of neighbouring pixels, half of which may lie on structure.
 double local_noise(mtf::ImageView<const float> image, const Roi& roi, const RegionFacts& facts);
+
+struct Outcome {
+  Trouble trouble = Trouble::none;
+  std::string reason;
+  bool refused() const { return trouble != Trouble::none; }
+};
+
+/// Before anything is fitted: enough pixels with data, few of them clipped, any contrast at all.
+Outcome judge_region(const RegionFacts& facts, const Roi& roi, const MeasureOptions& options);
+/// After the fit: an edge with enough contrast, length and plateau.
+Outcome judge_edge(const EdgeFacts& facts);
+/// After the correction, which describes uneven light and light that is scattered far: one edge, neither side clipped.
+Outcome judge_structure(const EdgeFacts& facts);
+/// Of the curves: whether they can be those of a step.
+Outcome judge_response(const EdgeMeasurement& measurement);
+
+/// What is worth knowing though there is a result. `sparse`: missing pixels are nothing to warn of.
+std::vector<std::string> warnings_of(const EdgeFacts& facts, const EdgeMeasurement& measurement, bool sparse);
 
 }  // namespace calib

@@ -67,8 +67,6 @@ struct FitSettings {
 };
 /// The reference step of a model, with the tails that extend into the region.
 StepProfile profile_of(const EdgeModel& model, const FitSettings& settings);
-/// Whether the unknowns have square terms of the plateaus: sums of powers above t are needed in all bins then.
-bool has_curvature(const Unknowns& unknowns);
 /// The highest power of t that the unknowns' derivatives have, at least 1.
 int order_of(const Unknowns& unknowns);
 NoiseModel noise_of(const EdgeSums& sums, const StepProfile& profile, const FitSettings& settings);

@@ -9,6 +9,7 @@
 #include "calib/measure/defects/cut_values.h"
 #include "calib/measure/edge_fit.h"
 #include "calib/measure/measure.h"
+#include "calib/measure/residual_sums.h"
 
 namespace calib {
 
@@ -26,5 +27,13 @@ struct EdgeRegion {
 /// are added to the clipped ones of the region.
 std::optional<EdgeRegion> gather_edge(mtf::ImageView<const float> image, const Roi& roi, RegionFacts& region,
                                       const MeasureOptions& options);
+
+// A first model of the edge: the line that best divides the block means of a region into two values, over a fan of
+// directions, refined by fitting a Gaussian step. Blocks and whole lines average the noise, so that edges are found
+// whose contrast is a few times the noise of a pixel.
+
+/// A straight model with a dark and a bright value and a Gaussian shape, in pixels. `blocks` are those of
+/// gather_blocks(), `width_px` and `height_px` the size of the region.
+EdgeModel start_edge(const EdgePixels& blocks, double block_px, double width_px, double height_px);
 
 }  // namespace calib

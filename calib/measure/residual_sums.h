@@ -15,10 +15,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "calib/edge/distance_bins.h"
 #include "calib/edge/edge_curve.h"
 #include "calib/edge/edge_pixels.h"
-#include "calib/edge/step_profile.h"
+#include "calib/edge/reference_step.h"
 
 namespace calib {
 

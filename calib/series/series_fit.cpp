@@ -34,17 +34,62 @@ struct SeriesProblem {
   std::vector<double> x;
   int evaluations = 0;
 
-  std::vector<double> values(std::span<const double> at) const;
+  std::vector<double> values(std::span<const double> at) const {
+    std::vector<double> all;
+    for (std::size_t i = 0; i < at.size(); ++i) all.push_back(scale[i] * at[i]);
+    return all;
+  }
   /// Residuals, model - measured without weight; absent where the model allows no such values.
-  std::optional<Eigen::VectorXd> residuals(std::span<const double> at) const;
+  std::optional<Eigen::VectorXd> residuals(std::span<const double> at) const {
+    const std::vector<double> whole = (*model)(values(at));
+    if (whole.empty()) return std::nullopt;
+    Eigen::VectorXd r(static_cast<Eigen::Index>(measured.size()));
+    for (std::size_t i = 0; i < measured.size(); ++i) r[static_cast<Eigen::Index>(i)] = whole[place[i]] - measured[i];
+    return r.allFinite() ? std::optional(std::move(r)) : std::nullopt;
+  }
   /// Residuals and their derivatives by x; central differences of so much of the scale, one-sided at bounds.
   struct Linear {
     Eigen::VectorXd residual;
     Eigen::MatrixXd jacobian;
   };
-  std::optional<Linear> linear(std::span<const double> at, double difference = kDifference);
+  std::optional<Linear> linear(std::span<const double> at, double difference = kDifference) {
+    const std::size_t n = at.size();
+    // At the values themselves, then up and down for each variable.
+    std::vector<std::vector<double>> points{std::vector<double>(at.begin(), at.end())};
+    for (std::size_t i = 0; i < n; ++i)
+      for (const double step : {difference, -difference}) {
+        points.push_back(points.front());
+        points.back()[i] = std::clamp(at[i] + step, lo[i], hi[i]);
+      }
+    std::vector<std::optional<Eigen::VectorXd>> r(points.size());
+    mtf::parallel_for(static_cast<std::int64_t>(points.size()), 1, options.threads,
+                      [&](std::int64_t first, std::int64_t last) {
+                        for (auto p = static_cast<std::size_t>(first); p < static_cast<std::size_t>(last); ++p)
+                          r[p] = residuals(points[p]);
+                      });
+    evaluations += static_cast<int>(points.size());
+    if (options.progress) options.progress(evaluations);
+    if (!r.front()) return std::nullopt;
+    Linear linear{*r.front(), Eigen::MatrixXd::Zero(r.front()->size(), static_cast<Eigen::Index>(n))};
+    for (std::size_t i = 0; i < n; ++i) {
+      std::size_t up = 1 + 2 * i, down = up + 1;
+      if (!r[up]) up = 0;
+      if (!r[down]) down = 0;
+      const double width = points[up][i] - points[down][i];
+      if (width > 0.0) linear.jacobian.col(static_cast<Eigen::Index>(i)) = (*r[up] - *r[down]) / width;
+    }
+    return linear;
+  }
   /// Of the weighted cost by x: J'r weight^2 and the priors' part.
-  Eigen::VectorXd gradient(const Linear& linear) const;
+  Eigen::VectorXd gradient(const Linear& linear) const {
+    Eigen::VectorXd g = weight * weight * linear.jacobian.transpose() * linear.residual;
+    for (std::size_t i = 0; i < x.size(); ++i)
+      if (prior[i]) {
+        const auto [mean, sd] = *prior[i];
+        g[static_cast<Eigen::Index>(i)] += (scale[i] * x[i] - mean) / sd * scale[i] / sd;
+      }
+    return g;
+  }
 };
 
 struct SeriesMinimum {
@@ -126,59 +171,6 @@ SeriesMinimum minimise_holding(SeriesProblem& problem, const std::vector<bool>& 
   ceres::Solver::Summary summary;
   ceres::Solve(options, &ceres_problem, &summary);
   return {summary.termination_type == ceres::CONVERGENCE, static_cast<int>(summary.iterations.size())};
-}
-
-std::vector<double> SeriesProblem::values(std::span<const double> at) const {
-  std::vector<double> all;
-  for (std::size_t i = 0; i < at.size(); ++i) all.push_back(scale[i] * at[i]);
-  return all;
-}
-
-std::optional<Eigen::VectorXd> SeriesProblem::residuals(std::span<const double> at) const {
-  const std::vector<double> whole = (*model)(values(at));
-  if (whole.empty()) return std::nullopt;
-  Eigen::VectorXd r(static_cast<Eigen::Index>(measured.size()));
-  for (std::size_t i = 0; i < measured.size(); ++i) r[static_cast<Eigen::Index>(i)] = whole[place[i]] - measured[i];
-  return r.allFinite() ? std::optional(std::move(r)) : std::nullopt;
-}
-
-std::optional<SeriesProblem::Linear> SeriesProblem::linear(std::span<const double> at, double difference) {
-  const std::size_t n = at.size();
-  // At the values themselves, then up and down for each variable.
-  std::vector<std::vector<double>> points{std::vector<double>(at.begin(), at.end())};
-  for (std::size_t i = 0; i < n; ++i)
-    for (const double step : {difference, -difference}) {
-      points.push_back(points.front());
-      points.back()[i] = std::clamp(at[i] + step, lo[i], hi[i]);
-    }
-  std::vector<std::optional<Eigen::VectorXd>> r(points.size());
-  mtf::parallel_for(static_cast<std::int64_t>(points.size()), 1, options.threads,
-                    [&](std::int64_t first, std::int64_t last) {
-                      for (auto p = static_cast<std::size_t>(first); p < static_cast<std::size_t>(last); ++p)
-                        r[p] = residuals(points[p]);
-                    });
-  evaluations += static_cast<int>(points.size());
-  if (options.progress) options.progress(evaluations);
-  if (!r.front()) return std::nullopt;
-  Linear linear{*r.front(), Eigen::MatrixXd::Zero(r.front()->size(), static_cast<Eigen::Index>(n))};
-  for (std::size_t i = 0; i < n; ++i) {
-    std::size_t up = 1 + 2 * i, down = up + 1;
-    if (!r[up]) up = 0;
-    if (!r[down]) down = 0;
-    const double width = points[up][i] - points[down][i];
-    if (width > 0.0) linear.jacobian.col(static_cast<Eigen::Index>(i)) = (*r[up] - *r[down]) / width;
-  }
-  return linear;
-}
-
-Eigen::VectorXd SeriesProblem::gradient(const Linear& linear) const {
-  Eigen::VectorXd g = weight * weight * linear.jacobian.transpose() * linear.residual;
-  for (std::size_t i = 0; i < x.size(); ++i)
-    if (prior[i]) {
-      const auto [mean, sd] = *prior[i];
-      g[static_cast<Eigen::Index>(i)] += (scale[i] * x[i] - mean) / sd * scale[i] / sd;
-    }
-  return g;
 }
 
 /// Minimises from x, and leaves the minimum there. Variables that end at a bound are held there while the others come

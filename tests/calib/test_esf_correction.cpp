@@ -11,7 +11,7 @@
 #include <cmath>
 
 #include "calib/edge/edge_pixels.h"
-#include "calib/measure/edge_start.h"
+#include "calib/measure/edge_region.h"
 #include "calib/measure/edge_terms.h"
 #include "tests/calib/made_edges.h"
 

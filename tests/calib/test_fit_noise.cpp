@@ -8,7 +8,7 @@
 #include <random>
 
 #include "calib/fit/confidence/identifiability.h"
-#include "calib/fit/data/pixel_scores.h"
+#include "calib/fit/data/edge_block.h"
 #include "calib/fit/fit_build.h"
 #include "calib/fit/fit_rounds.h"
 #include "tests/calib/fit_cases.h"

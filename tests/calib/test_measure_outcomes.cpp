@@ -11,7 +11,7 @@
 #include <random>
 #include <string>
 
-#include "calib/measure/edge_outcome.h"
+#include "calib/measure/edge_facts.h"
 #include "calib/measure/measure.h"
 #include "mtf/error.h"
 #include "tests/calib/made_edges.h"

@@ -5,8 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "calib/find/bayer.h"
-#include "calib/find/mask.h"
+#include "calib/find/no_data.h"
 #include "calib/find/roi_file.h"
 #include "mtf/error.h"
 #include "tests/expect_error.h"

@@ -8,13 +8,13 @@
 
 #include "calib/edge/exponential.h"
 #include "calib/edge/reference_step.h"
-#include "calib/edge/step_profile.h"
 #include "calib/measure/residual_sums.h"
 #include "tests/calib/made_edges.h"
 
 namespace {
 
 constexpr double kAngle_deg = 20.0, kAngle_rad = kAngle_deg * std::numbers::pi / 180.0;
+const calib::Point kNormal{std::cos(kAngle_rad), std::sin(kAngle_rad)};
 
 double knot(std::size_t i) { return calib::DistanceBins::get().knot(calib::kSideBins + static_cast<int>(i)); }
 
@@ -60,12 +60,11 @@ TEST(ReferenceStep, HasOneOtf) {
   for (const calib::ReferenceShape shape :
        {calib::ReferenceShape{0.93, 0.02, 1.0}, calib::ReferenceShape{0.0, 40.0, 0.0},
         calib::ReferenceShape{0.0, 0.0036, 64.0}}) {
-    const calib::Point normal{std::cos(kAngle_rad), std::sin(kAngle_rad)};
     std::vector<double> f_cy_px(41);
     for (std::size_t i = 0; i < f_cy_px.size(); ++i) f_cy_px[i] = 0.05 * static_cast<double>(i);
-    const std::vector<calib::ReferenceOtf> all = calib::reference_otfs(shape, normal, f_cy_px);
+    const std::vector<calib::ReferenceOtf> all = calib::reference_otfs(shape, kNormal, f_cy_px);
     for (std::size_t i = 0; i < f_cy_px.size(); ++i) {
-      const calib::ReferenceOtf one = calib::reference_otf(shape, normal, f_cy_px[i]);
+      const calib::ReferenceOtf one = calib::reference_otf(shape, kNormal, f_cy_px[i]);
       EXPECT_NEAR(all[i].value, one.value, 1e-15);
       for (std::size_t k = 0; k < calib::kShapes; ++k)
         EXPECT_NEAR(all[i].slope[k], one.slope[k], 1e-14 * (1.0 + std::abs(one.slope[k])));
@@ -84,7 +83,7 @@ TEST(ReferenceStep, IsTheStepOfItsOtf) {
     for (std::size_t i = 0; i <= calib::kSideBins; ++i)
       EXPECT_NEAR(table.odd[i] + 0.5, step.at(knot(i)), 1e-5) << shape.s_px << ' ' << shape.v_px2 << " at " << knot(i);
     for (double f = 0.0; f < 1.2; f += 0.07)
-      EXPECT_NEAR(calib::reference_otf(shape, kAngle_rad, f).value, step.mtf(f), 1e-12);
+      EXPECT_NEAR(calib::reference_otf(shape, kNormal, f).value, step.mtf(f), 1e-12);
   }
 }
 
@@ -103,9 +102,9 @@ TEST(ReferenceStep, KnowsItsDerivatives) {
     for (std::size_t i = 0; i <= calib::kSideBins; ++i)
       EXPECT_NEAR(table.slope[k][i], (above.odd[i] - below.odd[i]) / (2.0 * kStep), 2e-5) << k << " at " << knot(i);
     for (double f = 0.05; f < 1.0; f += 0.05)
-      EXPECT_NEAR(calib::reference_otf(shape, kAngle_rad, f).slope[k],
-                  (calib::reference_otf(more, kAngle_rad, f).value - calib::reference_otf(less, kAngle_rad, f).value) /
-                      (2.0 * kStep),
-                  1e-8);
+      EXPECT_NEAR(
+          calib::reference_otf(shape, kNormal, f).slope[k],
+          (calib::reference_otf(more, kNormal, f).value - calib::reference_otf(less, kNormal, f).value) / (2.0 * kStep),
+          1e-8);
   }
 }

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # cmake -DOUT=<file.cpp> -Dpage=... -Dstyle=... -Dscript=... -Dlibrary=... -Dnotices=... -P EmbedText.cmake
-# Writes text files into a source: what apps/page/report_files.h declares. Each variable is a list of files, maybe empty,
+# Writes text files into a source: what apps/page/html.h declares. Each variable is a list of files, maybe empty,
 # whose texts are put one after the other.
 
 cmake_minimum_required(VERSION 3.25)
@@ -23,7 +23,7 @@ foreach(member page style script library notices)
 endforeach()
 
 file(WRITE "${OUT}" "// Generated from apps/report.
-#include \"apps/page/report_files.h\"
+#include \"apps/page/html.h\"
 
 namespace apps {
 

@@ -8,11 +8,87 @@
 
 #include "calib/dense.h"
 #include "calib/fit/confidence/flat_points.h"
-#include "calib/fit/confidence/profile.h"
 #include "mtf/units.h"
 
 namespace calib {
 namespace {
+
+// Profile likelihood: how far a parameter can move, everything else fitted anew, until chi-square has risen by
+// a quantile (allowed_rise). It holds also where the likelihood is not a parabola, and costs a few fits per end.
+
+/// Fits with variable i held. `cost` and `noise_factor`: as for profile().
+struct Profiler {
+  FitProblem& problem;
+  std::size_t i;
+  double cost, noise_factor;
+  std::span<const FlatPoint> flat;
+  const std::function<bool()>& go_on;
+  bool stopped = false;
+
+  /// The root of the rise of chi-square at x, in sd of the noise: nearly linear in x. The problem is at that fit then,
+  /// and the next one begins there.
+  double at(double x) {
+    for (const FlatPoint& point : flat) problem.x[point.parameter] = point.off_point(problem.x[point.parameter]);
+    problem.x[i] = x;
+    // To a hundredth of a standard deviation.
+    constexpr double kCost = 1e-3;
+    const Solution solution =
+        solve(problem, {.fixed = i, .go_on = go_on, .tolerance = std::clamp(kCost / cost, 1e-10, 1e-6)});
+    stopped = stopped || solution.stopped;
+    return std::sqrt(std::max(0.0, 2.0 * (solution.cost - cost) / noise_factor));
+  }
+};
+
+/// Ends of intervals, in x; a bound where chi-square does not rise that far.
+struct XEnds {
+  std::array<double, 2> x68{}, x95{};
+};
+
+/// x in the direction of `side` at which the root of the rise is that of `z` sd.
+double end_of(Profiler& profiler, double from, double sd, double side, double z) {
+  const Variable& v = profiler.problem.variables[profiler.i];
+  const double bound = side > 0.0 ? v.hi : v.lo;
+  const auto excess = [&](double x) { return profiler.at(x) - allowed_rise(z, std::min(x - v.lo, v.hi - x) / sd); };
+  double low = from, low_value = -z, step = std::max(1e-12, sd * z);
+  for (int grow = 0; grow < 40 && !profiler.stopped; ++grow) {
+    const double high = side > 0.0 ? std::min(bound, low + step) : std::max(bound, low - step);
+    const double high_value = excess(high);
+    if (high_value < 0.0) {
+      if (high == bound) return bound;
+      low = high, low_value = high_value, step *= 1.5;
+      continue;
+    }
+    // The root is nearly linear: false position, halved where it stalls.
+    double a = low, fa = low_value, b = high, fb = high_value;
+    for (int refine = 0; refine < 12 && !profiler.stopped; ++refine) {
+      double x = b - fb * (b - a) / (fb - fa);
+      if (refine % 4 == 3) x = 0.5 * (a + b);
+      const double fx = excess(x);
+      if (std::abs(fx) < 1e-3 * z) return x;
+      (fx < 0.0 ? a : b) = x;
+      (fx < 0.0 ? fa : fb) = fx;
+    }
+    return 0.5 * (a + b);
+  }
+  return bound;
+}
+
+/// The profile of variable i around the minimum, at which the problem is before and after. `sd`: of x. `noise_factor`:
+/// chi-square per degree of freedom, times the ratio of the variance to that with independent pixels (J. T. Kent,
+/// Biometrika 69, 19 (1982)), by which rises are divided. Refits begin away from the `flat` points, which the minimiser
+/// would not leave. The result is empty when the fit was stopped.
+std::optional<XEnds> profile(FitProblem& problem, std::size_t i, double sd, double cost, double noise_factor,
+                             std::span<const FlatPoint> flat, const std::function<bool()>& go_on) {
+  const FitPoint minimum = problem.here();
+  Profiler profiler{problem, i, cost, noise_factor, flat, go_on};
+  const auto end = [&](double side, double z) {
+    problem.go_to(minimum);
+    return end_of(profiler, minimum.x[i], sd, side, z);
+  };
+  const XEnds ends{{end(-1.0, 1.0), end(1.0, 1.0)}, {end(-1.0, k95_sd), end(1.0, k95_sd)}};
+  problem.go_to(minimum);
+  return profiler.stopped ? std::nullopt : std::optional(ends);
+}
 
 // The 95 % interval of a parameter about a flat point (flat_points.h), where chi-square is no parabola. Where the
 // effect is mirrored, the interval may be two parts, one for each sign, or hold the centre.
@@ -44,16 +120,10 @@ constexpr double kSmall_sd = 0.02;     // of a dimension that does not matter
 Eigen::VectorXd residuals(const FitProblem& problem, double noise_factor) {
   std::vector<double> all;
   for (std::size_t b = 0; b < problem.blocks.size(); ++b) {
-    std::size_t every = 1;
     const auto* edge = std::get_if<EdgeBlock>(&problem.blocks[b]);
-    if (edge != nullptr) every = std::max<std::size_t>(1, edge->pixels() / kPixels);
-    const std::vector<Residual> some =
-        edge != nullptr
-            ? edge->residuals(*problem.sensors, problem.own[b], every)
-            : std::visit([&](const auto& block) { return block.residuals(*problem.sensors, problem.own[b]); },
-                         problem.blocks[b]);
+    const std::size_t every = edge != nullptr ? edge->every_for(kPixels) : 1;
     const double scale = std::sqrt(static_cast<double>(every) / noise_factor);
-    for (const Residual& r : some) all.push_back(scale * r.value);
+    for (const Residual& r : problem.residuals(b, every)) all.push_back(scale * r.value);
   }
   for (std::size_t i = 0; i < problem.priors.size(); ++i)
     if (const auto& prior = problem.priors[i])
@@ -137,7 +207,7 @@ std::vector<IntervalPart> parts_of(std::span<const Node> nodes, std::span<const 
   return parts;
 }
 
-/// `cost` at the minimum, at which the problem is before and after; `noise_factor` as for profile.h. The other `flat`
+/// `cost` at the minimum, at which the problem is before and after; `noise_factor` as for profile(). The other `flat`
 /// points are left by every fit. Values are tried from the minimum and from each of the `mirrors`, and the lower
 /// chi-square counts: a partner may have a valley of its own for each, as the spherical aberration beside a defocus.
 /// Empty when the fit was stopped.
@@ -146,13 +216,9 @@ std::optional<FlatInterval> flat_interval(FitProblem& problem, const FlatPoint& 
                                           std::span<const Mirror> mirrors, const std::function<bool()>& go_on) {
   const std::size_t i = point.parameter;
   const Variable& v = problem.variables[i];
-  std::vector<Mirror> minima{{problem.x, problem.own, 0.0}};
+  std::vector<Mirror> minima{{problem.here(), 0.0}};
   minima.insert(minima.end(), mirrors.begin(), mirrors.end());
   Profiler profiler{problem, i, cost, noise_factor, flat, go_on};
-  const auto go_to = [&](const Mirror& minimum) {
-    problem.x = minimum.x;
-    problem.own = minimum.own;
-  };
   // How far from the point values need to be tried, on either side.
   double far = point.off;
   for (const Mirror& minimum : minima) far = std::max(far, std::abs(minimum.x[i] - point.at));
@@ -164,7 +230,7 @@ std::optional<FlatInterval> flat_interval(FitProblem& problem, const FlatPoint& 
   for (const Mirror& minimum : minima)
     for (const double side : {point.side, -point.side}) {
       if (side != point.side && !point.inside) continue;
-      go_to(minimum);
+      problem.go_to(minimum);
       for (double step = first_step; too_near(side) && !profiler.stopped; step *= 1.5) far += step;
     }
   // The minima and what is opposite are among the values, as the root of the rise has its kinks there.
@@ -191,13 +257,12 @@ std::optional<FlatInterval> flat_interval(FitProblem& problem, const FlatPoint& 
     const auto nearest = std::ranges::min_element(nodes, [&](const Node& a, const Node& b) {
       return std::abs(a.x - minimum.x[i]) < std::abs(b.x - minimum.x[i]);
     });
-    go_to(minimum);
+    problem.go_to(minimum);
     for (auto node = nearest; node != nodes.end() && !profiler.stopped; ++node) try_value(*node);
-    go_to(minimum);
+    problem.go_to(minimum);
     for (auto node = nearest; node != nodes.begin() && !profiler.stopped;) try_value(*--node);
   }
-  go_to(minima.front());
-  problem.apply();
+  problem.go_to(minima.front());
   if (profiler.stopped) return std::nullopt;
   // Values that the model refuses end the range.
   std::erase_if(nodes, [](const Node& node) { return !std::isfinite(node.rise); });
@@ -362,19 +427,25 @@ void judge_by_likelihood(FittedParameter& p, const Variable& v, double best, boo
 
 }  // namespace
 
+double rise_at(FitProblem& problem, std::size_t i, double x, double cost, double noise_factor,
+               std::span<const FlatPoint> flat, const std::function<bool()>& go_on) {
+  const FitPoint minimum = problem.here();
+  Profiler profiler{problem, i, cost, noise_factor, flat, go_on};
+  const double rise = profiler.at(x);
+  problem.go_to(minimum);
+  return rise;
+}
+
 bool leave_flat_points(FitProblem& problem, Solved& solved, std::span<const FlatPoint> flat, Solution& solution,
                        const MinimiseOptions& options) {
   constexpr double kLower = 0.005;  // half of chi-square: minima within a tenth of a standard deviation are the same
   if (std::ranges::none_of(flat, [](const FlatPoint& f) { return f.here; })) return false;
-  const std::vector<double> x = problem.x;
-  const std::vector<std::vector<double>> own = problem.own;
+  const FitPoint before = problem.here();
   for (const FlatPoint& f : flat) problem.x[f.parameter] = f.off_point(problem.x[f.parameter]);
   Solution again = solve(problem, {.go_on = options.go_on});
   solution.stopped = solution.stopped || again.stopped;
   if (!again.converged || !(again.cost < solution.cost - kLower)) {
-    problem.x = x;
-    problem.own = own;
-    problem.apply();
+    problem.go_to(before);
     return false;
   }
   again.iterations += solution.iterations;

@@ -6,6 +6,7 @@
 
 #include <functional>
 
+#include "calib/fit/confidence/flat_points.h"
 #include "calib/fit/confidence/mirrors.h"
 
 namespace calib {
@@ -29,5 +30,11 @@ bool report_squares(FitProblem& problem, const Solved& solved, double cost, cons
 void report_intervals(FitProblem& problem, const Solved& solved, std::span<const FlatPoint> flat, bool judge,
                       double cost, std::span<const Mirror> mirrors, const std::function<bool()>& go_on,
                       FitResult& result);
+
+/// The root of the rise of chi-square, in sd of the noise, where variable i is held at x; `cost` is at the minimum, at
+/// which the problem is before and after, and `noise_factor` that by which rises are divided. Refits begin away from
+/// the `flat` points.
+double rise_at(FitProblem& problem, std::size_t i, double x, double cost, double noise_factor,
+               std::span<const FlatPoint> flat, const std::function<bool()>& go_on);
 
 }  // namespace calib

@@ -7,7 +7,7 @@
 // aberration of the file, a direction of motion along the normal of the only edge. There the covariance, which is made
 // of first derivatives, shows no dependence on the parameter and no correlation with it, and a minimiser that has come
 // to the point does not leave it. The interval of such a parameter comes from the likelihood itself
-// (fit_intervals.cpp), those of its partners from their profiles (profile.h).
+// (fit_intervals.cpp), those of its partners from their profiles.
 //
 // The information of the parameter alone, S(u) at the distance u from the point, shows this: it is constant where the
 // effect grows in proportion, and falls with u^(2p - 2) where it grows as u^p.

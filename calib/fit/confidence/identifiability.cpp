@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "calib/dense.h"
-#include "calib/fit/normal_matrix.h"
 
 namespace calib {
 namespace {

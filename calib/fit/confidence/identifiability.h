@@ -29,7 +29,7 @@ struct Identified {
   std::vector<bool> determined;
 };
 
-/// The information of the shared variables in one block's C^T C (normal_matrix.h): S = A_pp - A_po A_oo^-1 A_op.
+/// The information of the shared variables in one block's C^T C (dense.h): S = A_pp - A_po A_oo^-1 A_op.
 Eigen::MatrixXd project_out(const Eigen::MatrixXd& normal, std::size_t own, std::size_t shared);
 
 /// The covariance of the scores of the shared variables, its own unknowns projected out likewise, from that of all of

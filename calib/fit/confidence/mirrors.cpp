@@ -37,7 +37,7 @@ bool differs(const FitProblem& problem, std::span<const double> sd, const std::v
   return false;
 }
 
-/// C^T C of all blocks and the priors (normal_matrix.h), their own unknowns projected out.
+/// C^T C of all blocks and the priors (dense.h), their own unknowns projected out.
 Eigen::MatrixXd shared_normal(const FitProblem& problem) {
   const std::size_t n = problem.variables.size();
   const auto last = static_cast<Eigen::Index>(n);
@@ -118,47 +118,45 @@ std::vector<Change> changes(FitProblem& problem, const Solved& solved) {
 
 void thin_out(FitProblem& problem, std::size_t pixels) {
   for (Block& block : problem.blocks)
-    if (auto* edge = std::get_if<EdgeBlock>(&block)) edge->thin_out(std::max<std::size_t>(1, edge->pixels() / pixels));
+    if (auto* edge = std::get_if<EdgeBlock>(&block)) edge->thin_out(edge->every_for(pixels));
 }
 
 /// Where the changes that promise most lead, by some of the pixels: minima about as low as the present one.
 std::vector<std::vector<double>> places_to_try(FitProblem& problem, const Solved& solved,
                                                const std::function<bool()>& go_on) {
   constexpr double kAsLow = 10.0, kCoarse = 1e-6;  // half of chi-square, of some of the pixels
-  const std::vector<double> x = problem.x, sd = sd_of_x(solved);
-  const std::vector<std::vector<double>> own = problem.own;
+  const FitPoint here = problem.here();
+  const std::vector<double> sd = sd_of_x(solved);
   std::vector<std::pair<double, std::vector<double>>> promises;
   const std::vector<Change> all = changes(problem, solved);
   thin_out(problem, kSomePixels);
   for (const Change& change : all) {
-    problem.x = x;
+    problem.x = here.x;
     bool allowed = true;
     for (const auto& [i, to] : change) {
       const Variable& v = problem.variables[i];
       problem.x[i] = to;
       allowed = allowed && (v.period > 0.0 || (to >= v.lo && to <= v.hi));
     }
-    if (!allowed || !differs(problem, sd, x, problem.x) || !problem.apply()) continue;
+    if (!allowed || !differs(problem, sd, here.x, problem.x) || !problem.apply()) continue;
     if (const double chi2 = promised_chi2(problem); std::isfinite(chi2)) promises.emplace_back(chi2, problem.x);
   }
   std::ranges::stable_sort(promises, [](const auto& a, const auto& b) { return a.first < b.first; });
   promises.resize(std::min(kFollowed, promises.size()));
   const auto minimum_from = [&](const std::vector<double>& start) {
     problem.x = start;
-    problem.own = own;
+    problem.own = here.own;
     return promises.empty() ? Solution{} : solve(problem, {.go_on = go_on, .tolerance = kCoarse});
   };
-  const double best = minimum_from(x).cost;
+  const double best = minimum_from(here.x).cost;
   std::vector<std::vector<double>> places;
   for (const auto& [chi2, start] : promises) {
     const Solution there = minimum_from(start);
-    if (there.converged && there.cost < best + kAsLow && differs(problem, sd, x, problem.x))
+    if (there.converged && there.cost < best + kAsLow && differs(problem, sd, here.x, problem.x))
       places.push_back(problem.x);
   }
   thin_out(problem, std::numeric_limits<std::size_t>::max());
-  problem.x = x;
-  problem.own = own;
-  problem.apply();
+  problem.go_to(here);
   return places;
 }
 
@@ -230,15 +228,15 @@ std::vector<Mirror> mirrored_minima(FitProblem& problem, Solved& solved, Solutio
   constexpr int kMostLower = 3;
   for (int lower = 0; lower < kMostLower; ++lower) {
     std::vector<Mirror> found;
-    const std::vector<double> x = problem.x, sd = sd_of_x(solved);
-    const std::vector<std::vector<double>> own = problem.own;
+    const FitPoint best = problem.here();
+    const std::vector<double> sd = sd_of_x(solved);
     bool left = false;
     for (const std::vector<double>& place : places_to_try(problem, solved, options.go_on)) {
       problem.x = place;
-      problem.own = own;
+      problem.own = best.own;
       Solution there = solve(problem, {.go_on = options.go_on});
       solution.stopped = solution.stopped || there.stopped;
-      if (!there.converged || !differs(problem, sd, x, problem.x)) continue;
+      if (!there.converged || !differs(problem, sd, best.x, problem.x)) continue;
       left = there.cost < solution.cost - kLower;
       if (left) {
         there.iterations += solution.iterations;
@@ -249,13 +247,11 @@ std::vector<Mirror> mirrored_minima(FitProblem& problem, Solved& solved, Solutio
       const double rise = 2.0 * std::max(0.0, there.cost - solution.cost) / noise_factor_of(problem, solved);
       const bool known =
           std::ranges::any_of(found, [&](const Mirror& other) { return !differs(problem, sd, other.x, problem.x); });
-      if (rise < kToldApart_chi2 && !known) found.push_back({problem.x, problem.own, rise});
+      if (rise < kToldApart_chi2 && !known) found.push_back({problem.here(), rise});
     }
     if (left) continue;
-    problem.x = x;
-    problem.own = own;
-    problem.apply();
-    add_opposites(problem, sd, {x, own, 0.0}, found);
+    problem.go_to(best);
+    add_opposites(problem, sd, {best, 0.0}, found);
     std::ranges::stable_sort(found, [](const Mirror& a, const Mirror& b) { return a.rise < b.rise; });
     return found;
   }
@@ -264,8 +260,8 @@ std::vector<Mirror> mirrored_minima(FitProblem& problem, Solved& solved, Solutio
 
 void report_mirrors(FitProblem& problem, const Solved& solved, std::span<const Mirror> mirrors,
                     std::span<const FlatPoint> flat, FitResult& result) {
-  const std::vector<double> x = problem.x, sd = sd_of_x(solved);
-  const std::vector<std::vector<double>> own = problem.own;
+  const FitPoint best = problem.here();
+  const std::vector<double> sd = sd_of_x(solved);
   // True where the value is one of those of an ambiguous parameter.
   const auto add = [&](std::size_t i, const OtherValue& other) {
     FittedParameter& p = result.parameters[i];
@@ -288,34 +284,27 @@ void report_mirrors(FitProblem& problem, const Solved& solved, std::span<const M
     if (known) p.knowledge = Knowledge::ambiguous;
     return true;
   };
-  const auto name_of = [&](std::size_t i) {
-    const FitParameter& parameter = result.parameters[i].parameter;
-    return parameter.name.empty() ? parameter.path : parameter.name;
-  };
   const auto tell = [&](Alternative one) {
-    std::string names, values, best;
+    std::vector<std::string> names, values, others;
     for (std::size_t k = 0; k < one.parameters.size(); ++k) {
       const FittedParameter& p = result.parameters[one.parameters[k]];
-      const char* const comma = k == 0 ? "" : k + 1 == one.parameters.size() ? " and " : ", ";
-      names += comma + name_of(one.parameters[k]);
-      best += comma + value_text(p.parameter, p.value, p.linear_sd);
-      values += comma + value_text(p.parameter, one.values[k], p.linear_sd);
+      names.push_back(name_of(p.parameter));
+      values.push_back(value_text(p.parameter, p.value, p.linear_sd));
+      others.push_back(value_text(p.parameter, one.values[k], p.linear_sd));
     }
-    one.text = names + ": the data do not tell " + best + " from " + values;
+    one.text = mtf::listed(names) + ": the data do not tell " + mtf::listed(values) + " from " + mtf::listed(others);
     if (one.chi2_rise >= 0.05) one.text += ", where chi-square is higher by " + mtf::significant(one.chi2_rise, 2);
     result.alternatives.push_back(std::move(one));
   };
   for (const Mirror& mirror : mirrors) {
-    problem.x = mirror.x;
-    problem.own = mirror.own;
-    if (!problem.apply()) continue;
+    if (!problem.go_to(mirror)) continue;
     const std::vector<Eigen::MatrixXd> normals = problem.normals();
     const Identified there =
         identify(information_of(problem, normals, solved.scores, solved.noise_factor).matrix, solved.reference);
     Alternative one{.chi2_rise = mirror.rise};
-    for (std::size_t i = 0; i < x.size(); ++i) {
+    for (std::size_t i = 0; i < best.x.size(); ++i) {
       const Variable& v = problem.variables[i];
-      if (!(std::abs(difference(v, mirror.x[i], x[i])) > kDiffers_sd * sd[i])) continue;
+      if (!(std::abs(difference(v, mirror.x[i], best.x[i])) > kDiffers_sd * sd[i])) continue;
       const auto index = static_cast<Eigen::Index>(i);
       const double at = mirror.x[i], sd_there = std::sqrt(there.covariance(index, index));
       OtherValue other{
@@ -331,11 +320,9 @@ void report_mirrors(FitProblem& problem, const Solved& solved, std::span<const M
     }
     if (!one.parameters.empty()) tell(std::move(one));
   }
-  problem.x = x;
-  problem.own = own;
-  problem.apply();
+  problem.go_to(best);
   // A square that does not hold 0 has the same on the other side.
-  for (std::size_t i = 0; i < x.size(); ++i) {
+  for (std::size_t i = 0; i < best.x.size(); ++i) {
     const Variable& v = problem.variables[i];
     const FittedParameter& p = result.parameters[i];
     const double other = -p.value;

@@ -15,10 +15,8 @@
 
 namespace calib {
 
-struct Mirror {
-  std::vector<double> x;
-  std::vector<std::vector<double>> own;  ///< of the blocks
-  double rise = 0.0;                     ///< of chi-square above the best minimum, in units of the noise
+struct Mirror : FitPoint {
+  double rise = 0.0;  ///< of chi-square above the best minimum, in units of the noise
 };
 
 /// Chi-square up to which another minimum is given beside the best one: the right one is left out in one of two hundred

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <cstdint>
 
-#include "calib/fit/normal_matrix.h"
+#include "calib/dense.h"
 #include "calib/fit/sensors.h"
 
 namespace calib {

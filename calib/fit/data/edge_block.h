@@ -9,7 +9,12 @@
 // (s / half_length)^k, with tan(phi) = g'(s) the slope of the curve there. The blur is that of the normal at the
 // curve's origin: over a bend of phi the OTF differs by the square of phi.
 
+#include <Eigen/Core>
+#include <algorithm>
+#include <cstdint>
 #include <optional>
+#include <span>
+#include <vector>
 
 #include "calib/edge/pixel_correlation.h"
 #include "calib/fit/data/data_block.h"
@@ -30,6 +35,8 @@ class EdgeBlock {
   bool gradients() const { return gradients_; }
   void use_gradients() { gradients_ = true; }
   void set_robust(bool robust) { robust_ = robust; }
+  /// One pixel in so many are about `some`.
+  std::size_t every_for(std::size_t some) const { return std::max<std::size_t>(1, pixels_.size() / some); }
   /// Makes normal() use one pixel in so many, which is enough to come close to the minimum.
   void thin_out(std::size_t every) { every_ = every; }
   /// Multiplies all noise variances.
@@ -48,7 +55,7 @@ class EdgeBlock {
   NormalMatrix normal(const Sensors& sensors, std::span<const double> own) const;
   /// The same with the gradients, whether they are in use or not; `own` without them.
   NormalMatrix normal_with_gradients(const Sensors& sensors, std::span<const double> own) const;
-  /// J^T R J of the columns of normal(), where the pixels share their noise (pixel_scores.h).
+  /// J^T R J of the columns of normal(), where the pixels share their noise.
   Eigen::MatrixXd score_covariance(const Sensors& sensors, std::span<const double> own,
                                    const NoiseCorrelation& noise) const;
   /// The residuals without the Huber loss, for tests of adequacy. `own` is as normal() takes it.
@@ -110,5 +117,41 @@ class EdgeBlock {
   mutable std::vector<double> placed_for_;
   mutable std::vector<Place> places_;
 };
+
+// The covariance of the scores J^T r of a set of pixels. That of independent pixels is J^T J, residuals and derivatives
+// in standard deviations of the noise. Where neighbouring pixels share their noise it is J^T R J, R the correlation of
+// the pixels: the sum over the lags of the products of each row of J with that of the pixel at the lag. The covariance
+// of the solution is then the sandwich (J^T J)^-1 J^T R J (J^T J)^-1 (H. White, Econometrica 48, 817 (1980)).
+
+struct PixelPlace {
+  std::int32_t x = 0, y = 0;
+  auto operator<=>(const PixelPlace& other) const = default;
+};
+
+/// The rows of C = [J r], one a pixel, where all of them are needed at once; filled as a NormalMatrix is.
+class PixelRows {
+ public:
+  explicit PixelRows(std::size_t unknowns) : columns_(unknowns + 1) {}
+  std::span<double> next() {
+    values_.resize(values_.size() + columns_);
+    return std::span(values_).last(columns_);
+  }
+  void add() {}
+
+  using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+  /// All rows of J.
+  auto jacobian() const {
+    const auto columns = static_cast<Eigen::Index>(columns_);
+    return Eigen::Map<const Matrix>(values_.data(), std::ssize(values_) / columns, columns).leftCols(columns - 1);
+  }
+
+ private:
+  std::size_t columns_;
+  std::vector<double> values_;
+};
+
+/// J^T R J. `places`: of the rows, row by row of the image and from left to right.
+Eigen::MatrixXd score_covariance(const PixelRows& rows, std::span<const PixelPlace> places,
+                                 const NoiseCorrelation& noise);
 
 }  // namespace calib

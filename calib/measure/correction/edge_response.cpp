@@ -4,8 +4,22 @@
 #include "mtf/math/special.h"
 
 namespace calib {
+namespace {
 
 using mtf::kPi;
+
+struct BetweenKnots {
+  std::size_t side;  // number of the knot before, of the bright side
+  double width, t;   // of the bin; 0 .. 1 in it
+};
+BetweenKnots between_knots(double d_px) {
+  const DistanceBins& bins = DistanceBins::get();
+  const double d = std::min(std::abs(d_px), kRange_px * (1.0 - 1e-12));
+  const int i = bins.index(d);
+  return {static_cast<std::size_t>(i - kSideBins), bins.width(i), (d - bins.knot(i)) / bins.width(i)};
+}
+
+}  // namespace
 
 EdgeResponse::EdgeResponse(const EdgeModel& model, const JointFit& joint)
     : shape_(model.shape), normal_(model.curve.normal()), table_(tabulate(model.shape, model.curve.angle_rad)) {
@@ -232,12 +246,8 @@ std::array<double, kShapes> EdgeResponse::towards_sharper(double f_cy_px) const 
   return change;
 }
 
-double EdgeResponse::at_knots(const std::array<double, kSideBins + 1>& values, double d_px) const {
-  const DistanceBins& bins = DistanceBins::get();
-  const double d = std::min(std::abs(d_px), kRange_px * (1.0 - 1e-12));
-  const int i = bins.index(d);
-  const auto side = static_cast<std::size_t>(i - kSideBins);
-  const double t = (d - bins.knot(i)) / bins.width(i);
+double EdgeResponse::at_knots(const SideKnots& values, double d_px) const {
+  const auto [side, width, t] = between_knots(d_px);
   return values[side] + t * (values[side + 1] - values[side]);
 }
 
@@ -254,7 +264,7 @@ EdgeResponse::Row EdgeResponse::change_row(double d_px) const {
 EdgeResponse::Row EdgeResponse::slope_row(double d_px) const {
   constexpr double kStep_px = 1.0 / kFinest;
   const double above = d_px + kStep_px, below = d_px - kStep_px;
-  const auto slope_of = [&](const std::array<double, kSideBins + 1>& values, bool odd) {
+  const auto slope_of = [&](const SideKnots& values, bool odd) {
     const double a = at_knots(values, above), b = at_knots(values, below);
     return ((odd && above < 0.0 ? -a : a) - (odd && below < 0.0 ? -b : b)) / (2.0 * kStep_px);
   };
@@ -282,11 +292,8 @@ EdgeResponse::Row EdgeResponse::lsf_row(double d_px) const {
 }
 
 double EdgeResponse::reference_esf(double d_px) const {
-  const DistanceBins& bins = DistanceBins::get();
-  const double d = std::min(std::abs(d_px), kRange_px * (1.0 - 1e-12));
-  const int i = bins.index(d);
-  const auto side = static_cast<std::size_t>(i - kSideBins);
-  const double h = bins.width(i), t = (d - bins.knot(i)) / h, u = 1.0 - t;
+  const auto [side, h, t] = between_knots(d_px);
+  const double u = 1.0 - t;
   const double odd = u * u * ((1.0 + 2.0 * t) * table_.odd[side] + t * h * table_.lsf[side]) +
                      t * t * ((1.0 + 2.0 * u) * table_.odd[side + 1] - u * h * table_.lsf[side + 1]);
   return 0.5 + std::copysign(odd, d_px);

@@ -86,7 +86,7 @@ class EdgeResponse {
   Row change_row(double d_px) const;  // of E, about where the equations were taken
   Row slope_row(double d_px) const;
   double reference_esf(double d_px) const;
-  double at_knots(const std::array<double, kSideBins + 1>& values, double d_px) const;
+  double at_knots(const SideKnots& values, double d_px) const;
 
   ReferenceShape shape_;
   Point normal_;

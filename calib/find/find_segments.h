@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// The steps of find_edges: image -> cells -> gradients -> smooth segments -> regions. Coordinates are in cells from the
+// The first steps of find_edges: image -> cells -> gradients -> smooth segments. Coordinates are in cells from the
 // corner of the image, the centre of cell (i, j) is (i + 0.5, j + 0.5).
 
 #include <array>
 #include <cstdint>
 #include <functional>
-#include <optional>
 #include <vector>
 
-#include "calib/find/find_edges.h"
+#include "calib/edge/edge_curve.h"
+#include "mtf/image.h"
 
 namespace calib::find {
 
@@ -63,43 +63,5 @@ struct Segment {
 /// Every segment of at least `min_length` cells, one after the other: a large image of clutter has millions.
 using TakeSegment = std::function<void(const Segment&)>;
 void make_segments(const Gradients& gradients, double min_length, const TakeSegment& take);
-
-/// The two sides of a segment.
-struct Surroundings {
-  double blur = 0.0;      ///< half width of the edge's own blur
-  double free = 0.0;      ///< distance on both sides up to which there is no other structure
-  double contrast = 0.0;  ///< between the medians just beyond the blur, in parts of the image's range
-  double noise_sd = 0.0;  ///< of a pixel there, no less than the image's
-};
-/// Absent when the gradient does not fall to `floor` on both sides: no edge by itself, or a side without data.
-std::optional<Surroundings> survey(const Cells& cells, const Gradients& gradients, const Segment& segment, double floor,
-                                   double farthest);
-
-/// How many cells of a rectangle have a gradient above a threshold, from an integral image.
-class Structure {
- public:
-  Structure(const Gradients& gradients, double threshold);
-  std::int64_t count(std::int64_t x0, std::int64_t y0, std::int64_t x1, std::int64_t y1) const;
-
- private:
-  std::int64_t width_ = 0;
-  std::vector<std::uint32_t> sum_;
-};
-
-/// A region in cells with one edge in it.
-struct Region {
-  std::int64_t x0 = 0, y0 = 0, x1 = 0, y1 = 0;  ///< up to, not including, x1, y1
-  double length = 0.0;                          ///< of the edge in it
-  double half_width = 0.0;
-  bool whole = false;  ///< the image holds nothing else
-};
-
-struct RegionLimits {
-  double min_length = 0.0, half_width = 0.0;  ///< in cells; half_width 0 = as suits
-};
-/// The best rectangle around the segment that holds no other structure; absent when there is none of this length.
-std::optional<Region> place_region(const Gradients& gradients, const Structure& structure, double threshold,
-                                   const Segment& segment, const Surroundings& surroundings,
-                                   const RegionLimits& limits);
 
 }  // namespace calib::find

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// The inputs of `mtf fit`, loaded: images and their measured edges, curves, spots, and the sensor of each.
+// `mtf fit`: its data, loaded (images and their measured edges, curves, spots, and the sensor of each), and the result
+// as table, JSON and sensor file.
 
 #include <list>
 #include <string>
@@ -23,13 +24,6 @@ struct LoadedData {
   std::size_t left_out = 0;            ///< files that could not be read
 };
 
-/// "FILE@DEGREES" or "FILE" of --curve.
-struct CurveWord {
-  std::string file;
-  double angle_deg = 0.0;
-};
-CurveWord curve_word(const std::string& word);
-
 /// Numbers that the sensor file marks fit = true. Throws UsageError when there is none.
 std::vector<calib::FitParameter> fit_parameters(const mtf::io::SensorConfig& sensor);
 
@@ -39,7 +33,13 @@ void add_edges(LoadedData& loaded, EdgePlane plane, std::size_t condition, int t
 /// Adds a plane as the image of a point source.
 void add_spot(LoadedData& loaded, EdgePlane plane, std::size_t condition);
 
-/// Loads and measures. One of several that cannot be read is left out with a warning. Throws as load_edge_planes.
-LoadedData load_fit_data(const FitOptions& options, const mtf::io::SensorConfig& sensor, int threads);
+std::string fit_table(const calib::FitResult& result);
+std::string fit_json(const calib::FitResult& result, const mtf::io::SensorConfig& sensor,
+                     const std::vector<std::string>& inputs);
+
+/// The sensor file with the fitted values, their standard errors and where they come from. What the data do not
+/// determine has the values of the best fit, so that the file gives the measured MTF, but no standard error.
+std::string fitted_config(const calib::FitResult& result, const mtf::io::SensorConfig& sensor,
+                          const std::vector<std::string>& inputs, const std::string& destination);
 
 }  // namespace apps
