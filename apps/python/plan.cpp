@@ -9,7 +9,6 @@
 
 #include "apps/python/arrays.h"
 #include "apps/python/job.h"
-#include "apps/python/light_filter.h"
 #include "apps/python/sensor.h"
 #include "apps/python/topics.h"
 #include "apps/simulate/live_simulation.h"
@@ -105,10 +104,7 @@ class ChainPlan {
   /// `filter`: of light, before everything of the sensor; a function, or None.
   ChainPlan(const SimulateOptions& options, const SampleWords& sample, mtf::io::Quantity quantity,
             const py::object& filter)
-      : sample_(sample),
-        quantity_(quantity),
-        filter_(filter),
-        live_({.filter = light_filter(filter.is_none() ? nullptr : filter.ptr())}, options) {}
+      : sample_(sample), quantity_(quantity), filter_(filter), live_({.filter = light_filter(filter)}, options) {}
 
   py::object run(const SensorHandle& sensor, const py::object& scene, const py::object& out, std::int64_t frame) {
     const PlaneView in = plane_of(scene, "scene");

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
-// Sensor files: read, changed, written, explained, checked.
+// Sensor files: read, changed, written, explained, checked; and what they may hold, for the classes that the package
+// makes of it.
 
 #include "apps/python/sensor.h"
 
@@ -8,9 +9,11 @@
 
 #include "apps/budget_table.h"
 #include "apps/config_command.h"
+#include "apps/kinds.h"
 #include "apps/python/topics.h"
 #include "apps/sensor/sensor_air.h"
 #include "apps/sensor/sensor_chain.h"
+#include "apps/sensor/sensor_kinds.h"
 #include "apps/sensor/sensor_place.h"
 #include "apps/text/message_words.h"
 #include "mtf/error.h"
@@ -109,6 +112,42 @@ double converted(double value, const std::string& unit, const std::string& to) {
   return value * from->factor / target->factor;
 }
 
+py::dict as_dict(const Parameter& parameter) {
+  return py::dict("name"_a = parameter.name, "type"_a = type_name(parameter.type), "unit"_a = parameter.unit,
+                  "range"_a = range_of(parameter),
+                  "words"_a = std::vector(parameter.words.begin(), parameter.words.end()),
+                  "presence"_a = presence_of(parameter), "default"_a = parameter.default_value,
+                  "example"_a = parameter.example, "doc"_a = parameter.doc);
+}
+
+py::list parameters_of(const std::vector<Parameter>& parameters) {
+  py::list entries;
+  for (const Parameter& parameter : parameters) entries.append(as_dict(parameter));
+  return entries;
+}
+
+py::list stages_of(const mtf::Stages& stages) {
+  py::list names;
+  for (const mtf::Stage stage : mtf::kStages)
+    if (stages.allows(stage)) names.append(std::string(mtf::stage_name(stage)));
+  return names;
+}
+
+py::dict kinds() {
+  const SensorKinds all = sensor_kinds();
+  py::list components, tables;
+  for (const ComponentKind& kind : all.components) {
+    components.append(py::dict("kind"_a = kind.kind, "doc"_a = kind.doc, "notes"_a = kind.notes,
+                               "stages"_a = stages_of(kind.stages), "parameters"_a = parameters_of(kind.parameters),
+                               "example"_a = kind.example));
+  }
+  for (const TableKind& kind : all.tables) {
+    tables.append(py::dict("name"_a = kind.name, "doc"_a = kind.doc, "condition"_a = kind.condition,
+                           "parameters"_a = parameters_of(kind.parameters)));
+  }
+  return py::dict("components"_a = components, "tables"_a = tables);
+}
+
 }  // namespace
 
 void require_unchanged(const SensorHandle& sensor) {
@@ -202,6 +241,7 @@ void add_sensor(py::module_& module) {
       .def("explain", &explain)
       .def("check", &check)
       .def("budget", &budget, "temperature_k"_a);
+  module.def("kinds", &kinds);
   module.def("starter_config", &mtf::io::starter_config);
   module.def(
       "read_text", [](const FileName& file) { return mtf::io::read_text_file(file, std::size_t{1} << 20); }, "file"_a);
