@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "apps/figures/otf_map.h"
-#include "apps/sensor/air_course.h"
+#include "apps/sensor/sensor_air.h"
 #include "apps/sensor/otf_curves.h"
 #include "apps/sensor/sensor_place.h"
 #include "mtf/error.h"

@@ -10,7 +10,7 @@
 #include "apps/schema/schemas.h"
 #include "apps/sensor/sensor_air.h"
 #include "apps/sensor/sensor_place.h"
-#include "apps/sensor/sensor_warnings.h"
+#include "apps/sensor/sensor_chain.h"
 #include "apps/sweep/study_file.h"
 #include "apps/terminal/output.h"
 #include "apps/terminal/text_table.h"

@@ -18,7 +18,7 @@
 #include "apps/sensor/otf_curves.h"
 #include "apps/sensor/sensor_chain.h"
 #include "apps/sensor/sensor_place.h"
-#include "apps/sensor/sensor_warnings.h"
+#include "apps/sensor/sensor_chain.h"
 #include "apps/simulate/sensor_image.h"
 #include "apps/simulate/sensor_run.h"
 #include "apps/text/json.h"

@@ -7,7 +7,6 @@
 #include <mutex>
 
 #include "apps/sensor/sensor_place.h"
-#include "apps/simulate/run_watch.h"
 #include "apps/simulate/simulate_parts.h"
 #include "apps/simulate/tiles/tile_scene.h"
 #include "apps/text/message_words.h"
@@ -23,33 +22,6 @@ namespace {
 // A sensor in a run in tiles (radiometry/chain/chain_tiles.h): which sensors and scenes can go through it, the scene's
 // windows as light, and each tile from light to the output stage, with one report for all. Of a linear sensor the
 // windows are light as they are, and the filtered tile is the output.
-
-/// What comes after the filters of the tiles of one run, and what it has counted in all of them.
-class ChainOfTiles {
- public:
-  using Planes = std::span<const mtf::ImageView<const float>>;
-  /// Takes a finished tile and what has been counted in it. Called from several threads at once.
-  using Take = std::function<void(const mtf::Tile& tile, Planes planes, const mtf::io::TileCounts& counts)>;
-
-  /// `first` is the pixel of the detector at which the output of `plan` starts. The counts go to `report`, that of the
-  /// sensor, which lives longer. Throws UsageError as TiledChain.
-  ChainOfTiles(const SensorRun& sensor, const mtf::TiledSensorPlan& plan, radiometry::Origin first, int threads,
-               std::optional<ChainReport>& report);
-
-  /// Filtered light to the output stage. From several threads at once.
-  void run(const mtf::Tile& tile, Planes filtered, const Take& take);
-  /// How many counts there are.
-  std::size_t counts_a_tile() const;
-  /// Adds what a stopped run counted in a tile.
-  void add(const mtf::io::TileCounts& counts);
-
- private:
-  std::optional<radiometry::TiledChain> chain_;
-  radiometry::Origin first_;
-  int threads_;
-  std::mutex lock_;
-  std::optional<ChainReport>& report_;
-};
 
 /// The counts of a frame that reports sum up, in the order in which they are kept with a tile.
 template <class Frame>
@@ -73,6 +45,58 @@ mtf::io::TileCounts counts_of(const radiometry::ChainFrame& frame) {
   for (const std::int64_t* count : counts_in(frame)) counts.push_back(*count);
   return counts;
 }
+
+/// What comes after the filters of the tiles of one run, and what it has counted in all of them.
+class ChainOfTiles {
+ public:
+  using Planes = std::span<const mtf::ImageView<const float>>;
+  /// Takes a finished tile and what has been counted in it. Called from several threads at once.
+  using Take = std::function<void(const mtf::Tile& tile, Planes planes, const mtf::io::TileCounts& counts)>;
+
+  /// `first` is the pixel of the detector at which the output of `plan` starts. The counts go to `report`, that of the
+  /// sensor, which lives longer. Throws UsageError as TiledChain.
+  ChainOfTiles(const SensorRun& sensor, const mtf::TiledSensorPlan& plan, radiometry::Origin first, int threads,
+               std::optional<ChainReport>& report)
+      : first_(first), threads_(std::max(1, mtf::threads_of(threads) / plan.report().in_flight)), report_(report) {
+    const RadiometricChain* chain = sensor.chain();
+    if (chain == nullptr) return;
+    const mtf::SampleGrid whole = mtf::detector_grid(sensor.config().system, plan.in());
+    at_its_place(sensor.config(), [&] {
+      chain_.emplace(plan.inner(), chain->system, chain->loaded.sensor, whole.width, whole.height, chain->stage);
+    });
+  }
+
+  /// Filtered light to the output stage. From several threads at once.
+  void run(const mtf::Tile& tile, Planes filtered, const Take& take) {
+    if (!chain_) return take(tile, filtered, {});
+    const radiometry::ChainFrame frame =
+        chain_->run(copy_of(filtered.front()), {first_.x + tile.region.x, first_.y + tile.region.y}, 0, threads_);
+    {
+      const std::scoped_lock guard(lock_);
+      report_->add(frame);
+      for (const auto& [stage, ms] : frame.timing_ms) radiometry::add_time(report_->timing_ms, stage, ms);
+    }
+    const mtf::ImageView<const float> output = frame.image.view();
+    take(tile, {&output, 1}, counts_of(frame));
+  }
+  /// How many counts there are.
+  std::size_t counts_a_tile() const { return chain_ ? counts_of({}).size() : 0; }
+  /// Adds what a stopped run counted in a tile.
+  void add(const mtf::io::TileCounts& counts) {
+    if (!chain_) return;
+    radiometry::ChainFrame frame;
+    const auto places = counts_in(frame);
+    for (std::size_t i = 0; i < counts.size(); ++i) *places[i] = counts[i];
+    report_->add(frame);
+  }
+
+ private:
+  std::optional<radiometry::TiledChain> chain_;
+  radiometry::Origin first_;
+  int threads_;
+  std::mutex lock_;
+  std::optional<ChainReport>& report_;
+};
 
 /// The last output stage before the one wanted whose image can be made in tiles.
 std::optional<radiometry::OutputStage> earlier_stage(const RadiometricChain& chain) {
@@ -142,40 +166,6 @@ void count_memory(const SensorRun& sensor, mtf::TileOptions& options) {
   const RadiometricChain& chain = *sensor.chain();
   options.receiver_bytes = tile_bytes_a_pixel(chain.system, chain.loaded.sensor);
   options.held_bytes = map_bytes(chain.loaded.sensor);
-}
-
-ChainOfTiles::ChainOfTiles(const SensorRun& sensor, const mtf::TiledSensorPlan& plan, radiometry::Origin first,
-                           int threads, std::optional<ChainReport>& report)
-    : first_(first), threads_(std::max(1, mtf::threads_of(threads) / plan.report().in_flight)), report_(report) {
-  const RadiometricChain* chain = sensor.chain();
-  if (chain == nullptr) return;
-  const mtf::SampleGrid whole = mtf::detector_grid(sensor.config().system, plan.in());
-  at_its_place(sensor.config(), [&] {
-    chain_.emplace(plan.inner(), chain->system, chain->loaded.sensor, whole.width, whole.height, chain->stage);
-  });
-}
-
-void ChainOfTiles::run(const mtf::Tile& tile, Planes filtered, const Take& take) {
-  if (!chain_) return take(tile, filtered, {});
-  const radiometry::ChainFrame frame =
-      chain_->run(copy_of(filtered.front()), {first_.x + tile.region.x, first_.y + tile.region.y}, 0, threads_);
-  {
-    const std::scoped_lock guard(lock_);
-    report_->add(frame);
-    for (const auto& [stage, ms] : frame.timing_ms) radiometry::add_time(report_->timing_ms, stage, ms);
-  }
-  const mtf::ImageView<const float> output = frame.image.view();
-  take(tile, {&output, 1}, counts_of(frame));
-}
-
-std::size_t ChainOfTiles::counts_a_tile() const { return chain_ ? counts_of({}).size() : 0; }
-
-void ChainOfTiles::add(const mtf::io::TileCounts& counts) {
-  if (!chain_) return;
-  radiometry::ChainFrame frame;
-  const auto places = counts_in(frame);
-  for (std::size_t i = 0; i < counts.size(); ++i) *places[i] = counts[i];
-  report_->add(frame);
 }
 
 // The C library keeps freed blocks of tiles for later ones of other sizes, beyond what the limit allows.

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "apps/simulate/run_watch.h"
 #include "apps/simulate/scene_source.h"
+#include "apps/simulate/simulate_parts.h"
 #include "mtf/io/exr/exr_windows.h"
 #include "mtf/tiles/tiles.h"
 

@@ -12,7 +12,7 @@
 #include <memory>
 #include <vector>
 
-#include "apps/sensor/air_course.h"
+#include "apps/sensor/sensor_air.h"
 #include "apps/study/design/variant_sensor.h"
 
 namespace study {

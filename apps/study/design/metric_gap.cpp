@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "apps/sensor/air_course.h"
+#include "apps/sensor/sensor_air.h"
 #include "apps/study/design/range_tasks.h"
 #include "apps/study/study_shape.h"
 #include "mtf/error.h"
