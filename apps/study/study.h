@@ -42,6 +42,7 @@
 // file has an angle. The combinations of their levels are variants, sensors of their own. The README beside this header
 // has every key.
 
+#include <cmath>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -106,6 +107,16 @@ struct Constraint {
   Expression left, right;
   bool less = true;  ///< left < right, else left > right
   bool strict = true;
+};
+
+/// Values of both sides of a constraint, in SI; NaN for a design that cannot be.
+struct ConstraintValues {
+  double left = 0.0, right = 0.0;
+
+  /// The amount by which it holds, below 0 where it does not: right - left of left < right (`less`), else left - right.
+  double margin(bool less) const { return less ? right - left : left - right; }
+  /// True when both sides are numbers; an infinite side decides nothing.
+  bool finite() const { return std::isfinite(left) && std::isfinite(right); }
 };
 
 struct Objective {

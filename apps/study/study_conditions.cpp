@@ -4,7 +4,7 @@
 #include <algorithm>
 
 #include "apps/sensor/sensor_air.h"
-#include "apps/study/design/range_tasks.h"
+#include "apps/study/design/metric_rows.h"
 #include "apps/study/study_shape.h"
 #include "apps/study/study_starter.toml.h"
 #include "mtf/error.h"

@@ -6,7 +6,7 @@
 #include <map>
 #include <set>
 
-#include "apps/study/design/metric_gap.h"
+#include "apps/study/design/metric_rows.h"
 #include "apps/study/result_columns.h"
 #include "apps/study/study_reader.h"
 #include "apps/study/study_shape.h"

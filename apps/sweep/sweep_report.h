@@ -5,7 +5,7 @@
 
 #include "apps/study/optimum/optimize.h"
 #include "apps/study/statistics/accuracy.h"
-#include "apps/study/statistics/design_sensitivity.h"
+#include "apps/study/statistics/indices.h"
 #include "apps/study/statistics/tally.h"
 #include "apps/sweep/sweep_parts.h"
 #include "apps/text/json.h"

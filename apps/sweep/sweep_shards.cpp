@@ -9,7 +9,7 @@
 #include <limits>
 
 #include "apps/arguments.h"
-#include "apps/study/rows/submit_script.h"
+#include "apps/study/rows/shard_plan.h"
 #include "apps/sweep/sweep_parts.h"
 #include "apps/terminal/interrupt.h"
 #include "apps/terminal/output.h"

@@ -5,8 +5,17 @@
 #include "apps/study/design/design_model.h"
 
 namespace study {
-
 namespace {
+
+/// What of each axis a metric needs, where it is one thing.
+using Need = bool mtf::AxisNeeds::*;
+constexpr std::array<std::pair<Effort, Need>, 7> kAxisNeeds{{{Effort::edge, &mtf::AxisNeeds::edge},
+                                                             {Effort::overshoot, &mtf::AxisNeeds::overshoot},
+                                                             {Effort::fwhm, &mtf::AxisNeeds::fwhm},
+                                                             {Effort::mtf50, &mtf::AxisNeeds::mtf50},
+                                                             {Effort::area, &mtf::AxisNeeds::area},
+                                                             {Effort::aliasing, &mtf::AxisNeeds::aliasing},
+                                                             {Effort::spurious, &mtf::AxisNeeds::spurious}}};
 
 MetricPlan plan_of(const Study& study, std::span<const MetricInfo> metrics, double tolerance) {
   MetricPlan plan;
@@ -31,52 +40,17 @@ MetricPlan plan_of(const Study& study, std::span<const MetricInfo> metrics, doub
     plan.spatial = plan.spatial || observed || metric == Metric::prnu_noise || metric == Metric::dsnu_noise ||
                    metric == Metric::correction_noise || metric == Metric::spatial_noise ||
                    metric == Metric::spatial_netd;
-    switch (effort) {
-      case Effort::geometry:
-      case Effort::points:
-      case Effort::budget:
-        break;
-      case Effort::grd:
-        plan.needs.curves = plan.needs.y = true;
-        break;
-      case Effort::edge:
-        axis.edge = true;
-        break;
-      case Effort::overshoot:
-        axis.overshoot = true;
-        break;
-      case Effort::fwhm:
-        axis.fwhm = true;
-        break;
-      case Effort::mtf50:
-        axis.mtf50 = true;
-        break;
-      case Effort::area:
-        axis.area = true;
-        break;
-      case Effort::aliasing:
-        axis.aliasing = true;
-        break;
-      case Effort::spurious:
-        axis.aliasing = axis.spurious = true;
-        break;
-      case Effort::light:
-        (choice.row->metric == Metric::strehl ? plan.needs.strehl : plan.needs.ensquared) = true;
-        break;
-      case Effort::giqe:
-        if (choice.row->metric == Metric::niirs_giqe5)
-          axis.unfiltered = true;
-        else
-          axis.edge = axis.overshoot = plan.giqe = true;
-        break;
-      case Effort::bars:
-        plan.bars = plan.needs.curves = plan.needs.y = true;
-        break;
-      case Effort::air:
-        plan.air = true;
-        plan.ttp = plan.ttp || metric == Metric::ttp;
-        break;
-    }
+    for (const auto& [of, need] : kAxisNeeds) axis.*need = axis.*need || effort == of;
+    if (effort == Effort::spurious) axis.aliasing = true;
+    if (effort == Effort::light) (metric == Metric::strehl ? plan.needs.strehl : plan.needs.ensquared) = true;
+    if (effort == Effort::giqe && metric == Metric::niirs_giqe5)
+      axis.unfiltered = true;
+    else if (effort == Effort::giqe)
+      axis.edge = axis.overshoot = plan.giqe = true;
+    if (effort == Effort::grd || effort == Effort::bars) plan.needs.curves = plan.needs.y = true;
+    plan.bars = plan.bars || effort == Effort::bars;
+    plan.air = plan.air || effort == Effort::air;
+    plan.ttp = plan.ttp || metric == Metric::ttp;
     const std::array<RangeTask, kRangeTasks> tasks = range_tasks(study.conditions);
     for (std::size_t i = 0; i < tasks.size(); ++i) plan.range[i] = plan.range[i] || tasks[i].metric == metric;
   }

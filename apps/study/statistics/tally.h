@@ -9,9 +9,9 @@
 #include <optional>
 #include <set>
 
-#include "apps/study/constraint_values.h"
 #include "apps/study/rows/row_table.h"
 #include "apps/study/statistics/pareto.h"
+#include "apps/study/study.h"
 
 namespace study {
 
