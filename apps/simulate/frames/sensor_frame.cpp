@@ -43,6 +43,26 @@ bool same_encoding(const std::optional<mtf::io::Encoding>& a, const std::optiona
          a->name == b->name;
 }
 
+/// Takes the scene out of `source`; `watch` hears of the steps "read" and "light" of a run of one image. Throws as
+/// take_scene, treat_bad_pixels and SensorRun::light.
+SceneInput load_input(SceneSource source, const SensorRun& sensor, NanPolicy nan, int threads,
+                      RunWatch* watch = nullptr) {
+  SceneInput input;
+  input.scene = take_scene(sensor.config(), source);
+  input.masks = treat_bad_pixels(input.scene, nan, input.bad_pixels);
+  if (watch != nullptr && !input.bad_pixels.empty()) watch->note(input.bad_pixels);
+  if (watch != nullptr) watch->tell_stage("read");
+  SceneLight light = sensor.light(input.scene, input.masks, source, threads);
+  if (watch != nullptr && !sensor.is_linear()) watch->tell_stage("light");
+  if (source.filter) source.filter(input.scene);
+  input.border_value = light.border_value;
+  input.rate = std::move(light.rate);
+  input.warnings = std::move(light.warnings);
+  input.summary =
+      summarise_all(input.scene, sensor.config().scene.border, input.border_value, light.error, input.warnings);
+  return input;
+}
+
 }  // namespace
 
 std::vector<std::string> warnings_of(const Frame& frame) {
@@ -87,23 +107,6 @@ mtf::io::Metadata metadata_of(const Frame& frame) {
   metadata.text["mtf:frame"] = std::to_string(frame.number);
   if (!frame.settings.empty()) metadata.text["mtf:schedule"] = frame.settings;
   return metadata;
-}
-
-SceneInput load_input(SceneSource source, const SensorRun& sensor, NanPolicy nan, int threads, RunWatch* watch) {
-  SceneInput input;
-  input.scene = take_scene(sensor.config(), source);
-  input.masks = treat_bad_pixels(input.scene, nan, input.bad_pixels);
-  if (watch != nullptr && !input.bad_pixels.empty()) watch->note(input.bad_pixels);
-  if (watch != nullptr) watch->tell_stage("read");
-  SceneLight light = sensor.light(input.scene, input.masks, source, threads);
-  if (watch != nullptr && !sensor.is_linear()) watch->tell_stage("light");
-  if (source.filter) source.filter(input.scene);
-  input.border_value = light.border_value;
-  input.rate = std::move(light.rate);
-  input.warnings = std::move(light.warnings);
-  input.summary =
-      summarise_all(input.scene, sensor.config().scene.border, input.border_value, light.error, input.warnings);
-  return input;
 }
 
 mtf::System<double> system_for(const SensorRun& sensor, const SceneInput& input) {

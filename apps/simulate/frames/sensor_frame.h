@@ -29,11 +29,6 @@ struct SceneInput {
   std::vector<std::string> warnings{};  ///< of the light and of its contrast; `scene` has those of reading it
 };
 
-/// Takes the scene out of `source`; `watch` hears of the steps "read" and "light" of a run of one image. Throws as
-/// take_scene, treat_bad_pixels and SensorRun::light.
-SceneInput load_input(SceneSource source, const SensorRun& sensor, NanPolicy nan, int threads,
-                      RunWatch* watch = nullptr);
-
 /// What filters that scene: the system of the sensor, with the `rate` of the scene.
 mtf::System<double> system_for(const SensorRun& sensor, const SceneInput& input);
 
@@ -54,7 +49,7 @@ class StillScene {
     complete_name(source_);
   }
 
-  /// Errors as load_input.
+  /// Throws as take_scene, treat_bad_pixels and SensorRun::light.
   std::shared_ptr<const SceneInput> of(const SensorRun& sensor);
   const SceneSource& source() const { return source_; }
 
@@ -90,7 +85,8 @@ struct Frame {
 /// What is to be said of the sensor and the scene of a frame before it is planned.
 std::vector<std::string> warnings_of(const Frame& frame);
 
-/// Takes the scene of `source` for this frame alone. Arguments and errors as load_input().
+/// Takes the scene of `source` for this frame alone. Arguments and errors as StillScene; `watch` hears of the steps
+/// "read" and "light" of a run of one image.
 void load_own(Frame& frame, SceneSource source, NanPolicy nan, int threads, RunWatch* watch = nullptr);
 
 /// The chain with that plan; null of a linear sensor. Further arguments as those of radiometry::Chain, whose errors get

@@ -108,11 +108,22 @@ bool take_hash(std::string_view& text, std::string_view word, std::string& hash)
   return true;
 }
 
-namespace fs = std::filesystem;
+/// Writes a file of one piece; rows.size() = range.count x layout.columns. Throws RuntimeError (disk full, ...).
+void write_rows(const fs::path& file, const RowLayout& layout, RowRange range, std::span<const double> rows) {
+  mtf::io::AtomicFile out(file.string());
+  const std::vector<std::uint64_t> sums = sums_of(range, rows);
+  const std::string head = lines_of(layout, range) + "sha256 " + hash_of(layout, range, sums, rows) + "\n\n";
+  out.write(head.data(), head.size());
+  out.write(sums.data(), sums.size() * sizeof(std::uint64_t));
+  out.write(rows.data(), rows.size() * sizeof(double));
+  out.commit();
+}
 
-constexpr std::int64_t kSmallestPiece = 4, kLargestPiece = 4096, kPieces = 256;
-
-std::int64_t size_of(const RowRun& run) { return run.piece > 0 ? run.piece : piece_size(run.range.count); }
+/// Designs in a piece: small enough to lose little and to share among threads, large enough for few files.
+std::int64_t size_of(const RowRun& run) {
+  constexpr std::int64_t kSmallest = 4, kLargest = 4096, kPieces = 256;
+  return run.piece > 0 ? run.piece : std::clamp((run.range.count + kPieces - 1) / kPieces, kSmallest, kLargest);
+}
 
 RowRange piece_range(const RowRun& run, std::int64_t index) {
   const std::int64_t size = size_of(run), first = run.range.first + index * size;
@@ -187,16 +198,6 @@ std::string shown(const fs::path& path) { return mtf::printable(path.string()); 
 std::uint64_t RowPiece::bytes() const {
   const auto words_of_row = static_cast<std::uint64_t>(layout.columns) + 1;  // a checksum and the numbers
   return static_cast<std::uint64_t>(range.count) * words_of_row * sizeof(double);
-}
-
-void write_rows(const fs::path& file, const RowLayout& layout, RowRange range, std::span<const double> rows) {
-  mtf::io::AtomicFile out(file.string());
-  const std::vector<std::uint64_t> sums = sums_of(range, rows);
-  const std::string head = lines_of(layout, range) + "sha256 " + hash_of(layout, range, sums, rows) + "\n\n";
-  out.write(head.data(), head.size());
-  out.write(sums.data(), sums.size() * sizeof(std::uint64_t));
-  out.write(rows.data(), rows.size() * sizeof(double));
-  out.commit();
 }
 
 std::vector<RowPiece> list_rows(const fs::path& file) {
@@ -281,10 +282,6 @@ std::vector<RowPiece> in_order(std::vector<RowPiece> pieces, const RowLayout& la
   }
   if (next < range.end()) throw mtf::RuntimeError(describe(RowRange{next, range.end() - next}) + ": missing");
   return pieces;
-}
-
-std::int64_t piece_size(std::int64_t designs) {
-  return std::clamp((designs + kPieces - 1) / kPieces, kSmallestPiece, kLargestPiece);
 }
 
 RowTally run_rows(const RowRun& run) {

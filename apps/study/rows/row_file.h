@@ -46,10 +46,6 @@ struct RowPiece {
   std::uint64_t bytes() const;  ///< size of the checksums and the numbers
 };
 
-/// Writes a file of one piece; rows.size() = range.count x layout.columns. Throws RuntimeError (disk full, ...).
-void write_rows(const std::filesystem::path& file, const RowLayout& layout, RowRange range,
-                std::span<const double> rows);
-
 /// The pieces of a file in their order. Throws RuntimeError naming the file when it cannot be read, is no row file, or
 /// is shorter or longer than its lines say.
 std::vector<RowPiece> list_rows(const std::filesystem::path& file);
@@ -87,7 +83,7 @@ struct RowRun {
   RowLayout layout;
   RowRange range;
   std::filesystem::path folder;    ///< holds the pieces; made here where it is missing
-  std::int64_t piece = 0;          ///< designs in one; 0 = piece_size(range.count)
+  std::int64_t piece = 0;          ///< designs in one; 0 = 4 to 4096, by their number
   int threads = 0;                 ///< 0 = all cores
   std::function<RowMaker()> make;  ///< called once a thread
   std::function<void(std::int64_t)>
@@ -100,9 +96,6 @@ struct RowTally {
   std::int64_t resumed = 0;  ///< left by a run before
   std::int64_t damaged = 0;  ///< designs of pieces that were damaged and were made again (part of `made`)
 };
-
-/// Designs in a piece: small enough to lose little and to share among threads, large enough for few files.
-std::int64_t piece_size(std::int64_t designs);
 
 /// Makes the rows that the folder does not hold. A piece that is damaged, foreign or of another size is made again.
 /// Throws what `make`, a row maker or the disk throws; finished pieces stay.
