@@ -183,6 +183,10 @@ StudyResult parse_study(const std::string& text, const std::string& file);
 /// Metrics of [metrics] list that no design can have: their columns stay empty.
 std::vector<mtf::io::Diagnostic> listed_gaps(const Study& study);
 
+/// What the observers, target and air of a study are, in words, for every output of its ranges. Empty for a study
+/// without figures of light, quality or observers. A magnification by a display is that of the study's first sensor.
+std::vector<std::string> condition_lines(const Study& study);
+
 /// True for a file whose top level has [[axis]] or `sensor`: a study and no sensor.
 bool is_study(const std::string& text);
 

@@ -159,4 +159,7 @@ std::string exact_product(std::span<const std::int64_t> factors);
 /// The product, or `limit` + 1 when it is larger.
 std::int64_t bounded_product(std::span<const std::int64_t> factors, std::int64_t limit);
 
+/// Why [conditions] extinction cannot stand beside the air of a sensor file, "" where that has none.
+std::string extinction_problem(const mtf::io::SensorConfig& sensor);
+
 }  // namespace study

@@ -6,7 +6,7 @@
 
 #include "apps/study/design/design_model.h"
 #include "apps/study/design/metric_rows.h"
-#include "apps/study/study_conditions.h"
+#include "apps/study/study_reader.h"
 #include "mtf/error.h"
 
 namespace study {

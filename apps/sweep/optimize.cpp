@@ -6,9 +6,6 @@
 #include <filesystem>
 
 #include "apps/study/result_columns.h"
-#include "apps/study/study_conditions.h"
-#include "apps/sweep/optimize_report.h"
-#include "apps/sweep/sweep_parts.h"
 #include "apps/sweep/sweep_report.h"
 #include "apps/terminal/output.h"
 #include "apps/terminal/output_set.h"
@@ -102,6 +99,13 @@ std::string method_name(study::OptimizeOptions::Method method) {
 }
 
 /// What a column says about a design and has no other place: axes, links, metrics, objectives of their own.
+std::string status_name(Status status) {
+  return status == Status::optimal      ? "optimal"
+         : status == Status::stopped    ? "stopped"
+         : status == Status::infeasible ? "infeasible"
+                                        : "impossible";
+}
+
 bool is_value(const Column& column) {
   return column.role == Column::Role::axis || column.role == Column::Role::link ||
          column.role == Column::Role::metric || column.role == Column::Role::objective;
@@ -249,13 +253,6 @@ int run_optimize(const OptimizeCommandOptions& options, const Global& global) {
   outputs.commit();
   print(options.format == Format::json ? json : optimize_table(*study, goals));
   return feasible ? 0 : 3;
-}
-
-std::string status_name(Status status) {
-  return status == Status::optimal      ? "optimal"
-         : status == Status::stopped    ? "stopped"
-         : status == Status::infeasible ? "infeasible"
-                                        : "impossible";
 }
 
 std::string optimize_table(const Study& study, const std::vector<OptimizedGoal>& goals) {

@@ -7,7 +7,6 @@
 #include "apps/bench/machine.h"
 #include "apps/study/result_columns.h"
 #include "apps/study/rows/sweep_rows.h"
-#include "apps/study/study_conditions.h"
 #include "apps/study/study_shape.h"
 #include "apps/sweep/sweep_report.h"
 #include "apps/terminal/today.h"
