@@ -118,9 +118,7 @@ class ChainPlan {
       const py::gil_scoped_release free;
       const std::lock_guard lock(*mutex_);
       made.planes.push_back(image_of(in.view));
-      SimulatedImage frame_made = live_.image(std::move(made), sensor.config, frame);
-      image = std::move(frame_made.planes.front());
-      promised_ = live_.plan().predicted_error;
+      image = std::move(live_.image(std::move(made), sensor.config, frame).planes.front());
     }
     if (out.is_none()) return to_numpy(std::move(image));
     const mtf::ImageView<float> target = target_of(out, image.width(), image.height(), "out");
@@ -139,7 +137,6 @@ class ChainPlan {
   mtf::io::Quantity quantity_;
   py::object filter_;  // which live_ calls
   LiveSimulation live_;
-  double promised_ = 0.0;
   std::unique_ptr<std::mutex> mutex_ = std::make_unique<std::mutex>();
 };
 

@@ -19,6 +19,7 @@
 #include "mtf/error.h"
 #include "mtf/io/atomic_file.h"
 #include "mtf/io/config/config_edit.h"
+#include "mtf/io/config/config_reader.h"
 #include "mtf/io/config/replace_value.h"
 #include "mtf/io/csv/curve_csv.h"
 #include "mtf/io/sha256.h"
@@ -158,11 +159,8 @@ void require_unchanged(const SensorHandle& sensor) {
 
 SensorHandle read_sensor_text(const std::string& text, const std::string& file) {
   mtf::io::ConfigResult result = mtf::io::parse_config(text, file, sensor_schema());
-  if (result.ok()) return handle_of(std::move(result.config));
-  std::string errors;
-  for (const mtf::io::Diagnostic& diagnostic : result.diagnostics)
-    if (diagnostic.error) errors += (errors.empty() ? "" : "\n") + mtf::io::format_diagnostic(diagnostic, file);
-  throw mtf::UsageError(errors);
+  mtf::io::cfg::require_no_errors(result.diagnostics, file);
+  return handle_of(std::move(result.config));
 }
 
 mtf::SampleGrid grid_of(const mtf::io::SensorConfig& sensor, std::int64_t width, std::int64_t height,

@@ -315,11 +315,9 @@ std::shared_ptr<const mtf::ElectronRate> electron_rate(const mtf::System<double>
   const radiometry::SceneBand band = radiometry::scene_band(camera, path);
   const radiometry::BandResponse response(band.band, band.curves);
   const std::string key = response.integral() > 0.0 ? "scene.source_temperature" : "path.transmission";
-  try {
+  return at_key(key, [&] {
     return std::make_shared<const mtf::ElectronRate>(response.electron_rate(loaded.source_k, camera.flux));
-  } catch (const mtf::UsageError& error) {
-    throw mtf::UsageError(key + ": " + error.what());
-  }
+  });
 }
 
 mtf::System<double> with_electron_rate(const mtf::System<double>& system, const LoadedSensor& loaded) {
