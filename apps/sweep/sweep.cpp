@@ -79,8 +79,6 @@ int sweep_here(const SweepOptions& options, const Global& global) {
   return status;
 }
 
-namespace fs = std::filesystem;
-
 fs::path key_file(const fs::path& folder) { return parts_of(folder) / "key"; }
 
 std::string first_line(const fs::path& file) {

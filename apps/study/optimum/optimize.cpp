@@ -136,7 +136,6 @@ void limits(const Study& study, const OptimizeOptions& options, const Optimum& b
 }  // namespace
 
 OptimizeOutcome optimize(const Study& study, const OptimizeOptions& options) {
-  constexpr std::int64_t kMostCombinations = 200;
   const Goal goal = goal_of(study, options);
   if (study.variants > kMostCombinations)
     throw mtf::UsageError(study.file + ": " + std::to_string(study.variants) +

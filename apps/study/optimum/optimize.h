@@ -85,6 +85,9 @@ struct OptimizeOutcome {
   std::string problem;
 };
 
+/// The largest number of combinations of levels that are tried.
+inline constexpr std::int64_t kMostCombinations = 200;
+
 /// Throws UsageError for a study without objectives, weights that do not fit them, more combinations of levels,
 /// objectives or constraints over metrics that the study cannot have; RuntimeError for files that cannot be read.
 OptimizeOutcome optimize(const Study& study, const OptimizeOptions& options);
