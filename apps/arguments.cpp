@@ -41,6 +41,16 @@ std::vector<std::string_view> split(std::string_view text, char separator) {
   }
 }
 
+std::vector<double> finite_list(std::string_view option, std::string_view text, std::string_view expected) {
+  std::vector<double> values;
+  for (const std::string_view part : split(text, ',')) {
+    const auto value = finite(part);
+    if (!value) refuse(option, text, expected);
+    values.push_back(*value);
+  }
+  return values;
+}
+
 }  // namespace
 
 double number(std::string_view option, std::string_view text) {
@@ -140,15 +150,8 @@ std::array<std::int64_t, 4> rectangle(std::string_view option, std::string_view 
 }
 
 std::vector<double> number_list(std::string_view option, std::string_view text) {
-  const auto parts = split(text, ',');
-  if (parts.size() > 1000) refuse(option, text.substr(0, 40), "short enough: at most 1000 numbers");
-  std::vector<double> values;
-  for (const std::string_view part : parts) {
-    const auto value = finite(part);
-    if (!value) refuse(option, text, "a comma list of finite numbers, such as 1,0.5");
-    values.push_back(*value);
-  }
-  return values;
+  if (std::ranges::count(text, ',') >= 1000) refuse(option, text.substr(0, 40), "short enough: at most 1000 numbers");
+  return finite_list(option, text, "a comma list of finite numbers, such as 1,0.5");
 }
 
 std::array<double, 3> point(std::string_view option, std::string_view text) {
@@ -169,16 +172,9 @@ std::vector<double> frequency_list(std::string_view option, std::string_view tex
     if (*count == 1 && *start != *stop) refuse(option, text, "possible: both ends need a COUNT of at least 2");
     return evenly_spaced(*start, *stop, *count);
   }
-  const auto parts = split(text, ',');
-  if (parts.size() > kMaxFrequencies)
+  if (std::ranges::count(text, ',') >= kMaxFrequencies)
     refuse(option, text, "short enough: at most " + std::to_string(kMaxFrequencies) + " frequencies");
-  std::vector<double> values;
-  for (const std::string_view part : parts) {
-    const auto value = finite(part);
-    if (!value) refuse(option, text, "START:STOP:COUNT or a comma list of finite numbers, such as 0,10,33.3");
-    values.push_back(*value);
-  }
-  return values;
+  return finite_list(option, text, "START:STOP:COUNT or a comma list of finite numbers, such as 0,10,33.3");
 }
 
 std::size_t place_of(std::string_view option, std::string_view text, std::span<const std::string_view> names) {

@@ -9,9 +9,8 @@
 #include "apps/modules/modules.h"
 #include "apps/schema/schemas.h"
 #include "apps/sensor/sensor_air.h"
+#include "apps/sensor/sensor_chain.h"
 #include "apps/sensor/sensor_place.h"
-#include "apps/sensor/sensor_warnings.h"
-#include "apps/sweep/study_file.h"
 #include "apps/terminal/output.h"
 #include "apps/terminal/text_table.h"
 #include "apps/text/json.h"
@@ -22,6 +21,7 @@
 #include "radiometry/chain/sensor_settings.h"
 #ifdef MTFKIT_HAVE_STUDY
 #include "apps/study/study_shape.h"
+#include "apps/sweep/sweep_parts.h"
 #endif
 
 namespace apps {
@@ -101,10 +101,63 @@ std::string schema_text(FileKind kind) {
   return kind == FileKind::study ? study_schema() : sensor_file_schema();
 }
 
+/// The verdict and notes on standard output, errors as file:line:col lines on standard error; JSON has both. Returns
+/// the exit code, 0 or 2.
+int report_verdict(const Verdict& verdict, Format format) {
+  const bool json = format == Format::json;
+  if (json) print(as_json(verdict));
+  if (!json && verdict.ok) print("ok: " + one_line(verdict.file) + ": " + verdict.summary + "\n");
+  for (const auto& diagnostic : verdict.diagnostics) {
+    const std::string line = one_line(mtf::io::format_diagnostic(diagnostic, verdict.file));
+    if (diagnostic.error)
+      complain(line);
+    else if (!json)
+      print(line + "\n");
+  }
+  return verdict.ok ? 0 : 2;
+}
+
 /// `mtf config check` of a sensor file. Returns the exit code. Throws RuntimeError when the file cannot be read.
 int check_sensor(const std::string& file, Format format) {
   return report_verdict(sensor_verdict(mtf::io::read_text_file(file, mtf::io::cfg::kMaxBytes), file), format);
 }
+
+#ifdef MTFKIT_HAVE_STUDY
+std::string summary(const study::Study& study) {
+  using study::Method;
+  const std::string method = study.method == Method::grid              ? "a grid"
+                             : study.method == Method::latin_hypercube ? "a Latin hypercube"
+                                                                       : "a Sobol sequence";
+  std::string text = study.name.empty() ? "" : one_line(study.name) + ", ";
+  text += plural(study.designs, "design") + " (" + method + "), " +
+          (study.axes.size() == 1 ? "1 axis" : std::to_string(study.axes.size()) + " axes") + ", " +
+          plural(std::ssize(study.metrics), "metric") + ", " + plural(std::ssize(study.constraints), "constraint") +
+          ", " + plural(std::ssize(study.objectives), "objective");
+  if (study.variants > 1) text += ", " + plural(study.variants, "sensor");
+  return text;
+}
+
+/// `mtf config check` of a study. Returns the exit code. Throws RuntimeError when the file cannot be read.
+int check_study(const std::string& file, Format format) {
+  study::StudyResult result = study::parse_study(mtf::io::read_text_file(file, mtf::io::cfg::kMaxBytes), file);
+  if (result.ok())  // what only a sweep of it would find
+    for (const auto& problems : {copy_problems(result.study), study::listed_gaps(result.study)})
+      result.diagnostics.insert(result.diagnostics.end(), problems.begin(), problems.end());
+  const int code = report_verdict({.file = file,
+                                   .ok = result.ok(),
+                                   .name = result.study.name,
+                                   .sha256 = result.study.sha256,
+                                   .summary = summary(result.study),
+                                   .diagnostics = result.diagnostics},
+                                  format);
+  if (code == 0 && format == Format::table) print("next: mtf sweep " + shell_word(file) + " -o trade\n");
+  return code;
+}
+#else
+int check_study(const std::string& file, Format) {
+  throw mtf::UsageError(file + ": a study; this command was built without studies (they need Ceres)");
+}
+#endif
 
 }  // namespace
 
@@ -130,20 +183,6 @@ std::string explain_chain(const mtf::io::SensorConfig& config) {
   return "\nchain, in this order\n" + on.aligned() + "\n" + off.aligned();
 }
 
-int report_verdict(const Verdict& verdict, Format format) {
-  const bool json = format == Format::json;
-  if (json) print(as_json(verdict));
-  if (!json && verdict.ok) print("ok: " + one_line(verdict.file) + ": " + verdict.summary + "\n");
-  for (const auto& diagnostic : verdict.diagnostics) {
-    const std::string line = one_line(mtf::io::format_diagnostic(diagnostic, verdict.file));
-    if (diagnostic.error)
-      complain(line);
-    else if (!json)
-      print(line + "\n");
-  }
-  return verdict.ok ? 0 : 2;
-}
-
 Verdict sensor_verdict(const std::string& text, const std::string& file) {
   mtf::io::ConfigResult result = mtf::io::parse_config(text, file, sensor_schema());
   if (const std::string kind = mtf::io::cfg::another_kind(result.diagnostics, text, "frame"); !kind.empty())
@@ -161,6 +200,11 @@ Verdict sensor_verdict(const std::string& text, const std::string& file) {
           .sha256 = result.config.sha256,
           .summary = summary(result.config.system),
           .diagnostics = result.diagnostics};
+}
+
+bool is_study_file(const std::string& file) {
+  const auto tree = mtf::io::cfg::read_tree(mtf::io::read_text_file(file, mtf::io::cfg::kMaxBytes));
+  return tree.root.find("axis") != nullptr || tree.root.find("sensor") != nullptr;
 }
 
 int check_config(const std::string& file, Format format) {

@@ -32,11 +32,12 @@ Verdict sensor_verdict(const std::string& text, const std::string& file);
 /// [detector]. Throws as load_chain.
 std::string explain_chain(const mtf::io::SensorConfig& config);
 
-/// The verdict and notes on standard output, errors as file:line:col lines on standard error; JSON has both. Returns
-/// the exit code, 0 or 2.
-int report_verdict(const Verdict& verdict, Format format);
+/// True for a file whose keys are those of a study; false also for a file that is no TOML. Throws RuntimeError when the
+/// file cannot be read.
+bool is_study_file(const std::string& file);
 
-/// The same for a sensor or a study, according to the keys of the file.
+/// `mtf config check` of a sensor or a study, according to the keys of the file: the verdict and notes on standard
+/// output, errors on standard error. Returns the exit code, 0 or 2.
 int check_config(const std::string& file, Format format);
 
 }  // namespace apps

@@ -24,10 +24,6 @@ void require_kind(const std::string& kind);
 /// mtf/components/README.md.
 std::string kinds_markdown(const std::string& kind);
 
-/// "[[presample]], [[readout]]", each name between `before` and `after`.
-std::string join_stages(const mtf::Stages& stages, const std::string& before, const std::string& after);
-/// "width (or width_x, width_y)".
-std::string written_name(const Parameter& parameter);
 /// "[0, 1)", or the words of a choice: "x | y".
 std::string range_of(const Parameter& parameter);
 std::string_view presence_of(const Parameter& parameter);

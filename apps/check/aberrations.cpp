@@ -6,7 +6,7 @@
 #include <numbers>
 #include <sstream>
 
-#include "apps/check/families.h"
+#include "apps/check/check.h"
 #include "mtf/components/pupil/defocus_pupil.h"
 #include "mtf/components/pupil/pupil.h"
 #include "mtf/components/pupil/wavefront_pupil.h"

@@ -3,18 +3,58 @@
 
 // Checks of the numbers on this machine and build: what `mtf check` runs, and the test suite too. A check compares many
 // values with references that come from elsewhere (tables of high precision, slow sums in double) and holds each to the
-// error that is promised for it. To add one: an entry in the list of its family (families.h), and its table in
+// error that is promised for it. To add one: an entry in the list of its family, and its table in
 // notebooks-data/reference.
 
 #include <cstdint>
 #include <functional>
+#include <map>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include "apps/check/table.h"
-
 namespace apps::check {
+
+// The CSV tables of notebooks-data/reference: comma separated, one header row, numbers in decimal or hexadecimal. All
+// of them are part of the program (CMakeLists.txt turns the folder into a source), so that an installed binary checks
+// itself without its source tree.
+
+/// One row, by column name. `where` is "file:line" for messages.
+struct Row {
+  std::string where;
+  std::map<std::string, std::string, std::less<>> cells;
+
+  /// Throws UsageError when there is no such column.
+  const std::string& at(std::string_view column) const;
+};
+
+/// A cell as a double. Throws UsageError when it is not a number.
+double number(const Row& row, std::string_view column);
+/// The same with the digits beyond double that a comparison can use.
+long double precise(const Row& row, std::string_view column);
+
+/// Rows of CSV text. Throws UsageError for rows of another length than the header, and when there are none.
+std::vector<Row> parse_table(const std::string& name, std::string_view text);
+
+struct BuiltInTable {
+  std::string_view name;
+  std::string_view text;
+};
+/// Every table of notebooks-data/reference at the time of the build, by name.
+std::span<const BuiltInTable> built_in_tables();
+
+/// The tables that a run of checks reads: the built-in ones, or files of the same names in a folder in their place.
+class Tables {
+ public:
+  Tables() = default;
+  /// Throws UsageError when the folder has no CSV file, or one that no check reads (with the name probably meant).
+  explicit Tables(const std::string& folder);
+  std::vector<Row> rows(const std::string& name) const;
+
+ private:
+  std::map<std::string, std::string> own_;  ///< text by name
+};
 
 struct CheckResult {
   std::string component;   ///< what was checked: "diffraction", "engine", ...
@@ -60,5 +100,15 @@ struct Check {
 std::vector<Check> all_checks();
 
 CheckResult run(const Check& check, const Tables& tables);
+
+/// The lists of checks, one file a family; all_checks() joins them.
+std::vector<Check> special_checks();     ///< sinc, Gaussian, Bessel functions
+std::vector<Check> pupil_checks();       ///< diffraction
+std::vector<Check> aberration_checks();  ///< defocus, wavefront by coefficients
+std::vector<Check> turbulence_checks();  ///< Kolmogorov, both exposures
+std::vector<Check> motion_checks();      ///< Fresnel integrals, accelerated motion
+std::vector<Check> component_checks();   ///< golden values of each kind
+std::vector<Check> radiometry_checks();  ///< blackbodies, where radiometry is built
+std::vector<Check> engine_checks();      ///< plans at the extremes of size, scale, contrast and OTF
 
 }  // namespace apps::check

@@ -10,7 +10,7 @@
 #include <limits>
 #include <optional>
 
-#include "apps/check/families.h"
+#include "apps/check/check.h"
 #include "mtf/engines/statistics.h"
 #include "mtf/plan/plan.h"
 

@@ -8,7 +8,7 @@
 #include <limits>
 #include <sstream>
 
-#include "apps/check/families.h"
+#include "apps/check/check.h"
 #include "mtf/components/motion_means.h"
 #include "mtf/components/turbulence.h"
 #include "mtf/error.h"

@@ -3,7 +3,7 @@
 #include <cfloat>
 #include <cmath>
 
-#include "apps/check/families.h"
+#include "apps/check/check.h"
 #include "radiometry/light/blackbody.h"
 
 namespace apps::check {

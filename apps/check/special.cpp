@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "apps/check/families.h"
+#include "apps/check/check.h"
 
 namespace apps::check {
 namespace {

@@ -10,7 +10,6 @@
 
 #include "apps/config_command.h"
 #include "apps/options.h"
-#include "apps/sweep/study_file.h"
 #include "apps/terminal/output.h"
 #include "apps/terminal/text_table.h"
 #include "apps/text/json.h"

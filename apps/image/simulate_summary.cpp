@@ -28,11 +28,9 @@ std::string tolerance_text(double tolerance) {
 /// Predicted error, and the time in its parts; the last line is not ended.
 std::string costs_text(const RunReport& report) {
   double total = 0.0;
-  std::string times;
-  for (const auto& [name, ms] : report.timing_ms) {
-    times += (times.empty() ? "" : ", ") + name + " " + fixed(ms, 1);
-    total += ms;
-  }
+  for (const auto& [name, ms] : report.timing_ms) total += ms;
+  const std::string times =
+      joined(report.timing_ms, [](const auto& one) { return one.first + " " + fixed(one.second, 1); });
   return "predicted error " + significant(report.plan->predicted_error, 2) + " of the scene's std (tolerance " +
          tolerance_text(report.tolerance) + ")\ntime " + fixed(total, 1) + " ms (" + times + ")";
 }

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # cmake -DOUT=<file.cpp> -Dfiles=... -P EmbedFiles.cmake
-# Writes the files of the live view's page into a source: what apps/live/page_files.h declares. Raw strings have a
+# Writes the files of the live view's page into a source: what apps/live/server.h declares. Raw strings have a
 # largest length, so a text is cut into pieces, which the compiler joins.
 
 cmake_minimum_required(VERSION 3.25)
@@ -35,7 +35,7 @@ foreach(file IN LISTS files)
 endforeach()
 
 file(WRITE "${OUT}" "// Generated from apps/live/page.
-#include \"apps/live/page_files.h\"
+#include \"apps/live/server.h\"
 
 #include <array>
 

@@ -207,6 +207,26 @@ SensorConfig add_table(const SensorConfig& sensor, const std::string& name, cons
   throw UsageError(problem);
 }
 
+/// One edit. `kinds`: sensor_kinds(). Of keys that exclude each other (FieldInfo::excludes) a new one takes the place
+/// of the other: an aperture that of an f-number.
+SensorConfig with_edit(const SensorConfig& sensor, const Edit& edit, const SensorKinds& kinds) {
+  switch (edit.kind) {
+    case Edit::Kind::set:
+      return set(sensor, edit, kinds);
+    case Edit::Kind::unset:
+      return unset(sensor, edit, kinds);
+    case Edit::Kind::remove:
+      return parsed(sensor, without_block(sensor.text, block_of(sensor, edit.name)));
+    case Edit::Kind::off:
+      return parsed(sensor, switched_off(sensor.text, block_of(sensor, edit.name)));
+    case Edit::Kind::on:
+      return parsed(sensor, switched_on(sensor.text, off_block(sensor, edit.name)));
+    case Edit::Kind::add:
+      return edit.name == "table" ? add_table(sensor, edit.value, kinds) : add_component(sensor, edit, kinds);
+  }
+  return sensor;
+}
+
 }  // namespace
 
 std::vector<Edit> read_edits(const Json& list) {
@@ -229,24 +249,6 @@ std::vector<Edit> read_edits(const Json& list) {
     edits.push_back(std::move(edit));
   }
   return edits;
-}
-
-SensorConfig with_edit(const SensorConfig& sensor, const Edit& edit, const SensorKinds& kinds) {
-  switch (edit.kind) {
-    case Edit::Kind::set:
-      return set(sensor, edit, kinds);
-    case Edit::Kind::unset:
-      return unset(sensor, edit, kinds);
-    case Edit::Kind::remove:
-      return parsed(sensor, without_block(sensor.text, block_of(sensor, edit.name)));
-    case Edit::Kind::off:
-      return parsed(sensor, switched_off(sensor.text, block_of(sensor, edit.name)));
-    case Edit::Kind::on:
-      return parsed(sensor, switched_on(sensor.text, off_block(sensor, edit.name)));
-    case Edit::Kind::add:
-      return edit.name == "table" ? add_table(sensor, edit.value, kinds) : add_component(sensor, edit, kinds);
-  }
-  return sensor;
 }
 
 EditedSensor::Sensor EditedSensor::with(std::span<const Edit> edits) {

@@ -68,8 +68,4 @@ class EditedSensor {
   std::vector<Sensor> after_;  ///< after each of them
 };
 
-/// One edit. `kinds`: sensor_kinds(). Of keys that exclude each other (FieldInfo::excludes) a new one takes the place
-/// of the other: an aperture that of an f-number.
-mtf::io::SensorConfig with_edit(const mtf::io::SensorConfig& sensor, const Edit& edit, const SensorKinds& kinds);
-
 }  // namespace apps::live

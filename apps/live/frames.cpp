@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "apps/simulate/frames/scene_input.h"
+#include "apps/simulate/frames/sensor_frame.h"
 #include "mtf/engines/statistics.h"
 #include "mtf/error.h"
 #include "mtf/parallel.h"

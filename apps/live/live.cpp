@@ -15,12 +15,10 @@
 
 #include "apps/demo/demo_scene.h"
 #include "apps/live/access.h"
-#include "apps/live/answers.h"
-#include "apps/live/page_files.h"
 #include "apps/live/server.h"
 #include "apps/live/session.h"
 #ifdef MTFKIT_HAVE_SCENE
-#include "apps/live/space/space_view.h"
+#include "apps/live/space/space.h"
 #include "apps/scene/render/sensor_picture.h"
 #endif
 #include "apps/config_command.h"

@@ -224,37 +224,34 @@ struct Server::State {
   bool stopped = false;
   std::atomic<bool> listened{false};  ///< and ends
 
-  void serve(const httplib::Request& request, httplib::Response& response);
   /// Holds a page's request open, as a sign that the page is there.
-  void presence();
-};
-
-void Server::State::presence() {
-  std::unique_lock lock(mutex);
-  ending.wait_for(lock, kPresence, [&] { return stopped; });
-  // The C library keeps what larger pictures needed, in holes between blocks that are in use.
-  ::malloc_trim(0);
-}
-
-void Server::State::serve(const httplib::Request& request, httplib::Response& response) {
-  struct Counted {
-    State& state;
-    explicit Counted(State& s) : state(s) { ++state.waiting; }
-    ~Counted() {
-      state.last = Clock::now().time_since_epoch().count();
-      --state.waiting;
-    }
-  } counted(*this);
-  const std::string place = request.path.substr(1);
-  if (place == "here") {
-    presence();
-    response.set_content("{}", "application/json");
-    return;
+  void presence() {
+    std::unique_lock lock(mutex);
+    ending.wait_for(lock, kPresence, [&] { return stopped; });
+    // The C library keeps what larger pictures needed, in holes between blocks that are in use.
+    ::malloc_trim(0);
   }
-  Answer made = answer(place, request.body);
-  response.status = made.status;
-  if (!made.body->empty()) provide(response, *made.body, made.type, made.body);
-}
+
+  void serve(const httplib::Request& request, httplib::Response& response) {
+    struct Counted {
+      State& state;
+      explicit Counted(State& s) : state(s) { ++state.waiting; }
+      ~Counted() {
+        state.last = Clock::now().time_since_epoch().count();
+        --state.waiting;
+      }
+    } counted(*this);
+    const std::string place = request.path.substr(1);
+    if (place == "here") {
+      presence();
+      response.set_content("{}", "application/json");
+      return;
+    }
+    Answer made = answer(place, request.body);
+    response.status = made.status;
+    if (!made.body->empty()) provide(response, *made.body, made.type, made.body);
+  }
+};
 
 Server::Server(const ServerOptions& options, std::function<const PageFile*(const std::string&)> find_file,
                std::function<Answer(const std::string&, const std::string&)> answer)

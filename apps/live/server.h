@@ -46,4 +46,9 @@ class Server {
   std::unique_ptr<State> state_;
 };
 
+// The files of the page, written into the command when it is built (EmbedFiles.cmake).
+
+/// The file of that path, "/" for the page; null for any other. The list is all there is: no path reaches the disk.
+const PageFile* find_page_file(const std::string& path);
+
 }  // namespace apps::live

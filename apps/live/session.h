@@ -23,12 +23,26 @@
 #include <mutex>
 #include <string>
 
-#include "apps/live/answers.h"
 #include "apps/live/edits.h"
 #include "apps/live/frames.h"
+#include "apps/live/model.h"
 #include "apps/live/space/space.h"
 
 namespace apps::live {
+
+// Answers of the live view: JSON, or facts and pixels. Pixels follow their facts: four bytes with the length of the
+// JSON, the JSON, the numbers of PixelBytes; of a 3-D scene those of the radiance after those of the image.
+
+struct Answer {
+  int status = 200;
+  std::string type = "application/json";
+  std::shared_ptr<const std::string> body = std::make_shared<const std::string>();
+};
+
+/// The message of an answer that is an error, "" of others.
+std::string error_of(const Answer& answer);
+
+Answer json_answer(const Json& json, int status = 200);
 
 struct SessionOptions {
   std::string sensor_name{}, scene_name{};  ///< as on the command line

@@ -129,4 +129,15 @@ py::array to_numpy(std::vector<double>&& numbers) {
 
 py::array to_numpy(const std::vector<double>& numbers) { return to_numpy(std::vector<double>(numbers)); }
 
+std::function<void(mtf::io::Scene&)> light_filter(const py::object& function) {
+  if (function.is_none()) return {};
+  return [filter = py::handle(function)](mtf::io::Scene& scene) {
+    const py::gil_scoped_acquire held;
+    for (mtf::Image& plane : scene.planes)
+      plane = image_of(plane_of(filter(to_numpy(std::move(plane))), "the filtered scene").view);
+    scene.grid.width = scene.planes.front().width();
+    scene.grid.height = scene.planes.front().height();
+  };
+}
+
 }  // namespace apps::python

@@ -6,10 +6,11 @@
 
 #include <pybind11/numpy.h>
 
+#include <functional>
 #include <string>
 #include <vector>
 
-#include "mtf/image.h"
+#include "mtf/io/scene.h"
 
 namespace apps::python {
 
@@ -36,5 +37,10 @@ pybind11::array to_numpy(mtf::Image&& image);
 /// An array that owns the numbers; nothing is copied.
 pybind11::array to_numpy(std::vector<double>&& numbers);
 pybind11::array to_numpy(const std::vector<double>& numbers);
+
+/// A Python function that filters a scene before everything of the sensor, as components that are general functions
+/// need it (mtfkit/canvas.py): it takes each plane of the scene and returns one of any size. `function` is kept by the
+/// caller, None for no filter. What the function throws ends the work.
+std::function<void(mtf::io::Scene&)> light_filter(const pybind11::object& function);
 
 }  // namespace apps::python

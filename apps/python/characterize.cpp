@@ -36,9 +36,8 @@ CharacterizeHandle characterized(const FileName& path, const std::string& text, 
       memory[name].push_back(planes.back().view);
     }
   CharacterizeHandle found;
-  const void* function = progress.is_none() ? nullptr : progress.ptr();
   run_job([&](JobControl& control) {
-    const ProgressCall report(function, control);
+    const ProgressCall report(progress, control);
     const StacksFile file = text.empty() ? load_stacks(path) : parse_stacks(text, path, memory);
     std::optional<mtf::io::SensorConfig> own;
     if (nominal)

@@ -76,9 +76,8 @@ std::unique_ptr<FitHandle> fit_sensor(SensorHandle& sensor, const std::vector<Gi
   auto spot_images = images_of(spots, "spots", conditions);
   const EdgeInput input = edge_input_of(words);
   for (const GivenCurve& curve : curves) loaded.data.curves.push_back(curve_of(curve));
-  const void* function = progress.is_none() ? nullptr : progress.ptr();
   run_job([&](JobControl& control) {
-    const ProgressCall report(function, control);
+    const ProgressCall report(progress, control);
     for (auto& [image, condition] : edge_images) {
       if (image.on_disk) loaded.files.push_back(image.name);
       for (EdgePlane& plane : planes_of(std::move(image), input)) {

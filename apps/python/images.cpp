@@ -97,13 +97,6 @@ ImageHandle of_state(const py::tuple& state) {
   return {path.bytes, file};
 }
 
-mtf::io::Metadata metadata_of(const std::map<std::string, std::string>& text,
-                              const std::map<std::string, std::array<double, 2>>& pairs,
-                              const std::map<std::string, std::vector<float>>& lists,
-                              const std::vector<std::string>& history) {
-  return {.text = text, .pairs = pairs, .lists = lists, .history = history};
-}
-
 void write(const FileName& path, const std::vector<std::pair<std::string, py::object>>& planes,
            const std::map<std::string, std::string>& text, const std::map<std::string, std::array<double, 2>>& pairs,
            const std::map<std::string, std::vector<float>>& lists, const std::vector<std::string>& history,
@@ -117,7 +110,8 @@ void write(const FileName& path, const std::vector<std::pair<std::string, py::ob
   }
   run_job([&](JobControl&) {
     for (const PlaneView& view : views) images.push_back(image_of(view.view));
-    write_sensor_image(path, names, images, metadata_of(text, pairs, lists, history), {.ends = range, .bits = bits});
+    const mtf::io::Metadata metadata{.text = text, .pairs = pairs, .lists = lists, .history = history};
+    write_sensor_image(path, names, images, metadata, {.ends = range, .bits = bits});
   });
 }
 

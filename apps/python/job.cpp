@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/python/job.h"
 
-#include <pybind11/pybind11.h>
-
 #include <chrono>
 #include <condition_variable>
 #include <mutex>
@@ -52,14 +50,11 @@ void run_job(const std::function<void(JobControl&)>& work) {
   if (failure) std::rethrow_exception(failure);
 }
 
-ProgressCall::ProgressCall(const void* function, JobControl& control) : function_(function), control_(control) {}
-
 void ProgressCall::operator()(double share) const {
   control_.check();
-  if (function_ == nullptr) return;
+  if (function_.is_none()) return;
   const py::gil_scoped_acquire held;
-  auto* function = static_cast<PyObject*>(const_cast<void*>(function_));  // NOLINT: Python objects count references
-  py::reinterpret_borrow<py::function>(function)(share);
+  function_(share);
 }
 
 }  // namespace apps::python

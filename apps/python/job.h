@@ -5,6 +5,8 @@
 // the interpreter lock, looks for signals twenty times a second. The parallel loops of the libraries end by themselves
 // then (mtf/work/stop.h); work between them asks `stopped()` where it can end.
 
+#include <pybind11/pybind11.h>
+
 #include <atomic>
 #include <functional>
 
@@ -34,11 +36,11 @@ void run_job(const std::function<void(JobControl&)>& work);
 /// ends the work and is what run_job throws.
 class ProgressCall {
  public:
-  ProgressCall(const void* function, JobControl& control);
+  ProgressCall(const pybind11::object& function, JobControl& control) : function_(function), control_(control) {}
   void operator()(double share) const;
 
  private:
-  const void* function_;  // a Python object that the caller keeps, or null
+  pybind11::handle function_;  // of an object that the caller keeps, None for no function
   JobControl& control_;
 };
 

@@ -9,7 +9,6 @@
 
 #include "apps/python/arrays.h"
 #include "apps/python/job.h"
-#include "apps/python/light_filter.h"
 #include "apps/python/sensor.h"
 #include "apps/python/topics.h"
 #include "apps/simulate/live_simulation.h"
@@ -105,10 +104,7 @@ class ChainPlan {
   /// `filter`: of light, before everything of the sensor; a function, or None.
   ChainPlan(const SimulateOptions& options, const SampleWords& sample, mtf::io::Quantity quantity,
             const py::object& filter)
-      : sample_(sample),
-        quantity_(quantity),
-        filter_(filter),
-        live_({.filter = light_filter(filter.is_none() ? nullptr : filter.ptr())}, options) {}
+      : sample_(sample), quantity_(quantity), filter_(filter), live_({.filter = light_filter(filter)}, options) {}
 
   py::object run(const SensorHandle& sensor, const py::object& scene, const py::object& out, std::int64_t frame) {
     const PlaneView in = plane_of(scene, "scene");
@@ -122,9 +118,7 @@ class ChainPlan {
       const py::gil_scoped_release free;
       const std::lock_guard lock(*mutex_);
       made.planes.push_back(image_of(in.view));
-      SimulatedImage frame_made = live_.image(std::move(made), sensor.config, frame);
-      image = std::move(frame_made.planes.front());
-      promised_ = live_.plan().predicted_error;
+      image = std::move(live_.image(std::move(made), sensor.config, frame).planes.front());
     }
     if (out.is_none()) return to_numpy(std::move(image));
     const mtf::ImageView<float> target = target_of(out, image.width(), image.height(), "out");
@@ -143,7 +137,6 @@ class ChainPlan {
   mtf::io::Quantity quantity_;
   py::object filter_;  // which live_ calls
   LiveSimulation live_;
-  double promised_ = 0.0;
   std::unique_ptr<std::mutex> mutex_ = std::make_unique<std::mutex>();
 };
 

@@ -40,9 +40,8 @@ py::tuple heat(const FileName& file, const FileName& folder, double tolerance_k,
                int threads, const py::object& progress) {
   std::vector<std::string> warnings;
   std::string json;
-  const void* function = progress.is_none() ? nullptr : progress.ptr();
   run_job([&](JobControl& control) {
-    const ProgressCall report(function, control);
+    const ProgressCall report(progress, control);
     std::vector<mtf::io::Diagnostic> findings;
     const scene::SceneFile read = scene::load_scene(file, &findings);
     for (const mtf::io::Diagnostic& finding : findings) warnings.push_back(mtf::io::format_diagnostic(finding, file));

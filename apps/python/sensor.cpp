@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
-// Sensor files: read, changed, written, explained, checked.
+// Sensor files: read, changed, written, explained, checked; and what they may hold, for the classes that the package
+// makes of it.
 
 #include "apps/python/sensor.h"
 
@@ -8,14 +9,17 @@
 
 #include "apps/budget_table.h"
 #include "apps/config_command.h"
+#include "apps/kinds.h"
 #include "apps/python/topics.h"
 #include "apps/sensor/sensor_air.h"
 #include "apps/sensor/sensor_chain.h"
+#include "apps/sensor/sensor_kinds.h"
 #include "apps/sensor/sensor_place.h"
 #include "apps/text/message_words.h"
 #include "mtf/error.h"
 #include "mtf/io/atomic_file.h"
 #include "mtf/io/config/config_edit.h"
+#include "mtf/io/config/config_reader.h"
 #include "mtf/io/config/replace_value.h"
 #include "mtf/io/csv/curve_csv.h"
 #include "mtf/io/sha256.h"
@@ -109,6 +113,42 @@ double converted(double value, const std::string& unit, const std::string& to) {
   return value * from->factor / target->factor;
 }
 
+py::dict as_dict(const Parameter& parameter) {
+  return py::dict("name"_a = parameter.name, "type"_a = type_name(parameter.type), "unit"_a = parameter.unit,
+                  "range"_a = range_of(parameter),
+                  "words"_a = std::vector(parameter.words.begin(), parameter.words.end()),
+                  "presence"_a = presence_of(parameter), "default"_a = parameter.default_value,
+                  "example"_a = parameter.example, "doc"_a = parameter.doc);
+}
+
+py::list parameters_of(const std::vector<Parameter>& parameters) {
+  py::list entries;
+  for (const Parameter& parameter : parameters) entries.append(as_dict(parameter));
+  return entries;
+}
+
+py::list stages_of(const mtf::Stages& stages) {
+  py::list names;
+  for (const mtf::Stage stage : mtf::kStages)
+    if (stages.allows(stage)) names.append(std::string(mtf::stage_name(stage)));
+  return names;
+}
+
+py::dict kinds() {
+  const SensorKinds all = sensor_kinds();
+  py::list components, tables;
+  for (const ComponentKind& kind : all.components) {
+    components.append(py::dict("kind"_a = kind.kind, "doc"_a = kind.doc, "notes"_a = kind.notes,
+                               "stages"_a = stages_of(kind.stages), "parameters"_a = parameters_of(kind.parameters),
+                               "example"_a = kind.example));
+  }
+  for (const TableKind& kind : all.tables) {
+    tables.append(py::dict("name"_a = kind.name, "doc"_a = kind.doc, "condition"_a = kind.condition,
+                           "parameters"_a = parameters_of(kind.parameters)));
+  }
+  return py::dict("components"_a = components, "tables"_a = tables);
+}
+
 }  // namespace
 
 void require_unchanged(const SensorHandle& sensor) {
@@ -119,11 +159,8 @@ void require_unchanged(const SensorHandle& sensor) {
 
 SensorHandle read_sensor_text(const std::string& text, const std::string& file) {
   mtf::io::ConfigResult result = mtf::io::parse_config(text, file, sensor_schema());
-  if (result.ok()) return handle_of(std::move(result.config));
-  std::string errors;
-  for (const mtf::io::Diagnostic& diagnostic : result.diagnostics)
-    if (diagnostic.error) errors += (errors.empty() ? "" : "\n") + mtf::io::format_diagnostic(diagnostic, file);
-  throw mtf::UsageError(errors);
+  mtf::io::cfg::require_no_errors(result.diagnostics, file);
+  return handle_of(std::move(result.config));
 }
 
 mtf::SampleGrid grid_of(const mtf::io::SensorConfig& sensor, std::int64_t width, std::int64_t height,
@@ -202,6 +239,7 @@ void add_sensor(py::module_& module) {
       .def("explain", &explain)
       .def("check", &check)
       .def("budget", &budget, "temperature_k"_a);
+  module.def("kinds", &kinds);
   module.def("starter_config", &mtf::io::starter_config);
   module.def(
       "read_text", [](const FileName& file) { return mtf::io::read_text_file(file, std::size_t{1} << 20); }, "file"_a);

@@ -13,7 +13,6 @@
 #include "apps/python/arrays.h"
 #include "apps/python/images.h"
 #include "apps/python/job.h"
-#include "apps/python/light_filter.h"
 #include "apps/python/sensor.h"
 #include "apps/python/topics.h"
 #include "apps/simulate/sensor_run.h"
@@ -123,10 +122,9 @@ std::unique_ptr<RunHandle> simulate_scene(const SensorHandle& sensor, const Scen
   SceneSource source = source_of(*sensor.config, scene);
   if (scene.blur_samples > 0.0 && source.image)
     run->sensor = without_blur(*sensor.config, source.image->grid, scene.blur_samples);
-  source.filter = light_filter(filter.is_none() ? nullptr : filter.ptr());
-  const void* function = progress.is_none() ? nullptr : progress.ptr();
+  source.filter = light_filter(filter);
   run_job([&](JobControl& control) {
-    const ProgressCall report(function, control);
+    const ProgressCall report(progress, control);
     options.watch = [&](const SimulateEvent& event) {
       if (event.kind == SimulateEvent::Kind::share) report(event.value);
       return !control.stopped();
@@ -204,6 +202,26 @@ void save_image(const SensorHandle& sensor, const std::optional<std::string>& st
   write_sensor_image(path, names, images, metadata, run.integer_range(range));
 }
 
+/// The sensor for the canvas that a filter of light makes: a scene that repeats, of which the image is that of the
+/// first `width` x `height` samples. Throws UsageError where [frame] format reaches beyond them.
+SensorHandle canvas_sensor(const SensorHandle& sensor, std::int64_t width, std::int64_t height,
+                           const SampleWords& sample) {
+  mtf::io::SensorConfig config = *sensor.config;
+  mtf::Frame<double>& frame = config.system.frame;
+  const int columns = frame.columns, rows = frame.rows;
+  frame.columns = frame.rows = 0;
+  const mtf::SampleGrid held = mtf::detector_grid(config.system, grid_of(*sensor.config, width, height, sample));
+  if (columns > held.width || rows > held.height)
+    throw mtf::UsageError(
+        "frame.format: [" + std::to_string(columns) + ", " + std::to_string(rows) + "] reaches beyond the scene of " +
+        std::to_string(held.width) + " x " + std::to_string(held.height) +
+        " pixels, which does not go with a component made of a general function; give a larger scene");
+  frame.columns = columns > 0 ? columns : static_cast<int>(held.width);
+  frame.rows = rows > 0 ? rows : static_cast<int>(held.height);
+  config.scene.border = mtf::Border::periodic;
+  return {std::make_shared<const mtf::io::SensorConfig>(std::move(config)), nullptr};
+}
+
 }  // namespace
 
 void add_simulate(py::module_& module) {
@@ -245,12 +263,7 @@ void add_simulate(py::module_& module) {
       },
       "sensor"_a, "sample"_a);
   module.def("require_going_on", &mtf::require_going_on);
-  module.def(
-      "canvas_sensor",
-      [](const SensorHandle& sensor, std::int64_t width, std::int64_t height, const SampleWords& sample) {
-        return canvas_sensor(sensor, grid_of(*sensor.config, width, height, sample));
-      },
-      "sensor"_a, "width"_a, "height"_a, "sample"_a);
+  module.def("canvas_sensor", &canvas_sensor, "sensor"_a, "width"_a, "height"_a, "sample"_a);
   module.def("simulate", &simulate_scene, "sensor"_a, "scene"_a, "tolerance"_a, "nan"_a, "measure"_a, "stage"_a,
              "region"_a, "memory"_a, "frames"_a, "schedule"_a, "out"_a, "range"_a, "filter"_a, "threads"_a,
              "progress"_a);

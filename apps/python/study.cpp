@@ -15,8 +15,8 @@
 #include "apps/python/topics.h"
 #include "apps/study/result_columns.h"
 #include "apps/study/rows/sweep_rows.h"
-#include "apps/sweep/optimize_report.h"
 #include "apps/sweep/sweep_parts.h"
+#include "apps/sweep/sweep_report.h"
 #include "apps/text/message_words.h"
 #include "mtf/error.h"
 #include "mtf/parallel.h"
@@ -103,9 +103,8 @@ py::array_t<double> rows(const StudyHandle& handle, std::int64_t first, std::int
   const auto width = static_cast<std::int64_t>(handle.sweep.columns.size());
   py::array_t<double> result({count, width});
   double* numbers = result.mutable_data();
-  const void* function = progress.is_none() ? nullptr : progress.ptr();
   run_job([&](JobControl& control) {
-    const ProgressCall report(function, control);
+    const ProgressCall report(progress, control);
     Makers makers(handle.sweep.study);
     std::atomic<std::int64_t> done{0};
     // Neighbours share work: long pieces, but some for each thread, and enough of them to tell of.
@@ -196,9 +195,8 @@ py::array evaluate_at(const StudyHandle& handle, const std::vector<double>& valu
 py::tuple optimum(const StudyHandle& handle, const std::vector<std::pair<std::string, std::vector<double>>>& goals,
                   bool search, int starts, int threads, const py::object& progress) {
   std::vector<OptimizedGoal> made;
-  const void* function = progress.is_none() ? nullptr : progress.ptr();
   run_job([&](JobControl& control) {
-    const ProgressCall report(function, control);
+    const ProgressCall report(progress, control);
     for (const auto& [name, weights] : goals) {
       OptimizedGoal& goal = made.emplace_back(OptimizedGoal{name, {}, {}, {}});
       goal.options.weights = weights;

@@ -20,8 +20,6 @@ struct FileName {
   operator const std::string&() const { return bytes; }  // NOLINT: a name is a name
 };
 
-void add_errors(py::module_& module);
-void add_kinds(py::module_& module);
 void add_sensor(py::module_& module);
 void add_curves(py::module_& module);
 void add_images(py::module_& module);

@@ -141,19 +141,8 @@ void add_parameters(const std::vector<Parameter>& parameters, Json& table) {
 }
 
 void add_number_definitions(Json& definitions) {
-  using enum mtf::Dimension;
-  for (const mtf::Dimension dimension : {none,         length,
-                                         angle,        extent,
-                                         frequency,    temporal,
-                                         cutoff,       time,
-                                         velocity,     rate,
-                                         pixel,        luminance,
-                                         acceleration, angular_acceleration,
-                                         temperature,  temperature_difference,
-                                         electrons,    current,
-                                         capacitance,  voltage,
-                                         power,        pressure,
-                                         rain_rate}) {
+  for (int i = 0; i <= static_cast<int>(mtf::Dimension::rain_rate); ++i) {
+    const auto dimension = static_cast<mtf::Dimension>(i);
     const Json number = number_schema({.name = {}, .dimension = dimension});
     definitions[dimension_name(dimension)] = number;
     definitions["fit_" + dimension_name(dimension)] = fit_schema("a number that mtf fit may change", number);
@@ -161,7 +150,8 @@ void add_number_definitions(Json& definitions) {
     terms["properties"]["1"] = number;
     for (const std::string_view term : mtf::kFieldTerms) terms["properties"][std::string(term)] = number;
     Json& field = definitions["field_" + dimension_name(dimension)] = std::move(terms);
-    if (dimension == angle) field = {{"anyOf", {field, words_schema(std::array<std::string_view, 1>{"field"})}}};
+    if (dimension == mtf::Dimension::angle)
+      field = {{"anyOf", {field, words_schema(std::array<std::string_view, 1>{"field"})}}};
   }
 }
 

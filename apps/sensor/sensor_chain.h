@@ -4,10 +4,13 @@
 // From a sensor file to the chain of radiometry: the files that its tables name, read and checked.
 
 #include <functional>
+#include <string>
+#include <vector>
 
 #include "mtf/io/config/config.h"
 #include "radiometry/chain/chain.h"
 #include "radiometry/light/path.h"
+#include "radiometry/light/spectral_signal.h"
 #include "radiometry/performance/acquisition.h"
 
 namespace apps {
@@ -75,5 +78,17 @@ std::string unused_table(const mtf::io::SensorConfig& config);
 /// Why a file makes no chain, for `mtf config check`, with its place where it is about a key of the file; nothing where
 /// it does.
 std::optional<mtf::io::Diagnostic> chain_problem(const mtf::io::SensorConfig& config);
+
+// What the weighted radiance of an image was weighted by: images that say it are taken by sensors with the same
+// response and by no others.
+
+/// SHA-256 of the band, of what the detector answers to and of all curves, 64 hex digits. Plain numbers (f-number,
+/// transmission, quantum efficiency) are no part of it: the camera equation takes them after the weighted radiance.
+std::string response_sha256(const radiometry::SpectralCamera& curves);
+
+// Where components and tables of one sensor file state the same thing of the detector, and may not agree.
+
+/// Warnings, as such a pair can be meant; notes where both ways are usual.
+std::vector<mtf::io::Diagnostic> chain_warnings(const mtf::io::SensorConfig& config);
 
 }  // namespace apps

@@ -36,7 +36,47 @@ struct LiveSimulation::State {
   mtf::SampleGrid corrected_grid;                          ///< of its pixels
   bool correction_lags = false;
 
-  SimulatedImage run(Frame& frame, CorrectionOf correction);
+  SimulatedImage run(Frame& frame, CorrectionOf correction) {
+    frame.warnings = warnings_of(frame);
+    // Everything that one image leaves to the next is changed in a copy, which replaces it once the image is there.
+    SequencePlanner next = planner;
+    next.plan(frame);
+    for (const std::string& text : frame.plan->presample.report().notes) frame.warnings.push_back(text);
+    const bool in_sequence = correction == CorrectionOf::first_image;
+    const bool known = corrected && corrected_grid == frame.plan->out();
+    const bool own = known && same_correction(*corrected, frame.sensor.config());
+    const bool lags = known && !own && correction == CorrectionOf::earlier &&
+                      nearly_same_correction(*corrected, frame.sensor.config());
+    const bool measures = !known || !(own || lags || in_sequence);
+    if (measures) next.forget_correction();
+    const bool goes_on = in_sequence || (!measures && same_correction(last.sensor.config(), frame.sensor.config()));
+    const RadiometricChain* chain = frame.sensor.chain();
+    const bool takes_earlier = lags && chain != nullptr && chain->stage == radiometry::OutputStage::display &&
+                               chain->loaded.sensor.settings.correction;
+    next.chain(frame, takes_earlier);
+    const bool remembered = frame.sensor.remembers();
+    radiometry::ChainState remembering;  // what pixels remember says nothing of those of another grid
+    if (remembered && goes_on && chain_grid == frame.plan->out()) remembering = clone(chain_state);
+    frame.image.frame = frame.number;
+    frame.image.planes = run_planes(frame, remembered ? &remembering : nullptr, options.threads);
+    if (frame.counted.held.any()) frame.warnings.push_back(words(frame.counted.held));
+    frame.image.metadata = metadata_of(frame);
+    names = output_names(frame.input->scene.names);
+    planner = std::move(next);
+    if (remembered) {
+      chain_state = std::move(remembering);
+      chain_grid = frame.plan->out();
+    }
+    if (measures) {
+      corrected = frame.sensor.shared_config();
+      corrected_grid = frame.plan->out();
+    }
+    correction_lags = takes_earlier;
+    frame.input = nullptr;
+    frame.own = nullptr;
+    last = std::move(frame);
+    return std::exchange(last.image, {});
+  }
   mtf::KeptScene* kept_of(const std::shared_ptr<const SceneInput>& input) {
     if (&kept.planes() != &input->scene.planes) kept = mtf::KeptScene({input, &input->scene.planes});
     return &kept;
@@ -74,48 +114,6 @@ SimulatedImage LiveSimulation::image(mtf::io::Scene scene, const std::shared_ptr
   load_own(frame, {.image = std::move(scene), .filter = state.still.source().filter}, state.options.nan,
            state.options.threads);
   return state.run(frame, correction);
-}
-
-SimulatedImage LiveSimulation::State::run(Frame& frame, CorrectionOf correction) {
-  frame.warnings = warnings_of(frame);
-  // Everything that one image leaves to the next is changed in a copy, which replaces it once the image is there.
-  SequencePlanner next = planner;
-  next.plan(frame);
-  for (const std::string& text : frame.plan->presample.report().notes) frame.warnings.push_back(text);
-  const bool in_sequence = correction == CorrectionOf::first_image;
-  const bool known = corrected && corrected_grid == frame.plan->out();
-  const bool own = known && same_correction(*corrected, frame.sensor.config());
-  const bool lags =
-      known && !own && correction == CorrectionOf::earlier && nearly_same_correction(*corrected, frame.sensor.config());
-  const bool measures = !known || !(own || lags || in_sequence);
-  if (measures) next.forget_correction();
-  const bool goes_on = in_sequence || (!measures && same_correction(last.sensor.config(), frame.sensor.config()));
-  const RadiometricChain* chain = frame.sensor.chain();
-  const bool takes_earlier = lags && chain != nullptr && chain->stage == radiometry::OutputStage::display &&
-                             chain->loaded.sensor.settings.correction;
-  next.chain(frame, takes_earlier);
-  const bool remembered = frame.sensor.remembers();
-  radiometry::ChainState remembering;  // what pixels remember says nothing of those of another grid
-  if (remembered && goes_on && chain_grid == frame.plan->out()) remembering = clone(chain_state);
-  frame.image.frame = frame.number;
-  frame.image.planes = run_planes(frame, remembered ? &remembering : nullptr, options.threads);
-  if (frame.counted.held.any()) frame.warnings.push_back(words(frame.counted.held));
-  frame.image.metadata = metadata_of(frame);
-  names = output_names(frame.input->scene.names);
-  planner = std::move(next);
-  if (remembered) {
-    chain_state = std::move(remembering);
-    chain_grid = frame.plan->out();
-  }
-  if (measures) {
-    corrected = frame.sensor.shared_config();
-    corrected_grid = frame.plan->out();
-  }
-  correction_lags = takes_earlier;
-  frame.input = nullptr;
-  frame.own = nullptr;
-  last = std::move(frame);
-  return std::exchange(last.image, {});
 }
 
 bool LiveSimulation::correction_lags() const { return state_->correction_lags; }

@@ -8,7 +8,7 @@
 
 #include "apps/sensor/sensor_air.h"
 #include "apps/sensor/sensor_place.h"
-#include "apps/simulate/range_weights.h"
+#include "apps/simulate/scene_light.h"
 #include "apps/text/message_words.h"
 #include "mtf/components/path_air.h"
 #include "mtf/error.h"

@@ -9,7 +9,6 @@
 #include "apps/simulate/frames/sensor_frame.h"
 #include "apps/simulate/frames/sequence.h"
 #include "apps/simulate/output_files.h"
-#include "apps/simulate/run_watch.h"
 #include "apps/simulate/simulate_parts.h"
 #include "apps/simulate/tiles/simulate_tiles.h"
 #include "apps/text/message_words.h"

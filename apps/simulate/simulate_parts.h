@@ -1,17 +1,24 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Steps of a simulation that a single image and a sequence share.
+// Steps of a simulation that a single image, a sequence and an image in tiles share.
 
+#include <chrono>
+#include <functional>
+#include <memory>
+#include <mutex>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "apps/simulate/run_report.h"
 #include "apps/simulate/scene_source.h"
 #include "apps/simulate/sensor_image.h"
 #include "apps/simulate/sensor_run.h"
 #include "apps/simulate/simulate.h"
+#include "apps/simulate/simulate_options.h"
 #include "mtf/io/scene.h"
+#include "mtf/otf/factored_otf.h"
 
 namespace apps {
 
@@ -74,5 +81,50 @@ std::shared_ptr<const mtf::SceneSpectrum> spectrum_of_all(const mtf::io::Scene& 
 /// scaled. Throws as write_sensor_image.
 Written deliver(const SimulateOptions& options, const std::string& file, const std::vector<std::string>& names,
                 SimulatedImage& image, const IntegerRange& range);
+
+// What a run tells its caller, from whatever thread: one event at a time, and the run ends where the caller says so.
+
+class RunWatch {
+ public:
+  /// The report lives longer than the watch. Warnings and notes go to it too.
+  RunWatch(const SimulateOptions& options, RunReport& report)
+      : report_(report), caller_(std::make_shared<Caller>(options.watch)) {}
+  ~RunWatch() { caller_->leave(); }
+  RunWatch(const RunWatch&) = delete;
+  RunWatch& operator=(const RunWatch&) = delete;
+
+  /// So much of a step is done. All of these throw Cancelled where the caller ends the run.
+  void share(std::string_view step, double share) { tell({SimulateEvent::Kind::share, step, share}); }
+  void note(const std::string& text);
+  void warn(const std::string& text);
+  /// A warning that is in the report already.
+  void tell_warning(const std::string& text) { tell({SimulateEvent::Kind::warning, text, 0.0}); }
+  /// Time since the last lap goes to the report; `tell_stage` does that and tells it.
+  void lap(const char* stage);
+  void tell_stage(const char* stage);
+  /// For PlanOptions::progress; nothing where nobody watches. Plans keep it: it is silent once the run is over.
+  mtf::OtfProgress planning();
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  class Caller {
+   public:
+    explicit Caller(std::function<bool(const SimulateEvent&)> watch) : watch_(std::move(watch)) {}
+    bool watches() const { return watch_ != nullptr; }
+    void tell(const SimulateEvent& event);
+    void leave();
+
+   private:
+    std::mutex lock_;
+    std::function<bool(const SimulateEvent&)> watch_;
+  };
+
+  void tell(const SimulateEvent& event) { caller_->tell(event); }
+
+  RunReport& report_;
+  std::shared_ptr<Caller> caller_;
+  Clock::time_point last_ = Clock::now();
+};
 
 }  // namespace apps

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "apps/study/addressing.h"
+#include "apps/study/study_reader.h"
 
 #include <algorithm>
 #include <array>

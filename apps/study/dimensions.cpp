@@ -42,57 +42,42 @@ constexpr std::array kMore{
     Named{"cm^2", {{.metre = 2}, 1e-4}},
 };
 
-/// Base unit of the dimension in SI.
+// Capacitance and voltage count the charge in electrons of so many coulombs (exact in the SI): F = C^2 / J, V = J / C.
+constexpr double kElectron = 1.602176634e-19;
+/// Base units of the dimensions, in their order, in SI.
+constexpr std::array<UnitScale, 23> kBaseUnits{{
+    {},                                    // none
+    {{.metre = 1}, 1e-6},                  // length
+    {{}, 1e-6},                            // angle
+    {},                                    // extent
+    {},                                    // frequency
+    {{.second = -1}, 1.0},                 // temporal
+    {},                                    // cutoff
+    {{.second = 1}, 1.0},                  // time
+    {{.metre = 1, .second = -1}, 1e-6},    // velocity
+    {{.second = -1}, 1e-6},                // rate
+    {},                                    // pixel
+    {{.metre = -2, .candela = 1}, 1.0},    // luminance
+    {{.metre = 1, .second = -2}, 1e-6},    // acceleration
+    {{.second = -2}, 1e-6},                // angular_acceleration
+    {{.kelvin = 1}, 1.0},                  // temperature
+    {},                                    // temperature_difference
+    {{.electron = 1}, 1.0},                // electrons
+    {{.second = -1, .electron = 1}, 1.0},  // current
+    {{.metre = -2, .second = 2, .electron = 2, .kilogram = -1}, (1.0 / kElectron) * (1.0 / kElectron)},  // capacitance
+    {{.metre = 2, .second = -2, .electron = -1, .kilogram = 1}, kElectron},                              // voltage
+    {{.metre = 2, .second = -3, .kilogram = 1}, 1.0},                                                    // power
+    {{.metre = -1, .second = -2, .kilogram = 1}, 1.0},                                                   // pressure
+    {{.metre = 1, .second = -1}, 1e-3 / 3600.0},                                                         // rain_rate
+}};
+static_assert(kBaseUnits.size() == static_cast<std::size_t>(mtf::Dimension::rain_rate) + 1);
+
+/// No unit has the dimensions extent and cutoff, which stand for several, nor temperature_difference, whose units are
+/// those of temperature. Pixels and what is counted in them are plain numbers.
 UnitScale base_of(const mtf::Unit& unit) {
-  using enum mtf::Dimension;
-  switch (unit.dimension) {
-    case none:
-    case extent:
-    case cutoff:                  // no unit has these: they stand for several
-    case temperature_difference:  // nor this: its units are those of temperature
-    case pixel:
-      return {};
-    case length:
-      return {{.metre = 1}, 1e-6};
-    case angle:
-      return {{}, 1e-6};
-    case frequency:
-      if (unit.name == "cy/mm") return {{.metre = -1}, 1e3};
-      return {{}, unit.name == "cy/mrad" ? 1e3 : 1.0};
-    case temporal:
-      return {{.second = -1}, 1.0};
-    case time:
-      return {{.second = 1}, 1.0};
-    case velocity:
-      return {{.metre = 1, .second = -1}, 1e-6};
-    case rate:
-      return {{.second = -1}, 1e-6};
-    case acceleration:
-      return {{.metre = 1, .second = -2}, 1e-6};
-    case angular_acceleration:
-      return {{.second = -2}, 1e-6};
-    case luminance:
-      return {{.metre = -2, .candela = 1}, 1.0};
-    case temperature:
-      return {{.kelvin = 1}, 1.0};
-    case electrons:
-      return {{.electron = 1}, 1.0};
-    case current:
-      return {{.second = -1, .electron = 1}, 1.0};
-    case capacitance: {  // F = C^2 / J, with the charge counted in electrons of 1.602176634e-19 C (exact in the SI)
-      constexpr double per_coulomb = 1.0 / 1.602176634e-19;
-      return {{.metre = -2, .second = 2, .electron = 2, .kilogram = -1}, per_coulomb * per_coulomb};
-    }
-    case voltage:  // V = J / C
-      return {{.metre = 2, .second = -2, .electron = -1, .kilogram = 1}, 1.602176634e-19};
-    case power:
-      return {{.metre = 2, .second = -3, .kilogram = 1}, 1.0};
-    case pressure:
-      return {{.metre = -1, .second = -2, .kilogram = 1}, 1.0};
-    case rain_rate:
-      return {{.metre = 1, .second = -1}, 1e-3 / 3600.0};
-  }
-  return {};
+  if (unit.name == "cy/mm") return {{.metre = -1}, 1e3};
+  if (unit.name == "cy/mrad") return {{}, 1e3};
+  return kBaseUnits[static_cast<std::size_t>(unit.dimension)];
 }
 
 /// Quotients keep powers of ten exact where products with small factors do not: 15 um = 15 / 1e6 m.

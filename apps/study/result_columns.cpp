@@ -11,12 +11,10 @@
 #include "mtf/io/csv/csv_cells.h"
 
 namespace study {
+namespace {
 
-const char* role_word(Column::Role role) {
-  constexpr std::array words{"axis", "link", "metric", "objective", "feasible", "yield", "error", "pareto"};
-  return words[static_cast<std::size_t>(role)];
-}
-
+/// The column that shows an objective: that of its metric or parameter, else its own. Throws RuntimeError when there is
+/// none (columns of another study).
 std::size_t objective_column(const Study& study, const std::vector<Column>& columns, std::size_t objective) {
   const Expression& expression = study.objectives[objective].expression;
   const auto named = [&](const std::string& name, Column::Role role) -> std::optional<std::size_t> {
@@ -31,6 +29,13 @@ std::size_t objective_column(const Study& study, const std::vector<Column>& colu
       if (const auto column = named(name, role)) return *column;
   }
   throw mtf::RuntimeError("objective " + study.objectives[objective].text + ": the table has no column of it");
+}
+
+}  // namespace
+
+const char* role_word(Column::Role role) {
+  constexpr std::array words{"axis", "link", "metric", "objective", "feasible", "yield", "error", "pareto"};
+  return words[static_cast<std::size_t>(role)];
 }
 
 std::optional<std::size_t> column_of(const std::vector<Column>& columns, Column::Role role) {

@@ -10,10 +10,6 @@
 
 namespace study {
 
-/// The column that shows an objective: that of its metric or parameter, else its own. Throws RuntimeError when there is
-/// none (columns of another study).
-std::size_t objective_column(const Study& study, const std::vector<Column>& columns, std::size_t objective);
-
 /// "axis", "link", "metric", ...
 const char* role_word(Column::Role role);
 

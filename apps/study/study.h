@@ -42,6 +42,7 @@
 // file has an angle. The combinations of their levels are variants, sensors of their own. The README beside this header
 // has every key.
 
+#include <cmath>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -108,6 +109,16 @@ struct Constraint {
   bool strict = true;
 };
 
+/// Values of both sides of a constraint, in SI; NaN for a design that cannot be.
+struct ConstraintValues {
+  double left = 0.0, right = 0.0;
+
+  /// The amount by which it holds, below 0 where it does not: right - left of left < right (`less`), else left - right.
+  double margin(bool less) const { return less ? right - left : left - right; }
+  /// True when both sides are numbers; an infinite side decides nothing.
+  bool finite() const { return std::isfinite(left) && std::isfinite(right); }
+};
+
 struct Objective {
   std::string text;  ///< without maximize or minimize
   bool maximize = false;
@@ -171,6 +182,10 @@ StudyResult parse_study(const std::string& text, const std::string& file);
 
 /// Metrics of [metrics] list that no design can have: their columns stay empty.
 std::vector<mtf::io::Diagnostic> listed_gaps(const Study& study);
+
+/// What the observers, target and air of a study are, in words, for every output of its ranges. Empty for a study
+/// without figures of light, quality or observers. A magnification by a display is that of the study's first sensor.
+std::vector<std::string> condition_lines(const Study& study);
 
 /// True for a file whose top level has [[axis]] or `sensor`: a study and no sensor.
 bool is_study(const std::string& text);

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "apps/study/study_conditions.h"
+
+// What the figures of a study hold for, in words, and a study file to start from.
 
 #include <algorithm>
 
-#include "apps/sensor/air_course.h"
-#include "apps/study/design/range_tasks.h"
+#include "apps/sensor/sensor_air.h"
+#include "apps/study/design/metric_rows.h"
+#include "apps/study/study_reader.h"
 #include "apps/study/study_shape.h"
 #include "apps/study/study_starter.toml.h"
 #include "mtf/error.h"

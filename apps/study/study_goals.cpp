@@ -6,7 +6,7 @@
 #include <map>
 #include <set>
 
-#include "apps/study/design/metric_gap.h"
+#include "apps/study/design/metric_rows.h"
 #include "apps/study/result_columns.h"
 #include "apps/study/study_reader.h"
 #include "apps/study/study_shape.h"
@@ -49,17 +49,17 @@ Source part_of(const Source& whole, std::size_t from, std::size_t to) {
   return {whole.text.substr(from, to - from), whole.position, whole.path, static_cast<int>(from)};
 }
 
-struct ConstraintValues {
+struct ConstraintSides {
   Source left, right;
   bool less = true, strict = true;
 };
 
-std::optional<ConstraintValues> sides_of(const Source& source) {
+std::optional<ConstraintSides> sides_of(const Source& source) {
   const std::size_t at = comparison(source.text);
   if (at == std::string::npos) return std::nullopt;
   const bool strict = source.text.compare(at + 1, 1, "=") != 0;
-  return ConstraintValues{part_of(source, 0, at), part_of(source, at + (strict ? 1 : 2), source.text.size()),
-                          source.text[at] == '<', strict};
+  return ConstraintSides{part_of(source, 0, at), part_of(source, at + (strict ? 1 : 2), source.text.size()),
+                         source.text[at] == '<', strict};
 }
 
 /// The expression of an objective after its first word; null when that is no direction.

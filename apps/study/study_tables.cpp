@@ -9,7 +9,6 @@
 
 #include "apps/sensor/sensor_air.h"
 #include "apps/sensor/sensor_chain.h"
-#include "apps/study/study_conditions.h"
 #include "apps/study/study_reader.h"
 #include "apps/study/study_shape.h"
 #include "mtf/error.h"

@@ -5,8 +5,8 @@
 #include <cmath>
 
 #include "apps/study/design/design_model.h"
-#include "apps/study/design/metric_gap.h"
-#include "apps/study/study_conditions.h"
+#include "apps/study/design/metric_rows.h"
+#include "apps/study/study_reader.h"
 #include "mtf/error.h"
 
 namespace study {

@@ -19,7 +19,7 @@
 #include <string>
 #include <vector>
 
-#include "apps/study/design/range_tasks.h"
+#include "apps/study/design/metric_rows.h"
 #include "mtf/io/config/config.h"
 #include "radiometry/performance/conditions.h"
 

@@ -9,7 +9,6 @@
 
 #include "apps/study/result_columns.h"
 #include "apps/study/rows/sweep_rows.h"
-#include "apps/study/study_conditions.h"
 #include "apps/sweep/sweep_report.h"
 #include "apps/terminal/output.h"
 #include "apps/terminal/progress_line.h"

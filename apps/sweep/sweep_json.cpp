@@ -3,12 +3,11 @@
 // sweep.json. Numbers that are none are null.
 
 #include <algorithm>
-#include <array>
 
 #include "apps/bench/machine.h"
 #include "apps/study/result_columns.h"
 #include "apps/study/rows/sweep_rows.h"
-#include "apps/study/study_conditions.h"
+#include "apps/study/study_shape.h"
 #include "apps/sweep/sweep_report.h"
 #include "apps/terminal/today.h"
 #include "apps/text/json.h"
@@ -18,7 +17,6 @@ namespace apps {
 namespace {
 
 constexpr std::size_t kMostFront = 10'000;  // designs of the front that are listed
-constexpr std::array kMethods{"grid", "latin_hypercube", "sobol"};
 
 std::string machine_text() {
   const Machine machine = this_machine();
@@ -233,7 +231,7 @@ Json to_json(const SweepReport& report) {
                                {"sha256", run.files[i].sha256}});
   json["designs"] = study.designs;
   json["evaluated"] = tally.designs();
-  json["method"] = kMethods[static_cast<std::size_t>(study.method)];
+  json["method"] = study::kMethods[static_cast<std::size_t>(study.method)];
   json["seed"] = study.seed;
   json["tolerance"] = study.tolerance;
   json["worst_error"] = tally.worst_error();

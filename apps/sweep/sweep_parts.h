@@ -8,7 +8,7 @@
 
 #include "apps/options.h"
 #include "apps/study/design/evaluator.h"
-#include "apps/study/rows/row_run.h"
+#include "apps/study/rows/row_file.h"
 #include "apps/study/rows/shard_plan.h"
 #include "apps/terminal/output_set.h"
 

@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// What is known of a finished sweep: for sweep.json and for standard output.
+// What is known of a finished sweep or optimisation, for people and as JSON.
+
+#include <string>
+#include <vector>
 
 #include "apps/study/optimum/optimize.h"
 #include "apps/study/statistics/accuracy.h"
-#include "apps/study/statistics/design_sensitivity.h"
+#include "apps/study/statistics/indices.h"
 #include "apps/study/statistics/tally.h"
 #include "apps/sweep/sweep_parts.h"
 #include "apps/text/json.h"
@@ -53,7 +56,6 @@ bool none_valid(const SweepReport& report);
 /// Constraints that a row does not meet: indices.
 std::vector<std::size_t> violated_constraints(const SweepReport& report, std::span<const double> row);
 
-/// A number in JSON; null where it is not finite.
 /// A limit of an optimum, or of the best design of a sweep, which has no gain.
 Json limit_json(const study::Limit& limit);
 
@@ -62,5 +64,16 @@ Json to_json(const SweepReport& report);
 
 /// What the command says, for people.
 std::string sweep_summary(const SweepReport& report);
+
+/// One optimisation of a study.
+struct OptimizedGoal {
+  std::string name;  ///< "maximize niirs_giqe5", "1 x maximize niirs_giqe5 + 0.2 x minimize cost"
+  study::OptimizeOptions options;
+  study::OptimizeOutcome outcome;
+  std::string file;  ///< of the sensor that was written; "" = none
+};
+
+std::string optimize_table(const study::Study& study, const std::vector<OptimizedGoal>& goals);
+std::string optimize_json(const study::Study& study, const std::vector<OptimizedGoal>& goals);
 
 }  // namespace apps

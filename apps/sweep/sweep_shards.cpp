@@ -9,7 +9,7 @@
 #include <limits>
 
 #include "apps/arguments.h"
-#include "apps/study/rows/submit_script.h"
+#include "apps/study/rows/shard_plan.h"
 #include "apps/sweep/sweep_parts.h"
 #include "apps/terminal/interrupt.h"
 #include "apps/terminal/output.h"
@@ -180,8 +180,7 @@ int sweep_submit(const SweepOptions& options, const Global& global) {
   if (!options.engine) throw mtf::UsageError("--engine: not given; one of slurm, parallel, local");
   const fs::path folder = options.words[1];
   const OpenPlan open = open_plan(folder);
-  constexpr std::array engines{study::Engine::slurm, study::Engine::parallel, study::Engine::local};
-  const study::Engine engine = engines[static_cast<std::size_t>(*options.engine)];
+  const auto engine = static_cast<study::Engine>(*options.engine);
   std::error_code error;
   const fs::path program = fs::read_symlink("/proc/self/exe", error);
   const std::string script = study::submit_script({.engine = engine,

@@ -3,7 +3,10 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <vector>
 
+#include "apps/live/model.h"
+#include "apps/scene/scene_file/scene_file.h"
 #include "apps/scene/weather/si_units.h"
 #include "apps/text/message_words.h"
 #include "mtf/error.h"
@@ -41,6 +44,22 @@ std::optional<Written> quantity_in(const std::string& text, const FieldInfo& fie
   while (*rest == ' ' || *rest == '\t') ++rest;
   return Written{number, rest};
 }
+
+/// One number. `node` and `table` are of the tree that it was made from.
+struct SceneRow {
+  std::string name;  ///< "material.engine_deck.inside.temperature"
+  std::string key;   ///< "inside temperature"
+  mtf::FieldInfo field;
+  const Node* table = nullptr;  ///< that has the key
+  const Node* node = nullptr;   ///< its value; null where the file does not state it
+  std::string otherwise{};      ///< what counts then
+};
+
+struct SceneTable {
+  std::string title;  ///< "weather", "material engine_deck"
+  std::string doc;
+  std::vector<SceneRow> rows;
+};
 
 /// The numbers of one table of the file, by the rows of its type.
 class Rows {
@@ -133,6 +152,30 @@ void for_items(const Node& root, std::string_view list, const Visit& visit) {
   }
 }
 
+/// Tables without a number are left out.
+std::vector<SceneTable> scene_tables(const Node& root) {
+  std::vector<SceneTable> tables;
+  if (const Node* weather = root.find("weather")) tables.push_back(weather_table(*weather));
+  const auto add = [&]<class T>(T, const std::string& owner, const Node& node, const std::string& title,
+                                const std::string& doc) {
+    tables.push_back(std::move(Rows(owner, node).of<T>()).table(title, doc));
+  };
+  if (const Node* sky = root.find("sky")) add(scene::SkySection{}, "sky", *sky, "sky", "clouds");
+  for_items(root, "material", [&](const Node& material, const std::string& name) {
+    add(scene::MaterialSection{}, "material." + name, material, "material " + name,
+        "what surfaces of this material are made of, from the outside inwards");
+  });
+  for_items(root, "region", [&](const Node& region, const std::string& name) {
+    const Node* group = region.find("group");
+    add(scene::RegionSection{}, "region." + name, region, "region " + (group != nullptr ? group->text : name),
+        "a temperature that is given");
+  });
+  if (const Node* ground = root.find("ground"))
+    add(scene::GroundSection{}, "ground", *ground, "ground", "beyond the meshes");
+  std::erase_if(tables, [](const SceneTable& table) { return table.rows.empty(); });
+  return tables;
+}
+
 /// A value in SI in that unit: units of scene files are linear.
 double in_unit(double si, const std::string& unit, const FieldInfo& field) {
   const double zero = scene::parse_si("0 " + unit, field.unit, example_of(field));
@@ -216,29 +259,6 @@ std::string with_value(const std::string& text, const std::string& start, const 
 }
 
 }  // namespace
-
-std::vector<SceneTable> scene_tables(const Node& root) {
-  std::vector<SceneTable> tables;
-  if (const Node* weather = root.find("weather")) tables.push_back(weather_table(*weather));
-  const auto add = [&]<class T>(T, const std::string& owner, const Node& node, const std::string& title,
-                                const std::string& doc) {
-    tables.push_back(std::move(Rows(owner, node).of<T>()).table(title, doc));
-  };
-  if (const Node* sky = root.find("sky")) add(scene::SkySection{}, "sky", *sky, "sky", "clouds");
-  for_items(root, "material", [&](const Node& material, const std::string& name) {
-    add(scene::MaterialSection{}, "material." + name, material, "material " + name,
-        "what surfaces of this material are made of, from the outside inwards");
-  });
-  for_items(root, "region", [&](const Node& region, const std::string& name) {
-    const Node* group = region.find("group");
-    add(scene::RegionSection{}, "region." + name, region, "region " + (group != nullptr ? group->text : name),
-        "a temperature that is given");
-  });
-  if (const Node* ground = root.find("ground"))
-    add(scene::GroundSection{}, "ground", *ground, "ground", "beyond the meshes");
-  std::erase_if(tables, [](const SceneTable& table) { return table.rows.empty(); });
-  return tables;
-}
 
 Json scene_json(const std::string& text) {
   const cfg::Tree tree = cfg::read_tree(text);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "apps/live/space/space_view.h"
+#include "apps/live/space/space.h"
 
 #include <algorithm>
 #include <array>
@@ -73,69 +73,66 @@ struct Drawing {
   std::optional<double> tolerance{};
   std::optional<radiometry::OutputStage> stage{};
 
-  KeptFrame frame(const Sensor& sensor, const FrameRequest& request);
-  void make_flight(const SimulateOptions& image);
+  KeptFrame frame(const Sensor& sensor, const FrameRequest& request) {
+    const SimulateOptions image{.tolerance = request.tolerance, .stage = request.stage, .threads = shared->threads};
+    const SolvedScenes::Found found = shared->scenes->find(request.scene, request.tab);
+    // Until it is there the page has the scene that it had before.
+    const bool own = scene && tab == request.tab;
+    const std::shared_ptr<SolvedScene> wanted = found.scene ? found.scene : own ? scene : shared->scenes->start();
+    tab = request.tab;
+    if (wanted != scene) {
+      flight.reset();  // before its source may go
+      scene = wanted;
+    }
+    if (!flight)
+      make_flight(image);
+    else if (request.tolerance != tolerance || request.stage != stage)
+      flight->set_image(image);
+    tolerance = request.tolerance, stage = request.stage;
+    const std::string memory = memory_words(*sensor, kSamples, kLiveBytes);
+    const FrameChoice choice{.samples_per_pitch = request.preview ? kSamplesMoving : kSamples,
+                             .points = request.preview ? kPointsMoving : kPoints,
+                             .light_may_lag = request.may_lag,
+                             .correction = request.correction(),
+                             .stop_image = mtf::stop_flag()};
+    const Viewpoint& from = request.from.value();
+    FlightFrame made = flight->frame(sensor, {from.position_m, from.look_at_m}, from.utc_s, request.number, choice);
+    KeptFrame kept;
+    kept.names = flight->names();
+    kept.image = std::move(made.image);
+    kept.range = flight->integer_range();
+    kept.plan = std::make_shared<const mtf::SensorPlan>(flight->plan());
+    kept.scene = std::make_shared<const mtf::io::Scene>(std::move(*made.radiance));
+    kept.light_lags = made.light_lags;
+    kept.correction_lags = made.correction_lags;
+    kept.solving = found.waiting;
+    kept.passing = request.preview || made.light_lags || !kept.solving.empty();
+    kept.radiance_promised = made.promised;
+    kept.stages_ms = std::move(made.timing_ms);
+    for (const auto& [name, words] : flight->closures()) kept.closures.emplace_back(name, words);
+    // Of a picture that is for the moment nobody has to be warned.
+    if (!request.preview) {
+      kept.warnings = std::move(made.warnings);
+      const PictureSensor picture = picture_sensor(*sensor, PictureQuantity::weighted);
+      if (std::string text = sampling_warning(picture, kSamples); !text.empty())
+        kept.warnings.push_back(std::move(text));
+      if (!memory.empty()) kept.warnings.push_back(memory);
+      flight->look_ahead(places_around(from));  // the camera will turn
+    }
+    return kept;
+  }
+  void make_flight(const SimulateOptions& image) {
+    // Half a second before the first time: seconds are the middles of the intervals of light.
+    const FlightOptions how{.samples_per_pitch = kSamples,
+                            .render = {.points = kPoints, .threads = shared->threads},
+                            .image = image,
+                            .light_every_s = kLightEvery_s,
+                            .begin_s = shared->begin_s - 0.5 * kLightEvery_s,
+                            .end_s = shared->end_s + 0.5 * kLightEvery_s,
+                            .keep_radiance = true};
+    flight = std::make_unique<Flight>(*scene->source, scene->file, scene->air, how);
+  }
 };
-
-void Drawing::make_flight(const SimulateOptions& image) {
-  // Half a second before the first time: seconds are the middles of the intervals of light.
-  const FlightOptions how{.samples_per_pitch = kSamples,
-                          .render = {.points = kPoints, .threads = shared->threads},
-                          .image = image,
-                          .light_every_s = kLightEvery_s,
-                          .begin_s = shared->begin_s - 0.5 * kLightEvery_s,
-                          .end_s = shared->end_s + 0.5 * kLightEvery_s,
-                          .keep_radiance = true};
-  flight = std::make_unique<Flight>(*scene->source, scene->file, scene->air, how);
-}
-
-KeptFrame Drawing::frame(const Sensor& sensor, const FrameRequest& request) {
-  const SimulateOptions image{.tolerance = request.tolerance, .stage = request.stage, .threads = shared->threads};
-  const SolvedScenes::Found found = shared->scenes->find(request.scene, request.tab);
-  // Until it is there the page has the scene that it had before.
-  const bool own = scene && tab == request.tab;
-  const std::shared_ptr<SolvedScene> wanted = found.scene ? found.scene : own ? scene : shared->scenes->start();
-  tab = request.tab;
-  if (wanted != scene) {
-    flight.reset();  // before its source may go
-    scene = wanted;
-  }
-  if (!flight)
-    make_flight(image);
-  else if (request.tolerance != tolerance || request.stage != stage)
-    flight->set_image(image);
-  tolerance = request.tolerance, stage = request.stage;
-  const std::string memory = memory_words(*sensor, kSamples, kLiveBytes);
-  const FrameChoice choice{.samples_per_pitch = request.preview ? kSamplesMoving : kSamples,
-                           .points = request.preview ? kPointsMoving : kPoints,
-                           .light_may_lag = request.may_lag,
-                           .correction = request.correction(),
-                           .stop_image = mtf::stop_flag()};
-  const Viewpoint& from = request.from.value();
-  FlightFrame made = flight->frame(sensor, {from.position_m, from.look_at_m}, from.utc_s, request.number, choice);
-  KeptFrame kept;
-  kept.names = flight->names();
-  kept.image = std::move(made.image);
-  kept.range = flight->integer_range();
-  kept.plan = std::make_shared<const mtf::SensorPlan>(flight->plan());
-  kept.scene = std::make_shared<const mtf::io::Scene>(std::move(*made.radiance));
-  kept.light_lags = made.light_lags;
-  kept.correction_lags = made.correction_lags;
-  kept.solving = found.waiting;
-  kept.passing = request.preview || made.light_lags || !kept.solving.empty();
-  kept.radiance_promised = made.promised;
-  kept.stages_ms = std::move(made.timing_ms);
-  for (const auto& [name, words] : flight->closures()) kept.closures.emplace_back(name, words);
-  // Of a picture that is for the moment nobody has to be warned.
-  if (!request.preview) {
-    kept.warnings = std::move(made.warnings);
-    const PictureSensor picture = picture_sensor(*sensor, PictureQuantity::weighted);
-    if (std::string text = sampling_warning(picture, kSamples); !text.empty()) kept.warnings.push_back(std::move(text));
-    if (!memory.empty()) kept.warnings.push_back(memory);
-    flight->look_ahead(places_around(from));  // the camera will turn
-  }
-  return kept;
-}
 
 std::string metres(double value) { return mtf::format_double(value) + " m"; }
 
@@ -171,8 +168,7 @@ std::shared_ptr<SolvedScene> solved_scene(const std::string& text, const std::st
   return scene;
 }
 
-}  // namespace
-
+/// The text of a scene file whose [camera] is there, without a path; comments and all else stay.
 std::string with_camera(const std::string& text, const Viewpoint& from) {
   const std::string position = point_text(from.position_m), look_at = point_text(from.look_at_m);
   const cfg::Tree tree = cfg::read_tree(text);
@@ -198,6 +194,8 @@ std::string with_camera(const std::string& text, const Viewpoint& from) {
   }
   return cfg::edited(text, std::move(edits));
 }
+
+}  // namespace
 
 Space open_space(const SceneViewOptions& options, const Global& global) {
   const auto tell = [&](const std::string& words) {

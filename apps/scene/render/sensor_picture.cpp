@@ -3,7 +3,6 @@
 
 #include <cmath>
 
-#include "apps/sensor/response.h"
 #include "apps/sensor/sensor_air.h"
 #include "apps/sensor/sensor_chain.h"
 #include "apps/sensor/sensor_place.h"

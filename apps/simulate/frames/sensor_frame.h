@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// One frame on its way through the sensor: the only one of a run, or one of a sequence or of a live view.
+// One frame on its way through the sensor: the only one of a run, or one of a sequence or of a live view. Its scene is
+// read, its bad pixels filled, in the unit that the sensor's plan filters.
 
 #include <array>
 #include <exception>
@@ -10,12 +11,55 @@
 #include <string>
 #include <vector>
 
-#include "apps/simulate/frames/scene_input.h"
-#include "apps/simulate/simulate.h"
+#include "apps/simulate/simulate_parts.h"
+#include "mtf/plan/plan.h"
 #include "mtf/tiles/tiles.h"
 #include "radiometry/chain/chain.h"
 
 namespace apps {
+
+struct SceneInput {
+  mtf::io::Scene scene;
+  std::vector<mtf::Image> masks;  ///< of bad pixels, per channel
+  std::string bad_pixels;         ///< what happened to them, "" = none
+  std::optional<mtf::SceneSummary> summary;
+  double border_value = 0.0;  ///< in the unit of the planes
+  /// Of the band's OTF, where the scene says how far away its pixels are; else that of the sensor holds.
+  std::shared_ptr<const mtf::ElectronRate> rate{};
+  std::vector<std::string> warnings{};  ///< of the light and of its contrast; `scene` has those of reading it
+};
+
+/// What filters that scene: the system of the sensor, with the `rate` of the scene.
+mtf::System<double> system_for(const SensorRun& sensor, const SceneInput& input);
+
+/// True when [scene] of both gives samples the same spacing.
+bool same_spacing(const mtf::io::SceneDefaults& a, const mtf::io::SceneDefaults& b);
+
+/// True when [scene] of both gives samples the same values, spacing and border. The aperture is left out: the plan
+/// alone depends on it.
+bool same_values(const mtf::io::SceneDefaults& a, const mtf::io::SceneDefaults& b);
+
+/// One scene for every frame. It is loaded again only where the sensor asks for other values of it: [scene] may have
+/// changed, samples may be angles, whose size follows the focal length, and the light that a sensor with [detector]
+/// takes depends on the band and on all that is before the pixels. A file whose scene is loaded again stays in memory.
+class StillScene {
+ public:
+  StillScene(SceneSource source, NanPolicy nan, int threads)
+      : source_(std::move(source)), nan_(nan), threads_(threads) {
+    complete_name(source_);
+  }
+
+  /// Throws as take_scene, treat_bad_pixels and SensorRun::light.
+  std::shared_ptr<const SceneInput> of(const SensorRun& sensor);
+  const SceneSource& source() const { return source_; }
+
+ private:
+  SceneSource source_;
+  NanPolicy nan_;
+  int threads_;
+  SensorRun sensor_;  ///< that `input_` serves
+  std::shared_ptr<const SceneInput> input_;
+};
 
 struct Frame {
   std::int64_t number = 0;
@@ -41,7 +85,8 @@ struct Frame {
 /// What is to be said of the sensor and the scene of a frame before it is planned.
 std::vector<std::string> warnings_of(const Frame& frame);
 
-/// Takes the scene of `source` for this frame alone. Arguments and errors as load_input().
+/// Takes the scene of `source` for this frame alone. Arguments and errors as StillScene; `watch` hears of the steps
+/// "read" and "light" of a run of one image.
 void load_own(Frame& frame, SceneSource source, NanPolicy nan, int threads, RunWatch* watch = nullptr);
 
 /// The chain with that plan; null of a linear sensor. Further arguments as those of radiometry::Chain, whose errors get

@@ -21,7 +21,6 @@
 #include "apps/simulate/frames/sensor_frame.h"
 #include "apps/simulate/frames/sequence_plan.h"
 #include "apps/simulate/output_files.h"
-#include "apps/simulate/run_watch.h"
 #include "apps/simulate/simulate_parts.h"
 #include "apps/text/message_words.h"
 #include "mtf/error.h"
@@ -33,24 +32,6 @@
 
 namespace apps {
 namespace {
-
-// When the shutter of a thermal camera closed last, for the frames of a sequence, and what it and the camera were like
-// then: as the schedule has them at that frame, whether or not that frame is one of those that are run. So a frame does
-// not depend on where --frames begins and on what it leaves out.
-
-class ShutterClosings {
- public:
-  /// Throws UsageError for a schedule of temperatures that [detector] shutter_drift changes too.
-  ShutterClosings(const mtf::io::SensorConfig& sensor, mtf::io::Schedule schedule);
-
-  /// The last closing of the camera with these settings, which are those of `frame`; nothing where it does not close.
-  std::optional<radiometry::ShutterClosing> before(std::uint32_t frame, const radiometry::SensorSettings& settings);
-
- private:
-  mtf::io::SensorConfig sensor_;  ///< of the file
-  mtf::io::Schedule schedule_;
-  std::optional<radiometry::ShutterClosing> last_;
-};
 
 constexpr std::array<std::string_view, 3> kDrifting{"detector.shutter_temperature", "optics.stop_temperature",
                                                     "optics.temperature"};
@@ -71,103 +52,38 @@ void refuse_drift_of_scheduled_temperatures(const mtf::io::SensorConfig& sensor,
                             "frame 0 on; remove shutter_drift, or the lines of temperatures after frame 0");
 }
 
-ShutterClosings::ShutterClosings(const mtf::io::SensorConfig& sensor, mtf::io::Schedule schedule)
-    : sensor_(sensor), schedule_(std::move(schedule)) {
-  refuse_drift_of_scheduled_temperatures(sensor_, schedule_);
-}
+// When the shutter of a thermal camera closed last, for the frames of a sequence, and what it and the camera were like
+// then: as the schedule has them at that frame, whether or not that frame is one of those that are run. So a frame does
+// not depend on where --frames begins and on what it leaves out.
 
-std::optional<radiometry::ShutterClosing> ShutterClosings::before(std::uint32_t frame,
-                                                                  const radiometry::SensorSettings& settings) {
-  if (!settings.thermal || !settings.thermal->closes()) return std::nullopt;
-  const radiometry::ShutterEvents events = shutter_events(settings);
-  const std::uint32_t closed = events.closing_before(frame);
-  if (last_ && last_->frame == closed) return last_;
-  radiometry::CameraEmission camera = emission_of(settings);
-  if (closed < frame && !schedule_.settings.empty()) {
-    mtf::io::ScheduledSensor then(sensor_, schedule_);
-    then.advance(closed);
-    camera = emission_of(radiometry::sensor_settings(then.sensor().tables));
-  }
-  last_ = {closed, warmed(camera, events.warming_k(closed))};
-  return last_;
-}
-
-// What happens to each frame of a sequence, in this order: next, read, plan, run, finish. `next`, `plan` and `finish`
-// are called one frame at a time and in order, `read` and `run` for several frames at once. A frame that fails carries
-// its error to `finish`, so that the first one in order is what is reported, and every frame before it is written.
-
-struct SequenceNames {
-  std::optional<FrameNames> scenes;  ///< none: the same scene for every frame
-  std::optional<FrameNames> out;     ///< none: no files are written
-  std::vector<std::int64_t> frames;  ///< rising, at least one
-};
-
-class SequenceFrames {
+class ShutterClosings {
  public:
-  /// `scene` is one for every frame, or what numbered files share.
-  SequenceFrames(const SimulateOptions& options, const SensorRun& sensor, mtf::io::Schedule schedule,
-                 const SequenceNames& names, SceneSource scene, int threads);
+  /// Throws UsageError for a schedule of temperatures that [detector] shutter_drift changes too.
+  ShutterClosings(const mtf::io::SensorConfig& sensor, mtf::io::Schedule schedule)
+      : sensor_(sensor), schedule_(std::move(schedule)) {
+    refuse_drift_of_scheduled_temperatures(sensor_, schedule_);
+  }
 
-  /// Reads the first frame and compiles its plan, on all threads: what the others are judged by. Throws.
-  void prepare();
-  /// Bytes that a frame takes while it is being worked on.
-  double bytes_a_frame() const;
-  void set_threads_a_frame(int threads) { threads_ = threads; }
-
-  /// The next frame with its sensor; null after the last one.
-  std::shared_ptr<Frame> next();
-  void read(Frame& frame);
-  void plan(Frame& frame);
-  void run(Frame& frame);
-  /// Counts the frame and keeps its image where neither a file nor the sink has it. Throws its error with its number.
-  void finish(Frame& frame);
-
-  /// True when frames have to run one after another: each leaves something to the next.
-  bool remembers() const;
-
-  double share_done() const { return static_cast<double>(report_.frames) / static_cast<double>(count()); }
-  std::int64_t count() const { return static_cast<std::int64_t>(names_.frames.size()); }
-  /// What the first frame was and how it was planned; without its planes.
-  const mtf::io::Scene& first_scene() const { return first_scene_; }
-  const std::shared_ptr<const mtf::SensorPlan>& first_plan() const { return first_plan_; }
-  const std::shared_ptr<const mtf::SensorPlan>& last_plan() const { return last_plan_; }
-  /// In the order of the frames.
-  std::vector<SimulatedImage>& images() { return images_; }
-  const std::vector<std::string>& warnings() const { return warnings_; }
-  /// What there is to say that is no warning.
-  const std::vector<std::string>& notes() const { return notes_; }
-  /// Sums over frames: read, plan, run, write.
-  std::vector<std::pair<std::string, double>> timing_ms() const;
-  SequenceReport report() const;
-  /// What the chain says of all frames; nothing for a sensor without one.
-  const std::optional<ChainReport>& chain_report() const { return chain_report_; }
+  /// The last closing of the camera with these settings, which are those of `frame`; nothing where it does not close.
+  std::optional<radiometry::ShutterClosing> before(std::uint32_t frame, const radiometry::SensorSettings& settings) {
+    if (!settings.thermal || !settings.thermal->closes()) return std::nullopt;
+    const radiometry::ShutterEvents events = shutter_events(settings);
+    const std::uint32_t closed = events.closing_before(frame);
+    if (last_ && last_->frame == closed) return last_;
+    radiometry::CameraEmission camera = emission_of(settings);
+    if (closed < frame && !schedule_.settings.empty()) {
+      mtf::io::ScheduledSensor then(sensor_, schedule_);
+      then.advance(closed);
+      camera = emission_of(radiometry::sensor_settings(then.sensor().tables));
+    }
+    last_ = {closed, warmed(camera, events.warming_k(closed))};
+    return last_;
+  }
 
  private:
-  void require_like_first(const Frame& frame);
-  /// Throws UsageError where the images that are kept for the caller do not fit into the usable memory together.
-  void require_room() const;
-
-  const SimulateOptions& options_;
-  const SequenceNames& names_;
-  mtf::io::ReadOptions read_;  ///< of numbered files
-  int threads_ = 1;
-  ShutterClosings closings_;
-  mtf::io::ScheduledSensor schedule_;
-  SequencePlanner planner_;
-  StillScene still_;
-  SensorRun sensor_, first_sensor_;
-  radiometry::ChainState state_;
-  std::shared_ptr<Frame> prepared_;  ///< the first frame, until it goes its way
-  mtf::io::Scene first_scene_;
-  std::shared_ptr<const mtf::SensorPlan> first_plan_, last_plan_;
-  SensorRun spacing_sensor_;  ///< that `spacing_` belongs to
-  mtf::SampleGrid spacing_;
-  std::size_t at_ = 0;  ///< of the next frame
-  std::vector<std::string> warnings_, notes_;
-  std::vector<SimulatedImage> images_;
-  SequenceReport report_;
-  std::optional<ChainReport> chain_report_;
-  double read_ms_ = 0.0, plan_ms_ = 0.0, run_ms_ = 0.0, write_ms_ = 0.0;
+  mtf::io::SensorConfig sensor_;  ///< of the file
+  mtf::io::Schedule schedule_;
+  std::optional<radiometry::ShutterClosing> last_;
 };
 
 /// Does the work of a step unless an earlier one has failed.
@@ -200,178 +116,232 @@ std::string step_text(const mtf::SampleGrid& grid) {
   return mtf::format_double(grid.step_x_um) + " x " + mtf::format_double(grid.step_y_um) + " um";
 }
 
-SequenceFrames::SequenceFrames(const SimulateOptions& options, const SensorRun& sensor, mtf::io::Schedule schedule,
-                               const SequenceNames& names, SceneSource scene, int threads)
-    : options_(options),
-      names_(names),
-      read_(scene.read),
-      threads_(threads),
-      closings_(sensor.config(), schedule),
-      schedule_(sensor.config(), std::move(schedule)),
-      planner_(options, threads),
-      still_(std::move(scene), options.nan, threads),
-      sensor_(sensor) {
-  report_.first = names.frames.front();
-  report_.last = names.frames.back();
-  if (!sensor.is_linear() && (names.frames.front() < 0 || names.frames.back() > kLastNoiseFrame))
-    throw mtf::UsageError("frames " + std::to_string(names.frames.front()) + " to " +
-                          std::to_string(names.frames.back()) + ": noise is numbered from 0 to " +
-                          std::to_string(kLastNoiseFrame));
-}
+// What happens to each frame of a sequence, in this order: next, read, plan, run, finish. `next`, `plan` and `finish`
+// are called one frame at a time and in order, `read` and `run` for several frames at once. A frame that fails carries
+// its error to `finish`, so that the first one in order is what is reported, and every frame before it is written.
 
-void SequenceFrames::prepare() {
-  const std::shared_ptr<Frame> frame = next();
-  read(*frame);
-  plan(*frame);
-  if (frame->error) rethrow(*frame);
-  prepared_ = frame;
-  first_plan_ = frame->plan;
-  first_sensor_ = frame->sensor;
-  chain_report_ = first_sensor_.report();
-  if (frame->chain) frame->chain->prepare(first_sensor_.chain()->stage, threads_);
-  first_scene_ = facts_of(frame->input->scene);
-  require_room();
-  warnings_ = warnings_of(*frame);
-  for (const std::string& text : frame->plan->presample.report().notes) warnings_.push_back(text);
-  if (options_.measure)
-    notes_.push_back("--rigor measure chose FFT plans by timing; the last bits may differ between runs");
-}
+struct SequenceNames {
+  std::optional<FrameNames> scenes;  ///< none: the same scene for every frame
+  std::optional<FrameNames> out;     ///< none: no files are written
+  std::vector<std::int64_t> frames;  ///< rising, at least one
+};
 
-void SequenceFrames::require_room() const {
-  if (names_.out || options_.sink) return;
-  const mtf::SampleGrid& grid = first_plan_->out();
-  const double bytes = sizeof(float) * static_cast<double>(grid.width) * static_cast<double>(grid.height) *
-                       static_cast<double>(first_scene_.names.size()) * static_cast<double>(count());
-  const mtf::UsableMemory memory = mtf::usable_memory();
-  if (bytes > memory.bytes)
-    throw mtf::UsageError("frames: " + std::to_string(count()) + " images of " +
-                          mtf::size_text(grid.width, grid.height) + " pixels need " + mtf::io::shown_bytes(bytes) +
-                          "; " + memory.whose + " " + mtf::io::shown_bytes(memory.bytes) +
-                          ": write them to files by an output with a number in its name (frame.%04d.exr), or run them "
-                          "in parts");
-}
+class SequenceFrames {
+ public:
+  /// `scene` is one for every frame, or what numbered files share.
+  SequenceFrames(const SimulateOptions& options, const SensorRun& sensor, mtf::io::Schedule schedule,
+                 const SequenceNames& names, SceneSource scene, int threads)
+      : options_(options),
+        names_(names),
+        read_(scene.read),
+        threads_(threads),
+        closings_(sensor.config(), schedule),
+        schedule_(sensor.config(), std::move(schedule)),
+        planner_(options, threads),
+        still_(std::move(scene), options.nan, threads),
+        sensor_(sensor) {
+    report_.first = names.frames.front();
+    report_.last = names.frames.back();
+    if (!sensor.is_linear() && (names.frames.front() < 0 || names.frames.back() > kLastNoiseFrame))
+      throw mtf::UsageError("frames " + std::to_string(names.frames.front()) + " to " +
+                            std::to_string(names.frames.back()) + ": noise is numbered from 0 to " +
+                            std::to_string(kLastNoiseFrame));
+  }
 
-// A schedule may switch a shutter to rolling later on.
-bool SequenceFrames::remembers() const { return first_sensor_.remembers(); }
+  /// Reads the first frame and compiles its plan, on all threads: what the others are judged by. Throws.
+  void prepare() {
+    const std::shared_ptr<Frame> frame = next();
+    read(*frame);
+    plan(*frame);
+    if (frame->error) rethrow(*frame);
+    prepared_ = frame;
+    first_plan_ = frame->plan;
+    first_sensor_ = frame->sensor;
+    chain_report_ = first_sensor_.report();
+    if (frame->chain) frame->chain->prepare(first_sensor_.chain()->stage, threads_);
+    first_scene_ = facts_of(frame->input->scene);
+    require_room();
+    warnings_ = warnings_of(*frame);
+    for (const std::string& text : frame->plan->presample.report().notes) warnings_.push_back(text);
+    if (options_.measure)
+      notes_.push_back("--rigor measure chose FFT plans by timing; the last bits may differ between runs");
+  }
+  /// Bytes that a frame takes while it is being worked on.
+  double bytes_a_frame() const {
+    const mtf::SensorPlan& plan = *first_plan_;
+    const auto pixels = [](const mtf::SampleGrid& grid) {
+      return static_cast<double>(grid.width) * static_cast<double>(grid.height);
+    };
+    const auto channels = static_cast<double>(first_scene_.names.size());
+    // The scene, the sampled image, the final one and what a file format makes of it; buffers and an OTF of its own.
+    const double planes = 4.0 * (2.0 * pixels(plan.in()) + 3.0 * pixels(plan.out()));
+    const mtf::PlanReport& report = plan.presample.report();
+    return channels * (planes + static_cast<double>(report.run_bytes)) + static_cast<double>(report.otf_bytes);
+  }
+  void set_threads_a_frame(int threads) { threads_ = threads; }
 
-double SequenceFrames::bytes_a_frame() const {
-  const mtf::SensorPlan& plan = *first_plan_;
-  const auto pixels = [](const mtf::SampleGrid& grid) {
-    return static_cast<double>(grid.width) * static_cast<double>(grid.height);
-  };
-  const auto channels = static_cast<double>(first_scene_.names.size());
-  // The scene, the sampled image, the final one and what a file format makes of it; buffers and an OTF of its own.
-  const double planes = 4.0 * (2.0 * pixels(plan.in()) + 3.0 * pixels(plan.out()));
-  const mtf::PlanReport& report = plan.presample.report();
-  return channels * (planes + static_cast<double>(report.run_bytes)) + static_cast<double>(report.otf_bytes);
-}
-
-std::shared_ptr<Frame> SequenceFrames::next() {
-  if (prepared_) return std::exchange(prepared_, nullptr);
-  if (at_ == names_.frames.size()) return nullptr;
-  auto frame = std::make_shared<Frame>();
-  frame->number = names_.frames[at_++];
-  attempt(*frame, frame->plan_ms, [&] {
-    if (schedule_.advance(frame->number)) {
-      ++report_.schedule_changes;
-      sensor_ = SensorRun(schedule_.sensor(), options_.stage);
+  /// The next frame with its sensor; null after the last one.
+  std::shared_ptr<Frame> next() {
+    if (prepared_) return std::exchange(prepared_, nullptr);
+    if (at_ == names_.frames.size()) return nullptr;
+    auto frame = std::make_shared<Frame>();
+    frame->number = names_.frames[at_++];
+    attempt(*frame, frame->plan_ms, [&] {
+      if (schedule_.advance(frame->number)) {
+        ++report_.schedule_changes;
+        sensor_ = SensorRun(schedule_.sensor(), options_.stage);
+      }
+      if (const RadiometricChain* chain = sensor_.chain())
+        frame->closing = closings_.before(static_cast<std::uint32_t>(frame->number), chain->loaded.sensor.settings);
+    });
+    frame->sensor = sensor_;
+    frame->settings = schedule_.in_force();
+    if (names_.scenes) return frame;
+    attempt(*frame, frame->read_ms, [&] { frame->input = still_.of(sensor_); });
+    return frame;
+  }
+  void read(Frame& frame) {
+    if (frame.input) return;
+    attempt(frame, frame.read_ms, [&] {
+      load_own(frame, {.file = names_.scenes->name(frame.number), .read = read_}, options_.nan, threads_);
+    });
+  }
+  void plan(Frame& frame) {
+    if (frame.plan) return;
+    attempt(frame, frame.plan_ms, [&] {
+      if (names_.scenes) require_like_first(frame);
+      planner_.plan(frame);
+      planner_.chain(frame);
+    });
+  }
+  void run(Frame& frame) {
+    attempt(frame, frame.run_ms, [&] {
+      frame.image.frame = frame.number;
+      radiometry::ChainState own;  // a closing is known without the frames before
+      radiometry::ChainState* state = remembers() ? &state_ : frame.closing ? &own : nullptr;
+      if (frame.closing) state->closing = frame.closing;
+      frame.image.planes = run_planes(frame, state, threads_);
+    });
+    attempt(frame, frame.write_ms, [&] {
+      frame.image.metadata = metadata_of(frame);
+      deliver(options_, names_.out ? names_.out->name(frame.number) : "", output_names(frame.input->scene.names),
+              frame.image, frame.sensor.integer_range(options_.range));
+    });
+  }
+  /// Counts the frame and keeps its image where neither a file nor the sink has it. Throws its error with its number.
+  void finish(Frame& frame) {
+    for (const std::string& text : frame.warnings)
+      warnings_.push_back("frame " + std::to_string(frame.number) + ": " + text);
+    if (frame.error) {
+      notes_.push_back(std::to_string(report_.frames) + " of " + std::to_string(count()) +
+                       " frames were finished before this one and are whole");
+      rethrow(frame);
     }
-    if (const RadiometricChain* chain = sensor_.chain())
-      frame->closing = closings_.before(static_cast<std::uint32_t>(frame->number), chain->loaded.sensor.settings);
-  });
-  frame->sensor = sensor_;
-  frame->settings = schedule_.in_force();
-  if (names_.scenes) return frame;
-  attempt(*frame, frame->read_ms, [&] { frame->input = still_.of(sensor_); });
-  return frame;
-}
-
-void SequenceFrames::read(Frame& frame) {
-  if (frame.input) return;
-  attempt(frame, frame.read_ms,
-          [&] { load_own(frame, {.file = names_.scenes->name(frame.number), .read = read_}, options_.nan, threads_); });
-}
-
-// Frames of another kind are a mistake in the sequence, whatever could be made of them.
-void SequenceFrames::require_like_first(const Frame& frame) {
-  const mtf::io::Scene& scene = frame.input->scene;
-  const auto fail = [&](const std::string& what, const std::string& is, const std::string& was) {
-    throw mtf::RuntimeError(names_.scenes->name(frame.number) + " has " + what + " " + is +
-                            ", the sequence began with " + was + "; bring it to the same, or leave it out by --frames");
-  };
-  if (first_plan_) {
-    const mtf::io::Scene& first = first_scene_;
-    if (scene.grid.width != first.grid.width || scene.grid.height != first.grid.height)
-      fail("size", mtf::size_text(scene.grid.width, scene.grid.height),
-           mtf::size_text(first.grid.width, first.grid.height));
-    if (scene.names != first.names) fail("channels", one_line(joined(scene.names)), one_line(joined(first.names)));
-    if (scene.quantity != first.quantity)
-      fail("quantity", std::string(mtf::io::quantity_name(scene.quantity)),
-           std::string(mtf::io::quantity_name(first.quantity)));
-    if (same_spacing(spacing_sensor_.config().scene, frame.sensor.config().scene) && scene.grid != spacing_)
-      fail("samples of", step_text(scene.grid), step_text(spacing_));
+    if (!frame.input->bad_pixels.empty() && report_.frames_with_bad_pixels++ == 0)
+      notes_.push_back("frame " + std::to_string(frame.number) + ": " + frame.input->bad_pixels +
+                       " (the report counts such frames)");
+    if (!frame.image.planes.empty()) images_.push_back(std::move(frame.image));
+    if (chain_report_) chain_report_->add(frame.counted);
+    if (frame.counted.held.any()) report_.saturated.emplace_back(frame.number, frame.counted.held);
+    ++report_.frames;
+    report_.predicted_error = std::max(report_.predicted_error, frame.plan->predicted_error);
+    last_plan_ = frame.plan;
+    read_ms_ += frame.read_ms;
+    plan_ms_ += frame.plan_ms;
+    run_ms_ += frame.run_ms;
+    write_ms_ += frame.write_ms;
   }
-  spacing_sensor_ = frame.sensor;
-  spacing_ = scene.grid;
-}
 
-void SequenceFrames::plan(Frame& frame) {
-  if (frame.plan) return;
-  attempt(frame, frame.plan_ms, [&] {
-    if (names_.scenes) require_like_first(frame);
-    planner_.plan(frame);
-    planner_.chain(frame);
-  });
-}
+  /// True when frames have to run one after another: each leaves something to the next.
+  // A schedule may switch a shutter to rolling later on.
+  bool remembers() const { return first_sensor_.remembers(); }
 
-void SequenceFrames::run(Frame& frame) {
-  attempt(frame, frame.run_ms, [&] {
-    frame.image.frame = frame.number;
-    radiometry::ChainState own;  // a closing is known without the frames before
-    radiometry::ChainState* state = remembers() ? &state_ : frame.closing ? &own : nullptr;
-    if (frame.closing) state->closing = frame.closing;
-    frame.image.planes = run_planes(frame, state, threads_);
-  });
-  attempt(frame, frame.write_ms, [&] {
-    frame.image.metadata = metadata_of(frame);
-    deliver(options_, names_.out ? names_.out->name(frame.number) : "", output_names(frame.input->scene.names),
-            frame.image, frame.sensor.integer_range(options_.range));
-  });
-}
-
-void SequenceFrames::finish(Frame& frame) {
-  for (const std::string& text : frame.warnings)
-    warnings_.push_back("frame " + std::to_string(frame.number) + ": " + text);
-  if (frame.error) {
-    notes_.push_back(std::to_string(report_.frames) + " of " + std::to_string(count()) +
-                     " frames were finished before this one and are whole");
-    rethrow(frame);
+  double share_done() const { return static_cast<double>(report_.frames) / static_cast<double>(count()); }
+  std::int64_t count() const { return static_cast<std::int64_t>(names_.frames.size()); }
+  /// What the first frame was and how it was planned; without its planes.
+  const mtf::io::Scene& first_scene() const { return first_scene_; }
+  const std::shared_ptr<const mtf::SensorPlan>& first_plan() const { return first_plan_; }
+  const std::shared_ptr<const mtf::SensorPlan>& last_plan() const { return last_plan_; }
+  /// In the order of the frames.
+  std::vector<SimulatedImage>& images() { return images_; }
+  const std::vector<std::string>& warnings() const { return warnings_; }
+  /// What there is to say that is no warning.
+  const std::vector<std::string>& notes() const { return notes_; }
+  /// Sums over frames: read, plan, run, write.
+  std::vector<std::pair<std::string, double>> timing_ms() const {
+    return {{"read", read_ms_}, {"plan", plan_ms_}, {"run", run_ms_}, {"write", write_ms_}};
   }
-  if (!frame.input->bad_pixels.empty() && report_.frames_with_bad_pixels++ == 0)
-    notes_.push_back("frame " + std::to_string(frame.number) + ": " + frame.input->bad_pixels +
-                     " (the report counts such frames)");
-  if (!frame.image.planes.empty()) images_.push_back(std::move(frame.image));
-  if (chain_report_) chain_report_->add(frame.counted);
-  if (frame.counted.held.any()) report_.saturated.emplace_back(frame.number, frame.counted.held);
-  ++report_.frames;
-  report_.predicted_error = std::max(report_.predicted_error, frame.plan->predicted_error);
-  last_plan_ = frame.plan;
-  read_ms_ += frame.read_ms;
-  plan_ms_ += frame.plan_ms;
-  run_ms_ += frame.run_ms;
-  write_ms_ += frame.write_ms;
-}
+  SequenceReport report() const {
+    SequenceReport report = report_;
+    report.plans_compiled = planner_.compiled();
+    report.plans_updated = planner_.updated();
+    return report;
+  }
+  /// What the chain says of all frames; nothing for a sensor without one.
+  const std::optional<ChainReport>& chain_report() const { return chain_report_; }
 
-std::vector<std::pair<std::string, double>> SequenceFrames::timing_ms() const {
-  return {{"read", read_ms_}, {"plan", plan_ms_}, {"run", run_ms_}, {"write", write_ms_}};
-}
+ private:
+  // Frames of another kind are a mistake in the sequence, whatever could be made of them.
+  void require_like_first(const Frame& frame) {
+    const mtf::io::Scene& scene = frame.input->scene;
+    const auto fail = [&](const std::string& what, const std::string& is, const std::string& was) {
+      throw mtf::RuntimeError(names_.scenes->name(frame.number) + " has " + what + " " + is +
+                              ", the sequence began with " + was +
+                              "; bring it to the same, or leave it out by --frames");
+    };
+    if (first_plan_) {
+      const mtf::io::Scene& first = first_scene_;
+      if (scene.grid.width != first.grid.width || scene.grid.height != first.grid.height)
+        fail("size", mtf::size_text(scene.grid.width, scene.grid.height),
+             mtf::size_text(first.grid.width, first.grid.height));
+      if (scene.names != first.names) fail("channels", one_line(joined(scene.names)), one_line(joined(first.names)));
+      if (scene.quantity != first.quantity)
+        fail("quantity", std::string(mtf::io::quantity_name(scene.quantity)),
+             std::string(mtf::io::quantity_name(first.quantity)));
+      if (same_spacing(spacing_sensor_.config().scene, frame.sensor.config().scene) && scene.grid != spacing_)
+        fail("samples of", step_text(scene.grid), step_text(spacing_));
+    }
+    spacing_sensor_ = frame.sensor;
+    spacing_ = scene.grid;
+  }
+  /// Throws UsageError where the images that are kept for the caller do not fit into the usable memory together.
+  void require_room() const {
+    if (names_.out || options_.sink) return;
+    const mtf::SampleGrid& grid = first_plan_->out();
+    const double bytes = sizeof(float) * static_cast<double>(grid.width) * static_cast<double>(grid.height) *
+                         static_cast<double>(first_scene_.names.size()) * static_cast<double>(count());
+    const mtf::UsableMemory memory = mtf::usable_memory();
+    if (bytes > memory.bytes)
+      throw mtf::UsageError(
+          "frames: " + std::to_string(count()) + " images of " + mtf::size_text(grid.width, grid.height) +
+          " pixels need " + mtf::io::shown_bytes(bytes) + "; " + memory.whose + " " +
+          mtf::io::shown_bytes(memory.bytes) +
+          ": write them to files by an output with a number in its name (frame.%04d.exr), or run them "
+          "in parts");
+  }
 
-SequenceReport SequenceFrames::report() const {
-  SequenceReport report = report_;
-  report.plans_compiled = planner_.compiled();
-  report.plans_updated = planner_.updated();
-  return report;
-}
+  const SimulateOptions& options_;
+  const SequenceNames& names_;
+  mtf::io::ReadOptions read_;  ///< of numbered files
+  int threads_ = 1;
+  ShutterClosings closings_;
+  mtf::io::ScheduledSensor schedule_;
+  SequencePlanner planner_;
+  StillScene still_;
+  SensorRun sensor_, first_sensor_;
+  radiometry::ChainState state_;
+  std::shared_ptr<Frame> prepared_;  ///< the first frame, until it goes its way
+  mtf::io::Scene first_scene_;
+  std::shared_ptr<const mtf::SensorPlan> first_plan_, last_plan_;
+  SensorRun spacing_sensor_;  ///< that `spacing_` belongs to
+  mtf::SampleGrid spacing_;
+  std::size_t at_ = 0;  ///< of the next frame
+  std::vector<std::string> warnings_, notes_;
+  std::vector<SimulatedImage> images_;
+  SequenceReport report_;
+  std::optional<ChainReport> chain_report_;
+  double read_ms_ = 0.0, plan_ms_ = 0.0, run_ms_ = 0.0, write_ms_ = 0.0;
+};
 
 /// Frames of a still scene: those of the range, else every one that the schedule names.
 std::vector<std::int64_t> frames_of_schedule(const SimulateOptions& options, const mtf::io::Schedule& schedule) {

@@ -2,54 +2,152 @@
 #include "apps/simulate/tiles/simulate_tiles.h"
 
 #include <malloc.h>
+#include <sys/stat.h>
 
 #include <algorithm>
+#include <cstdio>
 #include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
 
+#include "apps/sensor/sensor_chain.h"
 #include "apps/sensor/sensor_place.h"
-#include "apps/simulate/run_watch.h"
+#include "apps/simulate/scene_source.h"
+#include "apps/simulate/sensor_run.h"
 #include "apps/simulate/simulate_parts.h"
-#include "apps/simulate/tiles/tile_scene.h"
 #include "apps/text/message_words.h"
 #include "mtf/error.h"
+#include "mtf/io/exr/exr_windows.h"
 #include "mtf/io/tile_store.h"
 #include "mtf/parallel.h"
 #include "mtf/survey/bad_pixels.h"
+#include "mtf/tiles/tiles.h"
+#include "mtf/version.h"
 #include "radiometry/chain/chain_tiles.h"
 
 namespace apps {
 namespace {
 
+// The scene of a run in tiles: in memory or, where memory is limited, as windows of its file.
+
+constexpr std::int64_t kSurveyShare = 8;      // of the memory that rows may take while the scene is surveyed
+constexpr std::size_t kChannelsTogether = 4;  // in one pass: each has running sums of its coarse image
+constexpr std::size_t kHeaderBytes = 65536;   // of a scene file, for telling it from another
+
+struct TileScene {
+  mtf::io::Scene scene;
+  std::optional<mtf::io::ExrWindows> file;
+  std::vector<mtf::ImageView<const float>> planes;
+  mtf::ReadWindow read;
+};
+
+/// Why a scene, an output or a treatment of bad pixels needs the whole image, as the message of an error; "" where the
+/// scene can be read and the image be written in pieces.
+std::string refusal_of_windows(const SimulateOptions& options, const SceneSource& file) {
+  if (file.image)
+    return "--memory: " + one_line(file.file) +
+           " is in memory already; name a file of the scene, or leave out the limit";
+  if (mtf::io::detect_format(file.file) != mtf::io::Format::exr)
+    return "--memory: " + one_line(file.file) +
+           " is no OpenEXR file, which is the format that can be read in pieces; convert it";
+  if (!options.out.empty() && mtf::io::format_from_extension(options.out) != mtf::io::Format::exr)
+    return "--memory: tiles are written as OpenEXR; end the name of the output in .exr";
+  if (options.nan != NanPolicy::refuse)
+    return "--nan: fill and propagate need the whole image; leave out --memory, or replace such pixels before";
+  return "";
+}
+
+/// Opens the file of a scene that is read in windows; `scene` stays where it is. Throws UsageError with
+/// refusal_of_windows().
+void open_windows(const SimulateOptions& options, const mtf::io::SensorConfig& config, const SceneSource& file,
+                  TileScene& source) {
+  if (const std::string refusal = refusal_of_windows(options, file); !refusal.empty()) throw mtf::UsageError(refusal);
+  source.file.emplace(file.file, file.read);
+  source.scene = mtf::io::describe_scene(config, file.file, source.file->file());
+  source.read = [&source](std::size_t channel, std::int64_t x, std::int64_t y, mtf::ImageView<float> out) {
+    source.file->read(channel, x, y, out);
+    mtf::io::make_physical(source.scene, out);
+  };
+}
+
+struct SceneSurvey {
+  mtf::Border border = mtf::Border::reflect;
+  double border_value = 0.0;
+  std::int64_t every = 0;   ///< scene samples for one of the coarse image, 0 = none
+  std::int64_t memory = 0;  ///< an eighth of it is for rows; 0 = as many as are read together
+  int threads = 0;
+  std::string_view step = "survey";  ///< its name in progress
+  bool computed = false;             ///< the samples are made of finite ones: those that are not finite exceed float32
+};
+
+/// Every channel surveyed, within the memory that rows may take. Throws RuntimeError for samples that are not finite.
+std::vector<mtf::Survey> survey_all(TileScene& source, const SceneSurvey& asked, RunWatch& watch) {
+  mtf::SurveyOptions survey_options{
+      .border = asked.border, .border_value = asked.border_value, .every = asked.every, .threads = asked.threads};
+  if (source.file) {
+    if (asked.memory > 0)
+      survey_options.band_rows =
+          std::clamp<std::int64_t>(asked.memory / kSurveyShare / source.file->row_bytes(), 1, survey_options.band_rows);
+    source.file->keep_rows(survey_options.band_rows);
+  }
+  const std::size_t channels = source.scene.names.size();
+  std::vector<mtf::Survey> surveys;
+  for (std::size_t first = 0; first < channels; first += kChannelsTogether) {
+    const std::size_t count = std::min(kChannelsTogether, channels - first);
+    survey_options.progress = [&](std::int64_t row) {
+      const double share = static_cast<double>(row) / static_cast<double>(source.scene.grid.height);
+      watch.share(asked.step,
+                  (static_cast<double>(first) + share * static_cast<double>(count)) / static_cast<double>(channels));
+    };
+    for (mtf::Survey& survey : mtf::survey_channels(source.read, first, count, source.scene.grid, survey_options))
+      surveys.push_back(std::move(survey));
+  }
+  for (std::size_t c = 0; c < channels; ++c) {
+    const mtf::Statistics& s = surveys[c].statistics;
+    if (s.not_finite > 0 && asked.computed) refuse_overflow(source.scene.names[c]);
+    if (s.not_finite > 0)
+      throw mtf::RuntimeError("channel " + one_line(source.scene.names[c]) + ": " + std::to_string(s.not_finite) +
+                              " pixels are NaN or infinite, the first at column " + std::to_string(s.first_x) +
+                              ", row " + std::to_string(s.first_y) +
+                              "; replace them before, or run without --memory "
+                              "and with --nan fill|propagate");
+  }
+  return surveys;
+}
+
+/// Size of a file and when it was changed.
+std::string stamp_of(const std::string& file) {
+  struct stat status {};
+  static_cast<void>(::stat(file.c_str(), &status));
+  return std::to_string(status.st_size) + " " + std::to_string(status.st_mtim.tv_sec) + "." +
+         std::to_string(status.st_mtim.tv_nsec);
+}
+
+/// All that the pixels of a run in tiles depend on; `stage` is that of a chain whose output they are, "" without one.
+std::string key_of(const SimulateOptions& options, const mtf::io::SensorConfig& config, const std::string& file,
+                   const TileScene& source, const std::vector<mtf::Survey>& surveys, const mtf::TiledSensorPlan& plan,
+                   const std::string& stage) {
+  std::string header(kHeaderBytes, '\0');
+  if (std::FILE* handle = std::fopen(file.c_str(), "rb")) {
+    header.resize(std::fread(header.data(), 1, header.size(), handle));
+    std::fclose(handle);
+  }
+  const mtf::TileReport& r = plan.report();
+  std::string key = std::string(mtf::version) + " " + mtf::git_commit + " " + config.sha256 + " " + stamp_of(file) +
+                    " " + mtf::format_double(r.tolerance) + " " + (options.measure ? "measure" : "estimate") + " " +
+                    stage;
+  for (const std::string& curve : files_of(config)) key += " " + stamp_of(curve);  // that the sensor file names
+  if (options.region)
+    for (const std::int64_t number : *options.region) key += " " + std::to_string(number);
+  for (const std::string& name : source.scene.names) key += " [" + name + "]";
+  for (const mtf::Survey& survey : surveys) key += " " + std::to_string(survey.fingerprint);
+  return key + " " + std::to_string(r.every) + " " + header;
+}
+
 // A sensor in a run in tiles (radiometry/chain/chain_tiles.h): which sensors and scenes can go through it, the scene's
 // windows as light, and each tile from light to the output stage, with one report for all. Of a linear sensor the
 // windows are light as they are, and the filtered tile is the output.
-
-/// What comes after the filters of the tiles of one run, and what it has counted in all of them.
-class ChainOfTiles {
- public:
-  using Planes = std::span<const mtf::ImageView<const float>>;
-  /// Takes a finished tile and what has been counted in it. Called from several threads at once.
-  using Take = std::function<void(const mtf::Tile& tile, Planes planes, const mtf::io::TileCounts& counts)>;
-
-  /// `first` is the pixel of the detector at which the output of `plan` starts. The counts go to `report`, that of the
-  /// sensor, which lives longer. Throws UsageError as TiledChain.
-  ChainOfTiles(const SensorRun& sensor, const mtf::TiledSensorPlan& plan, radiometry::Origin first, int threads,
-               std::optional<ChainReport>& report);
-
-  /// Filtered light to the output stage. From several threads at once.
-  void run(const mtf::Tile& tile, Planes filtered, const Take& take);
-  /// How many counts there are.
-  std::size_t counts_a_tile() const;
-  /// Adds what a stopped run counted in a tile.
-  void add(const mtf::io::TileCounts& counts);
-
- private:
-  std::optional<radiometry::TiledChain> chain_;
-  radiometry::Origin first_;
-  int threads_;
-  std::mutex lock_;
-  std::optional<ChainReport>& report_;
-};
 
 /// The counts of a frame that reports sum up, in the order in which they are kept with a tile.
 template <class Frame>
@@ -73,6 +171,58 @@ mtf::io::TileCounts counts_of(const radiometry::ChainFrame& frame) {
   for (const std::int64_t* count : counts_in(frame)) counts.push_back(*count);
   return counts;
 }
+
+/// What comes after the filters of the tiles of one run, and what it has counted in all of them.
+class ChainOfTiles {
+ public:
+  using Planes = std::span<const mtf::ImageView<const float>>;
+  /// Takes a finished tile and what has been counted in it. Called from several threads at once.
+  using Take = std::function<void(const mtf::Tile& tile, Planes planes, const mtf::io::TileCounts& counts)>;
+
+  /// `first` is the pixel of the detector at which the output of `plan` starts. The counts go to `report`, that of the
+  /// sensor, which lives longer. Throws UsageError as TiledChain.
+  ChainOfTiles(const SensorRun& sensor, const mtf::TiledSensorPlan& plan, radiometry::Origin first, int threads,
+               std::optional<ChainReport>& report)
+      : first_(first), threads_(std::max(1, mtf::threads_of(threads) / plan.report().in_flight)), report_(report) {
+    const RadiometricChain* chain = sensor.chain();
+    if (chain == nullptr) return;
+    const mtf::SampleGrid whole = mtf::detector_grid(sensor.config().system, plan.in());
+    at_its_place(sensor.config(), [&] {
+      chain_.emplace(plan.inner(), chain->system, chain->loaded.sensor, whole.width, whole.height, chain->stage);
+    });
+  }
+
+  /// Filtered light to the output stage. From several threads at once.
+  void run(const mtf::Tile& tile, Planes filtered, const Take& take) {
+    if (!chain_) return take(tile, filtered, {});
+    const radiometry::ChainFrame frame =
+        chain_->run(copy_of(filtered.front()), {first_.x + tile.region.x, first_.y + tile.region.y}, 0, threads_);
+    {
+      const std::scoped_lock guard(lock_);
+      report_->add(frame);
+      for (const auto& [stage, ms] : frame.timing_ms) radiometry::add_time(report_->timing_ms, stage, ms);
+    }
+    const mtf::ImageView<const float> output = frame.image.view();
+    take(tile, {&output, 1}, counts_of(frame));
+  }
+  /// How many counts there are.
+  std::size_t counts_a_tile() const { return chain_ ? counts_of({}).size() : 0; }
+  /// Adds what a stopped run counted in a tile.
+  void add(const mtf::io::TileCounts& counts) {
+    if (!chain_) return;
+    radiometry::ChainFrame frame;
+    const auto places = counts_in(frame);
+    for (std::size_t i = 0; i < counts.size(); ++i) *places[i] = counts[i];
+    report_->add(frame);
+  }
+
+ private:
+  std::optional<radiometry::TiledChain> chain_;
+  radiometry::Origin first_;
+  int threads_;
+  std::mutex lock_;
+  std::optional<ChainReport>& report_;
+};
 
 /// The last output stage before the one wanted whose image can be made in tiles.
 std::optional<radiometry::OutputStage> earlier_stage(const RadiometricChain& chain) {
@@ -142,40 +292,6 @@ void count_memory(const SensorRun& sensor, mtf::TileOptions& options) {
   const RadiometricChain& chain = *sensor.chain();
   options.receiver_bytes = tile_bytes_a_pixel(chain.system, chain.loaded.sensor);
   options.held_bytes = map_bytes(chain.loaded.sensor);
-}
-
-ChainOfTiles::ChainOfTiles(const SensorRun& sensor, const mtf::TiledSensorPlan& plan, radiometry::Origin first,
-                           int threads, std::optional<ChainReport>& report)
-    : first_(first), threads_(std::max(1, mtf::threads_of(threads) / plan.report().in_flight)), report_(report) {
-  const RadiometricChain* chain = sensor.chain();
-  if (chain == nullptr) return;
-  const mtf::SampleGrid whole = mtf::detector_grid(sensor.config().system, plan.in());
-  at_its_place(sensor.config(), [&] {
-    chain_.emplace(plan.inner(), chain->system, chain->loaded.sensor, whole.width, whole.height, chain->stage);
-  });
-}
-
-void ChainOfTiles::run(const mtf::Tile& tile, Planes filtered, const Take& take) {
-  if (!chain_) return take(tile, filtered, {});
-  const radiometry::ChainFrame frame =
-      chain_->run(copy_of(filtered.front()), {first_.x + tile.region.x, first_.y + tile.region.y}, 0, threads_);
-  {
-    const std::scoped_lock guard(lock_);
-    report_->add(frame);
-    for (const auto& [stage, ms] : frame.timing_ms) radiometry::add_time(report_->timing_ms, stage, ms);
-  }
-  const mtf::ImageView<const float> output = frame.image.view();
-  take(tile, {&output, 1}, counts_of(frame));
-}
-
-std::size_t ChainOfTiles::counts_a_tile() const { return chain_ ? counts_of({}).size() : 0; }
-
-void ChainOfTiles::add(const mtf::io::TileCounts& counts) {
-  if (!chain_) return;
-  radiometry::ChainFrame frame;
-  const auto places = counts_in(frame);
-  for (std::size_t i = 0; i < counts.size(); ++i) *places[i] = counts[i];
-  report_->add(frame);
 }
 
 // The C library keeps freed blocks of tiles for later ones of other sizes, beyond what the limit allows.

@@ -7,8 +7,8 @@
 #include <algorithm>
 
 #include "apps/study/design/design_light.h"
+#include "apps/study/design/design_ranges.h"
 #include "apps/study/design/evaluator.h"
-#include "apps/study/design/range_solver.h"
 #include "apps/study/design/variant_sensor.h"
 #include "calib/fit/parameter_site.h"
 #include "mtf/error.h"

@@ -6,7 +6,7 @@
 
 #include "apps/study/design/design_light.h"
 #include "apps/study/design/design_model.h"
-#include "apps/study/design/metric_gap.h"
+#include "apps/study/design/metric_rows.h"
 #include "mtf/error.h"
 
 namespace study {
@@ -22,7 +22,69 @@ bool has_column(const Study& study, const Objective& objective) {
   return i < study.parameters.size() && study.parameters[i].role == Parameter::Role::fixed;  // no column of its own
 }
 
+/// What of each axis a metric needs, where it is one thing.
+using Need = bool mtf::AxisNeeds::*;
+constexpr std::array<std::pair<Effort, Need>, 7> kAxisNeeds{{{Effort::edge, &mtf::AxisNeeds::edge},
+                                                             {Effort::overshoot, &mtf::AxisNeeds::overshoot},
+                                                             {Effort::fwhm, &mtf::AxisNeeds::fwhm},
+                                                             {Effort::mtf50, &mtf::AxisNeeds::mtf50},
+                                                             {Effort::area, &mtf::AxisNeeds::area},
+                                                             {Effort::aliasing, &mtf::AxisNeeds::aliasing},
+                                                             {Effort::spurious, &mtf::AxisNeeds::spurious}}};
+
+MetricPlan plan_of(const Study& study, std::span<const MetricInfo> metrics, double tolerance) {
+  MetricPlan plan;
+  plan.needs.tolerance = tolerance;
+  plan.needs.y = false;
+  for (const MetricInfo& info : metrics) {
+    const MetricChoice choice = *choose_metric(info.name);
+    if (choice.over != Over::axis) plan.over_field.push_back(plan.choices.size());
+    plan.choices.push_back(choice);
+    plan.scale.push_back(unit_scale(info.unit));
+    plan.at.push_back(plan.needs.at.size());
+    if (choice.row->metric == Metric::mtf_at) plan.needs.at.push_back(choice.at);
+    mtf::AxisNeeds& axis = plan.needs.axis;
+    const Effort effort = choice.row->effort;
+    plan.resolution =
+        plan.resolution || (effort != Effort::geometry && effort != Effort::budget && effort != Effort::air);
+    plan.needs.y = plan.needs.y || effort == Effort::giqe || (choice.row->directional && choice.axis != mtf::Axis::x);
+    const bool observed = effort == Effort::bars || effort == Effort::air;
+    plan.budget =
+        plan.budget || effort == Effort::budget || effort == Effort::giqe || effort == Effort::grd || observed;
+    const Metric metric = choice.row->metric;
+    plan.spatial = plan.spatial || observed || metric == Metric::prnu_noise || metric == Metric::dsnu_noise ||
+                   metric == Metric::correction_noise || metric == Metric::spatial_noise ||
+                   metric == Metric::spatial_netd;
+    for (const auto& [of, need] : kAxisNeeds) axis.*need = axis.*need || effort == of;
+    if (effort == Effort::spurious) axis.aliasing = true;
+    if (effort == Effort::light) (metric == Metric::strehl ? plan.needs.strehl : plan.needs.ensquared) = true;
+    if (effort == Effort::giqe && metric == Metric::niirs_giqe5)
+      axis.unfiltered = true;
+    else if (effort == Effort::giqe)
+      axis.edge = axis.overshoot = plan.giqe = true;
+    if (effort == Effort::grd || effort == Effort::bars) plan.needs.curves = plan.needs.y = true;
+    plan.bars = plan.bars || effort == Effort::bars;
+    plan.air = plan.air || effort == Effort::air;
+    plan.ttp = plan.ttp || metric == Metric::ttp;
+    const std::array<RangeTask, kRangeTasks> tasks = range_tasks(study.conditions);
+    for (std::size_t i = 0; i < tasks.size(); ++i) plan.range[i] = plan.range[i] || tasks[i].metric == metric;
+  }
+  return plan;
+}
+
 }  // namespace
+
+MetricPlan plan_metrics(const Study& study, double tolerance) {
+  MetricPlan plan = plan_of(study, study.metrics, tolerance);
+  std::vector<MetricInfo> over_field;
+  for (const std::size_t i : plan.over_field) over_field.push_back(study.metrics[i]);
+  // There are many places: slopes of a place are no finer than the study, or a millionth.
+  constexpr double kOfAPlace = 1e-6;
+  if (!over_field.empty())
+    plan.at_a_place = std::make_shared<const MetricPlan>(
+        plan_of(study, over_field, std::max(tolerance, std::min(study.tolerance, kOfAPlace))));
+  return plan;
+}
 
 std::vector<Column> columns_of(const Study& study) {
   std::vector<Column> columns;
@@ -112,136 +174,127 @@ struct Evaluator::Impl {
            (p.hi_open ? ")" : "]");
   }
 
-  bool fill_parameters(const Ready& variant, std::span<const double> values, std::span<const double> shift);
-  const DesignLight* set_system(Ready& variant);
-  void write_row(std::span<double> row);
-  void evaluate_at(std::span<const double> values, std::span<double> row, std::span<const double> shift);
-};
-
-/// Axes, then links, then as-built variation. False when a value is out of range.
-bool Evaluator::Impl::fill_parameters(const Ready& variant, std::span<const double> values,
-                                      std::span<const double> shift) {
-  for (std::size_t i = 0; i < parameters.size(); ++i) {
-    const Parameter& p = study->parameters[i];
-    parameters[i] = p.path.empty() ? p.base : variant.sensor.base[i];
-    slots[i] = parameters[i] * p.scale.si;
-  }
-  const auto put = [&](int parameter, double value) {
-    const auto i = static_cast<std::size_t>(parameter);
-    parameters[i] = value;
-    slots[i] = value * study->parameters[i].scale.si;
-    if (problem.empty()) problem = out_of_range(study->parameters[i], value);
-  };
-  for (std::size_t a = 0; a < study->axes.size(); ++a) {
-    const Axis& axis = study->axes[a];
-    if (!axis.discrete()) {
-      put(axis.parameter, values[a]);
-      continue;
+  /// Axes, then links, then as-built variation. False when a value is out of range.
+  bool fill_parameters(const Ready& variant, std::span<const double> values, std::span<const double> shift) {
+    for (std::size_t i = 0; i < parameters.size(); ++i) {
+      const Parameter& p = study->parameters[i];
+      parameters[i] = p.path.empty() ? p.base : variant.sensor.base[i];
+      slots[i] = parameters[i] * p.scale.si;
     }
-    const auto i = static_cast<std::size_t>(axis.parameter);
-    parameters[i] = axis.values[static_cast<std::size_t>(values[a])];
-    slots[i] = parameters[i] * study->parameters[i].scale.si;
-  }
-  for (const Link& link : study->links)
-    put(link.parameter,
-        link.expression.evaluate<double>(slots) / study->parameters[static_cast<std::size_t>(link.parameter)].scale.si);
-  for (std::size_t k = 0; k < shift.size(); ++k) {
-    const int parameter = study->as_built[k].parameter;
-    put(parameter, parameters[static_cast<std::size_t>(parameter)] + shift[k]);
-  }
-  return problem.empty();
-}
-
-/// The sensor with these numbers; its light, null when no sensor has them.
-const DesignLight* Evaluator::Impl::set_system(Ready& variant) {
-  variant.model->set(parameters);
-  for (const AsBuilt& built : study->as_built) {
-    const auto i = static_cast<std::size_t>(built.parameter);
-    if (study->parameters[i].role == Parameter::Role::fixed) variant.model->set_fixed(i, parameters[i]);
-  }
-  if (variant.sensor.loaded)
-    problem = radiometry::frame_time_problem(variant.model->system(), variant.sensor.loaded->sensor.settings);
-  if (!problem.empty()) return nullptr;
-  const DesignLight* light = nullptr;
-  try {
-    light = &variant.light.at(variant.sensor, *study, variant.model->overrides(),
-                              {.numbers = plan.budget, .otf = plan.resolution, .ranges = plan.air});
-  } catch (const mtf::UsageError& refused) {
-    problem = refused.what();
-    return nullptr;
-  }
-  variant.model->set_light(*light);
-  const auto errors = variant.model->system().errors();
-  if (errors.empty()) return light;
-  const auto& [where, what] = errors.front();
-  problem = where + (what.field.empty() ? "" : "." + what.field) + ": " + what.text;
-  return nullptr;
-}
-
-void Evaluator::Impl::evaluate_at(std::span<const double> values, std::span<double> row,
-                                  std::span<const double> shift) {
-  problem.clear();
-  refusal.clear();
-  worked_out = nullptr;
-  Ready& variant = ready(values);
-  std::fill(metrics.begin(), metrics.end(), kNan);
-  std::fill(parameters.begin(), parameters.end(), kNan);
-  std::fill(row.begin(), row.end(), kNan);
-  double error = kNan;
-  if (!variant.sensor.problems.empty()) {
-    problem = variant.sensor.problems.front();
+    const auto put = [&](int parameter, double value) {
+      const auto i = static_cast<std::size_t>(parameter);
+      parameters[i] = value;
+      slots[i] = value * study->parameters[i].scale.si;
+      if (problem.empty()) problem = out_of_range(study->parameters[i], value);
+    };
     for (std::size_t a = 0; a < study->axes.size(); ++a) {
       const Axis& axis = study->axes[a];
-      parameters[static_cast<std::size_t>(axis.parameter)] =
-          axis.discrete() ? axis.values[static_cast<std::size_t>(values[a])] : values[a];
+      if (!axis.discrete()) {
+        put(axis.parameter, values[a]);
+        continue;
+      }
+      const auto i = static_cast<std::size_t>(axis.parameter);
+      parameters[i] = axis.values[static_cast<std::size_t>(values[a])];
+      slots[i] = parameters[i] * study->parameters[i].scale.si;
     }
-  } else if (const DesignLight* light = fill_parameters(variant, values, shift) ? set_system(variant) : nullptr) {
+    for (const Link& link : study->links)
+      put(link.parameter, link.expression.evaluate<double>(slots) /
+                              study->parameters[static_cast<std::size_t>(link.parameter)].scale.si);
+    for (std::size_t k = 0; k < shift.size(); ++k) {
+      const int parameter = study->as_built[k].parameter;
+      put(parameter, parameters[static_cast<std::size_t>(parameter)] + shift[k]);
+    }
+    return problem.empty();
+  }
+  /// The sensor with these numbers; its light, null when no sensor has them.
+  const DesignLight* set_system(Ready& variant) {
+    variant.model->set(parameters);
+    for (const AsBuilt& built : study->as_built) {
+      const auto i = static_cast<std::size_t>(built.parameter);
+      if (study->parameters[i].role == Parameter::Role::fixed) variant.model->set_fixed(i, parameters[i]);
+    }
+    if (variant.sensor.loaded)
+      problem = radiometry::frame_time_problem(variant.model->system(), variant.sensor.loaded->sensor.settings);
+    if (!problem.empty()) return nullptr;
+    const DesignLight* light = nullptr;
     try {
-      variant.model->metrics(light->numbers, *light, metrics);
-      error = variant.model->error();
-      // Air that is not there to be changed, because the chain is refused or each pixel has its own range.
-      const bool no_air = !variant.sensor.loaded || !variant.sensor.loaded->sensor.air;
-      const radiometry::Overrides<double> overrides(variant.model->overrides());
-      if (no_air && plan.resolution && overrides.any(radiometry::changes_color)) error = kNan;
-      refusal = variant.model->refusal();
-      worked_out = variant.model.get();
-      if (first_refusal.empty()) first_refusal = refusal;
+      light = &variant.light.at(variant.sensor, *study, variant.model->overrides(),
+                                {.numbers = plan.budget, .otf = plan.resolution, .ranges = plan.air});
     } catch (const mtf::UsageError& refused) {
       problem = refused.what();
-      std::fill(metrics.begin(), metrics.end(), kNan);
+      return nullptr;
     }
+    variant.model->set_light(*light);
+    const auto errors = variant.model->system().errors();
+    if (errors.empty()) return light;
+    const auto& [where, what] = errors.front();
+    problem = where + (what.field.empty() ? "" : "." + what.field) + ": " + what.text;
+    return nullptr;
   }
-  if (!problem.empty() && first_problem.empty()) first_problem = problem;
-  for (std::size_t i = 0; i < metrics.size(); ++i) slots[study->parameters.size() + i] = metrics[i] * plan.scale[i].si;
-  write_row(row);
-  row.back() = error;
-}
-
-void Evaluator::Impl::write_row(std::span<double> row) {
-  std::size_t c = 0;
-  for (const Axis& axis : study->axes) row[c++] = parameters[static_cast<std::size_t>(axis.parameter)];
-  for (const Link& link : study->links) row[c++] = parameters[static_cast<std::size_t>(link.parameter)];
-  for (const double metric : metrics) row[c++] = metric;
-  const bool possible = problem.empty();
-  for (std::size_t i = 0; i < objectives.size(); ++i) {
-    const Objective& objective = study->objectives[i];
-    objectives[i] = possible ? objective.expression.evaluate<double>(slots) / objective.si : kNan;
-    if (has_column(*study, objective)) row[c++] = std::isfinite(objectives[i]) ? objectives[i] : kNan;
-  }
-  const auto finite = [](double value) { return std::isfinite(value); };
-  valid = possible && std::all_of(objectives.begin(), objectives.end(), finite);
-  bool feasible = valid;
-  for (std::size_t i = 0; i < sides.size(); ++i) {
-    const Constraint& constraint = study->constraints[i];
-    sides[i] = possible
-                   ? ConstraintValues{constraint.left.evaluate<double>(slots), constraint.right.evaluate<double>(slots)}
+  void write_row(std::span<double> row) {
+    std::size_t c = 0;
+    for (const Axis& axis : study->axes) row[c++] = parameters[static_cast<std::size_t>(axis.parameter)];
+    for (const Link& link : study->links) row[c++] = parameters[static_cast<std::size_t>(link.parameter)];
+    for (const double metric : metrics) row[c++] = metric;
+    const bool possible = problem.empty();
+    for (std::size_t i = 0; i < objectives.size(); ++i) {
+      const Objective& objective = study->objectives[i];
+      objectives[i] = possible ? objective.expression.evaluate<double>(slots) / objective.si : kNan;
+      if (has_column(*study, objective)) row[c++] = std::isfinite(objectives[i]) ? objectives[i] : kNan;
+    }
+    const auto finite = [](double value) { return std::isfinite(value); };
+    valid = possible && std::all_of(objectives.begin(), objectives.end(), finite);
+    bool feasible = valid;
+    for (std::size_t i = 0; i < sides.size(); ++i) {
+      const Constraint& constraint = study->constraints[i];
+      sides[i] =
+          possible ? ConstraintValues{constraint.left.evaluate<double>(slots), constraint.right.evaluate<double>(slots)}
                    : ConstraintValues{kNan, kNan};
-    const double margin = sides[i].margin(constraint.less);
-    feasible = feasible && sides[i].finite() && (constraint.strict ? margin > 0.0 : margin >= 0.0);
+      const double margin = sides[i].margin(constraint.less);
+      feasible = feasible && sides[i].finite() && (constraint.strict ? margin > 0.0 : margin >= 0.0);
+    }
+    valid = valid && std::all_of(sides.begin(), sides.end(), [](const ConstraintValues& s) { return s.finite(); });
+    if (!sides.empty()) row[c] = feasible ? 1.0 : 0.0;
   }
-  valid = valid && std::all_of(sides.begin(), sides.end(), [](const ConstraintValues& s) { return s.finite(); });
-  if (!sides.empty()) row[c] = feasible ? 1.0 : 0.0;
-}
+  void evaluate_at(std::span<const double> values, std::span<double> row, std::span<const double> shift) {
+    problem.clear();
+    refusal.clear();
+    worked_out = nullptr;
+    Ready& variant = ready(values);
+    std::fill(metrics.begin(), metrics.end(), kNan);
+    std::fill(parameters.begin(), parameters.end(), kNan);
+    std::fill(row.begin(), row.end(), kNan);
+    double error = kNan;
+    if (!variant.sensor.problems.empty()) {
+      problem = variant.sensor.problems.front();
+      for (std::size_t a = 0; a < study->axes.size(); ++a) {
+        const Axis& axis = study->axes[a];
+        parameters[static_cast<std::size_t>(axis.parameter)] =
+            axis.discrete() ? axis.values[static_cast<std::size_t>(values[a])] : values[a];
+      }
+    } else if (const DesignLight* light = fill_parameters(variant, values, shift) ? set_system(variant) : nullptr) {
+      try {
+        variant.model->metrics(light->numbers, *light, metrics);
+        error = variant.model->error();
+        // Air that is not there to be changed, because the chain is refused or each pixel has its own range.
+        const bool no_air = !variant.sensor.loaded || !variant.sensor.loaded->sensor.air;
+        const radiometry::Overrides<double> overrides(variant.model->overrides());
+        if (no_air && plan.resolution && overrides.any(radiometry::changes_color)) error = kNan;
+        refusal = variant.model->refusal();
+        worked_out = variant.model.get();
+        if (first_refusal.empty()) first_refusal = refusal;
+      } catch (const mtf::UsageError& refused) {
+        problem = refused.what();
+        std::fill(metrics.begin(), metrics.end(), kNan);
+      }
+    }
+    if (!problem.empty() && first_problem.empty()) first_problem = problem;
+    for (std::size_t i = 0; i < metrics.size(); ++i)
+      slots[study->parameters.size() + i] = metrics[i] * plan.scale[i].si;
+    write_row(row);
+    row.back() = error;
+  }
+};
 
 Evaluator::Evaluator(std::shared_ptr<const Study> study) : impl_(std::make_unique<Impl>(std::move(study))) {}
 Evaluator::~Evaluator() = default;

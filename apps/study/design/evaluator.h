@@ -10,7 +10,6 @@
 #include <string>
 #include <vector>
 
-#include "apps/study/constraint_values.h"
 #include "apps/study/study.h"
 
 namespace study {

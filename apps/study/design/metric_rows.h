@@ -1,15 +1,26 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// The rows of the catalogue of metric_list.h, for the code that computes the metrics.
+// The rows of the catalogue of metric_list.h, for the code that computes the metrics, the tasks whose ranges are
+// metrics, and what a metric needs that neither the sensor nor the study has.
 
+#include <array>
 #include <optional>
 #include <span>
+#include <string>
 #include <string_view>
 
 #include "mtf/frame.h"
+#include "radiometry/performance/acquisition.h"
+#include "radiometry/performance/conditions.h"
 
 namespace study {
+
+struct MetricInfo;
+struct Study;
+struct VariantSensor;
+
+using radiometry::Conditions;
 
 enum class Metric {
   cutoff,
@@ -119,5 +130,37 @@ struct MetricChoice {
 
 /// Null for a name that no metric has.
 std::optional<MetricChoice> choose_metric(std::string_view name);
+
+/// A task: its metric, how it is judged, and the cycles on target that it needs.
+struct RangeTask {
+  Metric metric;
+  bool by_bars = false;  ///< Johnson's criteria, else TTP
+  double half = 0.0;     ///< for half of the trials: N50 or V50
+  double cycles = 0.0;   ///< for [conditions] probability
+
+  radiometry::Psychometric law() const {
+    return by_bars ? radiometry::Psychometric::johnson : radiometry::Psychometric::ttp_nvthermip;
+  }
+};
+inline constexpr std::size_t kRangeTasks = 6;
+
+inline std::array<RangeTask, kRangeTasks> range_tasks(const Conditions& c) {
+  using radiometry::kN50;
+  std::array<RangeTask, kRangeTasks> tasks{{{Metric::johnson_detect, true, kN50[0]},
+                                            {Metric::johnson_recognise, true, kN50[1]},
+                                            {Metric::johnson_identify, true, kN50[2]},
+                                            {Metric::ttp_detect, false, c.v50_detect},
+                                            {Metric::ttp_recognise, false, c.v50_recognise},
+                                            {Metric::ttp_identify, false, c.v50_identify}}};
+  for (RangeTask& task : tasks) task.cycles = task.half * radiometry::ratio_for_probability(task.law(), c.probability);
+  return tasks;
+}
+
+/// "no [detector]", "no [conditions] range" ...; "" where the sensor has all that the metric needs.
+std::string metric_gap(const MetricChoice& choice, const Study& study, const VariantSensor& sensor);
+
+/// The same for a study: why no sensor file of its axis over `sensor` has what the metric needs, the other axes being
+/// at their first values; "" where one of the files has it.
+std::string metric_gap(const MetricInfo& metric, const Study& study);
 
 }  // namespace study

@@ -4,10 +4,10 @@
 // Values of metrics for one design and any scalar: resolution, budget and ranges of the design in, a number out. NaN
 // where the design has none; the reason is given once for a study, see gaps of evaluator.h.
 
+#include <algorithm>
 #include <limits>
 
 #include "apps/study/design/metric_rows.h"
-#include "apps/study/design/range_tasks.h"
 #include "mtf/metrics/resolution.h"
 #include "mtf/otf/otf_parts.h"
 #include "radiometry/performance/giqe.h"
@@ -17,19 +17,20 @@
 
 namespace study {
 
+namespace detail {
+
+template <class S>
+S not_there() {
+  return S(std::numeric_limits<double>::quiet_NaN());
+}
+
+}  // namespace detail
+
 /// What observers make of the sensor; NaN where nothing has been found.
 template <class S>
 struct Observed {
-  static S nothing() { return S(std::numeric_limits<double>::quiet_NaN()); }
-  S mrtd_k = nothing(), mdtd_k = nothing(), ttp_cy_mrad = nothing();
-  std::array<S, kRangeTasks> range_m = filled();  ///< of range_tasks()
-
- private:
-  static std::array<S, kRangeTasks> filled() {
-    std::array<S, kRangeTasks> all;
-    all.fill(nothing());
-    return all;
-  }
+  S mrtd_k = detail::not_there<S>(), mdtd_k = mrtd_k, ttp_cy_mrad = mrtd_k;
+  std::array<S, kRangeTasks> range_m{mrtd_k, mrtd_k, mrtd_k, mrtd_k, mrtd_k, mrtd_k};  ///< of range_tasks()
 };
 
 template <class S>
@@ -45,11 +46,6 @@ struct Design {
 };
 
 namespace detail {
-
-template <class S>
-S not_there() {
-  return S(std::numeric_limits<double>::quiet_NaN());
-}
 
 template <class S>
 S geometric_mean(const S& x, const S& y) {
@@ -107,62 +103,43 @@ S cutoff_cy_mm(const Design<S>& d) {
   return S(end);
 }
 
+/// The member that stands for a metric; NaN without one.
+template <class S, class Figures, std::size_t N>
+S member_of(const std::array<std::pair<Metric, S Figures::*>, N>& members, Metric metric, const Figures& figures) {
+  const auto found = std::ranges::find(members, metric, &std::pair<Metric, S Figures::*>::first);
+  return found != members.end() ? figures.*found->second : not_there<S>();
+}
+
 template <class S>
-S axis_value(const MetricRow& row, const mtf::AxisFigures<S>& f, std::size_t at) {
-  switch (row.metric) {
-    case Metric::optics_mtf_nyquist:
-      return f.optics_nyquist;
-    case Metric::detector_mtf_nyquist:
-      return f.detector_nyquist;
-    case Metric::presample_mtf_nyquist:
-      return f.presample_nyquist;
-    case Metric::mtf_nyquist:
-      return f.nyquist;
-    case Metric::folded_mtf_nyquist:
-      return f.folded_nyquist;
-    case Metric::mtf_at:
-      return f.mtf_at[at];
-    case Metric::mtf50:
-      return f.mtf50_cy_px;
-    case Metric::mtfa:
-      return f.mtfa;
-    case Metric::rer:
-      return f.rer;
-    case Metric::edge_overshoot:
-      return f.overshoot;
-    case Metric::edge_height:
-      return f.edge_height;
-    case Metric::fwhm:
-      return f.fwhm_px;
-    case Metric::aliasing_ratio:
-      return f.aliasing;
-    case Metric::spurious_in_band:
-      return f.spurious_in;
-    case Metric::spurious_out_of_band:
-      return f.spurious_out;
-    case Metric::spurious_response:
-      return f.spurious_in + f.spurious_out;
-    default:
-      return not_there<S>();
-  }
+S axis_value(Metric metric, const mtf::AxisFigures<S>& f, std::size_t at) {
+  using F = mtf::AxisFigures<S>;
+  constexpr std::array kMembers{std::pair{Metric::optics_mtf_nyquist, &F::optics_nyquist},
+                                std::pair{Metric::detector_mtf_nyquist, &F::detector_nyquist},
+                                std::pair{Metric::presample_mtf_nyquist, &F::presample_nyquist},
+                                std::pair{Metric::mtf_nyquist, &F::nyquist},
+                                std::pair{Metric::folded_mtf_nyquist, &F::folded_nyquist},
+                                std::pair{Metric::mtf50, &F::mtf50_cy_px},
+                                std::pair{Metric::mtfa, &F::mtfa},
+                                std::pair{Metric::rer, &F::rer},
+                                std::pair{Metric::edge_overshoot, &F::overshoot},
+                                std::pair{Metric::edge_height, &F::edge_height},
+                                std::pair{Metric::fwhm, &F::fwhm_px},
+                                std::pair{Metric::aliasing_ratio, &F::aliasing},
+                                std::pair{Metric::spurious_in_band, &F::spurious_in},
+                                std::pair{Metric::spurious_out_of_band, &F::spurious_out}};
+  if (metric == Metric::mtf_at) return f.mtf_at[at];
+  if (metric == Metric::spurious_response) return f.spurious_in + f.spurious_out;
+  return member_of(kMembers, metric, f);
 }
 
 template <class S>
 S along(const Design<S>& d, const MetricRow& row, mtf::Axis axis, std::size_t at) {
-  switch (row.metric) {
-    case Metric::nyquist:
-      return d.system->frame.nyquist_cy_mm(axis);
-    case Metric::ifov:
-      return ifov_urad(d, axis);
-    case Metric::gsd:
-      return gsd_m(d, axis);
-    case Metric::fov:
-      return fov_deg(d, axis);
-    case Metric::q:
-      return q_of(d, axis);
-    default:
-      return axis_value(row, axis == mtf::Axis::x ? d.resolution.x : d.resolution.y, at);
-  }
+  if (row.metric == Metric::nyquist) return d.system->frame.nyquist_cy_mm(axis);
+  if (row.metric == Metric::ifov) return ifov_urad(d, axis);
+  if (row.metric == Metric::gsd) return gsd_m(d, axis);
+  if (row.metric == Metric::fov) return fov_deg(d, axis);
+  if (row.metric == Metric::q) return q_of(d, axis);
+  return axis_value(row.metric, axis == mtf::Axis::x ? d.resolution.x : d.resolution.y, at);
 }
 
 /// Electrons of the target's contrast over the noise of its background: the difference that a surface so much warmer
@@ -185,54 +162,30 @@ S target_snr(const Design<S>& d) {
 
 template <class S>
 S budget_value(Metric metric, const radiometry::Budget<S>& b) {
-  switch (metric) {
-    case Metric::signal:
-      return b.signal.scene_e;
-    case Metric::background:
-      return b.signal.path_e + b.signal.optics_e + b.signal.stop_e + b.signal.dark_e;
-    case Metric::well_fill:
-      return b.well_fill;
-    case Metric::scene_shot_noise:
-      return b.scene_shot_e;
-    case Metric::background_shot_noise:
-      return b.background_shot_e;
-    case Metric::dark_shot_noise:
-      return b.dark_shot_e;
-    case Metric::read_noise:
-      return b.read_e;
-    case Metric::reset_noise:
-      return b.reset_e;
-    case Metric::other_noise:
-      return b.other_e;
-    case Metric::quantisation_noise:
-      return b.quantisation_e;
-    case Metric::temporal_noise:
-      return b.temporal_e;
-    case Metric::prnu_noise:
-      return b.prnu_e;
-    case Metric::dsnu_noise:
-      return b.dsnu_e;
-    case Metric::correction_noise:
-      return b.correction_e;
-    case Metric::spatial_noise:
-      return b.spatial_e;
-    case Metric::snr:
-      return b.snr;
-    case Metric::netd:
-      return S(1e3) * b.netd_k;
-    case Metric::shot_netd:
-      return S(1e3) * b.shot_netd_k;
-    case Metric::spatial_netd:
-      return S(1e3) * b.spatial_netd_k;
-    case Metric::nei:
-      return b.nei_ph;
-    case Metric::nep:
-      return S(1e12) * b.nep_w;
-    case Metric::dynamic_range:
-      return b.dynamic_range;
-    default:
-      return not_there<S>();
-  }
+  using B = radiometry::Budget<S>;
+  constexpr std::array kMembers{std::pair{Metric::well_fill, &B::well_fill},
+                                std::pair{Metric::scene_shot_noise, &B::scene_shot_e},
+                                std::pair{Metric::background_shot_noise, &B::background_shot_e},
+                                std::pair{Metric::dark_shot_noise, &B::dark_shot_e},
+                                std::pair{Metric::read_noise, &B::read_e},
+                                std::pair{Metric::reset_noise, &B::reset_e},
+                                std::pair{Metric::other_noise, &B::other_e},
+                                std::pair{Metric::quantisation_noise, &B::quantisation_e},
+                                std::pair{Metric::temporal_noise, &B::temporal_e},
+                                std::pair{Metric::prnu_noise, &B::prnu_e},
+                                std::pair{Metric::dsnu_noise, &B::dsnu_e},
+                                std::pair{Metric::correction_noise, &B::correction_e},
+                                std::pair{Metric::spatial_noise, &B::spatial_e},
+                                std::pair{Metric::snr, &B::snr},
+                                std::pair{Metric::nei, &B::nei_ph},
+                                std::pair{Metric::dynamic_range, &B::dynamic_range}};
+  if (metric == Metric::signal) return b.signal.scene_e;
+  if (metric == Metric::background) return b.signal.path_e + b.signal.optics_e + b.signal.stop_e + b.signal.dark_e;
+  if (metric == Metric::netd) return S(1e3) * b.netd_k;
+  if (metric == Metric::shot_netd) return S(1e3) * b.shot_netd_k;
+  if (metric == Metric::spatial_netd) return S(1e3) * b.spatial_netd_k;
+  if (metric == Metric::nep) return S(1e12) * b.nep_w;
+  return member_of(kMembers, metric, b);
 }
 
 /// A rating; the scale goes from 0 to 9, and the equations go on outside of it.
@@ -292,16 +245,9 @@ S grd_m(const Design<S>& d) {
 
 template <class S>
 S observed_value(Metric metric, const Observed<S>& o) {
-  switch (metric) {
-    case Metric::mrtd:
-      return S(1e3) * o.mrtd_k;
-    case Metric::mdtd:
-      return S(1e3) * o.mdtd_k;
-    case Metric::ttp:
-      return o.ttp_cy_mrad;
-    default:
-      break;
-  }
+  if (metric == Metric::mrtd) return S(1e3) * o.mrtd_k;
+  if (metric == Metric::mdtd) return S(1e3) * o.mdtd_k;
+  if (metric == Metric::ttp) return o.ttp_cy_mrad;
   const std::array<RangeTask, kRangeTasks> tasks = range_tasks(Conditions{});
   for (std::size_t i = 0; i < tasks.size(); ++i)
     if (tasks[i].metric == metric) return o.range_m[i];
@@ -323,24 +269,12 @@ S metric_value(const MetricChoice& choice, const Design<S>& d, std::size_t at) {
     return finite(
         geometric_mean(S(along(d, row, mtf::Axis::x, at) + shift), S(along(d, row, mtf::Axis::y, at) + shift)) - shift);
   }
-  switch (row.metric) {
-    case Metric::cutoff:
-      return cutoff_cy_mm(d);
-    case Metric::strehl:
-      return d.resolution.strehl;
-    case Metric::ensquared_energy:
-      return d.resolution.ensquared;
-    case Metric::target_snr:
-      return finite(target_snr(d));
-    case Metric::niirs_giqe3:
-    case Metric::niirs_giqe4:
-    case Metric::niirs_giqe5:
-      return rated(finite(niirs(row.metric, d)));
-    case Metric::grd:
-      return grd_m(d);
-    default:
-      break;
-  }
+  if (row.metric == Metric::cutoff) return cutoff_cy_mm(d);
+  if (row.metric == Metric::strehl) return d.resolution.strehl;
+  if (row.metric == Metric::ensquared_energy) return d.resolution.ensquared;
+  if (row.metric == Metric::target_snr) return finite(target_snr(d));
+  if (row.effort == Effort::giqe) return rated(finite(niirs(row.metric, d)));
+  if (row.metric == Metric::grd) return grd_m(d);
   if (row.effort == Effort::bars && std::isinf(mtf::value_of(observed_value(row.metric, d.observed))))
     throw mtf::UsageError(std::string(row.name) + ": " + radiometry::kNotResolved);
   if (row.effort == Effort::bars || row.effort == Effort::air) return finite(observed_value(row.metric, d.observed));

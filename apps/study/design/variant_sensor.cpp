@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "apps/sensor/air_course.h"
+#include "apps/sensor/sensor_air.h"
 #include "calib/fit/parameter_site.h"
 #include "mtf/error.h"
 

@@ -23,7 +23,7 @@ inline constexpr double kReached = 1e-6;
 
 /// An active limit: a constraint, or an end of an axis.
 struct ReachedLimit {
-  enum class Kind { constraint, lower, upper } kind = Kind::constraint;
+  Limit::Kind kind = Limit::Kind::constraint;
   std::size_t index = 0;    ///< index of the constraint, or of the variable
   double multiplier = 0.0;  ///< derivative of scaled F by the scaled margin, or by z
   double gain = 0.0;        ///< decrease of F by a margin wider by one (SI), or an axis longer by one of its unit
@@ -88,8 +88,8 @@ VectorXd non_negative(const MatrixXd& a, const VectorXd& b) {
 
 void add_ends(std::span<const double> z, std::vector<ReachedLimit>& limits) {
   for (std::size_t i = 0; i < z.size(); ++i) {
-    if (z[i] <= kReached) limits.push_back({ReachedLimit::Kind::lower, i});
-    if (z[i] >= 1.0 - kReached) limits.push_back({ReachedLimit::Kind::upper, i});
+    if (z[i] <= kReached) limits.push_back({Limit::Kind::lower, i});
+    if (z[i] >= 1.0 - kReached) limits.push_back({Limit::Kind::upper, i});
   }
 }
 
@@ -101,11 +101,11 @@ void hold(Optimality& result, const VectorXd& b, const DesignSlopes& slopes, con
   for (std::size_t k = 0; k < result.limits.size(); ++k) {
     const ReachedLimit& limit = result.limits[k];
     const auto column = static_cast<Index>(k), index = static_cast<Index>(limit.index);
-    if (limit.kind == ReachedLimit::Kind::constraint)
+    if (limit.kind == Limit::Kind::constraint)
       for (Index i = 0; i < n; ++i)
         a(i, column) = slopes.margin[static_cast<std::size_t>(index * n + i)] / scale.margin[limit.index];
     else
-      a(index, column) = limit.kind == ReachedLimit::Kind::lower ? 1.0 : -1.0;
+      a(index, column) = limit.kind == Limit::Kind::lower ? 1.0 : -1.0;
   }
   const VectorXd multipliers = non_negative(a, b);
   VectorXd left = b;
@@ -125,21 +125,21 @@ Optimality optimality_at(DesignProblem& problem, const ProblemScale& scale, std:
   for (std::size_t j = 0; j < point.margin.size(); ++j) {
     const ConstraintValues& sides = problem.sides()[j];
     const double size = std::max({std::abs(sides.left), std::abs(sides.right), 1e-3 * scale.margin[j]});
-    if (std::abs(point.margin[j]) <= kReached * size) result.limits.push_back({ReachedLimit::Kind::constraint, j});
+    if (std::abs(point.margin[j]) <= kReached * size) result.limits.push_back({Limit::Kind::constraint, j});
   }
   add_ends(z, result.limits);
   const DesignSlopes slopes = problem.slopes(z);
   bool finite = std::all_of(slopes.f.begin(), slopes.f.end(), [](double v) { return std::isfinite(v); });
   for (const ReachedLimit& limit : result.limits)
-    for (std::size_t i = 0; limit.kind == ReachedLimit::Kind::constraint && i < z.size(); ++i)
+    for (std::size_t i = 0; limit.kind == Limit::Kind::constraint && i < z.size(); ++i)
       finite = finite && std::isfinite(slopes.margin[limit.index * z.size() + i]);
   if (!finite) return result;
   result.smooth = true;
   hold(result, Eigen::Map<const VectorXd>(slopes.f.data(), static_cast<Index>(z.size())) / scale.f, slopes, scale);
   for (ReachedLimit& limit : result.limits)
     limit.gain = limit.multiplier * scale.f /
-                 (limit.kind == ReachedLimit::Kind::constraint ? scale.margin[limit.index]
-                                                               : problem.stretch(limit.index, z[limit.index]));
+                 (limit.kind == Limit::Kind::constraint ? scale.margin[limit.index]
+                                                        : problem.stretch(limit.index, z[limit.index]));
   return result;
 }
 
@@ -223,9 +223,39 @@ class Walker {
     return kImpossible + (std::isfinite(total) ? std::asinh(total) : kImpossible);
   }
 
-  void run(nlopt_algorithm algorithm, double step, int evaluations, std::vector<double> z);
+  void run(nlopt_algorithm algorithm, double step, int evaluations, std::vector<double> z) {
+    const auto n = static_cast<unsigned>(z.size());
+    const std::unique_ptr<nlopt_opt_s, void (*)(nlopt_opt)> owner(nlopt_create(algorithm, n), nlopt_destroy);
+    nlopt_opt opt = owner.get();
+    nlopt_set_lower_bounds1(opt, 0.0);
+    nlopt_set_upper_bounds1(opt, 1.0);
+    const bool wall = algorithm == NLOPT_LN_SBPLX;
+    nlopt_set_min_objective(opt, wall ? walled_of : objective_of, this);
+    if (!wall && !task_->only_constraints && problem_->constraints() > 0)
+      nlopt_add_inequality_mconstraint(opt, static_cast<unsigned>(problem_->constraints()), violations_of, this,
+                                       nullptr);
+    nlopt_set_initial_step1(opt, step);
+    nlopt_set_xtol_abs1(opt, 1e-11);
+    nlopt_set_maxeval(opt, std::min(evaluations, left()));
+    double value = 0.0;
+    // What it says about its end does not matter: the best point met is kept here.
+    static_cast<void>(nlopt_optimize(opt, z.data(), &value));
+  }
 
  private:
+  static double objective_of(unsigned n, const double* z, double*, void* walker) {
+    auto& w = *static_cast<Walker*>(walker);
+    return w.objective(w.evaluate({z, n}));
+  }
+  static double walled_of(unsigned n, const double* z, double*, void* walker) {
+    auto& w = *static_cast<Walker*>(walker);
+    return w.walled(w.evaluate({z, n}));
+  }
+  static void violations_of(unsigned m, double* values, unsigned n, const double* z, double*, void* walker) {
+    auto& w = *static_cast<Walker*>(walker);
+    w.violations(w.evaluate({z, n}), {values, m});
+  }
+
   DesignProblem* problem_;
   const ProblemScale* scale_;
   const FreeTask* task_;
@@ -235,37 +265,6 @@ class Walker {
   double least_ = HUGE_VAL;
   bool best_feasible_ = false;
 };
-
-double objective_of(unsigned n, const double* z, double*, void* walker) {
-  auto& w = *static_cast<Walker*>(walker);
-  return w.objective(w.evaluate({z, n}));
-}
-double walled_of(unsigned n, const double* z, double*, void* walker) {
-  auto& w = *static_cast<Walker*>(walker);
-  return w.walled(w.evaluate({z, n}));
-}
-void violations_of(unsigned m, double* values, unsigned n, const double* z, double*, void* walker) {
-  auto& w = *static_cast<Walker*>(walker);
-  w.violations(w.evaluate({z, n}), {values, m});
-}
-
-void Walker::run(nlopt_algorithm algorithm, double step, int evaluations, std::vector<double> z) {
-  const auto n = static_cast<unsigned>(z.size());
-  const std::unique_ptr<nlopt_opt_s, void (*)(nlopt_opt)> owner(nlopt_create(algorithm, n), nlopt_destroy);
-  nlopt_opt opt = owner.get();
-  nlopt_set_lower_bounds1(opt, 0.0);
-  nlopt_set_upper_bounds1(opt, 1.0);
-  const bool wall = algorithm == NLOPT_LN_SBPLX;
-  nlopt_set_min_objective(opt, wall ? walled_of : objective_of, this);
-  if (!wall && !task_->only_constraints && problem_->constraints() > 0)
-    nlopt_add_inequality_mconstraint(opt, static_cast<unsigned>(problem_->constraints()), violations_of, this, nullptr);
-  nlopt_set_initial_step1(opt, step);
-  nlopt_set_xtol_abs1(opt, 1e-11);
-  nlopt_set_maxeval(opt, std::min(evaluations, left()));
-  double value = 0.0;
-  // What it says about its end does not matter: the best point met is kept here.
-  static_cast<void>(nlopt_optimize(opt, z.data(), &value));
-}
 
 /// The best design met: one that is feasible before all others, then the least F; else the least violation.
 SearchEnd free_search(DesignProblem& problem, const ProblemScale& scale, std::vector<double> z, const FreeTask& task) {
@@ -305,7 +304,31 @@ class Start {
     take(z_);
   }
 
-  LocalEnd run(Method method);
+  LocalEnd run(Method method) {
+    LocalEnd end;
+    Optimum& optimum = end.optimum;
+    optimum.method = method;
+    if (method == Method::smooth && !z_.empty()) {
+      smooth();
+      if (feasible_ ? !converged() : !locally_nearest()) {
+        const bool feasible = feasible_;
+        const double before = rank_;
+        search();
+        if (feasible_ && !converged()) smooth();  // off a kink, perhaps to an optimum that is smooth
+        if (rank_ < before || feasible_ != feasible) optimum.method = Method::search;
+        optimum.why = no_slopes_  ? "the smooth method came to designs without derivatives"
+                      : !feasible ? "the smooth method found no feasible design"
+                                  : "the smooth method stalled short of an optimum";
+      }
+    } else if (!z_.empty()) {
+      search();
+    }
+    snap();
+    describe(end);
+    if (optimum.method == method) optimum.why.clear();
+    end.evaluations = problem_.evaluations();
+    return end;
+  }
 
  private:
   double rank(const DesignPoint& point, bool feasible) const {
@@ -322,7 +345,34 @@ class Start {
       taken_ = true;
     }
   }
-  void smooth();
+  void smooth() {
+    const std::vector<double> first = z_;
+    const auto walk = [&](const std::vector<double>& from, bool only_constraints) {
+      const SearchEnd end = smooth_search(problem_, scale_, from, {.only_constraints = only_constraints});
+      no_slopes_ = no_slopes_ || end.no_slopes;
+      take(end.z);
+    };
+    walk(z_, false);
+    if (!feasible_) {
+      walk(z_, true);
+      if (!feasible_) walk(first, true);
+      if (feasible_) walk(z_, false);
+    }
+    // An end of the box holds a walk whose theta has come too close to it, whatever the slope there.
+    for (int again = 0; again < 3 && feasible_ && !converged(); ++again) {
+      snap();
+      const Optimality optimality = optimality_at(problem_, scale_, z_);
+      if (!optimality.smooth) return;
+      std::vector<double> inside = z_;
+      for (std::size_t i = 0; i < inside.size(); ++i)
+        if ((inside[i] < 0.01 && optimality.downhill[i] > kConverged) ||
+            (inside[i] > 0.99 && optimality.downhill[i] < -kConverged))
+          inside[i] = inside[i] < 0.5 ? 0.05 : 0.95;
+      const double before = rank_;
+      walk(inside, false);
+      if (!(rank_ < before)) return;
+    }
+  }
   void search() {
     FreeTask task;
     task.most_evaluations = 500 * (static_cast<int>(z_.size()) + 1);
@@ -344,8 +394,63 @@ class Start {
     const Optimality optimality = optimality_at(problem_, scale_, z_);
     return optimality.smooth && optimality.residual <= kConverged;
   }
-  void snap();
-  void describe(LocalEnd& end);
+  /// Onto the ends of axes that it has come to.
+  void snap() {
+    for (std::size_t i = 0; i < z_.size(); ++i) {
+      const double end = std::round(z_[i]);
+      if (z_[i] == end || std::abs(z_[i] - end) > kReached) continue;
+      std::vector<double> snapped = z_;
+      snapped[i] = end;
+      const DesignPoint point = problem_.at(snapped);
+      const bool feasible = problem_.feasible(point);
+      const double rank = this->rank(point, feasible);
+      if (feasible != feasible_ || !(rank <= rank_ + 1e-9 * (feasible ? scale_.f : 1.0))) continue;
+      z_ = snapped;
+      rank_ = rank;
+    }
+  }
+  void describe(LocalEnd& end) {
+    Optimum& optimum = end.optimum;
+    const Study& study = problem_.study();
+    const Optimality optimality = feasible_ ? optimality_at(problem_, scale_, z_) : nearness_at(problem_, scale_, z_);
+    const DesignPoint point = problem_.at(z_);
+    optimum.axis_values = problem_.axis_values(z_);
+    optimum.row.assign(problem_.row().begin(), problem_.row().end());
+    optimum.objectives.assign(problem_.objectives().begin(), problem_.objectives().end());
+    optimum.goal = point.f;
+    optimum.feasible = feasible_;
+    optimum.residual = optimality.smooth ? optimality.residual : kNan;
+    optimum.converged = feasible_ && optimum.residual <= kConverged;
+    optimum.shared = optimality.shared;
+    end.z = z_;
+    end.violation = total_violation(point, scale_);
+    const std::vector<ConstraintValues> sides(problem_.sides().begin(), problem_.sides().end());
+    for (std::size_t j = 0; j < point.margin.size(); ++j) {
+      if (point.margin[j] > 0.0 || (point.margin[j] == 0.0 && !study.constraints[j].strict)) continue;
+      const std::string unit = unit_of(study, study.constraints[j]);
+      optimum.violations.push_back(
+          {j, -point.margin[j] / unit_scale(unit).si, -point.margin[j] / scale_.margin[j], unit});
+      end.contradiction.push_back(study.constraints[j].text);
+    }
+    for (const ReachedLimit& reached : optimality.limits) {
+      const bool constraint = reached.kind == Limit::Kind::constraint;
+      std::size_t index = reached.index;
+      if (!constraint) index = static_cast<std::size_t>(&problem_.axis(reached.index) - study.axes.data());
+      Limit limit = limit_of(study, reached.kind, index, optimum.axis_values, sides);
+      limit.gain = optimum.converged ? reached.gain * (constraint ? unit_scale(limit.unit).si : 1.0) : kNan;
+      // Below the residual a multiplier is none.
+      if (optimum.converged && reached.multiplier <= std::max(1e-9, 2.0 * optimality.residual)) limit.gain = 0.0;
+      if (!feasible_ && reached.multiplier > 1e-9) end.contradiction.push_back(limit.text);
+      optimum.limits.push_back(std::move(limit));
+    }
+    // A little further in that direction: is there a design at all?
+    if (feasible_ && !optimum.converged && optimality.smooth) {
+      std::vector<double> beyond = z_;
+      for (std::size_t i = 0; i < z_.size(); ++i)
+        beyond[i] = std::clamp(z_[i] + 1e-4 * optimality.downhill[i] / optimality.residual, 0.0, 1.0);
+      if (!std::isfinite(problem_.at(beyond).f)) optimum.edge = problem_.problem();
+    }
+  }
 
   DesignProblem problem_;
   const ProblemScale& scale_;
@@ -355,123 +460,6 @@ class Start {
   bool taken_ = false, feasible_ = false, no_slopes_ = false;
   double rank_ = HUGE_VAL;
 };
-
-void Start::smooth() {
-  const std::vector<double> first = z_;
-  const auto walk = [&](const std::vector<double>& from, bool only_constraints) {
-    const SearchEnd end = smooth_search(problem_, scale_, from, {.only_constraints = only_constraints});
-    no_slopes_ = no_slopes_ || end.no_slopes;
-    take(end.z);
-  };
-  walk(z_, false);
-  if (!feasible_) {
-    walk(z_, true);
-    if (!feasible_) walk(first, true);
-    if (feasible_) walk(z_, false);
-  }
-  // An end of the box holds a walk whose theta has come too close to it, whatever the slope there.
-  for (int again = 0; again < 3 && feasible_ && !converged(); ++again) {
-    snap();
-    const Optimality optimality = optimality_at(problem_, scale_, z_);
-    if (!optimality.smooth) return;
-    std::vector<double> inside = z_;
-    for (std::size_t i = 0; i < inside.size(); ++i)
-      if ((inside[i] < 0.01 && optimality.downhill[i] > kConverged) ||
-          (inside[i] > 0.99 && optimality.downhill[i] < -kConverged))
-        inside[i] = inside[i] < 0.5 ? 0.05 : 0.95;
-    const double before = rank_;
-    walk(inside, false);
-    if (!(rank_ < before)) return;
-  }
-}
-
-/// Onto the ends of axes that it has come to.
-void Start::snap() {
-  for (std::size_t i = 0; i < z_.size(); ++i) {
-    const double end = std::round(z_[i]);
-    if (z_[i] == end || std::abs(z_[i] - end) > kReached) continue;
-    std::vector<double> snapped = z_;
-    snapped[i] = end;
-    const DesignPoint point = problem_.at(snapped);
-    const bool feasible = problem_.feasible(point);
-    const double rank = this->rank(point, feasible);
-    if (feasible != feasible_ || !(rank <= rank_ + 1e-9 * (feasible ? scale_.f : 1.0))) continue;
-    z_ = snapped;
-    rank_ = rank;
-  }
-}
-
-void Start::describe(LocalEnd& end) {
-  Optimum& optimum = end.optimum;
-  const Study& study = problem_.study();
-  const Optimality optimality = feasible_ ? optimality_at(problem_, scale_, z_) : nearness_at(problem_, scale_, z_);
-  const DesignPoint point = problem_.at(z_);
-  optimum.axis_values = problem_.axis_values(z_);
-  optimum.row.assign(problem_.row().begin(), problem_.row().end());
-  optimum.objectives.assign(problem_.objectives().begin(), problem_.objectives().end());
-  optimum.goal = point.f;
-  optimum.feasible = feasible_;
-  optimum.residual = optimality.smooth ? optimality.residual : kNan;
-  optimum.converged = feasible_ && optimum.residual <= kConverged;
-  optimum.shared = optimality.shared;
-  end.z = z_;
-  end.violation = total_violation(point, scale_);
-  const std::vector<ConstraintValues> sides(problem_.sides().begin(), problem_.sides().end());
-  for (std::size_t j = 0; j < point.margin.size(); ++j) {
-    if (point.margin[j] > 0.0 || (point.margin[j] == 0.0 && !study.constraints[j].strict)) continue;
-    const std::string unit = unit_of(study, study.constraints[j]);
-    optimum.violations.push_back(
-        {j, -point.margin[j] / unit_scale(unit).si, -point.margin[j] / scale_.margin[j], unit});
-    end.contradiction.push_back(study.constraints[j].text);
-  }
-  for (const ReachedLimit& reached : optimality.limits) {
-    const bool constraint = reached.kind == ReachedLimit::Kind::constraint;
-    std::size_t index = reached.index;
-    if (!constraint) index = static_cast<std::size_t>(&problem_.axis(reached.index) - study.axes.data());
-    const auto kind = constraint                                  ? Limit::Kind::constraint
-                      : reached.kind == ReachedLimit::Kind::lower ? Limit::Kind::lower
-                                                                  : Limit::Kind::upper;
-    Limit limit = limit_of(study, kind, index, optimum.axis_values, sides);
-    limit.gain = optimum.converged ? reached.gain * (constraint ? unit_scale(limit.unit).si : 1.0) : kNan;
-    // Below the residual a multiplier is none.
-    if (optimum.converged && reached.multiplier <= std::max(1e-9, 2.0 * optimality.residual)) limit.gain = 0.0;
-    if (!feasible_ && reached.multiplier > 1e-9) end.contradiction.push_back(limit.text);
-    optimum.limits.push_back(std::move(limit));
-  }
-  // A little further in that direction: is there a design at all?
-  if (feasible_ && !optimum.converged && optimality.smooth) {
-    std::vector<double> beyond = z_;
-    for (std::size_t i = 0; i < z_.size(); ++i)
-      beyond[i] = std::clamp(z_[i] + 1e-4 * optimality.downhill[i] / optimality.residual, 0.0, 1.0);
-    if (!std::isfinite(problem_.at(beyond).f)) optimum.edge = problem_.problem();
-  }
-}
-
-LocalEnd Start::run(Method method) {
-  LocalEnd end;
-  Optimum& optimum = end.optimum;
-  optimum.method = method;
-  if (method == Method::smooth && !z_.empty()) {
-    smooth();
-    if (feasible_ ? !converged() : !locally_nearest()) {
-      const bool feasible = feasible_;
-      const double before = rank_;
-      search();
-      if (feasible_ && !converged()) smooth();  // off a kink, perhaps to an optimum that is smooth
-      if (rank_ < before || feasible_ != feasible) optimum.method = Method::search;
-      optimum.why = no_slopes_  ? "the smooth method came to designs without derivatives"
-                    : !feasible ? "the smooth method found no feasible design"
-                                : "the smooth method stalled short of an optimum";
-    }
-  } else if (!z_.empty()) {
-    search();
-  }
-  snap();
-  describe(end);
-  if (optimum.method == method) optimum.why.clear();
-  end.evaluations = problem_.evaluations();
-  return end;
-}
 
 }  // namespace
 

@@ -13,6 +13,8 @@ namespace {
 
 constexpr double kSlopeLeft = 1e-9;
 constexpr double kFarthestPenalty = 1e7;
+/// Constraints are kept by this share of their scale, so that what ends at a limit is on the right side of it.
+constexpr double kKeptOff = 1e-7;
 constexpr double kGoodEnough = 2e-8;  // of violations; below kKeptOff
 
 /// d asinh(x)/dx.

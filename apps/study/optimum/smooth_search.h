@@ -9,9 +9,6 @@
 
 namespace study {
 
-/// Constraints are kept by this share of their scale, so that what ends at a limit is on the right side of it.
-inline constexpr double kKeptOff = 1e-7;
-
 struct SearchTask {
   bool only_constraints = false;  ///< make the violations small, whatever the objective
   int most_evaluations = 2000;

@@ -9,6 +9,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <span>
 #include <string>
 #include <vector>
@@ -45,10 +46,6 @@ struct RowPiece {
   std::uint64_t bytes() const;  ///< size of the checksums and the numbers
 };
 
-/// Writes a file of one piece; rows.size() = range.count x layout.columns. Throws RuntimeError (disk full, ...).
-void write_rows(const std::filesystem::path& file, const RowLayout& layout, RowRange range,
-                std::span<const double> rows);
-
 /// The pieces of a file in their order. Throws RuntimeError naming the file when it cannot be read, is no row file, or
 /// is shorter or longer than its lines say.
 std::vector<RowPiece> list_rows(const std::filesystem::path& file);
@@ -76,5 +73,35 @@ std::string describe(RowRange range);
 /// designs where the pieces do not cover `range` without a gap or twice; a piece that does not fit is damaged where its
 /// hash is not that of its lines and numbers, else foreign.
 std::vector<RowPiece> in_order(std::vector<RowPiece> pieces, const RowLayout& layout, RowRange range);
+
+// Makes rows in threads and keeps them piece by piece, so that a run that was stopped loses no finished piece.
+
+/// Fills the row of a design. Its answer may not depend on the designs that came before.
+using RowMaker = std::function<void(std::int64_t design, std::span<double> row)>;
+
+struct RowRun {
+  RowLayout layout;
+  RowRange range;
+  std::filesystem::path folder;    ///< holds the pieces; made here where it is missing
+  std::int64_t piece = 0;          ///< designs in one; 0 = 4 to 4096, by their number
+  int threads = 0;                 ///< 0 = all cores
+  std::function<RowMaker()> make;  ///< called once a thread
+  std::function<void(std::int64_t)>
+      done{};  ///< called with the designs finished so far, one call at a time; may be empty
+};
+
+/// The result of a run, in numbers of designs.
+struct RowTally {
+  std::int64_t made = 0;     ///< designs made in this run
+  std::int64_t resumed = 0;  ///< left by a run before
+  std::int64_t damaged = 0;  ///< designs of pieces that were damaged and were made again (part of `made`)
+};
+
+/// Makes the rows that the folder does not hold. A piece that is damaged, foreign or of another size is made again.
+/// Throws what `make`, a row maker or the disk throws; finished pieces stay.
+RowTally run_rows(const RowRun& run);
+
+/// The pieces of the folder that make up the range of the run. Throws RuntimeError as in_order does.
+std::vector<RowPiece> rows_of(const RowRun& run);
 
 }  // namespace study

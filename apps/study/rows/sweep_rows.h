@@ -9,7 +9,7 @@
 
 #include "apps/study/design/evaluator.h"
 #include "apps/study/result_columns.h"
-#include "apps/study/rows/row_run.h"
+#include "apps/study/rows/row_file.h"
 
 namespace study {
 

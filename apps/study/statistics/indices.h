@@ -12,8 +12,11 @@
 
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <span>
 #include <vector>
+
+#include "apps/study/design/evaluator.h"
 
 namespace study {
 
@@ -45,5 +48,19 @@ struct Indices {
 /// The result is the same for any number of threads, where all samples are taken. Throws what `make` and the points
 /// throw.
 Indices sensitivity_indices(const IndexJob& job);
+
+// How the results of a study move with its parameters: derivatives at one design, and shares of the variance over the
+// ranges of all axes.
+
+struct StudyIndices {
+  std::vector<std::size_t> columns{};  ///< columns of the results: metrics and objectives
+  Indices indices{};                   ///< [result][axis]
+};
+
+/// Every axis that has more than one value is sampled at its quantiles (design_at_quantiles), independent of each
+/// other; the share of the others is 0. Ends after about `seconds`, with the samples taken until then. `done` as in
+/// IndexJob.
+StudyIndices study_indices(const std::shared_ptr<const Study>& study, const std::vector<Column>& columns,
+                           double seconds, int threads, const std::function<void(double)>& done);
 
 }  // namespace study

@@ -14,17 +14,6 @@ constexpr double kUnknown = 1000.0;  // counts for a constraint without a number
 
 }  // namespace
 
-struct Tally::Part {
-  std::int64_t designs = 0, feasible = 0;
-  double worst_error = std::numeric_limits<double>::quiet_NaN();
-  InvalidDesigns invalid;
-  std::vector<std::int64_t> met, missing;
-  std::vector<TallyDesign> best;
-  TallyDesign nearest, highest_yield;
-  FrontPoints front;
-  std::set<std::uint64_t> patterns;
-};
-
 bool meets(const TallyLimit& limit, ConstraintValues sides) {
   if (!sides.finite()) return false;
   if (!limit.less) std::swap(sides.left, sides.right);
@@ -43,13 +32,14 @@ double violation(const TallyLimit& limit, ConstraintValues sides) {
 }
 
 Tally::Tally(TallyJob job)
-    : job_(std::move(job)),
-      met_(job_.limits.size()),
-      missing_(job_.columns),
-      best_(job_.goals.size()),
-      front_(std::max<std::size_t>(1, job_.goals.size())) {
-  invalid_.by_goal.resize(job_.goals.size());
-  invalid_.by_limit.resize(job_.limits.size());
+    : job_(std::move(job)), all_(nothing_of(job_)), front_(std::max<std::size_t>(1, job_.goals.size())) {}
+
+Tally::Part Tally::nothing_of(const TallyJob& job) {
+  const std::size_t goals = job.goals.size(), limits = job.limits.size();
+  return {.invalid = {.by_goal = std::vector<std::int64_t>(goals), .by_limit = std::vector<std::int64_t>(limits)},
+          .met = std::vector<std::int64_t>(limits),
+          .missing = std::vector<std::int64_t>(job.columns),
+          .best = std::vector<TallyDesign>(goals)};
 }
 
 void InvalidDesigns::add(const InvalidDesigns& others) {
@@ -61,15 +51,10 @@ void InvalidDesigns::add(const InvalidDesigns& others) {
 }
 
 std::function<void()> Tally::count(RowRange range, std::span<const double> rows) {
-  const auto shared = std::make_shared<Part>();
+  const auto shared = std::make_shared<Part>(nothing_of(job_));
   Part& part = *shared;
   part.designs = range.count;
-  part.invalid.by_goal.resize(job_.goals.size());
-  part.invalid.by_limit.resize(job_.limits.size());
-  part.met.resize(met_.size());
-  part.missing.resize(missing_.size());
-  part.best.resize(best_.size());
-  part.front.objectives = std::max<std::size_t>(1, job_.goals.size());
+  FrontPoints front{.objectives = std::max<std::size_t>(1, job_.goals.size())};
   std::vector<ConstraintValues> sides(job_.limits.size());
   std::vector<double> values(job_.goals.size());
   const auto take = [](TallyDesign& target, std::int64_t design, double value, std::span<const double> row) {
@@ -122,36 +107,36 @@ std::function<void()> Tally::count(RowRange range, std::span<const double> rows)
       TallyDesign& best = part.best[g];
       if (best.design < 0 || (goal.maximize ? value > best.value : value < best.value)) take(best, design, value, row);
     }
-    if (values.size() > 1) part.front.add(design, values);
+    if (values.size() > 1) front.add(design, values);
   }
-  part.front = front_of(part.front);
-  return [this, shared] { add(std::move(*shared)); };
+  return [this, shared, front = front_of(front)] { add(std::move(*shared), front); };
 }
 
-void Tally::add(Part part) {
-  designs_ += part.designs;
-  feasible_ += part.feasible;
-  invalid_.add(part.invalid);
-  worst_error_ = std::fmax(worst_error_, part.worst_error);
-  for (std::size_t k = 0; k < met_.size(); ++k) met_[k] += part.met[k];
-  for (std::size_t c = 0; c < missing_.size(); ++c) missing_[c] += part.missing[c];
-  for (std::size_t g = 0; g < best_.size(); ++g) {
-    TallyDesign& best = best_[g];
+void Tally::add(Part part, const FrontPoints& front) {
+  all_.designs += part.designs;
+  all_.feasible += part.feasible;
+  all_.invalid.add(part.invalid);
+  all_.worst_error = std::fmax(all_.worst_error, part.worst_error);
+  for (std::size_t k = 0; k < all_.met.size(); ++k) all_.met[k] += part.met[k];
+  for (std::size_t c = 0; c < all_.missing.size(); ++c) all_.missing[c] += part.missing[c];
+  for (std::size_t g = 0; g < all_.best.size(); ++g) {
+    TallyDesign& best = all_.best[g];
     const double value = part.best[g].value;
     if (part.best[g].design >= 0 &&
         (best.design < 0 || (job_.goals[g].maximize ? value > best.value : value < best.value)))
       best = std::move(part.best[g]);
   }
-  if (part.highest_yield.design >= 0 && (highest_yield_.design < 0 || part.highest_yield.value > highest_yield_.value))
-    highest_yield_ = std::move(part.highest_yield);
-  if (part.nearest.design >= 0 && (nearest_.design < 0 || part.nearest.value < nearest_.value))
-    nearest_ = std::move(part.nearest);
-  front_.add(part.front);
-  patterns_.insert(part.patterns.begin(), part.patterns.end());
+  if (part.highest_yield.design >= 0 &&
+      (all_.highest_yield.design < 0 || part.highest_yield.value > all_.highest_yield.value))
+    all_.highest_yield = std::move(part.highest_yield);
+  if (part.nearest.design >= 0 && (all_.nearest.design < 0 || part.nearest.value < all_.nearest.value))
+    all_.nearest = std::move(part.nearest);
+  front_.add(front);
+  all_.patterns.insert(part.patterns.begin(), part.patterns.end());
   too_many_ = too_many_ || part.patterns.size() > kMostPatterns;
-  if (patterns_.size() > kMostPatterns) {
+  if (all_.patterns.size() > kMostPatterns) {
     too_many_ = true;
-    patterns_.clear();
+    all_.patterns.clear();
   }
 }
 
@@ -162,15 +147,16 @@ FrontPoints Tally::front() const {
 
 std::vector<std::vector<std::size_t>> Tally::contradictions() const {
   std::vector<std::vector<std::size_t>> found;
-  for (std::size_t k = 0; k < met_.size(); ++k)
-    if (met_[k] == 0) found.push_back({k});
-  const std::size_t count = met_.size();
+  for (std::size_t k = 0; k < all_.met.size(); ++k)
+    if (all_.met[k] == 0) found.push_back({k});
+  const std::size_t count = all_.met.size();
   if (!found.empty() || too_many_ || count > kMostInPattern) {
     found.resize(std::min(found.size(), kMostContradictions));
     return found;
   }
   const auto together = [&](std::uint64_t set) {
-    return std::any_of(patterns_.begin(), patterns_.end(), [&](std::uint64_t met) { return (met & set) == set; });
+    return std::any_of(all_.patterns.begin(), all_.patterns.end(),
+                       [&](std::uint64_t met) { return (met & set) == set; });
   };
   // Sets of a size in the order of their members: each is the one before with its last members moved on.
   for (std::size_t size = 2; size <= std::min(count, kLargestSet) && found.empty(); ++size) {

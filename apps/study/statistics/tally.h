@@ -9,9 +9,9 @@
 #include <optional>
 #include <set>
 
-#include "apps/study/constraint_values.h"
 #include "apps/study/rows/row_table.h"
 #include "apps/study/statistics/pareto.h"
+#include "apps/study/study.h"
 
 namespace study {
 
@@ -65,18 +65,18 @@ class Tally {
   /// The work on a piece, for read_pieces() of row_table.h.
   std::function<void()> count(RowRange range, std::span<const double> rows);
 
-  std::int64_t designs() const { return designs_; }
+  std::int64_t designs() const { return all_.designs; }
   /// Without constraints it is the number of designs that are not invalid.
-  std::int64_t feasible() const { return feasible_; }
-  const InvalidDesigns& invalid() const { return invalid_; }
-  double worst_error() const { return worst_error_; }                    ///< NaN where no design has one
-  const std::vector<std::int64_t>& met() const { return met_; }          ///< by constraint
-  const std::vector<std::int64_t>& missing() const { return missing_; }  ///< NaN by column
-  const std::vector<TallyDesign>& best() const { return best_; }         ///< feasible, by goal; the first of equal ones
-  const TallyDesign& highest_yield() const { return highest_yield_; }
+  std::int64_t feasible() const { return all_.feasible; }
+  const InvalidDesigns& invalid() const { return all_.invalid; }
+  double worst_error() const { return all_.worst_error; }                    ///< NaN where no design has one
+  const std::vector<std::int64_t>& met() const { return all_.met; }          ///< by constraint
+  const std::vector<std::int64_t>& missing() const { return all_.missing; }  ///< NaN by column
+  const std::vector<TallyDesign>& best() const { return all_.best; }  ///< feasible, by goal; the first of equal ones
+  const TallyDesign& highest_yield() const { return all_.highest_yield; }
   /// The design of least violation (summed over the constraints; `value`; one that has no number counts 1000, and
   /// so does a design that no sensor can be or that has no number for an objective), the first of equal ones.
-  const TallyDesign& nearest() const { return nearest_; }
+  const TallyDesign& nearest() const { return all_.nearest; }
   /// Feasible designs of the Pareto front in the order of their numbers, with their goals (negative where less is
   /// better); none with fewer than two goals.
   FrontPoints front() const;
@@ -87,18 +87,22 @@ class Tally {
   const TallyJob& job() const { return job_; }
 
  private:
-  struct Part;
-  void add(Part part);
+  /// What is counted, in one piece or in all.
+  struct Part {
+    std::int64_t designs = 0, feasible = 0;
+    double worst_error = std::numeric_limits<double>::quiet_NaN();
+    InvalidDesigns invalid{};
+    std::vector<std::int64_t> met, missing;
+    std::vector<TallyDesign> best;
+    TallyDesign nearest{}, highest_yield{};
+    std::set<std::uint64_t> patterns{};  // of constraints met together; all of them unless too_many_
+  };
+  static Part nothing_of(const TallyJob& job);
+  void add(Part part, const FrontPoints& front);
 
   TallyJob job_;
-  std::int64_t designs_ = 0, feasible_ = 0;
-  double worst_error_ = std::numeric_limits<double>::quiet_NaN();
-  InvalidDesigns invalid_;
-  std::vector<std::int64_t> met_, missing_;
-  std::vector<TallyDesign> best_;
-  TallyDesign nearest_, highest_yield_;
+  Part all_;
   StreamingFront front_;
-  std::set<std::uint64_t> patterns_;  // of constraints met together; all of them unless too_many_
   bool too_many_ = false;
 };
 

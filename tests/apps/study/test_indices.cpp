@@ -7,7 +7,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "apps/study/statistics/design_sensitivity.h"
+#include "apps/study/statistics/indices.h"
 #include "tests/apps/study/evaluated.h"
 
 namespace {

@@ -2,7 +2,7 @@
 
 // What ranges of acquisition need to know, and what they say that they hold for.
 
-#include "apps/study/study_conditions.h"
+#include "apps/study/study.h"
 #include "tests/apps/study/evaluated.h"
 #include "tests/apps/study/range_camera.h"
 #include "tests/expect_error.h"

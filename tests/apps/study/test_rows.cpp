@@ -15,7 +15,7 @@
 #include <sstream>
 #include <thread>
 
-#include "apps/study/rows/row_run.h"
+#include "apps/study/rows/row_file.h"
 #include "apps/study/rows/row_table.h"
 #include "mtf/error.h"
 #include "tests/apps/study/temp_folder.h"

@@ -5,10 +5,9 @@
 
 #include <cmath>
 
-#include "apps/study/rows/row_run.h"
+#include "apps/study/rows/row_file.h"
 #include "apps/study/rows/row_table.h"
 #include "apps/study/rows/shard_plan.h"
-#include "apps/study/rows/submit_script.h"
 #include "mtf/error.h"
 #include "mtf/io/sha256.h"
 #include "tests/apps/study/temp_folder.h"

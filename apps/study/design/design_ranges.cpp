@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "apps/study/design/range_solver.h"
+#include "apps/study/design/design_ranges.h"
 
 #include <algorithm>
 #include <cmath>
