@@ -14,7 +14,7 @@
 #include "apps/scene/weather/weather_csv.h"
 #include "apps/text/message_words.h"
 #include "mtf/error.h"
-#include "mtf/io/config/config_text.h"
+#include "mtf/io/config/config_edit.h"
 #include "mtf/io/csv/csv_cells.h"
 #include "mtf/io/csv/csv_numbers.h"
 #include "mtf/io/csv/spectrum_csv.h"

@@ -18,7 +18,7 @@
 #include "apps/simulate/simulate_parts.h"
 #include "apps/text/message_words.h"
 #include "mtf/error.h"
-#include "mtf/io/exr/exr_windows.h"
+#include "mtf/io/exr/exr_read.h"
 #include "mtf/io/tile_store.h"
 #include "mtf/parallel.h"
 #include "mtf/survey/bad_pixels.h"
