@@ -70,6 +70,7 @@ std::string stacks_table(const Characterization& camera, const std::string& ligh
                std::to_string(s.sums.frames), html_value(s.sums.mean),
                html_value(std::sqrt(s.sums.squares.value[radiometry::kTvh])),
                camera.level_of[i] >= 0 ? "yes"
+               : s.saturates           ? "no: the pixels are full"
                : s.is_clipped_high()   ? "no: at the upper end"
                                        : "no: at the lower end"});
   }

@@ -23,10 +23,6 @@ constexpr const char* kHidden = "rounding hides noise below 0.4 counts where all
 
 double square(double x) { return x * x; }
 
-double number_of_values(const Stack& stack) {
-  return stack.sums.squares.frames * stack.sums.squares.rows * stack.sums.squares.columns;
-}
-
 /// Sum of the variances of a part over the stacks by their weights, in its standard deviations.
 double significance(const std::vector<Stack>& stacks, radiometry::CubePart part) {
   double sum = 0.0, weights = 0.0;
@@ -39,95 +35,23 @@ double significance(const std::vector<Stack>& stacks, radiometry::CubePart part)
   return weights > 0.0 ? sum / std::sqrt(weights) : 0.0;
 }
 
-/// Temporal variance that a pixel has in common with others of its row, column or frame.
-double shared_variance(const radiometry::MeanSquares& squares) {
-  double sum = 0.0;
-  for (const radiometry::CubePart part : {kTv, kTh, kT}) sum += std::max(0.0, squares.variance(part));
-  return sum;
-}
-
-/// Of the noise of a pixel in time, all of it, before rounding.
-double unrounded_noise(const radiometry::MeanSquares& squares) {
-  return unrounded_variance(squares.value[kTvh] + shared_variance(squares));
-}
-
-}  // namespace
-
-std::string clipped_words(const Stack& stack) {
-  const bool high = stack.is_clipped_high();
-  return stack.name + ": " + significant(100.0 * (high ? stack.sums.share_high : stack.sums.share_low), 3) +
-         " % of the values are at the " + (high ? "upper" : "lower") + " end of the scale; left out of the fit";
-}
-
-bool is_hidden_by_rounding(const Stack& stack) {
-  const radiometry::MeanSquares& squares = stack.sums.squares;
-  const double spread2 = squares.variance(kVh) + squares.variance(kV) + squares.variance(kH);
-  return unrounded_noise(squares) < square(0.4) && spread2 < square(0.5);
-}
-
-double rounding_of(const Stack& stack) { return rounding_pattern(unrounded_noise(stack.sums.squares)); }
-
-mtf::Image pattern_difference(const Stack& stack, const Stack& other) {
-  mtf::Image d = stack.sums.pattern.clone();
-  for (std::int64_t i = 0; i < d.size(); ++i) d.data()[i] -= other.sums.pattern.data()[i];
-  return d;
-}
-
-std::array<Estimate, kLags.size()> pixel_covariance(const StackSummary& stack) {
-  const radiometry::MeanSquares& squares = stack.squares;
-  const double v = squares.value[kTvh], times = squares.frames - 1.0, V = squares.rows, H = squares.columns;
-  const double t = squares.variance(kT), tv = std::max(0.0, squares.variance(kTv)),
-               th = std::max(0.0, squares.variance(kTh));
-  std::array<Estimate, kLags.size()> result{};
-  for (std::size_t k = 0; k < kLags.size(); ++k) {
-    const bool one_row = kLags[k].rows == 0, one_column = kLags[k].columns == 0;
-    const double shared = t + (one_row ? squares.variance(kTv) : 0.0) + (one_column ? squares.variance(kTh) : 0.0);
-    const double kept = 1.0 - 2.0 / ((one_row ? H : one_column ? V : 2e9) - 1.0);
-    if (!(kept > 0.0) || stack.covariance[k].pairs == 0.0) continue;
-    // Noise of two rows that differ has products too, few of them: one a pair of rows.
-    const double rows = one_row ? 0.0 : tv, columns = one_column ? 0.0 : th;
-    const double variance =
-        v * (v + 2.0 * (rows + columns)) / stack.covariance[k].pairs + square(rows) / V + square(columns) / H;
-    result[k] = {(stack.covariance[k].value - shared) / kept, std::sqrt(variance / times) / kept};
-  }
-  return result;
-}
-
-void require_sound(const std::vector<Stack>& stacks) {
-  if (stacks.empty()) throw mtf::UsageError("no stacks; give flat frames at several exposures");
-  const radiometry::MeanSquares& first = stacks.front().sums.squares;
-  double ratio = 0.0, spread = 0.0;
-  int counted = 0;
-  for (std::size_t i = 0; i < stacks.size(); ++i) {
-    const Stack& stack = stacks[i];
-    const radiometry::MeanSquares& one = stack.sums.squares;
-    if (one.rows != first.rows || one.columns != first.columns)
-      throw mtf::UsageError(stack.name + ": frames of " + significant(one.columns, 9) + " x " +
-                            significant(one.rows, 9) + ", those of " + stacks.front().name + " are " +
-                            significant(first.columns, 9) + " x " + significant(first.rows, 9) + "; give all one size");
-    if (stack.light > 0.0 && stack.is_usable() && stack.sums.frames >= 4) {
-      const auto T = static_cast<double>(stack.sums.frames);
-      ratio += stack.sums.von_neumann;
-      spread += 4.0 * (T - 2.0) / (T * T - 1.0);
-      ++counted;
+/// Marks the stacks from which on the mean rises by less than half of what the light below tells, and the noise is down
+/// by a third: full pixels lose both. Where noise alone falls the frames are processed, where the mean falls stacks and
+/// light are paired wrongly; both are refused.
+void mark_saturated(std::vector<Stack>& by_light) {
+  const Stack *dark = nullptr, *last = nullptr;
+  for (Stack& stack : by_light) {
+    if (!stack.is_usable()) continue;
+    if (last != nullptr && last->light > dark->light && stack.light > last->light) {
+      const double expected = (last->sums.mean - dark->sums.mean) / (last->light - dark->light);
+      const double rise = stack.sums.mean - last->sums.mean, due = expected * (stack.light - last->light);
+      stack.saturates = last->saturates || (rise > -1e-3 * due && rise < 0.5 * due &&
+                                            stack.sums.squares.value[kTvh] < 0.67 * last->sums.squares.value[kTvh]);
     }
-    if (i == 0 || !stack.is_usable() || !stacks[i - 1].is_usable() || stack.time_s < stacks[i - 1].time_s) continue;
-    const double sd = std::sqrt(one.value[kTvh] / number_of_values(stack)) + 1e-3 * std::abs(stack.sums.mean);
-    if (stack.light > stacks[i - 1].light && stack.sums.mean < stacks[i - 1].sums.mean - 5.0 * sd)
-      throw mtf::UsageError(stack.name + " has more light than " + stacks[i - 1].name + ", but a lower mean (" +
-                            significant(stack.sums.mean, 6) + " after " + significant(stacks[i - 1].sums.mean, 6) +
-                            " counts); stacks and their light are paired wrongly");
+    if (dark == nullptr) dark = &stack;
+    last = &stack;
   }
-  if (counted == 0) return;
-  const double least = std::min(1.2, 2.0 - 4.5 * std::sqrt(spread) / counted);
-  if (ratio / counted < least)
-    throw mtf::UsageError(
-        "the light drifts within the stacks: von Neumann's ratio of the frames' means is " +
-        significant(ratio / counted, 3) +
-        ", 2 for a steady one; let lamp or blackbody, and camera, warm up, or take the exposures in turn");
 }
-
-namespace {
 
 /// Relative variance of the light from frame to frame, less that of the dark; 0 where it is not above 3 sd.
 double flicker_of(const std::vector<Stack>& stacks, double dark_mean) {
@@ -174,6 +98,7 @@ class Analysis {
     std::stable_sort(stacks.begin(), stacks.end(), [](const Stack& a, const Stack& b) {
       return a.light != b.light ? a.light < b.light : a.time_s < b.time_s;
     });
+    mark_saturated(stacks);
     require_sound(stacks);
     result_.stacks = std::move(stacks);
     make_levels();
@@ -535,36 +460,6 @@ void Analysis::add_unknowable() {
 std::string_view verdict_name(Verdict verdict) {
   constexpr std::array<std::string_view, 4> names{"determined", "upper limit", "not determined", "predicted"};
   return names[static_cast<std::size_t>(verdict)];
-}
-
-StackSummary summary_of(const StackStatistics& stack) {
-  StackSummary s{.frames = stack.frames(), .mean = stack.mean(), .squares = stack.mean_squares()};
-  for (std::size_t k = 0; k < kLags.size(); ++k)
-    if (stack.width() > std::abs(kLags[k].columns) && stack.height() > kLags[k].rows)
-      s.covariance[k] = stack.covariance(kLags[k]);
-  s.variance_sd = stack.variance_sd();
-  const double T = s.squares.frames, kept = static_cast<double>(stack.pixels_kept()), v = s.squares.value[kTvh];
-  if (s.frames > 2 && v > 0.0) {
-    // Rows, columns and frames that share noise are fewer than pixels, and their sums scatter by the share's square.
-    double all = v, squares = square(v) / kept;
-    for (const auto& [part, number] :
-         {std::pair{kTv, kept / s.squares.columns}, std::pair{kTh, s.squares.columns}, std::pair{kT, 1.0}}) {
-      const double shared = std::max(0.0, s.squares.variance(part));
-      all += shared;
-      squares += square(shared) / number + 2.0 * shared * v / kept;
-    }
-    s.frame_correlation = {stack.frame_correlation(), std::sqrt((T - 2.0) * squares) / ((T - 1.0) * all)};
-  }
-  s.looked_at = stack.pixels_kept();
-  s.noisy = stack.pixels_above(f_quantile(1.0 - kNoisy_p, T - 1.0, (T - 1.0) * kept));
-  s.share_low = stack.share_low();
-  s.share_high = stack.share_high();
-  s.von_neumann = stack.von_neumann();
-  s.step = stack.step();
-  s.pattern = mtf::Image(stack.width(), stack.height());
-  for (std::int64_t i = 0; i < s.pattern.size(); ++i)
-    s.pattern.data()[i] = static_cast<float>(stack.pixel_mean(i) - s.mean);
-  return s;
 }
 
 void drop_planes(std::vector<Stack>& stacks) {

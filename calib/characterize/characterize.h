@@ -52,11 +52,12 @@ struct Stack {
   double time_s = 0.0;  ///< of the exposure
   double light_per_k = 0.0, light_per_emissivity = 0.0;  ///< of a blackbody (thermal.h): by how much its light grows
   StackSummary sums;
+  bool saturates = false;  ///< its pixels are full, below the upper end of the scale
 
   /// Few of its values are at an end of the scale, below and above.
   bool is_clipped_low() const { return sums.share_low > kClipped; }
   bool is_clipped_high() const { return sums.share_high > kClipped; }
-  bool is_usable() const { return !is_clipped_low() && !is_clipped_high(); }
+  bool is_usable() const { return !is_clipped_low() && !is_clipped_high() && !saturates; }
   static constexpr double kClipped = 3.2e-5;  ///< of normal noise 4 sd from the end
 };
 /// Empties the planes that characterize() will not look at, for those who read one stack after the other.
@@ -115,6 +116,8 @@ std::array<Estimate, kLags.size()> pixel_covariance(const StackSummary& stack);
 /// the pixels are within half a count of each other.
 std::string clipped_words(const Stack& stack);
 bool is_hidden_by_rounding(const Stack& stack);
+/// Temporal variance that a pixel has in common with others of its row, column or frame.
+double shared_variance(const radiometry::MeanSquares& squares);
 /// The part of the rounding error of a pixel that does not change from frame to frame, in counts^2.
 double rounding_of(const Stack& stack);
 /// The mean frame of `stack` less that of `other`.
@@ -124,6 +127,7 @@ mtf::Image pattern_difference(const Stack& stack, const Stack& other);
 /// with the least light, as blinking does not grow with it.
 void add_noise_in_time(const std::vector<Stack>& by_light, std::vector<Finding>& findings,
                        std::vector<std::string>& warnings);
+double number_of_values(const Stack& stack);
 /// Throws UsageError for no stacks, stacks of other sizes, means that fall while the light rises, and drifts.
 void require_sound(const std::vector<Stack>& by_light);
 

@@ -27,6 +27,7 @@ struct Camera {
   double shading = 0.0;               ///< of the light: relative, from the middle to the right edge
   double hot_share = 0.0;             ///< of pixels with 100 read noises more
   double lamp_sd = 0.0, drift = 0.0;  ///< of the light: from level to level, over a stack
+  double well_e = 1e9;                ///< what a pixel holds
   double lasting = 0.0;               ///< correlation of the read noise from frame to frame
   double blinking_share = 0.0;        ///< of pixels whose read noise is ten times that of others
   double top = 16383.0;
@@ -72,6 +73,7 @@ Stack stack_of(const Camera& camera, const Array& array, double light, double ti
       const double mean = camera.rate * light * lamp * (1.0 + camera.drift * t / frames) * array.response[i] +
                           camera.dark_e_s * time_s * array.dark[i];
       e[i] = mean > 0.0 ? std::poisson_distribution<int>(mean)(engine) : 0.0;
+      e[i] = std::min(e[i], camera.well_e);
       e[i] *= 1.0 + camera.a2 * e[i] / camera.full_well_e;
     }
     for (std::int64_t y = 0, i = 0; y < kSide; ++y) {
@@ -471,6 +473,19 @@ TEST(Characterize, NoiseThatLastsIsSaid) {
   const Characterization blinking = found({.blinking_share = 20.0 / (kSide * kSide)});
   EXPECT_NEAR(blinking.find("noisy_pixels")->value * kSide * kSide, 20.0, 2.0);
   EXPECT_TRUE(warned(blinking, "noisier than"));
+}
+
+// Pixels that are full below the end of the scale are left out; a camera is none that is processed for that.
+TEST(Characterize, FullPixelsAreLeftOut) {
+  Engine engine(21);
+  const Camera camera{.well_e = 30000.0};  // the two brightest levels hold 28 and 36 ke-
+  const Characterization found = characterize(stacks_of(camera, array_of(camera, engine), engine), {});
+  EXPECT_FALSE(found.misfit) << found.misfit_reason;
+  EXPECT_EQ(found.level_of.back(), -1);
+  EXPECT_EQ(std::ranges::count(found.level_of, -1), 1);
+  expect_says(found.warnings.front(), {"full at", "below the end of the scale"});
+  const Finding& e = *found.find("electrons_per_count");
+  EXPECT_NEAR(e.value, 2.5, 4.5 * e.sd);
 }
 
 // Below 0.4 counts, where all pixels have one offset, rounding decides what the dark frames show.
