@@ -36,7 +36,8 @@ double significance(const std::vector<Stack>& stacks, radiometry::CubePart part)
 }
 
 /// Marks the stacks from which on the mean rises by less than half of what the light below tells, and the noise is down
-/// by a third: full pixels lose both. Where noise alone falls the frames are processed, where the mean falls stacks and
+/// by a third: full pixels lose both; and those just before in which some are full, whose noise is down already. Where
+/// noise alone falls the frames are processed, where the mean falls stacks and
 /// light are paired wrongly; both are refused.
 void mark_saturated(std::vector<Stack>& by_light) {
   const Stack *dark = nullptr, *last = nullptr;
@@ -51,6 +52,11 @@ void mark_saturated(std::vector<Stack>& by_light) {
     if (dark == nullptr) dark = &stack;
     last = &stack;
   }
+  for (auto stack = std::find_if(by_light.begin(), by_light.end(), [](const Stack& s) { return s.saturates; });
+       stack != by_light.end() && stack - by_light.begin() > 2 && (stack - 1)->is_usable() &&
+       (stack - 1)->sums.squares.value[kTvh] < (stack - 2)->sums.squares.value[kTvh];
+       --stack)
+    (stack - 1)->saturates = true;
 }
 
 /// Relative variance of the light from frame to frame, less that of the dark; 0 where it is not above 3 sd.

@@ -475,14 +475,14 @@ TEST(Characterize, NoiseThatLastsIsSaid) {
   EXPECT_TRUE(warned(blinking, "noisier than"));
 }
 
-// Pixels that are full below the end of the scale are left out; a camera is none that is processed for that.
+// Levels at which pixels are full, below the end of the scale, are left out, those at which half of them are full too.
 TEST(Characterize, FullPixelsAreLeftOut) {
   Engine engine(21);
-  const Camera camera{.well_e = 30000.0};  // the two brightest levels hold 28 and 36 ke-
+  const Camera camera{.well_e = 28000.0};  // the two brightest levels would hold 28 and 36 ke-
   const Characterization found = characterize(stacks_of(camera, array_of(camera, engine), engine), {});
   EXPECT_FALSE(found.misfit) << found.misfit_reason;
-  EXPECT_EQ(found.level_of.back(), -1);
-  EXPECT_EQ(std::ranges::count(found.level_of, -1), 1);
+  EXPECT_EQ(std::ranges::count(found.level_of, -1), 2);
+  EXPECT_EQ(found.level_of.back() + found.level_of[found.level_of.size() - 2], -2);
   expect_says(found.warnings.front(), {"full at", "below the end of the scale"});
   const Finding& e = *found.find("electrons_per_count");
   EXPECT_NEAR(e.value, 2.5, 4.5 * e.sd);
