@@ -52,6 +52,7 @@ void add_noise_in_time(const std::vector<Stack>& stacks, std::vector<Finding>& f
   constexpr double many = 1e9;  // degrees of freedom: chi-square by F; the limits of a Poisson number
   findings.push_back({.name = "noisy_pixels",
                       .unit = "",
+                      .verdict = count > 0.0 ? Verdict::determined : Verdict::upper_limit,
                       .value = count / of,
                       .sd = std::sqrt(count) / of,
                       .low95 = count > 0.0 ? count * f_quantile(0.025, 2.0 * count, many) / of : 0.0,

@@ -455,6 +455,7 @@ TEST(Characterize, NoiseThatLastsIsSaid) {
   const Characterization good = found({});
   EXPECT_LT(std::abs(good.find("frame_correlation")->value), 4.5 * good.find("frame_correlation")->sd);
   EXPECT_EQ(good.find("noisy_pixels")->value, 0.0);
+  EXPECT_EQ(good.find("noisy_pixels")->verdict, Verdict::upper_limit);
   EXPECT_NEAR(good.find("noisy_pixels")->high95, 3.689 / (kSide * kSide), 1e-6);  // no event: -ln 0.025
   EXPECT_TRUE(good.warnings.empty()) << good.warnings.front();
   const Characterization rows = found({.row_e = 10.0});  // which is no filter, and makes no pixel noisy
