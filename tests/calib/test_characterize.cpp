@@ -125,6 +125,8 @@ struct Condition {
   std::map<std::string, double> more{};  ///< what is true beside what all have
 };
 
+void PrintTo(const Condition& condition, std::ostream* out) { *out << condition.name; }
+
 const std::vector<Condition> kConditions{
     {"Plain"},
     {"NoiseOfAFifthOfACount", {.gain = 0.125, .read_e = 1.6, .dsnu_e = 6.0}},
