@@ -203,8 +203,9 @@ std::string characterize_table(const Characterization& camera, const std::vector
   text += "\n" + model_name(camera) + std::string(21 - model_name(camera).size(), ' ') + "chi-square " +
           significant(t.chi2, 4) + ", " + std::to_string(t.dof) + " degrees of freedom, p = " + significant(t.p, 2) +
           "\n";
-  if (!(camera.reference_k > 0.0))
-    text += "defects              " + std::to_string(camera.defects.size()) + " pixels of the dark beyond 4.5 sd\n";
+  text += "defects              " + std::to_string(camera.defects.size()) +
+          (camera.reference_k > 0.0 ? " pixels beyond 4.5 sd, which noise_vh counts and dsnu leaves out\n"
+                                    : " pixels of the dark beyond 4.5 sd\n");
   text += "not measured         " + joined(left) + "\n";
   if (camera.misfit) text += "the model does not describe the frames: " + camera.misfit_reason + "\n";
   for (const std::string& warning : camera.warnings) text += "warning: " + warning + "\n";

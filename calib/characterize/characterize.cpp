@@ -336,19 +336,7 @@ void Analysis::add_transfer() {
     if (!c.found) result_.findings.back().verdict = Verdict::upper_limit;
     if (c.corner_found) add_value("crosstalk_corner", "", c.corner, by);
   }
-  if (const Stack* dark = darkest()) {
-    const StackSummary& s = dark->sums;
-    for (std::size_t k = 0; k < 2; ++k) {
-      const Estimate covariance = pixel_covariance(s)[k];
-      const double r = covariance.value / s.squares.value[kTvh], sd = covariance.sd / s.squares.value[kTvh];
-      if (std::abs(r) > 0.02 + 5.0 * sd)
-        result_.warnings.push_back(
-            dark->name + ": the noise of neighbours " + (k == 0 ? "in rows" : "in columns") +
-            " correlates in the dark (" + significant(r, 2) +
-            "), as 1/f noise of the readout, a filter or a denoiser makes it; gain and noise are "
-            "those of such frames");
-    }
-  }
+  if (const Stack* dark = darkest()) warn_of_neighbours(*dark, result_.warnings);
 }
 
 void Analysis::add_lines() {

@@ -122,6 +122,8 @@ double shared_variance(const radiometry::MeanSquares& squares);
 double rounding_of(const Stack& stack);
 /// The mean frame of `stack` less that of `other`.
 mtf::Image pattern_difference(const Stack& stack, const Stack& other);
+/// Adds a warning where the noise of neighbours correlates beyond what their rows and columns share.
+void warn_of_neighbours(const Stack& dark, std::vector<std::string>& warnings);
 /// Adds what the noise of a pixel is in time, and warnings where frames are not independent, or some pixels are noisier
 /// than normal noise makes any: `frame_correlation` of the stack in which it is clearest, `noisy_pixels` of the one
 /// with the least light, as blinking does not grow with it.

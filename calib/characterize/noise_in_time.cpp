@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 
-// What the noise of a pixel is in time. All other numbers take the frames as independent: noise that lasts from one to
-// the next (1/f, lag, blinking, averages over frames) is missing in the temporal noise of a short stack, and stands in
-// its fixed pattern.
+// Whether the noise of a pixel is its own: that of its neighbours, and of other frames. All other numbers take the
+// frames as independent: noise that lasts from one to the next (1/f, lag, blinking, averages over frames) is missing in
+// the temporal noise of a short stack, and stands in its fixed pattern.
 
 #include <algorithm>
 #include <cmath>
@@ -17,6 +17,19 @@ namespace {
 constexpr double kSure_sd = 5.0, kLeast = 0.01;  // a correlation below changes no number by its error
 
 }  // namespace
+
+void warn_of_neighbours(const Stack& dark, std::vector<std::string>& warnings) {
+  const double v = dark.sums.squares.value[radiometry::kTvh];
+  const auto covariance = pixel_covariance(dark.sums);
+  for (std::size_t k = 0; k < 2; ++k) {
+    const double r = covariance[k].value / v, sd = covariance[k].sd / v;
+    if (std::abs(r) > 0.02 + 5.0 * sd)
+      warnings.push_back(dark.name + ": the noise of neighbours in " + (k == 0 ? "rows" : "columns") + " correlates (" +
+                         mtf::significant(r, 2) +
+                         "), as 1/f noise of the readout, a filter or a denoiser makes it; gain and noise are those of "
+                         "such frames");
+  }
+}
 
 void add_noise_in_time(const std::vector<Stack>& stacks, std::vector<Finding>& findings,
                        std::vector<std::string>& warnings) {

@@ -165,8 +165,13 @@ class FindingList {
 constexpr std::array<const char*, radiometry::kCubeParts> kNoiseNames{"noise_t",  "noise_v",  "noise_h",  "noise_tv",
                                                                       "noise_th", "noise_vh", "noise_tvh"};
 
-void add_noise(const MeanLine& line, const ThermalOptions& options, NumberErrors slope, double offset,
-               FindingList& findings) {
+/// The stack nearest to the reference, and the pixels of its mean frame that are no part of what is found of them.
+struct Nearest {
+  const Stack* stack = nullptr;
+  std::vector<Defect> defects{};
+};
+Nearest add_noise(const MeanLine& line, const ThermalOptions& options, NumberErrors slope, double offset,
+                  FindingList& findings) {
   const auto& points = line.points();
   const auto far = [&](const LinePoint& one) { return std::abs(one.stack->light - options.radiance); };
   const Stack& nearest =
@@ -183,18 +188,22 @@ void add_noise(const MeanLine& line, const ThermalOptions& options, NumberErrors
       pattern_of(plane, {{hot.sums.squares, rounding_of(hot)}, {cold.sums.squares, rounding_of(cold)}}).pixel;
   const double span = line.slope() * (hot.light - cold.light), signal = nearest.sums.mean - offset;
   findings.add_rms("prnu", "", response, span, {slope.random, 0.0}, hot.name + " less " + cold.name);
-  warn_of_shape("noise_vh", plane_squares(nearest.sums.pattern.view()), findings.warnings());
+  PlaneSquares fixed = plane_squares(nearest.sums.pattern.view());
+  warn_of_shape("noise_vh", fixed, findings.warnings());
   warn_of_shape("prnu", plane, findings.warnings());
 
   // What the responses of the pixels make of the signal is no offset; the distances of both limits add as squares.
   const double scale = squared(signal / span);
-  const VarianceComponent vh = variance_component(squares, kVh);
-  VarianceComponent rest{.variance = vh.variance - scale * response.variance,
-                         .sd = std::hypot(vh.sd, scale * response.sd)};
-  rest.low95 = rest.variance - std::hypot(vh.variance - vh.low95, scale * (response.high95 - response.variance));
-  rest.high95 = rest.variance + std::hypot(vh.high95 - vh.variance, scale * (response.variance - response.low95));
+  const VarianceComponent pixels = pattern_of(fixed, {{squares, rounding_of(nearest)}}).pixel;
+  VarianceComponent rest{.variance = pixels.variance - scale * response.variance,
+                         .sd = std::hypot(pixels.sd, scale * response.sd)};
+  rest.low95 =
+      rest.variance - std::hypot(pixels.variance - pixels.low95, scale * (response.high95 - response.variance));
+  rest.high95 =
+      rest.variance + std::hypot(pixels.high95 - pixels.variance, scale * (response.variance - response.low95));
   findings.add_rms("dsnu", "mK", rest, counts_per_mk, slope,
-                   "noise_vh less what prnu makes of " + significant(signal, 3) + " counts");
+                   "noise_vh without defects, less what prnu makes of " + significant(signal, 3) + " counts");
+  return {&nearest, std::move(fixed.defects)};
 }
 
 void judge(const MeanLine& line, double misfit_p, Characterization& result) {
@@ -243,7 +252,9 @@ Characterization characterize_thermal(std::vector<Stack> stacks, const ThermalOp
   findings.add_value("sitf", "counts/K", sitf, {sitf * relative.random, sitf * relative.systematic},
                      from + ", at " + significant(options.reference_k, 6) + " K");
   findings.add_value("offset", "counts", offset, line.errors_of_count(-options.own_radiance), from);
-  add_noise(line, options, relative, offset, findings);
+  Nearest nearest = add_noise(line, options, relative, offset, findings);
+  result.defects = std::move(nearest.defects);
+  warn_of_neighbours(*nearest.stack, result.warnings);
   add_noise_in_time(stacks, result.findings, result.warnings);
   for (const char* const name : {"transmission", "absorptance", "f_number"})
     result.findings.push_back({.name = name,

@@ -156,6 +156,18 @@ TEST_F(CharacterizeBlackbodies, ClosesTheLoop) {
   }
 }
 
+// Hot pixels are defects and no part of the pattern: 0.2 uV of it are two counts.
+TEST_F(CharacterizeBlackbodies, DefectsAreNoPartOfDsnu) {
+  simulate(kBolometer + "[defects]\nhot_fraction = 0.004\nhot = \"20 uV\"\n", "truth");
+  const Result found = characterize(stacks("truth", {298, 308}));
+  ASSERT_EQ(found.status, 0) << found.err;
+  const Json dsnu = numbers(found.out).at("dsnu");
+  EXPECT_NEAR(value(dsnu), 2000.0 / kSitf, 4.5 * sd(dsnu));
+  EXPECT_LT(sd(dsnu), 0.05 * value(dsnu));
+  EXPECT_NEAR(Json::parse(found.out).at("defect_count").get<double>(), 0.004 * kSide * kSide, 10.0);
+  EXPECT_TRUE(says(characterize(stacks("truth", {298, 308}), "").out, "which noise_vh counts and dsnu leaves out"));
+}
+
 TEST_F(CharacterizeBlackbodies, RadiancesPhotonDetectorsAndRefusals) {
   simulate(kBolometer, "truth");
   const std::string both = stacks("truth", {298, 308});
