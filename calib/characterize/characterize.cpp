@@ -3,9 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <set>
 
-#include "calib/characterize/rounding.h"
 #include "calib/characterize/trend.h"
 #include "calib/fit/fit_report.h"
 #include "mtf/error.h"
@@ -15,8 +15,7 @@ namespace calib {
 namespace {
 
 using mtf::significant;
-using radiometry::kTh, radiometry::kTv, radiometry::kTvh, radiometry::kVh, radiometry::kV, radiometry::kH,
-    radiometry::kT;
+using radiometry::kT, radiometry::kTh, radiometry::kTv, radiometry::kTvh;
 
 constexpr double kSure_sd = 3.0;
 constexpr const char* kHidden = "rounding hides noise below 0.4 counts where all pixels have one offset";
@@ -35,28 +34,53 @@ double significance(const std::vector<Stack>& stacks, radiometry::CubePart part)
   return weights > 0.0 ? sum / std::sqrt(weights) : 0.0;
 }
 
-/// Marks the stacks from which on the mean rises by less than half of what the light below tells, and the noise is down
-/// by a third: full pixels lose both; and those just before in which some are full, whose noise is down already. Where
-/// noise alone falls the frames are processed, where the mean falls stacks and
-/// light are paired wrongly; both are refused.
-void mark_saturated(std::vector<Stack>& by_light) {
-  const Stack *dark = nullptr, *last = nullptr;
-  for (Stack& stack : by_light) {
+std::vector<Stack*> by_light(std::vector<Stack>& stacks) {
+  std::vector<Stack*> sorted;
+  for (Stack& stack : stacks) sorted.push_back(&stack);
+  std::stable_sort(sorted.begin(), sorted.end(), [](const Stack* a, const Stack* b) {
+    return a->light != b->light ? a->light < b->light : a->time_s < b->time_s;
+  });
+  return sorted;
+}
+
+/// Marks the stacks from which on the mean rises by less than 0.9 of what the light below tells, and the noise is a
+/// third below the largest: full pixels lose both; and those just before in which some are full, whose noise is down
+/// already. Where noise alone falls the frames are processed, where the mean falls stacks and light are paired wrongly;
+/// both are refused.
+void mark_saturated(const std::vector<Stack*>& stacks) {
+  const auto noise = [](const Stack& stack) { return stack.sums.squares.value[kTvh]; };
+  const Stack* dark = nullptr;
+  for (Stack* const stack : stacks) stack->saturates = false;
+  // The brightest stack that is not full, of strictly less light, and the largest noise of those.
+  const auto below = [&](const Stack& one) {
+    std::pair<const Stack*, double> found{nullptr, 0.0};
+    for (const Stack* const stack : stacks)
+      if (stack->is_usable() && stack->light < one.light) {
+        found.first = stack;
+        found.second = std::max(found.second, noise(*stack));
+      }
+    return found;
+  };
+  auto first = stacks.end();
+  for (auto at = stacks.begin(); at != stacks.end(); ++at) {
+    Stack& stack = **at;
     if (!stack.is_usable()) continue;
-    if (last != nullptr && last->light > dark->light && stack.light > last->light) {
+    if (dark == nullptr) dark = &stack;
+    const auto [last, peak] = below(stack);
+    if (first == stacks.end() && last != nullptr && last->light > dark->light) {
       const double expected = (last->sums.mean - dark->sums.mean) / (last->light - dark->light);
       const double rise = stack.sums.mean - last->sums.mean, due = expected * (stack.light - last->light);
-      stack.saturates = last->saturates || (rise > -1e-3 * due && rise < 0.5 * due &&
-                                            stack.sums.squares.value[kTvh] < 0.67 * last->sums.squares.value[kTvh]);
+      if (rise > -1e-3 * due && rise < 0.9 * due && noise(stack) < 0.67 * peak) first = at;
     }
-    if (dark == nullptr) dark = &stack;
-    last = &stack;
+    stack.saturates = first != stacks.end();
   }
-  for (auto stack = std::find_if(by_light.begin(), by_light.end(), [](const Stack& s) { return s.saturates; });
-       stack != by_light.end() && stack - by_light.begin() > 2 && (stack - 1)->is_usable() &&
-       (stack - 1)->sums.squares.value[kTvh] < (stack - 2)->sums.squares.value[kTvh];
-       --stack)
-    (stack - 1)->saturates = true;
+  if (first == stacks.end()) return;
+  while (first != stacks.begin()) {
+    Stack& stack = **--first;
+    const Stack* const last = below(stack).first;
+    if (!stack.is_usable() || last == nullptr || !(last->light > dark->light) || !(noise(stack) < noise(*last))) return;
+    stack.saturates = true;
+  }
 }
 
 /// Relative variance of the light from frame to frame, less that of the dark; 0 where it is not above 3 sd.
@@ -77,14 +101,16 @@ double flicker_of(const std::vector<Stack>& stacks, double dark_mean) {
 struct Choice {
   const Stack* dark = nullptr;     ///< in the dark: with the most frames, of those the shortest
   const Stack* longest = nullptr;  ///< in the dark
-  const Stack* bright = nullptr;   ///< with the most light in all its frames, which the noise of a pattern falls with
+  const Stack* bright = nullptr;   ///< with the most light in all its frames, which the noise of a pattern falls with;
+                                   ///< of less than `below`
 };
-Choice choice_of(const std::vector<Stack>& stacks) {
+Choice choice_of(const std::vector<Stack>& stacks, double below = std::numeric_limits<double>::infinity()) {
   Choice choice;
   for (const Stack& s : stacks) {
     if (!s.is_usable() || s.sums.pattern.size() == 0) continue;
     const auto frames = static_cast<double>(s.sums.frames);
     if (s.light > 0.0) {
+      if (!(s.light < below)) continue;
       const Stack*& best = choice.bright;
       if (best == nullptr || s.light * frames > best->light * static_cast<double>(best->sums.frames)) best = &s;
       continue;
@@ -101,12 +127,9 @@ Choice choice_of(const std::vector<Stack>& stacks) {
 class Analysis {
  public:
   Analysis(std::vector<Stack> stacks, const CharacterizeOptions& options) : options_(options) {
-    std::stable_sort(stacks.begin(), stacks.end(), [](const Stack& a, const Stack& b) {
-      return a.light != b.light ? a.light < b.light : a.time_s < b.time_s;
-    });
-    mark_saturated(stacks);
-    require_sound(stacks);
-    result_.stacks = std::move(stacks);
+    for (Stack* const stack : by_light(stacks)) result_.stacks.push_back(std::move(*stack));
+    mark_saturated(by_light(result_.stacks));
+    require_sound(result_.stacks);
     make_levels();
     fit();
     add_transfer();
@@ -180,7 +203,7 @@ void Analysis::make_levels() {
   const double dark_mean = stacks.front().sums.mean;
   const Stack* dark = darkest();
   const VarianceComponent dark_frames = dark ? variance_component(dark->sums.squares, kT) : VarianceComponent();
-  const bool frames = dark && dark_frames.variance > kSure_sd * dark_frames.sd;
+  const bool frames = dark && dark_frames.variance > kSure_sd * dark_frames.sd_of_zero;
   const double flicker = frames ? 0.0 : flicker_of(stacks, dark_mean);
   result_.level_of.assign(stacks.size(), -1);
   for (std::size_t i = 0; i < stacks.size(); ++i) {
@@ -252,7 +275,7 @@ void Analysis::fit() {
       TransferLevel& level = result_.levels[i];
       const PhotonTransfer::Level& model = result_.transfer.levels[i];
       const double shot = square(result_.transfer.gain.value * model.slope) * model.electrons;
-      level.variance += 2.0 * shot * (r[0].value / (H - 1.0) + r[1].value / (V - 1.0));
+      level.variance += 2.0 * shot * (r[0].value / H + r[1].value / V);
       level.mean_variance *= 1.0 + (sum - 1.0) * shot / level.variance;
       level.dof /= squares;
     }
@@ -330,10 +353,19 @@ void Analysis::add_transfer() {
   const CrosstalkEstimate& c = result_.crosstalk;
   const std::string by = "covariances of neighbours over the levels";
   if (!(c.side.sd > 0.0)) {
-    not_determined("crosstalk_side", "", "no level has light");
+    not_determined("crosstalk_side", "", "no level has light, or the frames are too few or too small to tell");
   } else {
     add_value("crosstalk_side", "", c.side, by);
-    if (!c.found) result_.findings.back().verdict = Verdict::upper_limit;
+    if (!c.found) {
+      Finding& side = result_.findings.back();
+      side.verdict = Verdict::upper_limit;
+      side.high95 = std::max(0.0, side.high95);
+      if (side.value < -5.0 * side.sd)
+        result_.warnings.push_back(
+            "crosstalk_side is negative (" + significant(side.value, 2) + " +- " + significant(side.sd, 2) +
+            "): the noise of neighbours runs against each other, as a sharpening filter makes it; "
+            "gain and noise are those of such frames");
+    }
     if (c.corner_found) add_value("crosstalk_corner", "", c.corner, by);
   }
   if (const Stack* dark = darkest()) warn_of_neighbours(*dark, result_.warnings);
@@ -390,8 +422,8 @@ void Analysis::add_patterns() {
     add_rms("fixed_row", "e-", fixed.row, gain_, dark->name, fixed.row_sd_array);
     add_rms("fixed_column", "e-", fixed.column, gain_, dark->name, fixed.column_sd_array);
     warn_of_shape("dsnu", plane, result_.warnings);
+    result_.defects = plane.defects;
   }
-  result_.defects = plane.defects;
 
   if (bright != nullptr) {
     const auto index = static_cast<std::size_t>(bright - result_.stacks.data());
@@ -407,8 +439,13 @@ void Analysis::add_patterns() {
     const Trend trend = remove_trend(lit.view(), options_.trend);
     result_.trend = trend.degree;
     const PlaneSquares squares = plane_squares(lit.view(), trend.degree);
-    const Pattern response = pattern_of(squares, {{bright->sums.squares, rounding_of(*bright)}, dark_stack});
+    Pattern response = pattern_of(squares, {{bright->sums.squares, rounding_of(*bright)}, dark_stack});
     const std::string from = bright->name + " less " + dark->name;
+    if (hidden) {  // what rounding leaves in the mean dark frame is not known, but below its variance
+      response.pixel.sd = std::hypot(response.pixel.sd, 1.0 / 12.0);
+      response.pixel.low95 -= 1.0 / 12.0;
+      response.pixel.high95 += 1.0 / 12.0;
+    }
     if (trend.degree > 0) {
       const double pixels_of = squares.rows * squares.columns, n = trend.degree;
       const auto part = [&](double sum, double terms, double mean_square) {  // of a given shading
@@ -436,7 +473,9 @@ void Analysis::add_patterns() {
   const double charge = gain_.value * rate->value * result_.crosstalk.power.value * (longest->time_s - dark->time_s);
   const Pattern grown = pattern_of(plane_squares(pattern_difference(*longest, *dark).view()),
                                    {{longest->sums.squares, rounding_of(*longest)}, dark_stack});
-  if (rate->value > kSure_sd * rate->sd)
+  if (hidden || is_hidden_by_rounding(*longest))
+    not_determined("dcnu", "", kHidden);
+  else if (rate->value > kSure_sd * rate->sd)
     add_rms("dcnu", "", grown.pixel, {charge, charge * rate->sd / rate->value}, longest->name + " less " + dark->name,
             grown.pixel_sd_array);
   else
@@ -457,9 +496,13 @@ std::string_view verdict_name(Verdict verdict) {
 }
 
 void drop_planes(std::vector<Stack>& stacks) {
+  mark_saturated(by_light(stacks));
   const Choice keep = choice_of(stacks);
+  // A stack that is read later may show that those of this light are full: then one of less light serves.
+  const double most = keep.bright != nullptr ? keep.bright->light : 0.0;
+  const Choice lower = choice_of(stacks, most);
   for (Stack& s : stacks)
-    if (&s != keep.dark && &s != keep.longest && &s != keep.bright) s.sums.pattern = mtf::Image();
+    if (&s != keep.dark && &s != keep.longest && &s != keep.bright && &s != lower.bright) s.sums.pattern = mtf::Image();
 }
 
 const Finding* Characterization::find(std::string_view name) const {

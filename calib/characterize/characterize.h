@@ -109,8 +109,8 @@ struct Characterization {
 };
 
 /// The covariances of the noise of pixels: less the components that rows, columns and frames share, which the same
-/// frames tell. Neighbours that share noise raise the component of their row of H pixels by 2/(H - 1) of it, which is
-/// undone.
+/// frames tell. Neighbours that share noise raise the component of
+/// their line, which is undone.
 std::array<Estimate, kLags.size()> pixel_covariance(const StackSummary& stack);
 /// Why a stack that is not usable is left out, and whether rounding hides the noise of one: it is below 0.4 counts, and
 /// the pixels are within half a count of each other.
@@ -125,8 +125,8 @@ mtf::Image pattern_difference(const Stack& stack, const Stack& other);
 /// Adds a warning where the noise of neighbours correlates beyond what their rows and columns share.
 void warn_of_neighbours(const Stack& dark, std::vector<std::string>& warnings);
 /// Adds what the noise of a pixel is in time, and warnings where frames are not independent, or some pixels are noisier
-/// than normal noise makes any: `frame_correlation` of the stack in which it is clearest, `noisy_pixels` of the one
-/// with the least light, as blinking does not grow with it.
+/// than normal noise makes any: `frame_correlation` and `noisy_pixels` of the stack with
+/// the least light, as neither grows with it.
 void add_noise_in_time(const std::vector<Stack>& by_light, std::vector<Finding>& findings,
                        std::vector<std::string>& warnings);
 double number_of_values(const Stack& stack);

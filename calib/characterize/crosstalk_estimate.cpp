@@ -62,6 +62,8 @@ CrosstalkEstimate estimate_crosstalk(const std::vector<CorrelatedLevel>& levels)
     result.ratio[k] = {sum / squares, 1.0 / std::sqrt(squares)};
   }
   const Estimate side = pooled(result.ratio[0], result.ratio[1]), corner = pooled(result.ratio[2], result.ratio[3]);
+  constexpr double kMost_sd = 0.2;  // beyond, no fractions belong to a ratio that is as likely
+  if (!(side.sd < kMost_sd)) return result;
   result.found = side.value > kSure_sd * side.sd;
   // A corner that is there beyond what two sides give it, 2 s^2 = r01^2 / 2.
   result.corner_found = result.found && corner.value - 0.5 * side.value * side.value > kSure_sd * corner.sd;

@@ -33,18 +33,18 @@ void warn_of_neighbours(const Stack& dark, std::vector<std::string>& warnings) {
 
 void add_noise_in_time(const std::vector<Stack>& stacks, std::vector<Finding>& findings,
                        std::vector<std::string>& warnings) {
-  const Stack *clearest = nullptr, *least = nullptr;
+  const Stack *least = nullptr, *clearest = nullptr;
   const auto clear = [](const Stack& one) {
     const Estimate& e = one.sums.frame_correlation;
     return e.sd > 0.0 ? std::abs(e.value) / e.sd : 0.0;
   };
   for (const Stack& one : stacks) {
     if (!one.is_usable() || is_hidden_by_rounding(one)) continue;
-    if (one.sums.frame_correlation.sd > 0.0 && (clearest == nullptr || clear(one) > clear(*clearest))) clearest = &one;
     if (least == nullptr) least = &one;
+    if (clearest == nullptr || clear(one) > clear(*clearest)) clearest = &one;
   }
-  if (clearest != nullptr) {
-    const Estimate& e = clearest->sums.frame_correlation;
+  if (least == nullptr) return;
+  if (const Estimate& e = least->sums.frame_correlation; e.sd > 0.0) {
     const double half = k95_sd * e.sd;
     findings.push_back({.name = "frame_correlation",
                         .unit = "",
@@ -52,15 +52,17 @@ void add_noise_in_time(const std::vector<Stack>& stacks, std::vector<Finding>& f
                         .sd = e.sd,
                         .low95 = e.value - half,
                         .high95 = e.value + half,
-                        .from = clearest->name + ", a pixel's noise in successive frames"});
-    if (std::abs(e.value) > std::max(kLeast, kSure_sd * e.sd))
-      warnings.push_back(
-          clearest->name + ": the noise of a pixel is correlated from frame to frame (" + mtf::significant(e.value, 2) +
-          " +- " + mtf::significant(e.sd, 2) +
-          "), as 1/f noise, lag, blinking or a filter over frames make it: what is temporal and what is fixed "
-          "depends on the number of frames, and errors are those of independent frames");
+                        .from = least->name + ", a pixel's noise in successive frames"});
   }
-  if (least == nullptr || least->sums.looked_at == 0) return;
+  if (const Estimate& e = clearest->sums.frame_correlation; std::abs(e.value) > std::max(kLeast, kSure_sd * e.sd))
+    warnings.push_back(
+        clearest->name + ": the noise of a pixel is correlated from frame to frame (" + mtf::significant(e.value, 2) +
+        " +- " + mtf::significant(e.sd, 2) +
+        "), as 1/f noise, lag, blinking or a filter over frames make it: what is temporal and what is fixed depends on "
+        "the number of frames, and errors are those of independent frames");
+  // Light makes the variances of pixels differ, and so does rounding below 0.4 counts, of which 1e-4 is fixed.
+  const bool is_dark = least->light == 0.0 || least->light_per_k > 0.0;
+  if (!is_dark || least->sums.looked_at == 0 || rounding_of(*least) > 1e-4) return;
   const auto count = static_cast<double>(least->sums.noisy), of = static_cast<double>(least->sums.looked_at);
   constexpr double many = 1e9;  // degrees of freedom: chi-square by F; the limits of a Poisson number
   findings.push_back({.name = "noisy_pixels",
@@ -72,10 +74,10 @@ void add_noise_in_time(const std::vector<Stack>& stacks, std::vector<Finding>& f
                       .high95 = (count + 1.0) * f_quantile(0.975, 2.0 * count + 2.0, many) / of,
                       .from = least->name + ", temporal variance above that of the others"});
   if (count > 0.0 && 1.0 - chi_square_tail(2.0 * kNoisy_p * of, 2.0 * count) < 1e-3)
-    warnings.push_back(
-        least->name + ": " + mtf::plural(least->sums.noisy, "pixel") + " of " + std::to_string(least->sums.looked_at) +
-        " are noisier than the noise of the others makes any, as pixels that blink: the twin's pixels are all "
-        "alike, with the same mean variance");
+    warnings.push_back(least->name +
+                       ": pixels that are noisier than the noise of the others makes any, as those that blink: " +
+                       std::to_string(least->sums.noisy) + " of " + std::to_string(least->sums.looked_at) +
+                       "; the twin's pixels are all alike, with the same mean variance");
 }
 
 }  // namespace calib

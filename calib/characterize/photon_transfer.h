@@ -5,9 +5,10 @@
 // at several levels of light. Light gives e electrons in a pixel, a Poisson number, of which the camera makes counts
 //   mean      m = offset + K g(e),                     g(e) = e (1 + a2 u + a3 u^2 + a4 u^3),  u = e / full well
 //   variance  V = step^2 Q((g'(e)^2 K^2 e + K^2 r^2) / step^2)
-// with K counts per electron, the read noise r, Q of rounding.h, and e = rate light (1 + d) + dark time. The error d of
-// the light of a level is known to be normal with `light_sd`: from the repeatability of the lamp, from its flicker over
-// the frames. The likelihood of independent means (normal) and variances (v dof / V is chi-square)
+// with K counts per electron, the read noise r, Q of rounding.h (of all noise of a pixel, that of rows, columns and
+// frames too, which is then subtracted), and e = rate light (1 + d) + dark time. The error d of the light of a level is
+// known to be normal with `light_sd`: from the repeatability of the lamp, from its flicker over the frames. The
+// likelihood of independent means (normal) and variances (v dof / V is chi-square)
 //   ln L = -1/2 sum (mean - m)^2 / mean_variance - sum dof/2 (v / V + ln V) - 1/2 sum (d / light_sd)^2
 // is maximised by Fisher scoring; that mean and variance of a Poisson number are correlated cancels in v - K mean, so
 // that they may count as independent. Where pixels have their own noise the scatter of their variances is larger than

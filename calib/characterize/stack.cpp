@@ -42,6 +42,11 @@ StackSummary summary_of(const StackStatistics& stack) {
       all += shared;
       squares += square(shared) / number + 2.0 * shared * v / kept;
     }
+    // Pixels that are noisier than others weigh more: the mean square of the variances, of which chi-square adds a
+    // part.
+    const double of_pixels =
+        (static_cast<double>(stack.pixels()) * square(s.variance_sd) + square(all)) / (1.0 + 2.0 / (T - 1.0));
+    squares += std::max(0.0, of_pixels - square(all)) / kept;
     s.frame_correlation = {stack.frame_correlation(), std::sqrt((T - 2.0) * squares) / ((T - 1.0) * all)};
   }
   s.looked_at = stack.pixels_kept();
@@ -98,12 +103,17 @@ std::array<Estimate, kLags.size()> pixel_covariance(const StackSummary& stack) {
   for (std::size_t k = 0; k < kLags.size(); ++k) {
     const bool one_row = kLags[k].rows == 0, one_column = kLags[k].columns == 0;
     const double shared = t + (one_row ? squares.variance(kTv) : 0.0) + (one_column ? squares.variance(kTh) : 0.0);
-    const double kept = 1.0 - 2.0 / ((one_row ? H : one_column ? V : 2e9) - 1.0);
+    // n pixels of a line that correlate at this lag raise the line's component by 2 (n - lag) / (n (n - 1)) of it.
+    const double n = one_row ? H : V, lag = kLags[k].rows + std::abs(kLags[k].columns);
+    const double kept = one_row || one_column ? 1.0 - 2.0 * (n - lag) / (n * (n - 1.0)) : 1.0;
     if (!(kept > 0.0) || stack.covariance[k].pairs == 0.0) continue;
     // Noise of two rows that differ has products too, few of them: one a pair of rows.
     const double rows = one_row ? 0.0 : tv, columns = one_column ? 0.0 : th;
+    // At the ends of its line a pixel has one neighbour, which leaves a part of what the line shares.
+    const double edge =
+        2.0 * lag * ((one_row ? tv / H : 0.0) + (one_column ? th / V : 0.0) + std::abs(t) * (1.0 / H + 1.0 / V));
     const double variance =
-        v * (v + 2.0 * (rows + columns)) / stack.covariance[k].pairs + square(rows) / V + square(columns) / H;
+        v * (v + 2.0 * (rows + columns) + edge) / stack.covariance[k].pairs + square(rows) / V + square(columns) / H;
     result[k] = {(stack.covariance[k].value - shared) / kept, std::sqrt(variance / times) / kept};
   }
   return result;
@@ -121,6 +131,8 @@ void require_sound(const std::vector<Stack>& stacks) {
       throw mtf::UsageError(stack.name + ": frames of " + significant(one.columns, 9) + " x " +
                             significant(one.rows, 9) + ", those of " + stacks.front().name + " are " +
                             significant(first.columns, 9) + " x " + significant(first.rows, 9) + "; give all one size");
+    if (!(one.value[kTvh] > 0.0) && one.variance(kVh) > 0.0)
+      throw mtf::UsageError(stack.name + ": its frames are alike, pixel by pixel; give frames as they come, no copies");
     if (stack.light > 0.0 && stack.is_usable() && stack.sums.frames >= 4) {
       const auto T = static_cast<double>(stack.sums.frames);
       ratio += stack.sums.von_neumann;
