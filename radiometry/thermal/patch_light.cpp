@@ -138,15 +138,13 @@ std::vector<double> direct_of_patches(const PatchScene& scene, const std::vector
     members[exchange.patch_of[i]].push_back({i, &side});
   });
   std::vector<double> direct(exchange.patches() * beams.size(), 0.0);
-  mtf::parallel_for(static_cast<std::int64_t>(exchange.patches()), 4, scene.threads,
-                    [&](std::int64_t begin, std::int64_t end) {
-                      for (auto p = static_cast<std::size_t>(begin); p < static_cast<std::size_t>(end); ++p)
-                        for (const Member& member : members[p]) {
-                          const double share = exchange.receiver_area_m2[member.receiver] / exchange.area_m2[p];
-                          for (std::size_t m = 0; m < beams.size(); ++m)
-                            direct[p * beams.size() + m] += share * direct_w_m2(*member.side, units.sun, beams[m]);
-                        }
-                    });
+  mtf::parallel_for_each(static_cast<std::int64_t>(exchange.patches()), 4, scene.threads, [&](std::size_t p) {
+    for (const Member& member : members[p]) {
+      const double share = exchange.receiver_area_m2[member.receiver] / exchange.area_m2[p];
+      for (std::size_t m = 0; m < beams.size(); ++m)
+        direct[p * beams.size() + m] += share * direct_w_m2(*member.side, units.sun, beams[m]);
+    }
+  });
   return direct;
 }
 

@@ -402,10 +402,8 @@ void SunPicture::build_tree(int threads) {
     const std::size_t half = halve(first, last, axis);
     const std::array<std::array<std::size_t, 3>, 2> parts{{{2 * node + 1, first, half}, {2 * node + 2, half, last}}};
     constexpr std::size_t kAlone = 1 << 14;  // triangles
-    mtf::parallel_for(2, 1, last - first > kAlone ? threads : 1, [&](std::int64_t from, std::int64_t to) {
-      for (auto k = static_cast<std::size_t>(from); k < static_cast<std::size_t>(to); ++k)
-        build(parts[k][0], parts[k][1], parts[k][2], 1 - axis);
-    });
+    mtf::parallel_for_each(2, 1, last - first > kAlone ? threads : 1,
+                           [&](std::size_t k) { build(parts[k][0], parts[k][1], parts[k][2], 1 - axis); });
     box_[node].take(box_[2 * node + 1]);
     box_[node].take(box_[2 * node + 2]);
   };
@@ -468,10 +466,9 @@ SidesInSun::Lines SidesInSun::find(scene::Side side) const {
 void SidesInSun::add(const VisibleSides& sides, int threads) {
   const std::size_t begin_at = known_.size();
   std::vector<Lines> fresh(sides.size() - begin_at, Lines{.in_sun = InSun::nowhere});
-  mtf::parallel_for(static_cast<std::int64_t>(fresh.size()), 64, threads, [&](std::int64_t begin, std::int64_t end) {
-    for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i)
-      if (const std::uint32_t side = sides.side(begin_at + i); sides.sun_cosine(begin_at + i) > 0.0F)
-        fresh[i] = find({side / 2, side % 2 == 1});
+  mtf::parallel_for_each(static_cast<std::int64_t>(fresh.size()), 64, threads, [&](std::size_t i) {
+    if (const std::uint32_t side = sides.side(begin_at + i); sides.sun_cosine(begin_at + i) > 0.0F)
+      fresh[i] = find({side / 2, side % 2 == 1});
   });
   known_.reserve(sides.size());
   for (const Lines& one : fresh) {
@@ -541,11 +538,8 @@ std::size_t find_shadows(const RenderScene& scene, const VisibleSides& sides, co
       answer += run.samples;
     }
   };
-  mtf::parallel_for(static_cast<std::int64_t>(parts.band.size()), 1, threads,
-                    [&](std::int64_t begin, std::int64_t end) {
-                      for (auto b = static_cast<std::size_t>(begin); b < static_cast<std::size_t>(end); ++b)
-                        work(parts.band[b], parts.runs[b]);
-                    });
+  mtf::parallel_for_each(static_cast<std::int64_t>(parts.band.size()), 1, threads,
+                         [&](std::size_t b) { work(parts.band[b], parts.runs[b]); });
   return rays;
 }
 

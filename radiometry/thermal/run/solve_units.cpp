@@ -254,21 +254,18 @@ LeftOut left_out(const HeatScene& scene, const Units& units, const HeatBatches& 
   std::vector<double> worst(units.unit.size(), 0.0), variance(units.exchange.patches(), 0.0);
   for (std::size_t node = window.first; node <= window.last; node += kEvery) {
     for (const PatchSample& patch : samples) variance[patch.patch] = variance_of(patch, batches, node);
-    mtf::parallel_for(static_cast<std::int64_t>(units.unit.size()), 1024, threads,
-                      [&](std::int64_t begin, std::int64_t end) {
-                        for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
-                          const Unit& unit = units.unit[i];
-                          if (unit.given || !scene.is_seen(unit.leader)) continue;
-                          const auto add = [&](std::size_t r, const UnitSide& side) {
-                            double sum = 0.0;
-                            for (std::uint64_t e = rows.first[r]; e < rows.first[r + 1]; ++e)
-                              sum += rows.value[e] * rows.value[e] * variance[rows.column[e]];
-                            worst[i] = std::max(worst[i], side.emissivity * std::sqrt(sum));
-                          };
-                          add(unit.receiver, unit.front);
-                          if (unit.back) add(unit.back_receiver, *unit.back);
-                        }
-                      });
+    mtf::parallel_for_each(static_cast<std::int64_t>(units.unit.size()), 1024, threads, [&](std::size_t i) {
+      const Unit& unit = units.unit[i];
+      if (unit.given || !scene.is_seen(unit.leader)) return;
+      const auto add = [&](std::size_t r, const UnitSide& side) {
+        double sum = 0.0;
+        for (std::uint64_t e = rows.first[r]; e < rows.first[r + 1]; ++e)
+          sum += rows.value[e] * rows.value[e] * variance[rows.column[e]];
+        worst[i] = std::max(worst[i], side.emissivity * std::sqrt(sum));
+      };
+      add(unit.receiver, unit.front);
+      if (unit.back) add(unit.back_receiver, *unit.back);
+    });
   }
   std::vector<double> error_k;
   for (std::size_t i = 0; i < worst.size(); ++i)
@@ -315,14 +312,10 @@ UnitsRun solve_units(const HeatScene& scene, const Units& units, const HeatOptio
   const FacetSources sources = sources_of(scene, units);
   const auto emit = [&](std::size_t node) {
     constexpr std::int64_t kFacetsAtOnce = 16384;
-    mtf::parallel_for(static_cast<std::int64_t>(front.size()), kFacetsAtOnce, options.threads,
-                      [&](std::int64_t begin, std::int64_t end) {
-                        for (auto f = static_cast<std::size_t>(begin); f < static_cast<std::size_t>(end); ++f) {
-                          if (sources.front[f] != kNone) front[f] = batches.receiver_k(node, sources.front[f]);
-                          if (!back.empty() && sources.back[f] != kNone)
-                            back[f] = batches.receiver_k(node, sources.back[f]);
-                        }
-                      });
+    mtf::parallel_for_each(static_cast<std::int64_t>(front.size()), kFacetsAtOnce, options.threads, [&](std::size_t f) {
+      if (sources.front[f] != kNone) front[f] = batches.receiver_k(node, sources.front[f]);
+      if (!back.empty() && sources.back[f] != kNone) back[f] = batches.receiver_k(node, sources.back[f]);
+    });
     for (const std::uint32_t f : sources.given) front[f] = scene.given_k(f, s.time_s[node]);
     std::size_t plausible = 0;
     for (const double kelvin : front) {
