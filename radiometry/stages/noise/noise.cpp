@@ -45,8 +45,8 @@ void for_each_row(mtf::ImageView<float> image, const NoiseKey& key, Stream strea
 
 void require_on_detector(Origin origin, std::int64_t width, std::int64_t height) {
   if (origin.x < 0 || origin.y < 0 || origin.x > kMostPixels - width || origin.y > kMostPixels - height)
-    throw mtf::UsageError("noise: a region of " + size_of(width, height) + " pixels from column " +
-                          std::to_string(origin.x) + ", row " + std::to_string(origin.y) +
+    throw mtf::UsageError("noise: a region of " + std::to_string(width) + " x " + std::to_string(height) +
+                          " pixels from column " + std::to_string(origin.x) + ", row " + std::to_string(origin.y) +
                           "; columns and rows are counted from 0 to below 2^32");
 }
 
