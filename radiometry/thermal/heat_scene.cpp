@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <limits>
+#include <set>
 
 #include "mtf/error.h"
 #include "mtf/parallel.h"
@@ -11,7 +12,7 @@
 #include "mtf/work/stopwatch.h"
 #include "radiometry/scene/rays.h"
 #include "radiometry/scene/views.h"
-#include "radiometry/thermal/limits.h"
+#include "radiometry/weather/instant.h"
 
 namespace radiometry::thermal {
 namespace {
@@ -213,6 +214,22 @@ void find_seen(HeatScene& scene, int threads) {
   scene.timing_ms.emplace_back("seen", watch.ms());
 }
 
+std::string number(double value, std::string_view unit) { return mtf::significant(value, 5) + " " + std::string(unit); }
+
+/// Winds of the weather that a closure of convection was not made for: each is said once.
+std::vector<std::string> wind_limits(const ThermalScene& scene, const Surroundings& s) {
+  std::vector<std::string> texts;
+  std::set<std::string> seen;  // closures
+  for (const Material& one : scene.materials) {
+    const auto validity = heat::wind_validity(one.construction.convection);
+    if (!validity || !seen.insert(name_of(one.construction.convection)).second) continue;
+    heat::Beyond beyond;
+    for (std::size_t k = 0; k < s.nodes(); ++k) beyond.see(*validity, s.wind_m_s[k], s.time_s[k]);
+    if (beyond.values > 0) texts.push_back(text_of(*validity, beyond, scene.start_s, ""));
+  }
+  return texts;
+}
+
 }  // namespace
 
 std::vector<bool> seen_facets(const HeatScene& scene, const Point& camera_m, int threads) {
@@ -240,6 +257,14 @@ std::vector<bool> seen_facets(const HeatScene& scene, const Point& camera_m, int
     if (const std::uint32_t opposite = scene.opposite_of(f); fronts[f] && opposite != geometry::kNone)
       seen[opposite] = true;
   return seen;
+}
+
+std::string text_of(const heat::Validity& validity, const heat::Beyond& beyond, double start_s,
+                    const std::string& where) {
+  return std::string(validity.closure) + ": " + where + "the " + std::string(validity.quantity) + " is outside of " +
+         number(validity.lo, validity.unit) + " ... " + number(validity.hi, validity.unit) + ", first at " +
+         heat::instant_text(start_s + beyond.first_s) + ", and comes to " + number(beyond.extreme, validity.unit) +
+         ": " + std::string(validity.beyond);
 }
 
 bool HeatScene::is_sheet(std::uint32_t facet) const {

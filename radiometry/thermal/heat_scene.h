@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "radiometry/heat/surface_loss.h"
 #include "radiometry/scene/rays.h"
 #include "radiometry/thermal/surroundings.h"
 
@@ -74,6 +75,11 @@ struct HeatScene {
   /// Index into `material`, for a facet of a region with one.
   std::size_t material_of(std::uint32_t facet) const;
 };
+
+/// What a value is told by that the model of a heat balance does not hold for, with the first time and the extreme:
+/// "convection mcadams: wind of 60 m/s, from 2026-06-21T12:00:00Z on ...".
+std::string text_of(const heat::Validity& validity, const heat::Beyond& beyond, double start_s,
+                    const std::string& where);
 
 /// Of each facet, whether a camera can see it: whether it is met first by a straight line from its position, in
 /// whichever direction, since a scene file does not limit the field of view.

@@ -18,7 +18,7 @@ using mtf::UsageError;
 
 constexpr std::int64_t kReach = 8, kRowsAtOnce = 64;
 
-std::string size_of(mtf::ImageView<const float> image) { return size_of(image.width, image.height); }
+std::string size_of(mtf::ImageView<const float> image) { return radiometry::size_of(image.width, image.height); }
 
 struct Mean {
   double sum = 0.0;
